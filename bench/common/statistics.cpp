@@ -1,0 +1,17 @@
+#include "bench/common/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sft::bench {
+
+double quantile(std::vector<double>& values, double q) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(values.size())));
+  return values[std::clamp<std::size_t>(rank, 1, values.size()) - 1];
+}
+
+double median(std::vector<double> values) { return quantile(values, 0.5); }
+
+}  // namespace sft::bench

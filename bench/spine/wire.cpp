@@ -1,0 +1,80 @@
+// Bytes on the link, from the interface's counters: what a diagnostic subscriber (height, width of a 6.3 MB point cloud)
+// costs per sample, and what an idle node costs per second.
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <sft/sft.h>
+
+#include "bench/spine/hosts.h"
+#include "bench/spine/spine.h"
+
+namespace sft::bench {
+
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+
+constexpr int phase_seconds = 20;  // longer than the slowest thing that control traffic repeats
+constexpr std::uint64_t samples = 25 * phase_seconds;
+
+NodeOptions options(const char* name) { return {.name = name, .transport = TransportChoice::udp}; }
+
+void sleep_ns(std::int64_t ns) {
+  timespec t{ns / 1'000'000'000, ns % 1'000'000'000};
+  nanosleep(&t, nullptr);
+}
+
+/// Phases, by Exchange::sent: 1 both matched and quiet, 2 publishing, 3 published.
+void publish(Exchange& exchange) {
+  Node node = Node::open(options("lidar")).value();
+  auto publisher = node.publisher<PointCloud2>("points").value();
+  while (publisher.status().readers.empty()) sleep_ns(1'000'000);
+  PointCloud2 cloud;
+  cloud.data.resize(6'291'456);
+  sleep_ns(2'000'000'000);  // until the traffic of joining is over
+  exchange.sent = 1;
+  while (exchange.received.load() < 1) sleep_ns(1'000'000);
+  for (std::uint64_t i = 0; i < samples; ++i) {
+    publisher.publish(cloud);
+    sleep_ns(std::int64_t{phase_seconds} * 1'000'000'000 / static_cast<std::int64_t>(samples));
+  }
+  exchange.sent = 2;
+  while (exchange.received.load() < 2) sleep_ns(1'000'000);
+}
+
+/// Leaves in received_at: bytes sent and received in the quiet phase, bytes received and samples in the other one.
+void subscribe(Exchange& exchange) {
+  Node node = Node::open(options("diagnostic")).value();
+  std::atomic<std::int64_t> received{0};
+  auto subscriber = node.subscriber<PointCloud2, F::height | F::width>("points", [&](const auto&) { ++received; }).value();
+  while (exchange.sent.load() < 1) sleep_ns(1'000'000);
+  const LinkBytes begin = link_bytes();
+  sleep_ns(std::int64_t{phase_seconds} * 1'000'000'000);
+  const LinkBytes quiet = link_bytes();
+  const std::int64_t from = now_ns();
+  exchange.received = 1;
+  while (exchange.sent.load() < 2) sleep_ns(1'000'000);
+  const LinkBytes end = link_bytes();
+  exchange.received_at[0] = quiet.sent - begin.sent;
+  exchange.received_at[1] = quiet.received - begin.received;
+  exchange.received_at[2] = end.received - quiet.received;
+  exchange.received_at[3] = received.load();
+  exchange.received_at[4] = now_ns() - from;
+  exchange.received = 2;
+}
+
+}  // namespace
+
+std::vector<Figure> wire_bytes() {
+  const TwoHosts hosts;
+  const auto figures = run_pair(hosts.sides(publish, subscribe), 5);  // nanoseconds become thousandths
+  if (figures.size() < 5 || figures[3] == 0) return {};
+  const double idle_sent = figures[0] * 1000 / phase_seconds;
+  const double idle_received = figures[1] * 1000 / phase_seconds;
+  const double seconds = figures[4] * 1000 / 1e9;
+  const double received = figures[3] * 1000;
+  return {{"diagnostic_wire_bytes", (figures[2] * 1000 - idle_received * seconds) / received, "B", {},
+           "per sample of 6.3 MB, with link layer", 90},
+          {"idle_control_bytes_per_s", idle_sent, "B/s", {}, "sent by one node", 300}};
+}
+
+}  // namespace sft::bench

@@ -1,0 +1,50 @@
+// What the control topics carry, as the core uses it: checked, and without Cyclone's types.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/transport.h"
+
+namespace sft::core {
+
+/// Bounds of the control topics (idl/sft_control.idl).
+inline constexpr std::size_t mask_words_max = 64;
+inline constexpr std::size_t writers_per_reader_max = 1024;
+inline constexpr std::size_t addresses_max = 8;
+inline constexpr std::size_t name_bytes_max = 255;
+
+enum class Role : std::uint8_t { writer, reader };
+
+/// A selective transmission request (STR).
+struct Request {
+  EndpointId reader = 0;
+  std::uint64_t sequence = 0;
+  std::vector<std::uint64_t> mask_words;
+  std::vector<EndpointId> listening;  ///< writers of which the reader takes datagrams
+  std::vector<EndpointId> attached;   ///< writers that the reader hears through shared memory
+  friend bool operator==(const Request&, const Request&) = default;
+};
+
+/// A publisher or subscriber, of this node or another. The fields are those of idl/sft_control.idl.
+struct Endpoint {
+  EndpointId id = 0;
+  Role role{};
+  std::string node;
+  std::string topic;
+  std::string type_name;
+  std::uint64_t type_hash = 0;
+  HostToken host;
+  std::uint64_t network = 0;
+  bool may_use_shm = false;
+  bool may_use_udp = false;
+  std::vector<UdpAddress> addresses;
+  DoorbellAddress doorbell;
+  std::uint64_t max_sample_bytes = 0;
+  bool recorded = false;
+  Request request;
+  friend bool operator==(const Endpoint&, const Endpoint&) = default;
+};
+
+}  // namespace sft::core

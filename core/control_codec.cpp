@@ -1,0 +1,111 @@
+#include "core/control_codec.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace sft::core {
+
+namespace {
+
+dds_sequence_unsigned_long_long borrow(const std::vector<std::uint64_t>& values, std::size_t most) {
+  const auto n = static_cast<std::uint32_t>(std::min(values.size(), most));
+  return {n, n, const_cast<std::uint64_t*>(values.data()), false};
+}
+
+std::vector<std::uint64_t> copy(const dds_sequence_unsigned_long_long& s) {
+  return {s._buffer, s._buffer + s._length};
+}
+
+template <std::size_t N>
+void put(char (&to)[N], const std::string& text) {
+  const std::size_t n = std::min(text.size(), N - 1);
+  std::memcpy(to, text.data(), n);
+  to[n] = '\0';
+}
+
+tl::unexpected<Error> wrong_version(unsigned version) {
+  return fail(Errc::malformed, "a control sample of protocol version " + std::to_string(version) + ", this is " +
+                                   std::to_string(sft_control_protocol_version));
+}
+
+}  // namespace
+
+sft_control_Request to_dds(const Request& request) {
+  sft_control_Request out{};
+  out.reader = request.reader;
+  out.version = sft_control_protocol_version;
+  out.request_sequence = request.sequence;
+  out.mask = borrow(request.mask_words, mask_words_max);
+  out.listening = borrow(request.listening, writers_per_reader_max);
+  out.attached = borrow(request.attached, writers_per_reader_max);
+  return out;
+}
+
+sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
+  sft_control_Endpoint out{};
+  out.id = endpoint.id;
+  out.version = sft_control_protocol_version;
+  out.role = static_cast<std::uint8_t>(endpoint.role);
+  put(out.node, endpoint.node);
+  put(out.topic, endpoint.topic);
+  put(out.type_name, endpoint.type_name);
+  out.type_hash = endpoint.type_hash;
+  std::copy(endpoint.host.bytes.begin(), endpoint.host.bytes.end(), out.host);
+  out.network = endpoint.network;
+  out.may_use_shm = endpoint.may_use_shm;
+  out.may_use_udp = endpoint.may_use_udp;
+  for (const UdpAddress& a : endpoint.addresses) {
+    if (storage.addresses.size() < addresses_max) storage.addresses.push_back({a.ipv4, a.port, a.receive_buffer_bytes});
+  }
+  const auto addresses = static_cast<std::uint32_t>(storage.addresses.size());
+  out.addresses = {addresses, addresses, storage.addresses.data(), false};
+  out.doorbell_page = endpoint.doorbell.page;
+  out.doorbell_slot = endpoint.doorbell.slot;
+  out.max_sample_bytes = endpoint.max_sample_bytes;
+  out.recorded = endpoint.recorded;
+  out.request = to_dds(endpoint.request);
+  return out;
+}
+
+Result<Request> from_dds(const sft_control_Request& request) {
+  if (request.version != sft_control_protocol_version) return wrong_version(request.version);
+  if (request.reader == 0) return fail(Errc::malformed, "a request of no reader");
+  return Request{.reader = request.reader,
+                 .sequence = request.request_sequence,
+                 .mask_words = copy(request.mask),
+                 .listening = copy(request.listening),
+                 .attached = copy(request.attached)};
+}
+
+Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
+  if (in.version != sft_control_protocol_version) return wrong_version(in.version);
+  if (in.id == 0 || in.role > static_cast<std::uint8_t>(Role::reader) || in.topic[0] == '\0') {
+    return fail(Errc::malformed, "an endpoint without id, role or topic");
+  }
+  Endpoint out;
+  out.id = in.id;
+  out.role = static_cast<Role>(in.role);
+  out.node = in.node;
+  out.topic = in.topic;
+  out.type_name = in.type_name;
+  out.type_hash = in.type_hash;
+  std::copy(std::begin(in.host), std::end(in.host), out.host.bytes.begin());
+  out.network = in.network;
+  out.may_use_shm = in.may_use_shm;
+  out.may_use_udp = in.may_use_udp;
+  for (std::uint32_t i = 0; i < in.addresses._length; ++i) {
+    const sft_control_UdpLocator& a = in.addresses._buffer[i];
+    if (a.port != 0) out.addresses.push_back({a.ipv4, a.port, a.receive_buffer_bytes});
+  }
+  out.doorbell = {in.doorbell_page, in.doorbell_slot};
+  out.max_sample_bytes = in.max_sample_bytes;
+  out.recorded = in.recorded;
+  out.request = {.reader = in.id,
+                 .sequence = in.request.request_sequence,
+                 .mask_words = copy(in.request.mask),
+                 .listening = copy(in.request.listening),
+                 .attached = copy(in.request.attached)};
+  return out;
+}
+
+}  // namespace sft::core

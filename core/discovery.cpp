@@ -1,0 +1,218 @@
+#include "core/discovery.h"
+
+#include <dds/dds.h>
+#include <dds/ddsrt/log.h>
+
+#include <array>
+#include <mutex>
+#include <set>
+
+#include "core/control_codec.h"
+
+namespace sft::core {
+
+namespace {
+
+// Heartbeats that come at once and acknowledgements that do not wait make a newcomer's first request arrive within
+// milliseconds; what repeats while nothing happens is kept rare. Cyclone's own shared memory would compete with ours for
+// the process's iceoryx runtime, hence the last fragment, which nobody overrides.
+constexpr const char* our_config =
+    "<CycloneDDS><Domain id=\"any\">"
+    "<Discovery><LeaseDuration>10 s</LeaseDuration><MaxAutoParticipantIndex>200</MaxAutoParticipantIndex></Discovery>"
+    "<Internal><PreEmptiveAckDelay>0 ms</PreEmptiveAckDelay><NackDelay>1 ms</NackDelay>"
+    "<HeartbeatInterval max=\"2 s\">20 ms</HeartbeatInterval>"
+    "<MultipleReceiveThreads>false</MultipleReceiveThreads></Internal>"
+    "</Domain></CycloneDDS>";
+constexpr const char* enforced_config =
+    "<CycloneDDS><Domain id=\"any\"><SharedMemory><Enable>false</Enable></SharedMemory></Domain></CycloneDDS>";
+
+/// Cyclone configures a domain once per process, at the first participant, and logs through one process-wide sink: the
+/// two things here that several nodes of a process share.
+class Process {
+ public:
+  static Process& instance() {
+    static Process process;
+    return process;
+  }
+
+  /// Makes sure that the domain exists with our configuration, unless the program has opened it before.
+  Result<void> configure_domain(std::uint32_t domain, const std::string& user_config) {
+    const std::scoped_lock lock(mutex_);
+    if (domains_.contains(domain)) return {};
+    dds_set_log_sink(&Process::on_log, this);
+    std::string config = our_config;
+    if (!user_config.empty()) config += "," + user_config;
+    config += std::string(",") + enforced_config;
+    const dds_entity_t created = dds_create_domain(domain, config.c_str());
+    if (created < 0 && created != DDS_RETCODE_PRECONDITION_NOT_MET) {
+      return fail(Errc::invalid_argument, "Cyclone DDS refuses its configuration: " + last_log() +
+                                              "; check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");
+    }
+    domains_.insert(domain);
+    return {};
+  }
+
+  std::string last_log() {
+    const std::scoped_lock lock(log_mutex_);
+    return last_log_;
+  }
+
+ private:
+  static void on_log(void* self, const dds_log_data_t* data) {
+    auto* process = static_cast<Process*>(self);
+    const std::scoped_lock lock(process->log_mutex_);
+    process->last_log_.assign(data->message, data->size);
+    while (process->last_log_.ends_with('\n')) process->last_log_.pop_back();
+  }
+
+  std::mutex mutex_;
+  std::set<std::uint32_t> domains_;
+  std::mutex log_mutex_;
+  std::string last_log_;
+};
+
+struct QosDeleter {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+struct ListenerDeleter {
+  void operator()(dds_listener_t* listener) const { dds_delete_listener(listener); }
+};
+using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
+using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
+
+Qos control_qos() {
+  Qos qos(dds_create_qos());
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
+  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
+  // A killed node's endpoints must end as "no writers", not as "disposed": only withdrawing disposes of them.
+  dds_qset_writer_data_lifecycle(qos.get(), false);
+  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
+  return qos;
+}
+
+/// Takes all that a reader has, in batches, and calls `use(sample, info)`.
+template <class Sample, class Use>
+void take_all(dds_entity_t reader, Use use) {
+  constexpr std::size_t batch = 16;
+  std::array<void*, batch> samples{};
+  std::array<dds_sample_info_t, batch> infos{};
+  for (;;) {
+    const dds_return_t n = dds_take(reader, samples.data(), infos.data(), batch, batch);
+    if (n <= 0) return;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+      use(*static_cast<const Sample*>(samples[i]), infos[i]);
+    }
+    dds_return_loan(reader, samples.data(), n);
+    samples[0] = nullptr;
+  }
+}
+
+class CycloneDiscovery final : public Discovery {
+ public:
+  explicit CycloneDiscovery(DiscoveryListener& listener) : listener_(listener) {}
+
+  ~CycloneDiscovery() override {
+    if (participant_ > 0) dds_delete(participant_);  // waits for listeners that run
+  }
+
+  Result<void> open(const DiscoveryOptions& options) {
+    const Result<void> configured = Process::instance().configure_domain(options.domain, options.user_config);
+    if (!configured) return configured;
+    Qos participant_qos(dds_create_qos());
+    static constexpr char mark[] = "sft/1";  // others can tell our participants from vanilla ones
+    dds_qset_userdata(participant_qos.get(), mark, sizeof mark - 1);
+    participant_ = dds_create_participant(options.domain, participant_qos.get(), nullptr);
+    if (participant_ < 0) {
+      return fail(Errc::unavailable, "DDS domain " + std::to_string(options.domain) + " cannot be joined (" +
+                                         dds_strretcode(participant_) + "): " + Process::instance().last_log() +
+                                         "; check the network interfaces and CYCLONEDDS_URI");
+    }
+    const Qos qos = control_qos();
+    auto endpoints = make_topic(&sft_control_Endpoint_desc, "sft_endpoint", qos.get(), &on_endpoints);
+    if (!endpoints) return tl::unexpected(endpoints.error());
+    auto requests = make_topic(&sft_control_Request_desc, "sft_request", qos.get(), &on_requests);
+    if (!requests) return tl::unexpected(requests.error());
+    endpoint_writer_ = *endpoints;
+    request_writer_ = *requests;
+    return {};
+  }
+
+  Result<void> announce(const Endpoint& endpoint) override {
+    ControlStorage storage;
+    const sft_control_Endpoint sample = to_dds(endpoint, storage);
+    return written(dds_write(endpoint_writer_, &sample));
+  }
+
+  void withdraw(EndpointId id) override {
+    sft_control_Endpoint key{};
+    key.id = id;
+    dds_dispose(endpoint_writer_, &key);
+    dds_unregister_instance(endpoint_writer_, &key);
+    sft_control_Request request_key{};
+    request_key.reader = id;
+    dds_unregister_instance(request_writer_, &request_key);
+  }
+
+  Result<void> send(const Request& request) override {
+    const sft_control_Request sample = to_dds(request);
+    return written(dds_write(request_writer_, &sample));
+  }
+
+ private:
+  Result<dds_entity_t> make_topic(const dds_topic_descriptor_t* type, const char* name, const dds_qos_t* qos,
+                                  dds_on_data_available_fn on_data) {
+    const dds_entity_t topic = dds_create_topic(participant_, type, name, qos, nullptr);
+    Listener listener(dds_create_listener(this));
+    dds_lset_data_available(listener.get(), on_data);
+    const dds_entity_t reader = topic < 0 ? topic : dds_create_reader(participant_, topic, qos, listener.get());
+    const dds_entity_t writer = reader < 0 ? reader : dds_create_writer(participant_, topic, qos, nullptr);
+    if (writer < 0) {
+      return fail(Errc::system, std::string("control topic ") + name + ": " + dds_strretcode(writer));
+    }
+    return writer;
+  }
+
+  static Result<void> written(dds_return_t status) {
+    if (status == DDS_RETCODE_OK) return {};
+    return fail(Errc::system, std::string("a control sample was not written: ") + dds_strretcode(status));
+  }
+
+  static void on_endpoints(dds_entity_t reader, void* self) {
+    DiscoveryListener& listener = static_cast<CycloneDiscovery*>(self)->listener_;
+    take_all<sft_control_Endpoint>(reader, [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
+      if (info.valid_data && info.instance_state == DDS_IST_ALIVE) {
+        Result<Endpoint> endpoint = from_dds(sample);
+        endpoint ? listener.endpoint_seen(std::move(*endpoint)) : listener.control_malformed(endpoint.error().message);
+      } else if (info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED) {
+        listener.endpoint_departed(sample.id);
+      } else if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) {
+        listener.endpoint_lost(sample.id);
+      }
+    });
+  }
+
+  static void on_requests(dds_entity_t reader, void* self) {
+    DiscoveryListener& listener = static_cast<CycloneDiscovery*>(self)->listener_;
+    take_all<sft_control_Request>(reader, [&](const sft_control_Request& sample, const dds_sample_info_t& info) {
+      if (!info.valid_data) return;  // the reader's endpoint tells of its end
+      Result<Request> request = from_dds(sample);
+      request ? listener.request_received(std::move(*request)) : listener.control_malformed(request.error().message);
+    });
+  }
+
+  DiscoveryListener& listener_;
+  dds_entity_t participant_ = 0;
+  dds_entity_t endpoint_writer_ = 0;
+  dds_entity_t request_writer_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options, DiscoveryListener& listener) {
+  auto discovery = std::make_unique<CycloneDiscovery>(listener);
+  if (Result<void> opened = discovery->open(options); !opened) return tl::unexpected(opened.error());
+  return discovery;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,46 @@
+// The two control topics on Cyclone DDS: announces our endpoints and requests, reports everybody else's. The only part of
+// the core that sees Cyclone, which is behind the .cpp.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/control.h"
+#include "sft/typesupport/result.h"
+
+namespace sft::core {
+
+struct DiscoveryOptions {
+  std::uint32_t domain = 0;
+  std::string user_config;  ///< XML fragments or URIs, put behind ours so that they win
+};
+
+/// Told what others announced. Called on Cyclone's threads, which must not be held up: post it and return.
+class DiscoveryListener {
+ public:
+  virtual void endpoint_seen(Endpoint endpoint) = 0;
+  virtual void endpoint_departed(EndpointId id) = 0;
+  /// Its node stopped answering; if it returns, the endpoint is seen again.
+  virtual void endpoint_lost(EndpointId id) = 0;
+  virtual void request_received(Request request) = 0;
+  /// A control sample was refused.
+  virtual void control_malformed(std::string why) = 0;
+
+ protected:
+  ~DiscoveryListener() = default;
+};
+
+class Discovery {
+ public:
+  /// `listener` outlives the discovery.
+  static Result<std::unique_ptr<Discovery>> open(const DiscoveryOptions& options, DiscoveryListener& listener);
+  virtual ~Discovery() = default;
+
+  /// Announces an endpoint of ours, or that it has changed.
+  virtual Result<void> announce(const Endpoint& endpoint) = 0;
+  virtual void withdraw(EndpointId id) = 0;
+  virtual Result<void> send(const Request& request) = 0;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,43 @@
+// The thread that calls back for samples in shared memory: it sleeps on one doorbell for all callback subscribers of a
+// node. (Samples that arrive by UDP are called back for on the receiving thread.) Started with the first of them.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/doorbell.h"
+#include "core/subscriber_core.h"
+
+namespace sft::core {
+
+class Dispatcher {
+ public:
+  /// `bell` outlives the dispatcher.
+  Dispatcher(Doorbell& bell, std::string thread_name) : bell_(bell), thread_name_(std::move(thread_name)) {}
+  ~Dispatcher();
+  Dispatcher(const Dispatcher&) = delete;
+  Dispatcher& operator=(const Dispatcher&) = delete;
+
+  void add(std::shared_ptr<SubscriberCore> subscriber);
+  void remove(const SubscriberCore& subscriber);
+  bool is_current_thread() const { return std::this_thread::get_id() == thread_id_.load(); }
+
+ private:
+  using Subscribers = std::vector<std::shared_ptr<SubscriberCore>>;
+  void run();
+  std::shared_ptr<const Subscribers> subscribers() const;
+
+  Doorbell& bell_;
+  const std::string thread_name_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<const Subscribers> subscribers_ = std::make_shared<Subscribers>();
+  std::atomic<bool> stopping_{false};
+  std::atomic<std::thread::id> thread_id_{};
+  std::thread thread_;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,122 @@
+#include "core/doorbell.h"
+
+#include <fcntl.h>
+#include <linux/futex.h>
+#include <sys/file.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include "core/random_id.h"
+
+namespace sft::core {
+
+namespace {
+
+constexpr const char* directory = "/dev/shm";
+constexpr std::string_view prefix = "sft_bell_";
+constexpr std::size_t page_bytes = DoorbellPage::slots * sizeof(Doorbell);
+
+std::string path_of(std::uint64_t id) {
+  char hex[17];
+  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(id));
+  return std::string(directory) + "/" + std::string(prefix) + hex;
+}
+
+Doorbell* map(int fd) {
+  const int flags = fd < 0 ? MAP_PRIVATE | MAP_ANONYMOUS : MAP_SHARED;
+  void* memory = mmap(nullptr, page_bytes, PROT_READ | PROT_WRITE, flags, fd, 0);
+  return memory == MAP_FAILED ? nullptr : static_cast<Doorbell*>(memory);
+}
+
+/// An open, locked file of a page's size, or -1.
+int create_file(const std::string& path) {
+  const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0660);
+  if (fd < 0) return -1;
+  // posix_fallocate, because writing to a page that a full tmpfs cannot give later would be a SIGBUS.
+  // fchmod, because whoever shares our group rings as well, whatever the umask.
+  if (flock(fd, LOCK_EX | LOCK_NB) == 0 && fchmod(fd, 0660) == 0 && posix_fallocate(fd, 0, page_bytes) == 0) return fd;
+  unlink(path.c_str());
+  close(fd);
+  return -1;
+}
+
+}  // namespace
+
+void Doorbell::ring() noexcept {
+  rings.fetch_add(1, std::memory_order_seq_cst);
+  if (sleepers.load(std::memory_order_seq_cst) == 0) return;
+  // Everybody: two threads of a process may wait on one word, and each checks for itself what it waits for.
+  syscall(SYS_futex, &rings, FUTEX_WAKE, 0x7fffffff, nullptr, nullptr, 0);
+}
+
+void Doorbell::sleep(std::uint32_t seen, std::chrono::steady_clock::time_point deadline) noexcept {
+  const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(deadline.time_since_epoch()).count();
+  timespec until{};
+  until.tv_sec = ns / 1'000'000'000;
+  until.tv_nsec = ns % 1'000'000'000;
+  const bool forever = deadline == std::chrono::steady_clock::time_point::max();
+  // The bitset variant takes an absolute time of CLOCK_MONOTONIC.
+  syscall(SYS_futex, &rings, FUTEX_WAIT_BITSET, seen, forever ? nullptr : &until, nullptr, FUTEX_BITSET_MATCH_ANY);
+}
+
+std::unique_ptr<DoorbellPage> DoorbellPage::create() {
+  const std::uint64_t id = random_id();
+  const std::string path = path_of(id);
+  if (const int fd = create_file(path); fd >= 0) {
+    if (Doorbell* bells = map(fd)) return std::unique_ptr<DoorbellPage>(new DoorbellPage(id, bells, fd));
+    unlink(path.c_str());
+    close(fd);
+  }
+  Doorbell* bells = map(-1);
+  if (bells == nullptr) throw std::bad_alloc();
+  return std::unique_ptr<DoorbellPage>(new DoorbellPage(0, bells, -1));
+}
+
+Result<std::unique_ptr<DoorbellPage>> DoorbellPage::open(std::uint64_t id) {
+  const std::string path = path_of(id);
+  const int fd = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+  if (fd < 0) return fail(Errc::unavailable, path + ": " + std::strerror(errno));
+  struct stat status{};
+  // A shorter file would make every ring a SIGBUS.
+  const bool whole = fstat(fd, &status) == 0 && static_cast<std::size_t>(status.st_size) >= page_bytes;
+  Doorbell* bells = whole ? map(fd) : nullptr;
+  close(fd);
+  if (bells == nullptr) return fail(Errc::malformed, path + ": not a doorbell page");
+  return std::unique_ptr<DoorbellPage>(new DoorbellPage(id, bells, -1));
+}
+
+std::size_t DoorbellPage::sweep() noexcept {
+  std::size_t removed = 0;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(prefix)) continue;
+    const int fd = ::open(entry.path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+    if (fd < 0) continue;
+    // A new page is empty until its owner has locked it: leave those alone.
+    struct stat status{};
+    const bool filled = fstat(fd, &status) == 0 && static_cast<std::size_t>(status.st_size) >= page_bytes;
+    if (filled && flock(fd, LOCK_EX | LOCK_NB) == 0 && unlink(entry.path().c_str()) == 0) ++removed;
+    close(fd);
+  }
+  return removed;
+}
+
+DoorbellPage::~DoorbellPage() {
+  munmap(static_cast<void*>(bells_), page_bytes);
+  if (fd_ < 0) return;
+  unlink(path_of(id_).c_str());
+  close(fd_);
+}
+
+}  // namespace sft::core

@@ -1,0 +1,66 @@
+// Waking a sleeping reader, in this process or another: a word in a page that the reader's process shares through
+// /dev/shm. Ringing costs one atomic addition while the reader is awake, and one futex call when it sleeps.
+//
+// A page is a file `/dev/shm/sft_bell_<id in hex>`, locked (flock) by its owner as long as the process lives; whoever
+// finds one unlocked may remove it, so that killed processes leave nothing for long.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "sft/typesupport/result.h"
+
+namespace sft::core {
+
+/// One word to wait on. Lives in shared memory: no pointers, fixed layout.
+struct alignas(64) Doorbell {
+  std::atomic<std::uint32_t> rings{0};
+  std::atomic<std::uint32_t> sleepers{0};
+
+  /// Wakes one sleeper, if any, after the caller made data visible. Any thread or process.
+  void ring() noexcept;
+
+  /// Sleeps until `ready()` holds, the doorbell was rung, or the deadline passed. Spurious returns are possible.
+  template <class Ready>
+  void wait(std::chrono::steady_clock::time_point deadline, Ready&& ready) noexcept {
+    const std::uint32_t seen = rings.load(std::memory_order_seq_cst);
+    sleepers.fetch_add(1, std::memory_order_seq_cst);
+    if (!ready()) sleep(seen, deadline);
+    sleepers.fetch_sub(1, std::memory_order_seq_cst);
+  }
+
+ private:
+  void sleep(std::uint32_t seen, std::chrono::steady_clock::time_point deadline) noexcept;
+};
+
+class DoorbellPage {
+ public:
+  static constexpr std::uint32_t slots = 1024;
+
+  /// A page of this process under a random id. Where /dev/shm cannot be used it is private memory with id 0: local
+  /// readers work, and no other process can ring.
+  static std::unique_ptr<DoorbellPage> create();
+  /// A page of another process (or of this one), to ring.
+  static Result<std::unique_ptr<DoorbellPage>> open(std::uint64_t id);
+  /// Removes the pages of processes that are gone; returns how many.
+  static std::size_t sweep() noexcept;
+
+  ~DoorbellPage();
+  DoorbellPage(const DoorbellPage&) = delete;
+  DoorbellPage& operator=(const DoorbellPage&) = delete;
+
+  std::uint64_t id() const { return id_; }
+  Doorbell& at(std::uint32_t slot) { return bells_[slot]; }
+
+ private:
+  DoorbellPage(std::uint64_t id, Doorbell* bells, int fd) : id_(id), bells_(bells), fd_(fd) {}
+
+  std::uint64_t id_;
+  Doorbell* bells_;
+  int fd_;  ///< holds the lock of a page that this process owns; -1 otherwise
+};
+
+}  // namespace sft::core

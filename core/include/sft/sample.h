@@ -1,0 +1,86 @@
+// A received sample of message type T as a subscriber with requirement R sees it.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "sft/typesupport/decode.h"
+#include "sft/typesupport/view.h"
+#include "sft/untyped.h"
+
+namespace sft {
+
+/// An owned message of which only the fields in `mask` were received; the others have their default values.
+template <class T>
+struct Partial {
+  T value{};
+  FieldMask mask{};
+};
+
+/// What take() returns and callbacks get. `sample->field()` reads a field in place, on first access; spans, strings and
+/// ranges that getters return are valid as long as the sample, which must not be moved meanwhile.
+/// May be empty (nothing to take). May be destroyed on any thread; several threads may read it at once.
+template <class T, Req<T> R = Req<T>(all<T>)>
+class Sample {
+ public:
+  using View = ViewOf<T, R>;
+
+  Sample() = default;
+  explicit Sample(untyped::Sample&& sample) : sample_(std::move(sample)) {}
+
+  explicit operator bool() const { return static_cast<bool>(sample_); }
+
+  /// The view's getters. Not on a temporary: what they return would be gone at once.
+  class Arrow {
+   public:
+    explicit Arrow(View view) : view_(view) {}
+    const View* operator->() const { return &view_; }
+
+   private:
+    View view_;
+  };
+  Arrow operator->() const& { return Arrow(view()); }
+  void operator->() const&& = delete;
+
+  View view() const& { return view_of<T, R>(sample_.state()); }
+  void view() const&& = delete;
+
+  const SampleInfo& info() const& { return sample_.info(); }
+  const FieldMask& mask() const& { return *sample_.state().mask; }
+  /// Whether a getter met bytes that are not what they claim to be (and returned an empty value).
+  bool malformed() const { return sample_.state().is_malformed(); }
+
+  /// The whole message; copies. Only for samples that have all fields. An error where the bytes are not what they claim
+  /// to be, which a broken program on this host can cause.
+  Result<T> to_owned() const
+    requires(!R.is_recorded && R.mask == all<T>)
+  {
+    Result<T> value{};
+    if (const WalkStatus status = decode_to(*value); status != WalkStatus::ok) value = malformed_error(status);
+    return value;
+  }
+  /// The fields that this sample has; copies.
+  Result<Partial<T>> to_partial() const {
+    Result<Partial<T>> partial{};
+    partial->mask = mask();
+    if (const WalkStatus status = decode_to(partial->value); status != WalkStatus::ok) partial = malformed_error(status);
+    return partial;
+  }
+
+  /// Encapsulation and body as they are: standard CDR of the type projected to mask().
+  std::span<const std::byte> cdr() const& { return sample_.cdr(); }
+  void cdr() const&& = delete;
+
+ private:
+  WalkStatus decode_to(T& value) const { return decode(sample_.state(), TypeTable<T>::type, &value); }
+  tl::unexpected<Error> malformed_error(WalkStatus status) const {
+    sample_.state().flag_malformed();
+    return fail(Errc::malformed, std::string("not a ") + std::string(TypeTable<T>::type.name) + ": " + to_string(status));
+  }
+
+  untyped::Sample sample_;
+};
+
+}  // namespace sft

@@ -1,0 +1,64 @@
+// Snapshots of what was negotiated and what was counted.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sft/typesupport/field_mask.h"
+
+namespace sft {
+
+enum class TransportKind : std::uint8_t { shm, udp };
+constexpr const char* to_string(TransportKind kind) { return kind == TransportKind::shm ? "shm" : "udp"; }
+
+/// One reader as its publisher serves it.
+struct ReaderStatus {
+  std::uint64_t id = 0;
+  std::string node;
+  bool served = false;  ///< false: `reason` says why nothing is sent
+  TransportKind transport{};
+  std::string reason{};  ///< for the transport, or for not being served
+  FieldMask mask{};
+  std::uint64_t request_sequence = 0;  ///< of the STR in force
+  friend bool operator==(const ReaderStatus&, const ReaderStatus&) = default;
+};
+
+struct PublisherStatus {
+  std::uint64_t published = 0;  ///< samples
+  std::uint64_t bytes_sent = 0; ///< payload and SFT headers over the network
+  std::uint64_t dropped = 0;    ///< samples that could not be handed to some transport
+  std::vector<ReaderStatus> readers;  ///< all of the topic, served or not
+};
+
+/// One writer as its subscriber hears it.
+struct WriterStatus {
+  std::uint64_t id = 0;
+  std::string node;
+  bool matched = false;  ///< false: `reason` says why
+  TransportKind transport{};
+  std::string reason{};
+  std::uint64_t received = 0;
+  std::uint64_t lost = 0;  ///< samples of which the sequence number was missed
+};
+
+struct SubscriberStatus {
+  std::uint64_t received = 0;   ///< samples taken or given to the callback
+  std::uint64_t lost = 0;
+  FieldMask mask;               ///< what is asked for at present
+  std::uint64_t requests = 0;   ///< STRs sent
+  std::vector<WriterStatus> writers;
+};
+
+struct NodeStatus {
+  std::string udp;  ///< how UDP works here, or why it does not
+  std::string shm;
+  bool shm_ready = false;
+  std::uint64_t datagrams_malformed = 0;
+  std::uint64_t datagrams_unknown = 0;  ///< of writers that nobody here reads
+  std::uint64_t samples_incomplete = 0;
+  std::uint64_t over_limit = 0;
+  std::uint64_t control_malformed = 0;  ///< endpoint descriptions and requests that were refused
+};
+
+}  // namespace sft

@@ -1,0 +1,34 @@
+// Receiving messages of type T with requirement R: a declared mask, or sft::recorded.
+#pragma once
+
+#include <chrono>
+#include <utility>
+
+#include "sft/sample.h"
+#include "sft/untyped.h"
+
+namespace sft {
+
+/// Without a callback: take() from any thread, one at a time. With one: the callback is called for each sample, never
+/// twice at once, from threads of the node; while it runs, further samples queue up to the depth.
+/// After the destructor no callback runs any more (unless it is called from within the callback itself).
+template <class T, Req<T> R = Req<T>(all<T>)>
+class Subscriber {
+ public:
+  explicit Subscriber(untyped::Subscriber subscriber) : subscriber_(std::move(subscriber)) {}
+
+  /// The oldest sample not yet taken; empty if there is none.
+  [[nodiscard]] Sample<T, R> take() { return Sample<T, R>(subscriber_.take()); }
+  /// The newest sample; older ones of it are passed over (and not counted as lost).
+  [[nodiscard]] Sample<T, R> take_latest() { return Sample<T, R>(subscriber_.take_latest()); }
+  /// Sleeps until there is something to take or the time is over; tells which.
+  bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
+
+  SubscriberStatus status() const { return subscriber_.status(); }
+  const TypeSupport& type() const { return subscriber_.type(); }
+
+ private:
+  untyped::Subscriber subscriber_;
+};
+
+}  // namespace sft

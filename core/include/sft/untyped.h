@@ -1,0 +1,146 @@
+// The compiled side of publishers and subscribers. The templates over message types (publisher.h, subscriber.h,
+// sample.h) only add names and types to this; programs use those.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "sft/options.h"
+#include "sft/status.h"
+#include "sft/typesupport/loan_view.h"
+#include "sft/typesupport/result.h"
+#include "sft/typesupport/type_support.h"
+#include "sft/typesupport/walk.h"
+
+namespace sft::core {
+struct SampleBuffer;
+class NodeCore;
+class PublisherCore;
+class SubscriberCore;
+class RecordedSample;
+}  // namespace sft::core
+
+namespace sft {
+
+struct SampleInfo {
+  std::uint64_t sequence = 0;  ///< of the writer, from 1
+  std::uint64_t writer = 0;
+  std::chrono::sys_time<std::chrono::nanoseconds> source_stamp{};   ///< at publish, by the publisher's clock
+  std::chrono::sys_time<std::chrono::nanoseconds> receive_stamp{};  ///< when it was complete here
+  std::uint64_t lost_before = 0;  ///< samples of this writer between the previous one taken and this one
+  TransportKind transport{};
+};
+
+enum class PublishStatus : std::uint8_t {
+  ok,
+  invalid,    ///< a string with a NUL in it, a bound exceeded, or larger than max_sample_bytes
+  no_memory,  ///< no chunk or buffer free: readers hold too many samples
+  dropped,    ///< a queue was full, or no chunk was free: at least one reader misses this sample, and counts it
+};
+const char* to_string(PublishStatus status);
+
+namespace untyped {
+
+/// One received sample: owns its place in shared memory or in a buffer until it is destroyed, on any thread.
+class Sample {
+ public:
+  Sample() = default;
+  /// Takes over one reference to `buffer`, and `record` (null unless the reader records).
+  Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info, core::RecordedSample* record);
+  Sample(Sample&& other) noexcept { swap(other); }
+  Sample& operator=(Sample&& other) noexcept {
+    Sample gone(std::move(other));
+    swap(gone);
+    return *this;
+  }
+  ~Sample() { reset(); }
+
+  explicit operator bool() const { return buffer_ != nullptr; }
+  const SampleState& state() const { return state_; }
+  const SampleInfo& info() const { return info_; }
+  /// Encapsulation and body: standard CDR of the type projected to the mask.
+  std::span<const std::byte> cdr() const;
+  void reset() noexcept;
+
+ private:
+  void swap(Sample& other) noexcept;
+
+  SampleState state_{};
+  SampleInfo info_{};
+  core::SampleBuffer* buffer_ = nullptr;  // one reference
+  core::RecordedSample* record_ = nullptr;
+};
+
+/// One sample being filled. Gives its memory back unless published.
+class Loan {
+ public:
+  Loan() = default;
+  Loan(std::shared_ptr<core::PublisherCore> publisher, core::SampleBuffer* buffer);
+  Loan(Loan&& other) noexcept : publisher_(std::move(other.publisher_)), buffer_(std::exchange(other.buffer_, nullptr)) {}
+  Loan& operator=(Loan&& other) noexcept {
+    std::swap(publisher_, other.publisher_);
+    std::swap(buffer_, other.buffer_);
+    return *this;
+  }
+  ~Loan();
+
+  std::byte* body() const;
+  SampleState state() const;
+  PublishStatus publish() &&;
+
+ private:
+  std::shared_ptr<core::PublisherCore> publisher_;
+  core::SampleBuffer* buffer_ = nullptr;  // one reference
+};
+
+/// Moved, not copied: it belongs to one thread at a time.
+class Publisher {
+ public:
+  explicit Publisher(std::shared_ptr<core::PublisherCore> core) : core_(std::move(core)) {}
+  Publisher(Publisher&&) = default;
+  Publisher& operator=(Publisher&&) = default;
+
+  PublishStatus publish(const void* value);
+  /// An encoded payload: encapsulation and little-endian XCDR1 of the whole type.
+  Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
+  Result<Loan> loan(const void* prototype, std::span<const Reservation> reservations);
+  PublisherStatus status() const;
+  const TypeSupport& type() const;
+
+ private:
+  std::shared_ptr<core::PublisherCore> core_;
+};
+
+/// Must not throw: as out of any thread, that would end the program.
+using Callback = std::function<void(Sample&&)>;
+
+/// What a subscriber asks for.
+struct Requirement {
+  FieldMask mask;         ///< declared; where recorded, what is asked for at first
+  bool recorded = false;
+};
+
+class Subscriber {
+ public:
+  explicit Subscriber(std::shared_ptr<core::SubscriberCore> core) : core_(std::move(core)) {}
+  Subscriber(Subscriber&&) = default;
+  Subscriber& operator=(Subscriber&&) = default;
+
+  Sample take();
+  Sample take_latest();
+  bool wait(std::chrono::nanoseconds timeout);
+  SubscriberStatus status() const;
+  const TypeSupport& type() const;
+
+ private:
+  std::shared_ptr<core::SubscriberCore> core_;
+};
+
+}  // namespace untyped
+}  // namespace sft

@@ -1,0 +1,235 @@
+#include "core/negotiation.h"
+
+#include <algorithm>
+
+namespace sft::core {
+
+namespace {
+bool holds(const std::vector<EndpointId>& writers, EndpointId id) {
+  return std::find(writers.begin(), writers.end(), id) != writers.end();
+}
+}  // namespace
+
+bool Negotiation::self_changed(const Self& self) {
+  if (self == self_) return false;
+  const bool new_host = self.host != self_.host;
+  self_ = self;
+  for (auto& [id, entry] : entries_) {
+    if (entry.type == nullptr) continue;
+    entry.endpoint.host = self.host;
+    entry.endpoint.network = self.network;
+    // Attachments were to ports of the memory that is gone.
+    if (new_host && !entry.endpoint.request.attached.empty()) {
+      entry.endpoint.request.attached.clear();
+      ++entry.endpoint.request.sequence;
+    }
+  }
+  return true;
+}
+
+void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type) {
+  Entry entry{.endpoint = endpoint, .type = &type, .lost_since = {}};
+  entry.endpoint.host = self_.host;
+  entry.endpoint.network = self_.network;
+  entries_.insert_or_assign(endpoint.id, std::move(entry));
+}
+
+void Negotiation::local_removed(EndpointId id) { entries_.erase(id); }
+
+bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
+  const auto known = entries_.find(endpoint.id);
+  if (known != entries_.end() && known->second.type != nullptr) return false;  // an echo of our own
+  if (known == entries_.end() && entries_.size() >= limits_.endpoints) {
+    ++ignored_;
+    return false;
+  }
+  Entry& entry = entries_[endpoint.id];
+  const Request newest = entry.endpoint.request.sequence > endpoint.request.sequence ? entry.endpoint.request
+                                                                                     : endpoint.request;
+  entry.endpoint = endpoint;
+  entry.endpoint.request = newest;
+  entry.lost_since.reset();
+  if (const auto early = early_requests_.extract(endpoint.id)) adopt(entry, early.mapped());
+  return true;
+}
+
+bool Negotiation::endpoint_departed(EndpointId id) {
+  early_requests_.erase(id);
+  const auto entry = entries_.find(id);
+  if (entry == entries_.end() || entry->second.type != nullptr) return false;
+  entries_.erase(entry);
+  return true;
+}
+
+bool Negotiation::endpoint_lost(EndpointId id, Now now) {
+  const auto entry = entries_.find(id);
+  if (entry == entries_.end() || entry->second.type != nullptr || entry->second.lost_since) return false;
+  entry->second.lost_since = now;
+  return true;
+}
+
+bool Negotiation::request_received(const Request& request) {
+  const auto entry = entries_.find(request.reader);
+  if (entry != entries_.end()) return entry->second.type == nullptr && adopt(entry->second, request);
+  const bool known = early_requests_.contains(request.reader);
+  if (!known && early_requests_.size() >= limits_.endpoints) {
+    ++ignored_;  // one of those whose reader never came makes room
+    early_requests_.erase(early_requests_.begin());
+  }
+  Request& early = early_requests_[request.reader];
+  if (request.sequence > early.sequence) early = request;
+  return false;
+}
+
+bool Negotiation::adopt(Entry& entry, const Request& request) {
+  if (request.sequence <= entry.endpoint.request.sequence) return false;  // reordered or repeated
+  entry.endpoint.request = request;
+  return true;
+}
+
+bool Negotiation::requirement_changed(EndpointId reader, const FieldMask& mask) {
+  const auto entry = entries_.find(reader);
+  if (entry == entries_.end() || entry->second.type == nullptr) return false;
+  std::vector<std::uint64_t> words = mask.to_words();
+  Request& request = entry->second.endpoint.request;
+  if (words == request.mask_words) return false;
+  request.mask_words = std::move(words);
+  ++request.sequence;
+  return true;
+}
+
+bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected) {
+  const auto entry = entries_.find(reader);
+  if (entry == entries_.end() || entry->second.type == nullptr) return false;
+  Request& request = entry->second.endpoint.request;
+  std::vector<EndpointId>& writers = path == TransportKind::shm ? request.attached : request.listening;
+  if (connected == holds(writers, writer)) return false;
+  if (connected) {
+    writers.push_back(writer);
+  } else {
+    std::erase(writers, writer);
+  }
+  ++request.sequence;
+  return true;
+}
+
+bool Negotiation::tick(Now now) {
+  return std::erase_if(entries_, [&](const auto& item) {
+           const auto& since = item.second.lost_since;
+           return since && now - *since >= limits_.forget_lost_after;
+         }) != 0;
+}
+
+std::string Negotiation::why_not_shm(const Endpoint& writer, const Endpoint& reader) const {
+  if (!writer.may_use_shm) return "the publisher chose UDP";
+  if (!reader.may_use_shm) return "the subscriber chose UDP";
+  const Endpoint& peer = entries_.at(writer.id).type != nullptr ? reader : writer;
+  if (self_.host.known() && peer.host.known() && peer.host != self_.host) return "another host";
+  if (peer.network != self_.network) return "another host";
+  if (!self_.host.known()) return "no shared memory: " + self_.shm_state;
+  return "the other side has no shared memory yet";
+}
+
+Negotiation::Verdict Negotiation::judge(const Endpoint& writer, const Endpoint& reader) const {
+  Verdict verdict;
+  if (writer.type_name != reader.type_name) {
+    verdict.mismatch = "type " + writer.type_name + " is published, " + reader.type_name + " is subscribed to";
+  } else if (writer.type_hash != reader.type_hash) {
+    verdict.mismatch = "two different definitions of type " + writer.type_name;
+  }
+  if (!verdict.mismatch.empty()) return verdict;
+  verdict.shm = writer.may_use_shm && reader.may_use_shm && self_.host.known() && writer.host == self_.host &&
+                reader.host == self_.host;
+  verdict.udp = writer.may_use_udp && reader.may_use_udp && !reader.addresses.empty();
+  if (!verdict.shm) verdict.udp_reason = why_not_shm(writer, reader);
+  return verdict;
+}
+
+std::vector<const Negotiation::Entry*> Negotiation::others(const Entry& entry) const {
+  std::vector<const Entry*> found;
+  for (const auto& [id, other] : entries_) {
+    if (other.endpoint.role != entry.endpoint.role && other.endpoint.topic == entry.endpoint.topic) {
+      found.push_back(&other);
+    }
+  }
+  return found;
+}
+
+UdpAddress Negotiation::address_of(const Endpoint& reader) const {
+  UdpAddress address = reader.addresses.front();
+  if (reader.network == self_.network) address.ipv4 = 0x7f000001;  // one network stack: never leaves the machine
+  return address;
+}
+
+ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Serving& serving) const {
+  const Endpoint& r = reader.endpoint;
+  const TypeSupport& type = *writer.type;
+  ReaderStatus status{.id = r.id, .node = r.node, .request_sequence = r.request.sequence};
+  const Verdict verdict = judge(writer.endpoint, r);
+  if (!verdict.mismatch.empty()) {
+    status.reason = verdict.mismatch;
+    return status;
+  }
+  status.mask = type.closed(FieldMask::from_words(type.leaves(), r.request.mask_words));
+  if (reader.lost_since) {
+    status.reason = "its node does not answer";
+    return status;
+  }
+  serving.shm_port |= verdict.shm;
+  if (verdict.shm && holds(r.request.attached, writer.endpoint.id)) {
+    status.served = true;
+    status.transport = TransportKind::shm;
+    status.reason = "same host";
+    serving.shm.push_back({r.id, r.doorbell, status.mask});
+  } else if (verdict.udp && holds(r.request.listening, writer.endpoint.id)) {
+    status.served = true;
+    status.transport = TransportKind::udp;
+    status.reason = verdict.shm ? "same host, shared memory is being attached" : verdict.udp_reason;
+    serving.udp.push_back({r.id, address_of(r), status.mask});
+  } else if (verdict.udp) {
+    status.reason = "the subscriber is not listening yet";
+  } else {
+    status.reason = verdict.shm ? "shared memory is being attached" : "UDP is ruled out, and " + verdict.udp_reason;
+  }
+  return status;
+}
+
+Serving Negotiation::serving(EndpointId writer) const {
+  Serving serving;
+  const auto entry = entries_.find(writer);
+  if (entry == entries_.end() || entry->second.type == nullptr) return serving;
+  for (const Entry* reader : others(entry->second)) {
+    serving.readers.push_back(serve(entry->second, *reader, serving));
+  }
+  return serving;
+}
+
+std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
+  std::vector<Hearing> result;
+  const auto entry = entries_.find(reader);
+  if (entry == entries_.end() || entry->second.type == nullptr) return result;
+  const Endpoint& r = entry->second.endpoint;
+  for (const Entry* writer : others(entry->second)) {
+    const Endpoint& w = writer->endpoint;
+    const Verdict verdict = judge(w, r);
+    Hearing hearing{.source = {w.id, w.max_sample_bytes}, .status = {.id = w.id, .node = w.node}};
+    hearing.shm = verdict.shm;
+    hearing.udp = verdict.udp;
+    const bool attached = verdict.shm && holds(r.request.attached, w.id);
+    hearing.status.matched = verdict.shm || verdict.udp;
+    hearing.status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
+    hearing.status.reason = !verdict.mismatch.empty() ? verdict.mismatch
+                            : attached                ? "same host"
+                            : verdict.shm             ? "same host, shared memory is being attached"
+                                                      : verdict.udp_reason;
+    result.push_back(std::move(hearing));
+  }
+  return result;
+}
+
+const Endpoint* Negotiation::local(EndpointId id) const {
+  const auto entry = entries_.find(id);
+  return entry == entries_.end() || entry->second.type == nullptr ? nullptr : &entry->second.endpoint;
+}
+
+}  // namespace sft::core

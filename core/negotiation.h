@@ -1,0 +1,108 @@
+// Who gets what, by which path, under which mask: a pure state machine. Events go in, desired states come out; there is
+// no I/O here and no clock. It keeps a table of endpoints, ours and others', and derives from it what each of our writers
+// should serve and each of our readers should hear, so that the order of events does not matter. negotiation.md has the
+// rules as a table.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/control.h"
+#include "core/transport.h"
+#include "sft/status.h"
+
+namespace sft::core {
+
+/// This node, as far as it decides about paths.
+struct Self {
+  HostToken host;  ///< known while shared memory is ready
+  std::uint64_t network = 0;
+  std::string shm_state;  ///< why shared memory is not ready, for reasons given to people
+  friend bool operator==(const Self&, const Self&) = default;
+};
+
+/// What one of our writers should do.
+struct Serving {
+  bool shm_port = false;  ///< be reachable in shared memory, even if no reader is attached yet
+  std::vector<Route> shm;
+  std::vector<Route> udp;
+  std::vector<ReaderStatus> readers;  ///< all of the topic, with reasons
+  friend bool operator==(const Serving&, const Serving&) = default;
+};
+
+/// One writer that one of our readers should hear.
+struct Hearing {
+  Source source;
+  bool shm = false;  ///< connect to it in shared memory
+  bool udp = false;
+  WriterStatus status;
+};
+
+using Now = std::chrono::steady_clock::time_point;
+
+class Negotiation {
+ public:
+  /// Entries of other nodes beyond these are ignored and counted.
+  struct Limits {
+    std::size_t endpoints = 4096;
+    std::chrono::seconds forget_lost_after{60};
+  };
+
+  Negotiation() : Negotiation(Limits{}) {}
+  explicit Negotiation(const Limits& limits) : limits_(limits) {}
+
+  // Events. Each returns whether anything may have changed, that is, whether to ask for the desired states again.
+  bool self_changed(const Self& self);
+  /// `type` outlives the endpoint. The endpoint's host and network are taken from Self.
+  void local_added(const Endpoint& endpoint, const TypeSupport& type);
+  void local_removed(EndpointId id);
+  bool endpoint_seen(const Endpoint& endpoint);
+  bool endpoint_departed(EndpointId id);
+  bool endpoint_lost(EndpointId id, Now now);
+  bool request_received(const Request& request);
+  /// One of our readers needs other fields now.
+  bool requirement_changed(EndpointId reader, const FieldMask& mask);
+  /// What a writer sends to one of our readers by that path arrives now, or does no longer.
+  bool connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected);
+  bool tick(Now now);
+
+  // Desired states, from the table as it is.
+  Serving serving(EndpointId writer) const;
+  std::vector<Hearing> hearing(EndpointId reader) const;
+  /// Our endpoint as it should be announced, with the request in force.
+  const Endpoint* local(EndpointId id) const;
+  std::size_t endpoints() const { return entries_.size(); }
+  std::uint64_t ignored() const { return ignored_; }
+
+ private:
+  struct Entry {
+    Endpoint endpoint;
+    const TypeSupport* type = nullptr;     ///< of our own endpoints
+    std::optional<Now> lost_since;         ///< its node does not answer
+  };
+  struct Verdict {  ///< on one pair, as far as both sides see it alike
+    std::string mismatch;  ///< not empty: never matches, and why
+    bool shm = false;      ///< both may and can use shared memory
+    bool udp = false;
+    std::string udp_reason;
+  };
+
+  Verdict judge(const Endpoint& writer, const Endpoint& reader) const;
+  std::string why_not_shm(const Endpoint& writer, const Endpoint& reader) const;
+  ReaderStatus serve(const Entry& writer, const Entry& reader, Serving& serving) const;
+  UdpAddress address_of(const Endpoint& reader) const;
+  bool adopt(Entry& entry, const Request& request);
+  std::vector<const Entry*> others(const Entry& entry) const;
+
+  Limits limits_;
+  Self self_;
+  std::map<EndpointId, Entry> entries_;
+  std::map<EndpointId, Request> early_requests_;  ///< of readers whose description has not come yet
+  std::uint64_t ignored_ = 0;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,93 @@
+// The one place where the parts are put together, and where the environment is read.
+#include <charconv>
+#include <cstdlib>
+#include <string_view>
+
+#include "core/node_core.h"
+#include "sft/node.h"
+#include "shm_transport/shm_transport.h"
+#include "udp_transport/udp_transport.h"
+
+namespace sft {
+
+namespace {
+
+constexpr std::uint32_t domain_max = 232;  // by the port numbers that DDS derives from it
+
+Result<std::uint32_t> domain_of(const NodeOptions& options) {
+  std::uint32_t domain = options.domain.value_or(0);
+  const char* from_environment = options.domain ? nullptr : std::getenv("ROS_DOMAIN_ID");
+  if (from_environment != nullptr && *from_environment != '\0') {
+    const std::string_view text = from_environment;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
+    if (error != std::errc{} || end != text.data() + text.size()) {
+      return fail(Errc::invalid_argument, "ROS_DOMAIN_ID is not a number: '" + std::string(text) + "'");
+    }
+  }
+  if (domain > domain_max) {
+    return fail(Errc::invalid_argument, "DDS domain " + std::to_string(domain) + ": domains are 0 to 232");
+  }
+  return domain;
+}
+
+NodeOptions resolved(const NodeOptions& options, std::uint32_t domain) {
+  NodeOptions result = options;
+  result.domain = domain;
+  const char* config = std::getenv("CYCLONEDDS_URI");
+  if (!result.cyclonedds_config) result.cyclonedds_config = config == nullptr ? "" : config;
+  return result;
+}
+
+Result<std::unique_ptr<core::Transport>> open_udp(const NodeOptions& options) {
+  udp::UdpOptions udp;
+  udp.port = options.udp.port;
+  udp.receive_buffer_bytes = options.udp.receive_buffer_bytes;
+  udp.pool_bytes = options.udp.memory_limit_bytes;
+  udp.pace_bytes_per_s = options.udp.pace_bytes_per_s;
+  udp.backend = options.udp.use_io_uring ? udp::Backend::automatic : udp::Backend::sockets;
+  return udp::open_udp_transport(udp);
+}
+
+Result<std::unique_ptr<core::Transport>> open_shm(const NodeOptions& options) {
+  shm::ShmOptions shm;
+  shm.daemon_path = options.shm.daemon_path;
+  shm.start_daemon = options.shm.start_daemon;
+  shm.daemon_idle_exit = options.shm.daemon_idle_exit;
+  return shm::open_shm_transport(shm);
+}
+
+}  // namespace
+
+Result<Node> Node::open(const NodeOptions& options) {
+  const Result<std::uint32_t> domain = domain_of(options);
+  if (!domain) return tl::unexpected(domain.error());
+  core::NodeCore::Parts parts;
+  if (options.transport != TransportChoice::shm) {
+    auto udp = open_udp(options);
+    if (!udp) return tl::unexpected(udp.error());
+    parts.udp = std::move(*udp);
+  }
+  if (options.transport != TransportChoice::udp) {
+    auto shm = open_shm(options);
+    if (!shm) return tl::unexpected(shm.error());
+    parts.shm = std::move(*shm);
+  }
+  return core::NodeCore::open(resolved(options, *domain), std::move(parts)).map([](auto&& core) {
+    return Node(std::forward<decltype(core)>(core));
+  });
+}
+
+Result<untyped::Publisher> Node::open_publisher(std::string_view topic, const TypeSupport& type,
+                                                const PublisherOptions& options) {
+  return core_->open_publisher(core_, topic, type, options);
+}
+
+Result<untyped::Subscriber> Node::open_subscriber(std::string_view topic, const TypeSupport& type,
+                                                  untyped::Requirement requirement, const SubscriberOptions& options,
+                                                  untyped::Callback callback) {
+  return core_->open_subscriber(core_, topic, type, std::move(requirement), options, std::move(callback));
+}
+
+NodeStatus Node::status() const { return core_->status(); }
+
+}  // namespace sft

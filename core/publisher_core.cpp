@@ -1,0 +1,179 @@
+#include "core/publisher_core.h"
+
+#include <cstring>
+#include <thread>
+
+#include "core/clock.h"
+#include "sft/typesupport/encode.h"
+#include "sft/typesupport/walk.h"
+
+namespace sft::core {
+
+PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<WriterPort> udp)
+    : spec_(std::move(spec)), full_(spec_.type->full()), layout_(spec_.type->slots()), heap_(std::move(heap)), udp_(std::move(udp)) {
+  outlets_.store(outlets_for({}, nullptr));
+}
+
+std::shared_ptr<PublisherCore::Outlets> PublisherCore::outlets_for(const Serving& serving,
+                                                                   std::shared_ptr<WriterPort> shm) const {
+  auto outlets = std::make_shared<Outlets>();
+  outlets->shm = std::move(shm);
+  outlets->to_shm = outlets->shm != nullptr && !serving.shm.empty();
+  outlets->to_udp = udp_ != nullptr && !serving.udp.empty();
+  outlets->mask = outlets->to_shm ? full_ : spec_.type->closed(spec_.type->none());
+  for (const Route& route : serving.udp) outlets->mask |= route.mask;
+  return outlets;
+}
+
+void PublisherCore::serve(const Serving& serving, std::shared_ptr<WriterPort> shm) {
+  const std::shared_ptr<Outlets> after = outlets_for(serving, std::move(shm));
+  const std::shared_ptr<const Outlets> before = outlets_.share();
+  if (!before->mask.contains(after->mask)) {
+    // A route must never ask for more than is encoded: first encode what old and new routes need together, wait for a
+    // publish() that began before that, and only then change the routes.
+    auto both = std::make_shared<Outlets>(*before);
+    both->mask |= after->mask;
+    outlets_.store(both);
+    while (publishing_.load(std::memory_order_seq_cst)) std::this_thread::yield();
+  }
+  if (after->shm != nullptr) after->shm->set_routes(serving.shm);
+  if (udp_ != nullptr) udp_->set_routes(serving.udp);
+  outlets_.store(after);
+  {
+    const std::scoped_lock lock(status_mutex_);
+    readers_ = serving.readers;
+  }
+  if (spec_.on_readers_changed) spec_.on_readers_changed(status());
+}
+
+PublishStatus PublisherCore::publish(const void* value) {
+  publishing_.store(true, std::memory_order_seq_cst);
+  const Outlets& outlets = *outlets_.load();
+  PublishStatus status = PublishStatus::ok;
+  if (outlets.to_shm || outlets.to_udp) {
+    status = encode_and_send(outlets, value);
+  } else {
+    sequence_.fetch_add(1, std::memory_order_relaxed);
+  }
+  publishing_.store(false, std::memory_order_release);
+  return status;
+}
+
+PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void* value) {
+  const StructType& type = spec_.type->type();
+  const EncodedSize size = encoded_size(type, value, outlets.mask);
+  if (size.status != EncodeStatus::ok || size.bytes > spec_.max_sample_bytes) return PublishStatus::invalid;
+  const SampleHandle sample = lend(outlets, size.bytes);
+  if (!sample) return no_memory();
+  fill_header(*sample, outlets.mask, size.bytes);
+  encode(type, value, outlets.mask, {sample->data + layout_.body_offset, size.bytes},
+         {sample->index(), spec_.type->slots()});
+  return send(outlets, sample);
+}
+
+/// Counts a sample that could not be made, so that readers see that one is missing.
+PublishStatus PublisherCore::no_memory() noexcept {
+  sequence_.fetch_add(1, std::memory_order_relaxed);
+  dropped_.fetch_add(1, std::memory_order_relaxed);
+  return PublishStatus::no_memory;
+}
+
+Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> payload) {
+  if (payload.size() < encapsulation_bytes ||
+      std::memcmp(payload.data(), encapsulation_cdr_le.data(), 2) != 0) {
+    return fail(Errc::malformed, "a payload that is not little-endian CDR (XCDR1), beginning with 00 01: convert it first");
+  }
+  const auto body = payload.subspan(encapsulation_bytes);
+  if (body.size() > spec_.max_sample_bytes) {
+    return fail(Errc::limit_exceeded, "a payload of " + std::to_string(payload.size()) +
+                                          " bytes; raise PublisherOptions::max_sample_bytes");
+  }
+  const Outlets& outlets = *outlets_.load();
+  auto bytes = static_cast<std::uint32_t>(body.size());
+  const SampleHandle sample = lend(outlets, bytes);
+  if (!sample) return no_memory();
+  std::memcpy(sample->data + layout_.body_offset, body.data(), bytes);
+  const SampleState state{.body = sample->data + layout_.body_offset, .body_bytes = bytes, .mask = &full_};
+  const WalkStatus walked = build_index(state, spec_.type->type(), {sample->index(), spec_.type->slots()}, &bytes);
+  if (walked != WalkStatus::ok) {
+    return fail(Errc::malformed, std::string("not a ") + std::string(spec_.type->name()) + ": " + to_string(walked));
+  }
+  fill_header(*sample, full_, bytes);
+  return send(outlets, sample);
+}
+
+Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const Reservation> reservations) {
+  const EncodedSize size = encoded_size(spec_.type->type(), prototype, full_, reservations);
+  if (size.status != EncodeStatus::ok) return fail(Errc::invalid_argument, to_string(size.status));
+  if (size.bytes > spec_.max_sample_bytes) {
+    return fail(Errc::limit_exceeded, "a loan of " + std::to_string(size.bytes) +
+                                          " bytes; raise PublisherOptions::max_sample_bytes");
+  }
+  SampleHandle sample = lend(*outlets_.load(), size.bytes);
+  if (!sample) return fail(Errc::out_of_memory, "no memory free for a loan: readers or loans hold too much");
+  fill_header(*sample, full_, size.bytes);
+  encode(spec_.type->type(), prototype, full_, {sample->data + layout_.body_offset, size.bytes},
+         {sample->index(), spec_.type->slots()}, reservations);
+  return sample;
+}
+
+PublishStatus PublisherCore::commit(SampleHandle sample) { return send(*outlets_.load(), sample); }
+
+SampleHandle PublisherCore::lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept {
+  const std::size_t bytes = layout_.bytes(body_bytes);
+  SampleHandle sample;
+  if (outlets.to_shm) sample = outlets.shm->loan(bytes);
+  // Without a chunk the readers in shared memory miss this one; others need not.
+  if (!sample && (!outlets.to_shm || outlets.to_udp)) sample = heap_->take(bytes);
+  return sample;
+}
+
+void PublisherCore::fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept {
+  SampleHeader& header = buffer.header();
+  header = SampleHeader{};
+  header.slots = static_cast<std::uint32_t>(spec_.type->slots());
+  header.writer = spec_.id;
+  header.type_hash = spec_.type->hash();
+  header.body_offset = static_cast<std::uint32_t>(layout_.body_offset);
+  header.body_bytes = body_bytes;
+  buffer.mask = mask;
+  std::memcpy(buffer.data + layout_.body_offset - encapsulation_bytes, encapsulation_cdr_le.data(),
+              encapsulation_bytes);
+}
+
+PublishStatus PublisherCore::send(const Outlets& outlets, const SampleHandle& sample) noexcept {
+  SampleHeader& header = sample->header();
+  header.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
+  header.source_stamp_ns = realtime_ns();
+  PublishStatus status = PublishStatus::ok;
+  if (outlets.to_shm) {
+    // It may have been lent elsewhere, before shared memory came up or while it had no chunk free.
+    const SampleHandle local = outlets.shm->can_send(*sample) ? sample : copy_to_shm(outlets, sample);
+    if (!local || outlets.shm->send(local) != SendStatus::sent) status = PublishStatus::dropped;
+  }
+  if (outlets.to_udp && udp_->send(sample) != SendStatus::sent) status = PublishStatus::dropped;
+  if (status != PublishStatus::ok) dropped_.fetch_add(1, std::memory_order_relaxed);
+  return status;
+}
+
+SampleHandle PublisherCore::copy_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept {
+  if (!sample->mask.is_full()) return {};
+  const std::size_t bytes = layout_.bytes(sample->header().body_bytes);
+  SampleHandle copy = outlets.shm->loan(bytes);
+  if (!copy) return {};
+  std::memcpy(copy->data, sample->data, bytes);
+  copy->mask = sample->mask;
+  return copy;
+}
+
+PublisherStatus PublisherCore::status() const {
+  PublisherStatus status;
+  status.published = sequence_.load(std::memory_order_relaxed);
+  status.dropped = dropped_.load(std::memory_order_relaxed);
+  status.bytes_sent = udp_ == nullptr ? 0 : udp_->bytes_sent();
+  const std::scoped_lock lock(status_mutex_);
+  status.readers = readers_;
+  return status;
+}
+
+}  // namespace sft::core

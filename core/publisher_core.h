@@ -1,0 +1,79 @@
+// One publisher without its message type: encodes each sample once and hands it to the ports that have readers.
+//
+// publish(), publish_cdr(), loan() and commit() are called by one thread at a time; serve() by the agent; status() by
+// anybody.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+
+#include "core/buffer_pool.h"
+#include "core/negotiation.h"
+#include "core/snapshot.h"
+#include "core/transport.h"
+#include "sft/untyped.h"
+
+namespace sft::core {
+
+class PublisherCore {
+ public:
+  struct Spec {
+    EndpointId id = 0;
+    std::string topic;
+    const TypeSupport* type = nullptr;
+    std::size_t max_sample_bytes = 0;
+    std::function<void(const PublisherStatus&)> on_readers_changed;
+  };
+
+  /// `heap` lends memory while nobody reads in shared memory; `udp` is null where the publisher rules it out.
+  PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<WriterPort> udp);
+
+  PublishStatus publish(const void* value);
+  Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
+  Result<SampleHandle> loan(const void* prototype, std::span<const Reservation> reservations);
+  PublishStatus commit(SampleHandle sample);
+
+  PublisherStatus status() const;
+  const TypeSupport& type() const { return *spec_.type; }
+  EndpointId id() const { return spec_.id; }
+
+  /// Puts a new division of readers between the ports in force. `shm` is null while there is no shared memory.
+  void serve(const Serving& serving, std::shared_ptr<WriterPort> shm);
+
+ private:
+  /// Where samples go at present. Immutable once stored.
+  struct Outlets {
+    std::shared_ptr<WriterPort> shm;
+    bool to_shm = false;
+    bool to_udp = false;
+    FieldMask mask;  ///< what has to be encoded: everything for shared memory, else the union of what is asked for
+  };
+
+  std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;
+  PublishStatus encode_and_send(const Outlets& outlets, const void* value);
+  PublishStatus no_memory() noexcept;
+  SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
+  void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept;
+  PublishStatus send(const Outlets& outlets, const SampleHandle& sample) noexcept;
+  SampleHandle copy_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
+
+  const Spec spec_;
+  const FieldMask full_;
+  const SampleLayout layout_;
+  const std::shared_ptr<BufferPool> heap_;
+  const std::shared_ptr<WriterPort> udp_;
+  Snapshot<Outlets> outlets_;
+  std::atomic<bool> publishing_{false};  ///< publish() is between reading the outlets and having sent
+  std::atomic<std::uint64_t> sequence_{0};
+  std::atomic<std::uint64_t> dropped_{0};
+
+  mutable std::mutex status_mutex_;
+  std::vector<ReaderStatus> readers_;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,79 @@
+// The memory of one encoded sample, whoever lends it: a chunk in shared memory, a reassembly buffer, a heap buffer.
+// Handles share it; when the last one goes, it returns to its owner, which each buffer that is out keeps alive.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "sft/typesupport/field_mask.h"
+#include "sft/typesupport/sample_format.h"
+
+namespace sft::core {
+
+struct SampleBuffer;
+
+class BufferOwner {
+ public:
+  virtual ~BufferOwner() = default;
+  /// Called once the last handle is gone, on that handle's thread.
+  virtual void recycle(SampleBuffer& buffer) noexcept = 0;
+};
+
+/// Filled by the owner when it hands the buffer out.
+struct SampleBuffer {
+  std::byte* data = nullptr;  ///< 8-aligned; begins with a SampleHeader
+  std::size_t capacity = 0;
+  FieldMask mask;  ///< leaves that the sample has
+  std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
+  std::shared_ptr<BufferOwner> owner;
+  void* owner_data = nullptr;  ///< the owner's own
+  std::atomic<std::uint32_t> references{0};
+
+  SampleHeader& header() const { return *reinterpret_cast<SampleHeader*>(data); }
+  std::uint32_t* index() const { return reinterpret_cast<std::uint32_t*>(data + sizeof(SampleHeader)); }
+};
+
+class SampleHandle {
+ public:
+  SampleHandle() = default;
+  /// Takes one reference.
+  explicit SampleHandle(SampleBuffer& buffer) : buffer_(&buffer) {
+    buffer.references.fetch_add(1, std::memory_order_relaxed);
+  }
+  SampleHandle(const SampleHandle& other) : buffer_(other.buffer_) {
+    if (buffer_ != nullptr) buffer_->references.fetch_add(1, std::memory_order_relaxed);
+  }
+  SampleHandle(SampleHandle&& other) noexcept : buffer_(std::exchange(other.buffer_, nullptr)) {}
+  SampleHandle& operator=(SampleHandle other) noexcept {
+    std::swap(buffer_, other.buffer_);
+    return *this;
+  }
+  ~SampleHandle() { reset(); }
+
+  void reset() noexcept {
+    SampleBuffer* buffer = std::exchange(buffer_, nullptr);
+    if (buffer == nullptr || buffer->references.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+    const std::shared_ptr<BufferOwner> owner = std::move(buffer->owner);  // may be the owner's last reference
+    owner->recycle(*buffer);
+  }
+
+  /// Gives the reference away, and takes over one that was given away.
+  [[nodiscard]] SampleBuffer* release() noexcept { return std::exchange(buffer_, nullptr); }
+  static SampleHandle adopt(SampleBuffer* buffer) noexcept {
+    SampleHandle handle;
+    handle.buffer_ = buffer;
+    return handle;
+  }
+
+  explicit operator bool() const { return buffer_ != nullptr; }
+  SampleBuffer* operator->() const { return buffer_; }
+  SampleBuffer& operator*() const { return *buffer_; }
+
+ private:
+  SampleBuffer* buffer_ = nullptr;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,211 @@
+#include "core/subscriber_core.h"
+
+#include <algorithm>
+
+namespace sft::core {
+
+namespace {
+thread_local int callback_depth = 0;
+constexpr std::size_t gone_writers_kept = 64;  // their last samples may still be taken
+}
+
+bool SubscriberCore::in_callback() noexcept { return callback_depth != 0; }
+
+SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Recorder> recorder)
+    : spec_(std::move(spec)), bell_(bell), recorder_(std::move(recorder)), requested_(spec_.requirement.mask) {}
+
+void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> port) {
+  const std::scoped_lock lock(mutex_);
+  inlets_[static_cast<std::size_t>(kind)].port.swap(port);  // the old one dies with the argument, behind the lock
+}
+
+void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
+  const std::scoped_lock lock(mutex_);
+  requested_ = mask;
+  requests_ = sequence;
+}
+
+void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
+  const std::scoped_lock lock(mutex_);
+  writers_.clear();
+  for (const Hearing& h : hearing) writers_.push_back(h.status);
+  if (heard_.size() > writers_.size() + gone_writers_kept) forget_the_gone();
+}
+
+/// With the mutex held: writers are random per incarnation, and those that are gone do not return.
+void SubscriberCore::forget_the_gone() {
+  std::erase_if(heard_, [this](const Heard& h) {
+    const auto is_it = [&](const WriterStatus& w) { return w.id == h.writer; };
+    if (std::any_of(writers_.begin(), writers_.end(), is_it)) return false;
+    gone_.received += h.received;
+    gone_.lost += h.lost;
+    return true;
+  });
+}
+
+/// With the mutex held: whether any inlet has a sample.
+bool SubscriberCore::fill_inlets() {
+  bool any = false;
+  for (Inlet& inlet : inlets_) {
+    if (!inlet.next && inlet.port != nullptr) inlet.next = inlet.port->take();
+    any |= static_cast<bool>(inlet.next);
+  }
+  return any;
+}
+
+/// Of one writer the lower sequence goes first, whatever the path; between writers, what was sent first.
+SubscriberCore::Inlet* SubscriberCore::oldest_inlet() {
+  Inlet* oldest = nullptr;
+  for (Inlet& inlet : inlets_) {
+    if (!inlet.next) continue;
+    if (oldest == nullptr) {
+      oldest = &inlet;
+      continue;
+    }
+    const SampleHeader& a = oldest->next->header();
+    const SampleHeader& b = inlet.next->header();
+    const bool earlier =
+        a.writer == b.writer ? b.sequence < a.sequence : b.source_stamp_ns < a.source_stamp_ns;
+    if (earlier) oldest = &inlet;
+  }
+  return oldest;
+}
+
+SubscriberCore::Heard& SubscriberCore::heard(EndpointId writer) {
+  const auto known = std::find_if(heard_.begin(), heard_.end(), [&](const Heard& h) { return h.writer == writer; });
+  if (known != heard_.end()) return *known;
+  return heard_.emplace_back(Heard{.writer = writer});
+}
+
+/// With the mutex held: the next sample in order, which is thereby taken; empty if there is none.
+SubscriberCore::Next SubscriberCore::next() {
+  while (fill_inlets()) {
+    Inlet& inlet = *oldest_inlet();
+    const auto kind = static_cast<TransportKind>(&inlet - inlets_.data());
+    SampleHandle sample = std::move(inlet.next);
+    const SampleHeader header = sample->header();  // copied: in shared memory it may change
+    Heard& from = heard(header.writer);
+    if (header.sequence <= from.last_sequence) continue;  // it came by both paths while they were switched
+    const std::uint64_t lost = from.last_sequence == 0 ? 0 : header.sequence - from.last_sequence - 1;
+    from.last_sequence = header.sequence;
+    from.lost += lost;
+    ++from.received;
+    using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
+    const SampleInfo info{.sequence = header.sequence,
+                          .writer = header.writer,
+                          .source_stamp = Stamp(std::chrono::nanoseconds(header.source_stamp_ns)),
+                          .receive_stamp = Stamp(std::chrono::nanoseconds(sample->receive_stamp_ns)),
+                          .lost_before = lost,
+                          .transport = kind};
+    return {std::move(sample), info};
+  }
+  return {};
+}
+
+untyped::Sample SubscriberCore::wrap(Next next) {
+  if (!next.sample) return {};
+  return untyped::Sample(next.sample.release(), *spec_.type, next.info,
+                         recorder_ == nullptr ? nullptr : recorder_->begin());
+}
+
+untyped::Sample SubscriberCore::take() {
+  const std::scoped_lock lock(mutex_);
+  return wrap(next());
+}
+
+untyped::Sample SubscriberCore::take_latest() {
+  const std::scoped_lock lock(mutex_);
+  Next latest = next();
+  while (latest.sample) {
+    Next newer = next();
+    if (!newer.sample) break;
+    newer.info.lost_before += latest.info.lost_before;
+    latest = std::move(newer);
+  }
+  return wrap(std::move(latest));
+}
+
+bool SubscriberCore::available() {
+  const std::scoped_lock lock(mutex_);
+  return fill_inlets();
+}
+
+bool SubscriberCore::waits_for_dispatch() {
+  return pending_.load() == 0 && !closed_.load() && available();
+}
+
+bool SubscriberCore::wait(std::chrono::nanoseconds timeout) {
+  using Clock = std::chrono::steady_clock;
+  const auto now = Clock::now();
+  const auto deadline = timeout > Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
+  while (!available()) {
+    if (Clock::now() >= deadline) return false;
+    bell_.wait(deadline, [this] { return available(); });
+  }
+  return true;
+}
+
+void SubscriberCore::arrived() noexcept {
+  if (has_callback()) {
+    dispatch();
+  } else {
+    bell_.ring();
+  }
+}
+
+void SubscriberCore::dispatch() {
+  if (pending_.fetch_add(1) != 0) return;  // whoever is at it sees the count
+  for (std::uint32_t seen = 1;;) {
+    call_back_for_all();
+    const std::uint32_t before = pending_.fetch_sub(seen);
+    if (before != seen) {
+      seen = before - seen;
+      continue;
+    }
+    // Whoever looked while it was not yet zero left a sample to us that we had not seen.
+    if (closed_.load() || !available() || pending_.fetch_add(1) != 0) break;
+    seen = 1;
+  }
+  pending_.notify_all();
+}
+
+void SubscriberCore::call_back_for_all() {
+  dispatching_.store(std::this_thread::get_id());
+  while (!closed_.load()) {
+    untyped::Sample sample = take();
+    if (!sample) break;
+    ++callback_depth;
+    spec_.callback(std::move(sample));
+    --callback_depth;
+  }
+  dispatching_.store({});
+}
+
+void SubscriberCore::close() {
+  closed_.store(true);
+  while (const std::uint32_t pending = pending_.load()) {
+    if (dispatching_.load() == std::this_thread::get_id()) return;
+    pending_.wait(pending);
+  }
+}
+
+SubscriberStatus SubscriberCore::status() {
+  const std::scoped_lock lock(mutex_);
+  SubscriberStatus status{.received = gone_.received,
+                          .lost = gone_.lost,
+                          .mask = requested_,
+                          .requests = requests_,
+                          .writers = writers_};
+  for (const Heard& h : heard_) {
+    status.received += h.received;
+    status.lost += h.lost;
+    for (WriterStatus& w : status.writers) {
+      if (w.id != h.writer) continue;
+      w.received = h.received;
+      w.lost = h.lost;
+    }
+  }
+  return status;
+}
+
+}  // namespace sft::core

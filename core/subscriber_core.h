@@ -1,0 +1,112 @@
+// One subscriber without its message type: brings together what its ports receive, in the order of each writer, counts
+// what is missing, and wakes or calls whoever waits.
+//
+// take(), take_latest() and wait() are called by any thread; what is the agent's is marked so; arrived() by threads of
+// transports, dispatch() by these and the dispatcher.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/doorbell.h"
+#include "core/negotiation.h"
+#include "core/recorder.h"
+#include "core/transport.h"
+#include "sft/untyped.h"
+
+namespace sft::core {
+
+class SubscriberCore final : public ArrivalListener {
+ public:
+  struct Spec {
+    EndpointId id = 0;
+    std::string topic;
+    const TypeSupport* type = nullptr;
+    untyped::Requirement requirement;
+    SubscriberOptions options;
+    untyped::Callback callback;  ///< empty: samples are taken
+  };
+
+  /// `bell` is what is rung when samples arrive; `recorder` is null unless the requirement is recorded.
+  SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Recorder> recorder);
+
+  untyped::Sample take();
+  untyped::Sample take_latest();
+  bool wait(std::chrono::nanoseconds timeout);
+  bool available();
+  /// Callback subscribers: whether there is something that nobody is dispatching.
+  bool waits_for_dispatch();
+
+  /// Callback subscribers: calls back for all there is. At once if a call is under way on another thread: that one goes on.
+  void dispatch();
+  void arrived() noexcept override;
+
+  /// After it returns no callback runs any more, except for one in which it is called itself.
+  void close();
+
+  SubscriberStatus status();
+  /// Whether this thread is within a callback of some subscriber.
+  static bool in_callback() noexcept;
+
+  const TypeSupport& type() const { return *spec_.type; }
+  const Spec& spec() const { return spec_; }
+  bool has_callback() const { return static_cast<bool>(spec_.callback); }
+
+  // The agent's.
+  void set_port(TransportKind kind, std::shared_ptr<ReaderPort> port);
+  // For status(): what is heard at present, and the mask and number of the request in force.
+  void hears(const std::vector<Hearing>& hearing);
+  void requests(const FieldMask& mask, std::uint64_t sequence);
+
+ private:
+  struct Heard {  ///< per writer
+    EndpointId writer = 0;
+    std::uint64_t last_sequence = 0;
+    std::uint64_t received = 0;
+    std::uint64_t lost = 0;
+  };
+  struct Inlet {
+    std::shared_ptr<ReaderPort> port;
+    SampleHandle next;  ///< taken from the port, not yet from us
+  };
+
+  struct Next {
+    SampleHandle sample;
+    SampleInfo info;
+  };
+
+  bool fill_inlets();
+  Inlet* oldest_inlet();
+  Heard& heard(EndpointId writer);
+  void forget_the_gone();
+  Next next();
+  untyped::Sample wrap(Next next);
+  void call_back_for_all();
+
+  const Spec spec_;
+  Doorbell& bell_;
+  const std::shared_ptr<Recorder> recorder_;
+
+  std::mutex mutex_;  // never held over a system call or a callback
+  std::array<Inlet, 2> inlets_;  // by TransportKind
+  std::vector<Heard> heard_;
+  Heard gone_;  ///< sums of writers that were forgotten
+  std::vector<WriterStatus> writers_;
+  FieldMask requested_;
+  std::uint64_t requests_ = 1;
+
+  // All sequentially consistent: waits_for_dispatch() of one thread against the end of dispatch() on another.
+  std::atomic<std::uint32_t> pending_{0};  ///< arrivals not yet dispatched; whoever raises it from 0 dispatches
+  std::atomic<bool> closed_{false};
+  std::atomic<std::thread::id> dispatching_{};
+};
+
+}  // namespace sft::core

@@ -1,0 +1,178 @@
+// The seam between the core and the ways a sample can travel. Shared memory and UDP are each one Transport; the core
+// decides who is served by which (core/negotiation.h) and never asks which one it talks to.
+//
+// Threads. Everything is called from the node's agent thread except WriterPort::loan and send (the publisher's thread),
+// ReaderPort::take (any thread, one at a time), and description, counters and, for UDP, open_writer and open_reader (any
+// thread); set_routes, connect, disconnect and accept_masks may run at the same time as these. Listeners are called from
+// threads of the transport.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/sample_buffer.h"
+#include "sft/status.h"
+#include "sft/typesupport/field_mask.h"
+#include "sft/typesupport/result.h"
+#include "sft/typesupport/type_support.h"
+
+namespace sft::core {
+
+using sft::TransportKind;
+
+using EndpointId = std::uint64_t;  ///< random per incarnation, never 0; datagrams carry its low 32 bits
+
+/// Where datagrams for a reader go.
+struct UdpAddress {
+  std::uint32_t ipv4 = 0;  ///< host byte order
+  std::uint16_t port = 0;
+  std::uint32_t receive_buffer_bytes = 0;  ///< of the socket, as the kernel counts: a sender paces bursts by it
+  friend bool operator==(const UdpAddress&, const UdpAddress&) = default;
+};
+
+/// The word that is rung when a sample for a reader was put into shared memory (core/doorbell.h).
+struct DoorbellAddress {
+  std::uint64_t page = 0;
+  std::uint32_t slot = 0;
+  friend bool operator==(const DoorbellAddress&, const DoorbellAddress&) = default;
+};
+
+using Locator = std::variant<UdpAddress, DoorbellAddress>;
+
+/// A reader to be served, and with what. `mask` is closed.
+struct Route {
+  EndpointId reader = 0;
+  Locator destination;
+  FieldMask mask;
+  friend bool operator==(const Route&, const Route&) = default;
+};
+
+struct WriterSpec {
+  EndpointId id = 0;
+  const TypeSupport* type = nullptr;  ///< outlives the port
+  std::size_t max_sample_bytes = 0;   ///< of a body
+};
+
+/// What a reader has to know of a writer whose samples it wants.
+struct Source {
+  EndpointId writer = 0;
+  std::size_t max_sample_bytes = 0;
+  friend bool operator==(const Source&, const Source&) = default;
+};
+
+enum class SendStatus : std::uint8_t {
+  sent,       ///< handed over for every route
+  dropped,    ///< at least one route did not get it (queue full, socket error); counted by the port
+  lost_port,  ///< the transport is gone; the agent has been told through Transport::poll
+};
+
+class WriterPort {
+ public:
+  virtual ~WriterPort() = default;
+
+  /// Memory for a sample of `bytes` in all (header, index, body); empty if there is none now. Owner, data, capacity are
+  /// set and the header is a fresh one.
+  virtual SampleHandle loan(std::size_t bytes) noexcept = 0;
+
+  /// Sends an encoded sample to the routes in force; see can_send() for where it may come from. The caller may still read
+  /// the sample afterwards while it keeps a handle, but not write.
+  /// Never waits for a reader. Every route's mask must be a subset of sample->mask.
+  virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
+
+  virtual void set_routes(std::vector<Route> routes) = 0;
+
+  /// Whether send() can take this sample as it is: shared memory only carries what it lent itself.
+  virtual bool can_send(const SampleBuffer& sample) const noexcept {
+    static_cast<void>(sample);
+    return true;
+  }
+
+  /// Bytes of payload and headers of ours handed to the operating system so far, over all routes (0 in shared memory).
+  virtual std::uint64_t bytes_sent() const noexcept = 0;
+};
+
+class ArrivalListener {
+ public:
+  /// At least one sample can be taken. Called from a thread of the transport, which does nothing else meanwhile.
+  virtual void arrived() noexcept = 0;
+
+ protected:
+  ~ArrivalListener() = default;
+};
+
+struct ReaderSpec {
+  EndpointId id = 0;
+  const TypeSupport* type = nullptr;    ///< outlives the port
+  std::uint32_t depth = 1;              ///< samples kept until taken, per writer; the oldest goes first
+  ArrivalListener* listener = nullptr;  ///< outlives the port; not called by shared memory, where doorbells ring
+  DoorbellAddress doorbell;             ///< what writers in shared memory ring for this reader
+};
+
+class ReaderPort {
+ public:
+  virtual ~ReaderPort() = default;
+
+  /// The oldest sample not yet taken, validated so far that every getter is safe; empty if there is none.
+  virtual SampleHandle take() noexcept = 0;
+
+  /// Begins to accept a writer's samples. In shared memory asks the daemon, with a deadline of its own.
+  virtual Result<void> connect(const Source& source) = 0;
+  /// Whether samples that the writer sends from now on will arrive.
+  virtual bool connected(EndpointId writer) const noexcept = 0;
+  /// Accepts no more of them; what has arrived can still be taken.
+  virtual void disconnect(EndpointId writer) noexcept = 0;
+
+  /// Masks (closed) under which samples are for this reader: what it requests now, and what it requested before while
+  /// such samples may be in flight. Only meaningful where variants share a destination (UDP).
+  virtual void accept_masks(std::vector<FieldMask> masks) = 0;
+
+  /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
+  virtual std::uint64_t discarded() const noexcept = 0;
+};
+
+/// Identity of the memory that co-located processes share: boot_id and the token that the daemon put into /dev/shm.
+struct HostToken {
+  std::array<std::uint8_t, 32> bytes{};
+  bool known() const { return bytes != std::array<std::uint8_t, 32>{}; }
+  friend bool operator==(const HostToken&, const HostToken&) = default;
+};
+
+enum class Availability : std::uint8_t { ready, starting, unavailable };
+
+class Transport {
+ public:
+  virtual ~Transport() = default;
+  virtual TransportKind kind() const noexcept = 0;
+
+  /// Looks after the transport (starts or finds its daemon, notices its death) and tells its state; called often, from
+  /// the agent, and returns at once. When the answer leaves `ready`, ports of before are dead: destroy and reopen them.
+  virtual Availability poll(std::chrono::steady_clock::time_point now) = 0;
+  /// One sentence on the state: how it works ("io_uring, GRO"), or why it does not and what to do.
+  virtual std::string description() const = 0;
+  /// Known while shared memory is ready; never for UDP.
+  virtual HostToken host_token() const { return {}; }
+  /// Where readers of this node are reached, best first; empty for shared memory (readers have doorbells).
+  virtual std::vector<UdpAddress> addresses() const { return {}; }
+
+  virtual Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec& spec) = 0;
+  virtual Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec& spec) = 0;
+
+  /// Counted since open: datagrams or samples that were refused, by reason. For tools and tests.
+  struct Counters {
+    std::uint64_t malformed = 0;   ///< bytes that are not what they claim to be
+    std::uint64_t unknown = 0;     ///< from writers that nobody here reads
+    std::uint64_t incomplete = 0;  ///< samples of which a part never came
+    std::uint64_t over_limit = 0;  ///< dropped to stay within a limit
+  };
+  virtual Counters counters() const noexcept { return {}; }
+};
+
+}  // namespace sft::core

@@ -1,0 +1,101 @@
+#include "sft/untyped.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/publisher_core.h"
+#include "core/recorder.h"
+#include "core/sample_buffer.h"
+#include "core/subscriber_core.h"
+
+namespace sft {
+
+const char* to_string(PublishStatus status) {
+  switch (status) {
+    case PublishStatus::ok: return "ok";
+    case PublishStatus::invalid: return "the message breaks a bound, has a NUL in a string, or is too large";
+    case PublishStatus::no_memory: return "no chunk or buffer is free";
+    case PublishStatus::dropped: return "not handed to every reader";
+  }
+  return "unknown";
+}
+
+namespace untyped {
+
+using core::SampleHandle;
+
+namespace {
+
+/// A header in shared memory may change while it is read: the body is bounded by what was checked when it was taken.
+SampleState state_of(const core::SampleBuffer& buffer, std::size_t slots) {
+  const std::size_t body_offset = SampleLayout(slots).body_offset;
+  const std::size_t body_bytes = __atomic_load_n(&buffer.header().body_bytes, __ATOMIC_RELAXED);
+  return {.body = buffer.data + body_offset,
+          .body_bytes = static_cast<std::uint32_t>(std::min(body_bytes, buffer.capacity - body_offset)),
+          .index = buffer.index(),
+          .mask = &buffer.mask};
+}
+
+}  // namespace
+
+Sample::Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
+               core::RecordedSample* record)
+    : state_(state_of(*buffer, type.slots())), info_(info), buffer_(buffer), record_(record) {
+  if (record_ != nullptr) state_.log = &record_->log();
+}
+
+std::span<const std::byte> Sample::cdr() const {
+  return {state_.body - encapsulation_bytes, state_.body_bytes + encapsulation_bytes};
+}
+
+void Sample::reset() noexcept {
+  if (auto* record = std::exchange(record_, nullptr)) core::Recorder::end(record);
+  SampleHandle::adopt(std::exchange(buffer_, nullptr)).reset();
+}
+
+void Sample::swap(Sample& other) noexcept {
+  std::swap(state_, other.state_);
+  std::swap(info_, other.info_);
+  std::swap(buffer_, other.buffer_);
+  std::swap(record_, other.record_);
+}
+
+Loan::Loan(std::shared_ptr<core::PublisherCore> publisher, core::SampleBuffer* buffer)
+    : publisher_(std::move(publisher)), buffer_(buffer) {}
+
+Loan::~Loan() { SampleHandle::adopt(buffer_).reset(); }
+
+std::byte* Loan::body() const { return buffer_->data + SampleLayout(publisher_->type().slots()).body_offset; }
+
+SampleState Loan::state() const { return state_of(*buffer_, publisher_->type().slots()); }
+
+PublishStatus Loan::publish() && {
+  return publisher_->commit(SampleHandle::adopt(std::exchange(buffer_, nullptr)));
+}
+
+PublishStatus Publisher::publish(const void* value) { return core_->publish(value); }
+
+Result<PublishStatus> Publisher::publish_cdr(std::span<const std::byte> payload) { return core_->publish_cdr(payload); }
+
+Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation> reservations) {
+  return core_->loan(prototype, reservations).map([this](SampleHandle&& sample) {
+    return Loan(core_, sample.release());
+  });
+}
+
+PublisherStatus Publisher::status() const { return core_->status(); }
+
+const TypeSupport& Publisher::type() const { return core_->type(); }
+
+Sample Subscriber::take() { return core_->take(); }
+
+Sample Subscriber::take_latest() { return core_->take_latest(); }
+
+bool Subscriber::wait(std::chrono::nanoseconds timeout) { return core_->wait(timeout); }
+
+SubscriberStatus Subscriber::status() const { return core_->status(); }
+
+const TypeSupport& Subscriber::type() const { return core_->type(); }
+
+}  // namespace untyped
+}  // namespace sft

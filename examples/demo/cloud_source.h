@@ -1,0 +1,45 @@
+// Where the clouds that the LiDAR publishes come from.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "sft/publisher.h"
+
+namespace sft::demo {
+
+using sensor_msgs::msg::PointCloud2;
+
+class CloudSource {
+ public:
+  struct Published {
+    PublishStatus status{};
+    std::uint64_t full_bytes = 0;  ///< encapsulation and body of the whole message
+  };
+
+  virtual ~CloudSource() = default;
+
+  /// What is published, in a few words: a path, or "generated scene".
+  virtual std::string name() const = 0;
+  /// How large the clouds are, for people: "128 x 1024 points".
+  virtual std::string shape() const = 0;
+
+  /// Publishes message `number`, counted from 0.
+  virtual Result<Published> publish(Publisher<PointCloud2>& publisher, std::uint64_t number) = 0;
+};
+
+/// "128 x 1024 points", or "64,000 points" of a cloud without rows
+std::string format_shape(std::uint32_t height, std::uint32_t width);
+
+const TypeSupport& cloud_type();
+
+/// Encapsulation and body of a message that is `prototype` with `data_bytes` bytes of data.
+std::uint64_t full_bytes(const PointCloud2& prototype, std::uint32_t data_bytes);
+
+/// One channel of the points: `count` numbers of a type that sensor_msgs/PointField names.
+sensor_msgs::msg::PointField point_field(std::string name, std::uint32_t offset, std::uint8_t datatype,
+                                         std::uint32_t count = 1);
+
+}  // namespace sft::demo

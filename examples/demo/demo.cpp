@@ -1,0 +1,187 @@
+#include "examples/demo/demo.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "examples/demo/measurement.h"
+
+namespace sft::demo {
+
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr seconds patience_for_matching{20};
+constexpr seconds patience_for_shared_memory{8};
+constexpr seconds patience_for_arrival{2};
+// For about so long after they met, DDS participants repeat their introductions.
+constexpr milliseconds settling{2'500};
+// Then each says about every so often that it is still there (80 % of the lease that the library gives). Over
+// any whole number of such periods the control traffic is the same, over others it depends on luck.
+constexpr seconds control_period{8};
+constexpr const char* stopped_early = "stopped before anything was published";
+constexpr milliseconds refresh{250};
+constexpr milliseconds poll_interval{20};
+
+}  // namespace
+
+Demo::Demo(const DemoOptions& options, const CloudSource& source, Stage& stage, Interrupt& interrupt,
+           Display& display)
+    : options_(options), source_(source), stage_(stage), interrupt_(interrupt), display_(display) {}
+
+Result<RunFigures> Demo::run() {
+  return await_readiness()
+      .and_then([this] { return let_it_settle(); })
+      .and_then([this] { return publish(); })
+      .and_then([this] { return await_arrival(); })
+      .map([this] { return figures(last_); });
+}
+
+Result<Demo::Snapshot> Demo::look(const Order& order) {
+  Snapshot now;
+  for (const Stage::Subscriber& subscriber : stage_.subscribers()) {
+    Result<SubscriberReport> report = stage_.ask(subscriber);
+    if (!report) return tl::unexpected(report.error());
+    now.subscribers.push_back(std::move(*report));
+  }
+  // The publisher last: what subscribers have received by now is published.
+  Result<PublisherReport> report = stage_.ask_publisher(order);
+  if (!report) return tl::unexpected(report.error());
+  now.publisher = std::move(*report);
+  now.at = Clock::now();
+  if (settled_.at != Clock::time_point{}) note_idle_traffic(now);
+  return now;
+}
+
+bool Demo::served_as_wished(const Snapshot& now, std::size_t number, bool any_transport) const {
+  const Stage::Subscriber& subscriber = stage_.subscribers()[number];
+  const std::vector<ReaderReport>& readers = now.publisher.readers;
+  const auto reader = std::find_if(readers.begin(), readers.end(),
+                                   [&](const ReaderReport& r) { return r.node == subscriber.name; });
+  if (reader == readers.end() || !reader->served || !now.subscribers[number].matched) return false;
+  return any_transport || !subscriber.local ||
+         (reader->transport == "shm" && now.subscribers[number].transport == "shm");
+}
+
+Error Demo::not_ready(const Snapshot& now) const {
+  std::string text = fmt::format("not everybody was served within {} s:", patience_for_matching.count());
+  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    if (served_as_wished(now, i, true)) continue;
+    const SubscriberReport& report = now.subscribers[i];
+    const std::string& why = report.warning.empty() ? report.reason : report.warning;
+    text +=
+        fmt::format(" {} ({})", stage_.subscribers()[i].name, why.empty() ? "heard of no publisher" : why);
+  }
+  if (!now.publisher.warning.empty()) text += "; the publisher says: " + now.publisher.warning;
+  return {Errc::unavailable, text};
+}
+
+Result<void> Demo::await_readiness() {
+  const auto start = Clock::now();
+  for (;;) {
+    Result<Snapshot> now = look();
+    if (!now) return tl::unexpected(now.error());
+    const auto waited = now->at - start;
+    const bool any_transport = waited > patience_for_shared_memory;
+    bool ready = true;
+    for (std::size_t i = 0; i < now->subscribers.size(); ++i) {
+      ready = ready && served_as_wished(*now, i, any_transport);
+    }
+    if (ready) {
+      display_.say(fmt::format("All {} subscribers found the publisher within {:.1f} s.",
+                               now->subscribers.size(), std::chrono::duration<double>(waited).count()));
+      return {};
+    }
+    if (waited > patience_for_matching) return tl::unexpected(not_ready(*now));
+    if (interrupt_.wait_until(now->at + poll_interval)) return fail(Errc::unavailable, stopped_early);
+  }
+}
+
+/// Also makes the run long enough for a figure of the idle traffic, where publishing alone is not.
+Result<void> Demo::let_it_settle() {
+  if (!stage_.real_hosts()) return {};
+  display_.say("Waiting until discovery is quiet ...");
+  if (interrupt_.wait_until(Clock::now() + settling)) return fail(Errc::unavailable, stopped_early);
+  Result<Snapshot> now = look();
+  if (!now) return tl::unexpected(now.error());
+  settled_ = std::move(*now);
+  const auto publishing = std::chrono::floor<milliseconds>(std::chrono::duration<double>(options_.seconds));
+  const auto silence = control_period + 2 * refresh - publishing;
+  if (silence <= silence.zero()) return {};
+  display_.say("Listening to what nodes send while nothing is published ...");
+  if (interrupt_.wait_until(settled_.at + silence)) return fail(Errc::unavailable, stopped_early);
+  return {};
+}
+
+Result<void> Demo::publish() {
+  Result<Snapshot> now = look({Order::Kind::publish, options_.hz, options_.samples()});
+  if (!now) return tl::unexpected(now.error());
+  begin_ = std::move(*now);
+  last_ = begin_;
+  while (!last_.publisher.finished) {
+    const bool stop = interrupt_.wait_until(last_.at + refresh);
+    now = look({stop ? Order::Kind::halt : Order::Kind::report});
+    if (!now) return tl::unexpected(now.error());
+    last_ = std::move(*now);
+    display_.show(figures(last_), std::chrono::duration<double>(last_.at - begin_.at).count());
+  }
+  return {};
+}
+
+Result<void> Demo::await_arrival() {
+  const auto deadline = Clock::now() + patience_for_arrival;
+  for (;;) {
+    Result<Snapshot> now = look();
+    if (!now) return tl::unexpected(now.error());
+    last_ = std::move(*now);
+    const bool all_there = std::all_of(
+        last_.subscribers.begin(), last_.subscribers.end(),
+        [&](const SubscriberReport& s) { return s.received + s.lost >= last_.publisher.published; });
+    is_over_ = all_there || last_.at > deadline || interrupt_.wait_until(last_.at + poll_interval);
+    if (is_over_) return {};
+  }
+}
+
+/// Control traffic does not depend on what is published, so it may as well be measured meanwhile.
+void Demo::note_idle_traffic(const Snapshot& now) {
+  if (now.at - settled_.at < (control_periods_ + 1) * control_period) return;
+  ++control_periods_;
+  idle_bytes_per_s_ = control_per_node(now);
+}
+
+/// What one node sent since discovery was quiet, on the average of all nodes.
+double Demo::control_per_node(const Snapshot& now) const {
+  // Its host has two nodes.
+  double rate = control_bytes_per_s(settled_.publisher.traffic, now.publisher.traffic);
+  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    if (stage_.subscribers()[i].local) continue;
+    rate += control_bytes_per_s(settled_.subscribers[i].traffic, now.subscribers[i].traffic);
+  }
+  return rate / static_cast<double>(1 + now.subscribers.size());
+}
+
+RunFigures Demo::figures(const Snapshot& now) const {
+  RunFigures run;
+  run.input = source_.name();
+  run.message_shape = source_.shape();
+  run.hz = options_.hz;
+  run.samples = now.publisher.published;
+  run.dropped = now.publisher.dropped;
+  run.hosts = stage_.hosts();
+  run.idle_bytes_per_s = idle_bytes_per_s_;
+  const Conditions conditions{options_.arr, stage_.real_hosts(), is_over_};
+  const double published = std::max(1.0, static_cast<double>(now.publisher.published));
+  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    SubscriberFigures subscriber =
+        measure(begin_.subscribers[i], now.subscribers[i], now.publisher.published, conditions);
+    subscriber.name = stage_.subscribers()[i].name;
+    subscriber.host = stage_.real_hosts() ? stage_.subscribers()[i].host : "-";
+    subscriber.full_bytes_per_sample = static_cast<double>(now.publisher.full_bytes) / published;
+    run.subscribers.push_back(std::move(subscriber));
+  }
+  return run;
+}
+
+}  // namespace sft::demo

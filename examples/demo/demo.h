@@ -1,0 +1,56 @@
+// One run of the demo: waits until everybody found each other and discovery is quiet, lets the LiDAR publish,
+// and collects what it cost.
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include "examples/demo/display.h"
+#include "examples/demo/figures.h"
+#include "examples/demo/interrupt.h"
+#include "examples/demo/options.h"
+#include "examples/demo/stage.h"
+
+namespace sft::demo {
+
+class Demo {
+ public:
+  Demo(const DemoOptions& options, const CloudSource& source, Stage& stage, Interrupt& interrupt,
+       Display& display);
+
+  Result<RunFigures> run();
+
+ private:
+  /// What all roles report, asked one after the other.
+  struct Snapshot {
+    Clock::time_point at;
+    PublisherReport publisher;
+    std::vector<SubscriberReport> subscribers;
+  };
+
+  Result<Snapshot> look(const Order& order = {});
+  Result<void> await_readiness();
+  Result<void> let_it_settle();
+  Result<void> publish();
+  Result<void> await_arrival();
+
+  bool served_as_wished(const Snapshot& now, std::size_t subscriber, bool any_transport) const;
+  Error not_ready(const Snapshot& now) const;
+  RunFigures figures(const Snapshot& now) const;
+  void note_idle_traffic(const Snapshot& now);
+  double control_per_node(const Snapshot& now) const;
+
+  const DemoOptions& options_;
+  const CloudSource& source_;
+  Stage& stage_;
+  Interrupt& interrupt_;
+  Display& display_;
+  Snapshot settled_;  ///< when all had found each other and nothing was published yet
+  Snapshot begin_;    ///< just before the first sample
+  Snapshot last_;
+  unsigned control_periods_ = 0;  ///< in idle_bytes_per_s_
+  std::optional<double> idle_bytes_per_s_;
+  bool is_over_ = false;  ///< what has not arrived by now is lost
+};
+
+}  // namespace sft::demo

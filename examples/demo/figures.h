@@ -1,0 +1,57 @@
+// What a run measured: filled by the demo, shown by the table and the summary, written as JSON.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sft::demo {
+
+struct SubscriberFigures {
+  std::string name;
+  std::string host;
+  std::string transport;                  ///< "shm" or "udp"
+  std::string reason;                     ///< for the transport
+  std::vector<std::string> fields;        ///< asked for
+  std::vector<std::string> other_fields;  ///< the rest
+  bool recorded = false;
+  std::uint64_t received = 0;
+  std::uint64_t lost = 0;
+  std::uint64_t incomplete = 0;         ///< of the lost ones: some of it came
+  double full_bytes_per_sample = 0;     ///< encapsulation and body of the whole message
+  double payload_bytes_per_sample = 0;  ///< of what was received; in shared memory, of what can be read
+  std::optional<double> wire_bytes_per_sample;  ///< link layer included; empty where it cannot be measured
+  std::optional<double> learning_bytes;         ///< on the wire, before the recorded mask had narrowed
+  std::optional<double> latency_p50_us;
+  std::optional<double> latency_p99_us;
+
+  bool in_shared_memory() const { return transport == "shm"; }
+  /// The share of the whole message that did not cross the network; empty where that was not measured.
+  std::optional<double> saved() const;
+};
+
+struct RunFigures {
+  std::string input;
+  std::string message_shape;  ///< for people: "128 x 1024 points"
+  double hz = 0;
+  std::uint64_t samples = 0;
+  std::uint64_t dropped = 0;  ///< of these: not handed over to every subscriber, since a queue was full
+  unsigned hosts = 0;
+  std::optional<double> idle_bytes_per_s;  ///< control traffic that one node sends, on average
+  std::vector<SubscriberFigures> subscribers;
+
+  bool real_hosts() const { return hosts > 1; }
+};
+
+nlohmann::ordered_json to_json(const RunFigures& figures);
+
+/// "82 B", "1.57 kB", "6.29 MB"
+std::string format_bytes(double bytes);
+/// "6,291,725"
+std::string format_count(std::uint64_t count);
+/// "height, width", "all but height", "all"
+std::string format_fields(const SubscriberFigures& subscriber);
+
+}  // namespace sft::demo

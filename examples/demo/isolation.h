@@ -1,0 +1,19 @@
+// What makes a process tree a host of its own, beside its network: own processes, own /dev/shm and own /tmp,
+// so that it has its own shared memory and its own daemon.
+#pragma once
+
+#include "examples/demo/network.h"
+
+namespace sft::demo {
+
+/// Moves the calling process into `network` and mounts an empty /dev/shm and /tmp that only it and its
+/// children see. Its next child becomes the first process of a new process namespace; when that one ends, the
+/// kernel ends all in there.
+Result<void> leave_this_host(const NetworkNamespace& network);
+/// In that child: makes /proc tell of the new process namespace.
+Result<void> mount_own_proc();
+
+/// Whether this process may do all that. The error says why not.
+Result<void> try_isolation();
+
+}  // namespace sft::demo

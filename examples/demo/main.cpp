@@ -1,0 +1,88 @@
+// sft_demo: what Selective Field Transmission does, on one machine. A LiDAR publishes point clouds;
+// subscribers on other hosts are sent the fields that they need, one on the LiDAR's own host reads all of
+// them in shared memory.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "examples/demo/demo.h"
+#include "examples/demo/file_source.h"
+#include "examples/demo/scene_source.h"
+
+namespace sft::demo {
+
+namespace {
+
+Result<std::unique_ptr<CloudSource>> open_source(const DemoOptions& options, Display& display) {
+  if (!options.input) return std::make_unique<SceneSource>(options.hz);
+  Result<Input> input = read_point_clouds(*options.input, options.samples());
+  if (!input) return tl::unexpected(input.error());
+  for (const std::string& note : input->notes) display.say(options.input->native() + ": " + note);
+  return std::make_unique<FileSource>(options.input->native(), std::move(input->clouds));
+}
+
+/// Before the run: afterwards it would be too late to say that it cannot be written.
+Result<void> check_writable(const std::filesystem::path& path) {
+  if (std::ofstream(path, std::ios::app)) return {};
+  return fail(Errc::invalid_argument, path.native() + " cannot be written; give another file to --json");
+}
+
+Result<void> write_json(const std::filesystem::path& path, const RunFigures& figures) {
+  std::ofstream file(path);
+  file << to_json(figures).dump(2) << '\n';
+  if (file.flush()) return {};
+  return fail(Errc::system, path.native() + " could not be written");
+}
+
+Result<void> run(const DemoOptions& options) {
+  if (options.json) {
+    if (Result<void> writable = check_writable(*options.json); !writable) return writable;
+  }
+  Display display;
+  const Result<std::unique_ptr<CloudSource>> source = open_source(options, display);
+  if (!source) return tl::unexpected(source.error());
+
+  Interrupt interrupt;
+  const Result<std::unique_ptr<Stage>> stage = Stage::set_up(**source, options.arr);
+  if (!stage) return tl::unexpected(stage.error());
+  display.say((*stage)->real_hosts()
+                  ? "Four hosts, each in namespaces of its own, on an emulated switch."
+                  : "No real hosts (" + (*stage)->why_not() +
+                        "): everything runs on this machine, with the network path forced over loopback.");
+  const Result<RunFigures> figures = Demo(options, **source, **stage, interrupt, display).run();
+  if (!figures) return tl::unexpected(figures.error());
+  display.conclude(*figures);
+  return options.json ? write_json(*options.json, *figures) : Result<void>();
+}
+
+}  // namespace
+
+}  // namespace sft::demo
+
+int main(int argc, char** argv) {
+  sft::demo::DemoOptions options;
+  CLI::App app("Point clouds from a LiDAR, and who is sent what of them.");
+  app.add_option("--input", options.input,
+                 "Publish the clouds of a file (.cdr, .cdrlog, KITTI .bin, .pcd) or of a directory of them, "
+                 "again and again "
+                 "(default: a generated street of 128 x 1024 points)");
+  app.add_option("--hz", options.hz, "Clouds per second")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 1000.0));
+  app.add_option("--seconds", options.seconds, "How long to publish")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 86400.0));
+  app.add_flag("--arr", options.arr,
+               "Nobody declares fields: they are recorded from what each subscriber reads");
+  app.add_option("--json", options.json, "Write the figures to a file");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
+  const sft::Result<void> done = sft::demo::run(options);
+  if (!done) std::fprintf(stderr, "sft_demo: %s\n", done.error().message.c_str());
+  return done ? 0 : 1;
+}

@@ -1,0 +1,66 @@
+// A generated street as a spinning LiDAR sees it: road, houses, parked cars, posts, and a car that drives by.
+// Every call with the same time gives the same bytes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sft::demo {
+
+/// A point as Ouster's ROS driver lays it out.
+struct LidarPoint {
+  float x = 0;  ///< m; all three 0: no return
+  float y = 0;
+  float z = 0;
+  float unused_w = 0;
+  float intensity = 0;
+  std::uint32_t t = 0;  ///< ns since the begin of the scan
+  std::uint16_t reflectivity = 0;
+  std::uint16_t ring = 0;  ///< row
+  std::uint16_t ambient = 0;
+  std::uint16_t unused_after_ambient = 0;
+  std::uint32_t range = 0;  ///< mm; 0: no return
+  std::uint32_t unused_at_end[3] = {};
+};
+static_assert(sizeof(LidarPoint) == 48);
+
+struct Vector {
+  float x = 0;
+  float y = 0;
+  float z = 0;
+};
+
+/// With faces along the axes, and how much light it sends back (0..255).
+struct Box {
+  Vector low;
+  Vector high;
+  std::uint8_t reflectivity = 0;
+};
+
+class Scene {
+ public:
+  static constexpr std::uint32_t rows = 128;  ///< row 0 looks up
+  static constexpr std::uint32_t columns = 1024;
+  static constexpr std::uint32_t points = rows * columns;
+  static constexpr std::size_t bytes = points * sizeof(LidarPoint);
+
+  Scene();
+
+  /// The scan at that time, row by row. REQUIRES: cloud.size() == bytes.
+  void render(double seconds, std::span<std::uint8_t> cloud) const;
+
+ private:
+  struct Hit {
+    float range_m = 0;  ///< 0: none
+    std::uint8_t reflectivity = 0;
+  };
+  Hit nearest_standing(const Vector& ray) const;
+  static LidarPoint point_of(std::uint32_t pixel, const Vector& ray, const Hit& hit, std::uint32_t scan);
+
+  std::vector<Vector> rays_;   // of length 1, one per pixel
+  std::vector<Hit> standing_;  // what does not move, seen once for all scans
+};
+
+}  // namespace sft::demo

@@ -1,0 +1,61 @@
+// The example's hosts and who runs on them.
+//
+//   host "lidar"     the publisher, and the viewer
+//   host "monitor"   diagnostic          host "vision"  detector          host "mapping"  slam
+//
+// Where namespaces are to be had, each is a host of its own on an emulated network. Otherwise all are
+// processes on this machine, and those that would be remote are held to UDP.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "examples/demo/cloud_source.h"
+#include "examples/demo/host.h"
+#include "examples/demo/network.h"
+#include "examples/demo/protocol.h"
+
+namespace sft::demo {
+
+class Stage {
+ public:
+  struct Subscriber {
+    std::string name;
+    std::string host;
+    bool local = false;  ///< on the host of the publisher
+    Channel* channel = nullptr;
+  };
+
+  /// Starts everything. `source` is published by a child process, which has its own copy. REQUIRES: one
+  /// thread.
+  static Result<std::unique_ptr<Stage>> set_up(CloudSource& source, bool arr);
+  /// Ends everything.
+  ~Stage();
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  /// Whether the hosts are namespaces; if not, `why_not` says why.
+  bool real_hosts() const { return network_.has_value(); }
+  const std::string& why_not() const { return why_not_; }
+  unsigned hosts() const { return real_hosts() ? static_cast<unsigned>(hosts_.size()) : 1; }
+  static std::string_view publisher_host();
+
+  const std::vector<Subscriber>& subscribers() const { return subscribers_; }
+  Result<PublisherReport> ask_publisher(const Order& order);
+  Result<SubscriberReport> ask(const Subscriber& subscriber);
+
+ private:
+  Stage() = default;
+  Result<void> start_hosts(CloudSource& source, bool arr);
+
+  std::string why_not_;
+  std::optional<EmulatedNetwork> network_;
+  std::vector<Host> hosts_;
+  std::vector<Subscriber> subscribers_;
+};
+
+}  // namespace sft::demo

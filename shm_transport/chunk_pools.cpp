@@ -1,0 +1,27 @@
+#include "shm_transport/chunk_pools.h"
+
+namespace sft::shm {
+
+std::optional<ChunkPools::Choice> ChunkPools::choose(std::size_t bytes) const noexcept {
+  constexpr int candidates = 2;
+  std::size_t payload = payload_for(bytes);
+  int tried = 0;
+  for (std::uint32_t i = 0; i < pools_.getNumberOfMemPools() && tried < candidates; ++i) {
+    const auto pool = pools_.getMemPoolInfo(i);
+    if (pool.m_chunkSize < payload + chunk_header_size) continue;
+    if (pool.m_usedChunks + vanished_[i].load(std::memory_order_relaxed) < pool.m_numChunks) {
+      return Choice{i, static_cast<std::uint32_t>(payload)};
+    }
+    payload = pool.m_chunkSize - chunk_header_size + 8;  // too much for this one
+    ++tried;
+  }
+  return std::nullopt;
+}
+
+void ChunkPools::note_empty(const Choice& choice) noexcept {
+  const auto pool = pools_.getMemPoolInfo(choice.pool);
+  if (pool.m_usedChunks >= pool.m_numChunks) return;  // others were faster
+  vanished_[choice.pool].store(pool.m_numChunks - pool.m_usedChunks, std::memory_order_relaxed);
+}
+
+}  // namespace sft::shm

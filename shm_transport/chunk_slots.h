@@ -1,0 +1,66 @@
+// Sample buffers set up once, one for each chunk that a port can have out at a time: lending a chunk
+// allocates nothing.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "core/sample_buffer.h"
+#include "shm_transport/iceoryx.h"
+
+namespace sft::shm {
+
+// iceoryx passes chunks on, and counts their references, with atomics that do not order what the chunks
+// contain: on CPUs that reorder, a reader's last loads could come after the chunk was given back and written
+// anew. So a fence stands on our side of each of these calls. (GCC tells that its thread sanitizer does not
+// see fences; it sees no other process either.)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpragmas"
+#pragma GCC diagnostic ignored "-Wtsan"
+inline void before_chunk_leaves() noexcept { std::atomic_thread_fence(std::memory_order_release); }
+inline void after_chunk_came() noexcept { std::atomic_thread_fence(std::memory_order_acquire); }
+#pragma GCC diagnostic pop
+
+struct ChunkSlot {
+  core::SampleBuffer buffer;
+  iox::mepoo::ChunkHeader* chunk = nullptr;
+  iox::mepoo::ShmSafeUnmanagedChunk
+      name{};         ///< of a writer's chunk, to make references from; counts for none itself
+  bool sent = false;  ///< by a writer: no longer to be written
+  ChunkSlot* next_free = nullptr;
+
+  static ChunkSlot& of(core::SampleBuffer& buffer) { return *static_cast<ChunkSlot*>(buffer.owner_data); }
+};
+
+/// Not thread-safe: guarded by its port's mutex.
+class ChunkSlots {
+ public:
+  ChunkSlots(std::uint32_t count, const FieldMask& mask) : slots_(std::make_unique<ChunkSlot[]>(count)) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      slots_[i].buffer.mask = mask;
+      slots_[i].buffer.owner_data = &slots_[i];
+      give_back(slots_[i]);
+    }
+  }
+
+  bool empty() const { return free_ == nullptr; }
+
+  ChunkSlot* take() noexcept {
+    ChunkSlot* slot = free_;
+    if (slot != nullptr) free_ = slot->next_free;
+    return slot;
+  }
+
+  void give_back(ChunkSlot& slot) noexcept {
+    slot.chunk = nullptr;
+    slot.next_free = free_;
+    free_ = &slot;
+  }
+
+ private:
+  std::unique_ptr<ChunkSlot[]> slots_;
+  ChunkSlot* free_ = nullptr;
+};
+
+}  // namespace sft::shm

@@ -1,0 +1,109 @@
+#include "shm_transport/daemon_launch.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <climits>
+#include <cstring>
+#include <vector>
+
+extern char** environ;
+
+namespace sft::shm {
+
+namespace {
+
+constexpr const char* program = "sftd";
+
+std::string own_directory() {
+  char path[PATH_MAX];
+  const ssize_t length = readlink("/proc/self/exe", path, sizeof path);
+  const std::string_view whole(path, static_cast<std::size_t>(length < 0 ? 0 : length));
+  return std::string(whole.substr(0, whole.rfind('/') + 1));
+}
+
+/// The daemon's file, or its bare name where PATH is to be searched.
+std::string find_program(const ShmOptions& options) {
+  if (!options.daemon_path.empty()) return options.daemon_path;
+  const std::string here = own_directory();
+  for (const std::string& candidate : {here + program, here + "../libexec/sft/" + program}) {
+    if (access(candidate.c_str(), X_OK) == 0) return candidate;
+  }
+  return program;
+}
+
+/// What the new process starts with: no descriptor but its standard ones, no signal blocked or ignored.
+class SpawnSettings {
+ public:
+  explicit SpawnSettings(int standard_error) {
+    posix_spawn_file_actions_init(&actions_);
+    posix_spawn_file_actions_addopen(&actions_, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions_, 1, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions_, standard_error, 2);
+    posix_spawn_file_actions_addclosefrom_np(&actions_, 3);
+    posix_spawnattr_init(&attributes_);
+    sigset_t signals;
+    sigemptyset(&signals);
+    posix_spawnattr_setsigmask(&attributes_, &signals);
+    sigfillset(&signals);
+    posix_spawnattr_setsigdefault(&attributes_, &signals);
+    posix_spawnattr_setflags(&attributes_,
+                             POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  }
+  ~SpawnSettings() {
+    posix_spawn_file_actions_destroy(&actions_);
+    posix_spawnattr_destroy(&attributes_);
+  }
+  SpawnSettings(const SpawnSettings&) = delete;
+  SpawnSettings& operator=(const SpawnSettings&) = delete;
+
+  const posix_spawn_file_actions_t* actions() const { return &actions_; }
+  const posix_spawnattr_t* attributes() const { return &attributes_; }
+
+ private:
+  posix_spawn_file_actions_t actions_;
+  posix_spawnattr_t attributes_;
+};
+
+}  // namespace
+
+Result<DaemonLaunch> DaemonLaunch::begin(const ShmOptions& options) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return fail(Errc::system, std::string("pipe: ") + std::strerror(errno));
+  Descriptor read_end(ends[0]);
+  const Descriptor write_end(ends[1]);
+  fcntl(read_end.get(), F_SETFL, O_NONBLOCK);
+
+  const std::string path = find_program(options);
+  std::string idle_exit = "--idle-exit=" + std::to_string(options.daemon_idle_exit.count());
+  std::array<char*, 3> arguments{const_cast<char*>(path.c_str()), idle_exit.data(), nullptr};
+  const SpawnSettings settings(write_end.get());
+  pid_t child = -1;
+  const int error = posix_spawnp(&child, path.c_str(), settings.actions(), settings.attributes(),
+                                 arguments.data(), environ);
+  if (error != 0) {
+    return fail(
+        error == ENOENT ? Errc::unavailable : Errc::system,
+        path + " could not be started: " + std::strerror(error) +
+            "; install sftd beside the program, in ../libexec/sft or in PATH, or name it in the options");
+  }
+  return DaemonLaunch(child, std::move(read_end));
+}
+
+std::optional<DaemonLaunch::Outcome> DaemonLaunch::poll() {
+  char text[512];
+  ssize_t bytes = 0;
+  while ((bytes = read(complaints_.get(), text, sizeof text)) > 0)
+    text_.append(text, static_cast<std::size_t>(bytes));
+  // A negative result of read: it runs on. 0 of waitpid: about to exit; -1: the program reaped it itself.
+  if (bytes < 0 || waitpid(child_, nullptr, WNOHANG) == 0) return std::nullopt;
+  while (!text_.empty() && text_.back() == '\n') text_.pop_back();
+  return Outcome{text_};
+}
+
+}  // namespace sft::shm

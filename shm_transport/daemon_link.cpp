@@ -1,0 +1,202 @@
+#include "shm_transport/daemon_link.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+
+#include "core/random_id.h"
+
+namespace sft::shm {
+
+namespace {
+
+using core::Availability;
+using namespace std::chrono_literals;
+
+constexpr Clock::duration first_backoff = 500ms;
+constexpr Clock::duration longest_backoff = 10s;
+
+/// sft_<prefix>_<pid>_<random>: unique among the processes that a daemon serves, as it must be.
+std::string make_runtime_name(const std::string& prefix) {
+  std::string name = runtime_name_stem;
+  for (const char c : prefix.substr(0, 32)) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  char rest[40];
+  std::snprintf(rest, sizeof rest, "_%d_%08x", static_cast<int>(getpid()),
+                static_cast<unsigned>(core::random_id()));
+  return name + rest;
+}
+
+/// iceoryx's socket answers, but there is no sign of sftd in /dev/shm.
+std::string why_roudi_is_not_ours() {
+  const Descriptor lock(open(daemon_lock_path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  if (lock && is_locked(lock.get())) {
+    return "sftd is running with another /dev/shm than this program's; share it (docker run --ipc=host)";
+  }
+  return "iceoryx is served by another daemon than sftd (its iox-roudi?); stop that one, and sftd will be "
+         "started";
+}
+
+std::string daemon_name(pid_t pid) { return "sftd (pid " + std::to_string(pid) + ")"; }
+
+}  // namespace
+
+DaemonLink::State DaemonLink::advance(const ShmOptions& options,
+                                      const std::shared_ptr<IceoryxRuntime>& runtime, Clock::time_point now) {
+  if (advancing_.test_and_set(std::memory_order_acquire)) return current();
+  std::shared_ptr<Session> session;  // keeps a new one until the caller has it
+  switch (phase_) {
+    case Phase::looking:
+      look(options, now);
+      break;
+    case Phase::launching:
+      await_launch(options, now);
+      break;
+    case Phase::registering:
+      session = await_registration(runtime, now);
+      break;
+    case Phase::in_session:
+      session = watch_session();
+      break;
+  }
+  const State state = current();
+  advancing_.clear(std::memory_order_release);
+  return state;
+}
+
+void DaemonLink::look(const ShmOptions& options, Clock::time_point now) {
+  HostWatch::Look found = HostWatch::look();
+  if (found.finding == HostWatch::Finding::starting) return await_host_file(options, now);
+  deadline_.reset();
+  if (found.finding == HostWatch::Finding::alive) {
+    if (now >= next_attempt_) begin_registration(options, std::move(*found.watch), now);
+  } else if (listener_at(roudi_socket_path) != Listener::gone) {
+    publish(Availability::unavailable, why_roudi_is_not_ours());
+  } else if (!options.start_daemon) {
+    publish(Availability::unavailable, "no sftd is running, and starting one is turned off; run sftd");
+  } else if (now >= next_attempt_) {
+    launch(options, now);
+  }
+}
+
+void DaemonLink::await_host_file(const ShmOptions& options, Clock::time_point now) {
+  if (!deadline_) deadline_ = now + options.start_deadline;
+  if (now < *deadline_) {
+    publish(Availability::starting, "sftd is starting");
+  } else {
+    publish(Availability::unavailable,
+            "sftd does not get ready; is it stopped? Look for it with: pgrep -a sftd");
+  }
+}
+
+void DaemonLink::launch(const ShmOptions& options, Clock::time_point now) {
+  auto launched = DaemonLaunch::begin(options);
+  if (!launched) return give_up(launched.error().message, now);
+  launch_.emplace(std::move(*launched));
+  deadline_ = now + options.start_deadline;
+  phase_ = Phase::launching;
+  publish(Availability::starting, "starts sftd");
+}
+
+void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) {
+  const auto outcome = launch_->poll();
+  if (!outcome && now >= *deadline_) {
+    launch_.reset();
+    return give_up("sftd was started but does not get ready; is the machine overloaded?", now);
+  }
+  if (!outcome) return;
+  launch_.reset();
+  if (!outcome->complaint.empty()) return give_up(outcome->complaint, now);
+  phase_ = Phase::looking;
+  deadline_.reset();
+  // A daemon that ends as soon as it is ready would be started again and again without this.
+  next_attempt_ = now;
+  look(options, now);
+  if (phase_ == Phase::looking) next_attempt_ = now + first_backoff;
+}
+
+void DaemonLink::begin_registration(const ShmOptions& options, HostWatch watch, Clock::time_point now) {
+  auto channel = RoudiChannel::open(make_runtime_name(options.runtime_name_prefix));
+  if (!channel)
+    return give_up(daemon_name(watch.file().pid) + " cannot be reached: " + channel.error().message, now);
+  channel_ = std::move(*channel);
+  watch_.emplace(std::move(watch));
+  deadline_ = now + options.connect_deadline;
+  phase_ = Phase::registering;
+  publish(Availability::starting, "registers with " + daemon_name(watch_->file().pid));
+}
+
+std::shared_ptr<Session> DaemonLink::await_registration(const std::shared_ptr<IceoryxRuntime>& runtime,
+                                                        Clock::time_point now) {
+  const auto answer = channel_->poll_registration();
+  const std::string name = daemon_name(watch_->file().pid);
+  if (!answer) {
+    give_up(answer.error().message, now);
+  } else if (!watch_->daemon_lives()) {
+    give_up(name + " went away while this process registered", now);
+  } else if (!*answer && now >= *deadline_) {
+    give_up(name + " does not answer; is it stopped, or does it already serve 300 processes?", now);
+  } else if (*answer) {
+    auto session = Session::open(runtime, std::move(*watch_), std::move(channel_), **answer);
+    watch_.reset();
+    if (!session) {
+      give_up(session.error().message, now);
+      return nullptr;
+    }
+    backoff_ = Clock::duration::zero();
+    phase_ = Phase::in_session;
+    publish(Availability::ready, "iceoryx 2.0.3, hosted by " + name, *session);
+    return *session;
+  }
+  return nullptr;
+}
+
+std::shared_ptr<Session> DaemonLink::watch_session() {
+  std::shared_ptr<Session> session = current().session;
+  if (session != nullptr && session->daemon_lives()) {
+    session->collect();
+    return session;
+  }
+  // Without a session everybody let go of the last one, which said goodbye by that.
+  phase_ = Phase::looking;
+  next_attempt_ = {};
+  publish(Availability::starting,
+          session != nullptr ? daemon_name(session->daemon_pid()) + " is gone" : "looks for sftd");
+  if (session != nullptr) session->lose();
+  return nullptr;
+}
+
+void DaemonLink::give_up(std::string reason, Clock::time_point now) {
+  channel_.reset();
+  watch_.reset();
+  deadline_.reset();
+  phase_ = Phase::looking;
+  backoff_ = std::clamp(backoff_ * 2, first_backoff, longest_backoff);
+  next_attempt_ = now + backoff_;
+  publish(Availability::unavailable, std::move(reason));
+}
+
+void DaemonLink::publish(Availability availability, std::string description,
+                         std::shared_ptr<Session> session) {
+  const std::scoped_lock lock(mutex_);
+  availability_ = availability;
+  description_ = std::move(description);
+  session_ = session;
+}
+
+DaemonLink::State DaemonLink::current() const {
+  const std::scoped_lock lock(mutex_);
+  std::shared_ptr<Session> session = session_.lock();
+  // A session that everybody let go of is no longer there to be shared.
+  if (availability_ == Availability::ready && session == nullptr) return {Availability::starting, nullptr};
+  return {availability_, std::move(session)};
+}
+
+std::string DaemonLink::description() const {
+  const std::scoped_lock lock(mutex_);
+  return description_;
+}
+
+}  // namespace sft::shm

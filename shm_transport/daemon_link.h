@@ -1,0 +1,67 @@
+// The way from "no shared memory" to a session and back: looks for the daemon, starts one, registers, and
+// notices its death. A state machine that never waits; it is advanced by whoever polls.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "core/transport.h"
+#include "shm_transport/daemon_launch.h"
+#include "shm_transport/session.h"
+#include "shm_transport/shm_transport.h"
+
+namespace sft::shm {
+
+class DaemonLink {
+ public:
+  struct State {
+    core::Availability availability = core::Availability::starting;
+    std::shared_ptr<Session> session{};  ///< exactly while ready
+  };
+
+  /// Any thread. Where another thread is advancing it just now, the state is as that one last left it.
+  /// `runtime` is what owns this link; sessions keep it.
+  State advance(const ShmOptions& options, const std::shared_ptr<IceoryxRuntime>& runtime,
+                Clock::time_point now);
+
+  /// One sentence on that state.
+  std::string description() const;
+
+ private:
+  enum class Phase { looking, launching, registering, in_session };
+
+  void look(const ShmOptions& options, Clock::time_point now);
+  void launch(const ShmOptions& options, Clock::time_point now);
+  void await_launch(const ShmOptions& options, Clock::time_point now);
+  void await_host_file(const ShmOptions& options, Clock::time_point now);
+  void begin_registration(const ShmOptions& options, HostWatch watch, Clock::time_point now);
+  std::shared_ptr<Session> await_registration(const std::shared_ptr<IceoryxRuntime>& runtime,
+                                              Clock::time_point now);
+  std::shared_ptr<Session> watch_session();
+
+  void give_up(std::string reason, Clock::time_point now);
+  void publish(core::Availability availability, std::string description,
+               std::shared_ptr<Session> session = nullptr);
+  State current() const;
+
+  // Of the thread that advances, which is whoever took the flag.
+  std::atomic_flag advancing_ = ATOMIC_FLAG_INIT;
+  Phase phase_ = Phase::looking;
+  std::optional<DaemonLaunch> launch_;
+  std::optional<HostWatch> watch_;
+  std::unique_ptr<RoudiChannel> channel_;
+  std::optional<Clock::time_point> deadline_;  ///< of what the phase waits for
+  Clock::time_point next_attempt_{};  ///< launches and registrations that failed are not repeated before
+  Clock::duration backoff_ = Clock::duration::zero();
+
+  mutable std::mutex mutex_;  // guards what is seen from outside
+  core::Availability availability_ = core::Availability::starting;
+  std::string description_ = "looks for sftd";
+  std::weak_ptr<Session> session_;  ///< held by transports and ports, not by the link
+};
+
+}  // namespace sft::shm

@@ -1,0 +1,66 @@
+// /dev/shm/sft_host: the sign that this /dev/shm is served by an sftd. It names the daemon's memory by a
+// random token, which processes exchange to learn that they share it, and it is locked as long as that daemon
+// lives.
+//
+// Text, one "key value" a line; incomplete without the last line, "end".
+#pragma once
+
+#include <sys/types.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/transport.h"
+#include "shm_transport/file_lock.h"
+
+namespace sft::shm {
+
+inline constexpr const char* host_file_path = "/dev/shm/sft_host";
+inline constexpr const char* daemon_lock_path = "/tmp/sftd.lock";
+inline constexpr const char* roudi_socket_path = "/tmp/roudi";
+inline constexpr const char* runtime_name_stem = "sft_";  ///< of the sockets in /tmp that are ours
+
+struct HostFile {
+  std::array<std::uint8_t, 16> token{};
+  pid_t pid = 0;                       ///< of the daemon in its own pid namespace: for messages only
+  std::uint64_t port_pool_offset = 0;  ///< of iceoryx's table of ports, in the management segment
+  std::string segment{};               ///< name of the segment with the samples, for whoever cleans up
+};
+
+std::string format(const HostFile& file);
+std::optional<HostFile> parse_host_file(std::string_view text);
+
+/// An open host file. Alive as long as the daemon that wrote it.
+class HostWatch {
+ public:
+  enum class Finding { absent, starting, alive };
+  struct Look;
+  static Look look();
+
+  const HostFile& file() const { return file_; }
+  /// One system call, right even if another daemon has replaced the file meanwhile.
+  bool daemon_lives() const noexcept { return is_locked(descriptor_.get()); }
+
+ private:
+  HostWatch(Descriptor descriptor, HostFile file) : descriptor_(std::move(descriptor)), file_(file) {}
+
+  Descriptor descriptor_;
+  HostFile file_;
+};
+
+struct HostWatch::Look {
+  Finding finding = Finding::absent;
+  std::optional<HostWatch> watch{};  ///< where it is alive
+};
+
+/// boot_id and the daemon's token.
+core::HostToken host_token(const HostFile& file);
+
+enum class Listener { alive, gone, unknown };
+/// Whether a process listens on this socket; unknown where this one may not ask. Leaves no trace there.
+Listener listener_at(const char* path) noexcept;
+
+}  // namespace sft::shm

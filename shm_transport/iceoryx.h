@@ -1,0 +1,23 @@
+// All of iceoryx that the transport uses, included in this one way.
+//
+// Used below its public API, where calls fail with values instead of aborting: ports (PublisherPortUser and
+// SubscriberPortUser), the words of its protocol with the daemon, and the layout of the management segment.
+// Hence the exact version in CMakeLists.txt; both sides of that layout, sftd and this library, are built from
+// it.
+#pragma once
+
+#include <iceoryx_hoofs/cxx/generic_raii.hpp>
+#include <iceoryx_hoofs/error_handling/error_handling.hpp>
+#include <iceoryx_hoofs/internal/relocatable_pointer/base_relative_pointer.hpp>
+#include <iceoryx_hoofs/log/logmanager.hpp>
+#include <iceoryx_hoofs/posix_wrapper/posix_access_rights.hpp>
+#include <iceoryx_posh/iceoryx_posh_types.hpp>
+#include <iceoryx_posh/internal/mepoo/memory_manager.hpp>
+#include <iceoryx_posh/internal/mepoo/segment_manager.hpp>
+#include <iceoryx_posh/internal/popo/ports/publisher_port_user.hpp>
+#include <iceoryx_posh/internal/popo/ports/subscriber_port_user.hpp>
+#include <iceoryx_posh/internal/roudi/port_pool_data.hpp>
+#include <iceoryx_posh/internal/runtime/ipc_interface_base.hpp>
+#include <iceoryx_posh/internal/runtime/ipc_message.hpp>
+#include <iceoryx_posh/runtime/port_config_info.hpp>
+#include <iceoryx_posh/version/version_info.hpp>

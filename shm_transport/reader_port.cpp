@@ -1,0 +1,206 @@
+#include "shm_transport/reader_port.h"
+
+#include <algorithm>
+#include <ctime>
+
+namespace sft::shm {
+
+using core::SampleBuffer;
+using core::SampleHandle;
+
+namespace {
+
+std::int64_t realtime_ns() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+}  // namespace
+
+std::shared_ptr<ChunkBorrower> ChunkBorrower::make(std::shared_ptr<Session> session,
+                                                   iox::popo::SubscriberPortData& port,
+                                                   core::EndpointId writer, const TypeSupport& type,
+                                                   std::shared_ptr<Statistics> statistics,
+                                                   std::uint32_t held_limit) {
+  std::shared_ptr<ChunkBorrower> borrower(
+      new ChunkBorrower(session, port, writer, type, std::move(statistics), held_limit));
+  session->enlist(borrower);
+  return borrower;
+}
+
+ChunkBorrower::ChunkBorrower(std::shared_ptr<Session> session, iox::popo::SubscriberPortData& port,
+                             core::EndpointId writer, const TypeSupport& type,
+                             std::shared_ptr<Statistics> statistics, std::uint32_t held_limit)
+    : session_(std::move(session)),
+      writer_(writer),
+      type_(type),
+      statistics_(std::move(statistics)),
+      data_(port),
+      port_(&port),
+      slots_(held_limit, type.full()) {}
+
+/// The last sample is back. The port goes once no writer delivers to it any more, which the session looks
+/// after.
+ChunkBorrower::~ChunkBorrower() {
+  close();
+  session_->retire(&data_);
+}
+
+bool ChunkBorrower::connected() const noexcept {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!open_) return false;
+  }
+  return session_->is_fed(data_);
+}
+
+SampleHandle ChunkBorrower::take() noexcept {
+  while (ChunkSlot* slot = next_chunk()) {
+    after_chunk_came();
+    SampleBuffer& buffer = slot->buffer;
+    if (!check(*slot)) {
+      recycle(buffer);
+      continue;
+    }
+    buffer.receive_stamp_ns = realtime_ns();
+    buffer.owner = shared_from_this();
+    return SampleHandle(buffer);
+  }
+  return {};
+}
+
+/// Takes the oldest chunk out of the queue, if a slot is free for it; otherwise it stays there, and the queue
+/// overflows if it must. iceoryx itself would drop what exceeds its limit of held chunks.
+ChunkSlot* ChunkBorrower::next_chunk() noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (!open_) return nullptr;
+  if (slots_.empty()) {
+    if (port_.hasNewChunks()) statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
+    return nullptr;
+  }
+  auto chunk = port_.tryGetChunk();
+  if (chunk.has_error()) return nullptr;
+  overflowed_ = port_.hasLostChunksSinceLastCall();
+  ChunkSlot* slot = slots_.take();
+  slot->chunk = const_cast<iox::mepoo::ChunkHeader*>(chunk.value());
+  return slot;
+}
+
+/// The buffer's capacity becomes exactly what was checked, in this process's own memory: the header in the
+/// chunk can still be changed by a hostile writer, and must not be asked again.
+bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
+  SampleBuffer& buffer = slot.buffer;
+  buffer.data = static_cast<std::byte*>(slot.chunk->userPayload());
+  const std::size_t size = slot.chunk->userPayloadSize();
+  const bool in_place =
+      reinterpret_cast<std::uintptr_t>(buffer.data) % 8 == 0 && session_->holds(buffer.data, size);
+  const auto sample = in_place ? check_sample(buffer.data, size, type_, writer_) : std::nullopt;
+  if (!sample) {
+    statistics_->malformed.fetch_add(1, std::memory_order_relaxed);
+    discarded_.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  buffer.capacity = sample->bytes;
+  count_gap(sample->sequence, overflowed_);
+  return true;
+}
+
+/// iceoryx tells only that something was pushed out, not how much, and may tell it one sample late; sequences
+/// tell how much, but have gaps for other reasons too (samples that went another way). Together they give the
+/// number.
+void ChunkBorrower::count_gap(std::uint64_t sequence, bool overflowed) noexcept {
+  const std::uint64_t gap =
+      last_sequence_ != 0 && sequence > last_sequence_ ? sequence - last_sequence_ - 1 : 0;
+  if (overflowed) {
+    const std::uint64_t lost = unexplained_gap_ + gap;
+    discarded_.fetch_add(std::max<std::uint64_t>(lost, 1), std::memory_order_relaxed);
+  }
+  unexplained_gap_ = overflowed ? 0 : gap;
+  last_sequence_ = sequence;
+}
+
+void ChunkBorrower::recycle(SampleBuffer& buffer) noexcept {
+  before_chunk_leaves();
+  ChunkSlot& slot = ChunkSlot::of(buffer);
+  const std::scoped_lock lock(mutex_);
+  if (!lost_) port_.releaseChunk(slot.chunk);
+  slots_.give_back(slot);
+}
+
+void ChunkBorrower::close() noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (!std::exchange(open_, false)) return;
+  port_.unsubscribe();
+}
+
+void ChunkBorrower::lose() noexcept {
+  const std::scoped_lock lock(mutex_);
+  open_ = false;
+  lost_ = true;
+}
+
+ShmReaderPort::ShmReaderPort(std::shared_ptr<Session> session, const core::ReaderSpec& spec,
+                             const ShmOptions& options, std::shared_ptr<Statistics> statistics)
+    : session_(std::move(session)), spec_(spec), options_(options), statistics_(std::move(statistics)) {}
+
+ShmReaderPort::~ShmReaderPort() {
+  for (const auto& writer : writers_) writer->close();
+}
+
+SampleHandle ShmReaderPort::take() noexcept {
+  const std::scoped_lock lock(mutex_);
+  for (std::size_t i = 0; i < writers_.size(); ++i) {
+    const std::size_t at = (next_writer_ + i) % writers_.size();
+    if (SampleHandle sample = writers_[at]->take()) {
+      next_writer_ = at + 1;
+      return sample;
+    }
+  }
+  return {};
+}
+
+Result<void> ShmReaderPort::connect(const core::Source& source) {
+  if (find(source.writer) != nullptr) return {};
+  const std::uint32_t depth = std::clamp(spec_.depth, 1U, options_.queue_limit);
+  auto port = session_->create_subscriber(source.writer, depth, Clock::now() + options_.port_deadline);
+  if (!port) return tl::unexpected(port.error());
+  auto writer =
+      ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_, options_.held_limit);
+  const std::scoped_lock lock(mutex_);
+  writers_.push_back(std::move(writer));
+  return {};
+}
+
+bool ShmReaderPort::connected(core::EndpointId writer) const noexcept {
+  const auto found = find(writer);
+  return found != nullptr && found->connected();
+}
+
+void ShmReaderPort::disconnect(core::EndpointId writer) noexcept {
+  std::shared_ptr<ChunkBorrower> gone;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto found = std::ranges::find(writers_, writer, [](const auto& w) { return w->writer(); });
+    if (found == writers_.end()) return;
+    gone = std::move(*found);
+    writers_.erase(found);
+    discarded_before_ += gone->discarded();
+  }
+  gone->close();
+}
+
+std::uint64_t ShmReaderPort::discarded() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  std::uint64_t sum = discarded_before_;
+  for (const auto& writer : writers_) sum += writer->discarded();
+  return sum;
+}
+
+std::shared_ptr<ChunkBorrower> ShmReaderPort::find(core::EndpointId writer) const noexcept {
+  const std::scoped_lock lock(mutex_);
+  const auto found = std::ranges::find(writers_, writer, [](const auto& w) { return w->writer(); });
+  return found == writers_.end() ? nullptr : *found;
+}
+
+}  // namespace sft::shm

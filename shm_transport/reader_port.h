@@ -1,0 +1,95 @@
+// A reader: one iceoryx subscriber port for each writer that it is connected to, polled in turn.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "core/transport.h"
+#include "shm_transport/chunk_slots.h"
+#include "shm_transport/sample_check.h"
+#include "shm_transport/session.h"
+#include "shm_transport/shm_transport.h"
+#include "shm_transport/statistics.h"
+
+namespace sft::shm {
+
+/// What one writer sends to one reader. Outlives the port as long as a sample of it is held anywhere.
+class ChunkBorrower final : public core::BufferOwner,
+                            public SessionMember,
+                            public std::enable_shared_from_this<ChunkBorrower> {
+ public:
+  static std::shared_ptr<ChunkBorrower> make(std::shared_ptr<Session> session,
+                                             iox::popo::SubscriberPortData& port, core::EndpointId writer,
+                                             const TypeSupport& type, std::shared_ptr<Statistics> statistics,
+                                             std::uint32_t held_limit);
+  ~ChunkBorrower() override;
+
+  core::EndpointId writer() const { return writer_; }
+  bool connected() const noexcept;
+  std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
+
+  /// The oldest valid sample; malformed ones are counted and skipped. One thread at a time.
+  core::SampleHandle take() noexcept;
+  /// No more samples; those that are held stay.
+  void close() noexcept;
+
+  void recycle(core::SampleBuffer& buffer) noexcept override;
+  void lose() noexcept override;
+
+ private:
+  ChunkBorrower(std::shared_ptr<Session> session, iox::popo::SubscriberPortData& port,
+                core::EndpointId writer, const TypeSupport& type, std::shared_ptr<Statistics> statistics,
+                std::uint32_t held_limit);
+  ChunkSlot* next_chunk() noexcept;
+  bool check(ChunkSlot& slot) noexcept;
+  void count_gap(std::uint64_t sequence, bool overflowed) noexcept;
+
+  const std::shared_ptr<Session> session_;
+  const core::EndpointId writer_;
+  const TypeSupport& type_;
+  const std::shared_ptr<Statistics> statistics_;
+  std::atomic<std::uint64_t> discarded_{0};
+
+  // Of the thread that takes.
+  bool overflowed_ = false;          ///< iceoryx reported it with the chunk just popped
+  std::uint64_t last_sequence_ = 0;  ///< 0: none yet
+  std::uint64_t unexplained_gap_ = 0;
+
+  mutable std::mutex mutex_;  // guards what follows; never held over a system call
+  bool open_ = true;          ///< neither closed nor lost
+  bool lost_ = false;
+  iox::popo::SubscriberPortData& data_;
+  iox::popo::SubscriberPortUser port_;
+  ChunkSlots slots_;
+};
+
+class ShmReaderPort final : public core::ReaderPort {
+ public:
+  ShmReaderPort(std::shared_ptr<Session> session, const core::ReaderSpec& spec, const ShmOptions& options,
+                std::shared_ptr<Statistics> statistics);
+  ~ShmReaderPort() override;
+
+  core::SampleHandle take() noexcept override;
+  Result<void> connect(const core::Source& source) override;
+  bool connected(core::EndpointId writer) const noexcept override;
+  void disconnect(core::EndpointId writer) noexcept override;
+  void accept_masks(std::vector<FieldMask>) override {}  // there is one variant in shared memory: all of it
+  std::uint64_t discarded() const noexcept override;
+
+ private:
+  std::shared_ptr<ChunkBorrower> find(core::EndpointId writer) const noexcept;
+
+  const std::shared_ptr<Session> session_;
+  const core::ReaderSpec spec_;
+  const ShmOptions options_;
+  const std::shared_ptr<Statistics> statistics_;
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::vector<std::shared_ptr<ChunkBorrower>> writers_;
+  std::size_t next_writer_ = 0;
+  std::uint64_t discarded_before_ = 0;  ///< of writers that are no longer connected
+};
+
+}  // namespace sft::shm

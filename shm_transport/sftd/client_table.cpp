@@ -1,0 +1,75 @@
+#include "shm_transport/sftd/client_table.h"
+
+#include <poll.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "shm_transport/host_file.h"
+
+namespace sft::shm {
+
+namespace {
+
+constexpr std::chrono::seconds round_interval{1};
+
+bool has_exited(const Descriptor& process) {
+  pollfd state{process.get(), POLLIN, 0};
+  return poll(&state, 1, 0) > 0;
+}
+
+}  // namespace
+
+bool ClientTable::is_dead(const std::string& name, bool process_exited) {
+  const Listener listener = listener_at(("/tmp/" + name).c_str());
+  return listener == Listener::gone || (listener == Listener::unknown && process_exited);
+}
+
+void ClientTable::add(const std::string& name, pid_t pid) {
+  auto process = std::make_shared<const Descriptor>(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
+  const std::scoped_lock lock(mutex_);
+  clients_.insert_or_assign(name, std::move(process));
+}
+
+void ClientTable::remove(const std::string& name) {
+  const std::scoped_lock lock(mutex_);
+  clients_.erase(name);
+}
+
+bool ClientTable::empty() const {
+  const std::scoped_lock lock(mutex_);
+  return clients_.empty();
+}
+
+std::vector<std::string> ClientTable::find_dead(Clock::time_point now) {
+  std::map<std::string, Process> clients;
+  {
+    const std::scoped_lock lock(mutex_);
+    clients = clients_;
+  }
+  std::vector<pollfd> processes;
+  for (const auto& [name, process] : clients) processes.push_back({process->get(), POLLIN, 0});
+  poll(processes.data(), processes.size(), 0);
+  const bool everybody = now >= next_round_;
+  if (everybody) next_round_ = now + round_interval;
+
+  std::vector<std::string> dead;
+  auto polled = processes.begin();
+  for (const auto& [name, process] : clients) {
+    const bool exited = (polled++)->revents != 0;
+    if ((everybody || exited) && is_dead(name, exited)) dead.push_back(name);
+  }
+  return dead;
+}
+
+bool ClientTable::is_gone(const std::string& name) const {
+  Process process;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto client = clients_.find(name);
+    if (client == clients_.end()) return true;
+    process = client->second;
+  }
+  return is_dead(name, has_exited(*process));
+}
+
+}  // namespace sft::shm

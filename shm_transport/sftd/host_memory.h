@@ -1,0 +1,56 @@
+// The daemon's shared memory: iceoryx's management segment and one segment of pools. As
+// IceOryxRouDiMemoryManager, but failures are values, and it is known where the table of ports lies (readers
+// look there whether they are connected).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "sft/typesupport/result.h"
+#include "shm_transport/iceoryx.h"
+#include "shm_transport/sftd/pools.h"
+
+#include <iceoryx_hoofs/posix_wrapper/file_lock.hpp>
+#include <iceoryx_posh/internal/roudi/memory/port_pool_memory_block.hpp>
+#include <iceoryx_posh/roudi/memory/default_roudi_memory.hpp>
+#include <iceoryx_posh/roudi/memory/roudi_memory_interface.hpp>
+#include <iceoryx_posh/roudi/memory/roudi_memory_manager.hpp>
+#include <iceoryx_posh/roudi/port_pool.hpp>
+
+namespace sft::shm {
+
+/// Name of the segment of pools in /dev/shm, and of the group that may use it: iceoryx makes them the same.
+Result<std::string> data_segment_name();
+
+iox::RouDiConfig_t make_config(const PoolPlan& plan, const std::string& segment_name);
+
+class HostMemory final : public iox::roudi::RouDiMemoryInterface {
+ public:
+  /// Bytes of the management segment for these pools.
+  static std::size_t management_bytes(const iox::RouDiConfig_t& config);
+
+  /// Creates the segments and fills them with zeros, so that /dev/shm has really given the memory.
+  static Result<std::unique_ptr<HostMemory>> make(const iox::RouDiConfig_t& config);
+
+  std::uint64_t port_pool_offset() const;
+
+  iox::cxx::expected<iox::roudi::RouDiMemoryManagerError> createAndAnnounceMemory() noexcept override;
+  iox::cxx::expected<iox::roudi::RouDiMemoryManagerError> destroyMemory() noexcept override;
+  const iox::roudi::PosixShmMemoryProvider* mgmtMemoryProvider() const noexcept override;
+  iox::cxx::optional<iox::roudi::PortPool*> portPool() noexcept override;
+  iox::cxx::optional<iox::mepoo::MemoryManager*> introspectionMemoryManager() const noexcept override;
+  iox::cxx::optional<iox::mepoo::SegmentManager<>*> segmentManager() const noexcept override;
+
+ private:
+  explicit HostMemory(const iox::RouDiConfig_t& config);
+  std::size_t management_bytes() const;
+
+  iox::roudi::PortPoolMemoryBlock ports_;
+  iox::cxx::optional<iox::roudi::PortPool> port_pool_;
+  iox::roudi::DefaultRouDiMemory memory_;
+  iox::roudi::RouDiMemoryManager manager_;
+};
+
+}  // namespace sft::shm

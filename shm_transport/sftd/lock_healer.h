@@ -1,0 +1,69 @@
+// Opens locks in shared memory that a dead process left closed.
+//
+// iceoryx keeps a mutex in each port: a publisher holds its own, and that of each queue it puts a chunk into,
+// while it delivers. If it is killed in between, the daemon blocks on that mutex for good the next time it
+// changes the port's connections, and nobody can register any more; and it would abort on destroying a port
+// whose mutex is locked.
+//
+// Opening such a lock by force is safe. First, only dead processes can have held it: the publisher, for its
+// own lock as for those of the queues it feeds; that none of the daemon's threads is its holder is checked.
+// Second, the dead holder left nothing half done under it: what the mutexes guard (a publisher's list of
+// queues, a queue's condition variable) is written by the daemon only, and chunks in queues are in lock-free
+// structures. The publisher writes only the names of its deliveries, which the daemon removes
+// (chunk_reclaimer.h).
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "shm_transport/iceoryx.h"
+#include "shm_transport/sftd/client_table.h"
+#include "shm_transport/sftd/log.h"
+
+namespace iox::roudi {
+class PortPool;
+}
+
+namespace sft::shm {
+
+class LockHealer {
+ public:
+  LockHealer(iox::roudi::PortPool& ports, const ClientTable& clients, const Log& log)
+      : ports_(ports), clients_(clients), log_(log) {}
+
+  /// Notes which ports there are. The caller keeps the daemon's threads from changing them meanwhile.
+  void note_ports();
+
+  /// Opens what dead processes left locked. False if it must look again first (in 20 ms). Any thread; also
+  /// while a thread of the daemon is blocked on such a lock.
+  bool heal();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Lock = iox::popo::ThreadSafePolicy;
+  struct KnownPort {
+    const iox::popo::BasePortData* port;
+    const Lock* lock;
+    iox::RuntimeName_t owner;  ///< copied: the port may be destroyed, and its place be used for another
+    iox::capro::ServiceDescription service;
+    bool is_publisher;
+  };
+  enum class Finding { in_order, opened, unclear };
+  Finding look_at(const KnownPort& port, Clock::time_point now);
+  bool holder_is_dead(const KnownPort& port) const;
+  bool is_settled(const Lock* lock, int holder, Clock::time_point now);
+
+  iox::roudi::PortPool& ports_;
+  const ClientTable& clients_;
+  const Log& log_;
+
+  std::mutex mutex_;              // guards what follows; held for a whole round, of which no call blocks
+  std::vector<KnownPort> known_;  ///< subscribers first
+  /// Locks that are closed without a holder, and since when.
+  std::map<const Lock*, Clock::time_point> unowned_;
+};
+
+}  // namespace sft::shm

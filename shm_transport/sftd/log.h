@@ -1,0 +1,30 @@
+// sftd's own messages: to the terminal in the foreground, to syslog once detached.
+#pragma once
+
+#include <string>
+#include <utility>
+
+namespace sft::shm {
+
+enum class LogLevel { error, warning, info, debug };
+
+class Log {
+ public:
+  enum class Target { standard_error, system_log };
+  Log(LogLevel most_detailed, Target target);
+
+  /// Any thread.
+  void write(LogLevel level, const std::string& text) const;
+  void error(const std::string& text) const { write(LogLevel::error, text); }
+  void warning(const std::string& text) const { write(LogLevel::warning, text); }
+  void info(const std::string& text) const { write(LogLevel::info, text); }
+  void debug(const std::string& text) const { write(LogLevel::debug, text); }
+
+  LogLevel level() const { return most_detailed_; }
+
+ private:
+  LogLevel most_detailed_;
+  Target target_;
+};
+
+}  // namespace sft::shm

@@ -1,0 +1,79 @@
+#include "shm_transport/sftd/pools.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace sft::shm {
+
+namespace {
+
+struct SizeClass {
+  std::size_t bytes;
+  double share;        ///< of the budget
+  std::uint32_t most;  ///< more of them serve nobody
+};
+
+constexpr std::size_t KiB = 1024;
+constexpr std::size_t MiB = 1024 * KiB;
+
+// A little over the round sizes, so that a round body with its header and index does not fall into the next
+// class.
+constexpr std::array size_classes{
+    SizeClass{4 * KiB, 0.03, 4096},         SizeClass{16 * KiB, 0.04, 2048},
+    SizeClass{64 * KiB + KiB, 0.06, 1024},  SizeClass{256 * KiB + 4 * KiB, 0.09, 512},
+    SizeClass{MiB + 4 * KiB, 0.16, 256},    SizeClass{4 * MiB + 8 * KiB, 0.20, 128},
+    SizeClass{8 * MiB + 8 * KiB, 0.20, 64}, SizeClass{largest_chunk_bytes, 0.22, 32},
+};
+
+constexpr std::uint32_t fewest = 2;
+// A large size may take more than its share for its two chunks, but not more than this part of what is there.
+constexpr double largest_part = 0.4;
+
+std::size_t chunk_bytes(const SizeClass& size) { return size.bytes + chunk_header_bytes; }
+
+std::uint32_t count_for(const SizeClass& size, double share_bytes, std::size_t left_bytes) {
+  const auto chunk = static_cast<double>(chunk_bytes(size));
+  const auto by_share = static_cast<std::uint32_t>(share_bytes / chunk);
+  if (by_share >= fewest) return std::min(by_share, size.most);
+  return fewest * chunk <= largest_part * static_cast<double>(left_bytes) ? fewest : 0;
+}
+
+}  // namespace
+
+std::size_t PoolPlan::bytes() const {
+  std::size_t sum = 0;
+  for (const Pool& pool : pools) sum += pool.count * (pool.bytes + chunk_header_bytes);
+  return sum;
+}
+
+PoolPlan plan_pools(std::size_t budget_bytes) {
+  PoolPlan plan;
+  std::size_t left = budget_bytes;
+  double share_left = 1.0;  // of the sizes not yet served: they divide among themselves what is left
+  for (auto size = size_classes.rbegin(); size != size_classes.rend(); ++size) {
+    const double share = static_cast<double>(left) * size->share / share_left;
+    share_left -= size->share;
+    const std::uint32_t count = count_for(*size, share, left);
+    if (count == 0) continue;
+    plan.pools.insert(plan.pools.begin(), Pool{size->bytes, count});
+    left -= count * chunk_bytes(*size);
+  }
+  if (plan.largest() < largest_chunk_bytes) {
+    plan.remark = "samples of more than " + format_bytes(plan.largest()) +
+                  " do not fit into shared memory and will go over UDP; enlarge /dev/shm or give --pool-mib";
+  }
+  return plan;
+}
+
+std::string format_bytes(std::size_t bytes) {
+  char text[32];
+  if (bytes < MiB) {
+    std::snprintf(text, sizeof text, "%zu KiB", bytes / KiB);
+  } else {
+    std::snprintf(text, sizeof text, "%.1f MiB", static_cast<double>(bytes) / static_cast<double>(MiB));
+  }
+  return text;
+}
+
+}  // namespace sft::shm

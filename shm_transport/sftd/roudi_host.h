@@ -1,0 +1,67 @@
+// iceoryx's RouDi in this process, changed where its own daemon is not safe under kills and pauses. A process
+// is dead when it is dead, not when it was silent for 1.5 s (a debugger may stop it). Locks of killed
+// publishers are opened (lock_healer.h), and the chunk that one was delivering is freed (chunk_reclaimer.h).
+// It never kills anybody, and errors of one client do not end it.
+//
+// Threads: RouDi's two (discovery every 100 ms, messages of clients), and one that heals.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "shm_transport/sftd/chunk_reclaimer.h"
+#include "shm_transport/sftd/client_table.h"
+#include "shm_transport/sftd/host_memory.h"
+#include "shm_transport/sftd/lock_healer.h"
+#include "shm_transport/sftd/log.h"
+
+#include <iceoryx_posh/internal/roudi/port_manager.hpp>
+#include <iceoryx_posh/internal/roudi/roudi.hpp>
+
+namespace sft::shm {
+
+/// RouDi's thread calls the hooks below as soon as RouDi is constructed, when the derived object does not
+/// exist yet. A base that comes before RouDi is there in time.
+class HookGate {
+ protected:
+  std::atomic<bool> hooks_may_run_{false};
+};
+
+class RoudiHost final : private HookGate, public iox::roudi::RouDi {
+ public:
+  /// `memory` and `ports` outlive this.
+  RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const Log& log);
+  ~RoudiHost() override;
+
+  /// Whether no process is registered.
+  bool is_idle() const { return clients_.empty(); }
+
+  /// Processes that died without a goodbye. Of each, a chunk may be lost that it was just taking or giving
+  /// back: these come back only when all memory is set up anew.
+  std::uint64_t deaths() const { return deaths_.load(std::memory_order_relaxed); }
+
+ private:
+  void processMessage(const iox::runtime::IpcMessage& message, const iox::runtime::IpcMessageType& type,
+                      const iox::RuntimeName_t& name) noexcept override;
+  void cyclicUpdateHook() noexcept override;
+  bool bury(const std::string& name);
+  void reclaim_chunks();
+  void note_ports();
+  void heal_until_stopped();
+
+  const Log& log_;
+  ClientTable clients_;
+  LockHealer healer_;
+  ChunkReclaimer reclaimer_;  ///< used under RouDi's lock on its processes
+  std::atomic<std::uint64_t> deaths_{0};
+
+  std::mutex mutex_;  // guards stopping_
+  std::condition_variable stop_;
+  bool stopping_ = false;
+  std::thread healing_;
+};
+
+}  // namespace sft::shm

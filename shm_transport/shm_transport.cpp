@@ -1,0 +1,88 @@
+#include "shm_transport/shm_transport.h"
+
+#include <algorithm>
+
+#include "shm_transport/doorbells.h"
+#include "shm_transport/iceoryx_runtime.h"
+#include "shm_transport/reader_port.h"
+#include "shm_transport/statistics.h"
+#include "shm_transport/writer_port.h"
+
+namespace sft::shm {
+
+namespace {
+
+using core::Availability;
+
+/// One node's view of the process's session. It follows the daemon through losses and returns: a session that
+/// it used is reported lost before another one is.
+class ShmTransport final : public core::Transport {
+ public:
+  explicit ShmTransport(const ShmOptions& options) : options_(options), runtime_(IceoryxRuntime::shared()) {}
+
+  core::TransportKind kind() const noexcept override { return core::TransportKind::shm; }
+
+  Availability poll(Clock::time_point now) override {
+    DaemonLink::State state = runtime_->daemon().advance(options_, runtime_, now);
+    if (session_ != nullptr && session_ != state.session) {
+      session_.reset();
+      return Availability::starting;
+    }
+    session_ = std::move(state.session);
+    return state.availability;
+  }
+
+  std::string description() const override { return runtime_->daemon().description(); }
+
+  core::HostToken host_token() const override {
+    return session_ != nullptr ? session_->token() : core::HostToken{};
+  }
+
+  Result<std::unique_ptr<core::WriterPort>> open_writer(const core::WriterSpec& spec) override {
+    if (session_ == nullptr) return not_ready();
+    const auto deadline = Clock::now() + options_.port_deadline;
+    const auto publisher = session_->create_publisher(spec.id, deadline);
+    if (!publisher) return tl::unexpected(publisher.error());
+    const auto keeper = session_->create_subscriber(spec.id, 0, deadline);
+    if (!keeper) {
+      (*publisher)->m_toBeDestroyed.store(true, std::memory_order_relaxed);
+      return tl::unexpected(keeper.error());
+    }
+    auto chunks = ChunkLender::make(session_, **publisher, **keeper, *spec.type, options_.held_limit);
+    return std::make_unique<ShmWriterPort>(std::move(chunks), pages_, statistics_);
+  }
+
+  Result<std::unique_ptr<core::ReaderPort>> open_reader(const core::ReaderSpec& spec) override {
+    if (session_ == nullptr) return not_ready();
+    return std::make_unique<ShmReaderPort>(session_, spec, options_, statistics_);
+  }
+
+  Counters counters() const noexcept override {
+    Counters counters;
+    counters.malformed = statistics_->malformed.load(std::memory_order_relaxed);
+    counters.over_limit = statistics_->over_limit.load(std::memory_order_relaxed);
+    return counters;
+  }
+
+ private:
+  tl::unexpected<Error> not_ready() const {
+    return fail(Errc::unavailable, "shared memory: " + description());
+  }
+
+  const ShmOptions options_;
+  const std::shared_ptr<IceoryxRuntime> runtime_;
+  const std::shared_ptr<DoorbellPages> pages_ = std::make_shared<DoorbellPages>();
+  const std::shared_ptr<Statistics> statistics_ = std::make_shared<Statistics>();
+  std::shared_ptr<Session> session_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<core::Transport>> open_shm_transport(const ShmOptions& options) {
+  ShmOptions clamped = options;
+  clamped.queue_limit = std::clamp(options.queue_limit, 1U, 256U);
+  clamped.held_limit = std::clamp(options.held_limit, 1U, 256U);
+  return std::make_unique<ShmTransport>(clamped);
+}
+
+}  // namespace sft::shm

@@ -1,0 +1,186 @@
+#include "shm_transport/writer_port.h"
+
+#include <cassert>
+#include <new>
+#include <thread>
+
+namespace sft::shm {
+
+using core::SampleBuffer;
+using core::SampleHandle;
+using core::SendStatus;
+using iox::mepoo::ChunkHeader;
+using iox::mepoo::SharedChunk;
+using iox::mepoo::ShmSafeUnmanagedChunk;
+
+namespace {
+
+constexpr std::size_t largest_sample_bytes = std::size_t{1}
+                                             << 30;  // far above any pool; keeps sums below 2^32
+
+// How long a send waits for a port's lock that the daemon holds, in steps.
+constexpr int lock_attempts = 20;
+constexpr std::chrono::microseconds lock_pause{50};
+
+}  // namespace
+
+std::shared_ptr<ChunkLender> ChunkLender::make(std::shared_ptr<Session> session,
+                                               iox::popo::PublisherPortData& publisher,
+                                               iox::popo::SubscriberPortData& keeper, const TypeSupport& type,
+                                               std::uint32_t held_limit) {
+  std::shared_ptr<ChunkLender> lender(new ChunkLender(session, publisher, keeper, type, held_limit));
+  session->enlist(lender);
+  return lender;
+}
+
+ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherPortData& publisher,
+                         iox::popo::SubscriberPortData& keeper, const TypeSupport& type,
+                         std::uint32_t held_limit)
+    : session_(std::move(session)),
+      full_mask_(type.full()),
+      publisher_(publisher),
+      port_(&publisher),
+      keeper_(keeper),
+      pools_(session_->pools(*publisher.m_chunkSenderData.m_memoryMgr)),
+      slots_(held_limit, full_mask_) {}
+
+/// The last sample is back. Marking the ports is a write to mapped memory, allowed even if the daemon is
+/// gone.
+ChunkLender::~ChunkLender() {
+  port_.destroy();
+  keeper_.m_toBeDestroyed.store(true, std::memory_order_relaxed);
+}
+
+SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
+  if (bytes < sizeof(SampleHeader) || bytes > largest_sample_bytes) return {};
+  ChunkSlot* slot = nullptr;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (lost_ || slots_.empty()) return {};
+    ChunkHeader* chunk = allocate(bytes);
+    if (chunk == nullptr) return {};
+    slot = slots_.take();
+    hold(*slot, *chunk);
+  }
+  after_chunk_came();
+  SampleBuffer& buffer = slot->buffer;
+  buffer.data = static_cast<std::byte*>(slot->chunk->userPayload());
+  buffer.capacity = slot->chunk->userPayloadSize();
+  buffer.mask = full_mask_;
+  buffer.owner = shared_from_this();
+  new (buffer.data) SampleHeader{};
+  return SampleHandle(buffer);
+}
+
+ChunkHeader* ChunkLender::allocate(std::size_t bytes) noexcept {
+  // iceoryx gives a publisher its last chunk again, whatever is left in the pools, once nobody else holds it.
+  auto& last = publisher_.m_chunkSenderData.m_lastChunkUnmanaged;
+  if (last.isNotLogicalNullptrAndHasNoOtherOwners() &&
+      last.getChunkHeader()->chunkSize() >= payload_for(bytes) + chunk_header_size) {
+    auto again =
+        port_.tryAllocateChunk(static_cast<std::uint32_t>(payload_for(bytes)), alignof(SampleHeader), 0, 1);
+    return again.has_error() ? nullptr : again.value();
+  }
+  while (const auto choice = pools_.choose(bytes)) {
+    auto chunk = port_.tryAllocateChunk(choice->payload_bytes, alignof(SampleHeader), 0, 1);
+    if (!chunk.has_error()) return chunk.value();
+    if (chunk.get_error() != iox::popo::AllocationError::RUNNING_OUT_OF_CHUNKS) return nullptr;
+    pools_.note_empty(*choice);
+  }
+  return nullptr;
+}
+
+/// From iceoryx's own account of loans to the list of held chunks.
+void ChunkLender::hold(ChunkSlot& slot, ChunkHeader& chunk) noexcept {
+  SharedChunk lent;
+  publisher_.m_chunkSenderData.m_chunksInUse.remove(&chunk, lent);
+  ShmSafeUnmanagedChunk name(std::move(lent));
+  slot.name = name;
+  keeper_.m_chunkReceiverData.m_chunksInUse.insert(name.releaseToSharedChunk());
+  slot.chunk = &chunk;
+  slot.sent = false;
+}
+
+ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers) noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (lost_) return Commit::lost;
+  if (to_readers) {
+    // The lock is recursive: with it in hand, sendChunk cannot block on a daemon that was stopped while it
+    // had it.
+    if (!publisher_.m_chunkSenderData.tryLock()) return Commit::busy;
+    deliver(slot);
+    publisher_.m_chunkSenderData.unlock();
+  }
+  slot.sent = true;
+  return Commit::done;
+}
+
+void ChunkLender::deliver(ChunkSlot& slot) noexcept {
+  auto& port = publisher_.m_chunkSenderData;
+  port.m_history.push_back(slot.name);
+  port.m_chunksInUse.insert(
+      slot.name.cloneToSharedChunk());  // sendChunk sends what is on loan by iceoryx's account
+  before_chunk_leaves();
+  port_.sendChunk(slot.chunk);
+  port.m_history.pop_back();
+}
+
+void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
+  before_chunk_leaves();
+  ChunkSlot& slot = ChunkSlot::of(buffer);
+  const std::scoped_lock lock(mutex_);
+  if (!lost_) {
+    SharedChunk held;  // given back at the end of this block
+    keeper_.m_chunkReceiverData.m_chunksInUse.remove(slot.chunk, held);
+  }
+  slots_.give_back(slot);
+}
+
+void ChunkLender::lose() noexcept {
+  const std::scoped_lock lock(mutex_);
+  lost_ = true;
+}
+
+bool ChunkLender::has_lent(const SampleBuffer& sample) const noexcept {
+  // The flag is written by commit(), which the thread that asks calls itself.
+  return sample.owner.get() == this && !static_cast<const ChunkSlot*>(sample.owner_data)->sent;
+}
+
+SampleHandle ShmWriterPort::loan(std::size_t bytes) noexcept {
+  SampleHandle handle = chunks_->lend(bytes);
+  if (!handle) statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
+  return handle;
+}
+
+SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
+  assert(can_send(*sample) && sample->mask.is_full());
+  if (!can_send(*sample)) return drop();
+  const std::shared_ptr<const Doorbells> bells = doorbells();
+  auto committed = chunks_->commit(ChunkSlot::of(*sample), bells != nullptr);
+  for (int i = 0; i < lock_attempts && committed == ChunkLender::Commit::busy; ++i) {
+    std::this_thread::sleep_for(lock_pause);
+    committed = chunks_->commit(ChunkSlot::of(*sample), bells != nullptr);
+  }
+  if (committed == ChunkLender::Commit::lost) return SendStatus::lost_port;
+  if (committed == ChunkLender::Commit::busy) return drop();
+  if (bells != nullptr) bells->ring();
+  return SendStatus::sent;
+}
+
+SendStatus ShmWriterPort::drop() noexcept {
+  statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
+  return SendStatus::dropped;
+}
+
+void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
+  std::shared_ptr<const Doorbells> doorbells = routes.empty() ? nullptr : pages_->doorbells_of(routes);
+  const std::scoped_lock lock(routes_mutex_);
+  doorbells_.swap(doorbells);
+}
+
+std::shared_ptr<const Doorbells> ShmWriterPort::doorbells() const noexcept {
+  const std::scoped_lock lock(routes_mutex_);
+  return doorbells_;
+}
+
+}  // namespace sft::shm

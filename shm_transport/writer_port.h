@@ -1,0 +1,97 @@
+// A writer: one iceoryx publisher port that only readers of this writer subscribe to.
+//
+// Chunks. iceoryx itself keeps account of 8 chunks on loan, and takes one that was sent back for the next
+// loan as soon as readers let go. But whoever keeps a handle (the history, a send to another host under way)
+// still reads it. So each chunk, from the loan until its last handle is gone, is in the list of held chunks
+// of a subscriber port that belongs to this writer alone and is never subscribed: there the daemon finds it,
+// and frees it, when this process is killed. (Subscribing that port would do too, but costs a push, a pop and
+// a release for every sample.)
+//
+// A chunk that is just being delivered when the process is killed has references that nobody knows of. For
+// that time its name stands in the port's history, which iceoryx leaves alone at our capacity of 0, until
+// sftd reads it there (sftd/chunk_reclaimer.h). The name counts for no reference; the list above has one.
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+#include "core/transport.h"
+#include "shm_transport/chunk_pools.h"
+#include "shm_transport/chunk_slots.h"
+#include "shm_transport/doorbells.h"
+#include "shm_transport/session.h"
+#include "shm_transport/statistics.h"
+
+namespace sft::shm {
+
+/// The memory of one writer. Outlives the port as long as a sample of it is held anywhere.
+class ChunkLender final : public core::BufferOwner,
+                          public SessionMember,
+                          public std::enable_shared_from_this<ChunkLender> {
+ public:
+  static std::shared_ptr<ChunkLender> make(std::shared_ptr<Session> session,
+                                           iox::popo::PublisherPortData& publisher,
+                                           iox::popo::SubscriberPortData& keeper, const TypeSupport& type,
+                                           std::uint32_t held_limit);
+  ~ChunkLender() override;
+
+  /// A chunk with a fresh header; empty if there is none, or none so large. Any thread.
+  core::SampleHandle lend(std::size_t bytes) noexcept;
+
+  enum class Commit { done, busy, lost };
+  /// Hands a lent sample to all subscribed readers, or to none. `busy`: the daemon holds the port's lock,
+  /// which it does for microseconds unless it was stopped or killed there.
+  Commit commit(ChunkSlot& slot, bool to_readers) noexcept;
+
+  /// Whether the sample was lent here and not yet committed: only such ones can be.
+  bool has_lent(const core::SampleBuffer& sample) const noexcept;
+
+  void recycle(core::SampleBuffer& buffer) noexcept override;
+  void lose() noexcept override;
+
+ private:
+  ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherPortData& publisher,
+              iox::popo::SubscriberPortData& keeper, const TypeSupport& type, std::uint32_t held_limit);
+  iox::mepoo::ChunkHeader* allocate(std::size_t bytes) noexcept;
+  void hold(ChunkSlot& slot, iox::mepoo::ChunkHeader& chunk) noexcept;
+  void deliver(ChunkSlot& slot) noexcept;
+
+  const std::shared_ptr<Session> session_;
+  const FieldMask full_mask_;
+
+  mutable std::mutex mutex_;  // guards what follows; never held over a system call
+  bool lost_ = false;
+  iox::popo::PublisherPortData& publisher_;
+  iox::popo::PublisherPortUser port_;
+  iox::popo::SubscriberPortData& keeper_;
+  ChunkPools& pools_;
+  ChunkSlots slots_;
+};
+
+class ShmWriterPort final : public core::WriterPort {
+ public:
+  ShmWriterPort(std::shared_ptr<ChunkLender> chunks, std::shared_ptr<DoorbellPages> pages,
+                std::shared_ptr<Statistics> statistics)
+      : chunks_(std::move(chunks)), pages_(std::move(pages)), statistics_(std::move(statistics)) {}
+
+  core::SampleHandle loan(std::size_t bytes) noexcept override;
+  core::SendStatus send(const core::SampleHandle& sample) noexcept override;
+  bool can_send(const core::SampleBuffer& sample) const noexcept override {
+    return chunks_->has_lent(sample);
+  }
+  void set_routes(std::vector<core::Route> routes) override;
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+
+ private:
+  core::SendStatus drop() noexcept;
+  std::shared_ptr<const Doorbells> doorbells() const noexcept;
+
+  const std::shared_ptr<ChunkLender> chunks_;
+  const std::shared_ptr<DoorbellPages> pages_;
+  const std::shared_ptr<Statistics> statistics_;
+
+  mutable std::mutex routes_mutex_;             // guards the pointer
+  std::shared_ptr<const Doorbells> doorbells_;  ///< null without routes
+};
+
+}  // namespace sft::shm

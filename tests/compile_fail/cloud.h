@@ -1,0 +1,11 @@
+// What the snippets here use.
+#pragma once
+
+#include <sft/sft.h>
+
+#include <sensor_msgs/msg/Image.hpp>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+using sensor_msgs::msg::Image;
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;

@@ -1,0 +1,31 @@
+// Compiles: what the other snippets do wrong, done right.
+#include "tests/compile_fail/cloud.h"
+
+std::uint32_t width(sft::Subscriber<PointCloud2, F::width | F::header.stamp>& subscriber) {
+  const auto sample = subscriber.take();
+  return sample->width() + sample->header().stamp().nanosec() + sample.view().width();
+}
+
+std::uint32_t counts(const sft::Sample<PointCloud2, F::fields.each.count>& sample) {
+  std::uint32_t sum = 0;
+  for (const auto field : sample->fields()) sum += field.count();
+  return sum;
+}
+
+std::size_t width_as_recorded(const sft::Sample<PointCloud2, sft::recorded>& sample) {
+  return sample->width().value_or(0) + sample.to_partial().value().value.width + sample.cdr().size();
+}
+
+std::size_t name_bytes(const sft::Sample<PointCloud2, F::header>& sample) { return sample->header().frame_id().size(); }
+
+PointCloud2 owned(const sft::Sample<PointCloud2>& sample) { return sample.to_owned().value(); }
+
+auto subscribe(sft::Node& node) { return node.subscriber<PointCloud2, F::header.stamp | F::height>("points"); }
+
+sft::PublishStatus fill(sft::Publisher<PointCloud2>& publisher) {
+  auto loan = publisher.loan(PointCloud2{}, {.data = 8}).value();
+  loan->data()[0] = 1;
+  loan.set(F::width, 1024);
+  loan.set(F::header.stamp.sec, 1);
+  return std::move(loan).publish();
+}

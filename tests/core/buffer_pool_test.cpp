@@ -1,0 +1,53 @@
+#include "core/buffer_pool.h"
+
+#include <gtest/gtest.h>
+
+namespace sft::core {
+namespace {
+
+TEST(BufferPoolTest, ABufferHasRoomIsAlignedAndBeginsWithAFreshHeader) {
+  const auto pool = BufferPool::make(1 << 20);
+  const SampleHandle buffer = pool->take(1000);
+  ASSERT_TRUE(buffer);
+  EXPECT_GE(buffer->capacity, 1000U);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(buffer->data) % 8, 0U);
+  EXPECT_EQ(buffer->header().magic, sample_magic);
+}
+
+TEST(BufferPoolTest, AReleasedBufferIsUsedAgain) {
+  const auto pool = BufferPool::make(1 << 20);
+  SampleHandle buffer = pool->take(1000);
+  const std::byte* memory = buffer->data;
+  buffer.reset();
+  EXPECT_EQ(pool->take(900)->data, memory);
+}
+
+TEST(BufferPoolTest, ABufferGoesBackOnlyWithItsLastHandle) {
+  const auto pool = BufferPool::make(1 << 20);
+  SampleHandle first = pool->take(1000);
+  const SampleHandle second = first;
+  first.reset();
+  EXPECT_NE(pool->take(1000)->data, second->data);
+}
+
+TEST(BufferPoolTest, BeyondTheLimitThereIsNoBufferUntilOneIsReleased) {
+  const auto pool = BufferPool::make(4096);
+  SampleHandle first = pool->take(4096);
+  EXPECT_TRUE(first);
+  EXPECT_FALSE(pool->take(1));
+  first.reset();
+  EXPECT_TRUE(pool->take(1));  // the large one that was kept is freed for it
+}
+
+TEST(BufferPoolTest, AnImpossibleSizeIsRefused) {
+  EXPECT_FALSE(BufferPool::make(std::size_t{1} << 40)->take(std::size_t{1} << 33));
+}
+
+TEST(BufferPoolTest, AHandleKeepsItsPoolAlive) {
+  SampleHandle buffer = BufferPool::make(1 << 20)->take(64);
+  buffer->data[70] = std::byte{1};
+  buffer.reset();
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,78 @@
+// What comes from the control topics is checked before the core sees it.
+#include "core/control_codec.h"
+
+#include <gtest/gtest.h>
+
+namespace sft::core {
+namespace {
+
+Endpoint endpoint() {
+  Endpoint e;
+  e.id = 7;
+  e.role = Role::reader;
+  e.node = "perception";
+  e.topic = "points";
+  e.type_name = "sensor_msgs::msg::PointCloud2";
+  e.type_hash = 0x123456789abcdef0;
+  e.host.bytes.fill(5);
+  e.network = 9;
+  e.may_use_shm = true;
+  e.may_use_udp = true;
+  e.addresses = {{0x7f000001, 4000, 1 << 20}, {0x0a000001, 4000, 1 << 20}};
+  e.doorbell = {77, 3};
+  e.max_sample_bytes = 1 << 24;
+  e.recorded = true;
+  e.request = {.reader = 7, .sequence = 4, .mask_words = {1, 2}, .listening = {6}, .attached = {8, 9}};
+  return e;
+}
+
+TEST(ControlCodecTest, EndpointsAndRequestsComeBackAsTheyWere) {
+  ControlStorage storage;
+  EXPECT_EQ(from_dds(to_dds(endpoint(), storage)), endpoint());
+  EXPECT_EQ(from_dds(to_dds(endpoint().request)), endpoint().request);
+}
+
+TEST(ControlCodecTest, WhatIsLongerThanTheTopicAllowsIsCutAndNotWrittenBeyond) {
+  Endpoint e = endpoint();
+  e.node = std::string(1000, 'n');
+  e.addresses.resize(20, e.addresses[0]);
+  e.request.attached.resize(2000, 1);
+  ControlStorage storage;
+  const auto back = from_dds(to_dds(e, storage)).value();
+  EXPECT_EQ(back.node.size(), 255U);
+  EXPECT_EQ(back.addresses.size(), 8U);
+  EXPECT_EQ(back.request.attached.size(), 1024U);
+}
+
+TEST(ControlCodecTest, AnotherProtocolVersionIsRefusedByName) {
+  ControlStorage storage;
+  sft_control_Endpoint sample = to_dds(endpoint(), storage);
+  sample.version = 2;
+  const auto result = from_dds(sample);
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().message.find("version 2"), std::string::npos);
+}
+
+TEST(ControlCodecTest, SamplesThatNameNothingAreRefused) {
+  ControlStorage storage;
+  sft_control_Endpoint sample = to_dds(endpoint(), storage);
+  sample.role = 2;
+  EXPECT_FALSE(from_dds(sample));
+  sample = to_dds(endpoint(), storage);
+  sample.topic[0] = '\0';
+  EXPECT_FALSE(from_dds(sample));
+  sample = to_dds(endpoint(), storage);
+  sample.id = 0;
+  EXPECT_FALSE(from_dds(sample));
+  EXPECT_FALSE(from_dds(to_dds(Request{})));
+}
+
+TEST(ControlCodecTest, AddressesWithoutPortAreLeftOut) {
+  Endpoint e = endpoint();
+  e.addresses[0].port = 0;
+  ControlStorage storage;
+  EXPECT_EQ(from_dds(to_dds(e, storage))->addresses.size(), 1U);
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,284 @@
+// The negotiation as pure functions of events: what each of our writers serves and each of our readers hears.
+#include "core/negotiation.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+namespace sft::core {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+using namespace std::chrono_literals;
+
+constexpr std::uint64_t here = 1;
+constexpr std::uint64_t elsewhere = 2;
+
+HostToken token(std::uint8_t n) {
+  HostToken t;
+  t.bytes.fill(n);
+  return t;
+}
+
+std::vector<std::uint64_t> words(const Mask<PointCloud2>& mask) { return {mask.words.begin(), mask.words.end()}; }
+
+class NegotiationTest : public ::testing::Test {
+ protected:
+  NegotiationTest() { at_host(token(1)); }
+
+  void at_host(const HostToken& host) { negotiation.self_changed({.host = host, .network = here, .shm_state = "off"}); }
+
+  Endpoint endpoint(Role role, EndpointId id, std::uint64_t network = elsewhere, std::uint8_t host = 2) {
+    Endpoint e;
+    e.id = id;
+    e.role = role;
+    e.topic = "points";
+    e.type_name = type.name();
+    e.type_hash = type.hash();
+    e.host = token(host);
+    e.network = network;
+    e.may_use_shm = e.may_use_udp = true;
+    e.addresses = {{0x0a000001, 7000, 1 << 20}};
+    e.doorbell = {id, 1};
+    e.max_sample_bytes = 1 << 20;
+    e.request = {.reader = id, .sequence = 1, .mask_words = words(F::height | F::width), .listening = {100}, .attached = {}};
+    return e;
+  }
+
+  Request request(EndpointId reader, std::uint64_t sequence, const Mask<PointCloud2>& mask,
+                  std::vector<EndpointId> attached = {}) {
+    return {.reader = reader,
+            .sequence = sequence,
+            .mask_words = words(mask),
+            .listening = {100},
+            .attached = std::move(attached)};
+  }
+
+  void our_writer() { negotiation.local_added(endpoint(Role::writer, 100), type); }
+  void our_reader() { negotiation.local_added(endpoint(Role::reader, 200), type); }
+
+  const TypeSupport type{TypeTable<PointCloud2>::type};
+  Negotiation negotiation;
+};
+
+TEST_F(NegotiationTest, AWriterWithoutReadersServesNobody) {
+  our_writer();
+  const Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.udp.empty());
+  EXPECT_TRUE(serving.shm.empty());
+  EXPECT_FALSE(serving.shm_port);
+}
+
+TEST_F(NegotiationTest, AReaderOnAnotherHostIsServedByUdpWithTheMaskOfItsFirstRequest) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  const Serving serving = negotiation.serving(100);
+  ASSERT_EQ(serving.udp.size(), 1U);
+  EXPECT_EQ(serving.udp[0].mask, FieldMask(F::height | F::width));
+  EXPECT_EQ(std::get<UdpAddress>(serving.udp[0].destination).ipv4, 0x0a000001U);
+  EXPECT_EQ(serving.readers[0].reason, "another host");
+  EXPECT_FALSE(serving.shm_port);
+}
+
+TEST_F(NegotiationTest, NothingIsSentToAReaderBeforeItSaysThatItListens) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.request.listening.clear();
+  negotiation.endpoint_seen(reader);
+  EXPECT_TRUE(negotiation.serving(100).udp.empty());
+  EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "the subscriber is not listening yet");
+  negotiation.request_received(request(7, 2, F::data));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, AReaderInTheSameNetworkStackIsReachedThroughLoopback) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 3));
+  EXPECT_EQ(std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ipv4, 0x7f000001U);
+}
+
+TEST_F(NegotiationTest, AReaderThatSharesMemoryIsServedByUdpUntilItIsAttachedAndThenByMemoryOnly) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));
+  Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.shm_port);
+  EXPECT_EQ(serving.udp.size(), 1U);
+  EXPECT_TRUE(serving.shm.empty());
+
+  negotiation.request_received(request(7, 2, F::height | F::width, {100}));
+  serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.udp.empty());
+  ASSERT_EQ(serving.shm.size(), 1U);
+  EXPECT_EQ(std::get<DoorbellAddress>(serving.shm[0].destination).page, 7U);
+  EXPECT_EQ(serving.readers[0].reason, "same host");
+}
+
+TEST_F(NegotiationTest, WhenTheMemoryIsLostItsReadersAreServedByUdpAgain) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));
+  negotiation.request_received(request(7, 2, F::height, {100}));
+  at_host({});
+  const Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.shm.empty());
+  EXPECT_EQ(serving.udp.size(), 1U);
+  EXPECT_EQ(serving.readers[0].reason, "no shared memory: off");
+}
+
+TEST_F(NegotiationTest, AReaderThatRulesUdpOutIsNotServedBeforeItIsAttached) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7, here, 1);
+  reader.may_use_udp = false;
+  negotiation.endpoint_seen(reader);
+  const Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.udp.empty());
+  EXPECT_TRUE(serving.shm_port);
+  EXPECT_FALSE(serving.readers[0].served);
+}
+
+TEST_F(NegotiationTest, ALaterRequestReplacesTheMaskAndAReorderedOrRepeatedOneDoesNot) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_TRUE(negotiation.request_received(request(7, 5, F::data)));
+  EXPECT_FALSE(negotiation.request_received(request(7, 5, F::height)));
+  EXPECT_FALSE(negotiation.request_received(request(7, 4, F::height)));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, ARequestThatComesBeforeItsReaderIsKeptForIt) {
+  our_writer();
+  negotiation.request_received(request(7, 3, F::data));
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, ARepeatedAnnouncementDoesNotTakeALaterRequestBack) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  negotiation.request_received(request(7, 3, F::data));
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, ALostReaderIsNotServedButItsMaskIsKeptUntilItReturns) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  negotiation.request_received(request(7, 3, F::data));
+  negotiation.endpoint_lost(7, Now{});
+  EXPECT_TRUE(negotiation.serving(100).udp.empty());
+  EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "its node does not answer");
+
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, ALostReaderIsForgottenAfterAWhileAndADepartedOneAtOnce) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  negotiation.endpoint_seen(endpoint(Role::reader, 8));
+  negotiation.endpoint_departed(8);
+  negotiation.endpoint_lost(7, Now{});
+  EXPECT_FALSE(negotiation.tick(Now{} + 59s));
+  EXPECT_EQ(negotiation.serving(100).readers.size(), 1U);
+  EXPECT_TRUE(negotiation.tick(Now{} + 60s));
+  EXPECT_TRUE(negotiation.serving(100).readers.empty());
+}
+
+TEST_F(NegotiationTest, AnotherDefinitionOfTheTypeNeverMatchesAndSaysSo) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.type_hash ^= 1;
+  negotiation.endpoint_seen(reader);
+  const Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.udp.empty());
+  EXPECT_EQ(serving.readers.at(0).reason, "two different definitions of type sensor_msgs::msg::PointCloud2");
+}
+
+TEST_F(NegotiationTest, EndpointsOfOtherTopicsAreNobodysBusiness) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.topic = "other";
+  negotiation.endpoint_seen(reader);
+  EXPECT_TRUE(negotiation.serving(100).readers.empty());
+}
+
+TEST_F(NegotiationTest, AReaderHearsWritersOfItsTopicByTheWaysBothAllow) {
+  our_reader();
+  negotiation.endpoint_seen(endpoint(Role::writer, 7, here, 1));
+  Endpoint remote = endpoint(Role::writer, 8);
+  remote.may_use_shm = false;
+  negotiation.endpoint_seen(remote);
+  const auto hearing = negotiation.hearing(200);
+  ASSERT_EQ(hearing.size(), 2U);
+  EXPECT_TRUE(hearing[0].shm && hearing[0].udp);
+  EXPECT_TRUE(!hearing[1].shm && hearing[1].udp);
+  EXPECT_EQ(hearing[1].status.reason, "the publisher chose UDP");
+}
+
+TEST_F(NegotiationTest, EveryChangeOfARequirementOrAnAttachmentIsANewerRequest) {
+  our_reader();
+  const std::uint64_t first = negotiation.local(200)->request.sequence;
+  EXPECT_TRUE(negotiation.requirement_changed(200, FieldMask(F::data | F::height)));
+  EXPECT_FALSE(negotiation.requirement_changed(200, FieldMask(F::data | F::height)));
+  EXPECT_TRUE(negotiation.connection_changed(200, 7, TransportKind::shm, true));
+  EXPECT_FALSE(negotiation.connection_changed(200, 7, TransportKind::shm, true));
+  EXPECT_EQ(negotiation.local(200)->request.sequence, first + 2);
+  EXPECT_EQ(negotiation.local(200)->request.attached, std::vector<EndpointId>{7});
+}
+
+TEST_F(NegotiationTest, AttachmentsEndWithTheMemoryTheyWereIn) {
+  our_reader();
+  negotiation.connection_changed(200, 7, TransportKind::shm, true);
+  const std::uint64_t before = negotiation.local(200)->request.sequence;
+  at_host(token(9));
+  EXPECT_TRUE(negotiation.local(200)->request.attached.empty());
+  EXPECT_GT(negotiation.local(200)->request.sequence, before);
+}
+
+TEST_F(NegotiationTest, WriterAndReaderOfOneNodeMatchLikeAnyOthers) {
+  our_writer();
+  our_reader();
+  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
+  EXPECT_TRUE(negotiation.serving(100).shm_port);
+  negotiation.connection_changed(200, 100, TransportKind::shm, true);
+  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
+}
+
+TEST_F(NegotiationTest, EntriesBeyondTheLimitAreIgnoredAndCounted) {
+  Negotiation small({.endpoints = 2, .forget_lost_after = 60s});
+  for (EndpointId id = 1; id <= 4; ++id) small.endpoint_seen(endpoint(Role::reader, id));
+  for (EndpointId id = 11; id <= 14; ++id) small.request_received(request(id, 1, F::data));
+  EXPECT_EQ(small.endpoints(), 2U);
+  EXPECT_EQ(small.ignored(), 4U);
+}
+
+// Whatever the order in which announcement, requests and shared memory come: once all came, the outcome is the same.
+TEST_F(NegotiationTest, TheOutcomeDoesNotDependOnTheOrderOfEvents) {
+  std::random_device entropy;
+  const auto seed = entropy();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  std::vector<int> events{0, 1, 2, 3, 4, 5};
+  for (int round = 0; round < 2000; ++round) {
+    std::shuffle(events.begin(), events.end(), random);
+    Negotiation n;
+    for (const int event : events) {
+      if (event == 0) n.self_changed({.host = token(1), .network = here, .shm_state = ""});
+      if (event == 1) n.local_added(endpoint(Role::writer, 100), type);
+      if (event == 2) n.endpoint_seen(endpoint(Role::reader, 7, here, 1));
+      if (event == 3) n.request_received(request(7, 2, F::data));
+      if (event == 4) n.request_received(request(7, 3, F::width, {100}));
+      if (event == 5) n.endpoint_seen(endpoint(Role::reader, 8));
+    }
+    const Serving serving = n.serving(100);
+    ASSERT_EQ(serving.shm.size(), 1U);
+    ASSERT_EQ(serving.shm[0].mask, FieldMask(F::width | F::width));
+    ASSERT_EQ(serving.udp.size(), 1U);
+    ASSERT_EQ(serving.udp[0].reader, 8U);
+  }
+}
+
+}  // namespace
+}  // namespace sft::core

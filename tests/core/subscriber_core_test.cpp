@@ -1,0 +1,156 @@
+// What a subscriber makes of the samples that its two ports bring: order, duplicates, gaps, callbacks.
+#include "core/subscriber_core.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "core/buffer_pool.h"
+
+namespace sft::core {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+
+class QueuePort final : public ReaderPort {
+ public:
+  SampleHandle take() noexcept override {
+    if (samples.empty()) return {};
+    SampleHandle first = std::move(samples.front());
+    samples.pop_front();
+    return first;
+  }
+  Result<void> connect(const Source&) override { return {}; }
+  bool connected(EndpointId) const noexcept override { return true; }
+  void disconnect(EndpointId) noexcept override {}
+  void accept_masks(std::vector<FieldMask>) override {}
+  std::uint64_t discarded() const noexcept override { return 0; }
+
+  std::deque<SampleHandle> samples;
+};
+
+class SubscriberCoreTest : public ::testing::Test {
+ protected:
+  SubscriberCoreTest() { reopen({}); }
+
+  void reopen(untyped::Callback callback) {
+    subscriber = std::make_unique<SubscriberCore>(
+        SubscriberCore::Spec{1, "points", &type, {type.full(), false}, {}, std::move(callback)}, bells->at(1), nullptr);
+    subscriber->set_port(TransportKind::shm, shm);
+    subscriber->set_port(TransportKind::udp, udp);
+  }
+
+  void arrives(QueuePort& port, std::uint64_t sequence, EndpointId writer = 9) {
+    SampleHandle sample = pool->take(256);
+    sample->header().writer = writer;
+    sample->header().sequence = sequence;
+    sample->header().source_stamp_ns = static_cast<std::int64_t>(sequence);
+    sample->mask = type.full();
+    port.samples.push_back(std::move(sample));
+  }
+
+  std::vector<std::uint64_t> taken() {
+    std::vector<std::uint64_t> sequences;
+    while (const untyped::Sample sample = subscriber->take()) sequences.push_back(sample.info().sequence);
+    return sequences;
+  }
+
+  using Sequences = std::vector<std::uint64_t>;
+  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
+  const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 20);
+  const std::shared_ptr<QueuePort> shm = std::make_shared<QueuePort>();
+  const std::shared_ptr<QueuePort> udp = std::make_shared<QueuePort>();
+  std::unique_ptr<SubscriberCore> subscriber;
+};
+
+TEST_F(SubscriberCoreTest, SamplesOfBothPathsComeInTheOrderOfTheirWriter) {
+  arrives(*udp, 1);
+  arrives(*shm, 2);
+  arrives(*udp, 3);
+  EXPECT_EQ(taken(), (Sequences{1, 2, 3}));
+}
+
+TEST_F(SubscriberCoreTest, ASampleThatCameByBothPathsIsTakenOnce) {
+  arrives(*udp, 1);
+  arrives(*udp, 2);
+  arrives(*shm, 2);
+  arrives(*shm, 3);
+  EXPECT_EQ(taken(), (Sequences{1, 2, 3}));
+  EXPECT_EQ(subscriber->status().lost, 0U);
+}
+
+TEST_F(SubscriberCoreTest, AGapIsCountedWhereItIsSeen) {
+  arrives(*udp, 5);
+  arrives(*udp, 8);
+  EXPECT_EQ(subscriber->take().info().lost_before, 0U);
+  EXPECT_EQ(subscriber->take().info().lost_before, 2U);
+  EXPECT_EQ(subscriber->status().lost, 2U);
+}
+
+TEST_F(SubscriberCoreTest, EveryWriterHasItsOwnSequence) {
+  arrives(*udp, 5, 9);
+  arrives(*udp, 6, 10);
+  arrives(*udp, 7, 9);
+  EXPECT_EQ(taken().size(), 3U);
+  EXPECT_EQ(subscriber->status().lost, 1U);
+}
+
+TEST_F(SubscriberCoreTest, TheLatestSampleCarriesTheLossesOfThosePassedOver) {
+  arrives(*udp, 1);
+  arrives(*udp, 3);
+  arrives(*udp, 4);
+  const untyped::Sample latest = subscriber->take_latest();
+  EXPECT_EQ(latest.info().sequence, 4U);
+  EXPECT_EQ(latest.info().lost_before, 1U);
+  EXPECT_FALSE(subscriber->take_latest());
+}
+
+TEST_F(SubscriberCoreTest, WaitReturnsAtOnceIfThereIsASampleAndAtTheDeadlineIfNot) {
+  EXPECT_FALSE(subscriber->wait(std::chrono::milliseconds(5)));
+  arrives(*shm, 1);
+  EXPECT_TRUE(subscriber->wait(std::chrono::hours(1)));
+}
+
+TEST_F(SubscriberCoreTest, ACallbackGetsAllThatArrived) {
+  Sequences called;
+  reopen([&](untyped::Sample&& sample) { called.push_back(sample.info().sequence); });
+  arrives(*udp, 1);
+  arrives(*shm, 2);
+  subscriber->arrived();
+  EXPECT_EQ(called, (Sequences{1, 2}));
+}
+
+TEST_F(SubscriberCoreTest, ASampleThatArrivesDuringACallbackIsCalledBackForAfterwards) {
+  Sequences called;
+  bool inside = false;
+  reopen([&](untyped::Sample&& sample) {
+    EXPECT_FALSE(inside);
+    inside = true;
+    called.push_back(sample.info().sequence);
+    if (called.size() == 1) {
+      arrives(*udp, 2);
+      subscriber->arrived();
+    }
+    inside = false;
+  });
+  arrives(*udp, 1);
+  subscriber->arrived();
+  EXPECT_EQ(called, (Sequences{1, 2}));
+}
+
+TEST_F(SubscriberCoreTest, AClosedSubscriberCallsNobody) {
+  int calls = 0;
+  reopen([&](untyped::Sample&&) {
+    ++calls;
+    subscriber->close();  // from within: returns at once
+  });
+  arrives(*udp, 1);
+  arrives(*udp, 2);
+  subscriber->arrived();
+  EXPECT_EQ(calls, 1);
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,87 @@
+// Small clouds and the files that they are in, made by the tests themselves.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "examples/demo/input_cloud.h"
+#include "tests/support/encoded.h"
+
+namespace sft::demo {
+
+using Bytes = std::vector<std::byte>;
+
+inline Bytes bytes_of(std::string_view text) {
+  const auto* begin = reinterpret_cast<const std::byte*>(text.data());
+  return {begin, begin + text.size()};
+}
+
+template <class T>
+void append(Bytes& bytes, const T& value) {
+  const auto* begin = reinterpret_cast<const std::byte*>(&value);
+  bytes.insert(bytes.end(), begin, begin + sizeof value);
+}
+
+inline void append(Bytes& bytes, const Bytes& more) { bytes.insert(bytes.end(), more.begin(), more.end()); }
+
+/// One row of `points` points of 4 bytes.
+inline PointCloud2 small_cloud(std::uint32_t points = 3) {
+  PointCloud2 cloud;
+  cloud.header.stamp.sec = 7;
+  cloud.header.frame_id = "lidar";
+  cloud.height = 1;
+  cloud.width = points;
+  cloud.fields = {point_field("x", 0, sensor_msgs::msg::PointField::FLOAT32)};
+  cloud.point_step = 4;
+  cloud.row_step = 4 * points;
+  cloud.data.resize(cloud.row_step, 0x2a);
+  return cloud;
+}
+
+/// Encapsulation and body, as DDS would send them.
+template <class T>
+Bytes payload_of(const T& message) {
+  Bytes payload;
+  append(payload, encapsulation_cdr_le);
+  append(payload, test::Encoded(message).bytes());
+  return payload;
+}
+
+inline Bytes record_of(const Bytes& payload) {
+  Bytes record;
+  append(record, std::uint64_t{1'700'000'000'000'000'000});
+  append(record, static_cast<std::uint32_t>(payload.size()));
+  append(record, payload);
+  return record;
+}
+
+/// A directory of its own, which goes with the test.
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory() {
+    std::string name = std::filesystem::temp_directory_path() / "sft_demo_test_XXXXXX";
+    path_ = mkdtemp(name.data());
+  }
+  ~TemporaryDirectory() { std::filesystem::remove_all(path_); }
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path write(const std::string& name, const Bytes& content) const {
+    std::ofstream(path_ / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(content.data()), static_cast<std::streamsize>(content.size()));
+    return path_ / name;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace sft::demo

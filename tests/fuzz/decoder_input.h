@@ -1,0 +1,31 @@
+// What the bytes of an input of fuzz_decoder mean:
+//
+//   u8 number of the type (modulo their count) | its mask | the mask to project to | the body
+//
+// Both masks are bit sets of as many bytes as the type's leaves need, not closed; the second is cut to the first.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tests/support/message_types.h"
+
+namespace sft::test {
+
+struct DecoderInput {
+  const MessageType* type = nullptr;
+  FieldMask mask{};            ///< closed
+  FieldMask narrower{};        ///< closed, a subset of mask
+  std::span<const std::byte> body{};  ///< within the input, not aligned
+};
+
+/// Nothing where the input ends before the body.
+std::optional<DecoderInput> parse_decoder_input(std::span<const std::byte> input);
+
+std::vector<std::byte> make_decoder_input(std::size_t type, const FieldMask& mask, const FieldMask& narrower,
+                                          std::span<const std::byte> body);
+
+}  // namespace sft::test

@@ -1,0 +1,107 @@
+// Hostile datagrams into parser and reassembly; what comes out is decoded as a subscriber would.
+//
+// Input: datagrams, each behind three bytes: what to do, and the datagram's length (u16, little-endian).
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+#include <vector>
+
+#include "sft/typesupport/decode.h"
+#include "tests/udp/messages.h"
+#include "udp_transport/reassembly.h"
+
+namespace {
+
+using namespace sft;
+using udp::test::fields;
+using udp::test::Image;
+using udp::test::type_support;
+using udp::test::Wide;
+
+constexpr core::EndpointId image_writer = 0x1'0000'0001;
+constexpr core::EndpointId wide_writer = 0x1'0000'0002;
+
+std::vector<udp::Stream> streams() {
+  return {{image_writer,
+           &type_support<Image>(),
+           0,
+           {fields<Image>("*"), fields<Image>("data"), fields<Image>("")}},
+          {wide_writer, &type_support<Wide>(), 400, {fields<Wide>("*"), fields<Wide>("first, seventh")}}};
+}
+
+/// Bits of the byte before each datagram; the upper half is time.
+constexpr std::uint8_t plausible = 1, first = 2, of_wide_writer = 4, forget_streams = 8, time_shift = 4;
+
+std::vector<std::byte> to_bytes(std::span<const std::uint8_t> bytes) {
+  std::vector<std::byte> d(bytes.size());
+  std::transform(bytes.begin(), bytes.end(), d.begin(),
+                 [](std::uint8_t b) { return static_cast<std::byte>(b); });
+  return d;
+}
+
+/// Turns what it found in the place of a header into one of few samples, so that datagrams meet.
+void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::vector<udp::Stream>& wanted) {
+  const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
+  const udp::Stream& stream = wanted[(action & of_wide_writer) != 0 ? 1 : 0];
+  const udp::SampleLabel label{static_cast<std::uint32_t>(stream.writer), byte(8) % 8U,
+                               static_cast<std::uint16_t>(byte(2) % 2)};
+  const std::uint32_t number = (byte(12) | byte(13) << 8) % 1024U;
+  if ((action & first) == 0 || d.size() < udp::first_header_bytes) {
+    udp::encode(udp::FollowingHeader{label, number}, d.data());
+    return;
+  }
+  const FieldMask& mask = stream.masks[byte(16) % stream.masks.size()];
+  const auto flags = static_cast<std::uint8_t>(byte(1) % 2);
+  const std::size_t head = udp::first_header_bytes + (flags != 0 ? mask.words() * sizeof(std::uint64_t) : 0);
+  const bool whole = byte(14) % 2 == 0 && d.size() >= head;
+  const std::uint32_t total = whole ? static_cast<std::uint32_t>(d.size() - head) : number;
+  udp::encode(udp::FirstHeader{label, flags, total, mask.hash(), 0}, d.data());
+  for (std::size_t i = 0; flags != 0 && i < mask.words() && udp::first_header_bytes + 8 * i + 8 <= d.size();
+       ++i) {
+    udp::store_word(mask.word(i), &d[udp::first_header_bytes + 8 * i]);
+  }
+}
+
+template <class T>
+void decode_all(const core::SampleBuffer& sample) {
+  const SampleHeader& header = sample.header();
+  SampleState state;
+  state.body = sample.data + header.body_offset;
+  state.body_bytes = header.body_bytes;
+  state.index = sample.index();
+  state.mask = &sample.mask;
+  T value;
+  if (decode(state, TypeTable<T>::type, &value) != WalkStatus::ok) std::abort();  // it was validated
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const udp::ReassemblyLimits limits{
+      .sample_bytes = 64 << 10, .unfinished_bytes = 256 << 10, .parked_bytes = 16 << 10, .gaps = 64};
+  udp::Reassembly reassembly(limits, core::BufferPool::make(1 << 20));
+  const std::vector<udp::Stream> wanted = streams();
+  reassembly.set_streams(wanted);
+  udp::Reassembly::Time now{};
+  std::span<const std::uint8_t> input(data, size);
+  while (input.size() >= 3) {
+    const std::uint8_t action = input[0];
+    const std::size_t bytes = std::min<std::size_t>(input[1] | input[2] << 8, input.size() - 3);
+    now += std::chrono::milliseconds(10 * (action >> time_shift));
+    if ((action & forget_streams) != 0) {
+      reassembly.set_streams({});
+      reassembly.set_streams(wanted);
+    }
+    reassembly.expire(now);
+    std::vector<std::byte> datagram = to_bytes(input.subspan(3, bytes));
+    if ((action & plausible) != 0 && bytes >= udp::following_header_bytes)
+      make_plausible(action, datagram, wanted);
+    const auto arrival = reassembly.accept(datagram, {now, 1});
+    if (arrival.sample && arrival.stream == 0) decode_all<Image>(*arrival.sample);
+    if (arrival.sample && arrival.stream == 1) decode_all<Wide>(*arrival.sample);
+    input = input.subspan(3 + bytes);
+  }
+  return 0;
+}

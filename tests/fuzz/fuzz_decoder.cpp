@@ -1,0 +1,203 @@
+// Hostile bodies of any type under any mask. Nothing is read outside of them; what passes the validating walk decodes
+// to what stands there, is encoded again, and obeys the projection law; what does not pass harms nobody either.
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <proof.hpp>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <stdexcept>
+#include <string>
+
+#include "sft/typesupport/decode.h"
+#include "sft/typesupport/project.h"
+#include "sft/typesupport/view.h"
+#include "tests/fuzz/decoder_input.h"
+#include "tests/support/encoded.h"
+#include "tests/support/reference.h"
+
+namespace sft::test {
+namespace {
+
+void require(bool condition, const char* what) {
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+}
+
+/// A body in memory of exactly its size, so that the address sanitizer sees the first byte too many.
+class Body {
+ public:
+  Body(const MessageType& type, FieldMask mask, std::span<const std::byte> bytes)
+      : type_(type), mask_(std::move(mask)), bytes_(new std::byte[bytes.size()]), index_(type.support->slots()) {
+    std::copy(bytes.begin(), bytes.end(), bytes_.get());
+    state_ = {bytes_.get(), static_cast<std::uint32_t>(bytes.size()), index_.data(), &mask_};
+  }
+
+  bool walk() { return build_index(state_, type_.type(), index_, &end_) == WalkStatus::ok; }
+  std::span<const std::byte> walked() const { return {bytes_.get(), end_}; }
+
+  /// Nothing where only the length of a sequence of structs was sent, and it is absurd.
+  std::optional<OwnedValue> decoded() const {
+    OwnedValue value = type_.make();
+    if (decode(state_, type_.type(), value.get()) != WalkStatus::ok) return std::nullopt;
+    return value;
+  }
+
+  const SampleState& state() const { return state_; }
+  std::vector<std::uint32_t>& index() { return index_; }
+  const FieldMask& mask() const { return mask_; }
+  const MessageType& type() const { return type_; }
+
+ private:
+  const MessageType& type_;
+  FieldMask mask_;
+  std::unique_ptr<std::byte[]> bytes_;
+  std::vector<std::uint32_t> index_;
+  SampleState state_{};
+  std::uint32_t end_ = 0;
+};
+
+void check_encoding(const Body& body, const OwnedValue& value) {
+  require(reference::is_cdr_of(body.walked(), value, body.mask()), "what was decoded stands in the body");
+  const Encoded again(value.type(), value.get(), body.mask());
+  require(again.bytes() == reference::cdr(value, body.mask()), "encoding it gives the bytes of the projected type");
+  Body second(body.type(), body.mask(), again.bytes());
+  require(second.walk() && second.walked().size() == again.bytes().size(), "what was encoded passes the walk");
+  require(std::equal(second.index().begin(), second.index().end(), again.state().index), "and has the encoder's index");
+  const std::optional<OwnedValue> decoded = second.decoded();
+  require(decoded && same_value(*decoded, value), "decoding it gives the same value");
+}
+
+std::optional<std::vector<std::byte>> projected(const Body& body, const FieldMask& mask) {
+  Projection projection;
+  if (!projection.project(body.state(), body.type().type(), mask)) return std::nullopt;
+  std::vector<std::byte> bytes;
+  for (const Segment& s : projection.segments()) bytes.insert(bytes.end(), s.data, s.data + s.bytes);
+  require(bytes.size() == projection.bytes(), "the segments have as many bytes as is said");
+  return bytes;
+}
+
+void check_projection(const Body& body, const OwnedValue& value, const FieldMask& mask) {
+  const auto bytes = projected(body, mask);
+  require(bytes.has_value(), "a valid body can be projected");
+  Body narrower(body.type(), mask, *bytes);
+  require(narrower.walk(), "the projection is valid");
+  const std::optional<OwnedValue> decoded = narrower.decoded();
+  OwnedValue expected = body.type().make();
+  reference::project(value, mask, expected);
+  require(!decoded || same_value(*decoded, expected), "the projection law");
+  require(reference::is_cdr_of(*bytes, value, mask), "the projection is the CDR of the projected type");
+}
+
+/// Walks to every member as views do, without what the validating walk guarantees.
+void skip_through(const SampleState& s, const StructType& type, std::size_t leaf, std::uint64_t offset, int depth) {
+  for (std::size_t i = 0; i < type.members.size(); ++i) {
+    const Member& m = type.members[i];
+    const std::size_t member_leaf = leaf + leaf_offset(type, i);
+    const std::uint32_t begin = member_begin(s, type, i, leaf, offset);
+    if (begin == no_offset) return;
+    require(begin <= s.body_bytes, "members begin within the body");
+    if (m.kind != Kind::structure || depth == 0 || !s.mask->any_of(member_leaf, leaf_count(m))) continue;
+    const bool is_sequence = m.shape == Shape::sequence;
+    const Extent elements = is_sequence ? checked_length(s, begin) : Extent{begin, m.count};
+    std::uint32_t at = elements.first;
+    for (std::uint32_t n = 0; n < std::min(elements.count, 8U) && at != no_offset; ++n) {
+      skip_through(s, *m.type, member_leaf + (is_sequence ? 1 : 0), at, depth - 1);
+      at = skip(s, *m.type, member_leaf + (is_sequence ? 1 : 0), at);
+    }
+  }
+}
+
+std::size_t sum(std::string_view text) { return text.empty() ? 0 : static_cast<std::size_t>(text.front() + text.back()); }
+
+template <class E>
+std::size_t sum(std::span<const E> block) {
+  E ends{};
+  if (!block.empty()) std::memcpy(&ends, &block.back(), sizeof ends);
+  return block.size() + static_cast<std::size_t>(ends == E{});
+}
+
+/// Visits elements of ranges, but in all not more than a body justifies: a length without elements may be any number.
+class Visits {
+ public:
+  template <class Range, class Visit>
+  void each(const std::optional<Range>& range, Visit visit) {
+    if (!range) return;
+    for (auto at = range->begin(); at != range->end() && left_ > 0; ++at) {
+      --left_;
+      visit(*at);
+    }
+  }
+
+ private:
+  std::uint32_t left_ = 1000;
+};
+
+std::size_t read_all(const SampleState& s, const sensor_msgs::msg::PointCloud2*) {
+  const auto view = view_of<sensor_msgs::msg::PointCloud2, recorded>(s);
+  std::size_t seen = sum(view.header().frame_id().value_or("")) + view.height().value_or(0);
+  if (const auto data = view.data()) seen += sum(*data);
+  Visits().each(view.fields(), [&](const auto& field) {
+    seen += sum(field.name().value_or("")) + field.count().value_or(0);
+  });
+  return seen + view.is_dense().value_or(false);
+}
+
+std::size_t read_all(const SampleState& s, const proof::Scene*) {
+  const auto view = view_of<proof::Scene, recorded>(s);
+  std::size_t seen = sum(view.best().label().value_or("")) + static_cast<std::size_t>(view.stamp().value_or(0));
+  Visits visits;
+  visits.each(view.tracks(), [&](const auto& track) {
+    if (const auto flags = track.flags()) seen += sum(*flags);
+    visits.each(track.tags(), [&](std::string_view tag) { seen += sum(tag); });
+    visits.each(track.pairs(), [&](const auto& pair) { seen += pair.a().value_or(0) + (pair.b() == 0.0 ? 1 : 0); });
+    seen += static_cast<std::size_t>(track.mark().value_or('\0'));
+  });
+  return seen + view.tail().value_or(0);
+}
+
+/// Getters of views: of types that have one of each kind.
+void read_views(const Body& body) {
+  volatile std::size_t seen = 0;
+  if (&body.type().type() == &TypeTable<sensor_msgs::msg::PointCloud2>::type) {
+    seen = read_all(body.state(), static_cast<const sensor_msgs::msg::PointCloud2*>(nullptr));
+  } else if (&body.type().type() == &TypeTable<proof::Scene>::type) {
+    seen = read_all(body.state(), static_cast<const proof::Scene*>(nullptr));
+  }
+  static_cast<void>(seen);
+}
+
+/// What another process that may write to the chunk can do: body and index are not those that were checked.
+void survive_anything(Body& body, const FieldMask& narrower) {
+  const std::span<const std::byte> bytes(body.state().body, body.state().body_bytes);
+  for (std::size_t slot = 0; slot < body.index().size() && !bytes.empty(); ++slot) {
+    const auto value = std::to_integer<std::uint32_t>(bytes[slot * 7 % bytes.size()]);
+    body.index()[slot] = value > 250 ? no_offset - (value - 250) : value;
+  }
+  read_views(body);
+  projected(body, narrower);
+  body.decoded();
+  skip_through(body.state(), body.type().type(), 0, 0, 3);
+}
+
+void run(const DecoderInput& input) {
+  Body body(*input.type, input.mask, input.body);
+  skip_through(body.state(), input.type->type(), 0, 0, 3);
+  if (body.walk()) {
+    require(skip(body.state(), input.type->type(), 0, 0) == body.walked().size(), "skipping ends where the walk ended");
+    read_views(body);
+    require(!body.state().is_malformed(), "what passed the walk is not malformed");
+    if (const std::optional<OwnedValue> value = body.decoded()) {
+      check_encoding(body, *value);
+      check_projection(body, *value, input.narrower);
+    }
+  }
+  survive_anything(body, input.narrower);
+}
+
+}  // namespace
+}  // namespace sft::test
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto input = sft::test::parse_decoder_input(std::as_bytes(std::span(data, size)));
+  if (input) sft::test::run(*input);
+  return 0;
+}

@@ -1,0 +1,21 @@
+# cmake -D IDL=file -D OUTPUT=file "-D COMMAND=program;argument..." -P expect_refusal.cmake
+# Fails unless COMMAND fails, leaves no OUTPUT, and says each `// expect:LINE...` of IDL as `IDL:LINE...` on stderr.
+file(STRINGS ${IDL} expectations REGEX "^// expect:")
+if(NOT expectations)
+  message(FATAL_ERROR "${IDL} does not say what to expect")
+endif()
+
+execute_process(COMMAND ${COMMAND} RESULT_VARIABLE status ERROR_VARIABLE errors)
+if(status EQUAL 0)
+  message(FATAL_ERROR "accepted ${IDL}")
+endif()
+if(EXISTS ${OUTPUT})
+  message(FATAL_ERROR "left ${OUTPUT} behind")
+endif()
+foreach(expectation IN LISTS expectations)
+  string(REPLACE "// expect" "${IDL}" message "${expectation}")
+  string(FIND "${errors}" "${message}" position)
+  if(position EQUAL -1)
+    message(FATAL_ERROR "expected: ${message}\ngot: ${errors}")
+  endif()
+endforeach()

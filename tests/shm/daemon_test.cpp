@@ -1,0 +1,245 @@
+// sftd: that there is one, where it starts and ends, and what it says when it cannot.
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "shm_fixture.h"
+#include "shm_transport/host_file.h"
+
+namespace sft::test {
+namespace {
+
+using core::Availability;
+
+class Sftd : public ShmTest {};
+
+/// A socket at that path, as some other program would have it.
+class Listener {
+ public:
+  explicit Listener(const char* path) : path_(path), socket_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
+    EXPECT_EQ(bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  }
+  ~Listener() {
+    die();
+    unlink(path_.c_str());
+  }
+  /// As when its process is killed: the name stays.
+  void die() {
+    if (socket_ >= 0) close(socket_);
+    socket_ = -1;
+  }
+
+ private:
+  std::string path_;
+  int socket_;
+};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+bool has(const std::vector<std::string>& names, const std::string& name) {
+  return std::ranges::find(names, name) != names.end();
+}
+
+std::vector<std::string> open_files(pid_t pid) {
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/fd")) {
+    files.push_back(std::filesystem::read_symlink(entry.path()));
+  }
+  return files;
+}
+
+TEST_F(Sftd, IsStartedByTheFirstNodeThatNeedsIt) {
+  Node node;
+  EXPECT_EQ(node.poll(), Availability::starting);
+  EXPECT_TRUE(node.becomes_ready()) << node->description();
+  EXPECT_TRUE(is_alive(daemon_pid()));
+  EXPECT_TRUE(node->host_token().known());
+}
+
+TEST_F(Sftd, IsFoundByLaterNodesUnderTheSameToken) {
+  Node first;
+  ASSERT_TRUE(first.becomes_ready()) << first->description();
+  Node second(no_daemon());
+  ASSERT_TRUE(second.becomes_ready()) << second->description();
+  EXPECT_EQ(first->host_token(), second->host_token());
+}
+
+TEST_F(Sftd, TakesNothingWithItFromTheProgramThatStartsIt) {
+  const int leaky = open("/tmp/of_the_program", O_RDWR | O_CREAT, 0600);  // without O_CLOEXEC
+  Node node;
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  EXPECT_FALSE(has(open_files(daemon_pid()), "/tmp/of_the_program"));
+  EXPECT_NE(getsid(daemon_pid()), getsid(0));
+  close(leaky);
+}
+
+TEST_F(Sftd, OfConcurrentStartsExactlyOneSurvives) {
+  std::vector<Process> starts;
+  for (int i = 0; i < 6; ++i) starts.emplace_back(std::vector<std::string>{sftd_path(), "--pool-mib=16"});
+  int losers = 0;
+  for (Process& start : starts) {
+    const std::string output = start.all_output();
+    EXPECT_EQ(start.exit_code(), 0) << output;
+    losers += contains(output, "already running") ? 1 : 0;
+  }
+  EXPECT_EQ(losers, 5);
+  Node node(no_daemon());
+  EXPECT_TRUE(node.becomes_ready()) << node->description();
+}
+
+TEST_F(Sftd, LeavesNothingBehindWhenItIsTerminated) {
+  const auto tmp_before = names_in("/tmp").size();
+  for (const int signal : {SIGTERM, SIGINT}) {
+    Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
+    ASSERT_EQ(daemon.line(), "sftd: ready");
+    daemon.signal(signal);
+    EXPECT_EQ(daemon.exit_code(), 0);
+    EXPECT_EQ(names_in("/dev/shm").size(), 0U);
+    EXPECT_EQ(names_in("/tmp").size(), tmp_before);
+  }
+}
+
+TEST_F(Sftd, StartsAgainAfterItWasKilled) {
+  for (int round = 0; round < 3; ++round) {
+    Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
+    ASSERT_EQ(daemon.line(), "sftd: ready");
+    daemon.kill();
+    EXPECT_EQ(daemon_pid(), 0) << "the sign of a dead daemon counts";
+  }
+  Node node;
+  EXPECT_TRUE(node.becomes_ready()) << node->description();
+}
+
+TEST_F(Sftd, RemovesSocketsOfDeadProgramsAndOnlyThose) {
+  Listener dead("/tmp/sft_node_123_0badcafe");
+  Listener alive("/tmp/sft_node_124_0badcafe");
+  Listener foreign("/tmp/other_program");
+  dead.die();
+  foreign.die();
+  Node node;
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  EXPECT_EQ(names_in("/tmp", "sft_node_123").size(), 0U);
+  EXPECT_EQ(names_in("/tmp", "sft_node_124").size(), 1U);
+  EXPECT_EQ(names_in("/tmp", "other_program").size(), 1U);
+}
+
+TEST_F(Sftd, RefusesTooSmallASharedMemoryAndNamesTheRemedy) {
+  const ShmOfSize small("64m");
+  Process daemon({sftd_path()});
+  const std::string output = daemon.all_output();
+  EXPECT_EQ(daemon.exit_code(), 1);
+  EXPECT_TRUE(contains(output, "64.0 MiB")) << output;
+  EXPECT_TRUE(contains(output, "--shm-size")) << output;
+}
+
+TEST_F(Sftd, LeavesLargeChunksOutWhereThereIsLittleRoomAndSaysSo) {
+  const ShmOfSize small("140m");
+  Process daemon({sftd_path(), "--foreground"});
+  const std::string first = daemon.line();
+  EXPECT_TRUE(contains(first, "do not fit")) << first;
+  EXPECT_EQ(daemon.line(), "sftd: ready");
+  Node node;
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  Writer writer(node, 1);
+  EXPECT_TRUE(writer.loan(1'000'000));
+  EXPECT_FALSE(writer.loan(8'000'000));
+  daemon.signal(SIGTERM);
+  daemon.exit_code();
+}
+
+TEST_F(Sftd, DoesNotStartBesideAForeignRoudi) {
+  const Listener roudi(shm::roudi_socket_path);
+  Process daemon({sftd_path()});
+  const std::string output = daemon.all_output();
+  EXPECT_EQ(daemon.exit_code(), 2);
+  EXPECT_TRUE(contains(output, "iox-roudi")) << output;
+}
+
+TEST_F(Sftd, EndsAfterBeingIdleIfAskedTo) {
+  Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16", "--idle-exit=1"});
+  ASSERT_EQ(daemon.line(), "sftd: ready");
+  {
+    Node node(no_daemon());
+    ASSERT_TRUE(node.becomes_ready()) << node->description();
+    EXPECT_FALSE(eventually([] { return daemon_pid() == 0; }, 2s)) << "it left a client alone";
+  }
+  EXPECT_EQ(daemon.exit_code(), 0);
+}
+
+class NodeWithoutDaemon : public ShmTest {};
+
+TEST_F(NodeWithoutDaemon, NamesTooSmallASharedMemory) {
+  const ShmOfSize small("64m");
+  Node node;
+  ASSERT_TRUE(node.becomes(Availability::unavailable));
+  EXPECT_TRUE(contains(node->description(), "64.0 MiB")) << node->description();
+}
+
+TEST_F(NodeWithoutDaemon, NamesAMissingProgram) {
+  shm::ShmOptions options;
+  options.daemon_path = "/nowhere/sftd";
+  Node node(options);
+  ASSERT_TRUE(node.becomes(Availability::unavailable));
+  EXPECT_TRUE(contains(node->description(), "/nowhere/sftd")) << node->description();
+}
+
+TEST_F(NodeWithoutDaemon, DoesNotStartOneAgainstItsOptions) {
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes(Availability::unavailable));
+  EXPECT_TRUE(contains(node->description(), "run sftd")) << node->description();
+}
+
+TEST_F(NodeWithoutDaemon, DoesNotUseAForeignRoudi) {
+  const Listener roudi(shm::roudi_socket_path);
+  Node node;
+  ASSERT_TRUE(node.becomes(Availability::unavailable));
+  EXPECT_TRUE(contains(node->description(), "iox-roudi")) << node->description();
+}
+
+TEST_F(NodeWithoutDaemon, NamesAnSftdThatHasAnotherSharedMemory) {
+  Node first;
+  ASSERT_TRUE(first.becomes_ready()) << first->description();
+  Process peer = [] {
+    const ShmOfSize other("200m");
+    Process started = start_peer({"attend"});
+    EXPECT_TRUE(contains(started.line(15s), "another /dev/shm"));
+    return started;
+  }();
+  EXPECT_TRUE(first.becomes_ready()) << first->description();
+}
+
+TEST_F(NodeWithoutDaemon, IgnoresAHostFileThatNobodyHolds) {
+  std::ofstream(shm::host_file_path) << "token 000102030405060708090a0b0c0d0e0f\npid 1\nports 64\nend\n";
+  Node node(no_daemon());
+  EXPECT_TRUE(node.becomes(Availability::unavailable));
+  EXPECT_FALSE(node->host_token().known());
+}
+
+TEST_F(NodeWithoutDaemon, OpensNoPorts) {
+  Node node(no_daemon());
+  node.poll();
+  EXPECT_FALSE(node->open_writer({.id = 1, .type = &frame_type()}));
+  EXPECT_FALSE(node->open_reader({.id = 1, .type = &frame_type(), .doorbell = {}}));
+}
+
+TEST_F(NodeWithoutDaemon, FindsOneThatIsStartedLater) {
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes(Availability::unavailable));
+  Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
+  EXPECT_TRUE(node.becomes_ready()) << node->description();
+}
+
+}  // namespace
+}  // namespace sft::test

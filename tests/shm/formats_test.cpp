@@ -1,0 +1,153 @@
+// What is read from other processes: the host file and samples; and how a budget of memory is cut.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <vector>
+
+#include "frame.h"
+#include "shm_transport/host_file.h"
+#include "shm_transport/sample_check.h"
+#include "shm_transport/sftd/pools.h"
+
+namespace sft::test {
+namespace {
+
+constexpr std::size_t MiB = 1 << 20;
+
+TEST(HostFile, IsReadBackAsItWasWritten) {
+  shm::HostFile file;
+  for (std::size_t i = 0; i < file.token.size(); ++i) file.token[i] = static_cast<std::uint8_t>(i * 17);
+  file.pid = 4711;
+  file.port_pool_offset = 27'913'320;
+  file.segment = "robots";
+  const auto read = shm::parse_host_file(shm::format(file));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->token, file.token);
+  EXPECT_EQ(read->pid, file.pid);
+  EXPECT_EQ(read->port_pool_offset, file.port_pool_offset);
+  EXPECT_EQ(read->segment, file.segment);
+}
+
+TEST(HostFile, IsNothingBeforeItsLastLine) {
+  const std::string whole = shm::format({});
+  for (std::size_t bytes = 0; bytes + 2 < whole.size(); ++bytes) {
+    EXPECT_FALSE(shm::parse_host_file(whole.substr(0, bytes))) << bytes;
+  }
+}
+
+TEST(HostFile, IsRefusedWithAShortToken) { EXPECT_FALSE(shm::parse_host_file("token 0011\nend\n")); }
+
+TEST(HostFile, MayHaveLinesOfLaterVersions) {
+  EXPECT_TRUE(shm::parse_host_file("colour blue\ntoken 000102030405060708090a0b0c0d0e0f\nend\n"));
+}
+
+class SampleCheck : public ::testing::Test {
+ protected:
+  static constexpr core::EndpointId writer = 99;
+  static constexpr std::uint32_t data = 40;
+
+  SampleCheck() : memory_(frame_bytes(data) / 8 + 1) {
+    sample_.data = reinterpret_cast<std::byte*>(memory_.data());
+    new (sample_.data) SampleHeader{};
+    write_frame(sample_, writer, 5, data);
+  }
+  bool accepts(std::size_t size = frame_bytes(data)) {
+    return shm::check_sample(sample_.data, size, frame_type(), writer).has_value();
+  }
+
+  std::vector<std::uint64_t> memory_;
+  core::SampleBuffer sample_;
+};
+
+TEST_F(SampleCheck, AcceptsAFrameAndTellsItsExactSize) {
+  const auto checked = shm::check_sample(sample_.data, 4096, frame_type(), writer);
+  ASSERT_TRUE(checked);
+  EXPECT_EQ(checked->bytes, frame_bytes(data));
+  EXPECT_EQ(checked->sequence, 5U);
+}
+
+TEST_F(SampleCheck, RefusesWhatIsNoSample) {
+  sample_.header().magic ^= 1;
+  EXPECT_FALSE(accepts());
+}
+
+TEST_F(SampleCheck, RefusesAnotherType) {
+  sample_.header().type_hash ^= 1;
+  EXPECT_FALSE(accepts());
+}
+
+TEST_F(SampleCheck, RefusesAnotherWriter) {
+  sample_.header().writer ^= 1;
+  EXPECT_FALSE(accepts());
+}
+
+TEST_F(SampleCheck, RefusesABodyBeyondTheChunk) {
+  EXPECT_FALSE(accepts(frame_bytes(data) - 1));
+  sample_.header().body_bytes = 0xFFFF'FFFF;
+  EXPECT_FALSE(accepts());
+}
+
+TEST_F(SampleCheck, RefusesAnIndexOfAnotherSize) {
+  sample_.header().slots = 4;
+  EXPECT_FALSE(accepts());
+}
+
+TEST_F(SampleCheck, RefusesABodyInAnotherPlace) {
+  sample_.header().body_offset -= 8;
+  EXPECT_FALSE(accepts());
+}
+
+TEST_F(SampleCheck, RefusesAnOffsetBehindTheBody) {
+  sample_.index()[2] = data_offset + data;
+  EXPECT_FALSE(accepts());
+}
+
+TEST_F(SampleCheck, RefusesAChunkWithoutRoomForTheHeader) {
+  for (const std::size_t size : {std::size_t{0}, sizeof(SampleHeader) - 1, sizeof(SampleHeader)}) {
+    EXPECT_FALSE(accepts(size)) << size;
+  }
+}
+
+TEST(Pools, HoldSixteenMebibyteSamplesByDefault) {
+  const auto plan = shm::plan_pools(320 * MiB);
+  EXPECT_GE(plan.largest(), 16 * MiB + 4096);
+  EXPECT_GE(plan.pools.back().count, 2U);
+  EXPECT_TRUE(plan.remark.empty()) << plan.remark;
+}
+
+TEST(Pools, NeverExceedTheBudgetAndNeverWasteMuchOfIt) {
+  for (std::size_t budget = 4 * MiB; budget < 2048 * MiB; budget += budget / 7) {
+    const auto plan = shm::plan_pools(budget);
+    EXPECT_LE(plan.bytes(), budget) << budget;
+    EXPECT_GE(plan.bytes(), budget * 4 / 5) << budget;
+  }
+}
+
+TEST(Pools, GrowWithTheBudget) {
+  std::size_t largest = 0;
+  for (std::size_t budget = 4 * MiB; budget < 1024 * MiB; budget += 4 * MiB) {
+    const auto plan = shm::plan_pools(budget);
+    EXPECT_GE(plan.largest(), largest) << budget;
+    largest = plan.largest();
+  }
+}
+
+TEST(Pools, AreInOrderOfSizeWithAtLeastTwoChunksEach) {
+  for (const std::size_t budget : {4 * MiB, 30 * MiB, 100 * MiB, 320 * MiB}) {
+    const auto plan = shm::plan_pools(budget);
+    for (std::size_t i = 0; i < plan.pools.size(); ++i) {
+      EXPECT_GE(plan.pools[i].count, 2U);
+      EXPECT_EQ(plan.pools[i].bytes % 8, 0U);
+      if (i > 0) {
+        EXPECT_GT(plan.pools[i].bytes, plan.pools[i - 1].bytes);
+      }
+    }
+  }
+}
+
+TEST(Pools, SayWhenLargeSamplesDoNotFit) {
+  EXPECT_NE(shm::plan_pools(30 * MiB).remark.find("do not fit"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sft::test

@@ -1,0 +1,121 @@
+// kill -9 of writers and readers at any moment: nobody else notices, and what they had comes back.
+#include <signal.h>
+
+#include "shm_fixture.h"
+#include "shm_transport/host_file.h"
+
+namespace sft::test {
+namespace {
+
+using core::SampleHandle;
+using core::SendStatus;
+
+constexpr std::uint32_t megabyte = 1'000'000;
+
+class Kill : public ShmTest {
+ protected:
+  void SetUp() override {
+    ShmTest::SetUp();
+    if (IsSkipped()) return;
+    node_ = std::make_unique<Node>();
+    ASSERT_TRUE(node_->becomes_ready()) << (*node_)->description();
+  }
+  void TearDown() override {
+    node_.reset();
+    ShmTest::TearDown();
+  }
+  Node& node() { return *node_; }
+  void leave() { node_.reset(); }
+
+ private:
+  std::unique_ptr<Node> node_;
+};
+
+TEST_F(Kill, OfAWriterInATightLoopWedgesNobody) {
+  constexpr int rounds = 20;
+  constexpr std::uint32_t frame = 60'000;
+  ChunkCounter chunks(node(), frame);
+  const std::size_t before = chunks.free();
+  const std::string token = shm::format(shm::HostWatch::look().watch->file());
+  for (int round = 1; round <= rounds; ++round) {
+    const auto id = static_cast<core::EndpointId>(round);
+    Process peer = start_peer({"publish", std::to_string(id), std::to_string(frame)});
+    ASSERT_EQ(peer.line(), "publishing");
+    Reader reader(node());
+    ASSERT_TRUE(reader.connects_to(id)) << round;
+    for (int i = 0; i < 100; ++i) ASSERT_TRUE(reader.next()) << round;
+    peer.kill();
+    Writer writer(node(), 1000 + id);
+    ASSERT_EQ(writer.send_frame(), SendStatus::sent) << round;
+  }
+  EXPECT_EQ(shm::format(shm::HostWatch::look().watch->file()), token) << "the daemon did not survive";
+  EXPECT_TRUE(chunks.comes_to(before - rounds)) << "more than one chunk per kill is lost";
+}
+
+TEST_F(Kill, OfAReaderInATightLoopCostsNothing) {
+  Writer writer(node(), 1);
+  ChunkCounter chunks(node(), megabyte);
+  const std::size_t before = chunks.free();
+  for (int round = 0; round < 10; ++round) {
+    Process peer = start_peer({"subscribe", "1"});
+    ASSERT_EQ(peer.line(), "subscribed") << round;
+    for (int i = 0; i < 2000; ++i) writer.send_frame(megabyte);
+    peer.kill();
+    ASSERT_EQ(writer.send_frame(megabyte), SendStatus::sent) << round;
+  }
+  EXPECT_TRUE(chunks.comes_to(before - 1)) << "the one that the writer keeps";
+}
+
+TEST_F(Kill, OfAWriterReturnsItsLoansAndItsHistory) {
+  ChunkCounter chunks(node(), megabyte);
+  const std::size_t before = chunks.free();
+  Process peer = start_peer({"hoard", "1", std::to_string(megabyte)});
+  EXPECT_EQ(peer.line(), "hoarded");
+  EXPECT_LE(chunks.free(), before - 16);
+  peer.kill();
+  EXPECT_TRUE(chunks.comes_to(before));
+}
+
+TEST_F(Kill, OfAWriterLeavesItsSamplesToWhoHoldsThem) {
+  Reader reader(node());
+  Process peer = start_peer({"publish", "1"});
+  ASSERT_EQ(peer.line(), "publishing");
+  ASSERT_TRUE(reader.connects_to(1));
+  const SampleHandle sample = reader.next();
+  ASSERT_TRUE(sample);
+  const std::uint64_t sequence = sequence_of(sample);
+  peer.kill();
+  EXPECT_TRUE(eventually([&] { return !reader.port().connected(1); }));
+  EXPECT_EQ(sequence_of(sample), sequence);
+  EXPECT_EQ(field_of(*sample, 0), static_cast<std::uint32_t>(sequence));
+}
+
+TEST_F(Kill, RemovesTheSocketOfTheDead) {
+  Process peer = start_peer({"attend"});
+  ASSERT_EQ(peer.line(), "ready");
+  EXPECT_EQ(names_in("/tmp", "sft_node").size(), 2U);
+  peer.kill();
+  EXPECT_TRUE(eventually([] { return names_in("/tmp", "sft_node").size() == 1; }));
+}
+
+TEST_F(Kill, MakesTheDaemonStartAfreshOnceItIsIdle) {
+  const core::HostToken token = node()->host_token();
+  const pid_t daemon = daemon_pid();
+  Process peer = start_peer({"publish", "1"});
+  ASSERT_EQ(peer.line(), "publishing");
+  peer.kill();
+  ASSERT_TRUE(eventually([] { return names_in("/tmp", "sft_node").size() == 1; }));
+  leave();
+  EXPECT_TRUE(eventually(
+      [&] {
+        const auto found = shm::HostWatch::look();
+        return found.watch && shm::host_token(found.watch->file()) != token;
+      },
+      10s));
+  EXPECT_EQ(daemon_pid(), daemon) << "the same process";
+  Node next(no_daemon());
+  EXPECT_TRUE(next.becomes_ready()) << next->description();
+}
+
+}  // namespace
+}  // namespace sft::test

@@ -1,0 +1,75 @@
+// A port's lock that somebody else holds: the daemon, stopped or killed in the middle of changing
+// connections.
+#include <thread>
+
+#include "shm_fixture.h"
+#include "shm_transport/iceoryx_runtime.h"
+#include "shm_transport/writer_port.h"
+
+namespace sft::test {
+namespace {
+
+using core::SendStatus;
+
+class HeldLock : public ShmTest {
+ protected:
+  void SetUp() override {
+    ShmTest::SetUp();
+    if (IsSkipped()) return;
+    node_ = std::make_unique<Node>();
+    ASSERT_TRUE(node_->becomes_ready()) << (*node_)->description();
+    const auto runtime = shm::IceoryxRuntime::shared();
+    session_ = runtime->daemon().advance(own_daemon(), runtime, Clock::now()).session;
+    publisher_ = session_->create_publisher(1, Clock::now() + 1s).value();
+    auto* keeper = session_->create_subscriber(1, 0, Clock::now() + 1s).value();
+    port_ = std::make_unique<shm::ShmWriterPort>(
+        shm::ChunkLender::make(session_, *publisher_, *keeper, frame_type(), 16),
+        std::make_shared<shm::DoorbellPages>(), statistics_);
+    port_->set_routes({{.reader = 1, .destination = core::DoorbellAddress{}, .mask = frame_type().full()}});
+  }
+  void TearDown() override {
+    port_.reset();
+    session_.reset();
+    node_.reset();
+    ShmTest::TearDown();
+  }
+
+  SendStatus send() {
+    const core::SampleHandle sample = port_->loan(frame_bytes(100));
+    write_frame(*sample, 1, 1, 100);
+    return port_->send(sample);
+  }
+
+  std::unique_ptr<Node> node_;
+  std::shared_ptr<shm::Session> session_;
+  iox::popo::PublisherPortData* publisher_ = nullptr;
+  std::shared_ptr<shm::Statistics> statistics_ = std::make_shared<shm::Statistics>();
+  std::unique_ptr<shm::ShmWriterPort> port_;
+};
+
+TEST_F(HeldLock, CostsAWriterTheSampleAndAFewMilliseconds) {
+  std::thread([this] { publisher_->m_chunkSenderData.lock(); }).join();
+  for (std::uint64_t refused = 1; refused <= 20; ++refused) {
+    const auto begin = Clock::now();
+    EXPECT_EQ(send(), SendStatus::dropped);
+    EXPECT_LT(Clock::now() - begin, 200ms);
+    EXPECT_EQ(statistics_->over_limit, refused);
+  }
+}
+
+TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
+  std::atomic<bool> stop{false};
+  std::thread other([&] {
+    while (!stop) {
+      publisher_->m_chunkSenderData.lock();
+      publisher_->m_chunkSenderData.unlock();
+      std::this_thread::sleep_for(20us);
+    }
+  });
+  for (int i = 0; i < 2000; ++i) EXPECT_EQ(send(), SendStatus::sent);
+  stop = true;
+  other.join();
+}
+
+}  // namespace
+}  // namespace sft::test

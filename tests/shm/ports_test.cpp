@@ -1,0 +1,324 @@
+// Writers and readers while all is well: what arrives, what it costs, and what happens at the limits.
+#include <atomic>
+#include <cstring>
+#include <thread>
+
+#include "core/doorbell.h"
+#include "shm_fixture.h"
+
+namespace sft::test {
+namespace {
+
+using core::SampleHandle;
+using core::SendStatus;
+
+class ShmPorts : public ShmTest {
+ protected:
+  void SetUp() override {
+    ShmTest::SetUp();
+    if (IsSkipped()) return;
+    node_ = std::make_unique<Node>();
+    ASSERT_TRUE(node_->becomes_ready()) << (*node_)->description();
+  }
+  void TearDown() override {
+    node_.reset();
+    ShmTest::TearDown();
+  }
+  Node& node() { return *node_; }
+
+ private:
+  std::unique_ptr<Node> node_;
+};
+
+TEST_F(ShmPorts, DeliverTheChunkThatTheWriterFilled) {
+  Writer writer(node(), 1);
+  Reader reader(node());
+  ASSERT_TRUE(reader.connects_to(1));
+  const SampleHandle sent = writer.loan(1000);
+  std::memset(data_of(*sent), 42, 1000);
+  ASSERT_EQ(writer.send(sent, 1000), SendStatus::sent);
+  const SampleHandle got = reader.next();
+  ASSERT_TRUE(got);
+  EXPECT_EQ(got->data, sent->data);
+  EXPECT_EQ(sequence_of(got), 1U);
+  EXPECT_EQ(data_of(*got)[999], std::byte{42});
+  EXPECT_TRUE(got->mask.is_full());
+  EXPECT_GT(got->receive_stamp_ns, 0);
+}
+
+TEST_F(ShmPorts, LetAReaderSeeOnlyTheCheckedBytes) {
+  Writer writer(node(), 1);
+  Reader reader(node());
+  ASSERT_TRUE(reader.connects_to(1));
+  writer.send_frame(100);
+  const SampleHandle got = reader.next();
+  ASSERT_TRUE(got);
+  EXPECT_EQ(got->capacity, frame_bytes(100));
+}
+
+TEST_F(ShmPorts, TouchOnlyTheFirstPagesOfALargeSampleForItsScalars) {
+  constexpr std::uint32_t six_megabytes = 6'000'000;
+  Writer writer(node(), 1);
+  Process peer = start_peer({"count-faults", "1", std::to_string(six_megabytes)});
+  ASSERT_EQ(peer.line(), "subscribed");
+  const SampleHandle sent = writer.loan(six_megabytes);
+  ASSERT_TRUE(sent);
+  std::memset(data_of(*sent), 1, six_megabytes);
+  writer.send(sent, six_megabytes);
+  long scalar_faults = -1;
+  long data_faults = -1;
+  const std::string line = peer.line();
+  ASSERT_EQ(std::sscanf(line.c_str(), "%ld %ld", &scalar_faults, &data_faults), 2) << line;
+  EXPECT_LE(scalar_faults, 64) << "of 1465 pages; the kernel maps 16 around each fault";
+  EXPECT_GE(data_faults, 80) << "all that the scalars did not touch";
+}
+
+TEST_F(ShmPorts, AreNotConnectedBeforeTheWriterExists) {
+  Reader reader(node());
+  ASSERT_TRUE(reader.port().connect({.writer = 5, .max_sample_bytes = 1000}));
+  EXPECT_FALSE(reader.port().connected(5));
+  Writer writer(node(), 5);
+  EXPECT_TRUE(eventually([&] { return reader.port().connected(5); }));
+  EXPECT_FALSE(reader.port().connected(6));
+}
+
+TEST_F(ShmPorts, LoseNoSampleOnceConnected) {
+  Writer writer(node(), 1);
+  for (int round = 0; round < 50; ++round) {
+    Reader reader(node());
+    ASSERT_TRUE(reader.connects_to(1));
+    writer.send_frame();
+    const SampleHandle got = reader.next();
+    ASSERT_TRUE(got) << round;
+    EXPECT_EQ(sequence_of(got), writer.sequence());
+  }
+}
+
+TEST_F(ShmPorts, DeliverNothingWithoutRoutes) {
+  Writer writer(node(), 1);
+  Reader reader(node());
+  ASSERT_TRUE(reader.connects_to(1));
+  writer.port().set_routes({});
+  EXPECT_EQ(writer.send_frame(), SendStatus::sent);
+  EXPECT_FALSE(reader.take());
+}
+
+TEST_F(ShmPorts, DeliverNothingAfterDisconnecting) {
+  Writer writer(node(), 1);
+  Reader reader(node());
+  ASSERT_TRUE(reader.connects_to(1));
+  reader.port().disconnect(1);
+  EXPECT_FALSE(reader.port().connected(1));
+  writer.send_frame();
+  EXPECT_FALSE(reader.take());
+  ASSERT_TRUE(reader.connects_to(1));
+  writer.send_frame();
+  EXPECT_EQ(sequence_of(reader.next()), 2U);
+}
+
+TEST_F(ShmPorts, TakeFromSeveralWritersInTurn) {
+  Writer first(node(), 1);
+  Writer second(node(), 2);
+  Reader reader(node());
+  ASSERT_TRUE(reader.connects_to(1));
+  ASSERT_TRUE(reader.connects_to(2));
+  for (int i = 0; i < 2; ++i) {
+    first.send_frame();
+    second.send_frame();
+  }
+  std::vector<core::EndpointId> writers;
+  while (const SampleHandle got = reader.take()) writers.push_back(got->header().writer);
+  ASSERT_EQ(writers.size(), 4U);
+  EXPECT_NE(writers[0], writers[1]);
+  EXPECT_NE(writers[2], writers[3]);
+}
+
+TEST_F(ShmPorts, PushOutTheOldestOfAFullQueueAndCountIt) {
+  Writer writer(node(), 1);
+  Reader reader(node(), 3);
+  ASSERT_TRUE(reader.connects_to(1));
+  writer.send_frame();
+  EXPECT_EQ(sequence_of(reader.next()), 1U);
+  for (int i = 0; i < 10; ++i) writer.send_frame();
+  for (const std::uint64_t wanted : {9U, 10U, 11U}) EXPECT_EQ(sequence_of(reader.next()), wanted);
+  EXPECT_FALSE(reader.take());
+  EXPECT_EQ(reader.port().discarded(), 7U);
+}
+
+TEST_F(ShmPorts, SkipMalformedSamplesAndCountThem) {
+  Writer writer(node(), 1);
+  Reader reader(node());
+  ASSERT_TRUE(reader.connects_to(1));
+  for (const std::uint32_t body_bytes : {0xFFFF'FFFFU, 5000U}) {
+    const SampleHandle bad = writer.loan(100);
+    write_frame(*bad, 1, 1, 100);
+    bad->header().body_bytes = body_bytes;
+    writer.port().send(bad);
+  }
+  writer.send_frame();
+  EXPECT_TRUE(reader.next());
+  EXPECT_FALSE(reader.take());
+  EXPECT_EQ(reader.port().discarded(), 2U);
+  EXPECT_EQ(node()->counters().malformed, 2U);
+}
+
+TEST_F(ShmPorts, RefuseALoanBeyondTheLimitAndCountIt) {
+  shm::ShmOptions options = no_daemon();
+  options.held_limit = 12;
+  Node other(options);
+  ASSERT_TRUE(other.becomes_ready()) << other->description();
+  Writer writer(other, 1);
+  std::vector<SampleHandle> loans;
+  for (int i = 0; i < 12; ++i) loans.push_back(writer.loan(100));
+  for (const SampleHandle& loan : loans) EXPECT_TRUE(loan);
+  EXPECT_FALSE(writer.loan(100));
+  EXPECT_EQ(other->counters().over_limit, 1U);
+  loans.pop_back();
+  EXPECT_TRUE(writer.loan(100));
+}
+
+TEST_F(ShmPorts, RefuseWhatNoPoolCanHold) {
+  Writer writer(node(), 1);
+  EXPECT_FALSE(writer.loan(100'000'000));
+  EXPECT_FALSE(writer.loan(0xFFFF'FF00));
+  EXPECT_FALSE(writer.port().loan(~std::size_t{0}));
+  EXPECT_TRUE(writer.loan(100));
+}
+
+TEST_F(ShmPorts, RunOutOfChunksWithoutTouchingMuchLargerOnes) {
+  ChunkCounter large_chunks(node(), 16 << 20);
+  const std::size_t large = large_chunks.free();
+  std::vector<std::unique_ptr<Writer>> writers;
+  std::vector<SampleHandle> loans;
+  for (core::EndpointId id = 100; id < 120; ++id) {
+    writers.push_back(std::make_unique<Writer>(node(), id));
+    while (SampleHandle loan = writers.back()->loan(3'000'000)) loans.push_back(std::move(loan));
+  }
+  Writer writer(node(), 1);
+  EXPECT_FALSE(writer.loan(3'000'000));
+  EXPECT_EQ(large_chunks.free(), large);
+}
+
+TEST_F(ShmPorts, GiveUnsentLoansBack) {
+  ChunkCounter chunks(node(), 4'000'000);
+  const std::size_t before = chunks.free();
+  Writer writer(node(), 1);
+  for (int i = 0; i < 200; ++i) ASSERT_TRUE(writer.loan(4'000'000)) << i;
+  EXPECT_EQ(chunks.free(), before);
+}
+
+TEST_F(ShmPorts, KeepASentChunkUnwrittenWhileItsHandleIsHeld) {
+  Writer writer(node(), 1);
+  std::vector<SampleHandle> history;
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    const SampleHandle sample = writer.loan(100);
+    ASSERT_TRUE(sample) << i;
+    ASSERT_EQ(writer.send(sample, 100), SendStatus::sent);
+    history.push_back(sample);
+  }
+  for (std::size_t i = 0; i < history.size(); ++i) EXPECT_EQ(sequence_of(history[i]), i + 1);
+}
+
+TEST_F(ShmPorts, KeepASampleThatHadNoRouteUnwrittenToo) {
+  Writer writer(node(), 1);
+  writer.port().set_routes({});
+  std::vector<SampleHandle> history;
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    history.push_back(writer.loan(100));
+    ASSERT_TRUE(history.back()) << i;
+    writer.send(history.back(), 100);
+  }
+  for (std::size_t i = 0; i < history.size(); ++i) EXPECT_EQ(sequence_of(history[i]), i + 1);
+}
+
+TEST_F(ShmPorts, UseTheSameChunkAgainOnceNobodyHoldsIt) {
+  Writer writer(node(), 1);
+  writer.send_frame();
+  const std::byte* first = writer.loan(100)->data;
+  for (int i = 0; i < 10; ++i) {
+    const SampleHandle sample = writer.loan(100);
+    EXPECT_EQ(sample->data, first);
+    writer.send(sample, 100);
+  }
+}
+
+TEST_F(ShmPorts, HoldNoMoreThanTheLimitAndLeaveTheRestInTheQueue) {
+  shm::ShmOptions options = no_daemon();
+  options.held_limit = 2;
+  Node other(options);
+  ASSERT_TRUE(other.becomes_ready()) << other->description();
+  Writer writer(node(), 1);
+  Reader reader(other);
+  ASSERT_TRUE(reader.connects_to(1));
+  for (int i = 0; i < 4; ++i) writer.send_frame();
+  SampleHandle first = reader.next();
+  const SampleHandle second = reader.next();
+  EXPECT_FALSE(reader.take());
+  first.reset();
+  EXPECT_EQ(sequence_of(reader.next()), 3U);
+}
+
+TEST_F(ShmPorts, LetSamplesBeReleasedOnAnyThread) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP() << "the thread sanitizer does not see what iceoryx's library synchronises";
+#endif
+  Writer writer(node(), 1);
+  Reader reader(node(), 64);
+  ASSERT_TRUE(reader.connects_to(1));
+  std::atomic<std::uint64_t> last{0};
+  std::thread consumer([&] {
+    std::vector<SampleHandle> held(5);
+    for (std::size_t i = 0; last < 20'000;) {
+      if (SampleHandle sample = reader.take()) {
+        last = sequence_of(sample);
+        held[i++ % held.size()] = std::move(sample);
+      }
+    }
+  });
+  while (writer.sequence() < 20'000 || last < 20'000) writer.send_frame();
+  consumer.join();
+  EXPECT_EQ(node()->counters().malformed, 0U);
+}
+
+TEST_F(ShmPorts, RingTheDoorbellOfASleepingReader) {
+  const auto page = core::DoorbellPage::create();
+  core::Doorbell& bell = page->at(3);
+  Writer writer(node(), 1);
+  Reader reader(node());
+  ASSERT_TRUE(reader.connects_to(1));
+  const core::DoorbellAddress address{page->id(), 3};
+  const FieldMask full = frame_type().full();
+  writer.port().set_routes({{.reader = 1, .destination = address, .mask = full},
+                            {.reader = 2, .destination = address, .mask = full}});
+  SampleHandle got;
+  std::thread sleeper(
+      [&] { bell.wait(Clock::now() + 5s, [&] { return static_cast<bool>(got = reader.take()); }); });
+  EXPECT_TRUE(eventually([&] { return bell.sleepers == 1; }));
+  const auto before = bell.rings.load();
+  writer.send_frame();
+  sleeper.join();
+  EXPECT_EQ(bell.rings, before + 1) << "two readers behind one doorbell are one ring";
+  if (!got) got = reader.take();
+  EXPECT_TRUE(got);
+}
+
+TEST_F(ShmPorts, OfTwoNodesInOneProcessBothWork) {
+  Node other(no_daemon());
+  ASSERT_TRUE(other.becomes_ready()) << other->description();
+  Writer writer(node(), 1);
+  Writer back(other, 2);
+  Reader reader(other);
+  Reader back_reader(node());
+  ASSERT_TRUE(reader.connects_to(1));
+  ASSERT_TRUE(back_reader.connects_to(2));
+  for (int i = 0; i < 100; ++i) {
+    writer.send_frame();
+    back.send_frame();
+    EXPECT_TRUE(reader.next());
+    EXPECT_TRUE(back_reader.next());
+  }
+  EXPECT_EQ(names_in("/tmp", "sft_node").size(), 1U) << "they share one registration";
+}
+
+}  // namespace
+}  // namespace sft::test

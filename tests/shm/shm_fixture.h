@@ -1,0 +1,143 @@
+// The words that the tests of shared memory are written in: nodes that become ready, writers and readers of
+// frames, daemons and peers that are started, stopped and killed.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/types.h>
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/transport.h"
+#include "frame.h"
+#include "isolated_host.h"
+#include "shm_transport/shm_transport.h"
+
+namespace sft::test {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+/// Whether the condition came true before the deadline.
+template <class Condition>
+bool eventually(Condition condition, Clock::duration within = 5s) {
+  for (const auto deadline = Clock::now() + within; !condition();) {
+    if (Clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(1ms);
+  }
+  return true;
+}
+
+/// Another program that the test starts; killed with the object.
+class Process {
+ public:
+  explicit Process(const std::vector<std::string>& command);
+  ~Process();
+  Process(Process&& other) noexcept;
+  Process& operator=(Process&&) = delete;
+
+  pid_t pid() const { return pid_; }
+  void signal(int signal) const;
+  void kill();
+  /// Waits for its end; -1 if it was killed.
+  int exit_code();
+  /// The next line that it writes, with a deadline; empty if none came.
+  std::string line(Clock::duration within = 10s);
+  std::string all_output();
+
+ private:
+  void reap();
+  pid_t pid_ = -1;
+  int output_ = -1;
+  int status_ = 0;
+  std::string text_;
+};
+
+std::string sftd_path();
+/// shm_peer with these arguments (shm_peer.cpp).
+Process start_peer(std::vector<std::string> arguments);
+
+/// 0 if none runs.
+pid_t daemon_pid();
+bool is_alive(pid_t pid);
+
+shm::ShmOptions own_daemon();  ///< starts sftd if none runs
+shm::ShmOptions no_daemon();   ///< does not
+
+/// One node's transport.
+class Node {
+ public:
+  explicit Node(const shm::ShmOptions& options = own_daemon());
+
+  core::Availability poll() { return transport_->poll(Clock::now()); }
+  bool becomes(core::Availability wanted, Clock::duration within = 10s);
+  bool becomes_ready() { return becomes(core::Availability::ready); }
+  core::Transport& transport() { return *transport_; }
+  core::Transport* operator->() { return transport_.get(); }
+
+ private:
+  std::unique_ptr<core::Transport> transport_;
+};
+
+class Writer {
+ public:
+  /// With a route to nobody in particular, so that samples are delivered.
+  Writer(Node& node, core::EndpointId id);
+
+  core::SampleHandle loan(std::uint32_t data);
+  /// Fills in the next frame and sends it.
+  core::SendStatus send(const core::SampleHandle& sample, std::uint32_t data);
+  core::SendStatus send_frame(std::uint32_t data = 100);
+  core::WriterPort& port() { return *port_; }
+  core::EndpointId id() const { return id_; }
+  std::uint64_t sequence() const { return sequence_; }
+
+ private:
+  core::EndpointId id_;
+  std::unique_ptr<core::WriterPort> port_;
+  std::uint64_t sequence_ = 0;
+};
+
+class Reader {
+ public:
+  explicit Reader(Node& node, std::uint32_t depth = 8);
+
+  bool connects_to(core::EndpointId writer);
+  core::SampleHandle take() { return port_->take(); }
+  core::SampleHandle next(Clock::duration within = 5s);
+  core::ReaderPort& port() { return *port_; }
+
+ private:
+  std::unique_ptr<core::ReaderPort> port_;
+};
+
+inline std::uint64_t sequence_of(const core::SampleHandle& sample) { return sample->header().sequence; }
+
+/// How many chunks for that much data can be had now: the daemon's memory as its clients see it.
+class ChunkCounter {
+ public:
+  ChunkCounter(Node& node, std::uint32_t data) : node_(node), data_(data) {}
+  std::size_t free();
+  /// Whether so many are free before long; says how many came if not.
+  bool comes_to(std::size_t chunks);
+
+ private:
+  Node& node_;
+  std::uint32_t data_;
+  std::vector<std::unique_ptr<core::WriterPort>> ports_;
+};
+
+std::vector<std::string> names_in(const char* directory, const std::string& prefix = "");
+
+/// Skips where there is no machine of its own, and ends the daemon that a test left.
+class ShmTest : public ::testing::Test {
+ protected:
+  void SetUp() override;
+  void TearDown() override;
+};
+
+}  // namespace sft::test

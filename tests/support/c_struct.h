@@ -1,0 +1,38 @@
+// Messages as the C structs that stock idlc generates, reached through our tables: members in order and naturally
+// aligned, `char*` or `char[bound + 1]` for strings, dds_sequence_t for sequences.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "sft/typesupport/type_table.h"
+#include "tests/support/owned_value.h"
+
+namespace sft::test {
+
+struct CLayout {
+  std::size_t size = 0;
+  std::size_t alignment = 1;
+};
+CLayout c_layout(const StructType& type);
+
+/// The C struct of an owned value. Strings and blocks are those of the value, which must outlive it.
+class CStruct {
+ public:
+  explicit CStruct(const OwnedValue& value);
+  const void* get() const { return struct_; }
+
+ private:
+  std::byte* zeros(std::size_t bytes);
+  void fill(const StructType& type, const std::byte* from, std::byte* to);
+  void fill_elements(const Member& m, Elements from, std::byte* to);
+
+  std::vector<std::unique_ptr<std::byte[]>> memory_;
+  std::byte* struct_;
+};
+
+/// Copies a C struct.
+OwnedValue from_c_struct(const void* c_struct, OwnedValue value);
+
+}  // namespace sft::test

@@ -1,0 +1,50 @@
+#include "tests/support/cyclone_cdr.h"
+
+#include <dds/ddsi/ddsi_cdrstream.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace sft::test {
+
+std::vector<std::byte> cyclone_serialize(const dds_topic_descriptor_t& type, const void* c_struct) {
+  dds_ostreamLE_t stream;
+  dds_ostreamLE_init(&stream, 0, CDR_ENC_VERSION_1);
+  const bool ok = dds_stream_writeLE(&stream, static_cast<const char*>(c_struct), type.m_ops) != nullptr;
+  const auto* first = reinterpret_cast<const std::byte*>(stream.x.m_buffer);
+  std::vector<std::byte> bytes(first, first + stream.x.m_index);
+  dds_ostreamLE_fini(&stream);
+  if (!ok) throw std::runtime_error("Cyclone does not serialize this sample");
+  return bytes;
+}
+
+const void* CycloneReader::deserialize(std::span<const std::byte> body) {
+  free_sample();
+  const auto size = static_cast<std::uint32_t>(body.size());
+  std::vector<std::byte> bytes(body.size() + 1);  // it normalizes in place, and takes no null
+  std::copy(body.begin(), body.end(), bytes.begin());
+  std::uint32_t end = 0;
+  auto* first = reinterpret_cast<char*>(bytes.data());
+  if (dds_stream_normalize_data(first, &end, size, false, CDR_ENC_VERSION_1, type_->m_ops) == nullptr) return nullptr;
+  if (end != size) return nullptr;
+
+  dds_istream_t stream;
+  dds_istream_init(&stream, size, first, CDR_ENC_VERSION_1);
+  sample_ = dds_alloc(type_->m_size);  // zeroed
+  dds_stream_read(&stream, static_cast<char*>(sample_), type_->m_ops);
+  dds_istream_fini(&stream);
+  return sample_;
+}
+
+void CycloneReader::free_sample() {
+  if (sample_ != nullptr) dds_sample_free(sample_, type_, DDS_FREE_ALL);
+  sample_ = nullptr;
+}
+
+bool cyclone_writes_plain_cdr(const dds_topic_descriptor_t& type) {
+  ddsi_sertype_extensibility extensibility{};
+  return dds_stream_extensibility(type.m_ops, &extensibility) && extensibility == DDSI_SERTYPE_EXT_FINAL &&
+         dds_stream_minimum_xcdr_version(type.m_ops) == CDR_ENC_VERSION_1;
+}
+
+}  // namespace sft::test

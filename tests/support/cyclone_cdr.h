@@ -1,0 +1,35 @@
+// Cyclone DDS's own serializer, without a domain or a network: from the C structs of stock idlc to CDR and back.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace sft::test {
+
+/// XCDR1, little-endian, without encapsulation.
+std::vector<std::byte> cyclone_serialize(const dds_topic_descriptor_t& type, const void* c_struct);
+
+class CycloneReader {
+ public:
+  explicit CycloneReader(const dds_topic_descriptor_t& type) : type_(&type) {}
+  CycloneReader(const CycloneReader&) = delete;
+  CycloneReader& operator=(const CycloneReader&) = delete;
+  ~CycloneReader() { free_sample(); }
+
+  /// The C struct, valid until the next call; null if Cyclone finds the bytes malformed or some are left over.
+  const void* deserialize(std::span<const std::byte> body);
+
+ private:
+  void free_sample();
+
+  const dds_topic_descriptor_t* type_;
+  void* sample_ = nullptr;
+};
+
+/// Whether the type is written in the plain encoding of XCDR1 (that is, it is final and needs nothing of XCDR2).
+bool cyclone_writes_plain_cdr(const dds_topic_descriptor_t& type);
+
+}  // namespace sft::test

@@ -1,0 +1,49 @@
+// One Cyclone DDS writer and reader of a type in a domain of their own that knows no interface but loopback: what they
+// exchange is what goes over a wire, encapsulation and all.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace sft::test {
+
+struct CyclonePayload {
+  std::array<std::uint8_t, 4> encapsulation{};  ///< without the number of padding bytes in its last two bits
+  std::vector<std::byte> body;                  ///< without padding
+};
+
+class CycloneLoopback {
+ public:
+  explicit CycloneLoopback(const dds_topic_descriptor_t& type);
+  CycloneLoopback(const CycloneLoopback&) = delete;
+  CycloneLoopback& operator=(const CycloneLoopback&) = delete;
+  ~CycloneLoopback();
+
+  bool ok() const { return error_.empty(); }
+  const std::string& error() const { return error_; }
+
+  /// What the writer makes of a sample.
+  CyclonePayload sent(const void* c_struct);
+
+  /// Lets the reader take a sample with this body, and shows the C struct to `visit`; false if there was none.
+  bool receive(std::span<const std::byte> body, const std::function<void(const void*)>& visit);
+
+ private:
+  dds_entity_t checked(dds_entity_t entity, const char* what);
+  ddsi_serdata* written(const void* c_struct);
+
+  std::string error_;
+  dds_entity_t domain_ = 0;
+  dds_entity_t reader_ = 0;
+  dds_entity_t writer_ = 0;
+  ddsi_serdata* prototype_ = nullptr;  ///< any sample: it knows the type that Cyclone works with inside
+};
+
+}  // namespace sft::test

@@ -1,0 +1,43 @@
+// An owned message in its encoded form, for tests.
+#pragma once
+
+#include <cassert>
+#include <vector>
+
+#include "sft/typesupport/encode.h"
+#include "sft/typesupport/type_support.h"
+#include "sft/typesupport/walk.h"
+
+namespace sft::test {
+
+/// Aligned memory with an encoded body, its index and its mask.
+class Encoded {
+ public:
+  template <class T>
+  explicit Encoded(const T& value, const Mask<T>& mask = all<T>)
+      : Encoded(TypeTable<T>::type, &value, TypeSupport(TypeTable<T>::type).closed(FieldMask(mask))) {}
+
+  Encoded(const StructType& type, const void* value, FieldMask mask) : mask_(std::move(mask)), index_(slot_count(type)) {
+    const EncodedSize size = encoded_size(type, value, mask_);
+    assert(size.status == EncodeStatus::ok);
+    memory_.resize(size.bytes / 8 + 1);
+    encode(type, value, mask_, {body(), size.bytes}, index_);
+    state_ = {.body = body(), .body_bytes = size.bytes, .index = index_.data(), .mask = &mask_};
+  }
+  Encoded(const Encoded&) = delete;
+  Encoded& operator=(const Encoded&) = delete;
+
+  const SampleState& state() const { return state_; }
+  std::byte* body() { return reinterpret_cast<std::byte*>(memory_.data()); }
+  std::uint32_t* index() { return index_.data(); }
+  std::size_t slots() const { return index_.size(); }
+  std::vector<std::byte> bytes() const { return {state_.body, state_.body + state_.body_bytes}; }
+
+ private:
+  FieldMask mask_;
+  std::vector<std::uint64_t> memory_;
+  std::vector<std::uint32_t> index_;
+  SampleState state_;
+};
+
+}  // namespace sft::test

@@ -1,0 +1,30 @@
+// A host of one's own for a test or a benchmark: private network, /dev/shm, /tmp and process ids. It meets nothing that
+// else runs on the machine, and nothing of it is left when it ends, killed or not.
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace sft::test {
+
+/// Calls `run` as a process of a new host, of which the only interface is the loopback, and returns its exit code; all that
+/// it started ends with it. Call it before there are threads. Where the system allows neither root nor user namespaces,
+/// `run` is called where it stands, and isolation_refusal() says why.
+int run_isolated(const std::function<int()>& run);
+
+/// Empty if this program is isolated: tests that need it skip by this otherwise.
+const std::string& isolation_refusal();
+
+/// A /dev/shm of another size, while it lives.
+class ShmOfSize {
+ public:
+  explicit ShmOfSize(const char* size);
+  ~ShmOfSize();
+  ShmOfSize(const ShmOfSize&) = delete;
+  ShmOfSize& operator=(const ShmOfSize&) = delete;
+};
+
+/// Directory of the running program, where the project's others are too.
+const std::string& program_directory();
+
+}  // namespace sft::test

@@ -1,0 +1,42 @@
+#include "tests/support/message_types.h"
+
+#include <array>
+#include <nav_msgs/msg/OccupancyGrid.hpp>
+#include <nav_msgs/msg/Odometry.hpp>
+#include <ostream>
+#include <proof.hpp>
+#include <sensor_msgs/msg/BatteryState.hpp>
+#include <sensor_msgs/msg/Image.hpp>
+#include <sensor_msgs/msg/LaserScan.hpp>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <torture.hpp>
+
+namespace sft::test {
+
+std::span<const MessageType> all_types() {
+  static const std::array types{
+      message_type<sensor_msgs::msg::PointCloud2>(),
+      message_type<sensor_msgs::msg::LaserScan>(),
+      message_type<sensor_msgs::msg::BatteryState>(),
+      message_type<sensor_msgs::msg::Image>(),
+      message_type<nav_msgs::msg::OccupancyGrid>(),
+      message_type<nav_msgs::msg::Odometry>(),
+      message_type<torture::Nested>(),
+      message_type<torture::Arrays>(),
+      message_type<torture::Sequences>(),
+      message_type<torture::names::delete_>(),
+      message_type<proof::Misaligned>(),
+      message_type<proof::Scene>(),
+      message_type<proof::Bounded>(),
+      message_type<proof::Keyed>(),
+      message_type<proof::MarkedElements>(),
+      message_type<proof::Wide>(),
+  };
+  return types;
+}
+
+std::span<const MessageType> common_types() { return all_types().first(6); }
+
+void PrintTo(const MessageType& type, std::ostream* out) { *out << type.support->name(); }
+
+}  // namespace sft::test

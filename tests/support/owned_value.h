@@ -1,0 +1,48 @@
+// Messages of any type, handled through the type's table.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <memory>
+
+#include "sft/typesupport/type_table.h"
+
+namespace sft::test {
+
+/// An owned struct of some type, default-constructed at first.
+class OwnedValue {
+ public:
+  template <class T>
+  static OwnedValue of() {
+    return OwnedValue(TypeTable<T>::type, std::make_shared<T>());
+  }
+
+  const StructType& type() const { return *type_; }
+  void* get() { return value_.get(); }
+  const void* get() const { return value_.get(); }
+
+ private:
+  OwnedValue(const StructType& type, std::shared_ptr<void> value) : type_(&type), value_(std::move(value)) {}
+
+  const StructType* type_;
+  std::shared_ptr<void> value_;
+};
+
+/// Elements of a member of an owned struct, whatever its shape.
+struct Elements {
+  const std::byte* first;
+  std::size_t count;
+};
+Elements elements_of(const Member& member, const void* object);
+
+/// The same for writing; a sequence gets `count` elements, those that it has are kept.
+std::byte* resized(const Member& member, void* object, std::size_t count);
+
+/// Whether all leaves are equal bit by bit, so that a NaN equals itself. Names the first that is not.
+::testing::AssertionResult same_value(const StructType& type, const void* a, const void* b);
+inline ::testing::AssertionResult same_value(const OwnedValue& a, const OwnedValue& b) {
+  return same_value(a.type(), a.get(), b.get());
+}
+
+}  // namespace sft::test

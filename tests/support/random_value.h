@@ -1,0 +1,40 @@
+// Random messages of any type, and random masks. Sizes are log-uniform: mostly small, sometimes larger than what is
+// copied in one piece.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "sft/typesupport/field_mask.h"
+#include "sft/typesupport/type_table.h"
+#include "tests/support/test_seed.h"
+
+namespace sft::test {
+
+class RandomValues {
+ public:
+  explicit RandomValues(Random& random) : random_(random) {}
+
+  /// All leaves: any bits where any are allowed (extremes and NaNs often), booleans 0 or 1, strings without NUL, sequences
+  /// and strings within their bounds.
+  void fill(const StructType& type, void* value) { structure(type, value, 0); }
+
+  /// Dense, sparse, single-leaf, empty and full masks. Not closed.
+  FieldMask mask(std::size_t leaves);
+
+  std::size_t up_to(std::size_t most) { return random_() % (most + 1); }
+
+ private:
+  void structure(const StructType& type, void* object, int depth);
+  std::size_t elements(const Member& member, int depth);
+  void block(Kind kind, std::byte* first, std::size_t count);
+  void primitive(Kind kind, std::byte* value);
+  std::string text(std::size_t most, int depth);
+  std::size_t log_uniform(std::size_t most);
+  bool one_in(std::uint64_t n) { return random_() % n == 0; }
+
+  Random& random_;
+};
+
+}  // namespace sft::test

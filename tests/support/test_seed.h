@@ -1,0 +1,27 @@
+// Random tests that can be repeated: SFT_TEST_SEED=n is the seed of all random numbers in a test program.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <random>
+
+namespace sft::test {
+
+using Random = std::mt19937_64;
+
+/// $SFT_TEST_SEED, or else a new one for each process.
+std::uint64_t test_seed();
+
+/// A test with random inputs. Each of its failures names the seed, and so does its result.
+class RandomTest : public ::testing::Test {
+ protected:
+  RandomTest();
+
+  Random random{test_seed()};
+
+ private:
+  ::testing::ScopedTrace trace_;
+};
+
+}  // namespace sft::test

@@ -1,0 +1,115 @@
+// What is refused, and what the refusal says.
+#include <sys/socket.h>
+#include <netinet/in.h>
+#include <unistd.h>
+
+#include <nav_msgs/msg/Odometry.hpp>
+
+#include "tests/system/fixture.h"
+
+namespace sft::test {
+namespace {
+
+class BadInputTest : public ::testing::Test {
+ protected:
+  static Node udp_node(const std::string& name) { return Node::open(node_options(Way::udp, name)).value(); }
+};
+
+TEST_F(BadInputTest, ABusyPortIsAnErrorThatNamesIt) {
+  const int taken = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  ASSERT_EQ(bind(taken, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  socklen_t length = sizeof address;
+  getsockname(taken, reinterpret_cast<sockaddr*>(&address), &length);
+  NodeOptions options = node_options(Way::udp, "a");
+  options.udp.port = ntohs(address.sin_port);
+  const auto node = Node::open(options);
+  close(taken);
+  ASSERT_FALSE(node);
+  EXPECT_EQ(node.error().code, Errc::address_in_use);
+  EXPECT_NE(node.error().message.find(std::to_string(options.udp.port)), std::string::npos) << node.error().message;
+}
+
+TEST_F(BadInputTest, TopicsHaveNamesAndDomainsAreSmallNumbers) {
+  Node node = udp_node("a");
+  EXPECT_FALSE(node.publisher<PointCloud2>(""));
+  EXPECT_FALSE(node.publisher<PointCloud2>(std::string(300, 'x')));
+  EXPECT_FALSE(Node::open({.domain = 233}));
+}
+
+TEST_F(BadInputTest, AnEndpointCannotChooseWhatItsNodeRulesOut) {
+  Node node = udp_node("a");
+  EXPECT_FALSE(node.publisher<PointCloud2>("points", {.transport = TransportChoice::shm}));
+}
+
+TEST_F(BadInputTest, TwoTypesOnOneTopicNeverMatchAndBothSidesSayWhy) {
+  Node a = udp_node("a");
+  Node b = udp_node("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<nav_msgs::msg::Odometry>("points").value();
+  ASSERT_TRUE(eventually([&] { return pub.status().readers.size() == 1 && sub.status().writers.size() == 1; }));
+  EXPECT_FALSE(pub.status().readers[0].served);
+  EXPECT_NE(pub.status().readers[0].reason.find("Odometry"), std::string::npos);
+  EXPECT_FALSE(sub.status().writers[0].matched);
+  pub.publish({});
+  EXPECT_FALSE(sub.wait(20ms));
+}
+
+TEST_F(BadInputTest, AMessageThatCdrCannotCarryIsInvalid) {
+  Node a = udp_node("a");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = a.subscriber<PointCloud2>("points").value();
+  ASSERT_TRUE(eventually([&] { return !pub.status().readers.empty() && pub.status().readers[0].served; }));
+  PointCloud2 message;
+  message.header.frame_id = std::string("a\0b", 3);
+  EXPECT_EQ(pub.publish(message), PublishStatus::invalid);
+  EXPECT_FALSE(pub.loan(message));
+}
+
+TEST_F(BadInputTest, APayloadThatIsNotTheTypeIsAnError) {
+  Node a = udp_node("a");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  const std::vector<std::byte> payload(100, std::byte{0xff});
+  EXPECT_FALSE(pub.publish_cdr(payload));
+  std::vector<std::byte> little = payload;
+  little[0] = little[2] = little[3] = std::byte{0};
+  little[1] = std::byte{1};
+  const auto result = pub.publish_cdr(little);
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().message.find("PointCloud2"), std::string::npos);
+}
+
+TEST_F(BadInputTest, DatagramsOfNoOneAreCountedAndHurtNobody) {
+  Node a = udp_node("a");
+  NodeOptions options = node_options(Way::udp, "b");
+  options.udp.port = 45'997;
+  Node b = Node::open(options).value();
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2, F::height>("points").value();
+  ASSERT_TRUE(eventually([&] { return !pub.status().readers.empty() && pub.status().readers[0].served; }));
+  const int hostile = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(options.udp.port);
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::array<std::uint8_t, 64> bytes{};
+  for (int i = 0; i < 200; ++i) {
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(rand());
+    if (i % 2 == 0) bytes[0] = 0x10;
+    ASSERT_GT(sendto(hostile, bytes.data(), static_cast<std::size_t>(1 + i % 64), 0, reinterpret_cast<sockaddr*>(&to),
+                     sizeof to), 0);
+  }
+  close(hostile);
+  EXPECT_TRUE(eventually([&] {
+    const NodeStatus status = b.status();
+    return status.datagrams_malformed + status.datagrams_unknown + status.over_limit == 200;
+  })) << b.status().datagrams_malformed << " + " << b.status().datagrams_unknown;
+  PointCloud2 message;
+  message.height = 4;
+  pub.publish(message);
+  ASSERT_TRUE(sub.wait(5s));
+}
+
+}  // namespace
+}  // namespace sft::test

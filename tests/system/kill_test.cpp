@@ -1,0 +1,200 @@
+// kill -9 of whatever takes part, at any moment: nobody else crashes or hangs, memory comes back, the next start works.
+#include <dirent.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstring>
+#include <fstream>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <sft/sft.h>
+#include <thread>
+
+#include "tests/support/eventually.h"
+#include "tests/support/isolated_host.h"
+
+namespace sft::test {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+using namespace std::chrono_literals;
+
+constexpr std::uint32_t cloud_bytes = 1'000'000;
+
+// ---- roles of other processes ----
+
+[[noreturn]] void publish_forever() {
+  Node node = Node::open({.name = "publisher"}).value();
+  auto publisher = node.publisher<PointCloud2>("points").value();
+  for (std::uint32_t i = 1;; ++i) {
+    auto loan = publisher.loan({.height = i}, {.data = cloud_bytes});
+    if (loan) std::move(*loan).publish();
+    if (i % 64 == 0) poll(nullptr, 0, 1);  // so that others get the core as well
+  }
+}
+
+/// Holds on to what it takes, up to a number of samples.
+[[noreturn]] void subscribe_forever() {
+  Node node = Node::open({.name = "subscriber"}).value();
+  auto subscriber = node.subscriber<PointCloud2>("points").value();
+  std::vector<Sample<PointCloud2>> held;
+  for (;;) {
+    subscriber.wait(1s);
+    while (auto sample = subscriber.take()) held.push_back(std::move(sample));
+    if (held.size() > 4) held.clear();
+  }
+}
+
+// ---- the tests' own language ----
+
+class Process {
+ public:
+  explicit Process(const char* role) {
+    char self[] = "/proc/self/exe";
+    char* arguments[] = {self, const_cast<char*>("--role"), const_cast<char*>(role), nullptr};
+    if (posix_spawn(&pid_, self, nullptr, nullptr, arguments, environ) != 0) pid_ = -1;
+  }
+  ~Process() { kill_now(); }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  void kill_now() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+    pid_ = -1;
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+/// Process ids of this host's daemons.
+std::vector<pid_t> daemons() {
+  std::vector<pid_t> found;
+  DIR* proc = opendir("/proc");
+  while (const dirent* entry = readdir(proc)) {
+    std::string name;
+    std::getline(std::ifstream(std::string("/proc/") + entry->d_name + "/comm"), name);
+    if (name == "sftd" && std::atoi(entry->d_name) > 0) found.push_back(std::atoi(entry->d_name));
+  }
+  closedir(proc);
+  return found;
+}
+
+class KillTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+  }
+
+  /// Takes until a sample comes by `way`; false if none does.
+  template <class S>
+  static bool hears_by(S& subscriber, TransportKind way) {
+    return eventually([&] {
+      subscriber.wait(10ms);
+      while (const auto sample = subscriber.take()) {
+        if (sample.info().transport == way) return true;
+      }
+      return false;
+    }, 30s);
+  }
+};
+
+TEST_F(KillTest, APublisherKilledInItsLoopIsReplacedByTheNextOneTenTimes) {
+  Node node = Node::open({.name = "reader"}).value();
+  auto subscriber = node.subscriber<PointCloud2, F::height>("points").value();
+  for (int round = 0; round < 10; ++round) {
+    Process publisher("publisher");
+    ASSERT_TRUE(hears_by(subscriber, TransportKind::shm)) << "round " << round;
+    publisher.kill_now();
+    while (subscriber.take()) {
+    }
+  }
+  EXPECT_EQ(daemons().size(), 1U);
+}
+
+TEST_F(KillTest, AReaderKilledWithSamplesInItsHandsCostsOtherReadersNothing) {
+  Node node = Node::open({.name = "both"}).value();
+  auto publisher = node.publisher<PointCloud2>("points").value();
+  auto subscriber = node.subscriber<PointCloud2, F::height>("points", {.depth = 64}).value();
+  const auto served_by_shm = [&] {
+    std::size_t n = 0;
+    for (const auto& r : publisher.status().readers) n += r.served && r.transport == TransportKind::shm ? 1 : 0;
+    return n;
+  };
+  ASSERT_TRUE(eventually([&] { return served_by_shm() == 1; }));
+  std::uint32_t published = 0;
+  std::uint32_t taken = 0;
+  const auto pass_one_on = [&] {
+    auto loan = publisher.loan({.height = ++published}, {.data = cloud_bytes});
+    ASSERT_TRUE(loan) << loan.error().message << " after " << published;
+    ASSERT_EQ(std::move(*loan).publish(), PublishStatus::ok);
+    ASSERT_TRUE(subscriber.wait(5s));
+    const auto sample = subscriber.take();
+    taken += sample->height() == published ? 1 : 0;
+  };
+  for (int round = 0; round < 10; ++round) {
+    Process other("subscriber");
+    // Killed ones stay in the table until their lease ends, so count those that are attached beyond them.
+    ASSERT_TRUE(eventually([&] { return served_by_shm() >= static_cast<std::size_t>(round) + 2; }));
+    for (int i = 0; i < 20; ++i) pass_one_on();
+    other.kill_now();
+    for (int i = 0; i < 20; ++i) pass_one_on();
+  }
+  EXPECT_EQ(taken, published);
+  EXPECT_EQ(subscriber.status().lost, 0U);
+}
+
+TEST_F(KillTest, WhenTheDaemonIsKilledSamplesGoOnByUdpAndThenThroughANewOne) {
+  Node a = Node::open({.name = "a"}).value();
+  Node b = Node::open({.name = "b"}).value();
+  auto publisher = a.publisher<PointCloud2>("points").value();
+  auto subscriber = b.subscriber<PointCloud2, F::height>("points", {.depth = 64}).value();
+  std::atomic<bool> done{false};
+  std::thread publishing([&] {
+    for (std::uint32_t i = 1; !done; ++i) {
+      publisher.publish({.height = i});
+      poll(nullptr, 0, 2);
+    }
+  });
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_TRUE(hears_by(subscriber, TransportKind::shm)) << "round " << round;
+    for (const pid_t daemon : daemons()) kill(daemon, SIGKILL);
+    EXPECT_TRUE(hears_by(subscriber, TransportKind::udp)) << "round " << round;
+  }
+  EXPECT_TRUE(hears_by(subscriber, TransportKind::shm));
+  done = true;
+  publishing.join();
+}
+
+TEST_F(KillTest, AKilledNodeIsNoticedAndNoLongerServed) {
+  Node node = Node::open({.name = "publisher"}).value();
+  auto publisher = node.publisher<PointCloud2>("points").value();
+  Process reader("subscriber");
+  ASSERT_TRUE(eventually([&] {
+    const auto readers = publisher.status().readers;
+    return readers.size() == 1 && readers[0].served;
+  }));
+  reader.kill_now();
+  EXPECT_TRUE(eventually([&] {
+    const auto readers = publisher.status().readers;
+    return readers.empty() || !readers[0].served;
+  }, 30s));
+}
+
+}  // namespace
+}  // namespace sft::test
+
+int main(int argc, char** argv) {
+  const std::string role = argc == 3 && std::strcmp(argv[1], "--role") == 0 ? argv[2] : "";
+  if (role == "publisher") sft::test::publish_forever();
+  if (role == "subscriber") sft::test::subscribe_forever();
+  ::testing::InitGoogleTest(&argc, argv);
+  if (GTEST_FLAG_GET(list_tests)) return RUN_ALL_TESTS();
+  return sft::test::run_isolated([] { return RUN_ALL_TESTS(); });
+}

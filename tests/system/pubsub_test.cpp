@@ -1,0 +1,290 @@
+// Publishing and subscribing: what every transport has to do alike.
+#include <array>
+#include <atomic>
+#include <thread>
+
+#include "tests/system/fixture.h"
+
+namespace sft::test {
+namespace {
+
+TEST_P(PubSubTest, ASampleArrivesWhole) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2>("points").value();
+  expect_served(pub, 1);
+  const PointCloud2 sent = cloud(7, 300'000);
+  EXPECT_EQ(pub.publish(sent), PublishStatus::ok);
+  ASSERT_TRUE(sub.wait(5s));
+  const auto sample = sub.take();
+  EXPECT_EQ(sample.to_owned(), sent);
+  EXPECT_EQ(sample.info().transport, in_shared_memory() ? TransportKind::shm : TransportKind::udp);
+}
+
+TEST_P(PubSubTest, SamplesOf16MiBArriveAndLargerOnesAreRefused) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2>("points").value();
+  expect_served(pub, 1);
+  const PointCloud2 sent = cloud(7, 16 * 1024 * 1024 - 400);
+  EXPECT_EQ(pub.publish(sent), PublishStatus::ok);
+  ASSERT_TRUE(sub.wait(10s));
+  EXPECT_EQ(sub.take().to_owned(), sent);
+  EXPECT_EQ(pub.publish(cloud(8, 16 * 1024 * 1024)), PublishStatus::invalid);
+}
+
+TEST_P(PubSubTest, EachSubscriberGetsTheFieldsItDeclared) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto scalars = b.subscriber<PointCloud2, F::height | F::width>("points").value();
+  auto names = b.subscriber<PointCloud2, F::fields.each.name>("points").value();
+  expect_served(pub, 2);
+  pub.publish(cloud(7));
+  ASSERT_TRUE(scalars.wait(5s) && names.wait(5s));
+  const auto scalar = scalars.take();
+  EXPECT_EQ(scalar->height(), 7U);
+  EXPECT_EQ(scalar->width(), 8U);
+  const auto name = names.take();
+  ASSERT_EQ(name->fields().size(), 2U);
+  EXPECT_EQ((*std::next(name->fields().begin())).name(), "y");
+  EXPECT_EQ(scalar.mask().is_full(), in_shared_memory());
+  if (!in_shared_memory()) {
+    EXPECT_EQ(scalar.mask(), FieldMask(F::height | F::width));
+  }
+}
+
+TEST_P(PubSubTest, WithoutReadersNothingIsSent) {
+  Node a = open("a");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(pub.publish(cloud(i)), PublishStatus::ok);
+  EXPECT_EQ(pub.status().bytes_sent, 0U);
+  EXPECT_EQ(pub.status().published, 10U);
+}
+
+TEST_P(PubSubTest, ALoanIsFilledInPlace) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2>("points").value();
+  expect_served(pub, 1);
+  PointCloud2 expected = cloud(3);
+  expected.data.assign(100'000, 9);
+  auto loan = pub.loan(cloud(3), {.data = 100'000}).value();
+  std::fill(loan->data().begin(), loan->data().end(), std::uint8_t{9});
+  loan.set(F::width, 44);
+  loan.set(F::header.stamp.nanosec, 55);
+  EXPECT_EQ(std::move(loan).publish(), PublishStatus::ok);
+  expected.width = 44;
+  expected.header.stamp.nanosec = 55;
+  ASSERT_TRUE(sub.wait(5s));
+  EXPECT_EQ(sub.take().to_owned(), expected);
+}
+
+TEST_P(PubSubTest, LoansThatAreNotPublishedGiveTheirMemoryBack) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2>("points").value();
+  expect_served(pub, 1);
+  for (int i = 0; i < 500; ++i) ASSERT_TRUE(pub.loan(cloud(3), {.data = 1'000'000}));
+}
+
+TEST_P(PubSubTest, SamplesCarryTheirMetadata) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2, F::height>("points").value();
+  expect_served(pub, 1);
+  const auto before = std::chrono::system_clock::now();
+  for (std::uint32_t i = 0; i < 3; ++i) pub.publish(cloud(i));
+  std::uint64_t last = 0;
+  std::uint64_t writer = 0;
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    ASSERT_TRUE(sub.wait(5s));
+    const auto sample = sub.take();
+    const SampleInfo& info = sample.info();
+    EXPECT_EQ(sample->height(), i);
+    if (i > 0) {
+      EXPECT_EQ(info.sequence, last + 1);
+      EXPECT_EQ(info.writer, writer);
+    }
+    EXPECT_GE(info.source_stamp, before);
+    EXPECT_GE(info.receive_stamp, info.source_stamp);
+    EXPECT_LE(info.receive_stamp, std::chrono::system_clock::now());
+    EXPECT_EQ(info.lost_before, 0U);
+    last = info.sequence;
+    writer = info.writer;
+  }
+}
+
+TEST_P(PubSubTest, WhatDoesNotFitTheDepthIsLostOldestFirstAndCounted) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2, F::height>("points", {.depth = 4}).value();
+  expect_served(pub, 1);
+  pub.publish(cloud(0));
+  ASSERT_TRUE(sub.wait(5s));
+  (void)sub.take();
+  auto watcher = b.subscriber<PointCloud2, F::height>("points", {.depth = 64}).value();
+  expect_served(pub, 2);
+  for (std::uint32_t i = 1; i <= 20; ++i) pub.publish(cloud(i));
+  std::uint32_t seen = 0;
+  while (seen < 20 && watcher.wait(5s)) {
+    if (const auto sample = watcher.take()) seen = sample->height();
+  }
+  const auto first = sub.take();
+  EXPECT_EQ(first->height(), 17U);
+  EXPECT_EQ(first.info().lost_before, 16U);
+  EXPECT_EQ(sub.status().lost, 16U);
+}
+
+TEST_P(PubSubTest, TakeLatestPassesOverOlderSamples) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2, F::height>("points").value();
+  expect_served(pub, 1);
+  for (std::uint32_t i = 1; i <= 5; ++i) pub.publish(cloud(i));
+  std::uint32_t newest = 0;
+  ASSERT_TRUE(eventually([&] {
+    if (const auto sample = sub.take_latest()) newest = sample->height();
+    return newest == 5;
+  }));
+  EXPECT_FALSE(sub.take_latest());
+  EXPECT_EQ(sub.status().lost, 0U);
+}
+
+TEST_P(PubSubTest, WaitingEndsWithASampleOrWithTime) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2, F::height>("points").value();
+  EXPECT_FALSE(sub.wait(10ms));
+  expect_served(pub, 1);
+  std::thread publisher([&] { pub.publish(cloud(1)); });
+  EXPECT_TRUE(sub.wait(10s));
+  publisher.join();
+}
+
+TEST_P(PubSubTest, ACallbackGetsEverySampleInOrderAndNoneAfterItsSubscriberIsGone) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  std::atomic<std::uint32_t> calls{0};
+  std::atomic<std::uint32_t> disorder{0};
+  {
+    auto sub = b.subscriber<PointCloud2, F::height>("points", [&](const auto& sample) {
+                  disorder += sample->height() != calls ? 1 : 0;
+                  ++calls;
+                }, {.depth = 64}).value();
+    expect_served(pub, 1);
+    for (std::uint32_t i = 0; i < 50; ++i) pub.publish(cloud(i));
+    EXPECT_TRUE(eventually([&] { return calls == 50; })) << calls;
+  }
+  EXPECT_EQ(disorder, 0U);
+  for (std::uint32_t i = 0; i < 10; ++i) pub.publish(cloud(i));
+  EXPECT_EQ(calls, 50U);
+  expect_served(pub, 0);
+}
+
+TEST_P(PubSubTest, ASubscriberMayBeDestroyedInItsOwnCallback) {
+  Node a = open("a");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  std::atomic<bool> gone{false};
+  std::optional<Node> b = open("b");
+  using Sub = Subscriber<PointCloud2, F::height>;
+  std::optional<Sub> sub;
+  sub.emplace(b->subscriber<PointCloud2, F::height>("points", [&](const auto&) {
+    sub.reset();
+    gone = true;
+  }).value());
+  b.reset();  // the subscriber alone keeps the node, and the callback takes the last reference
+  expect_served(pub, 1);
+  pub.publish(cloud(1));
+  EXPECT_TRUE(eventually([&] { return gone.load(); }));
+  expect_served(pub, 0);
+}
+
+TEST_P(PubSubTest, ASampleOutlivesItsSubscriberItsNodeAndItsPublisher) {
+  std::optional<Node> a = open("a");
+  std::optional<Node> b = open("b");
+  std::optional pub = a->publisher<PointCloud2>("points").value();
+  std::optional sub = b->subscriber<PointCloud2>("points").value();
+  expect_served(*pub, 1);
+  pub->publish(cloud(5, 100'000));
+  ASSERT_TRUE(sub->wait(5s));
+  const auto sample = sub->take();
+  sub.reset();
+  b.reset();
+  pub.reset();
+  a.reset();
+  EXPECT_EQ(sample.to_owned(), cloud(5, 100'000));
+}
+
+TEST_P(PubSubTest, PublishersAndSubscribersJoinAndLeaveInAnyOrder) {
+  Node a = open("a");
+  Node b = open("b");
+  for (int round = 0; round < 6; ++round) {
+    std::optional<Publisher<PointCloud2>> pub;
+    std::optional<Subscriber<PointCloud2, F::height>> sub;
+    const auto open_pub = [&] { pub = a.publisher<PointCloud2>("points").value(); };
+    const auto open_sub = [&] { sub.emplace(b.subscriber<PointCloud2, F::height>("points").value()); };
+    if (round % 2 == 0) open_pub();
+    open_sub();
+    if (round % 2 == 1) open_pub();
+    expect_served(*pub, 1);
+    pub->publish(cloud(static_cast<std::uint32_t>(round)));
+    ASSERT_TRUE(sub->wait(5s));
+    const auto sample = sub->take();
+    EXPECT_EQ(sample->height(), static_cast<std::uint32_t>(round));
+    if (round % 3 == 0) {
+      pub.reset();
+      EXPECT_TRUE(eventually([&] { return sub->status().writers.empty(); }));
+    } else {
+      sub.reset();
+      expect_served(*pub, 0);
+    }
+  }
+}
+
+TEST_P(PubSubTest, SeveralWritersOfATopicAreHeardWithTheirOwnSequences) {
+  Node a = open("a");
+  Node b = open("b");
+  Node c = open("c");
+  auto first = a.publisher<PointCloud2>("points").value();
+  auto second = c.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2, F::height>("points", {.depth = 32}).value();
+  expect_served(first, 1);
+  expect_served(second, 1);
+  for (std::uint32_t i = 0; i < 10; ++i) {
+    first.publish(cloud(i));
+    second.publish(cloud(100 + i));
+  }
+  std::size_t taken = 0;
+  while (taken < 20 && sub.wait(5s)) {
+    while (sub.take()) ++taken;
+  }
+  EXPECT_EQ(taken, 20U);
+  EXPECT_EQ(sub.status().lost, 0U);
+  EXPECT_EQ(sub.status().writers.size(), 2U);
+}
+
+TEST_P(PubSubTest, APublisherAndASubscriberOfOneNodeHearEachOther) {
+  Node node = open("both");
+  auto pub = node.publisher<PointCloud2>("points").value();
+  auto sub = node.subscriber<PointCloud2, F::width>("points").value();
+  expect_served(pub, 1);
+  pub.publish(cloud(1));
+  ASSERT_TRUE(sub.wait(5s));
+  const auto sample = sub.take();
+  EXPECT_EQ(sample->width(), 2U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, PubSubTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
+
+}  // namespace
+}  // namespace sft::test

@@ -1,0 +1,134 @@
+// How bytes are projected: what is copied, what is only referenced, and what the runtime refuses.
+#include "sft/typesupport/project.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <proof.hpp>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "sft/typesupport/decode.h"
+#include "tests/support/encoded.h"
+
+namespace sft {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using test::Encoded;
+
+template <class T>
+class Projected {
+ public:
+  Projected(const T& value, const Mask<T>& mask)
+      : mask_(support_.closed(FieldMask(mask))), source_(value), ok_(projection_.project(source_.state(), type, mask_)) {}
+
+  bool ok() const { return ok_; }
+  std::size_t segments() const { return projection_.segments().size(); }
+
+  /// The bytes of the source that were not copied.
+  std::size_t referenced_bytes() const {
+    std::size_t bytes = 0;
+    for (const Segment& s : projection_.segments()) bytes += is_in_source(s) ? s.bytes : 0;
+    return bytes;
+  }
+
+  T decoded() const {
+    std::vector<std::byte> body;
+    for (const Segment& s : projection_.segments()) body.insert(body.end(), s.data, s.data + s.bytes);
+    const auto bytes = static_cast<std::uint32_t>(body.size());
+    std::vector<std::uint32_t> index(slot_count(type));
+    const SampleState state{.body = body.data(), .body_bytes = bytes, .index = index.data(), .mask = &mask_};
+    T value;
+    EXPECT_EQ(build_index(state, type, index), WalkStatus::ok);
+    EXPECT_EQ(decode(state, type, &value), WalkStatus::ok);
+    return value;
+  }
+
+ private:
+  static constexpr const StructType& type = TypeTable<T>::type;
+
+  bool is_in_source(const Segment& s) const {
+    const SampleState& source = source_.state();
+    return s.data >= source.body && s.data + s.bytes <= source.body + source.body_bytes;
+  }
+
+  TypeSupport support_{type};
+  FieldMask mask_;
+  Encoded source_;
+  Projection projection_;
+  bool ok_;
+};
+
+PointCloud2 cloud_with_data(std::size_t bytes) {
+  PointCloud2 cloud;
+  cloud.header.frame_id = "lidar";
+  cloud.fields.resize(2);
+  cloud.data.resize(bytes);
+  std::iota(cloud.data.begin(), cloud.data.end(), std::uint8_t{1});
+  return cloud;
+}
+
+TEST(ProjectionTest, LargeBlocksStayWhereTheyAre) {
+  const Projected projected(cloud_with_data(reference_bytes_min), ~PointCloud2::Field::height);
+  EXPECT_EQ(projected.referenced_bytes(), reference_bytes_min);
+  EXPECT_EQ(projected.segments(), 3U);  // what is before them, they, and what is behind them
+}
+
+TEST(ProjectionTest, SmallBlocksAreCopiedIntoOneRun) {
+  const Projected projected(cloud_with_data(reference_bytes_min - 1), ~PointCloud2::Field::height);
+  EXPECT_EQ(projected.referenced_bytes(), 0U);
+  EXPECT_EQ(projected.segments(), 1U);
+}
+
+TEST(ProjectionTest, NothingAskedForIsNoBytes) {
+  const Projected projected(cloud_with_data(10), Mask<PointCloud2>{});
+  EXPECT_TRUE(projected.ok());
+  EXPECT_EQ(projected.segments(), 0U);
+}
+
+TEST(ProjectionTest, ElementsOfWhichTheDistanceChangesAreCopiedOneByOne) {
+  using F = proof::Misaligned::Field;
+  proof::Misaligned message;
+  for (int i = 0; i < 1000; ++i) message.pairs.push_back({1, 0.5 * i});
+  const Projected projected(message, F::pairs.each.b | F::last);
+  EXPECT_EQ(projected.referenced_bytes(), 0U);
+  EXPECT_EQ(projected.decoded().pairs[999].b, 499.5);
+}
+
+TEST(ProjectionTest, OfASequenceInAnElementTheLengthAloneMayBeAskedFor) {
+  using F = proof::Scene::Field;
+  proof::Scene scene;
+  scene.tracks.resize(2);
+  scene.tracks[0].pairs.resize(3);
+  scene.tracks[0].mark = 'x';
+  scene.tracks[1].mark = 'y';
+  const Projected projected(scene, F::tracks.each.pairs.size | F::tracks.each.mark);
+  ASSERT_TRUE(projected.ok());
+  const proof::Scene decoded = projected.decoded();
+  EXPECT_EQ(decoded.tracks[0].pairs.size(), 3U);
+  EXPECT_EQ(decoded.tracks[0].mark, 'x');
+  EXPECT_EQ(decoded.tracks[1].mark, 'y');
+}
+
+TEST(ProjectionTest, ASourceWithoutAFieldThatIsAskedForIsRefused) {
+  using F = PointCloud2::Field;
+  const Encoded source(cloud_with_data(10), Mask<PointCloud2>(F::width));
+  Projection projection;
+  EXPECT_FALSE(projection.project(source.state(), TypeTable<PointCloud2>::type, FieldMask(F::height)));
+}
+
+TEST(ProjectionTest, ASourceOfWhichTheLengthsLeadOutsideIsRefused) {
+  using F = PointCloud2::Field;
+  Encoded source(cloud_with_data(10));
+  const std::uint32_t length = 1'000'000;
+  for (const std::size_t slot : {2U, 5U, 9U}) {  // frame_id, fields, data
+    Encoded changed(cloud_with_data(10));
+    std::memcpy(changed.body() + changed.index()[slot], &length, sizeof length);
+    Projection projection;
+    EXPECT_FALSE(projection.project(changed.state(), TypeTable<PointCloud2>::type, FieldMask(all<PointCloud2>))) << slot;
+  }
+  EXPECT_TRUE(Projection().project(source.state(), TypeTable<PointCloud2>::type, FieldMask(F::data | F::fields)));
+}
+
+}  // namespace
+}  // namespace sft

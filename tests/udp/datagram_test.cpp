@@ -1,0 +1,128 @@
+#include "udp_transport/datagram.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <random>
+#include <vector>
+
+#include "seed.h"
+
+namespace sft::udp {
+namespace {
+
+template <std::size_t N>
+std::vector<unsigned> numbers(const std::array<std::byte, N>& bytes) {
+  std::vector<unsigned> n;
+  for (const std::byte b : bytes) n.push_back(std::to_integer<unsigned>(b));
+  return n;
+}
+
+constexpr SampleLabel label{.writer = 0x04030201, .sequence = 0x14131211, .variant = 0x0605};
+
+TEST(Datagram, LaysOutTheFirstHeaderAsDocumented) {
+  std::array<std::byte, first_header_bytes> bytes;
+  encode(
+      FirstHeader{
+          .label = label, .flags = 1, .total = 0x24232221, .mask = 0x3837363534333231, .stamp_ns = -2},
+      bytes.data());
+  EXPECT_EQ(numbers(bytes),
+            (std::vector<unsigned>{0x11, 1,    0x05, 0x06, 0x01, 0x02, 0x03, 0x04, 0x11, 0x12, 0x13,
+                                   0x14, 0x21, 0x22, 0x23, 0x24, 0x31, 0x32, 0x33, 0x34, 0x35, 0x36,
+                                   0x37, 0x38, 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff}));
+}
+
+TEST(Datagram, LaysOutTheFollowingHeaderAsDocumented) {
+  std::array<std::byte, following_header_bytes> bytes;
+  encode(FollowingHeader{.label = label, .offset = 0x24232221}, bytes.data());
+  EXPECT_EQ(numbers(bytes), (std::vector<unsigned>{0x12, 0, 0x05, 0x06, 0x01, 0x02, 0x03, 0x04, 0x11, 0x12,
+                                                   0x13, 0x14, 0x21, 0x22, 0x23, 0x24}));
+}
+
+TEST(Datagram, ReadsWhatItWrote) {
+  std::array<std::byte, first_header_bytes + 3> bytes{};
+  encode(FirstHeader{.label = label, .flags = 0, .total = 9, .mask = 5, .stamp_ns = -2}, bytes.data());
+  const auto d = parse(bytes);
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->kind, DatagramKind::first);
+  EXPECT_EQ(d->label(), label);
+  EXPECT_EQ(d->first.total, 9U);
+  EXPECT_EQ(d->first.mask, 5U);
+  EXPECT_EQ(d->first.stamp_ns, -2);
+  EXPECT_EQ(d->payload.size(), 3U);
+  EXPECT_EQ(d->payload.data(), &bytes[first_header_bytes]);
+}
+
+class BrokenDatagram : public testing::Test {
+ protected:
+  std::vector<std::byte> first() const {
+    std::vector<std::byte> bytes(first_header_bytes);
+    encode(FirstHeader{.label = label, .flags = 0, .total = 0, .mask = 0, .stamp_ns = 0}, bytes.data());
+    return bytes;
+  }
+  std::vector<std::byte> following(std::uint32_t offset, std::size_t payload) const {
+    std::vector<std::byte> bytes(following_header_bytes + payload);
+    encode(FollowingHeader{.label = label, .offset = offset}, bytes.data());
+    return bytes;
+  }
+};
+
+TEST_F(BrokenDatagram, IsRefusedWhenTooShortForItsHeader) {
+  const auto whole = first();
+  for (std::size_t n = 0; n < whole.size(); ++n) EXPECT_FALSE(parse(std::span(whole).first(n))) << n;
+  EXPECT_TRUE(parse(whole));
+}
+
+TEST_F(BrokenDatagram, IsRefusedWhenOfAnotherVersionOrKind) {
+  for (unsigned byte = 0; byte < 256; ++byte) {
+    auto bytes = first();
+    bytes[0] = static_cast<std::byte>(byte);
+    EXPECT_EQ(parse(bytes).has_value(), byte == 0x11 || byte == 0x12) << byte;
+  }
+}
+
+TEST_F(BrokenDatagram, IsRefusedWhenAFlagIsNotKnown) {
+  auto bytes = first();
+  bytes[1] = std::byte{2};
+  EXPECT_FALSE(parse(bytes));
+}
+
+TEST_F(BrokenDatagram, IsRefusedWhenAFollowingOneCarriesNothing) { EXPECT_FALSE(parse(following(8, 0))); }
+
+TEST_F(BrokenDatagram, IsRefusedWhenItsEndOverflows) {
+  EXPECT_FALSE(parse(following(UINT32_MAX, 1)));
+  EXPECT_TRUE(parse(following(UINT32_MAX - 1, 1)));
+}
+
+TEST_F(BrokenDatagram, IsRefusedWhenLongerThanUdpAllows) {
+  EXPECT_TRUE(parse(following(0, datagram_bytes_max - following_header_bytes)));
+  EXPECT_FALSE(parse(following(0, datagram_bytes_max - following_header_bytes + 1)));
+}
+
+TEST(WidenSequence, FindsTheNearest) {
+  EXPECT_EQ(widen_sequence(0, 1), 1U);
+  EXPECT_EQ(widen_sequence(10, 9), 9U);
+  EXPECT_EQ(widen_sequence(0xffff'ffff, 0), 0x1'0000'0000U);
+  EXPECT_EQ(widen_sequence(0x1'0000'0000, 0xffff'ffff), 0xffff'ffffU);
+  EXPECT_EQ(widen_sequence(0x5'0000'0010, 0x20), 0x5'0000'0020U);
+}
+
+TEST(WidenSequence, NeverGoesBelowZero) {
+  EXPECT_EQ(widen_sequence(0, 0xffff'ffff), 0xffff'ffffU);
+  EXPECT_EQ(widen_sequence(5, 0x8000'0010), 0x8000'0010U);
+}
+
+TEST(WidenSequence, FollowsACounterThroughManyTurns) {
+  const unsigned seed = test::seed();
+  SCOPED_TRACE(test::naming(seed));
+  std::mt19937_64 random(seed);
+  std::uint64_t sequence = 1;
+  for (int i = 0; i < 100'000; ++i) {
+    const std::uint64_t next = sequence + random() % 0x7fff'ffff;
+    ASSERT_EQ(widen_sequence(sequence, static_cast<std::uint32_t>(next)), next);
+    sequence = next;
+  }
+}
+
+}  // namespace
+}  // namespace sft::udp

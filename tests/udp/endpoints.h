@@ -1,0 +1,118 @@
+// A publisher and a subscriber of images, straight on the ports of a transport.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/transport.h"
+#include "messages.h"
+
+namespace sft::udp::test {
+
+inline constexpr std::chrono::seconds patience{20};  // for what must happen
+
+inline core::UdpAddress loopback_address(const core::Transport& transport) {
+  core::UdpAddress address = transport.addresses().at(0);
+  address.ipv4 = 0x7f000001;
+  return address;
+}
+
+/// Waits until it holds; false after `patience`.
+inline bool eventually(const std::function<bool()>& holds) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+class Subscriber final : private core::ArrivalListener {
+ public:
+  Subscriber(core::Transport& transport, const std::vector<std::string>& masks, std::uint32_t depth = 1000) {
+    port_ =
+        transport
+            .open_reader(
+                {.id = 1, .type = &type_support<Image>(), .depth = depth, .listener = this, .doorbell = {}})
+            .value();
+    std::vector<FieldMask> accepted;
+    for (const std::string& mask : masks) accepted.push_back(fields<Image>(mask));
+    port_->accept_masks(accepted);
+  }
+
+  void listen_to(core::EndpointId writer, std::size_t max_sample_bytes = 0) {
+    const Result<void> connected = port_->connect({writer, max_sample_bytes});
+    EXPECT_TRUE(connected) << connected.error().message;
+  }
+
+  core::ReaderPort& port() { return *port_; }
+
+  /// Takes all samples as they come, until there are `count` in all. Fewer after `at_most`.
+  std::vector<core::SampleHandle> await(std::size_t count, std::chrono::seconds at_most = patience) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, at_most, [&] { return taken_.size() >= count; });
+    return taken_;
+  }
+  std::vector<std::uint64_t> await_sequences(std::size_t count) {
+    std::vector<std::uint64_t> sequences;
+    for (const core::SampleHandle& sample : await(count)) sequences.push_back(sample->header().sequence);
+    return sequences;
+  }
+
+ private:
+  void arrived() noexcept override {
+    {
+      const std::scoped_lock lock(mutex_);
+      while (core::SampleHandle sample = port_->take()) taken_.push_back(std::move(sample));
+    }
+    changed_.notify_all();
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<core::SampleHandle> taken_;
+  std::unique_ptr<core::ReaderPort> port_;  // goes first: then nobody calls any more
+};
+
+class Publisher {
+ public:
+  explicit Publisher(core::Transport& transport, core::EndpointId id = 0x1234'5678'0000'0001)
+      : id_(id), port_(transport.open_writer({id, &type_support<Image>(), std::size_t{16} << 20}).value()) {}
+
+  struct Reader {
+    core::UdpAddress address;
+    std::string mask = "*";
+  };
+  void serve(const std::vector<Reader>& readers) {
+    std::vector<core::Route> routes;
+    for (const Reader& reader : readers)
+      routes.push_back({routes.size() + 1, reader.address, fields<Image>(reader.mask)});
+    port_->set_routes(std::move(routes));
+  }
+
+  core::SendStatus publish(const Image& image) {
+    const FieldMask all = fields<Image>("*");
+    const core::SampleHandle sample = port_->loan(sample_bytes(image, all));
+    if (!sample) return core::SendStatus::dropped;
+    fill(*sample, image, all, id_, ++sequence_);
+    return port_->send(sample);
+  }
+
+  core::EndpointId id() const { return id_; }
+  core::WriterPort& port() { return *port_; }
+
+ private:
+  core::EndpointId id_;
+  std::unique_ptr<core::WriterPort> port_;
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace sft::udp::test

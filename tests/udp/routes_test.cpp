@@ -1,0 +1,95 @@
+#include "udp_transport/routes.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <vector>
+
+#include "messages.h"
+
+namespace sft::udp {
+namespace {
+
+using test::fields;
+using test::Image;
+using test::Wide;
+
+class RoutesTest : public testing::Test {
+ protected:
+  static core::Route route(std::uint16_t port, const FieldMask& mask) {
+    return {port, core::UdpAddress{0x7f000001, port, 1'000'000}, mask};
+  }
+  std::shared_ptr<const RouteTable> table(const std::vector<core::Route>& routes) {
+    return make_route_table(routes, variants_, destinations_);
+  }
+  /// A mask of its own for each number.
+  static FieldMask mask(std::uint64_t number) { return FieldMask::from_words(64, {&number, 1}); }
+
+  VariantDirectory variants_{8, std::make_shared<WriterTally>()};
+  DestinationDirectory destinations_{DestinationLimits{}};
+};
+
+TEST_F(RoutesTest, GroupsReadersByMaskAndMaskReadersByAddress) {
+  const auto t = table({route(1, fields<Image>("data")), route(2, fields<Image>("name")),
+                        route(3, fields<Image>("data")), route(1, fields<Image>("data"))});
+  ASSERT_EQ(t->groups.size(), 2U);
+  EXPECT_EQ(t->groups[0].audience->destinations.size(), 2U);
+  EXPECT_EQ(t->groups[1].audience->destinations.size(), 1U);
+  EXPECT_NE(t->groups[0].audience->variant, t->groups[1].audience->variant);
+}
+
+TEST_F(RoutesTest, LeavesReadersInSharedMemoryOut) {
+  EXPECT_TRUE(table({{1, core::DoorbellAddress{.page = 1, .slot = 2}, fields<Image>("*")}})->groups.empty());
+}
+
+TEST_F(RoutesTest, KeepsNumberAndQueueOfAMaskThroughChanges) {
+  const auto before = table({route(1, fields<Image>("data"))});
+  table({route(1, fields<Image>("name"))});
+  const auto after = table({route(2, fields<Image>("name")), route(1, fields<Image>("data"))});
+  EXPECT_EQ(before->groups[0].audience->variant, after->groups[1].audience->variant);
+  EXPECT_EQ(before->groups[0].outbox, after->groups[1].outbox);
+}
+
+TEST_F(RoutesTest, SharesADestinationAmongMasks) {
+  const auto t = table({route(1, fields<Image>("data")), route(1, fields<Image>("name"))});
+  EXPECT_EQ(t->groups[0].audience->destinations[0], t->groups[1].audience->destinations[0]);
+}
+
+TEST_F(RoutesTest, SendsTheWordsOfMasksThatTheHeaderCannotHold) {
+  const auto t = table({route(1, fields<Image>("data")), route(1, fields<Wide>("first"))});
+  EXPECT_TRUE(t->groups[0].audience->mask_words.empty());
+  EXPECT_EQ(t->groups[1].audience->mask_words.size(), 2U);
+  EXPECT_EQ(t->groups[1].audience->mask, fields<Wide>("first").hash());
+}
+
+TEST_F(RoutesTest, ReusesANumberOnlyAfterAllOthers) {
+  std::vector<std::uint16_t> numbers;
+  for (std::uint64_t i = 0; i < 70'000; ++i) {
+    variants_.next_round();
+    numbers.push_back(variants_.find(mask(i)).number);
+  }
+  EXPECT_EQ(std::set<std::uint16_t>(numbers.begin(), numbers.begin() + 65'536).size(), 65'536U);
+}
+
+TEST_F(RoutesTest, NeverGivesANumberThatIsInUse) {
+  const std::uint16_t kept = variants_.find(mask(1'000'000)).number;
+  for (std::uint64_t i = 0; i < 70'000; ++i) {
+    variants_.next_round();
+    EXPECT_EQ(variants_.find(mask(1'000'000)).number, kept);
+    EXPECT_NE(variants_.find(mask(i)).number, kept);
+  }
+}
+
+TEST_F(RoutesTest, GivesManyMasksAtOnceANumberEach) {
+  std::vector<core::Route> routes;
+  for (std::uint64_t i = 0; i < 500; ++i) routes.push_back(route(1, mask(i)));
+  for (int round = 0; round < 3; ++round) {
+    std::set<std::uint16_t> numbers;
+    const auto t = table(routes);
+    for (const Group& group : t->groups) numbers.insert(group.audience->variant);
+    EXPECT_EQ(numbers.size(), 500U);
+  }
+}
+
+}  // namespace
+}  // namespace sft::udp

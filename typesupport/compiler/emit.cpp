@@ -1,0 +1,83 @@
+#include "emit.h"
+
+#include <cstdio>
+#include <exception>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "code.h"
+#include "fields.h"
+#include "message.h"
+#include "output.h"
+#include "owned.h"
+#include "paths.h"
+#include "table.h"
+#include "views.h"
+
+namespace sft::idl {
+namespace {
+
+std::vector<Message> messages_of(const sft_file& file) {
+  std::vector<Message> messages;
+  for (const sft_declaration& declaration : std::span(file.declarations, file.declaration_count)) {
+    if (declaration.kind == SFT_STRUCT) messages.push_back(make_message(file, declaration));
+  }
+  return messages;
+}
+
+void emit_preamble(Code& code, const sft_file& file, const Roots& roots) {
+  code.line("// Generated from {}. Do not edit.", roots.relative(file.path).generic_string());
+  code.line("#pragma once");
+  code.blank();
+  code.line("#include \"sft/typesupport/generated.h\"");
+  for (const char* included : std::span(file.includes, file.include_count)) {
+    code.line("#include <{}>", roots.relative(included).replace_extension(".hpp").generic_string());
+  }
+  code.blank();
+}
+
+std::string header_text(const sft_file& file, const Roots& roots) {
+  const std::vector<Message> messages = messages_of(file);
+  Code code;
+  emit_preamble(code, file, roots);
+  emit_owned(code, file, messages);
+  for (const Message& message : messages) emit_table(code, message);
+  for (const Message& message : messages) emit_fields(code, message);
+  for (const Message& message : messages) emit_view(code, message);
+  for (const Message& message : messages) emit_loan_view(code, message);
+  return code.text();
+}
+
+/// A path in a make rule.
+std::string make_path(std::string_view path) {
+  std::string result;
+  for (const char c : path) {
+    if (c == ' ' || c == '#' || c == '\\') result += '\\';
+    if (c == '$') result += '$';
+    result += c;
+  }
+  return result;
+}
+
+std::string make_rule(const sft_file& file, const char* header) {
+  std::string rule = make_path(header) + ":";
+  for (const char* source : std::span(file.sources, file.source_count)) rule += " \\\n  " + make_path(source);
+  return rule + "\n";
+}
+
+}  // namespace
+}  // namespace sft::idl
+
+bool sft_emit(const sft_file* file, const sft_output* output) try {
+  using namespace sft::idl;
+  const Roots roots(*output, file->path);
+  const std::string header = header_text(*file, roots);
+  const std::string_view dependencies = output->dependencies;
+  if (!dependencies.empty()) write_file(dependencies, make_rule(*file, output->header));
+  write_file(output->header, header);
+  return true;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "%s: %s\n", file->path, error.what());
+  return false;
+}

@@ -1,0 +1,58 @@
+#include "message.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "naming.h"
+#include "spelling.h"
+
+namespace sft::idl {
+namespace {
+
+bool is_constant_of(const sft_declaration& declaration, std::string_view struct_name) {
+  const std::string_view name = declaration.name;
+  return declaration.kind == SFT_CONSTANT &&
+         name == fmt::format("{}_Constants::{}", struct_name, last_name(name));
+}
+
+std::span<const sft_declaration> declarations(const sft_file& file) {
+  return {file.declarations, file.declaration_count};
+}
+
+}  // namespace
+
+Message make_message(const sft_file& file, const sft_declaration& declaration) {
+  const std::string_view scoped = declaration.name;
+  Message message{scoped.substr(2), type_name(scoped), qualified_type(scoped), {}, {}};
+
+  std::vector<std::string_view> names;
+  for (const sft_declaration& other : declarations(file)) {
+    if (!is_constant_of(other, scoped)) continue;
+    message.constants.push_back({&other, {}});
+    names.push_back(last_name(other.name));
+  }
+  for (const sft_member& member : std::span(declaration.members, declaration.member_count)) {
+    message.fields.push_back({&member, {}});
+    names.push_back(member.name);
+  }
+
+  const std::vector<std::string> cpp_names = member_names(message.name, names);
+  auto name = cpp_names.begin();
+  for (Constant& constant : message.constants) constant.name = *name++;
+  for (Field& field : message.fields) field.name = *name++;
+  return message;
+}
+
+bool belongs_to_struct(const sft_file& file, const sft_declaration& constant) {
+  return std::ranges::any_of(declarations(file), [&](const sft_declaration& other) {
+    return other.kind == SFT_STRUCT && is_constant_of(constant, other.name);
+  });
+}
+
+bool is_reservable(const Field& field) {
+  return field.idl->type.is_sequence && field.idl->type.kind < SFT_STRING;
+}
+
+}  // namespace sft::idl

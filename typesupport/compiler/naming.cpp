@@ -1,0 +1,101 @@
+#include "naming.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+namespace sft::idl {
+namespace {
+
+constexpr std::array keywords = std::to_array<std::string_view>(
+    {"alignas",     "alignof",  "and",        "and_eq",    "asm",       "auto",         "bitand",
+     "bitor",       "bool",     "break",      "case",      "catch",     "char",         "char16_t",
+     "char32_t",    "char8_t",  "class",      "co_await",  "co_return", "co_yield",     "compl",
+     "concept",     "const",    "const_cast", "consteval", "constexpr", "constinit",    "continue",
+     "decltype",    "default",  "delete",     "do",        "double",    "dynamic_cast", "else",
+     "enum",        "explicit", "export",     "extern",    "false",     "float",        "for",
+     "friend",      "goto",     "if",         "inline",    "int",       "long",         "mutable",
+     "namespace",   "new",      "noexcept",   "not",       "not_eq",    "nullptr",      "operator",
+     "or",          "or_eq",    "private",    "protected", "public",    "register",     "reinterpret_cast",
+     "requires",    "return",   "short",      "signed",    "sizeof",    "static",       "static_assert",
+     "static_cast", "struct",   "switch",     "template",  "this",      "thread_local", "throw",
+     "true",        "try",      "typedef",    "typeid",    "typename",  "union",        "unsigned",
+     "using",       "virtual",  "void",       "volatile",  "wchar_t",   "while",        "xor",
+     "xor_eq"});
+
+/// Macros that the compiler or the standard headers define under plain names.
+constexpr std::array macros = std::to_array<std::string_view>(
+    {"BUFSIZ", "EOF", "HUGE_VAL", "INFINITY", "NAN", "NULL", "RAND_MAX", "assert", "errno", "linux",
+     "offsetof", "stderr", "stdin", "stdout", "unix"});
+
+/// Members of every generated struct, and those of its LoanView that are not message fields.
+constexpr std::array class_names = std::to_array<std::string_view>(
+    {"Field", "Fields", "LoanSizes", "LoanView", "View", "reservable", "reservations"});
+
+/// Template parameters and private members in generated classes (fields.cpp, views.cpp, owned.cpp).
+constexpr std::array private_names =
+    std::to_array<std::string_view>({"First_", "Loaned_", "Of_", "Place_", "Root_", "at_"});
+
+bool is_one_of(std::span<const std::string_view> names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+bool is_taken(std::string_view name) { return is_one_of(keywords, name) || is_one_of(macros, name); }
+
+bool is_taken_in_class(std::string_view name) {
+  return is_taken(name) || is_one_of(class_names, name) || is_one_of(private_names, name);
+}
+
+std::string marked(std::string_view name, bool needs_mark) {
+  return std::string(name) + (needs_mark ? "_" : "");
+}
+
+/// Generated code says std:: and sft:: wherever it needs them, and no inner name may get in between.
+bool hides_a_namespace(std::string_view name) { return name == "std" || name == "sft"; }
+
+std::string module_name(std::string_view name, bool is_outermost) {
+  const bool is_ours = is_outermost && name == "sft";
+  return marked(name, is_taken(name) || (hides_a_namespace(name) && !is_ours));
+}
+
+std::string_view scope_of(std::string_view scoped) { return scoped.substr(0, scoped.rfind("::")); }
+
+}  // namespace
+
+std::string identifier(std::string_view name) { return marked(name, is_taken(name)); }
+
+std::string_view last_name(std::string_view scoped) { return scoped.substr(scoped.rfind("::") + 2); }
+
+std::string type_name(std::string_view scoped) {
+  const std::string_view name = last_name(scoped);
+  return marked(name, is_taken_in_class(name) || hides_a_namespace(name));
+}
+
+std::string namespace_of(std::string_view scoped) {
+  std::string result;
+  for (std::string_view rest = scope_of(scoped); !rest.empty();) {
+    rest.remove_prefix(2);  // "::"
+    const std::string_view name = rest.substr(0, rest.find("::"));
+    result += (result.empty() ? "" : "::") + module_name(name, result.empty());
+    rest.remove_prefix(name.size());
+  }
+  return result;
+}
+
+std::string qualified_type(std::string_view scoped) {
+  const std::string scope = namespace_of(scoped);
+  return "::" + scope + (scope.empty() ? "" : "::") + type_name(scoped);
+}
+
+std::vector<std::string> member_names(std::string_view type_name,
+                                      const std::vector<std::string_view>& names) {
+  const auto is_free = [&](std::string_view name) { return !is_taken_in_class(name) && name != type_name; };
+  std::vector<std::string> result(names.begin(), names.end());
+  for (std::string& name : result) {
+    // Whoever has to give way does so until it meets no name of the IDL and no one that gave way before.
+    while (!is_free(name) || std::count(result.begin(), result.end(), name) > 1) name += '_';
+  }
+  return result;
+}
+
+}  // namespace sft::idl

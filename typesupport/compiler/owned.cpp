@@ -1,0 +1,127 @@
+#include "owned.h"
+
+#include <algorithm>
+#include <span>
+
+#include "naming.h"
+#include "spelling.h"
+
+namespace sft::idl {
+namespace {
+
+void emit_constant(Code& code, const sft_declaration& constant) {
+  code.line("inline constexpr {} {} = {};", constant_type(constant.type),
+            identifier(last_name(constant.name)), value_text(constant.type, constant.value));
+}
+
+void emit_alias(Code& code, const sft_declaration& alias) {
+  code.line("using {} = {};", type_name(alias.name), owned_type(alias.type));
+}
+
+void emit_enumeration(Code& code, const sft_declaration& enumeration) {
+  code.line("enum class {} : {} {{", type_name(enumeration.name), element_type(enumeration.type));
+  for (const sft_enumerator& e : std::span(enumeration.enumerators, enumeration.enumerator_count)) {
+    code.line("  {} = {},", identifier(e.name), e.value);
+  }
+  code.line("}};");
+}
+
+void emit_members(Code& code, const Message& message) {
+  for (const Constant& constant : message.constants) {
+    code.line("  static constexpr {} {} = {};", constant_type(constant.idl->type), constant.name,
+              value_text(constant.idl->type, constant.idl->value));
+  }
+  if (!message.constants.empty()) code.blank();
+  for (const Field& field : message.fields) {
+    const sft_value& initial = field.idl->initial;
+    code.line("  {} {}{};", owned_type(field.idl->type), field.name,
+              initial.is_set ? " = " + value_text(field.idl->type, initial) : "{}");
+  }
+}
+
+void emit_loan_sizes(Code& code, const Message& message) {
+  if (std::ranges::none_of(message.fields, is_reservable)) {
+    code.line("  struct LoanSizes {{}};");
+    return;
+  }
+  code.line("  struct LoanSizes {{");
+  for (const Field& field : message.fields) {
+    if (is_reservable(field)) code.line("    std::optional<std::uint32_t> {}{{}};", field.name);
+  }
+  code.line("  }};");
+}
+
+void emit_struct(Code& code, const Message& message) {
+  code.line("struct {} {{", message.name);
+  emit_members(code, message);
+  code.blank();
+  code.line("  bool operator==(const {}&) const = default;", message.name);
+  code.blank();
+  code.line("  template <class Root_ = {}, std::size_t First_ = 0>", message.name);
+  code.line("  struct Fields;");
+  code.line("  using Field = Fields<>;");
+  code.line("  template <class Place_>");
+  code.line("  class View;");
+  emit_loan_sizes(code, message);
+  code.line("  template <class Loaned_>");
+  code.line("  class LoanView;");
+  code.line("}};");
+}
+
+/// Where the next declaration stands: opens and closes namespaces, and puts blank lines between declarations
+/// but for runs of constants and of aliases.
+class Layout {
+ public:
+  explicit Layout(Code& code) : code_(code) {}
+
+  void before(const sft_declaration& declaration) {
+    const bool is_one_line = declaration.kind == SFT_CONSTANT || declaration.kind == SFT_ALIAS;
+    if (previous_ != nullptr && (!is_one_line || previous_->kind != declaration.kind)) code_.blank();
+    enter(namespace_of(declaration.name));
+    previous_ = &declaration;
+  }
+  void end() {
+    if (previous_ != nullptr) code_.blank();
+    enter("");
+  }
+
+ private:
+  void enter(const std::string& wanted) {
+    if (wanted == current_) return;
+    if (!current_.empty()) code_.line("}}  // namespace {}\n", current_);
+    if (!wanted.empty()) code_.line("namespace {} {{\n", wanted);
+    current_ = wanted;
+  }
+
+  Code& code_;
+  std::string current_;
+  const sft_declaration* previous_ = nullptr;
+};
+
+}  // namespace
+
+void emit_owned(Code& code, const sft_file& file, const std::vector<Message>& messages) {
+  Layout layout(code);
+  auto message = messages.begin();
+  for (const sft_declaration& declaration : std::span(file.declarations, file.declaration_count)) {
+    if (declaration.kind == SFT_CONSTANT && belongs_to_struct(file, declaration)) continue;
+    layout.before(declaration);
+    switch (declaration.kind) {
+      case SFT_CONSTANT:
+        emit_constant(code, declaration);
+        break;
+      case SFT_ALIAS:
+        emit_alias(code, declaration);
+        break;
+      case SFT_ENUMERATION:
+        emit_enumeration(code, declaration);
+        break;
+      case SFT_STRUCT:
+        emit_struct(code, *message++);
+        break;
+    }
+  }
+  layout.end();
+}
+
+}  // namespace sft::idl

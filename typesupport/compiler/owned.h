@@ -1,0 +1,15 @@
+// First section of a header: constants, aliases, enumerations, and the structs that own a message's values.
+#pragma once
+
+#include <vector>
+
+#include "code.h"
+#include "message.h"
+
+namespace sft::idl {
+
+/// All declarations of `file` in their order, each in its namespace; `messages` are the file's structs in
+/// that order.
+void emit_owned(Code& code, const sft_file& file, const std::vector<Message>& messages);
+
+}  // namespace sft::idl

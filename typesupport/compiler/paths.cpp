@@ -1,0 +1,29 @@
+#include "paths.h"
+
+#include <fmt/format.h>
+
+#include <sstream>
+#include <stdexcept>
+
+namespace sft::idl {
+
+namespace fs = std::filesystem;
+
+Roots::Roots(const sft_output& output, const fs::path& main_file) {
+  if (output.base_dir != nullptr) roots_.emplace_back(output.base_dir);
+  std::istringstream list(output.roots);
+  for (std::string root; std::getline(list, root, ':');)
+    roots_.push_back(fs::absolute(root).lexically_normal());
+  if (roots_.empty()) roots_.push_back(main_file.parent_path());
+}
+
+fs::path Roots::relative(const fs::path& file) const {
+  for (const fs::path& root : roots_) {
+    const fs::path below = file.lexically_relative(root);
+    if (!below.empty() && *below.begin() != "..") return below;
+  }
+  throw std::runtime_error(
+      fmt::format("{} is below no include root: name a directory above it with -r", file.string()));
+}
+
+}  // namespace sft::idl

@@ -1,0 +1,64 @@
+// The generator as idlc loads it (idlc -l libcycloneddsidlsft.so): its options and its entry point.
+#include <stdlib.h>
+
+#include "emit.h"
+#include "idl/file.h"
+#include "idlc/generator.h"
+#include "reader.h"
+
+#define EXPORTED __attribute__((visibility("default")))
+
+// idlc stores option arguments through pointers that it gets before there is anything to hang them on.
+static const char* include_roots = "";
+static const char* dependency_file = "";
+
+EXPORTED const idlc_option_t** generator_options(void);
+EXPORTED idl_retcode_t generate(const idl_pstate_t* state, const idlc_generator_config_t* config);
+
+const idlc_option_t** generator_options(void) {
+  static const idlc_option_t roots = {
+      .type = IDLC_STRING,
+      .store = {.string = &include_roots},
+      .option = 'r',
+      .suboption = "",
+      .argument = "<directories>",
+      .help =
+          "Colon-separated directories below which the headers of included files mirror the IDL files. "
+          "(default: <base_dir>, or else the directory of the file).",
+  };
+  static const idlc_option_t dependencies = {
+      .type = IDLC_STRING,
+      .store = {.string = &dependency_file},
+      .option = 'd',
+      .suboption = "",
+      .argument = "<file>",
+      .help = "Write to <file>, as a make rule, which files the generated header depends on.",
+  };
+  static const idlc_option_t* options[] = {&roots, &dependencies, NULL};
+  return options;
+}
+
+static idl_retcode_t emit(const idl_pstate_t* state, const idlc_generator_config_t* config,
+                          const struct sft_file* file) {
+  struct sft_output output = {
+      .roots = include_roots, .base_dir = config->base_dir, .dependencies = dependency_file};
+  char* header = NULL;
+  const idl_retcode_t result = idl_generate_out_file(state->sources->file->name, config->output_dir,
+                                                     config->base_dir, "hpp", &header, 0);
+  if (result != IDL_RETCODE_OK) {
+    idl_error(state, NULL, "no output path for this file: pass its directory, or one above it, with -b");
+    return result;
+  }
+  output.header = header;
+  const bool is_written = sft_emit(file, &output);
+  free(header);
+  return is_written ? IDL_RETCODE_OK : IDL_RETCODE_NO_ACCESS;
+}
+
+idl_retcode_t generate(const idl_pstate_t* state, const idlc_generator_config_t* config) {
+  struct sft_file file = {0};
+  const idl_retcode_t result =
+      sft_read_file(state, &file) ? emit(state, config, &file) : IDL_RETCODE_UNSUPPORTED;
+  sft_file_free(&file);
+  return result;
+}

@@ -1,0 +1,16 @@
+// Types and values of idlc's tree as those of the model.
+#pragma once
+
+#include "model.h"
+#include "reading.h"
+
+/// The type that `spec` with the dimensions of `declarator` (may be null) makes, typedefs seen through.
+/// Refuses what has no counterpart in the model; the result is then not to be used.
+struct sft_type sft_read_type(struct sft_reading* reading, const idl_type_spec_t* spec,
+                              const idl_declarator_t* declarator);
+
+/// The value of a constant expression (a literal or an enumerator) that idlc has converted to `type`.
+struct sft_value sft_read_value(const struct sft_type* type, const void* expression);
+
+/// The integer that carries an enumeration.
+enum sft_kind sft_enumeration_kind(const idl_enum_t* enumeration);

@@ -1,0 +1,212 @@
+#include "reader.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "read_type.h"
+#include "reading.h"
+
+// Room for one more item, zero, behind `count` of them. A compiler without memory has nothing better to do
+// than end.
+static void* grow(void* items, size_t count, size_t item_bytes) {
+  void* grown = realloc(items, (count + 1) * item_bytes);
+  if (grown == NULL) {
+    fputs("out of memory\n", stderr);
+    exit(EXIT_FAILURE);
+  }
+  memset((char*)grown + count * item_bytes, 0, item_bytes);
+  return grown;
+}
+
+static void enter(struct sft_reading* reading, const void* node) {
+  reading->node = node;
+  reading->owner = sft_scoped_name(node);
+  reading->member = NULL;
+}
+
+static struct sft_declaration* add_declaration(struct sft_reading* reading, enum sft_declaration_kind kind,
+                                               const void* node) {
+  struct sft_file* file = reading->file;
+  enter(reading, node);
+  file->declarations = grow(file->declarations, file->declaration_count, sizeof *file->declarations);
+  struct sft_declaration* added = &file->declarations[file->declaration_count++];
+  added->kind = kind;
+  added->name = reading->owner;
+  return added;
+}
+
+static void read_constant(struct sft_reading* reading, const idl_const_t* node) {
+  struct sft_declaration* constant = add_declaration(reading, SFT_CONSTANT, node);
+  constant->type = sft_read_type(reading, node->type_spec, NULL);
+  constant->value = sft_read_value(&constant->type, node->const_expr);
+}
+
+static void read_typedef(struct sft_reading* reading, const idl_typedef_t* node) {
+  const idl_declarator_t* declarator;
+  IDL_FOREACH(declarator, node->declarators) {
+    struct sft_declaration* alias = add_declaration(reading, SFT_ALIAS, declarator);
+    alias->type = sft_read_type(reading, node->type_spec, declarator);
+  }
+}
+
+static uint32_t greatest_value(enum sft_kind kind) {
+  switch (kind) {
+    case SFT_INT8:
+      return INT8_MAX;
+    case SFT_INT16:
+      return INT16_MAX;
+    default:
+      return INT32_MAX;
+  }
+}
+
+static void read_enumeration(struct sft_reading* reading, const idl_enum_t* node) {
+  struct sft_declaration* enumeration = add_declaration(reading, SFT_ENUMERATION, node);
+  enumeration->type.kind = sft_enumeration_kind(node);
+  const idl_enumerator_t* from;
+  IDL_FOREACH(from, node->enumerators) {
+    enumeration->enumerators =
+        grow(enumeration->enumerators, enumeration->enumerator_count, sizeof *enumeration->enumerators);
+    struct sft_enumerator* to = &enumeration->enumerators[enumeration->enumerator_count++];
+    to->name = idl_identifier(from);
+    to->value = from->value.value;
+    if (to->value > greatest_value(enumeration->type.kind)) {
+      reading->node = from;
+      reading->member = to->name;
+      sft_refuse(reading, "the value does not fit the enumeration's signed integer: use a smaller one");
+    }
+  }
+}
+
+static void check_annotations(struct sft_reading* reading, const idl_member_t* node,
+                              const struct sft_type* type) {
+  if (node->optional.value) {
+    sft_refuse(reading, "optional members are not supported: use a sequence with bound 1");
+  }
+  if (node->external.value) {
+    sft_refuse(reading,
+               "external members are not supported: remove @external, or use a sequence with bound 1");
+  }
+  if (node->value.annotation == NULL) return;
+  if (type->is_sequence || type->dimension_count > 0) {
+    sft_refuse(reading,
+               "defaults of arrays and sequences are not supported: remove @default and assign at run time");
+  } else if (idl_is_alias(node->type_spec)) {  // idlc replaces the value by zero
+    sft_refuse(reading, "defaults of a typedef's type are not supported: name the type itself");
+  }
+}
+
+// XTypes: a member without @default starts with its enumeration's default literal. It is set only where zero
+// is not it.
+static struct sft_value enumeration_default(const idl_type_spec_t* spec) {
+  const idl_enum_t* enumeration = idl_strip(spec, IDL_STRIP_ALIASES | IDL_STRIP_ALIASES_ARRAY);
+  const idl_enumerator_t* first = enumeration->default_enumerator;
+  return (struct sft_value){.is_set = first->value.value != 0, .text = idl_identifier(first)};
+}
+
+static struct sft_value initial_value(const idl_member_t* node, const struct sft_type* type) {
+  const bool is_single = !type->is_sequence && type->dimension_count == 0;
+  const bool is_enumeration = type->name != NULL && type->kind != SFT_STRUCTURE;
+  if (is_single && node->value.annotation != NULL) return sft_read_value(type, node->value.value);
+  if (is_single && is_enumeration) return enumeration_default(node->type_spec);
+  return (struct sft_value){.is_set = false};
+}
+
+static void read_member(struct sft_reading* reading, struct sft_declaration* owner, const idl_member_t* node,
+                        const idl_declarator_t* declarator) {
+  owner->members = grow(owner->members, owner->member_count, sizeof *owner->members);
+  struct sft_member* member = &owner->members[owner->member_count++];
+  member->name = idl_identifier(declarator);
+  reading->node = declarator;
+  reading->member = member->name;
+  member->type = sft_read_type(reading, node->type_spec, declarator);
+  check_annotations(reading, node, &member->type);
+  if (!reading->is_refused) member->initial = initial_value(node, &member->type);
+  member->is_key = node->key.value;
+  member->unit = node->unit.value;
+}
+
+static void read_struct(struct sft_reading* reading, const idl_struct_t* node) {
+  struct sft_declaration* result = add_declaration(reading, SFT_STRUCT, node);
+  if (node->inherit_spec != NULL) {
+    sft_refuse(reading, "inheritance is not supported: make the base type the first member");
+  }
+  if (node->extensibility.value == IDL_MUTABLE) {
+    sft_refuse(reading, "mutable types are not supported: use @final, or @appendable");
+  }
+  if (node->members == NULL) {
+    sft_refuse(reading, "structs without members are not supported: add one, as ROS does");
+  }
+  const idl_member_t* member;
+  IDL_FOREACH(member, node->members) {
+    const idl_declarator_t* declarator;
+    IDL_FOREACH(declarator, member->declarators) read_member(reading, result, member, declarator);
+  }
+}
+
+// What a file declares but never uses is refused like what it uses.
+static void refuse_declaration(struct sft_reading* reading, const void* node) {
+  enter(reading, node);
+  sft_read_type(reading, node, NULL);
+}
+
+static void read_declaration(struct sft_reading* reading, const idl_node_t* node) {
+  switch (idl_mask(node) & (IDL_CONST | IDL_TYPEDEF | IDL_ENUM | IDL_STRUCT | IDL_UNION | IDL_BITMASK)) {
+    case IDL_CONST:
+      read_constant(reading, (const idl_const_t*)node);
+      break;
+    case IDL_TYPEDEF:
+      read_typedef(reading, (const idl_typedef_t*)node);
+      break;
+    case IDL_ENUM:
+      read_enumeration(reading, (const idl_enum_t*)node);
+      break;
+    case IDL_STRUCT:
+      read_struct(reading, (const idl_struct_t*)node);
+      break;
+    case IDL_UNION:
+    case IDL_BITMASK:
+      refuse_declaration(reading, node);
+      break;
+    default:
+      break;  // annotations that the file declares have no C++
+  }
+}
+
+static void read_declarations(struct sft_reading* reading, const idl_node_t* first) {
+  for (const idl_node_t* node = first; node != NULL; node = idl_next(node)) {
+    if (idl_is_module(node)) {
+      read_declarations(reading, ((const idl_module_t*)node)->definitions);
+    } else if (!idl_is_forward(node) && sft_is_of_main_file(reading->file, node)) {
+      read_declaration(reading, node);
+    }
+  }
+}
+
+static void add_unique(const char*** paths, size_t* count, const char* path) {
+  for (size_t i = 0; i < *count; ++i) {
+    if (strcmp((*paths)[i], path) == 0) return;
+  }
+  *paths = grow(*paths, *count, sizeof **paths);
+  (*paths)[(*count)++] = path;
+}
+
+static void read_sources(struct sft_file* file, const idl_source_t* source) {
+  add_unique(&file->sources, &file->source_count, source->path->name);
+  for (const idl_source_t* included = source->includes; included != NULL; included = included->next) {
+    read_sources(file, included);
+  }
+}
+
+bool sft_read_file(const idl_pstate_t* state, struct sft_file* file) {
+  const idl_source_t* main_source = state->sources;
+  file->path = main_source->path->name;
+  read_sources(file, main_source);
+  for (const idl_source_t* included = main_source->includes; included != NULL; included = included->next) {
+    add_unique(&file->includes, &file->include_count, included->path->name);
+  }
+  struct sft_reading reading = {.file = file};
+  read_declarations(&reading, state->root);
+  return !reading.is_refused;
+}

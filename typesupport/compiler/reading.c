@@ -1,0 +1,24 @@
+#include "reading.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+void sft_refuse(struct sft_reading* reading, const char* format, ...) {
+  const idl_position_t* place = &idl_location(reading->node)->first;
+  fprintf(stderr, "%s:%" PRIu32 ": %s%s%s: ", place->source->file->name, place->line,
+          reading->owner + strlen("::"), reading->member ? "." : "", reading->member ? reading->member : "");
+  va_list arguments;
+  va_start(arguments, format);
+  vfprintf(stderr, format, arguments);
+  va_end(arguments);
+  fputc('\n', stderr);
+  reading->is_refused = true;
+}
+
+bool sft_is_of_main_file(const struct sft_file* file, const void* node) {
+  return strcmp(idl_location(node)->first.source->path->name, file->path) == 0;
+}
+
+const char* sft_scoped_name(const void* node) { return idl_declaration(node)->scoped_name->identifier; }

@@ -1,0 +1,41 @@
+#include "table.h"
+
+#include "spelling.h"
+
+namespace sft::idl {
+namespace {
+
+/// The sft::MemberOptions of a field, with a comma before, or nothing.
+std::string options(const sft_member& member) {
+  std::string given;
+  const auto add = [&](std::string_view option, const std::string& value) {
+    given += fmt::format("{}.{} = {}", given.empty() ? "" : ", ", option, value);
+  };
+  if (member.type.bound != 0) add("bound", fmt::to_string(member.type.bound));
+  if (member.type.string_bound != 0) add("string_bound", fmt::to_string(member.type.string_bound));
+  if (member.is_key) add("key", "true");
+  if (member.unit != nullptr) add("unit", string_literal(member.unit));
+  return given.empty() ? "" : ", {" + given + "}";
+}
+
+void emit_row(Code& code, const Field& field) {
+  const sft_member& member = *field.idl;
+  code.line("      sft::member<{}>(\"{}\", {}, offsetof(T, {}){}),", owned_type(member.type), member.name,
+            kind_name(member.type.kind), field.name, options(member));
+}
+
+}  // namespace
+
+void emit_table(Code& code, const Message& message) {
+  code.line("template <>");
+  code.line("struct sft::TypeTable<{}> {{", message.qualified);
+  code.line("  using T = {};", message.qualified);
+  code.line("  static constexpr std::array members{{");
+  for (const Field& field : message.fields) emit_row(code, field);
+  code.line("  }};");
+  code.line("  static constexpr sft::StructType type{{\"{}\", members}};", message.idl_name);
+  code.line("}};");
+  code.blank();
+}
+
+}  // namespace sft::idl

@@ -1,0 +1,11 @@
+// Second section: the type table that everything at run time works from.
+#pragma once
+
+#include "code.h"
+#include "message.h"
+
+namespace sft::idl {
+
+void emit_table(Code& code, const Message& message);
+
+}  // namespace sft::idl

@@ -1,0 +1,36 @@
+// From the owned struct to CDR under a mask.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "sft/typesupport/field_mask.h"
+#include "sft/typesupport/loan_view.h"
+#include "sft/typesupport/type_table.h"
+
+namespace sft {
+
+enum class EncodeStatus : std::uint8_t {
+  ok,
+  too_large,       ///< the body would have 4 GiB or more, or a string or sequence exceeds its bound
+  string_has_nul,  ///< CDR ends a string at its first NUL
+};
+const char* to_string(EncodeStatus status);
+
+struct EncodedSize {
+  EncodeStatus status = EncodeStatus::ok;
+  std::uint32_t bytes = 0;
+};
+
+/// Size of the body that encode() will write for the same arguments. `mask` is closed (TypeSupport::closed).
+EncodedSize encoded_size(const StructType& type, const void* value, const FieldMask& mask,
+                         std::span<const Reservation> reservations = {}) noexcept;
+
+/// Writes the body of the type projected to `mask` to `body` (8-aligned, exactly encoded_size() bytes) and the offset of
+/// every slot to `index` (slot_count(type) entries; no_offset where absent). Padding is zero. The elements of reserved
+/// sequences are left as they are, their length is the reserved one.
+void encode(const StructType& type, const void* value, const FieldMask& mask, std::span<std::byte> body,
+            std::span<std::uint32_t> index, std::span<const Reservation> reservations = {}) noexcept;
+
+}  // namespace sft

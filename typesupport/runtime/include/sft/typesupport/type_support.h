@@ -1,0 +1,70 @@
+// A message type as the runtime uses it: its table flattened once, when a topic is opened.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sft/typesupport/field_mask.h"
+#include "sft/typesupport/result.h"
+#include "sft/typesupport/type_table.h"
+
+namespace sft {
+
+class TypeSupport {
+ public:
+  /// `type` must outlive this; generated tables are static.
+  explicit TypeSupport(const StructType& type);
+
+  const StructType& type() const { return *type_; }
+  std::string_view name() const { return type_->name; }
+  std::size_t leaves() const { return paths_.size(); }
+  std::size_t slots() const { return slots_; }
+
+  /// FNV-1a over the canonical structure (names, kinds, shapes, bounds, keys; not units): equal for compatible types.
+  std::uint64_t hash() const { return hash_; }
+
+  /// "header.stamp.sec", "fields.size", "fields[].name"
+  const std::string& path(std::size_t leaf) const { return paths_[leaf]; }
+
+  /// The mask of a leaf or an inner node by its path; inner nodes mean all leaves below. The error names the nearest
+  /// existing field.
+  Result<FieldMask> find(std::string_view path) const;
+  /// Several paths, separated by commas and spaces; "*" means all.
+  Result<FieldMask> parse_mask(std::string_view text) const;
+  /// Shortest list of paths that names exactly `mask`: "header, height, fields[].name"; "*" for all, "" for none.
+  std::string format_mask(const FieldMask& mask) const;
+  std::vector<std::string> field_names(const FieldMask& mask) const;
+
+  /// What is really sent for `mask`: with any leaf of a sequence's elements goes its length, and key members always.
+  /// Closing twice is closing once.
+  FieldMask closed(FieldMask mask) const;
+
+  FieldMask none() const { return FieldMask(leaves()); }
+  FieldMask full() const { return FieldMask::full(leaves()); }
+
+ private:
+  struct Node {  ///< an inner node or a leaf of the tree, in depth-first order
+    std::string path;
+    std::size_t first;
+    std::size_t count;
+    bool is_leaf;
+  };
+  void flatten(const StructType& type, const std::string& prefix);
+  void add_keys(const StructType& type, std::size_t leaf, FieldMask& mask) const;
+  void add_lengths(const StructType& type, std::size_t leaf, FieldMask& mask) const;
+
+  const StructType* type_;
+  std::vector<std::string> paths_;
+  std::vector<Node> nodes_;
+  std::size_t slots_ = 0;
+  std::uint64_t hash_ = 0;
+};
+
+/// 64-bit hash of a type's canonical structure (see TypeSupport::hash).
+std::uint64_t structure_hash(const StructType& type);
+
+}  // namespace sft

@@ -1,0 +1,195 @@
+// The description of a message type that everything at run time works from: a constexpr tree of members that the
+// IDL compiler emits (names, kinds, places in the owned struct) and the numbering that is computed from it.
+//
+// Numbering. Leaves are counted depth-first: a primitive, a string, an array or a sequence of those is one leaf; a
+// nested struct contributes the leaves of its members; an array of structs those of its element; a sequence of structs
+// one leaf for its length followed by those of its element. Slots are the leaves that a sample's index has an offset
+// for: every leaf outside collections of structs, and one slot for each outermost collection of structs.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace sft {
+
+enum class Kind : std::uint8_t {
+  boolean, octet, character, int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64, string, structure
+};
+
+enum class Shape : std::uint8_t { single, array, sequence };
+
+/// Bytes that one primitive takes in CDR, which is also its alignment (XCDR1). A string's is that of its length.
+constexpr std::size_t size_of(Kind kind) {
+  switch (kind) {
+    case Kind::boolean: case Kind::octet: case Kind::character: case Kind::int8: case Kind::uint8: return 1;
+    case Kind::int16: case Kind::uint16: return 2;
+    case Kind::int32: case Kind::uint32: case Kind::float32: case Kind::string: return 4;
+    case Kind::int64: case Kind::uint64: case Kind::float64: return 8;
+    case Kind::structure: return 0;
+  }
+  return 0;
+}
+
+constexpr bool is_primitive(Kind kind) { return kind < Kind::string; }
+
+/// How to reach the elements of one std::vector instantiation without knowing its element type.
+struct SequenceAccess {
+  std::size_t (*size)(const void* vector);
+  const void* (*data)(const void* vector);
+  void* (*resize)(void* vector, std::size_t elements);  ///< returns the first element; existing ones are kept
+};
+
+struct StructType;
+
+struct Member {
+  std::string_view name;
+  Kind kind{};                             ///< of one element
+  Shape shape{};
+  std::uint32_t count = 1;                 ///< elements of an array (all dimensions); 1 otherwise
+  std::uint32_t bound = 0;                 ///< most elements of a sequence; 0: unbounded
+  std::uint32_t string_bound = 0;          ///< most characters of each string, without NUL; 0: unbounded
+  const StructType* type = nullptr;        ///< the element's type where kind is structure
+  std::size_t offset = 0;                  ///< of the member in the owned struct
+  std::size_t stride = 0;                  ///< of one element in the owned struct
+  const SequenceAccess* access = nullptr;  ///< where shape is sequence
+  bool key = false;
+  std::string_view unit{};                 ///< from @unit, for display
+};
+
+struct StructType {
+  std::string_view name;  ///< "sensor_msgs::msg::PointCloud2"
+  std::span<const Member> members;
+};
+
+/// Specialised for every generated type: `static constexpr StructType type`.
+template <class T>
+struct TypeTable;
+
+constexpr bool is_collection(const Member& m) { return m.kind == Kind::structure && m.shape != Shape::single; }
+
+constexpr std::size_t leaf_count(const StructType& type);
+
+constexpr std::size_t leaf_count(const Member& m) {
+  if (m.kind != Kind::structure) return 1;
+  return leaf_count(*m.type) + (m.shape == Shape::sequence ? 1 : 0);
+}
+
+constexpr std::size_t leaf_count(const StructType& type) {
+  std::size_t n = 0;
+  for (const Member& m : type.members) n += leaf_count(m);
+  return n;
+}
+
+constexpr std::size_t slot_count(const StructType& type);
+
+constexpr std::size_t slot_count(const Member& m) {
+  return m.kind == Kind::structure && m.shape == Shape::single ? slot_count(*m.type) : 1;
+}
+
+constexpr std::size_t slot_count(const StructType& type) {
+  std::size_t n = 0;
+  for (const Member& m : type.members) n += slot_count(m);
+  return n;
+}
+
+/// First leaf of a member, counted from the first leaf of its struct.
+constexpr std::size_t leaf_offset(const StructType& type, std::size_t member) {
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < member; ++i) n += leaf_count(type.members[i]);
+  return n;
+}
+
+constexpr std::size_t slot_offset(const StructType& type, std::size_t member) {
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < member; ++i) n += slot_count(type.members[i]);
+  return n;
+}
+
+template <class T>
+inline constexpr std::size_t leaf_count_of = leaf_count(TypeTable<T>::type);
+
+/// A value of the owned struct's member type V is described without naming its shape twice: it follows from V.
+namespace detail {
+
+template <class V>
+struct SequenceAccessOf {
+  static constexpr SequenceAccess access{
+      [](const void* v) { return static_cast<const V*>(v)->size(); },
+      [](const void* v) { return static_cast<const void*>(static_cast<const V*>(v)->data()); },
+      [](void* v, std::size_t n) {
+        static_cast<V*>(v)->resize(n);
+        return static_cast<void*>(static_cast<V*>(v)->data());
+      }};
+};
+
+template <class V>
+struct ShapeOf {
+  using Element = V;
+  static constexpr Shape shape = Shape::single;
+  static constexpr std::uint32_t count = 1;
+  static constexpr const SequenceAccess* access = nullptr;
+};
+
+template <class E, std::size_t N>
+struct ShapeOf<std::array<E, N>> {
+  using Element = typename ShapeOf<E>::Element;
+  static_assert(ShapeOf<E>::shape != Shape::sequence, "an array of sequences needs a struct around the sequence");
+  static constexpr Shape shape = Shape::array;
+  static constexpr std::uint32_t count = N * ShapeOf<E>::count;
+  static constexpr const SequenceAccess* access = nullptr;
+};
+
+template <class E>
+struct ShapeOf<std::vector<E>> {
+  using Element = E;
+  static_assert(ShapeOf<E>::shape == Shape::single, "a sequence of collections needs a struct around the inner one");
+  static constexpr Shape shape = Shape::sequence;
+  static constexpr std::uint32_t count = 1;
+  static constexpr const SequenceAccess* access = &SequenceAccessOf<std::vector<E>>::access;
+};
+
+template <class E>
+constexpr const StructType* struct_type_of() {
+  if constexpr (std::is_class_v<E> && !std::is_same_v<E, std::string>) {
+    return &TypeTable<E>::type;
+  } else {
+    return nullptr;
+  }
+}
+
+}  // namespace detail
+
+struct MemberOptions {
+  std::uint32_t bound = 0;
+  std::uint32_t string_bound = 0;
+  bool key = false;
+  std::string_view unit{};
+};
+
+/// One row of a generated table. V is the member's type in the owned struct, `kind` that of one element in IDL (it
+/// tells octet from uint8 and a sequence of booleans, held as std::uint8_t, from one of octets).
+template <class V>
+constexpr Member member(std::string_view name, Kind kind, std::size_t offset, MemberOptions options = {}) {
+  using Place = detail::ShapeOf<V>;
+  using Element = typename Place::Element;
+  return {.name = name,
+          .kind = kind,
+          .shape = Place::shape,
+          .count = Place::count,
+          .bound = options.bound,
+          .string_bound = options.string_bound,
+          .type = detail::struct_type_of<Element>(),
+          .offset = offset,
+          .stride = sizeof(Element),
+          .access = Place::access,
+          .key = options.key,
+          .unit = options.unit};
+}
+
+}  // namespace sft

@@ -1,0 +1,289 @@
+// Lazy views. A generated View<Place> has one getter per member, and the Place says where the members are: at slots
+// of the index (IndexedPlace), or behind one another in an element of a sequence (ElementPlace). A view owns nothing
+// and must not outlive the sample that it came from.
+//
+//   scalar               -> its value             string               -> std::string_view
+//   array, sequence      -> std::span             ... of strings       -> StringRange
+//   struct               -> a View                ... of structs       -> ElementRange of Views
+//
+// Under a declared mask a getter of an absent field does not exist. Where fields are recorded, getters of leaves return
+// std::optional, empty if this sample does not have the field, and note the access either way.
+#pragma once
+
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <type_traits>
+
+#include "sft/typesupport/mask.h"
+#include "sft/typesupport/walk.h"
+
+namespace sft {
+
+static_assert(std::endian::native == std::endian::little, "views read little-endian CDR in place");
+
+/// What generated getters require: that the mask which the reader declared has the field (or a leaf below it).
+template <class Place, std::size_t Member>
+concept field_is_in_declared_mask = Place::template has<Member>;
+
+template <auto R, class V>
+using Got = std::conditional_t<R.is_recorded, std::optional<V>, V>;
+
+namespace detail {
+
+template <Kind K> struct ScalarOf;
+template <> struct ScalarOf<Kind::boolean> { using type = bool; };
+template <> struct ScalarOf<Kind::octet> { using type = std::uint8_t; };
+template <> struct ScalarOf<Kind::character> { using type = char; };
+template <> struct ScalarOf<Kind::int8> { using type = std::int8_t; };
+template <> struct ScalarOf<Kind::uint8> { using type = std::uint8_t; };
+template <> struct ScalarOf<Kind::int16> { using type = std::int16_t; };
+template <> struct ScalarOf<Kind::uint16> { using type = std::uint16_t; };
+template <> struct ScalarOf<Kind::int32> { using type = std::int32_t; };
+template <> struct ScalarOf<Kind::uint32> { using type = std::uint32_t; };
+template <> struct ScalarOf<Kind::int64> { using type = std::int64_t; };
+template <> struct ScalarOf<Kind::uint64> { using type = std::uint64_t; };
+template <> struct ScalarOf<Kind::float32> { using type = float; };
+template <> struct ScalarOf<Kind::float64> { using type = double; };
+
+/// In arrays and sequences a boolean is its byte: a span of bool over foreign bytes would be undefined.
+template <Kind K>
+using ElementOf = std::conditional_t<K == Kind::boolean, std::uint8_t, typename ScalarOf<K>::type>;
+
+template <class V>
+V load(const SampleState& s, std::uint64_t offset) noexcept {
+  const std::uint32_t at = checked_block(s, offset, 1, sizeof(V));
+  V value{};
+  if (at == no_offset) {
+    s.flag_malformed();
+  } else if constexpr (std::same_as<V, bool>) {
+    value = s.body[at] != std::byte{0};
+  } else {
+    std::memcpy(&value, s.body + at, sizeof value);
+  }
+  return value;
+}
+
+template <class E>
+std::span<const E> span_at(const SampleState& s, Extent extent) noexcept {
+  if (!extent) {
+    s.flag_malformed();
+    return {};
+  }
+  return {reinterpret_cast<const E*>(s.body + extent.first), extent.count};
+}
+
+inline std::string_view string_at(const SampleState& s, std::uint64_t offset) noexcept {
+  const Extent text = checked_string(s, offset);
+  if (!text) {
+    s.flag_malformed();
+    return {};
+  }
+  return {reinterpret_cast<const char*>(s.body + text.first), text.count};
+}
+
+/// Forward iteration over things that lie behind one another; Step says how one is read and where the next begins.
+template <class Step>
+class PackedRange {
+ public:
+  class iterator {
+   public:
+    using iterator_concept = std::forward_iterator_tag;
+    using difference_type = std::ptrdiff_t;
+    using value_type = typename Step::Value;
+
+    iterator() = default;
+    iterator(const SampleState* s, std::uint64_t offset, std::uint32_t left) : s_(s), offset_(offset), left_(left) {}
+
+    value_type operator*() const { return Step::read(*s_, offset_); }
+    iterator& operator++() {
+      const std::uint32_t next = Step::next(*s_, offset_);
+      if (next == no_offset) s_->flag_malformed();
+      left_ = next == no_offset ? 0 : left_ - 1;
+      offset_ = next;
+      return *this;
+    }
+    iterator operator++(int) {
+      iterator before = *this;
+      ++*this;
+      return before;
+    }
+    friend bool operator==(const iterator& a, const iterator& b) { return a.left_ == b.left_; }
+
+   private:
+    const SampleState* s_ = nullptr;
+    std::uint64_t offset_ = 0;
+    std::uint32_t left_ = 0;
+  };
+
+  PackedRange() = default;
+  PackedRange(const SampleState* s, Extent extent) : s_(s), extent_(extent) {
+    if (!extent) {
+      s->flag_malformed();
+      extent_ = {0, 0};
+    }
+  }
+
+  std::size_t size() const { return extent_.count; }
+  bool empty() const { return extent_.count == 0; }
+  iterator begin() const { return {s_, extent_.first, extent_.count}; }
+  iterator end() const { return {s_, 0, 0}; }
+
+ private:
+  const SampleState* s_ = nullptr;
+  Extent extent_{0, 0};
+};
+
+struct StringStep {
+  using Value = std::string_view;
+  static Value read(const SampleState& s, std::uint64_t offset) { return string_at(s, offset); }
+  static std::uint32_t next(const SampleState& s, std::uint64_t offset) {
+    const Extent length = checked_length(s, offset);
+    return length ? checked_block(s, length.first + std::uint64_t{length.count}, 0, 1) : no_offset;
+  }
+};
+
+}  // namespace detail
+
+using StringRange = detail::PackedRange<detail::StringStep>;
+
+template <auto R, class S, std::size_t Leaf>
+class ElementPlace;
+
+namespace detail {
+template <auto R, class S, std::size_t Leaf>
+struct ElementStep {
+  using Value = typename S::template View<ElementPlace<R, S, Leaf>>;
+  static Value read(const SampleState& s, std::uint64_t offset) { return Value{ElementPlace<R, S, Leaf>{&s, offset}}; }
+  static std::uint32_t next(const SampleState& s, std::uint64_t offset) {
+    return skip(s, TypeTable<S>::type, Leaf, offset);
+  }
+};
+
+/// Reads member number Index of struct S, of which the first leaf is Leaf and which begins at `offset`.
+/// As: the nested struct, or the enumeration, that the generated code names; void otherwise.
+template <auto R, class S, std::size_t Index, std::size_t Leaf, class As>
+auto read_leaf(const SampleState& s, std::uint64_t offset) {
+  constexpr Member M = TypeTable<S>::members[Index];
+  if constexpr (M.kind == Kind::structure) {
+    constexpr std::size_t element_leaf = Leaf + (M.shape == Shape::sequence ? 1 : 0);
+    using Range = PackedRange<ElementStep<R, As, element_leaf>>;
+    return Range{&s, M.shape == Shape::sequence ? checked_length(s, offset)
+                                                : Extent{static_cast<std::uint32_t>(offset), M.count}};
+  } else if constexpr (M.kind == Kind::string) {
+    if constexpr (M.shape == Shape::single) {
+      return string_at(s, offset);
+    } else {
+      return StringRange{&s, M.shape == Shape::sequence ? checked_length(s, offset)
+                                                        : Extent{static_cast<std::uint32_t>(offset), M.count}};
+    }
+  } else if constexpr (M.shape == Shape::single) {
+    using V = std::conditional_t<std::is_enum_v<As>, As, typename ScalarOf<M.kind>::type>;
+    return load<V>(s, offset);
+  } else {
+    using E = std::conditional_t<std::is_enum_v<As>, As, ElementOf<M.kind>>;
+    return span_at<E>(s, M.shape == Shape::sequence ? checked_sequence(s, offset, sizeof(E))
+                                                    : Extent{checked_block(s, offset, M.count, sizeof(E)), M.count});
+  }
+}
+
+/// What the two places share: whether a member can be read, and noting that it was.
+template <auto R, class S, std::size_t Leaf>
+struct PlaceBase {
+  template <std::size_t M>
+  static constexpr std::size_t leaf_of = Leaf + leaf_offset(TypeTable<S>::type, M);
+
+  /// Whether any leaf of member M is in the declared mask (always where fields are recorded).
+  template <std::size_t M>
+  static constexpr bool has = R.is_recorded || R.mask.intersects(leaf_of<M>, leaf_count(TypeTable<S>::members[M]));
+
+ protected:
+  /// Notes the access where the reader records, and tells whether the sample has the leaf. For a collection of structs
+  /// that is the leaf of its length (or its first element's leaf, in an array).
+  static bool note(const SampleState& s, std::size_t leaf, std::size_t leaves) noexcept {
+    const bool present = s.mask->any_of(leaf, leaves);
+    if (s.log != nullptr) s.log->touch(leaf, present);
+    return present;
+  }
+
+  template <std::size_t M, class As, class OffsetOf>
+  static auto leaf_value(const SampleState& s, OffsetOf offset_of) {
+    using V = decltype(read_leaf<R, S, M, leaf_of<M>, As>(s, 0));
+    if constexpr (R.is_recorded) {
+      if (!note(s, leaf_of<M>, leaf_count(TypeTable<S>::members[M]))) return std::optional<V>{};
+    }
+    return Got<R, V>{read_leaf<R, S, M, leaf_of<M>, As>(s, offset_of())};
+  }
+};
+}  // namespace detail
+
+/// Members of struct S, of which the first leaf and slot in the root type are Leaf and Slot, found through the index.
+template <auto R, class S, std::size_t Leaf, std::size_t Slot>
+class IndexedPlace : public detail::PlaceBase<R, S, Leaf> {
+  using Base = detail::PlaceBase<R, S, Leaf>;
+
+ public:
+  explicit IndexedPlace(const SampleState* s) : s_(s) {}
+
+  template <std::size_t M, class As = void>
+  auto get() const {
+    constexpr std::size_t slot = Slot + slot_offset(TypeTable<S>::type, M);
+    constexpr const Member& m = TypeTable<S>::members[M];
+    if constexpr (m.kind == Kind::structure && m.shape == Shape::single) {
+      using Place = IndexedPlace<R, As, Base::template leaf_of<M>, slot>;
+      return typename As::template View<Place>{Place{s_}};
+    } else {
+      return Base::template leaf_value<M, As>(
+          *s_, [this] { return std::uint64_t{__atomic_load_n(s_->index + slot, __ATOMIC_RELAXED)}; });
+    }
+  }
+
+ private:
+  const SampleState* s_;
+};
+
+/// Members of one struct S inside a collection, which begins at an offset and is walked to reach a member.
+template <auto R, class S, std::size_t Leaf>
+class ElementPlace : public detail::PlaceBase<R, S, Leaf> {
+  using Base = detail::PlaceBase<R, S, Leaf>;
+
+ public:
+  ElementPlace(const SampleState* s, std::uint64_t offset) : s_(s), offset_(offset) {}
+
+  template <std::size_t M, class As = void>
+  auto get() const {
+    constexpr const Member& m = TypeTable<S>::members[M];
+    if constexpr (m.kind == Kind::structure && m.shape == Shape::single) {
+      using Place = ElementPlace<R, As, Base::template leaf_of<M>>;
+      return typename As::template View<Place>{Place{s_, begin_of<M>()}};
+    } else {
+      return Base::template leaf_value<M, As>(*s_, [this] { return begin_of<M>(); });
+    }
+  }
+
+ private:
+  template <std::size_t M>
+  std::uint64_t begin_of() const {
+    return member_begin(*s_, TypeTable<S>::type, M, Leaf, offset_);
+  }
+
+  const SampleState* s_;
+  std::uint64_t offset_;
+};
+
+/// The view of a whole sample of type T as a reader with requirement R sees it. (In an alias template pass R through a
+/// parameter of type Req<T>: g++ 12 does not survive a mask variable there.)
+template <class T, Req<T> R>
+using ViewOf = typename T::template View<IndexedPlace<R, T, 0, 0>>;
+
+template <class T, Req<T> R>
+ViewOf<T, R> view_of(const SampleState& s) {
+  return ViewOf<T, R>{IndexedPlace<R, T, 0, 0>{&s}};
+}
+
+}  // namespace sft

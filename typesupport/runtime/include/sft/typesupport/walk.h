@@ -1,0 +1,95 @@
+// Every offset and bounds check of reading CDR is here (and in walk.cpp). The bytes may be hostile, and those in shared
+// memory may change while they are read: each length is loaded once, checked, and then used.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "sft/typesupport/access_log.h"
+#include "sft/typesupport/field_mask.h"
+#include "sft/typesupport/sample_format.h"
+#include "sft/typesupport/type_table.h"
+
+namespace sft {
+
+/// A CDR body under a mask, as captured when the sample was taken. Owns nothing.
+struct SampleState {
+  const std::byte* body = nullptr;  ///< 8-aligned
+  std::uint32_t body_bytes = 0;
+  const std::uint32_t* index = nullptr;  ///< one offset per slot; may be null where only walks are made
+  const FieldMask* mask = nullptr;       ///< leaves that are present
+  AccessLog* log = nullptr;              ///< null unless the reader records
+  mutable bool malformed = false;        ///< a getter met bytes that are not what they claim to be
+
+  // Several threads may read one sample.
+  void flag_malformed() const noexcept { __atomic_store_n(&malformed, true, __ATOMIC_RELAXED); }
+  bool is_malformed() const noexcept { return __atomic_load_n(&malformed, __ATOMIC_RELAXED); }
+};
+
+constexpr std::uint64_t align_up(std::uint64_t offset, std::uint64_t alignment) {
+  return (offset + alignment - 1) & ~(alignment - 1);
+}
+
+/// `count` elements of `element_bytes` each at `offset`, aligned to their size: offset of the first, or no_offset
+/// where they would not lie within the body.
+inline std::uint32_t checked_block(const SampleState& s, std::uint64_t offset, std::uint64_t count,
+                                   std::uint64_t element_bytes) noexcept {
+  if (count == 0) return offset <= s.body_bytes ? static_cast<std::uint32_t>(offset) : no_offset;
+  const std::uint64_t first = align_up(offset, element_bytes);
+  return first + count * element_bytes <= s.body_bytes ? static_cast<std::uint32_t>(first) : no_offset;
+}
+
+struct Extent {
+  std::uint32_t first = no_offset;  ///< offset of the first element
+  std::uint32_t count = 0;
+  explicit operator bool() const { return first != no_offset; }
+};
+
+/// The u32 that stands at `offset` (aligned to 4), and where the bytes behind it begin.
+inline Extent checked_length(const SampleState& s, std::uint64_t offset) noexcept {
+  const std::uint32_t at = checked_block(s, offset, 1, 4);
+  if (at == no_offset) return {};
+  std::uint32_t n;
+  std::memcpy(&n, s.body + at, sizeof n);
+  return {at + 4, n};
+}
+
+/// A sequence of primitives whose length stands at `offset`.
+inline Extent checked_sequence(const SampleState& s, std::uint64_t offset, std::size_t element_bytes) noexcept {
+  const Extent length = checked_length(s, offset);
+  if (!length) return {};
+  return {checked_block(s, length.first, length.count, element_bytes), length.count};
+}
+
+/// A string whose length (with its NUL) stands at `offset`; `count` is without the NUL. Length 0 reads as empty.
+inline Extent checked_string(const SampleState& s, std::uint64_t offset) noexcept {
+  const Extent length = checked_length(s, offset);
+  if (!length || checked_block(s, length.first, length.count, 1) == no_offset) return {};
+  return {length.first, length.count == 0 ? 0 : length.count - 1};
+}
+
+/// Offset just behind the selected leaves of a member (or of a whole struct) that begins at `offset`, or no_offset where
+/// the body ends before. `leaf` is the number of its first leaf in the root type.
+std::uint32_t skip(const SampleState& s, const Member& member, std::size_t leaf, std::uint64_t offset) noexcept;
+std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t leaf, std::uint64_t offset) noexcept;
+
+/// Where member number `member` of a struct that begins at `offset` begins, before alignment.
+std::uint32_t member_begin(const SampleState& s, const StructType& type, std::size_t member, std::size_t leaf,
+                           std::uint64_t offset) noexcept;
+
+enum class WalkStatus : std::uint8_t { ok, truncated, bad_length, bad_boolean, bad_string, trailing_bytes };
+const char* to_string(WalkStatus status);
+
+/// Most bytes that may follow the last member of a body: payloads of other implementations are padded to 4.
+inline constexpr std::uint32_t max_trailing_bytes = 3;
+
+/// Walks a whole body of `type` under `s.mask`, checks it (lengths, bounds, booleans 0 or 1, NUL at the end of strings
+/// and nowhere before it, at most max_trailing_bytes left over) and writes the offset of every slot to `index`
+/// (type's slot_count entries). Time is bounded by the body's bytes. `body_end`, if given, is set to the end of the last
+/// member.
+WalkStatus build_index(const SampleState& s, const StructType& type, std::span<std::uint32_t> index,
+                       std::uint32_t* body_end = nullptr) noexcept;
+
+}  // namespace sft

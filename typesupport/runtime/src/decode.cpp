@@ -1,0 +1,106 @@
+#include "sft/typesupport/decode.h"
+
+#include <string>
+
+namespace sft {
+
+namespace {
+
+class Decoder {
+ public:
+  explicit Decoder(const SampleState& s) : s_(s) {}
+
+  WalkStatus structure(const StructType& type, std::byte* object, std::size_t leaf) {
+    for (const Member& m : type.members) {
+      if (const WalkStatus status = member(m, object + m.offset, leaf); status != WalkStatus::ok) return status;
+      leaf += leaf_count(m);
+    }
+    return WalkStatus::ok;
+  }
+
+ private:
+  WalkStatus member(const Member& m, std::byte* value, std::size_t leaf) {
+    if (!s_.mask->any_of(leaf, leaf_count(m))) return WalkStatus::ok;
+    if (m.kind == Kind::structure && m.shape == Shape::single) return structure(*m.type, value, leaf);
+    if (m.shape != Shape::sequence) return elements(m, value, m.count, leaf);
+    const Extent length = checked_length(s_, at_);
+    if (!length) return WalkStatus::truncated;
+    if (m.bound != 0 && length.count > m.bound) return WalkStatus::bad_length;
+    at_ = length.first;
+    const std::size_t element_leaf = m.kind == Kind::structure ? leaf + 1 : leaf;
+    if (length.count > most_elements(m, element_leaf)) return WalkStatus::bad_length;
+    auto* first = static_cast<std::byte*>(m.access->resize(value, length.count));
+    return elements(m, first, length.count, element_leaf);
+  }
+
+  /// What the bytes left can hold.
+  std::uint64_t most_elements(const Member& m, std::size_t leaf) const {
+    const std::uint64_t each = m.kind == Kind::structure ? least_bytes(*m.type, leaf) : size_of(m.kind);
+    return each == 0 ? max_empty_elements : (s_.body_bytes - at_) / each;
+  }
+
+  /// Of the selected members of one struct, padding aside, with all its sequences and strings empty.
+  std::uint64_t least_bytes(const StructType& type, std::size_t leaf) const {
+    std::uint64_t bytes = 0;
+    for (const Member& m : type.members) {
+      if (s_.mask->any_of(leaf, leaf_count(m))) {
+        const bool is_struct = m.kind == Kind::structure;
+        bytes += m.shape == Shape::sequence ? 4 : m.count * (is_struct ? least_bytes(*m.type, leaf) : size_of(m.kind));
+      }
+      leaf += leaf_count(m);
+    }
+    return bytes;
+  }
+
+  WalkStatus elements(const Member& m, std::byte* first, std::size_t n, std::size_t leaf) {
+    if (m.kind == Kind::structure) {
+      if (!s_.mask->any_of(leaf, leaf_count(*m.type))) return WalkStatus::ok;
+      for (std::size_t i = 0; i < n; ++i) {
+        if (const WalkStatus status = structure(*m.type, first + i * m.stride, leaf); status != WalkStatus::ok) {
+          return status;
+        }
+      }
+      return WalkStatus::ok;
+    }
+    if (m.kind == Kind::string) return strings(m, first, n);
+    const std::uint32_t at = checked_block(s_, at_, n, size_of(m.kind));
+    if (at == no_offset) return WalkStatus::truncated;
+    if (n != 0) std::memcpy(first, s_.body + at, n * size_of(m.kind));
+    if (m.kind == Kind::boolean && !all_booleans(first, n)) return WalkStatus::bad_boolean;
+    at_ = at + n * size_of(m.kind);
+    return WalkStatus::ok;
+  }
+
+  /// Of the copy: in shared memory the original may change. What is no boolean does not stay in one.
+  static bool all_booleans(std::byte* first, std::size_t n) {
+    bool all = true;
+    for (std::byte* b = first; b != first + n; ++b) {
+      all &= *b <= std::byte{1};
+      *b &= std::byte{1};
+    }
+    return all;
+  }
+
+  WalkStatus strings(const Member& m, std::byte* first, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const Extent length = checked_length(s_, at_);
+      if (!length || checked_block(s_, length.first, length.count, 1) == no_offset) return WalkStatus::truncated;
+      const std::size_t characters = length.count == 0 ? 0 : length.count - 1;
+      reinterpret_cast<std::string*>(first + i * m.stride)
+          ->assign(reinterpret_cast<const char*>(s_.body + length.first), characters);
+      at_ = std::uint64_t{length.first} + length.count;
+    }
+    return WalkStatus::ok;
+  }
+
+  const SampleState& s_;
+  std::uint64_t at_ = 0;
+};
+
+}  // namespace
+
+WalkStatus decode(const SampleState& s, const StructType& type, void* value) {
+  return Decoder(s).structure(type, static_cast<std::byte*>(value), 0);
+}
+
+}  // namespace sft

@@ -1,0 +1,146 @@
+#include "sft/typesupport/type_support.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "sft/typesupport/fnv1a.h"
+
+namespace sft {
+
+namespace {
+
+void add_structure(Fnv1a& hash, const StructType& type) {
+  hash.add(type.members.size());
+  for (const Member& m : type.members) {
+    hash.add(m.name);
+    hash.add(static_cast<std::uint64_t>(m.kind) << 16 | static_cast<std::uint64_t>(m.shape) << 8 | (m.key ? 1U : 0U));
+    hash.add(std::uint64_t{m.count} << 32 | m.bound);
+    hash.add(m.string_bound);
+    if (m.type != nullptr) add_structure(hash, *m.type);
+  }
+}
+
+/// Levenshtein distance, one row at a time.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substitution = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, substitution});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::uint64_t structure_hash(const StructType& type) {
+  Fnv1a hash;
+  add_structure(hash, type);
+  return hash.value();
+}
+
+TypeSupport::TypeSupport(const StructType& type)
+    : type_(&type), slots_(slot_count(type)), hash_(structure_hash(type)) {
+  flatten(type, "");
+}
+
+void TypeSupport::flatten(const StructType& type, const std::string& prefix) {
+  const auto add_leaf = [this](std::string path) {
+    nodes_.push_back({path, paths_.size(), 1, true});
+    paths_.push_back(std::move(path));
+  };
+  for (const Member& m : type.members) {
+    const std::string path = prefix + std::string(m.name);
+    if (m.kind != Kind::structure) {
+      add_leaf(path);
+      continue;
+    }
+    nodes_.push_back({path, paths_.size(), leaf_count(m), false});
+    if (m.shape == Shape::sequence) add_leaf(path + ".size");
+    if (is_collection(m)) nodes_.push_back({path + "[]", paths_.size(), leaf_count(*m.type), false});
+    flatten(*m.type, path + (is_collection(m) ? "[]." : "."));
+  }
+}
+
+Result<FieldMask> TypeSupport::find(std::string_view path) const {
+  const auto found = std::find_if(nodes_.begin(), nodes_.end(), [&](const Node& n) { return n.path == path; });
+  if (found == nodes_.end()) {
+    const auto nearest = std::min_element(nodes_.begin(), nodes_.end(), [&](const Node& a, const Node& b) {
+      return edit_distance(a.path, path) < edit_distance(b.path, path);
+    });
+    const std::string hint = nearest == nodes_.end() ? "" : "; did you mean '" + nearest->path + "'?";
+    return fail(Errc::unknown_field, std::string(name()) + " has no field '" + std::string(path) + "'" + hint);
+  }
+  FieldMask mask = none();
+  for (std::size_t leaf = found->first; leaf < found->first + found->count; ++leaf) mask.insert(leaf);
+  return mask;
+}
+
+Result<FieldMask> TypeSupport::parse_mask(std::string_view text) const {
+  static constexpr std::string_view separators = ", \t\r\n";
+  FieldMask mask = none();
+  for (std::size_t at = text.find_first_not_of(separators); at != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(separators, at), text.size());
+    const std::string_view path = text.substr(at, end - at);
+    const Result<FieldMask> part = path == "*" ? Result<FieldMask>(full()) : find(path);
+    if (!part) return part;
+    mask |= *part;
+    at = text.find_first_not_of(separators, end);
+  }
+  return mask;
+}
+
+std::vector<std::string> TypeSupport::field_names(const FieldMask& mask) const {
+  std::vector<std::string> names;
+  std::size_t covered = 0;  // leaves below this one are named already
+  for (const Node& node : nodes_) {
+    if (node.first < covered || !mask.all_of(node.first, node.count)) continue;
+    names.push_back(node.path);
+    covered = node.first + node.count;
+  }
+  return names;
+}
+
+std::string TypeSupport::format_mask(const FieldMask& mask) const {
+  if (mask.is_full()) return "*";
+  std::string text;
+  for (const std::string& name : field_names(mask)) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+FieldMask TypeSupport::closed(FieldMask mask) const {
+  add_keys(*type_, 0, mask);
+  add_lengths(*type_, 0, mask);
+  return mask;
+}
+
+/// Only keys outside collections are keys of the message.
+void TypeSupport::add_keys(const StructType& type, std::size_t leaf, FieldMask& mask) const {
+  for (const Member& m : type.members) {
+    const std::size_t leaves = leaf_count(m);
+    if (m.key) {
+      for (std::size_t i = leaf; i < leaf + leaves; ++i) mask.insert(i);
+    } else if (m.kind == Kind::structure && m.shape == Shape::single) {
+      add_keys(*m.type, leaf, mask);
+    }
+    leaf += leaves;
+  }
+}
+
+void TypeSupport::add_lengths(const StructType& type, std::size_t leaf, FieldMask& mask) const {
+  for (const Member& m : type.members) {
+    const std::size_t leaves = leaf_count(m);
+    if (m.kind == Kind::structure) {
+      const bool has_length = m.shape == Shape::sequence;
+      if (has_length && mask.any_of(leaf, leaves)) mask.insert(leaf);
+      add_lengths(*m.type, leaf + (has_length ? 1 : 0), mask);
+    }
+    leaf += leaves;
+  }
+}
+
+}  // namespace sft

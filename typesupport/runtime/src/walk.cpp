@@ -1,0 +1,169 @@
+#include "sft/typesupport/walk.h"
+
+#include <algorithm>
+
+namespace sft {
+
+namespace {
+
+/// One pass over a body. With Check it validates contents, without it only finds where things end.
+template <bool Check>
+class Walker {
+ public:
+  explicit Walker(const SampleState& s, std::uint64_t offset) : s_(s), at_(offset) {}
+
+  WalkStatus status() const { return status_; }
+  std::uint32_t at() const { return status_ == WalkStatus::ok ? static_cast<std::uint32_t>(at_) : no_offset; }
+
+  bool structure(const StructType& type, std::size_t leaf) {
+    for (const Member& m : type.members) {
+      if (!member(m, leaf)) return false;
+      leaf += leaf_count(m);
+    }
+    return true;
+  }
+
+  /// Walks and writes the offset of every slot to `index`, which is advanced.
+  bool indexed_structure(const StructType& type, std::size_t leaf, std::uint32_t*& index) {
+    for (const Member& m : type.members) {
+      if (m.kind == Kind::structure && m.shape == Shape::single) {
+        if (!indexed_structure(*m.type, leaf, index)) return false;
+      } else {
+        const bool present = s_.mask->any_of(leaf, leaf_count(m));
+        *index++ = present ? static_cast<std::uint32_t>(align_up(at_, alignment_of(m))) : no_offset;
+        if (present && !member(m, leaf)) return false;
+      }
+      leaf += leaf_count(m);
+    }
+    return true;
+  }
+
+  bool member(const Member& m, std::size_t leaf) {
+    if (m.kind != Kind::structure) return !s_.mask->contains(leaf) || leaf_member(m);
+    if (m.shape == Shape::single) return structure(*m.type, leaf);
+    if (!s_.mask->any_of(leaf, leaf_count(m))) return true;
+    std::uint32_t elements = m.count;
+    if (m.shape == Shape::sequence) {
+      if (!length(m, elements)) return false;
+      ++leaf;
+    }
+    return this->elements(*m.type, leaf, elements);
+  }
+
+ private:
+  /// A struct has no alignment of its own: that of a collection's slot is that of its length, if it has one.
+  static std::size_t alignment_of(const Member& m) {
+    if (m.shape == Shape::sequence) return 4;
+    return m.kind == Kind::structure ? 1 : size_of(m.kind);
+  }
+
+  bool fail(WalkStatus why) {
+    status_ = why;
+    return false;
+  }
+
+  bool length(const Member& m, std::uint32_t& n) {
+    const Extent extent = checked_length(s_, at_);
+    if (!extent) return fail(WalkStatus::truncated);
+    if (Check && m.bound != 0 && extent.count > m.bound) return fail(WalkStatus::bad_length);
+    at_ = extent.first;
+    n = extent.count;
+    return true;
+  }
+
+  bool elements(const StructType& type, std::size_t leaf, std::uint32_t n) {
+    if (!s_.mask->any_of(leaf, leaf_count(type))) return true;  // they take no bytes, however many there are
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint64_t before = at_;
+      if (!structure(type, leaf)) return false;
+      if (at_ == before) break;  // only empty collections of empty structs: the rest takes no bytes either
+    }
+    return true;
+  }
+
+  bool leaf_member(const Member& m) {
+    std::uint32_t n = m.count;
+    if (m.shape == Shape::sequence && !length(m, n)) return false;
+    return m.kind == Kind::string ? strings(m, n) : block(m.kind, n);
+  }
+
+  bool block(Kind kind, std::uint32_t n) {
+    const std::uint32_t first = checked_block(s_, at_, n, size_of(kind));
+    if (first == no_offset) return fail(WalkStatus::truncated);
+    if (Check && kind == Kind::boolean && !all_booleans(first, n)) return fail(WalkStatus::bad_boolean);
+    at_ = first + std::uint64_t{n} * size_of(kind);
+    return true;
+  }
+
+  bool all_booleans(std::uint32_t first, std::uint32_t n) const {
+    return std::all_of(s_.body + first, s_.body + first + n, [](std::byte b) { return b <= std::byte{1}; });
+  }
+
+  bool strings(const Member& m, std::uint32_t n) {
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const Extent length = checked_length(s_, at_);
+      if (!length || checked_block(s_, length.first, length.count, 1) == no_offset) return fail(WalkStatus::truncated);
+      if (Check && length.count != 0 && !text_ok(m, length)) return false;
+      at_ = std::uint64_t{length.first} + length.count;
+    }
+    return true;
+  }
+
+  bool text_ok(const Member& m, Extent with_nul) {
+    if (m.string_bound != 0 && with_nul.count - 1 > m.string_bound) return fail(WalkStatus::bad_length);
+    const void* nul = std::memchr(s_.body + with_nul.first, 0, with_nul.count);
+    return nul == s_.body + with_nul.first + with_nul.count - 1 || fail(WalkStatus::bad_string);
+  }
+
+  const SampleState& s_;
+  std::uint64_t at_;
+  WalkStatus status_ = WalkStatus::ok;
+};
+
+}  // namespace
+
+std::uint32_t skip(const SampleState& s, const Member& member, std::size_t leaf, std::uint64_t offset) noexcept {
+  Walker<false> walker(s, offset);
+  walker.member(member, leaf);
+  return walker.at();
+}
+
+std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t leaf, std::uint64_t offset) noexcept {
+  Walker<false> walker(s, offset);
+  walker.structure(type, leaf);
+  return walker.at();
+}
+
+std::uint32_t member_begin(const SampleState& s, const StructType& type, std::size_t member, std::size_t leaf,
+                           std::uint64_t offset) noexcept {
+  Walker<false> walker(s, offset);
+  for (std::size_t i = 0; i < member; ++i) {
+    if (!walker.member(type.members[i], leaf)) break;
+    leaf += leaf_count(type.members[i]);
+  }
+  return walker.at();
+}
+
+WalkStatus build_index(const SampleState& s, const StructType& type, std::span<std::uint32_t> index,
+                       std::uint32_t* body_end) noexcept {
+  Walker<true> walker(s, 0);
+  std::uint32_t* slot = index.data();
+  if (!walker.indexed_structure(type, 0, slot)) return walker.status();
+  if (s.body_bytes - walker.at() > max_trailing_bytes) return WalkStatus::trailing_bytes;
+  if (body_end != nullptr) *body_end = walker.at();
+  return WalkStatus::ok;
+}
+
+const char* to_string(WalkStatus status) {
+  switch (status) {
+    case WalkStatus::ok: return "ok";
+    case WalkStatus::truncated: return "the bytes end inside a member";
+    case WalkStatus::bad_length: return "a length exceeds its bound";
+    case WalkStatus::bad_boolean: return "a boolean is neither 0 nor 1";
+    case WalkStatus::bad_string: return "a string does not end at its first NUL";
+    case WalkStatus::trailing_bytes: return "bytes are left over behind the last member";
+  }
+  return "unknown";
+}
+
+}  // namespace sft

@@ -1,0 +1,104 @@
+#include "udp_transport/datagram.h"
+
+#include <concepts>
+
+namespace sft::udp {
+
+namespace {
+
+// Offsets of the fields that both kinds share, and of those behind them.
+constexpr std::size_t at_kind = 0, at_flags = 1, at_variant = 2, at_writer = 4, at_sequence = 8;
+constexpr std::size_t at_total = 12, at_mask = 16, at_stamp = 24;
+constexpr std::size_t at_offset = 12;
+
+template <std::unsigned_integral T>
+void store(T value, std::byte* out) noexcept {
+  for (std::size_t i = 0; i < sizeof(T); ++i) out[i] = static_cast<std::byte>(value >> (8 * i));
+}
+
+template <std::unsigned_integral T>
+T load(const std::byte* from) noexcept {
+  T value = 0;
+  for (std::size_t i = 0; i < sizeof(T); ++i) value |= static_cast<T>(static_cast<T>(from[i]) << (8 * i));
+  return value;
+}
+
+void store_common(DatagramKind kind, std::uint8_t flags, const SampleLabel& label, std::byte* out) noexcept {
+  store(static_cast<std::uint8_t>(wire_version << 4 | static_cast<std::uint8_t>(kind)), out + at_kind);
+  store(flags, out + at_flags);
+  store(label.variant, out + at_variant);
+  store(label.writer, out + at_writer);
+  store(label.sequence, out + at_sequence);
+}
+
+SampleLabel load_label(const std::byte* from) noexcept {
+  return {.writer = load<std::uint32_t>(from + at_writer),
+          .sequence = load<std::uint32_t>(from + at_sequence),
+          .variant = load<std::uint16_t>(from + at_variant)};
+}
+
+std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() < first_header_bytes) return {};
+  const auto flags = load<std::uint8_t>(&bytes[at_flags]);
+  if ((flags & ~mask_words_follow) != 0) return {};
+  Datagram d;
+  d.kind = DatagramKind::first;
+  d.first = {.label = load_label(bytes.data()),
+             .flags = flags,
+             .total = load<std::uint32_t>(&bytes[at_total]),
+             .mask = load<std::uint64_t>(&bytes[at_mask]),
+             .stamp_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_stamp]))};
+  d.payload = bytes.subspan(first_header_bytes);
+  return d;
+}
+
+/// One without payload says nothing and is refused, like one that ends beyond what a total can be.
+std::optional<Datagram> parse_following(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() <= following_header_bytes || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
+  Datagram d;
+  d.kind = DatagramKind::following;
+  d.first.label = load_label(bytes.data());
+  d.offset = load<std::uint32_t>(&bytes[at_offset]);
+  d.payload = bytes.subspan(following_header_bytes);
+  if (d.payload.size() > UINT32_MAX - d.offset) return {};
+  return d;
+}
+
+}  // namespace
+
+void encode(const FirstHeader& header, std::byte* out) noexcept {
+  store_common(DatagramKind::first, header.flags, header.label, out);
+  store(header.total, out + at_total);
+  store(header.mask, out + at_mask);
+  store(static_cast<std::uint64_t>(header.stamp_ns), out + at_stamp);
+}
+
+void encode(const FollowingHeader& header, std::byte* out) noexcept {
+  store_common(DatagramKind::following, 0, header.label, out);
+  store(header.offset, out + at_offset);
+}
+
+std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() < following_header_bytes || bytes.size() > datagram_bytes_max) return {};
+  const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
+  if (version_and_kind >> 4 != wire_version) return {};
+  switch (static_cast<DatagramKind>(version_and_kind & 0xf)) {
+    case DatagramKind::first:
+      return parse_first(bytes);
+    case DatagramKind::following:
+      return parse_following(bytes);
+  }
+  return {};
+}
+
+void store_word(std::uint64_t word, std::byte* out) noexcept { store(word, out); }
+std::uint64_t load_word(const std::byte* from) noexcept { return load<std::uint64_t>(from); }
+
+std::uint64_t widen_sequence(std::uint64_t reference, std::uint32_t low) noexcept {
+  const auto distance = static_cast<std::int32_t>(low - static_cast<std::uint32_t>(reference));
+  if (distance < 0 && reference < static_cast<std::uint64_t>(-static_cast<std::int64_t>(distance)))
+    return low;
+  return reference + static_cast<std::uint64_t>(static_cast<std::int64_t>(distance));
+}
+
+}  // namespace sft::udp

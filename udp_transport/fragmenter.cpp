@@ -1,0 +1,93 @@
+#include "udp_transport/fragmenter.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+
+namespace sft::udp {
+
+void Batch::clear() { part_count_ = staged_ = bytes_ = datagrams_ = 0; }
+
+/// Room for bytes that are sent right behind all that is there.
+std::byte* Batch::stage(std::size_t bytes) {
+  std::byte* place = staging_.get() + staged_;
+  const bool extends =
+      part_count_ > 0 &&
+      static_cast<std::byte*>(parts_[part_count_ - 1].iov_base) + parts_[part_count_ - 1].iov_len == place;
+  if (extends) {
+    parts_[part_count_ - 1].iov_len += bytes;
+  } else {
+    assert(part_count_ < parts_max);
+    parts_[part_count_++] = {place, bytes};
+  }
+  staged_ += bytes;
+  bytes_ += bytes;
+  return place;
+}
+
+void Batch::refer(const std::byte* data, std::size_t bytes) {
+  assert(part_count_ < parts_max);
+  parts_[part_count_++] = {const_cast<std::byte*>(data), bytes};  // iovec has no const; it is only read
+  bytes_ += bytes;
+}
+
+Fragmenter::Fragmenter(const EncodedBody& body, std::size_t datagram_bytes)
+    : body_(body), datagram_bytes_(std::min(datagram_bytes, datagram_bytes_max)) {
+  assert(datagram_bytes_ > first_header_bytes + body_.mask_words.size_bytes());
+}
+
+void Fragmenter::next(Batch& batch, std::size_t bytes_max, std::size_t datagrams_max) {
+  batch.clear();
+  batch.segment_bytes_ = static_cast<std::uint16_t>(datagram_bytes_);
+  bytes_max = std::min(bytes_max, batch_bytes_max);
+  datagrams_max = std::min(datagrams_max, batch_datagrams_max);
+  do {
+    append_datagram(batch);
+  } while (!done() && batch.datagrams_ < datagrams_max && batch.bytes_ + next_datagram_bytes() <= bytes_max);
+}
+
+/// Of a following one.
+std::size_t Fragmenter::next_datagram_bytes() const {
+  return std::min<std::size_t>(datagram_bytes_, following_header_bytes + body_.first.total - offset_);
+}
+
+void Fragmenter::append_datagram(Batch& batch) {
+  const std::size_t before = batch.bytes_;
+  append_header(batch);
+  const std::size_t room = datagram_bytes_ - (batch.bytes_ - before);
+  append_payload(batch, std::min<std::size_t>(room, body_.first.total - offset_));
+  ++batch.datagrams_;
+}
+
+void Fragmenter::append_header(Batch& batch) {
+  if (begun_) {
+    encode(FollowingHeader{body_.first.label, offset_}, batch.stage(following_header_bytes));
+    return;
+  }
+  begun_ = true;
+  encode(body_.first, batch.stage(first_header_bytes));
+  for (const std::uint64_t word : body_.mask_words) store_word(word, batch.stage(sizeof word));
+}
+
+void Fragmenter::append_payload(Batch& batch, std::size_t bytes) {
+  offset_ += static_cast<std::uint32_t>(bytes);
+  while (bytes > 0) {
+    assert(segment_ < body_.segments.size());
+    const Segment& segment = body_.segments[segment_];
+    const std::size_t run = std::min(bytes, segment.bytes - segment_offset_);
+    const std::byte* data = segment.data + segment_offset_;
+    if (run >= copy_bytes_max) {
+      batch.refer(data, run);
+    } else {
+      std::memcpy(batch.stage(run), data, run);
+    }
+    bytes -= run;
+    segment_offset_ += run;
+    if (segment_offset_ == segment.bytes) {
+      ++segment_;
+      segment_offset_ = 0;
+    }
+  }
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,55 @@
+// Between the receiving thread, which delivers, and the threads of one reader, which take.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "core/transport.h"
+#include "udp_transport/keep_last_queue.h"
+
+namespace sft::udp {
+
+class Inbox {
+ public:
+  /// The listener may be null.
+  Inbox(std::size_t depth, core::ArrivalListener* listener) : depth_(depth), listener_(listener) {}
+
+  /// Queues a sample of a connected writer and calls the listener, without a lock. The receiving thread.
+  void deliver(core::SampleHandle sample) noexcept;
+
+  core::SampleHandle take() noexcept;
+
+  void connect(core::EndpointId writer);
+  /// What is queued can still be taken.
+  void disconnect(core::EndpointId writer) noexcept;
+  bool connected(core::EndpointId writer) const noexcept;
+  std::uint64_t discarded() const noexcept;
+
+  /// After this the listener is not called any more, and no call of it is
+  /// under way but the one that this is part of.
+  void detach() noexcept;
+
+ private:
+  struct Writer {
+    core::EndpointId id;
+    KeepLastQueue queue;
+    bool connected;
+  };
+  Writer* find(core::EndpointId id) noexcept;
+  bool enqueue(core::SampleHandle& sample) noexcept;
+
+  const std::size_t depth_;
+  mutable std::mutex mutex_;
+  std::vector<Writer> writers_;
+  std::uint64_t arrivals_ = 0;
+  std::uint64_t discarded_ = 0;
+  core::ArrivalListener* listener_;
+  bool detached_ = false;
+  std::thread::id calling_;  ///< the thread that calls the listener now; none otherwise
+  std::condition_variable called_;
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,34 @@
+// Which bytes of a body have come: disjoint ranges in order. One range while datagrams come in order.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace sft::udp {
+
+class IntervalSet {
+ public:
+  struct Interval {
+    std::uint32_t begin;
+    std::uint32_t end;  ///< exclusive
+  };
+
+  /// Returns how many bytes of [begin, end) were not in the set before. begin < end.
+  std::uint32_t add(std::uint32_t begin, std::uint32_t end);
+
+  std::uint32_t covered() const { return covered_; }
+  const std::vector<Interval>& intervals() const { return intervals_; }
+
+  /// Keeps its memory.
+  void clear() {
+    intervals_.clear();
+    covered_ = 0;
+  }
+
+ private:
+  std::vector<Interval> intervals_;  ///< neither overlapping nor touching
+  std::uint32_t covered_ = 0;
+};
+
+}  // namespace sft::udp

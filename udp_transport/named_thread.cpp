@@ -1,0 +1,43 @@
+#include "udp_transport/named_thread.h"
+
+#include <pthread.h>
+
+#include <csignal>
+#include <system_error>
+#include <utility>
+
+namespace sft::udp {
+
+namespace {
+
+/// New threads inherit the mask that is in force when they start.
+class BlockedSignals {
+ public:
+  BlockedSignals() {
+    sigset_t all;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+ private:
+  sigset_t before_;
+};
+
+}  // namespace
+
+Result<std::thread> start_thread(const std::string& name, std::function<void()> body) {
+  const BlockedSignals blocked;
+  try {
+    std::thread thread(std::move(body));
+    ::pthread_setname_np(thread.native_handle(), name.substr(0, 15).c_str());
+    return thread;
+  } catch (const std::system_error& error) {
+    return fail(Errc::system,
+                "cannot start the thread " + name + ": " + error.what() + "; raise the limit (ulimit -u)");
+  }
+}
+
+}  // namespace sft::udp

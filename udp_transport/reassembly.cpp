@@ -1,0 +1,344 @@
+#include "udp_transport/reassembly.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include "sft/typesupport/walk.h"
+
+namespace sft::udp {
+
+namespace {
+
+/// Labels of the samples that were finished last, one way or the other: what still comes of them is no news.
+class RecentLabels {
+ public:
+  RecentLabels() { keys_.fill(no_key); }
+  bool contains(const SampleLabel& label) const {
+    return std::find(keys_.begin(), keys_.end(), key(label)) != keys_.end();
+  }
+  void add(const SampleLabel& label) {
+    keys_[next_] = key(label);
+    next_ = (next_ + 1) % keys_.size();
+  }
+
+ private:
+  static constexpr std::uint64_t no_key = UINT64_MAX;
+  static std::uint64_t key(const SampleLabel& label) {
+    return std::uint64_t{label.sequence} << 16 | label.variant;
+  }
+  std::array<std::uint64_t, 64> keys_;
+  std::size_t next_ = 0;
+};
+
+bool equals(const FieldMask& mask, std::span<const std::byte> words) {
+  for (std::size_t i = 0; i < mask.words(); ++i) {
+    if (mask.word(i) != load_word(&words[i * sizeof(std::uint64_t)])) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+struct Reassembly::Incoming {
+  struct Wanted {
+    FieldMask mask;
+    std::uint64_t hash;
+  };
+
+  core::EndpointId writer = 0;
+  const TypeSupport* type = nullptr;
+  std::size_t place = 0;         ///< in set_streams()
+  std::size_t sample_bytes = 0;  ///< most that a body may have
+  std::vector<Wanted> wanted;
+  std::uint64_t newest = 0;                                   ///< sequence completed
+  std::vector<std::unique_ptr<UnfinishedSample>> unfinished;  ///< in the order in which they began
+  std::size_t unfinished_bytes = 0;                           ///< of those that are described
+  RecentLabels finished;
+
+  /// Searched from the end: datagrams of the newest are the most likely.
+  UnfinishedSample* find(const SampleLabel& label) const {
+    const auto found = std::find_if(unfinished.rbegin(), unfinished.rend(),
+                                    [&](const auto& sample) { return sample->label() == label; });
+    return found == unfinished.rend() ? nullptr : found->get();
+  }
+
+  /// The wanted mask that a first datagram names; null if it names another. Takes the words off the payload.
+  const FieldMask* named_mask(Datagram& d, bool& malformed) const {
+    std::span<const std::byte> words;
+    if ((d.first.flags & mask_words_follow) != 0) {
+      const std::size_t bytes = (type->leaves() + 63) / 64 * sizeof(std::uint64_t);
+      malformed = type->leaves() <= 64 || d.payload.size() < bytes;
+      if (malformed) return nullptr;
+      words = d.payload.first(bytes);
+      d.payload = d.payload.subspan(bytes);
+    }
+    const auto found = std::find_if(wanted.begin(), wanted.end(), [&](const Wanted& w) {
+      return w.hash == d.first.mask && (words.empty() || equals(w.mask, words));
+    });
+    return found == wanted.end() ? nullptr : &found->mask;
+  }
+};
+
+Reassembly::Reassembly(const ReassemblyLimits& limits, std::shared_ptr<core::BufferPool> pool)
+    : limits_(limits), pool_(std::move(pool)) {}
+
+Reassembly::~Reassembly() = default;
+
+void Reassembly::set_streams(std::span<const Stream> streams) {
+  auto before = std::exchange(incoming_, {});
+  for (std::size_t place = 0; place < streams.size(); ++place) {
+    const Stream& stream = streams[place];
+    const auto low = static_cast<std::uint32_t>(stream.writer);
+    std::unique_ptr<Incoming>& in = incoming_[low];
+    if (const auto known = before.find(low);
+        known != before.end() && known->second->writer == stream.writer) {
+      in = std::move(known->second);
+      before.erase(known);
+    } else {
+      in = std::make_unique<Incoming>();
+    }
+    const std::size_t announced =
+        stream.max_sample_bytes == 0 ? limits_.sample_bytes : stream.max_sample_bytes;
+    in->writer = stream.writer;
+    in->type = stream.type;
+    in->place = place;
+    in->sample_bytes = std::min(announced, limits_.sample_bytes);
+    in->wanted.clear();
+    for (const FieldMask& mask : stream.masks) in->wanted.push_back({mask, mask.hash()});
+  }
+  for (auto& [low, in] : before) {
+    while (!in->unfinished.empty()) remove(*in, in->unfinished.back()->label());
+  }
+}
+
+Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, ArrivalTime now) {
+  const std::optional<Datagram> d = parse(bytes);
+  if (!d) {
+    ++counters_.malformed;
+    return {};
+  }
+  const auto in = incoming_.find(d->label().writer);
+  if (in == incoming_.end()) {
+    ++counters_.unknown;
+    return {};
+  }
+  return d->kind == DatagramKind::first ? accept_first(*in->second, *d, now)
+                                        : accept_following(*in->second, *d, now);
+}
+
+Reassembly::Arrival Reassembly::accept_first(Incoming& in, Datagram d, ArrivalTime now) {
+  UnfinishedSample* sample = in.find(d.label());
+  const bool repeated = sample != nullptr ? sample->described() : in.finished.contains(d.label());
+  if (repeated) return {};
+
+  core::SampleHandle buffer;
+  switch (describe(in, d, buffer)) {
+    case Refusal::none:
+      break;
+    case Refusal::malformed:
+      drop(in, d.label(), counters_.malformed);
+      return {};
+    case Refusal::unwanted:
+      drop(in, d.label(), counters_.unknown);
+      return {};
+    case Refusal::over_limit:
+      drop(in, d.label(), counters_.over_limit);
+      return {};
+  }
+  const std::size_t body_offset = SampleLayout(in.type->slots()).body_offset;
+  if (sample == nullptr && d.payload.size() == d.first.total) {  // the whole sample
+    if (!d.payload.empty()) std::memcpy(buffer->data + body_offset, d.payload.data(), d.payload.size());
+    in.finished.add(d.label());
+    return complete(in, std::move(buffer), d.first, now);
+  }
+  if (sample == nullptr) sample = &begin(in, d.label(), now.steady);
+  sample->describe(d.first, body_offset, std::move(buffer));
+  in.unfinished_bytes += d.first.total;
+  parked_bytes_ -= sample->parked_bytes();
+  sample->add(0, d.payload, now.steady);
+  return proceed(in, *sample, sample->unpark(now.steady), now);
+}
+
+Reassembly::Arrival Reassembly::accept_following(Incoming& in, const Datagram& d, ArrivalTime now) {
+  UnfinishedSample* sample = in.find(d.label());
+  if (sample == nullptr) {
+    if (in.finished.contains(d.label())) return {};
+    sample = &begin(in, d.label(), now.steady);
+  }
+  if (!sample->described()) {
+    park(in, *sample, d, now.steady);
+    return {};
+  }
+  if (!sample->add(d.offset, d.payload, now.steady)) {
+    ++counters_.malformed;  // the sample may be honest
+    return {};
+  }
+  return proceed(in, *sample, true, now);
+}
+
+/// After something was added to a described sample.
+Reassembly::Arrival Reassembly::proceed(Incoming& in, UnfinishedSample& sample, bool well_formed,
+                                        ArrivalTime now) {
+  if (!well_formed) {
+    drop(in, sample.label(), counters_.malformed);
+    return {};
+  }
+  if (sample.gaps() > limits_.gaps) {
+    drop(in, sample.label(), counters_.over_limit);
+    return {};
+  }
+  if (!sample.whole()) return {};
+  const FirstHeader first = sample.first();
+  std::unique_ptr<UnfinishedSample> whole = remove(in, first.label);
+  in.finished.add(first.label);
+  Arrival arrival = complete(in, whole->take_buffer(), first, now);
+  keep_spare(std::move(whole));
+  return arrival;
+}
+
+Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample, const FirstHeader& first,
+                                         ArrivalTime now) {
+  const SampleLayout layout(in.type->slots());
+  SampleHeader& header = sample->header();
+  header.slots = static_cast<std::uint32_t>(in.type->slots());
+  header.writer = in.writer;
+  header.sequence = widen_sequence(in.newest, first.label.sequence);
+  header.source_stamp_ns = first.stamp_ns;
+  header.type_hash = in.type->hash();
+  header.body_offset = static_cast<std::uint32_t>(layout.body_offset);
+  header.body_bytes = first.total;
+  sample->receive_stamp_ns = now.realtime_ns;
+  std::byte* body = sample->data + layout.body_offset;
+  std::memcpy(body - encapsulation_bytes, encapsulation_cdr_le.data(), encapsulation_bytes);
+
+  SampleState state;
+  state.body = body;
+  state.body_bytes = first.total;
+  state.mask = &sample->mask;
+  const WalkStatus status = build_index(state, in.type->type(), {sample->index(), in.type->slots()});
+  if (status != WalkStatus::ok || header.sequence == 0) {
+    ++counters_.malformed;
+    return {};
+  }
+  in.newest = std::max(in.newest, header.sequence);
+  return {std::move(sample), in.place};
+}
+
+/// Checks what a first datagram claims, before anything is allocated, and takes the memory for it.
+Reassembly::Refusal Reassembly::describe(Incoming& in, Datagram& d, core::SampleHandle& buffer) {
+  bool malformed = false;
+  const FieldMask* mask = in.named_mask(d, malformed);
+  if (malformed) return Refusal::malformed;
+  if (mask == nullptr) return Refusal::unwanted;
+  if (d.payload.size() > d.first.total) return Refusal::malformed;
+  if (d.first.total > in.sample_bytes) return Refusal::over_limit;
+  buffer = take_buffer(in, d);
+  if (!buffer) return Refusal::over_limit;
+  buffer->mask = *mask;
+  return Refusal::none;
+}
+
+/// Where memory is short, the writer's own older samples make room.
+core::SampleHandle Reassembly::take_buffer(Incoming& in, const Datagram& d) {
+  const std::size_t total = d.first.total;
+  const bool unfinished = d.payload.size() != total;
+  while (unfinished && in.unfinished_bytes + total > limits_.unfinished_bytes && drop_oldest(in, d.label())) {
+  }
+  const std::size_t bytes = SampleLayout(in.type->slots()).bytes(total);
+  core::SampleHandle buffer = pool_->take(bytes);
+  while (!buffer && drop_oldest(in, d.label())) buffer = pool_->take(bytes);
+  return buffer;
+}
+
+void Reassembly::park(Incoming& in, UnfinishedSample& sample, const Datagram& d, Time now) {
+  const std::size_t bytes = UnfinishedSample::bytes_to_park(d.payload);
+  if (d.payload.size() > in.sample_bytes || d.offset > in.sample_bytes - d.payload.size()) {
+    drop(in, sample.label(), counters_.malformed);
+    return;
+  }
+  if (parked_bytes_ + bytes > limits_.parked_bytes) {
+    drop(in, sample.label(), counters_.over_limit);
+    return;
+  }
+  sample.park(d.offset, d.payload, now);
+  parked_bytes_ += bytes;
+}
+
+UnfinishedSample& Reassembly::begin(Incoming& in, const SampleLabel& label, Time now) {
+  const auto of_variant = [&] {
+    return static_cast<std::size_t>(
+        std::count_if(in.unfinished.begin(), in.unfinished.end(),
+                      [&](const auto& sample) { return sample->label().variant == label.variant; }));
+  };
+  const auto full = [&] {
+    return in.unfinished.size() >= limits_.unfinished_per_writer ||
+           of_variant() >= limits_.unfinished_per_variant;
+  };
+  while (full() && drop_oldest(in, label)) {
+  }
+  if (spare_.empty()) spare_.push_back(std::make_unique<UnfinishedSample>());
+  in.unfinished.push_back(std::move(spare_.back()));
+  spare_.pop_back();
+  in.unfinished.back()->begin(label, now);
+  ++unfinished_;
+  if (!next_expiry_) next_expiry_ = now + limits_.patience;
+  return *in.unfinished.back();
+}
+
+/// Never the sample of the label itself. False if there is no other.
+bool Reassembly::drop_oldest(Incoming& in, const SampleLabel& same_variant_first) {
+  const UnfinishedSample* oldest = nullptr;
+  for (const auto& sample : in.unfinished) {
+    if (sample->label() == same_variant_first) continue;
+    const bool same_variant = sample->label().variant == same_variant_first.variant;
+    if (oldest == nullptr || same_variant) oldest = sample.get();
+    if (same_variant) break;
+  }
+  if (oldest != nullptr) drop(in, SampleLabel(oldest->label()), counters_.incomplete);
+  return oldest != nullptr;
+}
+
+/// Counts a sample that is given up, whether it had begun or not. What still comes of it is ignored.
+void Reassembly::drop(Incoming& in, const SampleLabel& label, std::uint64_t& counter) {
+  ++counter;
+  in.finished.add(label);
+  if (std::unique_ptr<UnfinishedSample> sample = remove(in, label)) keep_spare(std::move(sample));
+}
+
+void Reassembly::keep_spare(std::unique_ptr<UnfinishedSample> sample) {
+  sample->clear();
+  if (spare_.size() < limits_.unfinished_per_writer) spare_.push_back(std::move(sample));
+}
+
+std::unique_ptr<UnfinishedSample> Reassembly::remove(Incoming& in, const SampleLabel& label) {
+  const auto found = std::find_if(in.unfinished.begin(), in.unfinished.end(),
+                                  [&](const auto& sample) { return sample->label() == label; });
+  if (found == in.unfinished.end()) return nullptr;
+  std::unique_ptr<UnfinishedSample> sample = std::move(*found);
+  in.unfinished.erase(found);
+  if (sample->described()) in.unfinished_bytes -= sample->first().total;
+  parked_bytes_ -= sample->parked_bytes();
+  if (--unfinished_ == 0) next_expiry_.reset();
+  return sample;
+}
+
+void Reassembly::expire(Time now) {
+  if (!next_expiry_ || now < *next_expiry_) return;
+  std::optional<Time> next;
+  for (auto& [low, in] : incoming_) {
+    for (std::size_t i = 0; i < in->unfinished.size();) {
+      const Time expiry = in->unfinished[i]->last_progress() + limits_.patience;
+      if (expiry <= now) {
+        drop(*in, SampleLabel(in->unfinished[i]->label()), counters_.incomplete);
+      } else {
+        next = next ? std::min(*next, expiry) : expiry;
+        ++i;
+      }
+    }
+  }
+  next_expiry_ = next;
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,95 @@
+// From datagrams to samples. Pure: bytes and times in, samples out; no I/O, no clock, no thread of its own.
+// Every byte may be hostile: nothing is taken for granted, and nothing is allocated but within the limits.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "core/buffer_pool.h"
+#include "core/transport.h"
+#include "udp_transport/datagram.h"
+#include "udp_transport/datagram_io.h"
+#include "udp_transport/unfinished_sample.h"
+
+namespace sft::udp {
+
+struct ReassemblyLimits {
+  std::size_t sample_bytes = std::size_t{16} << 20;       ///< of one body, whatever its writer announced
+  std::size_t unfinished_bytes = std::size_t{128} << 20;  ///< of bodies of one writer that have begun
+  std::size_t unfinished_per_variant = 4;                 ///< samples
+  std::size_t unfinished_per_writer = 32;                 ///< samples
+  std::size_t parked_bytes = std::size_t{512} << 10;      ///< of all datagrams that overtook their first
+  std::size_t gaps = 4096;                                ///< in one sample
+  std::chrono::milliseconds patience{500};                ///< without progress
+};
+
+/// A writer whose samples are wanted here, and under which masks.
+struct Stream {
+  core::EndpointId writer = 0;
+  const TypeSupport* type = nullptr;  ///< outlives the stream
+  std::size_t max_sample_bytes = 0;   ///< announced by the writer; 0: not known
+  std::vector<FieldMask> masks;
+};
+
+class Reassembly {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  using Counters = core::Transport::Counters;
+
+  struct Arrival {
+    core::SampleHandle sample;  ///< whole and valid; empty if the datagram completed none
+    std::size_t stream = 0;     ///< its place in what was given to set_streams()
+  };
+
+  Reassembly(const ReassemblyLimits& limits, std::shared_ptr<core::BufferPool> pool);
+  ~Reassembly();
+
+  /// What is wanted from now on. Writers differ in the low halves of their ids. What has begun of a writer
+  /// that stays is kept, and of one that goes is dropped.
+  void set_streams(std::span<const Stream> streams);
+
+  Arrival accept(std::span<const std::byte> datagram, ArrivalTime now);
+
+  /// Drops what has made no progress for too long.
+  void expire(Time now);
+  /// When expire() has something to do at the earliest; empty while nothing has begun.
+  std::optional<Time> next_expiry() const { return next_expiry_; }
+
+  const Counters& counters() const { return counters_; }
+
+ private:
+  struct Incoming;  ///< what is known of one writer
+  enum class Refusal : std::uint8_t { none, malformed, unwanted, over_limit };
+
+  Arrival accept_first(Incoming& in, Datagram d, ArrivalTime now);
+  Arrival accept_following(Incoming& in, const Datagram& d, ArrivalTime now);
+  Arrival proceed(Incoming& in, UnfinishedSample& sample, bool well_formed, ArrivalTime now);
+  Arrival complete(Incoming& in, core::SampleHandle sample, const FirstHeader& first, ArrivalTime now);
+  void park(Incoming& in, UnfinishedSample& sample, const Datagram& d, Time now);
+
+  Refusal describe(Incoming& in, Datagram& d, core::SampleHandle& buffer);
+  core::SampleHandle take_buffer(Incoming& in, const Datagram& d);
+
+  UnfinishedSample& begin(Incoming& in, const SampleLabel& label, Time now);
+  bool drop_oldest(Incoming& in, const SampleLabel& same_variant_first);
+  void drop(Incoming& in, const SampleLabel& label, std::uint64_t& counter);
+  void keep_spare(std::unique_ptr<UnfinishedSample> sample);
+  std::unique_ptr<UnfinishedSample> remove(Incoming& in, const SampleLabel& label);
+
+  ReassemblyLimits limits_;
+  std::shared_ptr<core::BufferPool> pool_;
+  std::unordered_map<std::uint32_t, std::unique_ptr<Incoming>> incoming_;  ///< by the writer's short id
+  std::vector<std::unique_ptr<UnfinishedSample>> spare_;  ///< kept for the memory that they hold
+  std::size_t unfinished_ = 0;
+  std::size_t parked_bytes_ = 0;
+  std::optional<Time> next_expiry_;
+  Counters counters_;
+};
+
+}  // namespace sft::udp

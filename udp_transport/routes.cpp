@@ -1,0 +1,95 @@
+#include "udp_transport/routes.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sft::udp {
+
+namespace {
+
+/// Words of longer masks are not sent; their hash has to do.
+constexpr std::size_t mask_words_max = 32;
+
+std::vector<std::uint64_t> words_to_send(const FieldMask& mask) {
+  std::vector<std::uint64_t> words;
+  if (mask.words() == 1 || mask.words() > mask_words_max) return words;
+  for (std::size_t i = 0; i < mask.words(); ++i) words.push_back(mask.word(i));
+  return words;
+}
+
+struct Gathered {
+  FieldMask mask;
+  std::vector<std::shared_ptr<Destination>> destinations;
+};
+
+/// Readers with equal masks share an encoding, and those behind one socket a copy of it.
+std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDirectory& directory) {
+  std::vector<Gathered> groups;
+  for (const core::Route& route : routes) {
+    const auto* address = std::get_if<core::UdpAddress>(&route.destination);
+    if (address == nullptr) continue;
+    auto group =
+        std::find_if(groups.begin(), groups.end(), [&](const Gathered& g) { return g.mask == route.mask; });
+    if (group == groups.end()) group = groups.insert(groups.end(), {route.mask, {}});
+    auto destination = directory.find(*address);
+    auto& known = group->destinations;
+    if (std::find(known.begin(), known.end(), destination) == known.end())
+      known.push_back(std::move(destination));
+  }
+  return groups;
+}
+
+}  // namespace
+
+VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally)
+    : queue_depth_(queue_depth), tally_(std::move(tally)) {}
+
+const VariantDirectory::Variant& VariantDirectory::find(const FieldMask& mask) {
+  auto known =
+      std::find_if(variants_.begin(), variants_.end(), [&](const Variant& v) { return v.mask == mask; });
+  if (known == variants_.end()) {
+    variants_.push_back({mask, unused_number(), std::make_shared<Outbox>(queue_depth_, tally_), round_});
+    known = variants_.end() - 1;
+  }
+  known->last_use = round_;
+  return *known;
+}
+
+std::uint16_t VariantDirectory::unused_number() {
+  const auto used = [this](std::uint16_t number) {
+    return std::any_of(variants_.begin(), variants_.end(),
+                       [&](const Variant& v) { return v.number == number; });
+  };
+  while (used(next_number_)) ++next_number_;
+  return next_number_++;
+}
+
+void VariantDirectory::next_round() {
+  ++round_;
+  while (variants_.size() > remembered_max) {
+    const auto oldest =
+        std::min_element(variants_.begin(), variants_.end(),
+                         [](const Variant& a, const Variant& b) { return a.last_use < b.last_use; });
+    if (oldest->last_use + 1 >= round_) return;  // all that are left were in use until now
+    variants_.erase(oldest);
+  }
+}
+
+std::shared_ptr<const RouteTable> make_route_table(std::span<const core::Route> routes,
+                                                   VariantDirectory& variants,
+                                                   DestinationDirectory& destinations) {
+  auto table = std::make_shared<RouteTable>();
+  variants.next_round();
+  for (Gathered& gathered : gather(routes, destinations)) {
+    const VariantDirectory::Variant& variant = variants.find(gathered.mask);
+    auto audience = std::make_shared<Audience>();
+    audience->variant = variant.number;
+    audience->mask = gathered.mask.hash();
+    audience->mask_words = words_to_send(gathered.mask);
+    audience->destinations = std::move(gathered.destinations);
+    table->groups.push_back({std::move(gathered.mask), std::move(audience), variant.outbox});
+  }
+  return table;
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,61 @@
+// Whom a writer serves, grouped by mask; and the numbers that its masks have on the wire.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/transport.h"
+#include "udp_transport/destination.h"
+#include "udp_transport/outbox.h"
+
+namespace sft::udp {
+
+struct Group {
+  FieldMask mask;
+  std::shared_ptr<const Audience> audience;
+  std::shared_ptr<Outbox> outbox;
+};
+
+/// Immutable: a change of routes makes another one.
+struct RouteTable {
+  std::vector<Group> groups;
+};
+
+/// A writer's masks of now and of before. Each has its number and its outbox, so that samples under one mask
+/// stay in order while routes change. Numbers are reused only after all others were used in between.
+class VariantDirectory {
+ public:
+  struct Variant {
+    FieldMask mask;
+    std::uint16_t number;
+    std::shared_ptr<Outbox> outbox;
+    std::uint64_t last_use;
+  };
+
+  VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally);
+
+  /// The variant of that mask, known or new. Valid until the next call.
+  const Variant& find(const FieldMask& mask);
+
+  /// Forgets the longest unused masks beyond a few; called between rounds of find().
+  void next_round();
+
+ private:
+  std::uint16_t unused_number();
+
+  static constexpr std::size_t remembered_max = 64;
+  const std::size_t queue_depth_;
+  const std::shared_ptr<WriterTally> tally_;
+  std::vector<Variant> variants_;
+  std::uint16_t next_number_ = 0;
+  std::uint64_t round_ = 0;
+};
+
+/// Routes to readers elsewhere than behind a UDP address are left out.
+std::shared_ptr<const RouteTable> make_route_table(std::span<const core::Route> routes,
+                                                   VariantDirectory& variants,
+                                                   DestinationDirectory& destinations);
+
+}  // namespace sft::udp

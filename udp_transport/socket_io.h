@@ -1,0 +1,17 @@
+// Datagrams through plain socket calls: for kernels and containers that refuse io_uring. Same throughput, for
+// it comes from segmentation (GSO, GRO); one system call more for each wake-up.
+#pragma once
+
+#include <memory>
+
+#include "udp_transport/datagram_io.h"
+#include "udp_transport/udp_socket.h"
+
+namespace sft::udp {
+
+Result<DatagramIo> open_socket_io(std::shared_ptr<const UdpSocket> socket);
+
+/// sendmsg() that never waits: what try_send() is everywhere.
+SendOutcome send_at_once(const UdpSocket& socket, const OutgoingBatch& batch) noexcept;
+
+}  // namespace sft::udp

@@ -1,0 +1,135 @@
+#include "udp_transport/subscriptions.h"
+
+#include <algorithm>
+#include <cassert>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+namespace sft::udp {
+
+namespace {
+
+template <class Container, class Value>
+bool holds(const Container& container, const Value& value) {
+  return std::find(container.begin(), container.end(), value) != container.end();
+}
+
+/// Puts the wishes of all readers of one writer together.
+void join(Stream& stream, const TypeSupport* type, const core::Source& source,
+          const std::vector<FieldMask>& masks) {
+  stream.writer = source.writer;
+  stream.type = type;
+  stream.max_sample_bytes = std::max(stream.max_sample_bytes, source.max_sample_bytes);
+  for (const FieldMask& mask : masks) {
+    if (!holds(stream.masks, mask)) stream.masks.push_back(mask);
+  }
+}
+
+}  // namespace
+
+bool Subscriber::accepts(const FieldMask& mask) const { return holds(masks, mask); }
+
+void SubscriptionDirectory::add(const std::shared_ptr<Inbox>& inbox, const TypeSupport& type) {
+  const std::scoped_lock lock(mutex_);
+  readers_.push_back({inbox, &type, {}, {}});
+}
+
+Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Source& source) {
+  const std::scoped_lock lock(mutex_);
+  Reader& reader = find(inbox);
+  if (Result<void> checked = check(reader, source); !checked) return checked;
+  std::erase_if(reader.sources, [&](const core::Source& s) { return s.writer == source.writer; });
+  reader.sources.push_back(source);
+  publish();
+  return {};
+}
+
+/// Datagrams carry half of the writer's id, and one writer has one type.
+Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Source& source) const {
+  for (const Reader& other : readers_) {
+    for (const core::Source& known : other.sources) {
+      if (static_cast<std::uint32_t>(known.writer) != static_cast<std::uint32_t>(source.writer)) continue;
+      if (known.writer != source.writer) {
+        return fail(Errc::unavailable, "two writers have the same short id " +
+                                           std::to_string(static_cast<std::uint32_t>(source.writer)) +
+                                           "; open one of them again to give it another");
+      }
+      if (other.type->hash() != reader.type->hash()) {
+        return fail(Errc::type_mismatch, "the writer is read as " + std::string(other.type->name()) +
+                                             " already, not as " + std::string(reader.type->name()) +
+                                             " of the same structure");
+      }
+    }
+  }
+  return {};
+}
+
+void SubscriptionDirectory::disconnect(const Inbox& inbox, core::EndpointId writer) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(find(inbox).sources, [&](const core::Source& s) { return s.writer == writer; });
+  publish();
+}
+
+void SubscriptionDirectory::accept_masks(const Inbox& inbox, std::vector<FieldMask> masks) {
+  const std::scoped_lock lock(mutex_);
+  find(inbox).masks = std::move(masks);
+  publish();
+}
+
+void SubscriptionDirectory::remove(const Inbox& inbox) {
+  std::unique_lock lock(mutex_);
+  std::erase_if(readers_, [&](const Reader& r) { return r.inbox.get() == &inbox; });
+  publish();
+  const std::shared_ptr<const Subscriptions> without = latest_;
+  ++waiting_;
+  left_.wait(lock, [&] { return !entered_ || followed_ == without || followed_ == latest_; });
+  --waiting_;
+}
+
+std::shared_ptr<const Subscriptions> SubscriptionDirectory::enter() {
+  std::shared_ptr<const Subscriptions> before;  // goes outside the lock
+  const std::scoped_lock lock(mutex_);
+  entered_ = true;
+  if (followed_ != latest_) {
+    before = std::exchange(followed_, latest_);
+  }
+  return followed_;
+}
+
+void SubscriptionDirectory::leave() {
+  bool awaited = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    entered_ = false;
+    awaited = waiting_ > 0;
+  }
+  if (awaited) left_.notify_all();
+}
+
+SubscriptionDirectory::Reader& SubscriptionDirectory::find(const Inbox& inbox) {
+  const auto found = std::find_if(readers_.begin(), readers_.end(),
+                                  [&](const Reader& r) { return r.inbox.get() == &inbox; });
+  assert(found != readers_.end());
+  return *found;
+}
+
+/// Makes a snapshot; with the lock held.
+void SubscriptionDirectory::publish() {
+  auto next = std::make_shared<Subscriptions>();
+  std::unordered_map<core::EndpointId, std::size_t> places;
+  for (const Reader& reader : readers_) {
+    for (const core::Source& source : reader.sources) {
+      const auto [place, is_new] = places.try_emplace(source.writer, next->streams.size());
+      if (is_new) {
+        next->streams.emplace_back();
+        next->subscribers.emplace_back();
+      }
+      join(next->streams[place->second], reader.type, source, reader.masks);
+      next->subscribers[place->second].push_back({reader.inbox, reader.masks});
+    }
+  }
+  latest_ = std::move(next);
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,32 @@
+#include "udp_transport/udp_reader.h"
+
+#include <utility>
+
+namespace sft::udp {
+
+UdpReader::UdpReader(const core::ReaderSpec& spec, std::shared_ptr<Receiver> receiver)
+    : receiver_(std::move(receiver)), inbox_(std::make_shared<Inbox>(spec.depth, spec.listener)) {
+  receiver_->subscriptions().add(inbox_, *spec.type);
+}
+
+UdpReader::~UdpReader() {
+  receiver_->subscriptions().remove(*inbox_);
+  inbox_->detach();
+}
+
+Result<void> UdpReader::connect(const core::Source& source) {
+  Result<void> connected = receiver_->subscriptions().connect(*inbox_, source);
+  if (connected) inbox_->connect(source.writer);
+  return connected;
+}
+
+void UdpReader::disconnect(core::EndpointId writer) noexcept {
+  inbox_->disconnect(writer);
+  receiver_->subscriptions().disconnect(*inbox_, writer);
+}
+
+void UdpReader::accept_masks(std::vector<FieldMask> masks) {
+  receiver_->subscriptions().accept_masks(*inbox_, std::move(masks));
+}
+
+}  // namespace sft::udp

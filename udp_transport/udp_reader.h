@@ -1,0 +1,31 @@
+// A subscriber's end of the wire.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/transport.h"
+#include "udp_transport/inbox.h"
+#include "udp_transport/receiver.h"
+
+namespace sft::udp {
+
+class UdpReader final : public core::ReaderPort {
+ public:
+  UdpReader(const core::ReaderSpec& spec, std::shared_ptr<Receiver> receiver);
+  /// Waits for a call of the listener to return, unless it is made by that call.
+  ~UdpReader() override;
+
+  core::SampleHandle take() noexcept override { return inbox_->take(); }
+  Result<void> connect(const core::Source& source) override;
+  bool connected(core::EndpointId writer) const noexcept override { return inbox_->connected(writer); }
+  void disconnect(core::EndpointId writer) noexcept override;
+  void accept_masks(std::vector<FieldMask> masks) override;
+  std::uint64_t discarded() const noexcept override { return inbox_->discarded(); }
+
+ private:
+  const std::shared_ptr<Receiver> receiver_;
+  const std::shared_ptr<Inbox> inbox_;
+};
+
+}  // namespace sft::udp

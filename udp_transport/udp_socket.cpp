@@ -1,0 +1,169 @@
+#include "udp_transport/udp_socket.h"
+
+#include <netinet/udp.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <climits>
+#include <cstring>
+#include <string>
+#include <system_error>
+#include <thread>
+
+#include "udp_transport/interfaces.h"
+
+namespace sft::udp {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// The kernel frees the sockets of a killed process, or of a closed ring, a little later.
+constexpr std::chrono::milliseconds bind_patience{200};
+constexpr std::chrono::milliseconds bind_interval{10};
+
+std::string message_of(int error) { return std::system_category().message(error); }
+
+int bind_patiently(int fd, const sockaddr_in& address) {
+  const Clock::time_point deadline = Clock::now() + bind_patience;
+  while (::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    if (errno != EADDRINUSE || address.sin_port == 0 || Clock::now() > deadline) return errno;
+    std::this_thread::sleep_for(bind_interval);
+  }
+  return 0;
+}
+
+tl::unexpected<Error> bind_error(int error, const SocketAddress& address) {
+  const std::string port = std::to_string(address.port);
+  switch (error) {
+    case EADDRINUSE:
+      return fail(Errc::address_in_use,
+                  "UDP port " + port +
+                      " is in use; choose another, or 0 for any free one ('ss -ulpn sport = :" + port +
+                      "' names who has it)");
+    case EACCES:
+      return fail(Errc::no_permission,
+                  "UDP port " + port + " needs privileges; choose one above 1023, or 0 for any");
+    case EADDRNOTAVAIL:
+      return fail(Errc::invalid_argument, "this host has no address " + format_ipv4(address.ipv4) +
+                                              "; 'ip -4 address' lists those it has");
+    default:
+      return fail(Errc::system, "cannot bind a UDP socket to " + format_ipv4(address.ipv4) + ":" + port +
+                                    ": " + message_of(error));
+  }
+}
+
+int get_int(int fd, int level, int name) {
+  int value = 0;
+  socklen_t size = sizeof value;
+  return ::getsockopt(fd, level, name, &value, &size) == 0 ? value : 0;
+}
+
+bool set_int(int fd, int level, int name, int value) {
+  return ::setsockopt(fd, level, name, &value, sizeof value) == 0;
+}
+
+/// The kernel doubles what it is asked for, and grants more than its limit only to the privileged.
+void set_buffer(int fd, int force_name, int name, std::size_t bytes) {
+  const int half = static_cast<int>(std::min<std::size_t>(bytes / 2, INT_MAX / 2));
+  if (bytes != 0 && !set_int(fd, SOL_SOCKET, force_name, half)) set_int(fd, SOL_SOCKET, name, half);
+}
+
+std::uint16_t bound_port(int fd) {
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  return ntohs(address.sin_port);
+}
+
+std::size_t segment_bytes(std::span<std::byte> control) noexcept {
+  msghdr message{};
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
+    if (c->cmsg_level != SOL_UDP || c->cmsg_type != UDP_GRO) continue;
+    int bytes = 0;
+    std::memcpy(&bytes, CMSG_DATA(c), sizeof bytes);
+    return bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
+  }
+  return 0;
+}
+
+ArrivalTime arrival_time() noexcept {
+  const auto realtime = std::chrono::system_clock::now().time_since_epoch();
+  return {Clock::now(), std::chrono::duration_cast<std::chrono::nanoseconds>(realtime).count()};
+}
+
+}  // namespace
+
+FileDescriptor::~FileDescriptor() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& options) {
+  auto socket = std::make_shared<UdpSocket>();
+  socket->fd = FileDescriptor(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  const int fd = socket->fd.get();
+  if (!socket->fd.valid()) return fail(Errc::system, "cannot open a UDP socket: " + message_of(errno));
+  if (const int error = bind_patiently(fd, to_sockaddr(options.bind)); error != 0) {
+    return bind_error(error, options.bind);
+  }
+  set_buffer(fd, SO_RCVBUFFORCE, SO_RCVBUF, options.receive_buffer_bytes);
+  set_buffer(fd, SO_SNDBUFFORCE, SO_SNDBUF, options.send_buffer_bytes);
+  // Datagrams that are too long for a path are refused instead of
+  // fragmented: one lost fragment would cost all.
+  set_int(fd, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO);
+  socket->receives_trains = set_int(fd, SOL_UDP, UDP_GRO, 1);
+  socket->receive_buffer_bytes = static_cast<std::uint32_t>(get_int(fd, SOL_SOCKET, SO_RCVBUF));
+  socket->port = bound_port(fd);
+  return socket;
+}
+
+void OutgoingMessage::set(const OutgoingBatch& batch) noexcept {
+  to_ = to_sockaddr(batch.to);
+  header_ = {};
+  header_.msg_name = &to_;
+  header_.msg_namelen = sizeof to_;
+  header_.msg_iov = const_cast<iovec*>(batch.parts.data());  // the kernel only reads it
+  header_.msg_iovlen = batch.parts.size();
+  if (batch.segment_bytes == 0) return;
+  header_.msg_control = control_;
+  header_.msg_controllen = sizeof control_;
+  cmsghdr* c = CMSG_FIRSTHDR(&header_);
+  c->cmsg_level = SOL_UDP;
+  c->cmsg_type = UDP_SEGMENT;
+  c->cmsg_len = CMSG_LEN(sizeof batch.segment_bytes);
+  std::memcpy(CMSG_DATA(c), &batch.segment_bytes, sizeof batch.segment_bytes);
+}
+
+SendOutcome outcome_of(int error) noexcept {
+  switch (error) {
+    case 0:
+      return SendOutcome::sent;
+    case EAGAIN:
+      return SendOutcome::would_wait;
+    case EMSGSIZE:
+      return SendOutcome::too_long;
+    case EIO:
+      return SendOutcome::no_segments;  // a device without checksum offload, or a tunnel
+    default:
+      return SendOutcome::failed;
+  }
+}
+
+void hand_over(std::span<const std::byte> train, std::span<std::byte> control, const sockaddr_in& from,
+               DatagramSink& sink) noexcept {
+  const SocketAddress source = to_address(from);
+  std::size_t segment = segment_bytes(control);
+  if (segment == 0) segment = train.size();
+  sink.begin(arrival_time());
+  while (!train.empty()) {
+    const std::size_t bytes = std::min(segment, train.size());
+    sink.datagram(train.first(bytes), source);
+    train = train.subspan(bytes);
+  }
+  sink.end();
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,143 @@
+#include "udp_transport/udp_transport.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "udp_transport/interfaces.h"
+#include "udp_transport/receiver.h"
+#include "udp_transport/socket_io.h"
+#include "udp_transport/udp_reader.h"
+#include "udp_transport/udp_socket.h"
+#include "udp_transport/udp_writer.h"
+#include "udp_transport/uring_io.h"
+
+namespace sft::udp {
+
+namespace {
+
+/// What to do where large samples would get lost.
+std::string note_on_buffer(const UdpOptions& options, const UdpSocket& socket) {
+  if (socket.receive_buffer_bytes >= options.receive_buffer_bytes) return "";
+  return "; the system grants its socket " + std::to_string(socket.receive_buffer_bytes) + " of " +
+         std::to_string(options.receive_buffer_bytes) +
+         " bytes: for large samples raise it with 'sysctl -w " +
+         "net.core.rmem_max=" + std::to_string(options.receive_buffer_bytes / 2) + "'";
+}
+
+/// The ports share the two halves, and can outlive the transport; they do nothing then.
+class UdpTransport final : public core::Transport {
+ public:
+  UdpTransport(const UdpOptions& options, const UdpSocket& socket, std::string description,
+               std::shared_ptr<Receiver> receiver, std::shared_ptr<SendSide> send_side)
+      : description_(std::move(description) + ", port " + std::to_string(socket.port) +
+                     note_on_buffer(options, socket)),
+        bound_to_(options.bind_address),
+        advertised_(options.advertised_addresses),
+        port_(socket.port),
+        receive_buffer_bytes_(socket.receive_buffer_bytes),
+        receiver_(std::move(receiver)),
+        send_side_(std::move(send_side)) {}
+
+  ~UdpTransport() override {
+    receiver_->stop();
+    send_side_->sender.stop();
+  }
+
+  core::TransportKind kind() const noexcept override { return core::TransportKind::udp; }
+
+  core::Availability poll(std::chrono::steady_clock::time_point) override {
+    return receiver_->broken() ? core::Availability::unavailable : core::Availability::ready;
+  }
+
+  std::string description() const override {
+    if (!receiver_->broken()) return description_;
+    return description_ + ": the system refused to go on receiving; open the transport again";
+  }
+
+  std::vector<core::UdpAddress> addresses() const override {
+    std::vector<std::uint32_t> hosts = advertised_;
+    if (hosts.empty() && bound_to_ != 0) hosts.push_back(bound_to_);
+    if (hosts.empty()) hosts = own_addresses();
+    std::vector<core::UdpAddress> addresses;
+    for (const std::uint32_t host : hosts) addresses.push_back({host, port_, receive_buffer_bytes_});
+    return addresses;
+  }
+
+  Result<std::unique_ptr<core::WriterPort>> open_writer(const core::WriterSpec& spec) override {
+    if (spec.id == 0 || spec.type == nullptr)
+      return fail(Errc::invalid_argument, "a writer needs an id and a type");
+    return std::make_unique<UdpWriter>(spec, send_side_);
+  }
+
+  Result<std::unique_ptr<core::ReaderPort>> open_reader(const core::ReaderSpec& spec) override {
+    if (spec.type == nullptr) return fail(Errc::invalid_argument, "a reader needs a type");
+    return std::make_unique<UdpReader>(spec, receiver_);
+  }
+
+  Counters counters() const noexcept override {
+    Counters counters = receiver_->counters();
+    counters.over_limit += send_side_->over_limit.load(std::memory_order_relaxed);
+    return counters;
+  }
+
+ private:
+  const std::string description_;
+  const std::uint32_t bound_to_;
+  const std::vector<std::uint32_t> advertised_;
+  const std::uint16_t port_;
+  const std::uint32_t receive_buffer_bytes_;
+  const std::shared_ptr<Receiver> receiver_;
+  const std::shared_ptr<SendSide> send_side_;
+};
+
+Result<DatagramIo> open_io(Backend backend, const std::shared_ptr<const UdpSocket>& socket) {
+  if (backend == Backend::sockets) return open_socket_io(socket);
+  Result<DatagramIo> ring = open_uring_io(socket);
+  if (ring || backend == Backend::io_uring) return ring;
+  Result<DatagramIo> plain = open_socket_io(socket);
+  if (plain) plain->description += " (" + ring.error().message + ")";
+  return plain;
+}
+
+std::shared_ptr<SendSide> make_send_side(const UdpOptions& options, std::unique_ptr<DatagramSender> io) {
+  const DestinationLimits limits{.bytes_per_s = options.pace_bytes_per_s,
+                                 .datagram_bytes = options.max_datagram_bytes};
+  auto side = std::make_shared<SendSide>(std::move(io), limits);
+  side->pool = core::BufferPool::make(options.pool_bytes);
+  side->max_sample_bytes = options.max_sample_bytes;
+  side->queue_depth = options.send_queue_depth;
+  return side;
+}
+
+std::shared_ptr<Receiver> make_receiver(const UdpOptions& options, std::unique_ptr<DatagramReceiver> io) {
+  ReassemblyLimits limits = options.reassembly;
+  limits.sample_bytes = options.max_sample_bytes;
+  return std::make_shared<Receiver>(std::move(io), limits, core::BufferPool::make(options.pool_bytes));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& options,
+                                                            const DecorateIo& decorate) {
+  const auto forward = [](Error& error) { return tl::unexpected<Error>(std::move(error)); };
+  Result<std::shared_ptr<const UdpSocket>> socket =
+      open_udp_socket({.bind = {options.bind_address, options.port},
+                       .receive_buffer_bytes = options.receive_buffer_bytes,
+                       .send_buffer_bytes = options.send_buffer_bytes});
+  if (!socket) return forward(socket.error());
+  Result<DatagramIo> io = open_io(options.backend, *socket);
+  if (!io) return forward(io.error());
+  if (decorate) *io = decorate(std::move(*io));
+
+  const auto receiver = make_receiver(options, std::move(io->receiver));
+  const auto send_side = make_send_side(options, std::move(io->sender));
+  auto transport =
+      std::make_unique<UdpTransport>(options, **socket, std::move(io->description), receiver, send_side);
+  if (Result<void> started = receiver->start(options.receive_thread_name); !started)
+    return forward(started.error());
+  if (Result<void> started = send_side->sender.start(options.send_thread_name); !started)
+    return forward(started.error());
+  return transport;
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,64 @@
+// One sample of which some datagrams came: its buffer once the first has described it, and until then the
+// bodies of those that were faster.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/sample_buffer.h"
+#include "udp_transport/datagram.h"
+#include "udp_transport/interval_set.h"
+
+namespace sft::udp {
+
+class UnfinishedSample {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// Begins anew, with memory that is already there.
+  void begin(const SampleLabel& label, Time now);
+
+  const SampleLabel& label() const { return first_.label; }
+  Time last_progress() const { return last_progress_; }
+  std::size_t gaps() const { return received_.intervals().size(); }
+
+  bool described() const { return static_cast<bool>(buffer_); }
+  const FirstHeader& first() const { return first_; }
+  /// The buffer's body has room for first.total bytes.
+  void describe(const FirstHeader& first, std::size_t body_offset, core::SampleHandle buffer);
+
+  /// Once described. False, and nothing happens, if the bytes would lie beyond the body.
+  bool add(std::uint32_t offset, std::span<const std::byte> payload, Time now);
+  bool whole() const { return described() && received_.covered() == first_.total; }
+  core::SampleHandle take_buffer() { return std::move(buffer_); }
+
+  /// Until described.
+  void park(std::uint32_t offset, std::span<const std::byte> payload, Time now);
+  std::size_t parked_bytes() const { return parked_.size(); }
+  static std::size_t bytes_to_park(std::span<const std::byte> payload) {
+    return sizeof(Parked) + payload.size();
+  }
+  /// Adds what was parked; false if some of it lies beyond the body. Afterwards nothing is parked.
+  bool unpark(Time now);
+
+  /// Gives the sample's memory back, but for small vectors.
+  void clear();
+
+ private:
+  struct Parked {
+    std::uint32_t offset;
+    std::uint32_t bytes;
+  };
+
+  FirstHeader first_;  ///< until described, only the label
+  core::SampleHandle buffer_;
+  std::byte* body_ = nullptr;
+  IntervalSet received_;
+  std::vector<std::byte> parked_;  ///< Parked and payload, in turns
+  Time last_progress_;
+};
+
+}  // namespace sft::udp

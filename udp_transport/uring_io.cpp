@@ -1,0 +1,362 @@
+#include "udp_transport/uring_io.h"
+
+#include <liburing.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <string>
+#include <system_error>
+
+#include "udp_transport/socket_io.h"
+
+namespace sft::udp {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+__kernel_timespec until(Clock::time_point deadline) {
+  using namespace std::chrono;
+  const auto left = std::max(duration_cast<nanoseconds>(deadline - Clock::now()), nanoseconds{0});
+  return {.tv_sec = left.count() / 1'000'000'000, .tv_nsec = left.count() % 1'000'000'000};
+}
+
+/// A ring that is opened by any thread and then belongs to the one that first calls enable().
+class Ring {
+ public:
+  Ring() = default;
+  Ring(const Ring&) = delete;
+  Ring& operator=(const Ring&) = delete;
+  ~Ring() { close(); }
+
+  /// 0 or a positive errno.
+  int open(unsigned entries, unsigned completions) noexcept {
+    io_uring_params params{};
+    params.flags = IORING_SETUP_R_DISABLED | IORING_SETUP_SINGLE_ISSUER | IORING_SETUP_DEFER_TASKRUN |
+                   IORING_SETUP_SUBMIT_ALL | IORING_SETUP_CQSIZE | IORING_SETUP_CLAMP;
+    params.cq_entries = completions;
+    const int error = -io_uring_queue_init_params(entries, &ring_, &params);
+    open_ = error == 0;
+    return error;
+  }
+
+  bool enable() noexcept {
+    // The function for it is declared by liburing 2.3, but not exported.
+    if (!enabled_) enabled_ = io_uring_register(ring_.ring_fd, IORING_REGISTER_ENABLE_RINGS, nullptr, 0) == 0;
+    return enabled_;
+  }
+  bool enabled() const { return enabled_; }
+
+  void close() noexcept {
+    if (open_) io_uring_queue_exit(&ring_);
+    open_ = enabled_ = false;
+  }
+
+  io_uring_sqe* next_submission() noexcept {
+    io_uring_sqe* submission = io_uring_get_sqe(&ring_);
+    while (submission == nullptr) {
+      io_uring_submit(&ring_);
+      submission = io_uring_get_sqe(&ring_);
+    }
+    return submission;
+  }
+
+  /// Submits, then waits for that many completions or the deadline. False if the ring is broken.
+  bool wait(unsigned completions, Clock::time_point deadline) noexcept {
+    int result = 0;
+    if (deadline == Clock::time_point::max()) {
+      result = io_uring_submit_and_wait(&ring_, completions);
+    } else {
+      __kernel_timespec timeout = until(deadline);
+      io_uring_cqe* ignored = nullptr;
+      result = io_uring_submit_and_wait_timeout(&ring_, &ignored, completions, &timeout, nullptr);
+    }
+    return result >= 0 || result == -ETIME || result == -EINTR || result == -EAGAIN || result == -EBUSY;
+  }
+
+  /// Calls `handle(completion)` for each one there is; a completion is
+  /// given back before the next is looked at.
+  template <class Handle>
+  void for_each_completion(Handle&& handle) noexcept {
+    io_uring_cqe* completion = nullptr;
+    while (io_uring_peek_cqe(&ring_, &completion) == 0) {
+      const io_uring_cqe copy = *completion;
+      io_uring_cqe_seen(&ring_, completion);
+      handle(copy);
+    }
+  }
+
+  io_uring* get() { return &ring_; }
+
+ private:
+  io_uring ring_{};
+  bool open_ = false;
+  bool enabled_ = false;
+};
+
+/// Memory straight from the kernel: page-aligned, and touched only where datagrams came.
+class Pages {
+ public:
+  Pages() = default;
+  Pages(const Pages&) = delete;
+  Pages& operator=(const Pages&) = delete;
+  ~Pages() {
+    if (data_ != nullptr) ::munmap(data_, bytes_);
+  }
+  bool map(std::size_t bytes) noexcept {
+    void* mapped = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (mapped == MAP_FAILED) return false;
+    data_ = static_cast<std::byte*>(mapped);
+    bytes_ = bytes;
+    return true;
+  }
+  std::byte* data() const { return data_; }
+
+ private:
+  std::byte* data_ = nullptr;
+  std::size_t bytes_ = 0;
+};
+
+/// Buffers that the kernel picks from as trains arrive; each holds one train and what recvmsg tells of it.
+class BufferRing {
+ public:
+  static constexpr unsigned buffers = 32;  // so few that they stay in the cache
+  static constexpr std::size_t buffer_bytes = 65536 + 256;
+  static constexpr std::uint16_t group = 0;
+
+  /// 0 or a positive errno.
+  int open(io_uring* ring) noexcept {
+    if (!entries_.map(buffers * sizeof(io_uring_buf)) || !memory_.map(buffers * buffer_bytes)) return ENOMEM;
+    io_uring_buf_reg registration{};
+    registration.ring_addr = reinterpret_cast<std::uintptr_t>(entries_.data());
+    registration.ring_entries = buffers;
+    registration.bgid = group;
+    if (const int error = -io_uring_register_buf_ring(ring, &registration, 0); error != 0) return error;
+    io_uring_buf_ring_init(entries());
+    for (unsigned id = 0; id < buffers; ++id) give_back(id);
+    return 0;
+  }
+
+  std::byte* at(unsigned id) const { return memory_.data() + id * buffer_bytes; }
+
+  void give_back(unsigned id) noexcept {
+    io_uring_buf_ring_add(entries(), at(id), buffer_bytes, static_cast<unsigned short>(id),
+                          io_uring_buf_ring_mask(buffers), 0);
+    io_uring_buf_ring_advance(entries(), 1);
+  }
+
+ private:
+  io_uring_buf_ring* entries() const { return reinterpret_cast<io_uring_buf_ring*>(entries_.data()); }
+  Pages entries_;
+  Pages memory_;
+};
+
+class UringReceiver final : public DatagramReceiver {
+ public:
+  UringReceiver(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event)
+      : socket_(std::move(socket)), wake_event_(std::move(wake_event)) {
+    layout_.msg_namelen = sizeof(sockaddr_in);
+    layout_.msg_controllen = train_control_bytes;
+  }
+
+  /// 0 or a positive errno.
+  int open() noexcept {
+    if (const int error = ring_.open(16, 1024); error != 0) return error;
+    return buffers_.open(ring_.get());
+  }
+
+  bool receive(DatagramSink& sink, Clock::time_point deadline) noexcept override {
+    if (broken_ || !ring_.enable()) return false;
+    arm();
+    if (!ring_.wait(1, deadline)) return false;
+    ring_.for_each_completion([&](const io_uring_cqe& completion) { complete(completion, &sink); });
+    return !broken_;
+  }
+
+  void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
+
+  /// Closing an armed ring would keep the port in use for some time.
+  void finish() noexcept override {
+    if (ring_.enabled() && (receive_armed_ || wake_armed_)) {
+      io_uring_sqe* s = ring_.next_submission();
+      io_uring_prep_cancel64(s, 0, IORING_ASYNC_CANCEL_ANY | IORING_ASYNC_CANCEL_ALL);
+      s->user_data = 0;
+      while ((receive_armed_ || wake_armed_) && ring_.wait(1, Clock::time_point::max())) {
+        ring_.for_each_completion([this](const io_uring_cqe& completion) { complete(completion, nullptr); });
+      }
+    }
+    ring_.close();
+  }
+
+ private:
+  static constexpr std::uint64_t receive_tag = 1;
+  static constexpr std::uint64_t wake_tag = 2;
+
+  /// A multishot receive ends when it finds no free buffer, and on errors; nothing is lost meanwhile.
+  void arm() noexcept {
+    if (!receive_armed_) {
+      io_uring_sqe* s = ring_.next_submission();
+      io_uring_prep_recvmsg_multishot(s, socket_->fd.get(), &layout_, 0);
+      s->flags |= IOSQE_BUFFER_SELECT;
+      s->buf_group = BufferRing::group;
+      s->user_data = receive_tag;
+      receive_armed_ = true;
+    }
+    if (!wake_armed_) {
+      io_uring_sqe* s = ring_.next_submission();
+      io_uring_prep_poll_add(s, wake_event_.get(), POLLIN);
+      s->user_data = wake_tag;
+      wake_armed_ = true;
+    }
+  }
+
+  /// Without a sink the train is thrown away.
+  void complete(const io_uring_cqe& completion, DatagramSink* sink) noexcept {
+    if (completion.user_data == wake_tag) {
+      eventfd_t ignored = 0;
+      ::eventfd_read(wake_event_.get(), &ignored);
+      wake_armed_ = false;
+    }
+    if (completion.user_data != receive_tag) return;
+    if ((completion.flags & IORING_CQE_F_MORE) == 0) receive_armed_ = false;
+    // Other errors are of single datagrams (an ICMP answer) or pass (no free buffer).
+    if (completion.res == -EINVAL || completion.res == -EOPNOTSUPP || completion.res == -EBADF)
+      broken_ = true;
+    if ((completion.flags & IORING_CQE_F_BUFFER) == 0) return;
+    const unsigned id = completion.flags >> IORING_CQE_BUFFER_SHIFT;
+    if (sink != nullptr) hand_over_buffer(buffers_.at(id), completion.res, *sink);
+    buffers_.give_back(id);
+  }
+
+  void hand_over_buffer(std::byte* buffer, int bytes, DatagramSink& sink) noexcept {
+    io_uring_recvmsg_out* out = io_uring_recvmsg_validate(buffer, bytes, &layout_);
+    if (out == nullptr || (out->flags & MSG_TRUNC) != 0) return;
+    const auto* from = static_cast<const sockaddr_in*>(io_uring_recvmsg_name(out));
+    std::byte* control = static_cast<std::byte*>(io_uring_recvmsg_name(out)) + layout_.msg_namelen;
+    const auto* train = static_cast<const std::byte*>(io_uring_recvmsg_payload(out, &layout_));
+    hand_over({train, io_uring_recvmsg_payload_length(out, bytes, &layout_)},
+              {control, std::min<std::size_t>(out->controllen, train_control_bytes)}, *from, sink);
+  }
+
+  std::shared_ptr<const UdpSocket> socket_;
+  FileDescriptor wake_event_;
+  msghdr layout_{};  ///< how much room each buffer leaves before the train
+  BufferRing buffers_;
+  Ring ring_;  // closed before the buffers go
+  bool receive_armed_ = false;
+  bool wake_armed_ = false;
+  bool broken_ = false;
+};
+
+class UringSender final : public DatagramSender {
+ public:
+  explicit UringSender(std::shared_ptr<const UdpSocket> socket) : socket_(std::move(socket)) {}
+
+  /// 0 or a positive errno.
+  int open() noexcept { return ring_.open(messages_max, 2 * messages_max); }
+
+  SendOutcome try_send(const OutgoingBatch& batch) noexcept override { return send_at_once(*socket_, batch); }
+
+  SendOutcome send(std::span<const OutgoingBatch> batches) noexcept override {
+    SendOutcome outcome = SendOutcome::sent;
+    while (!batches.empty() && outcome == SendOutcome::sent) {
+      const std::size_t n = std::min<std::size_t>(batches.size(), messages_max);
+      outcome = submit(batches.first(n));
+      batches = batches.subspan(n);
+    }
+    return outcome;
+  }
+
+  void stop() noexcept override { stopped_.store(true, std::memory_order_relaxed); }
+  void finish() noexcept override { ring_.close(); }
+
+ private:
+  static constexpr unsigned messages_max = 16;
+  static constexpr std::uint64_t cancel_tag = 1;
+  static constexpr std::chrono::milliseconds patience{100};  // then stop() is looked at
+
+  SendOutcome submit(std::span<const OutgoingBatch> batches) noexcept {
+    if (!ring_.enable()) return SendOutcome::failed;
+    for (std::size_t i = 0; i < batches.size(); ++i) {
+      messages_[i].set(batches[i]);
+      io_uring_sqe* s = ring_.next_submission();
+      io_uring_prep_sendmsg(s, socket_->fd.get(), &messages_[i].header(), 0);
+      s->user_data = 0;
+    }
+    return wait_for(static_cast<unsigned>(batches.size()));
+  }
+
+  /// The kernel reads messages and payloads until their completions are there, so it waits for all of them;
+  /// but for one at a time: waiting for several, it would sleep through the tries again of those that found
+  /// the send buffer full.
+  SendOutcome wait_for(unsigned pending) noexcept {
+    SendOutcome outcome = SendOutcome::sent;
+    bool cancelled = false;
+    while (pending > 0) {
+      if (!ring_.wait(1, Clock::now() + patience)) return SendOutcome::failed;
+      ring_.for_each_completion([&](const io_uring_cqe& completion) {
+        if (completion.user_data == cancel_tag) return;
+        --pending;
+        if (completion.res < 0 && outcome == SendOutcome::sent) outcome = outcome_of(-completion.res);
+      });
+      if (pending == 0 || cancelled || !stopped_.load(std::memory_order_relaxed)) continue;
+      cancelled = true;
+      io_uring_sqe* s = ring_.next_submission();
+      io_uring_prep_cancel64(s, 0, IORING_ASYNC_CANCEL_ANY | IORING_ASYNC_CANCEL_ALL);
+      s->user_data = cancel_tag;
+    }
+    return outcome;
+  }
+
+  std::shared_ptr<const UdpSocket> socket_;
+  std::array<OutgoingMessage, messages_max> messages_;
+  Ring ring_;
+  std::atomic<bool> stopped_{false};
+};
+
+std::string why_refused(int error) {
+  switch (error) {
+    case EPERM:
+    case EACCES:
+      return "it is forbidden here (seccomp profile, or sysctl kernel.io_uring_disabled)";
+    case ENOSYS:
+      return "the kernel has none";
+    case EINVAL:
+      return "the kernel is older than 6.1";
+    case ENOMEM:
+      return "too little memory may be locked (ulimit -l)";
+    default:
+      return std::system_category().message(error);
+  }
+}
+
+tl::unexpected<Error> refused(int error) {
+  const bool forbidden = error == EPERM || error == EACCES;
+  return fail(forbidden ? Errc::no_permission : Errc::unavailable,
+              "io_uring cannot be used: " + why_refused(error));
+}
+
+}  // namespace
+
+Result<DatagramIo> open_uring_io(std::shared_ptr<const UdpSocket> socket) {
+  FileDescriptor wake_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!wake_event.valid())
+    return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
+  auto receiver = std::make_unique<UringReceiver>(socket, std::move(wake_event));
+  if (const int error = receiver->open(); error != 0) return refused(error);
+  auto sender = std::make_unique<UringSender>(socket);
+  if (const int error = sender->open(); error != 0) return refused(error);
+  const std::string trains = socket->receives_trains ? "GRO and GSO" : "GSO";
+  DatagramIo io;
+  io.receiver = std::move(receiver);
+  io.sender = std::move(sender);
+  io.description = "io_uring with " + trains;
+  return io;
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,16 @@
+// Datagrams through io_uring: one multishot receive into a ring of provided buffers, and sends of many
+// super-packets with one system call. The only part that knows liburing.
+#pragma once
+
+#include <memory>
+
+#include "udp_transport/datagram_io.h"
+#include "udp_transport/udp_socket.h"
+
+namespace sft::udp {
+
+/// The error says why the kernel refused: too old (before 6.1),
+/// forbidden (seccomp, sysctl) or out of locked memory.
+Result<DatagramIo> open_uring_io(std::shared_ptr<const UdpSocket> socket);
+
+}  // namespace sft::udp
