@@ -166,7 +166,7 @@ class UringReceiver final : public DatagramReceiver {
 
   /// 0 or a positive errno.
   int open() noexcept {
-    if (const int error = ring_.open(16, 1024); error != 0) return error;
+    if (const int error = ring_.open(8, 2 * BufferRing::buffers); error != 0) return error;
     return buffers_.open(ring_.get());
   }
 

@@ -31,6 +31,7 @@ std::span<const MessageType> all_types() {
       message_type<proof::Keyed>(),
       message_type<proof::MarkedElements>(),
       message_type<proof::Wide>(),
+      message_type<proof::Chunks>(),
   };
   return types;
 }

@@ -29,7 +29,9 @@ using test::Subscriber;
 class TransportTest : public testing::TestWithParam<Backend> {
  protected:
   void SetUp() override {
-    if (!open_udp_transport({.backend = GetParam()})) GTEST_SKIP() << "io_uring is refused here";
+    const auto one = open_udp_transport({.backend = GetParam()});
+    const auto other = open_udp_transport({.backend = GetParam()});
+    if (!one || !other) GTEST_SKIP() << "io_uring is refused here: " << (one ? other : one).error().message;
   }
 
   std::unique_ptr<core::Transport> open(UdpOptions options = {}, const DecorateIo& decorate = {}) {

@@ -1,0 +1,57 @@
+// In steady state a program's own thread allocates nothing to publish, take and read a sample.
+#include "tests/support/thread_allocations.h"
+#include "tests/system/fixture.h"
+
+namespace sft::test {
+namespace {
+
+class AllocationTest : public PubSubTest {
+ protected:
+  /// Of this thread, over 200 samples, after 50 for warming up.
+  template <class Pass>
+  static std::uint64_t allocations_of(Pass pass) {
+    for (int i = 0; i < 50; ++i) pass();
+    const std::uint64_t before = thread_allocations();
+    for (int i = 0; i < 200; ++i) pass();
+    return thread_allocations() - before;
+  }
+
+  Node a = open("a");
+  Node b = open("b");
+  Publisher<PointCloud2> pub = a.publisher<PointCloud2>("points").value();
+};
+
+TEST_P(AllocationTest, PublishingAndReadingDeclaredFieldsAllocatesNothing) {
+  auto sub = b.subscriber<PointCloud2, F::height | F::fields>("points").value();
+  expect_served(pub, 1);
+  const PointCloud2 message = cloud(1);
+  std::uint64_t sum = 0;
+  EXPECT_EQ(allocations_of([&] {
+    pub.publish(message);
+    if (!sub.wait(5s)) return;
+    const auto sample = sub.take();
+    sum += sample->height();
+    for (const auto field : sample->fields()) sum += field.name().size();
+  }), 0U);
+  EXPECT_GE(sum, 250U);
+}
+
+TEST_P(AllocationTest, LoansAndRecordedReadersAllocateNothing) {
+  auto sub = b.subscriber<PointCloud2, recorded>("points").value();
+  expect_served(pub, 1);
+  const PointCloud2 prototype = cloud(1, 0);
+  std::uint64_t read = 0;
+  EXPECT_EQ(allocations_of([&] {
+    auto loan = pub.loan(prototype, {.data = 3000});
+    std::move(*loan).publish();
+    if (!sub.wait(5s)) return;
+    const auto sample = sub.take();
+    read += sample->width() && sample->data() ? 1 : 0;
+  }), 0U);
+  EXPECT_GE(read, 240U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, AllocationTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
+
+}  // namespace
+}  // namespace sft::test
