@@ -13,7 +13,7 @@ namespace sft::core {
 namespace {
 
 constexpr std::size_t accepted_masks_max = 16;
-constexpr std::chrono::seconds in_flight_max{2};  // samples under a mask after another was asked for
+constexpr std::chrono::seconds in_flight_max{2};  // what was sent longer ago does not come any more
 constexpr std::chrono::milliseconds shm_pause_min{500};  // after the daemon did not do what was asked for
 constexpr std::chrono::milliseconds shm_pause_max{10'000};
 constexpr std::chrono::milliseconds tick_quiet{50};
@@ -256,12 +256,18 @@ void NodeCore::requirement_changed(EndpointId id) {
   request_changed(id);
 }
 
-/// Samples under what was asked for before may be in flight. For long it must not be accepted: another reader in this
-/// process may ask for just that, and its samples would be taken for ours.
-void NodeCore::forget_old_masks(Now now) {
+/// Samples under what was asked for before, and of writers that went, may be in flight. For long such a mask must not be
+/// accepted: another reader in this process may ask for just that, and its samples would be taken for ours.
+void NodeCore::forget_what_was_in_flight(Now now) {
+  const auto is_over = [&](Now since) { return since != Now::max() && now - since > in_flight_max; };
   for (auto& [id, reader] : readers_) {
-    const auto is_old = [&](const AcceptedMask& a) { return a.replaced_at != Now::max() && now - a.replaced_at > in_flight_max; };
+    const auto is_old = [&](const AcceptedMask& a) { return is_over(a.replaced_at); };
     if (std::erase_if(reader.accepted, is_old) != 0) accept(reader);
+    std::erase_if(reader.departed, [&](const auto& departed) {
+      if (!is_over(departed.second)) return false;
+      reader.udp->disconnect(departed.first);
+      return true;
+    });
   }
 }
 
@@ -284,8 +290,10 @@ void NodeCore::request_changed(EndpointId id) {
 std::chrono::milliseconds NodeCore::tick() {
   const auto now = std::chrono::steady_clock::now();
   look_after_shm();
-  forget_old_masks(now);
+  look_after_udp(now);
+  forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now) || (shm_pause_.count() != 0 && now >= next_shm_attempt_);
+  control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   reconcile();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   reconcile();
@@ -319,6 +327,13 @@ void NodeCore::look_after_shm() {
     announce(id);
     request_changed(id);
   }
+}
+
+/// A transport that the system has stopped cannot be mended from within; status() says so from here on.
+void NodeCore::look_after_udp(Now now) {
+  if (udp_ == nullptr || udp_failed_ || udp_->poll(now) == Availability::ready) return;
+  udp_failed_ = true;
+  log(LogLevel::error, "UDP: " + udp_->description());
 }
 
 /// The memory that they were in is gone, or another daemon's.
@@ -410,7 +425,7 @@ void NodeCore::reconcile_reader(EndpointId id, Reader& reader) {
   }
   for (const auto& [writer, before] : reader.heard) {
     if (heard.contains(writer)) continue;
-    if (before.udp) reader.udp->disconnect(writer);
+    if (before.udp) reader.departed[writer] = std::chrono::steady_clock::now();
     if (before.shm && reader.shm != nullptr) reader.shm->disconnect(writer);
     negotiation_.connection_changed(id, writer, TransportKind::udp, false);
     negotiation_.connection_changed(id, writer, TransportKind::shm, false);
@@ -423,6 +438,7 @@ void NodeCore::reconcile_reader(EndpointId id, Reader& reader) {
 Hearing NodeCore::connect(EndpointId id, Reader& reader, const Hearing& wanted, const Hearing& before) {
   Hearing now = wanted;
   const EndpointId writer = wanted.source.writer;
+  reader.departed.erase(writer);
   if (wanted.udp != before.udp) {
     if (!wanted.udp) {
       reader.udp->disconnect(writer);
@@ -464,6 +480,7 @@ NodeStatus NodeCore::status() const {
     status.over_limit = counters.over_limit;
   }
   status.control_malformed = control_malformed_.load(std::memory_order_relaxed);
+  status.control_ignored = control_ignored_.load(std::memory_order_relaxed);
   const std::scoped_lock lock(shm_state_mutex_);
   status.shm = shm_ == nullptr ? "the node rules it out" : shm_state_;
   return status;

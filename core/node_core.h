@@ -60,7 +60,8 @@ class NodeCore final : private DiscoveryListener {
     std::shared_ptr<ReaderPort> shm;
     std::shared_ptr<ReaderPort> udp;
     std::map<EndpointId, Hearing> heard;
-    std::vector<AcceptedMask> accepted;  ///< newest last
+    std::vector<AcceptedMask> accepted;   ///< newest last
+    std::map<EndpointId, Now> departed;   ///< writers of which datagrams may still be in flight
   };
 
   NodeCore(const NodeOptions& options, Parts parts);
@@ -92,11 +93,12 @@ class NodeCore final : private DiscoveryListener {
   void add_reader(const Endpoint& endpoint, Reader reader);
   void remove(EndpointId id);
   void requirement_changed(EndpointId id);
-  void forget_old_masks(Now now);
+  void forget_what_was_in_flight(Now now);
   static void accept(Reader& reader);
   template <class Open>
   bool try_shm(Open open);
   void request_changed(EndpointId id);
+  void look_after_udp(Now now);
   void drop_shm_ports();
   bool may_use(TransportKind kind, TransportChoice choice) const;
   void log(LogLevel level, const std::string& text) const;
@@ -110,12 +112,14 @@ class NodeCore final : private DiscoveryListener {
   std::mutex slots_mutex_;
   std::vector<std::uint32_t> free_slots_;  ///< of bells_; slot 0 is the dispatcher's
   std::atomic<std::uint64_t> control_malformed_{0};
+  std::atomic<std::uint64_t> control_ignored_{0};
 
   // The agent's own.
   Negotiation negotiation_;
   std::map<EndpointId, Writer> writers_;
   std::map<EndpointId, Reader> readers_;
   Self self_;
+  bool udp_failed_ = false;
   bool dirty_ = false;       ///< something changed that reconcile() has not seen
   Now next_shm_attempt_{};   ///< after failures, and the pause until then
   std::chrono::milliseconds shm_pause_{0};

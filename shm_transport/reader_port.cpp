@@ -47,13 +47,12 @@ ChunkBorrower::~ChunkBorrower() {
   session_->retire(&data_);
 }
 
-bool ChunkBorrower::connected() const noexcept {
-  {
-    const std::scoped_lock lock(mutex_);
-    if (!open_) return false;
-  }
-  return session_->is_fed(data_);
+bool ChunkBorrower::open() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  return open_;
 }
+
+bool ChunkBorrower::connected() const noexcept { return open() && session_->is_fed(data_); }
 
 SampleHandle ChunkBorrower::take() noexcept {
   while (ChunkSlot* slot = next_chunk()) {
@@ -74,7 +73,7 @@ SampleHandle ChunkBorrower::take() noexcept {
 /// overflows if it must. iceoryx itself would drop what exceeds its limit of held chunks.
 ChunkSlot* ChunkBorrower::next_chunk() noexcept {
   const std::scoped_lock lock(mutex_);
-  if (!open_) return nullptr;
+  if (lost_) return nullptr;
   if (slots_.empty()) {
     if (port_.hasNewChunks()) statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
     return nullptr;
@@ -149,6 +148,7 @@ ShmReaderPort::~ShmReaderPort() {
 }
 
 SampleHandle ShmReaderPort::take() noexcept {
+  std::vector<std::shared_ptr<ChunkBorrower>> drained;  // released behind the lock
   const std::scoped_lock lock(mutex_);
   for (std::size_t i = 0; i < writers_.size(); ++i) {
     const std::size_t at = (next_writer_ + i) % writers_.size();
@@ -157,7 +157,23 @@ SampleHandle ShmReaderPort::take() noexcept {
       return sample;
     }
   }
+  drained = forget_closed();
   return {};
+}
+
+/// With the lock held, after nothing could be taken: those that were disconnected have nothing left.
+std::vector<std::shared_ptr<ChunkBorrower>> ShmReaderPort::forget_closed() noexcept {
+  std::vector<std::shared_ptr<ChunkBorrower>> closed;
+  for (auto writer = writers_.begin(); writer != writers_.end();) {
+    if ((*writer)->open()) {
+      ++writer;
+      continue;
+    }
+    discarded_before_ += (*writer)->discarded();
+    closed.push_back(std::move(*writer));
+    writer = writers_.erase(writer);
+  }
+  return closed;
 }
 
 Result<void> ShmReaderPort::connect(const core::Source& source) {
@@ -178,16 +194,7 @@ bool ShmReaderPort::connected(core::EndpointId writer) const noexcept {
 }
 
 void ShmReaderPort::disconnect(core::EndpointId writer) noexcept {
-  std::shared_ptr<ChunkBorrower> gone;
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto found = std::ranges::find(writers_, writer, [](const auto& w) { return w->writer(); });
-    if (found == writers_.end()) return;
-    gone = std::move(*found);
-    writers_.erase(found);
-    discarded_before_ += gone->discarded();
-  }
-  gone->close();
+  if (const auto gone = find(writer)) gone->close();  // take() lets go of it once its queue is empty
 }
 
 std::uint64_t ShmReaderPort::discarded() const noexcept {
@@ -199,7 +206,8 @@ std::uint64_t ShmReaderPort::discarded() const noexcept {
 
 std::shared_ptr<ChunkBorrower> ShmReaderPort::find(core::EndpointId writer) const noexcept {
   const std::scoped_lock lock(mutex_);
-  const auto found = std::ranges::find(writers_, writer, [](const auto& w) { return w->writer(); });
+  const auto found =
+      std::ranges::find_if(writers_, [&](const auto& w) { return w->writer() == writer && w->open(); });
   return found == writers_.end() ? nullptr : *found;
 }
 

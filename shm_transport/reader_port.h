@@ -27,12 +27,13 @@ class ChunkBorrower final : public core::BufferOwner,
   ~ChunkBorrower() override;
 
   core::EndpointId writer() const { return writer_; }
+  bool open() const noexcept;  ///< neither closed nor lost
   bool connected() const noexcept;
   std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
 
   /// The oldest valid sample; malformed ones are counted and skipped. One thread at a time.
   core::SampleHandle take() noexcept;
-  /// No more samples; those that are held stay.
+  /// No more samples than those that have arrived, which can still be taken.
   void close() noexcept;
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
@@ -80,6 +81,7 @@ class ShmReaderPort final : public core::ReaderPort {
 
  private:
   std::shared_ptr<ChunkBorrower> find(core::EndpointId writer) const noexcept;
+  std::vector<std::shared_ptr<ChunkBorrower>> forget_closed() noexcept;
 
   const std::shared_ptr<Session> session_;
   const core::ReaderSpec spec_;

@@ -251,6 +251,21 @@ TEST_P(PubSubTest, PublishersAndSubscribersJoinAndLeaveInAnyOrder) {
   }
 }
 
+TEST_P(PubSubTest, WhatAPublisherSentBeforeItWentCanStillBeTaken) {
+  Node a = open("a");
+  Node b = open("b");
+  auto sub = b.subscriber<PointCloud2, F::height>("points").value();
+  {
+    auto pub = a.publisher<PointCloud2>("points").value();
+    expect_served(pub, 1);
+    for (std::uint32_t i = 1; i <= 5; ++i) pub.publish(cloud(i));
+  }
+  ASSERT_TRUE(eventually([&] { return sub.status().writers.empty(); }));
+  std::uint32_t taken = 0;
+  while (sub.wait(in_shared_memory() ? 0ms : 100ms) && sub.take()) ++taken;
+  EXPECT_EQ(taken, 5U);
+}
+
 TEST_P(PubSubTest, SeveralWritersOfATopicAreHeardWithTheirOwnSequences) {
   Node a = open("a");
   Node b = open("b");

@@ -59,6 +59,7 @@ struct NodeStatus {
   std::uint64_t samples_incomplete = 0;
   std::uint64_t over_limit = 0;
   std::uint64_t control_malformed = 0;  ///< endpoint descriptions and requests that were refused
+  std::uint64_t control_ignored = 0;    ///< those beyond the limits of the table of endpoints
 };
 
 }  // namespace sft
