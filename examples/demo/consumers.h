@@ -33,7 +33,6 @@ class Use {
   void operator()(const std::optional<T>& value) {
     if (value) (*this)(*value);
   }
-  std::uint64_t sum() const { return sum_; }
 
  private:
   std::uint64_t sum_ = 0;

@@ -24,13 +24,13 @@ std::size_t terminal_columns() {
 Display::Display() : terminal_(isatty(STDOUT_FILENO) != 0) {}
 
 void Display::say(const std::string& line) {
-  fmt::print("{}\n", line);
+  std::puts(line.c_str());
   std::fflush(stdout);
 }
 
 void Display::replace(const std::string& lines, std::size_t count) {
-  if (shown_lines_ > 0) fmt::print("\x1b[{}A\x1b[J", shown_lines_);
-  fmt::print("{}", lines);
+  if (shown_lines_ > 0) std::printf("\x1b[%zuA\x1b[J", shown_lines_);  // up to its first line, and clear
+  std::fputs(lines.c_str(), stdout);
   std::fflush(stdout);
   shown_lines_ = count;
 }

@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <cstring>
 
-#include "examples/demo/isolation.h"
 #include "examples/demo/process.h"
 #include "examples/demo/protocol.h"
 
@@ -78,10 +77,10 @@ void block_signals_waited_for() {
 
 /// In namespaces. Only a child enters the new process namespace, as its first process; this one waits
 /// outside.
-[[noreturn]] void run_isolated(const NetworkNamespace& network, const std::vector<Role>& roles,
+[[noreturn]] void run_isolated(const HostSettings& settings, const std::vector<Role>& roles,
                                std::vector<Channel>& channels) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (const Result<void> left = leave_this_host(network); !left) give_up(channels, left.error());
+  if (const Result<void> left = leave_this_host(settings); !left) give_up(channels, left.error());
   const pid_t first = fork();
   if (first == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);  // the end of a first process is the end of all in its namespace
@@ -93,21 +92,22 @@ void block_signals_waited_for() {
   _exit(0);
 }
 
-[[noreturn]] void run_host(const NetworkNamespace* network, const std::vector<Role>& roles,
-                           std::vector<Channel>& channels) {
+/// noexcept: an exception must not leave for the stack that was copied from the demo.
+[[noreturn]] void run_host(const HostSettings& settings, const std::vector<Role>& roles,
+                           std::vector<Channel>& channels) noexcept {
   setsid();  // Ctrl-C is for the demo, which then ends its hosts in order
   block_signals_waited_for();
   std::vector<int> kept;
   for (const Channel& channel : channels) kept.push_back(channel.descriptor());
-  if (network != nullptr) kept.push_back(network->descriptor());
+  if (settings.network != nullptr) kept.push_back(settings.network->descriptor());
   close_descriptors_except(kept);
-  if (network == nullptr) run_here(roles, channels);
-  run_isolated(*network, roles, channels);
+  if (settings.network == nullptr) run_here(roles, channels);
+  run_isolated(settings, roles, channels);
 }
 
 }  // namespace
 
-Result<Host> Host::start(const NetworkNamespace* network, const std::vector<Role>& roles) {
+Result<Host> Host::start(const HostSettings& settings, const std::vector<Role>& roles) {
   std::vector<Channel> ours;
   std::vector<Channel> theirs;
   for (std::size_t i = 0; i < roles.size(); ++i) {
@@ -118,7 +118,7 @@ Result<Host> Host::start(const NetworkNamespace* network, const std::vector<Role
   }
   const pid_t first_process = fork();
   if (first_process < 0) return fail(Errc::system, fmt::format("fork: {}", std::strerror(errno)));
-  if (first_process == 0) run_host(network, roles, theirs);
+  if (first_process == 0) run_host(settings, roles, theirs);
   return Host(first_process, std::move(ours));
 }
 

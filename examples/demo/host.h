@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "examples/demo/channel.h"
-#include "examples/demo/network.h"
+#include "examples/demo/isolation.h"
 
 namespace sft::demo {
 
@@ -26,8 +26,9 @@ struct Role {
 
 class Host {
  public:
-  /// Starts all roles. `network` is null for this machine. REQUIRES: the calling process has one thread.
-  static Result<Host> start(const NetworkNamespace* network, const std::vector<Role>& roles);
+  /// Starts all roles; on this machine if there is no network in the settings. REQUIRES: the calling process
+  /// has one thread.
+  static Result<Host> start(const HostSettings& settings, const std::vector<Role>& roles);
 
   Host(Host&& other) noexcept
       : first_process_(std::exchange(other.first_process_, -1)), channels_(std::move(other.channels_)) {}

@@ -24,8 +24,8 @@ Result<void> checked(int result, std::string_view what) {
   return fail(code, fmt::format("{}: {}", what, std::strerror(errno)));
 }
 
-Result<void> mount_memory(const char* where, const char* options) {
-  return checked(mount("tmpfs", where, "tmpfs", MS_NOSUID | MS_NODEV, options),
+Result<void> mount_memory(const char* where, const std::string& options) {
+  return checked(mount("tmpfs", where, "tmpfs", MS_NOSUID | MS_NODEV, options.c_str()),
                  fmt::format("a private {} cannot be mounted", where));
 }
 
@@ -40,26 +40,27 @@ Result<void> keep_visible(const fs::path& directory, const Descriptor& opened) {
 
 /// Hides the machine's /tmp and /dev/shm. The library looks for its daemon beside the program, which must
 /// stay in sight where the project was built in one of them.
-Result<void> mount_own_memory() {
+Result<void> mount_own_memory(unsigned shared_memory_mib) {
   std::error_code error;
   const fs::path directory = fs::read_symlink("/proc/self/exe", error).parent_path();
   const Descriptor opened(open(directory.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   return mount_memory("/tmp", "mode=1777")
-      .and_then([] { return mount_memory("/dev/shm", "mode=1777,size=1g"); })
+      .and_then(
+          [&] { return mount_memory("/dev/shm", fmt::format("mode=1777,size={}m", shared_memory_mib)); })
       .and_then([&] { return keep_visible(directory, opened); });
 }
 
 }  // namespace
 
-Result<void> leave_this_host(const NetworkNamespace& network) {
-  return network.enter()
+Result<void> leave_this_host(const HostSettings& settings) {
+  return settings.network->enter()
       .and_then([] { return checked(unshare(CLONE_NEWNS | CLONE_NEWPID), "namespaces cannot be made"); })
       .and_then([] {
         // Else the mounts below would show up outside.
         return checked(mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr),
                        "mounts cannot be made private");
       })
-      .and_then(mount_own_memory);
+      .and_then([&] { return mount_own_memory(settings.shared_memory_mib); });
 }
 
 Result<void> mount_own_proc() {
@@ -72,7 +73,7 @@ Result<void> try_isolation() {
   return in_child([]() -> Result<void> {
     const Result<NetworkNamespace> network = NetworkNamespace::create();
     if (!network) return tl::unexpected(network.error());
-    return leave_this_host(*network).and_then([] { return in_child(mount_own_proc); });
+    return leave_this_host({.network = &*network}).and_then([] { return in_child(mount_own_proc); });
   });
 }
 

@@ -6,10 +6,15 @@
 
 namespace sft::demo {
 
-/// Moves the calling process into `network` and mounts an empty /dev/shm and /tmp that only it and its
+struct HostSettings {
+  const NetworkNamespace* network = nullptr;
+  unsigned shared_memory_mib = 256;  ///< of /dev/shm; the daemon takes memory by that
+};
+
+/// Moves the calling process into the network and mounts an empty /dev/shm and /tmp that only it and its
 /// children see. Its next child becomes the first process of a new process namespace; when that one ends, the
 /// kernel ends all in there.
-Result<void> leave_this_host(const NetworkNamespace& network);
+Result<void> leave_this_host(const HostSettings& settings);
 /// In that child: makes /proc tell of the new process namespace.
 Result<void> mount_own_proc();
 

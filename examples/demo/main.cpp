@@ -1,8 +1,11 @@
 // sft_demo: what Selective Field Transmission does, on one machine. A LiDAR publishes point clouds;
 // subscribers on other hosts are sent the fields that they need, one on the LiDAR's own host reads all of
 // them in shared memory.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <exception>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -25,13 +28,19 @@ Result<std::unique_ptr<CloudSource>> open_source(const DemoOptions& options, Dis
 
 /// Before the run: afterwards it would be too late to say that it cannot be written.
 Result<void> check_writable(const std::filesystem::path& path) {
-  if (std::ofstream(path, std::ios::app)) return {};
+  std::error_code error;
+  const bool exists = std::filesystem::exists(path, error);
+  const std::filesystem::path directory = path.has_parent_path() ? path.parent_path() : ".";
+  const bool writable = exists
+                            ? !std::filesystem::is_directory(path, error) && access(path.c_str(), W_OK) == 0
+                            : access(directory.c_str(), W_OK | X_OK) == 0;
+  if (writable) return {};
   return fail(Errc::invalid_argument, path.native() + " cannot be written; give another file to --json");
 }
 
 Result<void> write_json(const std::filesystem::path& path, const RunFigures& figures) {
   std::ofstream file(path);
-  file << to_json(figures).dump(2) << '\n';
+  file << to_json(figures).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   if (file.flush()) return {};
   return fail(Errc::system, path.native() + " could not be written");
 }
@@ -61,7 +70,7 @@ Result<void> run(const DemoOptions& options) {
 
 }  // namespace sft::demo
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   sft::demo::DemoOptions options;
   CLI::App app("Point clouds from a LiDAR, and who is sent what of them.");
   app.add_option("--input", options.input,
@@ -85,4 +94,7 @@ int main(int argc, char** argv) {
   const sft::Result<void> done = sft::demo::run(options);
   if (!done) std::fprintf(stderr, "sft_demo: %s\n", done.error().message.c_str());
   return done ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "sft_demo: %s\n", error.what());
+  return 1;
 }

@@ -60,6 +60,23 @@ std::string read_all(int descriptor) {
   return text;
 }
 
+/// A bridge that passes on what the hosts send and adds nothing: no spanning tree, no queries, no IPv6
+/// announcements.
+Result<void> switch_on(const NetworkNamespace& network_switch) {
+  return network_switch
+      .run({"ip", "-batch", "-"},
+           "link add name switch type bridge stp_state 0 mcast_snooping 0\n"
+           "link set dev switch addrgenmode none\n"
+           "link set dev switch up\n")
+      // Where the kernel has bridges ask the firewall, that costs more than all the rest.
+      .and_then([&] {
+        return network_switch.run({"sh", "-c",
+                                   "for f in /proc/sys/net/bridge/bridge-nf-call-*tables; do\n"
+                                   "  ! [ -e \"$f\" ] || echo 0 >\"$f\" || :\n"
+                                   "done"});
+      });
+}
+
 }  // namespace
 
 Result<NetworkNamespace> NetworkNamespace::create() {
@@ -67,15 +84,15 @@ Result<NetworkNamespace> NetworkNamespace::create() {
   if (!home) return tl::unexpected(home.error());
   if (unshare(CLONE_NEWNET) != 0) return system_error("a network namespace cannot be made");
   Result<Descriptor> made = current_network();
-  if (setns(home->get(), CLONE_NEWNET) != 0)
+  if (setns(home->get(), CLONE_NEWNET) != 0) {
     return system_error("the own network namespace cannot be entered again");
+  }
   return std::move(made).map([](Descriptor&& descriptor) { return NetworkNamespace(std::move(descriptor)); });
 }
 
 Result<void> NetworkNamespace::enter() const {
-  if (setns(descriptor_.get(), CLONE_NEWNET) != 0)
-    return system_error("a network namespace cannot be entered");
-  return {};
+  if (setns(descriptor_.get(), CLONE_NEWNET) == 0) return {};
+  return system_error("a network namespace cannot be entered");
 }
 
 std::string NetworkNamespace::path() const {
@@ -113,12 +130,8 @@ std::string EmulatedNetwork::address(std::size_t number) { return fmt::format("1
 Result<EmulatedNetwork> EmulatedNetwork::create(std::size_t hosts) {
   Result<NetworkNamespace> network_switch = NetworkNamespace::create();
   if (!network_switch) return tl::unexpected(network_switch.error());
-  // Nothing but what the hosts send: no spanning tree, no queries, no IPv6 announcements.
-  Result<void> done = network_switch->run({"ip", "-batch", "-"},
-                                          "link add name switch type bridge stp_state 0 mcast_snooping 0\n"
-                                          "link set dev switch addrgenmode none\n"
-                                          "link set dev switch up\n");
-  if (!done) return tl::unexpected(done.error());
+  const Result<void> switched_on = switch_on(*network_switch);
+  if (!switched_on) return tl::unexpected(switched_on.error());
 
   std::vector<NetworkNamespace> namespaces;
   for (std::size_t i = 0; i < hosts; ++i) {

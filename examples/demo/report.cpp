@@ -9,6 +9,9 @@ namespace sft::demo {
 
 namespace {
 
+const std::string latency_note =
+    "Latency is from publish() to the subscriber's callback: half of the samples took p50 at most, 99 % "
+    "p99.\n";
 constexpr double worth_telling = 0.0005;  // of a message saved
 
 constexpr std::string_view row_format = "{:<10} {:<7} {:<3} {:<14} {:>12} {:>9} {:>7} {:>8} {:>8} {:>4}  {}";
@@ -98,19 +101,22 @@ std::string explain_lost(const RunFigures& run) {
     if (s.incomplete != 0) text += fmt::format(" ({} came in part)", format_count(s.incomplete));
   }
   if (text.empty()) return "Nothing was lost.\n";
-  if (run.dropped != 0)
+  if (run.dropped != 0) {
     text += fmt::format("; {} found a full queue at the publisher", format_count(run.dropped));
+  }
   return fmt::format("Lost: {}. Was the machine too busy?\n", text);
 }
 
 std::string explain_measurement(const RunFigures& run) {
   if (!run.real_hosts()) {
-    return "All of it ran on this machine, with the network path forced over loopback, where bytes on the "
+    return latency_note +
+           "All of it ran on this machine, with the network path forced over loopback, where bytes on the "
            "wire cannot be\n"
            "told apart by subscriber: figures marked * are payload. Run as root for real hosts and their "
            "networks.\n";
   }
-  std::string text =
+  std::string text = latency_note;
+  text +=
       "Bytes are as counted by each host's network interface, packet headers included, without control "
       "traffic.\n";
   if (run.idle_bytes_per_s) {

@@ -36,6 +36,9 @@ constexpr std::array host_plans{
     HostPlan{"mapping", false, actor<Slam>},
     HostPlan{"lidar", true, actor<Viewer>},
 };
+// Enough for the daemon; the publisher's host also has some samples of 6 MB in it.
+constexpr unsigned shared_memory_mib = 256;
+constexpr unsigned publishers_shared_memory_mib = 1024;
 constexpr std::size_t publisher_host_number = host_plans.size() - 1;
 
 /// On this machine others may be in the default domain; the upper ones are rarely used.
@@ -46,8 +49,6 @@ std::uint32_t random_domain() {
 
 }  // namespace
 
-std::string_view Stage::publisher_host() { return host_plans[publisher_host_number].name; }
-
 Result<std::unique_ptr<Stage>> Stage::set_up(CloudSource& source, bool arr) {
   std::unique_ptr<Stage> stage(new Stage);
   if (const Result<void> possible = try_isolation(); possible) {
@@ -57,30 +58,42 @@ Result<std::unique_ptr<Stage>> Stage::set_up(CloudSource& source, bool arr) {
   } else {
     stage->why_not_ = possible.error().message;
   }
-  if (Result<void> started = stage->start_hosts(source, arr); !started)
-    return tl::unexpected(started.error());
+  const Result<void> started = stage->start_hosts(source, arr);
+  if (!started) return tl::unexpected(started.error());
   return stage;
+}
+
+std::vector<Role> Stage::roles_on(std::size_t number, std::uint32_t domain, CloudSource& source,
+                                  bool arr) const {
+  const HostPlan& host = host_plans[number];
+  const auto metered = [this](const char* interface) {
+    return real_hosts() ? std::optional<std::string>(interface) : std::nullopt;
+  };
+  const bool remote = !host.has_publisher;
+  // The interface is the one that samples for it would come over.
+  const NodePlan subscriber{
+      .name = host.subscriber.name,
+      .domain = domain,
+      .transport = remote && !real_hosts() ? TransportChoice::udp : TransportChoice::automatic,
+      .interface = metered(remote ? host_interface : "lo"),
+  };
+  std::vector<Role> roles{
+      {subscriber.name, [=](Channel& channel) { host.subscriber.run(subscriber, arr, channel); }}};
+  if (host.has_publisher) {
+    const NodePlan lidar{.name = "lidar", .domain = domain, .interface = metered(host_interface)};
+    roles.push_back({lidar.name, [=, &source](Channel& channel) { run_publisher(lidar, source, channel); }});
+  }
+  return roles;
 }
 
 Result<void> Stage::start_hosts(CloudSource& source, bool arr) {
   const std::uint32_t domain = real_hosts() ? 0 : random_domain();
-  const auto metered = [&](const char* interface) {
-    return real_hosts() ? std::optional<std::string>(interface) : std::nullopt;
-  };
   for (std::size_t i = 0; i < host_plans.size(); ++i) {
-    const HostPlan& plan = host_plans[i];
-    const TransportChoice transport =
-        real_hosts() || plan.has_publisher ? TransportChoice::automatic : TransportChoice::udp;
-    // What samples for a subscriber would come over.
-    const NodePlan node{plan.subscriber.name, domain, transport,
-                        metered(plan.has_publisher ? "lo" : host_interface)};
-    std::vector<Role> roles{
-        {plan.subscriber.name, [=](Channel& channel) { plan.subscriber.run(node, arr, channel); }}};
-    if (plan.has_publisher) {
-      const NodePlan lidar{"lidar", domain, TransportChoice::automatic, metered(host_interface)};
-      roles.push_back({"lidar", [=, &source](Channel& channel) { run_publisher(lidar, source, channel); }});
-    }
-    Result<Host> host = Host::start(real_hosts() ? &network_->host(i) : nullptr, roles);
+    const HostSettings settings{
+        .network = real_hosts() ? &network_->host(i) : nullptr,
+        .shared_memory_mib = host_plans[i].has_publisher ? publishers_shared_memory_mib : shared_memory_mib,
+    };
+    Result<Host> host = Host::start(settings, roles_on(i, domain, source, arr));
     if (!host) return tl::unexpected(host.error());
     hosts_.push_back(std::move(*host));
   }

@@ -7,11 +7,9 @@
 // processes on this machine, and those that would be remote are held to UDP.
 #pragma once
 
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "examples/demo/cloud_source.h"
@@ -42,7 +40,6 @@ class Stage {
   bool real_hosts() const { return network_.has_value(); }
   const std::string& why_not() const { return why_not_; }
   unsigned hosts() const { return real_hosts() ? static_cast<unsigned>(hosts_.size()) : 1; }
-  static std::string_view publisher_host();
 
   const std::vector<Subscriber>& subscribers() const { return subscribers_; }
   Result<PublisherReport> ask_publisher(const Order& order);
@@ -51,6 +48,8 @@ class Stage {
  private:
   Stage() = default;
   Result<void> start_hosts(CloudSource& source, bool arr);
+  /// The subscriber of a host first.
+  std::vector<Role> roles_on(std::size_t number, std::uint32_t domain, CloudSource& source, bool arr) const;
 
   std::string why_not_;
   std::optional<EmulatedNetwork> network_;
