@@ -15,18 +15,21 @@ namespace sft::shm {
 // contain: on CPUs that reorder, a reader's last loads could come after the chunk was given back and written
 // anew. So a fence stands on our side of each of these calls. (GCC tells that its thread sanitizer does not
 // see fences; it sees no other process either.)
+#ifndef __clang__
 #pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpragmas"
 #pragma GCC diagnostic ignored "-Wtsan"
+#endif
 inline void before_chunk_leaves() noexcept { std::atomic_thread_fence(std::memory_order_release); }
 inline void after_chunk_came() noexcept { std::atomic_thread_fence(std::memory_order_acquire); }
+#ifndef __clang__
 #pragma GCC diagnostic pop
+#endif
 
 struct ChunkSlot {
   core::SampleBuffer buffer;
   iox::mepoo::ChunkHeader* chunk = nullptr;
-  iox::mepoo::ShmSafeUnmanagedChunk
-      name{};         ///< of a writer's chunk, to make references from; counts for none itself
+  /// Of a writer's chunk, to make references from; counts for none itself.
+  iox::mepoo::ShmSafeUnmanagedChunk name{};
   bool sent = false;  ///< by a writer: no longer to be written
   ChunkSlot* next_free = nullptr;
 

@@ -119,8 +119,9 @@ void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) 
 
 void DaemonLink::begin_registration(const ShmOptions& options, HostWatch watch, Clock::time_point now) {
   auto channel = RoudiChannel::open(make_runtime_name(options.runtime_name_prefix));
-  if (!channel)
+  if (!channel) {
     return give_up(daemon_name(watch.file().pid) + " cannot be reached: " + channel.error().message, now);
+  }
   channel_ = std::move(*channel);
   watch_.emplace(std::move(watch));
   deadline_ = now + options.connect_deadline;

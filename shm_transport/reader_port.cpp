@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <iterator>
 
 namespace sft::shm {
 
@@ -52,6 +53,11 @@ bool ChunkBorrower::open() const noexcept {
   return open_;
 }
 
+bool ChunkBorrower::drained() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  return lost_ || (!open_ && arrived_ == 0);
+}
+
 bool ChunkBorrower::connected() const noexcept { return open() && session_->is_fed(data_); }
 
 SampleHandle ChunkBorrower::take() noexcept {
@@ -73,11 +79,12 @@ SampleHandle ChunkBorrower::take() noexcept {
 /// overflows if it must. iceoryx itself would drop what exceeds its limit of held chunks.
 ChunkSlot* ChunkBorrower::next_chunk() noexcept {
   const std::scoped_lock lock(mutex_);
-  if (lost_) return nullptr;
+  if (lost_ || (!open_ && arrived_ == 0)) return nullptr;
   if (slots_.empty()) {
     if (port_.hasNewChunks()) statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
     return nullptr;
   }
+  if (!open_) --arrived_;
   auto chunk = port_.tryGetChunk();
   if (chunk.has_error()) return nullptr;
   overflowed_ = port_.hasLostChunksSinceLastCall();
@@ -130,6 +137,8 @@ void ChunkBorrower::recycle(SampleBuffer& buffer) noexcept {
 void ChunkBorrower::close() noexcept {
   const std::scoped_lock lock(mutex_);
   if (!std::exchange(open_, false)) return;
+  // The writer goes on delivering until the daemon has heard of it.
+  arrived_ = data_.m_chunkReceiverData.m_queue.size();
   port_.unsubscribe();
 }
 
@@ -148,7 +157,7 @@ ShmReaderPort::~ShmReaderPort() {
 }
 
 SampleHandle ShmReaderPort::take() noexcept {
-  std::vector<std::shared_ptr<ChunkBorrower>> drained;  // released behind the lock
+  std::vector<std::shared_ptr<ChunkBorrower>> drained;  // destroyed after the lock is released
   const std::scoped_lock lock(mutex_);
   for (std::size_t i = 0; i < writers_.size(); ++i) {
     const std::size_t at = (next_writer_ + i) % writers_.size();
@@ -157,23 +166,20 @@ SampleHandle ShmReaderPort::take() noexcept {
       return sample;
     }
   }
-  drained = forget_closed();
+  if (closing_ > 0) drained = forget_drained();
   return {};
 }
 
-/// With the lock held, after nothing could be taken: those that were disconnected have nothing left.
-std::vector<std::shared_ptr<ChunkBorrower>> ShmReaderPort::forget_closed() noexcept {
-  std::vector<std::shared_ptr<ChunkBorrower>> closed;
-  for (auto writer = writers_.begin(); writer != writers_.end();) {
-    if ((*writer)->open()) {
-      ++writer;
-      continue;
-    }
-    discarded_before_ += (*writer)->discarded();
-    closed.push_back(std::move(*writer));
-    writer = writers_.erase(writer);
-  }
-  return closed;
+/// With the lock held. Those that were disconnected and of which everything was taken.
+std::vector<std::shared_ptr<ChunkBorrower>> ShmReaderPort::forget_drained() noexcept {
+  const auto first =
+      std::partition(writers_.begin(), writers_.end(), [](const auto& w) { return !w->drained(); });
+  std::vector<std::shared_ptr<ChunkBorrower>> drained(std::make_move_iterator(first),
+                                                      std::make_move_iterator(writers_.end()));
+  writers_.erase(first, writers_.end());
+  for (const auto& writer : drained) discarded_before_ += writer->discarded();
+  closing_ -= std::min(closing_, drained.size());
+  return drained;
 }
 
 Result<void> ShmReaderPort::connect(const core::Source& source) {
@@ -194,7 +200,11 @@ bool ShmReaderPort::connected(core::EndpointId writer) const noexcept {
 }
 
 void ShmReaderPort::disconnect(core::EndpointId writer) noexcept {
-  if (const auto gone = find(writer)) gone->close();  // take() lets go of it once its queue is empty
+  const auto gone = find(writer);
+  if (gone == nullptr) return;
+  gone->close();
+  const std::scoped_lock lock(mutex_);
+  ++closing_;  // take() lets go of it once it is drained
 }
 
 std::uint64_t ShmReaderPort::discarded() const noexcept {

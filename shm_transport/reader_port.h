@@ -27,7 +27,8 @@ class ChunkBorrower final : public core::BufferOwner,
   ~ChunkBorrower() override;
 
   core::EndpointId writer() const { return writer_; }
-  bool open() const noexcept;  ///< neither closed nor lost
+  bool open() const noexcept;     ///< neither closed nor lost
+  bool drained() const noexcept;  ///< not open, and nothing is left to be taken
   bool connected() const noexcept;
   std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
 
@@ -61,6 +62,7 @@ class ChunkBorrower final : public core::BufferOwner,
   mutable std::mutex mutex_;  // guards what follows; never held over a system call
   bool open_ = true;          ///< neither closed nor lost
   bool lost_ = false;
+  std::uint64_t arrived_ = 0;  ///< when it was closed, and not yet taken
   iox::popo::SubscriberPortData& data_;
   iox::popo::SubscriberPortUser port_;
   ChunkSlots slots_;
@@ -81,7 +83,7 @@ class ShmReaderPort final : public core::ReaderPort {
 
  private:
   std::shared_ptr<ChunkBorrower> find(core::EndpointId writer) const noexcept;
-  std::vector<std::shared_ptr<ChunkBorrower>> forget_closed() noexcept;
+  std::vector<std::shared_ptr<ChunkBorrower>> forget_drained() noexcept;
 
   const std::shared_ptr<Session> session_;
   const core::ReaderSpec spec_;
@@ -90,8 +92,9 @@ class ShmReaderPort final : public core::ReaderPort {
 
   mutable std::mutex mutex_;  // guards what follows
   std::vector<std::shared_ptr<ChunkBorrower>> writers_;
+  std::size_t closing_ = 0;  ///< of these, disconnected
   std::size_t next_writer_ = 0;
-  std::uint64_t discarded_before_ = 0;  ///< of writers that are no longer connected
+  std::uint64_t discarded_before_ = 0;  ///< of writers that it has let go of
 };
 
 }  // namespace sft::shm

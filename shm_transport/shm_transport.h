@@ -12,22 +12,20 @@
 namespace sft::shm {
 
 struct ShmOptions {
-  std::string
-      daemon_path{};  ///< of sftd; empty: beside the program, in ../libexec/sft beside that, then in PATH
-  bool start_daemon = true;  ///< start one when none runs
-  std::chrono::seconds daemon_idle_exit{
-      0};  ///< one started so ends after being without clients so long; 0: never
+  /// Of sftd; empty: beside the program, in ../libexec/sft from there, then in PATH.
+  std::string daemon_path{};
+  bool start_daemon = true;                  ///< when none runs
+  std::chrono::seconds daemon_idle_exit{0};  ///< one started so ends without clients for so long; 0: never
 
-  std::string runtime_name_prefix =
-      "node";  ///< of this process's name with the daemon, for people who look there
+  /// Of this process's name with the daemon, for people who look there.
+  std::string runtime_name_prefix = "node";
 
   std::chrono::milliseconds start_deadline{20'000};   ///< for a daemon to become ready
   std::chrono::milliseconds connect_deadline{1'000};  ///< for it to take this process on
   std::chrono::milliseconds port_deadline{500};       ///< for it to make a port
 
-  std::uint32_t queue_limit = 256;  ///< samples waiting per reader and writer; iceoryx has at most 256
-  std::uint32_t held_limit =
-      256;  ///< samples held at a time per writer, and per reader and writer; at most 256
+  std::uint32_t queue_limit = 256;  ///< samples waiting, per reader and writer; at most 256
+  std::uint32_t held_limit = 256;   ///< samples held, per writer and per reader and writer; at most 256
 };
 
 /// Does not wait and does not fail for want of a daemon: Transport::poll looks after that.

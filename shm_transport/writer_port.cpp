@@ -15,8 +15,8 @@ using iox::mepoo::ShmSafeUnmanagedChunk;
 
 namespace {
 
-constexpr std::size_t largest_sample_bytes = std::size_t{1}
-                                             << 30;  // far above any pool; keeps sums below 2^32
+// Far above any pool; keeps sums of sizes below 2^32.
+constexpr std::size_t largest_sample_bytes = 1'000'000'000;
 
 // How long a send waits for a port's lock that the daemon holds, in steps.
 constexpr int lock_attempts = 20;
@@ -118,8 +118,8 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers) noexce
 void ChunkLender::deliver(ChunkSlot& slot) noexcept {
   auto& port = publisher_.m_chunkSenderData;
   port.m_history.push_back(slot.name);
-  port.m_chunksInUse.insert(
-      slot.name.cloneToSharedChunk());  // sendChunk sends what is on loan by iceoryx's account
+  // On loan again by iceoryx's own account: only such chunks can be sent.
+  port.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
   before_chunk_leaves();
   port_.sendChunk(slot.chunk);
   port.m_history.pop_back();

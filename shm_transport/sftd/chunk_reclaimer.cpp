@@ -35,12 +35,15 @@ void ChunkReclaimer::note_deliveries(const iox::RuntimeName_t& dead) {
 
 std::size_t ChunkReclaimer::reclaim() {
   std::size_t reclaimed = 0;
-  std::erase_if(suspects_, [&](Suspect& suspect) {
-    if (has_readers(suspect.service)) return false;
-    if (drop_other_references(suspect.chunk)) ++reclaimed;
-    suspect.chunk.releaseToSharedChunk();
-    return true;
-  });
+  for (auto suspect = suspects_.begin(); suspect != suspects_.end();) {
+    if (has_readers(suspect->service)) {
+      ++suspect;
+      continue;
+    }
+    if (drop_other_references(suspect->chunk)) ++reclaimed;
+    suspect->chunk.releaseToSharedChunk();
+    suspect = suspects_.erase(suspect);
+  }
   return reclaimed;
 }
 

@@ -47,6 +47,17 @@ TEST_F(Loss, IsFollowedByANewDaemonWithANewToken) {
   }
 }
 
+TEST_F(Loss, OfADaemonThatWasTerminatedIsNoticedAndRepairedToo) {
+  Node node;
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  Writer writer(node, 1);
+  const core::HostToken token = node->host_token();
+  ::kill(daemon_pid(), SIGTERM);
+  while (node.poll() == Availability::ready) writer.send_frame();
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  EXPECT_NE(node->host_token(), token);
+}
+
 TEST_F(Loss, IsToldToEveryNodeOfTheProcess) {
   Node first;
   Node second(no_daemon());

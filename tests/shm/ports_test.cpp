@@ -103,17 +103,20 @@ TEST_F(ShmPorts, DeliverNothingWithoutRoutes) {
   EXPECT_FALSE(reader.take());
 }
 
-TEST_F(ShmPorts, DeliverNothingAfterDisconnecting) {
+TEST_F(ShmPorts, DeliverWhatArrivedBeforeDisconnectingAndNothingElse) {
   Writer writer(node(), 1);
   Reader reader(node());
   ASSERT_TRUE(reader.connects_to(1));
+  for (int i = 0; i < 2; ++i) writer.send_frame();
   reader.port().disconnect(1);
   EXPECT_FALSE(reader.port().connected(1));
   writer.send_frame();
+  EXPECT_EQ(sequence_of(reader.next()), 1U);
+  EXPECT_EQ(sequence_of(reader.next()), 2U);
   EXPECT_FALSE(reader.take());
   ASSERT_TRUE(reader.connects_to(1));
   writer.send_frame();
-  EXPECT_EQ(sequence_of(reader.next()), 2U);
+  EXPECT_EQ(sequence_of(reader.next()), 4U);
 }
 
 TEST_F(ShmPorts, TakeFromSeveralWritersInTurn) {

@@ -14,8 +14,8 @@
 
 #include "core/transport.h"
 #include "frame.h"
-#include "isolated_host.h"
 #include "shm_transport/shm_transport.h"
+#include "tests/support/isolated_host.h"
 
 namespace sft::test {
 
