@@ -7,9 +7,9 @@
 
 namespace sft::test {
 
-/// Calls `run` as a process of a new host, of which the only interface is the loopback, and returns its exit code; all that
-/// it started ends with it. Call it before there are threads. Where the system allows neither root nor user namespaces,
-/// `run` is called where it stands, and isolation_refusal() says why.
+/// Calls `run` as a process of a new host, of which the only interface is the loopback, and ends this one with its exit
+/// code; all that it started ends with it. Call it before there are threads. Where the system allows neither root nor user
+/// namespaces, `run` is called where it stands, its result is returned, and isolation_refusal() says why.
 int run_isolated(const std::function<int()>& run);
 
 /// Empty if this program is isolated: tests that need it skip by this otherwise.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <nav_msgs/msg/Odometry.hpp>
-#include <numeric>
+#include <ostream>
 #include <ranges>
 #include <sensor_msgs/msg/BatteryState.hpp>
 #include <sensor_msgs/msg/LaserScan.hpp>
@@ -164,6 +164,8 @@ struct OusterScan {
   std::uint32_t latest_ns;
 };
 
+void PrintTo(const OusterScan& scan, std::ostream* out) { *out << scan.file; }
+
 class OusterCorpusTest : public CorpusTest, public ::testing::WithParamInterface<OusterScan> {};
 
 TEST_P(OusterCorpusTest, AScanOf128Times1024Points) {
@@ -198,9 +200,9 @@ TEST_P(OusterCorpusTest, AScanOf128Times1024Points) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Frame, OusterCorpusTest,
-                         ::testing::Values(OusterScan{"pointcloud2_0.cdr", 587364520, 107'647, 99'851'390},
-                                           OusterScan{"pointcloud2_1.cdr.xz", 687315250, 107'357, 99'911'550},
-                                           OusterScan{"pointcloud2_2.cdr.xz", 787323080, 107'532, 99'979'000}));
+                         ::testing::Values(OusterScan{"pointcloud2_0.cdr", 587'364'520, 107'647, 99'851'390},
+                                           OusterScan{"pointcloud2_1.cdr.xz", 687'315'250, 107'357, 99'911'550},
+                                           OusterScan{"pointcloud2_2.cdr.xz", 787'323'080, 107'532, 99'979'000}));
 
 TEST_F(CorpusTest, LaserScansOfADrivingRobot) {
   std::size_t no_return = 0;

@@ -54,7 +54,8 @@ std::vector<Contestant> contestants() {
           {test::message_type<proof::Scene>(), &proof_Scene_desc},
           {test::message_type<proof::Bounded>(), &proof_Bounded_desc},
           {test::message_type<proof::Keyed>(), &proof_Keyed_desc},
-          {test::message_type<proof::Wide>(), &proof_Wide_desc}};
+          {test::message_type<proof::Wide>(), &proof_Wide_desc},
+          {test::message_type<proof::Chunks>(), &proof_Chunks_desc}};
 }
 
 class Differential : public test::RandomTest, public ::testing::WithParamInterface<Contestant> {

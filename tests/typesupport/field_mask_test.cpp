@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
 #include <set>
+
+#include "tests/support/test_seed.h"
 
 namespace sft {
 namespace {
@@ -36,9 +37,8 @@ TEST(FieldMaskTest, EqualMasksHashAlikeAndUpTo64LeavesTheHashIsTheBits) {
 }
 
 TEST(FieldMaskTest, BehavesLikeASetOfNumbers) {
-  const auto seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  SCOPED_TRACE("to repeat: SFT_TEST_SEED=" + std::to_string(test::test_seed()));
+  test::Random random(test::test_seed());
   for (int round = 0; round < 500; ++round) {
     const std::size_t leaves = 1 + random() % 200;
     FieldMask mask(leaves);

@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
 #include <sensor_msgs/msg/BatteryState.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "sft/typesupport/decode.h"
 #include "tests/support/encoded.h"
+#include "tests/support/test_seed.h"
 
 namespace sft {
 namespace {
@@ -80,9 +80,8 @@ TEST_F(WalkTest, AStringEndsAtItsFirstNulAndThatOfLengthZeroIsEmpty) {
 }
 
 TEST_F(WalkTest, RandomlyChangedBytesAreRefusedOrDecodedButNeverReadOutside) {
-  const auto seed = std::random_device{}();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  SCOPED_TRACE("to repeat: SFT_TEST_SEED=" + std::to_string(test::test_seed()));
+  test::Random random(test::test_seed());
   const std::vector<std::byte> original = encoded.bytes();
   for (int round = 0; round < 50'000; ++round) {
     // A copy of exactly that size, so that the address sanitizer sees any byte too many.

@@ -1,5 +1,6 @@
 #include "sft/typesupport/encode.h"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstring>
@@ -120,6 +121,9 @@ class Encoder {
     } else if (m.kind == Kind::string) {
       for (std::size_t i = 0; i < n; ++i) string(m, *reinterpret_cast<const std::string*>(first + i * m.stride));
     } else if (n != 0) {
+      // Collections of booleans are held as bytes; receivers refuse what is neither 0 nor 1.
+      const auto no_boolean = [](std::byte b) { return b > std::byte{1}; };
+      if (m.kind == Kind::boolean && std::any_of(first, first + n, no_boolean)) status_ = EncodeStatus::bad_boolean;
       out_.align(size_of(m.kind));
       out_.put(first, n * size_of(m.kind));
     }
@@ -168,6 +172,7 @@ const char* to_string(EncodeStatus status) {
   switch (status) {
     case EncodeStatus::ok: return "ok";
     case EncodeStatus::too_large: return "a sequence or string exceeds its bound, or the sample 4 GiB";
+    case EncodeStatus::bad_boolean: return "a boolean is neither 0 nor 1";
     case EncodeStatus::string_has_nul: return "a string contains a NUL character";
   }
   return "unknown";

@@ -15,6 +15,7 @@ enum class EncodeStatus : std::uint8_t {
   ok,
   too_large,       ///< the body would have 4 GiB or more, or a string or sequence exceeds its bound
   string_has_nul,  ///< CDR ends a string at its first NUL
+  bad_boolean,     ///< in an array or a sequence, where booleans are bytes
 };
 const char* to_string(EncodeStatus status);
 
