@@ -83,7 +83,7 @@ struct Slam {
     }
   }
   template <class Range>
-  static void read_fields(const std::optional<Range>& fields_of_points, Use& use) {
+  static void read_fields(const Optional<Range>& fields_of_points, Use& use) {
     if (fields_of_points) read_fields(*fields_of_points, use);
   }
 };

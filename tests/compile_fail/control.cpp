@@ -16,11 +16,15 @@ std::size_t width_as_recorded(const sft::Sample<PointCloud2, sft::recorded>& sam
   return sample->width().value_or(0) + sample.to_partial().value().value.width + sample.cdr().size();
 }
 
-std::size_t name_bytes(const sft::Sample<PointCloud2, F::header>& sample) { return sample->header().frame_id().size(); }
+std::size_t name_bytes(const sft::Sample<PointCloud2, F::header>& sample) {
+  return sample->header().frame_id().size();
+}
 
 PointCloud2 owned(const sft::Sample<PointCloud2>& sample) { return sample.to_owned().value(); }
 
-auto subscribe(sft::Node& node) { return node.subscriber<PointCloud2, F::header.stamp | F::height>("points"); }
+auto subscribe(sft::Node& node) {
+  return node.subscriber<PointCloud2, F::header.stamp | F::height>("points");
+}
 
 sft::PublishStatus fill(sft::Publisher<PointCloud2>& publisher) {
   auto loan = publisher.loan(PointCloud2{}, {.data = 8}).value();

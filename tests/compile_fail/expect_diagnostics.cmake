@@ -1,6 +1,6 @@
 # cmake -D SNIPPET=file "-D COMMAND=compiler;argument..." -P expect_diagnostics.cmake
-# Each `// expect: REGEX` of the snippet has to match what the compiler says, the first of them its first error.
-# A snippet without expectations has to compile.
+# Each `// expect: REGEX` of the snippet has to match what the compiler says, the first of them its first
+# error. A snippet without expectations has to compile.
 file(STRINGS ${SNIPPET} expectations REGEX "^// expect: ")
 set(ENV{LC_ALL} C)
 execute_process(COMMAND ${COMMAND} RESULT_VARIABLE status OUTPUT_VARIABLE said ERROR_VARIABLE said)
@@ -15,11 +15,11 @@ if(status EQUAL 0)
   message(FATAL_ERROR "${SNIPPET} compiles")
 endif()
 
-string(REGEX MATCH "[^\n]*error: [^\n]*" searched "${said}")  # the first expectation; further ones may match anywhere
+string(REGEX MATCH "[^\n]*error: [^\n]*" searched "${said}")
 foreach(expectation IN LISTS expectations)
   string(REPLACE "// expect: " "" regex "${expectation}")
   if(NOT searched MATCHES "${regex}")
     message(FATAL_ERROR "expected: ${regex}\ngot: ${said}")
   endif()
-  set(searched "${said}")
+  set(searched "${said}")  # the further ones may match anywhere
 endforeach()

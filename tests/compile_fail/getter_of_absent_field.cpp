@@ -1,4 +1,4 @@
-// expect: (no matching function for call to .*::height[(][)]|function 'height': constraints not satisfied)
+// expect: (no matching function for call to .*::height[(]|function 'height': constraints not satisfied)
 // expect: field_is_in_declared_mask
 #include "tests/compile_fail/cloud.h"
 

@@ -2,7 +2,7 @@
 //
 //   u8 number of the type (modulo their count) | its mask | the mask to project to | the body
 //
-// Both masks are bit sets of as many bytes as the type's leaves need, not closed; the second is cut to the first.
+// Masks are bit sets of as many bytes as the type's leaves need, not closed; the second is cut to the first.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@ namespace sft::test {
 
 struct DecoderInput {
   const MessageType* type = nullptr;
-  FieldMask mask{};            ///< closed
-  FieldMask narrower{};        ///< closed, a subset of mask
+  FieldMask mask{};                   ///< closed
+  FieldMask narrower{};               ///< closed, a subset of mask
   std::span<const std::byte> body{};  ///< within the input, not aligned
 };
 

@@ -1,4 +1,4 @@
-// decoder_seeds DIRECTORY: writes the first inputs of fuzz_decoder, small messages of all types under some masks.
+// decoder_seeds DIRECTORY: writes first inputs of fuzz_decoder, small messages of all types.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -24,7 +24,8 @@ std::vector<std::byte> small_input(std::size_t number, Random& random, bool full
   for (int i = 0; i < 1000; ++i) {
     OwnedValue value = type.make();
     values.fill(type.type(), value.get());
-    const FieldMask mask = full ? type.support->full() : type.support->closed(values.mask(type.support->leaves()));
+    const FieldMask mask =
+        full ? type.support->full() : type.support->closed(values.mask(type.support->leaves()));
     const FieldMask narrower = values.mask(type.support->leaves());
     const std::vector<std::byte> body = Encoded(type.type(), value.get(), mask).bytes();
     if (distance(body.size(), body_bytes_wanted) >= best_distance) continue;
@@ -54,7 +55,8 @@ int main(int argc, char** argv) {
     for (const bool full : {true, false}) {
       const auto input = sft::test::small_input(i, random, full);
       if (input.size() > sft::test::input_bytes_max) continue;
-      sft::test::save(directory / (sft::test::all_types()[i].short_name() + (full ? "_full" : "_masked")), input);
+      sft::test::save(directory / (sft::test::all_types()[i].short_name() + (full ? "_full" : "_masked")),
+                      input);
     }
   }
 }

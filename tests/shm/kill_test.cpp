@@ -52,18 +52,21 @@ TEST_F(Kill, OfAWriterInATightLoopWedgesNobody) {
   EXPECT_TRUE(chunks.comes_to(before - rounds)) << "more than one chunk per kill is lost";
 }
 
-TEST_F(Kill, OfAReaderInATightLoopCostsNothing) {
+TEST_F(Kill, OfAReaderInATightLoopCostsAtMostTheChunkItWasJustTaking) {
   Writer writer(node(), 1);
   ChunkCounter chunks(node(), megabyte);
   const std::size_t before = chunks.free();
-  for (int round = 0; round < 10; ++round) {
+  constexpr int rounds = 10;
+  for (int round = 0; round < rounds; ++round) {
     Process peer = start_peer({"subscribe", "1"});
     ASSERT_EQ(peer.line(), "subscribed") << round;
     for (int i = 0; i < 2000; ++i) writer.send_frame(megabyte);
     peer.kill();
     ASSERT_EQ(writer.send_frame(megabyte), SendStatus::sent) << round;
   }
-  EXPECT_TRUE(chunks.comes_to(before - 1)) << "the one that the writer keeps";
+  // The writer keeps one. iceoryx forgets a chunk if a reader dies between taking it from the queue and noting it: about
+  // one kill in a thousand here.
+  EXPECT_TRUE(chunks.comes_to(before - 1 - rounds)) << "more than one chunk per kill is lost";
 }
 
 TEST_F(Kill, OfAWriterReturnsItsLoansAndItsHistory) {

@@ -14,7 +14,8 @@ namespace {
 CLayout element_layout(const Member& m) {
   if (m.kind == Kind::structure) return c_layout(*m.type);
   if (m.kind != Kind::string) return {size_of(m.kind), size_of(m.kind)};
-  return m.string_bound == 0 ? CLayout{sizeof(char*), alignof(char*)} : CLayout{m.string_bound + std::size_t{1}, 1};
+  return m.string_bound == 0 ? CLayout{sizeof(char*), alignof(char*)}
+                             : CLayout{m.string_bound + std::size_t{1}, 1};
 }
 
 CLayout member_layout(const Member& m) {
@@ -23,7 +24,9 @@ CLayout member_layout(const Member& m) {
   return {element.size * m.count, element.alignment};
 }
 
-std::size_t aligned(std::size_t offset, std::size_t alignment) { return (offset + alignment - 1) / alignment * alignment; }
+std::size_t aligned(std::size_t offset, std::size_t alignment) {
+  return (offset + alignment - 1) / alignment * alignment;
+}
 
 /// Calls visit(member, its offset in the C struct) and returns the end of the last member.
 template <class Visit>

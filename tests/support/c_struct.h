@@ -1,5 +1,5 @@
-// Messages as the C structs that stock idlc generates, reached through our tables: members in order and naturally
-// aligned, `char*` or `char[bound + 1]` for strings, dds_sequence_t for sequences.
+// Messages as the C structs that stock idlc generates, reached through our tables: members in order and
+// naturally aligned, `char*` or `char[bound + 1]` for strings, dds_sequence_t for sequences.
 #pragma once
 
 #include <cstddef>

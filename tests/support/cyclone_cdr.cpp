@@ -25,7 +25,8 @@ const void* CycloneReader::deserialize(std::span<const std::byte> body) {
   std::copy(body.begin(), body.end(), bytes.begin());
   std::uint32_t end = 0;
   auto* first = reinterpret_cast<char*>(bytes.data());
-  if (dds_stream_normalize_data(first, &end, size, false, CDR_ENC_VERSION_1, type_->m_ops) == nullptr) return nullptr;
+  if (dds_stream_normalize_data(first, &end, size, false, CDR_ENC_VERSION_1, type_->m_ops) == nullptr)
+    return nullptr;
   if (end != size) return nullptr;
 
   dds_istream_t stream;

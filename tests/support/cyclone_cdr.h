@@ -1,4 +1,4 @@
-// Cyclone DDS's own serializer, without a domain or a network: from the C structs of stock idlc to CDR and back.
+// Cyclone DDS's own serializer, without domain or network: from C structs of stock idlc to CDR and back.
 #pragma once
 
 #include <dds/dds.h>
@@ -19,7 +19,7 @@ class CycloneReader {
   CycloneReader& operator=(const CycloneReader&) = delete;
   ~CycloneReader() { free_sample(); }
 
-  /// The C struct, valid until the next call; null if Cyclone finds the bytes malformed or some are left over.
+  /// The C struct, valid until the next call; null if Cyclone finds the bytes malformed or too many.
   const void* deserialize(std::span<const std::byte> body);
 
  private:
@@ -29,7 +29,7 @@ class CycloneReader {
   void* sample_ = nullptr;
 };
 
-/// Whether the type is written in the plain encoding of XCDR1 (that is, it is final and needs nothing of XCDR2).
+/// Whether the type is written in the plain encoding of XCDR1: it is final and needs nothing of XCDR2.
 bool cyclone_writes_plain_cdr(const dds_topic_descriptor_t& type);
 
 }  // namespace sft::test

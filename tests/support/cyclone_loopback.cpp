@@ -14,7 +14,8 @@ namespace {
 constexpr const char* config =
     "<Domain><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"false\"/></Interfaces>"
     "<AllowMulticast>false</AllowMulticast></General>"
-    "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>99</MaxAutoParticipantIndex>"
+    "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>99</"
+    "MaxAutoParticipantIndex>"
     "</Discovery></Domain>";
 
 constexpr std::size_t padding_to_4(std::size_t bytes) { return (4 - bytes % 4) % 4; }
@@ -29,7 +30,8 @@ CycloneLoopback::CycloneLoopback(const dds_topic_descriptor_t& type) {
   const dds_entity_t participant = checked(dds_create_participant(id, nullptr, nullptr), "participant");
   if (!ok()) return;
   const std::string name = "loopback_" + std::to_string(random());
-  const dds_entity_t topic = checked(dds_create_topic(participant, &type, name.c_str(), nullptr, nullptr), "topic");
+  const dds_entity_t topic =
+      checked(dds_create_topic(participant, &type, name.c_str(), nullptr, nullptr), "topic");
   reader_ = checked(dds_create_reader(participant, topic, nullptr, nullptr), "reader");
   writer_ = checked(dds_create_writer(participant, topic, nullptr, nullptr), "writer");
   if (!ok()) return;
@@ -66,11 +68,13 @@ CyclonePayload CycloneLoopback::sent(const void* c_struct) {
   std::memcpy(payload.encapsulation.data(), bytes.data(), payload.encapsulation.size());
   const std::size_t padding = payload.encapsulation[3] & 3;
   payload.encapsulation[3] &= 0xfc;
-  payload.body.assign(bytes.begin() + encapsulation_bytes, bytes.end() - static_cast<std::ptrdiff_t>(padding));
+  payload.body.assign(bytes.begin() + encapsulation_bytes,
+                      bytes.end() - static_cast<std::ptrdiff_t>(padding));
   return payload;
 }
 
-bool CycloneLoopback::receive(std::span<const std::byte> body, const std::function<void(const void*)>& visit) {
+bool CycloneLoopback::receive(std::span<const std::byte> body,
+                              const std::function<void(const void*)>& visit) {
   std::vector<std::byte> bytes(encapsulation_bytes + body.size() + padding_to_4(body.size()));
   std::memcpy(bytes.data(), encapsulation_cdr_le.data(), encapsulation_bytes);
   bytes[3] = static_cast<std::byte>(padding_to_4(body.size()));

@@ -1,5 +1,5 @@
-// One Cyclone DDS writer and reader of a type in a domain of their own that knows no interface but loopback: what they
-// exchange is what goes over a wire, encapsulation and all.
+// One Cyclone DDS writer and reader of a type in a domain of their own that knows no interface but loopback:
+// what they exchange is what goes over a wire, encapsulation and all.
 #pragma once
 
 #include <dds/dds.h>
@@ -32,7 +32,7 @@ class CycloneLoopback {
   /// What the writer makes of a sample.
   CyclonePayload sent(const void* c_struct);
 
-  /// Lets the reader take a sample with this body, and shows the C struct to `visit`; false if there was none.
+  /// Lets the reader take a sample with this body and shows the C struct to `visit`; false if none arrives.
   bool receive(std::span<const std::byte> body, const std::function<void(const void*)>& visit);
 
  private:

@@ -15,7 +15,9 @@ struct MessageType {
   OwnedValue (*make)();
 
   const StructType& type() const { return support->type(); }
-  std::string short_name() const { return std::string(support->name().substr(support->name().rfind(':') + 1)); }
+  std::string short_name() const {
+    return std::string(support->name().substr(support->name().rfind(':') + 1));
+  }
 };
 
 template <class T>
@@ -27,8 +29,8 @@ MessageType message_type() {
 /// PointCloud2, LaserScan, BatteryState, Image, OccupancyGrid, Odometry.
 std::span<const MessageType> common_types();
 
-/// Those, and types made to be difficult (tests/idl/torture.idl, tests/typesupport/proof.idl). The order is kept: inputs
-/// of the fuzzer name types by their number.
+/// Those, and types made to be difficult (tests/idl/torture.idl, tests/typesupport/proof.idl). The order is
+/// kept: inputs of the fuzzer name types by their number.
 std::span<const MessageType> all_types();
 
 void PrintTo(const MessageType& type, std::ostream* out);

@@ -18,7 +18,8 @@ AssertionResult same_element(const Member& m, const std::byte* a, const std::byt
   }
   const auto& text_a = *reinterpret_cast<const std::string*>(a);
   const auto& text_b = *reinterpret_cast<const std::string*>(b);
-  return text_a == text_b ? AssertionSuccess() : AssertionFailure() << ": '" << text_a << "' or '" << text_b << "'";
+  return text_a == text_b ? AssertionSuccess()
+                          : AssertionFailure() << ": '" << text_a << "' or '" << text_b << "'";
 }
 
 AssertionResult same_elements(const Member& m, Elements a, Elements b) {

@@ -10,7 +10,7 @@
 
 namespace sft::test {
 
-/// An owned struct of some type, default-constructed at first.
+/// An owned struct of some type, default-constructed at first. Copies share it.
 class OwnedValue {
  public:
   template <class T>

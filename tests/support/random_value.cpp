@@ -13,21 +13,34 @@ namespace sft::test {
 
 namespace {
 
-// Zero, one, the ends of the ranges; infinities, quiet and signalling NaNs with payloads, denormals, negative zero.
+// Zero, one (a denormal, as a float), the ends of the ranges, negative zero, infinities, quiet and signalling
+// NaNs with payloads.
 constexpr std::array<std::uint64_t, 5> extremes_8{0, 1, 0x7f, 0x80, 0xff};
 constexpr std::array<std::uint64_t, 5> extremes_16{0, 1, 0x7fff, 0x8000, 0xffff};
-constexpr std::array<std::uint64_t, 10> extremes_32{0,          1,          0x7fff'ffff, 0x8000'0000, 0xffff'ffff,
-                                                    0x7f80'0000, 0xff80'0000, 0x7fc0'0001, 0x7f80'0001, 0x3f80'0000};
-constexpr std::array<std::uint64_t, 10> extremes_64{
-    0, 1, 0x7fff'ffff'ffff'ffff, 0x8000'0000'0000'0000, 0xffff'ffff'ffff'ffff, 0x7ff0'0000'0000'0000,
-    0xfff0'0000'0000'0000, 0x7ff8'0000'0000'0001, 0x7ff0'0000'0000'0001, 0x3ff0'0000'0000'0000};
+constexpr std::array<std::uint64_t, 10> extremes_32{0,           1,           0x7fff'ffff, 0x8000'0000,
+                                                    0xffff'ffff, 0x7f80'0000, 0xff80'0000, 0x7fc0'0001,
+                                                    0x7f80'0001, 0x3f80'0000};
+constexpr std::array<std::uint64_t, 10> extremes_64{0,
+                                                    1,
+                                                    0x7fff'ffff'ffff'ffff,
+                                                    0x8000'0000'0000'0000,
+                                                    0xffff'ffff'ffff'ffff,
+                                                    0x7ff0'0000'0000'0000,
+                                                    0xfff0'0000'0000'0000,
+                                                    0x7ff8'0000'0000'0001,
+                                                    0x7ff0'0000'0000'0001,
+                                                    0x3ff0'0000'0000'0000};
 
 std::span<const std::uint64_t> extremes(Kind kind) {
   switch (size_of(kind)) {
-    case 1: return extremes_8;
-    case 2: return extremes_16;
-    case 4: return extremes_32;
-    default: return extremes_64;
+    case 1:
+      return extremes_8;
+    case 2:
+      return extremes_16;
+    case 4:
+      return extremes_32;
+    default:
+      return extremes_64;
   }
 }
 
@@ -36,10 +49,15 @@ std::span<const std::uint64_t> extremes(Kind kind) {
 FieldMask RandomValues::mask(std::size_t leaves) {
   FieldMask mask(leaves);
   switch (random_() % 8) {
-    case 0: return FieldMask::full(leaves);
-    case 1: return mask;
-    case 2: mask.insert(random_() % leaves); return mask;
-    default: break;
+    case 0:
+      return FieldMask::full(leaves);
+    case 1:
+      return mask;
+    case 2:
+      mask.insert(random_() % leaves);
+      return mask;
+    default:
+      break;
   }
   const std::uint64_t selected_of_16 = 1 + random_() % 15;
   for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
@@ -112,7 +130,8 @@ std::string RandomValues::text(std::size_t most, int depth) {
 }
 
 std::size_t RandomValues::log_uniform(std::size_t most) {
-  const double exponent = std::uniform_real_distribution<>(0, std::log(static_cast<double>(most) + 2))(random_);
+  const double exponent =
+      std::uniform_real_distribution<>(0, std::log(static_cast<double>(most) + 2))(random_);
   return std::min(most, static_cast<std::size_t>(std::exp(exponent)) - 1);
 }
 

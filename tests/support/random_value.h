@@ -1,5 +1,5 @@
-// Random messages of any type, and random masks. Sizes are log-uniform: mostly small, sometimes larger than what is
-// copied in one piece.
+// Random messages of any type, and random masks. Sizes are log-uniform: mostly small, sometimes larger than
+// what is copied in one piece.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ class RandomValues {
  public:
   explicit RandomValues(Random& random) : random_(random) {}
 
-  /// All leaves: any bits where any are allowed (extremes and NaNs often), booleans 0 or 1, strings without NUL, sequences
-  /// and strings within their bounds.
+  /// All leaves: any bits where any are allowed (extremes and NaNs often), booleans 0 or 1, strings without
+  /// NUL, sequences and strings within their bounds.
   void fill(const StructType& type, void* value) { structure(type, value, 0); }
 
   /// Dense, sparse, single-leaf, empty and full masks. Not closed.

@@ -22,7 +22,7 @@ bool has_any(const FieldMask& mask, std::size_t leaf, std::size_t count) {
   return false;
 }
 
-/// Calls visit(member, number of its first leaf) for the members of a struct of which the first leaf is `leaf`.
+/// Calls visit(member, number of its first leaf) for the members of a struct that begins at leaf `leaf`.
 template <class Visit>
 void for_each_member(const StructType& type, std::size_t leaf, Visit visit) {
   for (const Member& m : type.members) {
@@ -130,7 +130,8 @@ class Comparer {
       if (!has_any(mask_, leaf, leaves(m))) return;
       const Elements values = elements_of(m, object);
       if (m.shape == Shape::sequence) same = same && number() == values.count;
-      for (std::size_t i = 0; same && i < values.count; ++i) same = element(m, leaf, values.first + i * m.stride);
+      for (std::size_t i = 0; same && i < values.count; ++i)
+        same = element(m, leaf, values.first + i * m.stride);
     });
     return same;
   }
@@ -139,7 +140,8 @@ class Comparer {
 
  private:
   bool element(const Member& m, std::size_t leaf, const std::byte* value) {
-    if (m.kind == Kind::structure) return structure(*m.type, leaf + (m.shape == Shape::sequence ? 1 : 0), value);
+    if (m.kind == Kind::structure)
+      return structure(*m.type, leaf + (m.shape == Shape::sequence ? 1 : 0), value);
     if (m.kind != Kind::string) {
       align(size_of(m.kind));
       return same(value, size_of(m.kind));
@@ -147,7 +149,8 @@ class Comparer {
     const auto& text = *reinterpret_cast<const std::string*>(value);
     const std::optional<std::size_t> with_nul = number();
     if (text.empty() && with_nul == 0U) return true;
-    return with_nul == text.size() + 1 && same(reinterpret_cast<const std::byte*>(text.c_str()), text.size() + 1);
+    return with_nul == text.size() + 1 &&
+           same(reinterpret_cast<const std::byte*>(text.c_str()), text.size() + 1);
   }
 
   std::optional<std::size_t> number() {

@@ -29,7 +29,8 @@ std::uint64_t test_seed() {
   return seed;
 }
 
-RandomTest::RandomTest() : trace_(__FILE__, __LINE__, "to repeat: SFT_TEST_SEED=" + std::to_string(test_seed())) {
+RandomTest::RandomTest()
+    : trace_(__FILE__, __LINE__, "to repeat: SFT_TEST_SEED=" + std::to_string(test_seed())) {
   RecordProperty("seed", std::to_string(test_seed()));
 }
 

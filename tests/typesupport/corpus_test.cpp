@@ -1,5 +1,5 @@
-// Real payloads, recorded by others: they decode to what is known of them, encode to the same bytes, and obey the
-// projection law. Needs the recordings beside the repository.
+// Real payloads, recorded by others: they decode to what is known of them, encode to the same bytes, and obey
+// the projection law. Needs the recordings beside the repository.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -98,7 +98,8 @@ class CorpusTest : public test::RandomTest {
       const FieldMask mask = support.closed(values.mask(support.leaves()));
       ASSERT_TRUE(projection.project(received.state(), support.type(), mask));
       std::vector<std::byte> projected;
-      for (const Segment& s : projection.segments()) projected.insert(projected.end(), s.data, s.data + s.bytes);
+      for (const Segment& s : projection.segments())
+        projected.insert(projected.end(), s.data, s.data + s.bytes);
       EXPECT_TRUE(projected == Encoded(support.type(), &message, mask).bytes()) << support.format_mask(mask);
     }
   }
@@ -114,7 +115,8 @@ class CorpusTest : public test::RandomTest {
 };
 
 TEST_F(CorpusTest, ACloudThatARos2MiddlewareWrote) {
-  const Payload payload = test::read_recording(test::recorded_data() / "cdr/pointcloud2_dds_message.bin").value();
+  const Payload payload =
+      test::read_recording(test::recorded_data() / "cdr/pointcloud2_dds_message.bin").value();
   check<PointCloud2>(payload, 20);
   const Received<PointCloud2> received(payload);
   EXPECT_EQ(received.trailing().size(), 3U);
@@ -134,7 +136,8 @@ TEST_F(CorpusTest, ACloudThatARos2MiddlewareWrote) {
   int without_return = 0;
   std::uint16_t highest_ring = 0;
   for (std::size_t at = 0; at < cloud.data.size(); at += cloud.point_step) {
-    without_return += value_at<float>(cloud.data, at) == 0 && value_at<float>(cloud.data, at + 4) == 0 ? 1 : 0;
+    without_return +=
+        value_at<float>(cloud.data, at) == 0 && value_at<float>(cloud.data, at + 4) == 0 ? 1 : 0;
     highest_ring = std::max(highest_ring, value_at<std::uint16_t>(cloud.data, at + 16));
   }
   EXPECT_EQ(without_return, 4578);
@@ -154,7 +157,8 @@ TEST_F(CorpusTest, ViewsOfThatCloudReadTheSameWithoutDecodingIt) {
   for (const auto field : view.fields()) {
     fields.push_back(std::string(field.name()) + " " + std::to_string(field.offset()));
   }
-  EXPECT_EQ(fields, (std::vector<std::string>{"x 0", "y 4", "z 8", "intensity 12", "ring 16", "timestamp 18"}));
+  EXPECT_EQ(fields,
+            (std::vector<std::string>{"x 0", "y 4", "z 8", "intensity 12", "ring 16", "timestamp 18"}));
 }
 
 struct OusterScan {
@@ -170,7 +174,8 @@ class OusterCorpusTest : public CorpusTest, public ::testing::WithParamInterface
 
 TEST_P(OusterCorpusTest, AScanOf128Times1024Points) {
   const auto& [file, nanosec, expected_returns, expected_latest_ns] = GetParam();
-  const std::optional<Payload> payload = test::read_recording(test::recorded_data() / "lidar3d/ouster" / file);
+  const std::optional<Payload> payload =
+      test::read_recording(test::recorded_data() / "lidar3d/ouster" / file);
   if (!payload) GTEST_SKIP() << "xz is needed to unpack " << file;
   check<PointCloud2>(*payload, 10);
   const Received<PointCloud2> received(*payload);
@@ -199,10 +204,11 @@ TEST_P(OusterCorpusTest, AScanOf128Times1024Points) {
   EXPECT_EQ(latest_ns, expected_latest_ns);
 }
 
-INSTANTIATE_TEST_SUITE_P(Frame, OusterCorpusTest,
-                         ::testing::Values(OusterScan{"pointcloud2_0.cdr", 587'364'520, 107'647, 99'851'390},
-                                           OusterScan{"pointcloud2_1.cdr.xz", 687'315'250, 107'357, 99'911'550},
-                                           OusterScan{"pointcloud2_2.cdr.xz", 787'323'080, 107'532, 99'979'000}));
+INSTANTIATE_TEST_SUITE_P(
+    Frame, OusterCorpusTest,
+    ::testing::Values(OusterScan{"pointcloud2_0.cdr", 587'364'520, 107'647, 99'851'390},
+                      OusterScan{"pointcloud2_1.cdr.xz", 687'315'250, 107'357, 99'911'550},
+                      OusterScan{"pointcloud2_2.cdr.xz", 787'323'080, 107'532, 99'979'000}));
 
 TEST_F(CorpusTest, LaserScansOfADrivingRobot) {
   std::size_t no_return = 0;
@@ -216,7 +222,8 @@ TEST_F(CorpusTest, LaserScansOfADrivingRobot) {
     EXPECT_EQ(scan.intensities, std::vector<float>(361, 10.0F));
     EXPECT_FLOAT_EQ(scan.range_min, 0.02F);
     EXPECT_FLOAT_EQ(scan.range_max, 5.0F);
-    no_return += static_cast<std::size_t>(std::ranges::count_if(scan.ranges, [](float r) { return std::isinf(r); }));
+    no_return +=
+        static_cast<std::size_t>(std::ranges::count_if(scan.ranges, [](float r) { return std::isinf(r); }));
   }
   EXPECT_EQ(no_return, 51'872U);
 }

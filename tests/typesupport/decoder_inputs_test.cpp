@@ -1,4 +1,4 @@
-// The kept inputs of fuzz_decoder, and random damage to valid bodies: what has to hold for them is in fuzz_decoder.cpp.
+// Kept inputs of fuzz_decoder, and randomly damaged bodies. What has to hold for them is in fuzz_decoder.cpp.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -29,7 +29,8 @@ TEST(DecoderInputsTest, OfTheKeptCorpusHoldWhatTheFuzzerRequires) {
 TEST(DecoderInputsTest, AreParsedAsTheyWereMade) {
   const MessageType& type = all_types()[1];
   const std::vector<std::byte> body(5, std::byte{7});
-  const auto input = make_decoder_input(1, *type.support->find("header"), *type.support->find("header.stamp"), body);
+  const auto input =
+      make_decoder_input(1, *type.support->find("header"), *type.support->find("header.stamp"), body);
   const auto parsed = parse_decoder_input(input);
   ASSERT_TRUE(parsed);
   EXPECT_EQ(parsed->type->support, type.support);

@@ -1,4 +1,4 @@
-// Against an independent implementation: Cyclone DDS's serializer, working from what stock idlc makes of the same IDL.
+// Against an independent implementation: Cyclone DDS's serializer, and stock idlc for the same IDL files.
 #include <gtest/gtest.h>
 #include <nav_msgs/msg/OccupancyGrid.h>
 #include <nav_msgs/msg/Odometry.h>
@@ -43,7 +43,6 @@ struct Contestant {
 void PrintTo(const Contestant& type, std::ostream* out) { *out << type.theirs->m_typename; }
 
 std::vector<Contestant> contestants() {
-  namespace projected = proof::projected;
   return {{test::message_type<sensor_msgs::msg::PointCloud2>(), &sensor_msgs_msg_PointCloud2_desc, 2000},
           {test::message_type<sensor_msgs::msg::LaserScan>(), &sensor_msgs_msg_LaserScan_desc, 2000},
           {test::message_type<sensor_msgs::msg::BatteryState>(), &sensor_msgs_msg_BatteryState_desc, 2000},
@@ -115,7 +114,9 @@ TEST_P(Differential, TheCStructIsLaidOutAsTheGenericConversionAssumes) {
   EXPECT_TRUE(same_value(test::from_c_struct(CStruct(value).get(), ours().make()), value));
 }
 
-TEST_P(Differential, CycloneWritesTheTypeInPlainCdr) { EXPECT_TRUE(test::cyclone_writes_plain_cdr(theirs())); }
+TEST_P(Differential, CycloneWritesTheTypeInPlainCdr) {
+  EXPECT_TRUE(test::cyclone_writes_plain_cdr(theirs()));
+}
 
 TEST_P(Differential, OurBytesAreCyclones) {
   for (int round = 0; round < rounds(); ++round) {
@@ -151,8 +152,8 @@ TEST_P(Differential, BothRefuseTruncatedBodies) {
   }
 }
 
-// We are stricter in one thing, a NUL within a string, and more lenient in two that real payloads have: a string of
-// length 0 (not even a NUL), and bytes left over at the end. Both show when the value is encoded again.
+// We are stricter in one thing, a NUL within a string, and more lenient in two that real payloads have:
+// strings of length 0 (not even a NUL), and bytes left over. Both show when the value is encoded again.
 TEST_P(Differential, OfDamagedBodiesBothAcceptTheSameAndReadTheSame) {
   test::CycloneReader reader(theirs());
   for (int round = 0; round < rounds(); ++round) {
@@ -169,8 +170,8 @@ TEST_P(Differential, OfDamagedBodiesBothAcceptTheSameAndReadTheSame) {
   }
 }
 
-// The same through writers and readers of a domain: what is said above of the serializer is what goes over the wire,
-// behind the encapsulation that we imply.
+// The same through writers and readers of a domain: what is said above of the serializer is what goes over
+// the wire, behind the encapsulation that we imply.
 TEST_P(Differential, WhatACycloneWriterSendsIsOurEncapsulationAndOurBytes) {
   test::CycloneLoopback loopback(theirs());
   if (!loopback.ok()) GTEST_SKIP() << "no DDS participant on the loopback interface: " << loopback.error();
@@ -188,7 +189,8 @@ TEST_P(Differential, ACycloneReaderTakesOurPayload) {
   for (int round = 0; round < 20; ++round) {
     const OwnedValue value = random_value();
     OwnedValue received = ours().make();
-    ASSERT_TRUE(loopback.receive(our_bytes(value), [&](const void* c) { received = test::from_c_struct(c, received); }));
+    ASSERT_TRUE(loopback.receive(our_bytes(value),
+                                 [&](const void* c) { received = test::from_c_struct(c, received); }));
     ASSERT_TRUE(same_value(received, value)) << "in round " << round;
   }
 }
@@ -206,7 +208,8 @@ struct ProjectedType {
 
 void PrintTo(const ProjectedType& type, std::ostream* out) { *out << type.projected->m_typename; }
 
-class DifferentialProjection : public test::RandomTest, public ::testing::WithParamInterface<ProjectedType> {};
+class DifferentialProjection : public test::RandomTest,
+                               public ::testing::WithParamInterface<ProjectedType> {};
 
 // Cyclone reads our masked payload as the type that has only those members, and writes the same bytes.
 TEST_P(DifferentialProjection, AMaskedPayloadIsTheCdrOfTheProjectedType) {
@@ -226,18 +229,20 @@ TEST_P(DifferentialProjection, AMaskedPayloadIsTheCdrOfTheProjectedType) {
 
 INSTANTIATE_TEST_SUITE_P(
     Of, DifferentialProjection,
-    ::testing::Values(
-        ProjectedType{test::message_type<sensor_msgs::msg::PointCloud2>(), "height, width",
-                      &proof_projected_CloudSize_desc},
-        ProjectedType{test::message_type<sensor_msgs::msg::PointCloud2>(),
-                      "header, width, fields, is_bigendian, point_step, row_step, data, is_dense",
-                      &proof_projected_CloudWithoutHeight_desc},
-        ProjectedType{test::message_type<sensor_msgs::msg::PointCloud2>(),
-                      "header.frame_id, fields[].name, fields[].count, is_dense", &proof_projected_CloudNames_desc},
-        ProjectedType{test::message_type<proof::Misaligned>(), "pairs[].b, grid[].b, last",
-                      &proof_projected_MisalignedB_desc},
-        ProjectedType{test::message_type<proof::Scene>(), "tracks[].kind, tracks[].pairs[].b, tracks[].mark, tail",
-                      &proof_projected_SceneWithoutA_desc}),
+    ::testing::Values(ProjectedType{test::message_type<sensor_msgs::msg::PointCloud2>(), "height, width",
+                                    &proof_projected_CloudSize_desc},
+                      ProjectedType{
+                          test::message_type<sensor_msgs::msg::PointCloud2>(),
+                          "header, width, fields, is_bigendian, point_step, row_step, data, is_dense",
+                          &proof_projected_CloudWithoutHeight_desc},
+                      ProjectedType{test::message_type<sensor_msgs::msg::PointCloud2>(),
+                                    "header.frame_id, fields[].name, fields[].count, is_dense",
+                                    &proof_projected_CloudNames_desc},
+                      ProjectedType{test::message_type<proof::Misaligned>(), "pairs[].b, grid[].b, last",
+                                    &proof_projected_MisalignedB_desc},
+                      ProjectedType{test::message_type<proof::Scene>(),
+                                    "tracks[].kind, tracks[].pairs[].b, tracks[].mark, tail",
+                                    &proof_projected_SceneWithoutA_desc}),
     [](const auto& type) {
       const std::string name = type.param.projected->m_typename;
       return name.substr(name.rfind(':') + 1);

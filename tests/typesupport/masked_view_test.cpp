@@ -26,10 +26,8 @@ using test::Encoded;
 
 // Equality of what a getter gave and what the owned struct has, by bits, so that a NaN equals itself.
 template <class V>
-  requires std::is_arithmetic_v<V> || std::is_enum_v<V>
-bool same(V got, V owned) {
-  return std::memcmp(&got, &owned, sizeof got) == 0;
-}
+requires std::is_arithmetic_v<V> || std::is_enum_v<V>
+bool same(V got, V owned) { return std::memcmp(&got, &owned, sizeof got) == 0; }
 
 bool same(std::string_view got, const std::string& owned) { return got == owned; }
 
@@ -45,7 +43,7 @@ bool same(std::span<const E> got, const std::array<E, N>& owned) {
 
 bool same(StringRange got, const std::vector<std::string>& owned) { return std::ranges::equal(got, owned); }
 
-/// Whether a range of views shows as many elements as `owned` has, and same_element(view, element) holds for each.
+/// Whether a range of views has as many elements as `owned`, and same_element(view, element) for each.
 template <class Range, class Owned, class SameElement>
 bool each_same(const Range& got, const Owned& owned, SameElement same_element) {
   return got.size() == owned.size() && std::ranges::equal(got, owned, same_element);
@@ -53,8 +51,8 @@ bool each_same(const Range& got, const Owned& owned, SameElement same_element) {
 
 class MaskedViewTest : public test::RandomTest {
  protected:
-  /// Calls check(view, message) for what a reader that declared R sees of a sample with those fields, and of one that has
-  /// all fields (as readers on the publisher's host get).
+  /// Calls check(view, message) for what a reader that declared R sees of a sample with those fields, and of
+  /// one that has all fields (as readers on the publisher's host get).
   template <class T, Req<T> R, class Check>
   void for_samples(Check check) {
     for (int round = 0; round < 400 && !HasFailure(); ++round) {
@@ -85,16 +83,18 @@ TEST_F(MaskedViewTest, ScalarsStringsAndBlocksOfACloud) {
 
 TEST_F(MaskedViewTest, SomeLeavesOfTheElementsOfASequence) {
   using F = PointCloud2::Field;
-  for_samples<PointCloud2, F::fields.each.name | F::fields.each.count>([](const auto& view, const PointCloud2& cloud) {
-    EXPECT_TRUE(each_same(view.fields(), cloud.fields, [](const auto& field, const auto& owned) {
-      return same(field.name(), owned.name) && same(field.count(), owned.count);
-    }));
-  });
+  for_samples<PointCloud2, F::fields.each.name | F::fields.each.count>(
+      [](const auto& view, const PointCloud2& cloud) {
+        EXPECT_TRUE(each_same(view.fields(), cloud.fields, [](const auto& field, const auto& owned) {
+          return same(field.name(), owned.name) && same(field.count(), owned.count);
+        }));
+      });
 }
 
 TEST_F(MaskedViewTest, TheLengthAloneOfASequence) {
-  for_samples<PointCloud2, PointCloud2::Field::fields.size>(
-      [](const auto& view, const PointCloud2& cloud) { EXPECT_EQ(view.fields().size(), cloud.fields.size()); });
+  for_samples<PointCloud2, PointCloud2::Field::fields.size>([](const auto& view, const PointCloud2& cloud) {
+    EXPECT_EQ(view.fields().size(), cloud.fields.size());
+  });
 }
 
 TEST_F(MaskedViewTest, LeavesFarBelowInNestedStructs) {
@@ -166,16 +166,16 @@ TEST_F(MaskedViewTest, OfANestedSequenceTheLengthAloneWithMembersBehindIt) {
 
 TEST_F(MaskedViewTest, EnumerationsStringsAndBooleansInSequences) {
   using F = torture::Sequences::Field;
-  for_samples<torture::Sequences, F::flags | F::letters | F::eight | F::texts | F::colors | F::tinies | F::nicknames>(
-      [](const auto& view, const torture::Sequences& owned) {
-        EXPECT_TRUE(same(view.flags(), owned.flags));
-        EXPECT_TRUE(same(view.letters(), owned.letters));
-        EXPECT_TRUE(same(view.eight(), owned.eight));
-        EXPECT_TRUE(same(view.texts(), owned.texts));
-        EXPECT_TRUE(same(view.colors(), owned.colors));
-        EXPECT_TRUE(same(view.tinies(), owned.tinies));
-        EXPECT_TRUE(same(view.nicknames(), owned.nicknames));
-      });
+  for_samples<torture::Sequences, F::flags | F::letters | F::eight | F::texts | F::colors | F::tinies |
+                                      F::nicknames>([](const auto& view, const torture::Sequences& owned) {
+    EXPECT_TRUE(same(view.flags(), owned.flags));
+    EXPECT_TRUE(same(view.letters(), owned.letters));
+    EXPECT_TRUE(same(view.eight(), owned.eight));
+    EXPECT_TRUE(same(view.texts(), owned.texts));
+    EXPECT_TRUE(same(view.colors(), owned.colors));
+    EXPECT_TRUE(same(view.tinies(), owned.tinies));
+    EXPECT_TRUE(same(view.nicknames(), owned.nicknames));
+  });
 }
 
 /// Whether an optional getter's result is there exactly if the leaf is in the mask, and is right then.
@@ -212,7 +212,8 @@ TEST_F(MaskedViewTest, RecordedGettersHaveAValueExactlyIfTheSampleHasTheLeaf) {
     }));
     EXPECT_FALSE(state.is_malformed());
     const FieldMask read = FieldMask::from_words(support.leaves(), std::vector{words[0].load()});
-    EXPECT_TRUE(read.contains(*support.parse_mask("header.stamp.sec, header.frame_id, data, is_dense, fields.size")));
+    EXPECT_TRUE(
+        read.contains(*support.parse_mask("header.stamp.sec, header.frame_id, data, is_dense, fields.size")));
     EXPECT_FALSE(read.any_of(3, 2)) << "nobody has read height and width";
     EXPECT_EQ(read.contains(*support.find("fields[].count")), !cloud.fields.empty());
   }

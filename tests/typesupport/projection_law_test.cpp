@@ -1,5 +1,6 @@
-// The projection law. For every type, value and mask: decoding what was encoded under the mask gives the value projected
-// to it; the bytes are those of the projected type; and however a masked body comes about, its bytes are the same.
+// The projection law. For every type, value and mask: decoding what was encoded under the mask gives the
+// value projected to it; the bytes are those of the projected type; and however a masked body comes about,
+// its bytes are the same.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,12 +20,12 @@
 namespace sft {
 namespace {
 
-using ::testing::AssertionFailure;
-using ::testing::AssertionResult;
-using ::testing::AssertionSuccess;
 using test::Encoded;
 using test::MessageType;
 using test::OwnedValue;
+using ::testing::AssertionFailure;
+using ::testing::AssertionResult;
+using ::testing::AssertionSuccess;
 namespace reference = test::reference;
 
 class ProjectionLaw : public test::RandomTest, public ::testing::WithParamInterface<MessageType> {
@@ -38,7 +39,8 @@ class ProjectionLaw : public test::RandomTest, public ::testing::WithParamInterf
     for (int round = 0; round < how_many; ++round) {
       const OwnedValue value = random_value();
       const FieldMask mask = random_mask();
-      ASSERT_TRUE(law(value, mask)) << "in round " << round << " with the mask '" << support().format_mask(mask) << "'";
+      ASSERT_TRUE(law(value, mask)) << "in round " << round << " with the mask '"
+                                    << support().format_mask(mask) << "'";
     }
   }
 
@@ -49,7 +51,9 @@ class ProjectionLaw : public test::RandomTest, public ::testing::WithParamInterf
   }
   FieldMask random_mask() { return support().closed(values.mask(support().leaves())); }
 
-  Encoded encoded(const OwnedValue& value, const FieldMask& mask) const { return {value.type(), value.get(), mask}; }
+  Encoded encoded(const OwnedValue& value, const FieldMask& mask) const {
+    return {value.type(), value.get(), mask};
+  }
 
   /// Decodes into `onto` and returns it.
   static AssertionResult decodes(const Encoded& encoded, OwnedValue& onto) {
@@ -72,7 +76,8 @@ std::vector<std::byte> bytes_of(const Projection& projection) {
 AssertionResult same_bytes(const std::vector<std::byte>& a, const std::vector<std::byte>& b) {
   const auto [at_a, at_b] = std::mismatch(a.begin(), a.end(), b.begin(), b.end());
   if (at_a == a.end() && at_b == b.end()) return AssertionSuccess();
-  return AssertionFailure() << a.size() << " and " << b.size() << " bytes, different from " << at_a - a.begin() << " on";
+  return AssertionFailure() << a.size() << " and " << b.size() << " bytes, different from "
+                            << at_a - a.begin() << " on";
 }
 
 TEST_P(ProjectionLaw, DecodingWhatWasEncodedGivesTheProjectedValue) {
@@ -86,16 +91,18 @@ TEST_P(ProjectionLaw, DecodingWhatWasEncodedGivesTheProjectedValue) {
 }
 
 TEST_P(ProjectionLaw, DecodingOntoAnotherValueKeepsWhatWasNotSelected) {
-  for_random_values_and_masks([this](const OwnedValue& value, const FieldMask& mask) {
-    const OwnedValue before = random_value();
-    OwnedValue decoded = GetParam().make();
-    OwnedValue projected = GetParam().make();
-    reference::project(before, support().full(), decoded);
-    reference::project(before, support().full(), projected);
-    reference::project(value, mask, projected);
-    if (const AssertionResult ok = decodes(encoded(value, mask), decoded); !ok) return ok;
-    return same_value(decoded, projected);
-  }, fewer_rounds);
+  for_random_values_and_masks(
+      [this](const OwnedValue& value, const FieldMask& mask) {
+        const OwnedValue before = random_value();
+        OwnedValue decoded = GetParam().make();
+        OwnedValue projected = GetParam().make();
+        reference::project(before, support().full(), decoded);
+        reference::project(before, support().full(), projected);
+        reference::project(value, mask, projected);
+        if (const AssertionResult ok = decodes(encoded(value, mask), decoded); !ok) return ok;
+        return same_value(decoded, projected);
+      },
+      fewer_rounds);
 }
 
 TEST_P(ProjectionLaw, TheBytesAreTheCdrOfTheStructThatHasOnlyTheSelectedMembers) {
@@ -118,19 +125,23 @@ TEST_P(ProjectionLaw, WalkingABodyFindsTheIndexThatTheEncoderWrote) {
 }
 
 TEST_P(ProjectionLaw, SkippingMembersOneByOneComesByTheEntriesOfTheIndex) {
-  for_random_values_and_masks([this](const OwnedValue& value, const FieldMask& mask) -> AssertionResult {
-    Encoded sample = encoded(value, mask);
-    const SampleState& s = sample.state();
-    if (skip(s, type(), 0, 0) != s.body_bytes) return AssertionFailure() << "the struct does not end with the body";
-    for (std::size_t i = 0; i < type().members.size(); ++i) {
-      const std::uint32_t slot = sample.index()[slot_offset(type(), i)];
-      const std::uint32_t begin = member_begin(s, type(), i, 0, 0);
-      const bool is_single_struct = type().members[i].kind == Kind::structure && type().members[i].shape == Shape::single;
-      if (is_single_struct || slot == no_offset) continue;
-      if (slot < begin || slot - begin >= 8) return AssertionFailure() << "member " << i << " begins at " << begin;
-    }
-    return AssertionSuccess();
-  }, fewer_rounds);
+  for_random_values_and_masks(
+      [this](const OwnedValue& value, const FieldMask& mask) -> AssertionResult {
+        Encoded sample = encoded(value, mask);
+        const SampleState& s = sample.state();
+        if (skip(s, type(), 0, 0) != s.body_bytes) return AssertionFailure() << "it ends elsewhere";
+        for (std::size_t i = 0; i < type().members.size(); ++i) {
+          const std::uint32_t slot = sample.index()[slot_offset(type(), i)];
+          const std::uint32_t begin = member_begin(s, type(), i, 0, 0);
+          const bool is_single_struct =
+              type().members[i].kind == Kind::structure && type().members[i].shape == Shape::single;
+          if (is_single_struct || slot == no_offset) continue;
+          if (slot < begin || slot >= begin + 8)
+            return AssertionFailure() << "member " << i << " is elsewhere";
+        }
+        return AssertionSuccess();
+      },
+      fewer_rounds);
 }
 
 TEST_P(ProjectionLaw, ProjectingAFullSampleGivesTheBytesOfEncodingUnderTheMask) {
@@ -138,7 +149,8 @@ TEST_P(ProjectionLaw, ProjectingAFullSampleGivesTheBytesOfEncodingUnderTheMask) 
   for_random_values_and_masks([&](const OwnedValue& value, const FieldMask& mask) -> AssertionResult {
     const Encoded full = encoded(value, support().full());
     if (!projection.project(full.state(), type(), mask)) return AssertionFailure() << "refused";
-    if (projection.bytes() != bytes_of(projection).size()) return AssertionFailure() << "another size than it says";
+    if (projection.bytes() != bytes_of(projection).size())
+      return AssertionFailure() << "it says another size";
     return same_bytes(bytes_of(projection), encoded(value, mask).bytes());
   });
 }
@@ -156,49 +168,56 @@ TEST_P(ProjectionLaw, ProjectingAPartialSampleGivesTheBytesOfEncodingUnderTheMas
 }
 
 TEST_P(ProjectionLaw, AnIndexThatWasWalkedServesTheProjectionAsWell) {
-  for_random_values_and_masks([this](const OwnedValue& value, const FieldMask& mask) -> AssertionResult {
-    const Encoded full = encoded(value, support().full());
-    std::vector<std::uint32_t> index(full.slots());
-    SampleState received = full.state();
-    received.index = index.data();
-    Projection projection;
-    if (build_index(received, type(), index) != WalkStatus::ok) return AssertionFailure() << "not walked";
-    if (!projection.project(received, type(), mask)) return AssertionFailure() << "refused";
-    return same_bytes(bytes_of(projection), encoded(value, mask).bytes());
-  }, fewer_rounds);
+  for_random_values_and_masks(
+      [this](const OwnedValue& value, const FieldMask& mask) -> AssertionResult {
+        const Encoded full = encoded(value, support().full());
+        std::vector<std::uint32_t> index(full.slots());
+        SampleState received = full.state();
+        received.index = index.data();
+        Projection projection;
+        if (build_index(received, type(), index) != WalkStatus::ok) return AssertionFailure() << "not walked";
+        if (!projection.project(received, type(), mask)) return AssertionFailure() << "refused";
+        return same_bytes(bytes_of(projection), encoded(value, mask).bytes());
+      },
+      fewer_rounds);
 }
 
 TEST_P(ProjectionLaw, ReservedSequencesAreEncodedAsIfFilledLater) {
-  for_random_values_and_masks([this](const OwnedValue& value, const FieldMask& mask) -> AssertionResult {
-    // What is reserved for each sequence outside of collections is the length that the value has there.
-    OwnedValue prototype = GetParam().make();
-    std::vector<Reservation> reservations;
-    reference::project(value, support().full(), prototype);
-    for (std::size_t i = 0; i < type().members.size(); ++i) {
-      const Member& m = type().members[i];
-      if (m.shape != Shape::sequence || !is_primitive(m.kind)) continue;
-      reservations.push_back(
-          {leaf_offset(type(), i), static_cast<std::uint32_t>(test::elements_of(m, value.get()).count)});
-      test::resized(m, prototype.get(), values.up_to(3));
-    }
-    const Encoded expected = encoded(value, mask);
-    const EncodedSize size = encoded_size(type(), prototype.get(), mask, reservations);
-    if (size.status != EncodeStatus::ok) return AssertionFailure() << to_string(size.status);
-    if (size.bytes != expected.state().body_bytes) return AssertionFailure() << size.bytes << " bytes";
+  for_random_values_and_masks(
+      [this](const OwnedValue& value, const FieldMask& mask) -> AssertionResult {
+        // What is reserved for each sequence outside of collections is the length that the value has there.
+        OwnedValue prototype = GetParam().make();
+        std::vector<Reservation> reservations;
+        reference::project(value, support().full(), prototype);
+        for (std::size_t i = 0; i < type().members.size(); ++i) {
+          const Member& m = type().members[i];
+          if (m.shape != Shape::sequence || !is_primitive(m.kind)) continue;
+          reservations.push_back(
+              {leaf_offset(type(), i), static_cast<std::uint32_t>(test::elements_of(m, value.get()).count)});
+          test::resized(m, prototype.get(), values.up_to(3));
+        }
+        const Encoded expected = encoded(value, mask);
+        const EncodedSize size = encoded_size(type(), prototype.get(), mask, reservations);
+        if (size.status != EncodeStatus::ok) return AssertionFailure() << to_string(size.status);
+        if (size.bytes != expected.state().body_bytes) return AssertionFailure() << size.bytes << " bytes";
 
-    std::vector<std::byte> body = expected.bytes();  // the elements are there already, and are to be left alone
-    std::vector<std::uint32_t> index(expected.slots());
-    encode(type(), prototype.get(), mask, body, index, reservations);
-    if (!std::equal(index.begin(), index.end(), expected.state().index)) return AssertionFailure() << "another index";
-    return same_bytes(body, expected.bytes());
-  }, fewer_rounds);
+        std::vector<std::byte> body =
+            expected.bytes();  // the elements are there already, and are to be left alone
+        std::vector<std::uint32_t> index(expected.slots());
+        encode(type(), prototype.get(), mask, body, index, reservations);
+        if (!std::equal(index.begin(), index.end(), expected.state().index))
+          return AssertionFailure() << "another index";
+        return same_bytes(body, expected.bytes());
+      },
+      fewer_rounds);
 }
 
 TEST_P(ProjectionLaw, AClosedMaskHasWhatWasAskedForItsLengthsAndTheKeysAndNothingElse) {
   for (int round = 0; round < rounds; ++round) {
     const FieldMask asked = values.mask(support().leaves());
     ASSERT_EQ(support().closed(asked), reference::closed(type(), asked)) << support().format_mask(asked);
-    ASSERT_EQ(support().closed(support().closed(asked)), support().closed(asked)) << support().format_mask(asked);
+    ASSERT_EQ(support().closed(support().closed(asked)), support().closed(asked))
+        << support().format_mask(asked);
   }
 }
 
@@ -216,7 +235,8 @@ TEST_P(ProjectionLaw, LeavesAreCountedAlike) {
   EXPECT_EQ(leaf_count(type()), reference::leaves(type()));
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, ProjectionLaw, ::testing::ValuesIn(test::all_types().begin(), test::all_types().end()),
+INSTANTIATE_TEST_SUITE_P(Of, ProjectionLaw,
+                         ::testing::ValuesIn(test::all_types().begin(), test::all_types().end()),
                          [](const auto& type) { return type.param.short_name(); });
 
 }  // namespace

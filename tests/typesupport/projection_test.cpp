@@ -20,7 +20,9 @@ template <class T>
 class Projected {
  public:
   Projected(const T& value, const Mask<T>& mask)
-      : mask_(support_.closed(FieldMask(mask))), source_(value), ok_(projection_.project(source_.state(), type, mask_)) {}
+      : mask_(support_.closed(FieldMask(mask))),
+        source_(value),
+        ok_(projection_.project(source_.state(), type, mask_)) {}
 
   bool ok() const { return ok_; }
   std::size_t segments() const { return projection_.segments().size(); }
@@ -125,9 +127,12 @@ TEST(ProjectionTest, ASourceOfWhichTheLengthsLeadOutsideIsRefused) {
     Encoded changed(cloud_with_data(10));
     std::memcpy(changed.body() + changed.index()[slot], &length, sizeof length);
     Projection projection;
-    EXPECT_FALSE(projection.project(changed.state(), TypeTable<PointCloud2>::type, FieldMask(all<PointCloud2>))) << slot;
+    EXPECT_FALSE(
+        projection.project(changed.state(), TypeTable<PointCloud2>::type, FieldMask(all<PointCloud2>)))
+        << slot;
   }
-  EXPECT_TRUE(Projection().project(source.state(), TypeTable<PointCloud2>::type, FieldMask(F::data | F::fields)));
+  EXPECT_TRUE(
+      Projection().project(source.state(), TypeTable<PointCloud2>::type, FieldMask(F::data | F::fields)));
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ class Projection::Writer {
           const std::uint32_t offset = __atomic_load_n(slot, __ATOMIC_RELAXED);
           if (offset == no_offset) return false;
           from_ = offset;
-          if (!member(m, leaf)) return false;
+          if (!member(m, leaf, true)) return false;
         }
         ++slot;
       }
@@ -55,7 +55,7 @@ class Projection::Writer {
   bool structure(const StructType& type, std::size_t leaf) {
     for (const Member& m : type.members) {
       if (mask_.any_of(leaf, leaf_count(m))) {
-        if (!member(m, leaf)) return false;
+        if (!member(m, leaf, false)) return false;
       } else {
         const std::uint32_t behind = skip(s_, m, leaf, from_);
         if (behind == no_offset) return false;
@@ -66,11 +66,16 @@ class Projection::Writer {
     return true;
   }
 
-  bool member(const Member& m, std::size_t leaf) {
+  /// `has_slot`: what follows is found by the index, not behind this.
+  bool member(const Member& m, std::size_t leaf, bool has_slot) {
     if (m.kind == Kind::structure && m.shape == Shape::single) return structure(*m.type, leaf);
     std::uint32_t n = m.count;
     if (m.shape == Shape::sequence && !length(n)) return false;
-    if (m.kind == Kind::structure) return elements(*m.type, m.shape == Shape::sequence ? leaf + 1 : leaf, n);
+    if (m.kind == Kind::structure) {
+      const std::size_t element_leaf = m.shape == Shape::sequence ? leaf + 1 : leaf;
+      const bool only_length = !mask_.any_of(element_leaf, leaf_count(*m.type));
+      return (only_length && has_slot) || elements(*m.type, element_leaf, n);
+    }
     return m.kind == Kind::string ? strings(n) : block(n, size_of(m.kind));
   }
 
@@ -103,7 +108,7 @@ class Projection::Writer {
 
   bool elements(const StructType& type, std::size_t leaf, std::uint32_t n) {
     const std::size_t leaves = leaf_count(type);
-    if (!mask_.any_of(leaf, leaves)) return skip_elements(type, leaf, n);  // only the length was asked for
+    if (!mask_.any_of(leaf, leaves)) return skip_elements(type, leaf, n);
     if (same_selection(leaf, leaves) && (from_ - out_.bytes_) % largest_alignment(type) == 0) {
       const std::uint64_t first = from_;
       if (!skip_elements(type, leaf, n)) return false;

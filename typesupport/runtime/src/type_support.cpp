@@ -118,14 +118,18 @@ FieldMask TypeSupport::closed(FieldMask mask) const {
   return mask;
 }
 
-/// Only keys outside collections are keys of the message.
+/// As in DDS: of a member that is a key and a struct, its own key members, or all where it has none. Keys within other
+/// members mean nothing here.
 void TypeSupport::add_keys(const StructType& type, std::size_t leaf, FieldMask& mask) const {
+  const auto is_key = [](const Member& m) { return m.key; };
   for (const Member& m : type.members) {
     const std::size_t leaves = leaf_count(m);
-    if (m.key) {
-      for (std::size_t i = leaf; i < leaf + leaves; ++i) mask.insert(i);
-    } else if (m.kind == Kind::structure && m.shape == Shape::single) {
+    const bool has_own = m.kind == Kind::structure && m.shape == Shape::single &&
+                         std::any_of(m.type->members.begin(), m.type->members.end(), is_key);
+    if (m.key && has_own) {
       add_keys(*m.type, leaf, mask);
+    } else if (m.key) {
+      for (std::size_t i = leaf; i < leaf + leaves; ++i) mask.insert(i);
     }
     leaf += leaves;
   }

@@ -10,6 +10,4 @@ namespace sft {
 /// sequence of structs of which only the length was sent, at most max_empty_elements are made.
 WalkStatus decode(const SampleState& s, const StructType& type, void* value);
 
-inline constexpr std::uint32_t max_empty_elements = 65'536;
-
 }  // namespace sft

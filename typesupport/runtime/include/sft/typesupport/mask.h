@@ -11,6 +11,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "sft/typesupport/type_table.h"
 
@@ -93,8 +94,10 @@ struct Req {
   bool is_recorded = false;
 
   constexpr Req(const Mask<T>& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
-  template <std::size_t First, std::size_t Count>
-  constexpr Req(const FieldNode<T, First, Count>& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
+  /// A field or an inner node by its name (a class derived from FieldNode), or a combination of them.
+  template <FieldSet F>
+    requires std::same_as<T, decltype(detail::type_of_fields(std::declval<const F&>()))>
+  constexpr Req(const F& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
   constexpr Req(Recorded) : mask(all<T>), is_recorded(true) {}                   // NOLINT(google-explicit-constructor)
 
   friend constexpr bool operator==(const Req&, const Req&) = default;

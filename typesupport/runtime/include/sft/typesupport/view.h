@@ -10,6 +10,7 @@
 // std::optional, empty if this sample does not have the field, and note the access either way.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <concepts>
 #include <cstddef>
@@ -31,8 +32,18 @@ static_assert(std::endian::native == std::endian::little, "views read little-end
 template <class Place, std::size_t Member>
 concept field_is_in_declared_mask = Place::template has<Member>;
 
+/// What a getter of a recorded sample returns: a std::optional whose `*` gives the value itself and not a reference into
+/// the optional, so that `for (auto f : *sample->fields())` does not walk what is gone. Values are numbers and views: small.
+template <class V>
+class Optional : public std::optional<V> {
+ public:
+  using std::optional<V>::optional;
+  V operator*() const { return std::optional<V>::operator*(); }
+  V value() const { return std::optional<V>::value(); }
+};
+
 template <auto R, class V>
-using Got = std::conditional_t<R.is_recorded, std::optional<V>, V>;
+using Got = std::conditional_t<R.is_recorded, Optional<V>, V>;
 
 namespace detail {
 
@@ -122,21 +133,24 @@ class PackedRange {
   };
 
   PackedRange() = default;
-  PackedRange(const SampleState* s, Extent extent) : s_(s), extent_(extent) {
+  /// `steps_max`: elements that are iterated over at most.
+  PackedRange(const SampleState* s, Extent extent, std::uint32_t steps_max = 0xFFFFFFFF) : s_(s), extent_(extent) {
     if (!extent) {
       s->flag_malformed();
       extent_ = {0, 0};
     }
+    steps_ = std::min(extent_.count, steps_max);
   }
 
   std::size_t size() const { return extent_.count; }
   bool empty() const { return extent_.count == 0; }
-  iterator begin() const { return {s_, extent_.first, extent_.count}; }
+  iterator begin() const { return {s_, extent_.first, steps_}; }
   iterator end() const { return {s_, 0, 0}; }
 
  private:
   const SampleState* s_ = nullptr;
   Extent extent_{0, 0};
+  std::uint32_t steps_ = 0;
 };
 
 struct StringStep {
@@ -173,8 +187,12 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
   if constexpr (M.kind == Kind::structure) {
     constexpr std::size_t element_leaf = Leaf + (M.shape == Shape::sequence ? 1 : 0);
     using Range = PackedRange<ElementStep<R, As, element_leaf>>;
-    return Range{&s, M.shape == Shape::sequence ? checked_length(s, offset)
-                                                : Extent{static_cast<std::uint32_t>(offset), M.count}};
+    // Elements of which nothing was sent take no bytes, and no bytes vouch for their number.
+    const bool vouched = s.mask->any_of(element_leaf, leaf_count_of<As>);
+    return Range{&s,
+                 M.shape == Shape::sequence ? checked_length(s, offset)
+                                            : Extent{static_cast<std::uint32_t>(offset), M.count},
+                 vouched ? 0xFFFFFFFF : max_empty_elements};
   } else if constexpr (M.kind == Kind::string) {
     if constexpr (M.shape == Shape::single) {
       return string_at(s, offset);
@@ -215,7 +233,7 @@ struct PlaceBase {
   static auto leaf_value(const SampleState& s, OffsetOf offset_of) {
     using V = decltype(read_leaf<R, S, M, leaf_of<M>, As>(s, 0));
     if constexpr (R.is_recorded) {
-      if (!note(s, leaf_of<M>, leaf_count(TypeTable<S>::members[M]))) return std::optional<V>{};
+      if (!note(s, leaf_of<M>, leaf_count(TypeTable<S>::members[M]))) return Optional<V>{};
     }
     return Got<R, V>{read_leaf<R, S, M, leaf_of<M>, As>(s, offset_of())};
   }

@@ -14,6 +14,9 @@
 
 namespace sft {
 
+/// Elements of a sequence of structs of which only the length was sent: more are neither made nor walked over.
+inline constexpr std::uint32_t max_empty_elements = 65'536;
+
 /// A CDR body under a mask, as captured when the sample was taken. Owns nothing.
 struct SampleState {
   const std::byte* body = nullptr;  ///< 8-aligned
