@@ -1,5 +1,5 @@
-// The node's agent: one thread that does whatever may take a while or must not happen twice at once: negotiation, opening
-// and closing of ports, announcements, looking after transports. Others post to it.
+// The node's agent: one thread that does whatever may take a while or must not happen twice at once:
+// negotiation, opening and closing of ports, announcements, looking after transports. Others post to it.
 #pragma once
 
 #include <chrono>

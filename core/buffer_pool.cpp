@@ -9,7 +9,7 @@ namespace sft::core {
 namespace {
 
 void destroy(SampleBuffer* buffer) noexcept {
-  ::operator delete(buffer->data, std::align_val_t{64});
+  ::operator delete (buffer->data, std::align_val_t{64});
   delete buffer;
 }
 
@@ -24,7 +24,8 @@ BufferPool::~BufferPool() {
 }
 
 SampleHandle BufferPool::take(std::size_t bytes) noexcept {
-  const std::size_t shift = std::max<std::size_t>(std::bit_width(std::max<std::size_t>(bytes, 1) - 1), min_shift);
+  const std::size_t shift =
+      std::max<std::size_t>(std::bit_width(std::max<std::size_t>(bytes, 1) - 1), min_shift);
   if (shift >= min_shift + classes) return {};
   SampleBuffer* buffer = nullptr;
   {
@@ -51,9 +52,9 @@ SampleBuffer* BufferPool::make_buffer(std::size_t capacity) noexcept {
     held_bytes_ += capacity;
   }
   auto* buffer = new (std::nothrow) SampleBuffer;
-  auto* data = static_cast<std::byte*>(::operator new(capacity, std::align_val_t{64}, std::nothrow));
+  auto* data = static_cast<std::byte*>(::operator new (capacity, std::align_val_t{64}, std::nothrow));
   if (buffer == nullptr || data == nullptr) {
-    ::operator delete(data, std::align_val_t{64});
+    ::operator delete (data, std::align_val_t{64});
     delete buffer;
     const std::scoped_lock lock(mutex_);
     held_bytes_ -= capacity;

@@ -1,5 +1,6 @@
-// Heap memory for samples: what publishers encode into when nobody on this host reads, and what datagrams are put
-// together in. Buffers are kept by power-of-two size and reused, so that in steady state nothing is allocated.
+// Heap memory for samples: what publishers encode into when nobody on this host reads, and what datagrams are
+// put together in. Buffers are kept by power-of-two size and reused, so that in steady state nothing is
+// allocated.
 #pragma once
 
 #include <array>
@@ -18,7 +19,8 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   static std::shared_ptr<BufferPool> make(std::size_t limit_bytes);
   ~BufferPool() override;
 
-  /// A buffer of at least `bytes` with a fresh SampleHeader; empty at the limit or without memory. Any thread.
+  /// A buffer of at least `bytes` with a fresh SampleHeader; empty at the limit or without memory. Any
+  /// thread.
   SampleHandle take(std::size_t bytes) noexcept;
 
   void recycle(SampleBuffer& buffer) noexcept override;

@@ -24,8 +24,8 @@ void put(char (&to)[N], const std::string& text) {
 }
 
 tl::unexpected<Error> wrong_version(unsigned version) {
-  return fail(Errc::malformed, "a control sample of protocol version " + std::to_string(version) + ", this is " +
-                                   std::to_string(sft_control_protocol_version));
+  return fail(Errc::malformed, "a control sample of protocol version " + std::to_string(version) +
+                                   ", this is " + std::to_string(sft_control_protocol_version));
 }
 
 }  // namespace
@@ -55,7 +55,8 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.may_use_shm = endpoint.may_use_shm;
   out.may_use_udp = endpoint.may_use_udp;
   for (const UdpAddress& a : endpoint.addresses) {
-    if (storage.addresses.size() < addresses_max) storage.addresses.push_back({a.ipv4, a.port, a.receive_buffer_bytes});
+    if (storage.addresses.size() < addresses_max)
+      storage.addresses.push_back({a.ipv4, a.port, a.receive_buffer_bytes});
   }
   const auto addresses = static_cast<std::uint32_t>(storage.addresses.size());
   out.addresses = {addresses, addresses, storage.addresses.data(), false};

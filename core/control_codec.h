@@ -1,5 +1,5 @@
-// Between the core's control structs and those that Cyclone's compiler made of idl/sft_control.idl. What comes from
-// outside is checked here: versions, roles, names.
+// Between the core's control structs and those that Cyclone's compiler made of idl/sft_control.idl. What
+// comes from outside is checked here: versions, roles, names.
 #pragma once
 
 #include <string>

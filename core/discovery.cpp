@@ -13,21 +13,23 @@ namespace sft::core {
 
 namespace {
 
-// Heartbeats that come at once and acknowledgements that do not wait make a newcomer's first request arrive within
-// milliseconds; what repeats while nothing happens is kept rare. Cyclone's own shared memory would compete with ours for
-// the process's iceoryx runtime, hence the last fragment, which nobody overrides.
+// Heartbeats that come at once and acknowledgements that do not wait make a newcomer's first request arrive
+// within milliseconds; what repeats while nothing happens is kept rare. Cyclone's own shared memory would
+// compete with ours for the process's iceoryx runtime, hence the last fragment, which nobody overrides.
 constexpr const char* our_config =
     "<CycloneDDS><Domain id=\"any\">"
-    "<Discovery><LeaseDuration>10 s</LeaseDuration><MaxAutoParticipantIndex>200</MaxAutoParticipantIndex></Discovery>"
+    "<Discovery><LeaseDuration>10 "
+    "s</LeaseDuration><MaxAutoParticipantIndex>200</MaxAutoParticipantIndex></Discovery>"
     "<Internal><PreEmptiveAckDelay>0 ms</PreEmptiveAckDelay><NackDelay>1 ms</NackDelay>"
     "<HeartbeatInterval max=\"2 s\">20 ms</HeartbeatInterval>"
     "<MultipleReceiveThreads>false</MultipleReceiveThreads></Internal>"
     "</Domain></CycloneDDS>";
 constexpr const char* enforced_config =
-    "<CycloneDDS><Domain id=\"any\"><SharedMemory><Enable>false</Enable></SharedMemory></Domain></CycloneDDS>";
+    "<CycloneDDS><Domain "
+    "id=\"any\"><SharedMemory><Enable>false</Enable></SharedMemory></Domain></CycloneDDS>";
 
-/// Cyclone configures a domain once per process, at the first participant, and logs through one process-wide sink: the
-/// two things here that several nodes of a process share.
+/// Cyclone configures a domain once per process, at the first participant, and logs through one process-wide
+/// sink: the two things here that several nodes of a process share.
 class Process {
  public:
   static Process& instance() {
@@ -125,7 +127,8 @@ class CycloneDiscovery final : public Discovery {
     participant_ = dds_create_participant(options.domain, participant_qos.get(), nullptr);
     if (participant_ < 0) {
       return fail(Errc::unavailable, "DDS domain " + std::to_string(options.domain) + " cannot be joined (" +
-                                         dds_strretcode(participant_) + "): " + Process::instance().last_log() +
+                                         dds_strretcode(participant_) +
+                                         "): " + Process::instance().last_log() +
                                          "; check the network interfaces and CYCLONEDDS_URI");
     }
     const Qos qos = control_qos();
@@ -165,7 +168,8 @@ class CycloneDiscovery final : public Discovery {
     const dds_entity_t topic = dds_create_topic(participant_, type, name, qos, nullptr);
     Listener listener(dds_create_listener(this));
     dds_lset_data_available(listener.get(), on_data);
-    const dds_entity_t reader = topic < 0 ? topic : dds_create_reader(participant_, topic, qos, listener.get());
+    const dds_entity_t reader =
+        topic < 0 ? topic : dds_create_reader(participant_, topic, qos, listener.get());
     const dds_entity_t writer = reader < 0 ? reader : dds_create_writer(participant_, topic, qos, nullptr);
     if (writer < 0) {
       return fail(Errc::system, std::string("control topic ") + name + ": " + dds_strretcode(writer));
@@ -180,25 +184,29 @@ class CycloneDiscovery final : public Discovery {
 
   static void on_endpoints(dds_entity_t reader, void* self) {
     DiscoveryListener& listener = static_cast<CycloneDiscovery*>(self)->listener_;
-    take_all<sft_control_Endpoint>(reader, [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
-      if (info.valid_data && info.instance_state == DDS_IST_ALIVE) {
-        Result<Endpoint> endpoint = from_dds(sample);
-        endpoint ? listener.endpoint_seen(std::move(*endpoint)) : listener.control_malformed(endpoint.error().message);
-      } else if (info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED) {
-        listener.endpoint_departed(sample.id);
-      } else if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) {
-        listener.endpoint_lost(sample.id);
-      }
-    });
+    take_all<sft_control_Endpoint>(reader,
+                                   [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
+                                     if (info.valid_data && info.instance_state == DDS_IST_ALIVE) {
+                                       Result<Endpoint> endpoint = from_dds(sample);
+                                       endpoint ? listener.endpoint_seen(std::move(*endpoint))
+                                                : listener.control_malformed(endpoint.error().message);
+                                     } else if (info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED) {
+                                       listener.endpoint_departed(sample.id);
+                                     } else if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) {
+                                       listener.endpoint_lost(sample.id);
+                                     }
+                                   });
   }
 
   static void on_requests(dds_entity_t reader, void* self) {
     DiscoveryListener& listener = static_cast<CycloneDiscovery*>(self)->listener_;
-    take_all<sft_control_Request>(reader, [&](const sft_control_Request& sample, const dds_sample_info_t& info) {
-      if (!info.valid_data) return;  // the reader's endpoint tells of its end
-      Result<Request> request = from_dds(sample);
-      request ? listener.request_received(std::move(*request)) : listener.control_malformed(request.error().message);
-    });
+    take_all<sft_control_Request>(reader,
+                                  [&](const sft_control_Request& sample, const dds_sample_info_t& info) {
+                                    if (!info.valid_data) return;  // the reader's endpoint tells of its end
+                                    Result<Request> request = from_dds(sample);
+                                    request ? listener.request_received(std::move(*request))
+                                            : listener.control_malformed(request.error().message);
+                                  });
   }
 
   DiscoveryListener& listener_;
@@ -209,7 +217,8 @@ class CycloneDiscovery final : public Discovery {
 
 }  // namespace
 
-Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options, DiscoveryListener& listener) {
+Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options,
+                                                   DiscoveryListener& listener) {
   auto discovery = std::make_unique<CycloneDiscovery>(listener);
   if (Result<void> opened = discovery->open(options); !opened) return tl::unexpected(opened.error());
   return discovery;

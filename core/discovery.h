@@ -1,5 +1,5 @@
-// The two control topics on Cyclone DDS: announces our endpoints and requests, reports everybody else's. The only part of
-// the core that sees Cyclone, which is behind the .cpp.
+// The two control topics on Cyclone DDS: announces our endpoints and requests, reports everybody else's. The
+// only part of the core that sees Cyclone, which is behind the .cpp.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,8 @@ class DiscoveryListener {
 class Discovery {
  public:
   /// `listener` outlives the discovery.
-  static Result<std::unique_ptr<Discovery>> open(const DiscoveryOptions& options, DiscoveryListener& listener);
+  static Result<std::unique_ptr<Discovery>> open(const DiscoveryOptions& options,
+                                                 DiscoveryListener& listener);
   virtual ~Discovery() = default;
 
   /// Announces an endpoint of ours, or that it has changed.

@@ -47,7 +47,8 @@ void Dispatcher::run() {
     bell_.wait(forever, [this] {
       if (stopping_.load()) return true;
       const auto present = subscribers();
-      return std::any_of(present->begin(), present->end(), [](const auto& s) { return s->waits_for_dispatch(); });
+      return std::any_of(present->begin(), present->end(),
+                         [](const auto& s) { return s->waits_for_dispatch(); });
     });
   }
 }

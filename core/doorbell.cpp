@@ -44,7 +44,8 @@ int create_file(const std::string& path) {
   if (fd < 0) return -1;
   // posix_fallocate, because writing to a page that a full tmpfs cannot give later would be a SIGBUS.
   // fchmod, because whoever shares our group rings as well, whatever the umask.
-  if (flock(fd, LOCK_EX | LOCK_NB) == 0 && fchmod(fd, 0660) == 0 && posix_fallocate(fd, 0, page_bytes) == 0) return fd;
+  if (flock(fd, LOCK_EX | LOCK_NB) == 0 && fchmod(fd, 0660) == 0 && posix_fallocate(fd, 0, page_bytes) == 0)
+    return fd;
   unlink(path.c_str());
   close(fd);
   return -1;
@@ -66,7 +67,8 @@ void Doorbell::sleep(std::uint32_t seen, std::chrono::steady_clock::time_point d
   until.tv_nsec = ns % 1'000'000'000;
   const bool forever = deadline == std::chrono::steady_clock::time_point::max();
   // The bitset variant takes an absolute time of CLOCK_MONOTONIC.
-  syscall(SYS_futex, &rings, FUTEX_WAIT_BITSET, seen, forever ? nullptr : &until, nullptr, FUTEX_BITSET_MATCH_ANY);
+  syscall(SYS_futex, &rings, FUTEX_WAIT_BITSET, seen, forever ? nullptr : &until, nullptr,
+          FUTEX_BITSET_MATCH_ANY);
 }
 
 std::unique_ptr<DoorbellPage> DoorbellPage::create() {
@@ -86,7 +88,7 @@ Result<std::unique_ptr<DoorbellPage>> DoorbellPage::open(std::uint64_t id) {
   const std::string path = path_of(id);
   const int fd = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
   if (fd < 0) return fail(Errc::unavailable, path + ": " + std::strerror(errno));
-  struct stat status{};
+  struct stat status {};
   // A shorter file would make every ring a SIGBUS.
   const bool whole = fstat(fd, &status) == 0 && static_cast<std::size_t>(status.st_size) >= page_bytes;
   Doorbell* bells = whole ? map(fd) : nullptr;
@@ -104,7 +106,7 @@ std::size_t DoorbellPage::sweep() noexcept {
     const int fd = ::open(entry.path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
     if (fd < 0) continue;
     // A new page is empty until its owner has locked it: leave those alone.
-    struct stat status{};
+    struct stat status {};
     const bool filled = fstat(fd, &status) == 0 && static_cast<std::size_t>(status.st_size) >= page_bytes;
     if (filled && flock(fd, LOCK_EX | LOCK_NB) == 0 && unlink(entry.path().c_str()) == 0) ++removed;
     close(fd);

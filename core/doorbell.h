@@ -1,8 +1,9 @@
-// Waking a sleeping reader, in this process or another: a word in a page that the reader's process shares through
-// /dev/shm. Ringing costs one atomic addition while the reader is awake, and one futex call when it sleeps.
+// Waking a sleeping reader, in this process or another: a word in a page that the reader's process shares
+// through /dev/shm. Ringing costs one atomic addition while the reader is awake, and one futex call when it
+// sleeps.
 //
-// A page is a file `/dev/shm/sft_bell_<id in hex>`, locked (flock) by its owner as long as the process lives; whoever
-// finds one unlocked may remove it, so that killed processes leave nothing for long.
+// A page is a file `/dev/shm/sft_bell_<id in hex>`, locked (flock) by its owner as long as the process lives;
+// whoever finds one unlocked may remove it, so that killed processes leave nothing for long.
 #pragma once
 
 #include <atomic>
@@ -23,7 +24,8 @@ struct alignas(64) Doorbell {
   /// Wakes one sleeper, if any, after the caller made data visible. Any thread or process.
   void ring() noexcept;
 
-  /// Sleeps until `ready()` holds, the doorbell was rung, or the deadline passed. Spurious returns are possible.
+  /// Sleeps until `ready()` holds, the doorbell was rung, or the deadline passed. Spurious returns are
+  /// possible.
   template <class Ready>
   void wait(std::chrono::steady_clock::time_point deadline, Ready&& ready) noexcept {
     const std::uint32_t seen = rings.load(std::memory_order_seq_cst);
@@ -40,8 +42,8 @@ class DoorbellPage {
  public:
   static constexpr std::uint32_t slots = 1024;
 
-  /// A page of this process under a random id. Where /dev/shm cannot be used it is private memory with id 0: local
-  /// readers work, and no other process can ring.
+  /// A page of this process under a random id. Where /dev/shm cannot be used it is private memory with id 0:
+  /// local readers work, and no other process can ring.
   static std::unique_ptr<DoorbellPage> create();
   /// A page of another process (or of this one), to ring.
   static Result<std::unique_ptr<DoorbellPage>> open(std::uint64_t id);

@@ -44,8 +44,8 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
     return false;
   }
   Entry& entry = entries_[endpoint.id];
-  const Request newest = entry.endpoint.request.sequence > endpoint.request.sequence ? entry.endpoint.request
-                                                                                     : endpoint.request;
+  const Request newest =
+      entry.endpoint.request.sequence > endpoint.request.sequence ? entry.endpoint.request : endpoint.request;
   entry.endpoint = endpoint;
   entry.endpoint.request = newest;
   entry.lost_since.reset();
@@ -98,7 +98,8 @@ bool Negotiation::requirement_changed(EndpointId reader, const FieldMask& mask) 
   return true;
 }
 
-bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected) {
+bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, TransportKind path,
+                                     bool connected) {
   const auto entry = entries_.find(reader);
   if (entry == entries_.end() || entry->second.type == nullptr) return false;
   Request& request = entry->second.endpoint.request;
@@ -133,7 +134,8 @@ std::string Negotiation::why_not_shm(const Endpoint& writer, const Endpoint& rea
 Negotiation::Verdict Negotiation::judge(const Endpoint& writer, const Endpoint& reader) const {
   Verdict verdict;
   if (writer.type_name != reader.type_name) {
-    verdict.mismatch = "type " + writer.type_name + " is published, " + reader.type_name + " is subscribed to";
+    verdict.mismatch =
+        "type " + writer.type_name + " is published, " + reader.type_name + " is subscribed to";
   } else if (writer.type_hash != reader.type_hash) {
     verdict.mismatch = "two different definitions of type " + writer.type_name;
   }
@@ -157,7 +159,8 @@ std::vector<const Negotiation::Entry*> Negotiation::others(const Entry& entry) c
 
 UdpAddress Negotiation::address_of(const Endpoint& reader) const {
   UdpAddress address = reader.addresses.front();
-  if (reader.network == self_.network) address.ipv4 = 0x7f000001;  // one network stack: never leaves the machine
+  if (reader.network == self_.network)
+    address.ipv4 = 0x7f000001;  // one network stack: never leaves the machine
   return address;
 }
 
@@ -189,7 +192,8 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   } else if (verdict.udp) {
     status.reason = "the subscriber is not listening yet";
   } else {
-    status.reason = verdict.shm ? "shared memory is being attached" : "UDP is ruled out, and " + verdict.udp_reason;
+    status.reason =
+        verdict.shm ? "shared memory is being attached" : "UDP is ruled out, and " + verdict.udp_reason;
   }
   return status;
 }

@@ -1,7 +1,7 @@
-// Who gets what, by which path, under which mask: a pure state machine. Events go in, desired states come out; there is
-// no I/O here and no clock. It keeps a table of endpoints, ours and others', and derives from it what each of our writers
-// should serve and each of our readers should hear, so that the order of events does not matter. negotiation.md has the
-// rules as a table.
+// Who gets what, by which path, under which mask: a pure state machine. Events go in, desired states come
+// out; there is no I/O here and no clock. It keeps a table of endpoints, ours and others', and derives from
+// it what each of our writers should serve and each of our readers should hear, so that the order of events
+// does not matter. negotiation.md has the rules as a table.
 #pragma once
 
 #include <chrono>
@@ -55,7 +55,8 @@ class Negotiation {
   Negotiation() : Negotiation(Limits{}) {}
   explicit Negotiation(const Limits& limits) : limits_(limits) {}
 
-  // Events. Each returns whether anything may have changed, that is, whether to ask for the desired states again.
+  // Events. Each returns whether anything may have changed, that is, whether to ask for the desired states
+  // again.
   bool self_changed(const Self& self);
   /// `type` outlives the endpoint. The endpoint's host and network are taken from Self.
   void local_added(const Endpoint& endpoint, const TypeSupport& type);
@@ -81,10 +82,10 @@ class Negotiation {
  private:
   struct Entry {
     Endpoint endpoint;
-    const TypeSupport* type = nullptr;     ///< of our own endpoints
-    std::optional<Now> lost_since;         ///< its node does not answer
+    const TypeSupport* type = nullptr;  ///< of our own endpoints
+    std::optional<Now> lost_since;      ///< its node does not answer
   };
-  struct Verdict {  ///< on one pair, as far as both sides see it alike
+  struct Verdict {         ///< on one pair, as far as both sides see it alike
     std::string mismatch;  ///< not empty: never matches, and why
     bool shm = false;      ///< both may and can use shared memory
     bool udp = false;

@@ -13,7 +13,7 @@ namespace sft::core {
 std::uint64_t network_id() noexcept {
   std::string boot;
   std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
-  struct stat space{};
+  struct stat space {};
   // Without /proc nobody is known to share our network: never take another host for this one.
   if (boot.empty() || stat("/proc/self/ns/net", &space) != 0) return random_id();
   Fnv1a hash;

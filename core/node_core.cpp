@@ -13,7 +13,7 @@ namespace sft::core {
 namespace {
 
 constexpr std::size_t accepted_masks_max = 16;
-constexpr std::chrono::seconds in_flight_max{2};  // what was sent longer ago does not come any more
+constexpr std::chrono::seconds in_flight_max{2};         // what was sent longer ago does not come any more
 constexpr std::chrono::milliseconds shm_pause_min{500};  // after the daemon did not do what was asked for
 constexpr std::chrono::milliseconds shm_pause_max{10'000};
 constexpr std::chrono::milliseconds tick_quiet{50};
@@ -57,8 +57,8 @@ NodeCore::~NodeCore() {
 
 /// The last handle may go within a callback, on a thread that the destructor would wait for.
 void NodeCore::dispose(NodeCore* node) {
-  const bool own_thread =
-      SubscriberCore::in_callback() || node->agent_.is_current_thread() || node->dispatcher_.is_current_thread();
+  const bool own_thread = SubscriberCore::in_callback() || node->agent_.is_current_thread() ||
+                          node->dispatcher_.is_current_thread();
   if (own_thread) {
     std::thread([node] { delete node; }).detach();
   } else {
@@ -68,7 +68,8 @@ void NodeCore::dispose(NodeCore* node) {
 
 Result<std::uint32_t> NodeCore::take_slot() {
   const std::scoped_lock lock(slots_mutex_);
-  if (free_slots_.empty()) return fail(Errc::limit_exceeded, "a node has at most 1023 subscribers without callback");
+  if (free_slots_.empty())
+    return fail(Errc::limit_exceeded, "a node has at most 1023 subscribers without callback");
   const std::uint32_t slot = free_slots_.back();
   free_slots_.pop_back();
   return slot;
@@ -86,9 +87,11 @@ bool NodeCore::may_use(TransportKind kind, TransportChoice choice) const {
   return transport != nullptr && choice != other && options_.transport != other;
 }
 
-Result<void> NodeCore::check_endpoint(std::string_view topic, const TypeSupport& type, TransportChoice choice) const {
+Result<void> NodeCore::check_endpoint(std::string_view topic, const TypeSupport& type,
+                                      TransportChoice choice) const {
   if (topic.empty() || topic.size() > name_bytes_max || type.name().size() > name_bytes_max) {
-    return fail(Errc::invalid_argument, "the name of a topic has 1 to 255 characters: '" + std::string(topic) + "'");
+    return fail(Errc::invalid_argument,
+                "the name of a topic has 1 to 255 characters: '" + std::string(topic) + "'");
   }
   if (type.leaves() > mask_words_max * 64) {
     return fail(Errc::limit_exceeded, std::string(type.name()) + " has more than 4096 fields");
@@ -115,8 +118,9 @@ Endpoint NodeCore::new_endpoint(Role role, std::string_view topic, const TypeSup
   return endpoint;
 }
 
-Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCore>& self, std::string_view topic,
-                                                    const TypeSupport& type, const PublisherOptions& options) {
+Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCore>& self,
+                                                    std::string_view topic, const TypeSupport& type,
+                                                    const PublisherOptions& options) {
   if (auto ok = check_endpoint(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
   Endpoint endpoint = new_endpoint(Role::writer, topic, type, options.transport);
   endpoint.max_sample_bytes = options.max_sample_bytes;
@@ -127,7 +131,8 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
     udp = std::move(*port);
   }
   auto core = std::make_shared<PublisherCore>(
-      PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes, options.on_readers_changed},
+      PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes,
+                          options.on_readers_changed},
       heap_, std::move(udp));
   agent_.post([this, endpoint, core] { add_writer(endpoint, core); });
   // The handle withdraws the endpoint; the agent lets go of the rest.
@@ -137,9 +142,11 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   return untyped::Publisher(std::move(handle));
 }
 
-Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self, std::string_view topic,
-                                                      const TypeSupport& type, untyped::Requirement requirement,
-                                                      const SubscriberOptions& options, untyped::Callback callback) {
+Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self,
+                                                      std::string_view topic, const TypeSupport& type,
+                                                      untyped::Requirement requirement,
+                                                      const SubscriberOptions& options,
+                                                      untyped::Callback callback) {
   if (auto ok = check_endpoint(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
   const Result<std::uint32_t> slot = callback ? Result<std::uint32_t>(0) : take_slot();
   if (!slot) return tl::unexpected(slot.error());
@@ -171,12 +178,14 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   }
   const std::shared_ptr<SubscriberCore> core = reader.core;
   const std::shared_ptr<Recorder> recorder = reader.recorder;
-  agent_.post([this, endpoint, reader = std::move(reader)]() mutable { add_reader(endpoint, std::move(reader)); });
-  std::shared_ptr<SubscriberCore> handle(core.get(), [self, core, recorder, id = endpoint.id](SubscriberCore*) {
-    core->close();
-    if (recorder != nullptr) recorder->detach();
-    self->agent_.post([node = self.get(), id] { node->remove(id); });
-  });
+  agent_.post(
+      [this, endpoint, reader = std::move(reader)]() mutable { add_reader(endpoint, std::move(reader)); });
+  std::shared_ptr<SubscriberCore> handle(core.get(),
+                                         [self, core, recorder, id = endpoint.id](SubscriberCore*) {
+                                           core->close();
+                                           if (recorder != nullptr) recorder->detach();
+                                           self->agent_.post([node = self.get(), id] { node->remove(id); });
+                                         });
   return untyped::Subscriber(std::move(handle));
 }
 
@@ -198,7 +207,8 @@ void NodeCore::add_reader(const Endpoint& endpoint, Reader reader) {
 }
 
 void NodeCore::remove(EndpointId id) {
-  if (const Endpoint* endpoint = negotiation_.local(id); endpoint != nullptr && endpoint->role == Role::reader) {
+  if (const Endpoint* endpoint = negotiation_.local(id);
+      endpoint != nullptr && endpoint->role == Role::reader) {
     give_slot_back(endpoint->doorbell.slot);
   }
   negotiation_.local_removed(id);
@@ -216,7 +226,8 @@ void NodeCore::remove(EndpointId id) {
 void NodeCore::announce(EndpointId id) {
   const Endpoint* endpoint = negotiation_.local(id);
   if (endpoint == nullptr) return;
-  if (const Result<void> sent = discovery_->announce(*endpoint); !sent) log(LogLevel::warning, sent.error().message);
+  if (const Result<void> sent = discovery_->announce(*endpoint); !sent)
+    log(LogLevel::warning, sent.error().message);
 }
 
 void NodeCore::endpoint_seen(Endpoint endpoint) {
@@ -256,8 +267,9 @@ void NodeCore::requirement_changed(EndpointId id) {
   request_changed(id);
 }
 
-/// Samples under what was asked for before, and of writers that went, may be in flight. For long such a mask must not be
-/// accepted: another reader in this process may ask for just that, and its samples would be taken for ours.
+/// Samples under what was asked for before, and of writers that went, may be in flight. For long such a mask
+/// must not be accepted: another reader in this process may ask for just that, and its samples would be taken
+/// for ours.
 void NodeCore::forget_what_was_in_flight(Now now) {
   const auto is_over = [&](Now since) { return since != Now::max() && now - since > in_flight_max; };
   for (auto& [id, reader] : readers_) {
@@ -350,8 +362,8 @@ void NodeCore::drop_shm_ports() {
   }
 }
 
-/// Tells writers which of our readers hear them by now. Whether some reader still waits for its connection in shared
-/// memory.
+/// Tells writers which of our readers hear them by now. Whether some reader still waits for its connection in
+/// shared memory.
 bool NodeCore::look_after_connections() {
   bool waiting = false;
   for (auto& [id, reader] : readers_) {
@@ -369,8 +381,8 @@ bool NodeCore::look_after_connections() {
   return waiting;
 }
 
-/// Opens something in shared memory, unless that failed a moment ago: a daemon that does not answer costs its deadline
-/// each time, during which the agent does nothing else.
+/// Opens something in shared memory, unless that failed a moment ago: a daemon that does not answer costs its
+/// deadline each time, during which the agent does nothing else.
 template <class Open>
 bool NodeCore::try_shm(Open open) {
   const Now now = std::chrono::steady_clock::now();
@@ -459,8 +471,8 @@ Hearing NodeCore::connect(EndpointId id, Reader& reader, const Hearing& wanted, 
 
 Result<void> NodeCore::connect_shm(EndpointId id, Reader& reader, const Source& source) {
   if (reader.shm == nullptr) {
-    auto port = shm_->open_reader({id, &reader.core->type(), reader.core->spec().options.depth, reader.core.get(),
-                                   negotiation_.local(id)->doorbell});
+    auto port = shm_->open_reader({id, &reader.core->type(), reader.core->spec().options.depth,
+                                   reader.core.get(), negotiation_.local(id)->doorbell});
     if (!port) return tl::unexpected(port.error());
     reader.shm = std::move(*port);
     reader.core->set_port(TransportKind::shm, reader.shm);

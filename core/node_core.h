@@ -1,5 +1,5 @@
-// What is behind a node: its agent, discovery, transports and endpoints, and the loop that brings the transports to the
-// states that the negotiation wants.
+// What is behind a node: its agent, discovery, transports and endpoints, and the loop that brings the
+// transports to the states that the negotiation wants.
 #pragma once
 
 #include <atomic>
@@ -60,15 +60,16 @@ class NodeCore final : private DiscoveryListener {
     std::shared_ptr<ReaderPort> shm;
     std::shared_ptr<ReaderPort> udp;
     std::map<EndpointId, Hearing> heard;
-    std::vector<AcceptedMask> accepted;   ///< newest last
-    std::map<EndpointId, Now> departed;   ///< writers of which datagrams may still be in flight
+    std::vector<AcceptedMask> accepted;  ///< newest last
+    std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
   };
 
   NodeCore(const NodeOptions& options, Parts parts);
   static void dispose(NodeCore* node);
   Result<std::uint32_t> take_slot();
   void give_slot_back(std::uint32_t slot);
-  Endpoint new_endpoint(Role role, std::string_view topic, const TypeSupport& type, TransportChoice choice) const;
+  Endpoint new_endpoint(Role role, std::string_view topic, const TypeSupport& type,
+                        TransportChoice choice) const;
   Result<void> check_endpoint(std::string_view topic, const TypeSupport& type, TransportChoice choice) const;
 
   // DiscoveryListener: posted to the agent.
@@ -120,8 +121,8 @@ class NodeCore final : private DiscoveryListener {
   std::map<EndpointId, Reader> readers_;
   Self self_;
   bool udp_failed_ = false;
-  bool dirty_ = false;       ///< something changed that reconcile() has not seen
-  Now next_shm_attempt_{};   ///< after failures, and the pause until then
+  bool dirty_ = false;      ///< something changed that reconcile() has not seen
+  Now next_shm_attempt_{};  ///< after failures, and the pause until then
   std::chrono::milliseconds shm_pause_{0};
   int hurried_ticks_ = 0;  ///< in a row, because some reader waits for its connection
   std::atomic<bool> shm_ready_{false};

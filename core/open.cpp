@@ -83,7 +83,8 @@ Result<untyped::Publisher> Node::open_publisher(std::string_view topic, const Ty
 }
 
 Result<untyped::Subscriber> Node::open_subscriber(std::string_view topic, const TypeSupport& type,
-                                                  untyped::Requirement requirement, const SubscriberOptions& options,
+                                                  untyped::Requirement requirement,
+                                                  const SubscriberOptions& options,
                                                   untyped::Callback callback) {
   return core_->open_subscriber(core_, topic, type, std::move(requirement), options, std::move(callback));
 }

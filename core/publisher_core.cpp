@@ -10,7 +10,11 @@
 namespace sft::core {
 
 PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<WriterPort> udp)
-    : spec_(std::move(spec)), full_(spec_.type->full()), layout_(spec_.type->slots()), heap_(std::move(heap)), udp_(std::move(udp)) {
+    : spec_(std::move(spec)),
+      full_(spec_.type->full()),
+      layout_(spec_.type->slots()),
+      heap_(std::move(heap)),
+      udp_(std::move(udp)) {
   outlets_.store(outlets_for({}, nullptr));
 }
 
@@ -29,8 +33,8 @@ void PublisherCore::serve(const Serving& serving, std::shared_ptr<WriterPort> sh
   const std::shared_ptr<Outlets> after = outlets_for(serving, std::move(shm));
   const std::shared_ptr<const Outlets> before = outlets_.share();
   if (!before->mask.contains(after->mask)) {
-    // A route must never ask for more than is encoded: first encode what old and new routes need together, wait for a
-    // publish() that began before that, and only then change the routes.
+    // A route must never ask for more than is encoded: first encode what old and new routes need together,
+    // wait for a publish() that began before that, and only then change the routes.
     auto both = std::make_shared<Outlets>(*before);
     both->mask |= after->mask;
     outlets_.store(both);
@@ -81,7 +85,8 @@ PublishStatus PublisherCore::no_memory() noexcept {
 Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> payload) {
   if (payload.size() < encapsulation_bytes ||
       std::memcmp(payload.data(), encapsulation_cdr_le.data(), 2) != 0) {
-    return fail(Errc::malformed, "a payload that is not little-endian CDR (XCDR1), beginning with 00 01: convert it first");
+    return fail(Errc::malformed,
+                "a payload that is not little-endian CDR (XCDR1), beginning with 00 01: convert it first");
   }
   const auto body = payload.subspan(encapsulation_bytes);
   if (body.size() > spec_.max_sample_bytes) {
@@ -94,9 +99,11 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> payl
   if (!sample) return no_memory();
   std::memcpy(sample->data + layout_.body_offset, body.data(), bytes);
   const SampleState state{.body = sample->data + layout_.body_offset, .body_bytes = bytes, .mask = &full_};
-  const WalkStatus walked = build_index(state, spec_.type->type(), {sample->index(), spec_.type->slots()}, &bytes);
+  const WalkStatus walked =
+      build_index(state, spec_.type->type(), {sample->index(), spec_.type->slots()}, &bytes);
   if (walked != WalkStatus::ok) {
-    return fail(Errc::malformed, std::string("not a ") + std::string(spec_.type->name()) + ": " + to_string(walked));
+    return fail(Errc::malformed,
+                std::string("not a ") + std::string(spec_.type->name()) + ": " + to_string(walked));
   }
   fill_header(*sample, full_, bytes);
   return send(outlets, sample);
@@ -128,7 +135,8 @@ SampleHandle PublisherCore::lend(const Outlets& outlets, std::uint32_t body_byte
   return sample;
 }
 
-void PublisherCore::fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept {
+void PublisherCore::fill_header(SampleBuffer& buffer, const FieldMask& mask,
+                                std::uint32_t body_bytes) noexcept {
   SampleHeader& header = buffer.header();
   header = SampleHeader{};
   header.slots = static_cast<std::uint32_t>(spec_.type->slots());

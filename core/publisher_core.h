@@ -1,7 +1,8 @@
-// One publisher without its message type: encodes each sample once and hands it to the ports that have readers.
+// One publisher without its message type: encodes each sample once and hands it to the ports that have
+// readers.
 //
-// publish(), publish_cdr(), loan() and commit() are called by one thread at a time; serve() by the agent; status() by
-// anybody.
+// publish(), publish_cdr(), loan() and commit() are called by one thread at a time; serve() by the agent;
+// status() by anybody.
 #pragma once
 
 #include <atomic>
@@ -42,7 +43,8 @@ class PublisherCore {
   const TypeSupport& type() const { return *spec_.type; }
   EndpointId id() const { return spec_.id; }
 
-  /// Puts a new division of readers between the ports in force. `shm` is null while there is no shared memory.
+  /// Puts a new division of readers between the ports in force. `shm` is null while there is no shared
+  /// memory.
   void serve(const Serving& serving, std::shared_ptr<WriterPort> shm);
 
  private:
@@ -51,7 +53,8 @@ class PublisherCore {
     std::shared_ptr<WriterPort> shm;
     bool to_shm = false;
     bool to_udp = false;
-    FieldMask mask;  ///< what has to be encoded: everything for shared memory, else the union of what is asked for
+    FieldMask
+        mask;  ///< what has to be encoded: everything for shared memory, else the union of what is asked for
   };
 
   std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;

@@ -12,7 +12,8 @@ std::uint64_t random_id() noexcept {
   while (id == 0) {
     if (getrandom(&id, sizeof id, 0) == sizeof id) continue;
     const auto now = static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
-    id = now * 0x9e3779b97f4a7c15 ^ static_cast<std::uint64_t>(getpid()) << 32 ^ reinterpret_cast<std::uintptr_t>(&id);
+    id = now * 0x9e3779b97f4a7c15 ^ static_cast<std::uint64_t>(getpid()) << 32 ^
+         reinterpret_cast<std::uintptr_t>(&id);
   }
   return id;
 }

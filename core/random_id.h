@@ -5,7 +5,8 @@
 
 namespace sft::core {
 
-/// 64 random bits of the kernel's, never 0. Aborts nothing: falls back to time and address where getrandom fails.
+/// 64 random bits of the kernel's, never 0. Aborts nothing: falls back to time and address where getrandom
+/// fails.
 std::uint64_t random_id() noexcept;
 
 }  // namespace sft::core

@@ -5,7 +5,8 @@
 
 namespace sft::core {
 
-std::shared_ptr<Recorder> Recorder::make(std::size_t leaves, const RecordingSettings& settings, Changed changed) {
+std::shared_ptr<Recorder> Recorder::make(std::size_t leaves, const RecordingSettings& settings,
+                                         Changed changed) {
   return std::shared_ptr<Recorder>(new Recorder(leaves, settings, std::move(changed)));
 }
 
@@ -47,7 +48,8 @@ void Recorder::fold(RecordedSample& sample) noexcept {
   const std::scoped_lock lock(mutex_);
   ++samples_;
   for (std::size_t i = 0; i < sample.words_.size(); ++i) {
-    for (std::uint64_t bits = sample.words_[i].exchange(0, std::memory_order_relaxed); bits != 0; bits &= bits - 1) {
+    for (std::uint64_t bits = sample.words_[i].exchange(0, std::memory_order_relaxed); bits != 0;
+         bits &= bits - 1) {
       const std::size_t leaf = i * 64 + static_cast<std::size_t>(std::countr_zero(bits));
       last_read_[leaf] = samples_;
       ++counts_[leaf];
@@ -57,8 +59,8 @@ void Recorder::fold(RecordedSample& sample) noexcept {
   if (refresh_required() && changed_) changed_();
 }
 
-/// With the mutex held: whether required_ is another one now. A leaf is needed if it was read lately; where one was
-/// never read, that is known once the first samples are through.
+/// With the mutex held: whether required_ is another one now. A leaf is needed if it was read lately; where
+/// one was never read, that is known once the first samples are through.
 bool Recorder::refresh_required() {
   if (samples_ < settings_.learn_samples) return false;
   bool changed = false;

@@ -1,5 +1,6 @@
-// Automatic requirement recording (ARR): which leaves a subscriber's getters read, folded sample by sample into what it
-// asks its publishers for. Widening is immediate; narrowing waits until a leaf was not read for a number of samples.
+// Automatic requirement recording (ARR): which leaves a subscriber's getters read, folded sample by sample
+// into what it asks its publishers for. Widening is immediate; narrowing waits until a leaf was not read for
+// a number of samples.
 #pragma once
 
 #include <atomic>
@@ -21,7 +22,8 @@ class Recorder;
 /// The accesses of one sample that is being read. Belongs to its recorder, which lives as long as any is out.
 class RecordedSample {
  public:
-  RecordedSample(std::size_t words, AccessLog::MissListener* listener) : words_(words), log_(words_, listener) {}
+  RecordedSample(std::size_t words, AccessLog::MissListener* listener)
+      : words_(words), log_(words_, listener) {}
   AccessLog& log() { return log_; }
 
  private:
@@ -33,11 +35,12 @@ class RecordedSample {
 
 class Recorder final : public std::enable_shared_from_this<Recorder>, private AccessLog::MissListener {
  public:
-  /// Told that required() has changed; on the thread of a getter or of whoever released a sample, and under the recorder's
-  /// lock: it posts, and returns.
+  /// Told that required() has changed; on the thread of a getter or of whoever released a sample, and under
+  /// the recorder's lock: it posts, and returns.
   using Changed = std::function<void()>;
 
-  static std::shared_ptr<Recorder> make(std::size_t leaves, const RecordingSettings& settings, Changed changed);
+  static std::shared_ptr<Recorder> make(std::size_t leaves, const RecordingSettings& settings,
+                                        Changed changed);
 
   /// From here on nobody is told any more. Samples may outlive whoever was.
   void detach();

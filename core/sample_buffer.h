@@ -1,5 +1,6 @@
-// The memory of one encoded sample, whoever lends it: a chunk in shared memory, a reassembly buffer, a heap buffer.
-// Handles share it; when the last one goes, it returns to its owner, which each buffer that is out keeps alive.
+// The memory of one encoded sample, whoever lends it: a chunk in shared memory, a reassembly buffer, a heap
+// buffer. Handles share it; when the last one goes, it returns to its owner, which each buffer that is out
+// keeps alive.
 #pragma once
 
 #include <atomic>
@@ -26,7 +27,7 @@ class BufferOwner {
 struct SampleBuffer {
   std::byte* data = nullptr;  ///< 8-aligned; begins with a SampleHeader
   std::size_t capacity = 0;
-  FieldMask mask;  ///< leaves that the sample has
+  FieldMask mask;                     ///< leaves that the sample has
   std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
   std::shared_ptr<BufferOwner> owner;
   void* owner_data = nullptr;  ///< the owner's own

@@ -1,6 +1,6 @@
-// A value that one thread replaces now and then and another reads all the time: reading an unchanged value is one atomic
-// load. One reading thread at a time. Accesses are sequentially consistent, so that a reader may raise a flag before it
-// loads, and a writer look for the flag after it stored.
+// A value that one thread replaces now and then and another reads all the time: reading an unchanged value is
+// one atomic load. One reading thread at a time. Accesses are sequentially consistent, so that a reader may
+// raise a flag before it loads, and a writer look for the flag after it stored.
 #pragma once
 
 #include <atomic>

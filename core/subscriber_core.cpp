@@ -7,16 +7,20 @@ namespace sft::core {
 namespace {
 thread_local int callback_depth = 0;
 constexpr std::size_t gone_writers_kept = 64;  // their last samples may still be taken
-}
+}  // namespace
 
 bool SubscriberCore::in_callback() noexcept { return callback_depth != 0; }
 
 SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Recorder> recorder)
-    : spec_(std::move(spec)), bell_(bell), recorder_(std::move(recorder)), requested_(spec_.requirement.mask) {}
+    : spec_(std::move(spec)),
+      bell_(bell),
+      recorder_(std::move(recorder)),
+      requested_(spec_.requirement.mask) {}
 
 void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> port) {
   const std::scoped_lock lock(mutex_);
-  inlets_[static_cast<std::size_t>(kind)].port.swap(port);  // the old one dies with the argument, behind the lock
+  inlets_[static_cast<std::size_t>(kind)].port.swap(
+      port);  // the old one dies with the argument, behind the lock
 }
 
 void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
@@ -72,7 +76,8 @@ SubscriberCore::Inlet* SubscriberCore::oldest_inlet() {
 }
 
 SubscriberCore::Heard& SubscriberCore::heard(EndpointId writer) {
-  const auto known = std::find_if(heard_.begin(), heard_.end(), [&](const Heard& h) { return h.writer == writer; });
+  const auto known =
+      std::find_if(heard_.begin(), heard_.end(), [&](const Heard& h) { return h.writer == writer; });
   if (known != heard_.end()) return *known;
   return heard_.emplace_back(Heard{.writer = writer});
 }
@@ -130,9 +135,7 @@ bool SubscriberCore::available() {
   return fill_inlets();
 }
 
-bool SubscriberCore::waits_for_dispatch() {
-  return pending_.load() == 0 && !closed_.load() && available();
-}
+bool SubscriberCore::waits_for_dispatch() { return pending_.load() == 0 && !closed_.load() && available(); }
 
 bool SubscriberCore::wait(std::chrono::nanoseconds timeout) {
   using Clock = std::chrono::steady_clock;

@@ -1,8 +1,8 @@
-// One subscriber without its message type: brings together what its ports receive, in the order of each writer, counts
-// what is missing, and wakes or calls whoever waits.
+// One subscriber without its message type: brings together what its ports receive, in the order of each
+// writer, counts what is missing, and wakes or calls whoever waits.
 //
-// take(), take_latest() and wait() are called by any thread; what is the agent's is marked so; arrived() by threads of
-// transports, dispatch() by these and the dispatcher.
+// take(), take_latest() and wait() are called by any thread; what is the agent's is marked so; arrived() by
+// threads of transports, dispatch() by these and the dispatcher.
 #pragma once
 
 #include <array>
@@ -45,7 +45,8 @@ class SubscriberCore final : public ArrivalListener {
   /// Callback subscribers: whether there is something that nobody is dispatching.
   bool waits_for_dispatch();
 
-  /// Callback subscribers: calls back for all there is. At once if a call is under way on another thread: that one goes on.
+  /// Callback subscribers: calls back for all there is. At once if a call is under way on another thread:
+  /// that one goes on.
   void dispatch();
   void arrived() noexcept override;
 
@@ -95,7 +96,7 @@ class SubscriberCore final : public ArrivalListener {
   Doorbell& bell_;
   const std::shared_ptr<Recorder> recorder_;
 
-  std::mutex mutex_;  // never held over a system call or a callback
+  std::mutex mutex_;             // never held over a system call or a callback
   std::array<Inlet, 2> inlets_;  // by TransportKind
   std::vector<Heard> heard_;
   Heard gone_;  ///< sums of writers that were forgotten
@@ -104,7 +105,8 @@ class SubscriberCore final : public ArrivalListener {
   std::uint64_t requests_ = 1;
 
   // All sequentially consistent: waits_for_dispatch() of one thread against the end of dispatch() on another.
-  std::atomic<std::uint32_t> pending_{0};  ///< arrivals not yet dispatched; whoever raises it from 0 dispatches
+  std::atomic<std::uint32_t> pending_{
+      0};  ///< arrivals not yet dispatched; whoever raises it from 0 dispatches
   std::atomic<bool> closed_{false};
   std::atomic<std::thread::id> dispatching_{};
 };

@@ -1,10 +1,10 @@
-// The seam between the core and the ways a sample can travel. Shared memory and UDP are each one Transport; the core
-// decides who is served by which (core/negotiation.h) and never asks which one it talks to.
+// The seam between the core and the ways a sample can travel. Shared memory and UDP are each one Transport;
+// the core decides who is served by which (core/negotiation.h) and never asks which one it talks to.
 //
-// Threads. Everything is called from the node's agent thread except WriterPort::loan and send (the publisher's thread),
-// ReaderPort::take (any thread, one at a time), and description, counters and, for UDP, open_writer and open_reader (any
-// thread); set_routes, connect, disconnect and accept_masks may run at the same time as these. Listeners are called from
-// threads of the transport.
+// Threads. Everything is called from the node's agent thread except WriterPort::loan and send (the
+// publisher's thread), ReaderPort::take (any thread, one at a time), and description, counters and, for UDP,
+// open_writer and open_reader (any thread); set_routes, connect, disconnect and accept_masks may run at the
+// same time as these. Listeners are called from threads of the transport.
 #pragma once
 
 #include <array>
@@ -34,7 +34,8 @@ using EndpointId = std::uint64_t;  ///< random per incarnation, never 0; datagra
 struct UdpAddress {
   std::uint32_t ipv4 = 0;  ///< host byte order
   std::uint16_t port = 0;
-  std::uint32_t receive_buffer_bytes = 0;  ///< of the socket, as the kernel counts: a sender paces bursts by it
+  std::uint32_t receive_buffer_bytes =
+      0;  ///< of the socket, as the kernel counts: a sender paces bursts by it
   friend bool operator==(const UdpAddress&, const UdpAddress&) = default;
 };
 
@@ -78,13 +79,13 @@ class WriterPort {
  public:
   virtual ~WriterPort() = default;
 
-  /// Memory for a sample of `bytes` in all (header, index, body); empty if there is none now. Owner, data, capacity are
-  /// set and the header is a fresh one.
+  /// Memory for a sample of `bytes` in all (header, index, body); empty if there is none now. Owner, data,
+  /// capacity are set and the header is a fresh one.
   virtual SampleHandle loan(std::size_t bytes) noexcept = 0;
 
-  /// Sends an encoded sample to the routes in force; see can_send() for where it may come from. The caller may still read
-  /// the sample afterwards while it keeps a handle, but not write.
-  /// Never waits for a reader. Every route's mask must be a subset of sample->mask.
+  /// Sends an encoded sample to the routes in force; see can_send() for where it may come from. The caller
+  /// may still read the sample afterwards while it keeps a handle, but not write. Never waits for a reader.
+  /// Every route's mask must be a subset of sample->mask.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
   virtual void set_routes(std::vector<Route> routes) = 0;
@@ -95,13 +96,15 @@ class WriterPort {
     return true;
   }
 
-  /// Bytes of payload and headers of ours handed to the operating system so far, over all routes (0 in shared memory).
+  /// Bytes of payload and headers of ours handed to the operating system so far, over all routes (0 in shared
+  /// memory).
   virtual std::uint64_t bytes_sent() const noexcept = 0;
 };
 
 class ArrivalListener {
  public:
-  /// At least one sample can be taken. Called from a thread of the transport, which does nothing else meanwhile.
+  /// At least one sample can be taken. Called from a thread of the transport, which does nothing else
+  /// meanwhile.
   virtual void arrived() noexcept = 0;
 
  protected:
@@ -110,10 +113,11 @@ class ArrivalListener {
 
 struct ReaderSpec {
   EndpointId id = 0;
-  const TypeSupport* type = nullptr;    ///< outlives the port
-  std::uint32_t depth = 1;              ///< samples kept until taken, per writer; the oldest goes first
-  ArrivalListener* listener = nullptr;  ///< outlives the port; not called by shared memory, where doorbells ring
-  DoorbellAddress doorbell;             ///< what writers in shared memory ring for this reader
+  const TypeSupport* type = nullptr;  ///< outlives the port
+  std::uint32_t depth = 1;            ///< samples kept until taken, per writer; the oldest goes first
+  ArrivalListener* listener =
+      nullptr;               ///< outlives the port; not called by shared memory, where doorbells ring
+  DoorbellAddress doorbell;  ///< what writers in shared memory ring for this reader
 };
 
 class ReaderPort {
@@ -130,15 +134,16 @@ class ReaderPort {
   /// Accepts no more of them; what has arrived can still be taken.
   virtual void disconnect(EndpointId writer) noexcept = 0;
 
-  /// Masks (closed) under which samples are for this reader: what it requests now, and what it requested before while
-  /// such samples may be in flight. Only meaningful where variants share a destination (UDP).
+  /// Masks (closed) under which samples are for this reader: what it requests now, and what it requested
+  /// before while such samples may be in flight. Only meaningful where variants share a destination (UDP).
   virtual void accept_masks(std::vector<FieldMask> masks) = 0;
 
   /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
   virtual std::uint64_t discarded() const noexcept = 0;
 };
 
-/// Identity of the memory that co-located processes share: boot_id and the token that the daemon put into /dev/shm.
+/// Identity of the memory that co-located processes share: boot_id and the token that the daemon put into
+/// /dev/shm.
 struct HostToken {
   std::array<std::uint8_t, 32> bytes{};
   bool known() const { return bytes != std::array<std::uint8_t, 32>{}; }
@@ -152,8 +157,9 @@ class Transport {
   virtual ~Transport() = default;
   virtual TransportKind kind() const noexcept = 0;
 
-  /// Looks after the transport (starts or finds its daemon, notices its death) and tells its state; called often, from
-  /// the agent, and returns at once. When the answer leaves `ready`, ports of before are dead: destroy and reopen them.
+  /// Looks after the transport (starts or finds its daemon, notices its death) and tells its state; called
+  /// often, from the agent, and returns at once. When the answer leaves `ready`, ports of before are dead:
+  /// destroy and reopen them.
   virtual Availability poll(std::chrono::steady_clock::time_point now) = 0;
   /// One sentence on the state: how it works ("io_uring, GRO"), or why it does not and what to do.
   virtual std::string description() const = 0;

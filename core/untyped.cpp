@@ -12,10 +12,14 @@ namespace sft {
 
 const char* to_string(PublishStatus status) {
   switch (status) {
-    case PublishStatus::ok: return "ok";
-    case PublishStatus::invalid: return "the message breaks a bound, has a NUL in a string, or is too large";
-    case PublishStatus::no_memory: return "no chunk or buffer is free";
-    case PublishStatus::dropped: return "not handed to every reader";
+    case PublishStatus::ok:
+      return "ok";
+    case PublishStatus::invalid:
+      return "the message breaks a bound, has a NUL in a string, or is too large";
+    case PublishStatus::no_memory:
+      return "no chunk or buffer is free";
+    case PublishStatus::dropped:
+      return "not handed to every reader";
   }
   return "unknown";
 }
@@ -26,7 +30,8 @@ using core::SampleHandle;
 
 namespace {
 
-/// A header in shared memory may change while it is read: the body is bounded by what was checked when it was taken.
+/// A header in shared memory may change while it is read: the body is bounded by what was checked when it was
+/// taken.
 SampleState state_of(const core::SampleBuffer& buffer, std::size_t slots) {
   const std::size_t body_offset = SampleLayout(slots).body_offset;
   const std::size_t body_bytes = __atomic_load_n(&buffer.header().body_bytes, __ATOMIC_RELAXED);
@@ -75,7 +80,9 @@ PublishStatus Loan::publish() && {
 
 PublishStatus Publisher::publish(const void* value) { return core_->publish(value); }
 
-Result<PublishStatus> Publisher::publish_cdr(std::span<const std::byte> payload) { return core_->publish_cdr(payload); }
+Result<PublishStatus> Publisher::publish_cdr(std::span<const std::byte> payload) {
+  return core_->publish_cdr(payload);
+}
 
 Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation> reservations) {
   return core_->loan(prototype, reservations).map([this](SampleHandle&& sample) {

@@ -1,4 +1,5 @@
-// Two processes, each pinned to a core, that pass something back and forth: the shape of every latency measurement here.
+// Two processes, each pinned to a core, that pass something back and forth: the shape of every latency
+// measurement here.
 #pragma once
 
 #include <sched.h>
@@ -13,7 +14,8 @@ namespace sft::bench {
 
 /// Nanoseconds of CLOCK_MONOTONIC, comparable between processes of one machine.
 inline std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
 
@@ -33,7 +35,8 @@ class Exchange {
   bool wait_for_receipt(std::uint64_t n);
 };
 
-/// Where each side runs, and how: `enter` is called in the process before its role (to join a namespace, say).
+/// Where each side runs, and how: `enter` is called in the process before its role (to join a namespace,
+/// say).
 struct Sides {
   std::function<void(Exchange&)> sender;
   std::function<void(Exchange&)> receiver;
@@ -41,8 +44,8 @@ struct Sides {
   std::function<void()> enter_receiver = [] {};
 };
 
-/// Runs both sides to their end and returns the one-way times in microseconds of the messages that were read, without
-/// the first tenth. Empty if a side failed.
+/// Runs both sides to their end and returns the one-way times in microseconds of the messages that were read,
+/// without the first tenth. Empty if a side failed.
 std::vector<double> run_pair(const Sides& sides, std::uint64_t messages);
 
 /// Lets the receiver fall asleep between two messages, without this core going into a deep idle state.

@@ -9,12 +9,13 @@
 namespace sft::bench {
 
 void print_table(const std::vector<Figure>& figures) {
-  fmt::print("{:<28} {:>12} {:<6} {:>12} {:<34} {:>7} {:>9}\n", "figure", "value", "unit", "reference", "of", "ratio",
-             "bound");
+  fmt::print("{:<28} {:>12} {:<6} {:>12} {:<34} {:>7} {:>9}\n", "figure", "value", "unit", "reference", "of",
+             "ratio", "bound");
   for (const Figure& f : figures) {
     const std::string reference = f.reference ? fmt::format("{:.3f}", *f.reference) : "";
     const std::string ratio = f.reference ? fmt::format("{:.2f}", f.measure()) : "";
-    const std::string bound = f.bound ? fmt::format("{}{:g}", f.within_bound() ? "<= " : "MISSES ", *f.bound) : "";
+    const std::string bound =
+        f.bound ? fmt::format("{}{:g}", f.within_bound() ? "<= " : "MISSES ", *f.bound) : "";
     fmt::print("{:<28} {:>12.3f} {:<6} {:>12} {:<34} {:>7} {:>9}\n", f.name, f.value, f.unit, reference,
                f.reference_name, ratio, bound);
   }

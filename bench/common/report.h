@@ -14,7 +14,7 @@ struct Figure {
   std::string unit;
   std::optional<double> reference{};  ///< measured in the same run, same unit
   std::string reference_name{};
-  std::optional<double> bound{};      ///< of the ratio, or of the value where there is no reference
+  std::optional<double> bound{};  ///< of the ratio, or of the value where there is no reference
 
   double measure() const { return reference ? value / *reference : value; }
   bool within_bound() const { return !bound || measure() <= *bound; }

@@ -1,5 +1,6 @@
-// The spine in figures: latency in shared memory and over UDP, bytes on the wire, response of the negotiation. Every
-// latency is measured with both sides pinned to a core of their own, in turns with its reference.
+// The spine in figures: latency in shared memory and over UDP, bytes on the wire, response of the
+// negotiation. Every latency is measured with both sides pinned to a core of their own, in turns with its
+// reference.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

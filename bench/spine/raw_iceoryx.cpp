@@ -18,7 +18,8 @@ struct Message {
 };
 
 void init(const char* name) {
-  iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kOff, iox::log::LogLevelOutput::kHideLogLevel);
+  iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kOff,
+                                                           iox::log::LogLevelOutput::kHideLogLevel);
   iox::runtime::PoshRuntime::initRuntime(
       iox::RuntimeName_t(iox::cxx::TruncateToCapacity, std::string(name) + std::to_string(getpid())));
 }
@@ -45,7 +46,8 @@ void send(Exchange& exchange, std::uint64_t messages, std::int64_t pause) {
 }
 
 template <class Wait>
-void receive(Exchange& exchange, std::uint64_t messages, iox::popo::Subscriber<Message>& subscriber, Wait wait) {
+void receive(Exchange& exchange, std::uint64_t messages, iox::popo::Subscriber<Message>& subscriber,
+             Wait wait) {
   exchange.ready = true;
   for (std::uint64_t next = 1; next <= messages && !exchange.failed;) {
     wait();
@@ -60,16 +62,17 @@ void receive(Exchange& exchange, std::uint64_t messages, iox::popo::Subscriber<M
 }  // namespace
 
 std::vector<double> raw_iceoryx_waitset(std::uint64_t messages) {
-  return run_pair({.sender = [=](Exchange& e) { send(e, messages, 150); },
-                   .receiver =
-                       [=](Exchange& e) {
-                         init("raw_receiver_");
-                         iox::popo::Subscriber<Message> subscriber(service);
-                         iox::popo::WaitSet<> wait_set;
-                         wait_set.attachState(subscriber, iox::popo::SubscriberState::HAS_DATA).or_else([](auto) {});
-                         receive(e, messages, subscriber, [&] { wait_set.wait(); });
-                       }},
-                  messages);
+  return run_pair(
+      {.sender = [=](Exchange& e) { send(e, messages, 150); },
+       .receiver =
+           [=](Exchange& e) {
+             init("raw_receiver_");
+             iox::popo::Subscriber<Message> subscriber(service);
+             iox::popo::WaitSet<> wait_set;
+             wait_set.attachState(subscriber, iox::popo::SubscriberState::HAS_DATA).or_else([](auto) {});
+             receive(e, messages, subscriber, [&] { wait_set.wait(); });
+           }},
+      messages);
 }
 
 std::vector<double> raw_iceoryx_polling(std::uint64_t messages) {

@@ -1,6 +1,6 @@
 // How long it takes from a getter that meets an absent field to the publisher having changed what it sends.
-#include <sensor_msgs/msg/PointCloud2.hpp>
 #include <sft/sft.h>
+#include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "bench/common/statistics.h"
 #include "bench/spine/hosts.h"
@@ -40,7 +40,8 @@ void publish(Exchange& exchange, std::uint64_t messages) {
 void subscribe(Exchange& exchange, std::uint64_t messages) {
   Node node = Node::open(options("subscriber")).value();
   auto subscriber = node.subscriber<PointCloud2, recorded>(
-                            "points", {.recording = {.learn_samples = 2, .narrow_after_samples = 3}}).value();
+                            "points", {.recording = {.learn_samples = 2, .narrow_after_samples = 3}})
+                        .value();
   while (exchange.received.load() < messages) {
     if (!subscriber.wait(std::chrono::seconds(2))) {
       exchange.failed = true;
@@ -64,9 +65,9 @@ std::vector<Figure> str_response(const Scale& scale) {
   const std::uint64_t messages = scale.messages / 10;
   std::vector<double> p50, p99;
   for (int round = 0; round < scale.rounds; ++round) {
-    auto times = run_pair(hosts.sides([&](Exchange& e) { publish(e, messages); },
-                                      [&](Exchange& e) { subscribe(e, messages); }),
-                          messages);
+    auto times = run_pair(
+        hosts.sides([&](Exchange& e) { publish(e, messages); }, [&](Exchange& e) { subscribe(e, messages); }),
+        messages);
     p50.push_back(quantile(times, 0.5));
     p99.push_back(quantile(times, 0.99));
   }

@@ -1,6 +1,7 @@
-// Our side in shared memory, for samples of two sizes: what a reader of `width` waits for must not depend on the data.
-#include <sensor_msgs/msg/PointCloud2.hpp>
+// Our side in shared memory, for samples of two sizes: what a reader of `width` waits for must not depend on
+// the data.
 #include <sft/sft.h>
+#include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "bench/common/statistics.h"
 #include "bench/spine/spine.h"
@@ -70,10 +71,11 @@ std::vector<Figure> shared_memory(const Scale& scale) {
     polling.push_back(quantile(raw, 0.5));
     spinning_small.push_back(p50(scale.messages, small, false));
   }
-  return {{"shm_sleeping", median(sleeping), "us", median(waitset), "iceoryx WaitSet, 16 B", 1.3},
-          {"shm_spinning", median(spinning), "us", median(polling), "iceoryx polling, 16 B", 2.0},
-          {"shm_sleeping_size", median(sleeping), "us", median(sleeping_small), "the same, 16 B of data", {}},
-          {"shm_spinning_size", median(spinning), "us", median(spinning_small), "the same, 16 B of data", {}}};
+  return {
+      {"shm_sleeping", median(sleeping), "us", median(waitset), "iceoryx WaitSet, 16 B", 1.3},
+      {"shm_spinning", median(spinning), "us", median(polling), "iceoryx polling, 16 B", 2.0},
+      {"shm_sleeping_size", median(sleeping), "us", median(sleeping_small), "the same, 16 B of data", {}},
+      {"shm_spinning_size", median(spinning), "us", median(spinning_small), "the same, 16 B of data", {}}};
 }
 
 }  // namespace sft::bench

@@ -14,7 +14,8 @@ struct Scale {
   int rounds = 3;                 ///< of each contender, in turns; the median counts
 };
 
-/// A 6.3 MB point cloud, from publish of a loan to width() read, in shared memory: reader asleep, reader spinning.
+/// A 6.3 MB point cloud, from publish of a loan to width() read, in shared memory: reader asleep, reader
+/// spinning.
 std::vector<Figure> shared_memory(const Scale& scale);
 /// 64 bytes of fields between two hosts, callback to callback, against blocking sockets.
 std::vector<Figure> udp_small(const Scale& scale);

@@ -1,6 +1,6 @@
 // 64 bytes of fields over UDP between two hosts and back, callback to callback, readers asleep meanwhile.
-#include <sensor_msgs/msg/PointCloud2.hpp>
 #include <sft/sft.h>
+#include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "bench/common/statistics.h"
 #include "bench/spine/hosts.h"
@@ -37,15 +37,19 @@ void ping(Exchange& exchange, std::uint64_t messages) {
     sent_at = now_ns();
     publisher.publish(m);
   };
-  auto pong = node.subscriber<PointCloud2, F::data>("pong", [&](const auto& sample) {
-                    const std::int64_t now = now_ns();
-                    const std::uint64_t i = rounds.load();
-                    if (sample->data().size() != m.data.size() || i >= messages) return;
-                    exchange.sent_at[i] = 0;
-                    exchange.received_at[i] = (now - sent_at) / 2;
-                    rounds = i + 1;
-                    if (i + 1 < messages) send();
-                  }).value();
+  auto pong =
+      node.subscriber<PointCloud2, F::data>("pong",
+                                            [&](const auto& sample) {
+                                              const std::int64_t now = now_ns();
+                                              const std::uint64_t i = rounds.load();
+                                              if (sample->data().size() != m.data.size() || i >= messages)
+                                                return;
+                                              exchange.sent_at[i] = 0;
+                                              exchange.received_at[i] = (now - sent_at) / 2;
+                                              rounds = i + 1;
+                                              if (i + 1 < messages) send();
+                                            })
+          .value();
   wait_served(publisher);
   while (!exchange.ready.load()) pause_us(1000);
   send();
@@ -66,9 +70,11 @@ void echo(Exchange& exchange, std::uint64_t messages) {
   Node node = Node::open(options("pong")).value();
   auto publisher = node.publisher<PointCloud2>("pong").value();
   const PointCloud2 m = message();
-  auto ping = node.subscriber<PointCloud2, F::data>("ping", [&](const auto& sample) {
-                    if (!sample->data().empty()) publisher.publish(m);
-                  }).value();
+  auto ping = node.subscriber<PointCloud2, F::data>("ping",
+                                                    [&](const auto& sample) {
+                                                      if (!sample->data().empty()) publisher.publish(m);
+                                                    })
+                  .value();
   wait_served(publisher);
   exchange.ready = true;
   while (exchange.received.load() < messages && !exchange.failed.load()) {
@@ -83,7 +89,8 @@ std::vector<Figure> udp_small(const Scale& scale) {
   const TwoHosts hosts;
   std::vector<double> ours, raw, ours_p99, raw_p99;
   for (int round = 0; round < scale.rounds; ++round) {
-    Sides sides = hosts.sides([&](Exchange& e) { ping(e, scale.messages); }, [&](Exchange& e) { echo(e, scale.messages); });
+    Sides sides = hosts.sides([&](Exchange& e) { ping(e, scale.messages); },
+                              [&](Exchange& e) { echo(e, scale.messages); });
     auto times = run_pair(sides, scale.messages);
     ours.push_back(quantile(times, 0.5));
     ours_p99.push_back(quantile(times, 0.99));

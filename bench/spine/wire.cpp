@@ -1,7 +1,7 @@
-// Bytes on the link, from the interface's counters: what a diagnostic subscriber (height, width of a 6.3 MB point cloud)
-// costs per sample, and what an idle node costs per second.
-#include <sensor_msgs/msg/PointCloud2.hpp>
+// Bytes on the link, from the interface's counters: what a diagnostic subscriber (height, width of a 6.3 MB
+// point cloud) costs per sample, and what an idle node costs per second.
 #include <sft/sft.h>
+#include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "bench/spine/hosts.h"
 #include "bench/spine/spine.h"
@@ -41,11 +41,13 @@ void publish(Exchange& exchange) {
   while (exchange.received.load() < 2) sleep_ns(1'000'000);
 }
 
-/// Leaves in received_at: bytes sent and received in the quiet phase, bytes received and samples in the other one.
+/// Leaves in received_at: bytes sent and received in the quiet phase, bytes received and samples in the other
+/// one.
 void subscribe(Exchange& exchange) {
   Node node = Node::open(options("diagnostic")).value();
   std::atomic<std::int64_t> received{0};
-  auto subscriber = node.subscriber<PointCloud2, F::height | F::width>("points", [&](const auto&) { ++received; }).value();
+  auto subscriber =
+      node.subscriber<PointCloud2, F::height | F::width>("points", [&](const auto&) { ++received; }).value();
   while (exchange.sent.load() < 1) sleep_ns(1'000'000);
   const LinkBytes begin = link_bytes();
   sleep_ns(std::int64_t{phase_seconds} * 1'000'000'000);
@@ -72,8 +74,12 @@ std::vector<Figure> wire_bytes() {
   const double idle_received = figures[1] * 1000 / phase_seconds;
   const double seconds = figures[4] * 1000 / 1e9;
   const double received = figures[3] * 1000;
-  return {{"diagnostic_wire_bytes", (figures[2] * 1000 - idle_received * seconds) / received, "B", {},
-           "per sample of 6.3 MB, with link layer", 90},
+  return {{"diagnostic_wire_bytes",
+           (figures[2] * 1000 - idle_received * seconds) / received,
+           "B",
+           {},
+           "per sample of 6.3 MB, with link layer",
+           90},
           {"idle_control_bytes_per_s", idle_sent, "B/s", {}, "sent by one node", 300}};
 }
 

@@ -23,13 +23,17 @@ HostToken token(std::uint8_t n) {
   return t;
 }
 
-std::vector<std::uint64_t> words(const Mask<PointCloud2>& mask) { return {mask.words.begin(), mask.words.end()}; }
+std::vector<std::uint64_t> words(const Mask<PointCloud2>& mask) {
+  return {mask.words.begin(), mask.words.end()};
+}
 
 class NegotiationTest : public ::testing::Test {
  protected:
   NegotiationTest() { at_host(token(1)); }
 
-  void at_host(const HostToken& host) { negotiation.self_changed({.host = host, .network = here, .shm_state = "off"}); }
+  void at_host(const HostToken& host) {
+    negotiation.self_changed({.host = host, .network = here, .shm_state = "off"});
+  }
 
   Endpoint endpoint(Role role, EndpointId id, std::uint64_t network = elsewhere, std::uint8_t host = 2) {
     Endpoint e;
@@ -44,7 +48,11 @@ class NegotiationTest : public ::testing::Test {
     e.addresses = {{0x0a000001, 7000, 1 << 20}};
     e.doorbell = {id, 1};
     e.max_sample_bytes = 1 << 20;
-    e.request = {.reader = id, .sequence = 1, .mask_words = words(F::height | F::width), .listening = {100}, .attached = {}};
+    e.request = {.reader = id,
+                 .sequence = 1,
+                 .mask_words = words(F::height | F::width),
+                 .listening = {100},
+                 .attached = {}};
     return e;
   }
 
@@ -254,7 +262,8 @@ TEST_F(NegotiationTest, EntriesBeyondTheLimitAreIgnoredAndCounted) {
   EXPECT_EQ(small.ignored(), 4U);
 }
 
-// Whatever the order in which announcement, requests and shared memory come: once all came, the outcome is the same.
+// Whatever the order in which announcement, requests and shared memory come: once all came, the outcome is
+// the same.
 TEST_F(NegotiationTest, TheOutcomeDoesNotDependOnTheOrderOfEvents) {
   std::random_device entropy;
   const auto seed = entropy();

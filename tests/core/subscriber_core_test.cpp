@@ -36,7 +36,8 @@ class SubscriberCoreTest : public ::testing::Test {
 
   void reopen(untyped::Callback callback) {
     subscriber = std::make_unique<SubscriberCore>(
-        SubscriberCore::Spec{1, "points", &type, {type.full(), false}, {}, std::move(callback)}, bells->at(1), nullptr);
+        SubscriberCore::Spec{1, "points", &type, {type.full(), false}, {}, std::move(callback)}, bells->at(1),
+        nullptr);
     subscriber->set_port(TransportKind::shm, shm);
     subscriber->set_port(TransportKind::udp, udp);
   }

@@ -64,8 +64,8 @@ TEST_F(Kill, OfAReaderInATightLoopCostsAtMostTheChunkItWasJustTaking) {
     peer.kill();
     ASSERT_EQ(writer.send_frame(megabyte), SendStatus::sent) << round;
   }
-  // The writer keeps one. iceoryx forgets a chunk if a reader dies between taking it from the queue and noting it: about
-  // one kill in a thousand here.
+  // The writer keeps one. iceoryx forgets a chunk if a reader dies between taking it from the queue and
+  // noting it: about one kill in a thousand here.
   EXPECT_TRUE(chunks.comes_to(before - 1 - rounds)) << "more than one chunk per kill is lost";
 }
 

@@ -17,7 +17,8 @@ class Encoded {
   explicit Encoded(const T& value, const Mask<T>& mask = all<T>)
       : Encoded(TypeTable<T>::type, &value, TypeSupport(TypeTable<T>::type).closed(FieldMask(mask))) {}
 
-  Encoded(const StructType& type, const void* value, FieldMask mask) : mask_(std::move(mask)), index_(slot_count(type)) {
+  Encoded(const StructType& type, const void* value, FieldMask mask)
+      : mask_(std::move(mask)), index_(slot_count(type)) {
     const EncodedSize size = encoded_size(type, value, mask_);
     assert(size.status == EncodeStatus::ok);
     memory_.resize(size.bytes / 8 + 1);

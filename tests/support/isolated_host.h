@@ -1,5 +1,5 @@
-// A host of one's own for a test or a benchmark: private network, /dev/shm, /tmp and process ids. It meets nothing that
-// else runs on the machine, and nothing of it is left when it ends, killed or not.
+// A host of one's own for a test or a benchmark: private network, /dev/shm, /tmp and process ids. It meets
+// nothing that else runs on the machine, and nothing of it is left when it ends, killed or not.
 #pragma once
 
 #include <functional>
@@ -7,9 +7,10 @@
 
 namespace sft::test {
 
-/// Calls `run` as a process of a new host, of which the only interface is the loopback, and ends this one with its exit
-/// code; all that it started ends with it. Call it before there are threads. Where the system allows neither root nor user
-/// namespaces, `run` is called where it stands, its result is returned, and isolation_refusal() says why.
+/// Calls `run` as a process of a new host, of which the only interface is the loopback, and ends this one
+/// with its exit code; all that it started ends with it. Call it before there are threads. Where the system
+/// allows neither root nor user namespaces, `run` is called where it stands, its result is returned, and
+/// isolation_refusal() says why.
 int run_isolated(const std::function<int()>& run);
 
 /// Empty if this program is isolated: tests that need it skip by this otherwise.

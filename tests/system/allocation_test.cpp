@@ -27,12 +27,13 @@ TEST_P(AllocationTest, PublishingAndReadingDeclaredFieldsAllocatesNothing) {
   const PointCloud2 message = cloud(1);
   std::uint64_t sum = 0;
   EXPECT_EQ(allocations_of([&] {
-    pub.publish(message);
-    if (!sub.wait(5s)) return;
-    const auto sample = sub.take();
-    sum += sample->height();
-    for (const auto field : sample->fields()) sum += field.name().size();
-  }), 0U);
+              pub.publish(message);
+              if (!sub.wait(5s)) return;
+              const auto sample = sub.take();
+              sum += sample->height();
+              for (const auto field : sample->fields()) sum += field.name().size();
+            }),
+            0U);
   EXPECT_GE(sum, 250U);
 }
 
@@ -42,16 +43,18 @@ TEST_P(AllocationTest, LoansAndRecordedReadersAllocateNothing) {
   const PointCloud2 prototype = cloud(1, 0);
   std::uint64_t read = 0;
   EXPECT_EQ(allocations_of([&] {
-    auto loan = pub.loan(prototype, {.data = 3000});
-    std::move(*loan).publish();
-    if (!sub.wait(5s)) return;
-    const auto sample = sub.take();
-    read += sample->width() && sample->data() ? 1 : 0;
-  }), 0U);
+              auto loan = pub.loan(prototype, {.data = 3000});
+              std::move(*loan).publish();
+              if (!sub.wait(5s)) return;
+              const auto sample = sub.take();
+              read += sample->width() && sample->data() ? 1 : 0;
+            }),
+            0U);
   EXPECT_GE(read, 240U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Ways, AllocationTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
+INSTANTIATE_TEST_SUITE_P(Ways, AllocationTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
+                         way_name);
 
 }  // namespace
 }  // namespace sft::test

@@ -1,6 +1,6 @@
 // What is refused, and what the refusal says.
-#include <sys/socket.h>
 #include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <nav_msgs/msg/Odometry.hpp>
@@ -28,7 +28,8 @@ TEST_F(BadInputTest, ABusyPortIsAnErrorThatNamesIt) {
   close(taken);
   ASSERT_FALSE(node);
   EXPECT_EQ(node.error().code, Errc::address_in_use);
-  EXPECT_NE(node.error().message.find(std::to_string(options.udp.port)), std::string::npos) << node.error().message;
+  EXPECT_NE(node.error().message.find(std::to_string(options.udp.port)), std::string::npos)
+      << node.error().message;
 }
 
 TEST_F(BadInputTest, TopicsHaveNamesAndDomainsAreSmallNumbers) {
@@ -48,7 +49,8 @@ TEST_F(BadInputTest, TwoTypesOnOneTopicNeverMatchAndBothSidesSayWhy) {
   Node b = udp_node("b");
   auto pub = a.publisher<PointCloud2>("points").value();
   auto sub = b.subscriber<nav_msgs::msg::Odometry>("points").value();
-  ASSERT_TRUE(eventually([&] { return pub.status().readers.size() == 1 && sub.status().writers.size() == 1; }));
+  ASSERT_TRUE(
+      eventually([&] { return pub.status().readers.size() == 1 && sub.status().writers.size() == 1; }));
   EXPECT_FALSE(pub.status().readers[0].served);
   EXPECT_NE(pub.status().readers[0].reason.find("Odometry"), std::string::npos);
   EXPECT_FALSE(sub.status().writers[0].matched);
@@ -97,14 +99,16 @@ TEST_F(BadInputTest, DatagramsOfNoOneAreCountedAndHurtNobody) {
   for (int i = 0; i < 200; ++i) {
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(rand());
     if (i % 2 == 0) bytes[0] = 0x10;
-    ASSERT_GT(sendto(hostile, bytes.data(), static_cast<std::size_t>(1 + i % 64), 0, reinterpret_cast<sockaddr*>(&to),
-                     sizeof to), 0);
+    ASSERT_GT(sendto(hostile, bytes.data(), static_cast<std::size_t>(1 + i % 64), 0,
+                     reinterpret_cast<sockaddr*>(&to), sizeof to),
+              0);
   }
   close(hostile);
   EXPECT_TRUE(eventually([&] {
     const NodeStatus status = b.status();
     return status.datagrams_malformed + status.datagrams_unknown + status.over_limit == 200;
-  })) << b.status().datagrams_malformed << " + " << b.status().datagrams_unknown;
+  })) << b.status().datagrams_malformed
+      << " + " << b.status().datagrams_unknown;
   PointCloud2 message;
   message.height = 4;
   pub.publish(message);

@@ -1,10 +1,11 @@
-// One publisher's node and one subscriber's, over each transport in turn: the same expectations for all of them.
+// One publisher's node and one subscriber's, over each transport in turn: the same expectations for all of
+// them.
 #pragma once
 
 #include <gtest/gtest.h>
 
-#include <sensor_msgs/msg/PointCloud2.hpp>
 #include <sft/sft.h>
+#include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
 
 #include "tests/support/eventually.h"

@@ -1,4 +1,5 @@
-// kill -9 of whatever takes part, at any moment: nobody else crashes or hangs, memory comes back, the next start works.
+// kill -9 of whatever takes part, at any moment: nobody else crashes or hangs, memory comes back, the next
+// start works.
 #include <dirent.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -6,11 +7,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <sft/sft.h>
 #include <atomic>
 #include <cstring>
 #include <fstream>
 #include <sensor_msgs/msg/PointCloud2.hpp>
-#include <sft/sft.h>
 #include <thread>
 
 #include "tests/support/eventually.h"
@@ -95,13 +96,15 @@ class KillTest : public ::testing::Test {
   /// Takes until a sample comes by `way`; false if none does.
   template <class S>
   static bool hears_by(S& subscriber, TransportKind way) {
-    return eventually([&] {
-      subscriber.wait(10ms);
-      while (const auto sample = subscriber.take()) {
-        if (sample.info().transport == way) return true;
-      }
-      return false;
-    }, 30s);
+    return eventually(
+        [&] {
+          subscriber.wait(10ms);
+          while (const auto sample = subscriber.take()) {
+            if (sample.info().transport == way) return true;
+          }
+          return false;
+        },
+        30s);
   }
 };
 
@@ -124,7 +127,8 @@ TEST_F(KillTest, AReaderKilledWithSamplesInItsHandsCostsOtherReadersNothing) {
   auto subscriber = node.subscriber<PointCloud2, F::height>("points", {.depth = 64}).value();
   const auto served_by_shm = [&] {
     std::size_t n = 0;
-    for (const auto& r : publisher.status().readers) n += r.served && r.transport == TransportKind::shm ? 1 : 0;
+    for (const auto& r : publisher.status().readers)
+      n += r.served && r.transport == TransportKind::shm ? 1 : 0;
     return n;
   };
   ASSERT_TRUE(eventually([&] { return served_by_shm() == 1; }));
@@ -181,10 +185,12 @@ TEST_F(KillTest, AKilledNodeIsNoticedAndNoLongerServed) {
     return readers.size() == 1 && readers[0].served;
   }));
   reader.kill_now();
-  EXPECT_TRUE(eventually([&] {
-    const auto readers = publisher.status().readers;
-    return readers.empty() || !readers[0].served;
-  }, 30s));
+  EXPECT_TRUE(eventually(
+      [&] {
+        const auto readers = publisher.status().readers;
+        return readers.empty() || !readers[0].served;
+      },
+      30s));
 }
 
 }  // namespace

@@ -177,10 +177,13 @@ TEST_P(PubSubTest, ACallbackGetsEverySampleInOrderAndNoneAfterItsSubscriberIsGon
   std::atomic<std::uint32_t> calls{0};
   std::atomic<std::uint32_t> disorder{0};
   {
-    auto sub = b.subscriber<PointCloud2, F::height>("points", [&](const auto& sample) {
-                  disorder += sample->height() != calls ? 1 : 0;
-                  ++calls;
-                }, {.depth = 64}).value();
+    auto sub = b.subscriber<PointCloud2, F::height>("points",
+                                                    [&](const auto& sample) {
+                                                      disorder += sample->height() != calls ? 1 : 0;
+                                                      ++calls;
+                                                    },
+                                                    {.depth = 64})
+                   .value();
     expect_served(pub, 1);
     for (std::uint32_t i = 0; i < 50; ++i) pub.publish(cloud(i));
     EXPECT_TRUE(eventually([&] { return calls == 50; })) << calls;
@@ -199,9 +202,9 @@ TEST_P(PubSubTest, ASubscriberMayBeDestroyedInItsOwnCallback) {
   using Sub = Subscriber<PointCloud2, F::height>;
   std::optional<Sub> sub;
   sub.emplace(b->subscriber<PointCloud2, F::height>("points", [&](const auto&) {
-    sub.reset();
-    gone = true;
-  }).value());
+                 sub.reset();
+                 gone = true;
+               }).value());
   b.reset();  // the subscriber alone keeps the node, and the callback takes the last reference
   expect_served(pub, 1);
   pub.publish(cloud(1));

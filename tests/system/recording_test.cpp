@@ -6,11 +6,10 @@ namespace {
 
 class RecordingTest : public PubSubTest {
  protected:
-  RecordingTest() {
-    expect_served(pub, 1);
-  }
+  RecordingTest() { expect_served(pub, 1); }
 
-  /// Publishes and reads until the publisher has applied `mask`; every sample must be right under the mask it names.
+  /// Publishes and reads until the publisher has applied `mask`; every sample must be right under the mask it
+  /// names.
   template <class Read>
   bool until_asked_for(const FieldMask& mask, Read read) {
     return eventually([&] {
@@ -31,8 +30,8 @@ class RecordingTest : public PubSubTest {
   Node b = open("b");
   Publisher<PointCloud2> pub = a.publisher<PointCloud2>("points").value();
   Subscriber<PointCloud2, recorded> sub =
-      b.subscriber<PointCloud2, recorded>(
-           "points", {.recording = {.learn_samples = 3, .narrow_after_samples = 10}})
+      b.subscriber<PointCloud2, recorded>("points",
+                                          {.recording = {.learn_samples = 3, .narrow_after_samples = 10}})
           .value();
   std::uint32_t published = 0;
 };
@@ -75,7 +74,8 @@ TEST_P(RecordingTest, ElementsOfSequencesAreRecordedLeafByLeaf) {
   }));
 }
 
-INSTANTIATE_TEST_SUITE_P(Ways, RecordingTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
+INSTANTIATE_TEST_SUITE_P(Ways, RecordingTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
+                         way_name);
 
 }  // namespace
 }  // namespace sft::test

@@ -47,7 +47,8 @@ TEST(FieldMaskTest, BehavesLikeASetOfNumbers) {
     std::set<std::size_t> other_model;
     for (int i = 0; i < 40; ++i) {
       const std::size_t leaf = random() % leaves;
-      random() % 3 == 0 ? (mask.erase(leaf), model.erase(leaf)) : (mask.insert(leaf), model.insert(leaf).second);
+      random() % 3 == 0 ? (mask.erase(leaf), model.erase(leaf))
+                        : (mask.insert(leaf), model.insert(leaf).second);
       if (random() % 2 == 0) {
         other.insert(leaf);
         other_model.insert(leaf);
@@ -61,7 +62,8 @@ TEST(FieldMaskTest, BehavesLikeASetOfNumbers) {
     ASSERT_EQ(mask.empty(), model.empty());
     ASSERT_EQ(mask.any_of(first, count), within > 0);
     ASSERT_EQ(mask.all_of(first, count), within == count);
-    ASSERT_EQ(mask.contains(other), std::includes(model.begin(), model.end(), other_model.begin(), other_model.end()));
+    ASSERT_EQ(mask.contains(other),
+              std::includes(model.begin(), model.end(), other_model.begin(), other_model.end()));
     mask |= other;
     model.merge(other_model);
     ASSERT_EQ(mask.size(), model.size());

@@ -38,7 +38,8 @@ TEST(TypeSupportTest, AnUnknownFieldIsAnErrorThatNamesTheNearest) {
   const auto result = cloud().find("heigth");
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, Errc::unknown_field);
-  EXPECT_EQ(result.error().message, "sensor_msgs::msg::PointCloud2 has no field 'heigth'; did you mean 'height'?");
+  EXPECT_EQ(result.error().message,
+            "sensor_msgs::msg::PointCloud2 has no field 'heigth'; did you mean 'height'?");
 }
 
 TEST(TypeSupportTest, MasksAreReadFromTextAndWrittenAsTheShortestList) {
@@ -51,14 +52,16 @@ TEST(TypeSupportTest, MasksAreReadFromTextAndWrittenAsTheShortestList) {
 }
 
 TEST(TypeSupportTest, WithLeavesOfElementsGoesTheLength) {
-  EXPECT_EQ(cloud().closed(*cloud().find("fields[].name")), *cloud().parse_mask("fields[].name, fields.size"));
+  EXPECT_EQ(cloud().closed(*cloud().find("fields[].name")),
+            *cloud().parse_mask("fields[].name, fields.size"));
   EXPECT_EQ(cloud().closed(*cloud().find("height")), *cloud().find("height"));
 }
 
 TEST(TypeSupportTest, TypesOfAnotherStructureHaveAnotherHash) {
   EXPECT_EQ(cloud().hash(), TypeSupport(TypeTable<PointCloud2>::type).hash());
   EXPECT_NE(cloud().hash(), TypeSupport(TypeTable<nav_msgs::msg::Odometry>::type).hash());
-  std::vector<Member> members(TypeTable<PointCloud2>::type.members.begin(), TypeTable<PointCloud2>::type.members.end());
+  std::vector<Member> members(TypeTable<PointCloud2>::type.members.begin(),
+                              TypeTable<PointCloud2>::type.members.end());
   members.back().kind = Kind::uint8;
   EXPECT_NE(structure_hash({"other", members}), cloud().hash());
 }

@@ -73,11 +73,17 @@ TEST(ViewTest, OfAMaskedSampleTheSelectedFieldsAreThere) {
 }
 
 template <class View>
-concept has_height = requires(const View& v) { v.height(); };
+concept has_height = requires(const View& v) {
+  v.height();
+};
 template <class View>
-concept has_stamp = requires(const View& v) { v.header().stamp().sec(); };
+concept has_stamp = requires(const View& v) {
+  v.header().stamp().sec();
+};
 template <class View>
-concept has_frame_id = requires(const View& v) { v.header().frame_id(); };
+concept has_frame_id = requires(const View& v) {
+  v.header().frame_id();
+};
 
 TEST(ViewTest, UnderADeclaredMaskOtherGettersDoNotExist) {
   using Width = ViewOf<PointCloud2, F::width>;
@@ -104,7 +110,8 @@ TEST(ViewTest, RecordedGettersAreOptionalAndNoteWhatWasRead) {
   EXPECT_EQ(view.header().stamp().nanosec(), 5U);
   EXPECT_EQ(view.height(), std::nullopt);
   EXPECT_EQ(view.fields().has_value(), false);
-  EXPECT_EQ(words[0].load(), FieldMask(F::width | F::header.stamp.nanosec | F::height | F::fields.size).word(0));
+  EXPECT_EQ(words[0].load(),
+            FieldMask(F::width | F::header.stamp.nanosec | F::height | F::fields.size).word(0));
   EXPECT_EQ(misses.leaves, (std::vector<std::size_t>{3, 5}));
 }
 

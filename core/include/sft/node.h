@@ -1,5 +1,5 @@
-// A node: the participant through which a program publishes and subscribes. It owns its threads; several in one process
-// are fine. Publishers and subscribers keep their node alive.
+// A node: the participant through which a program publishes and subscribes. It owns its threads; several in
+// one process are fine. Publishers and subscribers keep their node alive.
 #pragma once
 
 #include <concepts>
@@ -35,7 +35,8 @@ class Node {
     });
   }
 
-  /// Declared: `node.subscriber<PointCloud2, F::height | F::width>("points")`; recorded: `<PointCloud2, sft::recorded>`.
+  /// Declared: `node.subscriber<PointCloud2, F::height | F::width>("points")`; recorded: `<PointCloud2,
+  /// sft::recorded>`.
   template <class T, Req<T> R = Req<T>(all<T>)>
   Result<Subscriber<T, R>> subscriber(std::string_view topic, const SubscriberOptions& options = {}) {
     return open_subscriber(topic, detail::type_support_of<T>(), requirement<T, R>(), options, {})
@@ -43,11 +44,13 @@ class Node {
   }
 
   template <class T, Req<T> R = Req<T>(all<T>), std::invocable<const Sample<T, R>&> F>
-  Result<Subscriber<T, R>> subscriber(std::string_view topic, F&& callback, const SubscriberOptions& options = {}) {
+  Result<Subscriber<T, R>> subscriber(std::string_view topic, F&& callback,
+                                      const SubscriberOptions& options = {}) {
     auto typed = [callback = std::forward<F>(callback)](untyped::Sample&& sample) mutable {
       callback(std::as_const(static_cast<const Sample<T, R>&>(Sample<T, R>(std::move(sample)))));
     };
-    return open_subscriber(topic, detail::type_support_of<T>(), requirement<T, R>(), options, std::move(typed))
+    return open_subscriber(topic, detail::type_support_of<T>(), requirement<T, R>(), options,
+                           std::move(typed))
         .map([](untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 
@@ -63,8 +66,8 @@ class Node {
   Result<untyped::Publisher> open_publisher(std::string_view topic, const TypeSupport& type,
                                             const PublisherOptions& options);
   Result<untyped::Subscriber> open_subscriber(std::string_view topic, const TypeSupport& type,
-                                              untyped::Requirement requirement, const SubscriberOptions& options,
-                                              untyped::Callback callback);
+                                              untyped::Requirement requirement,
+                                              const SubscriberOptions& options, untyped::Callback callback);
 
   std::shared_ptr<core::NodeCore> core_;
 };

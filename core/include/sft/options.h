@@ -11,30 +11,34 @@
 
 namespace sft {
 
-/// Which way samples may travel. `automatic` is shared memory between processes of one host and UDP between hosts, and
-/// UDP within a host while shared memory is not to be had.
+/// Which way samples may travel. `automatic` is shared memory between processes of one host and UDP between
+/// hosts, and UDP within a host while shared memory is not to be had.
 enum class TransportChoice : std::uint8_t { automatic, shm, udp };
 
 enum class LogLevel : std::uint8_t { debug, info, warning, error };
-using LogSink = std::function<void(LogLevel, std::string_view)>;  ///< any thread; must not call back into the node
+using LogSink =
+    std::function<void(LogLevel, std::string_view)>;  ///< any thread; must not call back into the node
 
 struct UdpSettings {
-  std::uint16_t port = 0;                              ///< 0: any free one
-  std::size_t receive_buffer_bytes = 32 * 1024 * 1024; ///< asked of the kernel, which may grant less
-  std::size_t memory_limit_bytes = 256 * 1024 * 1024;  ///< for samples being put together, queued and held
-  bool use_io_uring = true;                            ///< false: plain sockets
-  std::uint64_t pace_bytes_per_s = 600'000'000;       ///< to each destination, once its buffer may be full; 0: no limit
+  std::uint16_t port = 0;                               ///< 0: any free one
+  std::size_t receive_buffer_bytes = 32 * 1024 * 1024;  ///< asked of the kernel, which may grant less
+  std::size_t memory_limit_bytes = 256 * 1024 * 1024;   ///< for samples being put together, queued and held
+  bool use_io_uring = true;                             ///< false: plain sockets
+  std::uint64_t pace_bytes_per_s =
+      600'000'000;  ///< to each destination, once its buffer may be full; 0: no limit
 };
 
 struct ShmSettings {
   bool start_daemon = true;   ///< start sftd when none runs
   std::string daemon_path{};  ///< empty: beside the program, in ../libexec/sft, then in PATH
-  std::chrono::seconds daemon_idle_exit{0};  ///< a daemon started so ends after so long without clients; 0: never
+  std::chrono::seconds daemon_idle_exit{
+      0};  ///< a daemon started so ends after so long without clients; 0: never
 };
 
 struct NodeOptions {
   std::string name = "node";
-  std::optional<std::uint32_t> domain{};  ///< DDS domain of the control topics; default: $ROS_DOMAIN_ID, else 0
+  std::optional<std::uint32_t>
+      domain{};  ///< DDS domain of the control topics; default: $ROS_DOMAIN_ID, else 0
   TransportChoice transport = TransportChoice::automatic;  ///< bound for all endpoints of the node
   UdpSettings udp{};
   ShmSettings shm{};
@@ -47,18 +51,21 @@ struct PublisherStatus;
 struct PublisherOptions {
   TransportChoice transport = TransportChoice::automatic;
   std::size_t max_sample_bytes = 16 * 1024 * 1024;  ///< announced: readers set memory aside for no more
-  /// After readers came, left or changed what they ask for, and that is in force. On the node's agent thread: be short.
+  /// After readers came, left or changed what they ask for, and that is in force. On the node's agent thread:
+  /// be short.
   std::function<void(const PublisherStatus&)> on_readers_changed{};
 };
 
 struct RecordingSettings {
-  std::uint32_t learn_samples = 3;           ///< the first request, after so many samples
-  std::uint32_t narrow_after_samples = 100;  ///< later, a field not read for so many samples is no longer asked for
+  std::uint32_t learn_samples = 3;  ///< the first request, after so many samples
+  std::uint32_t narrow_after_samples =
+      100;  ///< later, a field not read for so many samples is no longer asked for
 };
 
 struct SubscriberOptions {
   TransportChoice transport = TransportChoice::automatic;
-  std::uint32_t depth = 8;  ///< samples kept until taken, per publisher; then the oldest are lost, and counted
+  std::uint32_t depth =
+      8;  ///< samples kept until taken, per publisher; then the oldest are lost, and counted
   RecordingSettings recording{};
 };
 

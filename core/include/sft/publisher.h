@@ -14,8 +14,8 @@
 namespace sft {
 
 /// A message being filled in the memory that readers on this host will read: nothing is copied at publish().
-/// `loan->data()` is a writable span of a reserved sequence, `loan.set(F::width, 1024)` writes a scalar. An unpublished
-/// loan gives its memory back.
+/// `loan->data()` is a writable span of a reserved sequence, `loan.set(F::width, 1024)` writes a scalar. An
+/// unpublished loan gives its memory back.
 template <class T>
 class Loan {
  public:
@@ -78,18 +78,22 @@ class Publisher {
  public:
   explicit Publisher(untyped::Publisher publisher) : publisher_(std::move(publisher)) {}
 
-  /// Encodes once and sends: readers on this host get one full sample, remote ones the fields they asked for. Without a
-  /// reader it costs a few nanoseconds.
+  /// Encodes once and sends: readers on this host get one full sample, remote ones the fields they asked for.
+  /// Without a reader it costs a few nanoseconds.
   PublishStatus publish(const T& message) { return publisher_.publish(&message); }
 
   /// A payload that is already encoded (4 bytes of encapsulation, little-endian XCDR1), as in ROS 2 bags.
-  Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) { return publisher_.publish_cdr(payload); }
+  Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
+    return publisher_.publish_cdr(payload);
+  }
 
-  /// Memory for a message whose small fields are those of `prototype` and whose named sequences of primitives get
-  /// `sizes` elements, uninitialised: `pub.loan(prototype, {.data = 6'291'456})`.
+  /// Memory for a message whose small fields are those of `prototype` and whose named sequences of primitives
+  /// get `sizes` elements, uninitialised: `pub.loan(prototype, {.data = 6'291'456})`.
   Result<Loan<T>> loan(const T& prototype, const typename T::LoanSizes& sizes = {}) {
     const auto reservations = T::template LoanView<LoanedPlace<T>>::reservations(sizes);
-    return publisher_.loan(&prototype, reservations).map([](untyped::Loan&& loan) { return Loan<T>(std::move(loan)); });
+    return publisher_.loan(&prototype, reservations).map([](untyped::Loan&& loan) {
+      return Loan<T>(std::move(loan));
+    });
   }
 
   PublisherStatus status() const { return publisher_.status(); }

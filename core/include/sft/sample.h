@@ -19,8 +19,8 @@ struct Partial {
   FieldMask mask{};
 };
 
-/// What take() returns and callbacks get. `sample->field()` reads a field in place, on first access; spans, strings and
-/// ranges that getters return are valid as long as the sample, which must not be moved meanwhile.
+/// What take() returns and callbacks get. `sample->field()` reads a field in place, on first access; spans,
+/// strings and ranges that getters return are valid as long as the sample, which must not be moved meanwhile.
 /// May be empty (nothing to take). May be destroyed on any thread; several threads may read it at once.
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Sample {
@@ -52,20 +52,20 @@ class Sample {
   /// Whether a getter met bytes that are not what they claim to be (and returned an empty value).
   bool malformed() const { return sample_.state().is_malformed(); }
 
-  /// The whole message; copies. Only for samples that have all fields. An error where the bytes are not what they claim
-  /// to be, which a broken program on this host can cause.
-  Result<T> to_owned() const
-    requires(!R.is_recorded && R.mask == all<T>)
-  {
+  /// The whole message; copies. Only for samples that have all fields. An error where the bytes are not what
+  /// they claim to be, which a broken program on this host can cause.
+  Result<T> to_owned() const requires(!R.is_recorded && R.mask == all<T>) {
     Result<T> value{};
-    if (const WalkStatus status = decode_to(*value); status != WalkStatus::ok) value = malformed_error(status);
+    if (const WalkStatus status = decode_to(*value); status != WalkStatus::ok)
+      value = malformed_error(status);
     return value;
   }
   /// The fields that this sample has; copies.
   Result<Partial<T>> to_partial() const {
     Result<Partial<T>> partial{};
     partial->mask = mask();
-    if (const WalkStatus status = decode_to(partial->value); status != WalkStatus::ok) partial = malformed_error(status);
+    if (const WalkStatus status = decode_to(partial->value); status != WalkStatus::ok)
+      partial = malformed_error(status);
     return partial;
   }
 
@@ -77,7 +77,8 @@ class Sample {
   WalkStatus decode_to(T& value) const { return decode(sample_.state(), TypeTable<T>::type, &value); }
   tl::unexpected<Error> malformed_error(WalkStatus status) const {
     sample_.state().flag_malformed();
-    return fail(Errc::malformed, std::string("not a ") + std::string(TypeTable<T>::type.name) + ": " + to_string(status));
+    return fail(Errc::malformed,
+                std::string("not a ") + std::string(TypeTable<T>::type.name) + ": " + to_string(status));
   }
 
   untyped::Sample sample_;

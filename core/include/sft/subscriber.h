@@ -9,9 +9,10 @@
 
 namespace sft {
 
-/// Without a callback: take() from any thread, one at a time. With one: the callback is called for each sample, never
-/// twice at once, from threads of the node; while it runs, further samples queue up to the depth.
-/// After the destructor no callback runs any more (unless it is called from within the callback itself).
+/// Without a callback: take() from any thread, one at a time. With one: the callback is called for each
+/// sample, never twice at once, from threads of the node; while it runs, further samples queue up to the
+/// depth. After the destructor no callback runs any more (unless it is called from within the callback
+/// itself).
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Subscriber {
  public:

@@ -1,5 +1,5 @@
-// The compiled side of publishers and subscribers. The templates over message types (publisher.h, subscriber.h,
-// sample.h) only add names and types to this; programs use those.
+// The compiled side of publishers and subscribers. The templates over message types (publisher.h,
+// subscriber.h, sample.h) only add names and types to this; programs use those.
 #pragma once
 
 #include <chrono>
@@ -41,7 +41,7 @@ enum class PublishStatus : std::uint8_t {
   ok,
   invalid,    ///< a string with a NUL in it, a bound exceeded, or larger than max_sample_bytes
   no_memory,  ///< no chunk or buffer free: readers hold too many samples
-  dropped,    ///< a queue was full, or no chunk was free: at least one reader misses this sample, and counts it
+  dropped,  ///< a queue was full, or no chunk was free: at least one reader misses this sample, and counts it
 };
 const char* to_string(PublishStatus status);
 
@@ -52,7 +52,8 @@ class Sample {
  public:
   Sample() = default;
   /// Takes over one reference to `buffer`, and `record` (null unless the reader records).
-  Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info, core::RecordedSample* record);
+  Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
+         core::RecordedSample* record);
   Sample(Sample&& other) noexcept { swap(other); }
   Sample& operator=(Sample&& other) noexcept {
     Sample gone(std::move(other));
@@ -82,7 +83,8 @@ class Loan {
  public:
   Loan() = default;
   Loan(std::shared_ptr<core::PublisherCore> publisher, core::SampleBuffer* buffer);
-  Loan(Loan&& other) noexcept : publisher_(std::move(other.publisher_)), buffer_(std::exchange(other.buffer_, nullptr)) {}
+  Loan(Loan&& other) noexcept
+      : publisher_(std::move(other.publisher_)), buffer_(std::exchange(other.buffer_, nullptr)) {}
   Loan& operator=(Loan&& other) noexcept {
     std::swap(publisher_, other.publisher_);
     std::swap(buffer_, other.buffer_);
@@ -122,7 +124,7 @@ using Callback = std::function<void(Sample&&)>;
 
 /// What a subscriber asks for.
 struct Requirement {
-  FieldMask mask;         ///< declared; where recorded, what is asked for at first
+  FieldMask mask;  ///< declared; where recorded, what is asked for at first
   bool recorded = false;
 };
 

@@ -12,7 +12,8 @@ class Decoder {
 
   WalkStatus structure(const StructType& type, std::byte* object, std::size_t leaf) {
     for (const Member& m : type.members) {
-      if (const WalkStatus status = member(m, object + m.offset, leaf); status != WalkStatus::ok) return status;
+      if (const WalkStatus status = member(m, object + m.offset, leaf); status != WalkStatus::ok)
+        return status;
       leaf += leaf_count(m);
     }
     return WalkStatus::ok;
@@ -45,7 +46,9 @@ class Decoder {
     for (const Member& m : type.members) {
       if (s_.mask->any_of(leaf, leaf_count(m))) {
         const bool is_struct = m.kind == Kind::structure;
-        bytes += m.shape == Shape::sequence ? 4 : m.count * (is_struct ? least_bytes(*m.type, leaf) : size_of(m.kind));
+        bytes += m.shape == Shape::sequence
+                     ? 4
+                     : m.count * (is_struct ? least_bytes(*m.type, leaf) : size_of(m.kind));
       }
       leaf += leaf_count(m);
     }
@@ -56,7 +59,8 @@ class Decoder {
     if (m.kind == Kind::structure) {
       if (!s_.mask->any_of(leaf, leaf_count(*m.type))) return WalkStatus::ok;
       for (std::size_t i = 0; i < n; ++i) {
-        if (const WalkStatus status = structure(*m.type, first + i * m.stride, leaf); status != WalkStatus::ok) {
+        if (const WalkStatus status = structure(*m.type, first + i * m.stride, leaf);
+            status != WalkStatus::ok) {
           return status;
         }
       }
@@ -84,7 +88,8 @@ class Decoder {
   WalkStatus strings(const Member& m, std::byte* first, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) {
       const Extent length = checked_length(s_, at_);
-      if (!length || checked_block(s_, length.first, length.count, 1) == no_offset) return WalkStatus::truncated;
+      if (!length || checked_block(s_, length.first, length.count, 1) == no_offset)
+        return WalkStatus::truncated;
       const std::size_t characters = length.count == 0 ? 0 : length.count - 1;
       reinterpret_cast<std::string*>(first + i * m.stride)
           ->assign(reinterpret_cast<const char*>(s_.body + length.first), characters);

@@ -68,7 +68,8 @@ class Encoder {
       } else {
         const bool present = mask_.any_of(leaf, leaf_count(m));
         if (present) align(m);
-        if (in_slots && index_ != nullptr) *index_++ = present ? static_cast<std::uint32_t>(out_.at()) : no_offset;
+        if (in_slots && index_ != nullptr)
+          *index_++ = present ? static_cast<std::uint32_t>(out_.at()) : no_offset;
         if (present) member(m, value, leaf, in_slots);
       }
       leaf += leaf_count(m);
@@ -92,7 +93,8 @@ class Encoder {
     }
     length(m, n);
     if (status_ != EncodeStatus::ok) return;
-    elements(m, static_cast<const std::byte*>(m.access->data(value)), n, m.kind == Kind::structure ? leaf + 1 : leaf);
+    elements(m, static_cast<const std::byte*>(m.access->data(value)), n,
+             m.kind == Kind::structure ? leaf + 1 : leaf);
   }
 
   const Reservation* reservation(std::size_t leaf) const {
@@ -119,11 +121,13 @@ class Encoder {
       if (!mask_.any_of(leaf, leaf_count(*m.type))) return;
       for (std::size_t i = 0; i < n; ++i) structure(*m.type, first + i * m.stride, leaf, false);
     } else if (m.kind == Kind::string) {
-      for (std::size_t i = 0; i < n; ++i) string(m, *reinterpret_cast<const std::string*>(first + i * m.stride));
+      for (std::size_t i = 0; i < n; ++i)
+        string(m, *reinterpret_cast<const std::string*>(first + i * m.stride));
     } else if (n != 0) {
       // Collections of booleans are held as bytes; receivers refuse what is neither 0 nor 1.
       const auto no_boolean = [](std::byte b) { return b > std::byte{1}; };
-      if (m.kind == Kind::boolean && std::any_of(first, first + n, no_boolean)) status_ = EncodeStatus::bad_boolean;
+      if (m.kind == Kind::boolean && std::any_of(first, first + n, no_boolean))
+        status_ = EncodeStatus::bad_boolean;
       out_.align(size_of(m.kind));
       out_.put(first, n * size_of(m.kind));
     }
@@ -170,10 +174,14 @@ void encode(const StructType& type, const void* value, const FieldMask& mask, st
 
 const char* to_string(EncodeStatus status) {
   switch (status) {
-    case EncodeStatus::ok: return "ok";
-    case EncodeStatus::too_large: return "a sequence or string exceeds its bound, or the sample 4 GiB";
-    case EncodeStatus::bad_boolean: return "a boolean is neither 0 nor 1";
-    case EncodeStatus::string_has_nul: return "a string contains a NUL character";
+    case EncodeStatus::ok:
+      return "ok";
+    case EncodeStatus::too_large:
+      return "a sequence or string exceeds its bound, or the sample 4 GiB";
+    case EncodeStatus::bad_boolean:
+      return "a boolean is neither 0 nor 1";
+    case EncodeStatus::string_has_nul:
+      return "a string contains a NUL character";
   }
   return "unknown";
 }

@@ -29,7 +29,8 @@ FieldMask FieldMask::full(std::size_t leaves) {
 
 FieldMask FieldMask::from_words(std::size_t leaves, std::span<const std::uint64_t> words) {
   FieldMask m(leaves);
-  for (std::size_t i = 0; i < std::min(m.words(), words.size()); ++i) m.mutable_word(i) = words[i] & bits_within(i, 0, leaves);
+  for (std::size_t i = 0; i < std::min(m.words(), words.size()); ++i)
+    m.mutable_word(i) = words[i] & bits_within(i, 0, leaves);
   return m;
 }
 

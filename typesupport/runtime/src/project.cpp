@@ -21,7 +21,8 @@ std::size_t largest_alignment(const StructType& type) {
 /// Copies selected members from a source position to the end of the projected body, keeping both alignments.
 class Projection::Writer {
  public:
-  Writer(Projection& out, const SampleState& source, const FieldMask& mask) : out_(out), s_(source), mask_(mask) {}
+  Writer(Projection& out, const SampleState& source, const FieldMask& mask)
+      : out_(out), s_(source), mask_(mask) {}
 
   bool slots(const StructType& type, std::size_t leaf, const std::uint32_t*& slot) {
     for (const Member& m : type.members) {

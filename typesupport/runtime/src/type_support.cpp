@@ -13,7 +13,8 @@ void add_structure(Fnv1a& hash, const StructType& type) {
   hash.add(type.members.size());
   for (const Member& m : type.members) {
     hash.add(m.name);
-    hash.add(static_cast<std::uint64_t>(m.kind) << 16 | static_cast<std::uint64_t>(m.shape) << 8 | (m.key ? 1U : 0U));
+    hash.add(static_cast<std::uint64_t>(m.kind) << 16 | static_cast<std::uint64_t>(m.shape) << 8 |
+             (m.key ? 1U : 0U));
     hash.add(std::uint64_t{m.count} << 32 | m.bound);
     hash.add(m.string_bound);
     if (m.type != nullptr) add_structure(hash, *m.type);
@@ -67,13 +68,15 @@ void TypeSupport::flatten(const StructType& type, const std::string& prefix) {
 }
 
 Result<FieldMask> TypeSupport::find(std::string_view path) const {
-  const auto found = std::find_if(nodes_.begin(), nodes_.end(), [&](const Node& n) { return n.path == path; });
+  const auto found =
+      std::find_if(nodes_.begin(), nodes_.end(), [&](const Node& n) { return n.path == path; });
   if (found == nodes_.end()) {
     const auto nearest = std::min_element(nodes_.begin(), nodes_.end(), [&](const Node& a, const Node& b) {
       return edit_distance(a.path, path) < edit_distance(b.path, path);
     });
     const std::string hint = nearest == nodes_.end() ? "" : "; did you mean '" + nearest->path + "'?";
-    return fail(Errc::unknown_field, std::string(name()) + " has no field '" + std::string(path) + "'" + hint);
+    return fail(Errc::unknown_field,
+                std::string(name()) + " has no field '" + std::string(path) + "'" + hint);
   }
   FieldMask mask = none();
   for (std::size_t leaf = found->first; leaf < found->first + found->count; ++leaf) mask.insert(leaf);
@@ -118,8 +121,8 @@ FieldMask TypeSupport::closed(FieldMask mask) const {
   return mask;
 }
 
-/// As in DDS: of a member that is a key and a struct, its own key members, or all where it has none. Keys within other
-/// members mean nothing here.
+/// As in DDS: of a member that is a key and a struct, its own key members, or all where it has none. Keys
+/// within other members mean nothing here.
 void TypeSupport::add_keys(const StructType& type, std::size_t leaf, FieldMask& mask) const {
   const auto is_key = [](const Member& m) { return m.key; };
   for (const Member& m : type.members) {

@@ -102,7 +102,8 @@ class Walker {
   bool strings(const Member& m, std::uint32_t n) {
     for (std::uint32_t i = 0; i < n; ++i) {
       const Extent length = checked_length(s_, at_);
-      if (!length || checked_block(s_, length.first, length.count, 1) == no_offset) return fail(WalkStatus::truncated);
+      if (!length || checked_block(s_, length.first, length.count, 1) == no_offset)
+        return fail(WalkStatus::truncated);
       if (Check && length.count != 0 && !text_ok(m, length)) return false;
       at_ = std::uint64_t{length.first} + length.count;
     }
@@ -122,13 +123,15 @@ class Walker {
 
 }  // namespace
 
-std::uint32_t skip(const SampleState& s, const Member& member, std::size_t leaf, std::uint64_t offset) noexcept {
+std::uint32_t skip(const SampleState& s, const Member& member, std::size_t leaf,
+                   std::uint64_t offset) noexcept {
   Walker<false> walker(s, offset);
   walker.member(member, leaf);
   return walker.at();
 }
 
-std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t leaf, std::uint64_t offset) noexcept {
+std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t leaf,
+                   std::uint64_t offset) noexcept {
   Walker<false> walker(s, offset);
   walker.structure(type, leaf);
   return walker.at();
@@ -156,12 +159,18 @@ WalkStatus build_index(const SampleState& s, const StructType& type, std::span<s
 
 const char* to_string(WalkStatus status) {
   switch (status) {
-    case WalkStatus::ok: return "ok";
-    case WalkStatus::truncated: return "the bytes end inside a member";
-    case WalkStatus::bad_length: return "a length exceeds its bound";
-    case WalkStatus::bad_boolean: return "a boolean is neither 0 nor 1";
-    case WalkStatus::bad_string: return "a string does not end at its first NUL";
-    case WalkStatus::trailing_bytes: return "bytes are left over behind the last member";
+    case WalkStatus::ok:
+      return "ok";
+    case WalkStatus::truncated:
+      return "the bytes end inside a member";
+    case WalkStatus::bad_length:
+      return "a length exceeds its bound";
+    case WalkStatus::bad_boolean:
+      return "a boolean is neither 0 nor 1";
+    case WalkStatus::bad_string:
+      return "a string does not end at its first NUL";
+    case WalkStatus::trailing_bytes:
+      return "bytes are left over behind the last member";
   }
   return "unknown";
 }

@@ -10,8 +10,8 @@ namespace sft {
 
 class AccessLog {
  public:
-  /// Told of the first access in this sample to a leaf that the sample does not have. Called on the reading thread:
-  /// must not block.
+  /// Told of the first access in this sample to a leaf that the sample does not have. Called on the reading
+  /// thread: must not block.
   class MissListener {
    public:
     virtual void missed(std::size_t leaf) noexcept = 0;
@@ -21,7 +21,8 @@ class AccessLog {
   };
 
   /// `words` has room for one bit per leaf, is zero at first and outlives the log; `listener` may be null.
-  AccessLog(std::span<std::atomic<std::uint64_t>> words, MissListener* listener) : words_(words), listener_(listener) {}
+  AccessLog(std::span<std::atomic<std::uint64_t>> words, MissListener* listener)
+      : words_(words), listener_(listener) {}
 
   void touch(std::size_t leaf, bool present) noexcept {
     auto& word = words_[leaf / 64];

@@ -5,9 +5,10 @@
 
 namespace sft {
 
-/// Writes the members that are in `s.mask` to `value` (an owned struct of `type`); others keep what they hold. The body may
-/// be hostile: where the status is not ok, some members were written and some not. Allocates what the owned struct needs and no more than the bytes can justify: of a
-/// sequence of structs of which only the length was sent, at most max_empty_elements are made.
+/// Writes the members that are in `s.mask` to `value` (an owned struct of `type`); others keep what they
+/// hold. The body may be hostile: where the status is not ok, some members were written and some not.
+/// Allocates what the owned struct needs and no more than the bytes can justify: of a sequence of structs of
+/// which only the length was sent, at most max_empty_elements are made.
 WalkStatus decode(const SampleState& s, const StructType& type, void* value);
 
 }  // namespace sft

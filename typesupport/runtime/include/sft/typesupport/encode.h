@@ -28,9 +28,9 @@ struct EncodedSize {
 EncodedSize encoded_size(const StructType& type, const void* value, const FieldMask& mask,
                          std::span<const Reservation> reservations = {}) noexcept;
 
-/// Writes the body of the type projected to `mask` to `body` (8-aligned, exactly encoded_size() bytes) and the offset of
-/// every slot to `index` (slot_count(type) entries; no_offset where absent). Padding is zero. The elements of reserved
-/// sequences are left as they are, their length is the reserved one.
+/// Writes the body of the type projected to `mask` to `body` (8-aligned, exactly encoded_size() bytes) and
+/// the offset of every slot to `index` (slot_count(type) entries; no_offset where absent). Padding is zero.
+/// The elements of reserved sequences are left as they are, their length is the reserved one.
 void encode(const StructType& type, const void* value, const FieldMask& mask, std::span<std::byte> body,
             std::span<std::uint32_t> index, std::span<const Reservation> reservations = {}) noexcept;
 

@@ -1,4 +1,5 @@
-// What generated code includes and nothing else does: the parts that a table, field names and views are made of.
+// What generated code includes and nothing else does: the parts that a table, field names and views are made
+// of.
 #pragma once
 
 #include <array>
@@ -15,7 +16,8 @@
 
 namespace sft {
 
-/// Base of the generated names of S's fields, S being at leaf First of Root: S's own node, and nodes for its members.
+/// Base of the generated names of S's fields, S being at leaf First of Root: S's own node, and nodes for its
+/// members.
 template <class Root, std::size_t First, class S>
 struct FieldsOf : FieldNode<Root, First, leaf_count_of<S>> {
   template <std::size_t M>
@@ -24,8 +26,8 @@ struct FieldsOf : FieldNode<Root, First, leaf_count_of<S>> {
   using Leaf = FieldNode<Root, first<M>, leaf_count(TypeTable<S>::members[M])>;
 };
 
-/// Names below a sequence of structs E: `fields` is all of it, `fields.size` its length, `fields.each.name` a leaf of the
-/// elements (written `fields[].name` in text).
+/// Names below a sequence of structs E: `fields` is all of it, `fields.size` its length, `fields.each.name` a
+/// leaf of the elements (written `fields[].name` in text).
 template <class E, class Root, std::size_t First>
 struct SequenceFields : FieldNode<Root, First, 1 + leaf_count_of<E>> {
   static constexpr FieldNode<Root, First, 1> size{};

@@ -1,5 +1,5 @@
-// From one encoded sample to the CDR of a smaller mask, without touching what is not asked for: small runs are copied
-// to a staging buffer, large ones are named where they lie in the source.
+// From one encoded sample to the CDR of a smaller mask, without touching what is not asked for: small runs
+// are copied to a staging buffer, large ones are named where they lie in the source.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,9 @@ inline constexpr std::size_t reference_bytes_min = 4096;
 
 class Projection {
  public:
-  /// Projects `source` to `mask`, which is closed and a subset of the source's mask; source.index is used and must be
-  /// valid. False if the source's bytes are not what they claim to be. In steady state nothing is allocated.
+  /// Projects `source` to `mask`, which is closed and a subset of the source's mask; source.index is used and
+  /// must be valid. False if the source's bytes are not what they claim to be. In steady state nothing is
+  /// allocated.
   bool project(const SampleState& source, const StructType& type, const FieldMask& mask);
 
   /// The projected body, in order. Valid until the next project() and while the source lives.

@@ -8,16 +8,16 @@
 namespace sft {
 
 enum class Errc {
-  invalid_argument,   ///< the caller passed something that can never work
-  unknown_field,      ///< a mask or path names a field that the type does not have
-  type_mismatch,      ///< bytes or an endpoint of another type
-  malformed,          ///< bytes that are not what they claim to be
-  limit_exceeded,     ///< larger than a limit in force
-  unavailable,        ///< a daemon, device or file that is not there (now)
+  invalid_argument,  ///< the caller passed something that can never work
+  unknown_field,     ///< a mask or path names a field that the type does not have
+  type_mismatch,     ///< bytes or an endpoint of another type
+  malformed,         ///< bytes that are not what they claim to be
+  limit_exceeded,    ///< larger than a limit in force
+  unavailable,       ///< a daemon, device or file that is not there (now)
   no_permission,
   address_in_use,
   out_of_memory,
-  system,             ///< the operating system refused, the message says what
+  system,  ///< the operating system refused, the message says what
 };
 
 struct Error {

@@ -2,9 +2,10 @@
 //
 //   SampleHeader | u32 offset per slot | padding | 4 bytes of encapsulation | CDR body
 //
-// The body is 8-aligned in memory, so that every primitive is aligned as CDR aligned it, and is byte for byte what DDS
-// writes (XCDR1, little-endian) for the type projected to the sample's mask. Offsets count from the first byte of the
-// body; that of a string or a sequence is where its length stands. A slot whose leaves are absent holds no_offset.
+// The body is 8-aligned in memory, so that every primitive is aligned as CDR aligned it, and is byte for byte
+// what DDS writes (XCDR1, little-endian) for the type projected to the sample's mask. Offsets count from the
+// first byte of the body; that of a string or a sequence is where its length stands. A slot whose leaves are
+// absent holds no_offset.
 #pragma once
 
 #include <array>
@@ -21,11 +22,11 @@ inline constexpr std::array<std::uint8_t, encapsulation_bytes> encapsulation_cdr
 struct SampleHeader {
   std::uint32_t magic = sample_magic;
   std::uint32_t slots = 0;
-  std::uint64_t writer = 0;           ///< the writer's random id of this incarnation
-  std::uint64_t sequence = 0;         ///< from 1
-  std::int64_t source_stamp_ns = 0;   ///< CLOCK_REALTIME at publish
+  std::uint64_t writer = 0;          ///< the writer's random id of this incarnation
+  std::uint64_t sequence = 0;        ///< from 1
+  std::int64_t source_stamp_ns = 0;  ///< CLOCK_REALTIME at publish
   std::uint64_t type_hash = 0;
-  std::uint32_t body_offset = 0;      ///< from the header's first byte
+  std::uint32_t body_offset = 0;  ///< from the header's first byte
   std::uint32_t body_bytes = 0;
   std::uint64_t reserved[2] = {};
 };
@@ -36,7 +37,8 @@ struct SampleLayout {
   std::size_t body_offset;
 
   explicit constexpr SampleLayout(std::size_t slots)
-      : body_offset((sizeof(SampleHeader) + slots * sizeof(std::uint32_t) + encapsulation_bytes + 7) / 8 * 8) {}
+      : body_offset((sizeof(SampleHeader) + slots * sizeof(std::uint32_t) + encapsulation_bytes + 7) / 8 *
+                    8) {}
 
   constexpr std::size_t bytes(std::size_t body_bytes) const { return body_offset + body_bytes; }
 };

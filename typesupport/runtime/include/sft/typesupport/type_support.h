@@ -24,23 +24,25 @@ class TypeSupport {
   std::size_t leaves() const { return paths_.size(); }
   std::size_t slots() const { return slots_; }
 
-  /// FNV-1a over the canonical structure (names, kinds, shapes, bounds, keys; not units): equal for compatible types.
+  /// FNV-1a over the canonical structure (names, kinds, shapes, bounds, keys; not units): equal for
+  /// compatible types.
   std::uint64_t hash() const { return hash_; }
 
   /// "header.stamp.sec", "fields.size", "fields[].name"
   const std::string& path(std::size_t leaf) const { return paths_[leaf]; }
 
-  /// The mask of a leaf or an inner node by its path; inner nodes mean all leaves below. The error names the nearest
-  /// existing field.
+  /// The mask of a leaf or an inner node by its path; inner nodes mean all leaves below. The error names the
+  /// nearest existing field.
   Result<FieldMask> find(std::string_view path) const;
   /// Several paths, separated by commas and spaces; "*" means all.
   Result<FieldMask> parse_mask(std::string_view text) const;
-  /// Shortest list of paths that names exactly `mask`: "header, height, fields[].name"; "*" for all, "" for none.
+  /// Shortest list of paths that names exactly `mask`: "header, height, fields[].name"; "*" for all, "" for
+  /// none.
   std::string format_mask(const FieldMask& mask) const;
   std::vector<std::string> field_names(const FieldMask& mask) const;
 
-  /// What is really sent for `mask`: with any leaf of a sequence's elements goes its length, and key members always.
-  /// Closing twice is closing once.
+  /// What is really sent for `mask`: with any leaf of a sequence's elements goes its length, and key members
+  /// always. Closing twice is closing once.
   FieldMask closed(FieldMask mask) const;
 
   FieldMask none() const { return FieldMask(leaves()); }

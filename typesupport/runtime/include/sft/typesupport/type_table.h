@@ -1,10 +1,12 @@
-// The description of a message type that everything at run time works from: a constexpr tree of members that the
-// IDL compiler emits (names, kinds, places in the owned struct) and the numbering that is computed from it.
+// The description of a message type that everything at run time works from: a constexpr tree of members that
+// the IDL compiler emits (names, kinds, places in the owned struct) and the numbering that is computed from
+// it.
 //
-// Numbering. Leaves are counted depth-first: a primitive, a string, an array or a sequence of those is one leaf; a
-// nested struct contributes the leaves of its members; an array of structs those of its element; a sequence of structs
-// one leaf for its length followed by those of its element. Slots are the leaves that a sample's index has an offset
-// for: every leaf outside collections of structs, and one slot for each outermost collection of structs.
+// Numbering. Leaves are counted depth-first: a primitive, a string, an array or a sequence of those is one
+// leaf; a nested struct contributes the leaves of its members; an array of structs those of its element; a
+// sequence of structs one leaf for its length followed by those of its element. Slots are the leaves that a
+// sample's index has an offset for: every leaf outside collections of structs, and one slot for each
+// outermost collection of structs.
 #pragma once
 
 #include <array>
@@ -19,19 +21,49 @@
 namespace sft {
 
 enum class Kind : std::uint8_t {
-  boolean, octet, character, int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64, string, structure
+  boolean,
+  octet,
+  character,
+  int8,
+  uint8,
+  int16,
+  uint16,
+  int32,
+  uint32,
+  int64,
+  uint64,
+  float32,
+  float64,
+  string,
+  structure
 };
 
 enum class Shape : std::uint8_t { single, array, sequence };
 
-/// Bytes that one primitive takes in CDR, which is also its alignment (XCDR1). A string's is that of its length.
+/// Bytes that one primitive takes in CDR, which is also its alignment (XCDR1). A string's is that of its
+/// length.
 constexpr std::size_t size_of(Kind kind) {
   switch (kind) {
-    case Kind::boolean: case Kind::octet: case Kind::character: case Kind::int8: case Kind::uint8: return 1;
-    case Kind::int16: case Kind::uint16: return 2;
-    case Kind::int32: case Kind::uint32: case Kind::float32: case Kind::string: return 4;
-    case Kind::int64: case Kind::uint64: case Kind::float64: return 8;
-    case Kind::structure: return 0;
+    case Kind::boolean:
+    case Kind::octet:
+    case Kind::character:
+    case Kind::int8:
+    case Kind::uint8:
+      return 1;
+    case Kind::int16:
+    case Kind::uint16:
+      return 2;
+    case Kind::int32:
+    case Kind::uint32:
+    case Kind::float32:
+    case Kind::string:
+      return 4;
+    case Kind::int64:
+    case Kind::uint64:
+    case Kind::float64:
+      return 8;
+    case Kind::structure:
+      return 0;
   }
   return 0;
 }
@@ -49,7 +81,7 @@ struct StructType;
 
 struct Member {
   std::string_view name;
-  Kind kind{};                             ///< of one element
+  Kind kind{};  ///< of one element
   Shape shape{};
   std::uint32_t count = 1;                 ///< elements of an array (all dimensions); 1 otherwise
   std::uint32_t bound = 0;                 ///< most elements of a sequence; 0: unbounded
@@ -59,7 +91,7 @@ struct Member {
   std::size_t stride = 0;                  ///< of one element in the owned struct
   const SequenceAccess* access = nullptr;  ///< where shape is sequence
   bool key = false;
-  std::string_view unit{};                 ///< from @unit, for display
+  std::string_view unit{};  ///< from @unit, for display
 };
 
 struct StructType {
@@ -71,7 +103,9 @@ struct StructType {
 template <class T>
 struct TypeTable;
 
-constexpr bool is_collection(const Member& m) { return m.kind == Kind::structure && m.shape != Shape::single; }
+constexpr bool is_collection(const Member& m) {
+  return m.kind == Kind::structure && m.shape != Shape::single;
+}
 
 constexpr std::size_t leaf_count(const StructType& type);
 
@@ -114,7 +148,8 @@ constexpr std::size_t slot_offset(const StructType& type, std::size_t member) {
 template <class T>
 inline constexpr std::size_t leaf_count_of = leaf_count(TypeTable<T>::type);
 
-/// A value of the owned struct's member type V is described without naming its shape twice: it follows from V.
+/// A value of the owned struct's member type V is described without naming its shape twice: it follows from
+/// V.
 namespace detail {
 
 template <class V>
@@ -139,7 +174,8 @@ struct ShapeOf {
 template <class E, std::size_t N>
 struct ShapeOf<std::array<E, N>> {
   using Element = typename ShapeOf<E>::Element;
-  static_assert(ShapeOf<E>::shape != Shape::sequence, "an array of sequences needs a struct around the sequence");
+  static_assert(ShapeOf<E>::shape != Shape::sequence,
+                "an array of sequences needs a struct around the sequence");
   static constexpr Shape shape = Shape::array;
   static constexpr std::uint32_t count = N * ShapeOf<E>::count;
   static constexpr const SequenceAccess* access = nullptr;
@@ -148,7 +184,8 @@ struct ShapeOf<std::array<E, N>> {
 template <class E>
 struct ShapeOf<std::vector<E>> {
   using Element = E;
-  static_assert(ShapeOf<E>::shape == Shape::single, "a sequence of collections needs a struct around the inner one");
+  static_assert(ShapeOf<E>::shape == Shape::single,
+                "a sequence of collections needs a struct around the inner one");
   static constexpr Shape shape = Shape::sequence;
   static constexpr std::uint32_t count = 1;
   static constexpr const SequenceAccess* access = &SequenceAccessOf<std::vector<E>>::access;
@@ -172,8 +209,8 @@ struct MemberOptions {
   std::string_view unit{};
 };
 
-/// One row of a generated table. V is the member's type in the owned struct, `kind` that of one element in IDL (it
-/// tells octet from uint8 and a sequence of booleans, held as std::uint8_t, from one of octets).
+/// One row of a generated table. V is the member's type in the owned struct, `kind` that of one element in
+/// IDL (it tells octet from uint8 and a sequence of booleans, held as std::uint8_t, from one of octets).
 template <class V>
 constexpr Member member(std::string_view name, Kind kind, std::size_t offset, MemberOptions options = {}) {
   using Place = detail::ShapeOf<V>;

@@ -1,13 +1,13 @@
-// Lazy views. A generated View<Place> has one getter per member, and the Place says where the members are: at slots
-// of the index (IndexedPlace), or behind one another in an element of a sequence (ElementPlace). A view owns nothing
-// and must not outlive the sample that it came from.
+// Lazy views. A generated View<Place> has one getter per member, and the Place says where the members are: at
+// slots of the index (IndexedPlace), or behind one another in an element of a sequence (ElementPlace). A view
+// owns nothing and must not outlive the sample that it came from.
 //
 //   scalar               -> its value             string               -> std::string_view
 //   array, sequence      -> std::span             ... of strings       -> StringRange
 //   struct               -> a View                ... of structs       -> ElementRange of Views
 //
-// Under a declared mask a getter of an absent field does not exist. Where fields are recorded, getters of leaves return
-// std::optional, empty if this sample does not have the field, and note the access either way.
+// Under a declared mask a getter of an absent field does not exist. Where fields are recorded, getters of
+// leaves return std::optional, empty if this sample does not have the field, and note the access either way.
 #pragma once
 
 #include <algorithm>
@@ -28,12 +28,14 @@ namespace sft {
 
 static_assert(std::endian::native == std::endian::little, "views read little-endian CDR in place");
 
-/// What generated getters require: that the mask which the reader declared has the field (or a leaf below it).
+/// What generated getters require: that the mask which the reader declared has the field (or a leaf below
+/// it).
 template <class Place, std::size_t Member>
 concept field_is_in_declared_mask = Place::template has<Member>;
 
-/// What a getter of a recorded sample returns: a std::optional whose `*` gives the value itself and not a reference into
-/// the optional, so that `for (auto f : *sample->fields())` does not walk what is gone. Values are numbers and views: small.
+/// What a getter of a recorded sample returns: a std::optional whose `*` gives the value itself and not a
+/// reference into the optional, so that `for (auto f : *sample->fields())` does not walk what is gone. Values
+/// are numbers and views: small.
 template <class V>
 class Optional : public std::optional<V> {
  public:
@@ -47,20 +49,60 @@ using Got = std::conditional_t<R.is_recorded, Optional<V>, V>;
 
 namespace detail {
 
-template <Kind K> struct ScalarOf;
-template <> struct ScalarOf<Kind::boolean> { using type = bool; };
-template <> struct ScalarOf<Kind::octet> { using type = std::uint8_t; };
-template <> struct ScalarOf<Kind::character> { using type = char; };
-template <> struct ScalarOf<Kind::int8> { using type = std::int8_t; };
-template <> struct ScalarOf<Kind::uint8> { using type = std::uint8_t; };
-template <> struct ScalarOf<Kind::int16> { using type = std::int16_t; };
-template <> struct ScalarOf<Kind::uint16> { using type = std::uint16_t; };
-template <> struct ScalarOf<Kind::int32> { using type = std::int32_t; };
-template <> struct ScalarOf<Kind::uint32> { using type = std::uint32_t; };
-template <> struct ScalarOf<Kind::int64> { using type = std::int64_t; };
-template <> struct ScalarOf<Kind::uint64> { using type = std::uint64_t; };
-template <> struct ScalarOf<Kind::float32> { using type = float; };
-template <> struct ScalarOf<Kind::float64> { using type = double; };
+template <Kind K>
+struct ScalarOf;
+template <>
+struct ScalarOf<Kind::boolean> {
+  using type = bool;
+};
+template <>
+struct ScalarOf<Kind::octet> {
+  using type = std::uint8_t;
+};
+template <>
+struct ScalarOf<Kind::character> {
+  using type = char;
+};
+template <>
+struct ScalarOf<Kind::int8> {
+  using type = std::int8_t;
+};
+template <>
+struct ScalarOf<Kind::uint8> {
+  using type = std::uint8_t;
+};
+template <>
+struct ScalarOf<Kind::int16> {
+  using type = std::int16_t;
+};
+template <>
+struct ScalarOf<Kind::uint16> {
+  using type = std::uint16_t;
+};
+template <>
+struct ScalarOf<Kind::int32> {
+  using type = std::int32_t;
+};
+template <>
+struct ScalarOf<Kind::uint32> {
+  using type = std::uint32_t;
+};
+template <>
+struct ScalarOf<Kind::int64> {
+  using type = std::int64_t;
+};
+template <>
+struct ScalarOf<Kind::uint64> {
+  using type = std::uint64_t;
+};
+template <>
+struct ScalarOf<Kind::float32> {
+  using type = float;
+};
+template <>
+struct ScalarOf<Kind::float64> {
+  using type = double;
+};
 
 /// In arrays and sequences a boolean is its byte: a span of bool over foreign bytes would be undefined.
 template <Kind K>
@@ -98,7 +140,8 @@ inline std::string_view string_at(const SampleState& s, std::uint64_t offset) no
   return {reinterpret_cast<const char*>(s.body + text.first), text.count};
 }
 
-/// Forward iteration over things that lie behind one another; Step says how one is read and where the next begins.
+/// Forward iteration over things that lie behind one another; Step says how one is read and where the next
+/// begins.
 template <class Step>
 class PackedRange {
  public:
@@ -109,7 +152,8 @@ class PackedRange {
     using value_type = typename Step::Value;
 
     iterator() = default;
-    iterator(const SampleState* s, std::uint64_t offset, std::uint32_t left) : s_(s), offset_(offset), left_(left) {}
+    iterator(const SampleState* s, std::uint64_t offset, std::uint32_t left)
+        : s_(s), offset_(offset), left_(left) {}
 
     value_type operator*() const { return Step::read(*s_, offset_); }
     iterator& operator++() {
@@ -134,7 +178,8 @@ class PackedRange {
 
   PackedRange() = default;
   /// `steps_max`: elements that are iterated over at most.
-  PackedRange(const SampleState* s, Extent extent, std::uint32_t steps_max = 0xFFFFFFFF) : s_(s), extent_(extent) {
+  PackedRange(const SampleState* s, Extent extent, std::uint32_t steps_max = 0xFFFFFFFF)
+      : s_(s), extent_(extent) {
     if (!extent) {
       s->flag_malformed();
       extent_ = {0, 0};
@@ -173,7 +218,9 @@ namespace detail {
 template <auto R, class S, std::size_t Leaf>
 struct ElementStep {
   using Value = typename S::template View<ElementPlace<R, S, Leaf>>;
-  static Value read(const SampleState& s, std::uint64_t offset) { return Value{ElementPlace<R, S, Leaf>{&s, offset}}; }
+  static Value read(const SampleState& s, std::uint64_t offset) {
+    return Value{ElementPlace<R, S, Leaf>{&s, offset}};
+  }
   static std::uint32_t next(const SampleState& s, std::uint64_t offset) {
     return skip(s, TypeTable<S>::type, Leaf, offset);
   }
@@ -197,16 +244,18 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
     if constexpr (M.shape == Shape::single) {
       return string_at(s, offset);
     } else {
-      return StringRange{&s, M.shape == Shape::sequence ? checked_length(s, offset)
-                                                        : Extent{static_cast<std::uint32_t>(offset), M.count}};
+      return StringRange{&s, M.shape == Shape::sequence
+                                 ? checked_length(s, offset)
+                                 : Extent{static_cast<std::uint32_t>(offset), M.count}};
     }
   } else if constexpr (M.shape == Shape::single) {
     using V = std::conditional_t<std::is_enum_v<As>, As, typename ScalarOf<M.kind>::type>;
     return load<V>(s, offset);
   } else {
     using E = std::conditional_t<std::is_enum_v<As>, As, ElementOf<M.kind>>;
-    return span_at<E>(s, M.shape == Shape::sequence ? checked_sequence(s, offset, sizeof(E))
-                                                    : Extent{checked_block(s, offset, M.count, sizeof(E)), M.count});
+    return span_at<E>(s, M.shape == Shape::sequence
+                             ? checked_sequence(s, offset, sizeof(E))
+                             : Extent{checked_block(s, offset, M.count, sizeof(E)), M.count});
   }
 }
 
@@ -218,11 +267,12 @@ struct PlaceBase {
 
   /// Whether any leaf of member M is in the declared mask (always where fields are recorded).
   template <std::size_t M>
-  static constexpr bool has = R.is_recorded || R.mask.intersects(leaf_of<M>, leaf_count(TypeTable<S>::members[M]));
+  static constexpr bool has = R.is_recorded ||
+                              R.mask.intersects(leaf_of<M>, leaf_count(TypeTable<S>::members[M]));
 
  protected:
-  /// Notes the access where the reader records, and tells whether the sample has the leaf. For a collection of structs
-  /// that is the leaf of its length (or its first element's leaf, in an array).
+  /// Notes the access where the reader records, and tells whether the sample has the leaf. For a collection
+  /// of structs that is the leaf of its length (or its first element's leaf, in an array).
   static bool note(const SampleState& s, std::size_t leaf, std::size_t leaves) noexcept {
     const bool present = s.mask->any_of(leaf, leaves);
     if (s.log != nullptr) s.log->touch(leaf, present);
@@ -240,7 +290,8 @@ struct PlaceBase {
 };
 }  // namespace detail
 
-/// Members of struct S, of which the first leaf and slot in the root type are Leaf and Slot, found through the index.
+/// Members of struct S, of which the first leaf and slot in the root type are Leaf and Slot, found through
+/// the index.
 template <auto R, class S, std::size_t Leaf, std::size_t Slot>
 class IndexedPlace : public detail::PlaceBase<R, S, Leaf> {
   using Base = detail::PlaceBase<R, S, Leaf>;
@@ -294,8 +345,8 @@ class ElementPlace : public detail::PlaceBase<R, S, Leaf> {
   std::uint64_t offset_;
 };
 
-/// The view of a whole sample of type T as a reader with requirement R sees it. (In an alias template pass R through a
-/// parameter of type Req<T>: g++ 12 does not survive a mask variable there.)
+/// The view of a whole sample of type T as a reader with requirement R sees it. (In an alias template pass R
+/// through a parameter of type Req<T>: g++ 12 does not survive a mask variable there.)
 template <class T, Req<T> R>
 using ViewOf = typename T::template View<IndexedPlace<R, T, 0, 0>>;
 

@@ -1,5 +1,5 @@
-// Every offset and bounds check of reading CDR is here (and in walk.cpp). The bytes may be hostile, and those in shared
-// memory may change while they are read: each length is loaded once, checked, and then used.
+// Every offset and bounds check of reading CDR is here (and in walk.cpp). The bytes may be hostile, and those
+// in shared memory may change while they are read: each length is loaded once, checked, and then used.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,8 @@
 
 namespace sft {
 
-/// Elements of a sequence of structs of which only the length was sent: more are neither made nor walked over.
+/// Elements of a sequence of structs of which only the length was sent: more are neither made nor walked
+/// over.
 inline constexpr std::uint32_t max_empty_elements = 65'536;
 
 /// A CDR body under a mask, as captured when the sample was taken. Owns nothing.
@@ -35,8 +36,8 @@ constexpr std::uint64_t align_up(std::uint64_t offset, std::uint64_t alignment) 
   return (offset + alignment - 1) & ~(alignment - 1);
 }
 
-/// `count` elements of `element_bytes` each at `offset`, aligned to their size: offset of the first, or no_offset
-/// where they would not lie within the body.
+/// `count` elements of `element_bytes` each at `offset`, aligned to their size: offset of the first, or
+/// no_offset where they would not lie within the body.
 inline std::uint32_t checked_block(const SampleState& s, std::uint64_t offset, std::uint64_t count,
                                    std::uint64_t element_bytes) noexcept {
   if (count == 0) return offset <= s.body_bytes ? static_cast<std::uint32_t>(offset) : no_offset;
@@ -60,23 +61,27 @@ inline Extent checked_length(const SampleState& s, std::uint64_t offset) noexcep
 }
 
 /// A sequence of primitives whose length stands at `offset`.
-inline Extent checked_sequence(const SampleState& s, std::uint64_t offset, std::size_t element_bytes) noexcept {
+inline Extent checked_sequence(const SampleState& s, std::uint64_t offset,
+                               std::size_t element_bytes) noexcept {
   const Extent length = checked_length(s, offset);
   if (!length) return {};
   return {checked_block(s, length.first, length.count, element_bytes), length.count};
 }
 
-/// A string whose length (with its NUL) stands at `offset`; `count` is without the NUL. Length 0 reads as empty.
+/// A string whose length (with its NUL) stands at `offset`; `count` is without the NUL. Length 0 reads as
+/// empty.
 inline Extent checked_string(const SampleState& s, std::uint64_t offset) noexcept {
   const Extent length = checked_length(s, offset);
   if (!length || checked_block(s, length.first, length.count, 1) == no_offset) return {};
   return {length.first, length.count == 0 ? 0 : length.count - 1};
 }
 
-/// Offset just behind the selected leaves of a member (or of a whole struct) that begins at `offset`, or no_offset where
-/// the body ends before. `leaf` is the number of its first leaf in the root type.
-std::uint32_t skip(const SampleState& s, const Member& member, std::size_t leaf, std::uint64_t offset) noexcept;
-std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t leaf, std::uint64_t offset) noexcept;
+/// Offset just behind the selected leaves of a member (or of a whole struct) that begins at `offset`, or
+/// no_offset where the body ends before. `leaf` is the number of its first leaf in the root type.
+std::uint32_t skip(const SampleState& s, const Member& member, std::size_t leaf,
+                   std::uint64_t offset) noexcept;
+std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t leaf,
+                   std::uint64_t offset) noexcept;
 
 /// Where member number `member` of a struct that begins at `offset` begins, before alignment.
 std::uint32_t member_begin(const SampleState& s, const StructType& type, std::size_t member, std::size_t leaf,
@@ -88,10 +93,10 @@ const char* to_string(WalkStatus status);
 /// Most bytes that may follow the last member of a body: payloads of other implementations are padded to 4.
 inline constexpr std::uint32_t max_trailing_bytes = 3;
 
-/// Walks a whole body of `type` under `s.mask`, checks it (lengths, bounds, booleans 0 or 1, NUL at the end of strings
-/// and nowhere before it, at most max_trailing_bytes left over) and writes the offset of every slot to `index`
-/// (type's slot_count entries). Time is bounded by the body's bytes. `body_end`, if given, is set to the end of the last
-/// member.
+/// Walks a whole body of `type` under `s.mask`, checks it (lengths, bounds, booleans 0 or 1, NUL at the end
+/// of strings and nowhere before it, at most max_trailing_bytes left over) and writes the offset of every
+/// slot to `index` (type's slot_count entries). Time is bounded by the body's bytes. `body_end`, if given, is
+/// set to the end of the last member.
 WalkStatus build_index(const SampleState& s, const StructType& type, std::span<std::uint32_t> index,
                        std::uint32_t* body_end = nullptr) noexcept;
 
