@@ -1,0 +1,315 @@
+#include "core/reconciler.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sft::core {
+
+namespace {
+
+constexpr std::size_t accepted_masks_max = 16;
+constexpr std::chrono::seconds in_flight_max{2};         // what was sent longer ago does not come any more
+constexpr std::chrono::milliseconds shm_pause_min{500};  // after the daemon did not do what was asked for
+constexpr std::chrono::milliseconds shm_pause_max{10'000};
+constexpr std::chrono::milliseconds tick_quiet{50};
+constexpr std::chrono::milliseconds tick_while_attaching{1};
+constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
+
+}  // namespace
+
+Reconciler::Reconciler(std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
+                       Dispatcher& dispatcher, Log log)
+    : shm_(shm), udp_(udp), discovery_(discovery), dispatcher_(dispatcher), log_(std::move(log)) {
+  self_.network = network;
+  self_.shm_state = shm_ == nullptr ? "the node rules it out" : "starting";
+  negotiation_.self_changed(self_);
+}
+
+void Reconciler::endpoint_seen(const Endpoint& endpoint) { dirty_ |= negotiation_.endpoint_seen(endpoint); }
+
+void Reconciler::endpoint_departed(EndpointId id) { dirty_ |= negotiation_.endpoint_departed(id); }
+
+void Reconciler::endpoint_lost(EndpointId id) {
+  dirty_ |= negotiation_.endpoint_lost(id, std::chrono::steady_clock::now());
+}
+
+void Reconciler::request_received(const Request& request) {
+  dirty_ |= negotiation_.request_received(request);
+}
+
+std::string Reconciler::shm_state() const {
+  const std::scoped_lock lock(shm_state_mutex_);
+  return shm_ == nullptr ? "the node rules it out" : shm_state_;
+}
+
+void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherCore> core) {
+  const TypeSupport& type = core->type();
+  writers_[endpoint.id].core = std::move(core);
+  negotiation_.local_added(endpoint, type);
+  dirty_ = true;
+  announce(endpoint.id);
+}
+
+void Reconciler::add_reader(const Endpoint& endpoint, NewReader reader) {
+  const TypeSupport& type = reader.core->type();
+  if (reader.core->has_callback() && endpoint.may_use_shm) dispatcher_.add(reader.core);
+  Reader& added = readers_[endpoint.id];
+  added.core = std::move(reader.core);
+  added.recorder = std::move(reader.recorder);
+  added.udp = std::move(reader.udp);
+  added.accepted = {{added.core->spec().requirement.mask}};
+  negotiation_.local_added(endpoint, type);
+  dirty_ = true;
+  announce(endpoint.id);
+}
+
+void Reconciler::remove(EndpointId id) {
+  negotiation_.local_removed(id);
+  dirty_ = true;
+  discovery_.withdraw(id);
+  writers_.erase(id);
+  const auto reader = readers_.find(id);
+  if (reader == readers_.end()) return;
+  dispatcher_.remove(*reader->second.core);
+  reader->second.core->set_port(TransportKind::udp, nullptr);
+  reader->second.core->set_port(TransportKind::shm, nullptr);
+  readers_.erase(reader);
+}
+
+void Reconciler::announce(EndpointId id) {
+  const Endpoint* endpoint = negotiation_.local(id);
+  if (endpoint == nullptr) return;
+  if (const Result<void> sent = discovery_.announce(*endpoint); !sent)
+    log_(LogLevel::warning, sent.error().message);
+}
+
+void Reconciler::requirement_changed(EndpointId id) {
+  const auto reader = readers_.find(id);
+  if (reader == readers_.end()) return;
+  const TypeSupport& type = reader->second.core->type();
+  const FieldMask mask = type.closed(reader->second.recorder->required());
+  if (!negotiation_.requirement_changed(id, mask)) return;
+  dirty_ = true;
+  std::vector<AcceptedMask>& accepted = reader->second.accepted;
+  accepted.back().replaced_at = std::chrono::steady_clock::now();
+  std::erase_if(accepted, [&](const AcceptedMask& a) { return a.mask == mask; });
+  accepted.push_back({mask});
+  if (accepted.size() > accepted_masks_max) accepted.erase(accepted.begin());
+  accept(reader->second);
+  request_changed(id);
+}
+
+/// Samples under what was asked for before, and of writers that went, may be in flight. For long such a mask
+/// must not be accepted: another reader in this process may ask for just that, and its samples would be taken
+/// for ours.
+void Reconciler::forget_what_was_in_flight(Now now) {
+  const auto is_over = [&](Now since) { return since != Now::max() && now - since > in_flight_max; };
+  for (auto& [id, reader] : readers_) {
+    const auto is_old = [&](const AcceptedMask& a) { return is_over(a.replaced_at); };
+    if (std::erase_if(reader.accepted, is_old) != 0) accept(reader);
+    std::erase_if(reader.departed, [&](const auto& departed) {
+      if (!is_over(departed.second)) return false;
+      reader.udp->disconnect(departed.first);
+      return true;
+    });
+  }
+}
+
+void Reconciler::accept(Reader& reader) {
+  if (reader.udp == nullptr) return;
+  std::vector<FieldMask> masks;
+  for (const AcceptedMask& accepted : reader.accepted) masks.push_back(accepted.mask);
+  reader.udp->accept_masks(std::move(masks));
+}
+
+void Reconciler::request_changed(EndpointId id) {
+  const Request& request = negotiation_.local(id)->request;
+  SubscriberCore& core = *readers_.at(id).core;
+  core.requests(FieldMask::from_words(core.type().leaves(), request.mask_words), request.sequence);
+  if (const Result<void> sent = discovery_.send(request); !sent) {
+    log_(LogLevel::warning, sent.error().message);
+  }
+}
+
+std::chrono::milliseconds Reconciler::tick() {
+  const auto now = std::chrono::steady_clock::now();
+  look_after_shm();
+  look_after_udp(now);
+  forget_what_was_in_flight(now);
+  dirty_ |= negotiation_.tick(now) || (shm_pause_.count() != 0 && now >= next_shm_attempt_);
+  control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
+  reconcile();
+  hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
+  reconcile();
+  const bool hurry = hurried_ticks_ > 0 && hurried_ticks_ <= hurried_ticks_max;
+  return hurry ? tick_while_attaching : tick_quiet;
+}
+
+void Reconciler::look_after_shm() {
+  if (shm_ == nullptr) return;
+  Self self = self_;
+  const bool ready = shm_->poll(std::chrono::steady_clock::now()) == Availability::ready;
+  self.host = ready ? shm_->host_token() : HostToken{};
+  self.shm_state = shm_->description();
+  if (self == self_) return;
+  const bool new_host = self.host != self_.host;
+  self_ = self;
+  shm_ready_.store(ready);
+  {
+    const std::scoped_lock lock(shm_state_mutex_);
+    shm_state_ = self.shm_state;
+  }
+  dirty_ |= negotiation_.self_changed(self_);
+  if (!new_host) return;
+  drop_shm_ports();
+  shm_pause_ = {};
+  next_shm_attempt_ = {};
+  reconcile();  // first: who was served in memory is served by UDP from here on
+  log_(LogLevel::info, "shared memory: " + self_.shm_state);
+  for (const auto& [id, writer] : writers_) announce(id);
+  for (const auto& [id, reader] : readers_) {
+    announce(id);
+    request_changed(id);
+  }
+}
+
+/// A transport that the system has stopped cannot be mended from within; status() says so from here on.
+void Reconciler::look_after_udp(Now now) {
+  if (udp_ == nullptr || udp_failed_ || udp_->poll(now) == Availability::ready) return;
+  udp_failed_ = true;
+  log_(LogLevel::error, "UDP: " + udp_->description());
+}
+
+/// The memory that they were in is gone, or another daemon's.
+void Reconciler::drop_shm_ports() {
+  for (auto& [id, writer] : writers_) {
+    if (writer.shm == nullptr) continue;
+    writer.shm.reset();
+    writer.in_force.reset();
+  }
+  for (auto& [id, reader] : readers_) {
+    reader.core->set_port(TransportKind::shm, nullptr);
+    reader.shm.reset();
+    for (auto& [writer, hearing] : reader.heard) hearing.shm = false;
+  }
+}
+
+/// Tells writers which of our readers hear them by now. Whether some reader still waits for its connection in
+/// shared memory.
+bool Reconciler::look_after_connections() {
+  bool waiting = false;
+  for (auto& [id, reader] : readers_) {
+    bool changed = false;
+    for (const auto& [writer, hearing] : reader.heard) {
+      const bool listening = hearing.udp && reader.udp->connected(writer);
+      const bool attached = hearing.shm && reader.shm != nullptr && reader.shm->connected(writer);
+      changed |= negotiation_.connection_changed(id, writer, TransportKind::udp, listening);
+      changed |= negotiation_.connection_changed(id, writer, TransportKind::shm, attached);
+      waiting |= hearing.shm && !attached;
+    }
+    if (changed) request_changed(id);
+    dirty_ |= changed;
+  }
+  return waiting;
+}
+
+/// Opens something in shared memory, unless that failed a moment ago: a daemon that does not answer costs its
+/// deadline each time, during which the agent does nothing else.
+template <class Open>
+bool Reconciler::try_shm(Open open) {
+  const Now now = std::chrono::steady_clock::now();
+  if (now < next_shm_attempt_) return false;
+  const Result<void> opened = open();
+  if (opened) {
+    shm_pause_ = {};
+    return true;
+  }
+  shm_pause_ = std::clamp(shm_pause_ * 2, shm_pause_min, shm_pause_max);
+  next_shm_attempt_ = std::chrono::steady_clock::now() + shm_pause_;
+  log_(LogLevel::warning, opened.error().message);
+  return false;
+}
+
+/// Until nothing changes any more: what our readers are connected to is news to our own writers.
+void Reconciler::reconcile() {
+  while (std::exchange(dirty_, false)) {
+    apply_desired_states();
+    look_after_connections();
+  }
+}
+
+void Reconciler::apply_desired_states() {
+  for (auto& [id, writer] : writers_) reconcile_writer(id, writer);
+  for (auto& [id, reader] : readers_) reconcile_reader(id, reader);
+}
+
+void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
+  const Serving wanted = negotiation_.serving(id);
+  if (wanted.shm_port && writer.shm == nullptr) {
+    try_shm([&]() -> Result<void> {
+      auto port = shm_->open_writer({id, &writer.core->type(), negotiation_.local(id)->max_sample_bytes});
+      if (!port) return tl::unexpected(port.error());
+      writer.shm = std::move(*port);
+      writer.in_force.reset();
+      return {};
+    });
+  }
+  if (writer.in_force == wanted) return;
+  writer.in_force = wanted;
+  writer.core->serve(wanted, writer.shm);
+}
+
+void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
+  const std::vector<Hearing> wanted = negotiation_.hearing(id);
+  std::map<EndpointId, Hearing> heard;
+  for (const Hearing& hearing : wanted) {
+    const auto before = reader.heard.find(hearing.source.writer);
+    const bool known = before != reader.heard.end();
+    heard[hearing.source.writer] = connect(id, reader, hearing, known ? before->second : Hearing{});
+  }
+  for (const auto& [writer, before] : reader.heard) {
+    if (heard.contains(writer)) continue;
+    if (before.udp) reader.departed[writer] = std::chrono::steady_clock::now();
+    if (before.shm && reader.shm != nullptr) reader.shm->disconnect(writer);
+    negotiation_.connection_changed(id, writer, TransportKind::udp, false);
+    negotiation_.connection_changed(id, writer, TransportKind::shm, false);
+  }
+  reader.heard = std::move(heard);
+  reader.core->hears(wanted);
+}
+
+/// Connects to and disconnects from one writer as wanted; returns what is in force then.
+Hearing Reconciler::connect(EndpointId id, Reader& reader, const Hearing& wanted, const Hearing& before) {
+  Hearing now = wanted;
+  const EndpointId writer = wanted.source.writer;
+  reader.departed.erase(writer);
+  if (wanted.udp != before.udp) {
+    if (!wanted.udp) {
+      reader.udp->disconnect(writer);
+    } else if (const Result<void> ok = reader.udp->connect(wanted.source); !ok) {
+      now.udp = false;
+      log_(LogLevel::warning, ok.error().message);
+    }
+  }
+  if (wanted.shm != before.shm) {
+    if (!wanted.shm) {
+      if (reader.shm != nullptr) reader.shm->disconnect(writer);
+    } else {
+      now.shm = try_shm([&] { return connect_shm(id, reader, wanted.source); });
+    }
+  }
+  return now;
+}
+
+Result<void> Reconciler::connect_shm(EndpointId id, Reader& reader, const Source& source) {
+  if (reader.shm == nullptr) {
+    auto port = shm_->open_reader({id, &reader.core->type(), reader.core->spec().options.depth,
+                                   reader.core.get(), negotiation_.local(id)->doorbell});
+    if (!port) return tl::unexpected(port.error());
+    reader.shm = std::move(*port);
+    reader.core->set_port(TransportKind::shm, reader.shm);
+  }
+  return reader.shm->connect(source);
+}
+
+}  // namespace sft::core

@@ -1,0 +1,124 @@
+// Brings the transports to the states that the negotiation wants: opens and closes ports, sets routes,
+// connects readers, announces, and looks after what changes by itself. All of it on the node's agent thread,
+// except where said otherwise.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/discovery.h"
+#include "core/dispatcher.h"
+#include "core/negotiation.h"
+#include "core/publisher_core.h"
+#include "core/recorder.h"
+#include "core/subscriber_core.h"
+#include "core/transport.h"
+#include "sft/options.h"
+
+namespace sft::core {
+
+class Reconciler {
+ public:
+  using Log = std::function<void(LogLevel, const std::string&)>;
+
+  /// All that it is given outlives it; a transport is null where the node must not use it.
+  Reconciler(std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
+             Dispatcher& dispatcher, Log log);
+
+  struct NewReader {
+    std::shared_ptr<SubscriberCore> core;
+    std::shared_ptr<Recorder> recorder;  ///< null unless the requirement is recorded
+    std::shared_ptr<ReaderPort> udp;     ///< null where UDP is ruled out; accepts the first mask already
+  };
+  void add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherCore> core);
+  void add_reader(const Endpoint& endpoint, NewReader reader);
+  /// Withdraws an endpoint and lets go of its ports.
+  void remove(EndpointId id);
+  /// What the recorder of one of our readers found.
+  void requirement_changed(EndpointId id);
+
+  // What discovery reports.
+  void endpoint_seen(const Endpoint& endpoint);
+  void endpoint_departed(EndpointId id);
+  void endpoint_lost(EndpointId id);
+  void request_received(const Request& request);
+
+  /// Looks after transports and time; returns when to be called again.
+  std::chrono::milliseconds tick();
+  /// After any of the above: makes what has changed come true.
+  void reconcile();
+
+  // Any thread.
+  bool shm_ready() const { return shm_ready_.load(); }
+  std::string shm_state() const;
+  std::uint64_t control_ignored() const { return control_ignored_.load(std::memory_order_relaxed); }
+
+ private:
+  struct Writer {
+    std::shared_ptr<PublisherCore> core;
+    std::shared_ptr<WriterPort> shm;
+    std::optional<Serving> in_force;
+  };
+  struct AcceptedMask {
+    FieldMask mask;
+    Now replaced_at = Now::max();  ///< when something else was asked for
+  };
+  struct Reader {
+    std::shared_ptr<SubscriberCore> core;
+    std::shared_ptr<Recorder> recorder;
+    std::shared_ptr<ReaderPort> shm;
+    std::shared_ptr<ReaderPort> udp;
+    std::map<EndpointId, Hearing> heard;
+    std::vector<AcceptedMask> accepted;  ///< newest last
+    std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
+  };
+
+  void look_after_shm();
+  void look_after_udp(Now now);
+  bool look_after_connections();
+  void forget_what_was_in_flight(Now now);
+  void drop_shm_ports();
+
+  void apply_desired_states();
+  void reconcile_writer(EndpointId id, Writer& writer);
+  void reconcile_reader(EndpointId id, Reader& reader);
+  Hearing connect(EndpointId id, Reader& reader, const Hearing& wanted, const Hearing& before);
+  Result<void> connect_shm(EndpointId id, Reader& reader, const Source& source);
+  template <class Open>
+  bool try_shm(Open open);
+
+  void announce(EndpointId id);
+  void request_changed(EndpointId id);
+  static void accept(Reader& reader);
+
+  Transport* const shm_;
+  Transport* const udp_;
+  Discovery& discovery_;
+  Dispatcher& dispatcher_;
+  const Log log_;
+
+  Negotiation negotiation_;
+  std::map<EndpointId, Writer> writers_;
+  std::map<EndpointId, Reader> readers_;
+  Self self_;
+  bool udp_failed_ = false;
+  bool dirty_ = false;      ///< something changed that reconcile() has not seen
+  Now next_shm_attempt_{};  ///< after failures, and the pause until then
+  std::chrono::milliseconds shm_pause_{0};
+  int hurried_ticks_ = 0;  ///< in a row, because some reader waits for its connection
+
+  std::atomic<bool> shm_ready_{false};
+  std::atomic<std::uint64_t> control_ignored_{0};
+  mutable std::mutex shm_state_mutex_;
+  std::string shm_state_ = "starting";
+};
+
+}  // namespace sft::core
