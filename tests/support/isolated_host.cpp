@@ -71,11 +71,11 @@ bool bring_loopback_up() {
 }
 
 bool set_up() {
+  if (!bring_loopback_up()) return refuse("loopback");
   if (mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0) return refuse("mount");
   if (mount("proc", "/proc", "proc", 0, nullptr) != 0) return refuse("mount /proc");
   if (!mount_shm(shm_size)) return refuse("mount /dev/shm");
   if (!mount_tmp()) return refuse("mount /tmp");
-  if (!bring_loopback_up()) return refuse("loopback");
   refusal.clear();
   return true;
 }

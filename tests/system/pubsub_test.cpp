@@ -198,13 +198,17 @@ TEST_P(PubSubTest, ASubscriberMayBeDestroyedInItsOwnCallback) {
   Node a = open("a");
   auto pub = a.publisher<PointCloud2>("points").value();
   std::atomic<bool> gone{false};
+  // Orders the threads in the eyes of the thread sanitizer, as the network does not.
+  std::atomic<bool> complete{false};
   std::optional<Node> b = open("b");
   using Sub = Subscriber<PointCloud2, F::height>;
   std::optional<Sub> sub;
   sub.emplace(b->subscriber<PointCloud2, F::height>("points", [&](const auto&) {
+                 if (!complete) return;
                  sub.reset();
                  gone = true;
                }).value());
+  complete = true;
   b.reset();  // the subscriber alone keeps the node, and the callback takes the last reference
   expect_served(pub, 1);
   pub.publish(cloud(1));
