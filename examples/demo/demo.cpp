@@ -16,8 +16,9 @@ using std::chrono::seconds;
 constexpr seconds patience_for_matching{20};
 constexpr seconds patience_for_shared_memory{8};
 constexpr seconds patience_for_arrival{2};
-// For about so long after they met, DDS participants repeat their introductions.
-constexpr milliseconds settling{2'500};
+// For about so long after they met, DDS participants repeat their introductions, and daemons that the hosts had to
+// start become ready, which their nodes announce.
+constexpr milliseconds settling{5'000};
 // Then each says about every so often that it is still there (80 % of the lease that the library gives). Over
 // any whole number of such periods the control traffic is the same, over others it depends on luck.
 constexpr seconds control_period{8};
