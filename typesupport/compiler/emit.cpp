@@ -42,6 +42,9 @@ std::string header_text(const sft_file& file, const Roots& roots) {
   Code code;
   emit_preamble(code, file, roots);
   emit_owned(code, file, messages);
+  for (const sft_declaration& declaration : std::span(file.declarations, file.declaration_count)) {
+    if (declaration.kind == SFT_ENUMERATION) emit_enum_table(code, declaration);
+  }
   for (const Message& message : messages) emit_table(code, message);
   for (const Message& message : messages) emit_fields(code, message);
   for (const Message& message : messages) emit_view(code, message);

@@ -1,5 +1,8 @@
 #include "table.h"
 
+#include <span>
+
+#include "naming.h"
 #include "spelling.h"
 
 namespace sft::idl {
@@ -25,6 +28,19 @@ void emit_row(Code& code, const Field& field) {
 }
 
 }  // namespace
+
+void emit_enum_table(Code& code, const sft_declaration& enumeration) {
+  code.line("template <>");
+  code.line("struct sft::EnumTable<{}> {{", qualified_type(enumeration.name));
+  code.line("  static constexpr std::array enumerators{{");
+  for (const sft_enumerator& e : std::span(enumeration.enumerators, enumeration.enumerator_count))
+    code.line("      sft::Enumerator{{\"{}\", {}}},", e.name, e.value);
+  code.line("  }};");
+  code.line("  static constexpr sft::EnumType type{{\"{}\", false, enumerators}};",
+            std::string_view(enumeration.name).substr(2));
+  code.line("}};");
+  code.blank();
+}
 
 void emit_table(Code& code, const Message& message) {
   code.line("template <>");

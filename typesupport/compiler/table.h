@@ -1,4 +1,4 @@
-// Second section: the type table that everything at run time works from.
+// Second section: the tables that everything at run time works from.
 #pragma once
 
 #include "code.h"
@@ -6,6 +6,7 @@
 
 namespace sft::idl {
 
+void emit_enum_table(Code& code, const sft_declaration& enumeration);
 void emit_table(Code& code, const Message& message);
 
 }  // namespace sft::idl

@@ -9,6 +9,14 @@ namespace sft {
 
 namespace {
 
+void add_enumeration(Fnv1a& hash, const EnumType& type) {
+  hash.add(std::uint64_t{type.is_bitmask} << 32 | type.enumerators.size());
+  for (const Enumerator& e : type.enumerators) {
+    hash.add(e.name);
+    hash.add(e.value);
+  }
+}
+
 void add_structure(Fnv1a& hash, const StructType& type) {
   hash.add(type.members.size());
   for (const Member& m : type.members) {
@@ -17,6 +25,7 @@ void add_structure(Fnv1a& hash, const StructType& type) {
              (m.key ? 1U : 0U));
     hash.add(std::uint64_t{m.count} << 32 | m.bound);
     hash.add(m.string_bound);
+    if (m.enumeration != nullptr) add_enumeration(hash, *m.enumeration);
     if (m.type != nullptr) add_structure(hash, *m.type);
   }
 }

@@ -24,8 +24,8 @@ class TypeSupport {
   std::size_t leaves() const { return paths_.size(); }
   std::size_t slots() const { return slots_; }
 
-  /// FNV-1a over the canonical structure (names, kinds, shapes, bounds, keys; not units): equal for
-  /// compatible types.
+  /// FNV-1a over the canonical structure (names, kinds, shapes, bounds, keys, enumerators; not units): equal
+  /// for compatible types.
   std::uint64_t hash() const { return hash_; }
 
   /// "header.stamp.sec", "fields.size", "fields[].name"

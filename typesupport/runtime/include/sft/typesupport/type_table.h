@@ -77,18 +77,35 @@ struct SequenceAccess {
   void* (*resize)(void* vector, std::size_t elements);  ///< returns the first element; existing ones are kept
 };
 
+/// One name of an enumeration with its value, or one flag of a bitmask with its bit set.
+struct Enumerator {
+  std::string_view name;
+  std::uint64_t value;
+};
+
+struct EnumType {
+  std::string_view name;  ///< "my_pkg::msg::Color"
+  bool is_bitmask;
+  std::span<const Enumerator> enumerators;
+};
+
+/// Specialised for every generated enumeration: `static constexpr EnumType type`.
+template <class E>
+struct EnumTable;
+
 struct StructType;
 
 struct Member {
   std::string_view name;
   Kind kind{};  ///< of one element
   Shape shape{};
-  std::uint32_t count = 1;                 ///< elements of an array (all dimensions); 1 otherwise
-  std::uint32_t bound = 0;                 ///< most elements of a sequence; 0: unbounded
-  std::uint32_t string_bound = 0;          ///< most characters of each string, without NUL; 0: unbounded
-  const StructType* type = nullptr;        ///< the element's type where kind is structure
-  std::size_t offset = 0;                  ///< of the member in the owned struct
-  std::size_t stride = 0;                  ///< of one element in the owned struct
+  std::uint32_t count = 1;                ///< elements of an array (all dimensions); 1 otherwise
+  std::uint32_t bound = 0;                ///< most elements of a sequence; 0: unbounded
+  std::uint32_t string_bound = 0;         ///< most characters of each string, without NUL; 0: unbounded
+  const StructType* type = nullptr;       ///< the element's type where kind is structure
+  const EnumType* enumeration = nullptr;  ///< what the integer stands for, if it is an enumeration or bitmask
+  std::size_t offset = 0;                 ///< of the member in the owned struct
+  std::size_t stride = 0;                 ///< of one element in the owned struct
   const SequenceAccess* access = nullptr;  ///< where shape is sequence
   bool key = false;
   std::string_view unit{};  ///< from @unit, for display
@@ -97,6 +114,11 @@ struct Member {
 struct StructType {
   std::string_view name;  ///< "sensor_msgs::msg::PointCloud2"
   std::span<const Member> members;
+  std::size_t leaves = 0;
+  std::size_t slots = 0;
+
+  constexpr StructType() = default;
+  constexpr StructType(std::string_view name, std::span<const Member> members);
 };
 
 /// Specialised for every generated type: `static constexpr StructType type`.
@@ -107,29 +129,23 @@ constexpr bool is_collection(const Member& m) {
   return m.kind == Kind::structure && m.shape != Shape::single;
 }
 
-constexpr std::size_t leaf_count(const StructType& type);
-
+constexpr std::size_t leaf_count(const StructType& type) { return type.leaves; }
 constexpr std::size_t leaf_count(const Member& m) {
   if (m.kind != Kind::structure) return 1;
-  return leaf_count(*m.type) + (m.shape == Shape::sequence ? 1 : 0);
+  return m.type->leaves + (m.shape == Shape::sequence ? 1 : 0);
 }
 
-constexpr std::size_t leaf_count(const StructType& type) {
-  std::size_t n = 0;
-  for (const Member& m : type.members) n += leaf_count(m);
-  return n;
-}
-
-constexpr std::size_t slot_count(const StructType& type);
-
+constexpr std::size_t slot_count(const StructType& type) { return type.slots; }
 constexpr std::size_t slot_count(const Member& m) {
-  return m.kind == Kind::structure && m.shape == Shape::single ? slot_count(*m.type) : 1;
+  return m.kind == Kind::structure && m.shape == Shape::single ? m.type->slots : 1;
 }
 
-constexpr std::size_t slot_count(const StructType& type) {
-  std::size_t n = 0;
-  for (const Member& m : type.members) n += slot_count(m);
-  return n;
+constexpr StructType::StructType(std::string_view type_name, std::span<const Member> type_members)
+    : name(type_name), members(type_members) {
+  for (const Member& m : members) {
+    leaves += leaf_count(m);
+    slots += slot_count(m);
+  }
 }
 
 /// First leaf of a member, counted from the first leaf of its struct.
@@ -200,6 +216,15 @@ constexpr const StructType* struct_type_of() {
   }
 }
 
+template <class E>
+constexpr const EnumType* enum_type_of() {
+  if constexpr (std::is_enum_v<E>) {
+    return &EnumTable<E>::type;
+  } else {
+    return nullptr;
+  }
+}
+
 }  // namespace detail
 
 struct MemberOptions {
@@ -222,6 +247,7 @@ constexpr Member member(std::string_view name, Kind kind, std::size_t offset, Me
           .bound = options.bound,
           .string_bound = options.string_bound,
           .type = detail::struct_type_of<Element>(),
+          .enumeration = detail::enum_type_of<Element>(),
           .offset = offset,
           .stride = sizeof(Element),
           .access = Place::access,
