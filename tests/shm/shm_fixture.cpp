@@ -116,7 +116,7 @@ shm::ShmOptions no_daemon() {
 
 Node::Node(const shm::ShmOptions& options) : transport_(shm::open_shm_transport(options).value()) {}
 
-bool Node::becomes(core::Availability wanted, Clock::duration within) {
+bool Node::becomes(core::Availability wanted, std::chrono::milliseconds within) {
   return eventually([&] { return poll() == wanted; }, within);
 }
 
@@ -152,7 +152,7 @@ bool Reader::connects_to(core::EndpointId writer) {
   return eventually([&] { return port_->connected(writer); });
 }
 
-core::SampleHandle Reader::next(Clock::duration within) {
+core::SampleHandle Reader::next(std::chrono::milliseconds within) {
   core::SampleHandle sample;
   eventually([&] { return static_cast<bool>(sample = take()); }, within);
   return sample;

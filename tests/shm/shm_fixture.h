@@ -15,22 +15,13 @@
 #include "core/transport.h"
 #include "frame.h"
 #include "shm_transport/shm_transport.h"
+#include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
 
 namespace sft::test {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
-
-/// Whether the condition came true before the deadline.
-template <class Condition>
-bool eventually(Condition condition, Clock::duration within = 5s) {
-  for (const auto deadline = Clock::now() + within; !condition();) {
-    if (Clock::now() >= deadline) return false;
-    std::this_thread::sleep_for(1ms);
-  }
-  return true;
-}
 
 /// Another program that the test starts; killed with the object.
 class Process {
@@ -74,7 +65,7 @@ class Node {
   explicit Node(const shm::ShmOptions& options = own_daemon());
 
   core::Availability poll() { return transport_->poll(Clock::now()); }
-  bool becomes(core::Availability wanted, Clock::duration within = 10s);
+  bool becomes(core::Availability wanted, std::chrono::milliseconds within = 10s);
   bool becomes_ready() { return becomes(core::Availability::ready); }
   core::Transport& transport() { return *transport_; }
   core::Transport* operator->() { return transport_.get(); }
@@ -108,7 +99,7 @@ class Reader {
 
   bool connects_to(core::EndpointId writer);
   core::SampleHandle take() { return port_->take(); }
-  core::SampleHandle next(Clock::duration within = 5s);
+  core::SampleHandle next(std::chrono::milliseconds within = 5s);
   core::ReaderPort& port() { return *port_; }
 
  private:

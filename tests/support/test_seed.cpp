@@ -29,8 +29,9 @@ std::uint64_t test_seed() {
   return seed;
 }
 
-RandomTest::RandomTest()
-    : trace_(__FILE__, __LINE__, "to repeat: SFT_TEST_SEED=" + std::to_string(test_seed())) {
+std::string how_to_repeat() { return "to repeat: SFT_TEST_SEED=" + std::to_string(test_seed()); }
+
+RandomTest::RandomTest() : trace_(__FILE__, __LINE__, how_to_repeat()) {
   RecordProperty("seed", std::to_string(test_seed()));
 }
 

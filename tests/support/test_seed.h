@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <random>
+#include <string>
 
 namespace sft::test {
 
@@ -12,6 +13,9 @@ using Random = std::mt19937_64;
 
 /// $SFT_TEST_SEED, or else a new one for each process.
 std::uint64_t test_seed();
+
+/// What a failure says: "to repeat: SFT_TEST_SEED=7".
+std::string how_to_repeat();
 
 /// A test with random inputs. Each of its failures names the seed, and so does its result.
 class RandomTest : public ::testing::Test {

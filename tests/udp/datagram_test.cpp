@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "seed.h"
+#include "tests/support/test_seed.h"
 
 namespace sft::udp {
 namespace {
@@ -113,8 +113,8 @@ TEST(WidenSequence, NeverGoesBelowZero) {
 }
 
 TEST(WidenSequence, FollowsACounterThroughManyTurns) {
-  const unsigned seed = test::seed();
-  SCOPED_TRACE(test::naming(seed));
+  const std::uint64_t seed = sft::test::test_seed();
+  SCOPED_TRACE(sft::test::how_to_repeat());
   std::mt19937_64 random(seed);
   std::uint64_t sequence = 1;
   for (int i = 0; i < 100'000; ++i) {

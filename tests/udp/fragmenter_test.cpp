@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "datagrams.h"
-#include "seed.h"
+#include "tests/support/test_seed.h"
 
 namespace sft::udp {
 namespace {
@@ -128,8 +128,8 @@ TEST_F(FragmenterTest, PutsTheWordsOfALongMaskBeforeThePayload) {
 }
 
 TEST_F(FragmenterTest, CutsRandomRunsSoThatTheyFitTogether) {
-  const unsigned seed = test::seed();
-  SCOPED_TRACE(test::naming(seed));
+  const std::uint64_t seed = sft::test::test_seed();
+  SCOPED_TRACE(sft::test::how_to_repeat());
   std::mt19937 random(seed);
   for (int round = 0; round < 300; ++round) {
     const auto run = [&] { return std::size_t{random() % (random() % 4 == 0 ? 30'000U : 1500U)}; };

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "seed.h"
+#include "tests/support/test_seed.h"
 
 namespace sft::udp {
 namespace {
@@ -37,8 +37,8 @@ TEST(IntervalSet, CountsEachByteOnce) {
 }
 
 TEST(IntervalSet, AgreesWithABitmapOnRandomRanges) {
-  const unsigned seed = test::seed();
-  SCOPED_TRACE(test::naming(seed));
+  const std::uint64_t seed = sft::test::test_seed();
+  SCOPED_TRACE(sft::test::how_to_repeat());
   std::mt19937 random(seed);
   for (int round = 0; round < 200; ++round) {
     IntervalSet set;

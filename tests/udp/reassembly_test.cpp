@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "datagrams.h"
-#include "seed.h"
+#include "tests/support/test_seed.h"
 
 namespace sft::udp {
 namespace {
@@ -369,8 +369,8 @@ TEST_F(ReassemblyTest, RefusesMaskWordsThatAreNotThereOrNotNeeded) {
 }
 
 TEST_F(ReassemblyTest, SurvivesLossRepetitionAndDisorder) {
-  const unsigned seed = test::seed();
-  SCOPED_TRACE(test::naming(seed));
+  const std::uint64_t seed = sft::test::test_seed();
+  SCOPED_TRACE(sft::test::how_to_repeat());
   std::mt19937 random(seed);
   std::map<std::uint64_t, Bytes> expected;
   std::vector<Bytes> wire;
@@ -403,8 +403,8 @@ TEST_F(ReassemblyTest, SurvivesLossRepetitionAndDisorder) {
 /// Whatever comes, nothing is read or written out of bounds (run under
 /// the sanitizers), and memory stays limited.
 TEST_F(ReassemblyTest, SurvivesHostileBytes) {
-  const unsigned seed = test::seed();
-  SCOPED_TRACE(test::naming(seed));
+  const std::uint64_t seed = sft::test::test_seed();
+  SCOPED_TRACE(sft::test::how_to_repeat());
   std::mt19937 random(seed);
   std::vector<Bytes> honest;
   for (std::uint32_t sequence = 1; sequence <= 8; ++sequence) {

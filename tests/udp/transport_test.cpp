@@ -11,7 +11,7 @@
 #include "datagrams.h"
 #include "endpoints.h"
 #include "faulty_io.h"
-#include "seed.h"
+#include "tests/support/test_seed.h"
 #include "udp_transport/udp_transport.h"
 
 namespace sft::udp {
@@ -369,8 +369,8 @@ TEST_P(TransportTest, TellsPortsThatItIsGone) {
 }
 
 TEST_P(TransportTest, DeliversEachSampleOnceOrCountsIt) {
-  const unsigned seed = test::seed();
-  SCOPED_TRACE(test::naming(seed));
+  const std::uint64_t seed = sft::test::test_seed();
+  SCOPED_TRACE(sft::test::how_to_repeat());
   const auto there = open({.max_datagram_bytes = 1472});
   const auto here = open({.reassembly = {.patience = std::chrono::milliseconds(20)}}, [&](DatagramIo io) {
     io.receiver = std::make_unique<test::FaultyReceiver>(
