@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cstring>
 #include <string>
 
+#include "body_writer.h"
 #include "sft/typesupport/sample_format.h"
 #include "sft/typesupport/walk.h"
 
@@ -15,41 +15,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "primitives are copied as they are");
 
-/// Counts what a Writer would write.
-class Counter {
- public:
-  void align(std::size_t alignment) { at_ = align_up(at_, alignment); }
-  void put(const void*, std::size_t bytes) { at_ += bytes; }
-  void leave(std::size_t bytes) { at_ += bytes; }
-  std::uint64_t at() const { return at_; }
-
- private:
-  std::uint64_t at_ = 0;
-};
-
-class Writer {
- public:
-  explicit Writer(std::span<std::byte> body) : body_(body) {}
-
-  void align(std::size_t alignment) {
-    const std::uint64_t aligned = align_up(at_, alignment);
-    assert(aligned <= body_.size());
-    while (at_ < aligned) body_[at_++] = std::byte{0};
-  }
-  void put(const void* data, std::size_t bytes) {
-    assert(at_ + bytes <= body_.size());
-    if (bytes != 0) std::memcpy(body_.data() + at_, data, bytes);
-    at_ += bytes;
-  }
-  void leave(std::size_t bytes) { at_ += bytes; }
-  std::uint64_t at() const { return at_; }
-
- private:
-  std::span<std::byte> body_;
-  std::uint64_t at_ = 0;
-};
-
-/// Visits the selected members of an owned struct in CDR order and hands them to Out (Counter or Writer).
+/// Visits the selected members of an owned struct in CDR order and hands them to Out (BodyCounter or
+/// BodyWriter).
 template <class Out>
 class Encoder {
  public:
@@ -156,7 +123,7 @@ class Encoder {
 
 EncodedSize encoded_size(const StructType& type, const void* value, const FieldMask& mask,
                          std::span<const Reservation> reservations) noexcept {
-  Counter counter;
+  BodyCounter counter;
   Encoder encoder(counter, mask, reservations, nullptr);
   encoder.structure(type, static_cast<const std::byte*>(value), 0, true);
   if (encoder.status() != EncodeStatus::ok) return {encoder.status(), 0};
@@ -166,7 +133,7 @@ EncodedSize encoded_size(const StructType& type, const void* value, const FieldM
 
 void encode(const StructType& type, const void* value, const FieldMask& mask, std::span<std::byte> body,
             std::span<std::uint32_t> index, std::span<const Reservation> reservations) noexcept {
-  Writer writer(body);
+  BodyWriter writer(body);
   Encoder encoder(writer, mask, reservations, index.data());
   encoder.structure(type, static_cast<const std::byte*>(value), 0, true);
   assert(encoder.status() == EncodeStatus::ok && writer.at() == body.size());

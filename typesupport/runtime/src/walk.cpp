@@ -171,6 +171,10 @@ const char* to_string(WalkStatus status) {
       return "a string does not end at its first NUL";
     case WalkStatus::trailing_bytes:
       return "bytes are left over behind the last member";
+    case WalkStatus::bad_delimiter:
+      return "a collection does not end where its delimiter says";
+    case WalkStatus::too_large:
+      return "the body would have 4 GiB or more";
   }
   return "unknown";
 }
