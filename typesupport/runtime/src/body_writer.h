@@ -1,4 +1,6 @@
-// Where encoded members go: a BodyWriter writes them, a BodyCounter only counts what that would take.
+// Where encoded members go: a BodyWriter writes them, a BodyCounter only counts what that would take. Neither
+// keeps a position: each call takes where it begins and returns where it ends, so that compilers keep it in a
+// register while bytes are written.
 #pragma once
 
 #include <cassert>
@@ -13,16 +15,11 @@ namespace sft {
 
 class BodyCounter {
  public:
-  void align(std::size_t alignment) { at_ = align_up(at_, alignment); }
-  void put(const void*, std::size_t bytes) { at_ += bytes; }
-  void put_swapped(const void*, std::size_t count, std::size_t element_bytes) {
-    at_ += count * element_bytes;
+  std::uint64_t align(std::uint64_t at, std::size_t alignment) const { return align_up(at, alignment); }
+  std::uint64_t put(std::uint64_t at, const void*, std::size_t bytes) const { return at + bytes; }
+  std::uint64_t put_swapped(std::uint64_t at, const void*, std::size_t count, std::size_t size) const {
+    return at + count * size;
   }
-  void leave(std::size_t bytes) { at_ += bytes; }
-  std::uint64_t at() const { return at_; }
-
- private:
-  std::uint64_t at_ = 0;
 };
 
 /// What is put must fit. Padding is zero.
@@ -30,34 +27,61 @@ class BodyWriter {
  public:
   explicit BodyWriter(std::span<std::byte> body) : body_(body) {}
 
-  void align(std::size_t alignment) {
-    const std::uint64_t aligned = align_up(at_, alignment);
+  std::uint64_t align(std::uint64_t at, std::size_t alignment) const {
+    const std::uint64_t aligned = align_up(at, alignment);
     assert(aligned <= body_.size());
-    while (at_ < aligned) body_[at_++] = std::byte{0};
+    const std::uint64_t padding = aligned - at;  // at most 7 bytes: a loop would become a call
+    std::byte* to = body_.data() + at;
+    if ((padding & 1) != 0) *to++ = std::byte{0};
+    if ((padding & 2) != 0) std::memset(to, 0, 2), to += 2;
+    if ((padding & 4) != 0) std::memset(to, 0, 4);
+    return aligned;
   }
-  void put(const void* data, std::size_t bytes) {
-    assert(at_ + bytes <= body_.size());
-    if (bytes != 0) std::memcpy(body_.data() + at_, data, bytes);
-    at_ += bytes;
-  }
-  /// `count` primitives, the bytes of each in reverse order.
-  void put_swapped(const void* data, std::size_t count, std::size_t element_bytes) {
-    assert(at_ + count * element_bytes <= body_.size());
-    const auto* from = static_cast<const std::byte*>(data);
-    std::byte* to = body_.data() + at_;
-    if (element_bytes == 2) {
-      swap_each<std::uint16_t>(from, count, to);
-    } else if (element_bytes == 4) {
-      swap_each<std::uint32_t>(from, count, to);
-    } else if (element_bytes == 8) {
-      swap_each<std::uint64_t>(from, count, to);
-    } else if (count != 0) {
-      std::memcpy(to, from, count);
+
+  std::uint64_t put(std::uint64_t at, const void* data, std::size_t bytes) const {
+    assert(at + bytes <= body_.size());
+    std::byte* to = body_.data() + at;
+    switch (bytes) {  // single primitives: one instruction each
+      case 0:
+        break;
+      case 1:
+        std::memcpy(to, data, 1);
+        break;
+      case 2:
+        std::memcpy(to, data, 2);
+        break;
+      case 4:
+        std::memcpy(to, data, 4);
+        break;
+      case 8:
+        std::memcpy(to, data, 8);
+        break;
+      default:
+        std::memcpy(to, data, bytes);
     }
-    at_ += count * element_bytes;
+    return at + bytes;
   }
-  void leave(std::size_t bytes) { at_ += bytes; }
-  std::uint64_t at() const { return at_; }
+
+  /// `count` primitives of `size` bytes, those of each in reverse order.
+  std::uint64_t put_swapped(std::uint64_t at, const void* data, std::size_t count, std::size_t size) const {
+    assert(at + count * size <= body_.size());
+    const auto* from = static_cast<const std::byte*>(data);
+    std::byte* to = body_.data() + at;
+    switch (size) {
+      case 2:
+        swap_each<std::uint16_t>(from, count, to);
+        break;
+      case 4:
+        swap_each<std::uint32_t>(from, count, to);
+        break;
+      case 8:
+        swap_each<std::uint64_t>(from, count, to);
+        break;
+      default:
+        std::memcpy(to, from, count);
+    }
+    return at + count * size;
+  }
 
  private:
   static std::uint16_t swapped(std::uint16_t v) { return __builtin_bswap16(v); }
@@ -75,7 +99,6 @@ class BodyWriter {
   }
 
   std::span<std::byte> body_;
-  std::uint64_t at_ = 0;
 };
 
 }  // namespace sft

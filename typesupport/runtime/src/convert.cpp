@@ -16,7 +16,7 @@ namespace {
 template <class Out>
 class Converter {
  public:
-  Converter(const Payload& from, Out& out, std::uint64_t most_bytes)
+  Converter(const Payload& from, const Out& out, std::uint64_t most_bytes)
       : s_{.body = from.body.data(), .body_bytes = static_cast<std::uint32_t>(from.body.size())},
         byte_order_(from.byte_order),
         is_xcdr2_(from.is_xcdr2),
@@ -27,6 +27,9 @@ class Converter {
     if (structure(type) && s_.body_bytes - at_ > max_trailing_bytes) status_ = WalkStatus::trailing_bytes;
     return status_;
   }
+
+  /// Bytes that Out got.
+  std::uint64_t written() const { return to_; }
 
  private:
   bool fail(WalkStatus why) {
@@ -64,7 +67,7 @@ class Converter {
     const Extent extent = checked_length(s_, at_, byte_order_);
     if (!extent) return fail(WalkStatus::truncated);
     if (!make_room(4, sizeof extent.count)) return false;
-    out_.put(&extent.count, sizeof extent.count);
+    to_ = out_.put(to_, &extent.count, sizeof extent.count);
     at_ = extent.first;
     n = extent.count;
     return true;
@@ -96,25 +99,26 @@ class Converter {
     if (n == 0) return true;
     if (!make_room(element_bytes, bytes)) return false;
     if (byte_order_ == std::endian::native) {
-      out_.put(s_.body + first, bytes);
+      to_ = out_.put(to_, s_.body + first, bytes);
     } else {
-      out_.put_swapped(s_.body + first, n, element_bytes);
+      to_ = out_.put_swapped(to_, s_.body + first, n, element_bytes);
     }
     return true;
   }
 
   bool make_room(std::size_t alignment, std::uint64_t bytes) {
-    if (align_up(out_.at(), alignment) + bytes > most_bytes_) return fail(WalkStatus::too_large);
-    out_.align(alignment);
+    if (align_up(to_, alignment) + bytes > most_bytes_) return fail(WalkStatus::too_large);
+    to_ = out_.align(to_, alignment);
     return true;
   }
 
   const SampleState s_;
   const std::endian byte_order_;
   const bool is_xcdr2_;
-  Out& out_;
+  const Out out_;
   const std::uint64_t most_bytes_;
-  std::uint64_t at_ = 0;
+  std::uint64_t at_ = 0;  ///< in the payload's body
+  std::uint64_t to_ = 0;  ///< in the converted one
   WalkStatus status_ = WalkStatus::ok;
 };
 
@@ -173,16 +177,15 @@ Result<Payload> parse_payload(std::span<const std::byte> payload) {
 
 ConvertedSize converted_size(const Payload& payload, const StructType& type) noexcept {
   if (!payload.needs_conversion()) return {WalkStatus::ok, static_cast<std::uint32_t>(payload.body.size())};
-  BodyCounter counter;
-  const WalkStatus status = Converter(payload, counter, no_offset - 1).whole(type);
-  return {status, status == WalkStatus::ok ? static_cast<std::uint32_t>(counter.at()) : 0};
+  Converter converter(payload, BodyCounter(), no_offset - 1);
+  const WalkStatus status = converter.whole(type);
+  return {status, status == WalkStatus::ok ? static_cast<std::uint32_t>(converter.written()) : 0};
 }
 
 WalkStatus convert(const Payload& payload, const StructType& type, std::span<std::byte> body) noexcept {
-  BodyWriter writer(body);
-  if (payload.needs_conversion()) return Converter(payload, writer, body.size()).whole(type);
+  if (payload.needs_conversion()) return Converter(payload, BodyWriter(body), body.size()).whole(type);
   if (payload.body.size() > body.size()) return WalkStatus::too_large;
-  writer.put(payload.body.data(), payload.body.size());
+  std::copy(payload.body.begin(), payload.body.end(), body.begin());
   return WalkStatus::ok;
 }
 
