@@ -34,8 +34,8 @@ std::vector<Figure> two_scalars(int rounds) {
                                    })},
                                   rounds);
   return {{"read_two_scalars", best[0], "ns", {}, "of 1.66 MB", 20},
-          {"read_two_scalars", best[0], "ns", best[1], "Cyclone's deserializer", {}},
-          {"read_two_scalars", best[0], "ns", best[2], "Fast CDR's deserializer", {}}};
+          {"read_two_scalars_vs_cyclone", best[0], "ns", best[1], "Cyclone's deserializer", {}},
+          {"read_two_scalars_vs_fast_cdr", best[0], "ns", best[2], "Fast CDR's deserializer", {}}};
 }
 
 /// As for a sample that arrived: checked, then decoded.
@@ -54,8 +54,8 @@ std::vector<Figure> full(const std::string& name, const T& message, const dds_to
                                      reader.all(owned);
                                    })},
                                   rounds);
-  return {{"decode_" + name, best[0], "ns", best[1], "Cyclone's deserializer", {}},
-          {"decode_" + name, best[0], "ns", best[2], "Fast CDR's deserializer", {}}};
+  return {{"decode_" + name + "_vs_cyclone", best[0], "ns", best[1], "Cyclone's deserializer", {}},
+          {"decode_" + name + "_vs_fast_cdr", best[0], "ns", best[2], "Fast CDR's deserializer", {}}};
 }
 
 template <class T>

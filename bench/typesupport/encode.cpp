@@ -55,8 +55,8 @@ std::vector<Figure> small_message(const std::string& name, T message, const dds_
          writer.all(message);
        })},
       rounds);
-  return {{"encode_" + name, best[0], "ns", best[1], "Cyclone's serializer", {}},
-          {"encode_" + name, best[0], "ns", best[2], "Fast CDR", {}}};
+  return {{"encode_" + name + "_vs_cyclone", best[0], "ns", best[1], "Cyclone's serializer", {}},
+          {"encode_" + name + "_vs_fast_cdr", best[0], "ns", best[2], "Fast CDR", {}}};
 }
 
 }  // namespace

@@ -10,11 +10,10 @@ namespace {
 template <class T>
 double projection_ns(const T& message, const char* fields, int rounds) {
   const TypeSupport type(TypeTable<T>::type);
-  const FieldMask mask = type.closed(type.parse_mask(fields).value());
+  const ProjectionPlan plan(type.type(), type.closed(type.parse_mask(fields).value()));
   Sample sample(message);
   Projection projection;
-  return best_times_ns({batch_of([&] { keep(projection.project(sample.state(), type.type(), mask)); })},
-                       rounds)[0];
+  return best_times_ns({batch_of([&] { keep(projection.project(sample.state(), plan)); })}, rounds)[0];
 }
 
 }  // namespace

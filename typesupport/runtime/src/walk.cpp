@@ -53,6 +53,17 @@ class Walker {
     return this->elements(*m.type, leaf, elements);
   }
 
+  bool elements(const StructType& type, std::size_t leaf, std::uint32_t n) {
+    if (is_packed(type, leaf)) return packed(type, n);
+    if (!s_.mask->any_of(leaf, leaf_count(type))) return true;  // they take no bytes, however many there are
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint64_t before = at_;
+      if (!structure(type, leaf)) return false;
+      if (at_ == before) break;  // only empty collections of empty structs: the rest takes no bytes either
+    }
+    return true;
+  }
+
  private:
   bool fail(WalkStatus why) {
     status_ = why;
@@ -82,17 +93,6 @@ class Walker {
     if (Check && m.bound != 0 && extent.count > m.bound) return fail(WalkStatus::bad_length);
     at_ = extent.first;
     n = extent.count;
-    return true;
-  }
-
-  bool elements(const StructType& type, std::size_t leaf, std::uint32_t n) {
-    if (is_packed(type, leaf)) return packed(type, n);
-    if (!s_.mask->any_of(leaf, leaf_count(type))) return true;  // they take no bytes, however many there are
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const std::uint64_t before = at_;
-      if (!structure(type, leaf)) return false;
-      if (at_ == before) break;  // only empty collections of empty structs: the rest takes no bytes either
-    }
     return true;
   }
 
@@ -149,6 +149,13 @@ std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t lea
                    std::uint64_t offset) noexcept {
   Walker<false> walker(s, offset);
   walker.structure(type, leaf);
+  return walker.at();
+}
+
+std::uint32_t skip_elements(const SampleState& s, const StructType& type, std::size_t leaf, std::uint32_t n,
+                            std::uint64_t offset) noexcept {
+  Walker<false> walker(s, offset);
+  walker.elements(type, leaf, n);
   return walker.at();
 }
 

@@ -90,6 +90,10 @@ std::uint32_t skip(const SampleState& s, const Member& member, std::size_t leaf,
 std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t leaf,
                    std::uint64_t offset) noexcept;
 
+/// The same for `n` structs behind one another. Those of which nothing is selected take no bytes.
+std::uint32_t skip_elements(const SampleState& s, const StructType& type, std::size_t leaf, std::uint32_t n,
+                            std::uint64_t offset) noexcept;
+
 /// Where member number `member` of a struct that begins at `offset` begins, before alignment.
 std::uint32_t member_begin(const SampleState& s, const StructType& type, std::size_t member, std::size_t leaf,
                            std::uint64_t offset) noexcept;
