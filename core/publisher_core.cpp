@@ -4,8 +4,8 @@
 #include <thread>
 
 #include "core/clock.h"
+#include "sft/typesupport/convert.h"
 #include "sft/typesupport/encode.h"
-#include "sft/typesupport/walk.h"
 
 namespace sft::core {
 
@@ -82,31 +82,31 @@ PublishStatus PublisherCore::no_memory() noexcept {
   return PublishStatus::no_memory;
 }
 
-Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> payload) {
-  if (payload.size() < encapsulation_bytes ||
-      std::memcmp(payload.data(), encapsulation_cdr_le.data(), 2) != 0) {
-    return fail(Errc::malformed,
-                "a payload that is not little-endian CDR (XCDR1), beginning with 00 01: convert it first");
-  }
-  const auto body = payload.subspan(encapsulation_bytes);
-  if (body.size() > spec_.max_sample_bytes) {
-    return fail(Errc::limit_exceeded, "a payload of " + std::to_string(payload.size()) +
+Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> bytes) {
+  const StructType& type = spec_.type->type();
+  const Result<Payload> payload = parse_payload(bytes);
+  if (!payload) return tl::unexpected(payload.error());
+  ConvertedSize size = converted_size(*payload, type);
+  if (size.status != WalkStatus::ok) return malformed(size.status);
+  if (size.bytes > spec_.max_sample_bytes) {
+    return fail(Errc::limit_exceeded, "a payload of " + std::to_string(size.bytes) +
                                           " bytes; raise PublisherOptions::max_sample_bytes");
   }
   const Outlets& outlets = *outlets_.load();
-  auto bytes = static_cast<std::uint32_t>(body.size());
-  const SampleHandle sample = lend(outlets, bytes);
+  const SampleHandle sample = lend(outlets, size.bytes);
   if (!sample) return no_memory();
-  std::memcpy(sample->data + layout_.body_offset, body.data(), bytes);
-  const SampleState state{.body = sample->data + layout_.body_offset, .body_bytes = bytes, .mask = &full_};
-  const WalkStatus walked =
-      build_index(state, spec_.type->type(), {sample->index(), spec_.type->slots()}, &bytes);
-  if (walked != WalkStatus::ok) {
-    return fail(Errc::malformed,
-                std::string("not a ") + std::string(spec_.type->name()) + ": " + to_string(walked));
-  }
-  fill_header(*sample, full_, bytes);
+  const std::span<std::byte> body(sample->data + layout_.body_offset, size.bytes);
+  const SampleState state{.body = body.data(), .body_bytes = size.bytes, .mask = &full_};
+  WalkStatus status = convert(*payload, type, body);
+  if (status == WalkStatus::ok)
+    status = build_index(state, type, {sample->index(), spec_.type->slots()}, &size.bytes);
+  if (status != WalkStatus::ok) return malformed(status);
+  fill_header(*sample, full_, size.bytes);
   return send(outlets, sample);
+}
+
+tl::unexpected<Error> PublisherCore::malformed(WalkStatus why) const {
+  return fail(Errc::malformed, "not a " + std::string(spec_.type->name()) + ": " + to_string(why));
 }
 
 Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const Reservation> reservations) {

@@ -17,6 +17,7 @@
 #include "core/negotiation.h"
 #include "core/snapshot.h"
 #include "core/transport.h"
+#include "sft/typesupport/walk.h"
 #include "sft/untyped.h"
 
 namespace sft::core {
@@ -35,7 +36,7 @@ class PublisherCore {
   PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<WriterPort> udp);
 
   PublishStatus publish(const void* value);
-  Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
+  Result<PublishStatus> publish_cdr(std::span<const std::byte> bytes);
   Result<SampleHandle> loan(const void* prototype, std::span<const Reservation> reservations);
   PublishStatus commit(SampleHandle sample);
 
@@ -60,6 +61,7 @@ class PublisherCore {
   std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;
   PublishStatus encode_and_send(const Outlets& outlets, const void* value);
   PublishStatus no_memory() noexcept;
+  tl::unexpected<Error> malformed(WalkStatus why) const;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept;
   PublishStatus send(const Outlets& outlets, const SampleHandle& sample) noexcept;

@@ -75,7 +75,8 @@ void VariantDirectory::next_round() {
   }
 }
 
-std::shared_ptr<const RouteTable> make_route_table(std::span<const core::Route> routes,
+std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
+                                                   std::span<const core::Route> routes,
                                                    VariantDirectory& variants,
                                                    DestinationDirectory& destinations) {
   auto table = std::make_shared<RouteTable>();
@@ -87,7 +88,8 @@ std::shared_ptr<const RouteTable> make_route_table(std::span<const core::Route> 
     audience->mask = gathered.mask.hash();
     audience->mask_words = words_to_send(gathered.mask);
     audience->destinations = std::move(gathered.destinations);
-    table->groups.push_back({std::move(gathered.mask), std::move(audience), variant.outbox});
+    table->groups.push_back(
+        {ProjectionPlan(type, std::move(gathered.mask)), std::move(audience), variant.outbox});
   }
   return table;
 }

@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "core/transport.h"
+#include "sft/typesupport/project.h"
 #include "udp_transport/destination.h"
 #include "udp_transport/outbox.h"
 
 namespace sft::udp {
 
 struct Group {
-  FieldMask mask;
+  ProjectionPlan plan;
   std::shared_ptr<const Audience> audience;
   std::shared_ptr<Outbox> outbox;
 };
@@ -53,8 +54,10 @@ class VariantDirectory {
   std::uint64_t round_ = 0;
 };
 
-/// Routes to readers elsewhere than behind a UDP address are left out.
-std::shared_ptr<const RouteTable> make_route_table(std::span<const core::Route> routes,
+/// Of a writer of `type`, which outlives the table. Routes to readers elsewhere than behind a UDP address are
+/// left out.
+std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
+                                                   std::span<const core::Route> routes,
                                                    VariantDirectory& variants,
                                                    DestinationDirectory& destinations);
 

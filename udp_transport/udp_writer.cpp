@@ -27,7 +27,8 @@ std::uint64_t UdpWriter::bytes_sent() const noexcept {
 }
 
 void UdpWriter::set_routes(std::vector<core::Route> routes) {
-  std::shared_ptr<const RouteTable> table = make_route_table(routes, variants_, side_->destinations);
+  std::shared_ptr<const RouteTable> table =
+      make_route_table(type_.type(), routes, variants_, side_->destinations);
   {
     const std::scoped_lock lock(routes_mutex_);
     latest_routes_.swap(table);
@@ -69,16 +70,14 @@ bool UdpWriter::send(const Group& group, const core::SampleHandle& sample) noexc
 }
 
 bool UdpWriter::encode(const Group& group, const core::SampleBuffer& sample, Job& job) {
-  const bool covered = sample.mask.contains(group.mask);
-  assert(covered);
-  if (!covered) return false;
+  assert(sample.mask.contains(group.plan.mask()));
   const SampleHeader& header = sample.header();
   SampleState source;
   source.body = sample.data + header.body_offset;
   source.body_bytes = header.body_bytes;
   source.index = sample.index();
   source.mask = &sample.mask;
-  if (!job.projection.project(source, type_.type(), group.mask)) return false;
+  if (!job.projection.project(source, group.plan)) return false;
   if (job.projection.bytes() > side_->max_sample_bytes) {
     side_->over_limit.fetch_add(1, std::memory_order_relaxed);
     return false;

@@ -5,6 +5,7 @@
 
 #include "tests/fuzz/decoder_input.h"
 #include "tests/support/encoded.h"
+#include "tests/support/foreign_cdr.h"
 #include "tests/support/random_value.h"
 
 namespace sft::test {
@@ -15,27 +16,54 @@ constexpr std::size_t input_bytes_max = 400;
 
 std::size_t distance(std::size_t a, std::size_t b) { return a > b ? a - b : b - a; }
 
-/// Of some random messages the one of which the size is best: small, but not empty all through.
-std::vector<std::byte> small_input(std::size_t number, Random& random, bool full) {
-  RandomValues values(random);
-  const MessageType& type = all_types()[number];
+/// Of some random inputs the one of which the body's size is best: small, but not empty all through.
+template <class RandomInput>
+std::vector<std::byte> small_input(RandomInput random_input) {
   std::vector<std::byte> best;
   std::size_t best_distance = SIZE_MAX;
   for (int i = 0; i < 1000; ++i) {
-    OwnedValue value = type.make();
-    values.fill(type.type(), value.get());
-    const FieldMask mask =
-        full ? type.support->full() : type.support->closed(values.mask(type.support->leaves()));
-    const FieldMask narrower = values.mask(type.support->leaves());
-    const std::vector<std::byte> body = Encoded(type.type(), value.get(), mask).bytes();
-    if (distance(body.size(), body_bytes_wanted) >= best_distance) continue;
-    best_distance = distance(body.size(), body_bytes_wanted);
-    best = make_decoder_input(number, mask, narrower, body);
+    const std::vector<std::byte> input = random_input();
+    if (distance(input.size(), body_bytes_wanted) >= best_distance) continue;
+    best_distance = distance(input.size(), body_bytes_wanted);
+    best = input;
   }
   return best;
 }
 
+class Seeds {
+ public:
+  explicit Seeds(std::size_t number) : number_(number) {}
+
+  std::vector<std::byte> masked(bool full) {
+    return small_input([&] {
+      const OwnedValue value = random_value();
+      const FieldMask mask =
+          full ? type_.support->full() : type_.support->closed(values_.mask(type_.support->leaves()));
+      return input(mask, Encoded(type_.type(), value.get(), mask).bytes());
+    });
+  }
+  std::vector<std::byte> foreign(const ForeignEncoding& encoding) {
+    return small_input([&] { return input(type_.support->full(), foreign_cdr(random_value(), encoding)); });
+  }
+
+ private:
+  OwnedValue random_value() {
+    OwnedValue value = type_.make();
+    values_.fill(type_.type(), value.get());
+    return value;
+  }
+  std::vector<std::byte> input(const FieldMask& mask, const std::vector<std::byte>& body) {
+    return make_decoder_input(number_, mask, values_.mask(type_.support->leaves()), body);
+  }
+
+  std::size_t number_;
+  const MessageType& type_ = all_types()[number_];
+  Random random_{number_ + 1};
+  RandomValues values_{random_};
+};
+
 void save(const std::filesystem::path& file, const std::vector<std::byte>& bytes) {
+  if (bytes.size() > input_bytes_max) return;
   std::ofstream stream(file, std::ios::binary);
   stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
@@ -50,13 +78,12 @@ int main(int argc, char** argv) {
   }
   const std::filesystem::path directory = argv[1];
   std::filesystem::create_directories(directory);
-  sft::test::Random random(1);
   for (std::size_t i = 0; i < sft::test::all_types().size(); ++i) {
-    for (const bool full : {true, false}) {
-      const auto input = sft::test::small_input(i, random, full);
-      if (input.size() > sft::test::input_bytes_max) continue;
-      sft::test::save(directory / (sft::test::all_types()[i].short_name() + (full ? "_full" : "_masked")),
-                      input);
-    }
+    const std::string name = directory / sft::test::all_types()[i].short_name();
+    sft::test::Seeds seeds(i);
+    sft::test::save(name + "_full", seeds.masked(true));
+    sft::test::save(name + "_masked", seeds.masked(false));
+    for (const auto& encoding : sft::test::foreign_encodings().subspan(1, 3))
+      sft::test::save(name + "_" + encoding.name, seeds.foreign(encoding));
   }
 }

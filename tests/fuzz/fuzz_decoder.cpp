@@ -8,11 +8,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "sft/typesupport/convert.h"
 #include "sft/typesupport/decode.h"
 #include "sft/typesupport/project.h"
 #include "sft/typesupport/view.h"
 #include "tests/fuzz/decoder_input.h"
 #include "tests/support/encoded.h"
+#include "tests/support/foreign_cdr.h"
 #include "tests/support/reference.h"
 
 namespace sft::test {
@@ -194,7 +196,38 @@ void survive_anything(Body& body, const FieldMask& narrower) {
   skip_through(body.state(), body.type().type(), 0, 0, 3);
 }
 
+std::optional<std::vector<std::byte>> converted(const StructType& type, std::span<const std::byte> payload) {
+  const Result<Payload> parsed = parse_payload(payload);
+  if (!parsed) return std::nullopt;
+  const ConvertedSize size = converted_size(*parsed, type);
+  if (size.status != WalkStatus::ok) return std::nullopt;
+  require(size.bytes <= payload.size() * 3 / 2, "conversion adds padding only");
+  const std::unique_ptr<std::byte[]> body(new std::byte[size.bytes]);
+  require(convert(*parsed, type, {body.get(), size.bytes}) == WalkStatus::ok,
+          "what was counted can be written");
+  return std::vector(body.get(), body.get() + size.bytes);
+}
+
+/// The same bytes as a body in every encoding.
+void convert_all(const MessageType& type, std::span<const std::byte> bytes) {
+  for (const ForeignEncoding& encoding : foreign_encodings().subspan(1, 3)) {
+    const auto converted_bytes = converted(type.type(), foreign_payload(bytes, encoding));
+    if (!converted_bytes) continue;
+    Body body(type, type.support->full(), *converted_bytes);
+    if (!body.walk()) continue;  // a boolean that is none, say
+    require(body.walked().size() == converted_bytes->size(), "nothing is left over");
+    const std::optional<OwnedValue> value = body.decoded();
+    if (!value) continue;
+    check_encoding(body, *value);
+    require(converted(type.type(), foreign_payload(foreign_cdr(*value, encoding), encoding)) ==
+                reference::cdr(*value, body.mask()),
+            "the foreign bytes of a value become its bytes");
+  }
+}
+
 void run(const DecoderInput& input) {
+  static_cast<void>(converted(input.type->type(), input.body));  // with its own encapsulation, if it is one
+  convert_all(*input.type, input.body);
   Body body(*input.type, input.mask, input.body);
   skip_through(body.state(), input.type->type(), 0, 0, 3);
   if (body.walk()) {

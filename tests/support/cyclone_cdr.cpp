@@ -8,12 +8,19 @@
 namespace sft::test {
 
 std::vector<std::byte> cyclone_serialize(const dds_topic_descriptor_t& type, const void* c_struct) {
-  dds_ostreamLE_t stream;
-  dds_ostreamLE_init(&stream, 0, CDR_ENC_VERSION_1);
-  const bool ok = dds_stream_writeLE(&stream, static_cast<const char*>(c_struct), type.m_ops) != nullptr;
-  const auto* first = reinterpret_cast<const std::byte*>(stream.x.m_buffer);
-  std::vector<std::byte> bytes(first, first + stream.x.m_index);
-  dds_ostreamLE_fini(&stream);
+  return cyclone_serialize(type, c_struct, false, std::endian::little);
+}
+
+std::vector<std::byte> cyclone_serialize(const dds_topic_descriptor_t& type, const void* c_struct,
+                                         bool is_xcdr2, std::endian byte_order) {
+  dds_ostream_t stream;
+  dds_ostream_init(&stream, 0, is_xcdr2 ? CDR_ENC_VERSION_2 : CDR_ENC_VERSION_1);
+  const bool ok = dds_stream_write_with_byte_order(
+                      &stream, static_cast<const char*>(c_struct), type.m_ops,
+                      byte_order == std::endian::little ? DDSRT_BOSEL_LE : DDSRT_BOSEL_BE) != nullptr;
+  const auto* first = reinterpret_cast<const std::byte*>(stream.m_buffer);
+  std::vector<std::byte> bytes(first, first + stream.m_index);
+  dds_ostream_fini(&stream);
   if (!ok) throw std::runtime_error("Cyclone does not serialize this sample");
   return bytes;
 }

@@ -3,6 +3,7 @@
 
 #include <dds/dds.h>
 
+#include <bit>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -11,6 +12,9 @@ namespace sft::test {
 
 /// XCDR1, little-endian, without encapsulation.
 std::vector<std::byte> cyclone_serialize(const dds_topic_descriptor_t& type, const void* c_struct);
+/// The same in either version of XCDR and either byte order.
+std::vector<std::byte> cyclone_serialize(const dds_topic_descriptor_t& type, const void* c_struct,
+                                         bool is_xcdr2, std::endian byte_order);
 
 class CycloneReader {
  public:

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <nav_msgs/msg/Odometry.hpp>
 #include <numeric>
 #include <proof.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
@@ -80,6 +81,56 @@ TEST(ProjectionTest, SmallBlocksAreCopiedIntoOneRun) {
   const Projected projected(cloud_with_data(reference_bytes_min - 1), ~PointCloud2::Field::height);
   EXPECT_EQ(projected.referenced_bytes(), 0U);
   EXPECT_EQ(projected.segments(), 1U);
+}
+
+std::vector<std::byte> joined(const Projection& projection) {
+  std::vector<std::byte> bytes;
+  for (const Segment& s : projection.segments()) bytes.insert(bytes.end(), s.data, s.data + s.bytes);
+  return bytes;
+}
+
+TEST(ProjectionTest, OnePlanServesSourcesOfAnyMaskThatHasItsOwn) {
+  using F = PointCloud2::Field;
+  const PointCloud2 cloud = cloud_with_data(10);
+  const Mask<PointCloud2> wanted = F::height | F::width | F::point_step | F::is_dense;
+  const ProjectionPlan plan(TypeTable<PointCloud2>::type, FieldMask(wanted));
+  const std::vector<std::byte> expected = Encoded(cloud, wanted).bytes();
+  Projection projection;
+  for (const Mask<PointCloud2>& source :
+       {all<PointCloud2>, wanted, wanted | F::row_step, wanted | F::header}) {
+    ASSERT_TRUE(projection.project(Encoded(cloud, source).state(), plan));
+    EXPECT_EQ(joined(projection), expected);
+  }
+}
+
+// With the strings goes a number of bytes that is a multiple of 4, and of 8 only sometimes.
+TEST(ProjectionTest, ARunThatMovesByLessThanItsAlignmentIsCopiedLeafByLeaf) {
+  using F = nav_msgs::msg::Odometry::Field;
+  const Mask<nav_msgs::msg::Odometry> wanted = ~(F::header | F::child_frame_id);
+  for (std::size_t length = 0; length < 20; ++length) {
+    nav_msgs::msg::Odometry odometry;
+    odometry.child_frame_id.assign(length, 'x');
+    odometry.pose.pose.position.x = 1.5;
+    odometry.twist.covariance[35] = 2.5;
+    Projection projection;
+    const Encoded source(odometry);
+    ASSERT_TRUE(
+        projection.project(source.state(), TypeTable<nav_msgs::msg::Odometry>::type, FieldMask(wanted)));
+    EXPECT_EQ(joined(projection), Encoded(odometry, wanted).bytes());
+  }
+}
+
+TEST(ProjectionTest, ARunThatLeadsOutsideIsRefused) {
+  using F = PointCloud2::Field;
+  Encoded source(cloud_with_data(10));
+  const ProjectionPlan plan(TypeTable<PointCloud2>::type, FieldMask(F::height | F::width));
+  for (const std::uint32_t offset :
+       {source.state().body_bytes - 7, source.state().body_bytes, no_offset - 1}) {
+    source.index()[3] = offset;
+    EXPECT_FALSE(Projection().project(source.state(), plan));
+  }
+  source.index()[3] = (source.state().body_bytes - 8) & ~3U;
+  EXPECT_TRUE(Projection().project(source.state(), plan));
 }
 
 TEST(ProjectionTest, NothingAskedForIsNoBytes) {

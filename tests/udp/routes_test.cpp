@@ -19,8 +19,9 @@ class RoutesTest : public testing::Test {
   static core::Route route(std::uint16_t port, const FieldMask& mask) {
     return {port, core::UdpAddress{0x7f000001, port, 1'000'000}, mask};
   }
+  template <class T = Image>
   std::shared_ptr<const RouteTable> table(const std::vector<core::Route>& routes) {
-    return make_route_table(routes, variants_, destinations_);
+    return make_route_table(TypeTable<T>::type, routes, variants_, destinations_);
   }
   /// A mask of its own for each number.
   static FieldMask mask(std::uint64_t number) { return FieldMask::from_words(64, {&number, 1}); }
@@ -56,10 +57,11 @@ TEST_F(RoutesTest, SharesADestinationAmongMasks) {
 }
 
 TEST_F(RoutesTest, SendsTheWordsOfMasksThatTheHeaderCannotHold) {
-  const auto t = table({route(1, fields<Image>("data")), route(1, fields<Wide>("first"))});
-  EXPECT_TRUE(t->groups[0].audience->mask_words.empty());
-  EXPECT_EQ(t->groups[1].audience->mask_words.size(), 2U);
-  EXPECT_EQ(t->groups[1].audience->mask, fields<Wide>("first").hash());
+  const auto narrow = table({route(1, fields<Image>("data"))});
+  EXPECT_TRUE(narrow->groups[0].audience->mask_words.empty());
+  const auto wide = table<Wide>({route(1, fields<Wide>("first"))});
+  EXPECT_EQ(wide->groups[0].audience->mask_words.size(), 2U);
+  EXPECT_EQ(wide->groups[0].audience->mask, fields<Wide>("first").hash());
 }
 
 TEST_F(RoutesTest, ReusesANumberOnlyAfterAllOthers) {

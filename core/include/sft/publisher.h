@@ -82,7 +82,8 @@ class Publisher {
   /// Without a reader it costs a few nanoseconds.
   PublishStatus publish(const T& message) { return publisher_.publish(&message); }
 
-  /// A payload that is already encoded (4 bytes of encapsulation, little-endian XCDR1), as in ROS 2 bags.
+  /// A payload that is already encoded (4 bytes of encapsulation and a body), as in ROS 2 bags: XCDR1 and
+  /// plain XCDR2 in both byte orders, see sft/typesupport/convert.h.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
   }

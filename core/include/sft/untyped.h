@@ -109,7 +109,7 @@ class Publisher {
   Publisher& operator=(Publisher&&) = default;
 
   PublishStatus publish(const void* value);
-  /// An encoded payload: encapsulation and little-endian XCDR1 of the whole type.
+  /// An encoded payload of the whole type, see Publisher::publish_cdr.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
   Result<Loan> loan(const void* prototype, std::span<const Reservation> reservations);
   PublisherStatus status() const;

@@ -22,7 +22,10 @@ class Decoder {
  private:
   WalkStatus member(const Member& m, std::byte* value, std::size_t leaf) {
     if (!s_.mask->any_of(leaf, leaf_count(m))) return WalkStatus::ok;
-    if (m.kind == Kind::structure && m.shape == Shape::single) return structure(*m.type, value, leaf);
+    if (m.kind == Kind::structure && m.shape == Shape::single) {
+      return is_verbatim(*m.type, leaf) ? block(value, 1, m.type->packed_bytes, m.type->alignment)
+                                        : structure(*m.type, value, leaf);
+    }
     if (m.shape != Shape::sequence) return elements(m, value, m.count, leaf);
     const Extent length = checked_length(s_, at_);
     if (!length) return WalkStatus::truncated;
@@ -56,22 +59,35 @@ class Decoder {
   }
 
   WalkStatus elements(const Member& m, std::byte* first, std::size_t n, std::size_t leaf) {
-    if (m.kind == Kind::structure) {
-      if (!s_.mask->any_of(leaf, leaf_count(*m.type))) return WalkStatus::ok;
-      for (std::size_t i = 0; i < n; ++i) {
-        if (const WalkStatus status = structure(*m.type, first + i * m.stride, leaf);
-            status != WalkStatus::ok) {
-          return status;
-        }
-      }
-      return WalkStatus::ok;
-    }
+    if (m.kind == Kind::structure) return structures(m, first, n, leaf);
     if (m.kind == Kind::string) return strings(m, first, n);
-    const std::uint32_t at = checked_block(s_, at_, n, size_of(m.kind));
+    const WalkStatus status = block(first, n, size_of(m.kind), size_of(m.kind));
+    if (status == WalkStatus::ok && m.kind == Kind::boolean && !all_booleans(first, n))
+      return WalkStatus::bad_boolean;
+    return status;
+  }
+
+  /// Whether the struct's encoding is its bytes.
+  bool is_verbatim(const StructType& type, std::size_t leaf) const {
+    return type.is_packed_in_memory && s_.mask->all_of(leaf, leaf_count(type));
+  }
+
+  WalkStatus structures(const Member& m, std::byte* first, std::size_t n, std::size_t leaf) {
+    if (!s_.mask->any_of(leaf, leaf_count(*m.type))) return WalkStatus::ok;
+    if (m.stride == m.type->packed_bytes && is_verbatim(*m.type, leaf))
+      return block(first, n, m.stride, m.type->alignment);
+    for (std::size_t i = 0; i < n; ++i) {
+      const WalkStatus status = structure(*m.type, first + i * m.stride, leaf);
+      if (status != WalkStatus::ok) return status;
+    }
+    return WalkStatus::ok;
+  }
+
+  WalkStatus block(std::byte* to, std::size_t n, std::size_t element_bytes, std::size_t alignment) {
+    const std::uint32_t at = checked_block(s_, at_, n, element_bytes, alignment);
     if (at == no_offset) return WalkStatus::truncated;
-    if (n != 0) std::memcpy(first, s_.body + at, n * size_of(m.kind));
-    if (m.kind == Kind::boolean && !all_booleans(first, n)) return WalkStatus::bad_boolean;
-    at_ = at + n * size_of(m.kind);
+    if (n != 0) std::memcpy(to, s_.body + at, n * element_bytes);
+    at_ = at + n * element_bytes;
     return WalkStatus::ok;
   }
 

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cstring>
+#include <concepts>
 #include <string>
 
+#include "body_writer.h"
+#include "packed.h"
 #include "sft/typesupport/sample_format.h"
 #include "sft/typesupport/walk.h"
 
@@ -15,86 +17,77 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "primitives are copied as they are");
 
-/// Counts what a Writer would write.
-class Counter {
- public:
-  void align(std::size_t alignment) { at_ = align_up(at_, alignment); }
-  void put(const void*, std::size_t bytes) { at_ += bytes; }
-  void leave(std::size_t bytes) { at_ += bytes; }
-  std::uint64_t at() const { return at_; }
-
- private:
-  std::uint64_t at_ = 0;
-};
-
-class Writer {
- public:
-  explicit Writer(std::span<std::byte> body) : body_(body) {}
-
-  void align(std::size_t alignment) {
-    const std::uint64_t aligned = align_up(at_, alignment);
-    assert(aligned <= body_.size());
-    while (at_ < aligned) body_[at_++] = std::byte{0};
-  }
-  void put(const void* data, std::size_t bytes) {
-    assert(at_ + bytes <= body_.size());
-    if (bytes != 0) std::memcpy(body_.data() + at_, data, bytes);
-    at_ += bytes;
-  }
-  void leave(std::size_t bytes) { at_ += bytes; }
-  std::uint64_t at() const { return at_; }
-
- private:
-  std::span<std::byte> body_;
-  std::uint64_t at_ = 0;
-};
-
-/// Visits the selected members of an owned struct in CDR order and hands them to Out (Counter or Writer).
+/// Visits the selected members of an owned struct in CDR order and hands them to Out. With a BodyCounter it
+/// checks values as well; a BodyWriter gets only what was counted before, and its index is written. Functions
+/// take the offset at which they begin and return the one at which they end.
 template <class Out>
 class Encoder {
  public:
-  /// `index`, unless null, receives an offset per slot.
-  Encoder(Out& out, const FieldMask& mask, std::span<const Reservation> reservations, std::uint32_t* index)
+  /// `index` receives an offset per slot; unused while counting.
+  Encoder(const Out& out, const FieldMask& mask, std::span<const Reservation> reservations,
+          std::uint32_t* index)
       : out_(out), mask_(mask), reservations_(reservations), index_(index) {}
 
   EncodeStatus status() const { return status_; }
 
   /// `in_slots`: its members have slots of their own, that is, no collection is around it.
-  void structure(const StructType& type, const std::byte* object, std::size_t leaf, bool in_slots) {
+  std::uint64_t structure(const StructType& type, const std::byte* object, std::size_t leaf, bool in_slots,
+                          std::uint64_t at) {
     for (const Member& m : type.members) {
-      const std::byte* value = object + m.offset;
-      if (m.kind == Kind::structure && m.shape == Shape::single) {
-        structure(*m.type, value, leaf, in_slots);
+      const std::size_t leaves = leaf_count(m);
+      if (!mask_.any_of(leaf, leaves)) {
+        if (in_slots) absent(slot_count(m));
+      } else if (m.kind == Kind::structure && m.shape == Shape::single) {
+        at = nested(*m.type, object + m.offset, leaf, in_slots, at);
       } else {
-        const bool present = mask_.any_of(leaf, leaf_count(m));
-        if (present) align(m);
-        if (in_slots && index_ != nullptr)
-          *index_++ = present ? static_cast<std::uint32_t>(out_.at()) : no_offset;
-        if (present) member(m, value, leaf, in_slots);
+        at = out_.align(at, slot_alignment(m));
+        if (in_slots) present(at);
+        at = member(m, object + m.offset, leaf, in_slots, at);
       }
-      leaf += leaf_count(m);
+      leaf += leaves;
     }
+    return at;
   }
 
  private:
-  void align(const Member& m) {
-    if (m.shape == Shape::sequence) {
-      out_.align(4);
-    } else if (m.kind != Kind::structure) {
-      out_.align(size_of(m.kind));
-    }
+  static constexpr bool is_counting = std::same_as<Out, BodyCounter>;
+
+  void absent(std::size_t slots) {
+    if constexpr (!is_counting) index_ = std::fill_n(index_, slots, no_offset);
+  }
+  void present(std::uint64_t at) {
+    if constexpr (!is_counting) *index_++ = static_cast<std::uint32_t>(at);
+  }
+  void fail(EncodeStatus why) {
+    if constexpr (is_counting) status_ = why;
   }
 
-  void member(const Member& m, const std::byte* value, std::size_t leaf, bool in_slots) {
-    if (m.shape != Shape::sequence) return elements(m, value, m.count, leaf);
+  /// Whether the struct's bytes are its encoding.
+  bool is_verbatim(const StructType& type, std::size_t leaf) const {
+    return type.is_packed_in_memory && mask_.all_of(leaf, leaf_count(type));
+  }
+
+  std::uint64_t nested(const StructType& type, const std::byte* object, std::size_t leaf, bool in_slots,
+                       std::uint64_t at) {
+    if (!is_verbatim(type, leaf)) return structure(type, object, leaf, in_slots, at);
+    at = out_.align(at, type.alignment);
+    if constexpr (!is_counting) {
+      if (in_slots) write_packed_slots(type, static_cast<std::uint32_t>(at), index_);
+    }
+    return out_.put(at, object, type.packed_bytes);
+  }
+
+  std::uint64_t member(const Member& m, const std::byte* value, std::size_t leaf, bool in_slots,
+                       std::uint64_t at) {
+    if (m.shape != Shape::sequence) return elements(m, value, m.count, leaf, at);
     const std::size_t n = m.access->size(value);
     if (in_slots && m.kind != Kind::structure) {
-      if (const Reservation* r = reservation(leaf)) return reserved(m, *r->length);
+      if (const Reservation* r = reservation(leaf)) return reserved(m, *r->length, at);
     }
-    length(m, n);
-    if (status_ != EncodeStatus::ok) return;
-    elements(m, static_cast<const std::byte*>(m.access->data(value)), n,
-             m.kind == Kind::structure ? leaf + 1 : leaf);
+    at = length(m, n, at);
+    if (status_ != EncodeStatus::ok) return at;
+    return elements(m, static_cast<const std::byte*>(m.access->data(value)), n,
+                    m.kind == Kind::structure ? leaf + 1 : leaf, at);
   }
 
   const Reservation* reservation(std::size_t leaf) const {
@@ -104,50 +97,63 @@ class Encoder {
     return nullptr;
   }
 
-  void length(const Member& m, std::size_t n) {
-    if (n > no_offset - 1 || (m.bound != 0 && n > m.bound)) status_ = EncodeStatus::too_large;
+  std::uint64_t length(const Member& m, std::size_t n, std::uint64_t at) {
+    if (n > no_offset - 1 || (m.bound != 0 && n > m.bound)) fail(EncodeStatus::too_large);
     const auto on_wire = static_cast<std::uint32_t>(n);
-    out_.put(&on_wire, sizeof on_wire);
+    return out_.put(at, &on_wire, sizeof on_wire);
   }
 
-  void reserved(const Member& m, std::uint32_t n) {
-    length(m, n);
-    if (n != 0) out_.align(size_of(m.kind));
-    out_.leave(n * size_of(m.kind));
+  std::uint64_t reserved(const Member& m, std::uint32_t n, std::uint64_t at) {
+    at = length(m, n, at);
+    return n == 0 ? at : out_.align(at, size_of(m.kind)) + n * size_of(m.kind);
   }
 
-  void elements(const Member& m, const std::byte* first, std::size_t n, std::size_t leaf) {
-    if (m.kind == Kind::structure) {
-      if (!mask_.any_of(leaf, leaf_count(*m.type))) return;
-      for (std::size_t i = 0; i < n; ++i) structure(*m.type, first + i * m.stride, leaf, false);
-    } else if (m.kind == Kind::string) {
+  std::uint64_t elements(const Member& m, const std::byte* first, std::size_t n, std::size_t leaf,
+                         std::uint64_t at) {
+    if (n == 0) return at;
+    if (m.kind == Kind::structure) return structures(m, first, n, leaf, at);
+    if (m.kind == Kind::string) {
       for (std::size_t i = 0; i < n; ++i)
-        string(m, *reinterpret_cast<const std::string*>(first + i * m.stride));
-    } else if (n != 0) {
-      // Collections of booleans are held as bytes; receivers refuse what is neither 0 nor 1.
-      const auto no_boolean = [](std::byte b) { return b > std::byte{1}; };
-      if (m.kind == Kind::boolean && std::any_of(first, first + n, no_boolean))
-        status_ = EncodeStatus::bad_boolean;
-      out_.align(size_of(m.kind));
-      out_.put(first, n * size_of(m.kind));
+        at = string(m, *reinterpret_cast<const std::string*>(first + i * m.stride), at);
+      return at;
     }
+    if (is_counting && m.kind == Kind::boolean) check_booleans(first, n);
+    return out_.put(out_.align(at, size_of(m.kind)), first, n * size_of(m.kind));
   }
 
-  void string(const Member& m, const std::string& text) {
-    if (text.size() >= no_offset - 1 || (m.string_bound != 0 && text.size() > m.string_bound)) {
-      status_ = EncodeStatus::too_large;
-    } else if (text.find('\0') != std::string::npos) {
-      status_ = EncodeStatus::string_has_nul;
-    }
+  std::uint64_t structures(const Member& m, const std::byte* first, std::size_t n, std::size_t leaf,
+                           std::uint64_t at) {
+    if (!mask_.any_of(leaf, leaf_count(*m.type))) return at;
+    if (m.stride == m.type->packed_bytes && is_verbatim(*m.type, leaf))
+      return out_.put(out_.align(at, m.type->alignment), first, n * m.stride);
+    for (std::size_t i = 0; i < n; ++i) at = structure(*m.type, first + i * m.stride, leaf, false, at);
+    return at;
+  }
+
+  std::uint64_t string(const Member& m, const std::string& text, std::uint64_t at) {
+    if (is_counting) check(m, text);
     const auto with_nul = static_cast<std::uint32_t>(text.size() + 1);
-    out_.align(4);
-    out_.put(&with_nul, sizeof with_nul);
-    out_.put(text.c_str(), with_nul);
+    at = out_.put(out_.align(at, 4), &with_nul, sizeof with_nul);
+    return out_.put(at, text.c_str(), with_nul);
   }
 
-  Out& out_;
+  void check(const Member& m, const std::string& text) {
+    if (text.size() >= no_offset - 1 || (m.string_bound != 0 && text.size() > m.string_bound)) {
+      fail(EncodeStatus::too_large);
+    } else if (text.find('\0') != std::string::npos) {
+      fail(EncodeStatus::string_has_nul);
+    }
+  }
+
+  /// Collections of booleans are held as bytes; receivers refuse what is neither 0 nor 1.
+  void check_booleans(const std::byte* first, std::size_t n) {
+    const auto is_none = [](std::byte b) { return b > std::byte{1}; };
+    if (std::any_of(first, first + n, is_none)) fail(EncodeStatus::bad_boolean);
+  }
+
+  const Out out_;
   const FieldMask& mask_;
-  std::span<const Reservation> reservations_;
+  const std::span<const Reservation> reservations_;
   std::uint32_t* index_;
   EncodeStatus status_ = EncodeStatus::ok;
 };
@@ -156,20 +162,19 @@ class Encoder {
 
 EncodedSize encoded_size(const StructType& type, const void* value, const FieldMask& mask,
                          std::span<const Reservation> reservations) noexcept {
-  Counter counter;
-  Encoder encoder(counter, mask, reservations, nullptr);
-  encoder.structure(type, static_cast<const std::byte*>(value), 0, true);
+  Encoder encoder(BodyCounter(), mask, reservations, nullptr);
+  const std::uint64_t bytes = encoder.structure(type, static_cast<const std::byte*>(value), 0, true, 0);
   if (encoder.status() != EncodeStatus::ok) return {encoder.status(), 0};
-  if (counter.at() >= no_offset) return {EncodeStatus::too_large, 0};
-  return {EncodeStatus::ok, static_cast<std::uint32_t>(counter.at())};
+  if (bytes >= no_offset) return {EncodeStatus::too_large, 0};
+  return {EncodeStatus::ok, static_cast<std::uint32_t>(bytes)};
 }
 
 void encode(const StructType& type, const void* value, const FieldMask& mask, std::span<std::byte> body,
             std::span<std::uint32_t> index, std::span<const Reservation> reservations) noexcept {
-  Writer writer(body);
-  Encoder encoder(writer, mask, reservations, index.data());
-  encoder.structure(type, static_cast<const std::byte*>(value), 0, true);
-  assert(encoder.status() == EncodeStatus::ok && writer.at() == body.size());
+  Encoder encoder(BodyWriter(body), mask, reservations, index.data());
+  [[maybe_unused]] const std::uint64_t bytes =
+      encoder.structure(type, static_cast<const std::byte*>(value), 0, true, 0);
+  assert(bytes == body.size());
 }
 
 const char* to_string(EncodeStatus status) {

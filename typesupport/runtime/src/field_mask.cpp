@@ -48,14 +48,14 @@ bool FieldMask::contains(const FieldMask& other) const {
   return true;
 }
 
-bool FieldMask::any_of(std::size_t first, std::size_t count) const {
+bool FieldMask::any_of_words(std::size_t first, std::size_t count) const {
   for (std::size_t i = first / 64; i * 64 < first + count; ++i) {
     if ((word(i) & bits_within(i, first, count)) != 0) return true;
   }
   return false;
 }
 
-bool FieldMask::all_of(std::size_t first, std::size_t count) const {
+bool FieldMask::all_of_words(std::size_t first, std::size_t count) const {
   for (std::size_t i = first / 64; i * 64 < first + count; ++i) {
     const std::uint64_t wanted = bits_within(i, first, count);
     if ((word(i) & wanted) != wanted) return false;

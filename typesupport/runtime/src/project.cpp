@@ -1,49 +1,83 @@
 #include "sft/typesupport/project.h"
 
 #include <algorithm>
+#include <cstring>
+#include <utility>
 
 namespace sft {
 
-namespace {
-
-/// Largest alignment of any primitive below.
-std::size_t largest_alignment(const StructType& type) {
-  std::size_t largest = 1;
-  for (const Member& m : type.members) {
-    const std::size_t own = m.kind == Kind::structure ? largest_alignment(*m.type) : size_of(m.kind);
-    largest = std::max({largest, own, m.shape == Shape::sequence ? std::size_t{4} : std::size_t{1}});
+ProjectionPlan::ProjectionPlan(const StructType& type, FieldMask mask) : mask_(std::move(mask)) {
+  std::size_t leaf = 0;
+  std::size_t slot = 0;
+  add(type, leaf, slot);
+  for (Step& step : steps_) {
+    if (step.member == nullptr) measure(step.run);
   }
-  return largest;
 }
 
-}  // namespace
+void ProjectionPlan::add(const StructType& type, std::size_t& leaf, std::size_t& slot) {
+  for (const Member& m : type.members) {
+    if (m.kind == Kind::structure && m.shape == Shape::single) {
+      add(*m.type, leaf, slot);
+      continue;
+    }
+    if (mask_.any_of(leaf, leaf_count(m))) {
+      if (is_primitive(m.kind) && m.shape != Shape::sequence) {
+        add_block(m, leaf, slot);
+      } else {
+        steps_.push_back({.slot = slot, .leaf = leaf, .member = &m});
+      }
+    }
+    leaf += leaf_count(m);
+    ++slot;
+  }
+}
+
+void ProjectionPlan::add_block(const Member& m, std::size_t leaf, std::size_t slot) {
+  const bool continues_run = !steps_.empty() && steps_.back().member == nullptr && slot == next_slot_;
+  if (!continues_run) {
+    steps_.push_back({.slot = slot, .leaf = leaf});
+    steps_.back().run.first_block = static_cast<std::uint32_t>(blocks_.size());
+  }
+  const auto alignment = static_cast<std::uint32_t>(size_of(m.kind));
+  blocks_.push_back({std::uint64_t{m.count} * alignment, alignment});
+  Run& run = steps_.back().run;
+  run.blocks += 1;
+  run.alignment = std::max(run.alignment, alignment);
+  next_slot_ = slot + 1;
+}
+
+void ProjectionPlan::measure(Run& run) const {
+  for (std::size_t begin = 0; begin < run.bytes_at.size(); ++begin) {
+    std::uint64_t end = begin;
+    for (std::uint32_t i = 0; i < run.blocks; ++i) {
+      const Block& block = blocks_[run.first_block + i];
+      end = align_up(end, block.alignment) + block.bytes;
+    }
+    run.bytes_at[begin] = end - begin;
+  }
+}
 
 /// Copies selected members from a source position to the end of the projected body, keeping both alignments.
 class Projection::Writer {
  public:
-  Writer(Projection& out, const SampleState& source, const FieldMask& mask)
-      : out_(out), s_(source), mask_(mask) {}
+  Writer(Projection& out, const SampleState& source, const ProjectionPlan& plan)
+      : out_(out), s_(source), plan_(plan), mask_(plan.mask_) {}
 
-  bool slots(const StructType& type, std::size_t leaf, const std::uint32_t*& slot) {
-    for (const Member& m : type.members) {
-      if (m.kind == Kind::structure && m.shape == Shape::single) {
-        if (!slots(*m.type, leaf, slot)) return false;
-      } else {
-        if (mask_.any_of(leaf, leaf_count(m))) {
-          const std::uint32_t offset = __atomic_load_n(slot, __ATOMIC_RELAXED);
-          if (offset == no_offset) return false;
-          from_ = offset;
-          if (!member(m, leaf, true)) return false;
-        }
-        ++slot;
-      }
-      leaf += leaf_count(m);
+  bool all() {
+    for (const ProjectionPlan::Step& step : plan_.steps_) {
+      const std::uint32_t offset = __atomic_load_n(s_.index + step.slot, __ATOMIC_RELAXED);
+      if (offset == no_offset) return false;
+      from_ = offset;
+      if (!(step.member == nullptr ? run(step.run) : member(*step.member, step.leaf, true))) return false;
     }
     return true;
   }
 
   /// Points the staged segments into the staging buffer, which does not move any more.
   void finish() {
+    close_staged();
+    out_.bytes_ = to_;
     const std::byte* staged = out_.staging_.data();
     for (Segment& segment : out_.segments_) {
       if (segment.data != nullptr) continue;
@@ -53,6 +87,23 @@ class Projection::Writer {
   }
 
  private:
+  bool run(const ProjectionPlan::Run& run) {
+    const ProjectionPlan::Block* block = &plan_.blocks_[run.first_block];
+    from_ = align_up(from_, block->alignment);
+    const std::uint64_t bytes = run.bytes_at[from_ % run.bytes_at.size()];
+    if (checked_block(s_, from_, bytes, 1) == no_offset) return false;
+    align(block->alignment);
+    if ((from_ - to_) % run.alignment == 0) {
+      copy(from_, bytes);
+      return true;
+    }
+    for (const auto* const end = block + run.blocks; block != end; ++block) {
+      align(block->alignment);
+      copy(align_up(from_, block->alignment), block->bytes);
+    }
+    return true;
+  }
+
   bool structure(const StructType& type, std::size_t leaf) {
     for (const Member& m : type.members) {
       if (mask_.any_of(leaf, leaf_count(m))) {
@@ -109,11 +160,13 @@ class Projection::Writer {
 
   bool elements(const StructType& type, std::size_t leaf, std::uint32_t n) {
     const std::size_t leaves = leaf_count(type);
-    if (!mask_.any_of(leaf, leaves)) return skip_elements(type, leaf, n);
-    if (same_selection(leaf, leaves) && (from_ - out_.bytes_) % largest_alignment(type) == 0) {
+    const bool unchanged = same_selection(leaf, leaves) && (from_ - to_) % type.alignment == 0;
+    if (unchanged || !mask_.any_of(leaf, leaves)) {
       const std::uint64_t first = from_;
-      if (!skip_elements(type, leaf, n)) return false;
-      copy(static_cast<std::uint32_t>(first), from_ - first);
+      const std::uint32_t behind = skip_elements(s_, type, leaf, n, from_);
+      if (behind == no_offset) return false;
+      from_ = behind;
+      if (unchanged) copy(first, from_ - first);
       return true;
     }
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -125,60 +178,60 @@ class Projection::Writer {
   }
 
   bool same_selection(std::size_t leaf, std::size_t leaves) const {
+    if (mask_.all_of(leaf, leaves)) return true;  // the source has them all, too
     for (std::size_t i = leaf; i < leaf + leaves; ++i) {
       if (mask_.contains(i) != s_.mask->contains(i)) return false;
     }
     return true;
   }
 
-  bool skip_elements(const StructType& type, std::size_t leaf, std::uint32_t n) {
-    if (!s_.mask->any_of(leaf, leaf_count(type))) return true;  // they have no bytes, however many there are
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const std::uint32_t behind = skip(s_, type, leaf, from_);
-      if (behind == no_offset) return false;
-      if (behind == from_) break;
-      from_ = behind;
-    }
-    return true;
-  }
-
   void align(std::size_t alignment) {
     static constexpr std::byte zeros[8]{};
-    stage(zeros, align_up(out_.bytes_, alignment) - out_.bytes_);
+    if (const std::uint64_t padding = align_up(to_, alignment) - to_; padding != 0) stage(zeros, padding);
   }
 
-  void copy(std::uint32_t first, std::size_t bytes) {
+  void copy(std::uint64_t first, std::size_t bytes) {
     if (bytes < reference_bytes_min) {
       stage(s_.body + first, bytes);
     } else {
+      close_staged();
       out_.segments_.push_back({s_.body + first, bytes});
-      out_.bytes_ += bytes;
+      to_ += bytes;
     }
     from_ = first + bytes;
   }
 
   void stage(const void* data, std::size_t bytes) {
     if (bytes == 0) return;
-    if (out_.segments_.empty() || out_.segments_.back().data != nullptr) out_.segments_.push_back({});
-    const auto* first = static_cast<const std::byte*>(data);
-    out_.staging_.insert(out_.staging_.end(), first, first + bytes);
-    out_.segments_.back().bytes += bytes;
-    out_.bytes_ += bytes;
+    if (out_.staging_.size() - staged_ < bytes) out_.staging_.resize(2 * out_.staging_.size() + bytes);
+    std::memcpy(out_.staging_.data() + staged_, data, bytes);
+    staged_ += bytes;
+    to_ += bytes;
+  }
+
+  /// What was staged since the last segment is one.
+  void close_staged() {
+    if (staged_ == closed_) return;
+    out_.segments_.push_back({nullptr, staged_ - closed_});
+    closed_ = staged_;
   }
 
   Projection& out_;
   const SampleState& s_;
+  const ProjectionPlan& plan_;
   const FieldMask& mask_;
-  std::uint64_t from_ = 0;
+  std::uint64_t from_ = 0;  ///< in the source
+  std::uint64_t to_ = 0;    ///< in the projected body
+  std::size_t staged_ = 0;  ///< of it, in the staging buffer
+  std::size_t closed_ = 0;  ///< of that, in segments
 };
 
-bool Projection::project(const SampleState& source, const StructType& type, const FieldMask& mask) {
-  staging_.clear();
+bool Projection::project(const SampleState& source, const ProjectionPlan& plan) {
   segments_.clear();
   bytes_ = 0;
-  Writer writer(*this, source, mask);
-  const std::uint32_t* slot = source.index;
-  const bool ok = writer.slots(type, 0, slot);
+  if (!source.mask->contains(plan.mask())) return false;
+  Writer writer(*this, source, plan);
+  const bool ok = writer.all();
   writer.finish();
   return ok;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "packed.h"
+
 namespace sft {
 
 namespace {
@@ -27,10 +29,10 @@ class Walker {
   bool indexed_structure(const StructType& type, std::size_t leaf, std::uint32_t*& index) {
     for (const Member& m : type.members) {
       if (m.kind == Kind::structure && m.shape == Shape::single) {
-        if (!indexed_structure(*m.type, leaf, index)) return false;
+        if (!nested(*m.type, leaf, index)) return false;
       } else {
         const bool present = s_.mask->any_of(leaf, leaf_count(m));
-        *index++ = present ? static_cast<std::uint32_t>(align_up(at_, alignment_of(m))) : no_offset;
+        *index++ = present ? static_cast<std::uint32_t>(align_up(at_, slot_alignment(m))) : no_offset;
         if (present && !member(m, leaf)) return false;
       }
       leaf += leaf_count(m);
@@ -40,7 +42,8 @@ class Walker {
 
   bool member(const Member& m, std::size_t leaf) {
     if (m.kind != Kind::structure) return !s_.mask->contains(leaf) || leaf_member(m);
-    if (m.shape == Shape::single) return structure(*m.type, leaf);
+    if (m.shape == Shape::single)
+      return is_packed(*m.type, leaf) ? packed(*m.type, 1) : structure(*m.type, leaf);
     if (!s_.mask->any_of(leaf, leaf_count(m))) return true;
     std::uint32_t elements = m.count;
     if (m.shape == Shape::sequence) {
@@ -50,16 +53,38 @@ class Walker {
     return this->elements(*m.type, leaf, elements);
   }
 
- private:
-  /// A struct has no alignment of its own: that of a collection's slot is that of its length, if it has one.
-  static std::size_t alignment_of(const Member& m) {
-    if (m.shape == Shape::sequence) return 4;
-    return m.kind == Kind::structure ? 1 : size_of(m.kind);
+  bool elements(const StructType& type, std::size_t leaf, std::uint32_t n) {
+    if (is_packed(type, leaf)) return packed(type, n);
+    if (!s_.mask->any_of(leaf, leaf_count(type))) return true;  // they take no bytes, however many there are
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint64_t before = at_;
+      if (!structure(type, leaf)) return false;
+      if (at_ == before) break;  // only empty collections of empty structs: the rest takes no bytes either
+    }
+    return true;
   }
 
+ private:
   bool fail(WalkStatus why) {
     status_ = why;
     return false;
+  }
+
+  bool nested(const StructType& type, std::size_t leaf, std::uint32_t*& index) {
+    if (!is_packed(type, leaf)) return indexed_structure(type, leaf, index);
+    write_packed_slots(type, static_cast<std::uint32_t>(align_up(at_, type.alignment)), index);
+    return packed(type, 1);
+  }
+
+  bool is_packed(const StructType& type, std::size_t leaf) const {
+    return type.packed_bytes != 0 && s_.mask->all_of(leaf, leaf_count(type));
+  }
+
+  bool packed(const StructType& type, std::uint32_t n) {
+    const std::uint32_t first = checked_block(s_, at_, n, type.packed_bytes, type.alignment);
+    if (first == no_offset) return fail(WalkStatus::truncated);
+    at_ = first + std::uint64_t{n} * type.packed_bytes;
+    return true;
   }
 
   bool length(const Member& m, std::uint32_t& n) {
@@ -68,16 +93,6 @@ class Walker {
     if (Check && m.bound != 0 && extent.count > m.bound) return fail(WalkStatus::bad_length);
     at_ = extent.first;
     n = extent.count;
-    return true;
-  }
-
-  bool elements(const StructType& type, std::size_t leaf, std::uint32_t n) {
-    if (!s_.mask->any_of(leaf, leaf_count(type))) return true;  // they take no bytes, however many there are
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const std::uint64_t before = at_;
-      if (!structure(type, leaf)) return false;
-      if (at_ == before) break;  // only empty collections of empty structs: the rest takes no bytes either
-    }
     return true;
   }
 
@@ -137,6 +152,13 @@ std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t lea
   return walker.at();
 }
 
+std::uint32_t skip_elements(const SampleState& s, const StructType& type, std::size_t leaf, std::uint32_t n,
+                            std::uint64_t offset) noexcept {
+  Walker<false> walker(s, offset);
+  walker.elements(type, leaf, n);
+  return walker.at();
+}
+
 std::uint32_t member_begin(const SampleState& s, const StructType& type, std::size_t member, std::size_t leaf,
                            std::uint64_t offset) noexcept {
   Walker<false> walker(s, offset);
@@ -171,6 +193,10 @@ const char* to_string(WalkStatus status) {
       return "a string does not end at its first NUL";
     case WalkStatus::trailing_bytes:
       return "bytes are left over behind the last member";
+    case WalkStatus::bad_delimiter:
+      return "a collection does not end where its delimiter says";
+    case WalkStatus::too_large:
+      return "the body would have 4 GiB or more";
   }
   return "unknown";
 }

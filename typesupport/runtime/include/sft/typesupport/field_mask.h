@@ -36,8 +36,12 @@ class FieldMask {
   bool contains(std::size_t leaf) const { return (word(leaf / 64) >> (leaf % 64) & 1) != 0; }
   bool contains(const FieldMask& other) const;
   /// Whether any leaf of [first, first + count) is in the set, and whether all are.
-  bool any_of(std::size_t first, std::size_t count) const;
-  bool all_of(std::size_t first, std::size_t count) const;
+  bool any_of(std::size_t first, std::size_t count) const {
+    return more_.empty() ? (first_ & bits(first, count)) != 0 : any_of_words(first, count);
+  }
+  bool all_of(std::size_t first, std::size_t count) const {
+    return more_.empty() ? (~first_ & bits(first, count)) == 0 : all_of_words(first, count);
+  }
   bool empty() const;
   bool is_full() const { return all_of(0, leaves_); }
   std::size_t size() const;
@@ -52,6 +56,12 @@ class FieldMask {
   std::uint64_t hash() const;
 
  private:
+  /// Within the first word, which has them all.
+  static constexpr std::uint64_t bits(std::size_t first, std::size_t count) {
+    return count == 0 ? 0 : ~std::uint64_t{0} >> (64 - count) << first;
+  }
+  bool any_of_words(std::size_t first, std::size_t count) const;
+  bool all_of_words(std::size_t first, std::size_t count) const;
   std::uint64_t& mutable_word(std::size_t i) { return i == 0 ? first_ : more_[i - 1]; }
 
   std::size_t leaves_ = 0;

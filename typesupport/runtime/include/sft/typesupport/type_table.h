@@ -117,8 +117,18 @@ struct StructType {
   std::size_t leaves = 0;
   std::size_t slots = 0;
 
+  /// Of a packed struct, such as a point: one that CDR always encodes as that many bytes, without padding,
+  /// from the next multiple of `alignment` on. It has neither strings nor sequences nor booleans, which would
+  /// have to be looked at. 0 of others.
+  std::uint32_t packed_bytes = 0;
+  std::uint32_t alignment = 1;       ///< the largest of all primitives and lengths below
+  bool is_packed_in_memory = false;  ///< and the owned struct has the very same bytes
+
   constexpr StructType() = default;
   constexpr StructType(std::string_view name, std::span<const Member> members);
+
+ private:
+  constexpr void find_packing();
 };
 
 /// Specialised for every generated type: `static constexpr StructType type`.
@@ -146,6 +156,45 @@ constexpr StructType::StructType(std::string_view type_name, std::span<const Mem
     leaves += leaf_count(m);
     slots += slot_count(m);
   }
+  find_packing();
+}
+
+constexpr std::uint32_t alignment_of(const Member& m) {
+  const std::uint32_t own =
+      m.kind == Kind::structure ? m.type->alignment : static_cast<std::uint32_t>(size_of(m.kind));
+  return m.shape == Shape::sequence && own < 4 ? 4 : own;
+}
+
+/// Of where a member begins and its slot points to. A collection of structs without a length begins with its
+/// first element, which has no alignment of its own.
+constexpr std::size_t slot_alignment(const Member& m) {
+  if (m.shape == Shape::sequence) return 4;
+  return m.kind == Kind::structure ? 1 : size_of(m.kind);
+}
+
+/// Of one element; 0 if it has to be looked at.
+constexpr std::uint32_t packed_bytes_of(const Member& m) {
+  if (m.kind == Kind::structure) return m.type->packed_bytes;
+  return is_primitive(m.kind) && m.kind != Kind::boolean ? static_cast<std::uint32_t>(size_of(m.kind)) : 0;
+}
+
+constexpr void StructType::find_packing() {
+  std::uint64_t bytes = 0;
+  bool is_packed = !members.empty();
+  bool is_same_in_memory = true;
+  for (const Member& m : members) {
+    const std::uint32_t own = packed_bytes_of(m);
+    is_packed = is_packed && own != 0 && m.shape != Shape::sequence && bytes % alignment_of(m) == 0;
+    is_same_in_memory = is_same_in_memory && m.offset == bytes && m.stride == own &&
+                        (m.kind != Kind::structure || m.type->is_packed_in_memory);
+    if (alignment_of(m) > alignment) alignment = alignment_of(m);
+    bytes += std::uint64_t{m.count} * own;
+  }
+  // Without padding in front of it wherever it stands, and none between two of them.
+  if (!is_packed || alignment_of(members[0]) != alignment || bytes % alignment != 0 || bytes >> 32 != 0)
+    return;
+  packed_bytes = static_cast<std::uint32_t>(bytes);
+  is_packed_in_memory = is_same_in_memory;
 }
 
 /// First leaf of a member, counted from the first leaf of its struct.

@@ -2,6 +2,7 @@
 // in shared memory may change while they are read: each length is loaded once, checked, and then used.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -36,13 +37,18 @@ constexpr std::uint64_t align_up(std::uint64_t offset, std::uint64_t alignment) 
   return (offset + alignment - 1) & ~(alignment - 1);
 }
 
-/// `count` elements of `element_bytes` each at `offset`, aligned to their size: offset of the first, or
-/// no_offset where they would not lie within the body.
+/// `count` elements of `element_bytes` each at `offset`, which is aligned unless there are none: offset of
+/// the first, or no_offset where they would not lie within the body.
+inline std::uint32_t checked_block(const SampleState& s, std::uint64_t offset, std::uint64_t count,
+                                   std::uint64_t element_bytes, std::uint64_t alignment) noexcept {
+  if (count == 0) return offset <= s.body_bytes ? static_cast<std::uint32_t>(offset) : no_offset;
+  const std::uint64_t first = align_up(offset, alignment);
+  return first + count * element_bytes <= s.body_bytes ? static_cast<std::uint32_t>(first) : no_offset;
+}
+/// The same for elements that are aligned to their size, as all are in samples.
 inline std::uint32_t checked_block(const SampleState& s, std::uint64_t offset, std::uint64_t count,
                                    std::uint64_t element_bytes) noexcept {
-  if (count == 0) return offset <= s.body_bytes ? static_cast<std::uint32_t>(offset) : no_offset;
-  const std::uint64_t first = align_up(offset, element_bytes);
-  return first + count * element_bytes <= s.body_bytes ? static_cast<std::uint32_t>(first) : no_offset;
+  return checked_block(s, offset, count, element_bytes, element_bytes);
 }
 
 struct Extent {
@@ -52,12 +58,13 @@ struct Extent {
 };
 
 /// The u32 that stands at `offset` (aligned to 4), and where the bytes behind it begin.
-inline Extent checked_length(const SampleState& s, std::uint64_t offset) noexcept {
+inline Extent checked_length(const SampleState& s, std::uint64_t offset,
+                             std::endian byte_order = std::endian::little) noexcept {
   const std::uint32_t at = checked_block(s, offset, 1, 4);
   if (at == no_offset) return {};
   std::uint32_t n;
   std::memcpy(&n, s.body + at, sizeof n);
-  return {at + 4, n};
+  return {at + 4, byte_order == std::endian::native ? n : __builtin_bswap32(n)};
 }
 
 /// A sequence of primitives whose length stands at `offset`.
@@ -83,11 +90,24 @@ std::uint32_t skip(const SampleState& s, const Member& member, std::size_t leaf,
 std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t leaf,
                    std::uint64_t offset) noexcept;
 
+/// The same for `n` structs behind one another. Those of which nothing is selected take no bytes.
+std::uint32_t skip_elements(const SampleState& s, const StructType& type, std::size_t leaf, std::uint32_t n,
+                            std::uint64_t offset) noexcept;
+
 /// Where member number `member` of a struct that begins at `offset` begins, before alignment.
 std::uint32_t member_begin(const SampleState& s, const StructType& type, std::size_t member, std::size_t leaf,
                            std::uint64_t offset) noexcept;
 
-enum class WalkStatus : std::uint8_t { ok, truncated, bad_length, bad_boolean, bad_string, trailing_bytes };
+enum class WalkStatus : std::uint8_t {
+  ok,
+  truncated,
+  bad_length,
+  bad_boolean,
+  bad_string,
+  trailing_bytes,
+  bad_delimiter,  ///< only in foreign encodings (convert.h), as is the next
+  too_large
+};
 const char* to_string(WalkStatus status);
 
 /// Most bytes that may follow the last member of a body: payloads of other implementations are padded to 4.

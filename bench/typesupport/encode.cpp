@@ -1,0 +1,73 @@
+#include "sft/typesupport/encode.h"
+
+#include <nav_msgs/msg/Odometry.h>
+#include <sensor_msgs/msg/PointCloud2.h>
+
+#include <cstring>
+
+#include "bench/typesupport/contest.h"
+#include "bench/typesupport/cyclone.h"
+#include "bench/typesupport/fast_cdr.h"
+#include "bench/typesupport/messages.h"
+#include "bench/typesupport/typesupport.h"
+
+namespace sft::bench {
+
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+
+/// Both write to the sample's memory, and to the same place in it.
+Figure full_cloud(int rounds) {
+  const PointCloud2 message = cloud(large_bytes);
+  Sample sample(message);
+  const std::size_t slot = slot_offset(TypeTable<PointCloud2>::type, 7);
+  std::byte* data = sample.body().data() + sample.index()[slot] + 4;
+  const auto best = best_times_ns({batch_of([&] { sample.encode_again(&message); }),
+                                   batch_of([&] { std::memcpy(data, message.data.data(), large_bytes); })},
+                                  rounds);
+  return {"encode_full_1.66MB", best[0] / 1000, "us", best[1] / 1000, "memcpy of its data", 1.15};
+}
+
+std::vector<Figure> height_and_width(int rounds) {
+  const PointCloud2 large = cloud(large_bytes);
+  const PointCloud2 small = cloud(small_bytes);
+  const FieldMask mask(F::height | F::width);
+  Sample sample(large, mask);
+  const auto best = best_times_ns(
+      {batch_of([&] { sample.encode_again(&large); }), batch_of([&] { sample.encode_again(&small); })},
+      rounds);
+  return {{"encode_height_width", best[0], "ns", {}, "of 1.66 MB", 100},
+          {"encode_height_width_size", best[0], "ns", best[1], "the same, of 16 B of data", 1.5}};
+}
+
+template <class T>
+std::vector<Figure> small_message(const std::string& name, T message, const dds_topic_descriptor_t& type,
+                                  int rounds) {
+  Sample sample(message);
+  CycloneMessage cyclone(type);
+  cyclone.read(sample.body());
+  std::vector<std::byte> memory(sample.body().size() + 8);
+  const auto best = best_times_ns(
+      {batch_of([&] { sample.encode_again(&message); }), batch_of([&] { cyclone.write(); }), batch_of([&] {
+         FastCdrWriter writer(memory);
+         writer.all(message);
+       })},
+      rounds);
+  return {{"encode_" + name + "_vs_cyclone", best[0], "ns", best[1], "Cyclone's serializer", {}},
+          {"encode_" + name + "_vs_fast_cdr", best[0], "ns", best[2], "Fast CDR", {}}};
+}
+
+}  // namespace
+
+std::vector<Figure> encoding(int rounds) {
+  std::vector<Figure> figures{full_cloud(rounds)};
+  const auto add = [&](std::vector<Figure> more) { figures.insert(figures.end(), more.begin(), more.end()); };
+  add(height_and_width(rounds));
+  add(small_message("odometry", odometry(), nav_msgs_msg_Odometry_desc, rounds));
+  add(small_message("cloud_16B", cloud(small_bytes), sensor_msgs_msg_PointCloud2_desc, rounds));
+  return figures;
+}
+
+}  // namespace sft::bench

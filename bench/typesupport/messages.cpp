@@ -1,0 +1,68 @@
+#include "bench/typesupport/messages.h"
+
+namespace sft::bench {
+
+namespace {
+
+std_msgs::msg::Header header(std::string frame_id) {
+  return {.stamp = {.sec = 1'700'000'000, .nanosec = 123'456'789}, .frame_id = std::move(frame_id)};
+}
+
+}  // namespace
+
+sensor_msgs::msg::PointCloud2 cloud(std::size_t data_bytes) {
+  sensor_msgs::msg::PointCloud2 cloud{.header = header("lidar_front"),
+                                      .height = 1,
+                                      .width = static_cast<std::uint32_t>(data_bytes / 16),
+                                      .point_step = 16,
+                                      .row_step = static_cast<std::uint32_t>(data_bytes),
+                                      .is_dense = true};
+  for (const char* name : {"x", "y", "z", "intensity"}) {
+    const auto offset = static_cast<std::uint32_t>(4 * cloud.fields.size());
+    cloud.fields.push_back({.name = name, .offset = offset, .datatype = 7, .count = 1});
+  }
+  cloud.data.resize(data_bytes);
+  for (std::size_t i = 0; i < data_bytes; ++i) cloud.data[i] = static_cast<std::uint8_t>(i * 31 % 251);
+  return cloud;
+}
+
+nav_msgs::msg::Odometry odometry() {
+  nav_msgs::msg::Odometry odometry{.header = header("odom"), .child_frame_id = "base_link"};
+  odometry.pose.pose.position = {.x = 1, .y = 2, .z = 3};
+  odometry.twist.twist.linear = {.x = 4, .y = 5, .z = 6};
+  for (std::size_t i = 0; i < 36; ++i) odometry.pose.covariance[i] = static_cast<double>(i);
+  return odometry;
+}
+
+sensor_msgs::msg::LaserScan scan() {
+  sensor_msgs::msg::LaserScan scan{.header = header("laser"), .range_max = 30};
+  scan.ranges.assign(1080, 1.5F);
+  scan.intensities.assign(1080, 100.F);
+  return scan;
+}
+
+sensor_msgs::msg::BatteryState battery() {
+  sensor_msgs::msg::BatteryState battery{.header = header("battery"), .voltage = 48, .present = true};
+  battery.cell_voltage.assign(14, 3.4F);
+  battery.cell_temperature.assign(14, 25.F);
+  battery.location = "slot 0";
+  battery.serial_number = "0123456789";
+  return battery;
+}
+
+Sample::Sample(const StructType& type, const void* value, const FieldMask& mask)
+    : type_(type),
+      mask_(mask),
+      bytes_(encoded_size(type, value, mask).bytes),
+      memory_(bytes_ / 8 + 1),
+      index_(slot_count(type)) {
+  encode_again(value);
+  state_ = {.body = body().data(), .body_bytes = bytes_, .index = index_.data(), .mask = &mask_};
+}
+
+void Sample::encode_again(const void* value) {
+  const EncodedSize size = encoded_size(type_, value, mask_);
+  encode(type_, value, mask_, body().first(size.bytes), index_);
+}
+
+}  // namespace sft::bench

@@ -1,0 +1,52 @@
+// The messages that are encoded and decoded, in memory of all contenders.
+#pragma once
+
+#include <cstddef>
+#include <nav_msgs/msg/Odometry.hpp>
+#include <sensor_msgs/msg/BatteryState.hpp>
+#include <sensor_msgs/msg/LaserScan.hpp>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <string>
+#include <vector>
+
+#include "sft/typesupport/encode.h"
+#include "sft/typesupport/walk.h"
+
+namespace sft::bench {
+
+inline constexpr std::size_t large_bytes = 1'660'000;  ///< 103,750 points of 16 bytes
+inline constexpr std::size_t small_bytes = 16;
+
+sensor_msgs::msg::PointCloud2 cloud(std::size_t data_bytes);
+nav_msgs::msg::Odometry odometry();
+sensor_msgs::msg::LaserScan scan();
+sensor_msgs::msg::BatteryState battery();
+
+/// A sample's memory: body, index, mask.
+class Sample {
+ public:
+  /// With room for `value` under `mask` (closed), and encoded already.
+  template <class T>
+  explicit Sample(const T& value, const FieldMask& mask = FieldMask(all<T>))
+      : Sample(TypeTable<T>::type, &value, mask) {}
+  Sample(const StructType& type, const void* value, const FieldMask& mask);
+  Sample(const Sample&) = delete;
+  Sample& operator=(const Sample&) = delete;
+
+  /// As a publisher does for each sample.
+  void encode_again(const void* value);
+
+  std::span<std::byte> body() { return {reinterpret_cast<std::byte*>(memory_.data()), bytes_}; }
+  std::span<std::uint32_t> index() { return index_; }
+  const SampleState& state() const { return state_; }
+
+ private:
+  const StructType& type_;
+  FieldMask mask_;
+  std::uint32_t bytes_;
+  std::vector<std::uint64_t> memory_;
+  std::vector<std::uint32_t> index_;
+  SampleState state_;
+};
+
+}  // namespace sft::bench

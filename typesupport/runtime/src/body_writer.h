@@ -1,0 +1,104 @@
+// Where encoded members go: a BodyWriter writes them, a BodyCounter only counts what that would take. Neither
+// keeps a position: each call takes where it begins and returns where it ends, so that compilers keep it in a
+// register while bytes are written.
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "sft/typesupport/walk.h"
+
+namespace sft {
+
+class BodyCounter {
+ public:
+  std::uint64_t align(std::uint64_t at, std::size_t alignment) const { return align_up(at, alignment); }
+  std::uint64_t put(std::uint64_t at, const void*, std::size_t bytes) const { return at + bytes; }
+  std::uint64_t put_swapped(std::uint64_t at, const void*, std::size_t count, std::size_t size) const {
+    return at + count * size;
+  }
+};
+
+/// What is put must fit. Padding is zero.
+class BodyWriter {
+ public:
+  explicit BodyWriter(std::span<std::byte> body) : body_(body) {}
+
+  std::uint64_t align(std::uint64_t at, std::size_t alignment) const {
+    const std::uint64_t aligned = align_up(at, alignment);
+    assert(aligned <= body_.size());
+    const std::uint64_t padding = aligned - at;  // at most 7 bytes: a loop would become a call
+    std::byte* to = body_.data() + at;
+    if ((padding & 1) != 0) *to++ = std::byte{0};
+    if ((padding & 2) != 0) std::memset(to, 0, 2), to += 2;
+    if ((padding & 4) != 0) std::memset(to, 0, 4);
+    return aligned;
+  }
+
+  std::uint64_t put(std::uint64_t at, const void* data, std::size_t bytes) const {
+    assert(at + bytes <= body_.size());
+    std::byte* to = body_.data() + at;
+    switch (bytes) {  // single primitives: one instruction each
+      case 0:
+        break;
+      case 1:
+        std::memcpy(to, data, 1);
+        break;
+      case 2:
+        std::memcpy(to, data, 2);
+        break;
+      case 4:
+        std::memcpy(to, data, 4);
+        break;
+      case 8:
+        std::memcpy(to, data, 8);
+        break;
+      default:
+        std::memcpy(to, data, bytes);
+    }
+    return at + bytes;
+  }
+
+  /// `count` primitives of `size` bytes, those of each in reverse order.
+  std::uint64_t put_swapped(std::uint64_t at, const void* data, std::size_t count, std::size_t size) const {
+    assert(at + count * size <= body_.size());
+    const auto* from = static_cast<const std::byte*>(data);
+    std::byte* to = body_.data() + at;
+    switch (size) {
+      case 2:
+        swap_each<std::uint16_t>(from, count, to);
+        break;
+      case 4:
+        swap_each<std::uint32_t>(from, count, to);
+        break;
+      case 8:
+        swap_each<std::uint64_t>(from, count, to);
+        break;
+      default:
+        std::memcpy(to, from, count);
+    }
+    return at + count * size;
+  }
+
+ private:
+  static std::uint16_t swapped(std::uint16_t v) { return __builtin_bswap16(v); }
+  static std::uint32_t swapped(std::uint32_t v) { return __builtin_bswap32(v); }
+  static std::uint64_t swapped(std::uint64_t v) { return __builtin_bswap64(v); }
+
+  template <class Word>
+  static void swap_each(const std::byte* from, std::size_t count, std::byte* to) {
+    for (std::size_t i = 0; i < count; ++i) {
+      Word word;
+      std::memcpy(&word, from + i * sizeof word, sizeof word);
+      word = swapped(word);
+      std::memcpy(to + i * sizeof word, &word, sizeof word);
+    }
+  }
+
+  std::span<std::byte> body_;
+};
+
+}  // namespace sft

@@ -1,0 +1,22 @@
+// What is known of a packed struct (StructType::packed_bytes) without looking at its bytes.
+#pragma once
+
+#include <cstdint>
+
+#include "sft/typesupport/type_table.h"
+
+namespace sft {
+
+/// Writes the offset of every slot of a packed struct that begins at `at` to `index`, which is advanced.
+inline void write_packed_slots(const StructType& type, std::uint32_t at, std::uint32_t*& index) {
+  for (const Member& m : type.members) {
+    if (m.kind == Kind::structure && m.shape == Shape::single) {
+      write_packed_slots(*m.type, at, index);
+    } else {
+      *index++ = at;
+    }
+    at += m.count * packed_bytes_of(m);
+  }
+}
+
+}  // namespace sft
