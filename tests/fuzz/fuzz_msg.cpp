@@ -7,6 +7,7 @@
 
 #include "from_msg/idl_text.h"
 #include "from_msg/model_of.h"
+#include "from_msg/names.h"
 #include "from_msg/parse.h"
 #include "from_msg/utf8.h"
 #include "tests/msg/print_definition.h"
@@ -34,6 +35,7 @@ void check(const std::vector<Problem>& problems, std::string_view text) {
     require(problem.text.size() < 1000 &&
             problem.text.find_first_of(std::string_view("\n\r\0\x1b", 4)) == std::string::npos);
     require(find_invalid_utf8(problem.text) == std::string::npos);
+    require(problem.member.empty() || is_field_name(problem.member) || is_constant_name(problem.member));
     previous = problem.line;
   }
 }

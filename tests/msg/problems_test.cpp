@@ -85,6 +85,13 @@ TEST(Names, OfPackagesAndMessagesAreThoseOfRos) {
     EXPECT_NE(problems("", {"my_msgs", name}), "") << name;
 }
 
+TEST(Names, HaveAtMost255Bytes) {
+  const std::string longest(255, 'a');
+  EXPECT_EQ(problems("int8 " + longest), "");
+  EXPECT_NE(problems("int8 " + longest + "a"), "");
+  EXPECT_NE(problems("", {longest + "a", "A"}), "");
+}
+
 TEST(Names, AreGivenOnce) {
   EXPECT_EQ(problems("int32 x\nint8 y\nint8 x"), "3 x: there is one already, in line 1: rename one of them");
   EXPECT_EQ(problems("int32 X=1\n\nint8 X=2"), "3 X: there is one already, in line 1: rename one of them");
@@ -238,6 +245,12 @@ TEST(Problems, OfATextFullOfThemAreNotAllReported) {
   std::string text;
   for (int i = 0; i < 1000; ++i) text += "?\n";
   EXPECT_EQ(parse(text, test::example).error().size(), Limits::problems);
+}
+
+TEST(Problems, NameTheMemberIfItHasAName) {
+  EXPECT_EQ(problems("int33 x").substr(0, 4), "1 x:");
+  EXPECT_EQ(problems("int33 X=1").substr(0, 4), "1 X:");
+  EXPECT_EQ(problems("int33 [m]").substr(0, 3), "1 :");
 }
 
 TEST(Problems, QuoteLongTextsInPart) {

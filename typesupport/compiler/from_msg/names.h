@@ -1,4 +1,4 @@
-// The rules that ROS 2 has for names.
+// The rules that ROS 2 has for names, and a limit: 255 bytes.
 #pragma once
 
 #include <string_view>

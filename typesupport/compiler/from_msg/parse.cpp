@@ -197,9 +197,8 @@ class Parser {
 
   template <class... Args>
   void refuse(std::string_view member, fmt::format_string<Args...> format, Args&&... args) {
-    constexpr std::size_t longest_shown = 255;
-    problems_.push_back({line_, std::string(member.substr(0, longest_shown)),
-                         fmt::format(format, std::forward<Args>(args)...)});
+    if (!is_field_name(member) && !is_constant_name(member)) member = "";
+    problems_.push_back({line_, std::string(member), fmt::format(format, std::forward<Args>(args)...)});
   }
 
   Definition definition_;
