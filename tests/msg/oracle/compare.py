@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""compare.py VALUES_JSON DESCRIBE_OF_MSG DESCRIBE_OF_IDL
+"""compare.py VALUES_JSON DESCRIBE_OF_MSG DESCRIBE_OF_IDL DESCRIBE_OF_OUR_IDL
 
 Fails unless the types made from .msg files are those made from rosidl's IDL, and their constants and defaults are the
-values that rosidl's parser read.
+values that rosidl's parser read; and unless our own IDL, which has no defaults and units, has the same structure and
+constants.
 """
 import json
 import struct
@@ -23,10 +24,12 @@ def equal(read, ours):
     return read == ours
 
 
-def differences(name, read, msg, idl):
+def differences(name, read, msg, idl, our_idl):
     for what in ('hash', 'paths', 'units', 'constants'):
         if msg[what] != idl[what]:
             yield f'{name}: {what}: {msg[what]} from .msg, {idl[what]} from IDL'
+        if what != 'units' and msg[what] != our_idl[what]:
+            yield f'{name}: {what}: {msg[what]} from .msg, {our_idl[what]} from our IDL'
     for field, value in msg['initial'].items():
         if not isinstance(value, list) and not isinstance(value, dict) and value != idl['initial'][field]:
             yield f'{name}.{field}: default {value} from .msg, {idl["initial"][field]} from IDL'
@@ -38,8 +41,8 @@ def differences(name, read, msg, idl):
 
 def main():
     read = json.load(open(sys.argv[1], encoding='utf-8'))
-    msg, idl = described_by(sys.argv[2]), described_by(sys.argv[3])
-    found = [d for name in read for d in differences(name, read[name], msg[name], idl[name])]
+    described = [described_by(program) for program in sys.argv[2:]]
+    found = [d for name in read for d in differences(name, read[name], *(types[name] for types in described))]
     print('\n'.join(found) or f'{len(read)} types are the same')
     sys.exit(bool(found) or not read)
 

@@ -1,5 +1,5 @@
 // Prints, as JSON, what the types of types.inc are like: structure, paths, units, defaults and constants.
-// Built once with the headers made from .msg files and once with those made from rosidl's IDL.
+// Built with headers made from .msg files, from rosidl's IDL, and from the IDL that we make of messages.
 #include "types.inc"
 
 #include <iostream>
