@@ -10,7 +10,7 @@
 
 namespace sft::msg {
 
-/// What a text may have at most, so that no text takes more than moments and a few times its size in memory.
+/// What a text may have at most, so that none takes more than a second and 64 MiB.
 struct Limits {
   static constexpr std::size_t bytes = 1 << 20;
   static constexpr std::size_t members = 4096;  ///< fields and constants together
