@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "naming.h"
@@ -118,6 +119,15 @@ std::string value_text(const sft_type& type, const sft_value& value) {
     default:
       return natural_text(value.natural);
   }
+}
+
+std::string initializer(const sft_member& member) {
+  if (member.initial.is_set) return " = " + value_text(member.type, member.initial);
+  std::string elements;
+  for (const sft_value& value : std::span(member.initial_elements, member.initial_element_count)) {
+    elements += (elements.empty() ? "" : ", ") + value_text(member.type, value);
+  }
+  return elements.empty() ? "{}" : " = {" + elements + "}";  // the braces of inner dimensions may be left out
 }
 
 std::string string_literal(std::string_view text) { return quoted(text, '"'); }
