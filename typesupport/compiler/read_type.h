@@ -12,5 +12,6 @@ struct sft_type sft_read_type(struct sft_reading* reading, const idl_type_spec_t
 /// The value of a constant expression (a literal or an enumerator) that idlc has converted to `type`.
 struct sft_value sft_read_value(const struct sft_type* type, const void* expression);
 
-/// The integer that carries an enumeration.
+/// The integer that carries an enumeration, or a bitmask.
 enum sft_kind sft_enumeration_kind(const idl_enum_t* enumeration);
+enum sft_kind sft_bitmask_kind(const idl_bitmask_t* bitmask);

@@ -61,14 +61,17 @@ static uint32_t greatest_value(enum sft_kind kind) {
   }
 }
 
+static struct sft_enumerator* add_enumerator(struct sft_declaration* owner) {
+  owner->enumerators = grow(owner->enumerators, owner->enumerator_count, sizeof *owner->enumerators);
+  return &owner->enumerators[owner->enumerator_count++];
+}
+
 static void read_enumeration(struct sft_reading* reading, const idl_enum_t* node) {
   struct sft_declaration* enumeration = add_declaration(reading, SFT_ENUMERATION, node);
   enumeration->type.kind = sft_enumeration_kind(node);
   const idl_enumerator_t* from;
   IDL_FOREACH(from, node->enumerators) {
-    enumeration->enumerators =
-        grow(enumeration->enumerators, enumeration->enumerator_count, sizeof *enumeration->enumerators);
-    struct sft_enumerator* to = &enumeration->enumerators[enumeration->enumerator_count++];
+    struct sft_enumerator* to = add_enumerator(enumeration);
     to->name = idl_identifier(from);
     to->value = from->value.value;
     if (to->value > greatest_value(enumeration->type.kind)) {
@@ -76,6 +79,17 @@ static void read_enumeration(struct sft_reading* reading, const idl_enum_t* node
       reading->member = to->name;
       sft_refuse(reading, "the value does not fit the enumeration's signed integer: use a smaller one");
     }
+  }
+}
+
+static void read_bitmask(struct sft_reading* reading, const idl_bitmask_t* node) {
+  struct sft_declaration* bitmask = add_declaration(reading, SFT_BITMASK, node);
+  bitmask->type.kind = sft_bitmask_kind(node);
+  const idl_bit_value_t* from;
+  IDL_FOREACH(from, node->bit_values) {
+    struct sft_enumerator* flag = add_enumerator(bitmask);
+    flag->name = idl_identifier(from);
+    flag->value = UINT64_C(1) << from->position.value;  // idlc has checked that it fits
   }
 }
 
@@ -107,7 +121,7 @@ static struct sft_value enumeration_default(const idl_type_spec_t* spec) {
 
 static struct sft_value initial_value(const idl_member_t* node, const struct sft_type* type) {
   const bool is_single = !type->is_sequence && type->dimension_count == 0;
-  const bool is_enumeration = type->name != NULL && type->kind != SFT_STRUCTURE;
+  const bool is_enumeration = idl_type(idl_strip(node->type_spec, IDL_STRIP_ALIASES)) == IDL_ENUM;
   if (is_single && node->value.annotation != NULL) return sft_read_value(type, node->value.value);
   if (is_single && is_enumeration) return enumeration_default(node->type_spec);
   return (struct sft_value){.is_set = false};
@@ -165,8 +179,10 @@ static void read_declaration(struct sft_reading* reading, const idl_node_t* node
     case IDL_STRUCT:
       read_struct(reading, (const idl_struct_t*)node);
       break;
-    case IDL_UNION:
     case IDL_BITMASK:
+      read_bitmask(reading, (const idl_bitmask_t*)node);
+      break;
+    case IDL_UNION:
       refuse_declaration(reading, node);
       break;
     default:
