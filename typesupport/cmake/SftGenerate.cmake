@@ -23,7 +23,8 @@ function(sft_generate_header file output_dir base_dir roots header_variable)
   cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${base_dir} OUTPUT_VARIABLE name)
   cmake_path(REPLACE_EXTENSION name LAST_ONLY .hpp)
   set(header ${output_dir}/${name})
-  set(script ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/run_idlc.sh)
+  set(script_dir ${CMAKE_CURRENT_FUNCTION_LIST_DIR})
+  set(script ${script_dir}/run_idlc.sh)
 
   list(TRANSFORM roots PREPEND -I OUTPUT_VARIABLE include_options)
   list(JOIN roots : root_list)
@@ -32,7 +33,7 @@ function(sft_generate_header file output_dir base_dir roots header_variable)
     COMMAND sh ${script} ${header} ${SFT_IDLC} -l $<TARGET_FILE:cycloneddsidlsft>
             -f case-sensitive -Wno-unsupported-annotations -Wno-implicit-extensibility
             ${include_options} -r ${root_list} -b ${base_dir} -o ${output_dir} -d ${header}.d ${file}
-    DEPENDS ${file} cycloneddsidlsft ${script}
+    DEPENDS ${file} cycloneddsidlsft ${script} ${script_dir}/idlc_copy.awk ${script_dir}/idlc_messages.awk
     DEPFILE ${header}.d
     COMMENT "Generating ${name}"
     VERBATIM)

@@ -87,8 +87,9 @@ struct sft_declaration {
   size_t member_count;
 };
 
-// All paths are absolute.
+// All paths are absolute, and of the originals where files are copies.
 struct sft_file {
+  const char* copies;  ///< "", or below which idlc was given copies: that of /a/b.idl is <copies>/a/b.idl
   const char* path;
   const char** includes;  ///< files that it includes itself
   size_t include_count;

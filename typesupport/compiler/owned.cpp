@@ -27,7 +27,8 @@ void emit_enumeration(Code& code, const sft_declaration& enumeration) {
   code.line("}};");
 }
 
-/// What the standard library's bitmask types have; on the integers, because enumerators only name single bits.
+/// What the standard library's bitmask types have; on the integers, because enumerators only name single
+/// bits.
 void emit_flag_operators(Code& code, const sft_declaration& bitmask) {
   const std::string type = qualified_type(bitmask.name);
   const std::string integer = element_type(bitmask.type);

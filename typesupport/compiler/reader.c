@@ -200,6 +200,10 @@ static void read_declarations(struct sft_reading* reading, const idl_node_t* fir
   }
 }
 
+static const char* original_path(const struct sft_file* file, const idl_source_t* source) {
+  return sft_original_path(file->copies, source->path->name);
+}
+
 static void add_unique(const char*** paths, size_t* count, const char* path) {
   for (size_t i = 0; i < *count; ++i) {
     if (strcmp((*paths)[i], path) == 0) return;
@@ -209,7 +213,7 @@ static void add_unique(const char*** paths, size_t* count, const char* path) {
 }
 
 static void read_sources(struct sft_file* file, const idl_source_t* source) {
-  add_unique(&file->sources, &file->source_count, source->path->name);
+  add_unique(&file->sources, &file->source_count, original_path(file, source));
   for (const idl_source_t* included = source->includes; included != NULL; included = included->next) {
     read_sources(file, included);
   }
@@ -217,10 +221,10 @@ static void read_sources(struct sft_file* file, const idl_source_t* source) {
 
 bool sft_read_file(const idl_pstate_t* state, struct sft_file* file) {
   const idl_source_t* main_source = state->sources;
-  file->path = main_source->path->name;
+  file->path = original_path(file, main_source);
   read_sources(file, main_source);
   for (const idl_source_t* included = main_source->includes; included != NULL; included = included->next) {
-    add_unique(&file->includes, &file->include_count, included->path->name);
+    add_unique(&file->includes, &file->include_count, original_path(file, included));
   }
   struct sft_reading reading = {.file = file};
   read_declarations(&reading, state->root);

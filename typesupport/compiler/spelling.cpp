@@ -74,8 +74,8 @@ bool is_enumeration(const sft_type& type) {
 }
 
 bool is_bitmask(const sft_type& type) {
-  const bool is_unsigned = type.kind == SFT_UINT8 || type.kind == SFT_UINT16 || type.kind == SFT_UINT32 ||
-                           type.kind == SFT_UINT64;
+  const bool is_unsigned =
+      type.kind == SFT_UINT8 || type.kind == SFT_UINT16 || type.kind == SFT_UINT32 || type.kind == SFT_UINT64;
   return type.name != nullptr && is_unsigned;
 }
 
@@ -102,7 +102,8 @@ std::string constant_type(const sft_type& type) {
 
 std::string value_text(const sft_type& type, const sft_value& value) {
   if (is_enumeration(type)) return fmt::format("{}::{}", qualified_type(type.name), identifier(value.text));
-  if (is_bitmask(type)) return fmt::format("{}{{{}}}", qualified_type(type.name), natural_text(value.natural));
+  if (is_bitmask(type))
+    return fmt::format("{}{{{}}}", qualified_type(type.name), natural_text(value.natural));
   switch (type.kind) {
     case SFT_BOOLEAN:
       return value.boolean ? "true" : "false";
