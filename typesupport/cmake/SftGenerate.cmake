@@ -1,82 +1,146 @@
-# C++ headers from IDL files.
+# C++ headers from message definitions: ROS 2's .msg files and IDL, mixed as you like.
 #
 #   sft_generate(TARGET my_interfaces
-#                FILES my_pkg/msg/Status.idl ...
-#                [BASE_DIR dir]          # mirrored: dir/my_pkg/msg/Status.idl is included as <my_pkg/msg/Status.hpp>;
-#                                        # default: the current source directory
-#                [INCLUDES dir...]       # more directories that #include in the IDL files is relative to
-#                [LINK target...])       # targets made by sft_generate whose IDL files these include
+#                FILES my_pkg/msg/Status.msg other_pkg/msg/Plan.idl ...
+#                [BASE_DIR dir]       # default: the current source directory
+#                [INCLUDES dir...]    # more directories of packages, as /opt/ros/humble/share
+#                [LINK target...])    # targets made by sft_generate
 #
-# makes an interface library. Targets that link to it are built after its headers, which follow changes of the IDL
-# files, of all that they include, and of the compiler.
+# makes an interface library. Targets that link to it are built after its headers, which follow changes of the
+# definitions, of all that they nest or include, and of the compilers.
+#
+# BASE_DIR, INCLUDES and those of LINK are the roots. FILES are absolute, or relative to the current source directory or
+# to a root. The header of ROOT/my_pkg/msg/Status.msg is <my_pkg/msg/Status.hpp>, whatever ROOT is; that of an IDL file
+# mirrors its path below the innermost root that it is in.
+#
+# What FILES nest or include, directly or not, is looked for below the roots (a .msg file first, then .idl) and is
+# generated too, unless a LINK target has it: what those generate is always taken from there, even if FILES lists it.
+# IDL files include a message as "my_pkg/msg/Status.idl", which is made of it on the way.
 include_guard(GLOBAL)
+include(${CMAKE_CURRENT_LIST_DIR}/SftNested.cmake)
 
 find_program(SFT_IDLC idlc REQUIRED DOC "The IDL compiler of Cyclone DDS (Debian package cyclonedds-tools)")
 
-# Makes the custom command for one file and sets `header_variable` to what it generates.
-function(sft_generate_header file output_dir base_dir roots header_variable)
-  cmake_path(ABSOLUTE_PATH file NORMALIZE)
-  cmake_path(IS_PREFIX base_dir ${file} is_below)
-  if(NOT is_below)
-    message(FATAL_ERROR "sft_generate: ${file} is not below ${base_dir}: name a directory above it as BASE_DIR")
-  endif()
-  cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${base_dir} OUTPUT_VARIABLE name)
-  cmake_path(REPLACE_EXTENSION name LAST_ONLY .hpp)
-  set(header ${output_dir}/${name})
+# Makes the custom command for one .msg file.
+function(sft_generate_from_msg name file root output_dir idl_dir roots)
+  list(TRANSFORM roots PREPEND -I OUTPUT_VARIABLE include_options)
+  set(header ${output_dir}/${name}.hpp)
+  add_custom_command(
+    OUTPUT ${header} ${idl_dir}/${name}.idl
+    COMMAND sft_msgc ${file} -b ${root} ${include_options} -o ${output_dir} -i ${idl_dir} -d ${header}.d
+    DEPENDS ${file} sft_msgc
+    DEPFILE ${header}.d
+    COMMENT "Generating ${name}.hpp"
+    VERBATIM)
+endfunction()
+
+# Makes the custom command for one .idl file, which may include those that are made from the messages `from_msg`.
+function(sft_generate_from_idl name file root output_dir roots from_msg)
+  set(header ${output_dir}/${name}.hpp)
   set(script_dir ${CMAKE_CURRENT_FUNCTION_LIST_DIR})
   set(script ${script_dir}/run_idlc.sh)
-
   list(TRANSFORM roots PREPEND -I OUTPUT_VARIABLE include_options)
   list(JOIN roots : root_list)
   add_custom_command(
     OUTPUT ${header}
     COMMAND sh ${script} ${header} ${SFT_IDLC} -l $<TARGET_FILE:cycloneddsidlsft>
             -f case-sensitive -Wno-unsupported-annotations -Wno-implicit-extensibility
-            ${include_options} -r ${root_list} -b ${base_dir} -o ${output_dir} -d ${header}.d ${file}
-    DEPENDS ${file} cycloneddsidlsft ${script} ${script_dir}/idlc_copy.awk ${script_dir}/idlc_messages.awk
+            ${include_options} -r ${root_list} -b ${root} -o ${output_dir} -d ${header}.d ${file}
+    DEPENDS ${file} ${from_msg} cycloneddsidlsft ${script} ${script_dir}/idlc_copy.awk ${script_dir}/idlc_messages.awk
     DEPFILE ${header}.d
-    COMMENT "Generating ${name}"
+    COMMENT "Generating ${name}.hpp"
     VERBATIM)
-  set(${header_variable} ${header} PARENT_SCOPE)
+endfunction()
+
+# Makes the commands for files with their names and roots, of which there are as many, and sets `outputs` to what they
+# write. The first of `idl_dirs` is for the IDL of messages.
+function(sft_generate_all names files file_roots roots idl_dirs output_dir outputs)
+  list(GET idl_dirs 0 idl_dir)
+  set(headers)
+  set(from_msg)
+  foreach(name file root IN ZIP_LISTS names files file_roots)
+    list(APPEND headers ${output_dir}/${name}.hpp)
+    if(file MATCHES "\\.msg$")
+      list(APPEND from_msg ${idl_dir}/${name}.idl)
+      sft_generate_from_msg(${name} ${file} ${root} ${output_dir} ${idl_dir} "${roots}")
+    endif()
+  endforeach()
+  foreach(name file root IN ZIP_LISTS names files file_roots)
+    if(file MATCHES "\\.idl$")
+      sft_generate_from_idl(${name} ${file} ${root} ${output_dir} "${idl_dirs};${roots}" "${from_msg}")
+    endif()
+  endforeach()
+  set(${outputs} ${headers} ${from_msg} PARENT_SCOPE)
+endfunction()
+
+# Directories made absolute and without a slash at the end.
+function(sft_absolute_directories result)
+  set(absolute)
+  foreach(directory IN LISTS ARGN)
+    cmake_path(ABSOLUTE_PATH directory NORMALIZE)
+    cmake_path(APPEND directory x)
+    cmake_path(GET directory PARENT_PATH directory)
+    list(APPEND absolute ${directory})
+  endforeach()
+  set(${result} ${absolute} PARENT_SCOPE)
+endfunction()
+
+# What the targets `linked` offer: roots, directories of IDL made from messages, names of what they generate, and targets
+# that do it.
+function(sft_read_linked linked roots idl_dirs names generators)
+  foreach(target IN LISTS linked)
+    get_property(is_ours TARGET ${target} PROPERTY SFT_ROOTS SET)
+    if(NOT is_ours)
+      message(FATAL_ERROR "sft_generate: LINK ${target}, which sft_generate did not make")
+    endif()
+    foreach(result IN ITEMS ROOTS IDL_DIRS NAMES GENERATORS)
+      string(TOLOWER ${result} variable)
+      get_property(values TARGET ${target} PROPERTY SFT_${result})
+      list(APPEND all_${variable} ${values})
+    endforeach()
+  endforeach()
+  set(${roots} ${all_roots} PARENT_SCOPE)
+  set(${idl_dirs} ${all_idl_dirs} PARENT_SCOPE)
+  set(${names} ${all_names} PARENT_SCOPE)
+  set(${generators} ${all_generators} PARENT_SCOPE)
 endfunction()
 
 function(sft_generate)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "TARGET;BASE_DIR" "FILES;INCLUDES;LINK")
   if(NOT arg_TARGET OR NOT arg_FILES OR arg_UNPARSED_ARGUMENTS)
-    message(FATAL_ERROR "usage: sft_generate(TARGET t FILES a.idl... [BASE_DIR dir] [INCLUDES dir...] [LINK t...])")
+    message(FATAL_ERROR
+      "usage: sft_generate(TARGET t FILES a.msg b.idl... [BASE_DIR dir] [INCLUDES dir...] [LINK t...])")
   endif()
   if(NOT arg_BASE_DIR)
     set(arg_BASE_DIR ${CMAKE_CURRENT_SOURCE_DIR})
   endif()
-  set(absolute_roots)
-  foreach(root IN LISTS arg_BASE_DIR arg_INCLUDES)
-    cmake_path(ABSOLUTE_PATH root NORMALIZE)
-    cmake_path(APPEND root x)  # a trailing slash, if any, goes with it
-    cmake_path(GET root PARENT_PATH root)
-    list(APPEND absolute_roots ${root})
-  endforeach()
-  list(GET absolute_roots 0 base_dir)
-  foreach(linked IN LISTS arg_LINK)
-    get_property(linked_roots TARGET ${linked} PROPERTY SFT_IDL_ROOTS)
-    if(NOT linked_roots)
-      message(FATAL_ERROR "sft_generate: LINK ${linked}, which sft_generate did not make")
-    endif()
-    list(APPEND absolute_roots ${linked_roots})
-  endforeach()
-  list(REMOVE_DUPLICATES absolute_roots)
+  sft_absolute_directories(roots ${arg_BASE_DIR} ${arg_INCLUDES})
+  sft_read_linked("${arg_LINK}" linked_roots idl_dirs linked_names generators)
+  list(APPEND roots ${linked_roots})
+  list(REMOVE_DUPLICATES roots)
+  sft_find_all_listed("${arg_FILES}" "${roots}" "${linked_names}" names files file_roots)
+  list(PREPEND roots ${file_roots})  # a package's own files before others of its name
+  list(REMOVE_DUPLICATES roots)
+  sft_add_nested("${roots}" "${linked_names}" names files file_roots)
 
   set(output_dir ${CMAKE_CURRENT_BINARY_DIR}/sft_generated/${arg_TARGET})
-  set(headers)
-  foreach(file IN LISTS arg_FILES)
-    sft_generate_header(${file} ${output_dir} ${base_dir} "${absolute_roots}" header)
-    list(APPEND headers ${header})
-  endforeach()
+  set(idl_dir ${output_dir}_idl)
+  list(PREPEND idl_dirs ${idl_dir})
+  sft_generate_all("${names}" "${files}" "${file_roots}" "${roots}" "${idl_dirs}" ${output_dir} outputs)
 
-  add_custom_target(${arg_TARGET}_headers DEPENDS ${headers})
+  add_custom_target(${arg_TARGET}_headers DEPENDS ${outputs})
+  if(generators)
+    add_dependencies(${arg_TARGET}_headers ${generators})
+  endif()
   add_library(${arg_TARGET} INTERFACE)
   add_dependencies(${arg_TARGET} ${arg_TARGET}_headers)
   target_include_directories(${arg_TARGET} SYSTEM INTERFACE ${output_dir})
   target_link_libraries(${arg_TARGET} INTERFACE sft_typesupport ${arg_LINK})
-  set_property(TARGET ${arg_TARGET} PROPERTY SFT_IDL_ROOTS ${absolute_roots})
-  set_property(TARGET ${arg_TARGET} PROPERTY SFT_HEADERS ${headers})
+  list(FILTER outputs INCLUDE REGEX "[.]hpp$")
+  set_target_properties(${arg_TARGET} PROPERTIES
+    SFT_HEADERS "${outputs}"
+    SFT_ROOTS "${roots}"
+    SFT_IDL_DIRS "${idl_dirs}"
+    SFT_NAMES "${names};${linked_names}"
+    SFT_GENERATORS "${arg_TARGET}_headers;${generators}")
 endfunction()

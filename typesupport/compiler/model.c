@@ -4,8 +4,10 @@
 
 void sft_file_free(struct sft_file* file) {
   for (size_t i = 0; i < file->declaration_count; ++i) {
-    free(file->declarations[i].enumerators);
-    free(file->declarations[i].members);
+    const struct sft_declaration* declaration = &file->declarations[i];
+    for (size_t m = 0; m < declaration->member_count; ++m) free(declaration->members[m].initial_elements);
+    free(declaration->enumerators);
+    free(declaration->members);
   }
   free(file->declarations);
   free(file->includes);

@@ -1,8 +1,8 @@
-// What one IDL file declares, as the emitters need it: names resolved, typedefs seen through, and nothing
-// left that no C++ is emitted for. Plain C, because idlc's headers, from which the reader fills it, cannot be
-// included in C++.
+// What one .idl or .msg file declares, as the emitters need it: names resolved, typedefs seen through, and
+// nothing left that no C++ is emitted for. Plain C, because idlc's headers, from which the IDL reader fills
+// it, cannot be included in C++.
 //
-// Text points into idlc's tree and lives as long as that. Arrays belong to the sft_file: free them with
+// Who fills it owns what it points to: text of the IDL reader is in idlc's tree, its arrays are freed with
 // sft_file_free(). Scoped names begin with "::".
 #pragma once
 
@@ -62,7 +62,9 @@ struct sft_value {
 struct sft_member {
   const char* name;
   struct sft_type type;
-  struct sft_value initial;  ///< unset: value-initialized
+  struct sft_value initial;            ///< of a single value; unset: value-initialized
+  struct sft_value* initial_elements;  ///< of an array, all of them, the last index fastest; of a sequence
+  size_t initial_element_count;        ///< 0: value-initialized
   bool is_key;
   const char* unit;  ///< null: none given
 };

@@ -1,7 +1,7 @@
 // The generator as idlc loads it (idlc -l libcycloneddsidlsft.so): its options and its entry point.
 #include <stdlib.h>
 
-#include "emit.h"
+#include "emit/emit.h"
 #include "idl/file.h"
 #include "idlc/generator.h"
 #include "reader.h"

@@ -15,7 +15,7 @@ class Roots {
   /// `main_file` gives the root that is used where the caller named none: its directory.
   Roots(const sft_output& output, const std::filesystem::path& main_file);
 
-  /// Path of `file` below the first root that it is below of. Throws std::runtime_error if there is none.
+  /// Path of `file` below the innermost root that it is below of. Throws std::runtime_error if there is none.
   std::filesystem::path relative(const std::filesystem::path& file) const;
 
  private:

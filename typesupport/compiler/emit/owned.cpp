@@ -48,9 +48,7 @@ void emit_members(Code& code, const Message& message) {
   }
   if (!message.constants.empty()) code.blank();
   for (const Field& field : message.fields) {
-    const sft_value& initial = field.idl->initial;
-    code.line("  {} {}{};", owned_type(field.idl->type), field.name,
-              initial.is_set ? " = " + value_text(field.idl->type, initial) : "{}");
+    code.line("  {} {}{};", owned_type(field.idl->type), field.name, initializer(*field.idl));
   }
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <span>
 
+#include "macros.h"
+
 namespace sft::idl {
 namespace {
 
@@ -23,11 +25,6 @@ constexpr std::array keywords = std::to_array<std::string_view>(
      "using",       "virtual",  "void",       "volatile",  "wchar_t",   "while",        "xor",
      "xor_eq"});
 
-/// Macros that the compiler or the standard headers define under plain names.
-constexpr std::array macros = std::to_array<std::string_view>(
-    {"BUFSIZ", "EOF", "HUGE_VAL", "INFINITY", "NAN", "NULL", "RAND_MAX", "assert", "errno", "linux",
-     "offsetof", "stderr", "stdin", "stdout", "unix"});
-
 /// Members of every generated struct, and those of its LoanView that are not message fields.
 constexpr std::array class_names = std::to_array<std::string_view>(
     {"Field", "Fields", "LoanSizes", "LoanView", "View", "reservable", "reservations"});
@@ -40,7 +37,7 @@ bool is_one_of(std::span<const std::string_view> names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-bool is_taken(std::string_view name) { return is_one_of(keywords, name) || is_one_of(macros, name); }
+bool is_taken(std::string_view name) { return is_one_of(keywords, name) || is_macro(name); }
 
 bool is_taken_in_class(std::string_view name) {
   return is_taken(name) || is_one_of(class_names, name) || is_one_of(private_names, name);

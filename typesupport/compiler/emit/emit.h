@@ -10,7 +10,8 @@ extern "C" {
 struct sft_output {
   const char* header;        ///< path to write to, in a directory that exists
   const char* dependencies;  ///< path of the make rule to write; "": none
-  const char* roots;     ///< colon-separated: an included a/b/C.idl below one of them is <a/b/C.hpp> in C++
+  const char* roots;  ///< colon-separated: an included a/b/C.idl below one of them, the innermost if there
+                      ///< are several, is <a/b/C.hpp> in C++
   const char* base_dir;  ///< one more root, may be null
 };
 

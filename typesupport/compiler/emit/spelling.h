@@ -30,6 +30,9 @@ std::string constant_type(const sft_type& type);
 std::string value_text(const sft_type& type, const sft_value& value);
 std::string natural_text(std::uint64_t value);
 
+/// What a member of the owned struct starts with, from the '=' or '{' on.
+std::string initializer(const sft_member& member);
+
 /// With quotes and escapes.
 std::string string_literal(std::string_view text);
 

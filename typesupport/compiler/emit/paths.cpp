@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <iterator>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace sft::idl {
 
@@ -18,10 +21,14 @@ Roots::Roots(const sft_output& output, const fs::path& main_file) {
 }
 
 fs::path Roots::relative(const fs::path& file) const {
+  std::optional<fs::path> shortest;
   for (const fs::path& root : roots_) {
-    const fs::path below = file.lexically_relative(root);
-    if (!below.empty() && *below.begin() != "..") return below;
+    fs::path below = file.lexically_relative(root);
+    if (below.empty() || *below.begin() == "..") continue;
+    if (!shortest || std::ranges::distance(below) < std::ranges::distance(*shortest))
+      shortest = std::move(below);
   }
+  if (shortest) return *shortest;
   throw std::runtime_error(
       fmt::format("{} is below no include root: name a directory above it with -r", file.string()));
 }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "naming.h"
@@ -128,6 +129,15 @@ std::string value_text(const sft_type& type, const sft_value& value) {
 std::string natural_text(std::uint64_t value) {
   const bool needs_suffix = value > std::uint64_t{std::numeric_limits<std::int64_t>::max()};
   return fmt::format("{}{}", value, needs_suffix ? "U" : "");
+}
+
+std::string initializer(const sft_member& member) {
+  if (member.initial.is_set) return " = " + value_text(member.type, member.initial);
+  std::string elements;
+  for (const sft_value& value : std::span(member.initial_elements, member.initial_element_count)) {
+    elements += (elements.empty() ? "" : ", ") + value_text(member.type, value);
+  }
+  return elements.empty() ? "{}" : " = {" + elements + "}";  // the braces of inner dimensions may be left out
 }
 
 std::string string_literal(std::string_view text) { return quoted(text, '"'); }

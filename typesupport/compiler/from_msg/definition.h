@@ -1,0 +1,72 @@
+// What one .msg file says: names and values checked, nested types known by name only.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "model.h"
+
+namespace sft::msg {
+
+/// A message type, "geometry_msgs/msg/Point"; empty where there is none.
+struct TypeName {
+  std::string package;
+  std::string name;
+
+  std::string text() const { return package + "/msg/" + name; }
+  auto operator<=>(const TypeName&) const = default;
+};
+
+/// Of a field or a constant. .msg knows single values, arrays of one dimension and sequences.
+struct Type {
+  sft_kind kind = SFT_BOOLEAN;     ///< of one element
+  TypeName nested;                 ///< where kind is SFT_STRUCTURE
+  std::uint32_t string_bound = 0;  ///< most bytes of each string; 0: unbounded
+  std::uint32_t array_size = 0;    ///< 0: no array
+  bool is_sequence = false;
+  std::uint32_t bound = 0;  ///< most elements of the sequence; 0: unbounded
+
+  bool is_single() const { return array_size == 0 && !is_sequence; }
+  bool operator==(const Type&) const = default;
+};
+
+/// std::int64_t for int8 to int64, std::uint64_t for byte, char and uint8 to uint64, double for both floats.
+using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
+
+struct Constant {
+  Type type;
+  std::string name;
+  Value value;
+  std::uint32_t line;
+
+  bool operator==(const Constant&) const = default;
+};
+
+struct Field {
+  Type type;
+  std::string name;
+  std::vector<Value> initial;  ///< one, or as many as there are elements; empty: none given
+  std::string unit;            ///< "m/s"; empty: none given
+  std::uint32_t line;
+
+  bool operator==(const Field&) const = default;
+};
+
+struct Definition {
+  TypeName type;
+  std::vector<Constant> constants;
+  std::vector<Field> fields;  ///< at least one
+
+  bool operator==(const Definition&) const = default;
+};
+
+/// Something that is wrong with a definition: what, and what to do.
+struct Problem {
+  std::uint32_t line;
+  std::string member;  ///< field or constant; empty: the line or the whole message
+  std::string text;
+};
+
+}  // namespace sft::msg

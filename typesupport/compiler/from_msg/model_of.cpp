@@ -1,0 +1,90 @@
+#include "from_msg/model_of.h"
+
+#include <fmt/format.h>
+
+#include "from_msg/nested.h"
+
+namespace sft::msg {
+namespace {
+
+std::string scoped(const TypeName& type) { return fmt::format("::{}::msg::{}", type.package, type.name); }
+
+}  // namespace
+
+ModelOf::ModelOf(const Definition& definition, const Files& files) {
+  const auto path_of = [&](const TypeName& type) { return (files.root / (type.text() + ".msg")).string(); };
+  file_.path = keep(path_of(definition.type));
+  // Whichever root nested files are below of, headers are all below one.
+  for (const TypeName& nested : nested_types(definition)) includes_.push_back(keep(path_of(nested)));
+  sources_.push_back(file_.path);
+  for (const auto& nested : files.nested) sources_.push_back(keep(nested.string()));
+  add_constants(definition);
+  add_struct(definition);
+
+  file_.includes = includes_.data();
+  file_.include_count = includes_.size();
+  file_.sources = sources_.data();
+  file_.source_count = sources_.size();
+  file_.declarations = declarations_.data();
+  file_.declaration_count = declarations_.size();
+}
+
+void ModelOf::add_constants(const Definition& definition) {
+  for (const Constant& constant : definition.constants) {
+    sft_declaration& declaration = declarations_.emplace_back();
+    declaration.kind = SFT_CONSTANT;
+    declaration.name = keep(fmt::format("{}_Constants::{}", scoped(definition.type), constant.name));
+    declaration.type = type_of(constant.type);
+    declaration.value = value_of(constant.value);
+  }
+}
+
+void ModelOf::add_struct(const Definition& definition) {
+  for (const Field& field : definition.fields) members_.push_back(member_of(field));
+  sft_declaration& declaration = declarations_.emplace_back();
+  declaration.kind = SFT_STRUCT;
+  declaration.name = keep(scoped(definition.type));
+  declaration.members = members_.data();
+  declaration.member_count = members_.size();
+}
+
+sft_member ModelOf::member_of(const Field& field) {
+  sft_member member{};
+  member.name = keep(field.name);
+  member.type = type_of(field.type);
+  if (!field.unit.empty()) member.unit = keep(field.unit);
+  if (field.initial.empty()) return member;
+  if (field.type.is_single()) {
+    member.initial = value_of(field.initial.front());
+    return member;
+  }
+  std::vector<sft_value>& elements = initials_.emplace_back();
+  for (const Value& value : field.initial) elements.push_back(value_of(value));
+  member.initial_elements = elements.data();
+  member.initial_element_count = elements.size();
+  return member;
+}
+
+sft_type ModelOf::type_of(const Type& type) {
+  sft_type result{};
+  result.kind = type.kind;
+  if (type.kind == SFT_STRUCTURE) result.name = keep(scoped(type.nested));
+  result.string_bound = type.string_bound;
+  result.is_sequence = type.is_sequence;
+  result.bound = type.bound;
+  if (type.array_size != 0) result.dimensions[result.dimension_count++] = type.array_size;
+  return result;
+}
+
+sft_value ModelOf::value_of(const Value& value) {
+  sft_value result{};
+  result.is_set = true;
+  if (const auto* boolean = std::get_if<bool>(&value)) result.boolean = *boolean;
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) result.integer = *integer;
+  if (const auto* natural = std::get_if<std::uint64_t>(&value)) result.natural = *natural;
+  if (const auto* real = std::get_if<double>(&value)) result.real = *real;
+  if (const auto* text = std::get_if<std::string>(&value)) result.text = keep(*text);
+  return result;
+}
+
+}  // namespace sft::msg

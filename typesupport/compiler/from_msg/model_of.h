@@ -1,0 +1,47 @@
+// A definition as the model that the emitters take.
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "from_msg/definition.h"
+#include "model.h"
+
+namespace sft::msg {
+
+/// Where a message is and what it depends on.
+struct Files {
+  std::filesystem::path root;  ///< the message is <root>/<package>/msg/<Name>.msg
+  std::vector<std::filesystem::path> nested;
+};
+
+/// A file of the model with all that it points to.
+class ModelOf {
+ public:
+  ModelOf(const Definition& definition, const Files& files);
+  ModelOf(const ModelOf&) = delete;
+  ModelOf& operator=(const ModelOf&) = delete;
+
+  /// Lives as long as this. Its arrays are not for sft_file_free().
+  const sft_file& file() const { return file_; }
+
+ private:
+  void add_constants(const Definition& definition);
+  void add_struct(const Definition& definition);
+  sft_member member_of(const Field& field);
+  sft_type type_of(const Type& type);
+  sft_value value_of(const Value& value);
+  const char* keep(std::string text) { return texts_.emplace_back(std::move(text)).c_str(); }
+
+  std::deque<std::string> texts_;
+  std::deque<std::vector<sft_value>> initials_;
+  std::vector<const char*> includes_;
+  std::vector<const char*> sources_;
+  std::vector<sft_member> members_;
+  std::vector<sft_declaration> declarations_;
+  sft_file file_{};
+};
+
+}  // namespace sft::msg
