@@ -157,6 +157,26 @@ TEST(Defaults, InitializeTheOwnedStruct) {
   EXPECT_EQ(d.label, "none \"yet\"");
 }
 
+TEST(Defaults, AreReadThoughIdlcLosesThem) {
+  const torture::LostDefaults d;
+  EXPECT_EQ(d.id, -5);
+  EXPECT_EQ(d.product, 14);
+  EXPECT_EQ(d.lines, 0x1F);
+  EXPECT_TRUE(d.answer);
+  EXPECT_EQ(d.name, "abcd");
+  EXPECT_EQ(d.state, torture::BUSY);
+}
+
+TEST(Defaults, OfCollectionsAreWrittenAsInPython) {
+  const torture::LostDefaults d;
+  EXPECT_EQ(d.texts, (torture::Texts{"it's", "say \"hi\"", "two\nlines", ""}));
+  EXPECT_EQ(d.square, (torture::Square{{{1.5, -2}, {1e3, 0.1}}}));
+  EXPECT_EQ(d.letters, (torture::Letters{'(', ','}));
+  EXPECT_EQ(d.flags, (std::vector<std::uint8_t>{1, 0}));
+  EXPECT_EQ(d.one, std::vector<std::uint8_t>{1});
+  EXPECT_TRUE(d.none.empty());
+}
+
 TEST(Defaults, OfEnumerationsAreTheirDefaultLiteralOrTheirFirst) {
   const torture::Defaults d;
   EXPECT_EQ(d.color, torture::Color::RED);

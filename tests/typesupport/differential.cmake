@@ -11,7 +11,7 @@ set(ros_idl)
 foreach(package IN LISTS ros_packages)
   cmake_path(GET package PARENT_PATH root)
   file(GLOB messages CONFIGURE_DEPENDS RELATIVE ${root} ${package}/msg/*.msg)
-  list(FILTER messages EXCLUDE REGEX "/(WStrings|Arrays|BoundedPlainSequences|BoundedSequences|UnboundedSequences|MultiNested)[.]msg$")  # TEMPORARY
+  list(FILTER messages EXCLUDE REGEX /WStrings[.]msg$)  # idlc has no wide strings
   list(TRANSFORM messages REPLACE "(.*)[.]msg" "${ros_idl_dir}/\\1.idl" OUTPUT_VARIABLE idl)
   list(TRANSFORM messages PREPEND ${root}/)
   list(APPEND ros_msg ${messages})

@@ -1,10 +1,41 @@
-# A copy of an IDL file that may be included more than once, and together with others of its kind. Lines keep their
-# numbers.
-#
-# rosidl_adapter declares an alias for each type of array, `typedef double double__36[36];`, in every file that needs
-# it. ROS reads each file on its own; idlc reads them together and takes the second for a collision. The name tells
-# what it stands for, so that the first is as good as any. Only what stands before the first declaration is looked at:
-# there, the modules so far are the scope.
+# A copy of an IDL file for idlc to read, which makes up for three things:
+# - It includes a file again that has no include guard: the copy ends with `#pragma once`.
+# - rosidl_adapter declares an alias for each type of array, `typedef double double__36[36];`, in every file that needs
+#   it. ROS reads each file on its own; idlc reads them together and takes the second for a collision. The name tells
+#   what it stands for, so that the first is as good as any. Only what stands before the first declaration is looked
+#   at: there, the modules so far are the scope.
+# - It counts lines wrongly beside comments, and sometimes elsewhere: the copy has no comments, and numbers each line.
+#   Columns stay what they are.
+function blank(length_, spaces) {
+  while (length(spaces) < length_) spaces = spaces " "
+  return spaces
+}
+
+# `line` with spaces for comments. A comment of several lines is remembered.
+function without_comments(line, result) {
+  result = ""
+  while (line != "") {
+    if (in_comment) {
+      if (!match(line, /\*\//)) return result
+      result = result blank(RSTART + 1)
+      line = substr(line, RSTART + 2)
+      in_comment = 0
+    } else if (match(line, /^([^"'\/]|\/[^\/*]|\/$)+/) || match(line, /^"([^"\\]|\\.)*"?/) ||
+               match(line, /^'([^'\\]|\\.)*'?/)) {
+      result = result substr(line, 1, RLENGTH)
+      line = substr(line, RLENGTH + 1)
+    } else if (line ~ /^\/\*/) {
+      result = result "  "
+      line = substr(line, 3)
+      in_comment = 1
+    } else {
+      return result  # of a comment to the end of the line
+    }
+  }
+  return result
+}
+
+# The name that an alias of rosidl_adapter's has, or nothing.
 function alias_of(line, name, dimension) {
   sub(/^[ \t]*typedef[ \t]+/, "", line)
   name = line
@@ -13,20 +44,26 @@ function alias_of(line, name, dimension) {
   sub(/[ \t].*/, "", line)
   gsub(/::|</, "__", line)
   gsub(/>/, "", line)
-  if (match(name, /\[[0-9]+\]$/)) {
-    dimension = substr(name, RSTART + 1, RLENGTH - 2)
-    return name == line "__" dimension "[" dimension "]" ? line "__" dimension : ""
-  }
-  return name == line ? name : ""
+  if (!match(name, /\[[0-9]+\]$/)) return name == line ? name : ""
+  dimension = substr(name, RSTART + 1, RLENGTH - 2)
+  return name == line "__" dimension "[" dimension "]" ? line "__" dimension : ""
 }
 
 BEGIN { is_head = 1 }
-is_head && /^[ \t]*module[ \t]+[A-Za-z0-9_]+[ \t]*\{[ \t\r]*$/ { scope = scope $2 "_"; print; next }
-is_head && /^[ \t]*typedef[ \t]+[^ \t]+[ \t]+[^ \t]+;[ \t\r]*$/ && (alias = alias_of($0)) != "" {
-  guard = "SFT_ALIAS_" scope alias
-  print "#ifndef " guard "\n#define " guard "\n#line " NR "\n" $0 "\n#endif\n#line " NR + 1
-  next
+
+{
+  sub(/\r$/, "")
+  line = without_comments($0)
+  alias = ""
+  if (is_head && line ~ /^[ \t]*typedef[ \t]+[^ \t]+[ \t]+[^ \t]+;[ \t]*$/) alias = alias_of(line)
+  if (is_head && line ~ /^[ \t]*module[ \t]+[A-Za-z0-9_]+[ \t]*\{[ \t]*$/) scope = scope $2 "_"
+  else if (line !~ /^[ \t]*(#.*)?$/ && alias == "") is_head = 0
+
+  if (alias != "") print "#ifndef SFT_ALIAS_" scope alias "\n#define SFT_ALIAS_" scope alias
+  if (!is_continued) print "#line " NR
+  print line
+  if (alias != "") print "#endif"
+  is_continued = line ~ /\\$/
 }
-!/^[ \t]*(#.*|\/\/.*)?\r?$/ { is_head = 0 }
-{ print }
+
 END { print "#pragma once" }

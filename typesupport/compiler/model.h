@@ -99,6 +99,8 @@ struct sft_file {
   size_t source_count;
   struct sft_declaration* declarations;  ///< its own, in their order
   size_t declaration_count;
+  char** texts;  ///< that the IDL reader made itself
+  size_t text_count;
 };
 
 void sft_file_free(struct sft_file* file);

@@ -218,3 +218,30 @@ enum sft_kind sft_bitmask_kind(const idl_bitmask_t* bitmask) {
   if (bitmask->bit_bound.value <= 16) return SFT_UINT16;
   return bitmask->bit_bound.value <= 32 ? SFT_UINT32 : SFT_UINT64;
 }
+
+bool sft_is_bitmask(const struct sft_type* type) {
+  if (type->name == NULL) return false;
+  return type->kind == SFT_UINT8 || type->kind == SFT_UINT16 || type->kind == SFT_UINT32 ||
+         type->kind == SFT_UINT64;
+}
+
+uint64_t sft_greatest_value(enum sft_kind kind) {
+  switch (kind) {
+    case SFT_INT8:
+      return INT8_MAX;
+    case SFT_UINT8:
+      return UINT8_MAX;
+    case SFT_INT16:
+      return INT16_MAX;
+    case SFT_UINT16:
+      return UINT16_MAX;
+    case SFT_INT32:
+      return INT32_MAX;
+    case SFT_UINT32:
+      return UINT32_MAX;
+    case SFT_INT64:
+      return INT64_MAX;
+    default:
+      return UINT64_MAX;
+  }
+}

@@ -1,23 +1,11 @@
 #include "reader.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "memory.h"
+#include "read_default.h"
 #include "read_type.h"
 #include "reading.h"
-
-// Room for one more item, zero, behind `count` of them. A compiler without memory has nothing better to do
-// than end.
-static void* grow(void* items, size_t count, size_t item_bytes) {
-  void* grown = realloc(items, (count + 1) * item_bytes);
-  if (grown == NULL) {
-    fputs("out of memory\n", stderr);
-    exit(EXIT_FAILURE);
-  }
-  memset((char*)grown + count * item_bytes, 0, item_bytes);
-  return grown;
-}
 
 static void enter(struct sft_reading* reading, const void* node) {
   reading->node = node;
@@ -29,7 +17,7 @@ static struct sft_declaration* add_declaration(struct sft_reading* reading, enum
                                                const void* node) {
   struct sft_file* file = reading->file;
   enter(reading, node);
-  file->declarations = grow(file->declarations, file->declaration_count, sizeof *file->declarations);
+  file->declarations = sft_grown(file->declarations, file->declaration_count, sizeof *file->declarations);
   struct sft_declaration* added = &file->declarations[file->declaration_count++];
   added->kind = kind;
   added->name = reading->owner;
@@ -40,6 +28,8 @@ static void read_constant(struct sft_reading* reading, const idl_const_t* node) 
   struct sft_declaration* constant = add_declaration(reading, SFT_CONSTANT, node);
   constant->type = sft_read_type(reading, node->type_spec, NULL);
   constant->value = sft_read_value(&constant->type, node->const_expr);
+  if (sft_is_bitmask(&constant->type) && constant->value.natural > sft_greatest_value(constant->type.kind))
+    sft_refuse(reading, "the value has bits beyond @bit_bound: use less");
 }
 
 static void read_typedef(struct sft_reading* reading, const idl_typedef_t* node) {
@@ -50,19 +40,8 @@ static void read_typedef(struct sft_reading* reading, const idl_typedef_t* node)
   }
 }
 
-static uint32_t greatest_value(enum sft_kind kind) {
-  switch (kind) {
-    case SFT_INT8:
-      return INT8_MAX;
-    case SFT_INT16:
-      return INT16_MAX;
-    default:
-      return INT32_MAX;
-  }
-}
-
 static struct sft_enumerator* add_enumerator(struct sft_declaration* owner) {
-  owner->enumerators = grow(owner->enumerators, owner->enumerator_count, sizeof *owner->enumerators);
+  owner->enumerators = sft_grown(owner->enumerators, owner->enumerator_count, sizeof *owner->enumerators);
   return &owner->enumerators[owner->enumerator_count++];
 }
 
@@ -74,7 +53,7 @@ static void read_enumeration(struct sft_reading* reading, const idl_enum_t* node
     struct sft_enumerator* to = add_enumerator(enumeration);
     to->name = idl_identifier(from);
     to->value = from->value.value;
-    if (to->value > greatest_value(enumeration->type.kind)) {
+    if (to->value > sft_greatest_value(enumeration->type.kind)) {
       reading->node = from;
       reading->member = to->name;
       sft_refuse(reading, "the value does not fit the enumeration's signed integer: use a smaller one");
@@ -93,21 +72,13 @@ static void read_bitmask(struct sft_reading* reading, const idl_bitmask_t* node)
   }
 }
 
-static void check_annotations(struct sft_reading* reading, const idl_member_t* node,
-                              const struct sft_type* type) {
+static void check_annotations(struct sft_reading* reading, const idl_member_t* node) {
   if (node->optional.value) {
     sft_refuse(reading, "optional members are not supported: use a sequence with bound 1");
   }
   if (node->external.value) {
     sft_refuse(reading,
                "external members are not supported: remove @external, or use a sequence with bound 1");
-  }
-  if (node->value.annotation == NULL) return;
-  if (type->is_sequence || type->dimension_count > 0) {
-    sft_refuse(reading,
-               "defaults of arrays and sequences are not supported: remove @default and assign at run time");
-  } else if (idl_is_alias(node->type_spec)) {  // idlc replaces the value by zero
-    sft_refuse(reading, "defaults of a typedef's type are not supported: name the type itself");
   }
 }
 
@@ -119,24 +90,28 @@ static struct sft_value enumeration_default(const idl_type_spec_t* spec) {
   return (struct sft_value){.is_set = first->value.value != 0, .text = idl_identifier(first)};
 }
 
-static struct sft_value initial_value(const idl_member_t* node, const struct sft_type* type) {
-  const bool is_single = !type->is_sequence && type->dimension_count == 0;
-  const bool is_enumeration = idl_type(idl_strip(node->type_spec, IDL_STRIP_ALIASES)) == IDL_ENUM;
-  if (is_single && node->value.annotation != NULL) return sft_read_value(type, node->value.value);
-  if (is_single && is_enumeration) return enumeration_default(node->type_spec);
-  return (struct sft_value){.is_set = false};
+static void read_initial(struct sft_reading* reading, const idl_member_t* node, struct sft_member* member) {
+  const bool is_single = !member->type.is_sequence && member->type.dimension_count == 0;
+  if (node->value.annotation != NULL) {
+    sft_read_default(reading, node, member);
+  } else if (is_single && idl_type(idl_strip(node->type_spec, IDL_STRIP_ALIASES)) == IDL_ENUM) {
+    member->initial = enumeration_default(node->type_spec);
+  }
 }
 
 static void read_member(struct sft_reading* reading, struct sft_declaration* owner, const idl_member_t* node,
                         const idl_declarator_t* declarator) {
-  owner->members = grow(owner->members, owner->member_count, sizeof *owner->members);
+  owner->members = sft_grown(owner->members, owner->member_count, sizeof *owner->members);
   struct sft_member* member = &owner->members[owner->member_count++];
   member->name = idl_identifier(declarator);
   reading->node = declarator;
   reading->member = member->name;
+  const bool was_refused = reading->is_refused;
+  reading->is_refused = false;
   member->type = sft_read_type(reading, node->type_spec, declarator);
-  check_annotations(reading, node, &member->type);
-  if (!reading->is_refused) member->initial = initial_value(node, &member->type);
+  check_annotations(reading, node);
+  if (!reading->is_refused) read_initial(reading, node, member);
+  reading->is_refused |= was_refused;
   member->is_key = node->key.value;
   member->unit = node->unit.value;
 }
@@ -208,7 +183,7 @@ static void add_unique(const char*** paths, size_t* count, const char* path) {
   for (size_t i = 0; i < *count; ++i) {
     if (strcmp((*paths)[i], path) == 0) return;
   }
-  *paths = grow(*paths, *count, sizeof **paths);
+  *paths = sft_grown(*paths, *count, sizeof **paths);
   (*paths)[(*count)++] = path;
 }
 
