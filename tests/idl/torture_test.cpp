@@ -69,6 +69,8 @@ TEST(Constants, HaveTypesAndValuesOfTheIdl) {
   static_assert(torture::TENTH == 0.1F && torture::ONE == 1.0 && torture::GREAT == 1e300);
   static_assert(torture::ROWS == 2 && torture_base::LENGTH == 3 && ORPHANS == 2);
   static_assert(torture::FAVOURITE == torture::Color::GREEN);
+  static_assert(torture::TILDE == '~');
+  EXPECT_EQ(torture::ESCAPES, "~JA \\x41 '");
   EXPECT_EQ(torture::GREETING, "say \"hi\"\tto \xC2\xB5\\");
 }
 

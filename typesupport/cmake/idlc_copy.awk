@@ -1,4 +1,4 @@
-# A copy of an IDL file for idlc to read, which makes up for three things:
+# A copy of an IDL file for idlc to read, which makes up for what this does:
 # - It includes a file again that has no include guard: the copy ends with `#pragma once`.
 # - rosidl_adapter declares an alias for each type of array, `typedef double double__36[36];`, in every file that needs
 #   it. ROS reads each file on its own; idlc reads them together and takes the second for a collision. The name tells
@@ -6,13 +6,31 @@
 #   at: there, the modules so far are the scope.
 # - It counts lines wrongly beside comments, and sometimes elsewhere: the copy has no comments, and numbers each line.
 #   Columns stay what they are.
-function blank(length_, spaces) {
-  while (length(spaces) < length_) spaces = spaces " "
+# - It misreads the letters in "\x7e": the copy has "\176".
+function blank(width, spaces) {
+  while (length(spaces) < width) spaces = spaces " "
   return spaces
 }
 
-# `line` with spaces for comments. A comment of several lines is remembered.
-function without_comments(line, result) {
+function hex_value(digits, i, value) {
+  for (i = 1; i <= length(digits); ++i)
+    value = 16 * value + index("0123456789abcdef", tolower(substr(digits, i, 1))) - 1
+  return value
+}
+
+# A string or character literal without hexadecimal escapes.
+function without_hex(literal, result, escape) {
+  while (match(literal, /\\([xX][0-9A-Fa-f][0-9A-Fa-f]?|.)/)) {
+    escape = substr(literal, RSTART, RLENGTH)
+    if (length(escape) > 2) escape = sprintf("\\%03o", hex_value(substr(escape, 3)))
+    result = result substr(literal, 1, RSTART - 1) escape
+    literal = substr(literal, RSTART + RLENGTH)
+  }
+  return result literal
+}
+
+# `line` with spaces for comments, and without hexadecimal escapes. A comment of several lines is remembered.
+function without_comments(line, result, literal) {
   result = ""
   while (line != "") {
     if (in_comment) {
@@ -20,10 +38,13 @@ function without_comments(line, result) {
       result = result blank(RSTART + 1)
       line = substr(line, RSTART + 2)
       in_comment = 0
-    } else if (match(line, /^([^"'\/]|\/[^\/*]|\/$)+/) || match(line, /^"([^"\\]|\\.)*"?/) ||
-               match(line, /^'([^'\\]|\\.)*'?/)) {
+    } else if (match(line, /^([^"'\/]|\/[^\/*]|\/$)+/)) {
       result = result substr(line, 1, RLENGTH)
       line = substr(line, RLENGTH + 1)
+    } else if (match(line, /^"([^"\\]|\\.)*"?/) || match(line, /^'([^'\\]|\\.)*'?/)) {
+      literal = substr(line, 1, RLENGTH)
+      result = result without_hex(literal)
+      line = substr(line, length(literal) + 1)
     } else if (line ~ /^\/\*/) {
       result = result "  "
       line = substr(line, 3)

@@ -9,8 +9,10 @@
 output=$1
 shift
 
+set -f
+script_dir=$(dirname -- "$0")
 mkdir -p "$output.copies"
-copies=$(cd "$output.copies" && pwd -P)
+copies=$(cd "$output.copies" && pwd -P) || exit
 trap 'rm -rf "$copies"' EXIT
 newline='
 '
@@ -19,12 +21,11 @@ include_dirs=
 # Copies the file $1 and all that it includes, wherever idlc may look for that, to below $copies.
 copy() {
   [ -f "$1" ] && [ ! -e "$copies$1" ] || return 0
-  mkdir -p "$copies${1%/*}"
-  awk -f "${0%/*}/idlc_copy.awk" "$1" >"$copies$1"
+  mkdir -p "$copies${1%/*}" && awk -f "$script_dir/idlc_copy.awk" "$1" >"$copies$1" || return
   sed -n 's/^[[:space:]]*#[[:space:]]*include[[:space:]]*["<]\([^">]*\)[">].*/\1/p' "$1" |
     while IFS= read -r included; do
       IFS=$newline
-      for dir in "${1%/*}" $include_dirs; do copy "$dir/$included"; done
+      for dir in "${1%/*}" $include_dirs; do copy "$dir/$included" || exit; done
     done
 }
 
@@ -35,26 +36,26 @@ for argument; do
   shift
   left=$((left - 1))
   original=$argument
-  case $option$argument in
-    -I*)
+  case $option:$argument in
+    :-I*)
       include_dirs=$include_dirs${argument#-I}$newline
       set -- "$@" "-I$copies${argument#-I}"
       ;;
-    -b/*) argument=$copies$argument ;;
-    -r) set -- "$@" -c "$copies" ;; # an option of our generator, as is -r
+    -b:*) argument=$copies$argument ;;
+    :-r) set -- "$@" -c "$copies" ;; # both are options of our generator
   esac
-  [ $left -gt 0 ] || argument=$copies$argument
   option=
   [ "$original" != -b ] || option=-b
+  [ $left -gt 0 ] || argument=$copies$original
   set -- "$@" "$argument"
 done
-copy "$original"
+copy "$original" || exit
 
 rm -f "$output"
 ulimit -v 2097152 # KiB
 "$@" 2>"$copies/messages"
 status=$?
-COPIES=$copies awk -f "${0%/*}/idlc_messages.awk" "$copies/messages" >&2
+COPIES=$copies awk -f "$script_dir/idlc_messages.awk" "$copies/messages" >&2
 if [ $status -gt 128 ]; then
   echo "$original: idlc crashed (status $status): see above; it accepts some files that it cannot handle" >&2
 elif [ $status -eq 0 ] && [ ! -s "$output" ]; then
