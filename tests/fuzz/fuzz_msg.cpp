@@ -1,0 +1,56 @@
+// The parser of .msg files. A text is refused with problems that a terminal can show, or has a definition
+// whose printed form has the same one.
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "from_msg/idl_text.h"
+#include "from_msg/model_of.h"
+#include "from_msg/parse.h"
+#include "from_msg/utf8.h"
+#include "tests/msg/print_definition.h"
+
+namespace {
+
+using namespace sft::msg;
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+Definition without_lines(Definition definition) {
+  for (Constant& constant : definition.constants) constant.line = 0;
+  for (Field& field : definition.fields) field.line = 0;
+  return definition;
+}
+
+void check(const std::vector<Problem>& problems, std::string_view text) {
+  require(!problems.empty() && problems.size() <= Limits::problems);
+  const auto lines = 1 + std::ranges::count_if(text, [](char c) { return c == '\n' || c == '\r'; });
+  std::uint32_t previous = 1;
+  for (const Problem& problem : problems) {
+    require(problem.line >= previous && problem.line <= lines);
+    require(problem.text.size() < 1000 &&
+            problem.text.find_first_of(std::string_view("\n\r\0\x1b", 4)) == std::string::npos);
+    require(find_invalid_utf8(problem.text) == std::string::npos);
+    previous = problem.line;
+  }
+}
+
+void check(const Definition& definition) {
+  const auto again = parse(test::print(definition), definition.type);
+  require(again && without_lines(*again) == without_lines(definition));
+  require(!idl_text(definition).empty());
+  const ModelOf model(definition, {"/root", {}});
+  require(model.file().declaration_count == definition.constants.size() + 1);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto definition = parse(text, {"my_msgs", "Example"});
+  definition ? check(*definition) : check(definition.error(), text);
+  return 0;
+}

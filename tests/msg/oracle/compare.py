@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""compare.py VALUES_JSON DESCRIBE_OF_MSG DESCRIBE_OF_IDL
+
+Fails unless the types made from .msg files are those made from rosidl's IDL, and their constants and defaults are the
+values that rosidl's parser read.
+"""
+import json
+import struct
+import subprocess
+import sys
+
+
+def described_by(program):
+    return json.loads(subprocess.run([program], check=True, capture_output=True).stdout)
+
+
+def equal(read, ours):
+    """Whether `ours`, maybe a float32, is the value that rosidl read."""
+    if isinstance(read, list):
+        return len(read) == len(ours) and all(map(equal, read, ours))
+    if isinstance(read, float) and abs(read) < 3e38:
+        return ours in (read, struct.unpack('f', struct.pack('f', read))[0])
+    return read == ours
+
+
+def differences(name, read, msg, idl):
+    for what in ('hash', 'paths', 'units', 'constants'):
+        if msg[what] != idl[what]:
+            yield f'{name}: {what}: {msg[what]} from .msg, {idl[what]} from IDL'
+    for field, value in msg['initial'].items():
+        if not isinstance(value, list) and not isinstance(value, dict) and value != idl['initial'][field]:
+            yield f'{name}.{field}: default {value} from .msg, {idl["initial"][field]} from IDL'
+    for what in ('constants', 'initial'):
+        for member, value in read[what].items():
+            if not equal(value, msg[what][member]):
+                yield f'{name}.{member}: rosidl reads {value}, we read {msg[what][member]}'
+
+
+def main():
+    read = json.load(open(sys.argv[1], encoding='utf-8'))
+    msg, idl = described_by(sys.argv[2]), described_by(sys.argv[3])
+    found = [d for name in read for d in differences(name, read[name], msg[name], idl[name])]
+    print('\n'.join(found) or f'{len(read)} types are the same')
+    sys.exit(bool(found) or not read)
+
+
+main()

@@ -1,0 +1,35 @@
+// Texts of .msg files in tests, and what the parser says about them.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <string_view>
+
+#include "from_msg/parse.h"
+
+namespace sft::msg::test {
+
+inline const TypeName example{"my_msgs", "Example"};
+
+/// The definition that `text` gives; a failure of the test, and an empty one, if it gives none.
+inline Definition parsed(std::string_view text) {
+  auto result = parse(text, example);
+  if (result) return *std::move(result);
+  ADD_FAILURE() << text << ": " << result.error().front().text;
+  return {};
+}
+
+/// What is wrong with `text`, one line each: "LINE MEMBER: TEXT". Empty: nothing.
+inline std::string problems(std::string_view text, const TypeName& name = example) {
+  std::string lines;
+  const auto result = parse(text, name);
+  if (result) return lines;
+  for (const Problem& problem : result.error()) {
+    lines += lines.empty() ? "" : "\n";
+    lines += std::to_string(problem.line) + " " + problem.member + ": " + problem.text;
+  }
+  return lines;
+}
+
+}  // namespace sft::msg::test

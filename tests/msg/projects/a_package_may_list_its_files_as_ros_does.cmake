@@ -1,0 +1,8 @@
+include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
+write(my_pkg/msg/A.msg "B b\n")
+write(my_pkg/msg/B.msg "float64 x\n")
+write(my_pkg/CMakeLists.txt "sft_generate(TARGET t FILES msg/A.msg)")
+write_project("add_subdirectory(my_pkg)")
+set(generated ${build}/my_pkg/sft_generated)
+expect_generated(t my_pkg/msg/A my_pkg/msg/B)
+expect_in_header(t my_pkg/msg/A "#include <my_pkg/msg/B.hpp>")

@@ -1,0 +1,7 @@
+include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
+write(overlay/a/msg/A.msg "B b\n")
+write(overlay/a/msg/B.msg "float64 mine\n")
+write(underlay/a/msg/B.msg "float64 theirs\n")
+write_project("sft_generate(TARGET t FILES overlay/a/msg/A.msg INCLUDES underlay)")
+expect_generated(t a/msg/A a/msg/B)
+expect_in_header(t a/msg/B mine)

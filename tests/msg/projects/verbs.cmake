@@ -1,0 +1,95 @@
+# What the tests in this folder are written in: a project that uses sft_generate, in a directory with a space in its name.
+# They get WORK (an empty directory of their own), GENERATOR, SFT_CMAKE_DIR, SFT_MSGC and SFT_IDL_PLUGIN.
+cmake_minimum_required(VERSION 3.25)
+set(source "${WORK}/a project")
+set(build "${WORK}/its build")
+set(generated "${build}/sft_generated")  # a folder per target
+file(REMOVE_RECURSE "${WORK}")
+
+# Writes a file of the project.
+function(write path text)
+  file(WRITE "${source}/${path}" "${text}")
+endfunction()
+
+# Writes the project's CMakeLists.txt, of which `text` is the interesting part.
+function(write_project text)
+  write(CMakeLists.txt "
+    cmake_minimum_required(VERSION 3.25)
+    project(user LANGUAGES NONE)
+    add_executable(sft_msgc IMPORTED)
+    set_target_properties(sft_msgc PROPERTIES IMPORTED_LOCATION \"${SFT_MSGC}\")
+    add_library(cycloneddsidlsft SHARED IMPORTED)
+    set_target_properties(cycloneddsidlsft PROPERTIES IMPORTED_LOCATION \"${SFT_IDL_PLUGIN}\")
+    add_library(sft_typesupport INTERFACE)
+    include(\"${SFT_CMAKE_DIR}/SftGenerate.cmake\")
+    ${text}
+  ")
+endfunction()
+
+macro(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE errors)
+  # Messages of CMake are wrapped.
+  string(REGEX REPLACE "[ \n]+" " " said "${output} ${errors}")
+endmacro()
+
+macro(configure)
+  run(${CMAKE_COMMAND} -S ${source} -B ${build} -G ${GENERATOR})
+endmacro()
+
+macro(build_headers target)
+  run(${CMAKE_COMMAND} --build ${build} --target ${target}_headers --parallel 2)
+endmacro()
+
+function(expect_success)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "failed: ${output}${errors}")
+  endif()
+endfunction()
+
+function(expect_error text)
+  string(FIND "${said}" "${text}" position)
+  if(status EQUAL 0)
+    message(FATAL_ERROR "succeeded; expected: ${text}")
+  elseif(position EQUAL -1)
+    message(FATAL_ERROR "expected: ${text}\ngot: ${output}${errors}")
+  endif()
+endfunction()
+
+function(expect_generated target)
+  configure()
+  expect_success()
+  build_headers(${target})
+  expect_success()
+  expect_headers(${target} ${ARGN})
+endfunction()
+
+# Exactly these, as pkg/msg/Name.
+function(expect_headers target)
+  set(directory "${generated}/${target}")
+  file(GLOB_RECURSE headers RELATIVE "${directory}" "${directory}/*.hpp")
+  list(TRANSFORM headers REPLACE "\\.hpp$" "")
+  list(SORT headers)
+  set(expected ${ARGN})
+  list(SORT expected)
+  if(NOT "${headers}" STREQUAL "${expected}")
+    message(FATAL_ERROR "expected: ${expected}\ngot: ${headers}")
+  endif()
+endfunction()
+
+# In the header `name` that is made for `target`.
+function(expect_in_header target name text)
+  file(READ "${generated}/${target}/${name}.hpp" header)
+  string(FIND "${header}" "${text}" position)
+  if(position EQUAL -1)
+    message(FATAL_ERROR "expected: ${text}\nin: ${header}")
+  endif()
+endfunction()
+
+# What the project is built with next has a later time stamp than what is there.
+function(let_time_pass)
+  file(GLOB_RECURSE files "${WORK}/*")
+  foreach(file IN LISTS files)
+    list(APPEND stamps "${file}")
+  endforeach()
+  execute_process(COMMAND touch -d "-10 seconds" -- ${stamps})
+endfunction()
