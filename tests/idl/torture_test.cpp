@@ -69,6 +69,8 @@ TEST(Constants, HaveTypesAndValuesOfTheIdl) {
   static_assert(torture::TENTH == 0.1F && torture::ONE == 1.0 && torture::GREAT == 1e300);
   static_assert(torture::ROWS == 2 && torture_base::LENGTH == 3 && ORPHANS == 2);
   static_assert(torture::FAVOURITE == torture::Color::GREEN);
+  static_assert(torture::TILDE == '~');
+  EXPECT_EQ(torture::ESCAPES, "~JA \\x41 '");
   EXPECT_EQ(torture::GREETING, "say \"hi\"\tto \xC2\xB5\\");
 }
 
@@ -92,6 +94,58 @@ TEST(Enumerations, HaveTheirValuesAndWidth) {
   EXPECT_EQ(member<torture::Defaults>("tiny").kind, sft::Kind::int8);
 }
 
+TEST(Bitmasks, AreUnsignedIntegersOfTheirWidth) {
+  using torture::Bitmasks;
+  static_assert(std::is_same_v<std::underlying_type_t<torture::Lamps>, std::uint8_t>);
+  static_assert(std::is_same_v<std::underlying_type_t<torture::Doors>, std::uint16_t>);
+  static_assert(std::is_same_v<std::underlying_type_t<torture::Flags>, std::uint32_t>);
+  static_assert(std::is_same_v<std::underlying_type_t<torture::Seats>, std::uint64_t>);
+  EXPECT_EQ(member<Bitmasks>("lamps").kind, sft::Kind::uint8);
+  EXPECT_EQ(member<Bitmasks>("three").kind, sft::Kind::uint16);
+  EXPECT_EQ(member<Bitmasks>("state").kind, sft::Kind::uint32);
+  EXPECT_EQ(member<Bitmasks>("many").kind, sft::Kind::uint64);
+}
+
+TEST(Bitmasks, HaveABitForEachFlag) {
+  static_assert(static_cast<int>(torture::Flags::PAUSED) == 8);
+  static_assert(static_cast<int>(torture::Flags::class_ended) == 16);
+  static_assert(static_cast<std::uint64_t>(torture::Seats::virtual_) == std::uint64_t{1} << 63);
+}
+
+TEST(Bitmasks, AreCombinedByOperatorsThatNeedNoUsing) {
+  using torture::Flags;
+  static_assert((Flags::STARTED | Flags::PAUSED) == torture::BUSY);
+  static_assert((torture::BUSY & Flags::PAUSED) == Flags::PAUSED);
+  static_assert((torture::BUSY ^ Flags::PAUSED) == Flags::STARTED);
+  static_assert((torture::BUSY & ~Flags::STARTED) == Flags::PAUSED);
+  static_assert(static_cast<std::uint8_t>(~torture::Lamps::LEFT) == 0xFE);
+}
+
+TEST(Bitmasks, StartWithoutFlagsOrWithTheirDefault) {
+  EXPECT_EQ(torture::Bitmasks{}.flags, torture::Flags{});
+  EXPECT_EQ(torture::Bitmasks{}.initial, torture::BUSY);
+}
+
+TEST(Bitmasks, AreReadAsSuch) {
+  torture::Bitmasks value;
+  value.doors = torture::Doors::BACK;
+  value.many = {torture::Seats::DRIVER, torture::Seats::virtual_};
+  const Encoded<torture::Bitmasks> encoded(value);
+  static_assert(std::is_same_v<decltype(encoded.view().doors()), torture::Doors>);
+  EXPECT_EQ(encoded.view().doors(), torture::Doors::BACK);
+  EXPECT_EQ(encoded.view().many()[1], torture::Seats::virtual_);
+}
+
+TEST(Bitmasks, AreDescribedByTheirTable) {
+  const sft::EnumType& flags = *member<torture::Bitmasks>("four").enumeration;
+  EXPECT_TRUE(flags.is_bitmask);
+  EXPECT_EQ(flags.name, "torture::Flags");
+  ASSERT_EQ(flags.enumerators.size(), 3U);
+  EXPECT_EQ(flags.enumerators[1].name, "PAUSED");
+  EXPECT_EQ(flags.enumerators[1].value, 8U);
+  EXPECT_FALSE(member<torture::Defaults>("color").enumeration->is_bitmask);
+}
+
 TEST(Defaults, InitializeTheOwnedStruct) {
   const torture::Defaults d;
   EXPECT_TRUE(d.flag);
@@ -103,6 +157,26 @@ TEST(Defaults, InitializeTheOwnedStruct) {
   EXPECT_EQ(d.quarter, 0.25F);
   EXPECT_EQ(d.three, 3.0);
   EXPECT_EQ(d.label, "none \"yet\"");
+}
+
+TEST(Defaults, AreReadThoughIdlcLosesThem) {
+  const torture::LostDefaults d;
+  EXPECT_EQ(d.id, -5);
+  EXPECT_EQ(d.product, 14);
+  EXPECT_EQ(d.lines, 0x1F);
+  EXPECT_TRUE(d.answer);
+  EXPECT_EQ(d.name, "abcd");
+  EXPECT_EQ(d.state, torture::BUSY);
+}
+
+TEST(Defaults, OfCollectionsAreWrittenAsInPython) {
+  const torture::LostDefaults d;
+  EXPECT_EQ(d.texts, (torture::Texts{"it's", "say \"hi\"", "two\nlines", ""}));
+  EXPECT_EQ(d.square, (torture::Square{{{1.5, -2}, {1e3, 0.1}}}));
+  EXPECT_EQ(d.letters, (torture::Letters{'(', ','}));
+  EXPECT_EQ(d.flags, (std::vector<std::uint8_t>{1, 0}));
+  EXPECT_EQ(d.one, std::vector<std::uint8_t>{1});
+  EXPECT_TRUE(d.none.empty());
 }
 
 TEST(Defaults, OfEnumerationsAreTheirDefaultLiteralOrTheirFirst) {

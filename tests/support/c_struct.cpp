@@ -10,9 +10,13 @@ namespace sft::test {
 
 namespace {
 
+/// C has one width for all enumerations; in CDR and in our structs they are as wide as they need be.
+bool is_c_enum(const Member& m) { return m.enumeration != nullptr && !m.enumeration->is_bitmask; }
+
 /// Of one element.
 CLayout element_layout(const Member& m) {
   if (m.kind == Kind::structure) return c_layout(*m.type);
+  if (is_c_enum(m)) return {sizeof(std::int32_t), alignof(std::int32_t)};
   if (m.kind != Kind::string) return {size_of(m.kind), size_of(m.kind)};
   return m.string_bound == 0 ? CLayout{sizeof(char*), alignof(char*)}
                              : CLayout{m.string_bound + std::size_t{1}, 1};
@@ -47,7 +51,7 @@ void copy_element(const Member& m, const std::byte* from, std::byte* to) {
   if (m.kind == Kind::structure) {
     copy_structure(*m.type, from, to);
   } else if (m.kind != Kind::string) {
-    std::memcpy(to, from, size_of(m.kind));
+    std::memcpy(to, from, size_of(m.kind));  // of a C enumeration, the lower bytes
   } else {
     const auto* text = reinterpret_cast<const char*>(from);
     if (m.string_bound == 0) std::memcpy(&text, from, sizeof text);

@@ -70,6 +70,13 @@ void RandomValues::structure(const StructType& type, void* object, int depth) {
   for (const Member& m : type.members) {
     const std::size_t count = m.shape == Shape::sequence ? elements(m, depth) : m.count;
     std::byte* first = resized(m, object, count);
+    if (m.enumeration != nullptr && enumerated_ == Enumerated::declared) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint64_t value = declared(*m.enumeration);
+        std::memcpy(first + i * m.stride, &value, m.stride);
+      }
+      continue;
+    }
     if (is_primitive(m.kind)) {
       block(m.kind, first, count);
       continue;
@@ -120,6 +127,13 @@ void RandomValues::primitive(Kind kind, std::byte* value) {
     bits = some[bits % some.size()];
   }
   std::memcpy(value, &bits, size_of(kind));
+}
+
+std::uint64_t RandomValues::declared(const EnumType& type) {
+  if (!type.is_bitmask) return type.enumerators[up_to(type.enumerators.size() - 1)].value;
+  std::uint64_t flags = 0;
+  for (const Enumerator& flag : type.enumerators) flags |= one_in(2) ? flag.value : 0;
+  return flags;
 }
 
 std::string RandomValues::text(std::size_t most, int depth) {

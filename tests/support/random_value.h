@@ -12,9 +12,14 @@
 
 namespace sft::test {
 
+/// What enumerations and bitmasks get: any integer, or only what the IDL declares (which is all that Cyclone
+/// DDS accepts).
+enum class Enumerated { any, declared };
+
 class RandomValues {
  public:
-  explicit RandomValues(Random& random) : random_(random) {}
+  explicit RandomValues(Random& random, Enumerated enumerated = Enumerated::any)
+      : random_(random), enumerated_(enumerated) {}
 
   /// All leaves: any bits where any are allowed (extremes and NaNs often), booleans 0 or 1, strings without
   /// NUL, sequences and strings within their bounds.
@@ -29,12 +34,14 @@ class RandomValues {
   void structure(const StructType& type, void* object, int depth);
   std::size_t elements(const Member& member, int depth);
   void block(Kind kind, std::byte* first, std::size_t count);
+  std::uint64_t declared(const EnumType& type);
   void primitive(Kind kind, std::byte* value);
   std::string text(std::size_t most, int depth);
   std::size_t log_uniform(std::size_t most);
   bool one_in(std::uint64_t n) { return random_() % n == 0; }
 
   Random& random_;
+  Enumerated enumerated_;
 };
 
 }  // namespace sft::test

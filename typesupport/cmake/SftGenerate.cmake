@@ -37,7 +37,8 @@ endfunction()
 # Makes the custom command for one .idl file, which may include those that are made from the messages `from_msg`.
 function(sft_generate_from_idl name file root output_dir roots from_msg)
   set(header ${output_dir}/${name}.hpp)
-  set(script ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/run_idlc.sh)
+  set(script_dir ${CMAKE_CURRENT_FUNCTION_LIST_DIR})
+  set(script ${script_dir}/run_idlc.sh)
   list(TRANSFORM roots PREPEND -I OUTPUT_VARIABLE include_options)
   list(JOIN roots : root_list)
   add_custom_command(
@@ -45,7 +46,7 @@ function(sft_generate_from_idl name file root output_dir roots from_msg)
     COMMAND sh ${script} ${header} ${SFT_IDLC} -l $<TARGET_FILE:cycloneddsidlsft>
             -f case-sensitive -Wno-unsupported-annotations -Wno-implicit-extensibility
             ${include_options} -r ${root_list} -b ${root} -o ${output_dir} -d ${header}.d ${file}
-    DEPENDS ${file} ${from_msg} cycloneddsidlsft ${script}
+    DEPENDS ${file} ${from_msg} cycloneddsidlsft ${script} ${script_dir}/idlc_copy.awk ${script_dir}/idlc_messages.awk
     DEPFILE ${header}.d
     COMMENT "Generating ${name}.hpp"
     VERBATIM)
@@ -135,7 +136,9 @@ function(sft_generate)
   add_dependencies(${arg_TARGET} ${arg_TARGET}_headers)
   target_include_directories(${arg_TARGET} SYSTEM INTERFACE ${output_dir})
   target_link_libraries(${arg_TARGET} INTERFACE sft_typesupport ${arg_LINK})
+  list(FILTER outputs INCLUDE REGEX "[.]hpp$")
   set_target_properties(${arg_TARGET} PROPERTIES
+    SFT_HEADERS "${outputs}"
     SFT_ROOTS "${roots}"
     SFT_IDL_DIRS "${idl_dirs}"
     SFT_NAMES "${names};${linked_names}"

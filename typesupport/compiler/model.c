@@ -9,6 +9,8 @@ void sft_file_free(struct sft_file* file) {
     free(declaration->enumerators);
     free(declaration->members);
   }
+  for (size_t i = 0; i < file->text_count; ++i) free(file->texts[i]);
+  free(file->texts);
   free(file->declarations);
   free(file->includes);
   free(file->sources);

@@ -37,8 +37,8 @@ enum sft_kind {
 
 // A single value, an array (dimension_count > 0) or a sequence of elements.
 struct sft_type {
-  enum sft_kind kind;     ///< of one element; of an enumeration, the integer that carries it
-  const char* name;       ///< scoped, of the element's struct or enumeration; null otherwise
+  enum sft_kind kind;     ///< of one element; of an enumeration or bitmask, the integer that carries it
+  const char* name;       ///< scoped, of the element's struct, enumeration or bitmask; null otherwise
   uint32_t string_bound;  ///< most characters of each string; 0: unbounded
   bool is_sequence;
   uint32_t bound;  ///< most elements of the sequence; 0: unbounded
@@ -53,7 +53,7 @@ struct sft_value {
     bool boolean;
     char character;
     int64_t integer;   ///< of int8 to int64
-    uint64_t natural;  ///< of octet, uint8 to uint64
+    uint64_t natural;  ///< of octet, uint8 to uint64, a bitmask
     double real;
     const char* text;  ///< of a string; of an enumeration, the enumerator's identifier
   };
@@ -69,18 +69,19 @@ struct sft_member {
   const char* unit;  ///< null: none given
 };
 
+// Or a flag of a bitmask: the value is then its bit.
 struct sft_enumerator {
   const char* name;
-  uint32_t value;
+  uint64_t value;
 };
 
-enum sft_declaration_kind { SFT_CONSTANT, SFT_ALIAS, SFT_ENUMERATION, SFT_STRUCT };
+enum sft_declaration_kind { SFT_CONSTANT, SFT_ALIAS, SFT_ENUMERATION, SFT_BITMASK, SFT_STRUCT };
 
 // Which members count follows from the kind.
 struct sft_declaration {
   enum sft_declaration_kind kind;
   const char* name;        ///< scoped
-  struct sft_type type;    ///< of a constant, an alias; of an enumeration, the integer that carries it
+  struct sft_type type;    ///< of a constant, an alias; of an enumeration or bitmask, what carries it
   struct sft_value value;  ///< of a constant
   struct sft_enumerator* enumerators;
   size_t enumerator_count;
@@ -88,8 +89,9 @@ struct sft_declaration {
   size_t member_count;
 };
 
-// All paths are absolute.
+// All paths are absolute, and of the originals where files are copies.
 struct sft_file {
+  const char* copies;  ///< "", or below which idlc was given copies: that of /a/b.idl is <copies>/a/b.idl
   const char* path;
   const char** includes;  ///< files that it includes itself
   size_t include_count;
@@ -97,6 +99,8 @@ struct sft_file {
   size_t source_count;
   struct sft_declaration* declarations;  ///< its own, in their order
   size_t declaration_count;
+  char** texts;  ///< that the IDL reader made itself
+  size_t text_count;
 };
 
 void sft_file_free(struct sft_file* file);

@@ -43,7 +43,8 @@ std::string header_text(const sft_file& file, const Roots& roots) {
   emit_preamble(code, file, roots);
   emit_owned(code, file, messages);
   for (const sft_declaration& declaration : std::span(file.declarations, file.declaration_count)) {
-    if (declaration.kind == SFT_ENUMERATION) emit_enum_table(code, declaration);
+    if (declaration.kind == SFT_ENUMERATION || declaration.kind == SFT_BITMASK)
+      emit_enum_table(code, declaration);
   }
   for (const Message& message : messages) emit_table(code, message);
   for (const Message& message : messages) emit_fields(code, message);

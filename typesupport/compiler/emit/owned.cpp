@@ -18,12 +18,27 @@ void emit_alias(Code& code, const sft_declaration& alias) {
   code.line("using {} = {};", type_name(alias.name), owned_type(alias.type));
 }
 
+/// Or a bitmask.
 void emit_enumeration(Code& code, const sft_declaration& enumeration) {
   code.line("enum class {} : {} {{", type_name(enumeration.name), element_type(enumeration.type));
   for (const sft_enumerator& e : std::span(enumeration.enumerators, enumeration.enumerator_count)) {
-    code.line("  {} = {},", identifier(e.name), e.value);
+    code.line("  {} = {},", identifier(e.name), natural_text(e.value));
   }
   code.line("}};");
+}
+
+/// What the standard library's bitmask types have; on the integers, because enumerators only name single
+/// bits.
+void emit_flag_operators(Code& code, const sft_declaration& bitmask) {
+  const std::string type = qualified_type(bitmask.name);
+  const std::string integer = element_type(bitmask.type);
+  for (const char* op : {"|", "&", "^"}) {
+    code.line("constexpr {0} operator{1}({0} a, {0} b) {{", type, op);
+    code.line("  return static_cast<{0}>(static_cast<{1}>(a) {2} static_cast<{1}>(b));", type, integer, op);
+    code.line("}}");
+  }
+  code.line("constexpr {0} operator~({0} a) {{ return static_cast<{0}>(~static_cast<{1}>(a)); }}", type,
+            integer);
 }
 
 void emit_members(Code& code, const Message& message) {
@@ -113,6 +128,10 @@ void emit_owned(Code& code, const sft_file& file, const std::vector<Message>& me
         break;
       case SFT_ENUMERATION:
         emit_enumeration(code, declaration);
+        break;
+      case SFT_BITMASK:
+        emit_enumeration(code, declaration);
+        emit_flag_operators(code, declaration);
         break;
       case SFT_STRUCT:
         emit_struct(code, *message++);

@@ -64,18 +64,21 @@ std::string real_text(Real value) {
   return digits.find_first_of(".e") == std::string::npos ? digits + ".0" : digits;
 }
 
-std::string natural_text(std::uint64_t value) {
-  const bool needs_suffix = value > std::uint64_t{std::numeric_limits<std::int64_t>::max()};
-  return fmt::format("{}{}", value, needs_suffix ? "U" : "");
-}
-
 }  // namespace
 
 bool is_single(const sft_type& type) { return !type.is_sequence && type.dimension_count == 0; }
 
 bool is_structure(const sft_type& type) { return type.kind == SFT_STRUCTURE; }
 
-bool is_enumeration(const sft_type& type) { return type.name != nullptr && !is_structure(type); }
+bool is_enumeration(const sft_type& type) {
+  return type.name != nullptr && !is_structure(type) && !is_bitmask(type);
+}
+
+bool is_bitmask(const sft_type& type) {
+  const bool is_unsigned =
+      type.kind == SFT_UINT8 || type.kind == SFT_UINT16 || type.kind == SFT_UINT32 || type.kind == SFT_UINT64;
+  return type.name != nullptr && is_unsigned;
+}
 
 std::string kind_name(sft_kind kind) { return fmt::format("sft::Kind::{}", spellings[kind].kind); }
 
@@ -100,6 +103,8 @@ std::string constant_type(const sft_type& type) {
 
 std::string value_text(const sft_type& type, const sft_value& value) {
   if (is_enumeration(type)) return fmt::format("{}::{}", qualified_type(type.name), identifier(value.text));
+  if (is_bitmask(type))
+    return fmt::format("{}{{{}}}", qualified_type(type.name), natural_text(value.natural));
   switch (type.kind) {
     case SFT_BOOLEAN:
       return value.boolean ? "true" : "false";
@@ -119,6 +124,11 @@ std::string value_text(const sft_type& type, const sft_value& value) {
     default:
       return natural_text(value.natural);
   }
+}
+
+std::string natural_text(std::uint64_t value) {
+  const bool needs_suffix = value > std::uint64_t{std::numeric_limits<std::int64_t>::max()};
+  return fmt::format("{}{}", value, needs_suffix ? "U" : "");
 }
 
 std::string initializer(const sft_member& member) {

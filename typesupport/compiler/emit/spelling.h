@@ -1,6 +1,7 @@
 // Types and values of the model as C++ source text.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -11,6 +12,7 @@ namespace sft::idl {
 bool is_single(const sft_type& type);
 bool is_structure(const sft_type& type);
 bool is_enumeration(const sft_type& type);
+bool is_bitmask(const sft_type& type);
 
 /// "sft::Kind::int32".
 std::string kind_name(sft_kind kind);
@@ -24,8 +26,9 @@ std::string owned_type(const sft_type& type);
 /// Of a constant: as owned, but a string is a std::string_view.
 std::string constant_type(const sft_type& type);
 
-/// A literal, or the qualified name of an enumerator.
+/// A literal, the qualified name of an enumerator, or a bitmask made of its integer.
 std::string value_text(const sft_type& type, const sft_value& value);
+std::string natural_text(std::uint64_t value);
 
 /// What a member of the owned struct starts with, from the '=' or '{' on.
 std::string initializer(const sft_member& member);

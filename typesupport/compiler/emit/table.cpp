@@ -34,10 +34,10 @@ void emit_enum_table(Code& code, const sft_declaration& enumeration) {
   code.line("struct sft::EnumTable<{}> {{", qualified_type(enumeration.name));
   code.line("  static constexpr std::array enumerators{{");
   for (const sft_enumerator& e : std::span(enumeration.enumerators, enumeration.enumerator_count))
-    code.line("      sft::Enumerator{{\"{}\", {}}},", e.name, e.value);
+    code.line("      sft::Enumerator{{\"{}\", {}}},", e.name, natural_text(e.value));
   code.line("  }};");
-  code.line("  static constexpr sft::EnumType type{{\"{}\", false, enumerators}};",
-            std::string_view(enumeration.name).substr(2));
+  code.line("  static constexpr sft::EnumType type{{\"{}\", {}, enumerators}};",
+            std::string_view(enumeration.name).substr(2), enumeration.kind == SFT_BITMASK);
   code.line("}};");
   code.blank();
 }

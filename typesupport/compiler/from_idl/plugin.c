@@ -5,12 +5,14 @@
 #include "idl/file.h"
 #include "idlc/generator.h"
 #include "reader.h"
+#include "reading.h"
 
 #define EXPORTED __attribute__((visibility("default")))
 
 // idlc stores option arguments through pointers that it gets before there is anything to hang them on.
 static const char* include_roots = "";
 static const char* dependency_file = "";
+static const char* copies = "";
 
 EXPORTED const idlc_option_t** generator_options(void);
 EXPORTED idl_retcode_t generate(const idl_pstate_t* state, const idlc_generator_config_t* config);
@@ -34,14 +36,22 @@ const idlc_option_t** generator_options(void) {
       .argument = "<file>",
       .help = "Write to <file>, as a make rule, which files the generated header depends on.",
   };
-  static const idlc_option_t* options[] = {&roots, &dependencies, NULL};
+  static const idlc_option_t copied = {
+      .type = IDLC_STRING,
+      .store = {.string = &copies},
+      .option = 'c',
+      .suboption = "",
+      .argument = "<directory>",
+      .help = "All files are copies: the original of <directory>/a/b.idl is /a/b.idl.",
+  };
+  static const idlc_option_t* options[] = {&roots, &dependencies, &copied, NULL};
   return options;
 }
 
 static idl_retcode_t emit(const idl_pstate_t* state, const idlc_generator_config_t* config,
                           const struct sft_file* file) {
-  struct sft_output output = {
-      .roots = include_roots, .base_dir = config->base_dir, .dependencies = dependency_file};
+  const char* base_dir = config->base_dir == NULL ? NULL : sft_original_path(copies, config->base_dir);
+  struct sft_output output = {.roots = include_roots, .base_dir = base_dir, .dependencies = dependency_file};
   char* header = NULL;
   const idl_retcode_t result = idl_generate_out_file(state->sources->file->name, config->output_dir,
                                                      config->base_dir, "hpp", &header, 0);
@@ -56,7 +66,7 @@ static idl_retcode_t emit(const idl_pstate_t* state, const idlc_generator_config
 }
 
 idl_retcode_t generate(const idl_pstate_t* state, const idlc_generator_config_t* config) {
-  struct sft_file file = {0};
+  struct sft_file file = {.copies = copies};
   const idl_retcode_t result =
       sft_read_file(state, &file) ? emit(state, config, &file) : IDL_RETCODE_UNSUPPORTED;
   sft_file_free(&file);

@@ -65,6 +65,10 @@ static void read_element(struct sft_reading* reading, const idl_type_spec_t* spe
       result->kind = sft_enumeration_kind(spec);
       result->name = sft_scoped_name(spec);
       break;
+    case IDL_BITMASK:
+      result->kind = sft_bitmask_kind(spec);
+      result->name = sft_scoped_name(spec);
+      break;
     case IDL_STRING:
       result->kind = SFT_STRING;
       result->string_bound = ((const idl_string_t*)spec)->maximum;
@@ -72,9 +76,6 @@ static void read_element(struct sft_reading* reading, const idl_type_spec_t* spe
     case IDL_UNION:
       sft_refuse(reading,
                  "unions are not supported: use a struct with a member that says which of the others counts");
-      break;
-    case IDL_BITMASK:
-      sft_refuse(reading, "bitmasks are not supported: use an unsigned integer and constants");
       break;
     default:
       read_primitive(reading, idl_type(spec), result);
@@ -150,6 +151,10 @@ struct sft_type sft_read_type(struct sft_reading* reading, const idl_type_spec_t
 
 static struct sft_value read_literal(enum sft_kind kind, const idl_literal_t* literal) {
   struct sft_value result = {.is_set = true};
+  if (idl_type(literal) == IDL_BITMASK) {  // idlc leaves it as wide as it has calculated
+    result.natural = literal->value.uint64;
+    return result;
+  }
   switch (kind) {
     case SFT_BOOLEAN:
       result.boolean = literal->value.bln;
@@ -206,4 +211,37 @@ struct sft_value sft_read_value(const struct sft_type* type, const void* express
 enum sft_kind sft_enumeration_kind(const idl_enum_t* enumeration) {
   if (enumeration->bit_bound.value <= 8) return SFT_INT8;
   return enumeration->bit_bound.value <= 16 ? SFT_INT16 : SFT_INT32;
+}
+
+enum sft_kind sft_bitmask_kind(const idl_bitmask_t* bitmask) {
+  if (bitmask->bit_bound.value <= 8) return SFT_UINT8;
+  if (bitmask->bit_bound.value <= 16) return SFT_UINT16;
+  return bitmask->bit_bound.value <= 32 ? SFT_UINT32 : SFT_UINT64;
+}
+
+bool sft_is_bitmask(const struct sft_type* type) {
+  if (type->name == NULL) return false;
+  return type->kind == SFT_UINT8 || type->kind == SFT_UINT16 || type->kind == SFT_UINT32 ||
+         type->kind == SFT_UINT64;
+}
+
+uint64_t sft_greatest_value(enum sft_kind kind) {
+  switch (kind) {
+    case SFT_INT8:
+      return INT8_MAX;
+    case SFT_UINT8:
+      return UINT8_MAX;
+    case SFT_INT16:
+      return INT16_MAX;
+    case SFT_UINT16:
+      return UINT16_MAX;
+    case SFT_INT32:
+      return INT32_MAX;
+    case SFT_UINT32:
+      return UINT32_MAX;
+    case SFT_INT64:
+      return INT64_MAX;
+    default:
+      return UINT64_MAX;
+  }
 }

@@ -1,23 +1,11 @@
 #include "reader.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "memory.h"
+#include "read_default.h"
 #include "read_type.h"
 #include "reading.h"
-
-// Room for one more item, zero, behind `count` of them. A compiler without memory has nothing better to do
-// than end.
-static void* grow(void* items, size_t count, size_t item_bytes) {
-  void* grown = realloc(items, (count + 1) * item_bytes);
-  if (grown == NULL) {
-    fputs("out of memory\n", stderr);
-    exit(EXIT_FAILURE);
-  }
-  memset((char*)grown + count * item_bytes, 0, item_bytes);
-  return grown;
-}
 
 static void enter(struct sft_reading* reading, const void* node) {
   reading->node = node;
@@ -29,7 +17,7 @@ static struct sft_declaration* add_declaration(struct sft_reading* reading, enum
                                                const void* node) {
   struct sft_file* file = reading->file;
   enter(reading, node);
-  file->declarations = grow(file->declarations, file->declaration_count, sizeof *file->declarations);
+  file->declarations = sft_grown(file->declarations, file->declaration_count, sizeof *file->declarations);
   struct sft_declaration* added = &file->declarations[file->declaration_count++];
   added->kind = kind;
   added->name = reading->owner;
@@ -40,6 +28,8 @@ static void read_constant(struct sft_reading* reading, const idl_const_t* node) 
   struct sft_declaration* constant = add_declaration(reading, SFT_CONSTANT, node);
   constant->type = sft_read_type(reading, node->type_spec, NULL);
   constant->value = sft_read_value(&constant->type, node->const_expr);
+  if (sft_is_bitmask(&constant->type) && constant->value.natural > sft_greatest_value(constant->type.kind))
+    sft_refuse(reading, "the value has bits beyond @bit_bound: use less");
 }
 
 static void read_typedef(struct sft_reading* reading, const idl_typedef_t* node) {
@@ -50,15 +40,9 @@ static void read_typedef(struct sft_reading* reading, const idl_typedef_t* node)
   }
 }
 
-static uint32_t greatest_value(enum sft_kind kind) {
-  switch (kind) {
-    case SFT_INT8:
-      return INT8_MAX;
-    case SFT_INT16:
-      return INT16_MAX;
-    default:
-      return INT32_MAX;
-  }
+static struct sft_enumerator* add_enumerator(struct sft_declaration* owner) {
+  owner->enumerators = sft_grown(owner->enumerators, owner->enumerator_count, sizeof *owner->enumerators);
+  return &owner->enumerators[owner->enumerator_count++];
 }
 
 static void read_enumeration(struct sft_reading* reading, const idl_enum_t* node) {
@@ -66,12 +50,10 @@ static void read_enumeration(struct sft_reading* reading, const idl_enum_t* node
   enumeration->type.kind = sft_enumeration_kind(node);
   const idl_enumerator_t* from;
   IDL_FOREACH(from, node->enumerators) {
-    enumeration->enumerators =
-        grow(enumeration->enumerators, enumeration->enumerator_count, sizeof *enumeration->enumerators);
-    struct sft_enumerator* to = &enumeration->enumerators[enumeration->enumerator_count++];
+    struct sft_enumerator* to = add_enumerator(enumeration);
     to->name = idl_identifier(from);
     to->value = from->value.value;
-    if (to->value > greatest_value(enumeration->type.kind)) {
+    if (to->value > sft_greatest_value(enumeration->type.kind)) {
       reading->node = from;
       reading->member = to->name;
       sft_refuse(reading, "the value does not fit the enumeration's signed integer: use a smaller one");
@@ -79,21 +61,24 @@ static void read_enumeration(struct sft_reading* reading, const idl_enum_t* node
   }
 }
 
-static void check_annotations(struct sft_reading* reading, const idl_member_t* node,
-                              const struct sft_type* type) {
+static void read_bitmask(struct sft_reading* reading, const idl_bitmask_t* node) {
+  struct sft_declaration* bitmask = add_declaration(reading, SFT_BITMASK, node);
+  bitmask->type.kind = sft_bitmask_kind(node);
+  const idl_bit_value_t* from;
+  IDL_FOREACH(from, node->bit_values) {
+    struct sft_enumerator* flag = add_enumerator(bitmask);
+    flag->name = idl_identifier(from);
+    flag->value = UINT64_C(1) << from->position.value;  // idlc has checked that it fits
+  }
+}
+
+static void check_annotations(struct sft_reading* reading, const idl_member_t* node) {
   if (node->optional.value) {
     sft_refuse(reading, "optional members are not supported: use a sequence with bound 1");
   }
   if (node->external.value) {
     sft_refuse(reading,
                "external members are not supported: remove @external, or use a sequence with bound 1");
-  }
-  if (node->value.annotation == NULL) return;
-  if (type->is_sequence || type->dimension_count > 0) {
-    sft_refuse(reading,
-               "defaults of arrays and sequences are not supported: remove @default and assign at run time");
-  } else if (idl_is_alias(node->type_spec)) {  // idlc replaces the value by zero
-    sft_refuse(reading, "defaults of a typedef's type are not supported: name the type itself");
   }
 }
 
@@ -105,24 +90,28 @@ static struct sft_value enumeration_default(const idl_type_spec_t* spec) {
   return (struct sft_value){.is_set = first->value.value != 0, .text = idl_identifier(first)};
 }
 
-static struct sft_value initial_value(const idl_member_t* node, const struct sft_type* type) {
-  const bool is_single = !type->is_sequence && type->dimension_count == 0;
-  const bool is_enumeration = type->name != NULL && type->kind != SFT_STRUCTURE;
-  if (is_single && node->value.annotation != NULL) return sft_read_value(type, node->value.value);
-  if (is_single && is_enumeration) return enumeration_default(node->type_spec);
-  return (struct sft_value){.is_set = false};
+static void read_initial(struct sft_reading* reading, const idl_member_t* node, struct sft_member* member) {
+  const bool is_single = !member->type.is_sequence && member->type.dimension_count == 0;
+  if (node->value.annotation != NULL) {
+    sft_read_default(reading, node, member);
+  } else if (is_single && idl_type(idl_strip(node->type_spec, IDL_STRIP_ALIASES)) == IDL_ENUM) {
+    member->initial = enumeration_default(node->type_spec);
+  }
 }
 
 static void read_member(struct sft_reading* reading, struct sft_declaration* owner, const idl_member_t* node,
                         const idl_declarator_t* declarator) {
-  owner->members = grow(owner->members, owner->member_count, sizeof *owner->members);
+  owner->members = sft_grown(owner->members, owner->member_count, sizeof *owner->members);
   struct sft_member* member = &owner->members[owner->member_count++];
   member->name = idl_identifier(declarator);
   reading->node = declarator;
   reading->member = member->name;
+  const bool was_refused = reading->is_refused;
+  reading->is_refused = false;
   member->type = sft_read_type(reading, node->type_spec, declarator);
-  check_annotations(reading, node, &member->type);
-  if (!reading->is_refused) member->initial = initial_value(node, &member->type);
+  check_annotations(reading, node);
+  if (!reading->is_refused) read_initial(reading, node, member);
+  reading->is_refused |= was_refused;
   member->is_key = node->key.value;
   member->unit = node->unit.value;
 }
@@ -165,8 +154,10 @@ static void read_declaration(struct sft_reading* reading, const idl_node_t* node
     case IDL_STRUCT:
       read_struct(reading, (const idl_struct_t*)node);
       break;
-    case IDL_UNION:
     case IDL_BITMASK:
+      read_bitmask(reading, (const idl_bitmask_t*)node);
+      break;
+    case IDL_UNION:
       refuse_declaration(reading, node);
       break;
     default:
@@ -184,16 +175,20 @@ static void read_declarations(struct sft_reading* reading, const idl_node_t* fir
   }
 }
 
+static const char* original_path(const struct sft_file* file, const idl_source_t* source) {
+  return sft_original_path(file->copies, source->path->name);
+}
+
 static void add_unique(const char*** paths, size_t* count, const char* path) {
   for (size_t i = 0; i < *count; ++i) {
     if (strcmp((*paths)[i], path) == 0) return;
   }
-  *paths = grow(*paths, *count, sizeof **paths);
+  *paths = sft_grown(*paths, *count, sizeof **paths);
   (*paths)[(*count)++] = path;
 }
 
 static void read_sources(struct sft_file* file, const idl_source_t* source) {
-  add_unique(&file->sources, &file->source_count, source->path->name);
+  add_unique(&file->sources, &file->source_count, original_path(file, source));
   for (const idl_source_t* included = source->includes; included != NULL; included = included->next) {
     read_sources(file, included);
   }
@@ -201,10 +196,10 @@ static void read_sources(struct sft_file* file, const idl_source_t* source) {
 
 bool sft_read_file(const idl_pstate_t* state, struct sft_file* file) {
   const idl_source_t* main_source = state->sources;
-  file->path = main_source->path->name;
+  file->path = original_path(file, main_source);
   read_sources(file, main_source);
   for (const idl_source_t* included = main_source->includes; included != NULL; included = included->next) {
-    add_unique(&file->includes, &file->include_count, included->path->name);
+    add_unique(&file->includes, &file->include_count, original_path(file, included));
   }
   struct sft_reading reading = {.file = file};
   read_declarations(&reading, state->root);

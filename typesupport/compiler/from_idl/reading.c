@@ -17,8 +17,14 @@ void sft_refuse(struct sft_reading* reading, const char* format, ...) {
   reading->is_refused = true;
 }
 
+const char* sft_original_path(const char* copies, const char* path) {
+  const size_t length = strlen(copies);
+  return strncmp(path, copies, length) == 0 ? path + length : path;
+}
+
 bool sft_is_of_main_file(const struct sft_file* file, const void* node) {
-  return strcmp(idl_location(node)->first.source->path->name, file->path) == 0;
+  const char* path = idl_location(node)->first.source->path->name;
+  return strcmp(sft_original_path(file->copies, path), file->path) == 0;
 }
 
 const char* sft_scoped_name(const void* node) { return idl_declaration(node)->scoped_name->identifier; }

@@ -18,6 +18,9 @@ struct sft_reading {
 /// unsupported.
 void sft_refuse(struct sft_reading* reading, const char* format, ...) __attribute__((format(printf, 2, 3)));
 
+/// `path`, or what it is a copy of (sft_file.copies).
+const char* sft_original_path(const char* copies, const char* path);
+
 /// Whether the main file declares `node`, and not one that it includes.
 bool sft_is_of_main_file(const struct sft_file* file, const void* node);
 

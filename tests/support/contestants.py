@@ -1,0 +1,77 @@
+"""Makes the list of the types that our compiler and stock idlc both know (contestant.h), in several C++ files."""
+import argparse
+import pathlib
+import re
+import sys
+
+arguments = argparse.ArgumentParser(description=__doc__)
+arguments.add_argument("--cyclone", type=pathlib.Path, required=True, help="below it are C files of stock idlc")
+arguments.add_argument("--headers", nargs="+", action="append", required=True, metavar=("INCLUDE_DIR", "HEADER"),
+                       help="generated headers below INCLUDE_DIR: all types in them are listed")
+arguments.add_argument("--ours-only", nargs="*", default=[], metavar="NAME",
+                       help="names of headers whose types stock idlc may lack")
+arguments.add_argument("outputs", nargs="+", type=pathlib.Path, help="the first one joins the others")
+arguments = arguments.parse_args()
+
+# Topic descriptors by the IDL names of their types.
+descriptors = {}
+for file in arguments.cyclone.rglob("*.c"):
+    pattern = r'^const dds_topic_descriptor_t (\w+) =.*?[.]m_typename = "([^"]+)"'
+    descriptors.update((name, symbol) for symbol, name in re.findall(pattern, file.read_text(), re.M | re.S))
+
+
+def types(header):
+    """C++ names, and the descriptors or None."""
+    pattern = r'^struct sft::TypeTable<([^>]+)> {.*?StructType type{"([^"]+)"'
+    found = re.findall(pattern, header.read_text(), re.M | re.S)
+    missing = [idl for _, idl in found if idl not in descriptors]
+    if missing and header.name not in arguments.ours_only:
+        sys.exit(f"stock idlc made nothing of {', '.join(missing)}, which {header} has")
+    return [(cpp, descriptors.get(idl)) for cpp, idl in found]
+
+
+def part(number, headers):
+    """headers: pairs of an include directory and a path."""
+    listed = [both for _, header in headers for both in types(header)]
+    return f"""\
+// Generated. Do not edit.
+#include "tests/support/contestant.h"
+
+{"".join(f"#include <{header.relative_to(root)}>{chr(10)}" for root, header in headers)}
+extern "C" {{
+{"".join(f"extern const dds_topic_descriptor_t {theirs};{chr(10)}" for _, theirs in listed if theirs)}\
+}}
+
+namespace sft::test {{
+
+void add_contestants_{number}(std::vector<Contestant>& all) {{
+{"".join(f"  all.push_back({{message_type<{ours}>(), {f'&{theirs}' if theirs else 'nullptr'}}});{chr(10)}" for ours, theirs in listed)}\
+}}
+
+}}  // namespace sft::test
+"""
+
+
+def joined(parts):
+    return f"""\
+// Generated. Do not edit.
+#include "tests/support/contestant.h"
+
+namespace sft::test {{
+
+{"".join(f"void add_contestants_{number}(std::vector<Contestant>& all);{chr(10)}" for number in range(parts))}
+std::vector<Contestant> contestants() {{
+  std::vector<Contestant> all;
+{"".join(f"  add_contestants_{number}(all);{chr(10)}" for number in range(parts))}\
+  return all;
+}}
+
+}}  // namespace sft::test
+"""
+
+
+headers = sorted((pathlib.Path(root), pathlib.Path(header)) for root, *of_root in arguments.headers for header in of_root)
+join, *parts = arguments.outputs
+join.write_text(joined(len(parts)))
+for number, output in enumerate(parts):
+    output.write_text(part(number, headers[number::len(parts)]))
