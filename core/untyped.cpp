@@ -32,13 +32,14 @@ namespace {
 
 /// A header in shared memory may change while it is read: the body is bounded by what was checked when it was
 /// taken.
-SampleState state_of(const core::SampleBuffer& buffer, std::size_t slots) {
+SampleState state_of(core::SampleBuffer& buffer, std::size_t slots) {
   const std::size_t body_offset = SampleLayout(slots).body_offset;
   const std::size_t body_bytes = __atomic_load_n(&buffer.header().body_bytes, __ATOMIC_RELAXED);
   return {.body = buffer.data + body_offset,
           .body_bytes = static_cast<std::uint32_t>(std::min(body_bytes, buffer.capacity - body_offset)),
           .index = buffer.index(),
-          .mask = &buffer.mask};
+          .mask = &buffer.mask,
+          .elements = &buffer.elements};
 }
 
 }  // namespace
