@@ -17,6 +17,7 @@
 #include "core/negotiation.h"
 #include "core/snapshot.h"
 #include "core/transport.h"
+#include "sft/typesupport/project.h"
 #include "sft/untyped.h"
 
 namespace sft::core {
@@ -36,8 +37,10 @@ class PublisherCore {
 
   PublishStatus publish(const void* value);
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
-  Result<SampleHandle> loan(const void* prototype, std::span<const Reservation> reservations);
-  PublishStatus commit(SampleHandle sample);
+  Result<SampleHandle> loan(const void* prototype, std::span<const Reservation> reservations,
+                            ReservedMemory memory);
+  /// `has_gaps`: sequences of it were shortened where they lie.
+  PublishStatus commit(SampleHandle sample, bool has_gaps);
 
   PublisherStatus status() const;
   const TypeSupport& type() const { return *spec_.type; }
@@ -63,6 +66,7 @@ class PublisherCore {
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept;
   PublishStatus send(const Outlets& outlets, const SampleHandle& sample) noexcept;
+  PublishStatus close_gaps(SampleBuffer& sample) noexcept;
   SampleHandle copy_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
 
   const Spec spec_;
@@ -71,6 +75,7 @@ class PublisherCore {
   const std::shared_ptr<BufferPool> heap_;
   const std::shared_ptr<WriterPort> udp_;
   Snapshot<Outlets> outlets_;
+  Projection closing_;                   ///< of a loan with gaps onto itself
   std::atomic<bool> publishing_{false};  ///< publish() is between reading the outlets and having sent
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> dropped_{0};

@@ -29,8 +29,8 @@ constexpr std::array macros = std::to_array<std::string_view>(
      "offsetof", "stderr", "stdin", "stdout", "unix"});
 
 /// Members of every generated struct, and those of its LoanView that are not message fields.
-constexpr std::array class_names = std::to_array<std::string_view>(
-    {"Field", "Fields", "LoanSizes", "LoanView", "View", "reservable", "reservations"});
+constexpr std::array class_names =
+    std::to_array<std::string_view>({"Field", "Fields", "LoanSizes", "LoanView", "View", "reservations"});
 
 /// Template parameters and private members in generated classes (fields.cpp, views.cpp, owned.cpp).
 constexpr std::array private_names =
