@@ -164,21 +164,14 @@ TEST_F(LoanTest, ForOverwriteLeavesElementsAsTheyAreAndNothingElse) {
   expect_sent(expected);
 }
 
-/// One sequence of a random message: whether it is reserved, and for how many more than it has.
-template <class E>
-struct Part {
-  std::optional<std::uint32_t>& size;
-  std::vector<E>& prototype;
-  const std::vector<E>& value;
-};
-
 TEST_F(LoanTest, OfAnyMessageHoweverReservedAndShrunkIsItsEncoding) {
   sft::test::RandomValues values(random);
-  const auto reserve = [&](auto part, std::size_t most = 100'000) {
+  // Of some sequences, for some more elements than there are; the prototype has something else there.
+  const auto reserve = [&](auto& size, auto& in_prototype, const auto& value, std::size_t most = 100'000) {
     if (random() % 3 == 0) return;
     const std::size_t more = random() % 2 == 0 ? 0 : random() % 5000;
-    part.size = static_cast<std::uint32_t>(std::min(part.value.size() + more, most));
-    part.prototype.resize(random() % 3);
+    size = static_cast<std::uint32_t>(std::min(value.size() + more, most));
+    in_prototype.resize(random() % 3);
   };
   for (int round = 0; round < 500 && !HasFailure(); ++round) {
     publisher.poison_memory();
@@ -186,12 +179,12 @@ TEST_F(LoanTest, OfAnyMessageHoweverReservedAndShrunkIsItsEncoding) {
     values.fill(TypeTable<Recording>::type, &value);
     Recording prototype = value;
     Sizes sizes;
-    reserve(Part{sizes.stamps, prototype.stamps, value.stamps});
-    reserve(Part{sizes.left.ranges, prototype.left.ranges, value.left.ranges});
-    reserve(Part{sizes.left.pixels, prototype.left.pixels, value.left.pixels}, 1000);
-    reserve(Part{sizes.right.colors, prototype.right.colors, value.right.colors});
-    reserve(Part{sizes.cloud.data, prototype.cloud.data, value.cloud.data});
-    reserve(Part{sizes.weights, prototype.weights, value.weights});
+    reserve(sizes.stamps, prototype.stamps, value.stamps);
+    reserve(sizes.left.ranges, prototype.left.ranges, value.left.ranges);
+    reserve(sizes.left.pixels, prototype.left.pixels, value.left.pixels, 1000);
+    reserve(sizes.right.colors, prototype.right.colors, value.right.colors);
+    reserve(sizes.cloud.data, prototype.cloud.data, value.cloud.data);
+    reserve(sizes.weights, prototype.weights, value.weights);
     auto loan = publisher->loan_for_overwrite(prototype, sizes).value();
     const auto fill = [&](const auto& size, const auto& field, auto span, const auto& from) {
       if (!size) return;
