@@ -8,6 +8,44 @@
 #include "tests/support/encoded.h"
 #include "tests/support/random_value.h"
 
+namespace switches {
+enum class Flags : std::uint16_t { left = 1, right = 2, both_ways = 4 };
+
+/// As generated, but for what loans do not need.
+struct Switches {
+  std::uint8_t lead = 0;
+  Flags flags{};
+
+  template <class Root = Switches, std::size_t First = 0>
+  struct Fields : sft::FieldNode<Root, First, 2> {
+    static constexpr sft::FieldNode<Root, First, 1> lead{};
+    static constexpr sft::FieldNode<Root, First + 1, 1> flags{};
+  };
+  using Field = Fields<>;
+  struct LoanSizes {};
+  template <class Loaned>
+  struct LoanView {
+    static constexpr auto reservations(const LoanSizes&) { return sft::joined(); }
+    explicit LoanView(Loaned) {}
+  };
+};
+}  // namespace switches
+
+template <>
+struct sft::EnumTable<switches::Flags> {
+  static constexpr std::array enumerators{sft::Enumerator{"left", 1}, sft::Enumerator{"right", 2}};
+  static constexpr sft::EnumType type{"switches::Flags", true, enumerators};
+};
+
+template <>
+struct sft::TypeTable<switches::Switches> {
+  using T = switches::Switches;
+  static constexpr std::array members{
+      sft::member<std::uint8_t>("lead", sft::Kind::uint8, offsetof(T, lead)),
+      sft::member<switches::Flags>("flags", sft::Kind::uint16, offsetof(T, flags))};
+  static constexpr sft::StructType type{"switches::Switches", members};
+};
+
 namespace sft::core::test {
 namespace {
 
@@ -118,6 +156,20 @@ TEST_F(LoanTest, ScalarsEnumerationsAndBooleansAreSet) {
   expected.left.last = true;
   expected.cloud.header.stamp.sec = -4;
   expect_sent(expected);
+}
+
+TEST(LoanOfABitmaskTest, TakesFlagsAndAnyCombinationOfThem) {
+  using switches::Flags;
+  using switches::Switches;
+  PublisherOf<Switches> publisher;
+  auto loan = publisher->loan({}).value();
+  loan.set(Switches::Field::flags, Flags::right);
+  std::move(loan).publish();
+  EXPECT_EQ(publisher.sent_body(), Encoded(Switches{.flags = Flags::right}).bytes());
+  auto second = publisher->loan({}).value();
+  second.set(Switches::Field::flags, 3);
+  std::move(second).publish();
+  EXPECT_EQ(publisher.sent_body(), Encoded(Switches{.flags = Flags{3}}).bytes());
 }
 
 TEST_F(LoanTest, OnceItIsGoneItIsAnErrorAndNotACrash) {

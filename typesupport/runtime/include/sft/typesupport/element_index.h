@@ -51,9 +51,10 @@ class ElementIndex {
   ElementIndex(const ElementIndex&) = delete;
   ElementIndex& operator=(const ElementIndex&) = delete;
 
+  class Table;
+
   /// The offsets of `elements`, one each, fewer where the body ends before; found by walking once. Null where
   /// there is no memory for them, or the bytes of the body do not justify so many. Valid until clear().
-  class Table;
   const Table* table(const SampleState& s, const Elements& elements) noexcept;
 
   /// Forgets the sample, but keeps memory for the next one. Not while anybody reads.

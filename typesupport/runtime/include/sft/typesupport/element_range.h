@@ -43,7 +43,7 @@ class ElementRange : public std::ranges::view_interface<ElementRange<Step>> {
 
     /// Where the bytes are not what they claim to be, the next one is the end.
     iterator& operator++() {
-      const std::uint32_t next = next_element(*s_, elements(), offset());
+      const std::uint32_t next = behind(offset());
       if (next == no_offset) s_->flag_malformed();
       position_ = next == no_offset ? count_ : position_ + 1;
       known_ = {position_, next};
@@ -81,6 +81,14 @@ class ElementRange : public std::ranges::view_interface<ElementRange<Step>> {
     iterator(const SampleState* s, Extent extent, std::uint32_t position)
         : s_(s), first_(extent.first), count_(extent.count), position_(position), known_{0, extent.first} {}
 
+    /// As next_element(), of elements that are known when compiling.
+    std::uint32_t behind(std::uint32_t offset) const {
+      if constexpr (Step::type == nullptr) {
+        return skip_string(*s_, offset);
+      } else {
+        return skip(*s_, *Step::type, Step::leaf, offset);
+      }
+    }
     Elements elements() const { return {Step::type, Step::leaf, first_, count_}; }
     std::uint32_t offset() const {
       return position_ == known_.position ? known_.offset : element_begin(*s_, elements(), position_, known_);
