@@ -61,6 +61,7 @@ class LoanTest : public sft::test::RandomTest {
 
   /// Whether header, index, padding and body are what a fresh encoding of `message` has.
   void expect_sent(const Recording& message) {
+    ASSERT_TRUE(publisher.has_sent());
     const Encoded expected(message);
     const SampleBuffer& sent = publisher.sent();
     EXPECT_EQ(publisher.sent_body(), expected.bytes());

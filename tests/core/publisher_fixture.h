@@ -54,6 +54,7 @@ class PublisherOf {
       std::memset(buffer->data, std::to_integer<int>(canary), buffer->capacity);
   }
 
+  bool has_sent() const { return static_cast<bool>(port_->last); }
   SampleBuffer& sent() { return *port_->last; }
   std::vector<std::byte> sent_body() {
     const std::byte* body = sent().data + sent().header().body_offset;
