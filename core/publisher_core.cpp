@@ -1,6 +1,8 @@
 #include "core/publisher_core.h"
 
+#include <algorithm>
 #include <cstring>
+#include <new>
 #include <thread>
 
 #include "core/clock.h"
@@ -12,6 +14,7 @@ namespace sft::core {
 PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<WriterPort> udp)
     : spec_(std::move(spec)),
       full_(spec_.type->full()),
+      onto_itself_(spec_.type->type(), full_),
       layout_(spec_.type->slots()),
       heap_(std::move(heap)),
       udp_(std::move(udp)) {
@@ -109,7 +112,8 @@ tl::unexpected<Error> PublisherCore::malformed(WalkStatus why) const {
   return fail(Errc::malformed, "not a " + std::string(spec_.type->name()) + ": " + to_string(why));
 }
 
-Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const Reservation> reservations) {
+Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const Reservation> reservations,
+                                         ReservedMemory memory) {
   const EncodedSize size = encoded_size(spec_.type->type(), prototype, full_, reservations);
   if (size.status != EncodeStatus::ok) return fail(Errc::invalid_argument, to_string(size.status));
   if (size.bytes > spec_.max_sample_bytes) {
@@ -119,12 +123,46 @@ Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const 
   SampleHandle sample = lend(*outlets_.load(), size.bytes);
   if (!sample) return fail(Errc::out_of_memory, "no memory free for a loan: readers or loans hold too much");
   fill_header(*sample, full_, size.bytes);
-  encode(spec_.type->type(), prototype, full_, {sample->data + layout_.body_offset, size.bytes},
-         {sample->index(), spec_.type->slots()}, reservations);
+  const std::span body(sample->data + layout_.body_offset, size.bytes);
+  const auto is_reserved = [](const Reservation& r) { return r.length.has_value(); };
+  if (memory == ReservedMemory::zeroed && std::ranges::any_of(reservations, is_reserved))
+    std::memset(body.data(), 0, body.size());
+  encode(spec_.type->type(), prototype, full_, body, {sample->index(), spec_.type->slots()}, reservations);
   return sample;
 }
 
-PublishStatus PublisherCore::commit(SampleHandle sample) { return send(*outlets_.load(), sample); }
+PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
+  if (has_gaps) {
+    if (const PublishStatus status = close_gaps(*sample); status != PublishStatus::ok) return status;
+  }
+  return send(*outlets_.load(), sample);
+}
+
+/// The body becomes what encoding the shorter sequences would have made. Nothing of it lies further behind
+/// then than before, so that it can be moved front to back within the same memory; what a segment is copied
+/// over was moved already.
+PublishStatus PublisherCore::close_gaps(SampleBuffer& sample) noexcept try {
+  SampleHeader& header = sample.header();
+  std::byte* const body = sample.data + layout_.body_offset;
+  SampleState state{.body = body,
+                    .body_bytes = static_cast<std::uint32_t>(
+                        std::min<std::size_t>(header.body_bytes, sample.capacity - layout_.body_offset)),
+                    .index = sample.index(),
+                    .mask = &full_};
+  // In shared memory a broken program may have changed lengths and index meanwhile.
+  if (!closing_.project(state, onto_itself_) || closing_.bytes() > state.body_bytes)
+    return PublishStatus::invalid;
+  std::byte* to = body;
+  for (const Segment& segment : closing_.segments()) {
+    if (to != segment.data) std::memmove(to, segment.data, segment.bytes);
+    to += segment.bytes;
+  }
+  state.body_bytes = header.body_bytes = static_cast<std::uint32_t>(closing_.bytes());
+  const WalkStatus walked = build_index(state, spec_.type->type(), {sample.index(), spec_.type->slots()});
+  return walked == WalkStatus::ok ? PublishStatus::ok : PublishStatus::invalid;
+} catch (const std::bad_alloc&) {
+  return PublishStatus::no_memory;
+}
 
 SampleHandle PublisherCore::lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept {
   const std::size_t bytes = layout_.bytes(body_bytes);
@@ -145,8 +183,11 @@ void PublisherCore::fill_header(SampleBuffer& buffer, const FieldMask& mask,
   header.body_offset = static_cast<std::uint32_t>(layout_.body_offset);
   header.body_bytes = body_bytes;
   buffer.mask = mask;
-  std::memcpy(buffer.data + layout_.body_offset - encapsulation_bytes, encapsulation_cdr_le.data(),
-              encapsulation_bytes);
+  // Between index and encapsulation nothing may remain of what the memory held before.
+  std::byte* const encapsulation = buffer.data + layout_.body_offset - encapsulation_bytes;
+  auto* const index_end = reinterpret_cast<std::byte*>(buffer.index() + spec_.type->slots());
+  std::fill(index_end, encapsulation, std::byte{0});
+  std::memcpy(encapsulation, encapsulation_cdr_le.data(), encapsulation_bytes);
 }
 
 PublishStatus PublisherCore::send(const Outlets& outlets, const SampleHandle& sample) noexcept {

@@ -17,6 +17,7 @@
 #include "core/negotiation.h"
 #include "core/snapshot.h"
 #include "core/transport.h"
+#include "sft/typesupport/project.h"
 #include "sft/typesupport/walk.h"
 #include "sft/untyped.h"
 
@@ -37,8 +38,10 @@ class PublisherCore {
 
   PublishStatus publish(const void* value);
   Result<PublishStatus> publish_cdr(std::span<const std::byte> bytes);
-  Result<SampleHandle> loan(const void* prototype, std::span<const Reservation> reservations);
-  PublishStatus commit(SampleHandle sample);
+  Result<SampleHandle> loan(const void* prototype, std::span<const Reservation> reservations,
+                            ReservedMemory memory);
+  /// `has_gaps`: sequences of it were shortened where they lie.
+  PublishStatus commit(SampleHandle sample, bool has_gaps);
 
   PublisherStatus status() const;
   const TypeSupport& type() const { return *spec_.type; }
@@ -65,10 +68,13 @@ class PublisherCore {
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept;
   PublishStatus send(const Outlets& outlets, const SampleHandle& sample) noexcept;
+  PublishStatus close_gaps(SampleBuffer& sample) noexcept;
   SampleHandle copy_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
 
   const Spec spec_;
   const FieldMask full_;
+  const ProjectionPlan onto_itself_;  ///< closes the gaps of a loan that was shortened
+  Projection closing_;
   const SampleLayout layout_;
   const std::shared_ptr<BufferPool> heap_;
   const std::shared_ptr<WriterPort> udp_;

@@ -9,6 +9,7 @@
 #include <memory>
 #include <utility>
 
+#include "sft/typesupport/element_index.h"
 #include "sft/typesupport/field_mask.h"
 #include "sft/typesupport/sample_format.h"
 
@@ -23,11 +24,12 @@ class BufferOwner {
   virtual void recycle(SampleBuffer& buffer) noexcept = 0;
 };
 
-/// Filled by the owner when it hands the buffer out.
+/// Filled by the owner when it hands the buffer out, but for `elements`, which is then empty.
 struct SampleBuffer {
   std::byte* data = nullptr;  ///< 8-aligned; begins with a SampleHeader
   std::size_t capacity = 0;
   FieldMask mask;                     ///< leaves that the sample has
+  ElementIndex elements;              ///< what readers found out about this sample
   std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
   std::shared_ptr<BufferOwner> owner;
   void* owner_data = nullptr;  ///< the owner's own
@@ -57,6 +59,7 @@ class SampleHandle {
   void reset() noexcept {
     SampleBuffer* buffer = std::exchange(buffer_, nullptr);
     if (buffer == nullptr || buffer->references.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+    buffer->elements.clear();
     const std::shared_ptr<BufferOwner> owner = std::move(buffer->owner);  // may be the owner's last reference
     owner->recycle(*buffer);
   }

@@ -1,6 +1,7 @@
 #include "sft/untyped.h"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "core/publisher_core.h"
@@ -16,10 +17,26 @@ const char* to_string(PublishStatus status) {
       return "ok";
     case PublishStatus::invalid:
       return "the message breaks a bound, has a NUL in a string, or is too large";
+    case PublishStatus::no_loan:
+      return "the loan was published already, or moved away";
     case PublishStatus::no_memory:
       return "no chunk or buffer is free";
     case PublishStatus::dropped:
       return "not handed to every reader";
+  }
+  return "unknown";
+}
+
+const char* to_string(ShrinkStatus status) {
+  switch (status) {
+    case ShrinkStatus::ok:
+      return "ok";
+    case ShrinkStatus::not_reserved:
+      return "the loan reserved nothing for this sequence: name its size in loan()";
+    case ShrinkStatus::too_long:
+      return "longer than what the loan reserved for this sequence";
+    case ShrinkStatus::no_loan:
+      return "the loan was published already, or moved away";
   }
   return "unknown";
 }
@@ -32,13 +49,14 @@ namespace {
 
 /// A header in shared memory may change while it is read: the body is bounded by what was checked when it was
 /// taken.
-SampleState state_of(const core::SampleBuffer& buffer, std::size_t slots) {
+SampleState state_of(core::SampleBuffer& buffer, std::size_t slots) {
   const std::size_t body_offset = SampleLayout(slots).body_offset;
   const std::size_t body_bytes = __atomic_load_n(&buffer.header().body_bytes, __ATOMIC_RELAXED);
   return {.body = buffer.data + body_offset,
           .body_bytes = static_cast<std::uint32_t>(std::min(body_bytes, buffer.capacity - body_offset)),
           .index = buffer.index(),
-          .mask = &buffer.mask};
+          .mask = &buffer.mask,
+          .elements = &buffer.elements};
 }
 
 }  // namespace
@@ -70,12 +88,39 @@ Loan::Loan(std::shared_ptr<core::PublisherCore> publisher, core::SampleBuffer* b
 
 Loan::~Loan() { SampleHandle::adopt(buffer_).reset(); }
 
-std::byte* Loan::body() const { return buffer_->data + SampleLayout(publisher_->type().slots()).body_offset; }
+void Loan::swap(Loan& other) noexcept {
+  std::swap(publisher_, other.publisher_);
+  std::swap(buffer_, other.buffer_);
+  std::swap(has_gaps_, other.has_gaps_);
+}
 
-SampleState Loan::state() const { return state_of(*buffer_, publisher_->type().slots()); }
+std::byte* Loan::body() const {
+  return buffer_ == nullptr ? nullptr : buffer_->data + SampleLayout(publisher_->type().slots()).body_offset;
+}
+
+SampleState Loan::state() const {
+  return buffer_ == nullptr ? SampleState{} : state_of(*buffer_, publisher_->type().slots());
+}
+
+void Loan::write(std::size_t slot, const void* value, std::size_t bytes) noexcept {
+  if (buffer_ == nullptr) return;
+  const SampleState s = state();
+  const std::uint32_t at = checked_block(s, __atomic_load_n(s.index + slot, __ATOMIC_RELAXED), 1, bytes);
+  if (at != no_offset) std::memcpy(body() + at, value, bytes);
+}
+
+ShrinkStatus Loan::shrink(const Reservation& reserved, std::uint32_t length) noexcept {
+  if (buffer_ == nullptr) return ShrinkStatus::no_loan;
+  if (!reserved.length) return ShrinkStatus::not_reserved;
+  if (length > *reserved.length) return ShrinkStatus::too_long;
+  write(reserved.slot, &length, sizeof length);
+  has_gaps_ = has_gaps_ || length != *reserved.length;
+  return ShrinkStatus::ok;
+}
 
 PublishStatus Loan::publish() && {
-  return publisher_->commit(SampleHandle::adopt(std::exchange(buffer_, nullptr)));
+  if (buffer_ == nullptr) return PublishStatus::no_loan;
+  return publisher_->commit(SampleHandle::adopt(std::exchange(buffer_, nullptr)), has_gaps_);
 }
 
 PublishStatus Publisher::publish(const void* value) { return core_->publish(value); }
@@ -84,8 +129,9 @@ Result<PublishStatus> Publisher::publish_cdr(std::span<const std::byte> payload)
   return core_->publish_cdr(payload);
 }
 
-Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation> reservations) {
-  return core_->loan(prototype, reservations).map([this](SampleHandle&& sample) {
+Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation> reservations,
+                             ReservedMemory memory) {
+  return core_->loan(prototype, reservations, memory).map([this](SampleHandle&& sample) {
     return Loan(core_, sample.release());
   });
 }

@@ -25,7 +25,7 @@ void send(Exchange& exchange, std::uint64_t messages, std::uint32_t bytes, std::
   const PointCloud2 prototype;
   for (std::uint64_t i = 0; i < messages; ++i) {
     pause_us(pause);
-    auto loan = publisher.loan(prototype, {.data = bytes}).value();
+    auto loan = publisher.loan_for_overwrite(prototype, {.data = bytes}).value();
     loan.set(F::width, static_cast<std::uint32_t>(i + 1));
     exchange.sent_at[i] = now_ns();
     std::move(loan).publish();

@@ -15,7 +15,7 @@ Result<CloudSource::Published> publish_encoded(Publisher<PointCloud2>& publisher
 Result<CloudSource::Published> publish_converted(Publisher<PointCloud2>& publisher,
                                                  const ConvertedCloud& cloud) {
   const auto data_bytes = static_cast<std::uint32_t>(cloud.data.size());
-  Result<Loan<PointCloud2>> loan = publisher.loan(cloud.prototype, {.data = data_bytes});
+  Result<Loan<PointCloud2>> loan = publisher.loan_for_overwrite(cloud.prototype, {.data = data_bytes});
   if (!loan) return tl::unexpected(loan.error());
   std::copy(cloud.data.begin(), cloud.data.end(), (*loan)->data().begin());
   return CloudSource::Published{std::move(*loan).publish(), full_bytes(cloud.prototype, data_bytes)};

@@ -37,7 +37,8 @@ SceneSource::SceneSource(double hz) : hz_(hz), prototype_(cloud_without_points()
 
 Result<CloudSource::Published> SceneSource::publish(Publisher<PointCloud2>& publisher, std::uint64_t number) {
   using F = PointCloud2::Field;
-  Result<Loan<PointCloud2>> loan = publisher.loan(prototype_, {.data = std::uint32_t{Scene::bytes}});
+  Result<Loan<PointCloud2>> loan =
+      publisher.loan_for_overwrite(prototype_, {.data = std::uint32_t{Scene::bytes}});
   if (!loan) return tl::unexpected(loan.error());
 
   const auto now = std::chrono::system_clock::now().time_since_epoch();

@@ -31,5 +31,12 @@ sft::PublishStatus fill(sft::Publisher<PointCloud2>& publisher) {
   loan->data()[0] = 1;
   loan.set(F::width, 1024);
   loan.set(F::header.stamp.sec, 1);
+  loan.shrink(F::data, 4);
   return std::move(loan).publish();
 }
+
+std::string_view second_name(const sft::Sample<PointCloud2, F::fields>& sample) {
+  return sample->fields()[1].name();
+}
+
+static_assert((F::header & F::header.stamp) == F::header.stamp && F::height != F::width);

@@ -33,7 +33,11 @@ class Body {
         bytes_(new std::byte[bytes.size()]),
         index_(type.support->slots()) {
     std::copy(bytes.begin(), bytes.end(), bytes_.get());
-    state_ = {bytes_.get(), static_cast<std::uint32_t>(bytes.size()), index_.data(), &mask_};
+    state_ = {.body = bytes_.get(),
+              .body_bytes = static_cast<std::uint32_t>(bytes.size()),
+              .index = index_.data(),
+              .mask = &mask_,
+              .elements = &elements_};
   }
 
   bool walk() { return build_index(state_, type_.type(), index_, &end_) == WalkStatus::ok; }
@@ -60,6 +64,7 @@ class Body {
   FieldMask mask_;
   std::unique_ptr<std::byte[]> bytes_;
   std::vector<std::uint32_t> index_;
+  ElementIndex elements_;
   SampleState state_{};
   std::uint32_t end_ = 0;
 };
@@ -130,12 +135,18 @@ std::size_t sum(std::span<const E> block) {
   return block.size() + static_cast<std::size_t>(ends == E{});
 }
 
-/// Visits elements of ranges, but not more than so many in all: a length without elements may be any number.
+/// Visits elements of ranges, some out of order, but not more than so many in all: a length without elements
+/// may be any number.
 class Visits {
  public:
   template <class Range, class Visit>
   void each(const std::optional<Range>& range, Visit visit) {
     if (!range) return;
+    for (auto at = range->end(); at != range->begin() && left_ > 0;) {
+      --left_;
+      at -= (at - range->begin() + 1) / 2;
+      visit(*at);
+    }
     for (auto at = range->begin(); at != range->end() && left_ > 0; ++at) {
       --left_;
       visit(*at);

@@ -1,4 +1,5 @@
 // Publishing and subscribing: what every transport has to do alike.
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <thread>
@@ -90,6 +91,81 @@ TEST_P(PubSubTest, LoansThatAreNotPublishedGiveTheirMemoryBack) {
   auto sub = b.subscriber<PointCloud2>("points").value();
   expect_served(pub, 1);
   for (int i = 0; i < 500; ++i) ASSERT_TRUE(pub.loan(cloud(3), {.data = 1'000'000}));
+}
+
+TEST_P(PubSubTest, ALoanThatShrankArrivesAsIfItHadBeenMadeSo) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2>("points").value();
+  auto scalars = b.subscriber<PointCloud2, F::is_dense>("points").value();
+  expect_served(pub, 2);
+  auto loan = pub.loan(cloud(3), {.data = 100'000}).value();
+  std::fill(loan->data().begin(), loan->data().end(), std::uint8_t{9});
+  loan.set(F::is_dense, true);
+  EXPECT_EQ(loan.shrink(F::data, 33'333), ShrinkStatus::ok);
+  EXPECT_EQ(std::move(loan).publish(), PublishStatus::ok);
+  PointCloud2 expected = cloud(3);
+  expected.data.assign(33'333, 9);
+  expected.is_dense = true;
+  ASSERT_TRUE(sub.wait(5s) && scalars.wait(5s));
+  EXPECT_EQ(sub.take().to_owned(), expected);
+  const auto scalar = scalars.take();
+  EXPECT_TRUE(scalar->is_dense());
+}
+
+TEST_P(PubSubTest, NothingOfEarlierSamplesIsInALoan) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2>("points").value();
+  expect_served(pub, 1);
+  PointCloud2 canaries = cloud(3);
+  canaries.header.frame_id.assign(40, '\xA5');
+  canaries.data.assign(50'000, 0xA5);
+  const PointCloud2 prototype = cloud(4);
+  PointCloud2 expected = prototype;
+  expected.data.assign(41'111, 0);
+  expected.data[7] = 1;
+  for (int round = 0; round < 20; ++round) {
+    pub.publish(canaries);
+    ASSERT_TRUE(sub.wait(5s));
+    EXPECT_EQ(sub.take().to_owned(), canaries);
+    auto loan = pub.loan(prototype, {.data = 50'011}).value();
+    loan->data()[7] = 1;
+    loan.shrink(F::data, 41'111);
+    EXPECT_EQ(std::move(loan).publish(), PublishStatus::ok);
+    ASSERT_TRUE(sub.wait(5s));
+    const auto sample = sub.take();
+    EXPECT_EQ(sample.to_owned(), expected);
+    EXPECT_EQ(std::ranges::count(sample.cdr(), std::byte{0xA5}), 0);
+    if (!in_shared_memory()) continue;
+    // What of the chunk stands in front of that: header, index and padding.
+    const std::size_t body_offset = SampleLayout(pub.type().slots()).body_offset;
+    const std::span chunk(sample.cdr().data() + encapsulation_bytes - body_offset, body_offset);
+    EXPECT_TRUE(std::ranges::search_n(chunk, 3, std::byte{0xA5}).empty());
+  }
+}
+
+TEST_P(PubSubTest, ElementsAreReachedByTheirPosition) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2, F::fields>("points").value();
+  auto rec = b.subscriber<PointCloud2, recorded>("points").value();
+  expect_served(pub, 2);
+  PointCloud2 message = cloud(1);
+  message.fields.resize(100);
+  for (std::size_t i = 0; i < 100; ++i) message.fields[i].name = std::to_string(1000 + i);
+  pub.publish(message);
+  ASSERT_TRUE(sub.wait(5s) && rec.wait(5s));
+  const auto sample = sub.take();
+  const auto fields = sample->fields();
+  EXPECT_EQ(fields[70].name(), "1070");
+  EXPECT_EQ(std::ranges::lower_bound(fields, "1033", {}, [](const auto& f) { return f.name(); })->name(),
+            "1033");
+  const auto recorded_sample = rec.take();
+  EXPECT_EQ((*recorded_sample->fields()).back().name(), "1099");
 }
 
 TEST_P(PubSubTest, SamplesCarryTheirMetadata) {

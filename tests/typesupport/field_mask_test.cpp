@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
+#include <ranges>
 #include <set>
+#include <vector>
 
 #include "tests/support/test_seed.h"
 
@@ -36,6 +40,18 @@ TEST(FieldMaskTest, EqualMasksHashAlikeAndUpTo64LeavesTheHashIsTheBits) {
   EXPECT_EQ(a.hash(), b.hash());
 }
 
+std::vector<std::size_t> numbers(const FieldMask& mask) { return {mask.begin(), mask.end()}; }
+
+template <class Algorithm>
+std::vector<std::size_t> combined(const std::set<std::size_t>& a, const std::set<std::size_t>& b,
+                                  Algorithm algorithm) {
+  std::vector<std::size_t> result;
+  algorithm(a, b, std::back_inserter(result));
+  return result;
+}
+
+static_assert(std::ranges::forward_range<FieldMask>);
+
 TEST(FieldMaskTest, BehavesLikeASetOfNumbers) {
   SCOPED_TRACE("to repeat: SFT_TEST_SEED=" + std::to_string(test::test_seed()));
   test::Random random(test::test_seed());
@@ -64,9 +80,14 @@ TEST(FieldMaskTest, BehavesLikeASetOfNumbers) {
     ASSERT_EQ(mask.all_of(first, count), within == count);
     ASSERT_EQ(mask.contains(other),
               std::includes(model.begin(), model.end(), other_model.begin(), other_model.end()));
-    mask |= other;
-    model.merge(other_model);
-    ASSERT_EQ(mask.size(), model.size());
+    ASSERT_EQ(mask.intersects(other), !(mask & other).empty());
+    ASSERT_TRUE(std::ranges::equal(mask, model));
+    ASSERT_EQ(numbers(mask | other), combined(model, other_model, std::ranges::set_union));
+    ASSERT_EQ(numbers(mask & other), combined(model, other_model, std::ranges::set_intersection));
+    ASSERT_EQ(numbers(mask - other), combined(model, other_model, std::ranges::set_difference));
+    ASSERT_EQ(numbers(mask ^ other), combined(model, other_model, std::ranges::set_symmetric_difference));
+    ASSERT_EQ(~mask, FieldMask::full(leaves) - mask);
+    ASSERT_EQ(~~mask, mask);
   }
 }
 

@@ -14,15 +14,6 @@
 
 namespace sft {
 
-namespace detail {
-/// Flattened once per type and program, on first use.
-template <class T>
-const TypeSupport& type_support_of() {
-  static const TypeSupport support(TypeTable<T>::type);
-  return support;
-}
-}  // namespace detail
-
 class Node {
  public:
   /// Joins the control topics, opens the transports, starts the threads.
@@ -30,7 +21,7 @@ class Node {
 
   template <class T>
   Result<Publisher<T>> publisher(std::string_view topic, const PublisherOptions& options = {}) {
-    return open_publisher(topic, detail::type_support_of<T>(), options).map([](untyped::Publisher&& p) {
+    return open_publisher(topic, type_support<T>(), options).map([](untyped::Publisher&& p) {
       return Publisher<T>(std::move(p));
     });
   }
@@ -39,7 +30,7 @@ class Node {
   /// sft::recorded>`.
   template <class T, Req<T> R = Req<T>(all<T>)>
   Result<Subscriber<T, R>> subscriber(std::string_view topic, const SubscriberOptions& options = {}) {
-    return open_subscriber(topic, detail::type_support_of<T>(), requirement<T, R>(), options, {})
+    return open_subscriber(topic, type_support<T>(), requirement<T, R>(), options, {})
         .map([](untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 
@@ -49,8 +40,7 @@ class Node {
     auto typed = [callback = std::forward<F>(callback)](untyped::Sample&& sample) mutable {
       callback(std::as_const(static_cast<const Sample<T, R>&>(Sample<T, R>(std::move(sample)))));
     };
-    return open_subscriber(topic, detail::type_support_of<T>(), requirement<T, R>(), options,
-                           std::move(typed))
+    return open_subscriber(topic, type_support<T>(), requirement<T, R>(), options, std::move(typed))
         .map([](untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 

@@ -1,10 +1,12 @@
 // Publishing messages of type T. A publisher is used by one thread at a time.
 #pragma once
 
+#include <algorithm>
 #include <array>
-#include <concepts>
-#include <cstring>
-#include <optional>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
 #include <utility>
 
 #include "sft/typesupport/loan_view.h"
@@ -14,14 +16,17 @@
 namespace sft {
 
 /// A message being filled in the memory that readers on this host will read: nothing is copied at publish().
-/// `loan->data()` is a writable span of a reserved sequence, `loan.set(F::width, 1024)` writes a scalar. An
-/// unpublished loan gives its memory back.
+/// `loan->data()` is a writable span of a reserved sequence, `loan.set(F::width, 1024)` writes a scalar,
+/// `loan.shrink(F::data, n)` gives back what was reserved beyond n elements. An unpublished loan gives its
+/// memory back. Of a loan that was published or moved away spans are empty, set() does nothing and calls that
+/// have a status return no_loan.
 template <class T>
 class Loan {
  public:
   using View = typename T::template LoanView<LoanedPlace<T>>;
+  using Reservations = decltype(View::reservations({}));
 
-  explicit Loan(untyped::Loan&& loan) : loan_(std::move(loan)) {}
+  Loan(untyped::Loan&& loan, const Reservations& reserved) : loan_(std::move(loan)), reserved_(reserved) {}
 
   class Arrow {
    public:
@@ -34,15 +39,26 @@ class Loan {
   Arrow operator->() & { return Arrow(View{LoanedPlace<T>{loan_.body(), loan_.state()}}); }
   void operator->() && = delete;
 
-  /// Writes one scalar outside collections of structs.
+  /// Writes one scalar outside collections of structs: a number, or an enumerator of the field's own
+  /// enumeration.
   template <std::size_t Leaf, class V>
   void set(const FieldNode<T, Leaf, 1>&, V value) {
     constexpr ScalarPlace place = scalar_place(TypeTable<T>::type, Leaf);
     static_assert(place.found, "set() takes a scalar field outside sequences of structs");
+    static_assert(!place.found || can_hold<V>(place), "set() takes a value of the field's own type");
     using Scalar = typename detail::ScalarOf<place.kind>::type;
-    static_assert(std::convertible_to<V, Scalar>);
     const auto scalar = static_cast<Scalar>(value);
-    std::memcpy(loan_.body() + loan_.state().index[place.slot], &scalar, sizeof scalar);
+    loan_.write(place.slot, &scalar, sizeof scalar);
+  }
+
+  /// Of a reserved sequence only the first `length` elements are published. Spans of it stay valid; what
+  /// lies behind moves up at publish(). It can be called again, for any length up to what was reserved.
+  template <std::size_t Leaf>
+  ShrinkStatus shrink(const FieldNode<T, Leaf, 1>&, std::uint32_t length) {
+    constexpr std::size_t number = reservation_number(Leaf);
+    static_assert(number < std::tuple_size_v<Reservations>,
+                  "shrink() takes a sequence of numbers or enumerators, which loan() can reserve");
+    if constexpr (number < std::tuple_size_v<Reservations>) return loan_.shrink(reserved_[number], length);
   }
 
   PublishStatus publish() && { return std::move(loan_).publish(); }
@@ -51,6 +67,7 @@ class Loan {
   struct ScalarPlace {
     bool found = false;
     Kind kind = Kind::octet;
+    const EnumType* enumeration = nullptr;
     std::size_t slot = 0;
   };
   static constexpr ScalarPlace scalar_place(const StructType& type, std::size_t leaf) {
@@ -59,7 +76,7 @@ class Loan {
       const std::size_t leaves = leaf_count(m);
       if (leaf < leaves) {
         if (m.shape != Shape::single || m.kind == Kind::string) return {};
-        if (is_primitive(m.kind)) return {true, m.kind, slot};
+        if (is_primitive(m.kind)) return {true, m.kind, m.enumeration, slot};
         ScalarPlace below = scalar_place(*m.type, leaf);
         below.slot += slot;
         return below;
@@ -70,7 +87,24 @@ class Loan {
     return {};
   }
 
+  /// Bitmasks take any combination of their flags, whatever holds it.
+  template <class V>
+  static constexpr bool can_hold(const ScalarPlace& place) {
+    if constexpr (std::is_enum_v<V>) {
+      return place.enumeration == &EnumTable<V>::type;
+    } else {
+      return std::is_arithmetic_v<V> && (place.enumeration == nullptr || place.enumeration->is_bitmask);
+    }
+  }
+
+  static constexpr std::size_t reservation_number(std::size_t leaf) {
+    const Reservations all = View::reservations({});
+    const auto is_it = [leaf](const Reservation& r) { return r.leaf == leaf; };
+    return static_cast<std::size_t>(std::find_if(all.begin(), all.end(), is_it) - all.begin());
+  }
+
   untyped::Loan loan_;
+  Reservations reserved_;
 };
 
 template <class T>
@@ -88,19 +122,32 @@ class Publisher {
     return publisher_.publish_cdr(payload);
   }
 
-  /// Memory for a message whose small fields are those of `prototype` and whose named sequences of primitives
-  /// get `sizes` elements, uninitialised: `pub.loan(prototype, {.data = 6'291'456})`.
+  /// Memory for a message whose small fields are those of `prototype` and whose named sequences of numbers or
+  /// enumerators, also those in nested structs, get so many elements, all zero: `pub.loan(prototype, {.data =
+  /// 6'291'456})`, `pub.loan(prototype, {.cloud = {.data = 1000}})`.
   Result<Loan<T>> loan(const T& prototype, const typename T::LoanSizes& sizes = {}) {
-    const auto reservations = T::template LoanView<LoanedPlace<T>>::reservations(sizes);
-    return publisher_.loan(&prototype, reservations).map([](untyped::Loan&& loan) {
-      return Loan<T>(std::move(loan));
-    });
+    return loan(prototype, sizes, ReservedMemory::zeroed);
+  }
+
+  /// The same, but reserved elements are left as they are, which saves the time to zero them. The memory was
+  /// used before: write every element, or shrink() the sequence to those that were written. What is not
+  /// written goes out to all readers as it is: pieces of earlier samples, of this publisher or of others on
+  /// this host.
+  Result<Loan<T>> loan_for_overwrite(const T& prototype, const typename T::LoanSizes& sizes = {}) {
+    return loan(prototype, sizes, ReservedMemory::as_it_is);
   }
 
   PublisherStatus status() const { return publisher_.status(); }
   const TypeSupport& type() const { return publisher_.type(); }
 
  private:
+  Result<Loan<T>> loan(const T& prototype, const typename T::LoanSizes& sizes, ReservedMemory memory) {
+    const auto reserved = Loan<T>::View::reservations(sizes);
+    return publisher_.loan(&prototype, reserved, memory).map([&](untyped::Loan&& loan) {
+      return Loan<T>(std::move(loan), reserved);
+    });
+  }
+
   untyped::Publisher publisher_;
 };
 

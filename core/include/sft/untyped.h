@@ -40,10 +40,22 @@ struct SampleInfo {
 enum class PublishStatus : std::uint8_t {
   ok,
   invalid,    ///< a string with a NUL in it, a bound exceeded, or larger than max_sample_bytes
+  no_loan,    ///< the loan was published already, or moved away
   no_memory,  ///< no chunk or buffer free: readers hold too many samples
   dropped,  ///< a queue was full, or no chunk was free: at least one reader misses this sample, and counts it
 };
 const char* to_string(PublishStatus status);
+
+enum class ShrinkStatus : std::uint8_t {
+  ok,
+  not_reserved,  ///< the loan named no size for this sequence
+  too_long,      ///< longer than what was reserved
+  no_loan,       ///< the loan was published already, or moved away
+};
+const char* to_string(ShrinkStatus status);
+
+/// What reserved memory holds at first: zeros, or whatever was there before.
+enum class ReservedMemory : std::uint8_t { zeroed, as_it_is };
 
 namespace untyped {
 
@@ -83,22 +95,30 @@ class Loan {
  public:
   Loan() = default;
   Loan(std::shared_ptr<core::PublisherCore> publisher, core::SampleBuffer* buffer);
-  Loan(Loan&& other) noexcept
-      : publisher_(std::move(other.publisher_)), buffer_(std::exchange(other.buffer_, nullptr)) {}
+  Loan(Loan&& other) noexcept { swap(other); }
   Loan& operator=(Loan&& other) noexcept {
-    std::swap(publisher_, other.publisher_);
-    std::swap(buffer_, other.buffer_);
+    Loan gone(std::move(other));
+    swap(gone);
     return *this;
   }
   ~Loan();
 
+  /// Null and empty where the loan is gone.
   std::byte* body() const;
   SampleState state() const;
+
+  /// Overwrites a primitive that has a slot; nothing where the loan is gone.
+  void write(std::size_t slot, const void* value, std::size_t bytes) noexcept;
+  /// Leaves the elements where they are; publish() closes the gap.
+  ShrinkStatus shrink(const Reservation& reserved, std::uint32_t length) noexcept;
   PublishStatus publish() &&;
 
  private:
+  void swap(Loan& other) noexcept;
+
   std::shared_ptr<core::PublisherCore> publisher_;
   core::SampleBuffer* buffer_ = nullptr;  // one reference
+  bool has_gaps_ = false;
 };
 
 /// Moved, not copied: it belongs to one thread at a time.
@@ -111,7 +131,7 @@ class Publisher {
   PublishStatus publish(const void* value);
   /// An encoded payload of the whole type, see Publisher::publish_cdr.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
-  Result<Loan> loan(const void* prototype, std::span<const Reservation> reservations);
+  Result<Loan> loan(const void* prototype, std::span<const Reservation> reservations, ReservedMemory memory);
   PublisherStatus status() const;
   const TypeSupport& type() const;
 

@@ -55,4 +55,9 @@ bool is_reservable(const Field& field) {
   return field.idl->type.is_sequence && field.idl->type.kind < SFT_STRING;
 }
 
+bool has_loan_size(const Field& field) {
+  const sft_type& type = field.idl->type;
+  return is_reservable(field) || (is_structure(type) && is_single(type));
+}
+
 }  // namespace sft::idl

@@ -41,4 +41,7 @@ bool belongs_to_struct(const sft_file& file, const sft_declaration& constant);
 /// Whether a loan can reserve the field, to be written in place: sequences of primitives and enumerations.
 bool is_reservable(const Field& field);
 
+/// Whether LoanSizes and LoanView name the field: that, or a struct, in which there may be such.
+bool has_loan_size(const Field& field);
+
 }  // namespace sft::idl

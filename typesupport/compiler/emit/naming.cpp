@@ -26,8 +26,8 @@ constexpr std::array keywords = std::to_array<std::string_view>(
      "xor_eq"});
 
 /// Members of every generated struct, and those of its LoanView that are not message fields.
-constexpr std::array class_names = std::to_array<std::string_view>(
-    {"Field", "Fields", "LoanSizes", "LoanView", "View", "reservable", "reservations"});
+constexpr std::array class_names =
+    std::to_array<std::string_view>({"Field", "Fields", "LoanSizes", "LoanView", "View", "reservations"});
 
 /// Template parameters and private members in generated classes (fields.cpp, views.cpp, owned.cpp).
 constexpr std::array private_names =

@@ -53,13 +53,17 @@ void emit_members(Code& code, const Message& message) {
 }
 
 void emit_loan_sizes(Code& code, const Message& message) {
-  if (std::ranges::none_of(message.fields, is_reservable)) {
+  if (std::ranges::none_of(message.fields, has_loan_size)) {
     code.line("  struct LoanSizes {{}};");
     return;
   }
   code.line("  struct LoanSizes {{");
   for (const Field& field : message.fields) {
-    if (is_reservable(field)) code.line("    std::optional<std::uint32_t> {}{{}};", field.name);
+    if (!has_loan_size(field)) continue;
+    code.line(
+        "    {} {}{{}};",
+        is_reservable(field) ? "std::optional<std::uint32_t>" : element_type(field.idl->type) + "::LoanSizes",
+        field.name);
   }
   code.line("  }};");
 }

@@ -1,6 +1,7 @@
 #include "views.h"
 
 #include <algorithm>
+#include <string>
 
 #include "spelling.h"
 
@@ -16,33 +17,22 @@ void emit_getter(Code& code, const Field& field, std::size_t index) {
 }
 
 void emit_reservations(Code& code, const Message& message) {
-  const auto count = std::ranges::count_if(message.fields, is_reservable);
-  code.line("  static constexpr std::size_t reservable = {};", count);
-  if (count == 0) {
-    code.line("  static constexpr auto reservations(const LoanSizes&) {{");
-    code.line("    return std::array<sft::Reservation, 0>{{}};");
-    code.line("  }}");
-    return;
-  }
-  code.line("  static constexpr auto reservations(const LoanSizes& sizes) {{");
-  code.line("    return std::array{{");
+  std::string parts;
   for (std::size_t i = 0; i < message.fields.size(); ++i) {
     const Field& field = message.fields[i];
-    if (is_reservable(field))
-      code.line("        sft::reservation<{}, {}>(sizes.{}),", message.qualified, i, field.name);
+    if (!has_loan_size(field)) continue;
+    const std::string inner = is_reservable(field) ? "" : ", " + element_type(field.idl->type);
+    parts += fmt::format("{}\n        sft::reservations_of<{}, {}{}>(sizes.{})", parts.empty() ? "" : ",",
+                         message.qualified, i, inner, field.name);
   }
-  code.line("    }};");
+  code.line("  static constexpr auto reservations([[maybe_unused]] const LoanSizes& sizes) {{");
+  code.line("    return sft::joined({});", parts);
   code.line("  }}");
 }
 
-void emit_spans(Code& code, const Message& message) {
-  code.line("  explicit LoanView(Loaned_ from) : at_(from) {{}}");
-  for (std::size_t i = 0; i < message.fields.size(); ++i) {
-    const Field& field = message.fields[i];
-    if (!is_reservable(field)) continue;
-    code.line("  auto {}() const {{ return at_.template span<{}, {}>(); }}", field.name, i,
-              element_type(field.idl->type));
-  }
+void emit_loaned(Code& code, const Field& field, std::size_t index) {
+  code.line("  auto {}() const {{ return at_.template {}<{}, {}>(); }}", field.name,
+            is_reservable(field) ? "span" : "member", index, element_type(field.idl->type));
 }
 
 }  // namespace
@@ -60,15 +50,18 @@ void emit_view(Code& code, const Message& message) {
 }
 
 void emit_loan_view(Code& code, const Message& message) {
-  const bool has_spans = std::ranges::any_of(message.fields, is_reservable);
+  const bool is_empty = std::ranges::none_of(message.fields, has_loan_size);
   code.line("template <class Loaned_>");
   code.line("class {}::LoanView {{", message.class_head());
-  if (has_spans) code.line("  Loaned_ at_;");
-  if (has_spans) code.blank();
+  if (!is_empty) code.line("  Loaned_ at_;");
+  if (!is_empty) code.blank();
   code.line(" public:");
   emit_reservations(code, message);
-  if (has_spans) emit_spans(code, message);
-  if (!has_spans) code.line("  explicit LoanView(Loaned_) {{}}");
+  code.line("  explicit LoanView({}) {}{{}}", is_empty ? "Loaned_" : "Loaned_ from",
+            is_empty ? "" : ": at_(from) ");
+  for (std::size_t i = 0; i < message.fields.size(); ++i) {
+    if (has_loan_size(message.fields[i])) emit_loaned(code, message.fields[i], i);
+  }
   code.line("}};");
   code.blank();
 }

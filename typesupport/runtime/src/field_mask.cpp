@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
+#include <functional>
 
 #include "sft/typesupport/fnv1a.h"
 
@@ -48,6 +49,14 @@ bool FieldMask::contains(const FieldMask& other) const {
   return true;
 }
 
+bool FieldMask::intersects(const FieldMask& other) const {
+  assert(leaves_ == other.leaves_);
+  for (std::size_t i = 0; i < words(); ++i) {
+    if ((other.word(i) & word(i)) != 0) return true;
+  }
+  return false;
+}
+
 bool FieldMask::any_of_words(std::size_t first, std::size_t count) const {
   for (std::size_t i = first / 64; i * 64 < first + count; ++i) {
     if ((word(i) & bits_within(i, first, count)) != 0) return true;
@@ -73,10 +82,21 @@ std::size_t FieldMask::size() const {
   return n;
 }
 
-FieldMask& FieldMask::operator|=(const FieldMask& other) {
+template <class Combine>
+FieldMask& FieldMask::combine(const FieldMask& other, Combine combine) {
   assert(leaves_ == other.leaves_);
-  for (std::size_t i = 0; i < words(); ++i) mutable_word(i) |= other.word(i);
+  for (std::size_t i = 0; i < words(); ++i) mutable_word(i) = combine(word(i), other.word(i));
   return *this;
+}
+
+FieldMask& FieldMask::operator|=(const FieldMask& other) { return combine(other, std::bit_or{}); }
+
+FieldMask& FieldMask::operator&=(const FieldMask& other) { return combine(other, std::bit_and{}); }
+
+FieldMask& FieldMask::operator^=(const FieldMask& other) { return combine(other, std::bit_xor{}); }
+
+FieldMask& FieldMask::operator-=(const FieldMask& other) {
+  return combine(other, [](std::uint64_t a, std::uint64_t b) { return a & ~b; });
 }
 
 std::uint64_t FieldMask::hash() const {

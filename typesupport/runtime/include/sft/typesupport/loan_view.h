@@ -1,6 +1,8 @@
 // The writable side: sequences of primitives that were reserved in a loan and are filled in place.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -11,33 +13,72 @@
 
 namespace sft {
 
-/// That the sequence at `leaf` is to be encoded with `length` elements that are not written.
+/// That the sequence at `leaf`, which has its own `slot`, is to be encoded with `length` elements that are
+/// not written. Without a length it is encoded as it is.
 struct Reservation {
   std::size_t leaf = 0;
   std::optional<std::uint32_t> length{};
+  std::size_t slot = 0;
 };
 
+/// What generated code reserves for member M of T: a sequence, or the sequences in a struct S.
 template <class T, std::size_t M>
-constexpr Reservation reservation(std::optional<std::uint32_t> length) {
-  return {leaf_offset(TypeTable<T>::type, M), length};
+constexpr std::array<Reservation, 1> reservations_of(std::optional<std::uint32_t> length) {
+  return {{{leaf_offset(TypeTable<T>::type, M), length, slot_offset(TypeTable<T>::type, M)}}};
 }
 
-/// Members of a loaned sample of type T. Owns nothing: the loan does.
+template <class T>
+class LoanedPlace;
+
+template <class T, std::size_t M, class S>
+constexpr auto reservations_of(const typename S::LoanSizes& sizes) {
+  auto inner = S::template LoanView<LoanedPlace<S>>::reservations(sizes);
+  for (Reservation& r : inner) {
+    r.leaf += leaf_offset(TypeTable<T>::type, M);
+    r.slot += slot_offset(TypeTable<T>::type, M);
+  }
+  return inner;
+}
+
+template <std::size_t... N>
+constexpr auto joined(const std::array<Reservation, N>&... parts) {
+  std::array<Reservation, (0 + ... + N)> all{};
+  [[maybe_unused]] auto to = all.begin();
+  ((to = std::copy(parts.begin(), parts.end(), to)), ...);
+  return all;
+}
+
+/// Members of a struct T in a loaned sample. Owns nothing: the loan does.
 template <class T>
 class LoanedPlace {
  public:
-  LoanedPlace(std::byte* body, SampleState state) : body_(body), state_(state) {}
+  /// `slot` is T's first in the root type. Without a body (the loan is gone) all spans are empty.
+  LoanedPlace(std::byte* body, const SampleState& state, std::size_t slot = 0)
+      : body_(body), state_(state), slot_(slot) {}
 
   template <std::size_t M, class E>
   std::span<E> span() const {
-    const std::uint32_t offset = state_.index[slot_offset(TypeTable<T>::type, M)];
+    if (body_ == nullptr) return {};
+    const std::uint32_t offset = state_.index[slot_of<M>()];
     const Extent extent = checked_sequence(state_, offset, sizeof(E));
     return extent ? std::span<E>{reinterpret_cast<E*>(body_ + extent.first), extent.count} : std::span<E>{};
   }
 
+  template <std::size_t M, class S>
+  auto member() const {
+    using Place = LoanedPlace<S>;
+    return typename S::template LoanView<Place>{Place{body_, state_, slot_of<M>()}};
+  }
+
  private:
+  template <std::size_t M>
+  std::size_t slot_of() const {
+    return slot_ + slot_offset(TypeTable<T>::type, M);
+  }
+
   std::byte* body_;
   SampleState state_;
+  std::size_t slot_;
 };
 
 }  // namespace sft

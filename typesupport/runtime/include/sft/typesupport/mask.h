@@ -6,15 +6,18 @@
 //   node.subscriber<PointCloud2, F::header.stamp | F::data>(...)
 //
 // All of it is structural, so that masks are template arguments and F::a | F::b names the same type as F::b |
-// F::a.
+// F::a. Sets of fields combine by | & - ^ ~ and compare by ==, whether they are masks or names of fields;
+// sft::Mask(F::header) is the mask of a name. to_string() (type_support.h) prints them.
 #pragma once
 
 #include <array>
+#include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
 
+#include "sft/typesupport/leaf_iterator.h"
 #include "sft/typesupport/type_table.h"
 
 namespace sft {
@@ -22,11 +25,20 @@ namespace sft {
 template <class T>
 struct Mask {
   using Type = T;
+  using value_type = std::size_t;
+  using const_iterator = LeafIterator<Mask>;
+  using iterator = const_iterator;
   static constexpr std::size_t leaves = leaf_count_of<T>;
 
   std::array<std::uint64_t, (leaves + 63) / 64> words{};  // public: a template argument has no private parts
 
   constexpr bool contains(std::size_t leaf) const { return (words[leaf / 64] >> (leaf % 64) & 1) != 0; }
+  constexpr bool contains(const Mask& other) const {
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      if ((other.words[i] & ~words[i]) != 0) return false;
+    }
+    return true;
+  }
 
   constexpr bool intersects(std::size_t first, std::size_t count) const {
     for (std::size_t leaf = first; leaf < first + count; ++leaf) {
@@ -34,6 +46,25 @@ struct Mask {
     }
     return false;
   }
+  constexpr bool intersects(const Mask& other) const {
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      if ((other.words[i] & words[i]) != 0) return true;
+    }
+    return false;
+  }
+
+  constexpr bool empty() const { return size() == 0; }
+  constexpr std::size_t size() const {
+    std::size_t n = 0;
+    for (const std::uint64_t word : words) n += static_cast<std::size_t>(std::popcount(word));
+    return n;
+  }
+
+  /// The numbers of the leaves, ascending.
+  constexpr iterator begin() const { return iterator::first(*this); }
+  constexpr iterator end() const { return iterator::end(*this); }
+  constexpr std::uint64_t word(std::size_t i) const { return words[i]; }
+  static constexpr std::size_t word_count() { return (leaves + 63) / 64; }
 
   static constexpr Mask range(std::size_t first, std::size_t count) {
     Mask m;
@@ -70,24 +101,50 @@ concept FieldSet = requires(const F& fields) {
   detail::type_of_fields(fields);
 };
 
-template <FieldSet A, FieldSet B>
-constexpr auto operator|(const A& a, const B& b) {
-  using T = decltype(detail::type_of_fields(a));
-  static_assert(std::same_as<T, decltype(detail::type_of_fields(b))>,
-                "fields of two message types in one mask");
+template <FieldSet F>
+using TypeOfFields = decltype(detail::type_of_fields(std::declval<const F&>()));
+
+template <FieldSet F>
+Mask(const F&) -> Mask<TypeOfFields<F>>;
+
+namespace detail {
+template <FieldSet A, FieldSet B, class Combine>
+constexpr auto combined(const A& a, const B& b, Combine combine) {
+  using T = TypeOfFields<A>;
+  static_assert(std::same_as<T, TypeOfFields<B>>, "fields of two message types in one mask");
   Mask<T> result = a;
   const Mask<T> other = b;
-  for (std::size_t i = 0; i < result.words.size(); ++i) result.words[i] |= other.words[i];
+  for (std::size_t i = 0; i < result.words.size(); ++i)
+    result.words[i] = combine(result.words[i], other.words[i]);
   return result;
 }
+}  // namespace detail
 
+template <FieldSet A, FieldSet B>
+constexpr auto operator|(const A& a, const B& b) {
+  return detail::combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x | y; });
+}
+template <FieldSet A, FieldSet B>
+constexpr auto operator&(const A& a, const B& b) {
+  return detail::combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x & y; });
+}
+/// Those of `a` that are not in `b`.
+template <FieldSet A, FieldSet B>
+constexpr auto operator-(const A& a, const B& b) {
+  return detail::combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x & ~y; });
+}
+/// Those in exactly one of them.
+template <FieldSet A, FieldSet B>
+constexpr auto operator^(const A& a, const B& b) {
+  return detail::combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x ^ y; });
+}
 template <FieldSet A>
 constexpr auto operator~(const A& fields) {
-  using T = decltype(detail::type_of_fields(fields));
-  Mask<T> result = all<T>;
-  const Mask<T> without = fields;
-  for (std::size_t i = 0; i < result.words.size(); ++i) result.words[i] &= ~without.words[i];
-  return result;
+  return all<TypeOfFields<A>> - fields;
+}
+template <FieldSet A, FieldSet B>
+constexpr bool operator==(const A& a, const B& b) {
+  return (a ^ b).empty();
 }
 
 /// Requirement mechanism "automatic requirement recording" (ARR): getters note what is read.
@@ -104,7 +161,7 @@ struct Req {
   constexpr Req(const Mask<T>& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
   /// A field or an inner node by its name (a class derived from FieldNode), or a combination of them.
   template <FieldSet F>
-  requires std::same_as<T, decltype(detail::type_of_fields(std::declval<const F&>()))>
+  requires std::same_as<T, TypeOfFields<F>>
   constexpr Req(const F& declared) : mask(declared) {}          // NOLINT(google-explicit-constructor)
   constexpr Req(Recorded) : mask(all<T>), is_recorded(true) {}  // NOLINT(google-explicit-constructor)
 

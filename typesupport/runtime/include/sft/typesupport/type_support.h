@@ -66,6 +66,24 @@ class TypeSupport {
   std::uint64_t hash_ = 0;
 };
 
+/// That of a generated message type, made on first use: the numbers, names and text of its fields.
+template <class T>
+const TypeSupport& type_support() {
+  static const TypeSupport support(TypeTable<T>::type);
+  return support;
+}
+
+/// As TypeSupport::format_mask: of a Mask<T>, a combination of fields or the name of one.
+template <FieldSet F>
+std::string to_string(const F& fields) {
+  return type_support<TypeOfFields<F>>().format_mask(FieldMask(fields));
+}
+/// Of a mask of T at run time: `sft::to_string<PointCloud2>(sample.mask())`.
+template <class T>
+std::string to_string(const FieldMask& mask) {
+  return type_support<T>().format_mask(mask);
+}
+
 /// 64-bit hash of a type's canonical structure (see TypeSupport::hash).
 std::uint64_t structure_hash(const StructType& type);
 

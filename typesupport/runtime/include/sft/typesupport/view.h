@@ -6,21 +6,22 @@
 //   array, sequence      -> std::span             ... of strings       -> StringRange
 //   struct               -> a View                ... of structs       -> ElementRange of Views
 //
+// Ranges have random access (element_range.h).
+//
 // Under a declared mask a getter of an absent field does not exist. Where fields are recorded, getters of
 // leaves return std::optional, empty if this sample does not have the field, and note the access either way.
 #pragma once
 
-#include <algorithm>
 #include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <type_traits>
 
+#include "sft/typesupport/element_range.h"
 #include "sft/typesupport/mask.h"
 #include "sft/typesupport/walk.h"
 
@@ -140,76 +141,17 @@ inline std::string_view string_at(const SampleState& s, std::uint64_t offset) no
   return {reinterpret_cast<const char*>(s.body + text.first), text.count};
 }
 
-/// Forward iteration over things that lie behind one another; Step says how one is read and where the next
-/// begins.
-template <class Step>
-class PackedRange {
- public:
-  class iterator {
-   public:
-    using iterator_concept = std::forward_iterator_tag;
-    using difference_type = std::ptrdiff_t;
-    using value_type = typename Step::Value;
-
-    iterator() = default;
-    iterator(const SampleState* s, std::uint64_t offset, std::uint32_t left)
-        : s_(s), offset_(offset), left_(left) {}
-
-    value_type operator*() const { return Step::read(*s_, offset_); }
-    iterator& operator++() {
-      const std::uint32_t next = Step::next(*s_, offset_);
-      if (next == no_offset) s_->flag_malformed();
-      left_ = next == no_offset ? 0 : left_ - 1;
-      offset_ = next;
-      return *this;
-    }
-    iterator operator++(int) {
-      iterator before = *this;
-      ++*this;
-      return before;
-    }
-    friend bool operator==(const iterator& a, const iterator& b) { return a.left_ == b.left_; }
-
-   private:
-    const SampleState* s_ = nullptr;
-    std::uint64_t offset_ = 0;
-    std::uint32_t left_ = 0;
-  };
-
-  PackedRange() = default;
-  /// `steps_max`: elements that are iterated over at most.
-  PackedRange(const SampleState* s, Extent extent, std::uint32_t steps_max = 0xFFFFFFFF)
-      : s_(s), extent_(extent) {
-    if (!extent) {
-      s->flag_malformed();
-      extent_ = {0, 0};
-    }
-    steps_ = std::min(extent_.count, steps_max);
-  }
-
-  std::size_t size() const { return extent_.count; }
-  bool empty() const { return extent_.count == 0; }
-  iterator begin() const { return {s_, extent_.first, steps_}; }
-  iterator end() const { return {s_, 0, 0}; }
-
- private:
-  const SampleState* s_ = nullptr;
-  Extent extent_{0, 0};
-  std::uint32_t steps_ = 0;
-};
-
 struct StringStep {
   using Value = std::string_view;
+  static constexpr const StructType* type = nullptr;
+  static constexpr std::size_t leaf = 0;
   static Value read(const SampleState& s, std::uint64_t offset) { return string_at(s, offset); }
-  static std::uint32_t next(const SampleState& s, std::uint64_t offset) {
-    const Extent length = checked_length(s, offset);
-    return length ? checked_block(s, length.first + std::uint64_t{length.count}, 0, 1) : no_offset;
-  }
 };
 
 }  // namespace detail
 
-using StringRange = detail::PackedRange<detail::StringStep>;
+/// What a getter of several strings returns.
+using StringRange = ElementRange<detail::StringStep>;
 
 template <auto R, class S, std::size_t Leaf>
 class ElementPlace;
@@ -218,13 +160,18 @@ namespace detail {
 template <auto R, class S, std::size_t Leaf>
 struct ElementStep {
   using Value = typename S::template View<ElementPlace<R, S, Leaf>>;
+  static constexpr const StructType* type = &TypeTable<S>::type;
+  static constexpr std::size_t leaf = Leaf;
   static Value read(const SampleState& s, std::uint64_t offset) {
     return Value{ElementPlace<R, S, Leaf>{&s, offset}};
   }
-  static std::uint32_t next(const SampleState& s, std::uint64_t offset) {
-    return skip(s, TypeTable<S>::type, Leaf, offset);
-  }
 };
+
+/// Where the elements of member M begin, which itself begins at `offset`.
+inline Extent elements_of(const SampleState& s, const Member& m, std::uint64_t offset) noexcept {
+  if (m.shape == Shape::sequence) return checked_length(s, offset);
+  return {offset < no_offset ? static_cast<std::uint32_t>(offset) : no_offset, m.count};
+}
 
 /// Reads member number Index of struct S, of which the first leaf is Leaf and which begins at `offset`.
 /// As: the nested struct, or the enumeration, that the generated code names; void otherwise.
@@ -233,20 +180,12 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
   constexpr Member M = TypeTable<S>::members[Index];
   if constexpr (M.kind == Kind::structure) {
     constexpr std::size_t element_leaf = Leaf + (M.shape == Shape::sequence ? 1 : 0);
-    using Range = PackedRange<ElementStep<R, As, element_leaf>>;
-    // Elements of which nothing was sent take no bytes, and no bytes vouch for their number.
-    const bool vouched = s.mask->any_of(element_leaf, leaf_count_of<As>);
-    return Range{&s,
-                 M.shape == Shape::sequence ? checked_length(s, offset)
-                                            : Extent{static_cast<std::uint32_t>(offset), M.count},
-                 vouched ? 0xFFFFFFFF : max_empty_elements};
+    return ElementRange<ElementStep<R, As, element_leaf>>{s, elements_of(s, M, offset)};
   } else if constexpr (M.kind == Kind::string) {
     if constexpr (M.shape == Shape::single) {
       return string_at(s, offset);
     } else {
-      return StringRange{&s, M.shape == Shape::sequence
-                                 ? checked_length(s, offset)
-                                 : Extent{static_cast<std::uint32_t>(offset), M.count}};
+      return StringRange{s, elements_of(s, M, offset)};
     }
   } else if constexpr (M.shape == Shape::single) {
     using V = std::conditional_t<std::is_enum_v<As>, As, typename ScalarOf<M.kind>::type>;

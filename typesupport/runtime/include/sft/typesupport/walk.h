@@ -19,6 +19,8 @@ namespace sft {
 /// over.
 inline constexpr std::uint32_t max_empty_elements = 65'536;
 
+class ElementIndex;
+
 /// A CDR body under a mask, as captured when the sample was taken. Owns nothing.
 struct SampleState {
   const std::byte* body = nullptr;  ///< 8-aligned
@@ -26,6 +28,7 @@ struct SampleState {
   const std::uint32_t* index = nullptr;  ///< one offset per slot; may be null where only walks are made
   const FieldMask* mask = nullptr;       ///< leaves that are present
   AccessLog* log = nullptr;              ///< null unless the reader records
+  ElementIndex* elements = nullptr;      ///< remembers where elements begin; null: jumps to them walk
   mutable bool malformed = false;        ///< a getter met bytes that are not what they claim to be
 
   // Several threads may read one sample.
@@ -81,6 +84,20 @@ inline Extent checked_string(const SampleState& s, std::uint64_t offset) noexcep
   const Extent length = checked_length(s, offset);
   if (!length || checked_block(s, length.first, length.count, 1) == no_offset) return {};
   return {length.first, length.count == 0 ? 0 : length.count - 1};
+}
+
+/// Offset just behind a string whose length stands at `offset`.
+inline std::uint32_t skip_string(const SampleState& s, std::uint64_t offset) noexcept {
+  const Extent length = checked_length(s, offset);
+  return length ? checked_block(s, length.first + std::uint64_t{length.count}, 0, 1) : no_offset;
+}
+
+/// Things of at least `bytes_min` each behind one another, at `extent`: none where the body cannot hold so
+/// many.
+inline Extent checked_elements(const SampleState& s, Extent extent, std::uint32_t bytes_min) noexcept {
+  if (extent.first > s.body_bytes) return {};
+  const bool fits = std::uint64_t{extent.count} * bytes_min <= s.body_bytes - extent.first;
+  return fits ? extent : Extent{};
 }
 
 /// Offset just behind the selected leaves of a member (or of a whole struct) that begins at `offset`, or

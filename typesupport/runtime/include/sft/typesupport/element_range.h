@@ -1,0 +1,133 @@
+// What getters of several structs or strings return: a lazy range with random access, for range-for,
+// `range[i]` and the algorithms and views of std::ranges. It owns nothing: it and its iterators are valid as
+// long as the sample. Elements are values (a View, a std::string_view), made when they are looked at.
+//
+// Going forward reads what lies in between and costs nothing else; see element_index.h for what jumps do.
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <ranges>
+
+#include "sft/typesupport/element_index.h"
+#include "sft/typesupport/walk.h"
+
+namespace sft {
+
+/// Step says what the elements are (as in struct Elements) and how one is read.
+template <class Step>
+class ElementRange : public std::ranges::view_interface<ElementRange<Step>> {
+ public:
+  class iterator {
+    struct Arrow {
+      typename Step::Value value;
+      const typename Step::Value* operator->() const { return &value; }
+    };
+
+   public:
+    using iterator_concept = std::random_access_iterator_tag;
+    using iterator_category = std::input_iterator_tag;  // what C++17 asks of one whose elements are values
+    using value_type = typename Step::Value;
+    using reference = value_type;
+    using difference_type = std::ptrdiff_t;
+
+    iterator() = default;
+
+    value_type operator*() const { return Step::read(*s_, offset()); }
+    Arrow operator->() const { return {**this}; }
+    value_type operator[](difference_type n) const { return *(*this + n); }
+
+    /// Where the bytes are not what they claim to be, the next one is the end.
+    iterator& operator++() {
+      const std::uint32_t next = behind(offset());
+      if (next == no_offset) s_->flag_malformed();
+      position_ = next == no_offset ? count_ : position_ + 1;
+      known_ = {position_, next};
+      return *this;
+    }
+    iterator operator++(int) {
+      iterator before = *this;
+      ++*this;
+      return before;
+    }
+    iterator& operator--() { return *this -= 1; }
+    iterator operator--(int) {
+      iterator before = *this;
+      --*this;
+      return before;
+    }
+
+    iterator& operator+=(difference_type n) {
+      position_ = static_cast<std::uint32_t>(position_ + n);
+      assert(position_ <= count_);
+      return *this;
+    }
+    iterator& operator-=(difference_type n) { return *this += -n; }
+    friend iterator operator+(iterator i, difference_type n) { return i += n; }
+    friend iterator operator+(difference_type n, iterator i) { return i += n; }
+    friend iterator operator-(iterator i, difference_type n) { return i -= n; }
+    friend difference_type operator-(const iterator& a, const iterator& b) {
+      return difference_type{a.position_} - difference_type{b.position_};
+    }
+    friend bool operator==(const iterator& a, const iterator& b) { return a.position_ == b.position_; }
+    friend auto operator<=>(const iterator& a, const iterator& b) { return a.position_ <=> b.position_; }
+
+   private:
+    friend ElementRange;
+    iterator(const SampleState* s, Extent extent, std::uint32_t position)
+        : s_(s), first_(extent.first), count_(extent.count), position_(position), known_{0, extent.first} {}
+
+    /// As next_element(), of elements that are known when compiling.
+    std::uint32_t behind(std::uint32_t offset) const {
+      if constexpr (Step::type == nullptr) {
+        return skip_string(*s_, offset);
+      } else {
+        return skip(*s_, *Step::type, Step::leaf, offset);
+      }
+    }
+    Elements elements() const { return {Step::type, Step::leaf, first_, count_}; }
+    std::uint32_t offset() const {
+      return position_ == known_.position ? known_.offset : element_begin(*s_, elements(), position_, known_);
+    }
+
+    const SampleState* s_ = nullptr;
+    std::uint32_t first_ = 0;
+    std::uint32_t count_ = 0;
+    std::uint32_t position_ = 0;
+    KnownElement known_{};  ///< the last one that was walked to
+  };
+
+  ElementRange() = default;
+  /// Empty, and the sample flagged, where its bytes cannot be that many elements.
+  ElementRange(const SampleState& s, Extent extent) : s_(&s) {
+    // Elements of which nothing was sent take no bytes, and no bytes vouch for their number.
+    const bool vouched = Step::type == nullptr || s.mask->any_of(Step::leaf, leaf_count(*Step::type));
+    extent_ = checked_elements(s, extent, Step::type == nullptr ? 4 : vouched ? 1 : 0);
+    if (!extent_) {
+      s.flag_malformed();
+      extent_ = {0, 0};
+    }
+    walked_ = vouched ? extent_.count : std::min(extent_.count, max_empty_elements);
+  }
+
+  /// How many there are in the message. Of elements of which nothing was sent, no more than
+  /// max_empty_elements are between begin() and end().
+  std::size_t size() const { return extent_.count; }
+  bool empty() const { return extent_.count == 0; }
+  iterator begin() const { return {s_, extent_, 0}; }
+  iterator end() const { return {s_, extent_, walked_}; }
+
+ private:
+  const SampleState* s_ = nullptr;
+  Extent extent_{0, 0};
+  std::uint32_t walked_ = 0;
+};
+
+}  // namespace sft
+
+template <class Step>
+inline constexpr bool std::ranges::enable_borrowed_range<sft::ElementRange<Step>> = true;
