@@ -1,9 +1,9 @@
 #include "sft/typesupport/type_support.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "sft/typesupport/fnv1a.h"
+#include "text.h"
 
 namespace sft {
 
@@ -28,21 +28,6 @@ void add_structure(Fnv1a& hash, const StructType& type) {
     if (m.enumeration != nullptr) add_enumeration(hash, *m.enumeration);
     if (m.type != nullptr) add_structure(hash, *m.type);
   }
-}
-
-/// Levenshtein distance, one row at a time.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t substitution = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, substitution});
-    }
-  }
-  return row.back();
 }
 
 }  // namespace
