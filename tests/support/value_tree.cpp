@@ -67,7 +67,7 @@ T value_of(Result<T> result) {
 
 /// As it stands in CDR.
 std::string bytes_of(const DynamicView& view) {
-  const Scalar value = value_of(view.scalar());
+  const DynamicView::Scalar value = value_of(view.scalar());
   if (const auto* text = std::get_if<std::string_view>(&value)) return std::string(*text);
   std::string bytes(size_of(view.kind()), '\0');
   std::visit([&](const auto& v) { std::memcpy(bytes.data(), &v, std::min(bytes.size(), sizeof v)); }, value);

@@ -10,6 +10,8 @@ namespace sft {
 
 namespace {
 
+using Scalar = DynamicView::Scalar;
+
 /// Where the length of a string ends, and the next string begins.
 std::uint64_t behind_string(const SampleState& s, std::uint64_t offset) {
   const Extent length = checked_length(s, offset);
@@ -235,7 +237,7 @@ Result<std::size_t> DynamicView::size() const {
   return all.count;
 }
 
-Result<Scalar> DynamicView::scalar() const {
+Result<DynamicView::Scalar> DynamicView::scalar() const {
   if (node_ != Node::value || !*this) {
     if (node_ == Node::value && error_ == nullptr) note();
     return tl::unexpected(not_readable("a single value"));

@@ -108,7 +108,7 @@ class JsonWriter {
   }
 
   Json scalar(const DynamicView& view) {
-    const Result<Scalar> value = view.scalar();
+    const Result<DynamicView::Scalar> value = view.scalar();
     if (!value) return failed(value.error());
     const auto* text = std::get_if<std::string_view>(&*value);
     if (!count(text == nullptr ? 4 : text->size() + 2)) return {};

@@ -220,7 +220,7 @@ class YamlWriter {
 
   /// Returns how many bytes of a text were left out.
   std::size_t scalar(const DynamicView& view) {
-    const Result<Scalar> value = view.scalar();
+    const Result<DynamicView::Scalar> value = view.scalar();
     if (!value) {
       failure(value.error());
       return 0;

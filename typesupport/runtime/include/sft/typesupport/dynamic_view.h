@@ -36,13 +36,12 @@
 
 namespace sft {
 
-/// One primitive or string. Integers of all widths and octets are widened; an enumeration is its integer.
-using Scalar = std::variant<bool, char, std::int64_t, std::uint64_t, float, double, std::string_view>;
-
 class DynamicView {
  public:
   class Members;
   class Elements;
+  /// One primitive or string. Integers of all widths and octets are widened; an enumeration is its integer.
+  using Scalar = std::variant<bool, char, std::int64_t, std::uint64_t, float, double, std::string_view>;
 
   /// The whole sample. `s.index` may be null: then members are found by walking.
   DynamicView(const SampleState& s, const StructType& type);
@@ -244,7 +243,7 @@ constexpr bool holds(Kind kind) {
 
 /// The value as a T, if it is one.
 template <class T>
-std::optional<T> convert(const Scalar& value) {
+std::optional<T> convert(const DynamicView::Scalar& value) {
   const auto to = [](auto v) -> std::optional<T> {
     using V = decltype(v);
     constexpr bool from_integer = std::is_same_v<V, std::int64_t> || std::is_same_v<V, std::uint64_t>;
