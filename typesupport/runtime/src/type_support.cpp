@@ -65,8 +65,9 @@ Result<FieldMask> TypeSupport::find(std::string_view path) const {
   const auto found =
       std::find_if(nodes_.begin(), nodes_.end(), [&](const Node& n) { return n.path == path; });
   if (found == nodes_.end()) {
+    const std::string_view meant = path.substr(0, 255);  // of more there is no near one, only work
     const auto nearest = std::min_element(nodes_.begin(), nodes_.end(), [&](const Node& a, const Node& b) {
-      return edit_distance(a.path, path) < edit_distance(b.path, path);
+      return edit_distance(a.path, meant) < edit_distance(b.path, meant);
     });
     const std::string hint = nearest == nodes_.end() ? "" : "; did you mean '" + nearest->path + "'?";
     return fail(Errc::unknown_field,

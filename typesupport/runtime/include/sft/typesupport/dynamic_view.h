@@ -241,26 +241,24 @@ constexpr bool holds(Kind kind) {
   return false;
 }
 
-/// The value as a T, if it is one.
 template <class T>
-std::optional<T> convert(const DynamicView::Scalar& value) {
-  const auto to = [](auto v) -> std::optional<T> {
-    using V = decltype(v);
-    constexpr bool from_integer = std::is_same_v<V, std::int64_t> || std::is_same_v<V, std::uint64_t>;
-    constexpr bool to_integer = std::is_integral_v<T> && !std::is_same_v<T, bool> && !std::is_same_v<T, char>;
-    if constexpr (std::is_same_v<V, T> || (std::is_same_v<V, float> && std::is_same_v<T, double>)) {
-      return v;
-    } else if constexpr (std::is_same_v<V, std::string_view> && std::is_same_v<T, std::string>) {
-      return std::string(v);
-    } else if constexpr (from_integer && to_integer) {
-      if (std::in_range<T>(v)) return static_cast<T>(v);
-    } else if constexpr (from_integer && std::is_floating_point_v<T>) {
-      constexpr std::int64_t exact = std::int64_t{1} << std::numeric_limits<T>::digits;
-      if (std::cmp_less_equal(v, exact) && std::cmp_greater_equal(v, -exact)) return static_cast<T>(v);
-    }
-    return std::nullopt;
-  };
-  return std::visit(to, value);
+inline constexpr bool is_number =
+    std::is_arithmetic_v<T> && !std::is_same_v<T, bool> && !std::is_same_v<T, char>;
+
+/// The value as a T, if it is one.
+template <class T, class V>
+std::optional<T> convert(V v) {
+  if constexpr (std::is_same_v<V, T> || (std::is_same_v<V, float> && std::is_same_v<T, double>)) {
+    return v;
+  } else if constexpr (std::is_same_v<V, std::string_view> && std::is_same_v<T, std::string>) {
+    return std::string(v);
+  } else if constexpr (std::is_integral_v<V> && is_number<V> && std::is_integral_v<T> && is_number<T>) {
+    if (std::in_range<T>(v)) return static_cast<T>(v);
+  } else if constexpr (std::is_integral_v<V> && is_number<V> && std::is_floating_point_v<T>) {
+    constexpr std::int64_t exact = std::int64_t{1} << std::numeric_limits<T>::digits;
+    if (std::cmp_less_equal(v, exact) && std::cmp_greater_equal(v, -exact)) return static_cast<T>(v);
+  }
+  return std::nullopt;
 }
 
 }  // namespace detail
@@ -275,7 +273,7 @@ Result<T> DynamicView::as() const {
   } else {
     const Result<Scalar> value = scalar();
     if (!value) return tl::unexpected(value.error());
-    std::optional<T> converted = detail::convert<T>(*value);
+    std::optional<T> converted = std::visit([](auto v) { return detail::convert<T>(v); }, *value);
     if (!converted) return fail(Errc::type_mismatch, label() + " does not fit into what was asked for");
     return *std::move(converted);
   }
