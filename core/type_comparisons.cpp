@@ -24,10 +24,10 @@ std::shared_ptr<const TypeMismatch> TypeComparisons::compare(const TypeSupport& 
                                                              const Endpoint& theirs) {
   // A description that was accepted has the hash that was announced; without one, another may follow.
   const bool described = !theirs.type_description.empty();
-  const Hashes hashes{ours.hash(), described ? theirs.type_hash : 0};
-  if (const auto found = known_.find(hashes); found != known_.end()) return found->second;
+  const Definitions both{theirs.type_name, ours.hash(), described ? theirs.type_hash : 0};
+  if (const auto found = known_.find(both); found != known_.end()) return found->second;
   if (known_.size() >= known_max) known_.clear();
-  return known_[hashes] = std::make_shared<const TypeMismatch>(explain(ours, theirs));
+  return known_[both] = std::make_shared<const TypeMismatch>(explain(ours, theirs));
 }
 
 }  // namespace sft::core

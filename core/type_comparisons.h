@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <utility>
+#include <string>
+#include <tuple>
 
 #include "core/control.h"
 #include "sft/status.h"
@@ -19,8 +20,9 @@ class TypeComparisons {
   std::shared_ptr<const TypeMismatch> compare(const TypeSupport& ours, const Endpoint& theirs);
 
  private:
-  using Hashes = std::pair<std::uint64_t, std::uint64_t>;
-  std::map<Hashes, std::shared_ptr<const TypeMismatch>> known_;
+  /// The name of the type and the hashes of both definitions; hashes alone leave names of types out.
+  using Definitions = std::tuple<std::string, std::uint64_t, std::uint64_t>;
+  std::map<Definitions, std::shared_ptr<const TypeMismatch>> known_;
 };
 
 }  // namespace sft::core

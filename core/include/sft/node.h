@@ -61,7 +61,8 @@ class Node {
   // For programs that were not compiled with the type of a topic (dynamic.h).
 
   /// Waits until somebody who publishes the topic (or, if nobody does, subscribes to it) has announced its
-  /// type. The error says what was seen instead. In on_readers_changed it does not wait.
+  /// type. The error says what was seen instead. Not for callbacks: it would hold up the node (in
+  /// on_readers_changed it does not wait).
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   /// All topics that are known at present, those of this node too.
   std::vector<TopicInfo> topics() const;

@@ -1,5 +1,6 @@
 #include "sft/typesupport/json.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -97,7 +98,8 @@ class JsonWriter {
     if (!size) return failed(size.error());
     for (const DynamicView& element : view.elements()) {
       if (array.size() == options_.elements_max) {
-        array.push_back("... " + std::to_string(*size - options_.elements_max) + " more");
+        const std::size_t more = *size - std::min(*size, options_.elements_max);
+        array.push_back("... " + std::to_string(more) + " more");
         break;
       }
       count(2);

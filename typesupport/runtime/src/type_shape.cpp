@@ -136,9 +136,9 @@ std::string difference(const EnumType& here, const EnumType& there) {
 }
 
 /// Like format_type, but types that have a structure of their own are told apart by that, not by their names.
-std::string outer_type(const Member& m, std::string_view stand_in) {
+std::string outline(const Member& m) {
   const bool has_structure = m.kind == Kind::structure || m.enumeration != nullptr;
-  return in_collection(m, has_structure ? std::string(stand_in) : element_type(m));
+  return in_collection(m, has_structure ? "" : element_type(m));
 }
 
 class Comparison {
@@ -161,7 +161,7 @@ class Comparison {
     const auto both = [&](const std::string& a, const std::string& b) { return path + ": " + differ(a, b); };
     const bool alike =
         here.kind == there.kind && (here.enumeration == nullptr) == (there.enumeration == nullptr);
-    if (!alike || outer_type(here, "") != outer_type(there, "")) return both(full(here), full(there));
+    if (!alike || outline(here) != outline(there)) return both(full(here), full(there));
     if (here.key != there.key) return both(here.key ? "a key" : "no key", there.key ? "a key" : "no key");
     if (here.enumeration != nullptr) {
       const std::string found = difference(*here.enumeration, *there.enumeration);

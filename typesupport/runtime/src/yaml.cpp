@@ -162,9 +162,10 @@ class YamlWriter {
       if (printed == options_.elements_max || failure_) break;
       if (printed++ != 0) out_ += ", ";
       scalar(element);
+      check_length();
     }
     out_ += ']';
-    comment(m, size - printed);
+    comment(m, size - std::min(size, printed));  // in shared memory a length may change
     out_ += '\n';
   }
 
@@ -189,21 +190,24 @@ class YamlWriter {
       }
     }
     dash_ = false;
-    if (printed == size) return;
+    if (printed >= size) return;
     out_.append(indent, ' ');
     out_ += "# ... " + std::to_string(size - printed) + " more\n";
   }
 
   /// Begins a line; the first one of an element of a block has a dash in its indentation.
   void line(std::size_t indent) {
-    if (out_.size() > options_.output_bytes_max) {
-      failure({Errc::limit_exceeded, "the text would have more than " +
-                                         std::to_string(options_.output_bytes_max) +
-                                         " bytes; lower the limit of elements"});
-    }
+    check_length();
     out_.append(dash_ ? indent - 2 : indent, ' ');
     if (dash_) out_ += "- ";
     dash_ = false;
+  }
+
+  void check_length() {
+    if (out_.size() <= options_.output_bytes_max) return;
+    failure({Errc::limit_exceeded, "the text would have more than " +
+                                       std::to_string(options_.output_bytes_max) +
+                                       " bytes; lower the limit of elements"});
   }
 
   void comment(const DynamicView& m, std::size_t more) {

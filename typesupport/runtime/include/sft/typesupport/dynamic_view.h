@@ -43,7 +43,8 @@ class DynamicView {
   /// One primitive or string. Integers of all widths and octets are widened; an enumeration is its integer.
   using Scalar = std::variant<bool, char, std::int64_t, std::uint64_t, float, double, std::string_view>;
 
-  /// The whole sample. `s.index` may be null: then members are found by walking.
+  /// The whole sample, of which the mask is one of `type`. `s.index` may be null: then members are found by
+  /// walking.
   DynamicView(const SampleState& s, const StructType& type);
 
   // ---- navigation ----
