@@ -1,6 +1,7 @@
 // What the control topics carry, as the core uses it: checked, and without Cyclone's types.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@ inline constexpr std::size_t mask_words_max = 64;
 inline constexpr std::size_t writers_per_reader_max = 1024;
 inline constexpr std::size_t addresses_max = 8;
 inline constexpr std::size_t name_bytes_max = 255;
+inline constexpr std::size_t type_description_bytes_max = 8192;
 
 enum class Role : std::uint8_t { writer, reader };
 
@@ -35,6 +37,7 @@ struct Endpoint {
   std::string topic;
   std::string type_name;
   std::uint64_t type_hash = 0;
+  std::vector<std::byte> type_description;  ///< may be empty (described_type.h)
   HostToken host;
   std::uint64_t network = 0;
   bool may_use_shm = false;

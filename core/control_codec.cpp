@@ -12,6 +12,16 @@ dds_sequence_unsigned_long_long borrow(const std::vector<std::uint64_t>& values,
   return {n, n, const_cast<std::uint64_t*>(values.data()), false};
 }
 
+dds_sequence_octet borrow(const std::vector<std::byte>& bytes, std::size_t most) {
+  const auto n = static_cast<std::uint32_t>(bytes.size() > most ? 0 : bytes.size());
+  return {n, n, reinterpret_cast<std::uint8_t*>(const_cast<std::byte*>(bytes.data())), false};
+}
+
+std::vector<std::byte> copy(const dds_sequence_octet& s) {
+  const auto* first = reinterpret_cast<const std::byte*>(s._buffer);
+  return {first, first + s._length};
+}
+
 std::vector<std::uint64_t> copy(const dds_sequence_unsigned_long_long& s) {
   return {s._buffer, s._buffer + s._length};
 }
@@ -50,6 +60,7 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   put(out.topic, endpoint.topic);
   put(out.type_name, endpoint.type_name);
   out.type_hash = endpoint.type_hash;
+  out.type_description = borrow(endpoint.type_description, type_description_bytes_max);
   std::copy(endpoint.host.bytes.begin(), endpoint.host.bytes.end(), out.host);
   out.network = endpoint.network;
   out.may_use_shm = endpoint.may_use_shm;
@@ -90,6 +101,7 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   out.topic = in.topic;
   out.type_name = in.type_name;
   out.type_hash = in.type_hash;
+  out.type_description = copy(in.type_description);
   std::copy(std::begin(in.host), std::end(in.host), out.host.bytes.begin());
   out.network = in.network;
   out.may_use_shm = in.may_use_shm;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/control_codec.h"
+#include "core/described_type.h"
 
 namespace sft::core {
 
@@ -187,15 +188,26 @@ class CycloneDiscovery final : public Discovery {
     take_all<sft_control_Endpoint>(reader,
                                    [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
                                      if (info.valid_data && info.instance_state == DDS_IST_ALIVE) {
-                                       Result<Endpoint> endpoint = from_dds(sample);
-                                       endpoint ? listener.endpoint_seen(std::move(*endpoint))
-                                                : listener.control_malformed(endpoint.error().message);
+                                       endpoint_came(from_dds(sample), listener);
                                      } else if (info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED) {
                                        listener.endpoint_departed(sample.id);
                                      } else if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) {
                                        listener.endpoint_lost(sample.id);
                                      }
                                    });
+  }
+
+  /// A description that cannot be used costs the endpoint its description and nothing more: programs that
+  /// were compiled with the type do not need it.
+  static void endpoint_came(Result<Endpoint> endpoint, DiscoveryListener& listener) {
+    if (!endpoint) return listener.control_malformed(endpoint.error().message);
+    if (!endpoint->type_description.empty()) {
+      if (const auto type = described_type(*endpoint); !type) {
+        listener.control_malformed(type.error().message);
+        endpoint->type_description.clear();
+      }
+    }
+    listener.endpoint_seen(std::move(*endpoint));
   }
 
   static void on_requests(dds_entity_t reader, void* self) {

@@ -24,7 +24,7 @@ class DiscoveryListener {
   /// Its node stopped answering; if it returns, the endpoint is seen again.
   virtual void endpoint_lost(EndpointId id) = 0;
   virtual void request_received(Request request) = 0;
-  /// A control sample was refused.
+  /// A control sample, or the type description in one, was refused.
   virtual void control_malformed(std::string why) = 0;
 
  protected:

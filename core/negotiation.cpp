@@ -131,13 +131,19 @@ std::string Negotiation::why_not_shm(const Endpoint& writer, const Endpoint& rea
   return "the other side has no shared memory yet";
 }
 
-Negotiation::Verdict Negotiation::judge(const Endpoint& writer, const Endpoint& reader) const {
+Negotiation::Verdict Negotiation::judge(const Entry& ours, const Entry& other) const {
+  const bool we_write = ours.endpoint.role == Role::writer;
+  const Endpoint& writer = we_write ? ours.endpoint : other.endpoint;
+  const Endpoint& reader = we_write ? other.endpoint : ours.endpoint;
   Verdict verdict;
   if (writer.type_name != reader.type_name) {
     verdict.mismatch =
         "type " + writer.type_name + " is published, " + reader.type_name + " is subscribed to";
   } else if (writer.type_hash != reader.type_hash) {
-    verdict.mismatch = "two different definitions of type " + writer.type_name;
+    verdict.definitions = comparisons_.compare(*ours.type, other.endpoint);
+    const std::string& difference = verdict.definitions->difference;
+    verdict.mismatch = "two different definitions of type " + writer.type_name +
+                       (difference.empty() ? "" : ": " + difference);
   }
   if (!verdict.mismatch.empty()) return verdict;
   verdict.shm = writer.may_use_shm && reader.may_use_shm && self_.host.known() && writer.host == self_.host &&
@@ -168,9 +174,10 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   const Endpoint& r = reader.endpoint;
   const TypeSupport& type = *writer.type;
   ReaderStatus status{.id = r.id, .node = r.node, .request_sequence = r.request.sequence};
-  const Verdict verdict = judge(writer.endpoint, r);
+  const Verdict verdict = judge(writer, reader);
   if (!verdict.mismatch.empty()) {
     status.reason = verdict.mismatch;
+    status.mismatch = verdict.definitions;
     return status;
   }
   status.mask = type.closed(FieldMask::from_words(type.leaves(), r.request.mask_words));
@@ -215,13 +222,14 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
   const Endpoint& r = entry->second.endpoint;
   for (const Entry* writer : others(entry->second)) {
     const Endpoint& w = writer->endpoint;
-    const Verdict verdict = judge(w, r);
+    const Verdict verdict = judge(entry->second, *writer);
     Hearing hearing{.source = {w.id, w.max_sample_bytes}, .status = {.id = w.id, .node = w.node}};
     hearing.shm = verdict.shm;
     hearing.udp = verdict.udp;
     const bool attached = verdict.shm && holds(r.request.attached, w.id);
     hearing.status.matched = verdict.shm || verdict.udp;
     hearing.status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
+    hearing.status.mismatch = verdict.definitions;
     hearing.status.reason = !verdict.mismatch.empty() ? verdict.mismatch
                             : attached                ? "same host"
                             : verdict.shm             ? "same host, shared memory is being attached"
@@ -229,6 +237,14 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     result.push_back(std::move(hearing));
   }
   return result;
+}
+
+std::vector<const Endpoint*> Negotiation::present() const {
+  std::vector<const Endpoint*> endpoints;
+  for (const auto& [id, entry] : entries_) {
+    if (!entry.lost_since) endpoints.push_back(&entry.endpoint);
+  }
+  return endpoints;
 }
 
 const Endpoint* Negotiation::local(EndpointId id) const {

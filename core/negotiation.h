@@ -13,6 +13,7 @@
 
 #include "core/control.h"
 #include "core/transport.h"
+#include "core/type_comparisons.h"
 #include "sft/status.h"
 
 namespace sft::core {
@@ -77,6 +78,8 @@ class Negotiation {
   /// Our endpoint as it should be announced, with the request in force.
   const Endpoint* local(EndpointId id) const;
   std::size_t endpoints() const { return entries_.size(); }
+  /// All endpoints but the lost ones; ours too. Valid until the next event.
+  std::vector<const Endpoint*> present() const;
   std::uint64_t ignored() const { return ignored_; }
 
  private:
@@ -85,14 +88,15 @@ class Negotiation {
     const TypeSupport* type = nullptr;  ///< of our own endpoints
     std::optional<Now> lost_since;      ///< its node does not answer
   };
-  struct Verdict {         ///< on one pair, as far as both sides see it alike
-    std::string mismatch;  ///< not empty: never matches, and why
-    bool shm = false;      ///< both may and can use shared memory
+  struct Verdict {                                    ///< on one pair, as we see it
+    std::string mismatch;                             ///< not empty: never matches, and why
+    std::shared_ptr<const TypeMismatch> definitions;  ///< not null: they are two of one type
+    bool shm = false;                                 ///< both may and can use shared memory
     bool udp = false;
     std::string udp_reason;
   };
 
-  Verdict judge(const Endpoint& writer, const Endpoint& reader) const;
+  Verdict judge(const Entry& ours, const Entry& other) const;
   std::string why_not_shm(const Endpoint& writer, const Endpoint& reader) const;
   ReaderStatus serve(const Entry& writer, const Entry& reader, Serving& serving) const;
   UdpAddress address_of(const Endpoint& reader) const;
@@ -103,6 +107,7 @@ class Negotiation {
   Self self_;
   std::map<EndpointId, Entry> entries_;
   std::map<EndpointId, Request> early_requests_;  ///< of readers whose description has not come yet
+  mutable TypeComparisons comparisons_;
   std::uint64_t ignored_ = 0;
 };
 

@@ -1,12 +1,15 @@
 #include "core/node_core.h"
 
 #include <algorithm>
+#include <future>
 #include <numeric>
 #include <thread>
 #include <utility>
 
+#include "core/described_type.h"
 #include "core/network_id.h"
 #include "core/random_id.h"
+#include "core/topics.h"
 
 namespace sft::core {
 
@@ -101,6 +104,7 @@ Endpoint NodeCore::new_endpoint(Role role, std::string_view topic, const TypeSup
   endpoint.topic = topic;
   endpoint.type_name = type.name();
   endpoint.type_hash = type.hash();
+  endpoint.type_description = announced_description(type.type());
   endpoint.may_use_shm = may_use(TransportKind::shm, choice);
   endpoint.may_use_udp = may_use(TransportKind::udp, choice);
   if (endpoint.may_use_udp) endpoint.addresses = udp_->addresses();
@@ -123,7 +127,10 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
       PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes,
                           options.on_readers_changed},
       heap_, std::move(udp));
-  agent_.post([this, endpoint, core] { reconciler_->add_writer(endpoint, core); });
+  agent_.post([this, endpoint, core] {
+    reconciler_->add_writer(endpoint, core);
+    endpoints_changed_.raise();
+  });
   // The handle withdraws the endpoint; the agent lets go of the rest.
   std::shared_ptr<PublisherCore> handle(core.get(), [self, core, id = endpoint.id](PublisherCore*) {
     self->agent_.post([node = self.get(), id] { node->reconciler_->remove(id); });
@@ -135,7 +142,8 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
                                                       std::string_view topic, const TypeSupport& type,
                                                       untyped::Requirement requirement,
                                                       const SubscriberOptions& options,
-                                                      untyped::Callback callback) {
+                                                      untyped::Callback callback,
+                                                      std::shared_ptr<const void> type_owner) {
   if (auto ok = check_endpoint(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
   const Result<std::uint32_t> slot = callback ? Result<std::uint32_t>(0) : take_slot();
   if (!slot) return tl::unexpected(slot.error());
@@ -155,7 +163,8 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
     });
   }
   reader.core = std::make_shared<SubscriberCore>(
-      SubscriberCore::Spec{endpoint.id, endpoint.topic, &type, requirement, options, std::move(callback)},
+      SubscriberCore::Spec{endpoint.id, endpoint.topic, &type, requirement, options, std::move(callback),
+                           std::move(type_owner)},
       bells_->at(*slot), reader.recorder);
   if (endpoint.may_use_udp) {
     auto port = udp_->open_reader({endpoint.id, &type, options.depth, reader.core.get(), endpoint.doorbell});
@@ -171,6 +180,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   const std::shared_ptr<Recorder> recorder = reader.recorder;
   agent_.post([this, endpoint, reader = std::move(reader)]() mutable {
     reconciler_->add_reader(endpoint, std::move(reader));
+    endpoints_changed_.raise();
   });
   const auto close = [self, core, recorder, id = endpoint.id, slot = *slot](SubscriberCore*) {
     core->close();
@@ -185,11 +195,17 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
 }
 
 void NodeCore::endpoint_seen(Endpoint endpoint) {
-  agent_.post([this, endpoint = std::move(endpoint)] { reconciler_->endpoint_seen(endpoint); });
+  agent_.post([this, endpoint = std::move(endpoint)] {
+    reconciler_->endpoint_seen(endpoint);
+    endpoints_changed_.raise();
+  });
 }
 
 void NodeCore::endpoint_departed(EndpointId id) {
-  agent_.post([this, id] { reconciler_->endpoint_departed(id); });
+  agent_.post([this, id] {
+    reconciler_->endpoint_departed(id);
+    endpoints_changed_.raise();
+  });
 }
 
 void NodeCore::endpoint_lost(EndpointId id) {
@@ -203,6 +219,35 @@ void NodeCore::request_received(Request request) {
 void NodeCore::control_malformed(std::string why) {
   control_malformed_.fetch_add(1, std::memory_order_relaxed);
   log(LogLevel::warning, why);
+}
+
+template <class Question>
+auto NodeCore::ask_agent(Question question) -> decltype(question()) {
+  if (agent_.is_current_thread()) return question();
+  std::promise<decltype(question())> answer;
+  agent_.post([&] { answer.set_value(question()); });
+  return answer.get_future().get();
+}
+
+Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
+  using Clock = std::chrono::steady_clock;
+  const auto now = Clock::now();
+  const auto deadline = timeout > Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
+  for (;;) {
+    const std::uint64_t seen = endpoints_changed_.value();
+    Result<DynamicType> type = ask_agent([&] { return type_of(topic, reconciler_->endpoints()); });
+    // The agent cannot wait for what it would itself bring about.
+    const bool may_come = !type && type.error().code == Errc::unavailable && !agent_.is_current_thread();
+    if (!may_come || !endpoints_changed_.wait_beyond(seen, deadline)) return type;
+  }
+}
+
+std::vector<TopicInfo> NodeCore::topics() {
+  return topics_of(ask_agent([&] {
+    std::vector<Endpoint> copies;
+    for (const Endpoint* endpoint : reconciler_->endpoints()) copies.push_back(*endpoint);
+    return copies;
+  }));
 }
 
 NodeStatus NodeCore::status() const {

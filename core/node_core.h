@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -15,9 +16,11 @@
 #include "core/discovery.h"
 #include "core/dispatcher.h"
 #include "core/doorbell.h"
+#include "core/event_count.h"
 #include "core/reconciler.h"
 #include "core/transport.h"
 #include "sft/options.h"
+#include "sft/topics.h"
 #include "sft/untyped.h"
 
 namespace sft::core {
@@ -37,7 +40,10 @@ class NodeCore final : private DiscoveryListener {
                                             const TypeSupport& type, const PublisherOptions& options);
   Result<untyped::Subscriber> open_subscriber(const std::shared_ptr<NodeCore>& self, std::string_view topic,
                                               const TypeSupport& type, untyped::Requirement requirement,
-                                              const SubscriberOptions& options, untyped::Callback callback);
+                                              const SubscriberOptions& options, untyped::Callback callback,
+                                              std::shared_ptr<const void> type_owner = {});
+  Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
+  std::vector<TopicInfo> topics();
   NodeStatus status() const;
 
  private:
@@ -56,6 +62,10 @@ class NodeCore final : private DiscoveryListener {
   void request_received(Request request) override;
   void control_malformed(std::string why) override;
 
+  /// Calls `question` on the agent's thread, which alone may look at the reconciler, and returns its answer.
+  template <class Question>
+  auto ask_agent(Question question) -> decltype(question());
+
   bool may_use(TransportKind kind, TransportChoice choice) const;
   void log(LogLevel level, const std::string& text) const;
 
@@ -68,6 +78,7 @@ class NodeCore final : private DiscoveryListener {
   std::mutex slots_mutex_;
   std::vector<std::uint32_t> free_slots_;  ///< of bells_; slot 0 is the dispatcher's
   std::atomic<std::uint64_t> control_malformed_{0};
+  EventCount endpoints_changed_;
 
   Dispatcher dispatcher_;
   std::unique_ptr<Discovery> discovery_;    ///< its threads post to the agent

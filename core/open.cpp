@@ -89,6 +89,29 @@ Result<untyped::Subscriber> Node::open_subscriber(std::string_view topic, const 
   return core_->open_subscriber(core_, topic, type, std::move(requirement), options, std::move(callback));
 }
 
+Result<DynamicType> Node::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
+  return core_->find_type(topic, timeout);
+}
+
+std::vector<TopicInfo> Node::topics() const { return core_->topics(); }
+
+Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const DynamicType& type,
+                                           std::string_view fields, const SubscriberOptions& options,
+                                           DynamicCallback callback) {
+  Result<FieldMask> mask = type.support().parse_mask(fields);
+  if (!mask) return tl::unexpected(mask.error());
+  untyped::Callback untyped;
+  if (callback) {
+    untyped = [type, callback = std::move(callback)](untyped::Sample&& sample) {
+      callback(DynamicSample(type, std::move(sample)));
+    };
+  }
+  return core_
+      ->open_subscriber(core_, topic, type.support(), {std::move(*mask), false}, options, std::move(untyped),
+                        std::make_shared<DynamicType>(type))
+      .map([&](untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s)); });
+}
+
 NodeStatus Node::status() const { return core_->status(); }
 
 }  // namespace sft

@@ -257,6 +257,20 @@ void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
   if (writer.in_force == wanted) return;
   writer.in_force = wanted;
   writer.core->serve(wanted, writer.shm);
+  report_mismatches(id, wanted.readers, writer.mismatched);
+}
+
+template <class Status>
+void Reconciler::report_mismatches(EndpointId id, const std::vector<Status>& others,
+                                   std::set<EndpointId>& reported) {
+  const auto before = std::exchange(reported, {});
+  for (const Status& other : others) {
+    if (other.mismatch == nullptr) continue;
+    reported.insert(other.id);
+    if (before.contains(other.id)) continue;
+    log_(LogLevel::warning,
+         "topic '" + negotiation_.local(id)->topic + "', node '" + other.node + "': " + other.reason);
+  }
 }
 
 void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
@@ -276,6 +290,9 @@ void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
   }
   reader.heard = std::move(heard);
   reader.core->hears(wanted);
+  std::vector<WriterStatus> writers;
+  for (const Hearing& hearing : wanted) writers.push_back(hearing.status);
+  report_mismatches(id, writers, reader.mismatched);
 }
 
 /// Connects to and disconnects from one writer as wanted; returns what is in force then.

@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,9 @@ class Reconciler {
   void endpoint_lost(EndpointId id);
   void request_received(const Request& request);
 
+  /// Those that are known and not lost, ours too. Valid until the next event.
+  std::vector<const Endpoint*> endpoints() const { return negotiation_.present(); }
+
   /// Looks after transports and time; returns when to be called again.
   std::chrono::milliseconds tick();
   /// After any of the above: makes what has changed come true.
@@ -66,6 +70,7 @@ class Reconciler {
     std::shared_ptr<PublisherCore> core;
     std::shared_ptr<WriterPort> shm;
     std::optional<Serving> in_force;
+    std::set<EndpointId> mismatched{};  ///< readers of another definition of the type, reported
   };
   struct AcceptedMask {
     FieldMask mask;
@@ -79,6 +84,7 @@ class Reconciler {
     std::map<EndpointId, Hearing> heard;
     std::vector<AcceptedMask> accepted;  ///< newest last
     std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
+    std::set<EndpointId> mismatched{};   ///< writers of another definition of the type, reported
   };
 
   void look_after_shm();
@@ -86,6 +92,9 @@ class Reconciler {
   bool look_after_connections();
   void forget_what_was_in_flight(Now now);
   void drop_shm_ports();
+  /// Logs, once, which of those on the other side have another definition of an endpoint's type.
+  template <class Status>
+  void report_mismatches(EndpointId id, const std::vector<Status>& others, std::set<EndpointId>& reported);
 
   void apply_desired_states();
   void reconcile_writer(EndpointId id, Writer& writer);

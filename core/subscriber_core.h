@@ -32,7 +32,8 @@ class SubscriberCore final : public ArrivalListener {
     const TypeSupport* type = nullptr;
     untyped::Requirement requirement;
     SubscriberOptions options;
-    untyped::Callback callback;  ///< empty: samples are taken
+    untyped::Callback callback;                ///< empty: samples are taken
+    std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
   };
 
   /// `bell` is what is rung when samples arrive; `recorder` is null unless the requirement is recorded.

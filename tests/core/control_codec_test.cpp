@@ -14,6 +14,7 @@ Endpoint endpoint() {
   e.topic = "points";
   e.type_name = "sensor_msgs::msg::PointCloud2";
   e.type_hash = 0x123456789abcdef0;
+  e.type_description = {std::byte{1}, std::byte{2}, std::byte{3}};
   e.host.bytes.fill(5);
   e.network = 9;
   e.may_use_shm = true;
@@ -44,13 +45,22 @@ TEST(ControlCodecTest, WhatIsLongerThanTheTopicAllowsIsCutAndNotWrittenBeyond) {
   EXPECT_EQ(back.request.attached.size(), 1024U);
 }
 
+TEST(ControlCodecTest, ATypeDescriptionBeyondTheLimitIsLeftOutWhole) {
+  Endpoint e = endpoint();
+  e.type_description.resize(type_description_bytes_max);
+  ControlStorage storage;
+  EXPECT_EQ(from_dds(to_dds(e, storage))->type_description.size(), type_description_bytes_max);
+  e.type_description.resize(type_description_bytes_max + 1);
+  EXPECT_TRUE(from_dds(to_dds(e, storage))->type_description.empty());
+}
+
 TEST(ControlCodecTest, AnotherProtocolVersionIsRefusedByName) {
   ControlStorage storage;
   sft_control_Endpoint sample = to_dds(endpoint(), storage);
-  sample.version = 2;
+  sample.version = 1;
   const auto result = from_dds(sample);
   ASSERT_FALSE(result);
-  EXPECT_NE(result.error().message.find("version 2"), std::string::npos);
+  EXPECT_NE(result.error().message.find("version 1"), std::string::npos);
 }
 
 TEST(ControlCodecTest, SamplesThatNameNothingAreRefused) {

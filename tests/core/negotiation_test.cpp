@@ -7,6 +7,9 @@
 #include <random>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
+#include "sft/typesupport/type_description.h"
+#include "sft/typesupport/type_shape.h"
+
 namespace sft::core {
 namespace {
 
@@ -26,6 +29,12 @@ HostToken token(std::uint8_t n) {
 std::vector<std::uint64_t> words(const Mask<PointCloud2>& mask) {
   return {mask.words.begin(), mask.words.end()};
 }
+
+/// Another definition of PointCloud2, with a wider height.
+struct Taller {
+  std::vector<Member> members{TypeTable<PointCloud2>::members.begin(), TypeTable<PointCloud2>::members.end()};
+  StructType type = (members[1].kind = Kind::uint64, StructType("sensor_msgs::msg::PointCloud2", members));
+};
 
 class NegotiationTest : public ::testing::Test {
  protected:
@@ -202,6 +211,38 @@ TEST_F(NegotiationTest, AnotherDefinitionOfTheTypeNeverMatchesAndSaysSo) {
   const Serving serving = negotiation.serving(100);
   EXPECT_TRUE(serving.udp.empty());
   EXPECT_EQ(serving.readers.at(0).reason, "two different definitions of type sensor_msgs::msg::PointCloud2");
+  ASSERT_NE(serving.readers.at(0).mismatch, nullptr);
+  EXPECT_EQ(serving.readers.at(0).mismatch->there, "") << "it did not describe its own";
+}
+
+TEST_F(NegotiationTest, BothSidesAreToldTheFirstDifferenceBetweenTwoDefinitionsAndBothInFull) {
+  const Taller other;
+  our_writer();
+  our_reader();
+  Endpoint reader = endpoint(Role::reader, 7);
+  Endpoint writer = endpoint(Role::writer, 8);
+  for (Endpoint* e : {&reader, &writer}) {
+    e->type_hash = structure_hash(other.type);
+    e->type_description = describe(other.type);
+    negotiation.endpoint_seen(*e);
+  }
+  const Serving serving = negotiation.serving(100);
+  const ReaderStatus& status = serving.readers.at(0);
+  EXPECT_EQ(
+      status.reason,
+      "two different definitions of type sensor_msgs::msg::PointCloud2: height: uint32 here, uint64 there");
+  ASSERT_NE(status.mismatch, nullptr);
+  EXPECT_EQ(status.mismatch->difference, "height: uint32 here, uint64 there");
+  EXPECT_EQ(status.mismatch->here, format_shape(type.type()));
+  EXPECT_EQ(status.mismatch->there, format_shape(other.type));
+  EXPECT_EQ(negotiation.serving(100), serving) << "nothing is new the second time";
+
+  const std::vector<Hearing> hearing = negotiation.hearing(200);
+  const WriterStatus& heard = hearing.at(0).status;
+  EXPECT_EQ(heard.id, 8U);
+  EXPECT_EQ(heard.reason, status.reason);
+  EXPECT_NE(heard.mismatch, nullptr);
+  EXPECT_EQ(hearing.at(1).status.mismatch, nullptr);
 }
 
 TEST_F(NegotiationTest, EndpointsOfOtherTopicsAreNobodysBusiness) {

@@ -2,15 +2,19 @@
 // one process are fine. Publishers and subscribers keep their node alive.
 #pragma once
 
+#include <chrono>
 #include <concepts>
 #include <memory>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include "sft/dynamic.h"
 #include "sft/options.h"
 #include "sft/publisher.h"
 #include "sft/status.h"
 #include "sft/subscriber.h"
+#include "sft/topics.h"
 
 namespace sft {
 
@@ -43,6 +47,19 @@ class Node {
     return open_subscriber(topic, type_support<T>(), requirement<T, R>(), options, std::move(typed))
         .map([](untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
+
+  // For programs that were not compiled with the type of a topic (dynamic.h).
+
+  /// Waits until somebody who publishes the topic (or, if nobody does, subscribes to it) has announced its
+  /// type. The error says what was seen instead. Not for callbacks: it would hold up the node (in
+  /// on_readers_changed it does not wait).
+  Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
+  /// All topics that are known at present, those of this node too.
+  std::vector<TopicInfo> topics() const;
+  /// `fields` as text: "header.stamp, fields[].name", "*" for all. Without a callback samples are taken.
+  Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
+                                       std::string_view fields, const SubscriberOptions& options = {},
+                                       DynamicCallback callback = {});
 
   NodeStatus status() const;
 

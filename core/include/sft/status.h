@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,13 +13,21 @@ namespace sft {
 enum class TransportKind : std::uint8_t { shm, udp };
 constexpr const char* to_string(TransportKind kind) { return kind == TransportKind::shm ? "shm" : "udp"; }
 
+/// Two definitions of one type, which never match. "Here" is the program whose status this is.
+struct TypeMismatch {
+  std::string difference;  ///< the first one: "fields[].offset: uint32 here, uint64 there"
+  std::string here;        ///< the whole types as IDL
+  std::string there;       ///< empty, as is the difference, if the other side does not describe its type
+};
+
 /// One reader as its publisher serves it.
 struct ReaderStatus {
   std::uint64_t id = 0;
   std::string node;
   bool served = false;  ///< false: `reason` says why nothing is sent
   TransportKind transport{};
-  std::string reason{};  ///< for the transport, or for not being served
+  std::string reason{};                            ///< for the transport, or for not being served
+  std::shared_ptr<const TypeMismatch> mismatch{};  ///< null unless that is why it is not served
   FieldMask mask{};
   std::uint64_t request_sequence = 0;  ///< of the STR in force
   friend bool operator==(const ReaderStatus&, const ReaderStatus&) = default;
@@ -38,6 +47,7 @@ struct WriterStatus {
   bool matched = false;  ///< false: `reason` says why
   TransportKind transport{};
   std::string reason{};
+  std::shared_ptr<const TypeMismatch> mismatch{};  ///< null unless that is why it is not matched
   std::uint64_t received = 0;
   std::uint64_t lost = 0;  ///< samples of which the sequence number was missed
 };
@@ -58,7 +68,7 @@ struct NodeStatus {
   std::uint64_t datagrams_unknown = 0;  ///< of writers that nobody here reads
   std::uint64_t samples_incomplete = 0;
   std::uint64_t over_limit = 0;
-  std::uint64_t control_malformed = 0;  ///< endpoint descriptions and requests that were refused
+  std::uint64_t control_malformed = 0;  ///< endpoints, type descriptions and requests that were refused
   std::uint64_t control_ignored = 0;    ///< those beyond the limits of the table of endpoints
 };
 

@@ -1,9 +1,9 @@
 #include "sft/typesupport/type_support.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "sft/typesupport/fnv1a.h"
+#include "text.h"
 
 namespace sft {
 
@@ -28,21 +28,6 @@ void add_structure(Fnv1a& hash, const StructType& type) {
     if (m.enumeration != nullptr) add_enumeration(hash, *m.enumeration);
     if (m.type != nullptr) add_structure(hash, *m.type);
   }
-}
-
-/// Levenshtein distance, one row at a time.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t substitution = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({row[j] + 1, row[j + 1] + 1, substitution});
-    }
-  }
-  return row.back();
 }
 
 }  // namespace
@@ -80,8 +65,9 @@ Result<FieldMask> TypeSupport::find(std::string_view path) const {
   const auto found =
       std::find_if(nodes_.begin(), nodes_.end(), [&](const Node& n) { return n.path == path; });
   if (found == nodes_.end()) {
+    const std::string_view meant = path.substr(0, 255);  // of more there is no near one, only work
     const auto nearest = std::min_element(nodes_.begin(), nodes_.end(), [&](const Node& a, const Node& b) {
-      return edit_distance(a.path, path) < edit_distance(b.path, path);
+      return edit_distance(a.path, meant) < edit_distance(b.path, meant);
     });
     const std::string hint = nearest == nodes_.end() ? "" : "; did you mean '" + nearest->path + "'?";
     return fail(Errc::unknown_field,

@@ -1,0 +1,78 @@
+// Subscribing to a topic without having been compiled with its type:
+//
+//   const auto type = node.find_type("points", 2s);                              // Result<DynamicType>
+//   auto sub = node.subscriber("points", *type, "header.stamp, fields[].name");  // Result<DynamicSubscriber>
+//   while (auto sample = sub->take()) std::cout << sample.to_yaml().value();
+//
+// Publishers see no difference from a compiled subscriber: the same transports, the same masks.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "sft/typesupport/dynamic_type.h"
+#include "sft/typesupport/dynamic_view.h"
+#include "sft/typesupport/json.h"
+#include "sft/typesupport/yaml.h"
+#include "sft/untyped.h"
+
+namespace sft {
+
+/// What take() returns and callbacks get. Keeps its type alive. May be empty (nothing to take). May be
+/// destroyed on any thread; several threads may read it at once.
+class DynamicSample {
+ public:
+  DynamicSample(DynamicType type, untyped::Sample&& sample)
+      : type_(std::move(type)), sample_(std::move(sample)) {}
+
+  explicit operator bool() const { return static_cast<bool>(sample_); }
+
+  /// Fields by their names. It, and what is read through it, is valid as long as the sample, which must not
+  /// be moved meanwhile.
+  DynamicView view() const& { return {sample_.state(), type_.type()}; }
+  void view() const&& = delete;
+
+  const SampleInfo& info() const& { return sample_.info(); }
+  const FieldMask& mask() const& { return *sample_.state().mask; }
+  const DynamicType& type() const& { return type_; }
+  /// Whether bytes were met that are not what they claim to be.
+  bool malformed() const { return sample_.state().is_malformed(); }
+  /// Encapsulation and body as they are: standard CDR of the type projected to mask().
+  std::span<const std::byte> cdr() const& { return sample_.cdr(); }
+  void cdr() const&& = delete;
+
+  Result<std::string> to_yaml(const YamlOptions& options = {}) const { return sft::to_yaml(view(), options); }
+  Result<std::string> to_json(const JsonOptions& options = {}) const { return sft::to_json(view(), options); }
+
+ private:
+  DynamicType type_;
+  untyped::Sample sample_;
+};
+
+using DynamicCallback = std::function<void(const DynamicSample&)>;
+
+/// Like Subscriber (subscriber.h), which says what there is to know of threads and callbacks.
+class DynamicSubscriber {
+ public:
+  DynamicSubscriber(DynamicType type, untyped::Subscriber subscriber)
+      : type_(std::move(type)), subscriber_(std::move(subscriber)) {}
+
+  /// The oldest sample not yet taken; empty if there is none.
+  [[nodiscard]] DynamicSample take() { return {type_, subscriber_.take()}; }
+  /// The newest sample; older ones of it are passed over (and not counted as lost).
+  [[nodiscard]] DynamicSample take_latest() { return {type_, subscriber_.take_latest()}; }
+  /// Sleeps until there is something to take or the time is over; tells which.
+  bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
+
+  SubscriberStatus status() const { return subscriber_.status(); }
+  const DynamicType& type() const { return type_; }
+
+ private:
+  DynamicType type_;
+  untyped::Subscriber subscriber_;
+};
+
+}  // namespace sft

@@ -1,0 +1,30 @@
+// What the bytes of an input of fuzz_type_description mean:
+//
+//   u16 bytes of the description (little-endian) | the description | and, if that is one, a mask | a body
+//
+// The mask is a bit set of as many bytes as the type's leaves need, not closed.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "sft/typesupport/field_mask.h"
+
+namespace sft::test {
+
+struct DescriptionInput {
+  std::span<const std::byte> description{};
+  std::span<const std::byte> rest{};
+};
+
+/// A description of which the end is missing ends with the input.
+DescriptionInput parse_description_input(std::span<const std::byte> input);
+
+/// Takes the mask off `rest`; missing bytes are zero.
+FieldMask take_mask(std::span<const std::byte>& rest, std::size_t leaves);
+
+std::vector<std::byte> make_description_input(std::span<const std::byte> description, const FieldMask& mask,
+                                              std::span<const std::byte> body);
+
+}  // namespace sft::test

@@ -1,0 +1,327 @@
+// Programs without the type of a topic: they find it, read it by name and print it, over every transport.
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <mutex>
+#include <nav_msgs/msg/Odometry.hpp>
+
+#include "core/described_type.h"
+#include "core/discovery.h"
+#include "tests/support/isolated_host.h"
+#include "tests/system/fixture.h"
+
+namespace sft::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+PointCloud2 small_cloud() {
+  PointCloud2 c;
+  c.header.stamp.sec = 7;
+  c.header.frame_id = "lidar";
+  c.height = 1;
+  c.width = 1024;
+  c.fields.resize(2);
+  c.fields[0].name = "x";
+  c.fields[1].name = "y";
+  c.data.resize(200, 9);
+  return c;
+}
+
+/// The role of another process, which is compiled with the type.
+[[noreturn]] void publish_forever(Way way) {
+  Node node = Node::open(node_options(way, "publisher")).value();
+  auto publisher = node.publisher<PointCloud2>("points").value();
+  for (;;) {
+    publisher.publish(small_cloud());
+    poll(nullptr, 0, 5);
+  }
+}
+
+class PublisherProcess {
+ public:
+  explicit PublisherProcess(Way way) {
+    char self[] = "/proc/self/exe";
+    std::string number = std::to_string(static_cast<int>(way));
+    char* arguments[] = {self, const_cast<char*>("--publish"), number.data(), nullptr};
+    if (posix_spawn(&pid_, self, nullptr, nullptr, arguments, environ) != 0) pid_ = -1;
+  }
+  ~PublisherProcess() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  PublisherProcess(const PublisherProcess&) = delete;
+  PublisherProcess& operator=(const PublisherProcess&) = delete;
+
+ private:
+  pid_t pid_ = -1;
+};
+
+class DynamicTest : public PubSubTest {
+ protected:
+  Node a = open("a");
+  Node b = open("b");
+};
+
+TEST_P(DynamicTest, WhatAnotherProcessPublishesIsPrintedWithoutItsType) {
+  const PublisherProcess publisher(GetParam());
+  const auto type = b.find_type("points", 15s);
+  ASSERT_TRUE(type) << type.error().message;
+  auto sub = b.subscriber("points", *type, "header, fields[].name, width, data").value();
+  ASSERT_TRUE(sub.wait(15s));
+  const DynamicSample sample = sub.take();
+  EXPECT_EQ(sample.info().transport, in_shared_memory() ? TransportKind::shm : TransportKind::udp);
+  std::string expected =
+      "header:\n"
+      "  stamp:\n"
+      "    sec: 7\n"
+      "    nanosec: 0\n"
+      "  frame_id: lidar\n"
+      "height: 1\n"
+      "width: 1024\n"
+      "fields:\n"
+      "- name: x\n"
+      "  offset: 0\n"
+      "  datatype: 0\n"
+      "  count: 0\n"
+      "- name: \"y\"\n"
+      "  offset: 0\n"
+      "  datatype: 0\n"
+      "  count: 0\n"
+      "is_bigendian: false\n"
+      "point_step: 0\n"
+      "row_step: 0\n"
+      "data: [9, 9, 9]  # ... 197 more\n"
+      "is_dense: false\n";
+  if (!in_shared_memory()) {
+    expected =
+        "header:\n"
+        "  stamp:\n"
+        "    sec: 7\n"
+        "    nanosec: 0\n"
+        "  frame_id: lidar\n"
+        "width: 1024\n"
+        "fields:\n"
+        "- name: x\n"
+        "- name: \"y\"\n"
+        "data: [9, 9, 9]  # ... 197 more\n";
+  }
+  EXPECT_EQ(sample.to_yaml({.elements_max = 3}).value(), expected);
+}
+
+TEST_P(DynamicTest, ItsMaskIsWhatThePublisherServes) {
+  auto pub = a.publisher<PointCloud2>("points").value();
+  const DynamicType type = b.find_type("points", 15s).value();
+  auto sub = b.subscriber("points", type, "header.stamp fields[].name").value();
+  expect_served(pub, 1);
+  EXPECT_EQ(pub.status().readers[0].mask, FieldMask(F::header.stamp | F::fields.size | F::fields.each.name));
+  pub.publish(small_cloud());
+  ASSERT_TRUE(sub.wait(5s));
+  const DynamicSample sample = sub.take();
+  EXPECT_EQ(sample.view()["header"]["stamp"]["sec"].as<int>(), 7);
+  EXPECT_EQ(sample.view()["fields"][1]["name"].as<std::string>(), "y");
+  EXPECT_EQ(sample.view()["height"].is_absent(), !in_shared_memory());
+  EXPECT_EQ(sample.mask().is_full(), in_shared_memory());
+  EXPECT_EQ(sample.cdr().size() < 100, !in_shared_memory());
+  EXPECT_THAT(sample.to_json().value(), HasSubstr(R"("stamp":{"sec":7,"nanosec":0})"));
+  EXPECT_FALSE(sample.malformed());
+  EXPECT_EQ(sub.status().received, 1U);
+}
+
+TEST_P(DynamicTest, ACallbackGetsSamples) {
+  auto pub = a.publisher<PointCloud2>("points").value();
+  const DynamicType type = b.find_type("points", 15s).value();
+  std::mutex mutex;
+  std::vector<std::uint32_t> widths;
+  auto sub = b.subscriber("points", type, "width", {}, [&](const DynamicSample& sample) {
+    const std::scoped_lock lock(mutex);
+    widths.push_back(sample.view()["width"].as<std::uint32_t>().value());
+  });
+  ASSERT_TRUE(sub);
+  expect_served(pub, 1);
+  for (int i = 0; i < 3; ++i) pub.publish(small_cloud());
+  EXPECT_TRUE(eventually([&] {
+    const std::scoped_lock lock(mutex);
+    return widths == std::vector<std::uint32_t>{1024, 1024, 1024};
+  }));
+}
+
+TEST_P(DynamicTest, ATypeLivesAsLongAsWhatUsesIt) {
+  auto pub = a.publisher<PointCloud2>("points").value();
+  std::optional<DynamicSample> last;
+  for (int round = 0; round < 10; ++round) {
+    std::optional<DynamicSubscriber> sub =
+        b.subscriber("points", b.find_type("points", 15s).value(), "width").value();
+    expect_served(pub, 1);
+    pub.publish(small_cloud());
+    ASSERT_TRUE(sub->wait(5s));
+    last = sub->take();
+    pub.publish(small_cloud());  // one is under way, or not yet taken, when it goes
+    sub.reset();
+    EXPECT_EQ(last->view()["width"].as<int>(), 1024);
+    expect_served(pub, 0);
+  }
+}
+
+TEST_P(DynamicTest, CompiledAndDynamicSubscribersOfOneNodeGetTheSame) {
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto compiled = b.subscriber<PointCloud2>("points").value();
+  auto dynamic = b.subscriber("points", b.find_type("points", 15s).value(), "*").value();
+  expect_served(pub, 2);
+  pub.publish(small_cloud());
+  ASSERT_TRUE(compiled.wait(5s) && dynamic.wait(5s));
+  const auto one = compiled.take();
+  const DynamicSample other = dynamic.take();
+  EXPECT_TRUE(std::equal(one.cdr().begin(), one.cdr().end(), other.cdr().begin(), other.cdr().end()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, DynamicTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
+                         way_name);
+
+// ---- what is said where there is nothing to read ----
+
+class DynamicNodesTest : public ::testing::Test {
+ protected:
+  static Node udp_node(const std::string& name) { return Node::open(node_options(Way::udp, name)).value(); }
+
+  /// Another definition of PointCloud2, with a wider height.
+  static DynamicType taller() {
+    std::vector<Member> members(TypeTable<PointCloud2>::members.begin(),
+                                TypeTable<PointCloud2>::members.end());
+    members[1].kind = Kind::uint64;
+    return DynamicType::parse(describe(StructType(TypeTable<PointCloud2>::type.name, members))).value();
+  }
+};
+
+TEST_F(DynamicNodesTest, ATopicThatNobodyPublishesIsAnErrorThatSaysWhatWasSeen) {
+  Node a = udp_node("a");
+  Node b = udp_node("b");
+  EXPECT_THAT(b.find_type("points", 0s).error().message,
+              HasSubstr("nobody publishes or subscribes to 'points'"));
+  auto pub = a.publisher<nav_msgs::msg::Odometry>("odom").value();
+  ASSERT_TRUE(b.find_type("odom", 15s));
+  const auto missing = b.find_type("points", 1ms);
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, Errc::unavailable);
+  EXPECT_THAT(missing.error().message, HasSubstr("topics that were seen: odom"));
+}
+
+TEST_F(DynamicNodesTest, AnUnknownFieldIsAnErrorThatNamesTheNearest) {
+  Node a = udp_node("a");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  const auto sub = a.subscriber("points", a.find_type("points", 15s).value(), "header.stamp, hieght");
+  ASSERT_FALSE(sub);
+  EXPECT_EQ(sub.error().code, Errc::unknown_field);
+  EXPECT_THAT(sub.error().message, HasSubstr("has no field 'hieght'; did you mean 'height'?"));
+}
+
+TEST_F(DynamicNodesTest, TopicsAreListedWithTypesFieldsAndNodes) {
+  Node a = udp_node("a");
+  Node b = udp_node("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber<PointCloud2, F::width>("points").value();
+  ASSERT_TRUE(eventually([&] {
+    const auto topics = b.topics();
+    return topics.size() == 1 && topics[0].types.size() == 1 && topics[0].types[0].publishers.size() == 1;
+  }));
+  const TopicInfo topic = b.topics().at(0);
+  EXPECT_EQ(topic.name, "points");
+  EXPECT_EQ(topic.types[0].publishers[0], "a");
+  EXPECT_EQ(topic.types[0].subscribers.at(0), "b");
+  EXPECT_EQ(topic.types[0].type->support().path(3), "height");
+}
+
+TEST_F(DynamicNodesTest, AnotherDefinitionOfTheTypeIsExplainedToBothSidesAndLoggedOnce) {
+  std::mutex mutex;
+  std::vector<std::string> logged;
+  const auto node = [&](const char* name) {
+    NodeOptions options = node_options(Way::udp, name);
+    options.log = [&](LogLevel level, std::string_view text) {
+      const std::scoped_lock lock(mutex);
+      if (level >= LogLevel::warning) logged.emplace_back(text);
+    };
+    return Node::open(options).value();
+  };
+  Node a = node("a");
+  Node b = node("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber("points", taller(), "height").value();
+  ASSERT_TRUE(
+      eventually([&] { return pub.status().readers.size() == 1 && sub.status().writers.size() == 1; }));
+  const ReaderStatus reader = pub.status().readers[0];
+  EXPECT_FALSE(reader.served);
+  EXPECT_EQ(
+      reader.reason,
+      "two different definitions of type sensor_msgs::msg::PointCloud2: height: uint32 here, uint64 there");
+  const WriterStatus writer = sub.status().writers[0];
+  EXPECT_FALSE(writer.matched);
+  EXPECT_EQ(writer.mismatch->difference, "height: uint64 here, uint32 there");
+  EXPECT_THAT(writer.mismatch->here, HasSubstr("uint64 height;"));
+  EXPECT_THAT(writer.mismatch->there, HasSubstr("uint32 height;"));
+  auto more = b.subscriber("points", taller(), "width").value();  // the pairs are judged again
+  ASSERT_TRUE(eventually([&] { return pub.status().readers.size() == 2; }));
+  EXPECT_TRUE(eventually([&] {
+    const std::scoped_lock lock(mutex);
+    return logged.size() == 4;  // two pairs, and two sides of each
+  }));
+  EXPECT_THAT(logged[0], HasSubstr("topic 'points', node '"));
+}
+
+TEST_F(DynamicNodesTest, DescriptionsThatLieAreCountedAndLeftOutAndTheEndpointStays) {
+  NodeOptions options = node_options(Way::udp, "a");
+  options.log = {};
+  Node node = Node::open(options).value();
+  auto sub = node.subscriber<PointCloud2>("points").value();
+
+  struct Ignore final : core::DiscoveryListener {
+    void endpoint_seen(core::Endpoint) override {}
+    void endpoint_departed(core::EndpointId) override {}
+    void endpoint_lost(core::EndpointId) override {}
+    void request_received(core::Request) override {}
+    void control_malformed(std::string) override {}
+  } ignore;
+  const char* domain = std::getenv("ROS_DOMAIN_ID");
+  auto other = core::Discovery::open(
+      {.domain = domain == nullptr ? 0 : static_cast<std::uint32_t>(std::atoi(domain)), .user_config = ""},
+      ignore);
+  ASSERT_TRUE(other) << other.error().message;
+  const auto announce = [&](core::EndpointId id, std::vector<std::byte> description) {
+    core::Endpoint e;
+    e.id = id;
+    e.role = core::Role::writer;
+    e.node = "liar";
+    e.topic = "points";
+    e.type_name = TypeTable<PointCloud2>::type.name;
+    e.type_hash = structure_hash(TypeTable<PointCloud2>::type);
+    e.type_description = std::move(description);
+    ASSERT_TRUE((*other)->announce(e));
+  };
+  announce(1, std::vector<std::byte>(100, std::byte{0xff}));
+  announce(2, describe(TypeTable<nav_msgs::msg::Odometry>::type));
+  announce(3, describe(TypeTable<PointCloud2>::type));
+  EXPECT_TRUE(eventually([&] { return sub.status().writers.size() == 3; }));
+  EXPECT_EQ(node.status().control_malformed, 2U);
+  for (const WriterStatus& writer : sub.status().writers) EXPECT_EQ(writer.mismatch, nullptr);
+  EXPECT_TRUE(node.find_type("points", 0s));
+}
+
+}  // namespace
+}  // namespace sft::test
+
+int main(int argc, char** argv) {
+  if (argc == 3 && std::strcmp(argv[1], "--publish") == 0)
+    sft::test::publish_forever(static_cast<sft::test::Way>(std::atoi(argv[2])));
+  ::testing::InitGoogleTest(&argc, argv);
+  if (GTEST_FLAG_GET(list_tests)) return RUN_ALL_TESTS();
+  return sft::test::run_isolated([] {
+    // Where there is no isolation, at least another DDS domain than what else runs here.
+    const std::string domain = std::to_string(100 + getpid() % 100);
+    if (!sft::test::isolation_refusal().empty()) setenv("ROS_DOMAIN_ID", domain.c_str(), 1);
+    return RUN_ALL_TESTS();
+  });
+}

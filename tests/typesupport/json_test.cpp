@@ -1,0 +1,106 @@
+// Samples as JSON; that it holds every value is in dynamic_law_test.cpp.
+#include "sft/typesupport/json.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <torture.hpp>
+
+#include "tests/support/encoded.h"
+
+namespace sft {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+using P = torture::Primitives::Field;
+using test::Encoded;
+
+template <class T>
+std::string json_of(const T& value, const Mask<T>& mask = all<T>, const JsonOptions& options = {}) {
+  const Encoded encoded(value, mask);
+  return to_json(DynamicView(encoded.state(), TypeTable<T>::type), options).value();
+}
+
+PointCloud2 with_data(std::vector<std::uint8_t> data) {
+  PointCloud2 c;
+  c.data = std::move(data);
+  return c;
+}
+
+TEST(JsonTest, KeepsTheOrderOfMembersAndLeavesOutWhatIsAbsent) {
+  PointCloud2 c;
+  c.header.frame_id = "lidar";
+  c.width = 3;
+  c.fields.resize(2);
+  EXPECT_EQ(json_of(c, F::width | F::header.frame_id | F::fields.each.offset),
+            R"({"header":{"frame_id":"lidar"},"width":3,"fields":[{"offset":0},{"offset":0}]})");
+  EXPECT_EQ(json_of<PointCloud2>(c, F::fields.size), R"({"fields.size":2})");
+  EXPECT_EQ(json_of(c, Mask<PointCloud2>{}), "{}");
+  EXPECT_EQ(json_of<PointCloud2>(c, F::width, {.indent = 2}), "{\n  \"width\": 3\n}");
+}
+
+TEST(JsonTest, BytesAreBase64OrNumbers) {
+  const auto base64 = [](std::vector<std::uint8_t> bytes) {
+    return json_of<PointCloud2>(with_data(std::move(bytes)), F::data);
+  };
+  EXPECT_EQ(base64({}), R"({"data":""})");
+  EXPECT_EQ(base64({'f'}), R"({"data":"Zg=="})");
+  EXPECT_EQ(base64({'f', 'o'}), R"({"data":"Zm8="})");
+  EXPECT_EQ(base64({'f', 'o', 'o'}), R"({"data":"Zm9v"})");
+  EXPECT_EQ(base64({0xff, 0xfe, 0xfd, 0}), R"({"data":"//79AA=="})");
+  EXPECT_EQ(json_of<PointCloud2>(with_data({1, 255}), F::data, {.bytes_as_base64 = false}),
+            R"({"data":[1,255]})");
+}
+
+TEST(JsonTest, SaysHowManyElementsAreBeyondTheLimit) {
+  EXPECT_EQ(
+      json_of<PointCloud2>(with_data({1, 2, 3, 4}), F::data, {.elements_max = 2, .bytes_as_base64 = false}),
+      R"({"data":[1,2,"... 2 more"]})");
+}
+
+TEST(JsonTest, NumbersThatJsonDoesNotKnowAreStrings) {
+  torture::Primitives p;
+  p.a_float = NAN;
+  p.a_double = -INFINITY;
+  EXPECT_EQ(json_of(p, P::a_float | P::a_double), R"({"a_float":"NaN","a_double":"-Infinity"})");
+}
+
+TEST(JsonTest, IntegersKeepAllTheirDigitsAndFloatsHaveNoMoreThanTheyNeed) {
+  torture::Primitives p;
+  p.a_llong = INT64_MIN;
+  p.a_ullong = UINT64_MAX;
+  p.a_float = 0.1F;
+  EXPECT_EQ(json_of(p, P::a_llong | P::a_ullong | P::a_float),
+            R"({"a_llong":-9223372036854775808,"a_ullong":18446744073709551615,"a_float":0.1})");
+}
+
+TEST(JsonTest, TextThatIsNotUtf8IsReplaced) {
+  torture::Primitives p;
+  p.a_string =
+      "a\xff"
+      "b\n";
+  p.a_char = '\xe4';
+  EXPECT_EQ(json_of(p, P::a_string | P::a_char),
+            "{\"a_char\":\"\xef\xbf\xbd\",\"a_string\":\"a\xef\xbf\xbd"
+            "b\\n\"}");
+}
+
+TEST(JsonTest, EnumerationsAreTheirNamesAndNumbersWhereTheyHaveNone) {
+  torture::Sequences s;
+  s.colors = {torture::Color::GREEN, static_cast<torture::Color>(-5)};
+  EXPECT_EQ(json_of<torture::Sequences>(s, torture::Sequences::Field::colors), R"({"colors":["GREEN",-5]})");
+}
+
+TEST(JsonTest, WhatIsMalformedOrTooLongIsAnError) {
+  Encoded encoded(with_data({1, 2, 3}));
+  const DynamicView view(encoded.state(), TypeTable<PointCloud2>::type);
+  EXPECT_EQ(to_json(view, {.output_bytes_max = 50}).error().code, Errc::limit_exceeded);
+  const std::uint32_t length = 1000;
+  std::memcpy(encoded.body() + encoded.index()[9], &length, sizeof length);
+  EXPECT_EQ(to_json(view).error().code, Errc::malformed);
+}
+
+}  // namespace
+}  // namespace sft

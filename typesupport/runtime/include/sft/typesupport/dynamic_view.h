@@ -1,0 +1,283 @@
+// Reading a sample by the names of its fields, without the compiled type: a lazy view over a sample's bytes
+// and a StructType. Nothing is decoded before it is asked for, and what has a slot in the index is found
+// there.
+//
+//   const DynamicView cloud(state, type);
+//   cloud["header"]["stamp"]["sec"].as<std::int32_t>()      -> Result<std::int32_t>
+//   cloud.find("fields[1].name").as<std::string_view>()
+//   for (const DynamicView& field : cloud["fields"].elements()) ...
+//
+// Navigation never fails at once: what cannot be reached is a view that says so. There are three cases:
+//   - it can be read: the view is true
+//   - absent: this sample was sent without the field; asking for its value is an error, never zero
+//   - error(): no such field or element, or bytes that are not what they claim to be (the sample is flagged
+//     malformed as well)
+//
+// A view owns nothing and must not outlive the sample and the type that it came from. Several threads may
+// read one sample.
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "sft/typesupport/result.h"
+#include "sft/typesupport/walk.h"
+
+namespace sft {
+
+class DynamicView {
+ public:
+  class Members;
+  class Elements;
+  /// One primitive or string. Integers of all widths and octets are widened; an enumeration is its integer.
+  using Scalar = std::variant<bool, char, std::int64_t, std::uint64_t, float, double, std::string_view>;
+
+  /// The whole sample, of which the mask is one of `type`. `s.index` may be null: then members are found by
+  /// walking.
+  DynamicView(const SampleState& s, const StructType& type);
+
+  // ---- navigation ----
+
+  /// A member of a struct.
+  DynamicView operator[](std::string_view member) const;
+  /// An element of an array or a sequence, from 0. Of strings and structs those before it are walked over:
+  /// to read them all, use elements().
+  template <std::integral I>
+  DynamicView operator[](I i) const {
+    return element(std::in_range<std::size_t>(i) ? static_cast<std::size_t>(i) : SIZE_MAX);
+  }
+  /// "header.stamp.sec", "fields[1].name"
+  DynamicView find(std::string_view path) const;
+  /// All members of a struct in order, absent ones too; none if it is no struct.
+  Members members() const;
+  /// All elements of an array or a sequence; none if it is none, or only its length was sent. If the bytes
+  /// end early, the last one is an error.
+  Elements elements() const;
+
+  // ---- what it is ----
+
+  explicit operator bool() const { return error_ == nullptr && present_; }
+  /// It could be read, had it been sent.
+  bool is_absent() const { return error_ == nullptr && !present_; }
+  /// Null unless it is an error.
+  const Error* error() const { return error_.get(); }
+
+  bool is_struct() const { return node_ == Node::structure; }
+  bool is_collection() const { return node_ == Node::collection; }
+  /// Of a collection: of its elements.
+  Kind kind() const { return member_ == nullptr ? Kind::structure : member_->kind; }
+  Shape shape() const { return is_collection() ? member_->shape : Shape::single; }
+  /// The member that this is, or is an element of; null for the whole sample.
+  const Member* member() const { return member_; }
+  std::string_view name() const { return member_ == nullptr ? std::string_view() : member_->name; }
+  /// Of a struct or a collection of structs, else null.
+  const StructType* type() const { return type_; }
+  /// Whether a sequence of structs was sent without any field of its elements: only size() is known.
+  bool has_only_size() const;
+
+  // ---- values ----
+
+  /// Elements of an array or a sequence.
+  Result<std::size_t> size() const;
+
+  Result<Scalar> scalar() const;
+
+  /// bool, char; any integer type that the integer fits into; float, double (also of integers that it holds
+  /// exactly); std::string_view, std::string; std::span<const E> for a collection of the primitive E
+  /// (booleans: std::uint8_t; octets: also std::byte). Views and spans point into the sample.
+  template <class T>
+  Result<T> as() const;
+
+  /// The name that an enumeration has for this value ("GREEN"), the flags of a bitmask ("READ | WRITE");
+  /// nothing if a part of the value has no name, or it is neither.
+  std::optional<std::string> enumerator() const;
+
+ private:
+  enum class Node : std::uint8_t { structure, collection, value };
+  /// Where a struct's members are: at slots of the index from `slot` on, or behind one another from `offset`.
+  struct Place {
+    std::size_t leaf = 0;  ///< first of the struct, or of the member that is next
+    std::size_t slot = no_slot;
+    std::uint64_t offset = 0;
+  };
+  static constexpr std::size_t no_slot = SIZE_MAX;
+
+  DynamicView(const SampleState* s, const Member& member) : state_(s), member_(&member) {}
+  DynamicView element(std::size_t i) const;
+  DynamicView member_at(const Member& m, const Place& place) const;
+  DynamicView element_at(std::uint64_t offset) const;
+  Place place_of(std::size_t member) const;
+  void pass(const Member& m, Place& place) const;
+  std::uint64_t behind_element(std::uint64_t offset) const;
+  std::size_t element_leaf() const;
+  Extent extent() const;
+  DynamicView failed(Errc code, std::string message) const;
+  DynamicView malformed() const;
+  Error not_readable(const char* wanted) const;
+  void note() const;
+  std::string label() const;
+  Result<std::span<const std::byte>> primitives(std::size_t element_bytes, const char* wanted,
+                                                bool (*matches)(Kind)) const;
+
+  const SampleState* state_;
+  const Member* member_ = nullptr;
+  const StructType* type_ = nullptr;
+  Place place_{};  ///< of a struct; else only leaf and offset mean something
+  Node node_ = Node::value;
+  bool present_ = true;
+  std::shared_ptr<const Error> error_;
+};
+
+/// Iterated over once or more; holds what it needs of the view.
+class DynamicView::Members {
+ public:
+  class iterator {
+   public:
+    using iterator_concept = std::input_iterator_tag;
+    using difference_type = std::ptrdiff_t;
+    using value_type = DynamicView;
+
+    iterator() = default;
+    iterator(const DynamicView* of, std::size_t i) : of_(of), i_(i), place_(of->place_) {}
+    DynamicView operator*() const { return of_->member_at(of_->type_->members[i_], place_); }
+    iterator& operator++() {
+      of_->pass(of_->type_->members[i_++], place_);
+      return *this;
+    }
+    void operator++(int) { ++*this; }
+    friend bool operator==(const iterator& a, const iterator& b) { return a.i_ == b.i_; }
+
+   private:
+    const DynamicView* of_ = nullptr;
+    std::size_t i_ = 0;
+    Place place_;
+  };
+
+  explicit Members(DynamicView of) : of_(std::move(of)) {}
+  iterator begin() const { return {&of_, 0}; }
+  iterator end() const {
+    return {&of_, of_.is_struct() && of_.error() == nullptr ? of_.type_->members.size() : 0};
+  }
+
+ private:
+  DynamicView of_;
+};
+
+class DynamicView::Elements {
+ public:
+  class iterator {
+   public:
+    using iterator_concept = std::input_iterator_tag;
+    using difference_type = std::ptrdiff_t;
+    using value_type = DynamicView;
+
+    iterator() = default;
+    iterator(const DynamicView* of, std::uint64_t offset, std::size_t left)
+        : of_(of), offset_(offset), left_(left) {}
+    DynamicView operator*() const {
+      return offset_ == no_offset ? of_->malformed() : of_->element_at(offset_);
+    }
+    iterator& operator++() {
+      const bool at_end = --left_ == 0 || offset_ == no_offset;
+      if (at_end) left_ = 0;
+      if (!at_end) offset_ = of_->behind_element(offset_);
+      return *this;
+    }
+    void operator++(int) { ++*this; }
+    friend bool operator==(const iterator& a, const iterator& b) { return a.left_ == b.left_; }
+
+   private:
+    const DynamicView* of_ = nullptr;
+    std::uint64_t offset_ = 0;
+    std::size_t left_ = 0;
+  };
+
+  explicit Elements(DynamicView of);
+  iterator begin() const { return {&of_, first_, left_}; }
+  iterator end() const { return {&of_, 0, 0}; }
+
+ private:
+  DynamicView of_;
+  std::uint64_t first_ = no_offset;
+  std::size_t left_ = 0;
+};
+
+inline DynamicView::Members DynamicView::members() const { return Members(*this); }
+inline DynamicView::Elements DynamicView::elements() const { return Elements(*this); }
+
+namespace detail {
+
+template <class T>
+inline constexpr bool is_span = false;
+template <class E>
+inline constexpr bool is_span<std::span<const E>> = true;
+
+/// Whether a collection of that kind is one of E in memory.
+template <class E>
+constexpr bool holds(Kind kind) {
+  if constexpr (std::is_same_v<E, std::byte>) return kind == Kind::octet || kind == Kind::uint8;
+  if constexpr (std::is_same_v<E, char>) return kind == Kind::character;
+  if constexpr (std::is_same_v<E, std::uint8_t>)
+    return kind == Kind::boolean || kind == Kind::octet || kind == Kind::uint8;
+  if constexpr (std::is_same_v<E, std::int8_t>) return kind == Kind::int8;
+  if constexpr (std::is_same_v<E, std::int16_t>) return kind == Kind::int16;
+  if constexpr (std::is_same_v<E, std::uint16_t>) return kind == Kind::uint16;
+  if constexpr (std::is_same_v<E, std::int32_t>) return kind == Kind::int32;
+  if constexpr (std::is_same_v<E, std::uint32_t>) return kind == Kind::uint32;
+  if constexpr (std::is_same_v<E, std::int64_t>) return kind == Kind::int64;
+  if constexpr (std::is_same_v<E, std::uint64_t>) return kind == Kind::uint64;
+  if constexpr (std::is_same_v<E, float>) return kind == Kind::float32;
+  if constexpr (std::is_same_v<E, double>) return kind == Kind::float64;
+  return false;
+}
+
+template <class T>
+inline constexpr bool is_number =
+    std::is_arithmetic_v<T> && !std::is_same_v<T, bool> && !std::is_same_v<T, char>;
+
+/// The value as a T, if it is one.
+template <class T, class V>
+std::optional<T> convert(V v) {
+  if constexpr (std::is_same_v<V, T> || (std::is_same_v<V, float> && std::is_same_v<T, double>)) {
+    return v;
+  } else if constexpr (std::is_same_v<V, std::string_view> && std::is_same_v<T, std::string>) {
+    return std::string(v);
+  } else if constexpr (std::is_integral_v<V> && is_number<V> && std::is_integral_v<T> && is_number<T>) {
+    if (std::in_range<T>(v)) return static_cast<T>(v);
+  } else if constexpr (std::is_integral_v<V> && is_number<V> && std::is_floating_point_v<T>) {
+    constexpr std::int64_t exact = std::int64_t{1} << std::numeric_limits<T>::digits;
+    if (std::cmp_less_equal(v, exact) && std::cmp_greater_equal(v, -exact)) return static_cast<T>(v);
+  }
+  return std::nullopt;
+}
+
+}  // namespace detail
+
+template <class T>
+Result<T> DynamicView::as() const {
+  if constexpr (detail::is_span<T>) {
+    using E = std::remove_const_t<typename T::element_type>;
+    return primitives(sizeof(E), "elements of that type", detail::holds<E>).map([](auto bytes) {
+      return T(reinterpret_cast<const E*>(bytes.data()), bytes.size() / sizeof(E));
+    });
+  } else {
+    const Result<Scalar> value = scalar();
+    if (!value) return tl::unexpected(value.error());
+    std::optional<T> converted = std::visit([](auto v) { return detail::convert<T>(v); }, *value);
+    if (!converted) return fail(Errc::type_mismatch, label() + " does not fit into what was asked for");
+    return *std::move(converted);
+  }
+}
+
+}  // namespace sft

@@ -1,0 +1,35 @@
+// Samples as JSON, for other programs. What JSON has no word for:
+//
+//   NaN and infinities             the strings "NaN", "Infinity", "-Infinity"
+//   64-bit integers                numbers, all digits (parsers that use doubles lose some beyond 2^53)
+//   float                          the shortest number that is this float, 0.1 and not 0.10000000149011612
+//   char                           a string of one character
+//   octet and uint8 collections    base64 in a string (RFC 4648, padded), or numbers by option
+//   text that is not UTF-8         U+FFFD for each part that is not
+//   enumerations                   the name; the number where it has none
+//   an absent field                is left out; if of a sequence of structs only the length was sent, it is
+//                                  "fields.size": 2
+//   elements beyond the limit      the last element is the string "... 997 more"
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "sft/typesupport/dynamic_view.h"
+#include "sft/typesupport/result.h"
+
+namespace sft {
+
+struct JsonOptions {
+  int indent = -1;                      ///< spaces per level; -1: one line
+  std::size_t elements_max = SIZE_MAX;  ///< of each array and sequence, but not of those in base64
+  bool bytes_as_base64 = true;
+  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< about; more is an error
+};
+
+/// `view` is a whole sample or any part of it that is there. An error if the bytes are not what they claim to
+/// be.
+Result<std::string> to_json(const DynamicView& view, const JsonOptions& options = {});
+
+}  // namespace sft

@@ -1,0 +1,21 @@
+// Types for people: a type as text, and where two definitions of one differ.
+#pragma once
+
+#include <string>
+
+#include "sft/typesupport/type_table.h"
+
+namespace sft {
+
+/// All structs and enumerations that `type` is made of, each once and before it is used, and `type` last, in
+/// the syntax of IDL (without modules: names are whole).
+std::string format_shape(const StructType& type);
+
+/// "uint32", "sequence<string<8>, 4>", "double[6]", "pkg::msg::Color": the type of one member.
+std::string format_type(const Member& member);
+
+/// Where two types differ first, in one line: "fields[].offset: uint32 here, uint64 there". Only what
+/// structure_hash() tells apart counts: not the names of types, not units. Empty if nothing differs.
+std::string first_difference(const StructType& here, const StructType& there);
+
+}  // namespace sft

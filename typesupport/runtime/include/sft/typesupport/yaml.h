@@ -1,0 +1,38 @@
+// Samples as YAML, to be read by people and by YAML's parsers.
+//
+//   header:
+//     stamp:
+//       sec: 7
+//       nanosec: 0
+//     frame_id: lidar
+//   fields:
+//   - name: x
+//     offset: 0
+//   data: [0, 97, 194]  # ... 997 more
+//
+// What is not in the sample is left out; of a sequence of structs of which only the length was sent stands
+// `fields.size: 2`. Text is quoted where YAML demands it; in it, bytes that are not UTF-8 and control
+// characters are escaped (\xff). Enumerations are their names, or numbers where they have none.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "sft/typesupport/dynamic_view.h"
+#include "sft/typesupport/result.h"
+
+namespace sft {
+
+struct YamlOptions {
+  std::size_t elements_max =
+      128;  ///< of each array and sequence; how many more there are stands in a comment
+  std::size_t text_bytes_max = 4096;                ///< of each string, likewise
+  bool units = false;                               ///< in comments
+  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< more is an error
+};
+
+/// `view` is usually a whole sample, but may be any part of it that is there. An error if the bytes are not
+/// what they claim to be.
+Result<std::string> to_yaml(const DynamicView& view, const YamlOptions& options = {});
+
+}  // namespace sft

@@ -1,0 +1,295 @@
+#include "sft/typesupport/dynamic_view.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "sft/typesupport/type_shape.h"
+#include "text.h"
+
+namespace sft {
+
+namespace {
+
+using Scalar = DynamicView::Scalar;
+
+/// Where the length of a string ends, and the next string begins.
+std::uint64_t behind_string(const SampleState& s, std::uint64_t offset) {
+  const Extent length = checked_length(s, offset);
+  return length ? checked_block(s, length.first + std::uint64_t{length.count}, 0, 1) : no_offset;
+}
+
+template <class V, class Wide>
+Scalar widened(const std::byte* at) {
+  V value;
+  std::memcpy(&value, at, sizeof value);
+  return static_cast<Wide>(value);
+}
+
+Scalar load(Kind kind, const std::byte* at) {
+  switch (kind) {
+    case Kind::boolean:
+      return *at != std::byte{0};
+    case Kind::character:
+      return widened<char, char>(at);
+    case Kind::int8:
+      return widened<std::int8_t, std::int64_t>(at);
+    case Kind::int16:
+      return widened<std::int16_t, std::int64_t>(at);
+    case Kind::int32:
+      return widened<std::int32_t, std::int64_t>(at);
+    case Kind::int64:
+      return widened<std::int64_t, std::int64_t>(at);
+    case Kind::octet:
+    case Kind::uint8:
+      return widened<std::uint8_t, std::uint64_t>(at);
+    case Kind::uint16:
+      return widened<std::uint16_t, std::uint64_t>(at);
+    case Kind::uint32:
+      return widened<std::uint32_t, std::uint64_t>(at);
+    case Kind::uint64:
+      return widened<std::uint64_t, std::uint64_t>(at);
+    case Kind::float32:
+      return widened<float, float>(at);
+    case Kind::float64:
+      return widened<double, double>(at);
+    case Kind::string:
+    case Kind::structure:
+      break;
+  }
+  return false;
+}
+
+std::string nearest_member(const StructType& type, std::string_view name) {
+  const auto distance = [&](const Member& m) { return edit_distance(m.name, name); };
+  const auto nearest =
+      std::min_element(type.members.begin(), type.members.end(),
+                       [&](const Member& a, const Member& b) { return distance(a) < distance(b); });
+  return nearest == type.members.end() ? "" : "; did you mean '" + std::string(nearest->name) + "'?";
+}
+
+std::optional<std::string> symbol(const EnumType& type, std::uint64_t value) {
+  std::string flags;
+  for (const Enumerator& e : type.enumerators) {
+    if (!type.is_bitmask && e.value == value) return std::string(e.name);
+    if (!type.is_bitmask || (value & e.value) == 0) continue;
+    flags += (flags.empty() ? "" : " | ") + std::string(e.name);
+    value &= ~e.value;
+  }
+  if (value != 0 || flags.empty()) return std::nullopt;
+  return flags;
+}
+
+}  // namespace
+
+DynamicView::DynamicView(const SampleState& s, const StructType& type)
+    : state_(&s), type_(&type), node_(Node::structure) {
+  if (s.index != nullptr) place_.slot = 0;
+}
+
+// ---- navigation ----
+
+DynamicView DynamicView::operator[](std::string_view member) const {
+  if (error_ != nullptr) return *this;
+  if (!is_struct()) return failed(Errc::type_mismatch, label() + " has no members: it is no struct");
+  const auto found = std::find_if(type_->members.begin(), type_->members.end(),
+                                  [&](const Member& m) { return m.name == member; });
+  if (found == type_->members.end()) {
+    return failed(Errc::unknown_field, std::string(type_->name) + " has no member '" + std::string(member) +
+                                           "'" + nearest_member(*type_, member));
+  }
+  return member_at(*found, place_of(static_cast<std::size_t>(found - type_->members.begin())));
+}
+
+DynamicView DynamicView::find(std::string_view path) const {
+  DynamicView at = *this;
+  while (!path.empty() && at.error_ == nullptr) {
+    if (path.front() == '[') {
+      std::size_t i = 0;
+      const auto [end, error] = std::from_chars(path.data() + 1, path.data() + path.size(), i);
+      if (error != std::errc{} || end == path.data() + path.size() || *end != ']')
+        return failed(Errc::unknown_field, "not a path: '" + std::string(path) + "'");
+      at = at.element(i);
+      path.remove_prefix(static_cast<std::size_t>(end - path.data()) + 1);
+    } else {
+      const std::size_t end = std::min(path.find_first_of(".["), path.size());
+      at = at[path.substr(0, end)];
+      path.remove_prefix(end);
+    }
+    if (path.starts_with('.')) path.remove_prefix(1);
+  }
+  return at;
+}
+
+/// Where member number `member` is: its slot, or where the one before it ends.
+DynamicView::Place DynamicView::place_of(std::size_t member) const {
+  Place place = place_;
+  place.leaf += leaf_offset(*type_, member);
+  if (place.slot != no_slot) {
+    place.slot += slot_offset(*type_, member);
+  } else if (present_) {
+    place.offset = member_begin(*state_, *type_, member, place_.leaf, place_.offset);
+  }
+  return place;
+}
+
+/// From a member to the one behind it.
+void DynamicView::pass(const Member& m, Place& place) const {
+  if (place.slot != no_slot) {
+    place.slot += slot_count(m);
+  } else if (present_ && place.offset != no_offset) {
+    place.offset = skip(*state_, m, place.leaf, place.offset);
+  }
+  place.leaf += leaf_count(m);
+}
+
+DynamicView DynamicView::member_at(const Member& m, const Place& place) const {
+  DynamicView view(state_, m);
+  view.type_ = m.type;
+  view.place_ = place;
+  view.present_ = present_ && state_->mask->any_of(place.leaf, leaf_count(m));
+  const bool is_single_struct = m.kind == Kind::structure && m.shape == Shape::single;
+  view.node_ = is_single_struct ? Node::structure : m.shape == Shape::single ? Node::value : Node::collection;
+  if (!view.present_) return view;
+  if (place.slot != no_slot && !is_single_struct) {
+    view.place_.slot = no_slot;
+    view.place_.offset = __atomic_load_n(state_->index + place.slot, __ATOMIC_RELAXED);
+  }
+  return view.place_.slot == no_slot && view.place_.offset == no_offset ? view.malformed() : view;
+}
+
+DynamicView DynamicView::element(std::size_t i) const {
+  if (error_ != nullptr) return *this;
+  if (!is_collection()) return failed(Errc::type_mismatch, label() + " is neither array nor sequence");
+  if (!present_) return element_at(0);
+  const Extent all = extent();
+  if (!all) return malformed();
+  if (i >= all.count) {
+    return failed(Errc::invalid_argument,
+                  label() + " has " + std::to_string(all.count) + " elements; they begin with [0]");
+  }
+  if (is_primitive(kind())) return element_at(all.first + i * size_of(kind()));
+  std::uint64_t at = all.first;
+  for (std::size_t before = 0; before < i && at != no_offset; ++before) {
+    const std::uint64_t next = behind_element(at);
+    if (next == at) break;  // elements without bytes are all in one place
+    at = next;
+  }
+  return at == no_offset ? malformed() : element_at(at);
+}
+
+DynamicView DynamicView::element_at(std::uint64_t offset) const {
+  DynamicView view(state_, *member_);
+  view.type_ = type_;
+  view.place_.offset = offset;
+  view.place_.leaf = element_leaf();
+  view.node_ = kind() == Kind::structure ? Node::structure : Node::value;
+  view.present_ = present_ && !has_only_size();
+  return view;
+}
+
+std::uint64_t DynamicView::behind_element(std::uint64_t offset) const {
+  if (is_primitive(kind())) return offset + size_of(kind());
+  if (kind() == Kind::string) return behind_string(*state_, offset);
+  return skip(*state_, *type_, element_leaf(), offset);
+}
+
+/// The length of a sequence of structs is a leaf of its own, before those of the elements.
+std::size_t DynamicView::element_leaf() const {
+  return place_.leaf + (kind() == Kind::structure && shape() == Shape::sequence ? 1 : 0);
+}
+
+bool DynamicView::has_only_size() const {
+  return is_collection() && kind() == Kind::structure && present_ &&
+         !state_->mask->any_of(element_leaf(), leaf_count(*type_));
+}
+
+DynamicView::Elements::Elements(DynamicView of) : of_(std::move(of)) {
+  if (!of_ || !of_.is_collection() || of_.has_only_size()) return;
+  const Extent all = of_.extent();
+  left_ = all ? all.count : 1;  // one that says that the bytes are malformed
+  first_ = all.first;
+}
+
+// ---- values ----
+
+/// Notes the access where the reader records.
+void DynamicView::note() const {
+  if (state_->log != nullptr) state_->log->touch(place_.leaf, present_);
+}
+
+/// Of a collection, checked: where its first element is, and how many there are.
+Extent DynamicView::extent() const {
+  note();
+  const Member& m = *member_;
+  const std::uint64_t offset = place_.offset;
+  if (m.shape == Shape::sequence) {
+    return is_primitive(m.kind) ? checked_sequence(*state_, offset, size_of(m.kind))
+                                : checked_length(*state_, offset);
+  }
+  if (is_primitive(m.kind)) return {checked_block(*state_, offset, m.count, size_of(m.kind)), m.count};
+  return {checked_block(*state_, offset, 0, 1), m.count};
+}
+
+Result<std::size_t> DynamicView::size() const {
+  if (!is_collection() || !*this) return tl::unexpected(not_readable("an array or a sequence"));
+  const Extent all = extent();
+  if (!all) return tl::unexpected(*malformed().error_);
+  return all.count;
+}
+
+Result<DynamicView::Scalar> DynamicView::scalar() const {
+  if (node_ != Node::value || !*this) {
+    if (node_ == Node::value && error_ == nullptr) note();
+    return tl::unexpected(not_readable("a single value"));
+  }
+  note();
+  if (kind() == Kind::string) {
+    const Extent text = checked_string(*state_, place_.offset);
+    if (!text) return tl::unexpected(*malformed().error_);
+    return std::string_view(reinterpret_cast<const char*>(state_->body + text.first), text.count);
+  }
+  const std::uint32_t at = checked_block(*state_, place_.offset, 1, size_of(kind()));
+  if (at == no_offset) return tl::unexpected(*malformed().error_);
+  return load(kind(), state_->body + at);
+}
+
+std::optional<std::string> DynamicView::enumerator() const {
+  if (member_ == nullptr || member_->enumeration == nullptr) return std::nullopt;
+  const Result<std::uint64_t> value = as<std::uint64_t>();
+  return value ? symbol(*member_->enumeration, *value) : std::nullopt;
+}
+
+Result<std::span<const std::byte>> DynamicView::primitives(std::size_t element_bytes, const char* wanted,
+                                                           bool (*matches)(Kind)) const {
+  if (!is_collection() || !*this || !matches(kind())) return tl::unexpected(not_readable(wanted));
+  const Extent all = extent();
+  if (!all) return tl::unexpected(*malformed().error_);
+  return std::span(state_->body + all.first, all.count * element_bytes);
+}
+
+// ---- what goes wrong ----
+
+std::string DynamicView::label() const {
+  return member_ == nullptr ? "the sample" : "'" + std::string(member_->name) + "'";
+}
+
+DynamicView DynamicView::failed(Errc code, std::string message) const {
+  DynamicView view = *this;
+  view.error_ = std::make_shared<const Error>(Error{code, std::move(message)});
+  return view;
+}
+
+DynamicView DynamicView::malformed() const {
+  state_->flag_malformed();
+  return failed(Errc::malformed, label() + " is not within the bytes of the sample");
+}
+
+Error DynamicView::not_readable(const char* wanted) const {
+  if (error_ != nullptr) return *error_;
+  if (!present_) return {Errc::unavailable, label() + " was not sent in this sample"};
+  const std::string what =
+      member_ == nullptr || kind() == Kind::structure ? std::string(type_->name) : format_type(*member_);
+  return {Errc::type_mismatch, label() + " is " + what + ", not " + wanted};
+}
+
+}  // namespace sft
