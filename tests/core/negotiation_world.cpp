@@ -141,8 +141,9 @@ void NegotiationWorld::take(const Step& step) {
     }
     case What::request_comes: {
       Channel& c = channel(other, n);
-      c.last_request = c.requests.front();
-      c.requests.pop_front();
+      const auto which = coin() ? static_cast<std::ptrdiff_t>((*random_)() % c.requests.size()) : 0;
+      c.last_request = c.requests[static_cast<std::size_t>(which)];
+      c.requests.erase(c.requests.begin() + which);
       return deliver(n, *c.last_request);
     }
     case What::announcement_repeated:
@@ -270,7 +271,7 @@ void NegotiationWorld::change_mask(std::size_t n, std::size_t which) {
   const Id id = std::next(nodes_[n].readers.begin(), static_cast<std::ptrdiff_t>(which))->first;
   const std::uint64_t was = asked_[id].back().request.mask_words.front();
   const std::uint64_t bits = random_ != nullptr ? (*random_)() : std::uint64_t{was == 1 ? 2U : 1U};
-  const FieldMask mask = type_->closed(FieldMask::from_words(type_->leaves(), {{bits}}));
+  const FieldMask mask = FieldMask::from_words(type_->leaves(), {{bits}});  // whoever serves it closes it
   const bool is_new = nodes_[n].negotiation.requirement_changed(id, mask);
   if (!is_new) return;
   note_request(nodes_[n].negotiation, id);
@@ -294,6 +295,7 @@ void NegotiationWorld::change_memory(std::size_t n, const HostToken& host) {
     reader.fed.clear();
     for (auto& [writer, heard] : reader.heard) heard.shm = false;
     note_request(node.negotiation, id);
+    if (!node.negotiation.local(id)->request.attached.empty()) fail("attached to memory that is gone");
   }
   changed(n, dirty);
   reconcile(n);

@@ -2,10 +2,10 @@
 // channel, the transports and the reconciler do is modelled, one step at a time, so that a test may choose
 // the next step as it likes. After each step the world knows whether something is wrong.
 //
-// The control channel is reliable and keeps the last of each endpoint and reader: between two nodes
-// announcements and requests each come in order, but not in the order between them; what was overwritten
-// before it came may or may not come, and anything may come twice. A node may lose another and find it again,
-// which brings all again that the other has to say. Nodes may be killed and come back under new ids.
+// The control channel is reliable and keeps the last of each endpoint and reader: what was overwritten before
+// it came may or may not come, and anything may come twice. Between two nodes announcements come in order;
+// requests come at any time, and where chance decides, in any order. A node may lose another and find it
+// again, which brings all again that the other has to say. Nodes may be killed and come back under new ids.
 #pragma once
 
 #include <cstdint>
