@@ -11,6 +11,9 @@
 #ifndef SFT_TEST_RUNS
 #define SFT_TEST_RUNS 100000
 #endif
+#ifndef SFT_TEST_STEPS_LESS
+#define SFT_TEST_STEPS_LESS 0
+#endif
 
 namespace sft::test {
 namespace {
@@ -30,12 +33,12 @@ class AllOrders : public ::testing::Test {
  protected:
   void explore(const Plan& plan, int depth, int depth_when_settled) {
     const NegotiationWorld world(plan, points());
-    explore(world, depth);
+    explore(world, depth - SFT_TEST_STEPS_LESS);
     NegotiationWorld settled = world;
     settled.settle();
-    explore(settled, depth_when_settled);
+    explore(settled, depth_when_settled - SFT_TEST_STEPS_LESS);
     RecordProperty("orders", std::to_string(orders_));
-    EXPECT_GT(orders_, 10'000);
+    EXPECT_GT(orders_, 1000);
   }
 
  private:
