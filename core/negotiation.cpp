@@ -49,7 +49,7 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   entry.endpoint = endpoint;
   entry.endpoint.request = newest;
   entry.lost_since.reset();
-  if (const auto early = early_requests_.extract(endpoint.id)) adopt(entry, early.mapped());
+  if (const auto early = early_requests_.extract(endpoint.id)) adopt(entry, early.mapped().request);
   return true;
 }
 
@@ -70,15 +70,23 @@ bool Negotiation::endpoint_lost(EndpointId id, Now now) {
 
 bool Negotiation::request_received(const Request& request) {
   const auto entry = entries_.find(request.reader);
-  if (entry != entries_.end()) return entry->second.type == nullptr && adopt(entry->second, request);
+  if (entry != entries_.end() && entry->second.type != nullptr) return false;
+  // A lost reader may be forgotten before it is seen again, but its request does not come again.
+  if (entry != entries_.end() && !entry->second.lost_since) return adopt(entry->second, request);
+  keep_for_later(request);
+  return false;
+}
+
+void Negotiation::keep_for_later(const Request& request) {
   const bool known = early_requests_.contains(request.reader);
   if (!known && early_requests_.size() >= limits_.endpoints) {
-    ++ignored_;  // one of those whose reader never came makes room
-    early_requests_.erase(early_requests_.begin());
+    ++ignored_;  // the one that has waited longest makes room: its reader is the least likely to come
+    early_requests_.erase(
+        std::min_element(early_requests_.begin(), early_requests_.end(),
+                         [](const auto& a, const auto& b) { return a.second.arrival < b.second.arrival; }));
   }
-  Request& early = early_requests_[request.reader];
-  if (request.sequence > early.sequence) early = request;
-  return false;
+  EarlyRequest& early = early_requests_[request.reader];
+  if (request.sequence > early.request.sequence) early = {request, ++early_arrivals_};
 }
 
 bool Negotiation::adopt(Entry& entry, const Request& request) {

@@ -88,6 +88,10 @@ class Negotiation {
     const TypeSupport* type = nullptr;  ///< of our own endpoints
     std::optional<Now> lost_since;      ///< its node does not answer
   };
+  struct EarlyRequest {
+    Request request;
+    std::uint64_t arrival = 0;  ///< counts them, so that the oldest can make room
+  };
   struct Verdict {                                    ///< on one pair, as we see it
     std::string mismatch;                             ///< not empty: never matches, and why
     std::shared_ptr<const TypeMismatch> definitions;  ///< not null: they are two of one type
@@ -100,13 +104,15 @@ class Negotiation {
   std::string why_not_shm(const Endpoint& writer, const Endpoint& reader) const;
   ReaderStatus serve(const Entry& writer, const Entry& reader, Serving& serving) const;
   UdpAddress address_of(const Endpoint& reader) const;
-  bool adopt(Entry& entry, const Request& request);
+  static bool adopt(Entry& entry, const Request& request);
+  void keep_for_later(const Request& request);
   std::vector<const Entry*> others(const Entry& entry) const;
 
   Limits limits_;
   Self self_;
   std::map<EndpointId, Entry> entries_;
-  std::map<EndpointId, Request> early_requests_;  ///< of readers whose description has not come yet
+  std::map<EndpointId, EarlyRequest> early_requests_;  ///< of readers that have yet to be seen, or seen again
+  std::uint64_t early_arrivals_ = 0;
   mutable TypeComparisons comparisons_;
   std::uint64_t ignored_ = 0;
 };

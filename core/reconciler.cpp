@@ -281,13 +281,15 @@ void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
     const bool known = before != reader.heard.end();
     heard[hearing.source.writer] = connect(id, reader, hearing, known ? before->second : Hearing{});
   }
+  bool changed = false;
   for (const auto& [writer, before] : reader.heard) {
     if (heard.contains(writer)) continue;
     if (before.udp) reader.departed[writer] = std::chrono::steady_clock::now();
     if (before.shm && reader.shm != nullptr) reader.shm->disconnect(writer);
-    negotiation_.connection_changed(id, writer, TransportKind::udp, false);
-    negotiation_.connection_changed(id, writer, TransportKind::shm, false);
+    changed |= negotiation_.connection_changed(id, writer, TransportKind::udp, false);
+    changed |= negotiation_.connection_changed(id, writer, TransportKind::shm, false);
   }
+  if (changed) request_changed(id);
   reader.heard = std::move(heard);
   reader.core->hears(wanted);
   std::vector<WriterStatus> writers;

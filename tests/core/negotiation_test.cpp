@@ -191,6 +191,17 @@ TEST_F(NegotiationTest, ALostReaderIsNotServedButItsMaskIsKeptUntilItReturns) {
   EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
 }
 
+// The two control topics come back one after the other, and each tells what it has only once.
+TEST_F(NegotiationTest, ARequestThatComesBackBeforeItsLostReaderOutlivesThatThisIsForgottenMeanwhile) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  negotiation.endpoint_lost(7, Now{});
+  negotiation.request_received(request(7, 3, F::data));
+  EXPECT_TRUE(negotiation.tick(Now{} + 60s));
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
 TEST_F(NegotiationTest, ALostReaderIsForgottenAfterAWhileAndADepartedOneAtOnce) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
@@ -301,6 +312,14 @@ TEST_F(NegotiationTest, EntriesBeyondTheLimitAreIgnoredAndCounted) {
   for (EndpointId id = 11; id <= 14; ++id) small.request_received(request(id, 1, F::data));
   EXPECT_EQ(small.endpoints(), 2U);
   EXPECT_EQ(small.ignored(), 4U);
+}
+
+TEST_F(NegotiationTest, OfTooManyRequestsOfReadersThatHaveNotComeTheOldestMakesRoom) {
+  Negotiation small({.endpoints = 2, .forget_lost_after = 60s});
+  small.local_added(endpoint(Role::writer, 100), type);
+  for (const EndpointId id : {90, 91, 7, 8}) small.request_received(request(id, 2, F::data));
+  small.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_EQ(small.serving(100).udp.at(0).mask, FieldMask(F::data));
 }
 
 // Whatever the order in which announcement, requests and shared memory come: once all came, the outcome is

@@ -1,0 +1,516 @@
+#include "tests/core/negotiation_world.h"
+
+#include <algorithm>
+#include <array>
+
+namespace sft::test {
+
+using core::Endpoint;
+using core::HostToken;
+using core::Request;
+using core::Role;
+using core::Route;
+
+namespace {
+
+constexpr std::array<const char*, 18> names{"announcement comes",
+                                            "request comes",
+                                            "announcement repeated",
+                                            "request repeated",
+                                            "reconciles",
+                                            "looks after it",
+                                            "daemon connects",
+                                            "mask changes",
+                                            "lost",
+                                            "found",
+                                            "lost one forgotten",
+                                            "memory changes",
+                                            "killed",
+                                            "started",
+                                            "endpoint departs",
+                                            "sample published",
+                                            "datagram comes",
+                                            "datagram lost"};
+
+HostToken token(std::uint8_t n) {
+  HostToken t;
+  t.bytes.fill(n);
+  return t;
+}
+
+template <class T>
+bool holds(const std::vector<T>& all, const T& one) {
+  return std::find(all.begin(), all.end(), one) != all.end();
+}
+
+void insert(std::vector<core::EndpointId>& ids, core::EndpointId id) {
+  if (!holds(ids, id)) ids.push_back(id);
+}
+
+}  // namespace
+
+NegotiationWorld::NegotiationWorld(const Plan& plan, const TypeSupport& type, Random* random)
+    : plan_(plan), type_(&type), random_(random), left_(plan.budget) {
+  nodes_.reserve(plan.places + static_cast<std::size_t>(plan.budget.restarts));
+  for (std::size_t place = 0; place < plan.places; ++place) start_node(place);
+}
+
+void NegotiationWorld::fail(const std::string& what) {
+  if (violation_.empty()) violation_ = what;
+}
+
+std::string NegotiationWorld::history() const {
+  std::string text;
+  for (const Step& step : taken_) {
+    text += std::string(names[static_cast<std::size_t>(step.what)]) + " " + std::to_string(step.node) + " " +
+            std::to_string(step.other) + "\n";
+  }
+  return text;
+}
+
+// What may happen.
+
+void NegotiationWorld::add(What what, std::size_t node, std::size_t other) {
+  steps_.push_back({what, static_cast<std::uint8_t>(node), static_cast<std::uint8_t>(other)});
+}
+
+const std::vector<NegotiationWorld::Step>& NegotiationWorld::steps() {
+  steps_.clear();
+  for (const auto& [ends, unused] : channels_) steps_of_pair(ends.first, ends.second);
+  std::uint64_t places_in_use = 0;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    if (!nodes_[n].up) continue;
+    places_in_use |= std::uint64_t{1} << nodes_[n].place;
+    steps_of_node(n);
+  }
+  for (std::size_t place = 0; place < plan_.places; ++place) {
+    if ((places_in_use >> place & 1) == 0) add(What::node_started, place);
+  }
+  if (connect_by_daemon(true)) add(What::daemon_connects, 0);
+  for (std::size_t i = 0; i < datagrams_.size(); ++i) {
+    add(What::datagram_comes, 0, i);
+    add(What::datagram_lost, 0, i);
+  }
+  return steps_;
+}
+
+void NegotiationWorld::steps_of_pair(std::size_t from, std::size_t to) {
+  const Channel& c = channel(from, to);
+  if (!c.announcements.empty()) add(What::announcement_comes, to, from);
+  if (!c.requests.empty()) add(What::request_comes, to, from);
+  if (left_.repetitions > 0 && c.last_announcement.id != 0) add(What::announcement_repeated, to, from);
+  if (left_.repetitions > 0 && c.last_request != nullptr) add(What::request_repeated, to, from);
+  if (c.found && (left_.losses > 0 || !nodes_[from].up)) add(What::node_lost, to, from);
+  if (!c.found && nodes_[from].up) add(What::node_found, to, from);
+}
+
+void NegotiationWorld::steps_of_node(std::size_t n) {
+  const Node& node = nodes_[n];
+  if (node.dirty) add(What::agent_reconciles, n);
+  if (connections_changed(node)) add(What::agent_looks_after_connections, n);
+  const auto is_lost = [](const auto& told) { return told.second.lost_since.has_value(); };
+  if (std::any_of(node.told.begin(), node.told.end(), is_lost)) add(What::lost_forgotten, n);
+  for (std::size_t i = 0; i < node.readers.size() && left_.mask_changes > 0; ++i)
+    add(What::mask_changes, n, i);
+  for (std::uint8_t i = 0; i < 3 && left_.memory_changes > 0; ++i) {
+    if (node.self.host != token(i)) add(What::memory_changes, n, i);
+  }
+  if (left_.restarts > 0) add(What::node_killed, n);
+  const std::size_t endpoints = node.writers.size() + node.readers.size();
+  for (std::size_t i = 0; i < endpoints && left_.departures > 0; ++i) add(What::endpoint_departs, n, i);
+  for (std::size_t i = 0; i < node.writers.size() && left_.samples > 0; ++i)
+    add(What::sample_published, n, i);
+}
+
+void NegotiationWorld::take(const Step& step) {
+  taken_.push_back(step);
+  const std::size_t n = step.node;
+  const std::size_t other = step.other;
+  switch (step.what) {
+    case What::announcement_comes: {
+      Channel& c = channel(other, n);
+      c.last_announcement = c.announcements.front();
+      c.announcements.pop_front();
+      return deliver(n, c.last_announcement);
+    }
+    case What::request_comes: {
+      Channel& c = channel(other, n);
+      const auto which = coin() ? static_cast<std::ptrdiff_t>((*random_)() % c.requests.size()) : 0;
+      c.last_request = c.requests[static_cast<std::size_t>(which)];
+      c.requests.erase(c.requests.begin() + which);
+      return deliver(n, *c.last_request);
+    }
+    case What::announcement_repeated:
+      --left_.repetitions;
+      return deliver(n, channel(other, n).last_announcement);
+    case What::request_repeated:
+      --left_.repetitions;
+      return deliver(n, *channel(other, n).last_request);
+    case What::agent_reconciles:
+      return reconcile(n);
+    case What::agent_looks_after_connections:
+      return look_after_connections(n);
+    case What::daemon_connects:
+      connect_by_daemon(false);
+      return;
+    case What::mask_changes:
+      --left_.mask_changes;
+      return change_mask(n, other);
+    case What::node_lost:
+      if (nodes_[other].up) --left_.losses;
+      return lose(other, n);
+    case What::node_found:
+      return find(other, n);
+    case What::lost_forgotten:
+      return forget(n);
+    case What::memory_changes:
+      --left_.memory_changes;
+      return change_memory(n, token(step.other));
+    case What::node_killed:
+      --left_.restarts;
+      return kill(n);
+    case What::node_started:
+      return start_node(n);
+    case What::endpoint_departs:
+      --left_.departures;
+      return depart(n, other);
+    case What::sample_published:
+      --left_.samples;
+      return publish(n, other);
+    case What::datagram_comes:
+      return arrive(other);
+    case What::datagram_lost:
+      datagrams_.erase(datagrams_.begin() + static_cast<std::ptrdiff_t>(other));
+      return;
+  }
+}
+
+// Nodes and endpoints.
+
+void NegotiationWorld::start_node(std::size_t place) {
+  const std::size_t n = nodes_.size();
+  Node& node = nodes_.emplace_back();
+  node.place = place;
+  node.self = {.host = plan_.common_memory ? token(1) : HostToken{}, .network = place + 1, .shm_state = ""};
+  node.negotiation.self_changed(node.self);
+  for (std::size_t other = 0; other < n; ++other) {
+    if (!nodes_[other].up) continue;
+    channels_[{n, other}].found = true;
+    channels_[{other, n}];
+    find(other, n);
+  }
+  for (const EndpointPlan& endpoint : plan_.endpoints) {
+    if (endpoint.place == place) add_endpoint(node, endpoint);
+  }
+}
+
+void NegotiationWorld::add_endpoint(Node& node, const EndpointPlan& plan) {
+  Endpoint endpoint;
+  endpoint.id = next_id_++;
+  node.opened.push_back(endpoint.id);
+  endpoint.role = plan.role;
+  endpoint.topic = "points";
+  endpoint.type_name = type_->name();
+  endpoint.type_hash = type_->hash();
+  endpoint.may_use_shm = plan.may_use_shm;
+  endpoint.may_use_udp = plan.may_use_udp;
+  if (plan.may_use_udp) endpoint.addresses = {{static_cast<std::uint32_t>(node.place), 7000, 1 << 20}};
+  if (plan.role == Role::reader) {
+    const FieldMask mask = type_->closed(FieldMask::from_words(type_->leaves(), {{std::uint64_t{1}}}));
+    endpoint.request = {
+        .reader = endpoint.id, .sequence = 1, .mask_words = mask.to_words(), .listening = {}, .attached = {}};
+    node.readers[endpoint.id].endpoint = endpoint;
+  } else {
+    node.writers[endpoint.id].endpoint = endpoint;
+  }
+  node.negotiation.local_added(endpoint, *type_);
+  const auto n = static_cast<std::size_t>(&node - nodes_.data());
+  if (plan.role == Role::reader) note_request(node.negotiation, endpoint.id);
+  changed(n, true);
+  announce(n, endpoint.id);
+}
+
+void NegotiationWorld::kill(std::size_t n) {
+  nodes_[n].up = false;
+  std::erase_if(channels_, [n](const auto& c) { return c.first.second == n; });
+  for (Node& node : nodes_) {
+    for (auto& [id, reader] : node.readers) {
+      std::erase_if(reader.fed, [&](Id writer) { return nodes_[n].writers.contains(writer); });
+    }
+  }
+}
+
+void NegotiationWorld::depart(std::size_t n, std::size_t which) {
+  Node& node = nodes_[n];
+  const bool is_writer = which < node.writers.size();
+  const Id id =
+      is_writer
+          ? std::next(node.writers.begin(), static_cast<std::ptrdiff_t>(which))->first
+          : std::next(node.readers.begin(), static_cast<std::ptrdiff_t>(which - node.writers.size()))->first;
+  node.negotiation.local_removed(id);
+  node.writers.erase(id);
+  node.readers.erase(id);
+  node.announced.erase(id);
+  node.sent.erase(id);
+  for (auto& [ends, c] : channels_) {
+    if (ends.first == n && c.found) post(c, {id, nullptr});
+  }
+  for (Node& other : nodes_) {
+    for (auto& [reader_id, reader] : other.readers) std::erase(reader.fed, id);
+  }
+  changed(n, true);
+}
+
+void NegotiationWorld::change_mask(std::size_t n, std::size_t which) {
+  const Id id = std::next(nodes_[n].readers.begin(), static_cast<std::ptrdiff_t>(which))->first;
+  const std::uint64_t was = asked_[id].back().request.mask_words.front();
+  const std::uint64_t bits = random_ != nullptr ? (*random_)() : std::uint64_t{was == 1 ? 2U : 1U};
+  const FieldMask mask = FieldMask::from_words(type_->leaves(), {{bits}});  // whoever serves it closes it
+  const bool is_new = nodes_[n].negotiation.requirement_changed(id, mask);
+  if (!is_new) return;
+  note_request(nodes_[n].negotiation, id);
+  changed(n, is_new);
+  send_request(n, id);
+}
+
+/// Negotiation::self_changed and what Reconciler::look_after_shm does then.
+void NegotiationWorld::change_memory(std::size_t n, const HostToken& host) {
+  Node& node = nodes_[n];
+  node.self.host = host;
+  const bool dirty = node.negotiation.self_changed(node.self);
+  for (auto& [id, writer] : node.writers) {
+    writer.port = false;
+    for (Node& other : nodes_) {
+      for (auto& [reader_id, reader] : other.readers) std::erase(reader.fed, id);
+    }
+  }
+  for (auto& [id, reader] : node.readers) {
+    reader.subscribed.clear();
+    reader.fed.clear();
+    for (auto& [writer, heard] : reader.heard) heard.shm = false;
+    note_request(node.negotiation, id);
+    if (!node.negotiation.local(id)->request.attached.empty()) fail("attached to memory that is gone");
+  }
+  changed(n, dirty);
+  reconcile(n);
+  for (const auto& [id, writer] : node.writers) announce(n, id);
+  for (const auto& [id, reader] : node.readers) {
+    announce(n, id);
+    send_request(n, id);
+  }
+}
+
+// Samples.
+
+void NegotiationWorld::publish(std::size_t n, std::size_t which) {
+  const auto& [id, writer] = *std::next(nodes_[n].writers.begin(), static_cast<std::ptrdiff_t>(which));
+  for (const Route& route : writer.in_force.udp) datagrams_.push_back({id, route.reader, route.mask});
+}
+
+/// It names its mask, so it is decoded under that; what counts is that its reader takes such samples.
+void NegotiationWorld::arrive(std::size_t which) {
+  const Datagram datagram = datagrams_[which];
+  datagrams_.erase(datagrams_.begin() + static_cast<std::ptrdiff_t>(which));
+  for (const Node& node : nodes_) {
+    const auto reader = node.readers.find(datagram.reader);
+    if (!node.up || reader == node.readers.end()) continue;
+    if (holds(reader->second.let_go, datagram.writer)) continue;
+    if (!holds(reader->second.connected, datagram.writer))
+      fail("a sample came to a reader that does not listen");
+    const auto& asked = asked_.at(datagram.reader);
+    const bool known =
+        std::any_of(asked.begin(), asked.end(), [&](const Asked& a) { return a.mask == datagram.mask; });
+    if (!known) fail("a sample came under a mask that its reader never asked for");
+  }
+}
+
+// The control channel.
+
+void NegotiationWorld::announce(std::size_t n, Id id) {
+  auto endpoint = std::make_shared<const Endpoint>(*nodes_[n].negotiation.local(id));
+  nodes_[n].announced[id] = endpoint;
+  for (auto& [ends, c] : channels_) {
+    if (ends.first == n && c.found) post(c, {id, endpoint});
+  }
+}
+
+void NegotiationWorld::send_request(std::size_t n, Id reader) {
+  auto request = std::make_shared<const Request>(nodes_[n].negotiation.local(reader)->request);
+  nodes_[n].sent[reader] = request;
+  for (auto& [ends, c] : channels_) {
+    if (ends.first == n && c.found) post(c, request);
+  }
+}
+
+void NegotiationWorld::note_request(const core::Negotiation& negotiation, Id reader) {
+  const Request& request = negotiation.local(reader)->request;
+  const FieldMask mask = type_->closed(FieldMask::from_words(type_->leaves(), request.mask_words));
+  asked_[reader].resize(request.sequence + 1, {request, mask});
+}
+
+void NegotiationWorld::post(Channel& c, Announcement announcement) {
+  if (random_ == nullptr || coin()) {
+    std::erase_if(c.announcements, [&](const Announcement& a) { return a.id == announcement.id; });
+  }
+  c.announcements.push_back(std::move(announcement));
+}
+
+void NegotiationWorld::post(Channel& c, std::shared_ptr<const Request> request) {
+  if (random_ == nullptr || coin()) {
+    std::erase_if(c.requests, [&](const auto& r) { return r->reader == request->reader; });
+  }
+  c.requests.push_back(std::move(request));
+}
+
+void NegotiationWorld::deliver(std::size_t to, const Announcement& announcement) {
+  Node& node = nodes_[to];
+  if (announcement.endpoint == nullptr) {
+    node.told.erase(announcement.id);
+    return changed(to, node.negotiation.endpoint_departed(announcement.id));
+  }
+  Told& told = node.told[announcement.id];
+  told.newest = std::max({told.newest, told.newest_while_away, announcement.endpoint->request.sequence});
+  told.newest_while_away = 0;
+  told.endpoint = announcement.endpoint;
+  told.lost_since.reset();
+  changed(to, node.negotiation.endpoint_seen(*announcement.endpoint));
+}
+
+void NegotiationWorld::deliver(std::size_t to, const Request& request) {
+  Node& node = nodes_[to];
+  Told& told = node.told[request.reader];
+  const bool here = told.endpoint != nullptr && !told.lost_since;
+  std::uint64_t& newest = here ? told.newest : told.newest_while_away;
+  newest = std::max(newest, request.sequence);
+  changed(to, node.negotiation.request_received(request));
+}
+
+void NegotiationWorld::lose(std::size_t from, std::size_t to) {
+  channel(from, to) = {};
+  Node& node = nodes_[to];
+  bool dirty = false;
+  for (auto& [id, told] : node.told) {
+    if (told.endpoint == nullptr || !holds(nodes_[from].opened, id)) continue;
+    if (!told.lost_since) told.lost_since = node.now;
+    dirty |= node.negotiation.endpoint_lost(id, node.now);
+  }
+  changed(to, dirty);
+}
+
+void NegotiationWorld::find(std::size_t from, std::size_t to) {
+  Channel& c = channel(from, to);
+  c.found = true;
+  for (const auto& [id, endpoint] : nodes_[from].announced) post(c, {id, endpoint});
+  for (const auto& [id, request] : nodes_[from].sent) post(c, request);
+}
+
+void NegotiationWorld::forget(std::size_t n) {
+  Node& node = nodes_[n];
+  node.now += std::chrono::seconds(60);
+  for (auto& [id, told] : node.told) {
+    if (told.lost_since)
+      told = {
+          .endpoint = nullptr, .lost_since = {}, .newest = 0, .newest_while_away = told.newest_while_away};
+  }
+  changed(n, node.negotiation.tick(node.now));
+}
+
+// The reconciler.
+
+/// Of a node whose agent has not come to it: what the negotiation wants is checked at once.
+void NegotiationWorld::changed(std::size_t n, bool dirty) {
+  Node& node = nodes_[n];
+  node.dirty |= dirty;
+  for (auto& [id, writer] : node.writers) {
+    writer.wanted = node.negotiation.serving(id);
+    check_serving(node, writer);
+    if (!node.dirty && !(writer.wanted == writer.in_force)) fail("something changed, but it was not said");
+  }
+}
+
+void NegotiationWorld::reconcile(std::size_t n) {
+  Node& node = nodes_[n];
+  node.dirty = false;
+  for (auto& [id, writer] : node.writers) {
+    writer.port |= writer.wanted.shm_port;
+    writer.in_force = writer.wanted;
+  }
+  for (auto& [id, reader] : node.readers) reconcile_reader(n, id, reader);
+}
+
+void NegotiationWorld::reconcile_reader(std::size_t n, Id id, Reader& reader) {
+  core::Negotiation& negotiation = nodes_[n].negotiation;
+  std::map<Id, Heard> heard;
+  for (const core::Hearing& hearing : negotiation.hearing(id)) {
+    const Id writer = hearing.source.writer;
+    heard[writer] = {hearing.udp, hearing.shm};
+    if (hearing.udp) insert(reader.connected, writer);
+    if (hearing.shm) insert(reader.subscribed, writer);
+    if (hearing.shm) continue;
+    std::erase(reader.subscribed, writer);
+    std::erase(reader.fed, writer);
+  }
+  bool dirty = false;
+  for (const auto& [writer, before] : reader.heard) {
+    if (heard.contains(writer)) continue;
+    if (std::erase(reader.connected, writer) != 0) insert(reader.let_go, writer);
+    std::erase(reader.subscribed, writer);
+    std::erase(reader.fed, writer);
+    dirty |= negotiation.connection_changed(id, writer, TransportKind::udp, false);
+    dirty |= negotiation.connection_changed(id, writer, TransportKind::shm, false);
+  }
+  reader.heard = std::move(heard);
+  if (!dirty) return;
+  note_request(negotiation, id);
+  changed(n, dirty);
+  send_request(n, id);
+}
+
+bool NegotiationWorld::connections_changed(const Node& node) const {
+  for (const auto& [id, reader] : node.readers) {
+    const Request& request = node.negotiation.local(id)->request;
+    for (const auto& [writer, heard] : reader.heard) {
+      if ((heard.udp && holds(reader.connected, writer)) != holds(request.listening, writer)) return true;
+      if ((heard.shm && holds(reader.fed, writer)) != holds(request.attached, writer)) return true;
+    }
+  }
+  return false;
+}
+
+void NegotiationWorld::look_after_connections(std::size_t n) {
+  core::Negotiation& negotiation = nodes_[n].negotiation;
+  for (auto& [id, reader] : nodes_[n].readers) {
+    bool dirty = false;
+    for (const auto& [writer, heard] : reader.heard) {
+      const bool listening = heard.udp && holds(reader.connected, writer);
+      const bool attached = heard.shm && holds(reader.fed, writer);
+      dirty |= negotiation.connection_changed(id, writer, TransportKind::udp, listening);
+      dirty |= negotiation.connection_changed(id, writer, TransportKind::shm, attached);
+    }
+    if (!dirty) continue;
+    note_request(negotiation, id);
+    changed(n, dirty);
+    send_request(n, id);
+  }
+}
+
+/// The daemon connects the first subscriber that waits with its writer's port.
+bool NegotiationWorld::connect_by_daemon(bool pretend) {
+  for (Node& there : nodes_) {
+    if (!there.up) continue;
+    for (const auto& [id, writer] : there.writers) {
+      if (!writer.port) continue;
+      for (Node& here : nodes_) {
+        if (!here.up || here.self.host != there.self.host) continue;
+        for (auto& [reader_id, reader] : here.readers) {
+          if (!holds(reader.subscribed, id) || holds(reader.fed, id)) continue;
+          if (!pretend) reader.fed.push_back(id);
+          return true;
+        }
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace sft::test

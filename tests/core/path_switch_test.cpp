@@ -1,0 +1,158 @@
+// A publisher and a subscriber while the reader is moved from one path to the other, and while what is asked
+// for changes: no route asks for a field that the sample at hand does not have, and the subscriber takes each
+// sample at most once and counts each that it misses exactly once. Tests publish within set_routes() as well,
+// which is what another thread may do.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+#include <functional>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "core/publisher_core.h"
+#include "core/subscriber_core.h"
+#include "tests/support/test_seed.h"
+
+namespace sft::core {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+constexpr EndpointId reader_id = 1;
+constexpr EndpointId neighbour_id = 2;
+
+/// Keeps what it sends until the test delivers it.
+class PathWriter final : public WriterPort {
+ public:
+  PathWriter(std::shared_ptr<BufferPool> pool, std::function<void()> between)
+      : pool_(std::move(pool)), between_(std::move(between)) {}
+
+  SampleHandle loan(std::size_t bytes) noexcept override { return pool_->take(bytes); }
+  SendStatus send(const SampleHandle& sample) noexcept override {
+    for (const Route& route : routes_) {
+      if (!sample->mask.contains(route.mask)) ++uncovered;
+      if (route.reader == reader_id) sent.push_back(sample);
+    }
+    return SendStatus::sent;
+  }
+  void set_routes(std::vector<Route> routes) override {
+    between_();
+    routes_ = std::move(routes);
+    between_();
+  }
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+
+  std::deque<SampleHandle> sent;
+  int uncovered = 0;  ///< routes that asked for more than the sample had
+
+ private:
+  std::shared_ptr<BufferPool> pool_;
+  std::function<void()> between_;
+  std::vector<Route> routes_;
+};
+
+class PathReader final : public ReaderPort {
+ public:
+  SampleHandle take() noexcept override {
+    if (arrived.empty()) return {};
+    SampleHandle first = std::move(arrived.front());
+    arrived.pop_front();
+    return first;
+  }
+  Result<void> connect(const Source&) override { return {}; }
+  bool connected(EndpointId) const noexcept override { return true; }
+  void disconnect(EndpointId) noexcept override {}
+  void accept_masks(std::vector<FieldMask>) override {}
+  std::uint64_t discarded() const noexcept override { return 0; }
+
+  std::deque<SampleHandle> arrived;
+};
+
+class PathSwitch : public test::RandomTest {
+ protected:
+  PathSwitch() {
+    subscriber.set_port(TransportKind::shm, shm_reader);
+    subscriber.set_port(TransportKind::udp, udp_reader);
+  }
+
+  std::size_t below(std::size_t end) { return random() % end; }
+
+  void publish() {
+    const PointCloud2 value{};
+    publisher.publish(&value);
+    ++published;
+  }
+
+  /// Any serving of the reader and of a neighbour whose mask is another.
+  void serve() {
+    Serving serving;
+    for (const EndpointId id : {reader_id, neighbour_id}) {
+      const FieldMask mask = type.closed(FieldMask::from_words(type.leaves(), {{random()}}));
+      const std::size_t path = below(3);
+      if (path == 0) serving.shm.push_back({id, DoorbellAddress{}, mask});
+      if (path == 1) serving.udp.push_back({id, UdpAddress{}, mask});
+    }
+    publisher.serve(serving, shm_writer);
+  }
+
+  /// Datagrams may be lost, come late and come twice; chunks may be pushed out, but come in order.
+  void move_one() {
+    if (below(2) == 0 && !shm_writer->sent.empty()) {
+      if (below(8) != 0) shm_reader->arrived.push_back(shm_writer->sent.front());
+      shm_writer->sent.pop_front();
+    } else if (!udp_writer->sent.empty()) {
+      const auto which =
+          udp_writer->sent.begin() + static_cast<std::ptrdiff_t>(below(udp_writer->sent.size()));
+      if (below(8) != 0) udp_reader->arrived.push_back(*which);
+      if (below(8) != 0) udp_writer->sent.erase(which);
+    }
+  }
+
+  /// Each at most once, in order, and the gap before it counted.
+  void take() {
+    while (const untyped::Sample sample = subscriber.take()) {
+      const SampleInfo& info = sample.info();
+      const std::uint64_t gap = last == 0 ? 0 : info.sequence - last - 1;
+      ASSERT_GT(info.sequence, last);
+      ASSERT_EQ(info.lost_before, gap);
+      if (last == 0) first = info.sequence;
+      last = info.sequence;
+    }
+  }
+
+  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
+  const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 22);
+  const std::function<void()> between = [this] {
+    if (below(2) == 0) publish();
+  };
+  const std::shared_ptr<PathWriter> udp_writer = std::make_shared<PathWriter>(pool, between);
+  const std::shared_ptr<PathWriter> shm_writer = std::make_shared<PathWriter>(pool, between);
+  const std::shared_ptr<PathReader> udp_reader = std::make_shared<PathReader>();
+  const std::shared_ptr<PathReader> shm_reader = std::make_shared<PathReader>();
+  PublisherCore publisher{{9, "points", &type, 1 << 16, nullptr}, pool, udp_writer};
+  SubscriberCore subscriber{
+      {reader_id, "points", &type, {type.full(), false}, {}, nullptr}, bells->at(1), nullptr};
+  std::uint64_t published = 0;
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
+};
+
+TEST_F(PathSwitch, LosesNothingUncountedTakesNothingTwiceAndAsksForNothingThatIsNotThere) {
+  for (int step = 0; step < 100'000; ++step) {
+    const std::size_t what = below(8);
+    if (what == 0) serve();
+    if (what == 1 || what == 2) publish();
+    if (what >= 3 && what <= 6) move_one();
+    if (what == 7) take();
+    ASSERT_FALSE(HasFatalFailure()) << "in step " << step;
+  }
+  take();
+  const SubscriberStatus status = subscriber.status();
+  EXPECT_GT(status.received, 1000U);
+  EXPECT_EQ(status.received + status.lost, last - first + 1);
+  EXPECT_EQ(publisher.status().published, published);
+  EXPECT_EQ(shm_writer->uncovered + udp_writer->uncovered, 0);
+}
+
+}  // namespace
+}  // namespace sft::core

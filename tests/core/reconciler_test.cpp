@@ -1,0 +1,130 @@
+// What the reconciler makes of the negotiation: which ports are connected, and what others are told.
+#include "core/reconciler.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <set>
+
+namespace sft::core {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+/// Whom it was told to take datagrams from.
+struct Connections {
+  std::set<EndpointId> writers;
+};
+
+class TestReaderPort final : public ReaderPort {
+ public:
+  explicit TestReaderPort(Connections& connections) : connections_(connections) {}
+  SampleHandle take() noexcept override { return {}; }
+  Result<void> connect(const Source& source) override {
+    connections_.writers.insert(source.writer);
+    return {};
+  }
+  bool connected(EndpointId writer) const noexcept override { return connections_.writers.contains(writer); }
+  void disconnect(EndpointId writer) noexcept override { connections_.writers.erase(writer); }
+  void accept_masks(std::vector<FieldMask>) override {}
+  std::uint64_t discarded() const noexcept override { return 0; }
+
+ private:
+  Connections& connections_;
+};
+
+class TestDiscovery final : public Discovery {
+ public:
+  Result<void> announce(const Endpoint& endpoint) override {
+    announced.push_back(endpoint);
+    return {};
+  }
+  void withdraw(EndpointId) override {}
+  Result<void> send(const Request& request) override {
+    sent.push_back(request);
+    return {};
+  }
+  std::vector<Endpoint> announced;
+  std::vector<Request> sent;
+};
+
+class ReconcilerTest : public ::testing::Test {
+ protected:
+  Endpoint endpoint(Role role, EndpointId id) const {
+    Endpoint e;
+    e.id = id;
+    e.role = role;
+    e.topic = "points";
+    e.type_name = type.name();
+    e.type_hash = type.hash();
+    e.network = id;
+    e.may_use_udp = true;
+    e.addresses = {{0x0a000001, 7000, 1 << 20}};
+    e.request = {.reader = id, .sequence = 1, .mask_words = mask.to_words(), .listening = {}, .attached = {}};
+    return e;
+  }
+
+  void our_reader(EndpointId id) {
+    auto core = std::make_shared<SubscriberCore>(
+        SubscriberCore::Spec{id, "points", &type, {mask, false}, {}, nullptr}, bells->at(1), nullptr);
+    reconciler.add_reader(endpoint(Role::reader, id),
+                          {core, nullptr, std::make_shared<TestReaderPort>(connections)});
+    reconciler.reconcile();
+  }
+  void writer_seen(EndpointId id) {
+    reconciler.endpoint_seen(endpoint(Role::writer, id));
+    reconciler.reconcile();
+  }
+  void writer_departed(EndpointId id) {
+    reconciler.endpoint_departed(id);
+    reconciler.reconcile();
+  }
+
+  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const FieldMask mask = type.closed(FieldMask(F::height | F::width));
+  const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
+  Dispatcher dispatcher{bells->at(0), "test"};
+  Connections connections;
+  TestDiscovery discovery;
+  Reconciler reconciler{1, nullptr, nullptr, discovery, dispatcher, [](LogLevel, const std::string&) {}};
+};
+
+TEST_F(ReconcilerTest, AReaderIsAnnouncedBeforeItListensToAnybody) {
+  our_reader(200);
+  ASSERT_EQ(discovery.announced.size(), 1U);
+  EXPECT_THAT(discovery.announced[0].request.listening, IsEmpty());
+  EXPECT_THAT(discovery.sent, IsEmpty());
+}
+
+TEST_F(ReconcilerTest, AReaderTakesDatagramsOfAWriterBeforeItSaysSo) {
+  our_reader(200);
+  writer_seen(7);
+  EXPECT_THAT(connections.writers, ElementsAre(7));
+  ASSERT_EQ(discovery.sent.size(), 1U);
+  EXPECT_THAT(discovery.sent[0].listening, ElementsAre(7));
+  EXPECT_EQ(discovery.sent[0].sequence, 2U);
+}
+
+// It may be that the writer is there still, and only this node hears nothing of it: it is to stop sending.
+TEST_F(ReconcilerTest, AReaderSaysThatItListensNoMoreToAWriterThatWent) {
+  our_reader(200);
+  writer_seen(7);
+  writer_seen(8);
+  writer_departed(7);
+  EXPECT_THAT(discovery.sent.back().listening, ElementsAre(8));
+}
+
+TEST_F(ReconcilerTest, WhatIsStillInFlightOfAWriterThatWentIsTaken) {
+  our_reader(200);
+  writer_seen(7);
+  writer_departed(7);
+  reconciler.tick();
+  EXPECT_THAT(connections.writers, ElementsAre(7));
+}
+
+}  // namespace
+}  // namespace sft::core

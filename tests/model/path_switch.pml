@@ -1,0 +1,101 @@
+/* SubscriberCore::next: what a reader makes of one writer's samples while they change from one path to the
+   other, or come by both. Every sample is taken once, or counted as lost once, or neither if it was before
+   the first; never both. See model.md. */
+
+#ifndef SAMPLES
+#define SAMPLES 5
+#endif
+#define BIT(n) (1 << (n))
+#define HAS(set, n) ((set) >> (n) & 1)
+
+chan udp = [2] of { byte };
+chan shm = [2] of { byte };
+
+bool done;
+byte last; /* Heard::last_sequence */
+byte lost; /* Heard::lost */
+byte received;
+
+/* For the properties only: what was taken first, what was taken, and what was counted. */
+byte first;
+short taken, counted;
+
+active proctype writer() {
+  byte sequence = 1;
+  do
+  :: sequence <= SAMPLES ->
+      if
+      :: udp!sequence
+      :: shm!sequence
+      :: udp!sequence; shm!sequence /* routed to UDP, and attached already because of another reader */
+      :: true                       /* no memory, or on a path that was just given up */
+      fi;
+      sequence++
+  :: sequence > SAMPLES -> break
+  od;
+  done = true
+}
+
+/* What is sent by UDP may be lost, come later than what was sent behind it, or twice. */
+active proctype network() {
+  byte sequence;
+  do
+  :: atomic { udp?sequence -> sequence = 0 }
+  :: atomic { len(udp) == 2 -> udp?sequence; udp!sequence; sequence = 0 }
+  :: atomic { len(udp) == 1 -> udp?<sequence>; udp!sequence; sequence = 0 }
+  :: done && empty(udp) -> break
+  od
+}
+
+inline take(sequence) {
+#ifdef DUPLICATES_TAKEN
+  if
+  :: sequence < last -> skip
+#else
+  if
+  :: sequence <= last -> skip
+#endif
+  :: else ->
+      assert(!HAS(taken, sequence));
+      assert(!HAS(counted, sequence)); /* what was counted as lost is not taken after all */
+#ifdef GAPS_COUNTED_FROM_THE_BEGINNING
+      if
+      :: true ->
+#else
+      if
+      :: last == 0 -> first = sequence
+      :: else ->
+#endif
+          lost = lost + sequence - last - 1;
+          do
+          :: last + 1 < sequence -> last++; assert(!HAS(counted, last)); counted = counted | BIT(last)
+          :: else -> break
+          od
+      fi;
+      last = sequence;
+      received++;
+      taken = taken | BIT(sequence)
+  fi
+}
+
+/* fill_inlets and oldest_inlet: one sample of each port is looked at, the lower sequence goes first. */
+active proctype reader() {
+  byte at_udp, at_shm;
+  do
+  :: atomic { at_udp == 0 && nempty(udp) -> udp?at_udp }
+  :: atomic { at_shm == 0 && nempty(shm) -> shm?at_shm }
+  :: atomic {
+      (at_udp != 0 || at_shm != 0) && (at_udp != 0 || empty(udp)) && (at_shm != 0 || empty(shm)) ->
+      if
+      :: at_shm == 0 || (at_udp != 0 && at_udp <= at_shm) -> take(at_udp); at_udp = 0
+      :: else -> take(at_shm); at_shm = 0
+      fi
+    }
+  :: atomic { /* a port may be dropped with what is in its queue: Reconciler::drop_shm_ports */
+      nempty(shm) -> shm?at_shm; at_shm = 0
+    }
+  :: done && empty(udp) && empty(shm) && at_udp == 0 && at_shm == 0 ->
+      assert(last == 0 || received + lost == last - first + 1);
+      break
+  od
+}
