@@ -113,7 +113,7 @@ TEST(Names, ThatAreWordsOfIdlOrOfOursStayAsTheyAre) {
   EXPECT_EQ(view.data()[0], 2);
   EXPECT_EQ(view.size()[0], 3);
   EXPECT_EQ(view.view(), 4);
-  EXPECT_EQ(view.reservable_().size(), 0U);
+  EXPECT_EQ(view.reservable().size(), 0U);
 }
 
 TEST(Names, OfConstantsThatAreMacrosHaveAnUnderscore) {
