@@ -25,9 +25,10 @@ struct ReaderStatus {
 };
 
 struct PublisherStatus {
-  std::uint64_t published = 0;        ///< samples
-  std::uint64_t bytes_sent = 0;       ///< payload and SFT headers over the network
-  std::uint64_t dropped = 0;          ///< samples that could not be handed to some transport
+  std::uint64_t published = 0;   ///< samples
+  std::uint64_t bytes_sent = 0;  ///< payload and SFT headers over the network
+  std::uint64_t dropped = 0;     ///< samples that could not be handed to some transport, and those that it
+                              ///< queued and then could not send, for each host that missed one
   std::vector<ReaderStatus> readers;  ///< all of the topic, served or not
 };
 
@@ -44,7 +45,7 @@ struct WriterStatus {
 
 struct SubscriberStatus {
   std::uint64_t received = 0;  ///< samples taken or given to the callback
-  std::uint64_t lost = 0;
+  std::uint64_t lost = 0;      ///< with what writers left behind and was not taken in time
   FieldMask mask;              ///< what is asked for at present
   std::uint64_t requests = 0;  ///< STRs sent
   std::vector<WriterStatus> writers;
