@@ -154,13 +154,12 @@ SendOutcome send_at_once(int fd, const OutgoingBatch& batch, const sockaddr_in* 
     c->cmsg_len = CMSG_LEN(sizeof batch.segment_bytes);
     std::memcpy(CMSG_DATA(c), &batch.segment_bytes, sizeof batch.segment_bytes);
   }
-  bool refused_before = false;
+  bool again = false;
   for (;;) {
     if (::sendmsg(fd, &message, MSG_DONTWAIT) >= 0) return SendOutcome::sent;
     if (errno == EINTR) continue;
-    // An earlier datagram found nobody; somebody may be there by now.
-    if (errno == ECONNREFUSED && !std::exchange(refused_before, true)) continue;
-    return outcome_of(errno, batch.segment_bytes != 0);
+    // A connected socket says once what became of an earlier datagram, instead of sending the present one.
+    if (errno == EAGAIN || std::exchange(again, true)) return outcome_of(errno, batch.segment_bytes != 0);
   }
 }
 

@@ -32,14 +32,13 @@ struct UdpOptions {
 
   std::size_t max_sample_bytes = std::size_t{16} << 20;      ///< of a body, sent or received
   std::size_t receive_buffer_bytes = std::size_t{32} << 20;  ///< as the kernel counts; it may grant less
-  std::size_t send_buffer_bytes = std::size_t{128} << 10;    ///< to each address; small: devices have short
-                                                             ///< queues; 0: default
+  std::size_t send_buffer_bytes = std::size_t{128} << 10;    ///< to each address; devices have short queues;
+                                                             ///< 0: default
 
   std::size_t max_datagram_bytes = datagram_bytes_max;  ///< sent, with our header; the path may take less
   std::uint64_t pace_bytes_per_s = 600'000'000;         ///< to each destination, after a burst; 0: no limit
-  std::size_t send_queue_depth =
-      4;  ///< samples of one writer and mask that wait for one address; the oldest goes
-  ReassemblyLimits reassembly{};  ///< its sample_bytes is set from max_sample_bytes
+  std::size_t send_queue_depth = 4;  ///< of a writer, under a mask, to an address: the newest wait
+  ReassemblyLimits reassembly{};     ///< its sample_bytes is set from max_sample_bytes
 
   std::string receive_thread_name = "sft-udp-recv";
   std::string send_thread_name = "sft-udp-send";

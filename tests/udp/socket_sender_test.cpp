@@ -3,6 +3,7 @@
 #include <dirent.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <sys/resource.h>
 
 #include <cerrno>
 #include <vector>
@@ -56,6 +57,18 @@ TEST_F(SocketSenderTest, OpensNoMoreSocketsThanItMay) {
   EXPECT_EQ(open_files(), before);
   connections.push_back(sender_->connect(there_));
   EXPECT_EQ(open_files(), before + 1);
+}
+
+TEST_F(SocketSenderTest, SharesASocketWhereTheProcessMayOpenNoMore) {
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{.rlim_cur = 0, .rlim_max = before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const auto connection = sender_->connect(there_);
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  connection->reconnect();
+  EXPECT_EQ(send(*connection), SendOutcome::sent);
+  EXPECT_EQ(received(*receiver_), 1U);
 }
 
 TEST_F(SocketSenderTest, GoesOnAfterItReconnected) {

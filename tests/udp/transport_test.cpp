@@ -342,6 +342,24 @@ TEST_P(TransportTest, KeepsTheNewestUntilTheyAreTaken) {
   EXPECT_FALSE(reader->take());
 }
 
+TEST_P(TransportTest, ReceivesIntoThePoolThatItSharesWithTheNode) {
+  const auto pool = core::BufferPool::make(1'000'000);
+  const auto there = open();
+  const auto here =
+      open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = GetParam()}, pool).value();
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{loopback_address(*here)}});
+  std::vector<core::SampleHandle> published_here;
+  while (core::SampleHandle sample = pool->take(200'000)) published_here.push_back(std::move(sample));
+  publisher.publish(make_image(100'000));
+  EXPECT_TRUE(eventually([&] { return here->counters().over_limit == 1; }));
+  published_here.clear();
+  publisher.publish(make_image(100'000));
+  EXPECT_EQ(subscriber.await_sequences(1), std::vector<std::uint64_t>{2});
+}
+
 TEST_P(TransportTest, DeliversOnlyWhatIsConnectedAndAccepted) {
   const auto there = open(), here = open();
   Subscriber subscriber(*here, {"data"}), other(*here, {"*"});
