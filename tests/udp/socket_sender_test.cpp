@@ -60,14 +60,17 @@ TEST_F(SocketSenderTest, OpensNoMoreSocketsThanItMay) {
 }
 
 TEST_F(SocketSenderTest, SharesASocketWhereTheProcessMayOpenNoMore) {
+  DatagramSender& sender = *sender_;
+  const SocketAddress there = there_;
+  const auto first = sender.connect(there);
   rlimit before{};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
   const rlimit none{.rlim_cur = 0, .rlim_max = before.rlim_max};
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
-  const auto connection = sender_->connect(there_);
+  const auto second = sender.connect(there);
   ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
-  connection->reconnect();
-  EXPECT_EQ(send(*connection), SendOutcome::sent);
+  second->reconnect();
+  EXPECT_EQ(send(*second), SendOutcome::sent);
   EXPECT_EQ(received(*receiver_), 1U);
 }
 
