@@ -72,8 +72,12 @@ class Connection {
  public:
   virtual ~Connection() = default;
 
-  /// Sends all of the batch or nothing. Never waits. Any thread.
-  virtual SendOutcome try_send(const OutgoingBatch& batch) noexcept = 0;
+  struct Sent {
+    std::size_t batches = 0;                  ///< the first ones
+    SendOutcome outcome = SendOutcome::sent;  ///< of the one after these, if there is one
+  };
+  /// Sends each batch as a whole, up to the first that cannot be sent. Never waits. Any thread.
+  virtual Sent try_send(std::span<const OutgoingBatch> batches) noexcept = 0;
 
   /// Looks for the way anew: after a refusal, for routes and the host's own addresses change. Any thread.
   virtual void reconnect() noexcept = 0;

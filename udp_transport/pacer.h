@@ -32,6 +32,8 @@ class Pacer {
     return wanted_bytes_per_s_ == 0 || tokens_ > 0;
   }
   void spend(std::size_t bytes) { tokens_ -= static_cast<double>(bytes); }
+  /// What was spent and then not sent.
+  void give_back(std::size_t bytes) { tokens_ += static_cast<double>(bytes); }
 
   /// When to go on, if nothing is spent until then: once there is enough for more than a moment's work.
   Time next_ready(Time now) const {

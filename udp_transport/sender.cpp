@@ -12,7 +12,6 @@ namespace sft::udp {
 namespace {
 using Clock = std::chrono::steady_clock;
 constexpr unsigned long timer_slack_ns = 1000;  // the default would add 50 us to pauses that may be as short
-constexpr int batches_per_turn = 8;             // of one flow, then it is the next one's
 /// A sample that waits longer for its connection is dropped: its memory is worth more elsewhere, and a
 /// receiver that had a part of it has given up.
 constexpr std::chrono::seconds patience{2};
@@ -91,24 +90,37 @@ Sender::Progress Sender::send_some(Flow& flow) {
   Destination& to = flow.lane->destination();
   const Time now = Clock::now();
   if (to.connection().full()) return wait_for_room(flow, now);
-  to.pacer().set_burst(to.burst_bytes());
-  for (int i = 0; i < batches_per_turn && to.pacer().ready(now); ++i) {
-    Fragmenter rest = *flow.fragments;
-    rest.next(batch_, to.burst_bytes(), to.datagrams_per_call());
-    const SendOutcome outcome = to.connection().try_send({batch_.parts(), batch_.segment_bytes()});
-    if (outcome == SendOutcome::would_wait) return wait_for_room(flow, now);
-    if (outcome != SendOutcome::sent) {
-      to.note(outcome);
-      return Progress::lost;
-    }
-    to.pacer().spend(batch_.bytes());
-    flow.lane->tally().bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
+  const std::size_t cut = cut_batches(*flow.fragments, to, now);
+  const Connection::Sent sent = to.connection().try_send({outgoing_.data(), cut});
+  std::size_t sent_bytes = 0, kept_bytes = 0;
+  for (std::size_t i = 0; i < cut; ++i) (i < sent.batches ? sent_bytes : kept_bytes) += batches_[i].bytes();
+  flow.lane->tally().bytes_sent.fetch_add(sent_bytes, std::memory_order_relaxed);
+  to.pacer().give_back(kept_bytes);
+  if (sent.batches > 0) {
+    flow.fragments = rest_[sent.batches - 1];
     flow.full_since.reset();
-    *flow.fragments = rest;
-    if (rest.done()) return Progress::whole;
   }
+  if (sent.outcome == SendOutcome::would_wait) return wait_for_room(flow, now);
+  if (sent.outcome != SendOutcome::sent) {
+    to.note(sent.outcome);
+    return Progress::lost;
+  }
+  if (flow.fragments->done()) return Progress::whole;
   wake_at_ = std::min(wake_at_, to.pacer().next_ready(now));
   return Progress::some;
+}
+
+/// As many as may go now.
+std::size_t Sender::cut_batches(Fragmenter fragments, Destination& to, Time now) {
+  to.pacer().set_burst(to.burst_bytes());
+  std::size_t n = 0;
+  for (; n < batches_per_call && !fragments.done() && to.pacer().ready(now); ++n) {
+    fragments.next(batches_[n], to.burst_bytes(), to.datagrams_per_call());
+    to.pacer().spend(batches_[n].bytes());
+    outgoing_[n] = {batches_[n].parts(), batches_[n].segment_bytes()};
+    rest_[n] = fragments;
+  }
+  return n;
 }
 
 Sender::Progress Sender::wait_for_room(Flow& flow, Time now) {

@@ -2,6 +2,7 @@
 // for another: where a send buffer is full, what has room goes on.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <memory>
@@ -50,7 +51,10 @@ class Sender {
   bool begin(Flow& flow);
   bool advance(Flow& flow);
   Progress send_some(Flow& flow);
+  std::size_t cut_batches(Fragmenter fragments, Destination& to, Time now);
   Progress wait_for_room(Flow& flow, Time now);
+
+  static constexpr std::size_t batches_per_call = 8;  ///< of one flow, then it is the next one's turn
 
   std::unique_ptr<DatagramSender> io_;
   std::thread thread_;
@@ -63,7 +67,10 @@ class Sender {
   std::vector<std::shared_ptr<Lane>> taken_;
   std::vector<Flow> flows_;
   Time wake_at_{};  ///< when the next flow may go on
-  Batch batch_;
+  // Of the present call.
+  std::array<Batch, batches_per_call> batches_;
+  std::array<OutgoingBatch, batches_per_call> outgoing_;
+  std::array<std::optional<Fragmenter>, batches_per_call> rest_;  ///< what is left behind each batch
 };
 
 }  // namespace sft::udp

@@ -38,8 +38,8 @@ class SocketConnection final : public Connection {
     if (own_.valid()) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
   }
 
-  SendOutcome try_send(const OutgoingBatch& batch) noexcept override {
-    return send_at_once(fd(), batch, connected_.load(std::memory_order_relaxed) ? nullptr : &to_);
+  Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+    return send_at_once(fd(), batches, connected_.load(std::memory_order_relaxed) ? nullptr : &to_);
   }
 
   /// Undone first: the kernel would keep the source address and the route that it chose before.

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <climits>
 #include <cstring>
@@ -95,6 +96,33 @@ std::size_t segment_bytes(std::span<std::byte> control) noexcept {
   return 0;
 }
 
+constexpr std::size_t messages_per_call = 8;
+
+/// What sendmsg() takes for one batch. Points into itself.
+class OutgoingMessage {
+ public:
+  const msghdr& set(const OutgoingBatch& batch, const sockaddr_in* to) noexcept {
+    header_ = {};
+    header_.msg_name = const_cast<sockaddr_in*>(to);  // the kernel only reads what it is given
+    header_.msg_namelen = to == nullptr ? 0 : sizeof *to;
+    header_.msg_iov = const_cast<iovec*>(batch.parts.data());
+    header_.msg_iovlen = batch.parts.size();
+    if (batch.segment_bytes == 0) return header_;
+    header_.msg_control = control_;
+    header_.msg_controllen = sizeof control_;
+    cmsghdr* c = CMSG_FIRSTHDR(&header_);
+    c->cmsg_level = SOL_UDP;
+    c->cmsg_type = UDP_SEGMENT;
+    c->cmsg_len = CMSG_LEN(sizeof batch.segment_bytes);
+    std::memcpy(CMSG_DATA(c), &batch.segment_bytes, sizeof batch.segment_bytes);
+    return header_;
+  }
+
+ private:
+  msghdr header_;
+  alignas(cmsghdr) std::byte control_[CMSG_SPACE(sizeof(std::uint16_t))];
+};
+
 ArrivalTime arrival_time() noexcept {
   const auto realtime = std::chrono::system_clock::now().time_since_epoch();
   return {Clock::now(), std::chrono::duration_cast<std::chrono::nanoseconds>(realtime).count()};
@@ -136,31 +164,23 @@ FileDescriptor open_sending_socket(const SocketOptions& options) noexcept {
   return socket;
 }
 
-SendOutcome send_at_once(int fd, const OutgoingBatch& batch, const sockaddr_in* to) noexcept {
-  alignas(cmsghdr) std::byte control[CMSG_SPACE(sizeof batch.segment_bytes)]{};
-  msghdr message{};
-  if (to != nullptr) {
-    message.msg_name = const_cast<sockaddr_in*>(to);  // the kernel only reads what it is given
-    message.msg_namelen = sizeof *to;
-  }
-  message.msg_iov = const_cast<iovec*>(batch.parts.data());
-  message.msg_iovlen = batch.parts.size();
-  if (batch.segment_bytes != 0) {
-    message.msg_control = control;
-    message.msg_controllen = sizeof control;
-    cmsghdr* c = CMSG_FIRSTHDR(&message);
-    c->cmsg_level = SOL_UDP;
-    c->cmsg_type = UDP_SEGMENT;
-    c->cmsg_len = CMSG_LEN(sizeof batch.segment_bytes);
-    std::memcpy(CMSG_DATA(c), &batch.segment_bytes, sizeof batch.segment_bytes);
-  }
+Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
+                              const sockaddr_in* to) noexcept {
+  std::array<OutgoingMessage, messages_per_call> messages;
+  std::array<mmsghdr, messages_per_call> headers;
+  std::size_t sent = 0;
   bool again = false;
-  for (;;) {
-    if (::sendmsg(fd, &message, MSG_DONTWAIT) >= 0) return SendOutcome::sent;
-    if (errno == EINTR) continue;
+  while (sent < batches.size()) {
+    const auto left = batches.subspan(sent, std::min(batches.size() - sent, messages_per_call));
+    for (std::size_t i = 0; i < left.size(); ++i) headers[i].msg_hdr = messages[i].set(left[i], to);
+    const int n = ::sendmmsg(fd, headers.data(), static_cast<unsigned>(left.size()), MSG_DONTWAIT);
+    if (n > 0) sent += static_cast<std::size_t>(n);
+    if (n > 0 || errno == EINTR) continue;
     // A connected socket says once what became of an earlier datagram, instead of sending the present one.
-    if (errno == EAGAIN || std::exchange(again, true)) return outcome_of(errno, batch.segment_bytes != 0);
+    if (errno == EAGAIN || std::exchange(again, true))
+      return {sent, outcome_of(errno, left[0].segment_bytes != 0)};
   }
+  return {sent};
 }
 
 SendOutcome outcome_of(int error, bool segmented) noexcept {

@@ -56,8 +56,8 @@ Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& op
 /// where the process may not open more.
 FileDescriptor open_sending_socket(const SocketOptions& options) noexcept;
 
-/// sendmsg() that never waits. `to` is null where the socket is connected.
-SendOutcome send_at_once(int fd, const OutgoingBatch& batch, const sockaddr_in* to) noexcept;
+/// sendmmsg() that never waits. `to` is null where the socket is connected.
+Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches, const sockaddr_in* to) noexcept;
 
 /// What a failed send means, by its errno; `segmented` if it was of several datagrams.
 SendOutcome outcome_of(int error, bool segmented) noexcept;

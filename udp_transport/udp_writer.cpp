@@ -101,7 +101,8 @@ SendOutcome UdpWriter::try_send(Destination& to, const EncodedBody& body) {
     if (!fragments.done()) return SendOutcome::would_wait;
   }
   if (batch_.datagrams() > to.datagrams_per_call()) return SendOutcome::would_wait;
-  const SendOutcome outcome = to.connection().try_send({batch_.parts(), batch_.segment_bytes()});
+  const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
+  const SendOutcome outcome = to.connection().try_send({&batch, 1}).outcome;
   if (outcome == SendOutcome::sent) {
     tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
   } else if (outcome != SendOutcome::would_wait) {

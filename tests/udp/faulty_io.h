@@ -2,11 +2,13 @@
 // are full or refuse.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <random>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -59,7 +61,9 @@ class FaultyReceiver final : public DatagramReceiver, private DatagramSink {
 class Connected : public Connection {
  public:
   explicit Connected(std::unique_ptr<Connection> inner) : inner_(std::move(inner)) {}
-  SendOutcome try_send(const OutgoingBatch& batch) noexcept override { return inner_->try_send(batch); }
+  Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+    return inner_->try_send(batches);
+  }
   void reconnect() noexcept override { inner_->reconnect(); }
   void wait_for_room() noexcept override { inner_->wait_for_room(); }
   bool full() const noexcept override { return inner_->full(); }
@@ -113,8 +117,8 @@ class Gate {
   class Gated final : public Connected {
    public:
     Gated(std::unique_ptr<Connection> inner, Gate& gate) : Connected(std::move(inner)), gate_(gate) {}
-    SendOutcome try_send(const OutgoingBatch& batch) noexcept override {
-      return gate_.open_ ? Connected::try_send(batch) : SendOutcome::would_wait;
+    Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+      return gate_.open_ ? Connected::try_send(batches) : Sent{0, SendOutcome::would_wait};
     }
     void wait_for_room() noexcept override {
       if (full()) gate_.waiting_ = true;
@@ -131,33 +135,31 @@ class Gate {
   std::atomic<DatagramSender*> sender_{nullptr};
 };
 
-/// Answers every second time as a full send buffer does.
+/// Sends one batch every second time, and is full then.
 class BusyConnection final : public Connected {
  public:
   using Connected::Connected;
-  SendOutcome try_send(const OutgoingBatch& batch) noexcept override {
-    return ++calls_ % 2 != 0 ? SendOutcome::would_wait : Connected::try_send(batch);
+  Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+    if (++calls_ % 2 != 0) return {0, SendOutcome::would_wait};
+    Sent sent = Connected::try_send(batches.first(1));
+    if (sent.batches < batches.size() && sent.outcome == SendOutcome::sent)
+      sent.outcome = SendOutcome::would_wait;
+    return sent;
   }
 
  private:
   std::atomic<unsigned> calls_{0};
 };
 
-/// A way out that takes one datagram at a time.
-class SegmentRefusingConnection final : public Connected {
+/// A way out that refuses trains.
+template <SendOutcome refusal>
+class TrainRefusingConnection final : public Connected {
  public:
   using Connected::Connected;
-  SendOutcome try_send(const OutgoingBatch& batch) noexcept override {
-    return batch.segment_bytes != 0 ? SendOutcome::no_segments : Connected::try_send(batch);
-  }
-};
-
-/// A way out that the network filter closes for trains.
-class TrainLosingConnection final : public Connected {
- public:
-  using Connected::Connected;
-  SendOutcome try_send(const OutgoingBatch& batch) noexcept override {
-    return batch.segment_bytes != 0 ? SendOutcome::failed : Connected::try_send(batch);
+  Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+    const bool trains = std::any_of(batches.begin(), batches.end(),
+                                    [](const OutgoingBatch& batch) { return batch.segment_bytes != 0; });
+    return trains ? Sent{0, refusal} : Connected::try_send(batches);
   }
 };
 

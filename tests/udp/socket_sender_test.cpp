@@ -30,7 +30,8 @@ class SocketSenderTest : public testing::Test {
   static SendOutcome send(Connection& connection) {
     std::byte bytes[100]{};
     const iovec part{bytes, sizeof bytes};
-    return connection.try_send({.parts = {&part, 1}});
+    const OutgoingBatch batch{.parts = {&part, 1}};
+    return connection.try_send({&batch, 1}).outcome;
   }
   static std::size_t received(const UdpSocket& socket) {
     std::byte bytes[200];
@@ -72,6 +73,19 @@ TEST_F(SocketSenderTest, SharesASocketWhereTheProcessMayOpenNoMore) {
   second->reconnect();
   EXPECT_EQ(send(*second), SendOutcome::sent);
   EXPECT_EQ(received(*receiver_), 1U);
+}
+
+TEST_F(SocketSenderTest, SaysWhichOfManyItSent) {
+  const auto connection = sender_->connect(there_);
+  std::vector<std::byte> bytes(65'508);
+  const iovec short_part{bytes.data(), 100}, long_part{bytes.data(), bytes.size()};
+  std::vector<OutgoingBatch> batches(20, OutgoingBatch{.parts = {&short_part, 1}});
+  EXPECT_EQ(connection->try_send(batches).batches, 20U);
+  batches[13].parts = {&long_part, 1};
+  const Connection::Sent sent = connection->try_send(batches);
+  EXPECT_EQ(sent.batches, 13U);
+  EXPECT_EQ(sent.outcome, SendOutcome::too_long);
+  EXPECT_EQ(received(*receiver_), 33U);
 }
 
 TEST_F(SocketSenderTest, GoesOnAfterItReconnected) {

@@ -186,8 +186,8 @@ TEST_P(TransportTest, CarriesTrainsOfShortDatagrams) {
 TEST_P(TransportTest, SendsSingleDatagramsOnceTheWayOutRefusesTrains) {
   const auto here = open();
   for (const std::size_t bytes : {5'000U, 100'000U}) {
-    const auto there =
-        open({.max_datagram_bytes = 1472}, test::with_connections<test::SegmentRefusingConnection>);
+    const auto there = open({.max_datagram_bytes = 1472},
+                            test::with_connections<test::TrainRefusingConnection<SendOutcome::no_segments>>);
     Subscriber subscriber(*here, {"*"});
     Publisher publisher(*there);
     subscriber.listen_to(publisher.id());
@@ -212,7 +212,7 @@ TEST_P(TransportTest, KeepsTheOrderOfLargeAndSmallSamples) {
   EXPECT_EQ(subscriber.await_sequences(30), first_numbers(30));
 }
 
-TEST_P(TransportTest, QueuesSmallSamplesWhileTheSendBufferIsFull) {
+TEST_P(TransportTest, QueuesSamplesWhileTheSendBufferIsFull) {
   const auto here = open();
   const auto there = open({.send_queue_depth = 100}, test::with_connections<test::BusyConnection>);
   Subscriber subscriber(*here, {"*"});
@@ -221,6 +221,10 @@ TEST_P(TransportTest, QueuesSmallSamplesWhileTheSendBufferIsFull) {
   publisher.serve({{loopback_address(*here)}});
   for (int i = 0; i < 50; ++i) ASSERT_EQ(publisher.publish(make_image(50)), core::SendStatus::sent);
   EXPECT_EQ(subscriber.await_sequences(50), first_numbers(50));
+  publisher.publish(make_image(1'000'000));  // of which each call sends a part
+  ASSERT_EQ(subscriber.await(51).size(), 51U);
+  EXPECT_EQ(test::body_of(*subscriber.await(51)[50]),
+            encoded_body(make_image(1'000'000), fields<Image>("*")));
 }
 
 TEST_P(TransportTest, DropsTheOldestOfAFullQueueAndSaysSo) {
@@ -266,7 +270,8 @@ TEST_P(TransportTest, LetsOneDestinationFallBehindAlone) {
 
 TEST_P(TransportTest, CountsWhatItDropsAfterItTookIt) {
   const auto here = open();
-  const auto there = open({.max_datagram_bytes = 1472}, test::with_connections<test::TrainLosingConnection>);
+  const auto there = open({.max_datagram_bytes = 1472},
+                          test::with_connections<test::TrainRefusingConnection<SendOutcome::failed>>);
   Publisher publisher(*there);
   publisher.serve({{loopback_address(*here)}});
   EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
