@@ -27,8 +27,9 @@ struct ReaderStatus {
 struct PublisherStatus {
   std::uint64_t published = 0;   ///< samples
   std::uint64_t bytes_sent = 0;  ///< payload and SFT headers over the network
-  std::uint64_t dropped = 0;     ///< samples that could not be handed to some transport, and those that it
-                              ///< queued and then could not send, for each host that missed one
+  /// Samples that could not be handed to some transport; and those that UDP queued and then could not send,
+  /// once for each address that missed one.
+  std::uint64_t dropped = 0;
   std::vector<ReaderStatus> readers;  ///< all of the topic, served or not
 };
 
