@@ -8,6 +8,22 @@ namespace sft::core {
 
 namespace {
 
+constexpr std::size_t min_shift = 9;  // 512 bytes; 18 classes go up to 64 MiB
+constexpr std::size_t extra_bytes_max = 8 * 1024;
+
+constexpr std::size_t capacity_of(std::size_t size_class) {
+  const std::size_t round = std::size_t{1} << (min_shift + size_class);
+  return round + std::min(round / 8, extra_bytes_max);
+}
+
+/// The smallest that holds so much.
+constexpr std::size_t class_for(std::size_t bytes) {
+  const auto shift = static_cast<std::size_t>(std::bit_width(bytes));  // 2^shift is more
+  if (shift <= min_shift) return 0;
+  const std::size_t below = shift - 1 - min_shift;
+  return bytes <= capacity_of(below) ? below : below + 1;
+}
+
 void destroy(SampleBuffer* buffer) noexcept {
   ::operator delete (buffer->data, std::align_val_t{64});
   delete buffer;
@@ -23,21 +39,27 @@ BufferPool::~BufferPool() {
   for (auto& list : free_) std::for_each(list.begin(), list.end(), destroy);
 }
 
-SampleHandle BufferPool::take(std::size_t bytes) noexcept {
-  const std::size_t shift =
-      std::max<std::size_t>(std::bit_width(std::max<std::size_t>(bytes, 1) - 1), min_shift);
-  if (shift >= min_shift + classes) return {};
+SampleHandle BufferPool::take(std::size_t bytes, std::size_t leave_bytes) noexcept {
+  const std::size_t size_class = class_for(bytes);
+  if (size_class >= classes) return {};
+  const std::size_t capacity = capacity_of(size_class);
   SampleBuffer* buffer = nullptr;
   {
     const std::scoped_lock lock(mutex_);
-    auto& list = free_[shift - min_shift];
+    if (lent_bytes_ + capacity + leave_bytes > limit_bytes_) return {};
+    lent_bytes_ += capacity;
+    auto& list = free_[size_class];
     if (!list.empty()) {
       buffer = list.back();
       list.pop_back();
     }
   }
-  if (buffer == nullptr) buffer = make_buffer(std::size_t{1} << shift);
-  if (buffer == nullptr) return {};
+  if (buffer == nullptr) buffer = make_buffer(capacity);
+  if (buffer == nullptr) {
+    const std::scoped_lock lock(mutex_);
+    lent_bytes_ -= capacity;
+    return {};
+  }
   new (buffer->data) SampleHeader{};
   buffer->receive_stamp_ns = 0;
   buffer->owner = shared_from_this();
@@ -85,10 +107,10 @@ void BufferPool::shrink(std::size_t needed) noexcept {
 }
 
 void BufferPool::recycle(SampleBuffer& buffer) noexcept {
-  const auto list = static_cast<std::size_t>(std::countr_zero(buffer.capacity)) - min_shift;
   const std::scoped_lock lock(mutex_);
+  lent_bytes_ -= buffer.capacity;
   try {
-    free_[list].push_back(&buffer);
+    free_[class_for(buffer.capacity)].push_back(&buffer);
   } catch (const std::bad_alloc&) {
     held_bytes_ -= buffer.capacity;
     destroy(&buffer);

@@ -35,7 +35,7 @@ NodeCore::NodeCore(const NodeOptions& options, Parts parts)
       network_(network_id()),
       shm_(std::move(parts.shm)),
       udp_(std::move(parts.udp)),
-      heap_(BufferPool::make(options.udp.memory_limit_bytes)),
+      heap_(std::move(parts.heap)),
       bells_(DoorbellPage::create()),
       free_slots_(DoorbellPage::slots - 1),
       dispatcher_(bells_->at(0), "sft-call " + options.name) {

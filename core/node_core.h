@@ -30,6 +30,7 @@ class NodeCore final : private DiscoveryListener {
   struct Parts {
     std::unique_ptr<Transport> shm;  ///< null where the node must not use it
     std::unique_ptr<Transport> udp;
+    std::shared_ptr<BufferPool> heap;  ///< all memory for samples outside of shared memory
   };
 
   /// `options` with its defaults resolved (domain, configuration).

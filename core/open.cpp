@@ -38,14 +38,14 @@ NodeOptions resolved(const NodeOptions& options, std::uint32_t domain) {
   return result;
 }
 
-Result<std::unique_ptr<core::Transport>> open_udp(const NodeOptions& options) {
+Result<std::unique_ptr<core::Transport>> open_udp(const NodeOptions& options,
+                                                  std::shared_ptr<core::BufferPool> heap) {
   udp::UdpOptions udp;
   udp.port = options.udp.port;
   udp.receive_buffer_bytes = options.udp.receive_buffer_bytes;
-  udp.pool_bytes = options.udp.memory_limit_bytes;
   udp.pace_bytes_per_s = options.udp.pace_bytes_per_s;
   udp.backend = options.udp.use_io_uring ? udp::Backend::automatic : udp::Backend::sockets;
-  return udp::open_udp_transport(udp);
+  return udp::open_udp_transport(udp, std::move(heap));
 }
 
 Result<std::unique_ptr<core::Transport>> open_shm(const NodeOptions& options) {
@@ -62,8 +62,9 @@ Result<Node> Node::open(const NodeOptions& options) {
   const Result<std::uint32_t> domain = domain_of(options);
   if (!domain) return tl::unexpected(domain.error());
   core::NodeCore::Parts parts;
+  parts.heap = core::BufferPool::make(options.udp.memory_limit_bytes);
   if (options.transport != TransportChoice::shm) {
-    auto udp = open_udp(options);
+    auto udp = open_udp(options, parts.heap);
     if (!udp) return tl::unexpected(udp.error());
     parts.udp = std::move(*udp);
   }

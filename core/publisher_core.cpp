@@ -219,7 +219,10 @@ PublisherStatus PublisherCore::status() const {
   PublisherStatus status;
   status.published = sequence_.load(std::memory_order_relaxed);
   status.dropped = dropped_.load(std::memory_order_relaxed);
-  status.bytes_sent = udp_ == nullptr ? 0 : udp_->bytes_sent();
+  if (udp_ != nullptr) {
+    status.bytes_sent = udp_->bytes_sent();
+    status.dropped += udp_->dropped();
+  }
   const std::scoped_lock lock(status_mutex_);
   status.readers = readers_;
   return status;

@@ -199,6 +199,9 @@ SubscriberStatus SubscriberCore::status() {
                           .mask = requested_,
                           .requests = requests_,
                           .writers = writers_};
+  for (const Inlet& inlet : inlets_) {
+    if (inlet.port != nullptr) status.lost += inlet.port->lost_unnoticed();
+  }
   for (const Heard& h : heard_) {
     status.received += h.received;
     status.lost += h.lost;

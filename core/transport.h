@@ -79,9 +79,13 @@ class WriterPort {
  public:
   virtual ~WriterPort() = default;
 
-  /// Memory for a sample of `bytes` in all (header, index, body); empty if there is none now. Owner, data,
-  /// capacity are set and the header is a fresh one.
-  virtual SampleHandle loan(std::size_t bytes) noexcept = 0;
+  /// Memory of the transport for a sample of `bytes` in all (header, index, body); empty if there is none
+  /// now, and always where samples travel from any memory. Owner, data, capacity are set and the header is a
+  /// fresh one.
+  virtual SampleHandle loan(std::size_t bytes) noexcept {
+    static_cast<void>(bytes);
+    return {};
+  }
 
   /// Sends an encoded sample to the routes in force; see can_send() for where it may come from. The caller
   /// may still read the sample afterwards while it keeps a handle, but not write. Never waits for a reader.
@@ -99,6 +103,10 @@ class WriterPort {
   /// Bytes of payload and headers of ours handed to the operating system so far, over all routes (0 in shared
   /// memory).
   virtual std::uint64_t bytes_sent() const noexcept = 0;
+
+  /// Samples that send() queued and that were not sent after all, counted for each destination that missed
+  /// one.
+  virtual std::uint64_t dropped() const noexcept { return 0; }
 };
 
 class ArrivalListener {
@@ -140,6 +148,9 @@ class ReaderPort {
 
   /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
   virtual std::uint64_t discarded() const noexcept = 0;
+
+  /// Of these, samples of disconnected writers that no gap in the sequences of those taken shows.
+  virtual std::uint64_t lost_unnoticed() const noexcept { return 0; }
 };
 
 /// Identity of the memory that co-located processes share: boot_id and the token that the daemon put into

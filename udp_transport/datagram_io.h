@@ -54,7 +54,6 @@ class DatagramReceiver {
 
 /// Datagrams for one address, laid end to end in `parts`; all of `segment_bytes` but the last.
 struct OutgoingBatch {
-  SocketAddress to;
   std::span<const iovec> parts;
   std::uint16_t segment_bytes = 0;  ///< 0 if there is one datagram
 };
@@ -67,22 +66,40 @@ enum class SendOutcome : std::uint8_t {
   failed,
 };
 
+/// A way to one address. As long as there are not very many, each has a send buffer of its own, so that what
+/// cannot leave for one address takes no room from the others.
+class Connection {
+ public:
+  virtual ~Connection() = default;
+
+  struct Sent {
+    std::size_t batches = 0;                  ///< the first ones
+    SendOutcome outcome = SendOutcome::sent;  ///< of the one after these, if there is one
+  };
+  /// Sends each batch as a whole, up to the first that cannot be sent. Never waits. Any thread.
+  virtual Sent try_send(std::span<const OutgoingBatch> batches) noexcept = 0;
+
+  /// Looks for the way anew: after a refusal, for routes and the host's own addresses change. Any thread.
+  virtual void reconnect() noexcept = 0;
+
+  /// After `would_wait`: makes the next await() return once there is room. The thread that calls await().
+  virtual void wait_for_room() noexcept = 0;
+  /// No await() since wait_for_room() has found room. The thread that calls await().
+  virtual bool full() const noexcept = 0;
+};
+
 class DatagramSender {
  public:
   virtual ~DatagramSender() = default;
 
-  /// Never waits. Any thread.
-  virtual SendOutcome try_send(const OutgoingBatch& batch) noexcept = 0;
+  /// Any thread. The connection may outlive the sender, but not be waited for then.
+  virtual std::unique_ptr<Connection> connect(const SocketAddress& to) = 0;
 
-  /// Waits for room in the send buffer; when it returns the bytes are no longer needed. Returns the first
-  /// outcome that is not `sent`, after which some of the later batches may have been sent. One thread at a
-  /// time, always the same.
-  virtual SendOutcome send(std::span<const OutgoingBatch> batches) noexcept = 0;
-
-  /// Makes send() give up, now and from now on. Any thread.
-  virtual void stop() noexcept = 0;
-  /// The last call, by the thread that called send().
-  virtual void finish() noexcept = 0;
+  /// Waits until a connection has the room that it waits for, the deadline has passed or wake() was called.
+  /// Used by one thread; the connections that wait live on meanwhile.
+  virtual void await(std::chrono::steady_clock::time_point deadline) noexcept = 0;
+  /// Makes the present await() return, or the next one. Any thread.
+  virtual void wake() noexcept = 0;
 };
 
 struct DatagramIo {

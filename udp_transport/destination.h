@@ -1,12 +1,15 @@
-// A socket that samples are sent to, shared by all writers that serve readers behind it.
+// A socket of somebody's that samples are sent to, shared by all writers that serve readers behind it, and
+// the way there.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "core/transport.h"
 #include "udp_transport/datagram.h"
@@ -22,16 +25,19 @@ struct DestinationLimits {
 
 class Destination {
  public:
-  Destination(const SocketAddress& address, const DestinationLimits& limits);
+  Destination(const SocketAddress& address, const DestinationLimits& limits,
+              std::unique_ptr<Connection> connection);
 
-  const SocketAddress& address() const { return address_; }
+  Connection& connection() { return *connection_; }
   std::size_t datagram_bytes() const { return datagram_bytes_.load(std::memory_order_relaxed); }
   std::size_t datagrams_per_call() const;
   /// Half of what the receiving socket holds: the kernel counts more than the bytes.
   std::size_t burst_bytes() const { return burst_bytes_.load(std::memory_order_relaxed); }
+  /// What the receiver announced. Less than any system grants unasked is not believed: it would never get a
+  /// sample.
   void set_receive_buffer(std::uint32_t bytes);
 
-  /// Learns from a send that was refused; the next one fits. Any thread.
+  /// Learns from a send that was refused; the next one fits, and takes the way as it is now. Any thread.
   void note(SendOutcome outcome) noexcept;
 
   /// Of the sending thread alone.
@@ -46,17 +52,23 @@ class Destination {
   std::atomic<bool> one_at_a_time_{false};
   std::atomic<std::size_t> burst_bytes_;
   Pacer pacer_;
+  const std::unique_ptr<Connection> connection_;
 };
 
 class DestinationDirectory {
  public:
-  explicit DestinationDirectory(const DestinationLimits& limits) : limits_(limits) {}
+  using Connect = std::function<std::unique_ptr<Connection>(const SocketAddress&)>;
 
-  /// The destination of that address, known or new. Asks the kernel for the path's MTU if it is new.
+  DestinationDirectory(const DestinationLimits& limits, Connect connect)
+      : limits_(limits), connect_(std::move(connect)) {}
+
+  /// The destination of that address, known or new: a new one is connected to, and the kernel asked for the
+  /// path's MTU. It goes, with its connection, when nobody sends there any more.
   std::shared_ptr<Destination> find(const core::UdpAddress& address);
 
  private:
   const DestinationLimits limits_;
+  const Connect connect_;
   std::mutex mutex_;
   std::map<SocketAddress, std::weak_ptr<Destination>> known_;
 };

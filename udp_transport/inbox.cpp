@@ -44,17 +44,25 @@ bool Inbox::enqueue(core::SampleHandle& sample) noexcept {
   return false;
 }
 
+template <class Condition>
+Inbox::Writer* Inbox::first_to_come(Condition condition) noexcept {
+  Writer* first = nullptr;
+  for (Writer& writer : writers_) {
+    if (writer.queue.empty() || !condition(writer)) continue;
+    if (first == nullptr || writer.queue.arrival() < first->queue.arrival()) first = &writer;
+  }
+  return first;
+}
+
 core::SampleHandle Inbox::take() noexcept {
   const std::scoped_lock lock(mutex_);
-  Writer* oldest = nullptr;
-  for (Writer& writer : writers_) {
-    if (writer.queue.empty()) continue;
-    if (oldest == nullptr || writer.queue.arrival() < oldest->queue.arrival()) oldest = &writer;
-  }
-  if (oldest == nullptr) return {};
-  core::SampleHandle sample = oldest->queue.pop();
-  if (!oldest->connected && oldest->queue.empty())
-    std::erase_if(writers_, [&](Writer& w) { return &w == oldest; });
+  Writer* first = first_to_come([](const Writer&) { return true; });
+  if (first == nullptr) return {};
+  core::SampleHandle sample = first->queue.pop();
+  const std::uint64_t dropped = std::exchange(first->dropped, 0);
+  if (!std::exchange(first->taken, true))
+    lost_unnoticed_ += dropped;  // nobody knew where its sequences began
+  forget_the_finished();
   return sample;
 }
 
@@ -63,14 +71,39 @@ void Inbox::connect(core::EndpointId id) {
   if (Writer* known = find(id); known != nullptr) {
     known->connected = true;
   } else {
-    writers_.push_back({id, KeepLastQueue(depth_), true});
+    writers_.push_back({id, KeepLastQueue(depth_)});
   }
 }
 
 void Inbox::disconnect(core::EndpointId id) noexcept {
-  const std::scoped_lock lock(mutex_);
-  if (Writer* writer = find(id); writer != nullptr) writer->connected = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (Writer* writer = find(id); writer != nullptr) writer->connected = false;
+    forget_the_finished();
+  }
+  while (drop_surplus()) {
+  }
+}
+
+void Inbox::forget_the_finished() noexcept {
   std::erase_if(writers_, [](const Writer& w) { return !w.connected && w.queue.empty(); });
+}
+
+/// Takes the oldest sample of disconnected writers out, to be released without the lock; empty if there are
+/// no more of them than may be kept.
+core::SampleHandle Inbox::drop_surplus() noexcept {
+  const auto departed = [](const Writer& w) { return !w.connected; };
+  const std::scoped_lock lock(mutex_);
+  std::size_t kept = 0;
+  for (const Writer& writer : writers_) kept += departed(writer) ? writer.queue.size() : 0;
+  if (kept <= depth_) return {};
+  Writer& first = *first_to_come(departed);
+  core::SampleHandle sample = first.queue.pop();
+  ++discarded_;
+  ++first.dropped;
+  if (first.queue.empty()) lost_unnoticed_ += first.dropped;
+  forget_the_finished();
+  return sample;
 }
 
 bool Inbox::connected(core::EndpointId id) const noexcept {
@@ -83,6 +116,11 @@ bool Inbox::connected(core::EndpointId id) const noexcept {
 std::uint64_t Inbox::discarded() const noexcept {
   const std::scoped_lock lock(mutex_);
   return discarded_;
+}
+
+std::uint64_t Inbox::lost_unnoticed() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  return lost_unnoticed_;
 }
 
 void Inbox::detach() noexcept {

@@ -15,7 +15,8 @@ namespace sft::udp {
 class Inbox {
  public:
   /// The listener may be null.
-  Inbox(std::size_t depth, core::ArrivalListener* listener) : depth_(depth), listener_(listener) {}
+  Inbox(std::size_t depth, core::ArrivalListener* listener)
+      : depth_(depth == 0 ? 1 : depth), listener_(listener) {}
 
   /// Queues a sample of a connected writer and calls the listener, without a lock. The receiving thread.
   void deliver(core::SampleHandle sample) noexcept;
@@ -23,10 +24,12 @@ class Inbox {
   core::SampleHandle take() noexcept;
 
   void connect(core::EndpointId writer);
-  /// What is queued can still be taken.
+  /// What is queued can still be taken: of all disconnected writers together as much as of one that is
+  /// connected, the newest.
   void disconnect(core::EndpointId writer) noexcept;
   bool connected(core::EndpointId writer) const noexcept;
   std::uint64_t discarded() const noexcept;
+  std::uint64_t lost_unnoticed() const noexcept;
 
   /// After this the listener is not called any more, and no call of it is
   /// under way but the one that this is part of.
@@ -36,16 +39,24 @@ class Inbox {
   struct Writer {
     core::EndpointId id;
     KeepLastQueue queue;
-    bool connected;
+    bool connected = true;
+    bool taken = false;         ///< some sample of it was
+    std::uint64_t dropped = 0;  ///< since then, while it was disconnected
   };
   Writer* find(core::EndpointId id) noexcept;
   bool enqueue(core::SampleHandle& sample) noexcept;
+  /// The writer whose oldest sample came first.
+  template <class Condition>
+  Writer* first_to_come(Condition condition) noexcept;
+  core::SampleHandle drop_surplus() noexcept;
+  void forget_the_finished() noexcept;
 
   const std::size_t depth_;
   mutable std::mutex mutex_;
   std::vector<Writer> writers_;
   std::uint64_t arrivals_ = 0;
   std::uint64_t discarded_ = 0;
+  std::uint64_t lost_unnoticed_ = 0;
   core::ArrivalListener* listener_;
   bool detached_ = false;
   std::thread::id calling_;  ///< the thread that calls the listener now; none otherwise

@@ -23,6 +23,7 @@ class KeepLastQueue {
   Put put(core::SampleHandle& sample, std::uint64_t arrival);
 
   bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
   /// Of the oldest; not empty.
   std::uint64_t arrival() const { return entries_[head_].arrival; }
   core::SampleHandle pop();

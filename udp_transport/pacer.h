@@ -14,12 +14,14 @@ class Pacer {
   using Time = std::chrono::steady_clock::time_point;
 
   /// A rate of 0 is no limit, for bursts neither.
-  explicit Pacer(std::uint64_t bytes_per_s) : wanted_bytes_per_s_(static_cast<double>(bytes_per_s)) {}
+  explicit Pacer(std::uint64_t bytes_per_s) : wanted_bytes_per_s_(static_cast<double>(bytes_per_s)) {
+    set_burst(0);
+  }
 
-  /// May be set again at any time. A small burst lowers the rate too: the buffer that it stands for also has
-  /// to hold what comes while the receiver is kept from running.
+  /// At least one byte. May be set again at any time. A small burst lowers the rate too: the buffer that it
+  /// stands for also has to hold what comes while the receiver is kept from running.
   void set_burst(std::size_t bytes) {
-    burst_ = static_cast<double>(bytes);
+    burst_ = static_cast<double>(std::max<std::size_t>(bytes, 1));
     bytes_per_s_ = std::min(wanted_bytes_per_s_, burst_ / receiver_pause_s);
     quantum_ = std::min(burst_ / 8, quantum_max);
   }
@@ -30,6 +32,8 @@ class Pacer {
     return wanted_bytes_per_s_ == 0 || tokens_ > 0;
   }
   void spend(std::size_t bytes) { tokens_ -= static_cast<double>(bytes); }
+  /// What was spent and then not sent.
+  void give_back(std::size_t bytes) { tokens_ += static_cast<double>(bytes); }
 
   /// When to go on, if nothing is spent until then: once there is enough for more than a moment's work.
   Time next_ready(Time now) const {

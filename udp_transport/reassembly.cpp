@@ -240,15 +240,17 @@ Reassembly::Refusal Reassembly::describe(Incoming& in, Datagram& d, core::Sample
   return Refusal::none;
 }
 
-/// Where memory is short, the writer's own older samples make room.
+/// Where memory is short, the writer's own older samples make room. Some is left to what this node publishes:
+/// what others send, or what its subscribers keep, must not silence it.
 core::SampleHandle Reassembly::take_buffer(Incoming& in, const Datagram& d) {
   const std::size_t total = d.first.total;
   const bool unfinished = d.payload.size() != total;
   while (unfinished && in.unfinished_bytes + total > limits_.unfinished_bytes && drop_oldest(in, d.label())) {
   }
   const std::size_t bytes = SampleLayout(in.type->slots()).bytes(total);
-  core::SampleHandle buffer = pool_->take(bytes);
-  while (!buffer && drop_oldest(in, d.label())) buffer = pool_->take(bytes);
+  const std::size_t left_bytes = pool_->limit_bytes() / 4;
+  core::SampleHandle buffer = pool_->take(bytes, left_bytes);
+  while (!buffer && drop_oldest(in, d.label())) buffer = pool_->take(bytes, left_bytes);
   return buffer;
 }
 

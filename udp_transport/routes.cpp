@@ -17,6 +17,10 @@ std::vector<std::uint64_t> words_to_send(const FieldMask& mask) {
   return words;
 }
 
+std::shared_ptr<const WireMask> make_wire_mask(const FieldMask& mask, std::uint16_t number) {
+  return std::make_shared<WireMask>(WireMask{number, mask.hash(), words_to_send(mask)});
+}
+
 struct Gathered {
   FieldMask mask;
   std::vector<std::shared_ptr<Destination>> destinations;
@@ -44,21 +48,38 @@ std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDir
 VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally)
     : queue_depth_(queue_depth), tally_(std::move(tally)) {}
 
-const VariantDirectory::Variant& VariantDirectory::find(const FieldMask& mask) {
+VariantDirectory::Variant& VariantDirectory::find(const FieldMask& mask) {
   auto known =
       std::find_if(variants_.begin(), variants_.end(), [&](const Variant& v) { return v.mask == mask; });
   if (known == variants_.end()) {
-    variants_.push_back({mask, unused_number(), std::make_shared<Outbox>(queue_depth_, tally_), round_});
+    variants_.push_back({mask, make_wire_mask(mask, unused_number()), {}, round_});
     known = variants_.end() - 1;
   }
   known->last_use = round_;
   return *known;
 }
 
+std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared_ptr<Destination>& to) const {
+  for (const std::shared_ptr<Lane>& lane : variant.lanes) {
+    if (&lane->destination() == to.get()) return lane;
+  }
+  return variant.lanes.emplace_back(std::make_shared<Lane>(to, queue_depth_, tally_));
+}
+
+void VariantDirectory::keep_lanes_to(const std::set<const Destination*>& served) {
+  for (Variant& variant : variants_) {
+    std::erase_if(variant.lanes, [&](const std::shared_ptr<Lane>& lane) {
+      if (served.contains(&lane->destination())) return false;
+      lane->close();
+      return true;
+    });
+  }
+}
+
 std::uint16_t VariantDirectory::unused_number() {
   const auto used = [this](std::uint16_t number) {
     return std::any_of(variants_.begin(), variants_.end(),
-                       [&](const Variant& v) { return v.number == number; });
+                       [&](const Variant& v) { return v.wire->variant == number; });
   };
   while (used(next_number_)) ++next_number_;
   return next_number_++;
@@ -80,17 +101,18 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                    VariantDirectory& variants,
                                                    DestinationDirectory& destinations) {
   auto table = std::make_shared<RouteTable>();
+  std::set<const Destination*> served;
   variants.next_round();
   for (Gathered& gathered : gather(routes, destinations)) {
-    const VariantDirectory::Variant& variant = variants.find(gathered.mask);
-    auto audience = std::make_shared<Audience>();
-    audience->variant = variant.number;
-    audience->mask = gathered.mask.hash();
-    audience->mask_words = words_to_send(gathered.mask);
-    audience->destinations = std::move(gathered.destinations);
-    table->groups.push_back(
-        {ProjectionPlan(type, std::move(gathered.mask)), std::move(audience), variant.outbox});
+    VariantDirectory::Variant& variant = variants.find(gathered.mask);
+    Group& group = table->groups.emplace_back(
+        Group{ProjectionPlan(type, std::move(gathered.mask)), variant.wire, {}});
+    for (const std::shared_ptr<Destination>& destination : gathered.destinations) {
+      group.lanes.push_back(variants.lane(variant, destination));
+      served.insert(destination.get());
+    }
   }
+  variants.keep_lanes_to(served);
   return table;
 }
 

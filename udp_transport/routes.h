@@ -3,20 +3,22 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <span>
 #include <vector>
 
 #include "core/transport.h"
 #include "sft/typesupport/project.h"
 #include "udp_transport/destination.h"
-#include "udp_transport/outbox.h"
+#include "udp_transport/lane.h"
 
 namespace sft::udp {
 
+/// Readers with equal masks: they share an encoding, and each destination has a lane of its own.
 struct Group {
   ProjectionPlan plan;
-  std::shared_ptr<const Audience> audience;
-  std::shared_ptr<Outbox> outbox;
+  std::shared_ptr<const WireMask> wire;
+  std::vector<std::shared_ptr<Lane>> lanes;
 };
 
 /// Immutable: a change of routes makes another one.
@@ -24,21 +26,26 @@ struct RouteTable {
   std::vector<Group> groups;
 };
 
-/// A writer's masks of now and of before. Each has its number and its outbox, so that samples under one mask
+/// A writer's masks of now and of before. Each has its number and its lanes, so that samples under one mask
 /// stay in order while routes change. Numbers are reused only after all others were used in between.
 class VariantDirectory {
  public:
   struct Variant {
     FieldMask mask;
-    std::uint16_t number;
-    std::shared_ptr<Outbox> outbox;
+    std::shared_ptr<const WireMask> wire;
+    std::vector<std::shared_ptr<Lane>> lanes;
     std::uint64_t last_use;
   };
 
   VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally);
 
   /// The variant of that mask, known or new. Valid until the next call.
-  const Variant& find(const FieldMask& mask);
+  Variant& find(const FieldMask& mask);
+  /// Its lane to that destination, known or new.
+  std::shared_ptr<Lane> lane(Variant& variant, const std::shared_ptr<Destination>& to) const;
+
+  /// Closes and forgets all lanes but those to one of these.
+  void keep_lanes_to(const std::set<const Destination*>& served);
 
   /// Forgets the longest unused masks beyond a few; called between rounds of find().
   void next_round();
@@ -55,7 +62,7 @@ class VariantDirectory {
 };
 
 /// Of a writer of `type`, which outlives the table. Routes to readers elsewhere than behind a UDP address are
-/// left out.
+/// left out. Lanes to destinations that no route leads to any more are closed.
 std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                    std::span<const core::Route> routes,
                                                    VariantDirectory& variants,

@@ -12,6 +12,9 @@ namespace sft::udp {
 namespace {
 using Clock = std::chrono::steady_clock;
 constexpr unsigned long timer_slack_ns = 1000;  // the default would add 50 us to pauses that may be as short
+/// A sample that waits longer for its connection is dropped: its memory is worth more elsewhere, and a
+/// receiver that had a part of it has given up.
+constexpr std::chrono::seconds patience{2};
 }  // namespace
 
 Sender::Sender(std::unique_ptr<DatagramSender> io) : io_(std::move(io)) {}
@@ -26,115 +29,107 @@ Result<void> Sender::start(const std::string& thread_name) {
 }
 
 void Sender::stop() {
-  {
-    const std::scoped_lock lock(mutex_);
-    stopped_.store(true, std::memory_order_release);
-  }
-  io_->stop();
-  work_.notify_one();
+  stopped_.store(true, std::memory_order_release);
+  io_->wake();
   if (thread_.joinable()) thread_.join();
 }
 
-void Sender::schedule(std::shared_ptr<Outbox> outbox) {
+void Sender::schedule(std::shared_ptr<Lane> lane) {
+  bool first = false;
   {
     const std::scoped_lock lock(mutex_);
-    scheduled_.push_back(std::move(outbox));
+    first = scheduled_.empty();
+    scheduled_.push_back(std::move(lane));
   }
-  work_.notify_one();
+  if (first) io_->wake();
 }
 
 void Sender::run() {
   ::prctl(PR_SET_TIMERSLACK, timer_slack_ns);
-  while (await_work()) {
+  while (!stopped()) {
     wake_at_ = Time::max();
-    for (Transfer& transfer : transfers_) {
-      if (advance(transfer)) begin(transfer);
-    }
-    const auto idle = std::partition(transfers_.begin(), transfers_.end(),
-                                     [](const Transfer& transfer) { return transfer.outbox != nullptr; });
-    spare_.insert(spare_.end(), std::make_move_iterator(idle), std::make_move_iterator(transfers_.end()));
-    transfers_.erase(idle, transfers_.end());
+    take_over_scheduled();
+    std::erase_if(flows_, [this](Flow& flow) { return !advance(flow); });
+    io_->await(wake_at_);
   }
-  transfers_.clear();
-  io_->finish();
+  flows_.clear();
 }
 
-/// Waits until a flow may go on or something new was scheduled, and takes that over. False at the end.
-bool Sender::await_work() {
-  std::unique_lock lock(mutex_);
-  const auto disturbed = [this] { return stopped() || !scheduled_.empty(); };
-  if (transfers_.empty()) {
-    work_.wait(lock, disturbed);
-  } else if (wake_at_ > Clock::now()) {
-    work_.wait_until(lock, wake_at_, disturbed);
+void Sender::take_over_scheduled() {
+  {
+    const std::scoped_lock lock(mutex_);
+    taken_.swap(scheduled_);
   }
-  if (stopped()) return false;
-  taken_.swap(scheduled_);
-  lock.unlock();
-  for (std::shared_ptr<Outbox>& outbox : taken_) {
-    if (spare_.empty()) spare_.emplace_back();
-    transfers_.push_back(std::move(spare_.back()));
-    spare_.pop_back();
-    transfers_.back().outbox = std::move(outbox);
-    begin(transfers_.back());
-  }
+  for (std::shared_ptr<Lane>& lane : taken_) flows_.push_back({.lane = std::move(lane)});
   taken_.clear();
+}
+
+/// Takes the next job of the flow's lane; false if there is none.
+bool Sender::begin(Flow& flow) {
+  flow.fragments.reset();
+  flow.full_since.reset();
+  const Job* job = flow.lane->next();
+  if (job == nullptr) return false;
+  flow.fragments.emplace(job->body(), flow.lane->destination().datagram_bytes());
   return true;
 }
 
-/// Takes the next job of the transfer's outbox, or leaves it without one where the outbox is empty.
-void Sender::begin(Transfer& transfer) {
-  const Job* job = transfer.outbox->next();
-  if (job == nullptr) {
-    transfer.outbox.reset();
-    return;
+/// Sends what the flow may send now. False once its lane is empty.
+bool Sender::advance(Flow& flow) {
+  if (!flow.fragments || flow.lane->closed()) {
+    if (!begin(flow)) return false;
   }
+  const Progress progress = send_some(flow);
+  if (progress == Progress::some) return true;
+  if (progress == Progress::lost) flow.lane->tally().dropped.fetch_add(1, std::memory_order_relaxed);
   wake_at_ = {};
-  const auto& destinations = job->audience->destinations;
-  for (std::size_t i = job->next_destination; i < destinations.size(); ++i) {
-    transfer.flows.push_back(
-        {destinations[i].get(), Fragmenter(job->body(), destinations[i]->datagram_bytes())});
-  }
+  return begin(flow);
 }
 
-/// Sends what each flow may send now. True if the job is done.
-bool Sender::advance(Transfer& transfer) {
-  std::erase_if(transfer.flows, [&](Flow& flow) { return advance(flow, transfer.outbox->tally()); });
-  if (!transfer.flows.empty()) return false;
-  transfer.outbox->done();
-  return true;
-}
-
-/// True if the flow has come to its end, one way or the other.
-bool Sender::advance(Flow& flow, WriterTally& tally) {
-  Destination& to = *flow.destination;
+Sender::Progress Sender::send_some(Flow& flow) {
+  Destination& to = flow.lane->destination();
   const Time now = Clock::now();
-  to.pacer().set_burst(to.burst_bytes());
-  std::size_t bytes = 0;
-  std::size_t n = 0;
-  while (n < batches_per_call && !flow.fragments.done() && to.pacer().ready(now)) {
-    flow.fragments.next(batches_[n], to.burst_bytes(), to.datagrams_per_call());
-    to.pacer().spend(batches_[n].bytes());
-    bytes += batches_[n].bytes();
-    ++n;
+  if (to.connection().full()) return wait_for_room(flow, now);
+  const std::size_t cut = cut_batches(*flow.fragments, to, now);
+  const Connection::Sent sent = to.connection().try_send({outgoing_.data(), cut});
+  std::size_t sent_bytes = 0, kept_bytes = 0;
+  for (std::size_t i = 0; i < cut; ++i) (i < sent.batches ? sent_bytes : kept_bytes) += batches_[i].bytes();
+  flow.lane->tally().bytes_sent.fetch_add(sent_bytes, std::memory_order_relaxed);
+  to.pacer().give_back(kept_bytes);
+  if (sent.batches > 0) {
+    flow.fragments = rest_[sent.batches - 1];
+    flow.full_since.reset();
   }
-  const SendOutcome outcome = n == 0 ? SendOutcome::sent : send(to, n);
-  if (outcome != SendOutcome::sent) {
-    to.note(outcome);
-    tally.dropped.fetch_add(1, std::memory_order_relaxed);
-    return true;
+  if (sent.outcome == SendOutcome::would_wait) return wait_for_room(flow, now);
+  if (sent.outcome != SendOutcome::sent) {
+    to.note(sent.outcome);
+    return Progress::lost;
   }
-  tally.bytes_sent.fetch_add(bytes, std::memory_order_relaxed);
+  if (flow.fragments->done()) return Progress::whole;
   wake_at_ = std::min(wake_at_, to.pacer().next_ready(now));
-  return flow.fragments.done();
+  return Progress::some;
 }
 
-SendOutcome Sender::send(Destination& destination, std::size_t batches) {
-  std::array<OutgoingBatch, batches_per_call> outgoing;
-  for (std::size_t i = 0; i < batches; ++i) {
-    outgoing[i] = {destination.address(), batches_[i].parts(), batches_[i].segment_bytes()};
+/// As many as may go now.
+std::size_t Sender::cut_batches(Fragmenter fragments, Destination& to, Time now) {
+  to.pacer().set_burst(to.burst_bytes());
+  std::size_t n = 0;
+  for (; n < batches_per_call && !fragments.done() && to.pacer().ready(now); ++n) {
+    fragments.next(batches_[n], to.burst_bytes(), to.datagrams_per_call());
+    to.pacer().spend(batches_[n].bytes());
+    outgoing_[n] = {batches_[n].parts(), batches_[n].segment_bytes()};
+    rest_[n] = fragments;
   }
-  return io_->send({outgoing.data(), batches});
+  return n;
+}
+
+Sender::Progress Sender::wait_for_room(Flow& flow, Time now) {
+  if (!flow.full_since) flow.full_since = now;
+  const Time at_most = *flow.full_since + patience;
+  if (now >= at_most) return Progress::lost;
+  flow.lane->destination().connection().wait_for_room();
+  wake_at_ = std::min(wake_at_, at_most);
+  return Progress::some;
 }
 
 }  // namespace sft::udp

@@ -1,19 +1,19 @@
-// The sending thread: takes what publishers queued and sends it, paced by
-// destination, no destination waiting for another.
+// The sending thread: takes what publishers queued and sends it, paced by destination. No destination waits
+// for another: where a send buffer is full, what has room goes on.
 #pragma once
 
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "udp_transport/datagram_io.h"
-#include "udp_transport/outbox.h"
+#include "udp_transport/lane.h"
 
 namespace sft::udp {
 
@@ -29,46 +29,48 @@ class Sender {
   void stop();
   bool stopped() const { return stopped_.load(std::memory_order_acquire); }
 
-  /// An outbox that was idle has something to send. Any thread.
-  void schedule(std::shared_ptr<Outbox> outbox);
+  // Any thread.
 
-  /// For what a publisher's thread sends itself.
-  SendOutcome try_send(const OutgoingBatch& batch) noexcept { return io_->try_send(batch); }
+  std::unique_ptr<Connection> connect(const SocketAddress& to) { return io_->connect(to); }
+  /// A lane that was idle has something to send.
+  void schedule(std::shared_ptr<Lane> lane);
+  /// Lanes were closed: lets go of them at once.
+  void look_again() noexcept { io_->wake(); }
 
  private:
   using Time = std::chrono::steady_clock::time_point;
-  struct Flow {  ///< one job on its way to one destination
-    Destination* destination;
-    Fragmenter fragments;
+  struct Flow {  ///< the present job of one lane
+    std::shared_ptr<Lane> lane;
+    std::optional<Fragmenter> fragments{};
+    std::optional<Time> full_since{};  ///< its connection, without anything sent since
   };
-  struct Transfer {  ///< the present job of one outbox
-    std::shared_ptr<Outbox> outbox;
-    std::vector<Flow> flows;
-  };
+  enum class Progress : std::uint8_t { some, whole, lost };
 
   void run();
-  bool await_work();
-  void begin(Transfer& transfer);
-  bool advance(Transfer& transfer);
-  bool advance(Flow& flow, WriterTally& tally);
-  SendOutcome send(Destination& destination, std::size_t batches);
+  void take_over_scheduled();
+  bool begin(Flow& flow);
+  bool advance(Flow& flow);
+  Progress send_some(Flow& flow);
+  std::size_t cut_batches(Fragmenter fragments, Destination& to, Time now);
+  Progress wait_for_room(Flow& flow, Time now);
 
-  static constexpr std::size_t batches_per_call = 8;
+  static constexpr std::size_t batches_per_call = 8;  ///< of one flow, then it is the next one's turn
 
   std::unique_ptr<DatagramSender> io_;
   std::thread thread_;
   std::atomic<bool> stopped_{false};
 
   std::mutex mutex_;
-  std::condition_variable work_;
-  std::vector<std::shared_ptr<Outbox>> scheduled_;  ///< not yet seen by the thread
+  std::vector<std::shared_ptr<Lane>> scheduled_;  ///< not yet seen by the thread
 
   // Of the sending thread alone.
-  std::vector<std::shared_ptr<Outbox>> taken_;
-  std::vector<Transfer> transfers_;
-  std::vector<Transfer> spare_;  ///< kept for the memory that they hold
-  Time wake_at_{};               ///< when the next flow may go on
+  std::vector<std::shared_ptr<Lane>> taken_;
+  std::vector<Flow> flows_;
+  Time wake_at_{};  ///< when the next flow may go on
+  // Of the present call.
   std::array<Batch, batches_per_call> batches_;
+  std::array<OutgoingBatch, batches_per_call> outgoing_;
+  std::array<std::optional<Fragmenter>, batches_per_call> rest_;  ///< what is left behind each batch
 };
 
 }  // namespace sft::udp

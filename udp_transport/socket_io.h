@@ -11,7 +11,4 @@ namespace sft::udp {
 
 Result<DatagramIo> open_socket_io(std::shared_ptr<const UdpSocket> socket);
 
-/// sendmsg() that never waits: what try_send() is everywhere.
-SendOutcome send_at_once(const UdpSocket& socket, const OutgoingBatch& batch) noexcept;
-
 }  // namespace sft::udp

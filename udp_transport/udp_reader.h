@@ -22,6 +22,7 @@ class UdpReader final : public core::ReaderPort {
   void disconnect(core::EndpointId writer) noexcept override;
   void accept_masks(std::vector<FieldMask> masks) override;
   std::uint64_t discarded() const noexcept override { return inbox_->discarded(); }
+  std::uint64_t lost_unnoticed() const noexcept override { return inbox_->lost_unnoticed(); }
 
  private:
   const std::shared_ptr<Receiver> receiver_;

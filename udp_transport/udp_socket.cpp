@@ -4,12 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <climits>
 #include <cstring>
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "udp_transport/interfaces.h"
 
@@ -70,6 +72,10 @@ void set_buffer(int fd, int force_name, int name, std::size_t bytes) {
   if (bytes != 0 && !set_int(fd, SOL_SOCKET, force_name, half)) set_int(fd, SOL_SOCKET, name, half);
 }
 
+/// Datagrams that are too long for a path are refused instead of fragmented: one lost fragment would cost
+/// all.
+void refuse_fragments(int fd) { set_int(fd, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO); }
+
 std::uint16_t bound_port(int fd) {
   sockaddr_in address{};
   socklen_t size = sizeof address;
@@ -89,6 +95,33 @@ std::size_t segment_bytes(std::span<std::byte> control) noexcept {
   }
   return 0;
 }
+
+constexpr std::size_t messages_per_call = 8;
+
+/// What sendmsg() takes for one batch. Points into itself.
+class OutgoingMessage {
+ public:
+  const msghdr& set(const OutgoingBatch& batch, const sockaddr_in* to) noexcept {
+    header_ = {};
+    header_.msg_name = const_cast<sockaddr_in*>(to);  // the kernel only reads what it is given
+    header_.msg_namelen = to == nullptr ? 0 : sizeof *to;
+    header_.msg_iov = const_cast<iovec*>(batch.parts.data());
+    header_.msg_iovlen = batch.parts.size();
+    if (batch.segment_bytes == 0) return header_;
+    header_.msg_control = control_;
+    header_.msg_controllen = sizeof control_;
+    cmsghdr* c = CMSG_FIRSTHDR(&header_);
+    c->cmsg_level = SOL_UDP;
+    c->cmsg_type = UDP_SEGMENT;
+    c->cmsg_len = CMSG_LEN(sizeof batch.segment_bytes);
+    std::memcpy(CMSG_DATA(c), &batch.segment_bytes, sizeof batch.segment_bytes);
+    return header_;
+  }
+
+ private:
+  msghdr header_;
+  alignas(cmsghdr) std::byte control_[CMSG_SPACE(sizeof(std::uint16_t))];
+};
 
 ArrivalTime arrival_time() noexcept {
   const auto realtime = std::chrono::system_clock::now().time_since_epoch();
@@ -111,33 +144,46 @@ Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& op
   }
   set_buffer(fd, SO_RCVBUFFORCE, SO_RCVBUF, options.receive_buffer_bytes);
   set_buffer(fd, SO_SNDBUFFORCE, SO_SNDBUF, options.send_buffer_bytes);
-  // Datagrams that are too long for a path are refused instead of
-  // fragmented: one lost fragment would cost all.
-  set_int(fd, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO);
+  refuse_fragments(fd);
+  socket->options = options;
   socket->receives_trains = set_int(fd, SOL_UDP, UDP_GRO, 1);
   socket->receive_buffer_bytes = static_cast<std::uint32_t>(get_int(fd, SOL_SOCKET, SO_RCVBUF));
   socket->port = bound_port(fd);
   return socket;
 }
 
-void OutgoingMessage::set(const OutgoingBatch& batch) noexcept {
-  to_ = to_sockaddr(batch.to);
-  header_ = {};
-  header_.msg_name = &to_;
-  header_.msg_namelen = sizeof to_;
-  header_.msg_iov = const_cast<iovec*>(batch.parts.data());  // the kernel only reads it
-  header_.msg_iovlen = batch.parts.size();
-  if (batch.segment_bytes == 0) return;
-  header_.msg_control = control_;
-  header_.msg_controllen = sizeof control_;
-  cmsghdr* c = CMSG_FIRSTHDR(&header_);
-  c->cmsg_level = SOL_UDP;
-  c->cmsg_type = UDP_SEGMENT;
-  c->cmsg_len = CMSG_LEN(sizeof batch.segment_bytes);
-  std::memcpy(CMSG_DATA(c), &batch.segment_bytes, sizeof batch.segment_bytes);
+FileDescriptor open_sending_socket(const SocketOptions& options) noexcept {
+  FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (!socket.valid()) return socket;
+  const int fd = socket.get();
+  const sockaddr_in from = to_sockaddr({options.bind.ipv4, 0});
+  if (options.bind.ipv4 != 0) ::bind(fd, reinterpret_cast<const sockaddr*>(&from), sizeof from);
+  set_buffer(fd, SO_SNDBUFFORCE, SO_SNDBUF, options.send_buffer_bytes);
+  set_int(fd, SOL_SOCKET, SO_RCVBUF, 0);  // nobody reads what strangers send there
+  refuse_fragments(fd);
+  return socket;
 }
 
-SendOutcome outcome_of(int error) noexcept {
+Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
+                              const sockaddr_in* to) noexcept {
+  std::array<OutgoingMessage, messages_per_call> messages;
+  std::array<mmsghdr, messages_per_call> headers;
+  std::size_t sent = 0;
+  bool again = false;
+  while (sent < batches.size()) {
+    const auto left = batches.subspan(sent, std::min(batches.size() - sent, messages_per_call));
+    for (std::size_t i = 0; i < left.size(); ++i) headers[i].msg_hdr = messages[i].set(left[i], to);
+    const int n = ::sendmmsg(fd, headers.data(), static_cast<unsigned>(left.size()), MSG_DONTWAIT);
+    if (n > 0) sent += static_cast<std::size_t>(n);
+    if (n > 0 || errno == EINTR) continue;
+    // A connected socket says once what became of an earlier datagram, instead of sending the present one.
+    if (errno == EAGAIN || std::exchange(again, true))
+      return {sent, outcome_of(errno, left[0].segment_bytes != 0)};
+  }
+  return {sent};
+}
+
+SendOutcome outcome_of(int error, bool segmented) noexcept {
   switch (error) {
     case 0:
       return SendOutcome::sent;
@@ -145,11 +191,20 @@ SendOutcome outcome_of(int error) noexcept {
       return SendOutcome::would_wait;
     case EMSGSIZE:
       return SendOutcome::too_long;
+    case EINVAL:  // kernels before 6.13 say so of segments that are longer than the path takes
+      return segmented ? SendOutcome::too_long : SendOutcome::failed;
     case EIO:
       return SendOutcome::no_segments;  // a device without checksum offload, or a tunnel
     default:
       return SendOutcome::failed;
   }
+}
+
+timespec time_until(Clock::time_point deadline) noexcept {
+  using namespace std::chrono;
+  const auto left = std::max(duration_cast<nanoseconds>(deadline - Clock::now()), nanoseconds{0});
+  return {.tv_sec = static_cast<time_t>(left.count() / 1'000'000'000),
+          .tv_nsec = static_cast<long>(left.count() % 1'000'000'000)};
 }
 
 void hand_over(std::span<const std::byte> train, std::span<std::byte> control, const sockaddr_in& from,

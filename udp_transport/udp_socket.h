@@ -1,14 +1,17 @@
-// The one socket of a transport, and what both ways of using it share:
+// The sockets of a transport: the one that receives, those that send, and what all ways of using them share:
 // addresses, segmentation, trains of datagrams.
 #pragma once
 
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <ctime>
 #include <memory>
 #include <span>
+#include <utility>
 
 #include "sft/typesupport/result.h"
 #include "udp_transport/datagram_io.h"
@@ -40,6 +43,7 @@ struct SocketOptions {
 
 struct UdpSocket {
   FileDescriptor fd;
+  SocketOptions options;
   std::uint16_t port = 0;
   std::uint32_t receive_buffer_bytes = 0;  ///< granted, as the kernel counts
   bool receives_trains = false;            ///< UDP_GRO is on
@@ -48,20 +52,18 @@ struct UdpSocket {
 /// A port that a process just left can stay in use for some 50 ms; this waits for it.
 Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& options);
 
-/// One batch as sendmsg() takes it. Points into itself: stays where it is until the kernel has it.
-class OutgoingMessage {
- public:
-  void set(const OutgoingBatch& batch) noexcept;
-  const msghdr& header() const { return header_; }
+/// One that sends only, from any free port and with a send buffer of its own; not connected yet. Invalid
+/// where the process may not open more.
+FileDescriptor open_sending_socket(const SocketOptions& options) noexcept;
 
- private:
-  msghdr header_{};
-  sockaddr_in to_{};
-  alignas(cmsghdr) std::byte control_[CMSG_SPACE(sizeof(std::uint16_t))]{};
-};
+/// sendmmsg() that never waits. `to` is null where the socket is connected.
+Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches, const sockaddr_in* to) noexcept;
 
-/// What a failed send means, by its errno.
-SendOutcome outcome_of(int error) noexcept;
+/// What a failed send means, by its errno; `segmented` if it was of several datagrams.
+SendOutcome outcome_of(int error, bool segmented) noexcept;
+
+/// What is left until then, as ppoll() takes it.
+timespec time_until(std::chrono::steady_clock::time_point deadline) noexcept;
 
 /// Room for the one control message that receiving with UDP_GRO brings.
 inline constexpr std::size_t train_control_bytes = CMSG_SPACE(sizeof(int));

@@ -103,21 +103,22 @@ std::shared_ptr<SendSide> make_send_side(const UdpOptions& options, std::unique_
   const DestinationLimits limits{.bytes_per_s = options.pace_bytes_per_s,
                                  .datagram_bytes = options.max_datagram_bytes};
   auto side = std::make_shared<SendSide>(std::move(io), limits);
-  side->pool = core::BufferPool::make(options.pool_bytes);
   side->max_sample_bytes = options.max_sample_bytes;
   side->queue_depth = options.send_queue_depth;
   return side;
 }
 
-std::shared_ptr<Receiver> make_receiver(const UdpOptions& options, std::unique_ptr<DatagramReceiver> io) {
+std::shared_ptr<Receiver> make_receiver(const UdpOptions& options, std::shared_ptr<core::BufferPool> pool,
+                                        std::unique_ptr<DatagramReceiver> io) {
   ReassemblyLimits limits = options.reassembly;
   limits.sample_bytes = options.max_sample_bytes;
-  return std::make_shared<Receiver>(std::move(io), limits, core::BufferPool::make(options.pool_bytes));
+  return std::make_shared<Receiver>(std::move(io), limits, std::move(pool));
 }
 
 }  // namespace
 
 Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& options,
+                                                            std::shared_ptr<core::BufferPool> pool,
                                                             const DecorateIo& decorate) {
   const auto forward = [](Error& error) { return tl::unexpected<Error>(std::move(error)); };
   Result<std::shared_ptr<const UdpSocket>> socket =
@@ -129,7 +130,7 @@ Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& op
   if (!io) return forward(io.error());
   if (decorate) *io = decorate(std::move(*io));
 
-  const auto receiver = make_receiver(options, std::move(io->receiver));
+  const auto receiver = make_receiver(options, std::move(pool), std::move(io->receiver));
   const auto send_side = make_send_side(options, std::move(io->sender));
   auto transport =
       std::make_unique<UdpTransport>(options, **socket, std::move(io->description), receiver, send_side);

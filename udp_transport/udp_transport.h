@@ -1,4 +1,5 @@
-// Samples over UDP, behind the seam of core/transport.h. One socket, one receiving and one sending thread.
+// Samples over UDP, behind the seam of core/transport.h. One socket that receives and one for each address
+// that is sent to; one receiving and one sending thread.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/buffer_pool.h"
 #include "core/transport.h"
 #include "udp_transport/datagram.h"
 #include "udp_transport/datagram_io.h"
@@ -28,14 +30,14 @@ struct UdpOptions {
   std::vector<std::uint32_t> advertised_addresses{};  ///< empty: the one bound to, or all of the host's
   Backend backend = Backend::automatic;
 
-  std::size_t max_sample_bytes = std::size_t{16} << 20;  ///< of a body, sent or received
-  std::size_t pool_bytes = std::size_t{256} << 20;  ///< for samples being sent, and again for those received
+  std::size_t max_sample_bytes = std::size_t{16} << 20;      ///< of a body, sent or received
   std::size_t receive_buffer_bytes = std::size_t{32} << 20;  ///< as the kernel counts; it may grant less
-  std::size_t send_buffer_bytes = std::size_t{128} << 10;    ///< small: devices have short queues; 0: default
+  std::size_t send_buffer_bytes = std::size_t{128} << 10;    ///< to each address; devices have short queues;
+                                                             ///< 0: default
 
   std::size_t max_datagram_bytes = datagram_bytes_max;  ///< sent, with our header; the path may take less
   std::uint64_t pace_bytes_per_s = 600'000'000;         ///< to each destination, after a burst; 0: no limit
-  std::size_t send_queue_depth = 4;  ///< samples of one writer and mask that wait; the oldest goes first
+  std::size_t send_queue_depth = 4;  ///< of a writer, under a mask, to an address: the newest wait
   ReassemblyLimits reassembly{};     ///< its sample_bytes is set from max_sample_bytes
 
   std::string receive_thread_name = "sft-udp-recv";
@@ -45,7 +47,9 @@ struct UdpOptions {
 /// Puts something around the transport's I/O: loss, delay, repetition, another order.
 using DecorateIo = std::function<DatagramIo(DatagramIo)>;
 
+/// What is received lies in memory of `pool`, the node's own.
 Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& options,
+                                                            std::shared_ptr<core::BufferPool> pool,
                                                             const DecorateIo& decorate = {});
 
 }  // namespace sft::udp

@@ -17,38 +17,25 @@ UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> sid
       side_(std::move(side)),
       tally_(std::make_shared<WriterTally>()),
       variants_(side_->queue_depth, tally_),
-      latest_routes_(std::make_shared<RouteTable>()),
-      routes_(latest_routes_) {}
-
-core::SampleHandle UdpWriter::loan(std::size_t bytes) noexcept { return side_->pool->take(bytes); }
+      jobs_(JobPool::make()) {
+  routes_.store(std::make_shared<RouteTable>());
+}
 
 std::uint64_t UdpWriter::bytes_sent() const noexcept {
   return tally_->bytes_sent.load(std::memory_order_relaxed);
 }
 
-void UdpWriter::set_routes(std::vector<core::Route> routes) {
-  std::shared_ptr<const RouteTable> table =
-      make_route_table(type_.type(), routes, variants_, side_->destinations);
-  {
-    const std::scoped_lock lock(routes_mutex_);
-    latest_routes_.swap(table);
-    routes_version_.fetch_add(1, std::memory_order_release);
-  }
-}
+std::uint64_t UdpWriter::dropped() const noexcept { return tally_->dropped.load(std::memory_order_relaxed); }
 
-void UdpWriter::follow_routes() noexcept {
-  if (routes_version_.load(std::memory_order_acquire) == followed_version_) return;
-  std::shared_ptr<const RouteTable> before = std::move(routes_);  // goes outside the lock
-  const std::scoped_lock lock(routes_mutex_);
-  routes_ = latest_routes_;
-  followed_version_ = routes_version_.load(std::memory_order_relaxed);
+void UdpWriter::set_routes(std::vector<core::Route> routes) {
+  routes_.store(make_route_table(type_.type(), routes, variants_, side_->destinations));
+  side_->sender.look_again();
 }
 
 core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
   if (side_->sender.stopped()) return core::SendStatus::lost_port;
-  follow_routes();
   core::SendStatus status = core::SendStatus::sent;
-  for (const Group& group : routes_->groups) {
+  for (const Group& group : routes_.load()->groups) {
     if (!send(group, sample)) status = core::SendStatus::dropped;
   }
   return status;
@@ -56,16 +43,25 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
 
 /// False if a destination does not get it, or if an older sample had to go for it.
 bool UdpWriter::send(const Group& group, const core::SampleHandle& sample) noexcept try {
-  Job& job = group.outbox->blank();
-  if (!encode(group, *sample, job)) {
-    tally_->dropped.fetch_add(1, std::memory_order_relaxed);
-    return false;
-  }
+  if (!blank_) blank_ = jobs_->take();
+  Job& job = *blank_;
+  if (!encode(group, *sample, job)) return false;
+  cut_for_ = 0;
   bool lossless = true;
-  if (group.outbox->idle() && send_at_once(*group.audience, job, lossless)) return lossless;
-  return enqueue(group, sample, job) && lossless;
+  for (const std::shared_ptr<Lane>& lane : group.lanes) {
+    const SendOutcome outcome =
+        lane->idle() ? try_send(lane->destination(), job.body()) : SendOutcome::would_wait;
+    if (outcome == SendOutcome::would_wait) {
+      if (!job.sample) job.sample = sample;
+      lossless &= enqueue(lane);
+    } else {
+      lossless &= outcome == SendOutcome::sent;
+    }
+  }
+  if (job.sample) blank_ = {};
+  return lossless;
 } catch (const std::bad_alloc&) {  // buffers grow with the samples that they have seen
-  tally_->dropped.fetch_add(1, std::memory_order_relaxed);
+  blank_ = {};
   return false;
 }
 
@@ -82,54 +78,43 @@ bool UdpWriter::encode(const Group& group, const core::SampleBuffer& sample, Job
     side_->over_limit.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
-  const Audience& audience = *group.audience;
-  job.first.label = {writer_, static_cast<std::uint32_t>(header.sequence), audience.variant};
-  job.first.flags = audience.mask_words.empty() ? std::uint8_t{0} : mask_words_follow;
+  const WireMask& wire = *group.wire;
+  job.mask = group.wire;
+  job.first.label = {writer_, static_cast<std::uint32_t>(header.sequence), wire.variant};
+  job.first.flags = wire.words.empty() ? std::uint8_t{0} : mask_words_follow;
   job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
-  job.first.mask = audience.mask;
+  job.first.mask = wire.mask;
   job.first.stamp_ns = header.source_stamp_ns;
-  job.next_destination = 0;
   return true;
 }
 
-/// False if destinations are left, from job.next_destination on: the
-/// body is not small, or the send buffer is full.
-bool UdpWriter::send_at_once(const Audience& audience, Job& job, bool& lossless) noexcept {
-  if (job.projection.bytes() > direct_bytes_max) return false;
-  const EncodedBody body{job.first, audience.mask_words, job.projection.segments()};
-  std::size_t cut_for = 0;  // bytes of the datagrams in the batch; most destinations take the same
-  for (; job.next_destination < audience.destinations.size(); ++job.next_destination) {
-    Destination& to = *audience.destinations[job.next_destination];
-    if (const std::size_t datagram_bytes = to.datagram_bytes(); datagram_bytes != cut_for) {
-      Fragmenter fragments(body, datagram_bytes);
-      fragments.next(batch_);
-      if (!fragments.done()) return false;
-      cut_for = datagram_bytes;
-    }
-    if (batch_.datagrams() > to.datagrams_per_call()) return false;
-    const SendOutcome outcome =
-        side_->sender.try_send({to.address(), batch_.parts(), batch_.segment_bytes()});
-    if (outcome == SendOutcome::would_wait) return false;
-    if (outcome == SendOutcome::sent) {
-      tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
-    } else {
-      to.note(outcome);
-      tally_->dropped.fetch_add(1, std::memory_order_relaxed);
-      lossless = false;
-    }
+/// `would_wait` where it is for the sending thread: the body is not small, or the send buffer is full.
+SendOutcome UdpWriter::try_send(Destination& to, const EncodedBody& body) {
+  if (body.first.total > direct_bytes_max) return SendOutcome::would_wait;
+  // Most destinations take datagrams of the same length: they are cut once.
+  if (const std::size_t datagram_bytes = to.datagram_bytes(); datagram_bytes != cut_for_) {
+    Fragmenter fragments(body, datagram_bytes);
+    fragments.next(batch_);
+    cut_for_ = fragments.done() ? datagram_bytes : 0;
+    if (!fragments.done()) return SendOutcome::would_wait;
   }
-  return true;
+  if (batch_.datagrams() > to.datagrams_per_call()) return SendOutcome::would_wait;
+  const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
+  const SendOutcome outcome = to.connection().try_send({&batch, 1}).outcome;
+  if (outcome == SendOutcome::sent) {
+    tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
+  } else if (outcome != SendOutcome::would_wait) {
+    to.note(outcome);
+  }
+  return outcome;
 }
 
-bool UdpWriter::enqueue(const Group& group, const core::SampleHandle& sample, Job& job) {
-  job.sample = sample;
-  job.audience = group.audience;
-  const Outbox::Posted posted = group.outbox->post();
-  if (posted.was_idle) side_->sender.schedule(group.outbox);
-  if (!posted.dropped_oldest) return true;
-  tally_->dropped.fetch_add(1, std::memory_order_relaxed);
-  side_->over_limit.fetch_add(1, std::memory_order_relaxed);
-  return false;
+/// False if an older sample had to go for it.
+bool UdpWriter::enqueue(const std::shared_ptr<Lane>& lane) {
+  const Lane::Posted posted = lane->post(blank_);
+  if (posted.was_idle) side_->sender.schedule(lane);
+  if (posted.dropped_oldest) side_->over_limit.fetch_add(1, std::memory_order_relaxed);
+  return !posted.dropped_oldest;
 }
 
 }  // namespace sft::udp

@@ -1,15 +1,14 @@
-// A publisher's way onto the wire: one encoding for each distinct
-// mask, sent from its own thread while it is small.
+// A publisher's way onto the wire: one encoding for each distinct mask, sent from its own thread while it is
+// small.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
 
-#include "core/buffer_pool.h"
+#include "core/snapshot.h"
 #include "core/transport.h"
 #include "udp_transport/routes.h"
 #include "udp_transport/sender.h"
@@ -19,11 +18,11 @@ namespace sft::udp {
 /// What the writers of one transport share. Outlives the transport as long as a writer does.
 struct SendSide {
   SendSide(std::unique_ptr<DatagramSender> io, const DestinationLimits& limits)
-      : sender(std::move(io)), destinations(limits) {}
+      : sender(std::move(io)),
+        destinations(limits, [this](const SocketAddress& to) { return sender.connect(to); }) {}
 
   Sender sender;
   DestinationDirectory destinations;
-  std::shared_ptr<core::BufferPool> pool;
   std::size_t max_sample_bytes = 0;  ///< of a body
   std::size_t queue_depth = 0;
   std::atomic<std::uint64_t> over_limit{0};
@@ -33,35 +32,30 @@ class UdpWriter final : public core::WriterPort {
  public:
   UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> side);
 
-  core::SampleHandle loan(std::size_t bytes) noexcept override;
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
   void set_routes(std::vector<core::Route> routes) override;
   std::uint64_t bytes_sent() const noexcept override;
+  std::uint64_t dropped() const noexcept override;
 
  private:
-  void follow_routes() noexcept;
   bool send(const Group& group, const core::SampleHandle& sample) noexcept;
   bool encode(const Group& group, const core::SampleBuffer& sample, Job& job);
-  bool send_at_once(const Audience& audience, Job& job, bool& lossless) noexcept;
-  bool enqueue(const Group& group, const core::SampleHandle& sample, Job& job);
+  SendOutcome try_send(Destination& to, const EncodedBody& body);
+  bool enqueue(const std::shared_ptr<Lane>& lane);
 
   const std::uint32_t writer_;  ///< low half of the id
   const TypeSupport& type_;
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
 
-  // Of the agent's thread.
-  VariantDirectory variants_;
-
-  // From the agent's thread to the publisher's.
-  std::mutex routes_mutex_;
-  std::shared_ptr<const RouteTable> latest_routes_;
-  std::atomic<std::uint64_t> routes_version_{0};
+  VariantDirectory variants_;  ///< of the agent's thread
+  core::Snapshot<RouteTable> routes_;
 
   // Of the publisher's thread.
-  std::shared_ptr<const RouteTable> routes_;
-  std::uint64_t followed_version_ = 0;
-  Batch batch_;
+  const std::shared_ptr<JobPool> jobs_;
+  JobHandle blank_;          ///< the next job, empty if a lane has the last
+  Batch batch_;              ///< of the present sample
+  std::size_t cut_for_ = 0;  ///< bytes of the datagrams in the batch; 0: none of the present sample
 };
 
 }  // namespace sft::udp

@@ -6,13 +6,11 @@
 #include <sys/mman.h>
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <cerrno>
 #include <string>
 #include <system_error>
 
-#include "udp_transport/socket_io.h"
+#include "udp_transport/socket_sender.h"
 
 namespace sft::udp {
 
@@ -253,72 +251,6 @@ class UringReceiver final : public DatagramReceiver {
   bool broken_ = false;
 };
 
-class UringSender final : public DatagramSender {
- public:
-  explicit UringSender(std::shared_ptr<const UdpSocket> socket) : socket_(std::move(socket)) {}
-
-  /// 0 or a positive errno.
-  int open() noexcept { return ring_.open(messages_max, 2 * messages_max); }
-
-  SendOutcome try_send(const OutgoingBatch& batch) noexcept override { return send_at_once(*socket_, batch); }
-
-  SendOutcome send(std::span<const OutgoingBatch> batches) noexcept override {
-    SendOutcome outcome = SendOutcome::sent;
-    while (!batches.empty() && outcome == SendOutcome::sent) {
-      const std::size_t n = std::min<std::size_t>(batches.size(), messages_max);
-      outcome = submit(batches.first(n));
-      batches = batches.subspan(n);
-    }
-    return outcome;
-  }
-
-  void stop() noexcept override { stopped_.store(true, std::memory_order_relaxed); }
-  void finish() noexcept override { ring_.close(); }
-
- private:
-  static constexpr unsigned messages_max = 16;
-  static constexpr std::uint64_t cancel_tag = 1;
-  static constexpr std::chrono::milliseconds patience{100};  // then stop() is looked at
-
-  SendOutcome submit(std::span<const OutgoingBatch> batches) noexcept {
-    if (!ring_.enable()) return SendOutcome::failed;
-    for (std::size_t i = 0; i < batches.size(); ++i) {
-      messages_[i].set(batches[i]);
-      io_uring_sqe* s = ring_.next_submission();
-      io_uring_prep_sendmsg(s, socket_->fd.get(), &messages_[i].header(), 0);
-      s->user_data = 0;
-    }
-    return wait_for(static_cast<unsigned>(batches.size()));
-  }
-
-  /// The kernel reads messages and payloads until their completions are there, so it waits for all of them;
-  /// but for one at a time: waiting for several, it would sleep through the tries again of those that found
-  /// the send buffer full.
-  SendOutcome wait_for(unsigned pending) noexcept {
-    SendOutcome outcome = SendOutcome::sent;
-    bool cancelled = false;
-    while (pending > 0) {
-      if (!ring_.wait(1, Clock::now() + patience)) return SendOutcome::failed;
-      ring_.for_each_completion([&](const io_uring_cqe& completion) {
-        if (completion.user_data == cancel_tag) return;
-        --pending;
-        if (completion.res < 0 && outcome == SendOutcome::sent) outcome = outcome_of(-completion.res);
-      });
-      if (pending == 0 || cancelled || !stopped_.load(std::memory_order_relaxed)) continue;
-      cancelled = true;
-      io_uring_sqe* s = ring_.next_submission();
-      io_uring_prep_cancel64(s, 0, IORING_ASYNC_CANCEL_ANY | IORING_ASYNC_CANCEL_ALL);
-      s->user_data = cancel_tag;
-    }
-    return outcome;
-  }
-
-  std::shared_ptr<const UdpSocket> socket_;
-  std::array<OutgoingMessage, messages_max> messages_;
-  Ring ring_;
-  std::atomic<bool> stopped_{false};
-};
-
 std::string why_refused(int error) {
   switch (error) {
     case EPERM:
@@ -349,13 +281,12 @@ Result<DatagramIo> open_uring_io(std::shared_ptr<const UdpSocket> socket) {
     return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
   auto receiver = std::make_unique<UringReceiver>(socket, std::move(wake_event));
   if (const int error = receiver->open(); error != 0) return refused(error);
-  auto sender = std::make_unique<UringSender>(socket);
-  if (const int error = sender->open(); error != 0) return refused(error);
-  const std::string trains = socket->receives_trains ? "GRO and GSO" : "GSO";
+  Result<std::unique_ptr<DatagramSender>> sender = open_socket_sender(socket);
+  if (!sender) return tl::unexpected<Error>(std::move(sender.error()));
   DatagramIo io;
+  io.description = socket->receives_trains ? "io_uring with GRO and GSO" : "io_uring with GSO";
   io.receiver = std::move(receiver);
-  io.sender = std::move(sender);
-  io.description = "io_uring with " + trains;
+  io.sender = std::move(*sender);
   return io;
 }
 

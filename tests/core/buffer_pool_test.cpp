@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace sft::core {
 namespace {
 
@@ -31,12 +33,45 @@ TEST(BufferPoolTest, ABufferGoesBackOnlyWithItsLastHandle) {
 }
 
 TEST(BufferPoolTest, BeyondTheLimitThereIsNoBufferUntilOneIsReleased) {
-  const auto pool = BufferPool::make(4096);
+  const auto pool = BufferPool::make(5000);
   SampleHandle first = pool->take(4096);
   EXPECT_TRUE(first);
   EXPECT_FALSE(pool->take(1));
   first.reset();
   EXPECT_TRUE(pool->take(1));  // the large one that was kept is freed for it
+}
+
+TEST(BufferPoolTest, ARoundBodyWithItsHeaderAndIndexTakesLittleMoreThanItself) {
+  for (const std::size_t body : {4096U, 65'536U, 1U << 20, 4U << 20, 16U << 20}) {
+    const auto pool = BufferPool::make(body + body / 8);
+    const SampleHandle buffer = pool->take(body + 64 + 4 * 73 + 8);
+    ASSERT_TRUE(buffer) << body;
+    EXPECT_LE(buffer->capacity, body + std::min<std::size_t>(body / 8, 8192));
+  }
+}
+
+TEST(BufferPoolTest, EverySizeGetsRoomAndIsUsedAgain) {
+  const auto pool = BufferPool::make(std::size_t{1} << 30);
+  for (std::size_t bytes = 1; bytes < 64U << 20; bytes += 1 + bytes / 3) {
+    SampleHandle buffer = pool->take(bytes);
+    ASSERT_TRUE(buffer) << bytes;
+    EXPECT_GE(buffer->capacity, bytes);
+    const std::byte* memory = buffer->data;
+    const std::size_t capacity = buffer->capacity;
+    buffer.reset();
+    EXPECT_EQ(pool->take(capacity)->data, memory) << bytes;
+  }
+}
+
+TEST(BufferPoolTest, SomeCanBeLeftToOthers) {
+  const auto pool = BufferPool::make(10'000);
+  SampleHandle first = pool->take(4096, 5000);
+  EXPECT_TRUE(first);
+  EXPECT_FALSE(pool->take(4096, 5000));
+  EXPECT_TRUE(pool->take(4096));
+  EXPECT_FALSE(pool->take(4096, 5000)) << "what is kept for use again does not count";
+  first.reset();
+  EXPECT_TRUE(pool->take(4096, 5000));
 }
 
 TEST(BufferPoolTest, AnImpossibleSizeIsRefused) {

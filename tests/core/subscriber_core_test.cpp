@@ -26,7 +26,9 @@ class QueuePort final : public ReaderPort {
   void disconnect(EndpointId) noexcept override {}
   void accept_masks(std::vector<FieldMask>) override {}
   std::uint64_t discarded() const noexcept override { return 0; }
+  std::uint64_t lost_unnoticed() const noexcept override { return unnoticed; }
 
+  std::uint64_t unnoticed = 0;
   std::deque<SampleHandle> samples;
 };
 
@@ -88,6 +90,14 @@ TEST_F(SubscriberCoreTest, AGapIsCountedWhereItIsSeen) {
   EXPECT_EQ(subscriber->take().info().lost_before, 0U);
   EXPECT_EQ(subscriber->take().info().lost_before, 2U);
   EXPECT_EQ(subscriber->status().lost, 2U);
+}
+
+TEST_F(SubscriberCoreTest, LossesThatOnlyAPortKnowsAreCountedWithThoseSeen) {
+  arrives(*udp, 5);
+  arrives(*udp, 8);
+  udp->unnoticed = 3;
+  taken();
+  EXPECT_EQ(subscriber->status().lost, 5U);
 }
 
 TEST_F(SubscriberCoreTest, EveryWriterHasItsOwnSequence) {

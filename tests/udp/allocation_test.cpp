@@ -57,7 +57,8 @@ INSTANTIATE_TEST_SUITE_P(Sizes, AllocationTest, testing::Values(64, 10'000, 1'00
 
 TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
   for (const Backend backend : {Backend::automatic, Backend::sockets}) {
-    const auto transport = open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = backend}).value();
+    const auto transport =
+        open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = backend}, test::make_pool()).value();
     Counting listener;
     const auto reader = transport
                             ->open_reader({.id = 1,
@@ -72,11 +73,12 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
     ASSERT_TRUE(reader->connect({7, 0}));
     writer->set_routes({{1, test::loopback_address(*transport), fields<Image>("data")}});
 
+    const std::shared_ptr<core::BufferPool> pool = test::make_pool();
     const Image image = test::make_image(GetParam());
     const FieldMask all = fields<Image>("*");
     const auto exchange = [&](std::uint64_t sequence) {
       const std::size_t before = listener.samples;
-      const core::SampleHandle sample = writer->loan(test::sample_bytes(image, all));
+      const core::SampleHandle sample = pool->take(test::sample_bytes(image, all));
       test::fill(*sample, image, all, 7, sequence);
       writer->send(sample);
       const auto deadline =

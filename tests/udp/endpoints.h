@@ -35,6 +35,10 @@ inline bool eventually(const std::function<bool()>& holds) {
   return true;
 }
 
+inline std::shared_ptr<core::BufferPool> make_pool() {
+  return core::BufferPool::make(std::size_t{256} << 20);
+}
+
 class Subscriber final : private core::ArrivalListener {
  public:
   Subscriber(core::Transport& transport, const std::vector<std::string>& masks, std::uint32_t depth = 1000) {
@@ -98,9 +102,10 @@ class Publisher {
     port_->set_routes(std::move(routes));
   }
 
-  core::SendStatus publish(const Image& image) {
+  core::SendStatus publish(const Image& image) { return publish(image, *pool_); }
+  core::SendStatus publish(const Image& image, core::BufferPool& pool) {
     const FieldMask all = fields<Image>("*");
-    const core::SampleHandle sample = port_->loan(sample_bytes(image, all));
+    const core::SampleHandle sample = pool.take(sample_bytes(image, all));
     if (!sample) return core::SendStatus::dropped;
     fill(*sample, image, all, id_, ++sequence_);
     return port_->send(sample);
@@ -112,6 +117,7 @@ class Publisher {
  private:
   core::EndpointId id_;
   std::unique_ptr<core::WriterPort> port_;
+  std::shared_ptr<core::BufferPool> pool_ = make_pool();
   std::uint64_t sequence_ = 0;
 };
 

@@ -32,7 +32,7 @@ void without_io_uring(int error, const std::function<void()>& action) {
 
 TEST(Fallback, UsesPlainSocketsWhereIoUringIsForbiddenAndSaysWhy) {
   without_io_uring(EPERM, [] {
-    const auto transport = open_udp_transport({}).value();
+    const auto transport = open_udp_transport({}, test::make_pool()).value();
     EXPECT_NE(transport->description().find("plain sockets"), std::string::npos);
     EXPECT_NE(transport->description().find("seccomp"), std::string::npos) << transport->description();
     EXPECT_EQ(transport->poll({}), core::Availability::ready);
@@ -42,14 +42,15 @@ TEST(Fallback, UsesPlainSocketsWhereIoUringIsForbiddenAndSaysWhy) {
 TEST(Fallback, UsesPlainSocketsForEveryOtherRefusal) {
   for (const int error : {ENOSYS, ENOMEM, EINVAL, EMFILE}) {
     without_io_uring(error, [] {
-      EXPECT_NE(open_udp_transport({}).value()->description().find("plain sockets"), std::string::npos);
+      EXPECT_NE(open_udp_transport({}, test::make_pool()).value()->description().find("plain sockets"),
+                std::string::npos);
     });
   }
 }
 
 TEST(Fallback, DoesNotReplaceIoUringWhereItIsDemanded) {
   without_io_uring(EPERM, [] {
-    const auto transport = open_udp_transport({.backend = Backend::io_uring});
+    const auto transport = open_udp_transport({.backend = Backend::io_uring}, test::make_pool());
     ASSERT_FALSE(transport);
     EXPECT_EQ(transport.error().code, Errc::no_permission);
   });

@@ -1,12 +1,14 @@
-// Decorators of the I/O seam: a receiver whose datagrams get lost,
-// repeated and swapped, and a sender that waits.
+// Decorators of the I/O seam: a receiver whose datagrams get lost, repeated and swapped, and connections that
+// are full or refuse.
 #pragma once
 
-#include <condition_variable>
+#include <algorithm>
+#include <atomic>
+#include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <random>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -55,81 +57,119 @@ class FaultyReceiver final : public DatagramReceiver, private DatagramSink {
   DatagramSink* sink_ = nullptr;
 };
 
-/// A gate that the sending thread waits at.
+/// Passes everything on; the base of connections with faults.
+class Connected : public Connection {
+ public:
+  explicit Connected(std::unique_ptr<Connection> inner) : inner_(std::move(inner)) {}
+  Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+    return inner_->try_send(batches);
+  }
+  void reconnect() noexcept override { inner_->reconnect(); }
+  void wait_for_room() noexcept override { inner_->wait_for_room(); }
+  bool full() const noexcept override { return inner_->full(); }
+
+ private:
+  std::unique_ptr<Connection> inner_;
+};
+
+/// Puts something around each connection of a sender.
+using DecorateConnection =
+    std::function<std::unique_ptr<Connection>(const SocketAddress&, std::unique_ptr<Connection>)>;
+
+class DecoratedSender final : public DatagramSender {
+ public:
+  DecoratedSender(std::unique_ptr<DatagramSender> inner, DecorateConnection decorate)
+      : inner_(std::move(inner)), decorate_(std::move(decorate)) {}
+  std::unique_ptr<Connection> connect(const SocketAddress& to) override {
+    return decorate_(to, inner_->connect(to));
+  }
+  void await(std::chrono::steady_clock::time_point deadline) noexcept override { inner_->await(deadline); }
+  void wake() noexcept override { inner_->wake(); }
+
+ private:
+  std::unique_ptr<DatagramSender> inner_;
+  DecorateConnection decorate_;
+};
+
+/// The send buffer of one address: full until it is opened.
 class Gate {
  public:
+  explicit Gate(std::uint16_t port) : port_(port) {}
+
   void open() {
-    {
-      const std::scoped_lock lock(mutex_);
-      open_ = true;
+    open_ = true;
+    if (DatagramSender* sender = sender_; sender != nullptr) sender->wake();
+  }
+  bool somebody_waits() const { return waiting_; }
+
+  DatagramIo put_around(DatagramIo io) {
+    auto sender = std::make_unique<DecoratedSender>(
+        std::move(io.sender), [this](const SocketAddress& to, std::unique_ptr<Connection> inner) {
+          if (to.port == port_) inner = std::make_unique<Gated>(std::move(inner), *this);
+          return inner;
+        });
+    sender_ = sender.get();
+    io.sender = std::move(sender);
+    return io;
+  }
+
+ private:
+  class Gated final : public Connected {
+   public:
+    Gated(std::unique_ptr<Connection> inner, Gate& gate) : Connected(std::move(inner)), gate_(gate) {}
+    Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+      return gate_.open_ ? Connected::try_send(batches) : Sent{0, SendOutcome::would_wait};
     }
-    changed_.notify_all();
-  }
-  void pass() {
-    std::unique_lock lock(mutex_);
-    ++waiting_;
-    changed_.notify_all();
-    changed_.wait(lock, [this] { return open_; });
-  }
-  void await_somebody() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return waiting_ > 0; });
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool open_ = false;
-  int waiting_ = 0;
-};
-
-class GatedSender final : public DatagramSender {
- public:
-  GatedSender(std::unique_ptr<DatagramSender> inner, Gate& gate) : inner_(std::move(inner)), gate_(gate) {}
-  SendOutcome try_send(const OutgoingBatch& batch) noexcept override { return inner_->try_send(batch); }
-  SendOutcome send(std::span<const OutgoingBatch> batches) noexcept override {
-    gate_.pass();
-    return inner_->send(batches);
-  }
-  void stop() noexcept override { inner_->stop(); }
-  void finish() noexcept override { inner_->finish(); }
-
- private:
-  std::unique_ptr<DatagramSender> inner_;
-  Gate& gate_;
-};
-
-/// Answers try_send() as a full send buffer does.
-class BusySender final : public DatagramSender {
- public:
-  explicit BusySender(std::unique_ptr<DatagramSender> inner) : inner_(std::move(inner)) {}
-  SendOutcome try_send(const OutgoingBatch&) noexcept override { return SendOutcome::would_wait; }
-  SendOutcome send(std::span<const OutgoingBatch> batches) noexcept override { return inner_->send(batches); }
-  void stop() noexcept override { inner_->stop(); }
-  void finish() noexcept override { inner_->finish(); }
-
- private:
-  std::unique_ptr<DatagramSender> inner_;
-};
-
-/// A way out that takes one datagram at a time.
-class SegmentRefusingSender final : public DatagramSender {
- public:
-  explicit SegmentRefusingSender(std::unique_ptr<DatagramSender> inner) : inner_(std::move(inner)) {}
-  SendOutcome try_send(const OutgoingBatch& batch) noexcept override {
-    return batch.segment_bytes != 0 ? SendOutcome::no_segments : inner_->try_send(batch);
-  }
-  SendOutcome send(std::span<const OutgoingBatch> batches) noexcept override {
-    for (const OutgoingBatch& batch : batches) {
-      if (batch.segment_bytes != 0) return SendOutcome::no_segments;
+    void wait_for_room() noexcept override {
+      if (full()) gate_.waiting_ = true;
+      if (gate_.open_) Connected::wait_for_room();
     }
-    return inner_->send(batches);
+    bool full() const noexcept override { return !gate_.open_ || Connected::full(); }
+
+   private:
+    Gate& gate_;
+  };
+
+  const std::uint16_t port_;
+  std::atomic<bool> open_{false}, waiting_{false};
+  std::atomic<DatagramSender*> sender_{nullptr};
+};
+
+/// Sends one batch every second time, and is full then.
+class BusyConnection final : public Connected {
+ public:
+  using Connected::Connected;
+  Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+    if (++calls_ % 2 != 0) return {0, SendOutcome::would_wait};
+    Sent sent = Connected::try_send(batches.first(1));
+    if (sent.batches < batches.size() && sent.outcome == SendOutcome::sent)
+      sent.outcome = SendOutcome::would_wait;
+    return sent;
   }
-  void stop() noexcept override { inner_->stop(); }
-  void finish() noexcept override { inner_->finish(); }
 
  private:
-  std::unique_ptr<DatagramSender> inner_;
+  std::atomic<unsigned> calls_{0};
 };
+
+/// A way out that refuses trains.
+template <SendOutcome refusal>
+class TrainRefusingConnection final : public Connected {
+ public:
+  using Connected::Connected;
+  Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+    const bool trains = std::any_of(batches.begin(), batches.end(),
+                                    [](const OutgoingBatch& batch) { return batch.segment_bytes != 0; });
+    return trains ? Sent{0, refusal} : Connected::try_send(batches);
+  }
+};
+
+template <class Faulty>
+DatagramIo with_connections(DatagramIo io) {
+  io.sender = std::make_unique<DecoratedSender>(std::move(io.sender),
+                                                [](const SocketAddress&, std::unique_ptr<Connection> inner) {
+                                                  return std::make_unique<Faulty>(std::move(inner));
+                                                });
+  return io;
+}
 
 }  // namespace sft::udp::test

@@ -113,7 +113,7 @@ std::vector<std::byte> encoded_body(const T& value, const FieldMask& mask) {
   return body;
 }
 
-/// Encodes into a buffer that came from a loan of sample_bytes().
+/// Encodes into a buffer of sample_bytes().
 template <class T>
 std::size_t sample_bytes(const T& value, const FieldMask& mask) {
   const TypeSupport& type = type_support<T>();

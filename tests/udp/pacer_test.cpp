@@ -70,6 +70,18 @@ TEST_F(PacerTest, AllowsAnotherBurstAfterAPause) {
   EXPECT_GE(send_while_ready(pacer, 100'000'000), 4'000'000U);
 }
 
+TEST_F(PacerTest, KnowsWhenToGoOnWhateverTheBurst) {
+  for (const std::size_t burst : {0UL, 1UL, 1000UL, 4'000'000'000UL}) {
+    Pacer pacer(600'000'000);
+    pacer.set_burst(burst);
+    pacer.ready(now_);
+    pacer.spend(2 * burst + batch_bytes);
+    EXPECT_GT(pacer.next_ready(now_), now_) << burst;
+    EXPECT_TRUE(pacer.ready(pacer.next_ready(now_) + 1us)) << burst;
+  }
+  EXPECT_GE(Pacer(600'000'000).next_ready(now_), now_);
+}
+
 TEST_F(PacerTest, LimitsNothingAtRateZero) {
   Pacer pacer(0);
   pacer.set_burst(1000);

@@ -208,12 +208,19 @@ TEST_F(ReassemblyTest, LimitsTheMemoryOfWhatHasBegun) {
 }
 
 TEST_F(ReassemblyTest, MakesRoomInAFullPoolByDroppingTheWritersOldest) {
-  restart({}, 300'000);
+  restart({}, 400'000);
   for (std::uint32_t sequence = 1; sequence <= 2; ++sequence) receive(sent(sequence, make_image(100'000))[0]);
   EXPECT_EQ(counted().incomplete, 0U);
   receive(sent(3, make_image(100'000)));
   EXPECT_EQ(taken(), Sequences{3});
   EXPECT_EQ(counted().incomplete, 1U);
+}
+
+TEST_F(ReassemblyTest, LeavesMemoryToWhatIsPublishedHere) {
+  restart({}, 1'000'000);
+  for (std::uint32_t sequence = 1; sequence <= 100; ++sequence) receive(sent(sequence, make_image(50'000)));
+  EXPECT_LT(taken().size(), 100U);
+  EXPECT_TRUE(pool_->take(100'000));
 }
 
 TEST_F(ReassemblyTest, DropsASampleThatThePoolCannotHold) {

@@ -5,6 +5,7 @@
 #include <set>
 #include <vector>
 
+#include "connections.h"
 #include "messages.h"
 
 namespace sft::udp {
@@ -27,58 +28,81 @@ class RoutesTest : public testing::Test {
   static FieldMask mask(std::uint64_t number) { return FieldMask::from_words(64, {&number, 1}); }
 
   VariantDirectory variants_{8, std::make_shared<WriterTally>()};
-  DestinationDirectory destinations_{DestinationLimits{}};
+  test::Connections connections_;
+  DestinationDirectory destinations_{DestinationLimits{}, connections_.connect()};
 };
 
 TEST_F(RoutesTest, GroupsReadersByMaskAndMaskReadersByAddress) {
   const auto t = table({route(1, fields<Image>("data")), route(2, fields<Image>("name")),
                         route(3, fields<Image>("data")), route(1, fields<Image>("data"))});
   ASSERT_EQ(t->groups.size(), 2U);
-  EXPECT_EQ(t->groups[0].audience->destinations.size(), 2U);
-  EXPECT_EQ(t->groups[1].audience->destinations.size(), 1U);
-  EXPECT_NE(t->groups[0].audience->variant, t->groups[1].audience->variant);
+  EXPECT_EQ(t->groups[0].lanes.size(), 2U);
+  EXPECT_EQ(t->groups[1].lanes.size(), 1U);
+  EXPECT_NE(t->groups[0].wire->variant, t->groups[1].wire->variant);
 }
 
 TEST_F(RoutesTest, LeavesReadersInSharedMemoryOut) {
   EXPECT_TRUE(table({{1, core::DoorbellAddress{.page = 1, .slot = 2}, fields<Image>("*")}})->groups.empty());
 }
 
-TEST_F(RoutesTest, KeepsNumberAndQueueOfAMaskThroughChanges) {
+TEST_F(RoutesTest, KeepsNumberAndLanesOfAMaskThroughChanges) {
   const auto before = table({route(1, fields<Image>("data"))});
   table({route(1, fields<Image>("name"))});
   const auto after = table({route(2, fields<Image>("name")), route(1, fields<Image>("data"))});
-  EXPECT_EQ(before->groups[0].audience->variant, after->groups[1].audience->variant);
-  EXPECT_EQ(before->groups[0].outbox, after->groups[1].outbox);
+  EXPECT_FALSE(before->groups[0].lanes[0]->closed());
+  EXPECT_EQ(before->groups[0].wire->variant, after->groups[1].wire->variant);
+  EXPECT_EQ(before->groups[0].lanes, after->groups[1].lanes);
 }
 
 TEST_F(RoutesTest, SharesADestinationAmongMasks) {
   const auto t = table({route(1, fields<Image>("data")), route(1, fields<Image>("name"))});
-  EXPECT_EQ(t->groups[0].audience->destinations[0], t->groups[1].audience->destinations[0]);
+  EXPECT_EQ(&t->groups[0].lanes[0]->destination(), &t->groups[1].lanes[0]->destination());
+  EXPECT_NE(t->groups[0].lanes[0], t->groups[1].lanes[0]);
+}
+
+TEST_F(RoutesTest, ClosesTheLanesToADestinationThatNoRouteLeadsTo) {
+  const auto data = table({route(1, fields<Image>("data")), route(2, fields<Image>("data"))});
+  table({route(1, fields<Image>("name")), route(2, fields<Image>("data"))});
+  table({route(2, fields<Image>("data"))});
+  EXPECT_TRUE(data->groups[0].lanes[0]->closed()) << "also that of the mask before";
+  EXPECT_FALSE(data->groups[0].lanes[1]->closed());
+  const auto back = table({route(1, fields<Image>("data"))});
+  EXPECT_FALSE(back->groups[0].lanes[0]->closed());
+}
+
+TEST_F(RoutesTest, ConnectsToAnAddressOnceAndOnlyWhileARouteLeadsThere) {
+  auto t = table(
+      {route(1, fields<Image>("data")), route(1, fields<Image>("name")), route(2, fields<Image>("data"))});
+  EXPECT_EQ(connections_.open(), 2U);
+  t = table({route(2, fields<Image>("name"))});
+  EXPECT_EQ(connections_.open(), 1U);
+  t = table({});
+  EXPECT_EQ(connections_.open(), 0U);
 }
 
 TEST_F(RoutesTest, SendsTheWordsOfMasksThatTheHeaderCannotHold) {
   const auto narrow = table({route(1, fields<Image>("data"))});
-  EXPECT_TRUE(narrow->groups[0].audience->mask_words.empty());
+  EXPECT_TRUE(narrow->groups[0].wire->words.empty());
   const auto wide = table<Wide>({route(1, fields<Wide>("first"))});
-  EXPECT_EQ(wide->groups[0].audience->mask_words.size(), 2U);
-  EXPECT_EQ(wide->groups[0].audience->mask, fields<Wide>("first").hash());
+  EXPECT_EQ(wide->groups[0].wire->words.size(), 2U);
+  EXPECT_EQ(wide->groups[0].wire->mask, fields<Wide>("first").hash());
 }
 
 TEST_F(RoutesTest, ReusesANumberOnlyAfterAllOthers) {
   std::vector<std::uint16_t> numbers;
   for (std::uint64_t i = 0; i < 70'000; ++i) {
     variants_.next_round();
-    numbers.push_back(variants_.find(mask(i)).number);
+    numbers.push_back(variants_.find(mask(i)).wire->variant);
   }
   EXPECT_EQ(std::set<std::uint16_t>(numbers.begin(), numbers.begin() + 65'536).size(), 65'536U);
 }
 
 TEST_F(RoutesTest, NeverGivesANumberThatIsInUse) {
-  const std::uint16_t kept = variants_.find(mask(1'000'000)).number;
+  const std::uint16_t kept = variants_.find(mask(1'000'000)).wire->variant;
   for (std::uint64_t i = 0; i < 70'000; ++i) {
     variants_.next_round();
-    EXPECT_EQ(variants_.find(mask(1'000'000)).number, kept);
-    EXPECT_NE(variants_.find(mask(i)).number, kept);
+    EXPECT_EQ(variants_.find(mask(1'000'000)).wire->variant, kept);
+    EXPECT_NE(variants_.find(mask(i)).wire->variant, kept);
   }
 }
 
@@ -88,7 +112,7 @@ TEST_F(RoutesTest, GivesManyMasksAtOnceANumberEach) {
   for (int round = 0; round < 3; ++round) {
     std::set<std::uint16_t> numbers;
     const auto t = table(routes);
-    for (const Group& group : t->groups) numbers.insert(group.audience->variant);
+    for (const Group& group : t->groups) numbers.insert(group.wire->variant);
     EXPECT_EQ(numbers.size(), 500U);
   }
 }

@@ -27,7 +27,9 @@ class TransportDestroying final : public core::ArrivalListener {
 TEST(SelfDestruction, OfATransportIsPossibleWithinItsListener) {
   for (const Backend backend : {Backend::automatic, Backend::sockets}) {
     for (int i = 0; i < 20; ++i) {
-      auto transport = open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = backend}).value();
+      auto transport =
+          open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = backend}, test::make_pool())
+              .value();
       test::Publisher publisher(*transport);
       publisher.serve({{test::loopback_address(*transport)}});
       TransportDestroying listener;

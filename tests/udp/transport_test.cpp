@@ -29,15 +29,15 @@ using test::Subscriber;
 class TransportTest : public testing::TestWithParam<Backend> {
  protected:
   void SetUp() override {
-    const auto one = open_udp_transport({.backend = GetParam()});
-    const auto other = open_udp_transport({.backend = GetParam()});
+    const auto one = open_udp_transport({.backend = GetParam()}, test::make_pool());
+    const auto other = open_udp_transport({.backend = GetParam()}, test::make_pool());
     if (!one || !other) GTEST_SKIP() << "io_uring is refused here: " << (one ? other : one).error().message;
   }
 
   std::unique_ptr<core::Transport> open(UdpOptions options = {}, const DecorateIo& decorate = {}) {
     options.backend = GetParam();
     options.bind_address = INADDR_LOOPBACK;
-    return open_udp_transport(options, decorate).value();
+    return open_udp_transport(options, test::make_pool(), decorate).value();
   }
 
   static std::vector<std::uint64_t> first_numbers(std::size_t n) {
@@ -186,10 +186,8 @@ TEST_P(TransportTest, CarriesTrainsOfShortDatagrams) {
 TEST_P(TransportTest, SendsSingleDatagramsOnceTheWayOutRefusesTrains) {
   const auto here = open();
   for (const std::size_t bytes : {5'000U, 100'000U}) {
-    const auto there = open({.max_datagram_bytes = 1472}, [](DatagramIo io) {
-      io.sender = std::make_unique<test::SegmentRefusingSender>(std::move(io.sender));
-      return io;
-    });
+    const auto there = open({.max_datagram_bytes = 1472},
+                            test::with_connections<test::TrainRefusingConnection<SendOutcome::no_segments>>);
     Subscriber subscriber(*here, {"*"});
     Publisher publisher(*there);
     subscriber.listen_to(publisher.id());
@@ -214,33 +212,32 @@ TEST_P(TransportTest, KeepsTheOrderOfLargeAndSmallSamples) {
   EXPECT_EQ(subscriber.await_sequences(30), first_numbers(30));
 }
 
-TEST_P(TransportTest, QueuesSmallSamplesWhileTheSendBufferIsFull) {
+TEST_P(TransportTest, QueuesSamplesWhileTheSendBufferIsFull) {
   const auto here = open();
-  const auto there = open({.send_queue_depth = 100}, [](DatagramIo io) {
-    io.sender = std::make_unique<test::BusySender>(std::move(io.sender));
-    return io;
-  });
+  const auto there = open({.send_queue_depth = 100}, test::with_connections<test::BusyConnection>);
   Subscriber subscriber(*here, {"*"});
   Publisher publisher(*there);
   subscriber.listen_to(publisher.id());
   publisher.serve({{loopback_address(*here)}});
   for (int i = 0; i < 50; ++i) ASSERT_EQ(publisher.publish(make_image(50)), core::SendStatus::sent);
   EXPECT_EQ(subscriber.await_sequences(50), first_numbers(50));
+  publisher.publish(make_image(1'000'000));  // of which each call sends a part
+  ASSERT_EQ(subscriber.await(51).size(), 51U);
+  EXPECT_EQ(test::body_of(*subscriber.await(51)[50]),
+            encoded_body(make_image(1'000'000), fields<Image>("*")));
 }
 
 TEST_P(TransportTest, DropsTheOldestOfAFullQueueAndSaysSo) {
-  test::Gate gate;
   const auto here = open();
-  const auto there = open({.send_queue_depth = 2}, [&](DatagramIo io) {
-    io.sender = std::make_unique<test::GatedSender>(std::move(io.sender), gate);
-    return io;
-  });
+  test::Gate gate(loopback_address(*here).port);
+  const auto there =
+      open({.send_queue_depth = 2}, [&](DatagramIo io) { return gate.put_around(std::move(io)); });
   Subscriber subscriber(*here, {"*"});
   Publisher publisher(*there);
   subscriber.listen_to(publisher.id());
   publisher.serve({{loopback_address(*here)}});
   EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
-  gate.await_somebody();
+  ASSERT_TRUE(eventually([&] { return gate.somebody_waits(); }));
   EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
   EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
   EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::dropped);
@@ -249,13 +246,67 @@ TEST_P(TransportTest, DropsTheOldestOfAFullQueueAndSaysSo) {
   EXPECT_EQ(subscriber.await_sequences(3), (std::vector<std::uint64_t>{1, 3, 4}));
 }
 
-TEST_P(TransportTest, SendsWhatIsQueuedAfterThePublisherWent) {
-  test::Gate gate;
+TEST_P(TransportTest, LetsOneDestinationFallBehindAlone) {
+  const auto slow = open(), fast = open();
+  test::Gate gate(loopback_address(*slow).port);
+  const auto there = open({}, [&](DatagramIo io) { return gate.put_around(std::move(io)); });
+  Subscriber slow_one(*slow, {"*"}), fast_one(*fast, {"*"});
+  Publisher publisher(*there);
+  slow_one.listen_to(publisher.id());
+  fast_one.listen_to(publisher.id());
+  publisher.serve({{loopback_address(*slow)}, {loopback_address(*fast)}});
+  for (std::size_t n = 1; n <= 20; ++n) {
+    publisher.publish(make_image(n % 2 == 0 ? 50 : 100'000));
+    ASSERT_EQ(fast_one.await(n, std::chrono::seconds(2)).size(), n);
+    if (n == 1) {
+      ASSERT_TRUE(eventually([&] { return gate.somebody_waits(); }));
+    }
+  }
+  EXPECT_EQ(fast_one.await_sequences(20), first_numbers(20));
+  EXPECT_EQ(there->counters().over_limit, 15U) << "all but the one being sent and the 4 queued";
+  gate.open();
+  EXPECT_EQ(slow_one.await_sequences(5), (std::vector<std::uint64_t>{1, 17, 18, 19, 20}));
+}
+
+TEST_P(TransportTest, CountsWhatItDropsAfterItTookIt) {
   const auto here = open();
-  const auto there = open({}, [&](DatagramIo io) {
-    io.sender = std::make_unique<test::GatedSender>(std::move(io.sender), gate);
-    return io;
-  });
+  const auto there = open({.max_datagram_bytes = 1472},
+                          test::with_connections<test::TrainRefusingConnection<SendOutcome::failed>>);
+  Publisher publisher(*there);
+  publisher.serve({{loopback_address(*here)}});
+  EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
+  EXPECT_TRUE(eventually([&] { return publisher.port().dropped() == 1; }));
+}
+
+TEST_P(TransportTest, DropsASampleThatCannotLeaveForLong) {
+  const auto here = open();
+  test::Gate gate(loopback_address(*here).port);
+  const auto there = open({}, [&](DatagramIo io) { return gate.put_around(std::move(io)); });
+  Publisher publisher(*there);
+  publisher.serve({{loopback_address(*here)}});
+  EXPECT_EQ(publisher.publish(make_image(10)), core::SendStatus::sent);
+  EXPECT_TRUE(eventually([&] { return publisher.port().dropped() == 1; }));
+}
+
+TEST_P(TransportTest, LetsGoOfWhatIsQueuedForADestinationThatLeft) {
+  const auto here = open();
+  test::Gate gate(loopback_address(*here).port);
+  const auto there = open({}, [&](DatagramIo io) { return gate.put_around(std::move(io)); });
+  Publisher publisher(*there);
+  publisher.serve({{loopback_address(*here)}});
+  const auto pool = core::BufferPool::make(150'000);
+  ASSERT_EQ(publisher.publish(make_image(100'000), *pool), core::SendStatus::sent);
+  ASSERT_TRUE(eventually([&] { return gate.somebody_waits(); }));
+  EXPECT_FALSE(pool->take(100'000)) << "it is being sent";
+  publisher.serve({});
+  EXPECT_TRUE(eventually([&] { return static_cast<bool>(pool->take(100'000)); }));
+  EXPECT_EQ(publisher.port().dropped(), 0U) << "nobody misses it";
+}
+
+TEST_P(TransportTest, SendsWhatIsQueuedAfterThePublisherWent) {
+  const auto here = open();
+  test::Gate gate(loopback_address(*here).port);
+  const auto there = open({}, [&](DatagramIo io) { return gate.put_around(std::move(io)); });
   Subscriber subscriber(*here, {"*"});
   {
     Publisher publisher(*there);
@@ -294,6 +345,24 @@ TEST_P(TransportTest, KeepsTheNewestUntilTheyAreTaken) {
   for (std::uint64_t sequence = 8; sequence <= 10; ++sequence)
     EXPECT_EQ(reader->take()->header().sequence, sequence);
   EXPECT_FALSE(reader->take());
+}
+
+TEST_P(TransportTest, ReceivesIntoThePoolThatItSharesWithTheNode) {
+  const auto pool = core::BufferPool::make(1'000'000);
+  const auto there = open();
+  const auto here =
+      open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = GetParam()}, pool).value();
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{loopback_address(*here)}});
+  std::vector<core::SampleHandle> published_here;
+  while (core::SampleHandle sample = pool->take(200'000)) published_here.push_back(std::move(sample));
+  publisher.publish(make_image(100'000));
+  EXPECT_TRUE(eventually([&] { return here->counters().over_limit == 1; }));
+  published_here.clear();
+  publisher.publish(make_image(100'000));
+  EXPECT_EQ(subscriber.await_sequences(1), std::vector<std::uint64_t>{2});
 }
 
 TEST_P(TransportTest, DeliversOnlyWhatIsConnectedAndAccepted) {
@@ -335,8 +404,8 @@ TEST_P(TransportTest, CountsWritersThatNobodyReadsAndBytesThatAreNoDatagram) {
 TEST_P(TransportTest, NamesAPortThatIsInUse) {
   const auto first = open();
   const std::uint16_t port = first->addresses()[0].port;
-  const auto second =
-      open_udp_transport({.port = port, .bind_address = INADDR_LOOPBACK, .backend = GetParam()});
+  const auto second = open_udp_transport(
+      {.port = port, .bind_address = INADDR_LOOPBACK, .backend = GetParam()}, test::make_pool());
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, Errc::address_in_use);
   EXPECT_NE(second.error().message.find(std::to_string(port)), std::string::npos) << second.error().message;
@@ -345,7 +414,7 @@ TEST_P(TransportTest, NamesAPortThatIsInUse) {
 TEST_P(TransportTest, GivesItsPortBackWhenItCloses) {
   UdpOptions options{.bind_address = INADDR_LOOPBACK, .backend = GetParam()};
   options.port = open()->addresses()[0].port;
-  for (int i = 0; i < 10; ++i) EXPECT_TRUE(open_udp_transport(options));
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(open_udp_transport(options, test::make_pool()));
 }
 
 TEST_P(TransportTest, RefusesTwoWritersWithOneShortId) {

@@ -22,7 +22,7 @@ using LogSink =
 struct UdpSettings {
   std::uint16_t port = 0;                               ///< 0: any free one
   std::size_t receive_buffer_bytes = 32 * 1024 * 1024;  ///< asked of the kernel, which may grant less
-  std::size_t memory_limit_bytes = 256 * 1024 * 1024;   ///< for samples being put together, queued and held
+  std::size_t memory_limit_bytes = 256 * 1024 * 1024;   ///< of all samples outside of shared memory
   bool use_io_uring = true;                             ///< false: plain sockets
   std::uint64_t pace_bytes_per_s =
       600'000'000;  ///< to each destination, once its buffer may be full; 0: no limit

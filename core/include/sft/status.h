@@ -34,9 +34,11 @@ struct ReaderStatus {
 };
 
 struct PublisherStatus {
-  std::uint64_t published = 0;        ///< samples
-  std::uint64_t bytes_sent = 0;       ///< payload and SFT headers over the network
-  std::uint64_t dropped = 0;          ///< samples that could not be handed to some transport
+  std::uint64_t published = 0;   ///< samples
+  std::uint64_t bytes_sent = 0;  ///< payload and SFT headers over the network
+  /// Samples that could not be handed to some transport; and those that UDP queued and then could not send,
+  /// once for each address that missed one.
+  std::uint64_t dropped = 0;
   std::vector<ReaderStatus> readers;  ///< all of the topic, served or not
 };
 
@@ -54,7 +56,7 @@ struct WriterStatus {
 
 struct SubscriberStatus {
   std::uint64_t received = 0;  ///< samples taken or given to the callback
-  std::uint64_t lost = 0;
+  std::uint64_t lost = 0;      ///< with what writers left behind and was not taken in time
   FieldMask mask;              ///< what is asked for at present
   std::uint64_t requests = 0;  ///< STRs sent
   std::vector<WriterStatus> writers;

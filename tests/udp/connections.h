@@ -1,0 +1,37 @@
+// Connections to nowhere, for what only looks at who is connected to and what became of that.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+
+#include "udp_transport/destination.h"
+
+namespace sft::udp::test {
+
+class Connections {
+ public:
+  DestinationDirectory::Connect connect() {
+    return [this](const SocketAddress&) { return std::make_unique<Nowhere>(*this); };
+  }
+  std::size_t open() const { return open_; }
+  std::size_t reconnected() const { return reconnected_; }
+
+ private:
+  class Nowhere final : public Connection {
+   public:
+    explicit Nowhere(Connections& all) : all_(all) { ++all_.open_; }
+    ~Nowhere() override { --all_.open_; }
+    Sent try_send(std::span<const OutgoingBatch> batches) noexcept override { return {batches.size()}; }
+    void reconnect() noexcept override { ++all_.reconnected_; }
+    void wait_for_room() noexcept override {}
+    bool full() const noexcept override { return false; }
+
+   private:
+    Connections& all_;
+  };
+  std::size_t open_ = 0;
+  std::size_t reconnected_ = 0;
+};
+
+}  // namespace sft::udp::test

@@ -1,0 +1,140 @@
+// Several readers of one publisher, of which one cannot be reached or does not keep up, on a network of the
+// test's own.
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "endpoints.h"
+#include "tests/support/isolated_host.h"
+#include "udp_transport/udp_transport.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using test::make_image;
+using test::Publisher;
+using test::Subscriber;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint32_t dead_address = 0x0A090002;  // 10.9.0.2: on the link, and nobody answers for it
+
+bool run(const char* command) { return std::system(command) == 0; }
+
+class NetworkTest : public testing::TestWithParam<Backend> {
+ protected:
+  void SetUp() override {
+    if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
+    if (const auto one = open_udp_transport({.backend = GetParam()}, test::make_pool()); !one)
+      GTEST_SKIP() << "io_uring is refused here: " << one.error().message;
+    run("ip link add near type veth peer name far 2> /dev/null");
+    if (!run("ip address replace 10.9.0.1/24 dev near && ip link set near up && ip link set far up"))
+      GTEST_SKIP() << "no pair of virtual network devices can be made here";
+  }
+
+  std::unique_ptr<core::Transport> open(UdpOptions options = {}) {
+    options.backend = GetParam();
+    return open_udp_transport(options, test::make_pool()).value();
+  }
+  static core::UdpAddress dead_reader() { return {dead_address, 5000, 32 << 20}; }
+};
+
+INSTANTIATE_TEST_SUITE_P(Backends, NetworkTest, testing::Values(Backend::io_uring, Backend::sockets),
+                         [](const auto& param) {
+                           return param.param == Backend::io_uring ? "IoUring" : "Sockets";
+                         });
+
+/// What waits for the answer of the dead host takes some 3 s until the kernel gives up on it.
+TEST_P(NetworkTest, ServesOthersWhileOneAddressCannotBeReached) {
+  const auto there = open(), here = open();
+  Subscriber subscriber(*here, {"*", "stamp"});
+  Publisher to_both(*there, 1), to_other(*there, 2);
+  subscriber.listen_to(1);
+  subscriber.listen_to(2);
+  to_both.serve({{dead_reader()}, {test::loopback_address(*here)}});
+  to_other.serve({{test::loopback_address(*here), "stamp"}});
+  for (std::size_t n = 0; n < 100; n += 2) {
+    to_both.publish(make_image(200'000));
+    to_other.publish(make_image(5));
+    ASSERT_EQ(subscriber.await(n + 2, 1s).size(), n + 2) << "of a publisher with a dead reader, or another";
+  }
+}
+
+TEST_P(NetworkTest, KeepsThePaceOfAFastReaderBesideASlowOne) {
+  const auto there = open(), fast = open(), slow = open({.receive_buffer_bytes = 200'000});
+  Subscriber subscriber(*fast, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  const auto time_for = [&](std::size_t samples) {
+    const Clock::time_point begin = Clock::now();
+    for (const std::size_t end = subscriber.await(0).size() + samples; samples > 0; --samples) {
+      publisher.publish(make_image(4'000'000));
+      EXPECT_GT(subscriber.await(end + 1 - samples, 2s).size(), end - samples);
+    }
+    return Clock::now() - begin;
+  };
+  publisher.serve({{test::loopback_address(*fast)}});
+  const auto alone = time_for(15);
+  publisher.serve({{test::loopback_address(*slow)}, {test::loopback_address(*fast)}});
+  EXPECT_LT(time_for(15), 3 * alone + 400ms);  // the slow one takes 1.1 s for them
+}
+
+/// 1 Mbit/s, and behind it nobody answers.
+TEST_P(NetworkTest, ServesOthersWhileOneLinkIsSlow) {
+  if (!run("tc qdisc replace dev near root tbf rate 1mbit burst 70kb latency 40s") ||
+      !run("ip neighbour replace 10.9.0.3 lladdr 02:00:00:00:00:03 dev near"))
+    GTEST_SKIP() << "links of a given rate cannot be made here";
+  const auto there = open(), here = open();
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{{0x0A090003, 5000, 32 << 20}}, {test::loopback_address(*here)}});
+  for (std::size_t n = 1; n <= 50; ++n) {
+    publisher.publish(make_image(n % 5 == 0 ? 5 : 200'000));
+    ASSERT_EQ(subscriber.await(n, 1s).size(), n);
+  }
+}
+
+TEST_P(NetworkTest, GoesOnWhenThePathTakesShorterDatagrams) {
+  ASSERT_TRUE(
+      run("ip address replace 10.9.8.1/32 dev lo && ip route replace 10.9.8.1 dev lo table local mtu 60000"));
+  const auto there = open(), here = open();
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{{0x0A090801, test::loopback_address(*here).port, 32 << 20}}});
+  std::size_t published = 0;
+  const auto arrives = [&] {
+    const std::size_t before = subscriber.await(0).size();
+    return test::eventually([&] {
+      publisher.publish(make_image(300'000 + ++published));
+      return subscriber.await(before + 1, 1s).size() > before;
+    });
+  };
+  EXPECT_TRUE(arrives());
+  ASSERT_TRUE(run("ip route replace 10.9.8.1 dev lo table local mtu 1500"));
+  EXPECT_TRUE(arrives());
+  EXPECT_LE(published, 4U);
+}
+
+TEST_P(NetworkTest, GoesOnWhenTheHostGetsAnotherAddress) {
+  const auto with_address = [](const std::string& address) {
+    return run(("ip address flush dev near && ip address add " + address + "/24 dev near").c_str()) &&
+           run("ip neighbour replace 10.9.0.3 lladdr 02:00:00:00:00:03 dev near");
+  };
+  ASSERT_TRUE(with_address("10.9.0.5"));
+  const auto there = open();
+  Publisher publisher(*there);
+  publisher.serve({{{0x0A090003, 5000, 32 << 20}}});
+  EXPECT_EQ(publisher.publish(make_image(5)), core::SendStatus::sent);
+  ASSERT_TRUE(with_address("10.9.0.6"));
+  publisher.publish(make_image(5));  // may find out
+  EXPECT_EQ(publisher.publish(make_image(5)), core::SendStatus::sent);
+}
+
+}  // namespace
+}  // namespace sft::udp

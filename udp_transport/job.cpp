@@ -1,0 +1,32 @@
+#include "udp_transport/job.h"
+
+namespace sft::udp {
+
+JobHandle::~JobHandle() {
+  if (job_ == nullptr || job_->references_.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+  const std::shared_ptr<JobPool> pool = std::move(job_->pool_);  // may be the pool's last reference
+  pool->recycle(std::unique_ptr<Job>(job_));
+}
+
+JobHandle JobPool::take() {
+  std::unique_ptr<Job> job;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!spare_.empty()) {
+      job = std::move(spare_.back());
+      spare_.pop_back();
+    }
+  }
+  if (job == nullptr) job = std::make_unique<Job>();
+  job->pool_ = shared_from_this();
+  return JobHandle(job.release());
+}
+
+void JobPool::recycle(std::unique_ptr<Job> job) noexcept {
+  job->sample.reset();
+  job->mask.reset();
+  const std::scoped_lock lock(mutex_);
+  if (spare_.size() < spare_max) spare_.push_back(std::move(job));
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,85 @@
+// One encoding of one sample, shared by all lanes that still have to send it.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "core/sample_buffer.h"
+#include "sft/typesupport/project.h"
+#include "udp_transport/fragmenter.h"
+
+namespace sft::udp {
+
+class JobPool;
+
+/// How one of a writer's masks is called on the wire.
+struct WireMask {
+  std::uint16_t variant = 0;
+  std::uint64_t mask = 0;            ///< as in the header
+  std::vector<std::uint64_t> words;  ///< empty where the header says it all
+};
+
+/// Written by the publisher's thread as long as no lane has it.
+struct Job {
+  core::SampleHandle sample;  ///< keeps what the projection refers to
+  Projection projection;
+  FirstHeader first;
+  std::shared_ptr<const WireMask> mask;
+
+  EncodedBody body() const { return {first, mask->words, projection.segments()}; }
+
+ private:
+  friend class JobHandle;
+  friend class JobPool;
+  std::shared_ptr<JobPool> pool_;  ///< while it is out
+  std::atomic<std::uint32_t> references_{0};
+};
+
+/// Handles share a job; with the last one it lets go of the sample and returns to its pool.
+class JobHandle {
+ public:
+  JobHandle() = default;
+  JobHandle(const JobHandle& other) : job_(other.job_) {
+    if (job_ != nullptr) job_->references_.fetch_add(1, std::memory_order_relaxed);
+  }
+  JobHandle(JobHandle&& other) noexcept : job_(std::exchange(other.job_, nullptr)) {}
+  JobHandle& operator=(JobHandle other) noexcept {
+    std::swap(job_, other.job_);
+    return *this;
+  }
+  ~JobHandle();
+
+  explicit operator bool() const { return job_ != nullptr; }
+  Job* operator->() const { return job_; }
+  Job& operator*() const { return *job_; }
+
+ private:
+  friend class JobPool;
+  explicit JobHandle(Job* job) : job_(job) { job->references_.store(1, std::memory_order_relaxed); }
+  Job* job_ = nullptr;
+};
+
+/// The jobs of one writer, kept for the memory that their projections have grown to. Any thread.
+class JobPool : public std::enable_shared_from_this<JobPool> {
+ public:
+  static std::shared_ptr<JobPool> make() { return std::shared_ptr<JobPool>(new JobPool); }
+
+  /// Without a sample.
+  JobHandle take();
+
+ private:
+  friend class JobHandle;
+  JobPool() { spare_.reserve(spare_max); }
+  void recycle(std::unique_ptr<Job> job) noexcept;
+
+  static constexpr std::size_t spare_max = 64;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Job>> spare_;
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,63 @@
+// What one writer has to send to one destination under one mask and could not send at once: a queue from the
+// publisher's thread to the sending thread that keeps the newest. A destination that falls behind loses
+// samples of its own lanes only.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "udp_transport/destination.h"
+#include "udp_transport/job.h"
+
+namespace sft::udp {
+
+/// Counts of one writer, over all its lanes.
+struct WriterTally {
+  std::atomic<std::uint64_t> bytes_sent{0};
+  std::atomic<std::uint64_t> dropped{0};  ///< taken from a lane, and then not sent
+};
+
+class Lane {
+ public:
+  Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally);
+
+  // Any thread.
+
+  Destination& destination() const { return *to_; }
+  /// Nobody waits there any more: what is queued is dropped, and nothing queued again.
+  void close();
+  bool closed() const { return closed_.load(std::memory_order_acquire); }
+
+  // The publisher's thread.
+
+  /// Nothing is queued or being sent: what is sent now overtakes nothing.
+  bool idle() const { return !busy_.load(std::memory_order_acquire); }
+
+  struct Posted {
+    bool was_idle = false;        ///< the sending thread has to be told of this lane
+    bool dropped_oldest = false;  ///< the queue was full
+  };
+  Posted post(JobHandle job);
+
+  // The sending thread.
+
+  /// The oldest job, valid until the next call; null if there is none, which makes the lane idle.
+  const Job* next();
+  WriterTally& tally() const { return *tally_; }
+
+ private:
+  const std::shared_ptr<Destination> to_;
+  const std::size_t depth_;
+  const std::shared_ptr<WriterTally> tally_;
+  std::atomic<bool> busy_{false};
+  std::atomic<bool> closed_{false};
+  JobHandle current_;  ///< the sending thread's
+  std::mutex mutex_;
+  std::vector<JobHandle> queue_;  ///< the oldest first
+};
+
+}  // namespace sft::udp
