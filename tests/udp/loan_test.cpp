@@ -104,9 +104,9 @@ class LoansOnTheWire : public ::testing::TestWithParam<Backend> {
   }
 
   const TypeSupport& type = type_support<Recording>();
-  std::unique_ptr<core::Transport> transport =
-      open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = GetParam()}).value();
   std::shared_ptr<core::BufferPool> pool = core::BufferPool::make(1 << 20);
+  std::unique_ptr<core::Transport> transport =
+      open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = GetParam()}, pool).value();
   std::shared_ptr<core::PublisherCore> core =
       std::make_shared<core::PublisherCore>(core::PublisherCore::Spec{7, "topic", &type, 1 << 20, {}}, pool,
                                             transport->open_writer({7, &type, 1 << 20}).value());
