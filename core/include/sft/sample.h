@@ -48,7 +48,10 @@ class Sample {
   void view() const&& = delete;
 
   const SampleInfo& info() const& { return sample_.info(); }
+  void info() const&& = delete;
+  /// Not of an empty sample.
   const FieldMask& mask() const& { return *sample_.state().mask; }
+  void mask() const&& = delete;
   /// Whether a getter met bytes that are not what they claim to be (and returned an empty value).
   bool malformed() const { return sample_.state().is_malformed(); }
 
