@@ -12,6 +12,7 @@
 
 #include "shm_fixture.h"
 #include "shm_transport/host_file.h"
+#include "shm_transport/iceoryx.h"
 
 namespace sft::test {
 namespace {
@@ -176,6 +177,40 @@ TEST_F(Sftd, EndsAfterBeingIdleIfAskedTo) {
     EXPECT_FALSE(eventually([] { return daemon_pid() == 0; }, 2s)) << "it left a client alone";
   }
   EXPECT_EQ(daemon.exit_code(), 0);
+}
+
+/// Tells sftd, as any program of its group can, that a process of that name is there.
+void register_with_sftd(const std::string& name) {
+  const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, shm::roudi_socket_path, sizeof address.sun_path - 1);
+  iox::runtime::IpcMessage request;
+  request << iox::runtime::IpcMessageTypeToString(iox::runtime::IpcMessageType::REG) << name << "1"
+          << std::to_string(geteuid()) << "0"
+          << static_cast<iox::cxx::Serialization>(iox::version::VersionInfo::getCurrentVersion()).toString();
+  const std::string text = request.getMessage();
+  EXPECT_GT(sendto(socket, text.c_str(), text.size() + 1, 0, reinterpret_cast<const sockaddr*>(&address),
+                   sizeof address),
+            0);
+  close(socket);
+}
+
+TEST_F(Sftd, RemovesNoFileThatAProgramNamesAsItsSocket) {
+  std::filesystem::create_directory("/tmp/home");
+  for (const char* file : {"/tmp/home/notes", "/tmp/sft_notes"}) std::ofstream(file) << "mine";
+  Node node;
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  for (const char* name : {"home/notes", "../tmp/home/notes", "sft_/../home/notes", "sft_notes", "sftd.lock"})
+    register_with_sftd(name);
+  Listener last("/tmp/sft_witness_1_0badcafe");
+  register_with_sftd("sft_witness_1_0badcafe");
+  last.die();
+  EXPECT_TRUE(eventually([] { return names_in("/tmp", "sft_witness").empty(); }))
+      << "the dead are not buried";
+  EXPECT_TRUE(std::filesystem::exists("/tmp/home/notes"));
+  EXPECT_TRUE(std::filesystem::exists("/tmp/sft_notes"));
+  EXPECT_TRUE(std::filesystem::exists(shm::daemon_lock_path));
 }
 
 class NodeWithoutDaemon : public ShmTest {};
