@@ -93,8 +93,8 @@ ChunkSlot* ChunkBorrower::next_chunk() noexcept {
   return slot;
 }
 
-/// The buffer's capacity becomes exactly what was checked, in this process's own memory: the header in the
-/// chunk can still be changed by a hostile writer, and must not be asked again.
+/// The buffer says exactly what was checked, in this process's own memory: the header in the chunk can still
+/// be changed by a hostile writer, and must not be asked again.
 bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
   SampleBuffer& buffer = slot.buffer;
   buffer.data = static_cast<std::byte*>(slot.chunk->userPayload());
@@ -108,6 +108,9 @@ bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
     return false;
   }
   buffer.capacity = sample->bytes;
+  buffer.writer = sample->writer;
+  buffer.sequence = sample->sequence;
+  buffer.source_stamp_ns = sample->source_stamp_ns;
   count_gap(sample->sequence, overflowed_);
   return true;
 }

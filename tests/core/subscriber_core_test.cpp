@@ -44,9 +44,9 @@ class SubscriberCoreTest : public ::testing::Test {
 
   void arrives(QueuePort& port, std::uint64_t sequence, EndpointId writer = 9) {
     SampleHandle sample = pool->take(256);
-    sample->header().writer = writer;
-    sample->header().sequence = sequence;
-    sample->header().source_stamp_ns = static_cast<std::int64_t>(sequence);
+    sample->writer = writer;
+    sample->sequence = sequence;
+    sample->source_stamp_ns = static_cast<std::int64_t>(sequence);
     sample->mask = type.full();
     port.samples.push_back(std::move(sample));
   }

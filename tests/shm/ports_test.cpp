@@ -56,6 +56,20 @@ TEST_F(ShmPorts, LetAReaderSeeOnlyTheCheckedBytes) {
   EXPECT_EQ(got->capacity, frame_bytes(100));
 }
 
+TEST_F(ShmPorts, TellWhatTheHeaderSaidWhenItWasChecked) {
+  Writer writer(node(), 1);
+  Reader reader(node());
+  ASSERT_TRUE(reader.connects_to(1));
+  const SampleHandle sent = writer.loan(100);
+  writer.send(sent, 100);
+  const SampleHandle got = reader.next();
+  ASSERT_TRUE(got);
+  sent->header().writer = 2;
+  sent->header().sequence = ~std::uint64_t{0};
+  EXPECT_EQ(got->writer, 1U);
+  EXPECT_EQ(got->sequence, 1U);
+}
+
 TEST_F(ShmPorts, TouchOnlyTheFirstPagesOfALargeSampleForItsScalars) {
   constexpr std::uint32_t six_megabytes = 6'000'000;
   Writer writer(node(), 1);
