@@ -65,7 +65,7 @@ SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   after_chunk_came();
   SampleBuffer& buffer = slot->buffer;
   buffer.data = static_cast<std::byte*>(slot->chunk->userPayload());
-  buffer.capacity = slot->chunk->userPayloadSize();
+  buffer.capacity = bytes;  // not the chunk's own word on it, which every client can overwrite
   buffer.mask = full_mask_;
   buffer.owner = shared_from_this();
   new (buffer.data) SampleHeader{};
