@@ -24,7 +24,9 @@
 
 namespace sft::shm {
 
-/// The memory of one writer. Outlives the port as long as a sample of it is held anywhere.
+/// The memory of one writer. Outlives the port as long as a sample of it is held anywhere. Once its session
+/// is lost and all samples are back it lets go of that memory: a publisher that publishes nothing may keep
+/// its port for long.
 class ChunkLender final : public core::BufferOwner,
                           public SessionMember,
                           public std::enable_shared_from_this<ChunkLender> {
@@ -55,12 +57,13 @@ class ChunkLender final : public core::BufferOwner,
   iox::mepoo::ChunkHeader* allocate(std::size_t bytes) noexcept;
   void hold(ChunkSlot& slot, iox::mepoo::ChunkHeader& chunk) noexcept;
   void deliver(ChunkSlot& slot) noexcept;
+  std::shared_ptr<Session> let_go() noexcept;
 
-  const std::shared_ptr<Session> session_;
   const FieldMask full_mask_;
 
   mutable std::mutex mutex_;  // guards what follows; never held over a system call
   bool lost_ = false;
+  std::shared_ptr<Session> session_;  ///< keeps mapped what the references below are to; null: do not touch
   iox::popo::PublisherPortData& publisher_;
   iox::popo::PublisherPortUser port_;
   iox::popo::SubscriberPortData& keeper_;
