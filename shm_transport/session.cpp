@@ -12,6 +12,7 @@
 #include <cstring>
 
 #include "shm_transport/iceoryx_runtime.h"
+#include "shm_transport/port_lock.h"
 
 namespace sft::shm {
 
@@ -33,14 +34,6 @@ bool delivers_to(const PublisherPortData& publisher, const ChunkQueue& queue) {
   const auto& queues = publisher.m_chunkSenderData.m_queues;
   return std::any_of(queues.begin(), queues.end(),
                      [&queue](const auto& known) { return known.get() == &queue; });
-}
-
-/// Whether nobody holds the port's lock. A publisher killed while it delivered leaves it locked until sftd
-/// has healed it, and sftd must not destroy it before.
-bool is_unlocked(const SubscriberPortData& port) {
-  if (!port.m_chunkReceiverData.tryLock()) return false;
-  port.m_chunkReceiverData.unlock();
-  return true;
 }
 
 }  // namespace
@@ -226,7 +219,9 @@ void Session::collect() {
   if (lost_) return;
   std::erase_if(retired_, [this](SubscriberPortData* port) {
     const bool asked = port->m_subscriptionState.load() == iox::SubscribeState::NOT_SUBSCRIBED;
-    if (!asked || is_fed(*port) || !is_unlocked(*port)) return false;
+    // A writer killed while it delivered leaves it locked until sftd has healed it, and sftd must not destroy
+    // it before.
+    if (!asked || is_fed(*port) || is_closed(port->m_chunkReceiverData)) return false;
     port->m_toBeDestroyed.store(true, std::memory_order_relaxed);
     return true;
   });
