@@ -13,6 +13,7 @@ using iox::runtime::IpcMessageType;
 namespace {
 
 constexpr std::chrono::milliseconds healing_interval{20};
+constexpr int goodbye_looks_max = 10;
 
 iox::roudi::RouDi::RoudiStartupParameters startup_parameters() {
   constexpr bool kill_processes_at_exit = false;
@@ -61,7 +62,8 @@ void RoudiHost::processMessage(const IpcMessage& message, const IpcMessageType& 
   if (type == IpcMessageType::TERMINATION) {
     // Its ports are about to be destroyed, which iceoryx survives only if their locks are open.
     clients_.remove(name.c_str());
-    healer_.heal();
+    for (int i = 0; i < goodbye_looks_max && !healer_.heal(); ++i)
+      std::this_thread::sleep_for(healing_interval);
     log_.debug(std::string(name.c_str()) + " says goodbye");
   }
   RouDi::processMessage(message, type, name);
