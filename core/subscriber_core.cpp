@@ -21,6 +21,7 @@ void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> po
   const std::scoped_lock lock(mutex_);
   inlets_[static_cast<std::size_t>(kind)].port.swap(
       port);  // the old one dies with the argument, behind the lock
+  if (port != nullptr) gone_.lost += port->lost_at_end();
 }
 
 void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
@@ -198,6 +199,9 @@ SubscriberStatus SubscriberCore::status() {
                           .mask = requested_,
                           .requests = requests_,
                           .writers = writers_};
+  for (const Inlet& inlet : inlets_) {
+    if (inlet.port != nullptr) status.lost += inlet.port->lost_at_end();
+  }
   for (const Heard& h : heard_) {
     status.received += h.received;
     status.lost += h.lost;

@@ -140,6 +140,8 @@ class ReaderPort {
 
   /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
   virtual std::uint64_t discarded() const noexcept = 0;
+  /// Of these, the last ones of writers that went: no gap in the sequences tells of them.
+  virtual std::uint64_t lost_at_end() const noexcept { return 0; }
 };
 
 /// Identity of the memory that co-located processes share: boot_id and the token that the daemon put into

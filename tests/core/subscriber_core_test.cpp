@@ -26,8 +26,10 @@ class QueuePort final : public ReaderPort {
   void disconnect(EndpointId) noexcept override {}
   void accept_masks(std::vector<FieldMask>) override {}
   std::uint64_t discarded() const noexcept override { return 0; }
+  std::uint64_t lost_at_end() const noexcept override { return lost; }
 
   std::deque<SampleHandle> samples;
+  std::uint64_t lost = 0;
 };
 
 class SubscriberCoreTest : public ::testing::Test {
@@ -71,6 +73,13 @@ TEST_F(SubscriberCoreTest, SamplesOfBothPathsComeInTheOrderOfTheirWriter) {
   arrives(*shm, 2);
   arrives(*udp, 3);
   EXPECT_EQ(taken(), (Sequences{1, 2, 3}));
+}
+
+TEST_F(SubscriberCoreTest, WhatAPortLostUnseenIsCountedAlsoWhenThePortIsGone) {
+  shm->lost = 5;
+  EXPECT_EQ(subscriber->status().lost, 5U);
+  subscriber->set_port(TransportKind::shm, nullptr);
+  EXPECT_EQ(subscriber->status().lost, 5U);
 }
 
 TEST_F(SubscriberCoreTest, ASampleThatCameByBothPathsIsTakenOnce) {

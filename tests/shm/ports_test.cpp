@@ -133,6 +133,28 @@ TEST_F(ShmPorts, DeliverWhatArrivedBeforeDisconnectingAndNothingElse) {
   EXPECT_EQ(sequence_of(reader.next()), 4U);
 }
 
+TEST_F(ShmPorts, KeepOneDepthOfWhatDepartedWritersLeftAndCountTheRest) {
+  constexpr std::uint32_t depth = 3;
+  Reader reader(node(), depth);
+  ChunkCounter chunks(node(), 4'000'000);
+  const std::size_t before = chunks.free();
+  for (core::EndpointId id = 1; id <= 6; ++id) {
+    Writer writer(node(), id);
+    ASSERT_TRUE(reader.connects_to(id));
+    for (int i = 0; i < 2; ++i) writer.send_frame(4'000'000);
+    reader.port().disconnect(id);
+  }
+  EXPECT_TRUE(chunks.comes_to(before - depth));
+  // Of the fifth the first one went, which the gap before its second tells.
+  EXPECT_EQ(reader.port().lost_at_end(), 4 * 2U);
+  EXPECT_EQ(reader.port().discarded(), 4 * 2U + 1);
+  std::vector<std::pair<core::EndpointId, std::uint64_t>> taken;
+  while (const SampleHandle got = reader.take()) taken.emplace_back(got->writer, got->sequence);
+  EXPECT_EQ(taken, (decltype(taken){{5, 2}, {6, 1}, {6, 2}}));
+  EXPECT_EQ(reader.port().lost_at_end(), 4 * 2U);
+  EXPECT_TRUE(chunks.comes_to(before));
+}
+
 TEST_F(ShmPorts, TakeFromSeveralWritersInTurn) {
   Writer first(node(), 1);
   Writer second(node(), 2);
