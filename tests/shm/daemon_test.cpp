@@ -3,9 +3,11 @@
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -228,6 +230,34 @@ TEST_F(NodeWithoutDaemon, NamesAMissingProgram) {
   Node node(options);
   ASSERT_TRUE(node.becomes(Availability::unavailable));
   EXPECT_TRUE(contains(node->description(), "/nowhere/sftd")) << node->description();
+}
+
+/// A program that never becomes a daemon.
+shm::ShmOptions endless_start() {
+  std::ofstream("/tmp/endless") << "#!/bin/sh\nexec sleep 1000\n";
+  std::filesystem::permissions("/tmp/endless", std::filesystem::perms::owner_all);
+  shm::ShmOptions options;
+  options.daemon_path = "/tmp/endless";
+  options.start_deadline = 50ms;
+  return options;
+}
+
+bool has_children() { return waitpid(-1, nullptr, WNOHANG) >= 0 || errno != ECHILD; }
+
+TEST_F(NodeWithoutDaemon, LeavesNoChildBehindAtTheDeadline) {
+  Node node(endless_start());
+  ASSERT_TRUE(node.becomes(Availability::unavailable));
+  EXPECT_TRUE(contains(node->description(), "does not get ready")) << node->description();
+  EXPECT_FALSE(has_children());
+}
+
+TEST_F(NodeWithoutDaemon, LeavesNoChildBehindWhenItGoes) {
+  {
+    Node node(endless_start());
+    node.poll();
+    EXPECT_TRUE(has_children());
+  }
+  EXPECT_FALSE(has_children());
 }
 
 TEST_F(NodeWithoutDaemon, DoesNotStartOneAgainstItsOptions) {
