@@ -165,7 +165,7 @@ SampleHandle ShmWriterPort::loan(std::size_t bytes) noexcept {
 SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
   assert(can_send(*sample) && sample->mask.is_full());
   if (!can_send(*sample)) return drop();
-  const std::shared_ptr<const Doorbells> bells = doorbells();
+  const Doorbells* bells = doorbells_.load();
   auto committed = chunks_->commit(ChunkSlot::of(*sample), bells != nullptr);
   for (int i = 0; i < lock_attempts && committed == ChunkLender::Commit::busy; ++i) {
     std::this_thread::sleep_for(lock_pause);
@@ -183,14 +183,7 @@ SendStatus ShmWriterPort::drop() noexcept {
 }
 
 void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
-  std::shared_ptr<const Doorbells> doorbells = routes.empty() ? nullptr : pages_->doorbells_of(routes);
-  const std::scoped_lock lock(routes_mutex_);
-  doorbells_.swap(doorbells);
-}
-
-std::shared_ptr<const Doorbells> ShmWriterPort::doorbells() const noexcept {
-  const std::scoped_lock lock(routes_mutex_);
-  return doorbells_;
+  doorbells_.store(routes.empty() ? nullptr : pages_->doorbells_of(routes));
 }
 
 }  // namespace sft::shm

@@ -15,6 +15,7 @@
 #include <memory>
 #include <mutex>
 
+#include "core/snapshot.h"
 #include "core/transport.h"
 #include "shm_transport/chunk_pools.h"
 #include "shm_transport/chunk_slots.h"
@@ -87,14 +88,12 @@ class ShmWriterPort final : public core::WriterPort {
 
  private:
   core::SendStatus drop() noexcept;
-  std::shared_ptr<const Doorbells> doorbells() const noexcept;
 
   const std::shared_ptr<ChunkLender> chunks_;
   const std::shared_ptr<DoorbellPages> pages_;
   const std::shared_ptr<Statistics> statistics_;
 
-  mutable std::mutex routes_mutex_;             // guards the pointer
-  std::shared_ptr<const Doorbells> doorbells_;  ///< null without routes
+  core::Snapshot<Doorbells> doorbells_;  ///< null without routes
 };
 
 }  // namespace sft::shm
