@@ -48,7 +48,11 @@ bool ChunkBorrower::drained() const noexcept {
   return lost_ || (!open_ && arrived_ == 0);
 }
 
-bool ChunkBorrower::connected() const noexcept { return open() && session_->is_fed(data_); }
+bool ChunkBorrower::connected() noexcept {
+  if (!open()) return false;
+  if (feeder_ == nullptr || !Session::feeds(*feeder_, data_)) feeder_ = session_->feeder_of(data_);
+  return feeder_ != nullptr;
+}
 
 SampleHandle ChunkBorrower::take() noexcept {
   while (ChunkSlot* slot = next_chunk()) {

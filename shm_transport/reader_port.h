@@ -34,7 +34,7 @@ class ChunkBorrower final : public core::BufferOwner,
   core::EndpointId writer() const { return writer_; }
   bool open() const noexcept;     ///< neither closed nor lost
   bool drained() const noexcept;  ///< not open, and nothing is left to be taken
-  bool connected() const noexcept;
+  bool connected() noexcept;      ///< one thread at a time
   std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
 
   /// The oldest valid sample; malformed ones are counted and skipped. One thread at a time.
@@ -63,6 +63,9 @@ class ChunkBorrower final : public core::BufferOwner,
   const TypeSupport& type_;
   const std::shared_ptr<Statistics> statistics_;
   std::atomic<std::uint64_t> discarded_{0};
+
+  /// Of the thread that asks whether it is connected: the writer's port where it last was.
+  const iox::popo::PublisherPortData* feeder_ = nullptr;
 
   // Of the thread that takes (or drops).
   bool overflowed_ = false;          ///< iceoryx reported it with the chunk just popped
