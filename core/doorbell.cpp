@@ -10,7 +10,6 @@
 
 #include <cerrno>
 #include <charconv>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <string>
@@ -27,9 +26,7 @@ constexpr std::string_view prefix = "sft_bell_";
 constexpr std::size_t page_bytes = DoorbellPage::slots * sizeof(Doorbell);
 
 std::string path_of(std::uint64_t id) {
-  char hex[17];
-  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(id));
-  return std::string(directory) + "/" + std::string(prefix) + hex;
+  return std::string(directory) + "/" + std::string(prefix) + in_hex(id);
 }
 
 Doorbell* map(int fd) {

@@ -144,11 +144,7 @@ PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
 PublishStatus PublisherCore::close_gaps(SampleBuffer& sample) noexcept try {
   SampleHeader& header = sample.header();
   std::byte* const body = sample.data + layout_.body_offset;
-  SampleState state{.body = body,
-                    .body_bytes = static_cast<std::uint32_t>(
-                        std::min<std::size_t>(header.body_bytes, sample.capacity - layout_.body_offset)),
-                    .index = sample.index(),
-                    .mask = &full_};
+  SampleState state = state_of(sample, spec_.type->slots());
   // In shared memory a broken program may have changed lengths and index meanwhile.
   if (!closing_.project(state, onto_itself_) || closing_.bytes() > state.body_bytes)
     return PublishStatus::invalid;
@@ -194,6 +190,7 @@ PublishStatus PublisherCore::send(const Outlets& outlets, const SampleHandle& sa
   SampleHeader& header = sample->header();
   header.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
   header.source_stamp_ns = realtime_ns();
+  sample->trust_header();
   PublishStatus status = PublishStatus::ok;
   if (outlets.to_shm) {
     // It may have been lent elsewhere, before shared memory came up or while it had no chunk free.
@@ -207,11 +204,13 @@ PublishStatus PublisherCore::send(const Outlets& outlets, const SampleHandle& sa
 
 SampleHandle PublisherCore::copy_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept {
   if (!sample->mask.is_full()) return {};
-  const std::size_t bytes = layout_.bytes(sample->header().body_bytes);
+  // It may lie in shared memory too: of a port that is gone.
+  const std::size_t bytes = layout_.bytes(state_of(*sample, spec_.type->slots()).body_bytes);
   SampleHandle copy = outlets.shm->loan(bytes);
   if (!copy) return {};
   std::memcpy(copy->data, sample->data, bytes);
   copy->mask = sample->mask;
+  copy->trust_header();
   return copy;
 }
 

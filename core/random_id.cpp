@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdio>
 
 namespace sft::core {
 
@@ -16,6 +17,12 @@ std::uint64_t random_id() noexcept {
          reinterpret_cast<std::uintptr_t>(&id);
   }
   return id;
+}
+
+std::string in_hex(std::uint64_t id) {
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(id));
+  return digits;
 }
 
 }  // namespace sft::core

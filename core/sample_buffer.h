@@ -3,6 +3,7 @@
 // keeps alive.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +13,7 @@
 #include "sft/typesupport/element_index.h"
 #include "sft/typesupport/field_mask.h"
 #include "sft/typesupport/sample_format.h"
+#include "sft/typesupport/walk.h"
 
 namespace sft::core {
 
@@ -31,13 +33,38 @@ struct SampleBuffer {
   FieldMask mask;                     ///< leaves that the sample has
   ElementIndex elements;              ///< what readers found out about this sample
   std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
+  // What the header said when it could be trusted: set by readers' ports once they have checked it, and by
+  // publishers. A header in shared memory is never asked again.
+  std::uint64_t writer = 0;
+  std::uint64_t sequence = 0;
+  std::int64_t source_stamp_ns = 0;
   std::shared_ptr<BufferOwner> owner;
   void* owner_data = nullptr;  ///< the owner's own
   std::atomic<std::uint32_t> references{0};
 
   SampleHeader& header() const { return *reinterpret_cast<SampleHeader*>(data); }
+  /// Takes over what the header says, which only this process can write so far.
+  void trust_header() noexcept {
+    writer = header().writer;
+    sequence = header().sequence;
+    source_stamp_ns = header().source_stamp_ns;
+  }
   std::uint32_t* index() const { return reinterpret_cast<std::uint32_t*>(data + sizeof(SampleHeader)); }
 };
+
+/// What getters and projections read, of a sample with so many slots. A header in shared memory can be
+/// written by every process of the host, also after it was checked: where the body begins is known, and it is
+/// bounded by the buffer. Without the buffer's `elements`, which are a reader's.
+inline SampleState state_of(const SampleBuffer& buffer, std::size_t slots) noexcept {
+  const std::size_t body_offset = SampleLayout(slots).body_offset;
+  const std::size_t body_bytes = __atomic_load_n(&buffer.header().body_bytes, __ATOMIC_RELAXED);
+  SampleState state;
+  state.body = buffer.data + body_offset;
+  state.body_bytes = static_cast<std::uint32_t>(std::min(body_bytes, buffer.capacity - body_offset));
+  state.index = buffer.index();
+  state.mask = &buffer.mask;
+  return state;
+}
 
 class SampleHandle {
  public:

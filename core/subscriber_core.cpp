@@ -21,6 +21,7 @@ void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> po
   const std::scoped_lock lock(mutex_);
   inlets_[static_cast<std::size_t>(kind)].port.swap(
       port);  // the old one dies with the argument, behind the lock
+  if (port != nullptr) gone_.lost += port->lost_unnoticed();
 }
 
 void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
@@ -66,8 +67,8 @@ SubscriberCore::Inlet* SubscriberCore::oldest_inlet() {
       oldest = &inlet;
       continue;
     }
-    const SampleHeader& a = oldest->next->header();
-    const SampleHeader& b = inlet.next->header();
+    const SampleBuffer& a = *oldest->next;
+    const SampleBuffer& b = *inlet.next;
     const bool earlier =
         a.writer == b.writer ? b.sequence < a.sequence : b.source_stamp_ns < a.source_stamp_ns;
     if (earlier) oldest = &inlet;
@@ -88,17 +89,16 @@ SubscriberCore::Next SubscriberCore::next() {
     Inlet& inlet = *oldest_inlet();
     const auto kind = static_cast<TransportKind>(&inlet - inlets_.data());
     SampleHandle sample = std::move(inlet.next);
-    const SampleHeader header = sample->header();  // copied: in shared memory it may change
-    Heard& from = heard(header.writer);
-    if (header.sequence <= from.last_sequence) continue;  // it came by both paths while they were switched
-    const std::uint64_t lost = from.last_sequence == 0 ? 0 : header.sequence - from.last_sequence - 1;
-    from.last_sequence = header.sequence;
+    Heard& from = heard(sample->writer);
+    if (sample->sequence <= from.last_sequence) continue;  // it came by both paths while they were switched
+    const std::uint64_t lost = from.last_sequence == 0 ? 0 : sample->sequence - from.last_sequence - 1;
+    from.last_sequence = sample->sequence;
     from.lost += lost;
     ++from.received;
     using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
-    const SampleInfo info{.sequence = header.sequence,
-                          .writer = header.writer,
-                          .source_stamp = Stamp(std::chrono::nanoseconds(header.source_stamp_ns)),
+    const SampleInfo info{.sequence = sample->sequence,
+                          .writer = sample->writer,
+                          .source_stamp = Stamp(std::chrono::nanoseconds(sample->source_stamp_ns)),
                           .receive_stamp = Stamp(std::chrono::nanoseconds(sample->receive_stamp_ns)),
                           .lost_before = lost,
                           .transport = kind};

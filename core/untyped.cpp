@@ -1,6 +1,5 @@
 #include "sft/untyped.h"
 
-#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -47,23 +46,17 @@ using core::SampleHandle;
 
 namespace {
 
-/// A header in shared memory may change while it is read: the body is bounded by what was checked when it was
-/// taken.
-SampleState state_of(core::SampleBuffer& buffer, std::size_t slots) {
-  const std::size_t body_offset = SampleLayout(slots).body_offset;
-  const std::size_t body_bytes = __atomic_load_n(&buffer.header().body_bytes, __ATOMIC_RELAXED);
-  return {.body = buffer.data + body_offset,
-          .body_bytes = static_cast<std::uint32_t>(std::min(body_bytes, buffer.capacity - body_offset)),
-          .index = buffer.index(),
-          .mask = &buffer.mask,
-          .elements = &buffer.elements};
+SampleState view_of(core::SampleBuffer& buffer, std::size_t slots) {
+  SampleState state = core::state_of(buffer, slots);
+  state.elements = &buffer.elements;
+  return state;
 }
 
 }  // namespace
 
 Sample::Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
                core::RecordedSample* record)
-    : state_(state_of(*buffer, type.slots())), info_(info), buffer_(buffer), record_(record) {
+    : state_(view_of(*buffer, type.slots())), info_(info), buffer_(buffer), record_(record) {
   if (record_ != nullptr) state_.log = &record_->log();
 }
 
@@ -99,7 +92,7 @@ std::byte* Loan::body() const {
 }
 
 SampleState Loan::state() const {
-  return buffer_ == nullptr ? SampleState{} : state_of(*buffer_, publisher_->type().slots());
+  return buffer_ == nullptr ? SampleState{} : view_of(*buffer_, publisher_->type().slots());
 }
 
 void Loan::write(std::size_t slot, const void* value, std::size_t bytes) noexcept {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <utility>
 
 #include "core/sample_buffer.h"
 #include "shm_transport/iceoryx.h"
@@ -43,27 +44,31 @@ class ChunkSlots {
     for (std::uint32_t i = 0; i < count; ++i) {
       slots_[i].buffer.mask = mask;
       slots_[i].buffer.owner_data = &slots_[i];
-      give_back(slots_[i]);
+      slots_[i].next_free = std::exchange(free_, &slots_[i]);
     }
   }
 
   bool empty() const { return free_ == nullptr; }
+  bool all_back() const { return out_ == 0; }
 
   ChunkSlot* take() noexcept {
     ChunkSlot* slot = free_;
-    if (slot != nullptr) free_ = slot->next_free;
+    if (slot == nullptr) return nullptr;
+    free_ = slot->next_free;
+    ++out_;
     return slot;
   }
 
   void give_back(ChunkSlot& slot) noexcept {
     slot.chunk = nullptr;
-    slot.next_free = free_;
-    free_ = &slot;
+    slot.next_free = std::exchange(free_, &slot);
+    --out_;
   }
 
  private:
   std::unique_ptr<ChunkSlot[]> slots_;
   ChunkSlot* free_ = nullptr;
+  std::uint32_t out_ = 0;
 };
 
 }  // namespace sft::shm

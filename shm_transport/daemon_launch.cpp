@@ -95,13 +95,24 @@ Result<DaemonLaunch> DaemonLaunch::begin(const ShmOptions& options) {
   return DaemonLaunch(child, std::move(read_end));
 }
 
+DaemonLaunch::~DaemonLaunch() {
+  if (child_is_gone()) return;
+  kill(child_, SIGKILL);
+  while (waitpid(child_, nullptr, 0) < 0 && errno == EINTR) continue;
+}
+
+bool DaemonLaunch::child_is_gone() noexcept {
+  // -1 of waitpid: the program reaped it itself.
+  if (child_ > 0 && waitpid(child_, nullptr, WNOHANG) != 0) child_ = 0;
+  return child_ == 0;
+}
+
 std::optional<DaemonLaunch::Outcome> DaemonLaunch::poll() {
   char text[512];
   ssize_t bytes = 0;
   while ((bytes = read(complaints_.get(), text, sizeof text)) > 0)
     text_.append(text, static_cast<std::size_t>(bytes));
-  // A negative result of read: it runs on. 0 of waitpid: about to exit; -1: the program reaped it itself.
-  if (bytes < 0 || waitpid(child_, nullptr, WNOHANG) == 0) return std::nullopt;
+  if (bytes < 0 || !child_is_gone()) return std::nullopt;  // it runs on, or is about to exit
   while (!text_.empty() && text_.back() == '\n') text_.pop_back();
   return Outcome{text_};
 }

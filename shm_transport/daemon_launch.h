@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "shm_transport/file_lock.h"
 #include "shm_transport/shm_transport.h"
@@ -15,8 +16,13 @@ namespace sft::shm {
 class DaemonLaunch {
  public:
   static Result<DaemonLaunch> begin(const ShmOptions& options);
-  DaemonLaunch(DaemonLaunch&&) noexcept = default;
+  DaemonLaunch(DaemonLaunch&& other) noexcept
+      : child_(std::exchange(other.child_, 0)),
+        complaints_(std::move(other.complaints_)),
+        text_(std::move(other.text_)) {}
   DaemonLaunch& operator=(DaemonLaunch&&) = delete;
+  /// Leaves no child behind: ends its wait, but not the daemon that it may have started.
+  ~DaemonLaunch();
 
   struct Outcome {
     std::string complaint;  ///< empty if it runs, or found another one running
@@ -27,7 +33,9 @@ class DaemonLaunch {
  private:
   DaemonLaunch(pid_t child, Descriptor complaints) : child_(child), complaints_(std::move(complaints)) {}
 
-  pid_t child_;            ///< the process that goes once the daemon, its grandchild, is ready
+  bool child_is_gone() noexcept;
+
+  pid_t child_;            ///< the process that goes once the daemon, its grandchild, is ready; 0: gone
   Descriptor complaints_;  ///< its standard error, closed when it goes
   std::string text_;
 };

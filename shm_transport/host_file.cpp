@@ -47,6 +47,10 @@ bool take_line(HostFile& file, std::string_view key, std::string_view value) {
 
 }  // namespace
 
+bool is_runtime_name(std::string_view name) noexcept {
+  return name.starts_with(runtime_name_stem) && name.find('/') == std::string_view::npos;
+}
+
 std::string format(const HostFile& file) {
   std::string text = "token ";
   for (const std::uint8_t byte : file.token) {

@@ -23,6 +23,10 @@ inline constexpr const char* daemon_lock_path = "/tmp/sftd.lock";
 inline constexpr const char* roudi_socket_path = "/tmp/roudi";
 inline constexpr const char* runtime_name_stem = "sft_";  ///< of the sockets in /tmp that are ours
 
+/// Whether a process may be known by this name: its socket is then in /tmp itself, and no file of the
+/// daemon's.
+bool is_runtime_name(std::string_view name) noexcept;
+
 struct HostFile {
   std::array<std::uint8_t, 16> token{};
   pid_t pid = 0;                       ///< of the daemon in its own pid namespace: for messages only

@@ -1,23 +1,13 @@
 #include "shm_transport/reader_port.h"
 
 #include <algorithm>
-#include <ctime>
-#include <iterator>
+
+#include "core/clock.h"
 
 namespace sft::shm {
 
 using core::SampleBuffer;
 using core::SampleHandle;
-
-namespace {
-
-std::int64_t realtime_ns() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
-}  // namespace
 
 std::shared_ptr<ChunkBorrower> ChunkBorrower::make(std::shared_ptr<Session> session,
                                                    iox::popo::SubscriberPortData& port,
@@ -58,7 +48,11 @@ bool ChunkBorrower::drained() const noexcept {
   return lost_ || (!open_ && arrived_ == 0);
 }
 
-bool ChunkBorrower::connected() const noexcept { return open() && session_->is_fed(data_); }
+bool ChunkBorrower::connected() noexcept {
+  if (!open()) return false;
+  if (feeder_ == nullptr || !Session::feeds(*feeder_, data_)) feeder_ = session_->feeder_of(data_);
+  return feeder_ != nullptr;
+}
 
 SampleHandle ChunkBorrower::take() noexcept {
   while (ChunkSlot* slot = next_chunk()) {
@@ -68,7 +62,8 @@ SampleHandle ChunkBorrower::take() noexcept {
       recycle(buffer);
       continue;
     }
-    buffer.receive_stamp_ns = realtime_ns();
+    buffer.receive_stamp_ns = core::realtime_ns();
+    dropped_at_end_ = 0;
     buffer.owner = shared_from_this();
     return SampleHandle(buffer);
   }
@@ -93,8 +88,8 @@ ChunkSlot* ChunkBorrower::next_chunk() noexcept {
   return slot;
 }
 
-/// The buffer's capacity becomes exactly what was checked, in this process's own memory: the header in the
-/// chunk can still be changed by a hostile writer, and must not be asked again.
+/// The buffer says exactly what was checked, in this process's own memory: the header in the chunk can still
+/// be changed by a hostile writer, and must not be asked again.
 bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
   SampleBuffer& buffer = slot.buffer;
   buffer.data = static_cast<std::byte*>(slot.chunk->userPayload());
@@ -108,6 +103,9 @@ bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
     return false;
   }
   buffer.capacity = sample->bytes;
+  buffer.writer = sample->writer;
+  buffer.sequence = sample->sequence;
+  buffer.source_stamp_ns = sample->source_stamp_ns;
   count_gap(sample->sequence, overflowed_);
   return true;
 }
@@ -142,6 +140,21 @@ void ChunkBorrower::close() noexcept {
   port_.unsubscribe();
 }
 
+std::uint64_t ChunkBorrower::left() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  return lost_ ? 0 : arrived_;
+}
+
+void ChunkBorrower::drop_oldest() noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (lost_ || arrived_ == 0) return;
+  --arrived_;
+  ++dropped_at_end_;
+  discarded_.fetch_add(1, std::memory_order_relaxed);
+  // Where too many are held already, iceoryx gives it back itself.
+  if (auto chunk = port_.tryGetChunk(); !chunk.has_error()) port_.releaseChunk(chunk.value());
+}
+
 void ChunkBorrower::lose() noexcept {
   const std::scoped_lock lock(mutex_);
   open_ = false;
@@ -157,8 +170,11 @@ ShmReaderPort::~ShmReaderPort() {
 }
 
 SampleHandle ShmReaderPort::take() noexcept {
-  std::vector<std::shared_ptr<ChunkBorrower>> drained;  // destroyed after the lock is released
+  Writers drained;  // destroyed after the lock is released
   const std::scoped_lock lock(mutex_);
+  if (!departed_.empty()) {
+    if (SampleHandle sample = take_what_was_left(drained)) return sample;
+  }
   for (std::size_t i = 0; i < writers_.size(); ++i) {
     const std::size_t at = (next_writer_ + i) % writers_.size();
     if (SampleHandle sample = writers_[at]->take()) {
@@ -166,26 +182,44 @@ SampleHandle ShmReaderPort::take() noexcept {
       return sample;
     }
   }
-  if (closing_ > 0) drained = forget_drained();
   return {};
 }
 
-/// With the lock held. Those that were disconnected and of which everything was taken.
-std::vector<std::shared_ptr<ChunkBorrower>> ShmReaderPort::forget_drained() noexcept {
-  const auto first =
-      std::partition(writers_.begin(), writers_.end(), [](const auto& w) { return !w->drained(); });
-  std::vector<std::shared_ptr<ChunkBorrower>> drained(std::make_move_iterator(first),
-                                                      std::make_move_iterator(writers_.end()));
-  writers_.erase(first, writers_.end());
-  for (const auto& writer : drained) discarded_before_ += writer->discarded();
-  closing_ -= std::min(closing_, drained.size());
+/// With the lock held, as the following.
+SampleHandle ShmReaderPort::take_what_was_left(Writers& drained) noexcept {
+  SampleHandle sample;
+  for (auto writer = departed_.begin(); writer != departed_.end() && !sample; ++writer)
+    sample = (*writer)->take();
+  drained = forget_drained();
+  return sample;
+}
+
+void ShmReaderPort::drop_excess() noexcept {
+  std::uint64_t left = 0;
+  for (const auto& writer : departed_) left += writer->left();
+  for (const auto& writer : departed_) {
+    for (; left > depth() && writer->left() > 0; --left) writer->drop_oldest();
+  }
+}
+
+/// Those of which everything was taken or dropped.
+ShmReaderPort::Writers ShmReaderPort::forget_drained() noexcept {
+  Writers drained;
+  std::erase_if(departed_, [&drained](const auto& writer) {
+    if (!writer->drained()) return false;
+    drained.push_back(writer);
+    return true;
+  });
+  for (const auto& writer : drained) {
+    discarded_before_ += writer->discarded();
+    lost_unnoticed_ += writer->dropped_at_end();
+  }
   return drained;
 }
 
 Result<void> ShmReaderPort::connect(const core::Source& source) {
   if (find(source.writer) != nullptr) return {};
-  const std::uint32_t depth = std::clamp(spec_.depth, 1U, options_.queue_limit);
-  auto port = session_->create_subscriber(source.writer, depth, Clock::now() + options_.port_deadline);
+  auto port = session_->create_subscriber(source.writer, depth(), Clock::now() + options_.port_deadline);
   if (!port) return tl::unexpected(port.error());
   auto writer =
       ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_, options_.held_limit);
@@ -203,15 +237,25 @@ void ShmReaderPort::disconnect(core::EndpointId writer) noexcept {
   const auto gone = find(writer);
   if (gone == nullptr) return;
   gone->close();
+  Writers drained;  // destroyed after the lock is released
   const std::scoped_lock lock(mutex_);
-  ++closing_;  // take() lets go of it once it is drained
+  std::erase(writers_, gone);
+  departed_.push_back(gone);
+  drop_excess();
+  drained = forget_drained();
 }
 
 std::uint64_t ShmReaderPort::discarded() const noexcept {
   const std::scoped_lock lock(mutex_);
   std::uint64_t sum = discarded_before_;
   for (const auto& writer : writers_) sum += writer->discarded();
+  for (const auto& writer : departed_) sum += writer->discarded();
   return sum;
+}
+
+std::uint64_t ShmReaderPort::lost_unnoticed() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  return lost_unnoticed_;
 }
 
 std::shared_ptr<ChunkBorrower> ShmReaderPort::find(core::EndpointId writer) const noexcept {

@@ -1,6 +1,11 @@
 // A reader: one iceoryx subscriber port for each writer that it is connected to, polled in turn.
+//
+// What writers left that it was disconnected from is taken first, and is no more than one `depth` of samples
+// in all: a publisher that is restarted again and again, while nobody takes, must not use up the daemon's
+// chunks and ports. The oldest go, and are counted.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -29,13 +34,18 @@ class ChunkBorrower final : public core::BufferOwner,
   core::EndpointId writer() const { return writer_; }
   bool open() const noexcept;     ///< neither closed nor lost
   bool drained() const noexcept;  ///< not open, and nothing is left to be taken
-  bool connected() const noexcept;
+  bool connected() noexcept;      ///< one thread at a time
   std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
 
   /// The oldest valid sample; malformed ones are counted and skipped. One thread at a time.
   core::SampleHandle take() noexcept;
   /// No more samples than those that have arrived, which can still be taken.
   void close() noexcept;
+  /// Of one that is closed: how many these are, and throwing away the oldest.
+  std::uint64_t left() const noexcept;
+  void drop_oldest() noexcept;
+  /// Samples thrown away since the last one that was taken: no gap in the sequences tells of them.
+  std::uint64_t dropped_at_end() const noexcept { return dropped_at_end_; }
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
   void lose() noexcept override;
@@ -54,10 +64,14 @@ class ChunkBorrower final : public core::BufferOwner,
   const std::shared_ptr<Statistics> statistics_;
   std::atomic<std::uint64_t> discarded_{0};
 
-  // Of the thread that takes.
+  /// Of the thread that asks whether it is connected: the writer's port where it last was.
+  const iox::popo::PublisherPortData* feeder_ = nullptr;
+
+  // Of the thread that takes (or drops).
   bool overflowed_ = false;          ///< iceoryx reported it with the chunk just popped
   std::uint64_t last_sequence_ = 0;  ///< 0: none yet
   std::uint64_t unexplained_gap_ = 0;
+  std::uint64_t dropped_at_end_ = 0;
 
   mutable std::mutex mutex_;  // guards what follows; never held over a system call
   bool open_ = true;          ///< neither closed nor lost
@@ -80,10 +94,15 @@ class ShmReaderPort final : public core::ReaderPort {
   void disconnect(core::EndpointId writer) noexcept override;
   void accept_masks(std::vector<FieldMask>) override {}  // there is one variant in shared memory: all of it
   std::uint64_t discarded() const noexcept override;
+  std::uint64_t lost_unnoticed() const noexcept override;
 
  private:
+  using Writers = std::vector<std::shared_ptr<ChunkBorrower>>;
   std::shared_ptr<ChunkBorrower> find(core::EndpointId writer) const noexcept;
-  std::vector<std::shared_ptr<ChunkBorrower>> forget_drained() noexcept;
+  std::uint32_t depth() const noexcept { return std::clamp(spec_.depth, 1U, options_.queue_limit); }
+  core::SampleHandle take_what_was_left(Writers& drained) noexcept;
+  void drop_excess() noexcept;
+  Writers forget_drained() noexcept;
 
   const std::shared_ptr<Session> session_;
   const core::ReaderSpec spec_;
@@ -91,10 +110,12 @@ class ShmReaderPort final : public core::ReaderPort {
   const std::shared_ptr<Statistics> statistics_;
 
   mutable std::mutex mutex_;  // guards what follows
-  std::vector<std::shared_ptr<ChunkBorrower>> writers_;
-  std::size_t closing_ = 0;  ///< of these, disconnected
+  Writers writers_;
+  Writers departed_;  ///< disconnected and not yet drained, in that order
   std::size_t next_writer_ = 0;
-  std::uint64_t discarded_before_ = 0;  ///< of writers that it has let go of
+  // Of writers that it has let go of.
+  std::uint64_t discarded_before_ = 0;
+  std::uint64_t lost_unnoticed_ = 0;
 };
 
 }  // namespace sft::shm

@@ -8,10 +8,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 
+#include "core/random_id.h"
 #include "shm_transport/iceoryx_runtime.h"
+#include "shm_transport/port_lock.h"
 
 namespace sft::shm {
 
@@ -22,9 +23,7 @@ using iox::popo::SubscriberPortData;
 namespace {
 
 iox::capro::ServiceDescription service_of(core::EndpointId writer) {
-  char hex[17];
-  std::snprintf(hex, sizeof hex, "%016llx", static_cast<unsigned long long>(writer));
-  return {"sft", "w", iox::capro::IdString_t(iox::cxx::TruncateToCapacity, std::string(hex))};
+  return {"sft", "w", iox::capro::IdString_t(iox::cxx::TruncateToCapacity, core::in_hex(writer))};
 }
 
 using ChunkQueue = SubscriberPortData::ChunkQueueData_t;
@@ -33,14 +32,6 @@ bool delivers_to(const PublisherPortData& publisher, const ChunkQueue& queue) {
   const auto& queues = publisher.m_chunkSenderData.m_queues;
   return std::any_of(queues.begin(), queues.end(),
                      [&queue](const auto& known) { return known.get() == &queue; });
-}
-
-/// Whether nobody holds the port's lock. A publisher killed while it delivered leaves it locked until sftd
-/// has healed it, and sftd must not destroy it before.
-bool is_unlocked(const SubscriberPortData& port) {
-  if (!port.m_chunkReceiverData.tryLock()) return false;
-  port.m_chunkReceiverData.unlock();
-  return true;
 }
 
 }  // namespace
@@ -207,13 +198,17 @@ ChunkPools& Session::pools(const iox::mepoo::MemoryManager& pools) {
 /// iceoryx tells a subscriber nothing of this (in its N:M build a port says SUBSCRIBED as soon as it asks),
 /// so it is looked up where the daemon notes it. The table may change meanwhile: then the answer is that of a
 /// moment ago, or no.
-bool Session::is_fed(const SubscriberPortData& port) const noexcept {
+const PublisherPortData* Session::feeder_of(const SubscriberPortData& port) const noexcept {
   auto& table = const_cast<iox::roudi::PortPoolData*>(port_pool())->m_publisherPortMembers;
   const auto publishers = table.content();
-  return std::any_of(publishers.begin(), publishers.end(), [&port](const PublisherPortData* publisher) {
-    return publisher->m_serviceDescription == port.m_serviceDescription &&
-           delivers_to(*publisher, port.m_chunkReceiverData);
-  });
+  const auto feeder = std::find_if(publishers.begin(), publishers.end(),
+                                   [&port](const auto* publisher) { return feeds(*publisher, port); });
+  return feeder == publishers.end() ? nullptr : *feeder;
+}
+
+bool Session::feeds(const PublisherPortData& feeder, const SubscriberPortData& port) noexcept {
+  return feeder.m_serviceDescription == port.m_serviceDescription &&
+         delivers_to(feeder, port.m_chunkReceiverData);
 }
 
 void Session::retire(SubscriberPortData* port) {
@@ -226,7 +221,9 @@ void Session::collect() {
   if (lost_) return;
   std::erase_if(retired_, [this](SubscriberPortData* port) {
     const bool asked = port->m_subscriptionState.load() == iox::SubscribeState::NOT_SUBSCRIBED;
-    if (!asked || is_fed(*port) || !is_unlocked(*port)) return false;
+    // A writer killed while it delivered leaves it locked until sftd has healed it, and sftd must not destroy
+    // it before.
+    if (!asked || feeder_of(*port) != nullptr || is_closed(port->m_chunkReceiverData)) return false;
     port->m_toBeDestroyed.store(true, std::memory_order_relaxed);
     return true;
   });

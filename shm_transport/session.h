@@ -71,8 +71,12 @@ class Session : public std::enable_shared_from_this<Session> {
                                                            Clock::time_point deadline);
   /// The pools that its writers take from, of which this process sees one set.
   ChunkPools& pools(const iox::mepoo::MemoryManager& pools);
-  /// Whether a writer delivers into this port's queue.
-  bool is_fed(const iox::popo::SubscriberPortData& port) const noexcept;
+  /// The writer's port that delivers into this port's queue, or null. Looks at all writers of the host.
+  const iox::popo::PublisherPortData* feeder_of(const iox::popo::SubscriberPortData& port) const noexcept;
+  /// Whether the port that was found so still does. Looks only there, where by now there may be none or
+  /// another.
+  static bool feeds(const iox::popo::PublisherPortData& feeder,
+                    const iox::popo::SubscriberPortData& port) noexcept;
   /// Gives a port back that nobody uses any more. It must have been asked to unsubscribe.
   void retire(iox::popo::SubscriberPortData* port);
   /// Destroys retired ports that no writer feeds any more. Returns at once; called now and then.

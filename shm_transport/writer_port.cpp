@@ -36,8 +36,8 @@ std::shared_ptr<ChunkLender> ChunkLender::make(std::shared_ptr<Session> session,
 ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherPortData& publisher,
                          iox::popo::SubscriberPortData& keeper, const TypeSupport& type,
                          std::uint32_t held_limit)
-    : session_(std::move(session)),
-      full_mask_(type.full()),
+    : full_mask_(type.full()),
+      session_(std::move(session)),
       publisher_(publisher),
       port_(&publisher),
       keeper_(keeper),
@@ -47,6 +47,7 @@ ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherP
 /// The last sample is back. Marking the ports is a write to mapped memory, allowed even if the daemon is
 /// gone.
 ChunkLender::~ChunkLender() {
+  if (session_ == nullptr) return;
   port_.destroy();
   keeper_.m_toBeDestroyed.store(true, std::memory_order_relaxed);
 }
@@ -65,7 +66,7 @@ SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   after_chunk_came();
   SampleBuffer& buffer = slot->buffer;
   buffer.data = static_cast<std::byte*>(slot->chunk->userPayload());
-  buffer.capacity = slot->chunk->userPayloadSize();
+  buffer.capacity = bytes;  // not the chunk's own word on it, which every client can overwrite
   buffer.mask = full_mask_;
   buffer.owner = shared_from_this();
   new (buffer.data) SampleHeader{};
@@ -128,17 +129,26 @@ void ChunkLender::deliver(ChunkSlot& slot) noexcept {
 void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
   before_chunk_leaves();
   ChunkSlot& slot = ChunkSlot::of(buffer);
+  std::shared_ptr<Session> gone;  // unmaps after the lock is released
   const std::scoped_lock lock(mutex_);
   if (!lost_) {
     SharedChunk held;  // given back at the end of this block
     keeper_.m_chunkReceiverData.m_chunksInUse.remove(slot.chunk, held);
   }
   slots_.give_back(slot);
+  gone = let_go();
 }
 
 void ChunkLender::lose() noexcept {
+  std::shared_ptr<Session> gone;
   const std::scoped_lock lock(mutex_);
   lost_ = true;
+  gone = let_go();
+}
+
+/// With the lock held: the session, where nothing here needs its memory any more.
+std::shared_ptr<Session> ChunkLender::let_go() noexcept {
+  return lost_ && slots_.all_back() ? std::move(session_) : nullptr;
 }
 
 bool ChunkLender::has_lent(const SampleBuffer& sample) const noexcept {
@@ -155,7 +165,7 @@ SampleHandle ShmWriterPort::loan(std::size_t bytes) noexcept {
 SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
   assert(can_send(*sample) && sample->mask.is_full());
   if (!can_send(*sample)) return drop();
-  const std::shared_ptr<const Doorbells> bells = doorbells();
+  const Doorbells* bells = doorbells_.load();
   auto committed = chunks_->commit(ChunkSlot::of(*sample), bells != nullptr);
   for (int i = 0; i < lock_attempts && committed == ChunkLender::Commit::busy; ++i) {
     std::this_thread::sleep_for(lock_pause);
@@ -173,14 +183,7 @@ SendStatus ShmWriterPort::drop() noexcept {
 }
 
 void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
-  std::shared_ptr<const Doorbells> doorbells = routes.empty() ? nullptr : pages_->doorbells_of(routes);
-  const std::scoped_lock lock(routes_mutex_);
-  doorbells_.swap(doorbells);
-}
-
-std::shared_ptr<const Doorbells> ShmWriterPort::doorbells() const noexcept {
-  const std::scoped_lock lock(routes_mutex_);
-  return doorbells_;
+  doorbells_.store(routes.empty() ? nullptr : pages_->doorbells_of(routes));
 }
 
 }  // namespace sft::shm

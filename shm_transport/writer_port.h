@@ -15,6 +15,7 @@
 #include <memory>
 #include <mutex>
 
+#include "core/snapshot.h"
 #include "core/transport.h"
 #include "shm_transport/chunk_pools.h"
 #include "shm_transport/chunk_slots.h"
@@ -24,7 +25,9 @@
 
 namespace sft::shm {
 
-/// The memory of one writer. Outlives the port as long as a sample of it is held anywhere.
+/// The memory of one writer. Outlives the port as long as a sample of it is held anywhere. Once its session
+/// is lost and all samples are back it lets go of that memory: a publisher that publishes nothing may keep
+/// its port for long.
 class ChunkLender final : public core::BufferOwner,
                           public SessionMember,
                           public std::enable_shared_from_this<ChunkLender> {
@@ -55,12 +58,13 @@ class ChunkLender final : public core::BufferOwner,
   iox::mepoo::ChunkHeader* allocate(std::size_t bytes) noexcept;
   void hold(ChunkSlot& slot, iox::mepoo::ChunkHeader& chunk) noexcept;
   void deliver(ChunkSlot& slot) noexcept;
+  std::shared_ptr<Session> let_go() noexcept;
 
-  const std::shared_ptr<Session> session_;
   const FieldMask full_mask_;
 
   mutable std::mutex mutex_;  // guards what follows; never held over a system call
   bool lost_ = false;
+  std::shared_ptr<Session> session_;  ///< keeps mapped what the references below are to; null: do not touch
   iox::popo::PublisherPortData& publisher_;
   iox::popo::PublisherPortUser port_;
   iox::popo::SubscriberPortData& keeper_;
@@ -84,14 +88,12 @@ class ShmWriterPort final : public core::WriterPort {
 
  private:
   core::SendStatus drop() noexcept;
-  std::shared_ptr<const Doorbells> doorbells() const noexcept;
 
   const std::shared_ptr<ChunkLender> chunks_;
   const std::shared_ptr<DoorbellPages> pages_;
   const std::shared_ptr<Statistics> statistics_;
 
-  mutable std::mutex routes_mutex_;             // guards the pointer
-  std::shared_ptr<const Doorbells> doorbells_;  ///< null without routes
+  core::Snapshot<Doorbells> doorbells_;  ///< null without routes
 };
 
 }  // namespace sft::shm

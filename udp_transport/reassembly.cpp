@@ -209,6 +209,7 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
   header.type_hash = in.type->hash();
   header.body_offset = static_cast<std::uint32_t>(layout.body_offset);
   header.body_bytes = first.total;
+  sample->trust_header();
   sample->receive_stamp_ns = now.realtime_ns;
   std::byte* body = sample->data + layout.body_offset;
   std::memcpy(body - encapsulation_bytes, encapsulation_cdr_le.data(), encapsulation_bytes);

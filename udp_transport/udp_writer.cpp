@@ -67,12 +67,7 @@ bool UdpWriter::send(const Group& group, const core::SampleHandle& sample) noexc
 
 bool UdpWriter::encode(const Group& group, const core::SampleBuffer& sample, Job& job) {
   assert(sample.mask.contains(group.plan.mask()));
-  const SampleHeader& header = sample.header();
-  SampleState source;
-  source.body = sample.data + header.body_offset;
-  source.body_bytes = header.body_bytes;
-  source.index = sample.index();
-  source.mask = &sample.mask;
+  const SampleState source = core::state_of(sample, type_.slots());
   if (!job.projection.project(source, group.plan)) return false;
   if (job.projection.bytes() > side_->max_sample_bytes) {
     side_->over_limit.fetch_add(1, std::memory_order_relaxed);
@@ -80,11 +75,11 @@ bool UdpWriter::encode(const Group& group, const core::SampleBuffer& sample, Job
   }
   const WireMask& wire = *group.wire;
   job.mask = group.wire;
-  job.first.label = {writer_, static_cast<std::uint32_t>(header.sequence), wire.variant};
+  job.first.label = {writer_, static_cast<std::uint32_t>(sample.sequence), wire.variant};
   job.first.flags = wire.words.empty() ? std::uint8_t{0} : mask_words_follow;
   job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
   job.first.mask = wire.mask;
-  job.first.stamp_ns = header.source_stamp_ns;
+  job.first.stamp_ns = sample.source_stamp_ns;
   return true;
 }
 

@@ -17,6 +17,7 @@ struct Message {
   std::uint64_t filling;
 };
 
+/// sftd serves only names that begin with "sft_".
 void init(const char* name) {
   iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kOff,
                                                            iox::log::LogLevelOutput::kHideLogLevel);
@@ -27,7 +28,7 @@ void init(const char* name) {
 const iox::capro::ServiceDescription service{"bench", "spine", "raw"};
 
 void send(Exchange& exchange, std::uint64_t messages, std::int64_t pause) {
-  init("raw_sender_");
+  init("sft_raw_sender_");
   iox::popo::Publisher<Message> publisher(service);
   while (!exchange.ready.load() || !publisher.hasSubscribers()) {
   }
@@ -66,7 +67,7 @@ std::vector<double> raw_iceoryx_waitset(std::uint64_t messages) {
       {.sender = [=](Exchange& e) { send(e, messages, 150); },
        .receiver =
            [=](Exchange& e) {
-             init("raw_receiver_");
+             init("sft_raw_receiver_");
              iox::popo::Subscriber<Message> subscriber(service);
              iox::popo::WaitSet<> wait_set;
              wait_set.attachState(subscriber, iox::popo::SubscriberState::HAS_DATA).or_else([](auto) {});
@@ -79,7 +80,7 @@ std::vector<double> raw_iceoryx_polling(std::uint64_t messages) {
   return run_pair({.sender = [=](Exchange& e) { send(e, messages, 5); },
                    .receiver =
                        [=](Exchange& e) {
-                         init("raw_receiver_");
+                         init("sft_raw_receiver_");
                          iox::popo::Subscriber<Message> subscriber(service);
                          receive(e, messages, subscriber, [] {});
                        }},

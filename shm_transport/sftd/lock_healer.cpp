@@ -1,7 +1,6 @@
 #include "shm_transport/sftd/lock_healer.h"
 
 #include <linux/futex.h>
-#include <pthread.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -13,27 +12,14 @@ namespace sft::shm {
 
 namespace {
 
-/// The mutex is iceoryx's only member there; glibc's layout of it is part of the ABI of process-shared
-/// mutexes.
-pthread_mutex_t& mutex_of(const iox::popo::ThreadSafePolicy& lock) {
-  static_assert(sizeof(iox::popo::ThreadSafePolicy) >= sizeof(pthread_mutex_t));
-  return *reinterpret_cast<pthread_mutex_t*>(const_cast<iox::popo::ThreadSafePolicy*>(&lock));
-}
-
-bool is_closed(const iox::popo::ThreadSafePolicy& lock) {
-  return __atomic_load_n(&mutex_of(lock).__data.__lock, __ATOMIC_ACQUIRE) != 0;
-}
-
-int holder_of(const iox::popo::ThreadSafePolicy& lock) {
-  return __atomic_load_n(&mutex_of(lock).__data.__owner, __ATOMIC_ACQUIRE);
-}
+constexpr std::chrono::milliseconds look_interval{20};
 
 bool is_own_thread(int thread) {
-  return access(("/proc/self/task/" + std::to_string(thread)).c_str(), F_OK) == 0;
+  return thread != 0 && access(("/proc/self/task/" + std::to_string(thread)).c_str(), F_OK) == 0;
 }
 
 /// As pthread_mutex_unlock would for the holder. The word goes last: from then on another thread may be in.
-void open_by_force(const iox::popo::ThreadSafePolicy& lock) {
+void open_by_force(const PortLock& lock) {
   auto& data = mutex_of(lock).__data;
   data.__count = 0;
   data.__nusers = 0;
@@ -74,25 +60,33 @@ bool LockHealer::heal() {
 }
 
 LockHealer::Finding LockHealer::look_at(const KnownPort& known, Clock::time_point now) {
-  if (!is_closed(*known.lock)) {
-    unowned_.erase(known.lock);
+  if (!is_closed(*known.lock) || !holder_is_dead(known)) {
+    suspects_.erase(known.lock);
     return Finding::in_order;
   }
-  const int holder = holder_of(*known.lock);
-  if (is_own_thread(holder) || !holder_is_dead(known)) return Finding::in_order;
-  if (!is_settled(known.lock, holder, now)) return Finding::unclear;
+  if (!is_settled(known.lock, holder_of(*known.lock), now)) return Finding::unclear;
   open_by_force(*known.lock);
-  unowned_.erase(known.lock);
+  suspects_.erase(known.lock);
   log_.info(std::string("opened a lock that a killed process left closed, on a port of ") +
             known.owner.c_str());
   return Finding::opened;
 }
 
 /// A lock has no holder for an instant, between two instructions of taking or releasing it: when its holder
-/// was killed right there, or in a living thread of the daemon, which has moved on a moment later.
+/// was killed right there, or in a living thread of the daemon, which has moved on a moment later. And the id
+/// of a holder that died in another pid namespace may be that of a thread of the daemon here; but such a
+/// thread lets go of the lock in microseconds. Looks are counted, not time: the daemon may have been stopped
+/// meanwhile.
 bool LockHealer::is_settled(const Lock* lock, int holder, Clock::time_point now) {
-  if (holder != 0) return true;
-  return now - unowned_.try_emplace(lock, now).first->second >= std::chrono::milliseconds(20);
+  const int looks_needed = is_own_thread(holder) ? 6 : holder == 0 ? 2 : 1;
+  Suspect& suspect = suspects_[lock];
+  if (suspect.looks == 0 || suspect.holder != holder) {
+    suspect = {holder, 1, now};
+  } else if (now - suspect.last_look >= look_interval) {
+    ++suspect.looks;
+    suspect.last_look = now;
+  }
+  return suspect.looks >= looks_needed;
 }
 
 bool LockHealer::holder_is_dead(const KnownPort& known) const {

@@ -6,11 +6,11 @@
 // whose mutex is locked.
 //
 // Opening such a lock by force is safe. First, only dead processes can have held it: the publisher, for its
-// own lock as for those of the queues it feeds; that none of the daemon's threads is its holder is checked.
-// Second, the dead holder left nothing half done under it: what the mutexes guard (a publisher's list of
-// queues, a queue's condition variable) is written by the daemon only, and chunks in queues are in lock-free
-// structures. The publisher writes only the names of its deliveries, which the daemon removes
-// (chunk_reclaimer.h).
+// own lock as for those of the queues it feeds (readers only look, see port_lock.h); that none of the
+// daemon's threads is its holder is checked. Second, the dead holder left nothing half done under it: what
+// the mutexes guard (a publisher's list of queues, a queue's condition variable) is written by the daemon
+// only, and chunks in queues are in lock-free structures. The publisher writes only the names of its
+// deliveries, which the daemon removes (chunk_reclaimer.h).
 #pragma once
 
 #include <chrono>
@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "shm_transport/iceoryx.h"
+#include "shm_transport/port_lock.h"
 #include "shm_transport/sftd/client_table.h"
 #include "shm_transport/sftd/log.h"
 
@@ -43,13 +43,18 @@ class LockHealer {
 
  private:
   using Clock = std::chrono::steady_clock;
-  using Lock = iox::popo::ThreadSafePolicy;
+  using Lock = PortLock;
   struct KnownPort {
     const iox::popo::BasePortData* port;
     const Lock* lock;
     iox::RuntimeName_t owner;  ///< copied: the port may be destroyed, and its place be used for another
     iox::capro::ServiceDescription service;
     bool is_publisher;
+  };
+  struct Suspect {
+    int holder = 0;
+    int looks = 0;  ///< at which it was the same one
+    Clock::time_point last_look{};
   };
   enum class Finding { in_order, opened, unclear };
   Finding look_at(const KnownPort& port, Clock::time_point now);
@@ -62,8 +67,8 @@ class LockHealer {
 
   std::mutex mutex_;              // guards what follows; held for a whole round, of which no call blocks
   std::vector<KnownPort> known_;  ///< subscribers first
-  /// Locks that are closed without a holder, and since when.
-  std::map<const Lock*, Clock::time_point> unowned_;
+  /// Closed locks of the dead that may yet be held by a thread of the daemon.
+  std::map<const Lock*, Suspect> suspects_;
 };
 
 }  // namespace sft::shm

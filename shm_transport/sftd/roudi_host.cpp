@@ -1,8 +1,9 @@
 #include "shm_transport/sftd/roudi_host.h"
 
-#include <unistd.h>
-
 #include <charconv>
+
+#include "shm_transport/host_file.h"
+#include "shm_transport/sftd/stale_files.h"
 
 namespace sft::shm {
 
@@ -12,6 +13,7 @@ using iox::runtime::IpcMessageType;
 namespace {
 
 constexpr std::chrono::milliseconds healing_interval{20};
+constexpr int goodbye_looks_max = 10;
 
 iox::roudi::RouDi::RoudiStartupParameters startup_parameters() {
   constexpr bool kill_processes_at_exit = false;
@@ -50,6 +52,9 @@ RoudiHost::~RoudiHost() {
 
 void RoudiHost::processMessage(const IpcMessage& message, const IpcMessageType& type,
                                const iox::RuntimeName_t& name) noexcept {
+  // From anybody who may write to the socket. The name becomes a path, which iceoryx writes to and which is
+  // removed once nobody listens there.
+  if (!is_runtime_name(name.c_str())) return log_.debug("a message under a name that no program of ours has");
   if (type == IpcMessageType::REG && message.getNumberOfElements() == 6) {
     clients_.add(name.c_str(), pid_in(message));
     log_.debug(std::string(name.c_str()) + " registers");
@@ -57,7 +62,8 @@ void RoudiHost::processMessage(const IpcMessage& message, const IpcMessageType& 
   if (type == IpcMessageType::TERMINATION) {
     // Its ports are about to be destroyed, which iceoryx survives only if their locks are open.
     clients_.remove(name.c_str());
-    healer_.heal();
+    for (int i = 0; i < goodbye_looks_max && !healer_.heal(); ++i)
+      std::this_thread::sleep_for(healing_interval);
     log_.debug(std::string(name.c_str()) + " says goodbye");
   }
   RouDi::processMessage(message, type, name);
@@ -88,7 +94,7 @@ bool RoudiHost::bury(const std::string& name) {
     reclaimer_.note_deliveries(runtime_name);
     processes->unregisterProcess(runtime_name);
   }
-  unlink(("/tmp/" + name).c_str());
+  remove_socket("/tmp/" + name);
   ++deaths_;
   log_.info(name + " is dead; what it had is free again");
   return true;

@@ -14,13 +14,17 @@
 
 namespace sft::shm {
 
+bool remove_socket(const std::string& path) {
+  struct stat named {};
+  return lstat(path.c_str(), &named) == 0 && S_ISSOCK(named.st_mode) && unlink(path.c_str()) == 0;
+}
+
 std::size_t remove_dead_sockets() {
   std::size_t removed = 0;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator("/tmp", ignored)) {
-    if (!entry.path().filename().string().starts_with(runtime_name_stem) || !entry.is_socket(ignored))
-      continue;
-    if (listener_at(entry.path().c_str()) == Listener::gone && unlink(entry.path().c_str()) == 0) ++removed;
+    if (!is_runtime_name(entry.path().filename().string())) continue;
+    if (listener_at(entry.path().c_str()) == Listener::gone && remove_socket(entry.path())) ++removed;
   }
   return removed;
 }

@@ -7,6 +7,10 @@
 
 namespace sft::shm {
 
+/// Removes what lies at this path if it is a socket itself, not a link to one: a name that a process chose
+/// may be that of another file.
+bool remove_socket(const std::string& path);
+
 /// Sockets of dead processes; returns how many.
 std::size_t remove_dead_sockets();
 

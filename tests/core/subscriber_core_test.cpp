@@ -46,9 +46,9 @@ class SubscriberCoreTest : public ::testing::Test {
 
   void arrives(QueuePort& port, std::uint64_t sequence, EndpointId writer = 9) {
     SampleHandle sample = pool->take(256);
-    sample->header().writer = writer;
-    sample->header().sequence = sequence;
-    sample->header().source_stamp_ns = static_cast<std::int64_t>(sequence);
+    sample->writer = writer;
+    sample->sequence = sequence;
+    sample->source_stamp_ns = static_cast<std::int64_t>(sequence);
     sample->mask = type.full();
     port.samples.push_back(std::move(sample));
   }
@@ -73,6 +73,13 @@ TEST_F(SubscriberCoreTest, SamplesOfBothPathsComeInTheOrderOfTheirWriter) {
   arrives(*shm, 2);
   arrives(*udp, 3);
   EXPECT_EQ(taken(), (Sequences{1, 2, 3}));
+}
+
+TEST_F(SubscriberCoreTest, WhatAPortLostUnseenIsCountedAlsoWhenThePortIsGone) {
+  shm->lost = 5;
+  EXPECT_EQ(subscriber->status().lost, 5U);
+  subscriber->set_port(TransportKind::shm, nullptr);
+  EXPECT_EQ(subscriber->status().lost, 5U);
 }
 
 TEST_F(SubscriberCoreTest, ASampleThatCameByBothPathsIsTakenOnce) {

@@ -3,15 +3,18 @@
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "shm_fixture.h"
 #include "shm_transport/host_file.h"
+#include "shm_transport/iceoryx.h"
 
 namespace sft::test {
 namespace {
@@ -178,6 +181,40 @@ TEST_F(Sftd, EndsAfterBeingIdleIfAskedTo) {
   EXPECT_EQ(daemon.exit_code(), 0);
 }
 
+/// Tells sftd, as any program of its group can, that a process of that name is there.
+void register_with_sftd(const std::string& name) {
+  const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, shm::roudi_socket_path, sizeof address.sun_path - 1);
+  iox::runtime::IpcMessage request;
+  request << iox::runtime::IpcMessageTypeToString(iox::runtime::IpcMessageType::REG) << name << "1"
+          << std::to_string(geteuid()) << "0"
+          << static_cast<iox::cxx::Serialization>(iox::version::VersionInfo::getCurrentVersion()).toString();
+  const std::string text = request.getMessage();
+  EXPECT_GT(sendto(socket, text.c_str(), text.size() + 1, 0, reinterpret_cast<const sockaddr*>(&address),
+                   sizeof address),
+            0);
+  close(socket);
+}
+
+TEST_F(Sftd, RemovesNoFileThatAProgramNamesAsItsSocket) {
+  std::filesystem::create_directory("/tmp/home");
+  for (const char* file : {"/tmp/home/notes", "/tmp/sft_notes"}) std::ofstream(file) << "mine";
+  Node node;
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  for (const char* name : {"home/notes", "../tmp/home/notes", "sft_/../home/notes", "sft_notes", "sftd.lock"})
+    register_with_sftd(name);
+  Listener last("/tmp/sft_witness_1_0badcafe");
+  register_with_sftd("sft_witness_1_0badcafe");
+  last.die();
+  EXPECT_TRUE(eventually([] { return names_in("/tmp", "sft_witness").empty(); }))
+      << "the dead are not buried";
+  EXPECT_TRUE(std::filesystem::exists("/tmp/home/notes"));
+  EXPECT_TRUE(std::filesystem::exists("/tmp/sft_notes"));
+  EXPECT_TRUE(std::filesystem::exists(shm::daemon_lock_path));
+}
+
 class NodeWithoutDaemon : public ShmTest {};
 
 TEST_F(NodeWithoutDaemon, NamesTooSmallASharedMemory) {
@@ -193,6 +230,34 @@ TEST_F(NodeWithoutDaemon, NamesAMissingProgram) {
   Node node(options);
   ASSERT_TRUE(node.becomes(Availability::unavailable));
   EXPECT_TRUE(contains(node->description(), "/nowhere/sftd")) << node->description();
+}
+
+/// A program that never becomes a daemon.
+shm::ShmOptions endless_start() {
+  std::ofstream("/tmp/endless") << "#!/bin/sh\nexec sleep 1000\n";
+  std::filesystem::permissions("/tmp/endless", std::filesystem::perms::owner_all);
+  shm::ShmOptions options;
+  options.daemon_path = "/tmp/endless";
+  options.start_deadline = 50ms;
+  return options;
+}
+
+bool has_children() { return waitpid(-1, nullptr, WNOHANG) >= 0 || errno != ECHILD; }
+
+TEST_F(NodeWithoutDaemon, LeavesNoChildBehindAtTheDeadline) {
+  Node node(endless_start());
+  ASSERT_TRUE(node.becomes(Availability::unavailable));
+  EXPECT_TRUE(contains(node->description(), "does not get ready")) << node->description();
+  EXPECT_FALSE(has_children());
+}
+
+TEST_F(NodeWithoutDaemon, LeavesNoChildBehindWhenItGoes) {
+  {
+    Node node(endless_start());
+    node.poll();
+    EXPECT_TRUE(has_children());
+  }
+  EXPECT_FALSE(has_children());
 }
 
 TEST_F(NodeWithoutDaemon, DoesNotStartOneAgainstItsOptions) {

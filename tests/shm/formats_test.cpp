@@ -59,10 +59,11 @@ class SampleCheck : public ::testing::Test {
   core::SampleBuffer sample_;
 };
 
-TEST_F(SampleCheck, AcceptsAFrameAndTellsItsExactSize) {
+TEST_F(SampleCheck, AcceptsAFrameAndTellsItsExactSizeAndOrigin) {
   const auto checked = shm::check_sample(sample_.data, 4096, frame_type(), writer);
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked->bytes, frame_bytes(data));
+  EXPECT_EQ(checked->writer, writer);
   EXPECT_EQ(checked->sequence, 5U);
 }
 

@@ -71,5 +71,19 @@ TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
   other.join();
 }
 
+TEST_F(HeldLock, IsLookedAtButNeverTakenByAReaderThatGivesItsPortBack) {
+  auto* port = session_->create_subscriber(2, 1, Clock::now() + 1s).value();
+  iox::popo::SubscriberPortUser(port).unsubscribe();
+  ASSERT_TRUE(
+      eventually([&] { return port->m_subscriptionState.load() == iox::SubscribeState::NOT_SUBSCRIBED; }));
+  port->m_chunkReceiverData.lock();  // which this thread could take again
+  session_->retire(port);
+  session_->collect();
+  EXPECT_FALSE(port->m_toBeDestroyed);
+  port->m_chunkReceiverData.unlock();
+  session_->collect();
+  EXPECT_TRUE(port->m_toBeDestroyed);
+}
+
 }  // namespace
 }  // namespace sft::test

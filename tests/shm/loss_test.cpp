@@ -1,6 +1,8 @@
 // The daemon dies, stops or returns; nodes and ports go while samples stay.
 #include <signal.h>
 
+#include <fstream>
+
 #include "shm_fixture.h"
 
 namespace sft::test {
@@ -92,6 +94,30 @@ TEST_F(Loss, LeavesLentAndReceivedSamplesReadable) {
   received.reset();
   lent.reset();
   EXPECT_EQ(next.send_frame(), SendStatus::sent) << "samples of the dead daemon disturb the new one";
+}
+
+/// Whether this process has the samples of some daemon mapped.
+bool maps_samples() {
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    if (line.find("/dev/shm/") != std::string::npos && line.find("sft_bell") == std::string::npos)
+      return true;
+  }
+  return false;
+}
+
+TEST_F(Loss, OfTheDaemonFreesItsMemoryUnderAWriterThatSendsNothing) {
+  Node node;
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  Writer writer(node, 1);
+  SampleHandle lent = writer.loan(100);
+  writer.send_frame();
+  kill_daemon();
+  ASSERT_NE(node.poll(), Availability::ready);
+  EXPECT_TRUE(maps_samples()) << "one is still lent";
+  lent.reset();
+  EXPECT_FALSE(maps_samples());
+  EXPECT_FALSE(writer.loan(100));
 }
 
 TEST_F(Loss, OfTheDaemonLetsItsReadersAndWritersTalkOnUntilTheyNotice) {

@@ -56,6 +56,20 @@ TEST_F(ShmPorts, LetAReaderSeeOnlyTheCheckedBytes) {
   EXPECT_EQ(got->capacity, frame_bytes(100));
 }
 
+TEST_F(ShmPorts, TellWhatTheHeaderSaidWhenItWasChecked) {
+  Writer writer(node(), 1);
+  Reader reader(node());
+  ASSERT_TRUE(reader.connects_to(1));
+  const SampleHandle sent = writer.loan(100);
+  writer.send(sent, 100);
+  const SampleHandle got = reader.next();
+  ASSERT_TRUE(got);
+  sent->header().writer = 2;
+  sent->header().sequence = ~std::uint64_t{0};
+  EXPECT_EQ(got->writer, 1U);
+  EXPECT_EQ(got->sequence, 1U);
+}
+
 TEST_F(ShmPorts, TouchOnlyTheFirstPagesOfALargeSampleForItsScalars) {
   constexpr std::uint32_t six_megabytes = 6'000'000;
   Writer writer(node(), 1);
@@ -117,6 +131,28 @@ TEST_F(ShmPorts, DeliverWhatArrivedBeforeDisconnectingAndNothingElse) {
   ASSERT_TRUE(reader.connects_to(1));
   writer.send_frame();
   EXPECT_EQ(sequence_of(reader.next()), 4U);
+}
+
+TEST_F(ShmPorts, KeepOneDepthOfWhatDepartedWritersLeftAndCountTheRest) {
+  constexpr std::uint32_t depth = 3;
+  Reader reader(node(), depth);
+  ChunkCounter chunks(node(), 4'000'000);
+  const std::size_t before = chunks.free();
+  for (core::EndpointId id = 1; id <= 6; ++id) {
+    Writer writer(node(), id);
+    ASSERT_TRUE(reader.connects_to(id));
+    for (int i = 0; i < 2; ++i) writer.send_frame(4'000'000);
+    reader.port().disconnect(id);
+  }
+  EXPECT_TRUE(chunks.comes_to(before - depth));
+  // Of the fifth the first one went, which the gap before its second tells.
+  EXPECT_EQ(reader.port().lost_unnoticed(), 4 * 2U);
+  EXPECT_EQ(reader.port().discarded(), 4 * 2U + 1);
+  std::vector<std::pair<core::EndpointId, std::uint64_t>> taken;
+  while (const SampleHandle got = reader.take()) taken.emplace_back(got->writer, got->sequence);
+  EXPECT_EQ(taken, (decltype(taken){{5, 2}, {6, 1}, {6, 2}}));
+  EXPECT_EQ(reader.port().lost_unnoticed(), 4 * 2U);
+  EXPECT_TRUE(chunks.comes_to(before));
 }
 
 TEST_F(ShmPorts, TakeFromSeveralWritersInTurn) {

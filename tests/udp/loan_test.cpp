@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <vector>
 #include <views.hpp>
@@ -59,13 +60,17 @@ class Wire {
       bytes.resize(static_cast<std::size_t>(n));
       const auto datagram = parse(bytes);
       if (!datagram) return {};
-      if (datagram->kind == DatagramKind::first) body.resize(datagram->first.total);
+      if (datagram->kind == DatagramKind::first) {
+        body.resize(datagram->first.total);
+        sequence_ = datagram->first.label.sequence;
+      }
       std::ranges::copy(datagram->payload, body.begin() + datagram->offset);
       received += datagram->payload.size();
       datagrams_.push_back(std::move(bytes));
     }
     return body;
   }
+  std::uint32_t sequence() const { return sequence_; }  ///< of the last body
 
   /// Whether four canaries stand in a row anywhere in what was received since the last call: ids and stamps
   /// may have one by chance.
@@ -80,6 +85,24 @@ class Wire {
  private:
   int fd_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   std::vector<std::vector<std::byte>> datagrams_;
+  std::uint32_t sequence_ = 0;
+};
+
+/// Shared memory with a reader who writes into what it was sent.
+class ScribbledOn final : public core::WriterPort {
+ public:
+  core::SampleHandle loan(std::size_t bytes) noexcept override { return pool_->take(bytes); }
+  core::SendStatus send(const core::SampleHandle& sample) noexcept override {
+    sample->header().body_offset += 8;
+    sample->header().body_bytes = 0xFFFF'FFFF;
+    sample->header().sequence = 4711;
+    return core::SendStatus::sent;
+  }
+  void set_routes(std::vector<core::Route>) override {}
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+
+ private:
+  std::shared_ptr<core::BufferPool> pool_ = core::BufferPool::make(1 << 20);
 };
 
 class LoansOnTheWire : public ::testing::TestWithParam<Backend> {
@@ -132,6 +155,23 @@ TEST_P(LoansOnTheWire, CarryNothingOfEarlierSamples) {
     EXPECT_EQ(wire.next_body(), sft::test::Encoded(expected).bytes());
     EXPECT_FALSE(wire.had_canaries());
   }
+}
+
+TEST_P(LoansOnTheWire, AreSentAsTheyWereWhateverLocalReadersWriteIntoThem) {
+  core::Serving serving;
+  serving.udp = {{2, wire.address(), type.full()}};
+  serving.shm = {{3, core::DoorbellAddress{}, type.full()}};
+  core->serve(serving, std::make_shared<ScribbledOn>());
+  Recording message;
+  message.cloud.data.assign(3000, 7);
+  const std::vector<std::byte> expected = sft::test::Encoded(message).bytes();
+  EXPECT_EQ(publisher.publish(message), PublishStatus::ok);
+  std::vector<std::byte> body = wire.next_body();
+  ASSERT_GE(body.size(), expected.size());
+  EXPECT_LE(body.size(), std::bit_ceil(expected.size() + sizeof(SampleHeader))) << "more than the buffer";
+  body.resize(expected.size());
+  EXPECT_EQ(body, expected);
+  EXPECT_EQ(wire.sequence(), 1U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, LoansOnTheWire, ::testing::Values(Backend::automatic, Backend::sockets),

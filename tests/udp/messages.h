@@ -134,6 +134,7 @@ void fill(core::SampleBuffer& buffer, const T& value, const FieldMask& mask, std
   header.type_hash = type.hash();
   header.body_offset = static_cast<std::uint32_t>(layout.body_offset);
   header.body_bytes = bytes;
+  buffer.trust_header();
   buffer.mask = mask;
   encode(type.type(), &value, mask, {buffer.data + layout.body_offset, bytes},
          {buffer.index(), type.slots()});

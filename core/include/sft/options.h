@@ -64,8 +64,9 @@ struct RecordingSettings {
 
 struct SubscriberOptions {
   TransportChoice transport = TransportChoice::automatic;
-  std::uint32_t depth =
-      8;  ///< samples kept until taken, per publisher; then the oldest are lost, and counted
+  /// Samples kept until taken, per publisher; then the oldest are lost, and counted. In shared memory 256 at
+  /// most, and of publishers that are gone no more than this in all.
+  std::uint32_t depth = 8;
   RecordingSettings recording{};
 };
 

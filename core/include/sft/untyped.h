@@ -31,8 +31,9 @@ namespace sft {
 struct SampleInfo {
   std::uint64_t sequence = 0;  ///< of the writer, from 1
   std::uint64_t writer = 0;
-  std::chrono::sys_time<std::chrono::nanoseconds> source_stamp{};   ///< at publish, by the publisher's clock
-  std::chrono::sys_time<std::chrono::nanoseconds> receive_stamp{};  ///< when it was complete here
+  std::chrono::sys_time<std::chrono::nanoseconds> source_stamp{};  ///< at publish, by the publisher's clock
+  /// When it was complete here; in shared memory, where that is when it was sent, when it was taken.
+  std::chrono::sys_time<std::chrono::nanoseconds> receive_stamp{};
   std::uint64_t lost_before = 0;  ///< samples of this writer between the previous one taken and this one
   TransportKind transport{};
 };
@@ -60,6 +61,8 @@ enum class ReservedMemory : std::uint8_t { zeroed, as_it_is };
 namespace untyped {
 
 /// One received sample: owns its place in shared memory or in a buffer until it is destroyed, on any thread.
+/// In shared memory a subscriber can hold 256 samples of one publisher: then take() gives no more of that one
+/// until one is destroyed, which does not wake wait().
 class Sample {
  public:
   Sample() = default;
