@@ -9,6 +9,7 @@ arguments = argparse.ArgumentParser(description=__doc__)
 arguments.add_argument("--cyclone", type=pathlib.Path, help="below it are C files of stock idlc")
 arguments.add_argument("--headers", nargs="+", action="append", required=True, metavar=("INCLUDE_DIR", "HEADER"),
                        help="generated headers below INCLUDE_DIR: all types in them are listed")
+arguments.add_argument("--views", action="store_true", help="also instantiate all getters of all views")
 arguments.add_argument("--ours-only", nargs="*", default=[], metavar="NAME",
                        help="names of headers whose types stock idlc may lack")
 arguments.add_argument("outputs", nargs="+", type=pathlib.Path, help="the first one joins the others")
@@ -42,6 +43,14 @@ def entry(ours, theirs):
     return f"{{{message_type}, {f'&{theirs}' if theirs else 'nullptr'}}}" if arguments.cyclone else message_type
 
 
+def views(ours):
+    """Of full and of recorded samples; of the type as a whole message and as an element of a collection."""
+    requirements = (f"sft::Req<{ours}>{{sft::all<{ours}>}}", f"sft::Req<{ours}>{{sft::recorded}}")
+    places = ("sft::IndexedPlace<{0}, {1}, 0, 0>", "sft::ElementPlace<{0}, {1}, 0>")
+    return "".join(f"template class {ours}::View<{place.format(requirement, ours)}>;\n"
+                   for requirement in requirements for place in places)
+
+
 def part(number, headers):
     """headers: pairs of an include directory and a path."""
     listed = [both for _, header in headers for both in types(header)]
@@ -61,7 +70,7 @@ void add_{function}_{number}(std::vector<{element}>& all) {{
 }}
 
 }}  // namespace sft::test
-"""
+{"".join(views(ours) for ours, _ in listed) if arguments.views else ""}"""
 
 
 def joined(parts):

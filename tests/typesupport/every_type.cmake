@@ -53,3 +53,11 @@ if(SFT_SANITIZE)
 endif()
 add_dependencies(unit_tests every_type_law_test)
 sft_add_shards(every_type_law_test 2)
+
+# Every getter of every view of the common packages compiles.
+sft_list_types(every_view_parts every_view PARTS 4 INTERFACES sft_common_interfaces OPTIONS --views)
+list(POP_FRONT every_view_parts)  # which joins the lists
+add_library(sft_every_view OBJECT ${every_view_parts})
+target_link_libraries(sft_every_view PRIVATE sft_typesupport_test_support sft_warnings)
+target_compile_options(sft_every_view PRIVATE -O0 -g0)
+add_dependencies(unit_tests sft_every_view)
