@@ -26,7 +26,7 @@ FieldMask intersection(std::span<const std::byte> bytes, const FieldMask& limit)
 
 std::optional<DecoderInput> parse_decoder_input(std::span<const std::byte> input) {
   if (input.empty()) return std::nullopt;
-  const MessageType& type = all_types()[std::to_integer<std::size_t>(input[0]) % all_types().size()];
+  const MessageType& type = every_type()[std::to_integer<std::size_t>(input[0]) % every_type().size()];
   const TypeSupport& support = *type.support;
   const std::size_t bytes = mask_bytes(support.full());
   input = input.subspan(1);

@@ -1,6 +1,7 @@
 // What the bytes of an input of fuzz_decoder mean:
 //
-//   u8 number of the type (modulo their count) | its mask | the mask to project to | the body
+//   u8 number of the type among every_type() (modulo their count) | its mask | the mask to project to | the
+//   body
 //
 // Masks are bit sets of as many bytes as the type's leaves need, not closed; the second is cut to the first.
 #pragma once

@@ -57,7 +57,7 @@ class Seeds {
   }
 
   std::size_t number_;
-  const MessageType& type_ = all_types()[number_];
+  const MessageType& type_ = every_type()[number_];
   Random random_{number_ + 1};
   RandomValues values_{random_};
 };
@@ -78,8 +78,8 @@ int main(int argc, char** argv) {
   }
   const std::filesystem::path directory = argv[1];
   std::filesystem::create_directories(directory);
-  for (std::size_t i = 0; i < sft::test::all_types().size(); ++i) {
-    const std::string name = directory / sft::test::all_types()[i].short_name();
+  for (std::size_t i = 0; i < sft::test::every_type().size(); ++i) {
+    const std::string name = directory / sft::test::every_type()[i].test_name();
     sft::test::Seeds seeds(i);
     sft::test::save(name + "_full", seeds.masked(true));
     sft::test::save(name + "_masked", seeds.masked(false));

@@ -1,7 +1,9 @@
 // Hostile bodies of any type under any mask. Nothing is read outside of them; what passes the validating walk
-// decodes to what stands there and obeys the projection law; what does not pass harms nobody either.
+// decodes to what stands there, shows the same through a dynamic view and obeys the projection law; what does
+// not pass harms nobody either.
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <memory>
 #include <proof.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
@@ -10,12 +12,16 @@
 
 #include "sft/typesupport/convert.h"
 #include "sft/typesupport/decode.h"
+#include "sft/typesupport/dynamic_type.h"
+#include "sft/typesupport/dynamic_view.h"
 #include "sft/typesupport/project.h"
 #include "sft/typesupport/view.h"
+#include "sft/typesupport/yaml.h"
 #include "tests/fuzz/decoder_input.h"
 #include "tests/support/encoded.h"
 #include "tests/support/foreign_cdr.h"
 #include "tests/support/reference.h"
+#include "tests/support/value_tree.h"
 
 namespace sft::test {
 namespace {
@@ -68,6 +74,19 @@ class Body {
   SampleState state_{};
   std::uint32_t end_ = 0;
 };
+
+/// As a program knows it that was not compiled with it.
+const StructType& parsed(const MessageType& type) {
+  static std::map<const TypeSupport*, DynamicType> types;
+  const auto known = types.find(type.support);
+  if (known != types.end()) return known->second.type();
+  return types.emplace(type.support, DynamicType::parse(describe(type.type())).value()).first->second.type();
+}
+
+void check_dynamic_view(const Body& body, const OwnedValue& value) {
+  require(value_tree(DynamicView(body.state(), parsed(body.type()))) == value_tree(value, body.mask()),
+          "a dynamic view has the values that were decoded");
+}
 
 void check_encoding(const Body& body, const OwnedValue& value) {
   require(reference::is_cdr_of(body.walked(), value, body.mask()), "what was decoded stands in the body");
@@ -201,6 +220,8 @@ void survive_anything(Body& body, const FieldMask& narrower) {
     body.index()[slot] = value > 250 ? no_offset - (value - 250) : value;
   }
   read_views(body);
+  static_cast<void>(to_yaml(DynamicView(body.state(), parsed(body.type())),
+                            {.elements_max = 4, .output_bytes_max = 10'000}));
   projected(body, narrower);
   OwnedValue value = body.type().make();
   static_cast<void>(body.decode_to(value));
@@ -248,6 +269,7 @@ void run(const DecoderInput& input) {
     require(!body.state().is_malformed(), "what passed the walk is not malformed");
     if (const std::optional<OwnedValue> value = body.decoded()) {
       check_encoding(body, *value);
+      check_dynamic_view(body, *value);
       check_projection(body, *value, input.narrower);
     }
   }

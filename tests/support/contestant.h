@@ -4,7 +4,6 @@
 #include <dds/dds.h>
 
 #include <ostream>
-#include <string>
 #include <vector>
 
 #include "tests/support/message_types.h"
@@ -14,16 +13,6 @@ namespace sft::test {
 struct Contestant {
   MessageType ours;
   const dds_topic_descriptor_t* theirs;  ///< null: stock idlc makes none, or C that does not compile
-
-  /// "sensor_msgs_msg_Image": letters that a test's name may have.
-  std::string name() const {
-    std::string result;
-    for (const char c : ours.support->name()) {
-      if (c != ':') result += c;
-      if (c == ':' && result.back() != '_') result += '_';
-    }
-    return result;
-  }
 };
 
 inline void PrintTo(const Contestant& type, std::ostream* out) { *out << type.ours.support->name(); }

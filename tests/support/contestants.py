@@ -1,13 +1,15 @@
-"""Makes the list of the types that our compiler and stock idlc both know (contestant.h), in several C++ files."""
+"""Lists generated types in several C++ files: as test::contestants(), with what stock idlc makes of them (contestant.h),
+or without --cyclone as test::generated_types() (message_types.h)."""
 import argparse
 import pathlib
 import re
 import sys
 
 arguments = argparse.ArgumentParser(description=__doc__)
-arguments.add_argument("--cyclone", type=pathlib.Path, required=True, help="below it are C files of stock idlc")
+arguments.add_argument("--cyclone", type=pathlib.Path, help="below it are C files of stock idlc")
 arguments.add_argument("--headers", nargs="+", action="append", required=True, metavar=("INCLUDE_DIR", "HEADER"),
                        help="generated headers below INCLUDE_DIR: all types in them are listed")
+arguments.add_argument("--views", action="store_true", help="also instantiate all getters of all views")
 arguments.add_argument("--ours-only", nargs="*", default=[], metavar="NAME",
                        help="names of headers whose types stock idlc may lack")
 arguments.add_argument("outputs", nargs="+", type=pathlib.Path, help="the first one joins the others")
@@ -15,7 +17,7 @@ arguments = arguments.parse_args()
 
 # Topic descriptors by the IDL names of their types.
 descriptors = {}
-for file in arguments.cyclone.rglob("*.c"):
+for file in arguments.cyclone.rglob("*.c") if arguments.cyclone else []:
     pattern = r'^const dds_topic_descriptor_t (\w+) =.*?[.]m_typename = "([^"]+)"'
     descriptors.update((name, symbol) for symbol, name in re.findall(pattern, file.read_text(), re.M | re.S))
 
@@ -25,9 +27,28 @@ def types(header):
     pattern = r'^struct sft::TypeTable<([^>]+)> {.*?StructType type{"([^"]+)"'
     found = re.findall(pattern, header.read_text(), re.M | re.S)
     missing = [idl for _, idl in found if idl not in descriptors]
-    if missing and header.name not in arguments.ours_only:
+    if arguments.cyclone and missing and header.name not in arguments.ours_only:
         sys.exit(f"stock idlc made nothing of {', '.join(missing)}, which {header} has")
     return [(cpp, descriptors.get(idl)) for cpp, idl in found]
+
+
+if arguments.cyclone:
+    list_header, element, function = "contestant.h", "Contestant", "contestants"
+else:
+    list_header, element, function = "message_types.h", "MessageType", "generated_types"
+
+
+def entry(ours, theirs):
+    message_type = f"message_type<{ours}>()"
+    return f"{{{message_type}, {f'&{theirs}' if theirs else 'nullptr'}}}" if arguments.cyclone else message_type
+
+
+def views(ours):
+    """Of full and of recorded samples; of the type as a whole message and as an element of a collection."""
+    requirements = (f"sft::Req<{ours}>{{sft::all<{ours}>}}", f"sft::Req<{ours}>{{sft::recorded}}")
+    places = ("sft::IndexedPlace<{0}, {1}, 0, 0>", "sft::ElementPlace<{0}, {1}, 0>")
+    return "".join(f"template class {ours}::View<{place.format(requirement, ours)}>;\n"
+                   for requirement in requirements for place in places)
 
 
 def part(number, headers):
@@ -35,7 +56,7 @@ def part(number, headers):
     listed = [both for _, header in headers for both in types(header)]
     return f"""\
 // Generated. Do not edit.
-#include "tests/support/contestant.h"
+#include "tests/support/{list_header}"
 
 {"".join(f"#include <{header.relative_to(root)}>{chr(10)}" for root, header in headers)}
 extern "C" {{
@@ -44,25 +65,25 @@ extern "C" {{
 
 namespace sft::test {{
 
-void add_contestants_{number}(std::vector<Contestant>& all) {{
-{"".join(f"  all.push_back({{message_type<{ours}>(), {f'&{theirs}' if theirs else 'nullptr'}}});{chr(10)}" for ours, theirs in listed)}\
+void add_{function}_{number}(std::vector<{element}>& all) {{
+{"".join(f"  all.push_back({entry(*both)});{chr(10)}" for both in listed)}\
 }}
 
 }}  // namespace sft::test
-"""
+{"".join(views(ours) for ours, _ in listed) if arguments.views else ""}"""
 
 
 def joined(parts):
     return f"""\
 // Generated. Do not edit.
-#include "tests/support/contestant.h"
+#include "tests/support/{list_header}"
 
 namespace sft::test {{
 
-{"".join(f"void add_contestants_{number}(std::vector<Contestant>& all);{chr(10)}" for number in range(parts))}
-std::vector<Contestant> contestants() {{
-  std::vector<Contestant> all;
-{"".join(f"  add_contestants_{number}(all);{chr(10)}" for number in range(parts))}\
+{"".join(f"void add_{function}_{number}(std::vector<{element}>& all);{chr(10)}" for number in range(parts))}
+std::vector<{element}> {function}() {{
+  std::vector<{element}> all;
+{"".join(f"  add_{function}_{number}(all);{chr(10)}" for number in range(parts))}\
   return all;
 }}
 

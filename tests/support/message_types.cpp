@@ -13,6 +13,15 @@
 
 namespace sft::test {
 
+std::string MessageType::test_name() const {
+  std::string result;
+  for (const char c : support->name()) {
+    if (c != ':') result += c;
+    if (c == ':' && result.back() != '_') result += '_';
+  }
+  return result;
+}
+
 std::span<const MessageType> all_types() {
   static const std::array types{
       message_type<sensor_msgs::msg::PointCloud2>(),

@@ -4,6 +4,7 @@
 #include <iosfwd>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "sft/typesupport/type_support.h"
 #include "tests/support/owned_value.h"
@@ -18,6 +19,8 @@ struct MessageType {
   std::string short_name() const {
     return std::string(support->name().substr(support->name().rfind(':') + 1));
   }
+  /// "sensor_msgs_msg_Image": letters that a test's name may have.
+  std::string test_name() const;
 };
 
 template <class T>
@@ -26,12 +29,19 @@ MessageType message_type() {
   return {&support, &OwnedValue::of<T>};
 }
 
+/// Every type that is generated for sft_every_type, each once, by header. contestants.py makes the list.
+std::vector<MessageType> generated_types();
+
 /// PointCloud2, LaserScan, BatteryState, Image, OccupancyGrid, Odometry.
 std::span<const MessageType> common_types();
 
-/// Those, and types made to be difficult (tests/idl/torture.idl, tests/typesupport/proof.idl). The order is
+/// Those, and some made to be difficult (tests/idl/torture.idl, tests/typesupport/proof.idl). The order is
 /// kept: inputs of the fuzzer name types by their number.
 std::span<const MessageType> all_types();
+
+/// Those, and behind them all others that the tests and the common packages have, by name. Only for programs
+/// that link to sft_every_type.
+std::span<const MessageType> every_type();
 
 void PrintTo(const MessageType& type, std::ostream* out);
 

@@ -8,6 +8,10 @@
 #include "tests/support/random_value.h"
 #include "tests/support/recorded_data.h"
 
+#ifndef SFT_TEST_ROUNDS
+#define SFT_TEST_ROUNDS 40
+#endif
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace sft::test {
@@ -27,7 +31,7 @@ TEST(DecoderInputsTest, OfTheKeptCorpusHoldWhatTheFuzzerRequires) {
 }
 
 TEST(DecoderInputsTest, AreParsedAsTheyWereMade) {
-  const MessageType& type = all_types()[1];
+  const MessageType& type = every_type()[1];
   const std::vector<std::byte> body(5, std::byte{7});
   const auto input =
       make_decoder_input(1, *type.support->find("header"), *type.support->find("header.stamp"), body);
@@ -39,10 +43,12 @@ TEST(DecoderInputsTest, AreParsedAsTheyWereMade) {
   EXPECT_EQ(std::vector<std::byte>(parsed->body.begin(), parsed->body.end()), body);
 }
 
+TEST(DecoderInputsTest, CanNameEveryType) { EXPECT_LE(every_type().size(), 256U); }
+
 class DamagedBodies : public RandomTest, public ::testing::WithParamInterface<std::size_t> {
  protected:
   std::vector<std::byte> valid_input() {
-    const MessageType& type = all_types()[GetParam()];
+    const MessageType& type = every_type()[GetParam()];
     OwnedValue value = type.make();
     values.fill(type.type(), value.get());
     const FieldMask mask = type.support->closed(values.mask(type.support->leaves()));
@@ -61,7 +67,7 @@ class DamagedBodies : public RandomTest, public ::testing::WithParamInterface<st
 };
 
 TEST_P(DamagedBodies, AreRefusedOrDecodedAndNeverReadOutside) {
-  for (int round = 0; round < 300; ++round) {
+  for (int round = 0; round < SFT_TEST_ROUNDS; ++round) {
     std::vector<std::byte> input = valid_input();
     ASSERT_NO_THROW(decode_any(input)) << "undamaged, in round " << round;
     damage(input);
@@ -69,8 +75,8 @@ TEST_P(DamagedBodies, AreRefusedOrDecodedAndNeverReadOutside) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, DamagedBodies, ::testing::Range(std::size_t{0}, all_types().size()),
-                         [](const auto& number) { return all_types()[number.param].short_name(); });
+INSTANTIATE_TEST_SUITE_P(Of, DamagedBodies, ::testing::Range(std::size_t{0}, every_type().size()),
+                         [](const auto& number) { return every_type()[number.param].test_name(); });
 
 }  // namespace
 }  // namespace sft::test

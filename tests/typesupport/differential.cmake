@@ -1,7 +1,6 @@
 # Our types beside Cyclone DDS's, of the same IDL files: those of this folder and of tests/idl, and what ROS 2's own tool
 # makes of the common packages and of ROS 2's test messages.
 find_package(CycloneDDS REQUIRED)
-find_program(SFT_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH REQUIRED DOC "The one that has rosidl_adapter")
 
 file(GLOB ros_packages LIST_DIRECTORIES true ${PROJECT_SOURCE_DIR}/typesupport/interfaces/*_*)
 list(APPEND ros_packages /usr/share/test_interface_files)
@@ -59,33 +58,15 @@ target_include_directories(cyclone_test_types SYSTEM PUBLIC ${cyclone_dir})
 target_link_libraries(cyclone_test_types PUBLIC CycloneDDS::ddsc)
 
 # sft_differential_test(NAME PARTS n SHARDS n INTERFACES target... [OURS_ONLY header...] [SOURCES file...])
-# Runs over all types that sft_generate makes for INTERFACES; of OURS_ONLY there are no C types. The list is compiled in
-# parts, the tests run in shards: a process for each of them would take longer than the tests.
+# Runs over all types that sft_generate makes for INTERFACES; of OURS_ONLY there are no C types.
 function(sft_differential_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "PARTS;SHARDS" "INTERFACES;OURS_ONLY;SOURCES")
-  set(headers)
-  set(header_options)
-  foreach(target IN LISTS arg_INTERFACES)
-    get_target_property(target_headers ${target} SFT_HEADERS)
-    get_target_property(include_dir ${target} INTERFACE_INCLUDE_DIRECTORIES)
-    list(APPEND headers ${target_headers})
-    list(APPEND header_options --headers ${include_dir} ${target_headers})
-  endforeach()
-  set(parts)
-  foreach(part RANGE ${arg_PARTS})
-    list(APPEND parts ${CMAKE_CURRENT_BINARY_DIR}/${name}_types_${part}.cpp)
-  endforeach()
-  add_custom_command(
-    OUTPUT ${parts}
-    COMMAND ${SFT_PYTHON} ${support}/contestants.py --cyclone ${cyclone_dir} ${header_options}
-            --ours-only ${arg_OURS_ONLY} -- ${parts}
-    DEPENDS ${support}/contestants.py ${headers} ${cyclone_c}
-    COMMENT "Listing the types of ${name}"
-    VERBATIM)
+  sft_list_types(parts ${name} PARTS ${arg_PARTS} INTERFACES ${arg_INTERFACES} DEPENDS ${cyclone_c}
+    OPTIONS --cyclone ${cyclone_dir} --ours-only ${arg_OURS_ONLY})
 
   add_executable(${name} differential_test.cpp ${arg_SOURCES} ${parts}
     ${support}/c_struct.cpp ${support}/cyclone_cdr.cpp ${support}/cyclone_loopback.cpp ${support}/owned_value.cpp
-    ${support}/random_value.cpp ${support}/reference.cpp ${support}/test_seed.cpp)
+    ${support}/message_types.cpp ${support}/random_value.cpp ${support}/reference.cpp ${support}/test_seed.cpp)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${arg_INTERFACES} sft_typesupport cyclone_test_types
     GTest::gtest_main GTest::gmock sft_warnings)
@@ -93,12 +74,7 @@ function(sft_differential_test name)
     target_compile_definitions(${name} PRIVATE SFT_TEST_ROUNDS=100)
   endif()
   add_dependencies(unit_tests ${name})
-  math(EXPR last "${arg_SHARDS} - 1")
-  foreach(shard RANGE ${last})
-    add_test(NAME ${name}.${shard} COMMAND ${name})
-    set_tests_properties(${name}.${shard} PROPERTIES LABELS unit
-      ENVIRONMENT "GTEST_TOTAL_SHARDS=${arg_SHARDS};GTEST_SHARD_INDEX=${shard}")
-  endforeach()
+  sft_add_shards(${name} ${arg_SHARDS})
 endfunction()
 
 sft_differential_test(differential_test

@@ -191,7 +191,7 @@ std::vector<Contestant> known_to_both() {
   return types;
 }
 
-const auto contestant_name = [](const auto& type) { return type.param.name(); };
+const auto contestant_name = [](const auto& type) { return type.param.ours.test_name(); };
 
 INSTANTIATE_TEST_SUITE_P(Of, Differential, ::testing::ValuesIn(known_to_both()), contestant_name);
 INSTANTIATE_TEST_SUITE_P(Of, RoundTrip, ::testing::ValuesIn(test::contestants()), contestant_name);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <barrier>
 #include <cstring>
 #include <proof.hpp>
 #include <ranges>
@@ -316,6 +317,27 @@ TEST(ElementIndexTest, SeveralThreadsReadOneSampleAtOnce) {
     }
     readers.clear();
     EXPECT_EQ(wrong.load(), 0);
+  }
+}
+
+// The one that came second is thrown away, and does not take the share of other collections.
+TEST(ElementIndexTest, ATableThatTwoThreadsBuildAtOnceCountsOnce) {
+  constexpr std::uint32_t strings = 50'000;
+  std::vector<std::uint32_t> body;  // empty ones: their length, a NUL and padding
+  for (std::uint32_t i = 0; i < strings; ++i) body.insert(body.end(), {1, 0});
+  const SampleState state{.body = reinterpret_cast<const std::byte*>(body.data()), .body_bytes = 8 * strings};
+  ElementIndex index;
+  for (int round = 0; round < 20; ++round) {
+    std::barrier start(2);
+    const auto build = [&] {
+      start.arrive_and_wait();
+      EXPECT_NE(index.table(state, {.first = 0, .count = strings}), nullptr);
+    };
+    std::thread other(build);
+    build();
+    other.join();
+    ASSERT_NE(index.table(state, {.first = 8, .count = strings - 1}), nullptr) << "in round " << round;
+    index.clear();
   }
 }
 

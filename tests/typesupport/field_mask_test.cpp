@@ -40,6 +40,21 @@ TEST(FieldMaskTest, EqualMasksHashAlikeAndUpTo64LeavesTheHashIsTheBits) {
   EXPECT_EQ(a.hash(), b.hash());
 }
 
+TEST(FieldMaskTest, TheNextLeafIsTheLowestOneWithinTheRange) {
+  for (const std::size_t leaves : {64U, 200U}) {
+    FieldMask mask(leaves);
+    for (const std::size_t leaf : {0U, 5U, 63U}) mask.insert(leaf);
+    mask.insert(leaves - 1);
+    for (std::size_t first = 0; first < leaves; ++first) {
+      for (std::size_t end = 0; end <= leaves; ++end) {
+        std::size_t expected = first;
+        while (expected < end && !mask.contains(expected)) ++expected;
+        ASSERT_EQ(mask.next(first, end), first < end ? expected : end) << first << " to " << end;
+      }
+    }
+  }
+}
+
 std::vector<std::size_t> numbers(const FieldMask& mask) { return {mask.begin(), mask.end()}; }
 
 template <class Algorithm>

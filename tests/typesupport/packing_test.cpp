@@ -62,6 +62,17 @@ TEST(PackingTest, OtherPlacesInMemoryAreNoticed) {
   EXPECT_FALSE(struct_of(members).is_packed_in_memory);
 }
 
+// 2^64 + 1 bytes, as a hostile description may have them, are not one byte.
+TEST(PackingTest, SizesThatOverflowAreNotPacked) {
+  const Member gigabytes[] = {{.name = "a", .kind = Kind::octet, .shape = Shape::array, .count = 1U << 31}};
+  const StructType inner = struct_of(gigabytes);
+  ASSERT_EQ(inner.packed_bytes, 1U << 31);
+  const Member many{
+      .name = "b", .kind = Kind::structure, .shape = Shape::array, .count = 1U << 31, .type = &inner};
+  const Member members[] = {many, many, many, many, {.name = "c", .kind = Kind::octet}};
+  EXPECT_EQ(struct_of(members).packed_bytes, 0U);
+}
+
 TEST(PackingTest, ManyElementsAreSkippedAtOnce) {
   using torture_base::Point;
   static_assert(TypeTable<Point>::type.packed_bytes == 8);

@@ -36,6 +36,13 @@ TEST_P(EachType, ComesBackFromItsDescriptionWithItsHashNameAndPaths) {
     EXPECT_EQ(parsed->support().path(leaf), compiled.path(leaf));
 }
 
+TEST_P(EachType, KnowsTheFirstLeafOfEachMember) {
+  const auto parsed = DynamicType::parse(describe(GetParam().type())).value();
+  ASSERT_EQ(parsed.type().first_leaves.size(), parsed.type().members.size());
+  for (std::size_t i = 0; i < parsed.type().members.size(); ++i)
+    EXPECT_EQ(parsed.type().first_leaves[i], leaf_offset(parsed.type(), i));
+}
+
 TEST_P(EachType, IsDescribedInTheSameBytesAfterParsing) {
   const Bytes bytes = describe(GetParam().type());
   const auto parsed = DynamicType::parse(bytes).value();

@@ -193,5 +193,16 @@ TEST(YamlTest, TheLengthOfTheWholeTextIsLimited) {
   EXPECT_EQ(yaml.error().code, Errc::limit_exceeded);
 }
 
+TEST(YamlTest, NamesThatYamlTakesForSomethingElseAreQuoted) {
+  const Member members[] = {{.name = "on", .kind = Kind::uint8},
+                            {.name = "Null", .kind = Kind::uint8},
+                            {.name = "y", .kind = Kind::uint8}};
+  const StructType type{"T", members};
+  const FieldMask full = FieldMask::full(type.leaves);
+  const std::byte body[]{std::byte{1}, std::byte{2}, std::byte{3}};
+  const SampleState state{.body = body, .body_bytes = sizeof body, .mask = &full};
+  EXPECT_EQ(to_yaml(DynamicView(state, type)).value(), "\"on\": 1\n\"Null\": 2\ny: 3\n");
+}
+
 }  // namespace
 }  // namespace sft

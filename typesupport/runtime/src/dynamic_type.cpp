@@ -58,6 +58,7 @@ class DynamicType::Storage {
   std::vector<std::vector<Enumerator>> enumerators;
   std::vector<EnumType> enumerations;
   std::vector<std::vector<Member>> members;
+  std::vector<std::vector<std::uint32_t>> first_leaves;
   std::vector<StructType> structs;
   std::uint64_t hash = 0;
 
@@ -100,6 +101,7 @@ class DynamicType::Parser {
     if (!count(n, 4, "structs")) return false;
     if (n == 0) return fail("no struct");
     out_.members.reserve(n);
+    out_.first_leaves.reserve(n);
     out_.structs.reserve(n);
     expanded_.reserve(n);
     while (out_.structs.size() < n) {
@@ -141,14 +143,17 @@ class DynamicType::Parser {
     if (n == 0) return fail("'" + std::string(name) + "' has no members");
     std::vector<Member>& members = out_.members.emplace_back();
     members.reserve(n);
+    std::vector<std::uint32_t>& first_leaves = out_.first_leaves.emplace_back();
+    first_leaves.reserve(n);
     Expanded sum;
     Names names;
     for (std::size_t i = 0; i < n; ++i) {
       Member& m = members.emplace_back();
+      first_leaves.push_back(static_cast<std::uint32_t>(sum.leaves));
       if (!member(m, names) || !add(m, sum)) return false;
     }
     expanded_.push_back(sum);
-    out_.structs.emplace_back(name, members);
+    out_.structs.emplace_back(name, members).first_leaves = first_leaves;
     return true;
   }
 

@@ -211,6 +211,8 @@ const ElementIndex::Table* ElementIndex::publish(Table* table) noexcept {
   const std::scoped_lock lock(mutex_);
   Tables* tables = tables_.load(std::memory_order_relaxed);
   if (const Table* found = tables->find(table->elements())) {
+    --tables->used;
+    tables->offsets -= table->elements().count;
     tables->give_back(*table);
     return found;
   }

@@ -72,6 +72,17 @@ bool FieldMask::all_of_words(std::size_t first, std::size_t count) const {
   return true;
 }
 
+std::size_t FieldMask::next(std::size_t first, std::size_t end) const noexcept {
+  if (first >= end) return end;
+  std::uint64_t left = word(first / 64) >> (first % 64);
+  if (left != 0) return std::min(end, first + static_cast<std::size_t>(std::countr_zero(left)));
+  for (std::size_t i = first / 64 + 1; i * 64 < end; ++i) {
+    left = word(i);
+    if (left != 0) return std::min(end, i * 64 + static_cast<std::size_t>(std::countr_zero(left)));
+  }
+  return end;
+}
+
 bool FieldMask::empty() const {
   return first_ == 0 && std::all_of(more_.begin(), more_.end(), [](std::uint64_t w) { return w == 0; });
 }

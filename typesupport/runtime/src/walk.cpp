@@ -18,6 +18,7 @@ class Walker {
   std::uint32_t at() const { return status_ == WalkStatus::ok ? static_cast<std::uint32_t>(at_) : no_offset; }
 
   bool structure(const StructType& type, std::size_t leaf) {
+    if (!type.first_leaves.empty()) return selected_members(type, leaf);
     for (const Member& m : type.members) {
       if (!member(m, leaf)) return false;
       leaf += leaf_count(m);
@@ -68,6 +69,20 @@ class Walker {
   bool fail(WalkStatus why) {
     status_ = why;
     return false;
+  }
+
+  bool selected_members(const StructType& type, std::size_t first_leaf) {
+    const std::size_t end = first_leaf + leaf_count(type);
+    auto behind = type.first_leaves.begin();  // the member from which on is looked for the next one
+    for (std::size_t leaf = s_.mask->next(first_leaf, end); leaf < end; leaf = s_.mask->next(leaf, end)) {
+      if (*behind != leaf - first_leaf)  // not the neighbour
+        behind = std::upper_bound(behind, type.first_leaves.end(), leaf - first_leaf) - 1;
+      const Member& m = type.members[static_cast<std::size_t>(behind - type.first_leaves.begin())];
+      const std::size_t member_leaf = first_leaf + *behind++;
+      if (!member(m, member_leaf)) return false;
+      leaf = member_leaf + leaf_count(m);
+    }
+    return true;
   }
 
   bool nested(const StructType& type, std::size_t leaf, std::uint32_t*& index) {

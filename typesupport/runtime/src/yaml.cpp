@@ -127,7 +127,7 @@ class YamlWriter {
   void member(const DynamicView& m, std::size_t indent) {
     if (m.error() != nullptr) return failure(*m.error());
     line(indent);
-    out_ += m.name();
+    name(m);
     if (m.is_collection()) return collection(m, indent);
     out_ += ':';
     if (m.is_struct()) {
@@ -139,6 +139,16 @@ class YamlWriter {
     const std::size_t more = scalar(m);
     comment(m, more);
     out_ += '\n';
+  }
+
+  /// Single letters, as coordinates are called, stand as they are: no reader of today takes them for
+  /// booleans.
+  void name(const DynamicView& m) {
+    if (m.name().size() > 1 && is_word(m.name()) && !m.has_only_size()) {
+      append_quoted(out_, m.name());
+    } else {
+      out_ += m.name();
+    }
   }
 
   void collection(const DynamicView& m, std::size_t indent) {

@@ -61,6 +61,8 @@ class FieldMask {
   bool all_of(std::size_t first, std::size_t count) const {
     return more_.empty() ? (~first_ & bits(first, count)) == 0 : all_of_words(first, count);
   }
+  /// The lowest leaf of [first, end) in the set, or `end`.
+  std::size_t next(std::size_t first, std::size_t end) const noexcept;
   bool empty() const;
   bool is_full() const { return all_of(0, leaves_); }
   std::size_t size() const;

@@ -124,6 +124,11 @@ struct StructType {
   std::uint32_t alignment = 1;       ///< the largest of all primitives and lengths below
   bool is_packed_in_memory = false;  ///< and the owned struct has the very same bytes
 
+  /// Of a type that was not compiled in: first leaf of each member, counted from the first leaf of the
+  /// struct. Then walks find the members of which something is selected without looking at all others: nobody
+  /// vouches that those are few.
+  std::span<const std::uint32_t> first_leaves{};
+
   constexpr StructType() = default;
   constexpr StructType(std::string_view name, std::span<const Member> members);
 
@@ -189,10 +194,13 @@ constexpr void StructType::find_packing() {
                         (m.kind != Kind::structure || m.type->is_packed_in_memory);
     if (alignment_of(m) > alignment) alignment = alignment_of(m);
     bytes += std::uint64_t{m.count} * own;
+    if (bytes >> 32 != 0) {  // before a sum of more overflows
+      is_packed = false;
+      bytes = 0;
+    }
   }
   // Without padding in front of it wherever it stands, and none between two of them.
-  if (!is_packed || alignment_of(members[0]) != alignment || bytes % alignment != 0 || bytes >> 32 != 0)
-    return;
+  if (!is_packed || alignment_of(members[0]) != alignment || bytes % alignment != 0) return;
   packed_bytes = static_cast<std::uint32_t>(bytes);
   is_packed_in_memory = is_same_in_memory;
 }

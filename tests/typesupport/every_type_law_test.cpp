@@ -1,0 +1,171 @@
+// The projection law, for every type that there is. What a mask leaves of a value is the same by all ways:
+// encoded under the mask or projected from a larger sample, with the compiled type or with one that was
+// parsed from its description; decoded into the owned struct or read through a dynamic view. And all of it is
+// what the plainest implementation says (reference.h).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iostream>
+#include <set>
+
+#include "sft/typesupport/decode.h"
+#include "sft/typesupport/dynamic_type.h"
+#include "sft/typesupport/dynamic_view.h"
+#include "sft/typesupport/project.h"
+#include "tests/support/encoded.h"
+#include "tests/support/message_types.h"
+#include "tests/support/random_value.h"
+#include "tests/support/reference.h"
+#include "tests/support/value_tree.h"
+
+#ifndef SFT_TEST_TRIPLES
+#define SFT_TEST_TRIPLES 400000
+#endif
+
+namespace sft {
+namespace {
+
+using test::Encoded;
+using test::MessageType;
+using test::OwnedValue;
+namespace reference = test::reference;
+
+constexpr std::size_t triples_wanted = SFT_TEST_TRIPLES;  // of a type, a value and a mask
+constexpr std::size_t masks_per_value = 4;
+
+std::vector<std::byte> bytes_of(const Projection& projection) {
+  std::vector<std::byte> bytes;
+  bytes.reserve(projection.bytes());
+  for (const Segment& s : projection.segments()) bytes.insert(bytes.end(), s.data, s.data + s.bytes);
+  return bytes;
+}
+
+/// Of all sequences of structs.
+FieldMask lengths_of(const TypeSupport& type) {
+  FieldMask lengths(type.leaves());
+  for (const std::size_t leaf : type.full()) {
+    FieldMask one(type.leaves());
+    one.insert(leaf);
+    lengths |= type.closed(one) - one - type.closed(FieldMask(type.leaves()));
+  }
+  return lengths;
+}
+
+class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterface<MessageType> {
+ protected:
+  static void TearDownTestSuite() {
+    std::cout << "checked " << checked_in_all << " triples of a type, a value and a mask\n";
+    RecordProperty("triples", std::to_string(checked_in_all));
+  }
+
+  OwnedValue random_value() {
+    OwnedValue value = GetParam().make();
+    values.fill(value.type(), value.get());
+    return value;
+  }
+
+  /// Of all kinds: of some density, a single leaf, all but one, only lengths, none, all. Not closed.
+  FieldMask random_mask() {
+    const std::size_t leaves = compiled.leaves();
+    switch (random() % 8) {
+      case 0:
+        return values.mask(leaves) & lengths;
+      case 1: {
+        FieldMask mask = compiled.full();
+        mask.erase(random() % leaves);
+        return mask;
+      }
+      default:
+        return values.mask(leaves);
+    }
+  }
+
+  void law(const OwnedValue& value, const Encoded& full, const FieldMask& asked) {
+    const FieldMask mask = reference::closed(type, asked);
+    ASSERT_EQ(compiled.closed(asked), mask);
+    ASSERT_EQ(parsed.support().closed(asked), mask);
+
+    const Encoded sample(type, value.get(), mask);
+    ASSERT_EQ(sample.bytes(), reference::cdr(value, mask));
+    projections_are_the_sample(full, sample);
+    projections_are_the_sample(Encoded(type, value.get(), mask | compiled.closed(random_mask())), sample);
+
+    OwnedValue expected = GetParam().make();
+    reference::project(value, mask, expected);
+    walks_find_the_index(sample);
+    decodes_to(expected, sample);
+    shows(expected, sample);
+  }
+
+  /// By a plan of the compiled type and by one of the parsed type.
+  void projections_are_the_sample(const Encoded& source, const Encoded& sample) {
+    for (const StructType* of : {&type, &parsed.type()}) {
+      ASSERT_TRUE(projection.project(source.state(), ProjectionPlan(*of, *sample.state().mask)));
+      ASSERT_EQ(bytes_of(projection), sample.bytes())
+          << "from '" << compiled.format_mask(*source.state().mask) << "'";
+    }
+  }
+
+  void walks_find_the_index(const Encoded& sample) {
+    for (const StructType* of : {&type, &parsed.type()}) {
+      std::vector<std::uint32_t> index(sample.slots(), 0x5a5a5a5a);
+      std::uint32_t end = 0;
+      ASSERT_EQ(build_index(sample.state(), *of, index, &end), WalkStatus::ok);
+      ASSERT_EQ(end, sample.state().body_bytes);
+      ASSERT_TRUE(std::equal(index.begin(), index.end(), sample.state().index));
+      ASSERT_EQ(skip(sample.state(), *of, 0, 0), end);
+    }
+  }
+
+  void decodes_to(const OwnedValue& expected, const Encoded& sample) {
+    OwnedValue decoded = GetParam().make();
+    ASSERT_EQ(decode(sample.state(), type, decoded.get()), WalkStatus::ok);
+    ASSERT_TRUE(same_value(decoded, expected));
+  }
+
+  /// The members that are there, the values that they have, and no others.
+  void shows(const OwnedValue& expected, const Encoded& sample) {
+    SampleState state = sample.state();
+    if (random() % 2 == 0) state.index = nullptr;
+    ASSERT_EQ(test::value_tree(DynamicView(state, parsed.type())), test::value_tree(expected, *state.mask));
+    ASSERT_FALSE(state.is_malformed());
+  }
+
+  static inline std::size_t checked_in_all = 0;  // by this process: it may be one of several shards
+
+  const TypeSupport& compiled = *GetParam().support;
+  const StructType& type = compiled.type();
+  const DynamicType parsed = DynamicType::parse(describe(type)).value();
+  const FieldMask lengths = lengths_of(compiled);
+  Projection projection;  // one for all rounds: nothing of a previous sample may shine through
+  test::RandomValues values{random};
+};
+
+TEST_P(EveryTypeLaw, HoldsByAllWays) {
+  const std::size_t triples = triples_wanted / test::every_type().size() + 1;
+  std::size_t checked = 0;
+  while (checked < triples) {
+    const OwnedValue value = random_value();
+    const Encoded full(type, value.get(), compiled.full());
+    for (std::size_t i = 0; i < masks_per_value; ++i, ++checked) {
+      const FieldMask mask = random_mask();
+      ASSERT_NO_FATAL_FAILURE(law(value, full, mask))
+          << "triple " << checked << ", mask '" << compiled.format_mask(mask) << "'";
+    }
+  }
+  checked_in_all += checked;
+}
+
+TEST(EveryType, IsThereOnce) {
+  std::set<std::string_view> names;
+  for (const MessageType& type : test::every_type())
+    EXPECT_TRUE(names.insert(type.support->name()).second) << type.support->name();
+  EXPECT_GE(names.size(),
+            200U);  // 118 of the common packages, 11 of ROS 2's tests, those made to be difficult
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, EveryTypeLaw, ::testing::ValuesIn(test::every_type()),
+                         [](const auto& type) { return type.param.test_name(); });
+
+}  // namespace
+}  // namespace sft
