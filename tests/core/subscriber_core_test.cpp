@@ -76,7 +76,7 @@ TEST_F(SubscriberCoreTest, SamplesOfBothPathsComeInTheOrderOfTheirWriter) {
 }
 
 TEST_F(SubscriberCoreTest, WhatAPortLostUnseenIsCountedAlsoWhenThePortIsGone) {
-  shm->lost = 5;
+  shm->unnoticed = 5;
   EXPECT_EQ(subscriber->status().lost, 5U);
   subscriber->set_port(TransportKind::shm, nullptr);
   EXPECT_EQ(subscriber->status().lost, 5U);
