@@ -3,7 +3,6 @@
 #include <array>
 #include <nav_msgs/msg/OccupancyGrid.hpp>
 #include <nav_msgs/msg/Odometry.hpp>
-#include <ostream>
 #include <proof.hpp>
 #include <sensor_msgs/msg/BatteryState.hpp>
 #include <sensor_msgs/msg/Image.hpp>
@@ -12,15 +11,6 @@
 #include <torture.hpp>
 
 namespace sft::test {
-
-std::string MessageType::test_name() const {
-  std::string result;
-  for (const char c : support->name()) {
-    if (c != ':') result += c;
-    if (c == ':' && result.back() != '_') result += '_';
-  }
-  return result;
-}
 
 std::span<const MessageType> all_types() {
   static const std::array types{
@@ -46,7 +36,5 @@ std::span<const MessageType> all_types() {
 }
 
 std::span<const MessageType> common_types() { return all_types().first(6); }
-
-void PrintTo(const MessageType& type, std::ostream* out) { *out << type.support->name(); }
 
 }  // namespace sft::test

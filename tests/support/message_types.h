@@ -1,7 +1,7 @@
 // The message types that tests run over.
 #pragma once
 
-#include <iosfwd>
+#include <ostream>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,8 +20,17 @@ struct MessageType {
     return std::string(support->name().substr(support->name().rfind(':') + 1));
   }
   /// "sensor_msgs_msg_Image": letters that a test's name may have.
-  std::string test_name() const;
+  std::string test_name() const {
+    std::string result;
+    for (const char c : support->name()) {
+      if (c != ':') result += c;
+      if (c == ':' && result.back() != '_') result += '_';
+    }
+    return result;
+  }
 };
+
+inline void PrintTo(const MessageType& type, std::ostream* out) { *out << type.support->name(); }
 
 template <class T>
 MessageType message_type() {
@@ -42,7 +51,5 @@ std::span<const MessageType> all_types();
 /// Those, and behind them all others that the tests and the common packages have, by name. Only for programs
 /// that link to sft_every_type.
 std::span<const MessageType> every_type();
-
-void PrintTo(const MessageType& type, std::ostream* out);
 
 }  // namespace sft::test

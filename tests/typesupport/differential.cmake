@@ -66,7 +66,7 @@ function(sft_differential_test name)
 
   add_executable(${name} differential_test.cpp ${arg_SOURCES} ${parts}
     ${support}/c_struct.cpp ${support}/cyclone_cdr.cpp ${support}/cyclone_loopback.cpp ${support}/owned_value.cpp
-    ${support}/message_types.cpp ${support}/random_value.cpp ${support}/reference.cpp ${support}/test_seed.cpp)
+    ${support}/random_value.cpp ${support}/reference.cpp ${support}/test_seed.cpp)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${arg_INTERFACES} sft_typesupport cyclone_test_types
     GTest::gtest_main GTest::gmock sft_warnings)
