@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/qos.h"
 #include "core/transport.h"
 
 namespace sft::core {
@@ -43,6 +44,7 @@ struct Endpoint {
   DoorbellAddress doorbell;
   std::uint64_t max_sample_bytes = 0;
   bool recorded = false;
+  Qos qos;
   Request request;
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 
 namespace sft::core {
 
@@ -26,6 +27,29 @@ void put(char (&to)[N], const std::string& text) {
 tl::unexpected<Error> wrong_version(unsigned version) {
   return fail(Errc::malformed, "a control sample of protocol version " + std::to_string(version) +
                                    ", this is " + std::to_string(sft_control_protocol_version));
+}
+
+sft_control_Qos to_dds(const Qos& qos) {
+  sft_control_Qos out{};
+  out.reliability = static_cast<std::uint8_t>(qos.reliability);
+  out.durability = static_cast<std::uint8_t>(qos.durability);
+  out.liveliness = static_cast<std::uint8_t>(qos.liveliness);
+  out.deadline = static_cast<std::uint64_t>(qos.deadline.count());
+  out.liveliness_lease = static_cast<std::uint64_t>(qos.liveliness_lease.count());
+  return out;
+}
+
+std::optional<Qos> from_dds(const sft_control_Qos& in) {
+  constexpr std::uint64_t longest = INT64_MAX;
+  if (in.reliability > 1 || in.durability > 1 || in.liveliness > 1 || in.deadline > longest ||
+      in.liveliness_lease > longest) {
+    return std::nullopt;
+  }
+  return Qos{.reliability = static_cast<Reliability>(in.reliability),
+             .durability = static_cast<Durability>(in.durability),
+             .deadline = std::chrono::nanoseconds(in.deadline),
+             .liveliness = static_cast<Liveliness>(in.liveliness),
+             .liveliness_lease = std::chrono::nanoseconds(in.liveliness_lease)};
 }
 
 }  // namespace
@@ -64,6 +88,7 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.doorbell_slot = endpoint.doorbell.slot;
   out.max_sample_bytes = endpoint.max_sample_bytes;
   out.recorded = endpoint.recorded;
+  out.qos = to_dds(endpoint.qos);
   out.request = to_dds(endpoint.request);
   return out;
 }
@@ -83,6 +108,8 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   if (in.id == 0 || in.role > static_cast<std::uint8_t>(Role::reader) || in.topic[0] == '\0') {
     return fail(Errc::malformed, "an endpoint without id, role or topic");
   }
+  const std::optional<Qos> qos = from_dds(in.qos);
+  if (!qos) return fail(Errc::malformed, "an endpoint of unknown quality of service");
   Endpoint out;
   out.id = in.id;
   out.role = static_cast<Role>(in.role);
@@ -101,6 +128,7 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   out.doorbell = {in.doorbell_page, in.doorbell_slot};
   out.max_sample_bytes = in.max_sample_bytes;
   out.recorded = in.recorded;
+  out.qos = *qos;
   out.request = {.reader = in.id,
                  .sequence = in.request.request_sequence,
                  .mask_words = copy(in.request.mask),

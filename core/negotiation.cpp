@@ -139,7 +139,13 @@ Negotiation::Verdict Negotiation::judge(const Endpoint& writer, const Endpoint& 
   } else if (writer.type_hash != reader.type_hash) {
     verdict.mismatch = "two different definitions of type " + writer.type_name;
   }
-  if (!verdict.mismatch.empty()) return verdict;
+  verdict.incompatible_type = !verdict.mismatch.empty();
+  if (verdict.incompatible_type) return verdict;
+  if (QosConflict conflict = conflict_between(writer.qos, reader.qos); conflict.policy != QosPolicy::none) {
+    verdict.incompatible_policy = conflict.policy;
+    verdict.mismatch = std::move(conflict.reason);
+    return verdict;
+  }
   verdict.shm = writer.may_use_shm && reader.may_use_shm && self_.host.known() && writer.host == self_.host &&
                 reader.host == self_.host;
   verdict.udp = writer.may_use_udp && reader.may_use_udp && !reader.addresses.empty();
@@ -171,6 +177,8 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   const Verdict verdict = judge(writer.endpoint, r);
   if (!verdict.mismatch.empty()) {
     status.reason = verdict.mismatch;
+    status.incompatible_type = verdict.incompatible_type;
+    status.incompatible_policy = verdict.incompatible_policy;
     return status;
   }
   status.mask = type.closed(FieldMask::from_words(type.leaves(), r.request.mask_words));
@@ -220,6 +228,8 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     hearing.shm = verdict.shm;
     hearing.udp = verdict.udp;
     const bool attached = verdict.shm && holds(r.request.attached, w.id);
+    hearing.status.incompatible_type = verdict.incompatible_type;
+    hearing.status.incompatible_policy = verdict.incompatible_policy;
     hearing.status.matched = verdict.shm || verdict.udp;
     hearing.status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
     hearing.status.reason = !verdict.mismatch.empty() ? verdict.mismatch

@@ -87,7 +87,9 @@ class Negotiation {
   };
   struct Verdict {         ///< on one pair, as far as both sides see it alike
     std::string mismatch;  ///< not empty: never matches, and why
-    bool shm = false;      ///< both may and can use shared memory
+    bool incompatible_type = false;
+    QosPolicy incompatible_policy = QosPolicy::none;
+    bool shm = false;  ///< both may and can use shared memory
     bool udp = false;
     std::string udp_reason;
   };

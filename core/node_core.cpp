@@ -111,7 +111,10 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
                                                     std::string_view topic, const TypeSupport& type,
                                                     const PublisherOptions& options) {
   if (auto ok = check_endpoint(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
+  const Result<Qos> qos = qos_of(options);
+  if (!qos) return tl::unexpected(qos.error());
   Endpoint endpoint = new_endpoint(Role::writer, topic, type, options.transport);
+  endpoint.qos = *qos;
   endpoint.max_sample_bytes = options.max_sample_bytes;
   std::shared_ptr<WriterPort> udp;
   if (endpoint.may_use_udp) {
@@ -121,11 +124,12 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   }
   auto core = std::make_shared<PublisherCore>(
       PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes,
-                          options.on_readers_changed},
+                          options.on_readers_changed, options.on_event},
       heap_, std::move(udp));
   agent_.post([this, endpoint, core] { reconciler_->add_writer(endpoint, core); });
   // The handle withdraws the endpoint; the agent lets go of the rest.
   std::shared_ptr<PublisherCore> handle(core.get(), [self, core, id = endpoint.id](PublisherCore*) {
+    core->events().close();
     self->agent_.post([node = self.get(), id] { node->reconciler_->remove(id); });
   });
   return untyped::Publisher(std::move(handle));
@@ -137,10 +141,13 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
                                                       const SubscriberOptions& options,
                                                       untyped::Callback callback) {
   if (auto ok = check_endpoint(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
+  const Result<Qos> qos = qos_of(options);
+  if (!qos) return tl::unexpected(qos.error());
   const Result<std::uint32_t> slot = callback ? Result<std::uint32_t>(0) : take_slot();
   if (!slot) return tl::unexpected(slot.error());
   Endpoint endpoint = new_endpoint(Role::reader, topic, type, options.transport);
   endpoint.recorded = requirement.recorded;
+  endpoint.qos = *qos;
   endpoint.doorbell = {bells_->id(), *slot};
   // Without a shared page nobody else could ring.
   endpoint.may_use_shm = endpoint.may_use_shm && bells_->id() != 0;

@@ -14,7 +14,8 @@ PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::s
       full_(spec_.type->full()),
       layout_(spec_.type->slots()),
       heap_(std::move(heap)),
-      udp_(std::move(udp)) {
+      udp_(std::move(udp)),
+      events_(spec_.on_event) {
   outlets_.store(outlets_for({}, nullptr));
 }
 

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "core/buffer_pool.h"
+#include "core/event_sink.h"
 #include "core/negotiation.h"
 #include "core/snapshot.h"
 #include "core/transport.h"
@@ -29,6 +30,7 @@ class PublisherCore {
     const TypeSupport* type = nullptr;
     std::size_t max_sample_bytes = 0;
     std::function<void(const PublisherStatus&)> on_readers_changed;
+    EventCallback on_event;
   };
 
   /// `heap` lends memory while nobody reads in shared memory; `udp` is null where the publisher rules it out.
@@ -42,6 +44,7 @@ class PublisherCore {
   PublisherStatus status() const;
   const TypeSupport& type() const { return *spec_.type; }
   EndpointId id() const { return spec_.id; }
+  EventSink& events() { return events_; }
 
   /// Puts a new division of readers between the ports in force. `shm` is null while there is no shared
   /// memory.
@@ -74,6 +77,7 @@ class PublisherCore {
   std::atomic<bool> publishing_{false};  ///< publish() is between reading the outlets and having sent
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> dropped_{0};
+  EventSink events_;
 
   mutable std::mutex status_mutex_;
   std::vector<ReaderStatus> readers_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/events.h"
+
 namespace sft::core {
 
 namespace {
@@ -236,6 +238,19 @@ void Reconciler::reconcile() {
     apply_desired_states();
     look_after_connections();
   }
+  tell_what_happened();
+}
+
+/// Events are what differs between the states that users could have polled.
+void Reconciler::tell_what_happened() {
+  const auto tell = [](auto& core, auto& told) {
+    if (!core.events().wanted()) return;
+    auto now = core.status();
+    for (const Event& event : events_between(told, now)) core.events().tell(event);
+    told = std::move(now);
+  };
+  for (auto& [id, writer] : writers_) tell(*writer.core, writer.told);
+  for (auto& [id, reader] : readers_) tell(*reader.core, reader.told);
 }
 
 void Reconciler::apply_desired_states() {

@@ -66,6 +66,7 @@ class Reconciler {
     std::shared_ptr<PublisherCore> core;
     std::shared_ptr<WriterPort> shm;
     std::optional<Serving> in_force;
+    PublisherStatus told;  ///< the state up to which its events were told
   };
   struct AcceptedMask {
     FieldMask mask;
@@ -79,6 +80,7 @@ class Reconciler {
     std::map<EndpointId, Hearing> heard;
     std::vector<AcceptedMask> accepted;  ///< newest last
     std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
+    SubscriberStatus told;
   };
 
   void look_after_shm();
@@ -94,6 +96,8 @@ class Reconciler {
   Result<void> connect_shm(EndpointId id, Reader& reader, const Source& source);
   template <class Open>
   bool try_shm(Open open);
+
+  void tell_what_happened();
 
   void announce(EndpointId id);
   void request_changed(EndpointId id);

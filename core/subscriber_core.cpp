@@ -15,6 +15,7 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
     : spec_(std::move(spec)),
       bell_(bell),
       recorder_(std::move(recorder)),
+      events_(spec_.options.on_event),
       requested_(spec_.requirement.mask) {}
 
 void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> port) {
@@ -186,6 +187,7 @@ void SubscriberCore::call_back_for_all() {
 
 void SubscriberCore::close() {
   closed_.store(true);
+  events_.close();
   while (const std::uint32_t pending = pending_.load()) {
     if (dispatching_.load() == std::this_thread::get_id()) return;
     pending_.wait(pending);

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "core/doorbell.h"
+#include "core/event_sink.h"
 #include "core/negotiation.h"
 #include "core/recorder.h"
 #include "core/transport.h"
@@ -60,6 +61,7 @@ class SubscriberCore final : public ArrivalListener {
   const TypeSupport& type() const { return *spec_.type; }
   const Spec& spec() const { return spec_; }
   bool has_callback() const { return static_cast<bool>(spec_.callback); }
+  EventSink& events() { return events_; }
 
   // The agent's.
   void set_port(TransportKind kind, std::shared_ptr<ReaderPort> port);
@@ -95,6 +97,7 @@ class SubscriberCore final : public ArrivalListener {
   const Spec spec_;
   Doorbell& bell_;
   const std::shared_ptr<Recorder> recorder_;
+  EventSink events_;
 
   std::mutex mutex_;             // never held over a system call or a callback
   std::array<Inlet, 2> inlets_;  // by TransportKind

@@ -204,6 +204,31 @@ TEST_F(NegotiationTest, AnotherDefinitionOfTheTypeNeverMatchesAndSaysSo) {
   EXPECT_EQ(serving.readers.at(0).reason, "two different definitions of type sensor_msgs::msg::PointCloud2");
 }
 
+TEST_F(NegotiationTest, AnIncompatiblePairNeverMatchesAndBothSidesSayWhy) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.qos.reliability = reliable;
+  negotiation.endpoint_seen(reader);
+  const Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.udp.empty());
+  EXPECT_FALSE(serving.shm_port);
+  EXPECT_FALSE(serving.readers.at(0).served);
+  EXPECT_EQ(serving.readers.at(0).incompatible_policy, QosPolicy::reliability);
+
+  Endpoint demanding = endpoint(Role::reader, 200);
+  demanding.qos.deadline = 5ms;
+  negotiation.local_added(demanding, type);
+  Endpoint writer = endpoint(Role::writer, 8);
+  writer.qos.deadline = 10ms;
+  negotiation.endpoint_seen(writer);
+  ASSERT_EQ(negotiation.hearing(200).size(), 2U);
+  for (const Hearing& hearing : negotiation.hearing(200)) {
+    EXPECT_FALSE(hearing.shm || hearing.udp || hearing.status.matched);
+    EXPECT_EQ(hearing.status.incompatible_policy, QosPolicy::deadline);
+    EXPECT_NE(hearing.status.reason.find("is offered, 5 ms is requested"), std::string::npos);
+  }
+}
+
 TEST_F(NegotiationTest, EndpointsOfOtherTopicsAreNobodysBusiness) {
   our_writer();
   Endpoint reader = endpoint(Role::reader, 7);

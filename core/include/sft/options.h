@@ -9,6 +9,9 @@
 #include <string>
 #include <string_view>
 
+#include "sft/event.h"
+#include "sft/qos.h"
+
 namespace sft {
 
 /// Which way samples may travel. `automatic` is shared memory between processes of one host and UDP between
@@ -48,12 +51,20 @@ struct NodeOptions {
 
 struct PublisherStatus;
 
+/// Durations of 0 mean none: no deadline, never expires, no lease.
 struct PublisherOptions {
   TransportChoice transport = TransportChoice::automatic;
+  Reliability reliability = Reliability::best_effort;  ///< see there for what it means over UDP
+  Durability durability = Durability::volatile_;
+  std::chrono::nanoseconds deadline{
+      0};  ///< it promises a sample at least so often, and is told when it fails
+  Liveliness liveliness = Liveliness::automatic;
+  std::chrono::nanoseconds liveliness_lease{0};     ///< promises a sign of life at least so often
   std::size_t max_sample_bytes = 16 * 1024 * 1024;  ///< announced: readers set memory aside for no more
-  /// After readers came, left or changed what they ask for, and that is in force. On the node's agent thread:
-  /// be short.
+  /// After readers came, left or changed what they ask for, and that is in force: all of them as they are
+  /// now. (For what happened to each there is on_event.) On the node's agent thread: be short.
   std::function<void(const PublisherStatus&)> on_readers_changed{};
+  EventCallback on_event{};
 };
 
 struct RecordingSettings {
@@ -62,11 +73,18 @@ struct RecordingSettings {
       100;  ///< later, a field not read for so many samples is no longer asked for
 };
 
+/// Durations of 0 mean none: any deadline will do, any liveliness.
 struct SubscriberOptions {
   TransportChoice transport = TransportChoice::automatic;
+  Reliability reliability = Reliability::best_effort;
+  Durability durability = Durability::volatile_;
   std::uint32_t depth =
       8;  ///< samples kept until taken, per publisher; then the oldest are lost, and counted
+  std::chrono::nanoseconds deadline{0};  ///< it expects a sample of each publisher at least so often
+  Liveliness liveliness = Liveliness::automatic;
+  std::chrono::nanoseconds liveliness_lease{0};  ///< it expects a sign of life at least so often
   RecordingSettings recording{};
+  EventCallback on_event{};
 };
 
 }  // namespace sft

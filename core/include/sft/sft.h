@@ -1,9 +1,11 @@
 // Everything a program needs, beside the headers generated for its message types.
 #pragma once
 
+#include "sft/event.h"       // IWYU pragma: export
 #include "sft/node.h"        // IWYU pragma: export
 #include "sft/options.h"     // IWYU pragma: export
 #include "sft/publisher.h"   // IWYU pragma: export
+#include "sft/qos.h"         // IWYU pragma: export
 #include "sft/sample.h"      // IWYU pragma: export
 #include "sft/status.h"      // IWYU pragma: export
 #include "sft/subscriber.h"  // IWYU pragma: export

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sft/qos.h"
 #include "sft/typesupport/field_mask.h"
 
 namespace sft {
@@ -19,6 +20,8 @@ struct ReaderStatus {
   bool served = false;  ///< false: `reason` says why nothing is sent
   TransportKind transport{};
   std::string reason{};  ///< for the transport, or for not being served
+  bool incompatible_type = false;
+  QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
   FieldMask mask{};
   std::uint64_t request_sequence = 0;  ///< of the STR in force
   friend bool operator==(const ReaderStatus&, const ReaderStatus&) = default;
@@ -38,6 +41,8 @@ struct WriterStatus {
   bool matched = false;  ///< false: `reason` says why
   TransportKind transport{};
   std::string reason{};
+  bool incompatible_type = false;
+  QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
   std::uint64_t received = 0;
   std::uint64_t lost = 0;  ///< samples of which the sequence number was missed
 };
