@@ -23,6 +23,7 @@ struct Request {
   EndpointId reader = 0;
   std::uint64_t sequence = 0;
   std::vector<std::uint64_t> mask_words;
+  std::uint32_t min_period_us = 0;    ///< one sample for each such period, no more; 0: all
   std::vector<EndpointId> listening;  ///< writers of which the reader takes datagrams
   std::vector<EndpointId> attached;   ///< writers that the reader hears through shared memory
   friend bool operator==(const Request&, const Request&) = default;

@@ -60,6 +60,7 @@ sft_control_Request to_dds(const Request& request) {
   out.version = sft_control_protocol_version;
   out.request_sequence = request.sequence;
   out.mask = borrow(request.mask_words, mask_words_max);
+  out.min_period_us = request.min_period_us;
   out.listening = borrow(request.listening, writers_per_reader_max);
   out.attached = borrow(request.attached, writers_per_reader_max);
   return out;
@@ -99,6 +100,7 @@ Result<Request> from_dds(const sft_control_Request& request) {
   return Request{.reader = request.reader,
                  .sequence = request.request_sequence,
                  .mask_words = copy(request.mask),
+                 .min_period_us = request.min_period_us,
                  .listening = copy(request.listening),
                  .attached = copy(request.attached)};
 }
@@ -132,6 +134,7 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   out.request = {.reader = in.id,
                  .sequence = in.request.request_sequence,
                  .mask_words = copy(in.request.mask),
+                 .min_period_us = in.request.min_period_us,
                  .listening = copy(in.request.listening),
                  .attached = copy(in.request.attached)};
   return out;

@@ -98,6 +98,16 @@ bool Negotiation::requirement_changed(EndpointId reader, const FieldMask& mask) 
   return true;
 }
 
+bool Negotiation::rate_changed(EndpointId reader, std::uint32_t min_period_us) {
+  const auto entry = entries_.find(reader);
+  if (entry == entries_.end() || entry->second.type == nullptr) return false;
+  Request& request = entry->second.endpoint.request;
+  if (request.min_period_us == min_period_us) return false;
+  request.min_period_us = min_period_us;
+  ++request.sequence;
+  return true;
+}
+
 bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, TransportKind path,
                                      bool connected) {
   const auto entry = entries_.find(reader);
@@ -182,6 +192,8 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
     return status;
   }
   status.mask = type.closed(FieldMask::from_words(type.leaves(), r.request.mask_words));
+  const std::uint32_t period = r.request.min_period_us;
+  status.max_rate_hz = period == 0 ? 0 : 1e6 / period;
   if (reader.lost_since) {
     status.reason = "its node does not answer";
     return status;
@@ -191,12 +203,12 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
     status.served = true;
     status.transport = TransportKind::shm;
     status.reason = "same host";
-    serving.shm.push_back({r.id, r.doorbell, status.mask});
+    serving.shm.push_back({r.id, r.doorbell, status.mask, period, nullptr});
   } else if (verdict.udp && holds(r.request.listening, writer.endpoint.id)) {
     status.served = true;
     status.transport = TransportKind::udp;
     status.reason = verdict.shm ? "same host, shared memory is being attached" : verdict.udp_reason;
-    serving.udp.push_back({r.id, address_of(r), status.mask});
+    serving.udp.push_back({r.id, address_of(r), status.mask, period, nullptr});
   } else if (verdict.udp) {
     status.reason = "the subscriber is not listening yet";
   } else {

@@ -67,6 +67,7 @@ class Negotiation {
   bool request_received(const Request& request);
   /// One of our readers needs other fields now.
   bool requirement_changed(EndpointId reader, const FieldMask& mask);
+  bool rate_changed(EndpointId reader, std::uint32_t min_period_us);
   /// What a writer sends to one of our readers by that path arrives now, or does no longer.
   bool connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected);
   bool tick(Now now);

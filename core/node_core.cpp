@@ -155,6 +155,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   endpoint.request.reader = endpoint.id;
   endpoint.request.sequence = 1;
   endpoint.request.mask_words = requirement.mask.to_words();
+  endpoint.request.min_period_us = *min_period_us_of(options.max_rate_hz);  // checked with the other policies
   Reconciler::NewReader reader;
   if (requirement.recorded) {
     reader.recorder = Recorder::make(type.leaves(), options.recording, [this, id = endpoint.id] {
@@ -162,7 +163,17 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
     });
   }
   reader.core = std::make_shared<SubscriberCore>(
-      SubscriberCore::Spec{endpoint.id, endpoint.topic, &type, requirement, options, std::move(callback)},
+      SubscriberCore::Spec{.id = endpoint.id,
+                           .topic = endpoint.topic,
+                           .type = &type,
+                           .requirement = requirement,
+                           .options = options,
+                           .callback = std::move(callback),
+                           .min_period_us = endpoint.request.min_period_us,
+                           .rate_changed =
+                               [this, id = endpoint.id](std::uint32_t min_period_us) {
+                                 agent_.post([=, this] { reconciler_->rate_changed(id, min_period_us); });
+                               }},
       bells_->at(*slot), reader.recorder);
   if (endpoint.may_use_udp) {
     auto port = udp_->open_reader({endpoint.id, &type, options.depth, reader.core.get(), endpoint.doorbell});
@@ -171,7 +182,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
       return tl::unexpected(port.error());
     }
     reader.udp = std::move(*port);
-    reader.udp->accept_masks({requirement.mask});
+    reader.udp->accept({{requirement.mask, endpoint.request.min_period_us}});
     reader.core->set_port(TransportKind::udp, reader.udp);
   }
   const std::shared_ptr<SubscriberCore> core = reader.core;

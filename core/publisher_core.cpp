@@ -1,5 +1,6 @@
 #include "core/publisher_core.h"
 
+#include <algorithm>
 #include <cstring>
 #include <thread>
 
@@ -8,6 +9,17 @@
 #include "sft/typesupport/walk.h"
 
 namespace sft::core {
+
+namespace {
+
+constexpr std::size_t gates_remembered_max = 64;
+
+template <class T>
+bool contains(const std::vector<T>& all, const T& one) {
+  return std::find(all.begin(), all.end(), one) != all.end();
+}
+
+}  // namespace
 
 PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<WriterPort> udp)
     : spec_(std::move(spec)),
@@ -27,10 +39,54 @@ std::shared_ptr<PublisherCore::Outlets> PublisherCore::outlets_for(const Serving
   outlets->to_udp = udp_ != nullptr && !serving.udp.empty();
   outlets->mask = outlets->to_shm ? full_ : spec_.type->closed(spec_.type->none());
   for (const Route& route : serving.udp) outlets->mask |= route.mask;
+  for (const auto* routes : {&serving.shm, &serving.udp}) {
+    for (const Route& route : *routes) {
+      outlets->to_all |= route.gate == nullptr;
+      const auto gate = gates_.find(route.min_period_us);
+      if (route.gate == nullptr || contains(outlets->gates, gate->second)) continue;
+      outlets->gates.push_back(gate->second);
+    }
+  }
   return outlets;
 }
 
-void PublisherCore::serve(const Serving& serving, std::shared_ptr<WriterPort> shm) {
+/// One gate for each limit, kept for a while when nobody asks for it any more: its numbers go on when
+/// somebody does again.
+std::shared_ptr<RateGate> PublisherCore::gate_for(std::uint32_t min_period_us) {
+  if (min_period_us == 0) return nullptr;
+  std::shared_ptr<RateGate>& gate = gates_[min_period_us];
+  if (gate == nullptr) gate = std::make_shared<RateGate>(min_period_us);
+  return gate;
+}
+
+void PublisherCore::find_gates(Serving& serving) {
+  if (gates_.size() > gates_remembered_max) {
+    std::erase_if(gates_, [](const auto& item) { return item.second.use_count() == 1; });
+  }
+  for (auto* routes : {&serving.shm, &serving.udp}) {
+    for (Route& route : *routes) route.gate = gate_for(route.min_period_us);
+  }
+}
+
+/// With the status mutex held: what was withheld from a reader stays its own when it changes its limit.
+void PublisherCore::follow_withholding(const Serving& serving) {
+  std::erase_if(withholding_, [&](const auto& item) {
+    return std::none_of(serving.readers.begin(), serving.readers.end(),
+                        [&](const ReaderStatus& reader) { return reader.id == item.first; });
+  });
+  for (const auto* routes : {&serving.shm, &serving.udp}) {
+    for (const Route& route : *routes) {
+      const auto known = withholding_.find(route.reader);
+      if (known != withholding_.end() ? known->second.gate == route.gate : route.gate == nullptr) continue;
+      const std::uint64_t before = known == withholding_.end() ? 0 : known->second.count();
+      const std::uint64_t at_first = route.gate == nullptr ? 0 : route.gate->withheld();
+      withholding_[route.reader] = {route.gate, at_first, before};
+    }
+  }
+}
+
+void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
+  find_gates(serving);
   const std::shared_ptr<Outlets> after = outlets_for(serving, std::move(shm));
   const std::shared_ptr<const Outlets> before = outlets_.share();
   if (!before->mask.contains(after->mask)) {
@@ -47,6 +103,7 @@ void PublisherCore::serve(const Serving& serving, std::shared_ptr<WriterPort> sh
   {
     const std::scoped_lock lock(status_mutex_);
     readers_ = serving.readers;
+    follow_withholding(serving);
   }
   if (spec_.on_readers_changed) spec_.on_readers_changed(status());
 }
@@ -56,7 +113,8 @@ PublishStatus PublisherCore::publish(const void* value) {
   const Outlets& outlets = *outlets_.load();
   PublishStatus status = PublishStatus::ok;
   if (outlets.to_shm || outlets.to_udp) {
-    status = encode_and_send(outlets, value);
+    const std::int64_t stamp_ns = realtime_ns();
+    status = admit(outlets, stamp_ns) ? encode_and_send(outlets, value, stamp_ns) : withhold();
   } else {
     sequence_.fetch_add(1, std::memory_order_relaxed);
   }
@@ -64,7 +122,24 @@ PublishStatus PublisherCore::publish(const void* value) {
   return status;
 }
 
-PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void* value) {
+/// Asks each gate once. False if the sample is for nobody.
+bool PublisherCore::admit(const Outlets& outlets, std::int64_t stamp_ns) noexcept {
+  bool passes = outlets.to_all || outlets.gates.empty();
+  for (const auto& gate : outlets.gates) {
+    gate->consider(stamp_ns);
+    passes |= gate->passes();
+  }
+  return passes;
+}
+
+/// Counts a sample that its readers do not want, so that they can tell.
+PublishStatus PublisherCore::withhold() noexcept {
+  sequence_.fetch_add(1, std::memory_order_relaxed);
+  return PublishStatus::ok;
+}
+
+PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void* value,
+                                             std::int64_t stamp_ns) {
   const StructType& type = spec_.type->type();
   const EncodedSize size = encoded_size(type, value, outlets.mask);
   if (size.status != EncodeStatus::ok || size.bytes > spec_.max_sample_bytes) return PublishStatus::invalid;
@@ -73,7 +148,7 @@ PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void*
   fill_header(*sample, outlets.mask, size.bytes);
   encode(type, value, outlets.mask, {sample->data + layout_.body_offset, size.bytes},
          {sample->index(), spec_.type->slots()});
-  return send(outlets, sample);
+  return send(outlets, sample, stamp_ns);
 }
 
 /// Counts a sample that could not be made, so that readers see that one is missing.
@@ -94,6 +169,7 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> payl
     return fail(Errc::limit_exceeded, "a payload of " + std::to_string(payload.size()) +
                                           " bytes; raise PublisherOptions::max_sample_bytes");
   }
+  const std::int64_t stamp_ns = realtime_ns();
   const Outlets& outlets = *outlets_.load();
   auto bytes = static_cast<std::uint32_t>(body.size());
   const SampleHandle sample = lend(outlets, bytes);
@@ -107,7 +183,7 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> payl
                 std::string("not a ") + std::string(spec_.type->name()) + ": " + to_string(walked));
   }
   fill_header(*sample, full_, bytes);
-  return send(outlets, sample);
+  return admit(outlets, stamp_ns) ? send(outlets, sample, stamp_ns) : withhold();
 }
 
 Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const Reservation> reservations) {
@@ -125,7 +201,11 @@ Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const 
   return sample;
 }
 
-PublishStatus PublisherCore::commit(SampleHandle sample) { return send(*outlets_.load(), sample); }
+PublishStatus PublisherCore::commit(SampleHandle sample) {
+  const std::int64_t stamp_ns = realtime_ns();
+  const Outlets& outlets = *outlets_.load();
+  return admit(outlets, stamp_ns) ? send(outlets, sample, stamp_ns) : withhold();
+}
 
 SampleHandle PublisherCore::lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept {
   const std::size_t bytes = layout_.bytes(body_bytes);
@@ -150,10 +230,11 @@ void PublisherCore::fill_header(SampleBuffer& buffer, const FieldMask& mask,
               encapsulation_bytes);
 }
 
-PublishStatus PublisherCore::send(const Outlets& outlets, const SampleHandle& sample) noexcept {
+PublishStatus PublisherCore::send(const Outlets& outlets, const SampleHandle& sample,
+                                  std::int64_t stamp_ns) noexcept {
   SampleHeader& header = sample->header();
   header.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
-  header.source_stamp_ns = realtime_ns();
+  header.source_stamp_ns = stamp_ns;
   PublishStatus status = PublishStatus::ok;
   if (outlets.to_shm) {
     // It may have been lent elsewhere, before shared memory came up or while it had no chunk free.
@@ -182,6 +263,10 @@ PublisherStatus PublisherCore::status() const {
   status.bytes_sent = udp_ == nullptr ? 0 : udp_->bytes_sent();
   const std::scoped_lock lock(status_mutex_);
   status.readers = readers_;
+  for (ReaderStatus& reader : status.readers) {
+    const auto withholding = withholding_.find(reader.id);
+    if (withholding != withholding_.end()) reader.withheld = withholding->second.count();
+  }
   return status;
 }
 

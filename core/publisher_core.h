@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -48,7 +49,7 @@ class PublisherCore {
 
   /// Puts a new division of readers between the ports in force. `shm` is null while there is no shared
   /// memory.
-  void serve(const Serving& serving, std::shared_ptr<WriterPort> shm);
+  void serve(Serving serving, std::shared_ptr<WriterPort> shm);
 
  private:
   /// Where samples go at present. Immutable once stored.
@@ -56,16 +57,31 @@ class PublisherCore {
     std::shared_ptr<WriterPort> shm;
     bool to_shm = false;
     bool to_udp = false;
+    std::vector<std::shared_ptr<RateGate>> gates;
+    bool to_all = false;  ///< some reader gets every sample
     FieldMask
         mask;  ///< what has to be encoded: everything for shared memory, else the union of what is asked for
   };
 
+  /// What one reader's gates have withheld from it.
+  struct Withholding {
+    std::shared_ptr<const RateGate> gate;
+    std::uint64_t at_first = 0;  ///< the gate's count when the reader came to it
+    std::uint64_t before = 0;    ///< by other gates, earlier
+    std::uint64_t count() const { return before + (gate == nullptr ? 0 : gate->withheld() - at_first); }
+  };
+
+  void find_gates(Serving& serving);
+  std::shared_ptr<RateGate> gate_for(std::uint32_t min_period_us);
+  void follow_withholding(const Serving& serving);
+  static bool admit(const Outlets& outlets, std::int64_t stamp_ns) noexcept;
   std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;
-  PublishStatus encode_and_send(const Outlets& outlets, const void* value);
+  PublishStatus encode_and_send(const Outlets& outlets, const void* value, std::int64_t stamp_ns);
   PublishStatus no_memory() noexcept;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept;
-  PublishStatus send(const Outlets& outlets, const SampleHandle& sample) noexcept;
+  PublishStatus send(const Outlets& outlets, const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
+  PublishStatus withhold() noexcept;
   SampleHandle copy_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
 
   const Spec spec_;
@@ -81,6 +97,10 @@ class PublisherCore {
 
   mutable std::mutex status_mutex_;
   std::vector<ReaderStatus> readers_;
+  std::map<EndpointId, Withholding> withholding_;
+
+  // Of the agent's thread.
+  std::map<std::uint32_t, std::shared_ptr<RateGate>> gates_;  ///< by period; those of before as well
 };
 
 }  // namespace sft::core

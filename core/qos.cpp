@@ -1,10 +1,16 @@
 #include "core/qos.h"
 
+#include <cmath>
+
 namespace sft::core {
 
 namespace {
 
 using std::chrono::nanoseconds;
+
+// What a period in whole microseconds can say well.
+constexpr double slowest_rate_hz = 0.001;
+constexpr double fastest_rate_hz = 100'000;
 
 Result<void> check_duration(const char* name, nanoseconds duration) {
   if (duration.count() >= 0) return {};
@@ -69,9 +75,23 @@ Result<Qos> qos_of(const SubscriberOptions& options) {
                 .deadline = options.deadline,
                 .liveliness = options.liveliness,
                 .liveliness_lease = options.liveliness_lease};
+  const Result<std::uint32_t> period = min_period_us_of(options.max_rate_hz);
+  if (!period) return tl::unexpected(period.error());
+  if (options.deadline.count() != 0 && options.deadline < std::chrono::microseconds(*period)) {
+    return fail(Errc::invalid_argument, "a deadline shorter than the period of max_rate_hz is always missed");
+  }
   return check_duration("deadline", qos.deadline)
       .and_then([&] { return check_duration("liveliness_lease", qos.liveliness_lease); })
       .map([&] { return qos; });
+}
+
+Result<std::uint32_t> min_period_us_of(double max_rate_hz) {
+  if (max_rate_hz == 0) return 0;
+  if (max_rate_hz >= slowest_rate_hz && max_rate_hz <= fastest_rate_hz) {
+    return static_cast<std::uint32_t>(std::lround(1e6 / max_rate_hz));
+  }
+  return fail(Errc::invalid_argument,
+              "max_rate_hz " + std::to_string(max_rate_hz) + ": rates are 0.001 to 100000 Hz, or 0 for any");
 }
 
 QosConflict conflict_between(const Qos& offered, const Qos& requested) {

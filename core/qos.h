@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <string>
 
 #include "sft/options.h"
@@ -23,6 +24,8 @@ struct Qos {
 /// Errors name the option and what it may be.
 Result<Qos> qos_of(const PublisherOptions& options);
 Result<Qos> qos_of(const SubscriberOptions& options);
+/// What is sent of a maximum rate, rounded; 0 where there is none.
+Result<std::uint32_t> min_period_us_of(double max_rate_hz);
 
 struct QosConflict {
   QosPolicy policy = QosPolicy::none;  ///< the first that does not fit

@@ -9,7 +9,7 @@ namespace sft::core {
 
 namespace {
 
-constexpr std::size_t accepted_masks_max = 16;
+constexpr std::size_t accepted_max = 16;
 constexpr std::chrono::seconds in_flight_max{2};         // what was sent longer ago does not come any more
 constexpr std::chrono::milliseconds shm_pause_min{500};  // after the daemon did not do what was asked for
 constexpr std::chrono::milliseconds shm_pause_max{10'000};
@@ -59,7 +59,7 @@ void Reconciler::add_reader(const Endpoint& endpoint, NewReader reader) {
   added.core = std::move(reader.core);
   added.recorder = std::move(reader.recorder);
   added.udp = std::move(reader.udp);
-  added.accepted = {{added.core->spec().requirement.mask}};
+  added.accepted = {{{added.core->spec().requirement.mask, endpoint.request.min_period_us}}};
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
   announce(endpoint.id);
@@ -91,14 +91,26 @@ void Reconciler::requirement_changed(EndpointId id) {
   const TypeSupport& type = reader->second.core->type();
   const FieldMask mask = type.closed(reader->second.recorder->required());
   if (!negotiation_.requirement_changed(id, mask)) return;
-  dirty_ = true;
-  std::vector<AcceptedMask>& accepted = reader->second.accepted;
-  accepted.back().replaced_at = std::chrono::steady_clock::now();
-  std::erase_if(accepted, [&](const AcceptedMask& a) { return a.mask == mask; });
-  accepted.push_back({mask});
-  if (accepted.size() > accepted_masks_max) accepted.erase(accepted.begin());
-  accept(reader->second);
+  asks_for(reader->second, {mask, reader->second.accepted.back().wanted.min_period_us});
   request_changed(id);
+}
+
+void Reconciler::rate_changed(EndpointId id, std::uint32_t min_period_us) {
+  const auto reader = readers_.find(id);
+  if (reader == readers_.end() || !negotiation_.rate_changed(id, min_period_us)) return;
+  asks_for(reader->second, {reader->second.accepted.back().wanted.mask, min_period_us});
+  request_changed(id);
+}
+
+/// From now on, and no longer for what it asked for before, once that cannot be in flight any more.
+void Reconciler::asks_for(Reader& reader, const Wanted& wanted) {
+  dirty_ = true;
+  std::vector<Accepted>& accepted = reader.accepted;
+  accepted.back().replaced_at = std::chrono::steady_clock::now();
+  std::erase_if(accepted, [&](const Accepted& a) { return a.wanted == wanted; });
+  accepted.push_back({wanted});
+  if (accepted.size() > accepted_max) accepted.erase(accepted.begin());
+  accept(reader);
 }
 
 /// Samples under what was asked for before, and of writers that went, may be in flight. For long such a mask
@@ -107,7 +119,7 @@ void Reconciler::requirement_changed(EndpointId id) {
 void Reconciler::forget_what_was_in_flight(Now now) {
   const auto is_over = [&](Now since) { return since != Now::max() && now - since > in_flight_max; };
   for (auto& [id, reader] : readers_) {
-    const auto is_old = [&](const AcceptedMask& a) { return is_over(a.replaced_at); };
+    const auto is_old = [&](const Accepted& a) { return is_over(a.replaced_at); };
     if (std::erase_if(reader.accepted, is_old) != 0) accept(reader);
     std::erase_if(reader.departed, [&](const auto& departed) {
       if (!is_over(departed.second)) return false;
@@ -119,9 +131,9 @@ void Reconciler::forget_what_was_in_flight(Now now) {
 
 void Reconciler::accept(Reader& reader) {
   if (reader.udp == nullptr) return;
-  std::vector<FieldMask> masks;
-  for (const AcceptedMask& accepted : reader.accepted) masks.push_back(accepted.mask);
-  reader.udp->accept_masks(std::move(masks));
+  std::vector<Wanted> wanted;
+  for (const Accepted& accepted : reader.accepted) wanted.push_back(accepted.wanted);
+  reader.udp->accept(std::move(wanted));
 }
 
 void Reconciler::request_changed(EndpointId id) {

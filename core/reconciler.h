@@ -44,6 +44,8 @@ class Reconciler {
   void remove(EndpointId id);
   /// What the recorder of one of our readers found.
   void requirement_changed(EndpointId id);
+  /// One of our readers asks for another maximum rate.
+  void rate_changed(EndpointId id, std::uint32_t min_period_us);
 
   // What discovery reports.
   void endpoint_seen(const Endpoint& endpoint);
@@ -68,8 +70,8 @@ class Reconciler {
     std::optional<Serving> in_force;
     PublisherStatus told;  ///< the state up to which its events were told
   };
-  struct AcceptedMask {
-    FieldMask mask;
+  struct Accepted {
+    Wanted wanted;
     Now replaced_at = Now::max();  ///< when something else was asked for
   };
   struct Reader {
@@ -78,7 +80,7 @@ class Reconciler {
     std::shared_ptr<ReaderPort> shm;
     std::shared_ptr<ReaderPort> udp;
     std::map<EndpointId, Hearing> heard;
-    std::vector<AcceptedMask> accepted;  ///< newest last
+    std::vector<Accepted> accepted;      ///< newest last
     std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
     SubscriberStatus told;
   };
@@ -101,6 +103,7 @@ class Reconciler {
 
   void announce(EndpointId id);
   void request_changed(EndpointId id);
+  void asks_for(Reader& reader, const Wanted& wanted);
   static void accept(Reader& reader);
 
   Transport* const shm_;

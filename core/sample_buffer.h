@@ -29,6 +29,9 @@ struct SampleBuffer {
   std::size_t capacity = 0;
   FieldMask mask;                     ///< leaves that the sample has
   std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
+  /// Received by UDP: the gate for a maximum rate that it passed (0: none), as the how-manieth.
+  std::uint32_t min_period_us = 0;
+  std::uint32_t ordinal = 0;
   std::shared_ptr<BufferOwner> owner;
   void* owner_data = nullptr;  ///< the owner's own
   std::atomic<std::uint32_t> references{0};

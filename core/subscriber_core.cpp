@@ -1,6 +1,7 @@
 #include "core/subscriber_core.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace sft::core {
 
@@ -16,7 +17,8 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
       bell_(bell),
       recorder_(std::move(recorder)),
       events_(spec_.options.on_event),
-      requested_(spec_.requirement.mask) {}
+      requested_(spec_.requirement.mask),
+      min_period_us_(spec_.min_period_us) {}
 
 void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> port) {
   const std::scoped_lock lock(mutex_);
@@ -44,6 +46,7 @@ void SubscriberCore::forget_the_gone() {
     if (std::any_of(writers_.begin(), writers_.end(), is_it)) return false;
     gone_.received += h.received;
     gone_.lost += h.lost;
+    gone_.withheld += h.withheld;
     return true;
   });
 }
@@ -80,32 +83,61 @@ SubscriberCore::Heard& SubscriberCore::heard(EndpointId writer) {
   const auto known =
       std::find_if(heard_.begin(), heard_.end(), [&](const Heard& h) { return h.writer == writer; });
   if (known != heard_.end()) return *known;
-  return heard_.emplace_back(Heard{.writer = writer});
+  Heard& added = heard_.emplace_back();
+  added.writer = writer;
+  added.account.ask(min_period_us_);
+  return added;
+}
+
+/// What it says of itself, read once: in shared memory a header may change. Whatever came by UDP is for us,
+/// its writer saw to that.
+Numbered SubscriberCore::numbered(const Inlet& inlet) const {
+  const SampleBuffer& buffer = *inlet.next;
+  return {.sequence = buffer.header().sequence,
+          .stamp_ns = buffer.header().source_stamp_ns,
+          .gated = &inlet == &inlets_[static_cast<std::size_t>(TransportKind::udp)],
+          .min_period_us = buffer.min_period_us,
+          .ordinal = buffer.ordinal};
+}
+
+void SubscriberCore::enter(Heard& from, const Numbered& sample) {
+  const SequenceAccount::Missing missing = from.account.enter(sample);
+  from.lost += missing.lost;
+  from.lost_untold += missing.lost;
+  from.withheld += missing.withheld;
+}
+
+/// With the mutex held: drops what is not to be delivered, until the next sample in order is; false if there
+/// is none.
+bool SubscriberCore::find_next() {
+  while (fill_inlets()) {
+    Inlet& inlet = *oldest_inlet();
+    Heard& from = heard(inlet.next->header().writer);
+    const Numbered sample = numbered(inlet);
+    const bool is_new = from.account.is_new(sample);  // or it came by both paths while they were switched
+    if (is_new && from.account.allows(sample)) return true;
+    if (is_new) enter(from, sample);
+    inlet.next.reset();
+  }
+  return false;
 }
 
 /// With the mutex held: the next sample in order, which is thereby taken; empty if there is none.
 SubscriberCore::Next SubscriberCore::next() {
-  while (fill_inlets()) {
-    Inlet& inlet = *oldest_inlet();
-    const auto kind = static_cast<TransportKind>(&inlet - inlets_.data());
-    SampleHandle sample = std::move(inlet.next);
-    const SampleHeader header = sample->header();  // copied: in shared memory it may change
-    Heard& from = heard(header.writer);
-    if (header.sequence <= from.last_sequence) continue;  // it came by both paths while they were switched
-    const std::uint64_t lost = from.last_sequence == 0 ? 0 : header.sequence - from.last_sequence - 1;
-    from.last_sequence = header.sequence;
-    from.lost += lost;
-    ++from.received;
-    using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
-    const SampleInfo info{.sequence = header.sequence,
-                          .writer = header.writer,
-                          .source_stamp = Stamp(std::chrono::nanoseconds(header.source_stamp_ns)),
-                          .receive_stamp = Stamp(std::chrono::nanoseconds(sample->receive_stamp_ns)),
-                          .lost_before = lost,
-                          .transport = kind};
-    return {std::move(sample), info};
-  }
-  return {};
+  if (!find_next()) return {};
+  Inlet& inlet = *oldest_inlet();
+  const Numbered sample = numbered(inlet);
+  Heard& from = heard(inlet.next->header().writer);
+  enter(from, sample);
+  ++from.received;
+  using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
+  const SampleInfo info{.sequence = sample.sequence,
+                        .writer = from.writer,
+                        .source_stamp = Stamp(std::chrono::nanoseconds(sample.stamp_ns)),
+                        .receive_stamp = Stamp(std::chrono::nanoseconds(inlet.next->receive_stamp_ns)),
+                        .lost_before = std::exchange(from.lost_untold, 0),
+                        .transport = static_cast<TransportKind>(&inlet - inlets_.data())};
+  return {std::move(inlet.next), info};
 }
 
 untyped::Sample SubscriberCore::wrap(Next next) {
@@ -133,7 +165,19 @@ untyped::Sample SubscriberCore::take_latest() {
 
 bool SubscriberCore::available() {
   const std::scoped_lock lock(mutex_);
-  return fill_inlets();
+  return find_next();
+}
+
+Result<void> SubscriberCore::set_max_rate_hz(double max_rate_hz) {
+  const Result<std::uint32_t> period = min_period_us_of(max_rate_hz);
+  if (!period) return tl::unexpected(period.error());
+  {
+    const std::scoped_lock lock(mutex_);
+    min_period_us_ = *period;
+    for (Heard& h : heard_) h.account.ask(*period);
+  }
+  spec_.rate_changed(*period);
+  return {};
 }
 
 bool SubscriberCore::waits_for_dispatch() { return pending_.load() == 0 && !closed_.load() && available(); }
@@ -198,16 +242,19 @@ SubscriberStatus SubscriberCore::status() {
   const std::scoped_lock lock(mutex_);
   SubscriberStatus status{.received = gone_.received,
                           .lost = gone_.lost,
+                          .withheld = gone_.withheld,
                           .mask = requested_,
                           .requests = requests_,
                           .writers = writers_};
   for (const Heard& h : heard_) {
     status.received += h.received;
     status.lost += h.lost;
+    status.withheld += h.withheld;
     for (WriterStatus& w : status.writers) {
       if (w.id != h.writer) continue;
       w.received = h.received;
       w.lost = h.lost;
+      w.withheld = h.withheld;
     }
   }
   return status;

@@ -3,7 +3,7 @@
 //
 // Threads. Everything is called from the node's agent thread except WriterPort::loan and send (the
 // publisher's thread), ReaderPort::take (any thread, one at a time), and description, counters and, for UDP,
-// open_writer and open_reader (any thread); set_routes, connect, disconnect and accept_masks may run at the
+// open_writer and open_reader (any thread); set_routes, connect, disconnect and accept may run at the
 // same time as these. Listeners are called from threads of the transport.
 #pragma once
 
@@ -18,6 +18,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/rate_gate.h"
 #include "core/sample_buffer.h"
 #include "sft/status.h"
 #include "sft/typesupport/field_mask.h"
@@ -53,6 +54,8 @@ struct Route {
   EndpointId reader = 0;
   Locator destination;
   FieldMask mask;
+  std::uint32_t min_period_us = 0;         ///< the limit that it asks for; 0: none
+  std::shared_ptr<const RateGate> gate{};  ///< which keeps that limit; null: every sample is for it
   friend bool operator==(const Route&, const Route&) = default;
 };
 
@@ -69,6 +72,13 @@ struct Source {
   friend bool operator==(const Source&, const Source&) = default;
 };
 
+/// Which samples of a writer are for a reader, where several share a destination.
+struct Wanted {
+  FieldMask mask;  ///< closed
+  std::uint32_t min_period_us = 0;
+  friend bool operator==(const Wanted&, const Wanted&) = default;
+};
+
 enum class SendStatus : std::uint8_t {
   sent,       ///< handed over for every route
   dropped,    ///< at least one route did not get it (queue full, socket error); counted by the port
@@ -83,9 +93,9 @@ class WriterPort {
   /// capacity are set and the header is a fresh one.
   virtual SampleHandle loan(std::size_t bytes) noexcept = 0;
 
-  /// Sends an encoded sample to the routes in force; see can_send() for where it may come from. The caller
-  /// may still read the sample afterwards while it keeps a handle, but not write. Never waits for a reader.
-  /// Every route's mask must be a subset of sample->mask.
+  /// Sends an encoded sample to the routes in force whose gates it passes, as these say on this thread; see
+  /// can_send() for where it may come from. The caller may still read the sample afterwards while it keeps a
+  /// handle, but not write. Never waits for a reader. Every route's mask must be a subset of sample->mask.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
   virtual void set_routes(std::vector<Route> routes) = 0;
@@ -134,9 +144,9 @@ class ReaderPort {
   /// Accepts no more of them; what has arrived can still be taken.
   virtual void disconnect(EndpointId writer) noexcept = 0;
 
-  /// Masks (closed) under which samples are for this reader: what it requests now, and what it requested
-  /// before while such samples may be in flight. Only meaningful where variants share a destination (UDP).
-  virtual void accept_masks(std::vector<FieldMask> masks) = 0;
+  /// Which samples are for this reader: what it requests now, and what it requested before while such
+  /// samples may be in flight. Only meaningful where variants share a destination (UDP).
+  virtual void accept(std::vector<Wanted> wanted) = 0;
 
   /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
   virtual std::uint64_t discarded() const noexcept = 0;

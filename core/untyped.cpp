@@ -100,6 +100,8 @@ Sample Subscriber::take_latest() { return core_->take_latest(); }
 
 bool Subscriber::wait(std::chrono::nanoseconds timeout) { return core_->wait(timeout); }
 
+Result<void> Subscriber::set_max_rate_hz(double max_rate_hz) { return core_->set_max_rate_hz(max_rate_hz); }
+
 SubscriberStatus Subscriber::status() const { return core_->status(); }
 
 const TypeSupport& Subscriber::type() const { return core_->type(); }

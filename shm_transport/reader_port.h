@@ -78,7 +78,7 @@ class ShmReaderPort final : public core::ReaderPort {
   Result<void> connect(const core::Source& source) override;
   bool connected(core::EndpointId writer) const noexcept override;
   void disconnect(core::EndpointId writer) noexcept override;
-  void accept_masks(std::vector<FieldMask>) override {}  // there is one variant in shared memory: all of it
+  void accept(std::vector<core::Wanted>) override {}  // there is one variant in shared memory: all of it
   std::uint64_t discarded() const noexcept override;
 
  private:

@@ -18,19 +18,21 @@ std::vector<std::uint64_t> words_to_send(const FieldMask& mask) {
 }
 
 struct Gathered {
-  FieldMask mask;
+  core::Wanted wanted;
+  std::shared_ptr<const core::RateGate> gate;
   std::vector<std::shared_ptr<Destination>> destinations;
 };
 
-/// Readers with equal masks share an encoding, and those behind one socket a copy of it.
+/// Readers with equal masks and limits share an encoding, and those behind one socket a copy of it.
 std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDirectory& directory) {
   std::vector<Gathered> groups;
   for (const core::Route& route : routes) {
     const auto* address = std::get_if<core::UdpAddress>(&route.destination);
     if (address == nullptr) continue;
+    const core::Wanted wanted{route.mask, route.gate == nullptr ? 0 : route.gate->min_period_us()};
     auto group =
-        std::find_if(groups.begin(), groups.end(), [&](const Gathered& g) { return g.mask == route.mask; });
-    if (group == groups.end()) group = groups.insert(groups.end(), {route.mask, {}});
+        std::find_if(groups.begin(), groups.end(), [&](const Gathered& g) { return g.wanted == wanted; });
+    if (group == groups.end()) group = groups.insert(groups.end(), {wanted, route.gate, {}});
     auto destination = directory.find(*address);
     auto& known = group->destinations;
     if (std::find(known.begin(), known.end(), destination) == known.end())
@@ -44,11 +46,11 @@ std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDir
 VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally)
     : queue_depth_(queue_depth), tally_(std::move(tally)) {}
 
-const VariantDirectory::Variant& VariantDirectory::find(const FieldMask& mask) {
+const VariantDirectory::Variant& VariantDirectory::find(const core::Wanted& wanted) {
   auto known =
-      std::find_if(variants_.begin(), variants_.end(), [&](const Variant& v) { return v.mask == mask; });
+      std::find_if(variants_.begin(), variants_.end(), [&](const Variant& v) { return v.wanted == wanted; });
   if (known == variants_.end()) {
-    variants_.push_back({mask, unused_number(), std::make_shared<Outbox>(queue_depth_, tally_), round_});
+    variants_.push_back({wanted, unused_number(), std::make_shared<Outbox>(queue_depth_, tally_), round_});
     known = variants_.end() - 1;
   }
   known->last_use = round_;
@@ -81,13 +83,14 @@ std::shared_ptr<const RouteTable> make_route_table(std::span<const core::Route> 
   auto table = std::make_shared<RouteTable>();
   variants.next_round();
   for (Gathered& gathered : gather(routes, destinations)) {
-    const VariantDirectory::Variant& variant = variants.find(gathered.mask);
+    const VariantDirectory::Variant& variant = variants.find(gathered.wanted);
+    FieldMask& mask = gathered.wanted.mask;
     auto audience = std::make_shared<Audience>();
     audience->variant = variant.number;
-    audience->mask = gathered.mask.hash();
-    audience->mask_words = words_to_send(gathered.mask);
+    audience->mask = mask.hash();
+    audience->mask_words = words_to_send(mask);
     audience->destinations = std::move(gathered.destinations);
-    table->groups.push_back({std::move(gathered.mask), std::move(audience), variant.outbox});
+    table->groups.push_back({std::move(mask), std::move(gathered.gate), std::move(audience), variant.outbox});
   }
   return table;
 }

@@ -1,4 +1,4 @@
-// Whom a writer serves, grouped by mask; and the numbers that its masks have on the wire.
+// Whom a writer serves, grouped by mask and maximum rate; and the numbers that these have on the wire.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,7 @@ namespace sft::udp {
 
 struct Group {
   FieldMask mask;
+  std::shared_ptr<const core::RateGate> gate;  ///< null: every sample is for them
   std::shared_ptr<const Audience> audience;
   std::shared_ptr<Outbox> outbox;
 };
@@ -23,12 +24,12 @@ struct RouteTable {
   std::vector<Group> groups;
 };
 
-/// A writer's masks of now and of before. Each has its number and its outbox, so that samples under one mask
-/// stay in order while routes change. Numbers are reused only after all others were used in between.
+/// What readers ask of a writer, and asked for before: each has its number and its outbox, so that its
+/// samples stay in order while routes change. Numbers are reused only after all others were used in between.
 class VariantDirectory {
  public:
   struct Variant {
-    FieldMask mask;
+    core::Wanted wanted;
     std::uint16_t number;
     std::shared_ptr<Outbox> outbox;
     std::uint64_t last_use;
@@ -36,10 +37,10 @@ class VariantDirectory {
 
   VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally);
 
-  /// The variant of that mask, known or new. Valid until the next call.
-  const Variant& find(const FieldMask& mask);
+  /// The variant for that, known or new. Valid until the next call.
+  const Variant& find(const core::Wanted& wanted);
 
-  /// Forgets the longest unused masks beyond a few; called between rounds of find().
+  /// Forgets the longest unused ones beyond a few; called between rounds of find().
   void next_round();
 
  private:

@@ -16,8 +16,8 @@ namespace sft::udp {
 
 struct Subscriber {
   std::shared_ptr<Inbox> inbox;
-  std::vector<FieldMask> masks;
-  bool accepts(const FieldMask& mask) const;
+  std::vector<core::Wanted> wanted;
+  bool accepts(const core::SampleBuffer& sample) const;
 };
 
 /// What all readers of a transport want, by writer.
@@ -34,7 +34,7 @@ class SubscriptionDirectory {
   void add(const std::shared_ptr<Inbox>& inbox, const TypeSupport& type);
   Result<void> connect(const Inbox& reader, const core::Source& source);
   void disconnect(const Inbox& reader, core::EndpointId writer);
-  void accept_masks(const Inbox& reader, std::vector<FieldMask> masks);
+  void accept(const Inbox& reader, std::vector<core::Wanted> wanted);
   /// When it returns, the reader's type is not used any more.
   void remove(const Inbox& reader);
 
@@ -48,7 +48,7 @@ class SubscriptionDirectory {
   struct Reader {
     std::shared_ptr<Inbox> inbox;
     const TypeSupport* type;
-    std::vector<FieldMask> masks;
+    std::vector<core::Wanted> wanted;
     std::vector<core::Source> sources;
   };
   Reader& find(const Inbox& reader);

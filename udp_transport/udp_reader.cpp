@@ -25,8 +25,8 @@ void UdpReader::disconnect(core::EndpointId writer) noexcept {
   receiver_->subscriptions().disconnect(*inbox_, writer);
 }
 
-void UdpReader::accept_masks(std::vector<FieldMask> masks) {
-  receiver_->subscriptions().accept_masks(*inbox_, std::move(masks));
+void UdpReader::accept(std::vector<core::Wanted> wanted) {
+  receiver_->subscriptions().accept(*inbox_, std::move(wanted));
 }
 
 }  // namespace sft::udp

@@ -20,7 +20,7 @@ class UdpReader final : public core::ReaderPort {
   Result<void> connect(const core::Source& source) override;
   bool connected(core::EndpointId writer) const noexcept override { return inbox_->connected(writer); }
   void disconnect(core::EndpointId writer) noexcept override;
-  void accept_masks(std::vector<FieldMask> masks) override;
+  void accept(std::vector<core::Wanted> wanted) override;
   std::uint64_t discarded() const noexcept override { return inbox_->discarded(); }
 
  private:

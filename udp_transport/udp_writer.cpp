@@ -48,6 +48,7 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
   follow_routes();
   core::SendStatus status = core::SendStatus::sent;
   for (const Group& group : routes_->groups) {
+    if (group.gate != nullptr && !group.gate->passes()) continue;
     if (!send(group, sample)) status = core::SendStatus::dropped;
   }
   return status;
@@ -86,6 +87,10 @@ bool UdpWriter::encode(const Group& group, const core::SampleBuffer& sample, Job
   const Audience& audience = *group.audience;
   job.first.label = {writer_, static_cast<std::uint32_t>(header.sequence), audience.variant};
   job.first.flags = audience.mask_words.empty() ? std::uint8_t{0} : mask_words_follow;
+  if (group.gate != nullptr) {
+    job.first.flags |= rate_follows;
+    job.first.rate = {group.gate->min_period_us(), group.gate->ordinal()};
+  }
   job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
   job.first.mask = audience.mask;
   job.first.stamp_ns = header.source_stamp_ns;

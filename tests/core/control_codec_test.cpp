@@ -27,7 +27,12 @@ Endpoint endpoint() {
            .deadline = std::chrono::milliseconds(5),
            .liveliness = manual_by_topic,
            .liveliness_lease = std::chrono::seconds(2)};
-  e.request = {.reader = 7, .sequence = 4, .mask_words = {1, 2}, .listening = {6}, .attached = {8, 9}};
+  e.request = {.reader = 7,
+               .sequence = 4,
+               .mask_words = {1, 2},
+               .min_period_us = 100'000,
+               .listening = {6},
+               .attached = {8, 9}};
   return e;
 }
 

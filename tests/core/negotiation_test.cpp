@@ -261,6 +261,26 @@ TEST_F(NegotiationTest, EveryChangeOfARequirementOrAnAttachmentIsANewerRequest) 
   EXPECT_EQ(negotiation.local(200)->request.attached, std::vector<EndpointId>{7});
 }
 
+TEST_F(NegotiationTest, AMaximumRateTravelsInRequestsAndIsInForceInRoutes) {
+  our_reader();
+  EXPECT_TRUE(negotiation.rate_changed(200, 100'000));
+  EXPECT_FALSE(negotiation.rate_changed(200, 100'000));
+  EXPECT_EQ(negotiation.local(200)->request.min_period_us, 100'000U);
+  EXPECT_EQ(negotiation.local(200)->request.sequence, 2U);
+
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  Request slower = request(7, 2, F::data);
+  slower.min_period_us = 50'000;
+  negotiation.request_received(slower);
+  const Serving serving = negotiation.serving(100);
+  const auto route =
+      std::find_if(serving.udp.begin(), serving.udp.end(), [](auto& r) { return r.reader == 7; });
+  ASSERT_NE(route, serving.udp.end());
+  EXPECT_EQ(route->min_period_us, 50'000U);
+  EXPECT_EQ(serving.readers.at(0).max_rate_hz, 20);
+}
+
 TEST_F(NegotiationTest, AttachmentsEndWithTheMemoryTheyWereIn) {
   our_reader();
   negotiation.connection_changed(200, 7, TransportKind::shm, true);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 namespace sft::core {
@@ -95,7 +96,18 @@ TEST(QosOptionsTest, WhatCanNeverWorkIsRefusedByName) {
   ASSERT_FALSE(negative);
   EXPECT_NE(negative.error().message.find("deadline"), std::string::npos);
   EXPECT_FALSE(qos_of(SubscriberOptions{.liveliness_lease = -1ns}));
+  EXPECT_FALSE(qos_of(SubscriberOptions{.deadline = 50ms, .max_rate_hz = 10}));
+  EXPECT_TRUE(qos_of(SubscriberOptions{.deadline = 100ms, .max_rate_hz = 10}));
   EXPECT_FALSE(qos_of(PublisherOptions{.liveliness = manual_by_topic})) << "who would notice?";
+}
+
+TEST(QosOptionsTest, RatesAreSentAsPeriods) {
+  EXPECT_EQ(min_period_us_of(0), 0U);
+  EXPECT_EQ(min_period_us_of(10), 100'000U);
+  EXPECT_EQ(min_period_us_of(30), 33'333U);
+  for (const double none : {-1.0, 1e-9, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_FALSE(min_period_us_of(none)) << none;
+  }
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ class QueuePort final : public ReaderPort {
   Result<void> connect(const Source&) override { return {}; }
   bool connected(EndpointId) const noexcept override { return true; }
   void disconnect(EndpointId) noexcept override {}
-  void accept_masks(std::vector<FieldMask>) override {}
+  void accept(std::vector<Wanted>) override {}
   std::uint64_t discarded() const noexcept override { return 0; }
 
   std::deque<SampleHandle> samples;
@@ -35,9 +35,13 @@ class SubscriberCoreTest : public ::testing::Test {
   SubscriberCoreTest() { reopen({}); }
 
   void reopen(untyped::Callback callback) {
-    subscriber = std::make_unique<SubscriberCore>(
-        SubscriberCore::Spec{1, "points", &type, {type.full(), false}, {}, std::move(callback)}, bells->at(1),
-        nullptr);
+    subscriber = std::make_unique<SubscriberCore>(SubscriberCore::Spec{.id = 1,
+                                                                       .topic = "points",
+                                                                       .type = &type,
+                                                                       .requirement = {type.full(), false},
+                                                                       .options = {},
+                                                                       .callback = std::move(callback)},
+                                                  bells->at(1), nullptr);
     subscriber->set_port(TransportKind::shm, shm);
     subscriber->set_port(TransportKind::udp, udp);
   }

@@ -1,6 +1,7 @@
 // Quality of service as a user sees it, over every transport.
 #include <atomic>
 #include <mutex>
+#include <thread>
 #include <vector>
 
 #include <sensor_msgs/msg/Image.hpp>
@@ -110,6 +111,118 @@ TEST_P(QosTest, LossesAreTold) {
   EXPECT_EQ(requested.all(EventKind::samples_lost).front().count, 9U);
 }
 
+/// Publishes at that rate until it goes.
+class Ticker {
+ public:
+  Ticker(Publisher<PointCloud2>& pub, std::chrono::microseconds period)
+      : thread_([&pub, period, this] {
+          auto next = std::chrono::steady_clock::now();
+          for (std::uint32_t i = 1; !done_; ++i) {
+            pub.publish({.height = i});
+            next += period;
+            std::this_thread::sleep_until(next);
+          }
+        }) {}
+  ~Ticker() {
+    done_ = true;
+    thread_.join();
+  }
+
+ private:
+  std::atomic<bool> done_{false};
+  std::thread thread_;
+};
+
+class RateTest : public QosTest {
+ protected:
+  static constexpr auto period = 10ms;
+  struct Heard {
+    SampleInfo first, last;
+    std::uint64_t samples = 0;
+    double rate() const {
+      return static_cast<double>(samples - 1) /
+             std::chrono::duration<double>(last.source_stamp - first.source_stamp).count();
+    }
+    std::uint64_t published() const { return last.sequence - first.sequence + 1; }
+  };
+  /// Takes so many samples of one publisher as they come.
+  template <class S>
+  static Heard hear(S& sub, std::uint64_t samples) {
+    Heard heard;
+    while (heard.samples < samples && sub.wait(5s)) {
+      const auto sample = sub.take();
+      if (!sample) continue;
+      heard.last = sample.info();
+      if (heard.samples++ == 0) heard.first = heard.last;
+    }
+    return heard;
+  }
+  Publisher<PointCloud2> pub = a.publisher<PointCloud2>("points").value();
+};
+
+TEST_P(RateTest, ASlowReaderOfAFastPublisherGetsItsRateAndLosesNothing) {
+  auto sub = b.subscriber<PointCloud2, F::height>("points", {.max_rate_hz = 10}).value();
+  expect_served(pub, 1);
+  EXPECT_EQ(pub.status().readers.at(0).max_rate_hz, 10);
+  const Ticker ticker(pub, period);
+  const Heard heard = hear(sub, 15);
+  ASSERT_EQ(heard.samples, 15U);
+  EXPECT_NEAR(heard.rate(), 10, 1.5);
+  const SubscriberStatus status = sub.status();
+  EXPECT_EQ(status.lost, 0U);
+  EXPECT_GE(status.withheld, 100U);
+  EXPECT_EQ(status.received + status.withheld, heard.published());
+  EXPECT_EQ(status.writers.at(0).withheld, status.withheld);
+  EXPECT_GE(pub.status().readers.at(0).withheld, status.withheld);
+}
+
+TEST_P(RateTest, ReadersOfOneProcessHaveEachTheirOwn) {
+  auto all = b.subscriber<PointCloud2, F::height>("points", {.depth = 64}).value();
+  auto slow = b.subscriber<PointCloud2, F::height>("points", {.depth = 64, .max_rate_hz = 20}).value();
+  auto slower = b.subscriber<PointCloud2, F::height>("points", {.depth = 64, .max_rate_hz = 5}).value();
+  expect_served(pub, 3);
+  const Ticker ticker(pub, period);
+  for (auto* sub : {&slow, &slower}) (void)hear(*sub, 3);  // they may begin with what was saved
+  const Heard of_slow = hear(slow, 20);
+  EXPECT_NEAR(of_slow.rate(), 20, 3);
+  EXPECT_NEAR(hear(slower, 7).rate(), 5, 1);
+  (void)hear(all, 64);
+  EXPECT_NEAR(hear(all, 60).rate(), 100, 15);
+  EXPECT_EQ(all.status().withheld, 0U);
+  EXPECT_EQ(slow.status().lost, 0U);
+  EXPECT_EQ(slower.status().lost, 0U);
+}
+
+TEST_P(RateTest, TheRateChangesWhileSamplesFlow) {
+  auto sub = b.subscriber<PointCloud2, F::height>("points", {.max_rate_hz = 5}).value();
+  expect_served(pub, 1);
+  const Ticker ticker(pub, period);
+  (void)hear(sub, 3);
+  ASSERT_TRUE(sub.set_max_rate_hz(0));
+  ASSERT_TRUE(eventually([&] { return pub.status().readers.at(0).max_rate_hz == 0; }));
+  (void)hear(sub, 10);
+  EXPECT_NEAR(hear(sub, 30).rate(), 100, 15);
+  ASSERT_TRUE(sub.set_max_rate_hz(10));
+  ASSERT_TRUE(eventually([&] { return pub.status().readers.at(0).max_rate_hz == 10; }));
+  (void)hear(sub, 12);  // what was on its way
+  EXPECT_NEAR(hear(sub, 8).rate(), 10, 2);
+  EXPECT_EQ(sub.status().lost, 0U);
+  EXPECT_FALSE(sub.set_max_rate_hz(-1));
+}
+
+TEST_P(RateTest, CallbacksComeAtTheRateToo) {
+  std::atomic<std::uint64_t> called{0};
+  auto sub =
+      b.subscriber<PointCloud2, F::height>("points", [&](const auto&) { ++called; }, {.max_rate_hz = 10})
+          .value();
+  expect_served(pub, 1);
+  const Ticker ticker(pub, period);
+  EXPECT_TRUE(eventually([&] { return called >= 10; }));
+  EXPECT_TRUE(eventually([&] { return sub.status().withheld >= 80; }));
+  EXPECT_EQ(sub.status().lost, 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, RateTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
 INSTANTIATE_TEST_SUITE_P(Ways, QosTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
 
 }  // namespace

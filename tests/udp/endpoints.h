@@ -43,9 +43,9 @@ class Subscriber final : private core::ArrivalListener {
             .open_reader(
                 {.id = 1, .type = &type_support<Image>(), .depth = depth, .listener = this, .doorbell = {}})
             .value();
-    std::vector<FieldMask> accepted;
-    for (const std::string& mask : masks) accepted.push_back(fields<Image>(mask));
-    port_->accept_masks(accepted);
+    std::vector<core::Wanted> accepted;
+    for (const std::string& mask : masks) accepted.push_back({fields<Image>(mask)});
+    port_->accept(accepted);
   }
 
   void listen_to(core::EndpointId writer, std::size_t max_sample_bytes = 0) {

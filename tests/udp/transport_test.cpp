@@ -286,7 +286,7 @@ TEST_P(TransportTest, KeepsTheNewestUntilTheyAreTaken) {
                                          .doorbell = {}})
                           .value();
   Publisher publisher(*there);
-  reader->accept_masks({fields<Image>("*")});
+  reader->accept({{fields<Image>("*")}});
   ASSERT_TRUE(reader->connect({publisher.id(), 0}));
   publisher.serve({{loopback_address(*here)}});
   for (int i = 0; i < 10; ++i) publisher.publish(make_image(10));
@@ -463,7 +463,7 @@ TEST_P(TransportTest, CallsNoListenerAfterItsReaderWent) {
                                        .listener = &listener,
                                        .doorbell = {}})
                         .value();
-      reader->accept_masks({fields<Image>("*")});
+      reader->accept({{fields<Image>("*")}});
       ASSERT_TRUE(reader->connect({flood.id(), 0}));
       ASSERT_TRUE(eventually([&] { return listener.calls > 0; }));
       reader.reset();
@@ -492,7 +492,7 @@ TEST_P(TransportTest, LetsAListenerDestroyItsReader) {
                                          .listener = &listener,
                                          .doorbell = {}})
                           .value();
-    listener.reader->accept_masks({fields<Image>("*")});
+    listener.reader->accept({{fields<Image>("*")}});
     Publisher publisher(*there);
     ASSERT_TRUE(listener.reader->connect({publisher.id(), 0}));
     publisher.serve({{loopback_address(*here)}});

@@ -83,6 +83,9 @@ struct SubscriberOptions {
   std::chrono::nanoseconds deadline{0};  ///< it expects a sample of each publisher at least so often
   Liveliness liveliness = Liveliness::automatic;
   std::chrono::nanoseconds liveliness_lease{0};  ///< it expects a sign of life at least so often
+  /// At most so many samples a second, evenly; 0: all. What is withheld for it is not sent, and is counted
+  /// apart from what is lost. Subscriber::set_max_rate_hz() changes it.
+  double max_rate_hz = 0;
   RecordingSettings recording{};
   EventCallback on_event{};
 };

@@ -23,6 +23,8 @@ struct ReaderStatus {
   bool incompatible_type = false;
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
   FieldMask mask{};
+  double max_rate_hz = 0;              ///< that it asks for; 0: all samples
+  std::uint64_t withheld = 0;          ///< samples that were not sent to it for that
   std::uint64_t request_sequence = 0;  ///< of the STR in force
   friend bool operator==(const ReaderStatus&, const ReaderStatus&) = default;
 };
@@ -44,12 +46,15 @@ struct WriterStatus {
   bool incompatible_type = false;
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
   std::uint64_t received = 0;
-  std::uint64_t lost = 0;  ///< samples of which the sequence number was missed
+  std::uint64_t lost = 0;  ///< samples that should have come
+  std::uint64_t withheld =
+      0;  ///< samples that did not come, or were skipped, for this subscriber's max_rate_hz
 };
 
 struct SubscriberStatus {
   std::uint64_t received = 0;  ///< samples taken or given to the callback
   std::uint64_t lost = 0;
+  std::uint64_t withheld = 0;  ///< for max_rate_hz
   FieldMask mask;              ///< what is asked for at present
   std::uint64_t requests = 0;  ///< STRs sent
   std::vector<WriterStatus> writers;

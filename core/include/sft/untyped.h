@@ -137,6 +137,7 @@ class Subscriber {
   Sample take();
   Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout);
+  Result<void> set_max_rate_hz(double max_rate_hz);
   SubscriberStatus status() const;
   const TypeSupport& type() const;
 
