@@ -14,6 +14,7 @@ namespace sft::core {
 inline constexpr std::size_t mask_words_max = 64;
 inline constexpr std::size_t writers_per_reader_max = 1024;
 inline constexpr std::size_t addresses_max = 8;
+inline constexpr std::size_t assertions_max = 1024;
 inline constexpr std::size_t name_bytes_max = 255;
 
 enum class Role : std::uint8_t { writer, reader };

@@ -36,20 +36,22 @@ sft_control_Qos to_dds(const Qos& qos) {
   out.liveliness = static_cast<std::uint8_t>(qos.liveliness);
   out.deadline = static_cast<std::uint64_t>(qos.deadline.count());
   out.liveliness_lease = static_cast<std::uint64_t>(qos.liveliness_lease.count());
+  out.lifespan = static_cast<std::uint64_t>(qos.lifespan.count());
   return out;
 }
 
 std::optional<Qos> from_dds(const sft_control_Qos& in) {
   constexpr std::uint64_t longest = INT64_MAX;
   if (in.reliability > 1 || in.durability > 1 || in.liveliness > 1 || in.deadline > longest ||
-      in.liveliness_lease > longest) {
+      in.liveliness_lease > longest || in.lifespan > longest) {
     return std::nullopt;
   }
   return Qos{.reliability = static_cast<Reliability>(in.reliability),
              .durability = static_cast<Durability>(in.durability),
              .deadline = std::chrono::nanoseconds(in.deadline),
              .liveliness = static_cast<Liveliness>(in.liveliness),
-             .liveliness_lease = std::chrono::nanoseconds(in.liveliness_lease)};
+             .liveliness_lease = std::chrono::nanoseconds(in.liveliness_lease),
+             .lifespan = std::chrono::nanoseconds(in.lifespan)};
 }
 
 }  // namespace
@@ -92,6 +94,18 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.qos = to_dds(endpoint.qos);
   out.request = to_dds(endpoint.request);
   return out;
+}
+
+sft_control_Assertion to_dds(const std::vector<EndpointId>& writers) {
+  sft_control_Assertion out{};
+  out.version = sft_control_protocol_version;
+  out.writers = borrow(writers, assertions_max);
+  return out;
+}
+
+Result<std::vector<EndpointId>> from_dds(const sft_control_Assertion& in) {
+  if (in.version != sft_control_protocol_version) return wrong_version(in.version);
+  return copy(in.writers);
 }
 
 Result<Request> from_dds(const sft_control_Request& request) {

@@ -92,6 +92,31 @@ void compare(const std::vector<Peer>& before, const std::vector<Peer>& after, st
   }
 }
 
+void add_promises(const WriterStatus& before, const WriterStatus& after, std::vector<Event>& events) {
+  if (after.deadlines_missed > before.deadlines_missed) {
+    const std::uint64_t missed = after.deadlines_missed - before.deadlines_missed;
+    events.push_back(
+        event_of(EventKind::deadline_missed, after, "no sample within the requested deadline", missed));
+  }
+  if (before.alive == after.alive) return;
+  events.push_back(event_of(after.alive ? EventKind::liveliness_recovered : EventKind::liveliness_lost, after,
+                            after.alive ? "it gives signs of life again" : after.reason));
+}
+
+void add_promises(const PublisherStatus& before, const PublisherStatus& after, std::vector<Event>& events) {
+  if (after.deadlines_missed > before.deadlines_missed) {
+    events.push_back({.kind = EventKind::deadline_missed,
+                      .count = after.deadlines_missed - before.deadlines_missed,
+                      .text = "nothing was published within the offered deadline"});
+  }
+  if (before.alive && !after.alive) {
+    events.push_back(
+        {.kind = EventKind::liveliness_lost, .text = "liveliness was not asserted within the lease"});
+  } else if (after.alive && !before.alive) {
+    events.push_back({.kind = EventKind::liveliness_recovered, .text = "liveliness is asserted again"});
+  }
+}
+
 void add_counts(const WriterStatus& before, const WriterStatus& after, std::vector<Event>& events) {
   if (after.lost > before.lost) {
     const std::uint64_t lost = after.lost - before.lost;
@@ -105,6 +130,7 @@ std::vector<Event> events_between(const PublisherStatus& before, const Publisher
   std::vector<Event> events;
   compare(before.readers, after.readers, events,
           [&](const ReaderStatus& b, const ReaderStatus& a) { add_changes(b, a, events); });
+  add_promises(before, after, events);
   return events;
 }
 
@@ -112,6 +138,7 @@ std::vector<Event> events_between(const SubscriberStatus& before, const Subscrib
   std::vector<Event> events;
   compare(before.writers, after.writers, events, [&](const WriterStatus& b, const WriterStatus& a) {
     add_changes(b, a, events);
+    add_promises(b, a, events);
     add_counts(b, a, events);
   });
   return events;

@@ -218,12 +218,21 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   return status;
 }
 
+/// Liveliness is the same for all that match, served at present or not.
+void Negotiation::look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving) {
+  const bool matches = !status.incompatible_type && status.incompatible_policy == QosPolicy::none;
+  if (!matches || reader.qos.liveliness_lease.count() == 0) return;
+  serving.lease_requested = true;
+  serving.samples_tell &= status.served && reader.request.min_period_us == 0;
+}
+
 Serving Negotiation::serving(EndpointId writer) const {
   Serving serving;
   const auto entry = entries_.find(writer);
   if (entry == entries_.end() || entry->second.type == nullptr) return serving;
   for (const Entry* reader : others(entry->second)) {
     serving.readers.push_back(serve(entry->second, *reader, serving));
+    look_after_lease(reader->endpoint, serving.readers.back(), serving);
   }
   return serving;
 }
@@ -236,7 +245,9 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
   for (const Entry* writer : others(entry->second)) {
     const Endpoint& w = writer->endpoint;
     const Verdict verdict = judge(w, r);
-    Hearing hearing{.source = {w.id, w.max_sample_bytes}, .status = {.id = w.id, .node = w.node}};
+    Hearing hearing{.source = {w.id, w.max_sample_bytes},
+                    .offered = w.qos,
+                    .status = {.id = w.id, .node = w.node, .alive = !writer->lost_since}};
     hearing.shm = verdict.shm;
     hearing.udp = verdict.udp;
     const bool attached = verdict.shm && holds(r.request.attached, w.id);
@@ -245,6 +256,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     hearing.status.matched = verdict.shm || verdict.udp;
     hearing.status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
     hearing.status.reason = !verdict.mismatch.empty() ? verdict.mismatch
+                            : writer->lost_since      ? "its node does not answer"
                             : attached                ? "same host"
                             : verdict.shm             ? "same host, shared memory is being attached"
                                                       : verdict.udp_reason;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/control.h"
+#include "core/qos_watch.h"
 #include "core/transport.h"
 #include "sft/status.h"
 
@@ -31,18 +32,19 @@ struct Serving {
   std::vector<Route> shm;
   std::vector<Route> udp;
   std::vector<ReaderStatus> readers;  ///< all of the topic, with reasons
+  bool lease_requested = false;       ///< some reader wants to know whether the writer lives
+  bool samples_tell = true;           ///< and each of these gets every sample
   friend bool operator==(const Serving&, const Serving&) = default;
 };
 
 /// One writer that one of our readers should hear.
 struct Hearing {
   Source source;
+  Qos offered;
   bool shm = false;  ///< connect to it in shared memory
   bool udp = false;
   WriterStatus status;
 };
-
-using Now = std::chrono::steady_clock::time_point;
 
 class Negotiation {
  public:
@@ -97,6 +99,7 @@ class Negotiation {
 
   Verdict judge(const Endpoint& writer, const Endpoint& reader) const;
   std::string why_not_shm(const Endpoint& writer, const Endpoint& reader) const;
+  static void look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving);
   ReaderStatus serve(const Entry& writer, const Entry& reader, Serving& serving) const;
   UdpAddress address_of(const Endpoint& reader) const;
   bool adopt(Entry& entry, const Request& request);

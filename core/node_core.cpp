@@ -122,9 +122,13 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
     if (!port) return tl::unexpected(port.error());
     udp = std::move(*port);
   }
+  std::function<void()> asserted;
+  if (qos->liveliness == Liveliness::manual_by_topic) {
+    asserted = [this, id = endpoint.id] { agent_.post([this, id] { reconciler_->program_asserts(id); }); };
+  }
   auto core = std::make_shared<PublisherCore>(
       PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes,
-                          options.on_readers_changed, options.on_event},
+                          options.on_readers_changed, options.on_event, std::move(asserted)},
       heap_, std::move(udp));
   agent_.post([this, endpoint, core] { reconciler_->add_writer(endpoint, core); });
   // The handle withdraws the endpoint; the agent lets go of the rest.
@@ -216,6 +220,10 @@ void NodeCore::endpoint_lost(EndpointId id) {
 
 void NodeCore::request_received(Request request) {
   agent_.post([this, request = std::move(request)] { reconciler_->request_received(request); });
+}
+
+void NodeCore::liveliness_asserted(std::vector<EndpointId> writers) {
+  agent_.post([this, writers = std::move(writers)] { reconciler_->liveliness_asserted(writers); });
 }
 
 void NodeCore::control_malformed(std::string why) {

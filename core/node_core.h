@@ -54,6 +54,7 @@ class NodeCore final : private DiscoveryListener {
   void endpoint_departed(EndpointId id) override;
   void endpoint_lost(EndpointId id) override;
   void request_received(Request request) override;
+  void liveliness_asserted(std::vector<EndpointId> writers) override;
   void control_malformed(std::string why) override;
 
   bool may_use(TransportKind kind, TransportChoice choice) const;

@@ -256,8 +256,24 @@ SampleHandle PublisherCore::copy_to_shm(const Outlets& outlets, const SampleHand
   return copy;
 }
 
+void PublisherCore::assert_liveliness() {
+  asserted_.fetch_add(1, std::memory_order_relaxed);
+  if (spec_.asserted && !assertion_told_.exchange(true, std::memory_order_relaxed)) spec_.asserted();
+}
+
+OfferWatch::Signs PublisherCore::signs() const {
+  return {sequence_.load(std::memory_order_relaxed), asserted_.load(std::memory_order_relaxed)};
+}
+
+void PublisherCore::keeps_promises(std::uint64_t deadlines_missed, bool alive) {
+  deadlines_missed_.store(deadlines_missed, std::memory_order_relaxed);
+  alive_.store(alive, std::memory_order_relaxed);
+}
+
 PublisherStatus PublisherCore::status() const {
   PublisherStatus status;
+  status.deadlines_missed = deadlines_missed_.load(std::memory_order_relaxed);
+  status.alive = alive_.load(std::memory_order_relaxed);
   status.published = sequence_.load(std::memory_order_relaxed);
   status.dropped = dropped_.load(std::memory_order_relaxed);
   status.bytes_sent = udp_ == nullptr ? 0 : udp_->bytes_sent();

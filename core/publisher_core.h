@@ -17,6 +17,7 @@
 #include "core/buffer_pool.h"
 #include "core/event_sink.h"
 #include "core/negotiation.h"
+#include "core/qos_watch.h"
 #include "core/snapshot.h"
 #include "core/transport.h"
 #include "sft/untyped.h"
@@ -32,6 +33,8 @@ class PublisherCore {
     std::size_t max_sample_bytes = 0;
     std::function<void(const PublisherStatus&)> on_readers_changed;
     EventCallback on_event;
+    std::function<void()>
+        asserted;  ///< where the program asserts its liveliness: any thread, posts and returns
   };
 
   /// `heap` lends memory while nobody reads in shared memory; `udp` is null where the publisher rules it out.
@@ -42,6 +45,8 @@ class PublisherCore {
   Result<SampleHandle> loan(const void* prototype, std::span<const Reservation> reservations);
   PublishStatus commit(SampleHandle sample);
 
+  void assert_liveliness();
+
   PublisherStatus status() const;
   const TypeSupport& type() const { return *spec_.type; }
   EndpointId id() const { return spec_.id; }
@@ -50,6 +55,12 @@ class PublisherCore {
   /// Puts a new division of readers between the ports in force. `shm` is null while there is no shared
   /// memory.
   void serve(Serving serving, std::shared_ptr<WriterPort> shm);
+
+  // The agent's: what the program did, and for status() how it keeps its promises.
+  OfferWatch::Signs signs() const;
+  /// From here on the next assertion of the program is told again.
+  void listen_for_assertions() { assertion_told_.store(false, std::memory_order_relaxed); }
+  void keeps_promises(std::uint64_t deadlines_missed, bool alive);
 
  private:
   /// Where samples go at present. Immutable once stored.
@@ -93,6 +104,10 @@ class PublisherCore {
   std::atomic<bool> publishing_{false};  ///< publish() is between reading the outlets and having sent
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> dropped_{0};
+  std::atomic<std::uint64_t> asserted_{0};
+  std::atomic<bool> assertion_told_{false};
+  std::atomic<std::uint64_t> deadlines_missed_{0};
+  std::atomic<bool> alive_{true};
   EventSink events_;
 
   mutable std::mutex status_mutex_;

@@ -63,8 +63,10 @@ Result<Qos> qos_of(const PublisherOptions& options) {
                 .durability = options.durability,
                 .deadline = options.deadline,
                 .liveliness = options.liveliness,
-                .liveliness_lease = options.liveliness_lease};
+                .liveliness_lease = options.liveliness_lease,
+                .lifespan = options.lifespan};
   return check_duration("deadline", qos.deadline)
+      .and_then([&] { return check_duration("lifespan", qos.lifespan); })
       .and_then([&] { return check_liveliness(qos.liveliness, qos.liveliness_lease); })
       .map([&] { return qos; });
 }

@@ -18,6 +18,7 @@ struct Qos {
   std::chrono::nanoseconds deadline{0};
   Liveliness liveliness = Liveliness::automatic;
   std::chrono::nanoseconds liveliness_lease{0};
+  std::chrono::nanoseconds lifespan{0};  ///< writers; takes no part in matching
   friend bool operator==(const Qos&, const Qos&) = default;
 };
 

@@ -15,6 +15,7 @@ constexpr std::chrono::milliseconds shm_pause_min{500};  // after the daemon did
 constexpr std::chrono::milliseconds shm_pause_max{10'000};
 constexpr std::chrono::milliseconds tick_quiet{50};
 constexpr std::chrono::milliseconds tick_while_attaching{1};
+constexpr std::chrono::milliseconds tick_shortest{1};
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
 
 }  // namespace
@@ -46,7 +47,12 @@ std::string Reconciler::shm_state() const {
 
 void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherCore> core) {
   const TypeSupport& type = core->type();
-  writers_[endpoint.id].core = std::move(core);
+  writers_.insert_or_assign(endpoint.id,
+                            Writer{.core = std::move(core),
+                                   .shm = nullptr,
+                                   .in_force = {},
+                                   .watch = OfferWatch(endpoint.qos, std::chrono::steady_clock::now()),
+                                   .told = {}});
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
   announce(endpoint.id);
@@ -59,6 +65,7 @@ void Reconciler::add_reader(const Endpoint& endpoint, NewReader reader) {
   added.core = std::move(reader.core);
   added.recorder = std::move(reader.recorder);
   added.udp = std::move(reader.udp);
+  added.requested = endpoint.qos;
   added.accepted = {{{added.core->spec().requirement.mask, endpoint.request.min_period_us}}};
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
@@ -154,9 +161,66 @@ std::chrono::milliseconds Reconciler::tick() {
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   reconcile();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
+  watch_promises(now);
   reconcile();
   const bool hurry = hurried_ticks_ > 0 && hurried_ticks_ <= hurried_ticks_max;
-  return hurry ? tick_while_attaching : tick_quiet;
+  return hurry ? tick_while_attaching : pace();
+}
+
+/// Until the next tick: no longer than a deadline or a lease can wait.
+std::chrono::milliseconds Reconciler::pace() const {
+  std::chrono::nanoseconds pace = tick_quiet;
+  for (const auto& [id, writer] : writers_) pace = std::min(pace, writer.watch.pace().value_or(pace));
+  for (const auto& [id, reader] : readers_) {
+    for (const auto& [heard, watch] : reader.watched) pace = std::min(pace, watch.pace().value_or(pace));
+  }
+  return std::max(std::chrono::duration_cast<std::chrono::milliseconds>(pace), tick_shortest);
+}
+
+void Reconciler::watch_promises(Now now) {
+  std::vector<EndpointId> living;
+  for (auto& [id, writer] : writers_) {
+    if (watch_offer(writer, now)) living.push_back(id);
+  }
+  tell_of_life(living);
+  for (auto& [id, reader] : readers_) {
+    for (auto& [writer, watch] : reader.watched) {
+      watch.look(reader.core->arrivals(writer), now);
+      reader.core->keeps_promises(writer, watch.deadlines_missed(), watch.alive());
+    }
+  }
+}
+
+/// Whether the writer's readers have to be told that it lives.
+bool Reconciler::watch_offer(Writer& writer, Now now) {
+  const OfferWatch::Signs signs = writer.core->signs();
+  writer.watch.look(signs, now);
+  writer.core->keeps_promises(writer.watch.deadlines_missed(), writer.watch.alive());
+  if (!writer.watch.rests(now)) writer.core->listen_for_assertions();
+  return writer.in_force && writer.in_force->lease_requested &&
+         writer.watch.assertion_due(signs, writer.in_force->samples_tell, now);
+}
+
+/// At once, so that what the program does in time is in time for others.
+void Reconciler::program_asserts(EndpointId id) {
+  const auto writer = writers_.find(id);
+  if (writer == writers_.end()) return;
+  if (watch_offer(writer->second, std::chrono::steady_clock::now())) tell_of_life({id});
+}
+
+void Reconciler::tell_of_life(const std::vector<EndpointId>& writers) {
+  if (writers.empty()) return;
+  discovery_.assert_liveliness(writers);
+  liveliness_asserted(writers);  // our own readers
+}
+
+void Reconciler::liveliness_asserted(const std::vector<EndpointId>& writers) {
+  for (auto& [id, reader] : readers_) {
+    for (const EndpointId writer : writers) {
+      if (const auto watch = reader.watched.find(writer); watch != reader.watched.end())
+        watch->second.asserted();
+    }
+  }
 }
 
 void Reconciler::look_after_shm() {
@@ -303,6 +367,21 @@ void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
   }
   reader.heard = std::move(heard);
   reader.core->hears(wanted);
+  watch(reader);
+}
+
+/// Those that it matches, if it asked for anything to be watched.
+void Reconciler::watch(Reader& reader) {
+  std::erase_if(reader.watched, [&](const auto& item) {
+    const auto heard = reader.heard.find(item.first);
+    return heard == reader.heard.end() || !heard->second.status.matched;
+  });
+  for (const auto& [writer, hearing] : reader.heard) {
+    if (!hearing.status.matched || reader.watched.contains(writer)) continue;
+    const RequestWatch watch(hearing.offered, reader.requested, reader.core->arrivals(writer),
+                             std::chrono::steady_clock::now());
+    if (watch.pace()) reader.watched.emplace(writer, watch);
+  }
 }
 
 /// Connects to and disconnects from one writer as wanted; returns what is in force then.

@@ -18,6 +18,7 @@
 #include "core/dispatcher.h"
 #include "core/negotiation.h"
 #include "core/publisher_core.h"
+#include "core/qos_watch.h"
 #include "core/recorder.h"
 #include "core/subscriber_core.h"
 #include "core/transport.h"
@@ -52,6 +53,10 @@ class Reconciler {
   void endpoint_departed(EndpointId id);
   void endpoint_lost(EndpointId id);
   void request_received(const Request& request);
+  void liveliness_asserted(const std::vector<EndpointId>& writers);
+
+  /// The program has asserted the liveliness of one of our writers.
+  void program_asserts(EndpointId writer);
 
   /// Looks after transports and time; returns when to be called again.
   std::chrono::milliseconds tick();
@@ -68,6 +73,7 @@ class Reconciler {
     std::shared_ptr<PublisherCore> core;
     std::shared_ptr<WriterPort> shm;
     std::optional<Serving> in_force;
+    OfferWatch watch;
     PublisherStatus told;  ///< the state up to which its events were told
   };
   struct Accepted {
@@ -80,11 +86,18 @@ class Reconciler {
     std::shared_ptr<ReaderPort> shm;
     std::shared_ptr<ReaderPort> udp;
     std::map<EndpointId, Hearing> heard;
+    std::map<EndpointId, RequestWatch> watched;  ///< of these
+    Qos requested;
     std::vector<Accepted> accepted;      ///< newest last
     std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
     SubscriberStatus told;
   };
 
+  void watch_promises(Now now);
+  bool watch_offer(Writer& writer, Now now);
+  void tell_of_life(const std::vector<EndpointId>& writers);
+  static void watch(Reader& reader);
+  std::chrono::milliseconds pace() const;
   void look_after_shm();
   void look_after_udp(Now now);
   bool look_after_connections();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/clock.h"
+
 namespace sft::core {
 
 namespace {
@@ -32,10 +34,27 @@ void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
   requests_ = sequence;
 }
 
+void SubscriberCore::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {
+  const std::scoped_lock lock(mutex_);
+  Heard& h = heard(writer);
+  h.deadlines_missed = deadlines_missed;
+  h.alive = alive;
+}
+
+std::uint64_t SubscriberCore::arrivals(EndpointId writer) {
+  const std::scoped_lock lock(mutex_);
+  std::uint64_t sum = 0;
+  for (const Inlet& inlet : inlets_) sum += inlet.port == nullptr ? 0 : inlet.port->arrivals(writer);
+  return sum;
+}
+
 void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
   const std::scoped_lock lock(mutex_);
   writers_.clear();
-  for (const Hearing& h : hearing) writers_.push_back(h.status);
+  for (const Hearing& h : hearing) {
+    writers_.push_back(h.status);
+    heard(h.source.writer).lifespan_ns = h.offered.lifespan.count();
+  }
   if (heard_.size() > writers_.size() + gone_writers_kept) forget_the_gone();
 }
 
@@ -47,6 +66,7 @@ void SubscriberCore::forget_the_gone() {
     gone_.received += h.received;
     gone_.lost += h.lost;
     gone_.withheld += h.withheld;
+    gone_.expired += h.expired;
     return true;
   });
 }
@@ -107,6 +127,10 @@ void SubscriberCore::enter(Heard& from, const Numbered& sample) {
   from.withheld += missing.withheld;
 }
 
+bool SubscriberCore::is_expired(const Heard& from, const Numbered& sample) {
+  return from.lifespan_ns != 0 && realtime_ns() - sample.stamp_ns > from.lifespan_ns;
+}
+
 /// With the mutex held: drops what is not to be delivered, until the next sample in order is; false if there
 /// is none.
 bool SubscriberCore::find_next() {
@@ -115,8 +139,11 @@ bool SubscriberCore::find_next() {
     Heard& from = heard(inlet.next->header().writer);
     const Numbered sample = numbered(inlet);
     const bool is_new = from.account.is_new(sample);  // or it came by both paths while they were switched
-    if (is_new && from.account.allows(sample)) return true;
+    const bool is_ours = is_new && from.account.allows(sample);
+    const bool expired = is_ours && is_expired(from, sample);
+    if (is_ours && !expired) return true;
     if (is_new) enter(from, sample);
+    if (expired) ++from.expired;
     inlet.next.reset();
   }
   return false;
@@ -243,6 +270,7 @@ SubscriberStatus SubscriberCore::status() {
   SubscriberStatus status{.received = gone_.received,
                           .lost = gone_.lost,
                           .withheld = gone_.withheld,
+                          .expired = gone_.expired,
                           .mask = requested_,
                           .requests = requests_,
                           .writers = writers_};
@@ -250,11 +278,17 @@ SubscriberStatus SubscriberCore::status() {
     status.received += h.received;
     status.lost += h.lost;
     status.withheld += h.withheld;
+    status.expired += h.expired;
     for (WriterStatus& w : status.writers) {
       if (w.id != h.writer) continue;
       w.received = h.received;
       w.lost = h.lost;
       w.withheld = h.withheld;
+      w.expired = h.expired;
+      w.deadlines_missed = h.deadlines_missed;
+      if (h.alive || !w.alive) continue;
+      w.alive = false;
+      w.reason = "no sign of life within its lease";
     }
   }
   return status;

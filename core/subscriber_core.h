@@ -72,6 +72,9 @@ class SubscriberCore final : public ArrivalListener {
   /// For status(): what is heard at present, and the mask and number of the request in force.
   void hears(const std::vector<Hearing>& hearing);
   void requests(const FieldMask& mask, std::uint64_t sequence);
+  void keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+  /// Differs from what it was whenever a sample of that writer has arrived meanwhile.
+  std::uint64_t arrivals(EndpointId writer);
 
  private:
   struct Heard {  ///< per writer
@@ -81,6 +84,10 @@ class SubscriberCore final : public ArrivalListener {
     std::uint64_t lost = 0;
     std::uint64_t withheld = 0;
     std::uint64_t lost_untold = 0;  ///< of these, not yet told with a sample
+    std::uint64_t expired = 0;
+    std::int64_t lifespan_ns = 0;  ///< that the writer gives its samples; 0: no end
+    std::uint64_t deadlines_missed = 0;
+    bool alive = true;
   };
   struct Inlet {
     std::shared_ptr<ReaderPort> port;
@@ -96,6 +103,7 @@ class SubscriberCore final : public ArrivalListener {
   Numbered numbered(const Inlet& inlet) const;
   bool find_next();
   static void enter(Heard& from, const Numbered& sample);
+  static bool is_expired(const Heard& from, const Numbered& sample);
   Inlet* oldest_inlet();
   Heard& heard(EndpointId writer);
   void forget_the_gone();

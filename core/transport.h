@@ -141,6 +141,8 @@ class ReaderPort {
   virtual Result<void> connect(const Source& source) = 0;
   /// Whether samples that the writer sends from now on will arrive.
   virtual bool connected(EndpointId writer) const noexcept = 0;
+  /// Differs from what it was whenever a sample of that writer has arrived meanwhile, taken or not.
+  virtual std::uint64_t arrivals(EndpointId writer) noexcept = 0;
   /// Accepts no more of them; what has arrived can still be taken.
   virtual void disconnect(EndpointId writer) noexcept = 0;
 

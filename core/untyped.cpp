@@ -90,6 +90,8 @@ Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation>
   });
 }
 
+void Publisher::assert_liveliness() { core_->assert_liveliness(); }
+
 PublisherStatus Publisher::status() const { return core_->status(); }
 
 const TypeSupport& Publisher::type() const { return core_->type(); }

@@ -29,6 +29,7 @@ void Inbox::deliver(core::SampleHandle sample) noexcept {
 bool Inbox::enqueue(core::SampleHandle& sample) noexcept {
   Writer* writer = find(sample->header().writer);
   if (writer == nullptr || !writer->connected) return false;
+  ++writer->arrivals;
   switch (writer->queue.put(sample, ++arrivals_)) {
     case KeepLastQueue::Put::kept:
       return true;
@@ -78,6 +79,12 @@ bool Inbox::connected(core::EndpointId id) const noexcept {
   const auto found =
       std::find_if(writers_.begin(), writers_.end(), [&](const Writer& w) { return w.id == id; });
   return found != writers_.end() && found->connected;
+}
+
+std::uint64_t Inbox::arrivals(core::EndpointId id) noexcept {
+  const std::scoped_lock lock(mutex_);
+  const Writer* writer = find(id);
+  return writer == nullptr ? 0 : writer->arrivals;
 }
 
 std::uint64_t Inbox::discarded() const noexcept {

@@ -26,6 +26,7 @@ class Inbox {
   /// What is queued can still be taken.
   void disconnect(core::EndpointId writer) noexcept;
   bool connected(core::EndpointId writer) const noexcept;
+  std::uint64_t arrivals(core::EndpointId writer) noexcept;
   std::uint64_t discarded() const noexcept;
 
   /// After this the listener is not called any more, and no call of it is
@@ -37,6 +38,7 @@ class Inbox {
     core::EndpointId id;
     KeepLastQueue queue;
     bool connected;
+    std::uint64_t arrivals = 0;
   };
   Writer* find(core::EndpointId id) noexcept;
   bool enqueue(core::SampleHandle& sample) noexcept;

@@ -26,7 +26,8 @@ Endpoint endpoint() {
            .durability = transient_local,
            .deadline = std::chrono::milliseconds(5),
            .liveliness = manual_by_topic,
-           .liveliness_lease = std::chrono::seconds(2)};
+           .liveliness_lease = std::chrono::seconds(2),
+           .lifespan = std::chrono::minutes(1)};
   e.request = {.reader = 7,
                .sequence = 4,
                .mask_words = {1, 2},
@@ -40,6 +41,8 @@ TEST(ControlCodecTest, EndpointsAndRequestsComeBackAsTheyWere) {
   ControlStorage storage;
   EXPECT_EQ(from_dds(to_dds(endpoint(), storage)), endpoint());
   EXPECT_EQ(from_dds(to_dds(endpoint().request)), endpoint().request);
+  const std::vector<EndpointId> living{3, 4};
+  EXPECT_EQ(from_dds(to_dds(living)), living);
 }
 
 TEST(ControlCodecTest, WhatIsLongerThanTheTopicAllowsIsCutAndNotWrittenBeyond) {
@@ -89,6 +92,7 @@ TEST(ControlCodecTest, PoliciesThatDoNotExistAreRefused) {
   EXPECT_TRUE(refused([](auto& qos) { qos.liveliness = 2; }));
   EXPECT_TRUE(refused([](auto& qos) { qos.deadline = UINT64_MAX; }));
   EXPECT_TRUE(refused([](auto& qos) { qos.liveliness_lease = UINT64_MAX; }));
+  EXPECT_TRUE(refused([](auto& qos) { qos.lifespan = UINT64_MAX; }));
 }
 
 TEST(ControlCodecTest, AddressesWithoutPortAreLeftOut) {

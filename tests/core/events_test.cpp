@@ -84,6 +84,28 @@ TEST(EventsTest, IncompatiblePeersAreToldOnceOnBothSides) {
               ElementsAre(EventKind::incompatible_type));
 }
 
+TEST(EventsTest, DeadlinesAndLivelinessAreToldOnBothSides) {
+  PublisherStatus good;
+  PublisherStatus late = good;
+  late.deadlines_missed = 3;
+  late.alive = false;
+  const auto offered = events_between(good, late);
+  ASSERT_THAT(kinds(offered), ElementsAre(EventKind::deadline_missed, EventKind::liveliness_lost));
+  EXPECT_EQ(offered[0].count, 3U);
+  EXPECT_EQ(offered[0].peer, 0U);
+  EXPECT_THAT(kinds(events_between(late, good)), ElementsAre(EventKind::liveliness_recovered));
+
+  WriterStatus silent = writer(true, "no sign of life");
+  silent.deadlines_missed = 1;
+  silent.alive = false;
+  const auto requested = events_between(hearing(writer(true)), hearing(silent));
+  ASSERT_THAT(kinds(requested), ElementsAre(EventKind::deadline_missed, EventKind::liveliness_lost));
+  EXPECT_EQ(requested[1].text, "no sign of life");
+  EXPECT_EQ(requested[1].peer, peer);
+  EXPECT_THAT(kinds(events_between(hearing(silent), hearing(writer(true)))),
+              ElementsAre(EventKind::liveliness_recovered));
+}
+
 TEST(EventsTest, LossesAreToldWithTheirNumber) {
   WriterStatus before = writer(true);
   before.lost = 2;

@@ -229,6 +229,32 @@ TEST_F(NegotiationTest, AnIncompatiblePairNeverMatchesAndBothSidesSayWhy) {
   }
 }
 
+TEST_F(NegotiationTest, AWriterIsAssertedForReadersThatAskedForALease) {
+  Endpoint writer = endpoint(Role::writer, 100);
+  writer.qos.liveliness_lease = 1s;
+  negotiation.local_added(writer, type);
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_FALSE(negotiation.serving(100).lease_requested);
+  Endpoint reader = endpoint(Role::reader, 8);
+  reader.qos.liveliness_lease = 2s;
+  negotiation.endpoint_seen(reader);
+  EXPECT_TRUE(negotiation.serving(100).lease_requested);
+  EXPECT_TRUE(negotiation.serving(100).samples_tell);
+  Request slower = request(8, 2, F::data);
+  slower.min_period_us = 1;
+  negotiation.request_received(slower);
+  EXPECT_FALSE(negotiation.serving(100).samples_tell);
+}
+
+TEST_F(NegotiationTest, AWriterWhoseNodeDoesNotAnswerIsHeardOfAsNotAlive) {
+  our_reader();
+  negotiation.endpoint_seen(endpoint(Role::writer, 7));
+  EXPECT_TRUE(negotiation.hearing(200).at(0).status.alive);
+  negotiation.endpoint_lost(7, Now{});
+  EXPECT_FALSE(negotiation.hearing(200).at(0).status.alive);
+  EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "its node does not answer");
+}
+
 TEST_F(NegotiationTest, EndpointsOfOtherTopicsAreNobodysBusiness) {
   our_writer();
   Endpoint reader = endpoint(Role::reader, 7);

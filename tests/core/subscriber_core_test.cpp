@@ -7,6 +7,7 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "core/buffer_pool.h"
+#include "core/clock.h"
 
 namespace sft::core {
 namespace {
@@ -23,6 +24,7 @@ class QueuePort final : public ReaderPort {
   }
   Result<void> connect(const Source&) override { return {}; }
   bool connected(EndpointId) const noexcept override { return true; }
+  std::uint64_t arrivals(EndpointId) noexcept override { return samples.size(); }
   void disconnect(EndpointId) noexcept override {}
   void accept(std::vector<Wanted>) override {}
   std::uint64_t discarded() const noexcept override { return 0; }
@@ -92,6 +94,22 @@ TEST_F(SubscriberCoreTest, AGapIsCountedWhereItIsSeen) {
   EXPECT_EQ(subscriber->take().info().lost_before, 0U);
   EXPECT_EQ(subscriber->take().info().lost_before, 2U);
   EXPECT_EQ(subscriber->status().lost, 2U);
+}
+
+TEST_F(SubscriberCoreTest, AnExpiredSampleIsNotDeliveredAndNotLost) {
+  Hearing hearing;
+  hearing.source.writer = hearing.status.id = 9;
+  hearing.offered.lifespan = std::chrono::minutes(1);
+  subscriber->hears({hearing});
+  arrives(*udp, 1);  // stamped in 1970
+  arrives(*udp, 2);
+  udp->samples.back()->header().source_stamp_ns = realtime_ns();
+  EXPECT_TRUE(subscriber->wait({}));
+  EXPECT_EQ(taken(), (Sequences{2}));
+  const SubscriberStatus status = subscriber->status();
+  EXPECT_EQ(status.expired, 1U);
+  EXPECT_EQ(status.lost, 0U);
+  EXPECT_EQ(status.writers.at(0).expired, 1U);
 }
 
 TEST_F(SubscriberCoreTest, EveryWriterHasItsOwnSequence) {

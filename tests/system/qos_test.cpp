@@ -111,6 +111,91 @@ TEST_P(QosTest, LossesAreTold) {
   EXPECT_EQ(requested.all(EventKind::samples_lost).front().count, 9U);
 }
 
+TEST_P(QosTest, BothSidesAreToldOfMissedDeadlines) {
+  auto pub = a.publisher<PointCloud2>("points", {.deadline = 30ms, .on_event = offered.callback()}).value();
+  auto sub =
+      b.subscriber<PointCloud2, F::height>("points", {.deadline = 40ms, .on_event = requested.callback()})
+          .value();
+  expect_served(pub, 1);
+  pub.publish(cloud(1));
+  ASSERT_TRUE(offered.await(EventKind::deadline_missed));
+  ASSERT_TRUE(requested.await(EventKind::deadline_missed));
+  EXPECT_EQ(requested.all(EventKind::deadline_missed).front().node, "a");
+  EXPECT_GE(pub.status().deadlines_missed, 1U);
+  EXPECT_GE(sub.status().writers.at(0).deadlines_missed, 1U);
+}
+
+TEST_P(QosTest, WhoeverPublishesInTimeMissesNoDeadline) {
+  auto pub = a.publisher<PointCloud2>("points", {.deadline = 1s, .on_event = offered.callback()}).value();
+  auto sub =
+      b.subscriber<PointCloud2, F::height>("points", {.deadline = 1s, .on_event = requested.callback()})
+          .value();
+  expect_served(pub, 1);
+  // Samples are taken late, or pushed out: they came all the same.
+  const auto missed = [&] {
+    pub.publish(cloud(1));
+    return offered.has(EventKind::deadline_missed) || requested.has(EventKind::deadline_missed);
+  };
+  EXPECT_FALSE(eventually(missed, 2500ms));
+}
+
+TEST_P(QosTest, SamplesThatWaitedBeyondTheirLifespanAreNotDelivered) {
+  auto pub = a.publisher<PointCloud2>("points", {.lifespan = 50ms}).value();
+  auto sub = b.subscriber<PointCloud2, F::height>("points").value();
+  expect_served(pub, 1);
+  const auto published = std::chrono::steady_clock::now();
+  for (std::uint32_t i = 1; i <= 3; ++i) pub.publish(cloud(i));
+  ASSERT_TRUE(eventually([&] { return std::chrono::steady_clock::now() > published + 60ms; }));
+  EXPECT_FALSE(sub.take());
+  pub.publish(cloud(4));
+  EXPECT_TRUE(eventually([&] { return static_cast<bool>(sub.take()); }));
+  EXPECT_TRUE(eventually([&] { return sub.status().expired == 3; })) << sub.status().expired;
+  EXPECT_EQ(sub.status().lost, 0U);
+}
+
+TEST_P(QosTest, AManualPublisherLivesAsLongAsItSaysSo) {
+  const PublisherOptions options{
+      .liveliness = manual_by_topic, .liveliness_lease = 200ms, .on_event = offered.callback()};
+  auto pub = a.publisher<PointCloud2>("points", options).value();
+  auto sub = b.subscriber<PointCloud2, F::height>(
+                  "points",
+                  {.liveliness = manual_by_topic, .liveliness_lease = 1s, .on_event = requested.callback()})
+                 .value();
+  expect_served(pub, 1);
+  const auto alive = [&] { return sub.status().writers.at(0).alive; };
+  const auto for_a_second = [&](auto act) {
+    return !eventually(
+        [&] {
+          act();
+          return !alive();
+        },
+        1s);
+  };
+  ASSERT_TRUE(requested.await(EventKind::liveliness_lost));
+  ASSERT_TRUE(offered.await(EventKind::liveliness_lost));
+  EXPECT_EQ(sub.status().writers.at(0).reason, "no sign of life within its lease");
+  EXPECT_TRUE(sub.status().writers.at(0).matched);
+  pub.assert_liveliness();
+  ASSERT_TRUE(requested.await(EventKind::liveliness_recovered));
+  ASSERT_TRUE(offered.await(EventKind::liveliness_recovered));
+  EXPECT_TRUE(eventually([&] {
+    pub.assert_liveliness();
+    return alive();
+  }));
+  EXPECT_TRUE(for_a_second([&] { pub.assert_liveliness(); }));
+  EXPECT_TRUE(for_a_second([&] { pub.publish(cloud(1)); }));
+  EXPECT_TRUE(eventually([&] { return !alive(); }));
+}
+
+TEST_P(QosTest, AnAutomaticPublisherLivesWithItsNode) {
+  auto pub = a.publisher<PointCloud2>("points", {.liveliness_lease = 300ms}).value();
+  auto sub = b.subscriber<PointCloud2, F::height>("points",
+                                                  {.liveliness_lease = 1s, .on_event = requested.callback()})
+                 .value();
+  expect_served(pub, 1);
+  EXPECT_FALSE(eventually([&] { return requested.has(EventKind::liveliness_lost); }, 1s));
+}
+
 /// Publishes at that rate until it goes.
 class Ticker {
  public:

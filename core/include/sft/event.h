@@ -25,10 +25,10 @@ const char* to_string(EventKind kind);
 struct Event {
   EventKind kind{};
   std::uint64_t peer = 0;  ///< id of the subscriber or publisher at the other end; 0: concerns none
-  std::string node;        ///< and its node
+  std::string node{};      ///< and its node
   QosPolicy policy = QosPolicy::none;
   std::uint64_t count = 1;  ///< of deadlines missed or samples lost since the last such event
-  std::string text;         ///< for people
+  std::string text{};       ///< for people
   friend bool operator==(const Event&, const Event&) = default;
 };
 

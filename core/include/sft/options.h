@@ -56,8 +56,10 @@ struct PublisherOptions {
   TransportChoice transport = TransportChoice::automatic;
   Reliability reliability = Reliability::best_effort;  ///< see there for what it means over UDP
   Durability durability = Durability::volatile_;
-  std::chrono::nanoseconds deadline{
-      0};  ///< it promises a sample at least so often, and is told when it fails
+  std::chrono::nanoseconds deadline{0};  ///< promises a sample at least so often; told when it fails
+  /// A sample that was published longer ago is not delivered any more, as far as the clocks of both hosts
+  /// agree.
+  std::chrono::nanoseconds lifespan{0};
   Liveliness liveliness = Liveliness::automatic;
   std::chrono::nanoseconds liveliness_lease{0};     ///< promises a sign of life at least so often
   std::size_t max_sample_bytes = 16 * 1024 * 1024;  ///< announced: readers set memory aside for no more

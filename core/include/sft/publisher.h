@@ -96,6 +96,9 @@ class Publisher {
     });
   }
 
+  /// A sign of life where liveliness is manual_by_topic and there is nothing to publish. Any thread, cheap.
+  void assert_liveliness() { publisher_.assert_liveliness(); }
+
   PublisherStatus status() const { return publisher_.status(); }
   const TypeSupport& type() const { return publisher_.type(); }
 

@@ -30,8 +30,10 @@ struct ReaderStatus {
 };
 
 struct PublisherStatus {
-  std::uint64_t published = 0;        ///< samples
-  std::uint64_t bytes_sent = 0;       ///< payload and SFT headers over the network
+  std::uint64_t published = 0;   ///< samples
+  std::uint64_t bytes_sent = 0;  ///< payload and SFT headers over the network
+  std::uint64_t deadlines_missed = 0;
+  bool alive = true;                  ///< or it did not assert its liveliness in time
   std::uint64_t dropped = 0;          ///< samples that could not be handed to some transport
   std::vector<ReaderStatus> readers;  ///< all of the topic, served or not
 };
@@ -41,6 +43,7 @@ struct WriterStatus {
   std::uint64_t id = 0;
   std::string node;
   bool matched = false;  ///< false: `reason` says why
+  bool alive = true;     ///< false: its lease or its node's is over, which `reason` says
   TransportKind transport{};
   std::string reason{};
   bool incompatible_type = false;
@@ -49,12 +52,15 @@ struct WriterStatus {
   std::uint64_t lost = 0;  ///< samples that should have come
   std::uint64_t withheld =
       0;  ///< samples that did not come, or were skipped, for this subscriber's max_rate_hz
+  std::uint64_t expired = 0;  ///< samples that were not delivered because their lifespan was over
+  std::uint64_t deadlines_missed = 0;
 };
 
 struct SubscriberStatus {
   std::uint64_t received = 0;  ///< samples taken or given to the callback
   std::uint64_t lost = 0;
   std::uint64_t withheld = 0;  ///< for max_rate_hz
+  std::uint64_t expired = 0;   ///< with their lifespan
   FieldMask mask;              ///< what is asked for at present
   std::uint64_t requests = 0;  ///< STRs sent
   std::vector<WriterStatus> writers;

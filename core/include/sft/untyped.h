@@ -112,6 +112,7 @@ class Publisher {
   /// An encoded payload: encapsulation and little-endian XCDR1 of the whole type.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
   Result<Loan> loan(const void* prototype, std::span<const Reservation> reservations);
+  void assert_liveliness();
   PublisherStatus status() const;
   const TypeSupport& type() const;
 
