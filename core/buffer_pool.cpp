@@ -41,6 +41,7 @@ SampleHandle BufferPool::take(std::size_t bytes) noexcept {
   new (buffer->data) SampleHeader{};
   buffer->receive_stamp_ns = 0;
   buffer->min_period_us = buffer->ordinal = 0;
+  buffer->addressee = buffer->oldest_retained = 0;
   buffer->owner = shared_from_this();
   return SampleHandle(*buffer);
 }

@@ -37,6 +37,7 @@ sft_control_Qos to_dds(const Qos& qos) {
   out.deadline = static_cast<std::uint64_t>(qos.deadline.count());
   out.liveliness_lease = static_cast<std::uint64_t>(qos.liveliness_lease.count());
   out.lifespan = static_cast<std::uint64_t>(qos.lifespan.count());
+  out.history_depth = qos.history_depth;
   return out;
 }
 
@@ -51,7 +52,8 @@ std::optional<Qos> from_dds(const sft_control_Qos& in) {
              .deadline = std::chrono::nanoseconds(in.deadline),
              .liveliness = static_cast<Liveliness>(in.liveliness),
              .liveliness_lease = std::chrono::nanoseconds(in.liveliness_lease),
-             .lifespan = std::chrono::nanoseconds(in.lifespan)};
+             .lifespan = std::chrono::nanoseconds(in.lifespan),
+             .history_depth = in.history_depth};
 }
 
 }  // namespace

@@ -28,13 +28,16 @@ bool Negotiation::self_changed(const Self& self) {
 }
 
 void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type) {
-  Entry entry{.endpoint = endpoint, .type = &type, .lost_since = {}};
+  Entry entry{.endpoint = endpoint, .type = &type, .lost_since = {}, .history_given = {}};
   entry.endpoint.host = self_.host;
   entry.endpoint.network = self_.network;
   entries_.insert_or_assign(endpoint.id, std::move(entry));
 }
 
-void Negotiation::local_removed(EndpointId id) { entries_.erase(id); }
+void Negotiation::local_removed(EndpointId id) {
+  entries_.erase(id);
+  forget_history_of(id);
+}
 
 bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   const auto known = entries_.find(endpoint.id);
@@ -58,6 +61,7 @@ bool Negotiation::endpoint_departed(EndpointId id) {
   const auto entry = entries_.find(id);
   if (entry == entries_.end() || entry->second.type != nullptr) return false;
   entries_.erase(entry);
+  forget_history_of(id);
   return true;
 }
 
@@ -124,11 +128,32 @@ bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, Trans
   return true;
 }
 
+bool Negotiation::history_given(EndpointId writer, EndpointId reader) {
+  const auto entry = entries_.find(writer);
+  if (entry == entries_.end() || entry->second.type == nullptr) return false;
+  return entry->second.history_given.insert(reader).second;
+}
+
+void Negotiation::forget_history_of(EndpointId reader) {
+  for (auto& [id, entry] : entries_) entry.history_given.erase(reader);
+}
+
 bool Negotiation::tick(Now now) {
-  return std::erase_if(entries_, [&](const auto& item) {
-           const auto& since = item.second.lost_since;
-           return since && now - *since >= limits_.forget_lost_after;
-         }) != 0;
+  std::vector<EndpointId> forgotten;
+  for (const auto& [id, entry] : entries_) {
+    if (entry.lost_since && now - *entry.lost_since >= limits_.forget_lost_after) forgotten.push_back(id);
+  }
+  for (const EndpointId id : forgotten) endpoint_departed(id);
+  return !forgotten.empty();
+}
+
+/// Retained samples that the reader is still to get.
+std::uint32_t Negotiation::history_owed(const Entry& writer, const Endpoint& reader) {
+  const Qos& offered = writer.endpoint.qos;
+  const bool durable = offered.durability == Durability::transient_local &&
+                       reader.qos.durability == Durability::transient_local;
+  if (!durable || writer.history_given.contains(reader.id)) return 0;
+  return std::min(offered.history_depth, reader.qos.history_depth);
 }
 
 std::string Negotiation::why_not_shm(const Endpoint& writer, const Endpoint& reader) const {
@@ -199,16 +224,21 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
     return status;
   }
   serving.shm_port |= verdict.shm;
-  if (verdict.shm && holds(r.request.attached, writer.endpoint.id)) {
+  const std::uint32_t owed = history_owed(writer, r);
+  const bool history_first = owed != 0 && verdict.udp;
+  serving.history_owed |= history_first;
+  if (verdict.shm && !history_first && holds(r.request.attached, writer.endpoint.id)) {
     status.served = true;
     status.transport = TransportKind::shm;
-    status.reason = "same host";
+    status.reason = owed == 0 ? "same host" : "same host; without UDP nothing of what was published before";
     serving.shm.push_back({r.id, r.doorbell, status.mask, period, nullptr});
   } else if (verdict.udp && holds(r.request.listening, writer.endpoint.id)) {
     status.served = true;
     status.transport = TransportKind::udp;
-    status.reason = verdict.shm ? "same host, shared memory is being attached" : verdict.udp_reason;
-    serving.udp.push_back({r.id, address_of(r), status.mask, period, nullptr});
+    status.reason = !verdict.shm    ? verdict.udp_reason
+                    : history_first ? "same host, what was published before comes first"
+                                    : "same host, shared memory is being attached";
+    serving.udp.push_back({r.id, address_of(r), status.mask, period, nullptr, owed});
   } else if (verdict.udp) {
     status.reason = "the subscriber is not listening yet";
   } else {
@@ -247,6 +277,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     const Verdict verdict = judge(w, r);
     Hearing hearing{.source = {w.id, w.max_sample_bytes},
                     .offered = w.qos,
+                    .owed = history_owed(*writer, r),
                     .status = {.id = w.id, .node = w.node, .alive = !writer->lost_since}};
     hearing.shm = verdict.shm;
     hearing.udp = verdict.udp;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct Serving {
   std::vector<ReaderStatus> readers;  ///< all of the topic, with reasons
   bool lease_requested = false;       ///< some reader wants to know whether the writer lives
   bool samples_tell = true;           ///< and each of these gets every sample
+  bool history_owed = false;          ///< some route has a history
   friend bool operator==(const Serving&, const Serving&) = default;
 };
 
@@ -41,7 +43,8 @@ struct Serving {
 struct Hearing {
   Source source;
   Qos offered;
-  bool shm = false;  ///< connect to it in shared memory
+  std::uint32_t owed = 0;  ///< retained samples that should come first
+  bool shm = false;        ///< connect to it in shared memory
   bool udp = false;
   WriterStatus status;
 };
@@ -72,6 +75,8 @@ class Negotiation {
   bool rate_changed(EndpointId reader, std::uint32_t min_period_us);
   /// What a writer sends to one of our readers by that path arrives now, or does no longer.
   bool connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected);
+  /// A late reader has got what one of our writers had retained.
+  bool history_given(EndpointId writer, EndpointId reader);
   bool tick(Now now);
 
   // Desired states, from the table as it is.
@@ -85,8 +90,9 @@ class Negotiation {
  private:
   struct Entry {
     Endpoint endpoint;
-    const TypeSupport* type = nullptr;  ///< of our own endpoints
-    std::optional<Now> lost_since;      ///< its node does not answer
+    const TypeSupport* type = nullptr;   ///< of our own endpoints
+    std::optional<Now> lost_since;       ///< its node does not answer
+    std::set<EndpointId> history_given;  ///< of our own writers: to these readers
   };
   struct Verdict {         ///< on one pair, as far as both sides see it alike
     std::string mismatch;  ///< not empty: never matches, and why
@@ -101,6 +107,8 @@ class Negotiation {
   std::string why_not_shm(const Endpoint& writer, const Endpoint& reader) const;
   static void look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving);
   ReaderStatus serve(const Entry& writer, const Entry& reader, Serving& serving) const;
+  static std::uint32_t history_owed(const Entry& writer, const Endpoint& reader);
+  void forget_history_of(EndpointId reader);
   UdpAddress address_of(const Endpoint& reader) const;
   bool adopt(Entry& entry, const Request& request);
   std::vector<const Entry*> others(const Entry& entry) const;

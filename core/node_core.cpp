@@ -127,7 +127,7 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
     asserted = [this, id = endpoint.id] { agent_.post([this, id] { reconciler_->program_asserts(id); }); };
   }
   auto core = std::make_shared<PublisherCore>(
-      PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes,
+      PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes, *qos,
                           options.on_readers_changed, options.on_event, std::move(asserted)},
       heap_, std::move(udp));
   agent_.post([this, endpoint, core] { reconciler_->add_writer(endpoint, core); });

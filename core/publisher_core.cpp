@@ -27,6 +27,9 @@ PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::s
       layout_(spec_.type->slots()),
       heap_(std::move(heap)),
       udp_(std::move(udp)),
+      history_(spec_.qos.durability == Durability::volatile_
+                   ? nullptr
+                   : std::make_unique<History>(spec_.qos.history_depth, spec_.qos.lifespan.count())),
       events_(spec_.on_event) {
   outlets_.store(outlets_for({}, nullptr));
 }
@@ -37,7 +40,8 @@ std::shared_ptr<PublisherCore::Outlets> PublisherCore::outlets_for(const Serving
   outlets->shm = std::move(shm);
   outlets->to_shm = outlets->shm != nullptr && !serving.shm.empty();
   outlets->to_udp = udp_ != nullptr && !serving.udp.empty();
-  outlets->mask = outlets->to_shm ? full_ : spec_.type->closed(spec_.type->none());
+  const bool whole = outlets->to_shm || history_ != nullptr;  // nobody knows what late readers will ask for
+  outlets->mask = whole ? full_ : spec_.type->closed(spec_.type->none());
   for (const Route& route : serving.udp) outlets->mask |= route.mask;
   for (const auto* routes : {&serving.shm, &serving.udp}) {
     for (const Route& route : *routes) {
@@ -85,8 +89,30 @@ void PublisherCore::follow_withholding(const Serving& serving) {
   }
 }
 
+/// Routes of readers that are to be given the history now. To those that are being given it already, live
+/// samples go as they come.
+std::vector<Route> PublisherCore::take_latecomers(Serving& serving) {
+  std::vector<Route> latecomers;
+  std::set<EndpointId> begun;
+  for (Route& route : serving.udp) {
+    if (route.history == 0) continue;
+    begun.insert(route.reader);
+    if (history_begun_.contains(route.reader)) {
+      route.history = 0;
+    } else {
+      latecomers.push_back(route);
+    }
+  }
+  history_begun_ = std::move(begun);
+  return latecomers;
+}
+
+/// What a latecomer gets of the history, and what of the samples published meanwhile: these wait from
+/// set_routes() on, and whatever send() sends by earlier routes or outlets is in the history by the time that
+/// it is looked at. Both may hold one sample; the reader takes it once.
 void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
   find_gates(serving);
+  const std::vector<Route> latecomers = take_latecomers(serving);
   const std::shared_ptr<Outlets> after = outlets_for(serving, std::move(shm));
   const std::shared_ptr<const Outlets> before = outlets_.share();
   if (!before->mask.contains(after->mask)) {
@@ -100,6 +126,9 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
   if (after->shm != nullptr) after->shm->set_routes(serving.shm);
   if (udp_ != nullptr) udp_->set_routes(serving.udp);
   outlets_.store(after);
+  for (const Route& route : latecomers) {
+    udp_->send_history(route, history_->last(route.history, realtime_ns()));
+  }
   {
     const std::scoped_lock lock(status_mutex_);
     readers_ = serving.readers;
@@ -112,7 +141,7 @@ PublishStatus PublisherCore::publish(const void* value) {
   publishing_.store(true, std::memory_order_seq_cst);
   const Outlets& outlets = *outlets_.load();
   PublishStatus status = PublishStatus::ok;
-  if (outlets.to_shm || outlets.to_udp) {
+  if (outlets.to_shm || outlets.to_udp || history_ != nullptr) {
     const std::int64_t stamp_ns = realtime_ns();
     status = admit(outlets, stamp_ns) ? encode_and_send(outlets, value, stamp_ns) : withhold();
   } else {
@@ -123,8 +152,8 @@ PublishStatus PublisherCore::publish(const void* value) {
 }
 
 /// Asks each gate once. False if the sample is for nobody.
-bool PublisherCore::admit(const Outlets& outlets, std::int64_t stamp_ns) noexcept {
-  bool passes = outlets.to_all || outlets.gates.empty();
+bool PublisherCore::admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept {
+  bool passes = outlets.to_all || outlets.gates.empty() || history_ != nullptr;
   for (const auto& gate : outlets.gates) {
     gate->consider(stamp_ns);
     passes |= gate->passes();
@@ -230,11 +259,14 @@ void PublisherCore::fill_header(SampleBuffer& buffer, const FieldMask& mask,
               encapsulation_bytes);
 }
 
-PublishStatus PublisherCore::send(const Outlets& outlets, const SampleHandle& sample,
+/// `before`: what was in force when the sample was made.
+PublishStatus PublisherCore::send(const Outlets& before, const SampleHandle& sample,
                                   std::int64_t stamp_ns) noexcept {
   SampleHeader& header = sample->header();
   header.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
   header.source_stamp_ns = stamp_ns;
+  if (history_ != nullptr) history_->add(sample);
+  const Outlets& outlets = history_ == nullptr ? before : *outlets_.load();  // see serve()
   PublishStatus status = PublishStatus::ok;
   if (outlets.to_shm) {
     // It may have been lent elsewhere, before shared memory came up or while it had no chunk free.
@@ -254,6 +286,10 @@ SampleHandle PublisherCore::copy_to_shm(const Outlets& outlets, const SampleHand
   std::memcpy(copy->data, sample->data, bytes);
   copy->mask = sample->mask;
   return copy;
+}
+
+void PublisherCore::expire_history() {
+  if (history_ != nullptr) history_->expire(realtime_ns());
 }
 
 void PublisherCore::assert_liveliness() {

@@ -11,11 +11,13 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <span>
 #include <string>
 
 #include "core/buffer_pool.h"
 #include "core/event_sink.h"
+#include "core/history.h"
 #include "core/negotiation.h"
 #include "core/qos_watch.h"
 #include "core/snapshot.h"
@@ -31,6 +33,7 @@ class PublisherCore {
     std::string topic;
     const TypeSupport* type = nullptr;
     std::size_t max_sample_bytes = 0;
+    Qos qos;
     std::function<void(const PublisherStatus&)> on_readers_changed;
     EventCallback on_event;
     std::function<void()>
@@ -61,6 +64,9 @@ class PublisherCore {
   /// From here on the next assertion of the program is told again.
   void listen_for_assertions() { assertion_told_.store(false, std::memory_order_relaxed); }
   void keeps_promises(std::uint64_t deadlines_missed, bool alive);
+  /// Whether the late readers of serve() have been sent all that was retained for them.
+  bool history_sent() const { return udp_ == nullptr || udp_->history_sent(); }
+  void expire_history();
 
  private:
   /// Where samples go at present. Immutable once stored.
@@ -82,16 +88,17 @@ class PublisherCore {
     std::uint64_t count() const { return before + (gate == nullptr ? 0 : gate->withheld() - at_first); }
   };
 
+  std::vector<Route> take_latecomers(Serving& serving);
   void find_gates(Serving& serving);
   std::shared_ptr<RateGate> gate_for(std::uint32_t min_period_us);
   void follow_withholding(const Serving& serving);
-  static bool admit(const Outlets& outlets, std::int64_t stamp_ns) noexcept;
+  bool admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept;
   std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;
   PublishStatus encode_and_send(const Outlets& outlets, const void* value, std::int64_t stamp_ns);
   PublishStatus no_memory() noexcept;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept;
-  PublishStatus send(const Outlets& outlets, const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
+  PublishStatus send(const Outlets& before, const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
   PublishStatus withhold() noexcept;
   SampleHandle copy_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
 
@@ -100,6 +107,7 @@ class PublisherCore {
   const SampleLayout layout_;
   const std::shared_ptr<BufferPool> heap_;
   const std::shared_ptr<WriterPort> udp_;
+  const std::unique_ptr<History> history_;  ///< null unless durability asks for it
   Snapshot<Outlets> outlets_;
   std::atomic<bool> publishing_{false};  ///< publish() is between reading the outlets and having sent
   std::atomic<std::uint64_t> sequence_{0};
@@ -116,6 +124,7 @@ class PublisherCore {
 
   // Of the agent's thread.
   std::map<std::uint32_t, std::shared_ptr<RateGate>> gates_;  ///< by period; those of before as well
+  std::set<EndpointId> history_begun_;                        ///< readers that are being given the history
 };
 
 }  // namespace sft::core

@@ -8,6 +8,8 @@ namespace {
 
 using std::chrono::nanoseconds;
 
+constexpr std::uint32_t history_depth_max = 128;  // a writer can hold 256 chunks at a time
+
 // What a period in whole microseconds can say well.
 constexpr double slowest_rate_hz = 0.001;
 constexpr double fastest_rate_hz = 100'000;
@@ -64,7 +66,11 @@ Result<Qos> qos_of(const PublisherOptions& options) {
                 .deadline = options.deadline,
                 .liveliness = options.liveliness,
                 .liveliness_lease = options.liveliness_lease,
-                .lifespan = options.lifespan};
+                .lifespan = options.lifespan,
+                .history_depth = options.history_depth};
+  if (qos.history_depth < 1 || qos.history_depth > history_depth_max) {
+    return fail(Errc::invalid_argument, "history_depth is 1 to " + std::to_string(history_depth_max));
+  }
   return check_duration("deadline", qos.deadline)
       .and_then([&] { return check_duration("lifespan", qos.lifespan); })
       .and_then([&] { return check_liveliness(qos.liveliness, qos.liveliness_lease); })
@@ -76,7 +82,8 @@ Result<Qos> qos_of(const SubscriberOptions& options) {
                 .durability = options.durability,
                 .deadline = options.deadline,
                 .liveliness = options.liveliness,
-                .liveliness_lease = options.liveliness_lease};
+                .liveliness_lease = options.liveliness_lease,
+                .history_depth = options.depth};
   const Result<std::uint32_t> period = min_period_us_of(options.max_rate_hz);
   if (!period) return tl::unexpected(period.error());
   if (options.deadline.count() != 0 && options.deadline < std::chrono::microseconds(*period)) {

@@ -18,7 +18,9 @@ struct Qos {
   std::chrono::nanoseconds deadline{0};
   Liveliness liveliness = Liveliness::automatic;
   std::chrono::nanoseconds liveliness_lease{0};
-  std::chrono::nanoseconds lifespan{0};  ///< writers; takes no part in matching
+  // These take no part in matching:
+  std::chrono::nanoseconds lifespan{0};  ///< writers
+  std::uint32_t history_depth = 1;       ///< writers: samples kept for late readers; readers: until taken
   friend bool operator==(const Qos&, const Qos&) = default;
 };
 

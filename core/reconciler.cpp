@@ -52,6 +52,7 @@ void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherC
                                    .shm = nullptr,
                                    .in_force = {},
                                    .watch = OfferWatch(endpoint.qos, std::chrono::steady_clock::now()),
+                                   .history_sent = false,
                                    .told = {}});
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
@@ -159,6 +160,7 @@ std::chrono::milliseconds Reconciler::tick() {
   forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now) || (shm_pause_.count() != 0 && now >= next_shm_attempt_);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
+  look_after_histories();
   reconcile();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
@@ -175,6 +177,20 @@ std::chrono::milliseconds Reconciler::pace() const {
     for (const auto& [heard, watch] : reader.watched) pace = std::min(pace, watch.pace().value_or(pace));
   }
   return std::max(std::chrono::duration_cast<std::chrono::milliseconds>(pace), tick_shortest);
+}
+
+/// A late reader may change over to shared memory once it has what was sent by UDP: a tick after that has
+/// left.
+void Reconciler::look_after_histories() {
+  for (auto& [id, writer] : writers_) {
+    writer.core->expire_history();
+    const bool owed = writer.in_force && writer.in_force->history_owed;
+    if (!std::exchange(writer.history_sent, owed && writer.core->history_sent()) || !owed) continue;
+    for (const Route& route : writer.in_force->udp) {
+      if (route.history != 0) dirty_ |= negotiation_.history_given(id, route.reader);
+    }
+    writer.history_sent = false;
+  }
 }
 
 void Reconciler::watch_promises(Now now) {

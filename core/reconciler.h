@@ -74,7 +74,8 @@ class Reconciler {
     std::shared_ptr<WriterPort> shm;
     std::optional<Serving> in_force;
     OfferWatch watch;
-    PublisherStatus told;  ///< the state up to which its events were told
+    bool history_sent = false;  ///< at the last tick: all that late readers were to be given
+    PublisherStatus told;       ///< the state up to which its events were told
   };
   struct Accepted {
     Wanted wanted;
@@ -95,6 +96,7 @@ class Reconciler {
 
   void watch_promises(Now now);
   bool watch_offer(Writer& writer, Now now);
+  void look_after_histories();
   void tell_of_life(const std::vector<EndpointId>& writers);
   static void watch(Reader& reader);
   std::chrono::milliseconds pace() const;

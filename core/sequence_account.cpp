@@ -10,7 +10,7 @@ bool SequenceAccount::allows(const Numbered& sample) const {
 }
 
 SequenceAccount::Missing SequenceAccount::enter(const Numbered& sample) {
-  const std::uint64_t gap = last_ == 0 ? 0 : sample.sequence - last_ - 1;
+  const std::uint64_t gap = gap_before(sample);
   Missing missing;
   missing.lost = gap == 0 ? 0 : std::min(gap, lost_before(sample, gap));
   missing.withheld = gap - missing.lost;
@@ -25,11 +25,18 @@ SequenceAccount::Missing SequenceAccount::enter(const Numbered& sample) {
   return missing;
 }
 
+/// Before the first sample that came nothing is missing, but what had been retained.
+std::uint64_t SequenceAccount::gap_before(const Numbered& sample) const {
+  if (last_ != 0) return sample.sequence - last_ - 1;
+  if (sample.oldest_retained == 0) return std::min<std::uint64_t>(owed_, sample.sequence - 1);
+  return sample.sequence - std::min(sample.oldest_retained, sample.sequence);
+}
+
 /// Of the `gap` samples between the last one and this. Where the limit has changed, the slower one counts.
 std::uint64_t SequenceAccount::lost_before(const Numbered& sample, std::uint64_t gap) const {
   const std::uint32_t limit = limit_of(sample);
   const std::uint32_t before = budget_.min_period_us();
-  if (limit == 0 && before == 0) return gap;
+  if (last_ == 0 || (limit == 0 && before == 0)) return gap;
   if (limit == before && sample.gated && ordinal_) return sample.ordinal - *ordinal_ - 1U;
   if (limit <= before) return budget_.forfeited(sample.stamp_ns);
   return RateBudget::spent(limit, stamp_ns_).forfeited(sample.stamp_ns);

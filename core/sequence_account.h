@@ -25,14 +25,17 @@ struct Numbered {
   std::uint64_t sequence = 0;
   std::int64_t stamp_ns = 0;
   bool gated = false;  ///< by its writer: what follows is the writer's word, and the sample is for us
-  std::uint32_t min_period_us = 0;  ///< of the gate that it passed; 0: none
-  std::uint32_t ordinal = 0;        ///< among those that passed it
+  std::uint32_t min_period_us = 0;    ///< of the gate that it passed; 0: none
+  std::uint32_t ordinal = 0;          ///< among those that passed it
+  std::uint64_t oldest_retained = 0;  ///< the first that was sent of what its writer had retained; 0: unknown
 };
 
 class SequenceAccount {
  public:
   /// What the reader asks for; 0: no limit.
   void ask(std::uint32_t min_period_us) { asked_ = min_period_us; }
+  /// So many samples that the writer had retained should come first, if there are as many.
+  void owe(std::uint32_t samples) { owed_ = samples; }
 
   /// Not one that came before, or after which others were taken already.
   bool is_new(const Numbered& sample) const { return sample.sequence > last_; }
@@ -50,9 +53,11 @@ class SequenceAccount {
   std::uint32_t limit_of(const Numbered& sample) const {
     return sample.gated ? sample.min_period_us : asked_;
   }
+  std::uint64_t gap_before(const Numbered& sample) const;
   std::uint64_t lost_before(const Numbered& sample, std::uint64_t gap) const;
 
   std::uint32_t asked_ = 0;
+  std::uint32_t owed_ = 0;
   // Of the sample entered last:
   std::uint64_t last_ = 0;  ///< 0: none yet
   std::int64_t stamp_ns_ = 0;

@@ -53,7 +53,9 @@ void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
   writers_.clear();
   for (const Hearing& h : hearing) {
     writers_.push_back(h.status);
-    heard(h.source.writer).lifespan_ns = h.offered.lifespan.count();
+    Heard& from = heard(h.source.writer);
+    from.lifespan_ns = h.offered.lifespan.count();
+    if (from.lifespan_ns == 0) from.account.owe(h.owed);  // else nobody knows how many were still to be had
   }
   if (heard_.size() > writers_.size() + gone_writers_kept) forget_the_gone();
 }
@@ -117,7 +119,8 @@ Numbered SubscriberCore::numbered(const Inlet& inlet) const {
           .stamp_ns = buffer.header().source_stamp_ns,
           .gated = &inlet == &inlets_[static_cast<std::size_t>(TransportKind::udp)],
           .min_period_us = buffer.min_period_us,
-          .ordinal = buffer.ordinal};
+          .ordinal = buffer.ordinal,
+          .oldest_retained = buffer.oldest_retained};
 }
 
 void SubscriberCore::enter(Heard& from, const Numbered& sample) {

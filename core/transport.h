@@ -56,6 +56,7 @@ struct Route {
   FieldMask mask;
   std::uint32_t min_period_us = 0;         ///< the limit that it asks for; 0: none
   std::shared_ptr<const RateGate> gate{};  ///< which keeps that limit; null: every sample is for it
+  std::uint32_t history = 0;               ///< retained samples that it is to get first
   friend bool operator==(const Route&, const Route&) = default;
 };
 
@@ -98,7 +99,16 @@ class WriterPort {
   /// handle, but not write. Never waits for a reader. Every route's mask must be a subset of sample->mask.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
+  /// What is sent to a route with `history` waits, from here on, until send_history() was called for it.
   virtual void set_routes(std::vector<Route> routes) = 0;
+  /// Sends these to one route of those in force, to nobody else, and then what waited for it. Where the
+  /// transport cannot address a single reader nothing is sent.
+  virtual void send_history(const Route& to, std::vector<SampleHandle> samples) {
+    static_cast<void>(to);
+    static_cast<void>(samples);
+  }
+  /// Whether all that send_history() was given has left.
+  virtual bool history_sent() const noexcept { return true; }
 
   /// Whether send() can take this sample as it is: shared memory only carries what it lent itself.
   virtual bool can_send(const SampleBuffer& sample) const noexcept {

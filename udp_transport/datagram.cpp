@@ -41,7 +41,7 @@ SampleLabel load_label(const std::byte* from) noexcept {
 std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < first_header_bytes) return {};
   const auto flags = load<std::uint8_t>(&bytes[at_flags]);
-  if ((flags & ~(mask_words_follow | rate_follows)) != 0) return {};
+  if ((flags & ~(mask_words_follow | rate_follows | history_follows)) != 0) return {};
   Datagram d;
   d.kind = DatagramKind::first;
   d.first = {.label = load_label(bytes.data()),
@@ -53,6 +53,11 @@ std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
   if ((flags & rate_follows) != 0) {
     d.first.rate = {load<std::uint32_t>(&bytes[at_period]), load<std::uint32_t>(&bytes[at_ordinal])};
     if (d.first.rate.min_period_us == 0) return {};
+  }
+  if ((flags & history_follows) != 0) {
+    const std::size_t at = d.first.at_history();
+    d.first.history = {load<std::uint64_t>(&bytes[at]), load<std::uint64_t>(&bytes[at + 8])};
+    if (d.first.history.reader == 0) return {};
   }
   d.payload = bytes.subspan(d.first.bytes());
   return d;
@@ -77,9 +82,14 @@ void encode(const FirstHeader& header, std::byte* out) noexcept {
   store(header.total, out + at_total);
   store(header.mask, out + at_mask);
   store(static_cast<std::uint64_t>(header.stamp_ns), out + at_stamp);
-  if ((header.flags & rate_follows) == 0) return;
-  store(header.rate.min_period_us, out + at_period);
-  store(header.rate.ordinal, out + at_ordinal);
+  if ((header.flags & rate_follows) != 0) {
+    store(header.rate.min_period_us, out + at_period);
+    store(header.rate.ordinal, out + at_ordinal);
+  }
+  if ((header.flags & history_follows) != 0) {
+    store(header.history.reader, out + header.at_history());
+    store(header.history.oldest, out + header.at_history() + 8);
+  }
 }
 
 void encode(const FollowingHeader& header, std::byte* out) noexcept {

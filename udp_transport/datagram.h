@@ -24,6 +24,9 @@ inline constexpr std::uint8_t mask_words_follow = 1;
 /// The sample passed a gate for a maximum rate: `rate` stands right behind the header.
 inline constexpr std::uint8_t rate_follows = 2;
 inline constexpr std::size_t rate_bytes = 8;
+/// The sample was retained and is for one reader only: `history` stands behind that.
+inline constexpr std::uint8_t history_follows = 4;
+inline constexpr std::size_t history_bytes = 16;
 
 /// Names one encoding of one sample. Equal in all its datagrams, and different in all others for a long time.
 struct SampleLabel {
@@ -40,6 +43,13 @@ struct RateMark {
   friend bool operator==(const RateMark&, const RateMark&) = default;
 };
 
+/// A retained sample.
+struct HistoryMark {
+  std::uint64_t reader = 0;  ///< its id
+  std::uint64_t oldest = 0;  ///< sequence of the first sample that it is sent
+  friend bool operator==(const HistoryMark&, const HistoryMark&) = default;
+};
+
 struct FirstHeader {
   SampleLabel label;
   std::uint8_t flags = 0;
@@ -47,9 +57,13 @@ struct FirstHeader {
   std::uint64_t mask = 0;     ///< leaf bits, or FieldMask::hash() where there are more than 64 leaves
   std::int64_t stamp_ns = 0;  ///< CLOCK_REALTIME at publish
   RateMark rate{};            ///< where the flag says so
+  HistoryMark history{};      ///< likewise
 
   /// With what the flags say follows it, but for the mask's words.
-  std::size_t bytes() const { return first_header_bytes + ((flags & rate_follows) != 0 ? rate_bytes : 0); }
+  std::size_t bytes() const { return at_history() + ((flags & history_follows) != 0 ? history_bytes : 0); }
+  std::size_t at_history() const {
+    return first_header_bytes + ((flags & rate_follows) != 0 ? rate_bytes : 0);
+  }
 };
 
 struct FollowingHeader {

@@ -1,6 +1,7 @@
 #include "udp_transport/outbox.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace sft::udp {
@@ -16,7 +17,8 @@ Outbox::Posted Outbox::post() {
   std::unique_ptr<Job> oldest;
   {
     const std::scoped_lock lock(mutex_);
-    posted.was_idle = !busy_.load(std::memory_order_relaxed);
+    posted.was_idle = !scheduled_ && held_ == 0;
+    scheduled_ |= posted.was_idle;
     if (queue_.size() == depth_) {
       oldest = std::move(queue_.front());
       queue_.erase(queue_.begin());
@@ -36,10 +38,37 @@ Outbox::Posted Outbox::post() {
   return posted;
 }
 
+void Outbox::hold() {
+  const std::scoped_lock lock(mutex_);
+  ++held_;
+  busy_.store(true, std::memory_order_relaxed);
+}
+
+bool Outbox::release(std::vector<std::unique_ptr<Job>> history) {
+  tally_->history_waiting.fetch_add(history.size(), std::memory_order_relaxed);
+  const std::scoped_lock lock(mutex_);
+  // Behind what others are to be given: each is for one reader, so that among them the order does not matter.
+  std::reverse(history.begin(), history.end());
+  history_.insert(history_.begin(), std::make_move_iterator(history.begin()),
+                  std::make_move_iterator(history.end()));
+  --held_;
+  const bool has_work = !history_.empty() || (held_ == 0 && !queue_.empty());
+  const bool to_be_scheduled = has_work && !scheduled_;
+  scheduled_ |= has_work;
+  busy_.store(scheduled_ || held_ != 0, std::memory_order_release);
+  return to_be_scheduled;
+}
+
 Job* Outbox::next() {
   const std::scoped_lock lock(mutex_);
-  if (queue_.empty()) {
-    busy_.store(false, std::memory_order_release);
+  if (!history_.empty()) {
+    current_ = std::move(history_.back());
+    history_.pop_back();
+    return current_.get();
+  }
+  if (queue_.empty() || held_ != 0) {
+    scheduled_ = false;
+    busy_.store(held_ != 0, std::memory_order_release);
     return nullptr;
   }
   current_ = std::move(queue_.front());
@@ -47,14 +76,18 @@ Job* Outbox::next() {
   return current_.get();
 }
 
-void Outbox::done() { keep_spare(std::move(current_)); }
+void Outbox::done() {
+  if ((current_->first.flags & history_follows) != 0)
+    tally_->history_waiting.fetch_sub(1, std::memory_order_relaxed);
+  keep_spare(std::move(current_));
+}
 
 /// Releases the sample outside the lock.
 void Outbox::keep_spare(std::unique_ptr<Job> job) {
   job->sample.reset();
   job->audience.reset();
   const std::scoped_lock lock(mutex_);
-  spare_.push_back(std::move(job));
+  if (spare_.size() < spare_.capacity()) spare_.push_back(std::move(job));
 }
 
 }  // namespace sft::udp

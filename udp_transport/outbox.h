@@ -37,6 +37,7 @@ struct Job {
 
 /// Counts of one writer, over all its masks.
 struct WriterTally {
+  std::atomic<std::uint64_t> history_waiting{0};  ///< retained samples that have not been sent yet
   std::atomic<std::uint64_t> bytes_sent{0};
   std::atomic<std::uint64_t> dropped{0};  ///< samples that a destination did not get
 };
@@ -59,6 +60,13 @@ class Outbox {
   /// Queues the blank job.
   Posted post();
 
+  // The agent's thread.
+
+  /// From here on what is posted waits, until as many release().
+  void hold();
+  /// Queues retained samples, before all that waits. Whether the sending thread has to be told.
+  [[nodiscard]] bool release(std::vector<std::unique_ptr<Job>> history);
+
   // The sending thread.
 
   /// The oldest job, until done(); null if there is none, which makes the outbox idle.
@@ -71,11 +79,14 @@ class Outbox {
 
   const std::size_t depth_;
   const std::shared_ptr<WriterTally> tally_;
-  std::atomic<bool> busy_{false};
-  std::unique_ptr<Job> blank_;    ///< the publisher's
-  std::unique_ptr<Job> current_;  ///< the sending thread's
+  std::atomic<bool> busy_{false};  ///< scheduled_ or held_, as the publisher sees it
+  std::unique_ptr<Job> blank_;     ///< the publisher's
+  std::unique_ptr<Job> current_;   ///< the sending thread's
   std::mutex mutex_;
-  std::vector<std::unique_ptr<Job>> queue_;  ///< the oldest first
+  bool scheduled_ = false;                     ///< the sending thread knows of it
+  std::size_t held_ = 0;                       ///< by so many
+  std::vector<std::unique_ptr<Job>> queue_;    ///< the oldest first
+  std::vector<std::unique_ptr<Job>> history_;  ///< goes before that, in reverse order
   std::vector<std::unique_ptr<Job>> spare_;
 };
 

@@ -43,6 +43,14 @@ std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDir
 
 }  // namespace
 
+const Group* RouteTable::find(const core::Route& route) const {
+  if (!std::holds_alternative<core::UdpAddress>(route.destination)) return nullptr;
+  const auto found = std::find_if(groups.begin(), groups.end(), [&](const Group& group) {
+    return group.mask == route.mask && group.gate == route.gate;
+  });
+  return found == groups.end() ? nullptr : &*found;
+}
+
 VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally)
     : queue_depth_(queue_depth), tally_(std::move(tally)) {}
 

@@ -22,6 +22,9 @@ struct Group {
 /// Immutable: a change of routes makes another one.
 struct RouteTable {
   std::vector<Group> groups;
+
+  /// The group that a route is in; null for one to elsewhere than a UDP address.
+  const Group* find(const core::Route& route) const;
 };
 
 /// What readers ask of a writer, and asked for before: each has its number and its outbox, so that its
@@ -40,12 +43,13 @@ class VariantDirectory {
   /// The variant for that, known or new. Valid until the next call.
   const Variant& find(const core::Wanted& wanted);
 
+  /// For what is sent once, to one reader.
+  std::uint16_t unused_number();
+
   /// Forgets the longest unused ones beyond a few; called between rounds of find().
   void next_round();
 
  private:
-  std::uint16_t unused_number();
-
   static constexpr std::size_t remembered_max = 64;
   const std::size_t queue_depth_;
   const std::shared_ptr<WriterTally> tally_;

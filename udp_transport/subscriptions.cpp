@@ -29,14 +29,17 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
 }  // namespace
 
 bool Subscriber::accepts(const core::SampleBuffer& sample) const {
+  const bool is_retained = sample.addressee != 0;
+  if (is_retained && sample.addressee != reader) return false;
   return std::any_of(wanted.begin(), wanted.end(), [&](const core::Wanted& w) {
-    return w.min_period_us == sample.min_period_us && w.mask == sample.mask;
+    return (is_retained || w.min_period_us == sample.min_period_us) && w.mask == sample.mask;
   });
 }
 
-void SubscriptionDirectory::add(const std::shared_ptr<Inbox>& inbox, const TypeSupport& type) {
+void SubscriptionDirectory::add(core::EndpointId reader, const std::shared_ptr<Inbox>& inbox,
+                                const TypeSupport& type) {
   const std::scoped_lock lock(mutex_);
-  readers_.push_back({inbox, &type, {}, {}});
+  readers_.push_back({reader, inbox, &type, {}, {}});
 }
 
 Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Source& source) {
@@ -130,7 +133,7 @@ void SubscriptionDirectory::publish() {
         next->subscribers.emplace_back();
       }
       join(next->streams[place->second], reader.type, source, reader.wanted);
-      next->subscribers[place->second].push_back({reader.inbox, reader.wanted});
+      next->subscribers[place->second].push_back({reader.id, reader.inbox, reader.wanted});
     }
   }
   latest_ = std::move(next);

@@ -15,6 +15,7 @@
 namespace sft::udp {
 
 struct Subscriber {
+  core::EndpointId reader = 0;
   std::shared_ptr<Inbox> inbox;
   std::vector<core::Wanted> wanted;
   bool accepts(const core::SampleBuffer& sample) const;
@@ -31,7 +32,7 @@ class SubscriptionDirectory {
   SubscriptionDirectory() : latest_(std::make_shared<Subscriptions>()), followed_(latest_) {}
 
   // Any thread.
-  void add(const std::shared_ptr<Inbox>& inbox, const TypeSupport& type);
+  void add(core::EndpointId reader, const std::shared_ptr<Inbox>& inbox, const TypeSupport& type);
   Result<void> connect(const Inbox& reader, const core::Source& source);
   void disconnect(const Inbox& reader, core::EndpointId writer);
   void accept(const Inbox& reader, std::vector<core::Wanted> wanted);
@@ -46,6 +47,7 @@ class SubscriptionDirectory {
 
  private:
   struct Reader {
+    core::EndpointId id;
     std::shared_ptr<Inbox> inbox;
     const TypeSupport* type;
     std::vector<core::Wanted> wanted;

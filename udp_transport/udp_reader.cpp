@@ -6,7 +6,7 @@ namespace sft::udp {
 
 UdpReader::UdpReader(const core::ReaderSpec& spec, std::shared_ptr<Receiver> receiver)
     : receiver_(std::move(receiver)), inbox_(std::make_shared<Inbox>(spec.depth, spec.listener)) {
-  receiver_->subscriptions().add(inbox_, *spec.type);
+  receiver_->subscriptions().add(spec.id, inbox_, *spec.type);
 }
 
 UdpReader::~UdpReader() {

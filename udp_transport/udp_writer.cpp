@@ -28,11 +28,41 @@ std::uint64_t UdpWriter::bytes_sent() const noexcept {
 
 void UdpWriter::set_routes(std::vector<core::Route> routes) {
   std::shared_ptr<const RouteTable> table = make_route_table(routes, variants_, side_->destinations);
+  for (const core::Route& route : routes) {
+    const Group* group = route.history == 0 ? nullptr : table->find(route);
+    if (group != nullptr) group->outbox->hold();
+  }
   {
     const std::scoped_lock lock(routes_mutex_);
     latest_routes_.swap(table);
     routes_version_.fetch_add(1, std::memory_order_release);
   }
+}
+
+/// With a number of their own, although others may be sent the same: those have had their samples.
+void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHandle> samples) {
+  std::shared_ptr<const RouteTable> table;
+  {
+    const std::scoped_lock lock(routes_mutex_);
+    table = latest_routes_;
+  }
+  const Group* live = table->find(to);
+  if (live == nullptr) return;
+  auto audience = std::make_shared<Audience>(*live->audience);
+  audience->variant = variants_.unused_number();
+  audience->destinations = {side_->destinations.find(std::get<core::UdpAddress>(to.destination))};
+  const Group only{live->mask, nullptr, audience, live->outbox};
+  std::vector<std::unique_ptr<Job>> jobs;
+  for (core::SampleHandle& sample : samples) {
+    auto job = std::make_unique<Job>();
+    if (!encode(only, *sample, *job)) continue;
+    job->first.flags |= history_follows;
+    job->first.history = {to.reader, samples.front()->header().sequence};
+    job->sample = sample;
+    job->audience = audience;
+    jobs.push_back(std::move(job));
+  }
+  if (live->outbox->release(std::move(jobs))) side_->sender.schedule(live->outbox);
 }
 
 void UdpWriter::follow_routes() noexcept {

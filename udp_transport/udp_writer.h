@@ -36,6 +36,10 @@ class UdpWriter final : public core::WriterPort {
   core::SampleHandle loan(std::size_t bytes) noexcept override;
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
   void set_routes(std::vector<core::Route> routes) override;
+  void send_history(const core::Route& to, std::vector<core::SampleHandle> samples) override;
+  bool history_sent() const noexcept override {
+    return tally_->history_waiting.load(std::memory_order_relaxed) == 0;
+  }
   std::uint64_t bytes_sent() const noexcept override;
 
  private:

@@ -27,7 +27,8 @@ Endpoint endpoint() {
            .deadline = std::chrono::milliseconds(5),
            .liveliness = manual_by_topic,
            .liveliness_lease = std::chrono::seconds(2),
-           .lifespan = std::chrono::minutes(1)};
+           .lifespan = std::chrono::minutes(1),
+           .history_depth = 17};
   e.request = {.reader = 7,
                .sequence = 4,
                .mask_words = {1, 2},

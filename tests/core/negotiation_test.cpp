@@ -255,6 +255,64 @@ TEST_F(NegotiationTest, AWriterWhoseNodeDoesNotAnswerIsHeardOfAsNotAlive) {
   EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "its node does not answer");
 }
 
+class LateReaderTest : public NegotiationTest {
+ protected:
+  LateReaderTest() {
+    Endpoint writer = endpoint(Role::writer, 100);
+    writer.qos = {.durability = transient_local, .history_depth = 5};
+    negotiation.local_added(writer, type);
+  }
+  /// On this host, and attached.
+  Endpoint late_reader(EndpointId id = 7) {
+    Endpoint reader = endpoint(Role::reader, id, here, 1);
+    reader.qos = {.durability = transient_local, .history_depth = 3};
+    reader.request.attached = {100};
+    return reader;
+  }
+};
+
+TEST_F(LateReaderTest, GetsByUdpWhatBothSidesKeepAndChangesOverToSharedMemoryThen) {
+  negotiation.endpoint_seen(late_reader());
+  Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.shm.empty());
+  ASSERT_EQ(serving.udp.size(), 1U);
+  EXPECT_EQ(serving.udp[0].history, 3U);
+  EXPECT_TRUE(serving.history_owed);
+  EXPECT_TRUE(negotiation.history_given(100, 7));
+  EXPECT_FALSE(negotiation.history_given(100, 7));
+  serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.udp.empty());
+  EXPECT_EQ(serving.shm.size(), 1U);
+  EXPECT_FALSE(serving.history_owed);
+}
+
+TEST_F(LateReaderTest, GetsNothingRetainedThroughSharedMemoryAloneAndIsTold) {
+  Endpoint reader = late_reader();
+  reader.may_use_udp = false;
+  negotiation.endpoint_seen(reader);
+  const Serving serving = negotiation.serving(100);
+  EXPECT_EQ(serving.shm.size(), 1U);
+  EXPECT_EQ(serving.readers.at(0).reason, "same host; without UDP nothing of what was published before");
+}
+
+TEST_F(LateReaderTest, ThatIsVolatileGetsNothing) {
+  Endpoint reader = late_reader();
+  reader.qos.durability = volatile_;
+  negotiation.endpoint_seen(reader);
+  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
+}
+
+TEST_F(LateReaderTest, ThatWasLostAndReturnsIsNotGivenItAgainAndOneThatWentIs) {
+  negotiation.endpoint_seen(late_reader());
+  negotiation.history_given(100, 7);
+  negotiation.endpoint_lost(7, Now{});
+  negotiation.endpoint_seen(late_reader());
+  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
+  negotiation.endpoint_departed(7);
+  negotiation.endpoint_seen(late_reader());
+  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
+}
+
 TEST_F(NegotiationTest, EndpointsOfOtherTopicsAreNobodysBusiness) {
   our_writer();
   Endpoint reader = endpoint(Role::reader, 7);

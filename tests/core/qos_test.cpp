@@ -96,6 +96,9 @@ TEST(QosOptionsTest, WhatCanNeverWorkIsRefusedByName) {
   ASSERT_FALSE(negative);
   EXPECT_NE(negative.error().message.find("deadline"), std::string::npos);
   EXPECT_FALSE(qos_of(SubscriberOptions{.liveliness_lease = -1ns}));
+  EXPECT_FALSE(qos_of(PublisherOptions{.history_depth = 0}));
+  EXPECT_FALSE(qos_of(PublisherOptions{.history_depth = 129}));
+  EXPECT_FALSE(qos_of(PublisherOptions{.lifespan = -1ns}));
   EXPECT_FALSE(qos_of(SubscriberOptions{.deadline = 50ms, .max_rate_hz = 10}));
   EXPECT_TRUE(qos_of(SubscriberOptions{.deadline = 100ms, .max_rate_hz = 10}));
   EXPECT_FALSE(qos_of(PublisherOptions{.liveliness = manual_by_topic})) << "who would notice?";

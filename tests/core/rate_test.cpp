@@ -216,5 +216,28 @@ TEST_F(SequenceAccountTest, AnotherPathUnderTheSameLimitLosesNothing) {
   EXPECT_EQ(withheld, 27U);
 }
 
+TEST_F(SequenceAccountTest, OfWhatWasRetainedTheFirstSampleTellsWhatIsMissing) {
+  account.owe(5);
+  Numbered retained = by_udp(8);
+  retained.oldest_retained = 6;
+  enter(retained);
+  EXPECT_EQ(lost, 2U);
+  enter(by_udp(10));
+  EXPECT_EQ(lost, 3U);
+}
+
+TEST_F(SequenceAccountTest, WhereNothingRetainedCameWhatIsOwedIsLost) {
+  account.owe(5);
+  enter(by_memory(4));
+  EXPECT_EQ(lost, 3U) << "the writer had no more";
+  account = {};
+  account.owe(5);
+  enter(by_memory(100));
+  EXPECT_EQ(lost, 8U);
+  account = {};
+  enter(by_memory(100));
+  EXPECT_EQ(lost, 8U);
+}
+
 }  // namespace
 }  // namespace sft::core

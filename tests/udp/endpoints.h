@@ -37,11 +37,12 @@ inline bool eventually(const std::function<bool()>& holds) {
 
 class Subscriber final : private core::ArrivalListener {
  public:
-  Subscriber(core::Transport& transport, const std::vector<std::string>& masks, std::uint32_t depth = 1000) {
+  Subscriber(core::Transport& transport, const std::vector<std::string>& masks, std::uint32_t depth = 1000,
+             core::EndpointId id = 1) {
     port_ =
         transport
             .open_reader(
-                {.id = 1, .type = &type_support<Image>(), .depth = depth, .listener = this, .doorbell = {}})
+                {.id = id, .type = &type_support<Image>(), .depth = depth, .listener = this, .doorbell = {}})
             .value();
     std::vector<core::Wanted> accepted;
     for (const std::string& mask : masks) accepted.push_back({fields<Image>(mask)});
@@ -99,11 +100,15 @@ class Publisher {
   }
 
   core::SendStatus publish(const Image& image) {
+    const core::SampleHandle sample = make(image);
+    return sample ? port_->send(sample) : core::SendStatus::dropped;
+  }
+  /// The next sample, not sent.
+  core::SampleHandle make(const Image& image) {
     const FieldMask all = fields<Image>("*");
-    const core::SampleHandle sample = port_->loan(sample_bytes(image, all));
-    if (!sample) return core::SendStatus::dropped;
-    fill(*sample, image, all, id_, ++sequence_);
-    return port_->send(sample);
+    core::SampleHandle sample = port_->loan(sample_bytes(image, all));
+    if (sample) fill(*sample, image, all, id_, ++sequence_);
+    return sample;
   }
 
   core::EndpointId id() const { return id_; }

@@ -54,8 +54,11 @@ struct PublisherStatus;
 /// Durations of 0 mean none: no deadline, never expires, no lease.
 struct PublisherOptions {
   TransportChoice transport = TransportChoice::automatic;
-  Reliability reliability = Reliability::best_effort;  ///< see there for what it means over UDP
+  Reliability reliability = Reliability::best_effort;  ///< sft/qos.h says what it means, over UDP as of now
   Durability durability = Durability::volatile_;
+  /// Samples kept for late subscribers where durability is transient_local, 1 to 128. They hold their memory,
+  /// in shared memory too, and are encoded whole although nobody may ask for all of it.
+  std::uint32_t history_depth = 1;
   std::chrono::nanoseconds deadline{0};  ///< promises a sample at least so often; told when it fails
   /// A sample that was published longer ago is not delivered any more, as far as the clocks of both hosts
   /// agree.

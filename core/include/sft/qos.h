@@ -21,8 +21,10 @@ enum class Reliability : std::uint8_t {
   reliable,
 };
 enum class Durability : std::uint8_t {
-  volatile_,        ///< a subscriber gets what is published from when it is served
-  transient_local,  ///< and before that the last samples of each publisher, as many as both sides keep
+  volatile_,  ///< a subscriber gets what is published from when it is served
+  /// And before that the last samples of each publisher, as many as both sides keep, which come by UDP. As of
+  /// now a pair that rules UDP out gets none of them, which its status() says; it counts them as lost.
+  transient_local,
 };
 enum class Liveliness : std::uint8_t {
   automatic,        ///< a publisher is alive as long as its node is
