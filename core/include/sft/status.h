@@ -49,10 +49,9 @@ struct WriterStatus {
   bool incompatible_type = false;
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
   std::uint64_t received = 0;
-  std::uint64_t lost = 0;  ///< samples that should have come
-  std::uint64_t withheld =
-      0;  ///< samples that did not come, or were skipped, for this subscriber's max_rate_hz
-  std::uint64_t expired = 0;  ///< samples that were not delivered because their lifespan was over
+  std::uint64_t lost = 0;      ///< samples that should have come
+  std::uint64_t withheld = 0;  ///< samples that did not come, or were skipped, for max_rate_hz
+  std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
   std::uint64_t deadlines_missed = 0;
 };
 
