@@ -31,6 +31,12 @@ struct SampleBuffer {
   FieldMask mask;                     ///< leaves that the sample has
   ElementIndex elements;              ///< what readers found out about this sample
   std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
+  /// Received by UDP: the gate for a maximum rate that it passed (0: none), as the how-manieth.
+  std::uint32_t min_period_us = 0;
+  std::uint32_t ordinal = 0;
+  /// Likewise, a retained sample: the only reader that it is for (0: all), and the first sequence sent to it.
+  std::uint64_t addressee = 0;
+  std::uint64_t oldest_retained = 0;
   std::shared_ptr<BufferOwner> owner;
   void* owner_data = nullptr;  ///< the owner's own
   std::atomic<std::uint32_t> references{0};
