@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/qos.h"
 #include "core/transport.h"
 
 namespace sft::core {
@@ -14,6 +15,7 @@ namespace sft::core {
 inline constexpr std::size_t mask_words_max = 64;
 inline constexpr std::size_t writers_per_reader_max = 1024;
 inline constexpr std::size_t addresses_max = 8;
+inline constexpr std::size_t assertions_max = 1024;
 inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 8192;
 
@@ -24,6 +26,7 @@ struct Request {
   EndpointId reader = 0;
   std::uint64_t sequence = 0;
   std::vector<std::uint64_t> mask_words;
+  std::uint32_t min_period_us = 0;    ///< one sample for each such period, no more; 0: all
   std::vector<EndpointId> listening;  ///< writers of which the reader takes datagrams
   std::vector<EndpointId> attached;   ///< writers that the reader hears through shared memory
   friend bool operator==(const Request&, const Request&) = default;
@@ -46,6 +49,7 @@ struct Endpoint {
   DoorbellAddress doorbell;
   std::uint64_t max_sample_bytes = 0;
   bool recorded = false;
+  Qos qos;
   Request request;
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };

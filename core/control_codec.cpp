@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 
 namespace sft::core {
 
@@ -38,6 +39,33 @@ tl::unexpected<Error> wrong_version(unsigned version) {
                                    ", this is " + std::to_string(sft_control_protocol_version));
 }
 
+sft_control_Qos to_dds(const Qos& qos) {
+  sft_control_Qos out{};
+  out.reliability = static_cast<std::uint8_t>(qos.reliability);
+  out.durability = static_cast<std::uint8_t>(qos.durability);
+  out.liveliness = static_cast<std::uint8_t>(qos.liveliness);
+  out.deadline = static_cast<std::uint64_t>(qos.deadline.count());
+  out.liveliness_lease = static_cast<std::uint64_t>(qos.liveliness_lease.count());
+  out.lifespan = static_cast<std::uint64_t>(qos.lifespan.count());
+  out.history_depth = qos.history_depth;
+  return out;
+}
+
+std::optional<Qos> from_dds(const sft_control_Qos& in) {
+  constexpr std::uint64_t longest = INT64_MAX;
+  if (in.reliability > 1 || in.durability > 1 || in.liveliness > 1 || in.deadline > longest ||
+      in.liveliness_lease > longest || in.lifespan > longest) {
+    return std::nullopt;
+  }
+  return Qos{.reliability = static_cast<Reliability>(in.reliability),
+             .durability = static_cast<Durability>(in.durability),
+             .deadline = std::chrono::nanoseconds(in.deadline),
+             .liveliness = static_cast<Liveliness>(in.liveliness),
+             .liveliness_lease = std::chrono::nanoseconds(in.liveliness_lease),
+             .lifespan = std::chrono::nanoseconds(in.lifespan),
+             .history_depth = in.history_depth};
+}
+
 }  // namespace
 
 sft_control_Request to_dds(const Request& request) {
@@ -46,6 +74,7 @@ sft_control_Request to_dds(const Request& request) {
   out.version = sft_control_protocol_version;
   out.request_sequence = request.sequence;
   out.mask = borrow(request.mask_words, mask_words_max);
+  out.min_period_us = request.min_period_us;
   out.listening = borrow(request.listening, writers_per_reader_max);
   out.attached = borrow(request.attached, writers_per_reader_max);
   return out;
@@ -75,8 +104,21 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.doorbell_slot = endpoint.doorbell.slot;
   out.max_sample_bytes = endpoint.max_sample_bytes;
   out.recorded = endpoint.recorded;
+  out.qos = to_dds(endpoint.qos);
   out.request = to_dds(endpoint.request);
   return out;
+}
+
+sft_control_Assertion to_dds(const std::vector<EndpointId>& writers) {
+  sft_control_Assertion out{};
+  out.version = sft_control_protocol_version;
+  out.writers = borrow(writers, assertions_max);
+  return out;
+}
+
+Result<std::vector<EndpointId>> from_dds(const sft_control_Assertion& in) {
+  if (in.version != sft_control_protocol_version) return wrong_version(in.version);
+  return copy(in.writers);
 }
 
 Result<Request> from_dds(const sft_control_Request& request) {
@@ -85,6 +127,7 @@ Result<Request> from_dds(const sft_control_Request& request) {
   return Request{.reader = request.reader,
                  .sequence = request.request_sequence,
                  .mask_words = copy(request.mask),
+                 .min_period_us = request.min_period_us,
                  .listening = copy(request.listening),
                  .attached = copy(request.attached)};
 }
@@ -94,6 +137,8 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   if (in.id == 0 || in.role > static_cast<std::uint8_t>(Role::reader) || in.topic[0] == '\0') {
     return fail(Errc::malformed, "an endpoint without id, role or topic");
   }
+  const std::optional<Qos> qos = from_dds(in.qos);
+  if (!qos) return fail(Errc::malformed, "an endpoint of unknown quality of service");
   Endpoint out;
   out.id = in.id;
   out.role = static_cast<Role>(in.role);
@@ -113,9 +158,11 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   out.doorbell = {in.doorbell_page, in.doorbell_slot};
   out.max_sample_bytes = in.max_sample_bytes;
   out.recorded = in.recorded;
+  out.qos = *qos;
   out.request = {.reader = in.id,
                  .sequence = in.request.request_sequence,
                  .mask_words = copy(in.request.mask),
+                 .min_period_us = in.request.min_period_us,
                  .listening = copy(in.request.listening),
                  .attached = copy(in.request.attached)};
   return out;

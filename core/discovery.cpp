@@ -80,16 +80,24 @@ struct QosDeleter {
 struct ListenerDeleter {
   void operator()(dds_listener_t* listener) const { dds_delete_listener(listener); }
 };
-using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
+using DdsQos = std::unique_ptr<dds_qos_t, QosDeleter>;
 using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
 
-Qos control_qos() {
-  Qos qos(dds_create_qos());
+DdsQos control_qos() {
+  DdsQos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
   dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
   // A killed node's endpoints must end as "no writers", not as "disposed": only withdrawing disposes of them.
   dds_qset_writer_data_lifecycle(qos.get(), false);
+  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
+  return qos;
+}
+
+DdsQos best_effort_qos() {
+  DdsQos qos(dds_create_qos());
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 16);
   dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
   return qos;
 }
@@ -122,7 +130,7 @@ class CycloneDiscovery final : public Discovery {
   Result<void> open(const DiscoveryOptions& options) {
     const Result<void> configured = Process::instance().configure_domain(options.domain, options.user_config);
     if (!configured) return configured;
-    Qos participant_qos(dds_create_qos());
+    DdsQos participant_qos(dds_create_qos());
     static constexpr char mark[] = "sft/1";  // others can tell our participants from vanilla ones
     dds_qset_userdata(participant_qos.get(), mark, sizeof mark - 1);
     participant_ = dds_create_participant(options.domain, participant_qos.get(), nullptr);
@@ -132,13 +140,18 @@ class CycloneDiscovery final : public Discovery {
                                          "): " + Process::instance().last_log() +
                                          "; check the network interfaces and CYCLONEDDS_URI");
     }
-    const Qos qos = control_qos();
+    const DdsQos qos = control_qos();
     auto endpoints = make_topic(&sft_control_Endpoint_desc, "sft_endpoint", qos.get(), &on_endpoints);
     if (!endpoints) return tl::unexpected(endpoints.error());
     auto requests = make_topic(&sft_control_Request_desc, "sft_request", qos.get(), &on_requests);
     if (!requests) return tl::unexpected(requests.error());
+    const DdsQos unreliable = best_effort_qos();
+    auto assertions =
+        make_topic(&sft_control_Assertion_desc, "sft_liveliness", unreliable.get(), &on_assertions);
+    if (!assertions) return tl::unexpected(assertions.error());
     endpoint_writer_ = *endpoints;
     request_writer_ = *requests;
+    assertion_writer_ = *assertions;
     return {};
   }
 
@@ -161,6 +174,11 @@ class CycloneDiscovery final : public Discovery {
   Result<void> send(const Request& request) override {
     const sft_control_Request sample = to_dds(request);
     return written(dds_write(request_writer_, &sample));
+  }
+
+  void assert_liveliness(const std::vector<EndpointId>& writers) override {
+    const sft_control_Assertion sample = to_dds(writers);
+    dds_write(assertion_writer_, &sample);
   }
 
  private:
@@ -221,10 +239,22 @@ class CycloneDiscovery final : public Discovery {
                                   });
   }
 
+  static void on_assertions(dds_entity_t reader, void* self) {
+    DiscoveryListener& listener = static_cast<CycloneDiscovery*>(self)->listener_;
+    take_all<sft_control_Assertion>(reader,
+                                    [&](const sft_control_Assertion& sample, const dds_sample_info_t& info) {
+                                      if (!info.valid_data) return;
+                                      auto writers = from_dds(sample);
+                                      writers ? listener.liveliness_asserted(std::move(*writers))
+                                              : listener.control_malformed(writers.error().message);
+                                    });
+  }
+
   DiscoveryListener& listener_;
   dds_entity_t participant_ = 0;
   dds_entity_t endpoint_writer_ = 0;
   dds_entity_t request_writer_ = 0;
+  dds_entity_t assertion_writer_ = 0;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/control.h"
 #include "sft/typesupport/result.h"
@@ -24,6 +25,8 @@ class DiscoveryListener {
   /// Its node stopped answering; if it returns, the endpoint is seen again.
   virtual void endpoint_lost(EndpointId id) = 0;
   virtual void request_received(Request request) = 0;
+  /// These writers live.
+  virtual void liveliness_asserted(std::vector<EndpointId> writers) = 0;
   /// A control sample, or the type description in one, was refused.
   virtual void control_malformed(std::string why) = 0;
 
@@ -42,6 +45,8 @@ class Discovery {
   virtual Result<void> announce(const Endpoint& endpoint) = 0;
   virtual void withdraw(EndpointId id) = 0;
   virtual Result<void> send(const Request& request) = 0;
+  /// Of writers of ours. May get lost.
+  virtual void assert_liveliness(const std::vector<EndpointId>& writers) = 0;
 };
 
 }  // namespace sft::core

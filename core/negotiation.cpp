@@ -28,13 +28,19 @@ bool Negotiation::self_changed(const Self& self) {
 }
 
 void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type) {
-  Entry entry{.endpoint = endpoint, .type = &type, .lost_since = {}};
+  Entry entry{.endpoint = endpoint, .type = &type, .lost_since = {}, .history_given = {}};
   entry.endpoint.host = self_.host;
   entry.endpoint.network = self_.network;
   entries_.insert_or_assign(endpoint.id, std::move(entry));
 }
 
-void Negotiation::local_removed(EndpointId id) { entries_.erase(id); }
+void Negotiation::local_removed(EndpointId id) { erase(id); }
+
+/// A reader that comes back after this is owed the history again.
+void Negotiation::erase(EndpointId id) {
+  entries_.erase(id);
+  for (auto& [other, entry] : entries_) entry.history_given.erase(id);
+}
 
 bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   const auto known = entries_.find(endpoint.id);
@@ -57,7 +63,7 @@ bool Negotiation::endpoint_departed(EndpointId id) {
   early_requests_.erase(id);
   const auto entry = entries_.find(id);
   if (entry == entries_.end() || entry->second.type != nullptr) return false;
-  entries_.erase(entry);
+  erase(id);
   return true;
 }
 
@@ -106,6 +112,16 @@ bool Negotiation::requirement_changed(EndpointId reader, const FieldMask& mask) 
   return true;
 }
 
+bool Negotiation::rate_changed(EndpointId reader, std::uint32_t min_period_us) {
+  const auto entry = entries_.find(reader);
+  if (entry == entries_.end() || entry->second.type == nullptr) return false;
+  Request& request = entry->second.endpoint.request;
+  if (request.min_period_us == min_period_us) return false;
+  request.min_period_us = min_period_us;
+  ++request.sequence;
+  return true;
+}
+
 bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, TransportKind path,
                                      bool connected) {
   const auto entry = entries_.find(reader);
@@ -122,11 +138,28 @@ bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, Trans
   return true;
 }
 
+bool Negotiation::history_given(EndpointId writer, EndpointId reader) {
+  const auto entry = entries_.find(writer);
+  if (entry == entries_.end() || entry->second.type == nullptr || !entries_.contains(reader)) return false;
+  return entry->second.history_given.insert(reader).second;
+}
+
 bool Negotiation::tick(Now now) {
-  return std::erase_if(entries_, [&](const auto& item) {
-           const auto& since = item.second.lost_since;
-           return since && now - *since >= limits_.forget_lost_after;
-         }) != 0;
+  std::vector<EndpointId> forgotten;
+  for (const auto& [id, entry] : entries_) {
+    if (entry.lost_since && now - *entry.lost_since >= limits_.forget_lost_after) forgotten.push_back(id);
+  }
+  for (const EndpointId id : forgotten) erase(id);
+  return !forgotten.empty();
+}
+
+/// Retained samples that the reader is still to get.
+std::uint32_t Negotiation::history_owed(const Entry& writer, const Endpoint& reader) {
+  const Qos& offered = writer.endpoint.qos;
+  const bool durable = offered.durability == Durability::transient_local &&
+                       reader.qos.durability == Durability::transient_local;
+  if (!durable || writer.history_given.contains(reader.id)) return 0;
+  return std::min(offered.history_depth, reader.qos.history_depth);
 }
 
 std::string Negotiation::why_not_shm(const Endpoint& writer, const Endpoint& reader) const {
@@ -153,7 +186,13 @@ Negotiation::Verdict Negotiation::judge(const Entry& ours, const Entry& other) c
     verdict.mismatch = "two different definitions of type " + writer.type_name +
                        (difference.empty() ? "" : ": " + difference);
   }
-  if (!verdict.mismatch.empty()) return verdict;
+  verdict.incompatible_type = !verdict.mismatch.empty();
+  if (verdict.incompatible_type) return verdict;
+  if (QosConflict conflict = conflict_between(writer.qos, reader.qos); conflict.policy != QosPolicy::none) {
+    verdict.incompatible_policy = conflict.policy;
+    verdict.mismatch = std::move(conflict.reason);
+    return verdict;
+  }
   verdict.shm = writer.may_use_shm && reader.may_use_shm && self_.host.known() && writer.host == self_.host &&
                 reader.host == self_.host;
   verdict.udp = writer.may_use_udp && reader.may_use_udp && !reader.addresses.empty();
@@ -186,24 +225,33 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   if (!verdict.mismatch.empty()) {
     status.reason = verdict.mismatch;
     status.mismatch = verdict.definitions;
+    status.incompatible_type = verdict.incompatible_type;
+    status.incompatible_policy = verdict.incompatible_policy;
     return status;
   }
   status.mask = type.closed(FieldMask::from_words(type.leaves(), r.request.mask_words));
+  const std::uint32_t period = r.request.min_period_us;
+  status.max_rate_hz = period == 0 ? 0 : 1e6 / period;
   if (reader.lost_since) {
     status.reason = "its node does not answer";
     return status;
   }
   serving.shm_port |= verdict.shm;
-  if (verdict.shm && holds(r.request.attached, writer.endpoint.id)) {
+  const std::uint32_t owed = history_owed(writer, r);
+  const bool history_first = owed != 0 && verdict.udp;
+  serving.history_owed |= history_first;
+  if (verdict.shm && !history_first && holds(r.request.attached, writer.endpoint.id)) {
     status.served = true;
     status.transport = TransportKind::shm;
-    status.reason = "same host";
-    serving.shm.push_back({r.id, r.doorbell, status.mask});
+    status.reason = owed == 0 ? "same host" : "same host; without UDP nothing of what was published before";
+    serving.shm.push_back({r.id, r.doorbell, status.mask, period, nullptr});
   } else if (verdict.udp && holds(r.request.listening, writer.endpoint.id)) {
     status.served = true;
     status.transport = TransportKind::udp;
-    status.reason = verdict.shm ? "same host, shared memory is being attached" : verdict.udp_reason;
-    serving.udp.push_back({r.id, address_of(r), status.mask});
+    status.reason = !verdict.shm    ? verdict.udp_reason
+                    : history_first ? "same host, what was published before comes first"
+                                    : "same host, shared memory is being attached";
+    serving.udp.push_back({r.id, address_of(r), status.mask, period, nullptr, owed});
   } else if (verdict.udp) {
     status.reason = "the subscriber is not listening yet";
   } else {
@@ -213,12 +261,21 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   return status;
 }
 
+/// Liveliness is the same for all that match, served at present or not.
+void Negotiation::look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving) {
+  const bool matches = !status.incompatible_type && status.incompatible_policy == QosPolicy::none;
+  if (!matches || reader.qos.liveliness_lease.count() == 0) return;
+  serving.lease_requested = true;
+  serving.samples_tell &= status.served && reader.request.min_period_us == 0;
+}
+
 Serving Negotiation::serving(EndpointId writer) const {
   Serving serving;
   const auto entry = entries_.find(writer);
   if (entry == entries_.end() || entry->second.type == nullptr) return serving;
   for (const Entry* reader : others(entry->second)) {
     serving.readers.push_back(serve(entry->second, *reader, serving));
+    look_after_lease(reader->endpoint, serving.readers.back(), serving);
   }
   return serving;
 }
@@ -231,14 +288,20 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
   for (const Entry* writer : others(entry->second)) {
     const Endpoint& w = writer->endpoint;
     const Verdict verdict = judge(entry->second, *writer);
-    Hearing hearing{.source = {w.id, w.max_sample_bytes}, .status = {.id = w.id, .node = w.node}};
+    Hearing hearing{.source = {w.id, w.max_sample_bytes},
+                    .offered = w.qos,
+                    .owed = history_owed(*writer, r),
+                    .status = {.id = w.id, .node = w.node, .alive = !writer->lost_since}};
     hearing.shm = verdict.shm;
     hearing.udp = verdict.udp;
     const bool attached = verdict.shm && holds(r.request.attached, w.id);
+    hearing.status.incompatible_type = verdict.incompatible_type;
+    hearing.status.incompatible_policy = verdict.incompatible_policy;
     hearing.status.matched = verdict.shm || verdict.udp;
     hearing.status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
     hearing.status.mismatch = verdict.definitions;
     hearing.status.reason = !verdict.mismatch.empty() ? verdict.mismatch
+                            : writer->lost_since      ? "its node does not answer"
                             : attached                ? "same host"
                             : verdict.shm             ? "same host, shared memory is being attached"
                                                       : verdict.udp_reason;

@@ -8,10 +8,12 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "core/control.h"
+#include "core/qos_watch.h"
 #include "core/transport.h"
 #include "core/type_comparisons.h"
 #include "sft/status.h"
@@ -32,18 +34,21 @@ struct Serving {
   std::vector<Route> shm;
   std::vector<Route> udp;
   std::vector<ReaderStatus> readers;  ///< all of the topic, with reasons
+  bool lease_requested = false;       ///< some reader wants to know whether the writer lives
+  bool samples_tell = true;           ///< and each of these gets every sample
+  bool history_owed = false;          ///< some route has a history
   friend bool operator==(const Serving&, const Serving&) = default;
 };
 
 /// One writer that one of our readers should hear.
 struct Hearing {
   Source source;
-  bool shm = false;  ///< connect to it in shared memory
+  Qos offered;
+  std::uint32_t owed = 0;  ///< retained samples that should come first
+  bool shm = false;        ///< connect to it in shared memory
   bool udp = false;
   WriterStatus status;
 };
-
-using Now = std::chrono::steady_clock::time_point;
 
 class Negotiation {
  public:
@@ -68,8 +73,11 @@ class Negotiation {
   bool request_received(const Request& request);
   /// One of our readers needs other fields now.
   bool requirement_changed(EndpointId reader, const FieldMask& mask);
+  bool rate_changed(EndpointId reader, std::uint32_t min_period_us);
   /// What a writer sends to one of our readers by that path arrives now, or does no longer.
   bool connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected);
+  /// A late reader has got what one of our writers had retained.
+  bool history_given(EndpointId writer, EndpointId reader);
   bool tick(Now now);
 
   // Desired states, from the table as it is.
@@ -85,24 +93,30 @@ class Negotiation {
  private:
   struct Entry {
     Endpoint endpoint;
-    const TypeSupport* type = nullptr;  ///< of our own endpoints
-    std::optional<Now> lost_since;      ///< its node does not answer
+    const TypeSupport* type = nullptr;   ///< of our own endpoints
+    std::optional<Now> lost_since;       ///< its node does not answer
+    std::set<EndpointId> history_given;  ///< of our own writers: to these readers
   };
   struct EarlyRequest {
     Request request;
     std::uint64_t arrival = 0;  ///< counts them, so that the oldest can make room
   };
-  struct Verdict {                                    ///< on one pair, as we see it
-    std::string mismatch;                             ///< not empty: never matches, and why
+  struct Verdict {         ///< on one pair, as we see it
+    std::string mismatch;  ///< not empty: never matches, and why
+    bool incompatible_type = false;
     std::shared_ptr<const TypeMismatch> definitions;  ///< not null: they are two of one type
-    bool shm = false;                                 ///< both may and can use shared memory
+    QosPolicy incompatible_policy = QosPolicy::none;
+    bool shm = false;  ///< both may and can use shared memory
     bool udp = false;
     std::string udp_reason;
   };
 
   Verdict judge(const Entry& ours, const Entry& other) const;
   std::string why_not_shm(const Endpoint& writer, const Endpoint& reader) const;
+  static void look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving);
   ReaderStatus serve(const Entry& writer, const Entry& reader, Serving& serving) const;
+  static std::uint32_t history_owed(const Entry& writer, const Endpoint& reader);
+  void erase(EndpointId id);
   UdpAddress address_of(const Endpoint& reader) const;
   static bool adopt(Entry& entry, const Request& request);
   void keep_for_later(const Request& request);

@@ -115,7 +115,10 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
                                                     std::string_view topic, const TypeSupport& type,
                                                     const PublisherOptions& options) {
   if (auto ok = check_endpoint(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
+  const Result<Qos> qos = qos_of(options);
+  if (!qos) return tl::unexpected(qos.error());
   Endpoint endpoint = new_endpoint(Role::writer, topic, type, options.transport);
+  endpoint.qos = *qos;
   endpoint.max_sample_bytes = options.max_sample_bytes;
   std::shared_ptr<WriterPort> udp;
   if (endpoint.may_use_udp) {
@@ -123,9 +126,13 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
     if (!port) return tl::unexpected(port.error());
     udp = std::move(*port);
   }
+  std::function<void()> asserted;
+  if (qos->liveliness == Liveliness::manual_by_topic) {
+    asserted = [this, id = endpoint.id] { agent_.post([this, id] { reconciler_->program_asserts(id); }); };
+  }
   auto core = std::make_shared<PublisherCore>(
-      PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes,
-                          options.on_readers_changed},
+      PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes, *qos,
+                          options.on_readers_changed, options.on_event, std::move(asserted)},
       heap_, std::move(udp));
   agent_.post([this, endpoint, core] {
     reconciler_->add_writer(endpoint, core);
@@ -133,6 +140,7 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   });
   // The handle withdraws the endpoint; the agent lets go of the rest.
   std::shared_ptr<PublisherCore> handle(core.get(), [self, core, id = endpoint.id](PublisherCore*) {
+    core->events().close();
     self->agent_.post([node = self.get(), id] { node->reconciler_->remove(id); });
   });
   return untyped::Publisher(std::move(handle));
@@ -145,10 +153,13 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
                                                       untyped::Callback callback,
                                                       std::shared_ptr<const void> type_owner) {
   if (auto ok = check_endpoint(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
+  const Result<Qos> qos = qos_of(options);
+  if (!qos) return tl::unexpected(qos.error());
   const Result<std::uint32_t> slot = callback ? Result<std::uint32_t>(0) : take_slot();
   if (!slot) return tl::unexpected(slot.error());
   Endpoint endpoint = new_endpoint(Role::reader, topic, type, options.transport);
   endpoint.recorded = requirement.recorded;
+  endpoint.qos = *qos;
   endpoint.doorbell = {bells_->id(), *slot};
   // Without a shared page nobody else could ring.
   endpoint.may_use_shm = endpoint.may_use_shm && bells_->id() != 0;
@@ -156,6 +167,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   endpoint.request.reader = endpoint.id;
   endpoint.request.sequence = 1;
   endpoint.request.mask_words = requirement.mask.to_words();
+  endpoint.request.min_period_us = *min_period_us_of(options.max_rate_hz);  // checked with the other policies
   Reconciler::NewReader reader;
   if (requirement.recorded) {
     reader.recorder = Recorder::make(type.leaves(), options.recording, [this, id = endpoint.id] {
@@ -163,8 +175,18 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
     });
   }
   reader.core = std::make_shared<SubscriberCore>(
-      SubscriberCore::Spec{endpoint.id, endpoint.topic, &type, requirement, options, std::move(callback),
-                           std::move(type_owner)},
+      SubscriberCore::Spec{.id = endpoint.id,
+                           .topic = endpoint.topic,
+                           .type = &type,
+                           .requirement = requirement,
+                           .options = options,
+                           .callback = std::move(callback),
+                           .type_owner = std::move(type_owner),
+                           .min_period_us = endpoint.request.min_period_us,
+                           .rate_changed =
+                               [this, id = endpoint.id](std::uint32_t min_period_us) {
+                                 agent_.post([=, this] { reconciler_->rate_changed(id, min_period_us); });
+                               }},
       bells_->at(*slot), reader.recorder);
   if (endpoint.may_use_udp) {
     auto port = udp_->open_reader({endpoint.id, &type, options.depth, reader.core.get(), endpoint.doorbell});
@@ -173,7 +195,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
       return tl::unexpected(port.error());
     }
     reader.udp = std::move(*port);
-    reader.udp->accept_masks({requirement.mask});
+    reader.udp->accept({{requirement.mask, endpoint.request.min_period_us}});
     reader.core->set_port(TransportKind::udp, reader.udp);
   }
   const std::shared_ptr<SubscriberCore> core = reader.core;
@@ -214,6 +236,10 @@ void NodeCore::endpoint_lost(EndpointId id) {
 
 void NodeCore::request_received(Request request) {
   agent_.post([this, request = std::move(request)] { reconciler_->request_received(request); });
+}
+
+void NodeCore::liveliness_asserted(std::vector<EndpointId> writers) {
+  agent_.post([this, writers = std::move(writers)] { reconciler_->liveliness_asserted(writers); });
 }
 
 void NodeCore::control_malformed(std::string why) {

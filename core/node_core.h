@@ -61,6 +61,7 @@ class NodeCore final : private DiscoveryListener {
   void endpoint_departed(EndpointId id) override;
   void endpoint_lost(EndpointId id) override;
   void request_received(Request request) override;
+  void liveliness_asserted(std::vector<EndpointId> writers) override;
   void control_malformed(std::string why) override;
 
   /// Calls `question` on the agent's thread, which alone may look at the reconciler, and returns its answer.

@@ -11,13 +11,28 @@
 
 namespace sft::core {
 
+namespace {
+
+constexpr std::size_t gates_remembered_max = 64;
+
+template <class T>
+bool contains(const std::vector<T>& all, const T& one) {
+  return std::find(all.begin(), all.end(), one) != all.end();
+}
+
+}  // namespace
+
 PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<WriterPort> udp)
     : spec_(std::move(spec)),
       full_(spec_.type->full()),
       onto_itself_(spec_.type->type(), full_),
       layout_(spec_.type->slots()),
       heap_(std::move(heap)),
-      udp_(std::move(udp)) {
+      udp_(std::move(udp)),
+      history_(spec_.qos.durability == Durability::volatile_
+                   ? nullptr
+                   : std::make_unique<History>(spec_.qos.history_depth, spec_.qos.lifespan.count())),
+      events_(spec_.on_event) {
   outlets_.store(outlets_for({}, nullptr));
 }
 
@@ -27,12 +42,79 @@ std::shared_ptr<PublisherCore::Outlets> PublisherCore::outlets_for(const Serving
   outlets->shm = std::move(shm);
   outlets->to_shm = outlets->shm != nullptr && !serving.shm.empty();
   outlets->to_udp = udp_ != nullptr && !serving.udp.empty();
-  outlets->mask = outlets->to_shm ? full_ : spec_.type->closed(spec_.type->none());
+  const bool whole = outlets->to_shm || history_ != nullptr;  // nobody knows what late readers will ask for
+  outlets->mask = whole ? full_ : spec_.type->closed(spec_.type->none());
   for (const Route& route : serving.udp) outlets->mask |= route.mask;
+  for (const auto* routes : {&serving.shm, &serving.udp}) {
+    for (const Route& route : *routes) {
+      outlets->to_all |= route.gate == nullptr;
+      const auto gate = gates_.find(route.min_period_us);
+      if (route.gate == nullptr || contains(outlets->gates, gate->second)) continue;
+      outlets->gates.push_back(gate->second);
+    }
+  }
   return outlets;
 }
 
-void PublisherCore::serve(const Serving& serving, std::shared_ptr<WriterPort> shm) {
+/// One gate for each limit, kept for a while when nobody asks for it any more: its numbers go on when
+/// somebody does again.
+std::shared_ptr<RateGate> PublisherCore::gate_for(std::uint32_t min_period_us) {
+  if (min_period_us == 0) return nullptr;
+  std::shared_ptr<RateGate>& gate = gates_[min_period_us];
+  if (gate == nullptr) gate = std::make_shared<RateGate>(min_period_us);
+  return gate;
+}
+
+void PublisherCore::find_gates(Serving& serving) {
+  if (gates_.size() > gates_remembered_max) {
+    std::erase_if(gates_, [](const auto& item) { return item.second.use_count() == 1; });
+  }
+  for (auto* routes : {&serving.shm, &serving.udp}) {
+    for (Route& route : *routes) route.gate = gate_for(route.min_period_us);
+  }
+}
+
+/// With the status mutex held: what was withheld from a reader stays its own when it changes its limit.
+void PublisherCore::follow_withholding(const Serving& serving) {
+  std::erase_if(withholding_, [&](const auto& item) {
+    return std::none_of(serving.readers.begin(), serving.readers.end(),
+                        [&](const ReaderStatus& reader) { return reader.id == item.first; });
+  });
+  for (const auto* routes : {&serving.shm, &serving.udp}) {
+    for (const Route& route : *routes) {
+      const auto known = withholding_.find(route.reader);
+      if (known != withholding_.end() ? known->second.gate == route.gate : route.gate == nullptr) continue;
+      const std::uint64_t before = known == withholding_.end() ? 0 : known->second.count();
+      const std::uint64_t at_first = route.gate == nullptr ? 0 : route.gate->withheld();
+      withholding_[route.reader] = {route.gate, at_first, before};
+    }
+  }
+}
+
+/// Routes of readers that are to be given the history now. To those that are being given it already, live
+/// samples go as they come.
+std::vector<Route> PublisherCore::take_latecomers(Serving& serving) {
+  std::vector<Route> latecomers;
+  std::set<EndpointId> begun;
+  for (Route& route : serving.udp) {
+    if (route.history == 0) continue;
+    begun.insert(route.reader);
+    if (history_begun_.contains(route.reader)) {
+      route.history = 0;
+    } else {
+      latecomers.push_back(route);
+    }
+  }
+  history_begun_ = std::move(begun);
+  return latecomers;
+}
+
+/// What a latecomer gets of the history, and what of the samples published meanwhile: these wait from
+/// set_routes() on, and whatever send() sends by earlier routes or outlets is in the history by the time that
+/// it is looked at. Both may hold one sample; the reader takes it once.
+void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
+  find_gates(serving);
+  const std::vector<Route> latecomers = take_latecomers(serving);
   const std::shared_ptr<Outlets> after = outlets_for(serving, std::move(shm));
   const std::shared_ptr<const Outlets> before = outlets_.share();
   if (!before->mask.contains(after->mask)) {
@@ -46,9 +128,13 @@ void PublisherCore::serve(const Serving& serving, std::shared_ptr<WriterPort> sh
   if (after->shm != nullptr) after->shm->set_routes(serving.shm);
   if (udp_ != nullptr) udp_->set_routes(serving.udp);
   outlets_.store(after);
+  for (const Route& route : latecomers) {
+    udp_->send_history(route, history_->last(route.history, realtime_ns()));
+  }
   {
     const std::scoped_lock lock(status_mutex_);
     readers_ = serving.readers;
+    follow_withholding(serving);
   }
   if (spec_.on_readers_changed) spec_.on_readers_changed(status());
 }
@@ -57,8 +143,9 @@ PublishStatus PublisherCore::publish(const void* value) {
   publishing_.store(true, std::memory_order_seq_cst);
   const Outlets& outlets = *outlets_.load();
   PublishStatus status = PublishStatus::ok;
-  if (outlets.to_shm || outlets.to_udp) {
-    status = encode_and_send(outlets, value);
+  if (outlets.to_shm || outlets.to_udp || history_ != nullptr) {
+    const std::int64_t stamp_ns = realtime_ns();
+    status = admit(outlets, stamp_ns) ? encode_and_send(outlets, value, stamp_ns) : withhold();
   } else {
     sequence_.fetch_add(1, std::memory_order_relaxed);
   }
@@ -66,7 +153,24 @@ PublishStatus PublisherCore::publish(const void* value) {
   return status;
 }
 
-PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void* value) {
+/// Asks each gate once. False if the sample is for nobody.
+bool PublisherCore::admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept {
+  bool passes = outlets.to_all || outlets.gates.empty() || history_ != nullptr;
+  for (const auto& gate : outlets.gates) {
+    gate->consider(stamp_ns);
+    passes |= gate->passes();
+  }
+  return passes;
+}
+
+/// Counts a sample that its readers do not want, so that they can tell.
+PublishStatus PublisherCore::withhold() noexcept {
+  sequence_.fetch_add(1, std::memory_order_relaxed);
+  return PublishStatus::ok;
+}
+
+PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void* value,
+                                             std::int64_t stamp_ns) {
   const StructType& type = spec_.type->type();
   const EncodedSize size = encoded_size(type, value, outlets.mask);
   if (size.status != EncodeStatus::ok || size.bytes > spec_.max_sample_bytes) return PublishStatus::invalid;
@@ -75,7 +179,7 @@ PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void*
   fill_header(*sample, outlets.mask, size.bytes);
   encode(type, value, outlets.mask, {sample->data + layout_.body_offset, size.bytes},
          {sample->index(), spec_.type->slots()});
-  return send(outlets, sample);
+  return send(outlets, sample, stamp_ns);
 }
 
 /// Counts a sample that could not be made, so that readers see that one is missing.
@@ -95,6 +199,7 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
     return fail(Errc::limit_exceeded, "a payload of " + std::to_string(size.bytes) +
                                           " bytes; raise PublisherOptions::max_sample_bytes");
   }
+  const std::int64_t stamp_ns = realtime_ns();
   const Outlets& outlets = *outlets_.load();
   const SampleHandle sample = lend(outlets, size.bytes);
   if (!sample) return no_memory();
@@ -105,7 +210,7 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
     status = build_index(state, type, {sample->index(), spec_.type->slots()}, &size.bytes);
   if (status != WalkStatus::ok) return malformed(status);
   fill_header(*sample, full_, size.bytes);
-  return send(outlets, sample);
+  return admit(outlets, stamp_ns) ? send(outlets, sample, stamp_ns) : withhold();
 }
 
 tl::unexpected<Error> PublisherCore::malformed(WalkStatus why) const {
@@ -135,7 +240,9 @@ PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
   if (has_gaps) {
     if (const PublishStatus status = close_gaps(*sample); status != PublishStatus::ok) return status;
   }
-  return send(*outlets_.load(), sample);
+  const std::int64_t stamp_ns = realtime_ns();
+  const Outlets& outlets = *outlets_.load();
+  return admit(outlets, stamp_ns) ? send(outlets, sample, stamp_ns) : withhold();
 }
 
 /// The body becomes what encoding the shorter sequences would have made. Nothing of it lies further behind
@@ -186,11 +293,15 @@ void PublisherCore::fill_header(SampleBuffer& buffer, const FieldMask& mask,
   std::memcpy(encapsulation, encapsulation_cdr_le.data(), encapsulation_bytes);
 }
 
-PublishStatus PublisherCore::send(const Outlets& outlets, const SampleHandle& sample) noexcept {
+/// `before`: what was in force when the sample was made.
+PublishStatus PublisherCore::send(const Outlets& before, const SampleHandle& sample,
+                                  std::int64_t stamp_ns) noexcept {
   SampleHeader& header = sample->header();
   header.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
-  header.source_stamp_ns = realtime_ns();
+  header.source_stamp_ns = stamp_ns;
   sample->trust_header();
+  if (history_ != nullptr) history_->add(sample);
+  const Outlets& outlets = history_ == nullptr ? before : *outlets_.load();  // see serve()
   PublishStatus status = PublishStatus::ok;
   if (outlets.to_shm) {
     // It may have been lent elsewhere, before shared memory came up or while it had no chunk free.
@@ -214,8 +325,28 @@ SampleHandle PublisherCore::copy_to_shm(const Outlets& outlets, const SampleHand
   return copy;
 }
 
+void PublisherCore::expire_history() {
+  if (history_ != nullptr) history_->expire(realtime_ns());
+}
+
+void PublisherCore::assert_liveliness() {
+  asserted_.fetch_add(1, std::memory_order_relaxed);
+  if (spec_.asserted && !assertion_told_.exchange(true, std::memory_order_relaxed)) spec_.asserted();
+}
+
+OfferWatch::Signs PublisherCore::signs() const {
+  return {sequence_.load(std::memory_order_relaxed), asserted_.load(std::memory_order_relaxed)};
+}
+
+void PublisherCore::keeps_promises(std::uint64_t deadlines_missed, bool alive) {
+  deadlines_missed_.store(deadlines_missed, std::memory_order_relaxed);
+  alive_.store(alive, std::memory_order_relaxed);
+}
+
 PublisherStatus PublisherCore::status() const {
   PublisherStatus status;
+  status.deadlines_missed = deadlines_missed_.load(std::memory_order_relaxed);
+  status.alive = alive_.load(std::memory_order_relaxed);
   status.published = sequence_.load(std::memory_order_relaxed);
   status.dropped = dropped_.load(std::memory_order_relaxed);
   if (udp_ != nullptr) {
@@ -224,6 +355,10 @@ PublisherStatus PublisherCore::status() const {
   }
   const std::scoped_lock lock(status_mutex_);
   status.readers = readers_;
+  for (ReaderStatus& reader : status.readers) {
+    const auto withholding = withholding_.find(reader.id);
+    if (withholding != withholding_.end()) reader.withheld = withholding->second.count();
+  }
   return status;
 }
 

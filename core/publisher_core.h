@@ -8,13 +8,18 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <span>
 #include <string>
 
 #include "core/buffer_pool.h"
+#include "core/event_sink.h"
+#include "core/history.h"
 #include "core/negotiation.h"
+#include "core/qos_watch.h"
 #include "core/snapshot.h"
 #include "core/transport.h"
 #include "sft/typesupport/project.h"
@@ -30,7 +35,11 @@ class PublisherCore {
     std::string topic;
     const TypeSupport* type = nullptr;
     std::size_t max_sample_bytes = 0;
-    std::function<void(const PublisherStatus&)> on_readers_changed;
+    Qos qos{};
+    std::function<void(const PublisherStatus&)> on_readers_changed{};
+    EventCallback on_event{};
+    /// Called where the program asserts its liveliness: any thread, posts and returns.
+    std::function<void()> asserted{};
   };
 
   /// `heap` lends memory while nobody reads in shared memory; `udp` is null where the publisher rules it out.
@@ -43,13 +52,25 @@ class PublisherCore {
   /// `has_gaps`: sequences of it were shortened where they lie.
   PublishStatus commit(SampleHandle sample, bool has_gaps);
 
+  void assert_liveliness();
+
   PublisherStatus status() const;
   const TypeSupport& type() const { return *spec_.type; }
   EndpointId id() const { return spec_.id; }
+  EventSink& events() { return events_; }
 
   /// Puts a new division of readers between the ports in force. `shm` is null while there is no shared
   /// memory.
-  void serve(const Serving& serving, std::shared_ptr<WriterPort> shm);
+  void serve(Serving serving, std::shared_ptr<WriterPort> shm);
+
+  // The agent's: what the program did, and for status() how it keeps its promises.
+  OfferWatch::Signs signs() const;
+  /// From here on the next assertion of the program is told again.
+  void listen_for_assertions() { assertion_told_.store(false, std::memory_order_relaxed); }
+  void keeps_promises(std::uint64_t deadlines_missed, bool alive);
+  /// Whether the late readers of serve() have been sent all that was retained for them.
+  bool history_sent() const { return udp_ == nullptr || udp_->history_sent(); }
+  void expire_history();
 
  private:
   /// Where samples go at present. Immutable once stored.
@@ -57,17 +78,33 @@ class PublisherCore {
     std::shared_ptr<WriterPort> shm;
     bool to_shm = false;
     bool to_udp = false;
+    std::vector<std::shared_ptr<RateGate>> gates;
+    bool to_all = false;  ///< some reader gets every sample
     FieldMask
         mask;  ///< what has to be encoded: everything for shared memory, else the union of what is asked for
   };
 
+  /// What one reader's gates have withheld from it.
+  struct Withholding {
+    std::shared_ptr<const RateGate> gate;
+    std::uint64_t at_first = 0;  ///< the gate's count when the reader came to it
+    std::uint64_t before = 0;    ///< by other gates, earlier
+    std::uint64_t count() const { return before + (gate == nullptr ? 0 : gate->withheld() - at_first); }
+  };
+
+  std::vector<Route> take_latecomers(Serving& serving);
+  void find_gates(Serving& serving);
+  std::shared_ptr<RateGate> gate_for(std::uint32_t min_period_us);
+  void follow_withholding(const Serving& serving);
+  bool admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept;
   std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;
-  PublishStatus encode_and_send(const Outlets& outlets, const void* value);
+  PublishStatus encode_and_send(const Outlets& outlets, const void* value, std::int64_t stamp_ns);
   PublishStatus no_memory() noexcept;
   tl::unexpected<Error> malformed(WalkStatus why) const;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept;
-  PublishStatus send(const Outlets& outlets, const SampleHandle& sample) noexcept;
+  PublishStatus send(const Outlets& before, const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
+  PublishStatus withhold() noexcept;
   PublishStatus close_gaps(SampleBuffer& sample) noexcept;
   SampleHandle copy_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
 
@@ -78,13 +115,24 @@ class PublisherCore {
   const SampleLayout layout_;
   const std::shared_ptr<BufferPool> heap_;
   const std::shared_ptr<WriterPort> udp_;
+  const std::unique_ptr<History> history_;  ///< null unless durability asks for it
   Snapshot<Outlets> outlets_;
   std::atomic<bool> publishing_{false};  ///< publish() is between reading the outlets and having sent
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> dropped_{0};
+  std::atomic<std::uint64_t> asserted_{0};
+  std::atomic<bool> assertion_told_{false};
+  std::atomic<std::uint64_t> deadlines_missed_{0};
+  std::atomic<bool> alive_{true};
+  EventSink events_;
 
   mutable std::mutex status_mutex_;
   std::vector<ReaderStatus> readers_;
+  std::map<EndpointId, Withholding> withholding_;
+
+  // Of the agent's thread.
+  std::map<std::uint32_t, std::shared_ptr<RateGate>> gates_;  ///< by period; those of before as well
+  std::set<EndpointId> history_begun_;                        ///< readers that are being given the history
 };
 
 }  // namespace sft::core

@@ -3,16 +3,19 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/events.h"
+
 namespace sft::core {
 
 namespace {
 
-constexpr std::size_t accepted_masks_max = 16;
+constexpr std::size_t accepted_max = 16;
 constexpr std::chrono::seconds in_flight_max{2};         // what was sent longer ago does not come any more
 constexpr std::chrono::milliseconds shm_pause_min{500};  // after the daemon did not do what was asked for
 constexpr std::chrono::milliseconds shm_pause_max{10'000};
 constexpr std::chrono::milliseconds tick_quiet{50};
 constexpr std::chrono::milliseconds tick_while_attaching{1};
+constexpr std::chrono::milliseconds tick_shortest{1};
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
 
 }  // namespace
@@ -44,7 +47,13 @@ std::string Reconciler::shm_state() const {
 
 void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherCore> core) {
   const TypeSupport& type = core->type();
-  writers_[endpoint.id].core = std::move(core);
+  writers_.insert_or_assign(endpoint.id,
+                            Writer{.core = std::move(core),
+                                   .shm = nullptr,
+                                   .in_force = {},
+                                   .watch = OfferWatch(endpoint.qos, std::chrono::steady_clock::now()),
+                                   .history_sent = false,
+                                   .told = {}});
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
   announce(endpoint.id);
@@ -57,7 +66,8 @@ void Reconciler::add_reader(const Endpoint& endpoint, NewReader reader) {
   added.core = std::move(reader.core);
   added.recorder = std::move(reader.recorder);
   added.udp = std::move(reader.udp);
-  added.accepted = {{added.core->spec().requirement.mask}};
+  added.requested = endpoint.qos;
+  added.accepted = {{{added.core->spec().requirement.mask, endpoint.request.min_period_us}}};
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
   announce(endpoint.id);
@@ -89,14 +99,26 @@ void Reconciler::requirement_changed(EndpointId id) {
   const TypeSupport& type = reader->second.core->type();
   const FieldMask mask = type.closed(reader->second.recorder->required());
   if (!negotiation_.requirement_changed(id, mask)) return;
-  dirty_ = true;
-  std::vector<AcceptedMask>& accepted = reader->second.accepted;
-  accepted.back().replaced_at = std::chrono::steady_clock::now();
-  std::erase_if(accepted, [&](const AcceptedMask& a) { return a.mask == mask; });
-  accepted.push_back({mask});
-  if (accepted.size() > accepted_masks_max) accepted.erase(accepted.begin());
-  accept(reader->second);
+  asks_for(reader->second, {mask, reader->second.accepted.back().wanted.min_period_us});
   request_changed(id);
+}
+
+void Reconciler::rate_changed(EndpointId id, std::uint32_t min_period_us) {
+  const auto reader = readers_.find(id);
+  if (reader == readers_.end() || !negotiation_.rate_changed(id, min_period_us)) return;
+  asks_for(reader->second, {reader->second.accepted.back().wanted.mask, min_period_us});
+  request_changed(id);
+}
+
+/// From now on, and no longer for what it asked for before, once that cannot be in flight any more.
+void Reconciler::asks_for(Reader& reader, const Wanted& wanted) {
+  dirty_ = true;
+  std::vector<Accepted>& accepted = reader.accepted;
+  accepted.back().replaced_at = std::chrono::steady_clock::now();
+  std::erase_if(accepted, [&](const Accepted& a) { return a.wanted == wanted; });
+  accepted.push_back({wanted});
+  if (accepted.size() > accepted_max) accepted.erase(accepted.begin());
+  accept(reader);
 }
 
 /// Samples under what was asked for before, and of writers that went, may be in flight. For long such a mask
@@ -105,7 +127,7 @@ void Reconciler::requirement_changed(EndpointId id) {
 void Reconciler::forget_what_was_in_flight(Now now) {
   const auto is_over = [&](Now since) { return since != Now::max() && now - since > in_flight_max; };
   for (auto& [id, reader] : readers_) {
-    const auto is_old = [&](const AcceptedMask& a) { return is_over(a.replaced_at); };
+    const auto is_old = [&](const Accepted& a) { return is_over(a.replaced_at); };
     if (std::erase_if(reader.accepted, is_old) != 0) accept(reader);
     std::erase_if(reader.departed, [&](const auto& departed) {
       if (!is_over(departed.second)) return false;
@@ -117,9 +139,9 @@ void Reconciler::forget_what_was_in_flight(Now now) {
 
 void Reconciler::accept(Reader& reader) {
   if (reader.udp == nullptr) return;
-  std::vector<FieldMask> masks;
-  for (const AcceptedMask& accepted : reader.accepted) masks.push_back(accepted.mask);
-  reader.udp->accept_masks(std::move(masks));
+  std::vector<Wanted> wanted;
+  for (const Accepted& accepted : reader.accepted) wanted.push_back(accepted.wanted);
+  reader.udp->accept(std::move(wanted));
 }
 
 void Reconciler::request_changed(EndpointId id) {
@@ -138,11 +160,83 @@ std::chrono::milliseconds Reconciler::tick() {
   forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now) || (shm_pause_.count() != 0 && now >= next_shm_attempt_);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
+  look_after_histories();
   reconcile();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
+  watch_promises(now);
   reconcile();
   const bool hurry = hurried_ticks_ > 0 && hurried_ticks_ <= hurried_ticks_max;
-  return hurry ? tick_while_attaching : tick_quiet;
+  return hurry ? tick_while_attaching : pace();
+}
+
+/// Until the next tick: no longer than a deadline or a lease can wait.
+std::chrono::milliseconds Reconciler::pace() const {
+  std::chrono::nanoseconds pace = tick_quiet;
+  for (const auto& [id, writer] : writers_) pace = std::min(pace, writer.watch.pace().value_or(pace));
+  for (const auto& [id, reader] : readers_) {
+    for (const auto& [heard, watch] : reader.watched) pace = std::min(pace, watch.pace().value_or(pace));
+  }
+  return std::max(std::chrono::duration_cast<std::chrono::milliseconds>(pace), tick_shortest);
+}
+
+/// A late reader may change over to shared memory once it has what was sent by UDP: a tick after that has
+/// left.
+void Reconciler::look_after_histories() {
+  for (auto& [id, writer] : writers_) {
+    writer.core->expire_history();
+    const bool owed = writer.in_force && writer.in_force->history_owed;
+    if (!std::exchange(writer.history_sent, owed && writer.core->history_sent()) || !owed) continue;
+    for (const Route& route : writer.in_force->udp) {
+      if (route.history != 0) dirty_ |= negotiation_.history_given(id, route.reader);
+    }
+    writer.history_sent = false;
+  }
+}
+
+void Reconciler::watch_promises(Now now) {
+  std::vector<EndpointId> living;
+  for (auto& [id, writer] : writers_) {
+    if (watch_offer(writer, now)) living.push_back(id);
+  }
+  tell_of_life(living);
+  for (auto& [id, reader] : readers_) {
+    for (auto& [writer, watch] : reader.watched) {
+      watch.look(reader.core->arrivals(writer), now);
+      reader.core->keeps_promises(writer, watch.deadlines_missed(), watch.alive());
+    }
+  }
+}
+
+/// Whether the writer's readers have to be told that it lives.
+bool Reconciler::watch_offer(Writer& writer, Now now) {
+  const OfferWatch::Signs signs = writer.core->signs();
+  writer.watch.look(signs, now);
+  writer.core->keeps_promises(writer.watch.deadlines_missed(), writer.watch.alive());
+  if (!writer.watch.rests(now)) writer.core->listen_for_assertions();
+  return writer.in_force && writer.in_force->lease_requested &&
+         writer.watch.assertion_due(signs, writer.in_force->samples_tell, now);
+}
+
+/// At once, so that what the program does in time is in time for others.
+void Reconciler::program_asserts(EndpointId id) {
+  const auto writer = writers_.find(id);
+  if (writer == writers_.end()) return;
+  if (watch_offer(writer->second, std::chrono::steady_clock::now())) tell_of_life({id});
+}
+
+void Reconciler::tell_of_life(const std::vector<EndpointId>& writers) {
+  if (writers.empty()) return;
+  discovery_.assert_liveliness(writers);
+  liveliness_asserted(writers);  // our own readers
+}
+
+void Reconciler::liveliness_asserted(const std::vector<EndpointId>& writers) {
+  for (auto& [id, reader] : readers_) {
+    for (const EndpointId writer : writers) {
+      if (const auto watch = reader.watched.find(writer); watch != reader.watched.end())
+        watch->second.asserted();
+    }
+  }
 }
 
 void Reconciler::look_after_shm() {
@@ -236,6 +330,19 @@ void Reconciler::reconcile() {
     apply_desired_states();
     look_after_connections();
   }
+  tell_what_happened();
+}
+
+/// Events are what differs between the states that users could have polled.
+void Reconciler::tell_what_happened() {
+  const auto tell = [](auto& core, auto& told) {
+    if (!core.events().wanted()) return;
+    auto now = core.status();
+    for (const Event& event : events_between(told, now)) core.events().tell(event);
+    told = std::move(now);
+  };
+  for (auto& [id, writer] : writers_) tell(*writer.core, writer.told);
+  for (auto& [id, reader] : readers_) tell(*reader.core, reader.told);
 }
 
 void Reconciler::apply_desired_states() {
@@ -295,6 +402,21 @@ void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
   std::vector<WriterStatus> writers;
   for (const Hearing& hearing : wanted) writers.push_back(hearing.status);
   report_mismatches(id, writers, reader.mismatched);
+  watch(reader);
+}
+
+/// Those that it matches, if it asked for anything to be watched.
+void Reconciler::watch(Reader& reader) {
+  std::erase_if(reader.watched, [&](const auto& item) {
+    const auto heard = reader.heard.find(item.first);
+    return heard == reader.heard.end() || !heard->second.status.matched;
+  });
+  for (const auto& [writer, hearing] : reader.heard) {
+    if (!hearing.status.matched || reader.watched.contains(writer)) continue;
+    const RequestWatch watch(hearing.offered, reader.requested, reader.core->arrivals(writer),
+                             std::chrono::steady_clock::now());
+    if (watch.pace()) reader.watched.emplace(writer, watch);
+  }
 }
 
 /// Connects to and disconnects from one writer as wanted; returns what is in force then.

@@ -19,6 +19,7 @@
 #include "core/dispatcher.h"
 #include "core/negotiation.h"
 #include "core/publisher_core.h"
+#include "core/qos_watch.h"
 #include "core/recorder.h"
 #include "core/subscriber_core.h"
 #include "core/transport.h"
@@ -45,12 +46,18 @@ class Reconciler {
   void remove(EndpointId id);
   /// What the recorder of one of our readers found.
   void requirement_changed(EndpointId id);
+  /// One of our readers asks for another maximum rate.
+  void rate_changed(EndpointId id, std::uint32_t min_period_us);
 
   // What discovery reports.
   void endpoint_seen(const Endpoint& endpoint);
   void endpoint_departed(EndpointId id);
   void endpoint_lost(EndpointId id);
   void request_received(const Request& request);
+  void liveliness_asserted(const std::vector<EndpointId>& writers);
+
+  /// The program has asserted the liveliness of one of our writers.
+  void program_asserts(EndpointId writer);
 
   /// Those that are known and not lost, ours too. Valid until the next event.
   std::vector<const Endpoint*> endpoints() const { return negotiation_.present(); }
@@ -71,9 +78,12 @@ class Reconciler {
     std::shared_ptr<WriterPort> shm;
     std::optional<Serving> in_force;
     std::set<EndpointId> mismatched{};  ///< readers of another definition of the type, reported
+    OfferWatch watch;
+    bool history_sent = false;  ///< at the last tick: all that late readers were to be given
+    PublisherStatus told;       ///< the state up to which its events were told
   };
-  struct AcceptedMask {
-    FieldMask mask;
+  struct Accepted {
+    Wanted wanted;
     Now replaced_at = Now::max();  ///< when something else was asked for
   };
   struct Reader {
@@ -82,11 +92,20 @@ class Reconciler {
     std::shared_ptr<ReaderPort> shm;
     std::shared_ptr<ReaderPort> udp;
     std::map<EndpointId, Hearing> heard;
-    std::vector<AcceptedMask> accepted;  ///< newest last
+    std::map<EndpointId, RequestWatch> watched;  ///< of these
+    Qos requested;
+    std::vector<Accepted> accepted;      ///< newest last
     std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
     std::set<EndpointId> mismatched{};   ///< writers of another definition of the type, reported
+    SubscriberStatus told;
   };
 
+  void watch_promises(Now now);
+  bool watch_offer(Writer& writer, Now now);
+  void look_after_histories();
+  void tell_of_life(const std::vector<EndpointId>& writers);
+  static void watch(Reader& reader);
+  std::chrono::milliseconds pace() const;
   void look_after_shm();
   void look_after_udp(Now now);
   bool look_after_connections();
@@ -104,8 +123,11 @@ class Reconciler {
   template <class Open>
   bool try_shm(Open open);
 
+  void tell_what_happened();
+
   void announce(EndpointId id);
   void request_changed(EndpointId id);
+  void asks_for(Reader& reader, const Wanted& wanted);
   static void accept(Reader& reader);
 
   Transport* const shm_;

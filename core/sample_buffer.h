@@ -38,6 +38,12 @@ struct SampleBuffer {
   std::uint64_t writer = 0;
   std::uint64_t sequence = 0;
   std::int64_t source_stamp_ns = 0;
+  /// Received by UDP: the gate for a maximum rate that it passed (0: none), as the how-manieth.
+  std::uint32_t min_period_us = 0;
+  std::uint32_t ordinal = 0;
+  /// Likewise, a retained sample: the only reader that it is for (0: all), and the first sequence sent to it.
+  std::uint64_t addressee = 0;
+  std::uint64_t oldest_retained = 0;
   std::shared_ptr<BufferOwner> owner;
   void* owner_data = nullptr;  ///< the owner's own
   std::atomic<std::uint32_t> references{0};

@@ -1,6 +1,9 @@
 #include "core/subscriber_core.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "core/clock.h"
 
 namespace sft::core {
 
@@ -15,7 +18,9 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
     : spec_(std::move(spec)),
       bell_(bell),
       recorder_(std::move(recorder)),
-      requested_(spec_.requirement.mask) {}
+      events_(spec_.options.on_event),
+      requested_(spec_.requirement.mask),
+      min_period_us_(spec_.min_period_us) {}
 
 void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> port) {
   const std::scoped_lock lock(mutex_);
@@ -30,10 +35,29 @@ void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
   requests_ = sequence;
 }
 
+void SubscriberCore::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {
+  const std::scoped_lock lock(mutex_);
+  Heard& h = heard(writer);
+  h.deadlines_missed = deadlines_missed;
+  h.alive = alive;
+}
+
+std::uint64_t SubscriberCore::arrivals(EndpointId writer) {
+  const std::scoped_lock lock(mutex_);
+  std::uint64_t sum = 0;
+  for (const Inlet& inlet : inlets_) sum += inlet.port == nullptr ? 0 : inlet.port->arrivals(writer);
+  return sum;
+}
+
 void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
   const std::scoped_lock lock(mutex_);
   writers_.clear();
-  for (const Hearing& h : hearing) writers_.push_back(h.status);
+  for (const Hearing& h : hearing) {
+    writers_.push_back(h.status);
+    Heard& from = heard(h.source.writer);
+    from.lifespan_ns = h.offered.lifespan.count();
+    if (from.lifespan_ns == 0) from.account.owe(h.owed);  // else nobody knows how many were still to be had
+  }
   if (heard_.size() > writers_.size() + gone_writers_kept) forget_the_gone();
 }
 
@@ -44,6 +68,8 @@ void SubscriberCore::forget_the_gone() {
     if (std::any_of(writers_.begin(), writers_.end(), is_it)) return false;
     gone_.received += h.received;
     gone_.lost += h.lost;
+    gone_.withheld += h.withheld;
+    gone_.expired += h.expired;
     return true;
   });
 }
@@ -80,31 +106,68 @@ SubscriberCore::Heard& SubscriberCore::heard(EndpointId writer) {
   const auto known =
       std::find_if(heard_.begin(), heard_.end(), [&](const Heard& h) { return h.writer == writer; });
   if (known != heard_.end()) return *known;
-  return heard_.emplace_back(Heard{.writer = writer});
+  Heard& added = heard_.emplace_back();
+  added.writer = writer;
+  added.account.ask(min_period_us_);
+  return added;
+}
+
+/// Whatever came by UDP is for us, its writer saw to that.
+Numbered SubscriberCore::numbered(const Inlet& inlet) const {
+  const SampleBuffer& buffer = *inlet.next;
+  return {.sequence = buffer.sequence,
+          .stamp_ns = buffer.source_stamp_ns,
+          .gated = &inlet == &inlets_[static_cast<std::size_t>(TransportKind::udp)],
+          .min_period_us = buffer.min_period_us,
+          .ordinal = buffer.ordinal,
+          .oldest_retained = buffer.oldest_retained};
+}
+
+void SubscriberCore::enter(Heard& from, const Numbered& sample) {
+  const SequenceAccount::Missing missing = from.account.enter(sample);
+  from.lost += missing.lost;
+  from.lost_untold += missing.lost;
+  from.withheld += missing.withheld;
+}
+
+bool SubscriberCore::is_expired(const Heard& from, const Numbered& sample) {
+  return from.lifespan_ns != 0 && realtime_ns() - sample.stamp_ns > from.lifespan_ns;
+}
+
+/// With the mutex held: drops what is not to be delivered, until the next sample in order is; false if there
+/// is none.
+bool SubscriberCore::find_next() {
+  while (fill_inlets()) {
+    Inlet& inlet = *oldest_inlet();
+    Heard& from = heard(inlet.next->writer);
+    const Numbered sample = numbered(inlet);
+    const bool is_new = from.account.is_new(sample);  // or it came by both paths while they were switched
+    const bool is_ours = is_new && from.account.allows(sample);
+    const bool expired = is_ours && is_expired(from, sample);
+    if (is_ours && !expired) return true;
+    if (is_new) enter(from, sample);
+    if (expired) ++from.expired;
+    inlet.next.reset();
+  }
+  return false;
 }
 
 /// With the mutex held: the next sample in order, which is thereby taken; empty if there is none.
 SubscriberCore::Next SubscriberCore::next() {
-  while (fill_inlets()) {
-    Inlet& inlet = *oldest_inlet();
-    const auto kind = static_cast<TransportKind>(&inlet - inlets_.data());
-    SampleHandle sample = std::move(inlet.next);
-    Heard& from = heard(sample->writer);
-    if (sample->sequence <= from.last_sequence) continue;  // it came by both paths while they were switched
-    const std::uint64_t lost = from.last_sequence == 0 ? 0 : sample->sequence - from.last_sequence - 1;
-    from.last_sequence = sample->sequence;
-    from.lost += lost;
-    ++from.received;
-    using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
-    const SampleInfo info{.sequence = sample->sequence,
-                          .writer = sample->writer,
-                          .source_stamp = Stamp(std::chrono::nanoseconds(sample->source_stamp_ns)),
-                          .receive_stamp = Stamp(std::chrono::nanoseconds(sample->receive_stamp_ns)),
-                          .lost_before = lost,
-                          .transport = kind};
-    return {std::move(sample), info};
-  }
-  return {};
+  if (!find_next()) return {};
+  Inlet& inlet = *oldest_inlet();
+  const Numbered sample = numbered(inlet);
+  Heard& from = heard(inlet.next->writer);
+  enter(from, sample);
+  ++from.received;
+  using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
+  const SampleInfo info{.sequence = sample.sequence,
+                        .writer = from.writer,
+                        .source_stamp = Stamp(std::chrono::nanoseconds(sample.stamp_ns)),
+                        .receive_stamp = Stamp(std::chrono::nanoseconds(inlet.next->receive_stamp_ns)),
+                        .lost_before = std::exchange(from.lost_untold, 0),
+                        .transport = static_cast<TransportKind>(&inlet - inlets_.data())};
+  return {std::move(inlet.next), info};
 }
 
 untyped::Sample SubscriberCore::wrap(Next next) {
@@ -132,7 +195,19 @@ untyped::Sample SubscriberCore::take_latest() {
 
 bool SubscriberCore::available() {
   const std::scoped_lock lock(mutex_);
-  return fill_inlets();
+  return find_next();
+}
+
+Result<void> SubscriberCore::set_max_rate_hz(double max_rate_hz) {
+  const Result<std::uint32_t> period = min_period_us_of(max_rate_hz);
+  if (!period) return tl::unexpected(period.error());
+  {
+    const std::scoped_lock lock(mutex_);
+    min_period_us_ = *period;
+    for (Heard& h : heard_) h.account.ask(*period);
+  }
+  spec_.rate_changed(*period);
+  return {};
 }
 
 bool SubscriberCore::waits_for_dispatch() { return pending_.load() == 0 && !closed_.load() && available(); }
@@ -186,6 +261,7 @@ void SubscriberCore::call_back_for_all() {
 
 void SubscriberCore::close() {
   closed_.store(true);
+  events_.close();
   while (const std::uint32_t pending = pending_.load()) {
     if (dispatching_.load() == std::this_thread::get_id()) return;
     pending_.wait(pending);
@@ -196,6 +272,8 @@ SubscriberStatus SubscriberCore::status() {
   const std::scoped_lock lock(mutex_);
   SubscriberStatus status{.received = gone_.received,
                           .lost = gone_.lost,
+                          .withheld = gone_.withheld,
+                          .expired = gone_.expired,
                           .mask = requested_,
                           .requests = requests_,
                           .writers = writers_};
@@ -205,10 +283,18 @@ SubscriberStatus SubscriberCore::status() {
   for (const Heard& h : heard_) {
     status.received += h.received;
     status.lost += h.lost;
+    status.withheld += h.withheld;
+    status.expired += h.expired;
     for (WriterStatus& w : status.writers) {
       if (w.id != h.writer) continue;
       w.received = h.received;
       w.lost = h.lost;
+      w.withheld = h.withheld;
+      w.expired = h.expired;
+      w.deadlines_missed = h.deadlines_missed;
+      if (h.alive || !w.alive) continue;
+      w.alive = false;
+      w.reason = "no sign of life within its lease";
     }
   }
   return status;

@@ -17,8 +17,10 @@
 #include <vector>
 
 #include "core/doorbell.h"
+#include "core/event_sink.h"
 #include "core/negotiation.h"
 #include "core/recorder.h"
+#include "core/sequence_account.h"
 #include "core/transport.h"
 #include "sft/untyped.h"
 
@@ -32,8 +34,10 @@ class SubscriberCore final : public ArrivalListener {
     const TypeSupport* type = nullptr;
     untyped::Requirement requirement;
     SubscriberOptions options;
-    untyped::Callback callback;                ///< empty: samples are taken
-    std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
+    untyped::Callback callback;                         ///< empty: samples are taken
+    std::shared_ptr<const void> type_owner{};           ///< keeps the type alive; null where it is static
+    std::uint32_t min_period_us = 0;                    ///< of options.max_rate_hz
+    std::function<void(std::uint32_t)> rate_changed{};  ///< told of another; any thread, posts and returns
   };
 
   /// `bell` is what is rung when samples arrive; `recorder` is null unless the requirement is recorded.
@@ -43,6 +47,7 @@ class SubscriberCore final : public ArrivalListener {
   untyped::Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout);
   bool available();
+  Result<void> set_max_rate_hz(double max_rate_hz);
   /// Callback subscribers: whether there is something that nobody is dispatching.
   bool waits_for_dispatch();
 
@@ -61,19 +66,29 @@ class SubscriberCore final : public ArrivalListener {
   const TypeSupport& type() const { return *spec_.type; }
   const Spec& spec() const { return spec_; }
   bool has_callback() const { return static_cast<bool>(spec_.callback); }
+  EventSink& events() { return events_; }
 
   // The agent's.
   void set_port(TransportKind kind, std::shared_ptr<ReaderPort> port);
-  // For status(): what is heard at present, and the mask and number of the request in force.
+  /// For status(): what is heard at present, and the mask and number of the request in force.
   void hears(const std::vector<Hearing>& hearing);
   void requests(const FieldMask& mask, std::uint64_t sequence);
+  void keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+  /// Differs from what it was whenever a sample of that writer has arrived meanwhile.
+  std::uint64_t arrivals(EndpointId writer);
 
  private:
   struct Heard {  ///< per writer
     EndpointId writer = 0;
-    std::uint64_t last_sequence = 0;
+    SequenceAccount account;
     std::uint64_t received = 0;
     std::uint64_t lost = 0;
+    std::uint64_t withheld = 0;
+    std::uint64_t lost_untold = 0;  ///< of these, not yet told with a sample
+    std::uint64_t expired = 0;
+    std::int64_t lifespan_ns = 0;  ///< that the writer gives its samples; 0: no end
+    std::uint64_t deadlines_missed = 0;
+    bool alive = true;
   };
   struct Inlet {
     std::shared_ptr<ReaderPort> port;
@@ -86,6 +101,10 @@ class SubscriberCore final : public ArrivalListener {
   };
 
   bool fill_inlets();
+  Numbered numbered(const Inlet& inlet) const;
+  bool find_next();
+  static void enter(Heard& from, const Numbered& sample);
+  static bool is_expired(const Heard& from, const Numbered& sample);
   Inlet* oldest_inlet();
   Heard& heard(EndpointId writer);
   void forget_the_gone();
@@ -96,6 +115,7 @@ class SubscriberCore final : public ArrivalListener {
   const Spec spec_;
   Doorbell& bell_;
   const std::shared_ptr<Recorder> recorder_;
+  EventSink events_;
 
   std::mutex mutex_;             // never held over a system call or a callback
   std::array<Inlet, 2> inlets_;  // by TransportKind
@@ -104,6 +124,7 @@ class SubscriberCore final : public ArrivalListener {
   std::vector<WriterStatus> writers_;
   FieldMask requested_;
   std::uint64_t requests_ = 1;
+  std::uint32_t min_period_us_;  ///< asked for
 
   // All sequentially consistent: waits_for_dispatch() of one thread against the end of dispatch() on another.
   std::atomic<std::uint32_t> pending_{

@@ -3,7 +3,7 @@
 //
 // Threads. Everything is called from the node's agent thread except WriterPort::loan and send (the
 // publisher's thread), ReaderPort::take (any thread, one at a time), and description, counters and, for UDP,
-// open_writer and open_reader (any thread); set_routes, connect, disconnect and accept_masks may run at the
+// open_writer and open_reader (any thread); set_routes, connect, disconnect and accept may run at the
 // same time as these. Listeners are called from threads of the transport.
 #pragma once
 
@@ -18,6 +18,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/rate_gate.h"
 #include "core/sample_buffer.h"
 #include "sft/status.h"
 #include "sft/typesupport/field_mask.h"
@@ -53,6 +54,9 @@ struct Route {
   EndpointId reader = 0;
   Locator destination;
   FieldMask mask;
+  std::uint32_t min_period_us = 0;         ///< the limit that it asks for; 0: none
+  std::shared_ptr<const RateGate> gate{};  ///< which keeps that limit; null: every sample is for it
+  std::uint32_t history = 0;               ///< retained samples that it is to get first
   friend bool operator==(const Route&, const Route&) = default;
 };
 
@@ -67,6 +71,13 @@ struct Source {
   EndpointId writer = 0;
   std::size_t max_sample_bytes = 0;
   friend bool operator==(const Source&, const Source&) = default;
+};
+
+/// Which samples of a writer are for a reader, where several share a destination.
+struct Wanted {
+  FieldMask mask;  ///< closed
+  std::uint32_t min_period_us = 0;
+  friend bool operator==(const Wanted&, const Wanted&) = default;
 };
 
 enum class SendStatus : std::uint8_t {
@@ -87,12 +98,21 @@ class WriterPort {
     return {};
   }
 
-  /// Sends an encoded sample to the routes in force; see can_send() for where it may come from. The caller
-  /// may still read the sample afterwards while it keeps a handle, but not write. Never waits for a reader.
-  /// Every route's mask must be a subset of sample->mask.
+  /// Sends an encoded sample to the routes in force whose gates it passes, as these say on this thread; see
+  /// can_send() for where it may come from. The caller may still read the sample afterwards while it keeps a
+  /// handle, but not write. Never waits for a reader. Every route's mask must be a subset of sample->mask.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
+  /// What is sent to a route with `history` waits, from here on, until send_history() was called for it.
   virtual void set_routes(std::vector<Route> routes) = 0;
+  /// Sends these to one route of those in force, to nobody else, and then what waited for it. Where the
+  /// transport cannot address a single reader nothing is sent.
+  virtual void send_history(const Route& to, std::vector<SampleHandle> samples) {
+    static_cast<void>(to);
+    static_cast<void>(samples);
+  }
+  /// Whether all that send_history() was given has left.
+  virtual bool history_sent() const noexcept { return true; }
 
   /// Whether send() can take this sample as it is: shared memory only carries what it lent itself.
   virtual bool can_send(const SampleBuffer& sample) const noexcept {
@@ -139,12 +159,14 @@ class ReaderPort {
   virtual Result<void> connect(const Source& source) = 0;
   /// Whether samples that the writer sends from now on will arrive.
   virtual bool connected(EndpointId writer) const noexcept = 0;
+  /// Differs from what it was whenever a sample of that writer has arrived meanwhile, taken or not.
+  virtual std::uint64_t arrivals(EndpointId writer) noexcept = 0;
   /// Accepts no more of them; what has arrived can still be taken.
   virtual void disconnect(EndpointId writer) noexcept = 0;
 
-  /// Masks (closed) under which samples are for this reader: what it requests now, and what it requested
-  /// before while such samples may be in flight. Only meaningful where variants share a destination (UDP).
-  virtual void accept_masks(std::vector<FieldMask> masks) = 0;
+  /// Which samples are for this reader: what it requests now, and what it requested before while such
+  /// samples may be in flight. Only meaningful where variants share a destination (UDP).
+  virtual void accept(std::vector<Wanted> wanted) = 0;
 
   /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
   virtual std::uint64_t discarded() const noexcept = 0;

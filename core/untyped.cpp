@@ -129,6 +129,8 @@ Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation>
   });
 }
 
+void Publisher::assert_liveliness() { core_->assert_liveliness(); }
+
 PublisherStatus Publisher::status() const { return core_->status(); }
 
 const TypeSupport& Publisher::type() const { return core_->type(); }
@@ -138,6 +140,8 @@ Sample Subscriber::take() { return core_->take(); }
 Sample Subscriber::take_latest() { return core_->take_latest(); }
 
 bool Subscriber::wait(std::chrono::nanoseconds timeout) { return core_->wait(timeout); }
+
+Result<void> Subscriber::set_max_rate_hz(double max_rate_hz) { return core_->set_max_rate_hz(max_rate_hz); }
 
 SubscriberStatus Subscriber::status() const { return core_->status(); }
 

@@ -6,15 +6,28 @@
 
 namespace sft::shm {
 
-void Doorbells::add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot) {
-  core::Doorbell* bell = &page->at(slot);
-  if (std::ranges::find(bells_, bell) != bells_.end()) return;
-  bells_.push_back(bell);
-  pages_.push_back(std::move(page));
+void Doorbells::add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot,
+                    std::shared_ptr<const core::RateGate> gate) {
+  core::Doorbell* bell = page == nullptr ? nullptr : &page->at(slot);
+  auto known = std::ranges::find(bells_, bell, &Bell::bell);
+  if (known == bells_.end()) {
+    known = bells_.insert(bells_.end(), {bell, false, {}});
+    pages_.push_back(std::move(page));
+  }
+  known->always |= gate == nullptr;
+  if (gate != nullptr) known->gates.push_back(std::move(gate));
 }
 
+bool Doorbells::Bell::wanted() const noexcept {
+  return always || std::ranges::any_of(gates, [](const auto& gate) { return gate->passes(); });
+}
+
+bool Doorbells::wanted() const noexcept { return std::ranges::any_of(bells_, &Bell::wanted); }
+
 void Doorbells::ring() const noexcept {
-  for (core::Doorbell* bell : bells_) bell->ring();
+  for (const Bell& bell : bells_) {
+    if (bell.bell != nullptr && bell.wanted()) bell.bell->ring();
+  }
 }
 
 std::shared_ptr<const Doorbells> DoorbellPages::doorbells_of(const std::vector<core::Route>& routes) {
@@ -22,7 +35,7 @@ std::shared_ptr<const Doorbells> DoorbellPages::doorbells_of(const std::vector<c
   for (const core::Route& route : routes) {
     const auto* address = std::get_if<core::DoorbellAddress>(&route.destination);
     if (address == nullptr || address->slot >= core::DoorbellPage::slots) continue;
-    if (auto page = open(address->page)) doorbells->add(std::move(page), address->slot);
+    doorbells->add(open(address->page), address->slot, route.gate);
   }
   return doorbells;
 }

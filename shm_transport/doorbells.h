@@ -17,12 +17,26 @@ namespace sft::shm {
 /// replaced.
 class Doorbells {
  public:
-  void add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot);
+  /// `page`: null for a reader that cannot be woken. `gate`: of its maximum rate, null if it has none.
+  void add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot,
+           std::shared_ptr<const core::RateGate> gate);
+
+  // The publisher's thread, on which the gates say what passes.
+
+  /// Whether any reader wants the sample at hand.
+  bool wanted() const noexcept;
+  /// Those that want it: nobody is woken for what it would skip.
   void ring() const noexcept;
 
  private:
+  struct Bell {
+    core::Doorbell* bell;
+    bool always;  ///< for a reader without limit
+    std::vector<std::shared_ptr<const core::RateGate>> gates;
+    bool wanted() const noexcept;
+  };
   std::vector<std::shared_ptr<core::DoorbellPage>> pages_;
-  std::vector<core::Doorbell*> bells_;
+  std::vector<Bell> bells_;
 };
 
 /// Any thread.

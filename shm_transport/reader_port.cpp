@@ -82,7 +82,9 @@ ChunkSlot* ChunkBorrower::next_chunk() noexcept {
   if (!open_) --arrived_;
   auto chunk = port_.tryGetChunk();
   if (chunk.has_error()) return nullptr;
-  overflowed_ = port_.hasLostChunksSinceLastCall();
+  overflowed_ = std::exchange(overflow_is_news_, false);
+  overflowed_ |= port_.hasLostChunksSinceLastCall();
+  ++popped_;
   ChunkSlot* slot = slots_.take();
   slot->chunk = const_cast<iox::mepoo::ChunkHeader*>(chunk.value());
   return slot;
@@ -122,6 +124,17 @@ void ChunkBorrower::count_gap(std::uint64_t sequence, bool overflowed) noexcept 
   }
   unexplained_gap_ = overflowed ? 0 : gap;
   last_sequence_ = sequence;
+}
+
+/// What was taken and what waits; once the queue is full, that something was pushed out.
+std::uint64_t ChunkBorrower::arrivals() noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (lost_) return popped_ + overflows_;
+  if (port_.hasLostChunksSinceLastCall()) {
+    overflow_is_news_ = true;
+    ++overflows_;
+  }
+  return popped_ + overflows_ + data_.m_chunkReceiverData.m_queue.size();
 }
 
 void ChunkBorrower::recycle(SampleBuffer& buffer) noexcept {
@@ -231,6 +244,11 @@ Result<void> ShmReaderPort::connect(const core::Source& source) {
 bool ShmReaderPort::connected(core::EndpointId writer) const noexcept {
   const auto found = find(writer);
   return found != nullptr && found->connected();
+}
+
+std::uint64_t ShmReaderPort::arrivals(core::EndpointId writer) noexcept {
+  const auto found = find(writer);
+  return found == nullptr ? 0 : found->arrivals();
 }
 
 void ShmReaderPort::disconnect(core::EndpointId writer) noexcept {

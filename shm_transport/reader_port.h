@@ -35,6 +35,8 @@ class ChunkBorrower final : public core::BufferOwner,
   bool open() const noexcept;     ///< neither closed nor lost
   bool drained() const noexcept;  ///< not open, and nothing is left to be taken
   bool connected() noexcept;      ///< one thread at a time
+  /// Changes whenever something has arrived.
+  std::uint64_t arrivals() noexcept;
   std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
 
   /// The oldest valid sample; malformed ones are counted and skipped. One thread at a time.
@@ -77,6 +79,9 @@ class ChunkBorrower final : public core::BufferOwner,
   bool open_ = true;          ///< neither closed nor lost
   bool lost_ = false;
   std::uint64_t arrived_ = 0;  ///< when it was closed, and not yet taken
+  std::uint64_t popped_ = 0;
+  std::uint64_t overflows_ = 0;    ///< that arrivals() came to know of
+  bool overflow_is_news_ = false;  ///< to the thread that takes
   iox::popo::SubscriberPortData& data_;
   iox::popo::SubscriberPortUser port_;
   ChunkSlots slots_;
@@ -91,8 +96,9 @@ class ShmReaderPort final : public core::ReaderPort {
   core::SampleHandle take() noexcept override;
   Result<void> connect(const core::Source& source) override;
   bool connected(core::EndpointId writer) const noexcept override;
+  std::uint64_t arrivals(core::EndpointId writer) noexcept override;
   void disconnect(core::EndpointId writer) noexcept override;
-  void accept_masks(std::vector<FieldMask>) override {}  // there is one variant in shared memory: all of it
+  void accept(std::vector<core::Wanted>) override {}  // there is one variant in shared memory: all of it
   std::uint64_t discarded() const noexcept override;
   std::uint64_t lost_unnoticed() const noexcept override;
 

@@ -166,14 +166,15 @@ SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
   assert(can_send(*sample) && sample->mask.is_full());
   if (!can_send(*sample)) return drop();
   const Doorbells* bells = doorbells_.load();
-  auto committed = chunks_->commit(ChunkSlot::of(*sample), bells != nullptr);
+  const bool wanted = bells != nullptr && bells->wanted();
+  auto committed = chunks_->commit(ChunkSlot::of(*sample), wanted);
   for (int i = 0; i < lock_attempts && committed == ChunkLender::Commit::busy; ++i) {
     std::this_thread::sleep_for(lock_pause);
-    committed = chunks_->commit(ChunkSlot::of(*sample), bells != nullptr);
+    committed = chunks_->commit(ChunkSlot::of(*sample), wanted);
   }
   if (committed == ChunkLender::Commit::lost) return SendStatus::lost_port;
   if (committed == ChunkLender::Commit::busy) return drop();
-  if (bells != nullptr) bells->ring();
+  if (wanted) bells->ring();
   return SendStatus::sent;
 }
 

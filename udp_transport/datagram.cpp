@@ -10,6 +10,7 @@ namespace {
 constexpr std::size_t at_kind = 0, at_flags = 1, at_variant = 2, at_writer = 4, at_sequence = 8;
 constexpr std::size_t at_total = 12, at_mask = 16, at_stamp = 24;
 constexpr std::size_t at_offset = 12;
+constexpr std::size_t at_period = first_header_bytes, at_ordinal = at_period + 4;
 
 template <std::unsigned_integral T>
 void store(T value, std::byte* out) noexcept {
@@ -40,7 +41,7 @@ SampleLabel load_label(const std::byte* from) noexcept {
 std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < first_header_bytes) return {};
   const auto flags = load<std::uint8_t>(&bytes[at_flags]);
-  if ((flags & ~mask_words_follow) != 0) return {};
+  if ((flags & ~(mask_words_follow | rate_follows | history_follows)) != 0) return {};
   Datagram d;
   d.kind = DatagramKind::first;
   d.first = {.label = load_label(bytes.data()),
@@ -48,7 +49,17 @@ std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
              .total = load<std::uint32_t>(&bytes[at_total]),
              .mask = load<std::uint64_t>(&bytes[at_mask]),
              .stamp_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_stamp]))};
-  d.payload = bytes.subspan(first_header_bytes);
+  if (bytes.size() < d.first.bytes()) return {};
+  if ((flags & rate_follows) != 0) {
+    d.first.rate = {load<std::uint32_t>(&bytes[at_period]), load<std::uint32_t>(&bytes[at_ordinal])};
+    if (d.first.rate.min_period_us == 0) return {};
+  }
+  if ((flags & history_follows) != 0) {
+    const std::size_t at = d.first.at_history();
+    d.first.history = {load<std::uint64_t>(&bytes[at]), load<std::uint64_t>(&bytes[at + 8])};
+    if (d.first.history.reader == 0) return {};
+  }
+  d.payload = bytes.subspan(d.first.bytes());
   return d;
 }
 
@@ -71,6 +82,14 @@ void encode(const FirstHeader& header, std::byte* out) noexcept {
   store(header.total, out + at_total);
   store(header.mask, out + at_mask);
   store(static_cast<std::uint64_t>(header.stamp_ns), out + at_stamp);
+  if ((header.flags & rate_follows) != 0) {
+    store(header.rate.min_period_us, out + at_period);
+    store(header.rate.ordinal, out + at_ordinal);
+  }
+  if ((header.flags & history_follows) != 0) {
+    store(header.history.reader, out + header.at_history());
+    store(header.history.oldest, out + header.at_history() + 8);
+  }
 }
 
 void encode(const FollowingHeader& header, std::byte* out) noexcept {

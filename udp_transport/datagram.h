@@ -19,8 +19,14 @@ enum class DatagramKind : std::uint8_t {
   following = 2,  ///< a later part of its body
 };
 
-/// Flag of a first datagram: its mask field is a hash, and the mask's words stand between header and payload.
+/// Flags of a first datagram. Its mask field is a hash, and the mask's words stand right before the payload.
 inline constexpr std::uint8_t mask_words_follow = 1;
+/// The sample passed a gate for a maximum rate: `rate` stands right behind the header.
+inline constexpr std::uint8_t rate_follows = 2;
+inline constexpr std::size_t rate_bytes = 8;
+/// The sample was retained and is for one reader only: `history` stands behind that.
+inline constexpr std::uint8_t history_follows = 4;
+inline constexpr std::size_t history_bytes = 16;
 
 /// Names one encoding of one sample. Equal in all its datagrams, and different in all others for a long time.
 struct SampleLabel {
@@ -30,12 +36,34 @@ struct SampleLabel {
   friend bool operator==(const SampleLabel&, const SampleLabel&) = default;
 };
 
+/// The gate that a sample passed at its writer (core/rate_gate.h), as the how-manieth.
+struct RateMark {
+  std::uint32_t min_period_us = 0;
+  std::uint32_t ordinal = 0;
+  friend bool operator==(const RateMark&, const RateMark&) = default;
+};
+
+/// A retained sample.
+struct HistoryMark {
+  std::uint64_t reader = 0;  ///< its id
+  std::uint64_t oldest = 0;  ///< sequence of the first sample that it is sent
+  friend bool operator==(const HistoryMark&, const HistoryMark&) = default;
+};
+
 struct FirstHeader {
   SampleLabel label;
   std::uint8_t flags = 0;
   std::uint32_t total = 0;    ///< bytes of the body, without encapsulation
   std::uint64_t mask = 0;     ///< leaf bits, or FieldMask::hash() where there are more than 64 leaves
   std::int64_t stamp_ns = 0;  ///< CLOCK_REALTIME at publish
+  RateMark rate{};            ///< where the flag says so
+  HistoryMark history{};      ///< likewise
+
+  /// With what the flags say follows it, but for the mask's words.
+  std::size_t bytes() const { return at_history() + ((flags & history_follows) != 0 ? history_bytes : 0); }
+  std::size_t at_history() const {
+    return first_header_bytes + ((flags & rate_follows) != 0 ? rate_bytes : 0);
+  }
 };
 
 struct FollowingHeader {
@@ -43,7 +71,7 @@ struct FollowingHeader {
   std::uint32_t offset = 0;  ///< of the payload in the body
 };
 
-void encode(const FirstHeader& header, std::byte* out) noexcept;      ///< first_header_bytes
+void encode(const FirstHeader& header, std::byte* out) noexcept;      ///< header.bytes()
 void encode(const FollowingHeader& header, std::byte* out) noexcept;  ///< following_header_bytes
 
 /// A received datagram whose header is sound. What it says of the sample is only claimed.

@@ -33,7 +33,7 @@ void Batch::refer(const std::byte* data, std::size_t bytes) {
 
 Fragmenter::Fragmenter(const EncodedBody& body, std::size_t datagram_bytes)
     : body_(body), datagram_bytes_(std::min(datagram_bytes, datagram_bytes_max)) {
-  assert(datagram_bytes_ > first_header_bytes + body_.mask_words.size_bytes());
+  assert(datagram_bytes_ > body_.first.bytes() + body_.mask_words.size_bytes());
 }
 
 void Fragmenter::next(Batch& batch, std::size_t bytes_max, std::size_t datagrams_max) {
@@ -65,7 +65,7 @@ void Fragmenter::append_header(Batch& batch) {
     return;
   }
   begun_ = true;
-  encode(body_.first, batch.stage(first_header_bytes));
+  encode(body_.first, batch.stage(body_.first.bytes()));
   for (const std::uint64_t word : body_.mask_words) store_word(word, batch.stage(sizeof word));
 }
 

@@ -29,6 +29,7 @@ void Inbox::deliver(core::SampleHandle sample) noexcept {
 bool Inbox::enqueue(core::SampleHandle& sample) noexcept {
   Writer* writer = find(sample->header().writer);
   if (writer == nullptr || !writer->connected) return false;
+  ++writer->arrivals;
   switch (writer->queue.put(sample, ++arrivals_)) {
     case KeepLastQueue::Put::kept:
       return true;
@@ -60,7 +61,7 @@ core::SampleHandle Inbox::take() noexcept {
   if (first == nullptr) return {};
   core::SampleHandle sample = first->queue.pop();
   const std::uint64_t dropped = std::exchange(first->dropped, 0);
-  if (!std::exchange(first->taken, true))
+  if (!std::exchange(first->taken, true) && sample->oldest_retained == 0)
     lost_unnoticed_ += dropped;  // nobody knew where its sequences began
   forget_the_finished();
   return sample;
@@ -111,6 +112,12 @@ bool Inbox::connected(core::EndpointId id) const noexcept {
   const auto found =
       std::find_if(writers_.begin(), writers_.end(), [&](const Writer& w) { return w.id == id; });
   return found != writers_.end() && found->connected;
+}
+
+std::uint64_t Inbox::arrivals(core::EndpointId id) noexcept {
+  const std::scoped_lock lock(mutex_);
+  const Writer* writer = find(id);
+  return writer == nullptr ? 0 : writer->arrivals;
 }
 
 std::uint64_t Inbox::discarded() const noexcept {

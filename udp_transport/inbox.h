@@ -28,6 +28,7 @@ class Inbox {
   /// connected, the newest.
   void disconnect(core::EndpointId writer) noexcept;
   bool connected(core::EndpointId writer) const noexcept;
+  std::uint64_t arrivals(core::EndpointId writer) noexcept;
   std::uint64_t discarded() const noexcept;
   std::uint64_t lost_unnoticed() const noexcept;
 
@@ -42,6 +43,7 @@ class Inbox {
     bool connected = true;
     bool taken = false;         ///< some sample of it was
     std::uint64_t dropped = 0;  ///< since then, while it was disconnected
+    std::uint64_t arrivals = 0;
   };
   Writer* find(core::EndpointId id) noexcept;
   bool enqueue(core::SampleHandle& sample) noexcept;

@@ -1,9 +1,14 @@
 #include "udp_transport/lane.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace sft::udp {
+
+namespace {
+bool is_retained(const Job& job) { return (job.first.flags & history_follows) != 0; }
+}  // namespace
 
 Lane::Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally)
     : to_(std::move(to)), depth_(std::max<std::size_t>(depth, 1)), tally_(std::move(tally)) {
@@ -19,15 +24,43 @@ Lane::Posted Lane::post(JobHandle job) {
     queue_.erase(queue_.begin());
   }
   queue_.push_back(std::move(job));
-  return {.was_idle = !busy_.exchange(true, std::memory_order_relaxed),
+  busy_.store(true, std::memory_order_relaxed);
+  return {.was_idle = held_ == 0 && !std::exchange(scheduled_, true),
           .dropped_oldest = static_cast<bool>(oldest)};
 }
 
+void Lane::hold() {
+  const std::scoped_lock lock(mutex_);
+  ++held_;
+  busy_.store(true, std::memory_order_relaxed);
+}
+
+bool Lane::release(std::vector<JobHandle> history) {
+  const std::scoped_lock lock(mutex_);
+  --held_;
+  if (closed()) return false;
+  tally_->history_waiting.fetch_add(history.size(), std::memory_order_relaxed);
+  // Behind what others are to be given: each is for one reader, so that among them the order does not matter.
+  history_.insert(history_.begin(), std::make_move_iterator(history.rbegin()),
+                  std::make_move_iterator(history.rend()));
+  const bool has_work = !history_.empty() || (held_ == 0 && !queue_.empty());
+  const bool is_new = has_work && !std::exchange(scheduled_, true);
+  busy_.store(scheduled_ || held_ != 0, std::memory_order_release);
+  return is_new;
+}
+
 const Job* Lane::next() {
+  if (current_ && is_retained(*current_)) tally_->history_waiting.fetch_sub(1, std::memory_order_relaxed);
   current_ = {};
   const std::scoped_lock lock(mutex_);
-  if (queue_.empty()) {
-    busy_.store(false, std::memory_order_release);
+  if (!history_.empty()) {
+    current_ = std::move(history_.back());
+    history_.pop_back();
+    return &*current_;
+  }
+  if (queue_.empty() || held_ != 0) {
+    scheduled_ = false;
+    busy_.store(held_ != 0, std::memory_order_release);
     return nullptr;
   }
   current_ = std::move(queue_.front());
@@ -36,10 +69,12 @@ const Job* Lane::next() {
 }
 
 void Lane::close() {
-  std::vector<JobHandle> dropped;  // goes outside the lock
+  std::vector<JobHandle> dropped, dropped_history;  // go outside the lock
   const std::scoped_lock lock(mutex_);
   closed_.store(true, std::memory_order_release);
   dropped.swap(queue_);
+  dropped_history.swap(history_);
+  tally_->history_waiting.fetch_sub(dropped_history.size(), std::memory_order_relaxed);
 }
 
 }  // namespace sft::udp

@@ -1,6 +1,6 @@
-// What one writer has to send to one destination under one mask and could not send at once: a queue from the
-// publisher's thread to the sending thread that keeps the newest. A destination that falls behind loses
-// samples of its own lanes only.
+// What one writer has to send to one destination under one mask and limit and could not send at once: a queue
+// from the publisher's thread to the sending thread that keeps the newest. A destination that falls behind
+// loses samples of its own lanes only.
 #pragma once
 
 #include <atomic>
@@ -17,6 +17,7 @@ namespace sft::udp {
 
 /// Counts of one writer, over all its lanes.
 struct WriterTally {
+  std::atomic<std::uint64_t> history_waiting{0};  ///< retained samples that have yet to be sent
   std::atomic<std::uint64_t> bytes_sent{0};
   std::atomic<std::uint64_t> dropped{0};  ///< taken from a lane, and then not sent
 };
@@ -43,9 +44,17 @@ class Lane {
   };
   Posted post(JobHandle job);
 
+  // The agent's thread.
+
+  /// From here on what is posted waits, until as many release().
+  void hold();
+  /// Queues retained samples, however many, before all that was posted. Whether the sending thread has to be
+  /// told of this lane.
+  [[nodiscard]] bool release(std::vector<JobHandle> history);
+
   // The sending thread.
 
-  /// The oldest job, valid until the next call; null if there is none, which makes the lane idle.
+  /// The next job, valid until the next call; null if there is none, which makes the lane idle.
   const Job* next();
   WriterTally& tally() const { return *tally_; }
 
@@ -53,11 +62,14 @@ class Lane {
   const std::shared_ptr<Destination> to_;
   const std::size_t depth_;
   const std::shared_ptr<WriterTally> tally_;
-  std::atomic<bool> busy_{false};
+  std::atomic<bool> busy_{false};  ///< scheduled_ or held_, as the publisher sees it
   std::atomic<bool> closed_{false};
   JobHandle current_;  ///< the sending thread's
   std::mutex mutex_;
-  std::vector<JobHandle> queue_;  ///< the oldest first
+  bool scheduled_ = false;          ///< the sending thread knows of it
+  std::size_t held_ = 0;            ///< by so many
+  std::vector<JobHandle> history_;  ///< goes first, the newest first
+  std::vector<JobHandle> queue_;    ///< the oldest first
 };
 
 }  // namespace sft::udp

@@ -211,6 +211,10 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
   header.body_bytes = first.total;
   sample->trust_header();
   sample->receive_stamp_ns = now.realtime_ns;
+  sample->min_period_us = first.rate.min_period_us;
+  sample->ordinal = first.rate.ordinal;
+  sample->addressee = first.history.reader;
+  sample->oldest_retained = first.history.oldest;
   std::byte* body = sample->data + layout.body_offset;
   std::memcpy(body - encapsulation_bytes, encapsulation_cdr_le.data(), encapsulation_bytes);
 

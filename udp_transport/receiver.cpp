@@ -80,7 +80,7 @@ void Receiver::deliver(Reassembly::Arrival arrival) {
   const std::shared_ptr<const Subscriptions> subscriptions = wanted_;
   subscriptions_.leave();
   for (const Subscriber& subscriber : subscriptions->subscribers[arrival.stream]) {
-    if (subscriber.accepts(arrival.sample->mask)) subscriber.inbox->deliver(arrival.sample);
+    if (subscriber.accepts(*arrival.sample)) subscriber.inbox->deliver(arrival.sample);
   }
   arrival.sample.reset();
   enter();

@@ -22,19 +22,21 @@ std::shared_ptr<const WireMask> make_wire_mask(const FieldMask& mask, std::uint1
 }
 
 struct Gathered {
-  FieldMask mask;
+  core::Wanted wanted;
+  std::shared_ptr<const core::RateGate> gate;
   std::vector<std::shared_ptr<Destination>> destinations;
 };
 
-/// Readers with equal masks share an encoding, and those behind one socket a copy of it.
+/// Readers with equal masks and limits share an encoding, and those behind one socket a copy of it.
 std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDirectory& directory) {
   std::vector<Gathered> groups;
   for (const core::Route& route : routes) {
     const auto* address = std::get_if<core::UdpAddress>(&route.destination);
     if (address == nullptr) continue;
+    const core::Wanted wanted{route.mask, route.gate == nullptr ? 0 : route.gate->min_period_us()};
     auto group =
-        std::find_if(groups.begin(), groups.end(), [&](const Gathered& g) { return g.mask == route.mask; });
-    if (group == groups.end()) group = groups.insert(groups.end(), {route.mask, {}});
+        std::find_if(groups.begin(), groups.end(), [&](const Gathered& g) { return g.wanted == wanted; });
+    if (group == groups.end()) group = groups.insert(groups.end(), {wanted, route.gate, {}});
     auto destination = directory.find(*address);
     auto& known = group->destinations;
     if (std::find(known.begin(), known.end(), destination) == known.end())
@@ -45,14 +47,22 @@ std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDir
 
 }  // namespace
 
+const Group* RouteTable::find(const core::Route& route) const {
+  if (!std::holds_alternative<core::UdpAddress>(route.destination)) return nullptr;
+  const auto found = std::find_if(groups.begin(), groups.end(), [&](const Group& group) {
+    return group.plan.mask() == route.mask && group.gate == route.gate;
+  });
+  return found == groups.end() ? nullptr : &*found;
+}
+
 VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally)
     : queue_depth_(queue_depth), tally_(std::move(tally)) {}
 
-VariantDirectory::Variant& VariantDirectory::find(const FieldMask& mask) {
+VariantDirectory::Variant& VariantDirectory::find(const core::Wanted& wanted) {
   auto known =
-      std::find_if(variants_.begin(), variants_.end(), [&](const Variant& v) { return v.mask == mask; });
+      std::find_if(variants_.begin(), variants_.end(), [&](const Variant& v) { return v.wanted == wanted; });
   if (known == variants_.end()) {
-    variants_.push_back({mask, make_wire_mask(mask, unused_number()), {}, round_});
+    variants_.push_back({wanted, make_wire_mask(wanted.mask, unused_number()), {}, round_});
     known = variants_.end() - 1;
   }
   known->last_use = round_;
@@ -104,9 +114,9 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
   std::set<const Destination*> served;
   variants.next_round();
   for (Gathered& gathered : gather(routes, destinations)) {
-    VariantDirectory::Variant& variant = variants.find(gathered.mask);
-    Group& group = table->groups.emplace_back(
-        Group{ProjectionPlan(type, std::move(gathered.mask)), variant.wire, {}});
+    VariantDirectory::Variant& variant = variants.find(gathered.wanted);
+    Group& group = table->groups.emplace_back(Group{
+        ProjectionPlan(type, std::move(gathered.wanted.mask)), std::move(gathered.gate), variant.wire, {}});
     for (const std::shared_ptr<Destination>& destination : gathered.destinations) {
       group.lanes.push_back(variants.lane(variant, destination));
       served.insert(destination.get());

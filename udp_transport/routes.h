@@ -1,4 +1,4 @@
-// Whom a writer serves, grouped by mask; and the numbers that its masks have on the wire.
+// Whom a writer serves, grouped by mask and maximum rate; and the numbers that these have on the wire.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,10 @@
 
 namespace sft::udp {
 
-/// Readers with equal masks: they share an encoding, and each destination has a lane of its own.
+/// Readers with equal masks and limits: they share an encoding, and each destination has a lane of its own.
 struct Group {
   ProjectionPlan plan;
+  std::shared_ptr<const core::RateGate> gate;  ///< null: every sample is for them
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
 };
@@ -24,14 +25,17 @@ struct Group {
 /// Immutable: a change of routes makes another one.
 struct RouteTable {
   std::vector<Group> groups;
+
+  /// The group that a route is in; null for one to elsewhere than a UDP address.
+  const Group* find(const core::Route& route) const;
 };
 
-/// A writer's masks of now and of before. Each has its number and its lanes, so that samples under one mask
+/// What readers ask of a writer, and asked for before: each has its number and its lanes, so that its samples
 /// stay in order while routes change. Numbers are reused only after all others were used in between.
 class VariantDirectory {
  public:
   struct Variant {
-    FieldMask mask;
+    core::Wanted wanted;
     std::shared_ptr<const WireMask> wire;
     std::vector<std::shared_ptr<Lane>> lanes;
     std::uint64_t last_use;
@@ -39,20 +43,21 @@ class VariantDirectory {
 
   VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally);
 
-  /// The variant of that mask, known or new. Valid until the next call.
-  Variant& find(const FieldMask& mask);
+  /// The variant for that, known or new. Valid until the next call.
+  Variant& find(const core::Wanted& wanted);
   /// Its lane to that destination, known or new.
   std::shared_ptr<Lane> lane(Variant& variant, const std::shared_ptr<Destination>& to) const;
 
   /// Closes and forgets all lanes but those to one of these.
   void keep_lanes_to(const std::set<const Destination*>& served);
 
-  /// Forgets the longest unused masks beyond a few; called between rounds of find().
+  /// For what is sent once, to one reader.
+  std::uint16_t unused_number();
+
+  /// Forgets the longest unused ones beyond a few; called between rounds of find().
   void next_round();
 
  private:
-  std::uint16_t unused_number();
-
   static constexpr std::size_t remembered_max = 64;
   const std::size_t queue_depth_;
   const std::shared_ptr<WriterTally> tally_;

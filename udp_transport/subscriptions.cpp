@@ -17,22 +17,29 @@ bool holds(const Container& container, const Value& value) {
 
 /// Puts the wishes of all readers of one writer together.
 void join(Stream& stream, const TypeSupport* type, const core::Source& source,
-          const std::vector<FieldMask>& masks) {
+          const std::vector<core::Wanted>& wanted) {
   stream.writer = source.writer;
   stream.type = type;
   stream.max_sample_bytes = std::max(stream.max_sample_bytes, source.max_sample_bytes);
-  for (const FieldMask& mask : masks) {
-    if (!holds(stream.masks, mask)) stream.masks.push_back(mask);
+  for (const core::Wanted& w : wanted) {
+    if (!holds(stream.masks, w.mask)) stream.masks.push_back(w.mask);
   }
 }
 
 }  // namespace
 
-bool Subscriber::accepts(const FieldMask& mask) const { return holds(masks, mask); }
+bool Subscriber::accepts(const core::SampleBuffer& sample) const {
+  const bool is_retained = sample.addressee != 0;
+  if (is_retained && sample.addressee != reader) return false;
+  return std::any_of(wanted.begin(), wanted.end(), [&](const core::Wanted& w) {
+    return (is_retained || w.min_period_us == sample.min_period_us) && w.mask == sample.mask;
+  });
+}
 
-void SubscriptionDirectory::add(const std::shared_ptr<Inbox>& inbox, const TypeSupport& type) {
+void SubscriptionDirectory::add(core::EndpointId reader, const std::shared_ptr<Inbox>& inbox,
+                                const TypeSupport& type) {
   const std::scoped_lock lock(mutex_);
-  readers_.push_back({inbox, &type, {}, {}});
+  readers_.push_back({reader, inbox, &type, {}, {}});
 }
 
 Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Source& source) {
@@ -71,9 +78,9 @@ void SubscriptionDirectory::disconnect(const Inbox& inbox, core::EndpointId writ
   publish();
 }
 
-void SubscriptionDirectory::accept_masks(const Inbox& inbox, std::vector<FieldMask> masks) {
+void SubscriptionDirectory::accept(const Inbox& inbox, std::vector<core::Wanted> wanted) {
   const std::scoped_lock lock(mutex_);
-  find(inbox).masks = std::move(masks);
+  find(inbox).wanted = std::move(wanted);
   publish();
 }
 
@@ -125,8 +132,8 @@ void SubscriptionDirectory::publish() {
         next->streams.emplace_back();
         next->subscribers.emplace_back();
       }
-      join(next->streams[place->second], reader.type, source, reader.masks);
-      next->subscribers[place->second].push_back({reader.inbox, reader.masks});
+      join(next->streams[place->second], reader.type, source, reader.wanted);
+      next->subscribers[place->second].push_back({reader.id, reader.inbox, reader.wanted});
     }
   }
   latest_ = std::move(next);

@@ -15,9 +15,10 @@
 namespace sft::udp {
 
 struct Subscriber {
+  core::EndpointId reader = 0;
   std::shared_ptr<Inbox> inbox;
-  std::vector<FieldMask> masks;
-  bool accepts(const FieldMask& mask) const;
+  std::vector<core::Wanted> wanted;
+  bool accepts(const core::SampleBuffer& sample) const;
 };
 
 /// What all readers of a transport want, by writer.
@@ -31,10 +32,10 @@ class SubscriptionDirectory {
   SubscriptionDirectory() : latest_(std::make_shared<Subscriptions>()), followed_(latest_) {}
 
   // Any thread.
-  void add(const std::shared_ptr<Inbox>& inbox, const TypeSupport& type);
+  void add(core::EndpointId reader, const std::shared_ptr<Inbox>& inbox, const TypeSupport& type);
   Result<void> connect(const Inbox& reader, const core::Source& source);
   void disconnect(const Inbox& reader, core::EndpointId writer);
-  void accept_masks(const Inbox& reader, std::vector<FieldMask> masks);
+  void accept(const Inbox& reader, std::vector<core::Wanted> wanted);
   /// When it returns, the reader's type is not used any more.
   void remove(const Inbox& reader);
 
@@ -46,9 +47,10 @@ class SubscriptionDirectory {
 
  private:
   struct Reader {
+    core::EndpointId id;
     std::shared_ptr<Inbox> inbox;
     const TypeSupport* type;
-    std::vector<FieldMask> masks;
+    std::vector<core::Wanted> wanted;
     std::vector<core::Source> sources;
   };
   Reader& find(const Inbox& reader);

@@ -6,7 +6,7 @@ namespace sft::udp {
 
 UdpReader::UdpReader(const core::ReaderSpec& spec, std::shared_ptr<Receiver> receiver)
     : receiver_(std::move(receiver)), inbox_(std::make_shared<Inbox>(spec.depth, spec.listener)) {
-  receiver_->subscriptions().add(inbox_, *spec.type);
+  receiver_->subscriptions().add(spec.id, inbox_, *spec.type);
 }
 
 UdpReader::~UdpReader() {
@@ -25,8 +25,8 @@ void UdpReader::disconnect(core::EndpointId writer) noexcept {
   receiver_->subscriptions().disconnect(*inbox_, writer);
 }
 
-void UdpReader::accept_masks(std::vector<FieldMask> masks) {
-  receiver_->subscriptions().accept_masks(*inbox_, std::move(masks));
+void UdpReader::accept(std::vector<core::Wanted> wanted) {
+  receiver_->subscriptions().accept(*inbox_, std::move(wanted));
 }
 
 }  // namespace sft::udp

@@ -19,8 +19,9 @@ class UdpReader final : public core::ReaderPort {
   core::SampleHandle take() noexcept override { return inbox_->take(); }
   Result<void> connect(const core::Source& source) override;
   bool connected(core::EndpointId writer) const noexcept override { return inbox_->connected(writer); }
+  std::uint64_t arrivals(core::EndpointId writer) noexcept override { return inbox_->arrivals(writer); }
   void disconnect(core::EndpointId writer) noexcept override;
-  void accept_masks(std::vector<FieldMask> masks) override;
+  void accept(std::vector<core::Wanted> wanted) override;
   std::uint64_t discarded() const noexcept override { return inbox_->discarded(); }
   std::uint64_t lost_unnoticed() const noexcept override { return inbox_->lost_unnoticed(); }
 

@@ -23,7 +23,19 @@ Endpoint endpoint() {
   e.doorbell = {77, 3};
   e.max_sample_bytes = 1 << 24;
   e.recorded = true;
-  e.request = {.reader = 7, .sequence = 4, .mask_words = {1, 2}, .listening = {6}, .attached = {8, 9}};
+  e.qos = {.reliability = reliable,
+           .durability = transient_local,
+           .deadline = std::chrono::milliseconds(5),
+           .liveliness = manual_by_topic,
+           .liveliness_lease = std::chrono::seconds(2),
+           .lifespan = std::chrono::minutes(1),
+           .history_depth = 17};
+  e.request = {.reader = 7,
+               .sequence = 4,
+               .mask_words = {1, 2},
+               .min_period_us = 100'000,
+               .listening = {6},
+               .attached = {8, 9}};
   return e;
 }
 
@@ -31,6 +43,8 @@ TEST(ControlCodecTest, EndpointsAndRequestsComeBackAsTheyWere) {
   ControlStorage storage;
   EXPECT_EQ(from_dds(to_dds(endpoint(), storage)), endpoint());
   EXPECT_EQ(from_dds(to_dds(endpoint().request)), endpoint().request);
+  const std::vector<EndpointId> living{3, 4};
+  EXPECT_EQ(from_dds(to_dds(living)), living);
 }
 
 TEST(ControlCodecTest, WhatIsLongerThanTheTopicAllowsIsCutAndNotWrittenBeyond) {
@@ -75,6 +89,21 @@ TEST(ControlCodecTest, SamplesThatNameNothingAreRefused) {
   sample.id = 0;
   EXPECT_FALSE(from_dds(sample));
   EXPECT_FALSE(from_dds(to_dds(Request{})));
+}
+
+TEST(ControlCodecTest, PoliciesThatDoNotExistAreRefused) {
+  const auto refused = [](auto spoil) {
+    ControlStorage storage;
+    sft_control_Endpoint sample = to_dds(endpoint(), storage);
+    spoil(sample.qos);
+    return !from_dds(sample);
+  };
+  EXPECT_TRUE(refused([](auto& qos) { qos.reliability = 2; }));
+  EXPECT_TRUE(refused([](auto& qos) { qos.durability = 2; }));
+  EXPECT_TRUE(refused([](auto& qos) { qos.liveliness = 2; }));
+  EXPECT_TRUE(refused([](auto& qos) { qos.deadline = UINT64_MAX; }));
+  EXPECT_TRUE(refused([](auto& qos) { qos.liveliness_lease = UINT64_MAX; }));
+  EXPECT_TRUE(refused([](auto& qos) { qos.lifespan = UINT64_MAX; }));
 }
 
 TEST(ControlCodecTest, AddressesWithoutPortAreLeftOut) {

@@ -60,6 +60,13 @@ class AllOrders : public ::testing::Test {
   int orders_ = 0;
 };
 
+core::Qos durable(std::uint32_t history_depth = 3) {
+  core::Qos qos;
+  qos.durability = transient_local;
+  qos.history_depth = history_depth;
+  return qos;
+}
+
 Plan one_pair(const NegotiationWorld::Budget& budget) {
   return {.places = 2,
           .endpoints = {{.place = 0, .role = Role::writer}, {.place = 1, .role = Role::reader}},
@@ -83,6 +90,17 @@ TEST_F(AllOrders, OfEndpointsThatDepart) {
   explore(one_pair({.mask_changes = 1, .departures = 1, .repetitions = 1}), 7, 10);
 }
 
+TEST_F(AllOrders, OfMaximumRatesThatChange) {
+  explore(one_pair({.mask_changes = 1, .rate_changes = 2}), 8, 10);
+}
+
+TEST_F(AllOrders, OfRetainedSamplesThatComeFirst) {
+  Plan plan = one_pair({.losses = 1, .departures = 1});
+  for (NegotiationWorld::EndpointPlan& endpoint : plan.endpoints) endpoint.qos = durable();
+  plan.common_memory = true;
+  explore(plan, 7, 9);
+}
+
 TEST_F(AllOrders, OfSharedMemoryThatComesAndGoes) { explore(one_pair({.memory_changes = 3}), 6, 8); }
 
 class RandomOrders : public RandomTest {
@@ -96,6 +114,7 @@ class RandomOrders : public RandomTest {
       for (int i = up_to(2); i >= 0; --i) plan.endpoints.push_back(random_endpoint(plan.places, role));
     }
     plan.budget = {.mask_changes = up_to(8),
+                   .rate_changes = up_to(4),
                    .losses = up_to(4),
                    .memory_changes = up_to(4),
                    .restarts = up_to(3),
@@ -111,7 +130,16 @@ class RandomOrders : public RandomTest {
     return {.place = static_cast<std::size_t>(up_to(static_cast<int>(places) - 1)),
             .role = role,
             .may_use_shm = choice != 1,
-            .may_use_udp = choice != 0};
+            .may_use_udp = choice != 0,
+            .qos = random_qos(role)};
+  }
+
+  /// Most pairs fit.
+  core::Qos random_qos(Role role) {
+    const bool more = up_to(3) == 0;  // than most
+    core::Qos qos = up_to(2) == 0 ? durable(1 + static_cast<std::uint32_t>(up_to(3))) : core::Qos{};
+    qos.reliability = (role == Role::writer) != more ? reliable : best_effort;
+    return qos;
   }
 };
 

@@ -256,6 +256,115 @@ TEST_F(NegotiationTest, BothSidesAreToldTheFirstDifferenceBetweenTwoDefinitionsA
   EXPECT_EQ(hearing.at(1).status.mismatch, nullptr);
 }
 
+TEST_F(NegotiationTest, AnIncompatiblePairNeverMatchesAndBothSidesSayWhy) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.qos.reliability = reliable;
+  negotiation.endpoint_seen(reader);
+  const Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.udp.empty());
+  EXPECT_FALSE(serving.shm_port);
+  EXPECT_FALSE(serving.readers.at(0).served);
+  EXPECT_EQ(serving.readers.at(0).incompatible_policy, QosPolicy::reliability);
+
+  Endpoint demanding = endpoint(Role::reader, 200);
+  demanding.qos.deadline = 5ms;
+  negotiation.local_added(demanding, type);
+  Endpoint writer = endpoint(Role::writer, 8);
+  writer.qos.deadline = 10ms;
+  negotiation.endpoint_seen(writer);
+  ASSERT_EQ(negotiation.hearing(200).size(), 2U);
+  for (const Hearing& hearing : negotiation.hearing(200)) {
+    EXPECT_FALSE(hearing.shm || hearing.udp || hearing.status.matched);
+    EXPECT_EQ(hearing.status.incompatible_policy, QosPolicy::deadline);
+    EXPECT_NE(hearing.status.reason.find("is offered, 5 ms is requested"), std::string::npos);
+  }
+}
+
+TEST_F(NegotiationTest, AWriterIsAssertedForReadersThatAskedForALease) {
+  Endpoint writer = endpoint(Role::writer, 100);
+  writer.qos.liveliness_lease = 1s;
+  negotiation.local_added(writer, type);
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_FALSE(negotiation.serving(100).lease_requested);
+  Endpoint reader = endpoint(Role::reader, 8);
+  reader.qos.liveliness_lease = 2s;
+  negotiation.endpoint_seen(reader);
+  EXPECT_TRUE(negotiation.serving(100).lease_requested);
+  EXPECT_TRUE(negotiation.serving(100).samples_tell);
+  Request slower = request(8, 2, F::data);
+  slower.min_period_us = 1;
+  negotiation.request_received(slower);
+  EXPECT_FALSE(negotiation.serving(100).samples_tell);
+}
+
+TEST_F(NegotiationTest, AWriterWhoseNodeDoesNotAnswerIsHeardOfAsNotAlive) {
+  our_reader();
+  negotiation.endpoint_seen(endpoint(Role::writer, 7));
+  EXPECT_TRUE(negotiation.hearing(200).at(0).status.alive);
+  negotiation.endpoint_lost(7, Now{});
+  EXPECT_FALSE(negotiation.hearing(200).at(0).status.alive);
+  EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "its node does not answer");
+}
+
+class LateReaderTest : public NegotiationTest {
+ protected:
+  LateReaderTest() {
+    Endpoint writer = endpoint(Role::writer, 100);
+    writer.qos = {.durability = transient_local, .history_depth = 5};
+    negotiation.local_added(writer, type);
+  }
+  /// On this host, and attached.
+  Endpoint late_reader(EndpointId id = 7) {
+    Endpoint reader = endpoint(Role::reader, id, here, 1);
+    reader.qos = {.durability = transient_local, .history_depth = 3};
+    reader.request.attached = {100};
+    return reader;
+  }
+};
+
+TEST_F(LateReaderTest, GetsByUdpWhatBothSidesKeepAndChangesOverToSharedMemoryThen) {
+  negotiation.endpoint_seen(late_reader());
+  Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.shm.empty());
+  ASSERT_EQ(serving.udp.size(), 1U);
+  EXPECT_EQ(serving.udp[0].history, 3U);
+  EXPECT_TRUE(serving.history_owed);
+  EXPECT_TRUE(negotiation.history_given(100, 7));
+  EXPECT_FALSE(negotiation.history_given(100, 7));
+  serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.udp.empty());
+  EXPECT_EQ(serving.shm.size(), 1U);
+  EXPECT_FALSE(serving.history_owed);
+}
+
+TEST_F(LateReaderTest, GetsNothingRetainedThroughSharedMemoryAloneAndIsTold) {
+  Endpoint reader = late_reader();
+  reader.may_use_udp = false;
+  negotiation.endpoint_seen(reader);
+  const Serving serving = negotiation.serving(100);
+  EXPECT_EQ(serving.shm.size(), 1U);
+  EXPECT_EQ(serving.readers.at(0).reason, "same host; without UDP nothing of what was published before");
+}
+
+TEST_F(LateReaderTest, ThatIsVolatileGetsNothing) {
+  Endpoint reader = late_reader();
+  reader.qos.durability = volatile_;
+  negotiation.endpoint_seen(reader);
+  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
+}
+
+TEST_F(LateReaderTest, ThatWasLostAndReturnsIsNotGivenItAgainAndOneThatWentIs) {
+  negotiation.endpoint_seen(late_reader());
+  negotiation.history_given(100, 7);
+  negotiation.endpoint_lost(7, Now{});
+  negotiation.endpoint_seen(late_reader());
+  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
+  negotiation.endpoint_departed(7);
+  negotiation.endpoint_seen(late_reader());
+  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
+}
+
 TEST_F(NegotiationTest, EndpointsOfOtherTopicsAreNobodysBusiness) {
   our_writer();
   Endpoint reader = endpoint(Role::reader, 7);
@@ -286,6 +395,26 @@ TEST_F(NegotiationTest, EveryChangeOfARequirementOrAnAttachmentIsANewerRequest) 
   EXPECT_FALSE(negotiation.connection_changed(200, 7, TransportKind::shm, true));
   EXPECT_EQ(negotiation.local(200)->request.sequence, first + 2);
   EXPECT_EQ(negotiation.local(200)->request.attached, std::vector<EndpointId>{7});
+}
+
+TEST_F(NegotiationTest, AMaximumRateTravelsInRequestsAndIsInForceInRoutes) {
+  our_reader();
+  EXPECT_TRUE(negotiation.rate_changed(200, 100'000));
+  EXPECT_FALSE(negotiation.rate_changed(200, 100'000));
+  EXPECT_EQ(negotiation.local(200)->request.min_period_us, 100'000U);
+  EXPECT_EQ(negotiation.local(200)->request.sequence, 2U);
+
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  Request slower = request(7, 2, F::data);
+  slower.min_period_us = 50'000;
+  negotiation.request_received(slower);
+  const Serving serving = negotiation.serving(100);
+  const auto route =
+      std::find_if(serving.udp.begin(), serving.udp.end(), [](auto& r) { return r.reader == 7; });
+  ASSERT_NE(route, serving.udp.end());
+  EXPECT_EQ(route->min_period_us, 50'000U);
+  EXPECT_EQ(serving.readers.at(0).max_rate_hz, 20);
 }
 
 TEST_F(NegotiationTest, AttachmentsEndWithTheMemoryTheyWereIn) {

@@ -13,7 +13,7 @@ using core::Route;
 
 namespace {
 
-constexpr std::array<const char*, 18> names{"announcement comes",
+constexpr std::array<const char*, 20> names{"announcement comes",
                                             "request comes",
                                             "announcement repeated",
                                             "request repeated",
@@ -21,6 +21,7 @@ constexpr std::array<const char*, 18> names{"announcement comes",
                                             "looks after it",
                                             "daemon connects",
                                             "mask changes",
+                                            "rate changes",
                                             "lost",
                                             "found",
                                             "lost one forgotten",
@@ -30,7 +31,8 @@ constexpr std::array<const char*, 18> names{"announcement comes",
                                             "endpoint departs",
                                             "sample published",
                                             "datagram comes",
-                                            "datagram lost"};
+                                            "datagram lost",
+                                            "history leaves"};
 
 HostToken token(std::uint8_t n) {
   HostToken t;
@@ -112,6 +114,8 @@ void NegotiationWorld::steps_of_node(std::size_t n) {
   if (std::any_of(node.told.begin(), node.told.end(), is_lost)) add(What::lost_forgotten, n);
   for (std::size_t i = 0; i < node.readers.size() && left_.mask_changes > 0; ++i)
     add(What::mask_changes, n, i);
+  for (std::size_t i = 0; i < node.readers.size() && left_.rate_changes > 0; ++i)
+    add(What::rate_changes, n, i);
   for (std::uint8_t i = 0; i < 3 && left_.memory_changes > 0; ++i) {
     if (node.self.host != token(i)) add(What::memory_changes, n, i);
   }
@@ -120,6 +124,10 @@ void NegotiationWorld::steps_of_node(std::size_t n) {
   for (std::size_t i = 0; i < endpoints && left_.departures > 0; ++i) add(What::endpoint_departs, n, i);
   for (std::size_t i = 0; i < node.writers.size() && left_.samples > 0; ++i)
     add(What::sample_published, n, i);
+  for (std::size_t i = 0; i < node.writers.size(); ++i) {
+    if (owes_history(std::next(node.writers.begin(), static_cast<std::ptrdiff_t>(i))->second))
+      add(What::history_leaves, n, i);
+  }
 }
 
 void NegotiationWorld::take(const Step& step) {
@@ -156,6 +164,9 @@ void NegotiationWorld::take(const Step& step) {
     case What::mask_changes:
       --left_.mask_changes;
       return change_mask(n, other);
+    case What::rate_changes:
+      --left_.rate_changes;
+      return change_rate(n, other);
     case What::node_lost:
       if (nodes_[other].up) --left_.losses;
       return lose(other, n);
@@ -182,6 +193,8 @@ void NegotiationWorld::take(const Step& step) {
     case What::datagram_lost:
       datagrams_.erase(datagrams_.begin() + static_cast<std::ptrdiff_t>(other));
       return;
+    case What::history_leaves:
+      return give_history(n, other);
   }
 }
 
@@ -214,6 +227,7 @@ void NegotiationWorld::add_endpoint(Node& node, const EndpointPlan& plan) {
   endpoint.type_hash = type_->hash();
   endpoint.may_use_shm = plan.may_use_shm;
   endpoint.may_use_udp = plan.may_use_udp;
+  endpoint.qos = plan.qos;
   if (plan.may_use_udp) endpoint.addresses = {{static_cast<std::uint32_t>(node.place), 7000, 1 << 20}};
   if (plan.role == Role::reader) {
     const FieldMask mask = type_->closed(FieldMask::from_words(type_->leaves(), {{std::uint64_t{1}}}));
@@ -250,6 +264,7 @@ void NegotiationWorld::depart(std::size_t n, std::size_t which) {
   node.negotiation.local_removed(id);
   node.writers.erase(id);
   node.readers.erase(id);
+  forget_history(node, id);
   node.announced.erase(id);
   node.sent.erase(id);
   for (auto& [ends, c] : channels_) {
@@ -268,6 +283,16 @@ void NegotiationWorld::change_mask(std::size_t n, std::size_t which) {
   const FieldMask mask = FieldMask::from_words(type_->leaves(), {{bits}});  // whoever serves it closes it
   const bool is_new = nodes_[n].negotiation.requirement_changed(id, mask);
   if (!is_new) return;
+  note_request(nodes_[n].negotiation, id);
+  changed(n, is_new);
+  send_request(n, id);
+}
+
+void NegotiationWorld::change_rate(std::size_t n, std::size_t which) {
+  const Id id = std::next(nodes_[n].readers.begin(), static_cast<std::ptrdiff_t>(which))->first;
+  const std::uint32_t was = asked_[id].back().request.min_period_us;
+  const bool is_new = nodes_[n].negotiation.rate_changed(id, was == 0 || coin() ? was + 1000 : 0);
+  if (!is_new) return fail("another rate is the same");
   note_request(nodes_[n].negotiation, id);
   changed(n, is_new);
   send_request(n, id);
@@ -324,6 +349,33 @@ void NegotiationWorld::arrive(std::size_t which) {
   }
 }
 
+bool NegotiationWorld::owes_history(const Writer& writer) {
+  return std::any_of(writer.in_force.udp.begin(), writer.in_force.udp.end(), [&](const Route& route) {
+    return route.history != 0 && !writer.history_given.contains(route.reader);
+  });
+}
+
+/// All that a writer is giving at present has left: Reconciler::look_after_histories.
+void NegotiationWorld::give_history(std::size_t n, std::size_t which) {
+  Node& node = nodes_[n];
+  auto& [id, writer] = *std::next(node.writers.begin(), static_cast<std::ptrdiff_t>(which));
+  bool dirty = false;
+  for (const Route& route : writer.in_force.udp) {
+    if (route.history == 0) continue;
+    const auto told = node.told.find(route.reader);
+    const bool known =
+        node.readers.contains(route.reader) || (told != node.told.end() && told->second.endpoint != nullptr);
+    if (known) writer.history_given.insert(route.reader);
+    dirty |= node.negotiation.history_given(id, route.reader);
+  }
+  changed(n, dirty);
+}
+
+/// A reader that comes again after it went is another one as far as its writers can tell.
+void NegotiationWorld::forget_history(Node& node, Id reader) {
+  for (auto& [id, writer] : node.writers) writer.history_given.erase(reader);
+}
+
 // The control channel.
 
 void NegotiationWorld::announce(std::size_t n, Id id) {
@@ -366,6 +418,7 @@ void NegotiationWorld::deliver(std::size_t to, const Announcement& announcement)
   Node& node = nodes_[to];
   if (announcement.endpoint == nullptr) {
     node.told.erase(announcement.id);
+    forget_history(node, announcement.id);
     return changed(to, node.negotiation.endpoint_departed(announcement.id));
   }
   Told& told = node.told[announcement.id];
@@ -408,9 +461,9 @@ void NegotiationWorld::forget(std::size_t n) {
   Node& node = nodes_[n];
   node.now += std::chrono::seconds(60);
   for (auto& [id, told] : node.told) {
-    if (told.lost_since)
-      told = {
-          .endpoint = nullptr, .lost_since = {}, .newest = 0, .newest_while_away = told.newest_while_away};
+    if (!told.lost_since) continue;
+    told = {.endpoint = nullptr, .lost_since = {}, .newest = 0, .newest_while_away = told.newest_while_away};
+    forget_history(node, id);
   }
   changed(n, node.negotiation.tick(node.now));
 }

@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,10 +29,12 @@ class NegotiationWorld {
     core::Role role{};
     bool may_use_shm = true;
     bool may_use_udp = true;
+    core::Qos qos{};
   };
   /// How often what is not the protocol's own doing may happen.
   struct Budget {
     int mask_changes = 0;
+    int rate_changes = 0;
     int losses = 0;  ///< one node does not hear another any more, for a while
     int memory_changes = 0;
     int restarts = 0;  ///< killed, and started again
@@ -54,6 +57,7 @@ class NegotiationWorld {
     agent_looks_after_connections,
     daemon_connects,
     mask_changes,
+    rate_changes,
     node_lost,
     node_found,
     lost_forgotten,
@@ -64,6 +68,7 @@ class NegotiationWorld {
     sample_published,
     datagram_comes,
     datagram_lost,
+    history_leaves,
   };
   struct Step {
     What what{};
@@ -115,6 +120,7 @@ class NegotiationWorld {
     core::Serving wanted;
     core::Serving in_force;
     bool port = false;
+    std::set<Id> history_given;  ///< to these readers
   };
   /// What a node was told of an endpoint elsewhere: the specification that its negotiation is held against.
   struct Told {
@@ -159,9 +165,13 @@ class NegotiationWorld {
   void add_endpoint(Node& node, const EndpointPlan& plan);
   void depart(std::size_t node, std::size_t which);
   void change_mask(std::size_t node, std::size_t which);
+  void change_rate(std::size_t node, std::size_t which);
   void change_memory(std::size_t node, const core::HostToken& host);
   void publish(std::size_t node, std::size_t which);
   void arrive(std::size_t which);
+  static bool owes_history(const Writer& writer);
+  void give_history(std::size_t node, std::size_t which);
+  static void forget_history(Node& node, Id reader);
 
   void announce(std::size_t node, Id id);
   void send_request(std::size_t node, Id reader);
@@ -187,6 +197,7 @@ class NegotiationWorld {
   void find_all_that_are_up();
   bool deliver_all();
   bool connect_all();
+  bool give_all();
   void check_agreement();
   void check_pair(const Node& there, const Writer& writer, const Node& here, const Reader& reader);
 

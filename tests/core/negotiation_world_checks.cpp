@@ -21,10 +21,22 @@ const Route* route_to(const std::vector<Route>& routes, core::EndpointId reader)
   return found == routes.end() ? nullptr : &*found;
 }
 
+/// The two policies that the world's endpoints differ in; both sides judge by what was announced.
+bool fits(const core::Qos& offered, const core::Qos& requested) {
+  return offered.reliability >= requested.reliability && offered.durability >= requested.durability;
+}
+
+/// Retained samples that the reader is to get of a writer that has not given them yet.
+std::uint32_t retained_for(const core::Qos& offered, const core::Qos& requested) {
+  const bool durable = offered.durability == Durability::transient_local &&
+                       requested.durability == Durability::transient_local;
+  return durable ? std::min(offered.history_depth, requested.history_depth) : 0;
+}
+
 }  // namespace
 
-/// Exactly those readers are served that were told to be there, each under the newest mask that it was told
-/// to want, and by a path that it is known to listen on.
+/// Exactly those readers are served that were told to be there, each under the newest mask and rate that it
+/// was told to want, and by a path that it is known to listen on.
 void NegotiationWorld::check_serving(const Node& node, const Writer& writer) {
   std::size_t routes = 0;
   for (const auto& [id, told] : node.told) {
@@ -47,16 +59,22 @@ std::size_t NegotiationWorld::check_route(const Node& node, const Writer& writer
   const Id w = writer.endpoint.id;
   const bool memory = writer.endpoint.may_use_shm && reader.may_use_shm && node.self.host.known() &&
                       reader.host == node.self.host;
-  const bool shm = memory && holds(asked.request.attached, w);
-  const bool udp =
-      !shm && writer.endpoint.may_use_udp && reader.may_use_udp && holds(asked.request.listening, w);
+  const bool network = writer.endpoint.may_use_udp && reader.may_use_udp;
+  const bool matches = fits(writer.endpoint.qos, reader.qos);
+  const std::uint32_t owed =
+      writer.history_given.contains(reader.id) ? 0 : retained_for(writer.endpoint.qos, reader.qos);
+  const bool history_first = owed != 0 && network;
+  const bool shm = matches && memory && !history_first && holds(asked.request.attached, w);
+  const bool udp = matches && !shm && network && holds(asked.request.listening, w);
   const Route* by_shm = route_to(writer.wanted.shm, reader.id);
   const Route* by_udp = route_to(writer.wanted.udp, reader.id);
   if ((by_shm != nullptr) != shm) fail("in shared memory: served unasked, or not served");
   if ((by_udp != nullptr) != udp) fail("by UDP: served unasked, or not served");
   for (const Route* route : {by_shm, by_udp}) {
-    if (route != nullptr && !(route->mask == asked.mask))
-      fail("not the newest mask that the reader asked for");
+    if (route == nullptr) continue;
+    if (!(route->mask == asked.mask)) fail("not the newest mask that the reader asked for");
+    if (route->min_period_us != asked.request.min_period_us) fail("not the newest rate that it asked for");
+    if (route->history != (udp ? owed : 0)) fail("not what it is owed of the history");
   }
   return shm || udp ? 1 : 0;
 }
@@ -67,7 +85,8 @@ void NegotiationWorld::settle() {
     if (round == 100) return fail("it does not come to rest");
     const bool delivered = deliver_all();
     const bool connected = connect_all();
-    if (!delivered && !connected) break;
+    const bool given = give_all();
+    if (!delivered && !connected && !given) break;
   }
   if (violation_.empty()) check_agreement();
 }
@@ -112,6 +131,19 @@ bool NegotiationWorld::connect_all() {
   return any;
 }
 
+bool NegotiationWorld::give_all() {
+  bool any = false;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    for (std::size_t i = 0; nodes_[n].up && i < nodes_[n].writers.size(); ++i) {
+      const auto writer = std::next(nodes_[n].writers.begin(), static_cast<std::ptrdiff_t>(i));
+      if (!owes_history(writer->second)) continue;
+      give_history(n, i);
+      any = true;
+    }
+  }
+  return any;
+}
+
 void NegotiationWorld::check_agreement() {
   std::size_t endpoints = 0;
   for (const Node& node : nodes_) endpoints += node.up ? node.writers.size() + node.readers.size() : 0;
@@ -128,20 +160,28 @@ void NegotiationWorld::check_agreement() {
   }
 }
 
-/// Both sides of a pair at rest: by the best path that both have, under exactly what the reader asks for.
+/// Both sides of a pair at rest: by the best path that both have, under exactly what the reader asks for, or
+/// not at all if their policies do not fit. The history was given where it can be.
 void NegotiationWorld::check_pair(const Node& there, const Writer& writer, const Node& here,
                                   const Reader& reader) {
   const Endpoint& w = writer.endpoint;
   const Endpoint& r = reader.endpoint;
-  const bool shm =
+  const bool memory =
       w.may_use_shm && r.may_use_shm && there.self.host.known() && there.self.host == here.self.host;
-  const bool udp = !shm && w.may_use_udp && r.may_use_udp;
+  const bool network = w.may_use_udp && r.may_use_udp;
+  const bool matches = fits(w.qos, r.qos);
+  const bool shm = matches && memory;
+  const bool udp = matches && !memory && network;
   const Route* by_shm = route_to(writer.in_force.shm, r.id);
   const Route* by_udp = route_to(writer.in_force.udp, r.id);
   if ((by_shm != nullptr) != shm || (by_udp != nullptr) != udp) fail("at rest, but not by the best path");
   const Route* route = by_shm != nullptr ? by_shm : by_udp;
   if (route != nullptr && !(route->mask == asked_.at(r.id).back().mask))
     fail("at rest, but under another mask");
+  if (route != nullptr && route->min_period_us != asked_.at(r.id).back().request.min_period_us)
+    fail("at rest, but at another rate");
+  const bool durable = matches && network && retained_for(w.qos, r.qos) != 0;
+  if (writer.history_given.contains(r.id) != durable) fail("at rest, but the history was not given");
   if (shm && !holds(reader.fed, w.id)) fail("served in memory, but not attached");
   if (udp && !holds(reader.connected, w.id)) fail("served by UDP, but not listening");
   for (const core::Hearing& hearing : here.negotiation.hearing(r.id)) {

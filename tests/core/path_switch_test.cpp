@@ -23,13 +23,16 @@ constexpr EndpointId neighbour_id = 2;
 /// Keeps what it sends until the test delivers it.
 class PathWriter final : public WriterPort {
  public:
-  PathWriter(std::shared_ptr<BufferPool> pool, std::function<void()> between)
-      : pool_(std::move(pool)), between_(std::move(between)) {}
+  /// In shared memory it is the reader that keeps a limit.
+  PathWriter(TransportKind kind, std::shared_ptr<BufferPool> pool, std::function<void()> between)
+      : by_datagrams_(kind == TransportKind::udp), pool_(std::move(pool)), between_(std::move(between)) {}
 
   SampleHandle loan(std::size_t bytes) noexcept override { return pool_->take(bytes); }
   SendStatus send(const SampleHandle& sample) noexcept override {
     for (const Route& route : routes_) {
       if (!sample->mask.contains(route.mask)) ++uncovered;
+      if (by_datagrams_ && route.gate != nullptr && !route.gate->passes()) continue;
+      if (by_datagrams_) mark(*sample, route);
       if (route.reader == reader_id) sent.push_back(sample);
     }
     return SendStatus::sent;
@@ -45,6 +48,13 @@ class PathWriter final : public WriterPort {
   int uncovered = 0;  ///< routes that asked for more than the sample had
 
  private:
+  static void mark(SampleBuffer& sample, const Route& route) {
+    if (route.reader != reader_id) return;
+    sample.min_period_us = route.gate == nullptr ? 0 : route.gate->min_period_us();
+    sample.ordinal = route.gate == nullptr ? 0 : route.gate->ordinal();
+  }
+
+  const bool by_datagrams_;
   std::shared_ptr<BufferPool> pool_;
   std::function<void()> between_;
   std::vector<Route> routes_;
@@ -60,8 +70,9 @@ class PathReader final : public ReaderPort {
   }
   Result<void> connect(const Source&) override { return {}; }
   bool connected(EndpointId) const noexcept override { return true; }
+  std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
   void disconnect(EndpointId) noexcept override {}
-  void accept_masks(std::vector<FieldMask>) override {}
+  void accept(std::vector<Wanted>) override {}
   std::uint64_t discarded() const noexcept override { return 0; }
 
   std::deque<SampleHandle> arrived;
@@ -82,16 +93,21 @@ class PathSwitch : public test::RandomTest {
     ++published;
   }
 
+  /// What the reader asks for may come late.
+  std::uint32_t asked_period_us() { return periods_us[below(periods_us.size())]; }
+
   /// Any serving of the reader and of a neighbour whose mask is another.
   void serve() {
     Serving serving;
     for (const EndpointId id : {reader_id, neighbour_id}) {
       const FieldMask mask = type.closed(FieldMask::from_words(type.leaves(), {{random()}}));
       const std::size_t path = below(3);
-      if (path == 0) serving.shm.push_back({id, DoorbellAddress{}, mask});
-      if (path == 1) serving.udp.push_back({id, UdpAddress{}, mask});
+      if (path == 0) serving.shm.push_back({id, DoorbellAddress{}, mask, asked_period_us()});
+      if (path == 1) serving.udp.push_back({id, UdpAddress{}, mask, asked_period_us()});
     }
     publisher.serve(serving, shm_writer);
+    const std::uint32_t asked = asked_period_us();
+    ASSERT_TRUE(subscriber.set_max_rate_hz(asked == 0 ? 0 : 1e6 / asked));
   }
 
   /// Datagrams may be lost, come late and come twice; chunks may be pushed out, but come in order.
@@ -113,44 +129,81 @@ class PathSwitch : public test::RandomTest {
       const SampleInfo& info = sample.info();
       const std::uint64_t gap = last == 0 ? 0 : info.sequence - last - 1;
       ASSERT_GT(info.sequence, last);
-      ASSERT_EQ(info.lost_before, gap);
+      const bool unlimited = periods_us.size() == 1;
+      ASSERT_EQ(info.lost_before, unlimited ? gap : std::min(gap, info.lost_before));
       if (last == 0) first = info.sequence;
       last = info.sequence;
     }
   }
 
+  void run() {
+    for (int step = 0; step < 100'000; ++step) {
+      const std::size_t what = below(8);
+      if (what == 0) serve();
+      if (what == 1 || what == 2) publish();
+      if (what >= 3 && what <= 6) move_one();
+      if (what == 7) take();
+      ASSERT_FALSE(HasFatalFailure()) << "in step " << step;
+    }
+    take();
+  }
+
+  std::vector<std::uint32_t> periods_us{0};
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 22);
   const std::function<void()> between = [this] {
     if (below(2) == 0) publish();
   };
-  const std::shared_ptr<PathWriter> udp_writer = std::make_shared<PathWriter>(pool, between);
-  const std::shared_ptr<PathWriter> shm_writer = std::make_shared<PathWriter>(pool, between);
+  const std::shared_ptr<PathWriter> udp_writer =
+      std::make_shared<PathWriter>(TransportKind::udp, pool, between);
+  const std::shared_ptr<PathWriter> shm_writer =
+      std::make_shared<PathWriter>(TransportKind::shm, pool, between);
   const std::shared_ptr<PathReader> udp_reader = std::make_shared<PathReader>();
   const std::shared_ptr<PathReader> shm_reader = std::make_shared<PathReader>();
-  PublisherCore publisher{{9, "points", &type, 1 << 16, nullptr}, pool, udp_writer};
-  SubscriberCore subscriber{
-      {reader_id, "points", &type, {type.full(), false}, {}, nullptr}, bells->at(1), nullptr};
+  PublisherCore publisher{{9, "points", &type, 1 << 16}, pool, udp_writer};
+  SubscriberCore subscriber{{.id = reader_id,
+                             .topic = "points",
+                             .type = &type,
+                             .requirement = {type.full(), false},
+                             .options = {},
+                             .callback = nullptr,
+                             .rate_changed = [](std::uint32_t) {}},
+                            bells->at(1),
+                            nullptr};
   std::uint64_t published = 0;
   std::uint64_t first = 0;
   std::uint64_t last = 0;
 };
 
 TEST_F(PathSwitch, LosesNothingUncountedTakesNothingTwiceAndAsksForNothingThatIsNotThere) {
-  for (int step = 0; step < 100'000; ++step) {
-    const std::size_t what = below(8);
-    if (what == 0) serve();
-    if (what == 1 || what == 2) publish();
-    if (what >= 3 && what <= 6) move_one();
-    if (what == 7) take();
-    ASSERT_FALSE(HasFatalFailure()) << "in step " << step;
-  }
-  take();
+  run();
   const SubscriberStatus status = subscriber.status();
   EXPECT_GT(status.received, 1000U);
   EXPECT_EQ(status.received + status.lost, last - first + 1);
   EXPECT_EQ(publisher.status().published, published);
+  EXPECT_EQ(shm_writer->uncovered + udp_writer->uncovered, 0);
+}
+
+// Between samples of one gate, between gates, and between the reader's own counting and its publisher's.
+TEST_F(PathSwitch, CountsEachSampleThatDidNotComeAsLostOrWithheldWhileLimitsChange) {
+  periods_us = {0, 10, 30};
+  run();
+  ASSERT_FALSE(HasFatalFailure());
+  periods_us = {0};
+  ASSERT_TRUE(subscriber.set_max_rate_hz(0));
+  Serving unlimited;
+  unlimited.shm = {{reader_id, DoorbellAddress{}, type.full()}};
+  publisher.serve(unlimited, shm_writer);
+  publish();  // what was skipped before is entered, too
+  shm_reader->arrived.push_back(shm_writer->sent.back());
+  periods_us = {0, 10, 30};
+  take();
+  const SubscriberStatus status = subscriber.status();
+  EXPECT_EQ(last, published);
+  EXPECT_GT(status.received, 1000U);
+  EXPECT_GT(status.withheld, 100U);
+  EXPECT_EQ(status.received + status.lost + status.withheld, last - first + 1);
   EXPECT_EQ(shm_writer->uncovered + udp_writer->uncovered, 0);
 }
 

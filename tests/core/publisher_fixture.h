@@ -34,7 +34,7 @@ class PublisherOf {
   PublisherOf() {
     const TypeSupport& type = type_support<T>();
     auto core =
-        std::make_shared<PublisherCore>(PublisherCore::Spec{1, "topic", &type, 1 << 24, {}}, pool_, port_);
+        std::make_shared<PublisherCore>(PublisherCore::Spec{1, "topic", &type, 1 << 24}, pool_, port_);
     Serving serving;
     serving.udp = {Route{2, UdpAddress{}, type.full()}};
     core->serve(serving, nullptr);

@@ -29,8 +29,9 @@ class TestReaderPort final : public ReaderPort {
     return {};
   }
   bool connected(EndpointId writer) const noexcept override { return connections_.writers.contains(writer); }
+  std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
   void disconnect(EndpointId writer) noexcept override { connections_.writers.erase(writer); }
-  void accept_masks(std::vector<FieldMask>) override {}
+  void accept(std::vector<Wanted>) override {}
   std::uint64_t discarded() const noexcept override { return 0; }
 
  private:
@@ -48,6 +49,7 @@ class TestDiscovery final : public Discovery {
     sent.push_back(request);
     return {};
   }
+  void assert_liveliness(const std::vector<EndpointId>&) override {}
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
 };

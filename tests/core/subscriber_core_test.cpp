@@ -7,6 +7,7 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "core/buffer_pool.h"
+#include "core/clock.h"
 
 namespace sft::core {
 namespace {
@@ -23,8 +24,9 @@ class QueuePort final : public ReaderPort {
   }
   Result<void> connect(const Source&) override { return {}; }
   bool connected(EndpointId) const noexcept override { return true; }
+  std::uint64_t arrivals(EndpointId) noexcept override { return samples.size(); }
   void disconnect(EndpointId) noexcept override {}
-  void accept_masks(std::vector<FieldMask>) override {}
+  void accept(std::vector<Wanted>) override {}
   std::uint64_t discarded() const noexcept override { return 0; }
   std::uint64_t lost_unnoticed() const noexcept override { return unnoticed; }
 
@@ -37,9 +39,13 @@ class SubscriberCoreTest : public ::testing::Test {
   SubscriberCoreTest() { reopen({}); }
 
   void reopen(untyped::Callback callback) {
-    subscriber = std::make_unique<SubscriberCore>(
-        SubscriberCore::Spec{1, "points", &type, {type.full(), false}, {}, std::move(callback)}, bells->at(1),
-        nullptr);
+    subscriber = std::make_unique<SubscriberCore>(SubscriberCore::Spec{.id = 1,
+                                                                       .topic = "points",
+                                                                       .type = &type,
+                                                                       .requirement = {type.full(), false},
+                                                                       .options = {},
+                                                                       .callback = std::move(callback)},
+                                                  bells->at(1), nullptr);
     subscriber->set_port(TransportKind::shm, shm);
     subscriber->set_port(TransportKind::udp, udp);
   }
@@ -105,6 +111,22 @@ TEST_F(SubscriberCoreTest, LossesThatOnlyAPortKnowsAreCountedWithThoseSeen) {
   udp->unnoticed = 3;
   taken();
   EXPECT_EQ(subscriber->status().lost, 5U);
+}
+
+TEST_F(SubscriberCoreTest, AnExpiredSampleIsNotDeliveredAndNotLost) {
+  Hearing hearing;
+  hearing.source.writer = hearing.status.id = 9;
+  hearing.offered.lifespan = std::chrono::minutes(1);
+  subscriber->hears({hearing});
+  arrives(*udp, 1);  // stamped in 1970
+  arrives(*udp, 2);
+  udp->samples.back()->header().source_stamp_ns = realtime_ns();
+  EXPECT_TRUE(subscriber->wait({}));
+  EXPECT_EQ(taken(), (Sequences{2}));
+  const SubscriberStatus status = subscriber->status();
+  EXPECT_EQ(status.expired, 1U);
+  EXPECT_EQ(status.lost, 0U);
+  EXPECT_EQ(status.writers.at(0).expired, 1U);
 }
 
 TEST_F(SubscriberCoreTest, EveryWriterHasItsOwnSequence) {

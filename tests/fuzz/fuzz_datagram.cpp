@@ -48,19 +48,19 @@ void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::v
   const udp::SampleLabel label{static_cast<std::uint32_t>(stream.writer), byte(8) % 8U,
                                static_cast<std::uint16_t>(byte(2) % 2)};
   const std::uint32_t number = (byte(12) | byte(13) << 8) % 1024U;
-  if ((action & first) == 0 || d.size() < udp::first_header_bytes) {
+  if ((action & first) == 0 || d.size() < udp::first_header_bytes + udp::rate_bytes) {
     udp::encode(udp::FollowingHeader{label, number}, d.data());
     return;
   }
   const FieldMask& mask = stream.masks[byte(16) % stream.masks.size()];
-  const auto flags = static_cast<std::uint8_t>(byte(1) % 2);
-  const std::size_t head = udp::first_header_bytes + (flags != 0 ? mask.words() * sizeof(std::uint64_t) : 0);
+  udp::FirstHeader header{label, static_cast<std::uint8_t>(byte(1) % 4), 0, mask.hash(), 0, {1, number}};
+  const bool words = (header.flags & udp::mask_words_follow) != 0;
+  const std::size_t head = header.bytes() + (words ? mask.words() * sizeof(std::uint64_t) : 0);
   const bool whole = byte(14) % 2 == 0 && d.size() >= head;
-  const std::uint32_t total = whole ? static_cast<std::uint32_t>(d.size() - head) : number;
-  udp::encode(udp::FirstHeader{label, flags, total, mask.hash(), 0}, d.data());
-  for (std::size_t i = 0; flags != 0 && i < mask.words() && udp::first_header_bytes + 8 * i + 8 <= d.size();
-       ++i) {
-    udp::store_word(mask.word(i), &d[udp::first_header_bytes + 8 * i]);
+  header.total = whole ? static_cast<std::uint32_t>(d.size() - head) : number;
+  udp::encode(header, d.data());
+  for (std::size_t i = 0; words && i < mask.words() && header.bytes() + 8 * i + 8 <= d.size(); ++i) {
+    udp::store_word(mask.word(i), &d[header.bytes() + 8 * i]);
   }
 }
 

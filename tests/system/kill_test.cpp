@@ -50,6 +50,13 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   }
 }
 
+/// Publishes nothing, and offers to be alive all the time.
+[[noreturn]] void live_forever() {
+  Node node = Node::open({.name = "living"}).value();
+  auto publisher = node.publisher<PointCloud2>("points", {.liveliness_lease = 500ms}).value();
+  for (;;) pause();
+}
+
 // ---- the tests' own language ----
 
 class Process {
@@ -63,6 +70,8 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
+  /// SIGSTOP, SIGCONT
+  void signal(int number) const { kill(pid_, number); }
   void kill_now() {
     if (pid_ <= 0) return;
     kill(pid_, SIGKILL);
@@ -193,12 +202,33 @@ TEST_F(KillTest, AKilledNodeIsNoticedAndNoLongerServed) {
       30s));
 }
 
+TEST_F(KillTest, APublisherThatIsStoppedOrKilledLosesItsLiveliness) {
+  Node node = Node::open({.name = "reader"}).value();
+  std::atomic<int> lost{0}, recovered{0};
+  const auto note = [&](const Event& event) {
+    lost += event.kind == EventKind::liveliness_lost ? 1 : 0;
+    recovered += event.kind == EventKind::liveliness_recovered ? 1 : 0;
+  };
+  auto subscriber =
+      node.subscriber<PointCloud2, F::height>("points", {.liveliness_lease = 1s, .on_event = note}).value();
+  Process publisher("living");
+  ASSERT_TRUE(eventually([&] { return subscriber.status().writers.size() == 1; }));
+  EXPECT_FALSE(eventually([&] { return lost != 0; }, 1500ms));
+  publisher.signal(SIGSTOP);
+  EXPECT_TRUE(eventually([&] { return lost == 1; }, 3s));
+  publisher.signal(SIGCONT);
+  EXPECT_TRUE(eventually([&] { return recovered == 1; }, 3s));
+  publisher.kill_now();
+  EXPECT_TRUE(eventually([&] { return lost == 2; }, 3s));
+}
+
 }  // namespace
 }  // namespace sft::test
 
 int main(int argc, char** argv) {
   const std::string role = argc == 3 && std::strcmp(argv[1], "--role") == 0 ? argv[2] : "";
   if (role == "publisher") sft::test::publish_forever();
+  if (role == "living") sft::test::live_forever();
   if (role == "subscriber") sft::test::subscribe_forever();
   ::testing::InitGoogleTest(&argc, argv);
   if (GTEST_FLAG_GET(list_tests)) return RUN_ALL_TESTS();

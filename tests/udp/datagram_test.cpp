@@ -53,6 +53,46 @@ TEST(Datagram, ReadsWhatItWrote) {
   EXPECT_EQ(d->payload.data(), &bytes[first_header_bytes]);
 }
 
+TEST(Datagram, CarriesTheRateBehindTheFirstHeaderOnlyWhereThereIsOne) {
+  std::array<std::byte, first_header_bytes + rate_bytes + 3> bytes{};
+  FirstHeader header{.label = label, .flags = rate_follows, .total = 9, .mask = 5};
+  header.rate = {.min_period_us = 100'000, .ordinal = 7};
+  encode(header, bytes.data());
+  EXPECT_EQ(header.bytes(), 40U);
+  EXPECT_EQ(std::to_integer<unsigned>(bytes[36]), 7U);
+  const auto d = parse(bytes);
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->first.rate, header.rate);
+  EXPECT_EQ(d->payload.size(), 3U);
+  EXPECT_FALSE(parse(std::span(bytes).first(39)));
+  header.flags = 0;
+  EXPECT_EQ(header.bytes(), 32U);
+}
+
+TEST(Datagram, CarriesTheMarkOfARetainedSampleBehindTheRate) {
+  std::array<std::byte, first_header_bytes + rate_bytes + history_bytes + 1> bytes{};
+  FirstHeader header{.label = label, .flags = rate_follows | history_follows};
+  header.rate = {.min_period_us = 100'000, .ordinal = 7};
+  header.history = {.reader = 0x1'0000'0002, .oldest = 9};
+  encode(header, bytes.data());
+  EXPECT_EQ(header.bytes(), 56U);
+  const auto d = parse(bytes);
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->first.rate, header.rate);
+  EXPECT_EQ(d->first.history, header.history);
+  EXPECT_EQ(d->payload.size(), 1U);
+  EXPECT_FALSE(parse(std::span(bytes).first(55)));
+  header.history.reader = 0;
+  encode(header, bytes.data());
+  EXPECT_FALSE(parse(bytes)) << "for nobody";
+}
+
+TEST(Datagram, OfARateWithoutPeriodIsRefused) {
+  std::array<std::byte, first_header_bytes + rate_bytes> bytes{};
+  encode(FirstHeader{.label = label, .flags = rate_follows}, bytes.data());
+  EXPECT_FALSE(parse(bytes));
+}
+
 class BrokenDatagram : public testing::Test {
  protected:
   std::vector<std::byte> first() const {
@@ -83,7 +123,7 @@ TEST_F(BrokenDatagram, IsRefusedWhenOfAnotherVersionOrKind) {
 
 TEST_F(BrokenDatagram, IsRefusedWhenAFlagIsNotKnown) {
   auto bytes = first();
-  bytes[1] = std::byte{2};
+  bytes[1] = std::byte{8};
   EXPECT_FALSE(parse(bytes));
 }
 

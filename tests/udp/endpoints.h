@@ -41,15 +41,16 @@ inline std::shared_ptr<core::BufferPool> make_pool() {
 
 class Subscriber final : private core::ArrivalListener {
  public:
-  Subscriber(core::Transport& transport, const std::vector<std::string>& masks, std::uint32_t depth = 1000) {
+  Subscriber(core::Transport& transport, const std::vector<std::string>& masks, std::uint32_t depth = 1000,
+             core::EndpointId id = 1) {
     port_ =
         transport
             .open_reader(
-                {.id = 1, .type = &type_support<Image>(), .depth = depth, .listener = this, .doorbell = {}})
+                {.id = id, .type = &type_support<Image>(), .depth = depth, .listener = this, .doorbell = {}})
             .value();
-    std::vector<FieldMask> accepted;
-    for (const std::string& mask : masks) accepted.push_back(fields<Image>(mask));
-    port_->accept_masks(accepted);
+    std::vector<core::Wanted> accepted;
+    for (const std::string& mask : masks) accepted.push_back({fields<Image>(mask)});
+    port_->accept(accepted);
   }
 
   void listen_to(core::EndpointId writer, std::size_t max_sample_bytes = 0) {
@@ -104,11 +105,16 @@ class Publisher {
 
   core::SendStatus publish(const Image& image) { return publish(image, *pool_); }
   core::SendStatus publish(const Image& image, core::BufferPool& pool) {
+    const core::SampleHandle sample = make(image, pool);
+    return sample ? port_->send(sample) : core::SendStatus::dropped;
+  }
+  /// The next sample, not sent.
+  core::SampleHandle make(const Image& image) { return make(image, *pool_); }
+  core::SampleHandle make(const Image& image, core::BufferPool& pool) {
     const FieldMask all = fields<Image>("*");
-    const core::SampleHandle sample = pool.take(sample_bytes(image, all));
-    if (!sample) return core::SendStatus::dropped;
-    fill(*sample, image, all, id_, ++sequence_);
-    return port_->send(sample);
+    core::SampleHandle sample = pool.take(sample_bytes(image, all));
+    if (sample) fill(*sample, image, all, id_, ++sequence_);
+    return sample;
   }
 
   core::EndpointId id() const { return id_; }

@@ -14,12 +14,14 @@ class InboxTest : public testing::Test {
  protected:
   using Taken = std::vector<std::pair<core::EndpointId, std::uint64_t>>;  ///< writers and sequences
 
-  void deliver(core::EndpointId writer, std::uint64_t from, std::uint64_t to) {
+  void deliver(core::EndpointId writer, std::uint64_t from, std::uint64_t to,
+               std::uint64_t oldest_retained = 0) {
     for (std::uint64_t sequence = from; sequence <= to; ++sequence) {
       core::SampleHandle sample = memory_->take(1000);
       ASSERT_TRUE(sample);
       sample->header().writer = writer;
       sample->header().sequence = sequence;
+      sample->oldest_retained = oldest_retained;
       inbox_.deliver(std::move(sample));
     }
   }
@@ -93,6 +95,18 @@ TEST_F(InboxTest, LeavesLossesThatASequenceShowsToIt) {
   inbox_.disconnect(1);
   inbox_.disconnect(2);  // 4 samples: 2 of the first writer goes
   EXPECT_EQ(take_all(), (Taken{{1, 3}, {2, 1}, {2, 2}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 0U);
+}
+
+/// What was sent first of a writer's history is known from each sample of it.
+TEST_F(InboxTest, LeavesLossesOfRetainedSamplesToTheirReader) {
+  inbox_.connect(1);
+  deliver(1, 11, 13, 11);
+  inbox_.connect(2);
+  deliver(2, 1, 1);
+  inbox_.disconnect(1);
+  inbox_.disconnect(2);  // 4 samples: 11 of the first writer goes
+  EXPECT_EQ(take_all(), (Taken{{1, 12}, {1, 13}, {2, 1}}));
   EXPECT_EQ(inbox_.lost_unnoticed(), 0U);
 }
 

@@ -17,8 +17,19 @@ class LaneTest : public testing::Test {
   JobHandle job(std::uint32_t number) {
     JobHandle job = jobs_->take();
     job->sample = memory_->take(1000);
+    job->first = {};
     job->first.label.sequence = number;
     return job;
+  }
+  JobHandle retained(std::uint32_t number) {
+    JobHandle retained = job(number);
+    retained->first.flags = history_follows;
+    return retained;
+  }
+  std::vector<JobHandle> all_retained(const Numbers& numbers) {
+    std::vector<JobHandle> jobs;
+    for (const std::uint32_t number : numbers) jobs.push_back(retained(number));
+    return jobs;
   }
   static Numbers take_all(Lane& lane) {
     Numbers numbers;
@@ -94,6 +105,50 @@ TEST_F(LaneTest, DropsWhatIsQueuedWhenItIsClosedAndTakesNothingMore) {
   EXPECT_EQ(held(), 1U) << "what is being sent";
   EXPECT_FALSE(one_.post(job(3)).dropped_oldest);
   EXPECT_EQ(take_all(one_), Numbers{});
+  EXPECT_EQ(held(), 0U);
+}
+
+TEST_F(LaneTest, SendsRetainedSamplesHoweverManyBeforeWhatWaitedForThem) {
+  one_.hold();
+  EXPECT_FALSE(one_.idle());
+  EXPECT_FALSE(one_.post(job(5)).was_idle) << "it cannot go yet";
+  EXPECT_TRUE(one_.release(all_retained({1, 2, 3, 4})));
+  EXPECT_EQ(tally_->history_waiting, 4U);
+  EXPECT_FALSE(one_.post(job(6)).was_idle);
+  EXPECT_EQ(take_all(one_), (Numbers{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(tally_->history_waiting, 0U);
+  EXPECT_TRUE(one_.idle());
+}
+
+TEST_F(LaneTest, WaitsUntilTheLastReaderThatHeldItHasItsRetainedSamples) {
+  one_.post(job(7));
+  one_.hold();
+  one_.hold();
+  EXPECT_EQ(take_all(one_), Numbers{});
+  EXPECT_TRUE(one_.release(all_retained({1, 2})));
+  EXPECT_EQ(take_all(one_), (Numbers{1, 2}));
+  EXPECT_FALSE(one_.idle());
+  EXPECT_TRUE(one_.release({}));
+  EXPECT_EQ(take_all(one_), Numbers{7});
+  EXPECT_TRUE(one_.idle());
+}
+
+TEST_F(LaneTest, IsIdleAfterAHoldForWhichNothingWasRetained) {
+  one_.hold();
+  EXPECT_FALSE(one_.release({}));
+  EXPECT_TRUE(one_.idle());
+}
+
+TEST_F(LaneTest, OwesNothingAnyMoreWhenItIsClosed) {
+  one_.hold();
+  EXPECT_TRUE(one_.release(all_retained({1, 2, 3})));
+  one_.next();
+  one_.hold();
+  one_.close();
+  EXPECT_FALSE(one_.release(all_retained({4})));
+  EXPECT_EQ(tally_->history_waiting, 1U) << "what is being sent";
+  EXPECT_EQ(take_all(one_), Numbers{});
+  EXPECT_EQ(tally_->history_waiting, 0U);
   EXPECT_EQ(held(), 0U);
 }
 

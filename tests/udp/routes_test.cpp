@@ -41,6 +41,20 @@ TEST_F(RoutesTest, GroupsReadersByMaskAndMaskReadersByAddress) {
   EXPECT_NE(t->groups[0].wire->variant, t->groups[1].wire->variant);
 }
 
+TEST_F(RoutesTest, GroupsReadersByMaximumRateToo) {
+  const auto slow = std::make_shared<const core::RateGate>(100'000);
+  core::Route limited = route(1, fields<Image>("data"));
+  limited.gate = slow;
+  core::Route other = route(2, fields<Image>("data"));
+  other.gate = slow;
+  const auto t = table({route(1, fields<Image>("data")), limited, other});
+  ASSERT_EQ(t->groups.size(), 2U);
+  EXPECT_EQ(t->groups[0].gate, nullptr);
+  EXPECT_EQ(t->groups[1].gate, slow);
+  EXPECT_EQ(t->groups[1].lanes.size(), 2U);
+  EXPECT_NE(t->groups[0].wire->variant, t->groups[1].wire->variant);
+}
+
 TEST_F(RoutesTest, LeavesReadersInSharedMemoryOut) {
   EXPECT_TRUE(table({{1, core::DoorbellAddress{.page = 1, .slot = 2}, fields<Image>("*")}})->groups.empty());
 }
@@ -92,17 +106,17 @@ TEST_F(RoutesTest, ReusesANumberOnlyAfterAllOthers) {
   std::vector<std::uint16_t> numbers;
   for (std::uint64_t i = 0; i < 70'000; ++i) {
     variants_.next_round();
-    numbers.push_back(variants_.find(mask(i)).wire->variant);
+    numbers.push_back(variants_.find({mask(i)}).wire->variant);
   }
   EXPECT_EQ(std::set<std::uint16_t>(numbers.begin(), numbers.begin() + 65'536).size(), 65'536U);
 }
 
 TEST_F(RoutesTest, NeverGivesANumberThatIsInUse) {
-  const std::uint16_t kept = variants_.find(mask(1'000'000)).wire->variant;
+  const std::uint16_t kept = variants_.find({mask(1'000'000)}).wire->variant;
   for (std::uint64_t i = 0; i < 70'000; ++i) {
     variants_.next_round();
-    EXPECT_EQ(variants_.find(mask(1'000'000)).wire->variant, kept);
-    EXPECT_NE(variants_.find(mask(i)).wire->variant, kept);
+    EXPECT_EQ(variants_.find({mask(1'000'000)}).wire->variant, kept);
+    EXPECT_NE(variants_.find({mask(i)}).wire->variant, kept);
   }
 }
 

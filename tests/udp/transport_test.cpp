@@ -94,6 +94,46 @@ TEST_P(TransportTest, CarriesASmallSample) {
   EXPECT_NE(samples[0]->receive_stamp_ns, 0);
 }
 
+TEST_P(TransportTest, SendsRetainedSamplesToOneReaderBeforeWhatComesMeanwhile) {
+  const auto there = open(), here = open();
+  Subscriber early(*here, {"data"}, 1000, 1);
+  Subscriber late(*here, {"data"}, 1000, 2);
+  Publisher publisher(*there);
+  early.listen_to(publisher.id());
+  late.listen_to(publisher.id());
+  const FieldMask mask = fields<Image>("data");
+  const core::Route to_early{1, loopback_address(*here), mask};
+  core::Route to_late{2, loopback_address(*here), mask};
+  to_late.history = 3;
+  std::vector<core::SampleHandle> retained;
+  for (std::size_t i = 0; i < 3; ++i) retained.push_back(publisher.make(make_image(30'000 * i)));
+
+  publisher.port().set_routes({to_early, to_late});
+  for (int i = 0; i < 2; ++i) publisher.publish(make_image(10));  // waits: some reader is to get others first
+  publisher.port().send_history(to_late, retained);
+  EXPECT_EQ(late.await_sequences(5), first_numbers(5));
+  EXPECT_EQ(early.await_sequences(2), (std::vector<std::uint64_t>{4, 5}));
+  EXPECT_EQ(late.await(1)[0]->addressee, 2U);
+  EXPECT_EQ(late.await(1)[0]->oldest_retained, 1U);
+  EXPECT_TRUE(eventually([&] { return publisher.port().history_sent(); }));
+  publisher.publish(make_image(10));
+  EXPECT_EQ(late.await_sequences(6), first_numbers(6));
+}
+
+TEST_P(TransportTest, GoesOnWhereNothingIsRetained) {
+  const auto there = open(), here = open();
+  Subscriber late(*here, {"*"});
+  Publisher publisher(*there);
+  late.listen_to(publisher.id());
+  core::Route to_late{1, loopback_address(*here), fields<Image>("*")};
+  to_late.history = 3;
+  publisher.port().set_routes({to_late});
+  publisher.publish(make_image(10));
+  publisher.port().send_history(to_late, {});
+  publisher.publish(make_image(10));
+  EXPECT_EQ(late.await_sequences(2), first_numbers(2));
+}
+
 /// Where the kernel grants little memory to a socket, some may get lost.
 TEST_P(TransportTest, CarriesTheLargestSample) {
   const auto there = open({.pace_bytes_per_s = 100'000'000}), here = open();
@@ -337,7 +377,7 @@ TEST_P(TransportTest, KeepsTheNewestUntilTheyAreTaken) {
                                          .doorbell = {}})
                           .value();
   Publisher publisher(*there);
-  reader->accept_masks({fields<Image>("*")});
+  reader->accept({{fields<Image>("*")}});
   ASSERT_TRUE(reader->connect({publisher.id(), 0}));
   publisher.serve({{loopback_address(*here)}});
   for (int i = 0; i < 10; ++i) publisher.publish(make_image(10));
@@ -532,7 +572,7 @@ TEST_P(TransportTest, CallsNoListenerAfterItsReaderWent) {
                                        .listener = &listener,
                                        .doorbell = {}})
                         .value();
-      reader->accept_masks({fields<Image>("*")});
+      reader->accept({{fields<Image>("*")}});
       ASSERT_TRUE(reader->connect({flood.id(), 0}));
       ASSERT_TRUE(eventually([&] { return listener.calls > 0; }));
       reader.reset();
@@ -561,7 +601,7 @@ TEST_P(TransportTest, LetsAListenerDestroyItsReader) {
                                          .listener = &listener,
                                          .doorbell = {}})
                           .value();
-    listener.reader->accept_masks({fields<Image>("*")});
+    listener.reader->accept({{fields<Image>("*")}});
     Publisher publisher(*there);
     ASSERT_TRUE(listener.reader->connect({publisher.id(), 0}));
     publisher.serve({{loopback_address(*here)}});

@@ -9,6 +9,9 @@
 #include <string>
 #include <string_view>
 
+#include "sft/event.h"
+#include "sft/qos.h"
+
 namespace sft {
 
 /// Which way samples may travel. `automatic` is shared memory between processes of one host and UDP between
@@ -48,12 +51,25 @@ struct NodeOptions {
 
 struct PublisherStatus;
 
+/// Durations of 0 mean none: no deadline, never expires, no lease.
 struct PublisherOptions {
   TransportChoice transport = TransportChoice::automatic;
+  Reliability reliability = Reliability::best_effort;  ///< sft/qos.h says what it means, over UDP as of now
+  Durability durability = Durability::volatile_;
+  /// Samples kept for late subscribers where durability is transient_local, 1 to 128. They hold their memory,
+  /// in shared memory too, and are encoded whole although nobody may ask for all of it.
+  std::uint32_t history_depth = 1;
+  std::chrono::nanoseconds deadline{0};  ///< promises a sample at least so often; told when it fails
+  /// A sample that was published longer ago is not delivered any more, as far as the clocks of both hosts
+  /// agree.
+  std::chrono::nanoseconds lifespan{0};
+  Liveliness liveliness = Liveliness::automatic;
+  std::chrono::nanoseconds liveliness_lease{0};     ///< promises a sign of life at least so often
   std::size_t max_sample_bytes = 16 * 1024 * 1024;  ///< announced: readers set memory aside for no more
-  /// After readers came, left or changed what they ask for, and that is in force. On the node's agent thread:
-  /// be short.
+  /// After readers came, left or changed what they ask for, and that is in force: all of them as they are
+  /// now. (For what happened to each there is on_event.) On the node's agent thread: be short.
   std::function<void(const PublisherStatus&)> on_readers_changed{};
+  EventCallback on_event{};
 };
 
 struct RecordingSettings {
@@ -62,12 +78,22 @@ struct RecordingSettings {
       100;  ///< later, a field not read for so many samples is no longer asked for
 };
 
+/// Durations of 0 mean none: any deadline will do, any liveliness.
 struct SubscriberOptions {
   TransportChoice transport = TransportChoice::automatic;
+  Reliability reliability = Reliability::best_effort;
+  Durability durability = Durability::volatile_;
   /// Samples kept until taken, per publisher; then the oldest are lost, and counted. In shared memory 256 at
   /// most, and of publishers that are gone no more than this in all.
   std::uint32_t depth = 8;
+  std::chrono::nanoseconds deadline{0};  ///< it expects a sample of each publisher at least so often
+  Liveliness liveliness = Liveliness::automatic;
+  std::chrono::nanoseconds liveliness_lease{0};  ///< it expects a sign of life at least so often
+  /// At most so many samples a second, evenly; 0: all. What is withheld for it is not sent, and is counted
+  /// apart from what is lost. Subscriber::set_max_rate_hz() changes it.
+  double max_rate_hz = 0;
   RecordingSettings recording{};
+  EventCallback on_event{};
 };
 
 }  // namespace sft

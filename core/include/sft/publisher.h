@@ -137,6 +137,9 @@ class Publisher {
     return loan(prototype, sizes, ReservedMemory::as_it_is);
   }
 
+  /// A sign of life where liveliness is manual_by_topic and there is nothing to publish. Any thread, cheap.
+  void assert_liveliness() { publisher_.assert_liveliness(); }
+
   PublisherStatus status() const { return publisher_.status(); }
   const TypeSupport& type() const { return publisher_.type(); }
 

@@ -25,6 +25,10 @@ class Subscriber {
   /// Sleeps until there is something to take or the time is over; tells which.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
 
+  /// Another SubscriberOptions::max_rate_hz from now on, on any thread; publishers follow in a moment. An
+  /// error if it is no rate.
+  Result<void> set_max_rate_hz(double max_rate_hz) { return subscriber_.set_max_rate_hz(max_rate_hz); }
+
   SubscriberStatus status() const { return subscriber_.status(); }
   const TypeSupport& type() const { return subscriber_.type(); }
 

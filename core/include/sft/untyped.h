@@ -135,6 +135,7 @@ class Publisher {
   /// An encoded payload of the whole type, see Publisher::publish_cdr.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
   Result<Loan> loan(const void* prototype, std::span<const Reservation> reservations, ReservedMemory memory);
+  void assert_liveliness();
   PublisherStatus status() const;
   const TypeSupport& type() const;
 
@@ -160,6 +161,7 @@ class Subscriber {
   Sample take();
   Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout);
+  Result<void> set_max_rate_hz(double max_rate_hz);
   SubscriberStatus status() const;
   const TypeSupport& type() const;
 

@@ -1,0 +1,148 @@
+#include "core/events.h"
+
+#include <algorithm>
+
+namespace sft {
+
+const char* to_string(EventKind kind) {
+  switch (kind) {
+    case EventKind::matched:
+      return "matched";
+    case EventKind::unmatched:
+      return "unmatched";
+    case EventKind::path_changed:
+      return "path changed";
+    case EventKind::incompatible_qos:
+      return "incompatible QoS";
+    case EventKind::incompatible_type:
+      return "incompatible type";
+    case EventKind::deadline_missed:
+      return "deadline missed";
+    case EventKind::liveliness_lost:
+      return "liveliness lost";
+    case EventKind::liveliness_recovered:
+      return "liveliness recovered";
+    case EventKind::samples_lost:
+      return "samples lost";
+  }
+  return "unknown";
+}
+
+namespace core {
+
+namespace {
+
+// The two kinds of peer differ in a name only: a reader is served, a writer is heard.
+bool matched(const ReaderStatus& reader) { return reader.served; }
+bool matched(const WriterStatus& writer) { return writer.matched; }
+
+template <class Peer>
+Event event_of(EventKind kind, const Peer& peer, std::string text, std::uint64_t count = 1) {
+  return {.kind = kind,
+          .peer = peer.id,
+          .node = peer.node,
+          .policy = peer.incompatible_policy,
+          .count = count,
+          .text = std::move(text)};
+}
+
+template <class Peer>
+std::string path_of(const Peer& peer) {
+  return std::string(to_string(peer.transport)) + ": " + peer.reason;
+}
+
+/// `before` is a state of the same peer, or an empty one.
+template <class Peer>
+void add_changes(const Peer& before, const Peer& after, std::vector<Event>& events) {
+  if (matched(before) && !matched(after)) {
+    events.push_back(event_of(EventKind::unmatched, after, after.reason));
+  }
+  if (after.incompatible_type && !before.incompatible_type) {
+    events.push_back(event_of(EventKind::incompatible_type, after, after.reason));
+  }
+  if (after.incompatible_policy != QosPolicy::none &&
+      (before.incompatible_policy != after.incompatible_policy || before.reason != after.reason)) {
+    events.push_back(event_of(EventKind::incompatible_qos, after, after.reason));
+  }
+  if (!matched(before) && matched(after)) {
+    events.push_back(event_of(EventKind::matched, after, path_of(after)));
+  } else if (matched(after) && before.transport != after.transport) {
+    events.push_back(event_of(EventKind::path_changed, after, path_of(after)));
+  }
+}
+
+template <class Peer>
+const Peer* find(const std::vector<Peer>& peers, std::uint64_t id) {
+  const auto found = std::find_if(peers.begin(), peers.end(), [&](const Peer& p) { return p.id == id; });
+  return found == peers.end() ? nullptr : &*found;
+}
+
+/// Calls `changed(before, after)` for each peer that is there, and tells of those that are not any more.
+template <class Peer, class Changed>
+void compare(const std::vector<Peer>& before, const std::vector<Peer>& after, std::vector<Event>& events,
+             Changed changed) {
+  for (const Peer& gone : before) {
+    if (matched(gone) && find(after, gone.id) == nullptr) {
+      events.push_back(event_of(EventKind::unmatched, gone, "it is gone"));
+    }
+  }
+  for (const Peer& peer : after) {
+    const Peer* known = find(before, peer.id);
+    changed(known == nullptr ? Peer{} : *known, peer);
+  }
+}
+
+void add_promises(const WriterStatus& before, const WriterStatus& after, std::vector<Event>& events) {
+  if (after.deadlines_missed > before.deadlines_missed) {
+    const std::uint64_t missed = after.deadlines_missed - before.deadlines_missed;
+    events.push_back(
+        event_of(EventKind::deadline_missed, after, "no sample within the requested deadline", missed));
+  }
+  if (before.alive == after.alive) return;
+  events.push_back(event_of(after.alive ? EventKind::liveliness_recovered : EventKind::liveliness_lost, after,
+                            after.alive ? "it gives signs of life again" : after.reason));
+}
+
+void add_promises(const PublisherStatus& before, const PublisherStatus& after, std::vector<Event>& events) {
+  if (after.deadlines_missed > before.deadlines_missed) {
+    events.push_back({.kind = EventKind::deadline_missed,
+                      .count = after.deadlines_missed - before.deadlines_missed,
+                      .text = "nothing was published within the offered deadline"});
+  }
+  if (before.alive && !after.alive) {
+    events.push_back(
+        {.kind = EventKind::liveliness_lost, .text = "liveliness was not asserted within the lease"});
+  } else if (after.alive && !before.alive) {
+    events.push_back({.kind = EventKind::liveliness_recovered, .text = "liveliness is asserted again"});
+  }
+}
+
+void add_counts(const WriterStatus& before, const WriterStatus& after, std::vector<Event>& events) {
+  if (after.lost > before.lost) {
+    const std::uint64_t lost = after.lost - before.lost;
+    events.push_back(event_of(EventKind::samples_lost, after, std::to_string(lost) + " lost", lost));
+  }
+}
+
+}  // namespace
+
+std::vector<Event> events_between(const PublisherStatus& before, const PublisherStatus& after) {
+  std::vector<Event> events;
+  compare(before.readers, after.readers, events,
+          [&](const ReaderStatus& b, const ReaderStatus& a) { add_changes(b, a, events); });
+  add_promises(before, after, events);
+  return events;
+}
+
+std::vector<Event> events_between(const SubscriberStatus& before, const SubscriberStatus& after) {
+  std::vector<Event> events;
+  compare(before.writers, after.writers, events, [&](const WriterStatus& b, const WriterStatus& a) {
+    add_changes(b, a, events);
+    add_promises(b, a, events);
+    add_counts(b, a, events);
+  });
+  return events;
+}
+
+}  // namespace core
+}  // namespace sft

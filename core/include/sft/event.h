@@ -1,0 +1,41 @@
+// What publishers and subscribers tell of by themselves, so that nobody needs to poll status().
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "sft/qos.h"
+
+namespace sft {
+
+enum class EventKind : std::uint8_t {
+  matched,               ///< `text`: by which path, and why
+  unmatched,             ///< `text`: why
+  path_changed,          ///< `text`: to which, and why
+  incompatible_qos,      ///< `policy`; never matches
+  incompatible_type,     ///< the same name of a topic, another type; never matches
+  deadline_missed,       ///< offered, on a publisher: `peer` is 0; requested, on a subscriber
+  liveliness_lost,       ///< on a publisher, its own: `peer` is 0; on a subscriber, that of a publisher
+  liveliness_recovered,  ///< likewise
+  samples_lost,          ///< on subscribers
+};
+const char* to_string(EventKind kind);
+
+struct Event {
+  EventKind kind{};
+  std::uint64_t peer = 0;  ///< id of the subscriber or publisher at the other end; 0: concerns none
+  std::string node{};      ///< and its node
+  QosPolicy policy = QosPolicy::none;
+  std::uint64_t count = 1;  ///< of deadlines missed or samples lost since the last such event
+  std::string text{};       ///< for people
+  friend bool operator==(const Event&, const Event&) = default;
+};
+
+/// Called on the node's agent thread, which does nothing else meanwhile: be short. No lock is held,
+/// everything of SFT may be called and destroyed. What comes and goes within one batch of news may not be
+/// told. After the destructor of the publisher or subscriber it is not called any more (unless that runs in
+/// the call itself).
+using EventCallback = std::function<void(const Event&)>;
+
+}  // namespace sft

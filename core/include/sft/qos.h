@@ -1,0 +1,55 @@
+// Quality of service, with the names and rules of DDS (ROS 2 has the same): what a publisher offers must be
+// at least what a subscriber requests, or the two never match, and both are told which policy is to blame.
+//
+//   policy       matches if
+//   reliability  offered >= requested, best_effort < reliable
+//   durability   offered >= requested, volatile_ < transient_local
+//   deadline     offered <= requested, none is the longest
+//   liveliness   kind: offered >= requested, automatic < manual_by_topic; lease: offered <= requested
+//
+// History, lifespan and rate are each side's own affair.
+#pragma once
+
+#include <cstdint>
+
+namespace sft {
+
+enum class Reliability : std::uint8_t {
+  best_effort,
+  /// Nothing is lost between processes of a host beyond the subscriber's depth. Over UDP, as of now, a
+  /// reliable pair gets what a best-effort one gets: what was lost is counted exactly, and not sent again.
+  reliable,
+};
+enum class Durability : std::uint8_t {
+  volatile_,  ///< a subscriber gets what is published from when it is served
+  /// And before that the last samples of each publisher, as many as both sides keep, which come by UDP. As of
+  /// now a pair that rules UDP out gets none of them, which its status() says; it counts them as lost.
+  transient_local,
+};
+enum class Liveliness : std::uint8_t {
+  /// A publisher is alive as long as its node is. Where a subscriber asks for a lease, the node says so three
+  /// times in each, for all its publishers at once, in some 155 bytes.
+  automatic,
+  manual_by_topic,  ///< as long as it publishes, or says so by assert_liveliness()
+};
+using enum Reliability;
+using enum Durability;
+using Liveliness::manual_by_topic;
+
+enum class QosPolicy : std::uint8_t { none, reliability, durability, deadline, liveliness };
+
+constexpr const char* to_string(Reliability kind) {
+  return kind == Reliability::reliable ? "reliable" : "best_effort";
+}
+constexpr const char* to_string(Durability kind) {
+  return kind == Durability::transient_local ? "transient_local" : "volatile";
+}
+constexpr const char* to_string(Liveliness kind) {
+  return kind == Liveliness::manual_by_topic ? "manual_by_topic" : "automatic";
+}
+constexpr const char* to_string(QosPolicy policy) {
+  constexpr const char* names[] = {"none", "reliability", "durability", "deadline", "liveliness"};
+  return names[static_cast<std::uint8_t>(policy)];
+}
+
+}  // namespace sft

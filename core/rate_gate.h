@@ -1,0 +1,68 @@
+// A maximum rate: which samples of a writer are for a reader that asks for no more than so many a second.
+// Pure: stamps in, answers out.
+//
+// Time is cut into slots of one period, on the grid of the stamps' clock. Each slot that begins is worth one
+// sample, and one that was not used can be saved: a source that beats about as fast as the limit then loses
+// nothing to its jitter. So in any n periods at most n + 2 samples pass, and in the long run one in each.
+//
+// Two that keep the same limit need not talk to each other: whoever has let nothing pass but what the other
+// let pass never has less to spend than the other. That is how a reader in shared memory follows its writer.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <limits>
+
+namespace sft::core {
+
+class RateBudget {
+ public:
+  static constexpr std::int64_t most_saved = 2;
+
+  /// With all that can be saved. A period of 0 us: no limit.
+  explicit RateBudget(std::uint32_t min_period_us = 0, std::int64_t saved = most_saved)
+      : min_period_us_(min_period_us), saved_(saved) {}
+  /// With nothing to spend before the next slot.
+  static RateBudget spent(std::uint32_t min_period_us, std::int64_t stamp_ns);
+
+  std::uint32_t min_period_us() const { return min_period_us_; }
+  bool allows(std::int64_t stamp_ns) const;
+  /// Whether it allows a sample, which it has then paid for. Stamps may go back: the clock was set.
+  bool take(std::int64_t stamp_ns);
+  /// How many more samples than can be saved it would have allowed until then; without limit any number.
+  std::uint64_t forfeited(std::int64_t stamp_ns) const;
+
+ private:
+  static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::min();
+  std::int64_t slot_of(std::int64_t stamp_ns) const;
+  std::int64_t worth(std::int64_t stamp_ns) const;
+
+  std::uint32_t min_period_us_;
+  std::int64_t slot_ = never;  ///< in which `saved_` was right
+  std::int64_t saved_;
+};
+
+/// A writer's, one for each limit that its readers ask for. The publisher's thread, but for withheld().
+class RateGate {
+ public:
+  /// Begins with one sample, not with a burst. (A reader's budget begins full: it must not have less.)
+  explicit RateGate(std::uint32_t min_period_us) : budget_(min_period_us, 1) {}
+
+  std::uint32_t min_period_us() const { return budget_.min_period_us(); }
+  /// Once for every sample.
+  void consider(std::int64_t stamp_ns);
+  /// Whether the sample considered last is for the readers behind this gate.
+  bool passes() const { return passes_; }
+  /// Of the samples that passed, the number of the last; readers tell by it what was lost from what was
+  /// withheld.
+  std::uint32_t ordinal() const { return ordinal_; }
+  std::uint64_t withheld() const { return withheld_.load(std::memory_order_relaxed); }
+
+ private:
+  RateBudget budget_;
+  bool passes_ = false;
+  std::uint32_t ordinal_ = 0;
+  std::atomic<std::uint64_t> withheld_{0};
+};
+
+}  // namespace sft::core

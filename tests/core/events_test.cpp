@@ -1,0 +1,153 @@
+// Events as the difference of two states, and the sink between the agent and a destructor.
+#include "core/events.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <thread>
+
+#include "core/event_sink.h"
+
+namespace sft::core {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr std::uint64_t peer = 7;
+
+PublisherStatus serving(const ReaderStatus& reader) {
+  PublisherStatus status;
+  status.readers = {reader};
+  return status;
+}
+SubscriberStatus hearing(const WriterStatus& writer) {
+  SubscriberStatus status;
+  status.writers = {writer};
+  return status;
+}
+
+ReaderStatus reader(bool served, TransportKind transport = TransportKind::udp, std::string reason = "so") {
+  return {.id = peer, .node = "n", .served = served, .transport = transport, .reason = std::move(reason)};
+}
+WriterStatus writer(bool matched, std::string reason = "so") {
+  return {.id = peer, .node = "n", .matched = matched, .reason = std::move(reason)};
+}
+
+std::vector<EventKind> kinds(const std::vector<Event>& events) {
+  std::vector<EventKind> k;
+  for (const Event& event : events) k.push_back(event.kind);
+  return k;
+}
+
+TEST(EventsTest, NothingHappensBetweenEqualStates) {
+  EXPECT_THAT(events_between(serving(reader(true)), serving(reader(true))), IsEmpty());
+  EXPECT_THAT(events_between(hearing(writer(true)), hearing(writer(true))), IsEmpty());
+}
+
+TEST(EventsTest, APeerIsMatchedWhenItIsServedAndNotBefore) {
+  EXPECT_THAT(events_between(PublisherStatus{}, serving(reader(false))), IsEmpty());
+  const auto events = events_between(serving(reader(false)), serving(reader(true)));
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0], (Event{.kind = EventKind::matched, .peer = peer, .node = "n", .text = "udp: so"}));
+}
+
+TEST(EventsTest, APeerIsUnmatchedWhenItIsNotServedAnyMoreOrGone) {
+  const auto silent = events_between(serving(reader(true)), serving(reader(false, {}, "no answer")));
+  ASSERT_THAT(kinds(silent), ElementsAre(EventKind::unmatched));
+  EXPECT_EQ(silent[0].text, "no answer");
+  EXPECT_THAT(kinds(events_between(hearing(writer(true)), SubscriberStatus{})),
+              ElementsAre(EventKind::unmatched));
+  EXPECT_THAT(events_between(hearing(writer(false)), SubscriberStatus{}), IsEmpty());
+}
+
+TEST(EventsTest, AnotherPathIsToldWithItsReasonAndAnotherReasonAloneIsNot) {
+  const auto before = serving(reader(true));
+  const auto events = events_between(before, serving(reader(true, TransportKind::shm, "same host")));
+  ASSERT_THAT(kinds(events), ElementsAre(EventKind::path_changed));
+  EXPECT_EQ(events[0].text, "shm: same host");
+  EXPECT_THAT(events_between(before, serving(reader(true, TransportKind::udp, "other words"))), IsEmpty());
+}
+
+TEST(EventsTest, IncompatiblePeersAreToldOnceOnBothSides) {
+  ReaderStatus r = reader(false, {}, "words");
+  r.incompatible_policy = QosPolicy::deadline;
+  const auto events = events_between(PublisherStatus{}, serving(r));
+  ASSERT_THAT(kinds(events), ElementsAre(EventKind::incompatible_qos));
+  EXPECT_EQ(events[0].policy, QosPolicy::deadline);
+  EXPECT_EQ(events[0].text, "words");
+  EXPECT_THAT(events_between(serving(r), serving(r)), IsEmpty());
+  WriterStatus w = writer(false);
+  w.incompatible_type = true;
+  EXPECT_THAT(kinds(events_between(SubscriberStatus{}, hearing(w))),
+              ElementsAre(EventKind::incompatible_type));
+}
+
+TEST(EventsTest, DeadlinesAndLivelinessAreToldOnBothSides) {
+  PublisherStatus good;
+  PublisherStatus late = good;
+  late.deadlines_missed = 3;
+  late.alive = false;
+  const auto offered = events_between(good, late);
+  ASSERT_THAT(kinds(offered), ElementsAre(EventKind::deadline_missed, EventKind::liveliness_lost));
+  EXPECT_EQ(offered[0].count, 3U);
+  EXPECT_EQ(offered[0].peer, 0U);
+  EXPECT_THAT(kinds(events_between(late, good)), ElementsAre(EventKind::liveliness_recovered));
+
+  WriterStatus silent = writer(true, "no sign of life");
+  silent.deadlines_missed = 1;
+  silent.alive = false;
+  const auto requested = events_between(hearing(writer(true)), hearing(silent));
+  ASSERT_THAT(kinds(requested), ElementsAre(EventKind::deadline_missed, EventKind::liveliness_lost));
+  EXPECT_EQ(requested[1].text, "no sign of life");
+  EXPECT_EQ(requested[1].peer, peer);
+  EXPECT_THAT(kinds(events_between(hearing(silent), hearing(writer(true)))),
+              ElementsAre(EventKind::liveliness_recovered));
+}
+
+TEST(EventsTest, LossesAreToldWithTheirNumber) {
+  WriterStatus before = writer(true);
+  before.lost = 2;
+  WriterStatus after = before;
+  after.lost = 5;
+  const auto events = events_between(hearing(before), hearing(after));
+  ASSERT_THAT(kinds(events), ElementsAre(EventKind::samples_lost));
+  EXPECT_EQ(events[0].count, 3U);
+}
+
+TEST(EventSinkTest, ClosedFromWithinACallItReturnsAtOnceAndIsTheLast) {
+  int calls = 0;
+  std::function<void()> close;
+  EventSink sink([&](const Event&) {
+    ++calls;
+    close();
+  });
+  close = [&] { sink.close(); };
+  sink.tell({});
+  sink.tell({});
+  EXPECT_EQ(calls, 1);
+  EXPECT_FALSE(sink.wanted());
+}
+
+TEST(EventSinkTest, OnceItIsClosedNoCallIsUnderWay) {
+  for (int round = 0; round < 200; ++round) {
+    int calls = 0;  // not atomic: it is close() that orders the threads
+    std::atomic<bool> begun{false};
+    EventSink sink([&](const Event&) {
+      begun = true;
+      ++calls;
+    });
+    std::thread agent([&] {
+      for (int i = 0; i < 100; ++i) sink.tell({});
+    });
+    while (!begun) std::this_thread::yield();
+    sink.close();
+    const int seen = calls;
+    agent.join();
+    EXPECT_EQ(calls, seen);
+  }
+}
+
+}  // namespace
+}  // namespace sft::core
