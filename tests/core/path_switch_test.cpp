@@ -11,6 +11,7 @@
 
 #include "core/publisher_core.h"
 #include "core/subscriber_core.h"
+#include "queue_port.h"
 #include "tests/support/test_seed.h"
 
 namespace sft::core {
@@ -60,24 +61,6 @@ class PathWriter final : public WriterPort {
   std::vector<Route> routes_;
 };
 
-class PathReader final : public ReaderPort {
- public:
-  SampleHandle take() noexcept override {
-    if (arrived.empty()) return {};
-    SampleHandle first = std::move(arrived.front());
-    arrived.pop_front();
-    return first;
-  }
-  Result<void> connect(const Source&) override { return {}; }
-  bool connected(EndpointId) const noexcept override { return true; }
-  std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
-  void disconnect(EndpointId) noexcept override {}
-  void accept(std::vector<Wanted>) override {}
-  std::uint64_t discarded() const noexcept override { return 0; }
-
-  std::deque<SampleHandle> arrived;
-};
-
 class PathSwitch : public test::RandomTest {
  protected:
   PathSwitch() {
@@ -113,12 +96,12 @@ class PathSwitch : public test::RandomTest {
   /// Datagrams may be lost, come late and come twice; chunks may be pushed out, but come in order.
   void move_one() {
     if (below(2) == 0 && !shm_writer->sent.empty()) {
-      if (below(8) != 0) shm_reader->arrived.push_back(shm_writer->sent.front());
+      if (below(8) != 0) shm_reader->samples.push_back(shm_writer->sent.front());
       shm_writer->sent.pop_front();
     } else if (!udp_writer->sent.empty()) {
       const auto which =
           udp_writer->sent.begin() + static_cast<std::ptrdiff_t>(below(udp_writer->sent.size()));
-      if (below(8) != 0) udp_reader->arrived.push_back(*which);
+      if (below(8) != 0) udp_reader->samples.push_back(*which);
       if (below(8) != 0) udp_writer->sent.erase(which);
     }
   }
@@ -159,8 +142,8 @@ class PathSwitch : public test::RandomTest {
       std::make_shared<PathWriter>(TransportKind::udp, pool, between);
   const std::shared_ptr<PathWriter> shm_writer =
       std::make_shared<PathWriter>(TransportKind::shm, pool, between);
-  const std::shared_ptr<PathReader> udp_reader = std::make_shared<PathReader>();
-  const std::shared_ptr<PathReader> shm_reader = std::make_shared<PathReader>();
+  const std::shared_ptr<QueuePort> udp_reader = std::make_shared<QueuePort>();
+  const std::shared_ptr<QueuePort> shm_reader = std::make_shared<QueuePort>();
   PublisherCore publisher{{9, "points", &type, 1 << 16}, pool, udp_writer};
   SubscriberCore subscriber{{.id = reader_id,
                              .topic = "points",
@@ -196,7 +179,7 @@ TEST_F(PathSwitch, CountsEachSampleThatDidNotComeAsLostOrWithheldWhileLimitsChan
   unlimited.shm = {{reader_id, DoorbellAddress{}, type.full()}};
   publisher.serve(unlimited, shm_writer);
   publish();  // what was skipped before is entered, too
-  shm_reader->arrived.push_back(shm_writer->sent.back());
+  shm_reader->samples.push_back(shm_writer->sent.back());
   periods_us = {0, 10, 30};
   take();
   const SubscriberStatus status = subscriber.status();

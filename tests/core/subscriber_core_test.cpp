@@ -3,36 +3,16 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "core/buffer_pool.h"
 #include "core/clock.h"
+#include "queue_port.h"
 
 namespace sft::core {
 namespace {
 
 using sensor_msgs::msg::PointCloud2;
-
-class QueuePort final : public ReaderPort {
- public:
-  SampleHandle take() noexcept override {
-    if (samples.empty()) return {};
-    SampleHandle first = std::move(samples.front());
-    samples.pop_front();
-    return first;
-  }
-  Result<void> connect(const Source&) override { return {}; }
-  bool connected(EndpointId) const noexcept override { return true; }
-  std::uint64_t arrivals(EndpointId) noexcept override { return samples.size(); }
-  void disconnect(EndpointId) noexcept override {}
-  void accept(std::vector<Wanted>) override {}
-  std::uint64_t discarded() const noexcept override { return 0; }
-  std::uint64_t lost_unnoticed() const noexcept override { return unnoticed; }
-
-  std::uint64_t unnoticed = 0;
-  std::deque<SampleHandle> samples;
-};
 
 class SubscriberCoreTest : public ::testing::Test {
  protected:

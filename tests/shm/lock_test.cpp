@@ -58,16 +58,20 @@ TEST_F(HeldLock, CostsAWriterTheSampleAndAFewMilliseconds) {
 }
 
 TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
-  std::atomic<bool> stop{false};
+  constexpr int samples = 2000;
+  std::atomic<int> begun{0};
   std::thread other([&] {
-    while (!stop) {
+    for (int seen = 0; seen < samples; ++seen) {
+      begun.wait(seen);
       publisher_->m_chunkSenderData.lock();
       publisher_->m_chunkSenderData.unlock();
-      std::this_thread::sleep_for(20us);
     }
   });
-  for (int i = 0; i < 2000; ++i) EXPECT_EQ(send(), SendStatus::sent);
-  stop = true;
+  for (int i = 0; i < samples; ++i) {
+    ++begun;
+    begun.notify_one();
+    EXPECT_EQ(send(), SendStatus::sent);
+  }
   other.join();
 }
 

@@ -173,7 +173,11 @@ TEST_F(Loss, OfANodeGivesItsMemoryBack) {
 
 class StoppedDaemon : public Loss {
  protected:
-  void stop_daemon() { ::kill(daemon_pid(), SIGSTOP); }
+  void stop_daemon() {
+    const pid_t daemon = daemon_pid();
+    ::kill(daemon, SIGSTOP);
+    EXPECT_TRUE(eventually([daemon] { return is_stopped(daemon); }));
+  }
   void TearDown() override {
     if (daemon_pid() > 0) ::kill(daemon_pid(), SIGCONT);
     Loss::TearDown();

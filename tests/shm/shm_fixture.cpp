@@ -9,6 +9,8 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
 
 #include "shm_transport/host_file.h"
@@ -101,6 +103,17 @@ pid_t daemon_pid() {
 }
 
 bool is_alive(pid_t pid) { return pid > 0 && ::kill(pid, 0) == 0; }
+
+bool is_stopped(pid_t pid) {
+  const std::filesystem::path threads = "/proc/" + std::to_string(pid) + "/task";
+  for (const auto& thread : std::filesystem::directory_iterator(threads)) {
+    std::ifstream stat(thread.path() / "stat");
+    const std::string text{std::istreambuf_iterator<char>(stat), {}};
+    const auto behind_name = text.rfind(") ");  // the state follows the name, which may hold anything
+    if (behind_name == std::string::npos || text[behind_name + 2] != 'T') return false;
+  }
+  return true;
+}
 
 shm::ShmOptions own_daemon() {
   shm::ShmOptions options;

@@ -55,6 +55,8 @@ Process start_peer(std::vector<std::string> arguments);
 /// 0 if none runs.
 pid_t daemon_pid();
 bool is_alive(pid_t pid);
+/// Whether all of its threads stand still: they do some time after SIGSTOP was sent.
+bool is_stopped(pid_t pid);
 
 shm::ShmOptions own_daemon();  ///< starts sftd if none runs
 shm::ShmOptions no_daemon();   ///< does not

@@ -36,7 +36,10 @@ class DynamicSample {
   void view() const&& = delete;
 
   const SampleInfo& info() const& { return sample_.info(); }
+  void info() const&& = delete;
+  /// Not of an empty sample.
   const FieldMask& mask() const& { return *sample_.state().mask; }
+  void mask() const&& = delete;
   const DynamicType& type() const& { return type_; }
   /// Whether bytes were met that are not what they claim to be.
   bool malformed() const { return sample_.state().is_malformed(); }

@@ -57,13 +57,13 @@ class Parser {
       const bool is_of_one_line = unit.find('\n') == unit.npos;
       if (is_of_one_line) definition_.fields[i].unit = unit;
     }
-    if (definition_.fields.empty()) add_placeholder();
+    if (definition_.fields.empty()) add_member_of_empty_message();
     return std::move(definition_);
   }
 
  private:
   /// What a message without fields has instead, as in ROS 2: the same byte on the wire.
-  void add_placeholder() {
+  void add_member_of_empty_message() {
     Type type;
     type.kind = SFT_UINT8;
     definition_.fields.push_back({type, "structure_needs_at_least_one_member", {}, {}, line_});

@@ -19,9 +19,8 @@
 //   string of length 0, not even a NUL          accepted, stays that
 //   delimiter that is not the exact length      refused
 //   padding between members                     any bytes; zeros where it is converted
-//   bytes behind the last member                those that the encapsulation announces (the last 2 bits of
-//   its
-//                                               options), and up to 3 that it does not: accepted and dropped
+//   bytes behind the last member                as many as the last 2 bits of the encapsulation say, and up
+//                                               to 3 more: accepted and dropped
 //   address of the payload                      any
 #pragma once
 

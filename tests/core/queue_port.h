@@ -1,0 +1,33 @@
+// A reader's port that hands out what the test put into it.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include "core/transport.h"
+
+namespace sft::core {
+
+class QueuePort final : public ReaderPort {
+ public:
+  SampleHandle take() noexcept override {
+    if (samples.empty()) return {};
+    SampleHandle first = std::move(samples.front());
+    samples.pop_front();
+    return first;
+  }
+  Result<void> connect(const Source&) override { return {}; }
+  bool connected(EndpointId) const noexcept override { return true; }
+  std::uint64_t arrivals(EndpointId) noexcept override { return samples.size(); }
+  void disconnect(EndpointId) noexcept override {}
+  void accept(std::vector<Wanted>) override {}
+  std::uint64_t discarded() const noexcept override { return 0; }
+  std::uint64_t lost_unnoticed() const noexcept override { return unnoticed; }
+
+  std::uint64_t unnoticed = 0;
+  std::deque<SampleHandle> samples;
+};
+
+}  // namespace sft::core
