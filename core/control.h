@@ -29,6 +29,7 @@ struct Request {
   std::uint32_t min_period_us = 0;    ///< one sample for each such period, no more; 0: all
   std::vector<EndpointId> listening;  ///< writers of which the reader takes datagrams
   std::vector<EndpointId> attached;   ///< writers that the reader hears through shared memory
+  std::vector<EndpointId> begun;      ///< durable writers of which samples for this reader alone have come
   friend bool operator==(const Request&, const Request&) = default;
 };
 

@@ -77,6 +77,7 @@ sft_control_Request to_dds(const Request& request) {
   out.min_period_us = request.min_period_us;
   out.listening = borrow(request.listening, writers_per_reader_max);
   out.attached = borrow(request.attached, writers_per_reader_max);
+  out.begun = borrow(request.begun, writers_per_reader_max);
   return out;
 }
 
@@ -129,7 +130,8 @@ Result<Request> from_dds(const sft_control_Request& request) {
                  .mask_words = copy(request.mask),
                  .min_period_us = request.min_period_us,
                  .listening = copy(request.listening),
-                 .attached = copy(request.attached)};
+                 .attached = copy(request.attached),
+                 .begun = copy(request.begun)};
 }
 
 Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
@@ -164,7 +166,8 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
                  .mask_words = copy(in.request.mask),
                  .min_period_us = in.request.min_period_us,
                  .listening = copy(in.request.listening),
-                 .attached = copy(in.request.attached)};
+                 .attached = copy(in.request.attached),
+                 .begun = copy(in.request.begun)};
   return out;
 }
 

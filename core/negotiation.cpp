@@ -1,6 +1,7 @@
 #include "core/negotiation.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace sft::core {
 
@@ -50,12 +51,11 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
     return false;
   }
   Entry& entry = entries_[endpoint.id];
-  const Request newest =
-      entry.endpoint.request.sequence > endpoint.request.sequence ? entry.endpoint.request : endpoint.request;
-  entry.endpoint = endpoint;
-  entry.endpoint.request = newest;
+  const Request known_request = std::exchange(entry.endpoint, endpoint).request;
+  adopt(entry, known_request);
   entry.lost_since.reset();
   if (const auto early = early_requests_.extract(endpoint.id)) adopt(entry, early.mapped().request);
+  owe_what_has_not_begun(entry.endpoint);
   return true;
 }
 
@@ -78,9 +78,21 @@ bool Negotiation::request_received(const Request& request) {
   const auto entry = entries_.find(request.reader);
   if (entry != entries_.end() && entry->second.type != nullptr) return false;
   // A lost reader may be forgotten before it is seen again, but its request does not come again.
-  if (entry != entries_.end() && !entry->second.lost_since) return adopt(entry->second, request);
-  keep_for_later(request);
-  return false;
+  if (entry == entries_.end() || entry->second.lost_since) {
+    keep_for_later(request);
+    return false;
+  }
+  if (!adopt(entry->second, request)) return false;
+  owe_what_has_not_begun(entry->second.endpoint);
+  return true;
+}
+
+/// A reader that lost a writer and found it again begins anew, although the writer may not have noticed.
+void Negotiation::owe_what_has_not_begun(const Endpoint& reader) {
+  if (reader.qos.durability == Durability::volatile_) return;
+  for (auto& [id, entry] : entries_) {
+    if (!holds(reader.request.begun, id)) entry.history_given.erase(reader.id);
+  }
 }
 
 void Negotiation::keep_for_later(const Request& request) {
@@ -133,15 +145,29 @@ bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, Trans
     writers.push_back(writer);
   } else {
     std::erase(writers, writer);
+    if (path == TransportKind::udp) std::erase(request.begun, writer);
+    owe_what_has_not_begun(entry->second.endpoint);
   }
   ++request.sequence;
   return true;
 }
 
+bool Negotiation::history_began(EndpointId reader, EndpointId writer) {
+  const auto entry = entries_.find(reader);
+  if (entry == entries_.end() || entry->second.type == nullptr) return false;
+  Request& request = entry->second.endpoint.request;
+  if (holds(request.begun, writer)) return false;
+  request.begun.push_back(writer);
+  ++request.sequence;
+  return true;
+}
+
 bool Negotiation::history_given(EndpointId writer, EndpointId reader) {
-  const auto entry = entries_.find(writer);
-  if (entry == entries_.end() || entry->second.type == nullptr || !entries_.contains(reader)) return false;
-  return entry->second.history_given.insert(reader).second;
+  const auto from = entries_.find(writer);
+  const auto to = entries_.find(reader);
+  if (from == entries_.end() || from->second.type == nullptr || to == entries_.end()) return false;
+  if (!holds(to->second.endpoint.request.begun, writer)) return false;
+  return from->second.history_given.insert(reader).second;
 }
 
 bool Negotiation::tick(Now now) {
@@ -288,9 +314,10 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
   for (const Entry* writer : others(entry->second)) {
     const Endpoint& w = writer->endpoint;
     const Verdict verdict = judge(entry->second, *writer);
-    Hearing hearing{.source = {w.id, w.max_sample_bytes},
+    const std::uint32_t owed = history_owed(*writer, r);
+    Hearing hearing{.source = {w.id, w.max_sample_bytes, owed != 0 && verdict.udp},
                     .offered = w.qos,
-                    .owed = history_owed(*writer, r),
+                    .owed = owed,
                     .status = {.id = w.id, .node = w.node, .alive = !writer->lost_since}};
     hearing.shm = verdict.shm;
     hearing.udp = verdict.udp;

@@ -76,7 +76,10 @@ class Negotiation {
   bool rate_changed(EndpointId reader, std::uint32_t min_period_us);
   /// What a writer sends to one of our readers by that path arrives now, or does no longer.
   bool connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected);
-  /// A late reader has got what one of our writers had retained.
+  /// Something of a durable writer has come for one of our readers alone.
+  bool history_began(EndpointId reader, EndpointId writer);
+  /// All that one of our writers has sent to a late reader alone has left. Takes effect once the reader says
+  /// that it has begun to come.
   bool history_given(EndpointId writer, EndpointId reader);
   bool tick(Now now);
 
@@ -119,6 +122,7 @@ class Negotiation {
   void erase(EndpointId id);
   UdpAddress address_of(const Endpoint& reader) const;
   static bool adopt(Entry& entry, const Request& request);
+  void owe_what_has_not_begun(const Endpoint& reader);
   void keep_for_later(const Request& request);
   std::vector<const Entry*> others(const Entry& entry) const;
 

@@ -91,27 +91,22 @@ void PublisherCore::follow_withholding(const Serving& serving) {
   }
 }
 
-/// Routes of readers that are to be given the history now. To those that are being given it already, live
-/// samples go as they come.
-std::vector<Route> PublisherCore::take_latecomers(Serving& serving) {
+/// Routes of readers that are to be given the history now, and not already.
+std::vector<Route> PublisherCore::take_latecomers(const Serving& serving) {
   std::vector<Route> latecomers;
   std::set<EndpointId> begun;
-  for (Route& route : serving.udp) {
+  for (const Route& route : serving.udp) {
     if (route.history == 0) continue;
     begun.insert(route.reader);
-    if (history_begun_.contains(route.reader)) {
-      route.history = 0;
-    } else {
-      latecomers.push_back(route);
-    }
+    if (!history_begun_.contains(route.reader)) latecomers.push_back(route);
   }
   history_begun_ = std::move(begun);
   return latecomers;
 }
 
 /// What a latecomer gets of the history, and what of the samples published meanwhile: these wait from
-/// set_routes() on, and whatever send() sends by earlier routes or outlets is in the history by the time that
-/// it is looked at. Both may hold one sample; the reader takes it once.
+/// set_routes() on, and whatever send() sends by earlier routes or outlets, which do not reach it, is in the
+/// history by the time that it is looked at. Both may hold one sample; the reader takes it once.
 void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
   find_gates(serving);
   const std::vector<Route> latecomers = take_latecomers(serving);

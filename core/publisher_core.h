@@ -68,7 +68,7 @@ class PublisherCore {
   /// From here on the next assertion of the program is told again.
   void listen_for_assertions() { assertion_told_.store(false, std::memory_order_relaxed); }
   void keeps_promises(std::uint64_t deadlines_missed, bool alive);
-  /// Whether the late readers of serve() have been sent all that was retained for them.
+  /// Whether all that was for late readers alone has left.
   bool history_sent() const { return udp_ == nullptr || udp_->history_sent(); }
   void expire_history();
 
@@ -92,7 +92,7 @@ class PublisherCore {
     std::uint64_t count() const { return before + (gate == nullptr ? 0 : gate->withheld() - at_first); }
   };
 
-  std::vector<Route> take_latecomers(Serving& serving);
+  std::vector<Route> take_latecomers(const Serving& serving);
   void find_gates(Serving& serving);
   std::shared_ptr<RateGate> gate_for(std::uint32_t min_period_us);
   void follow_withholding(const Serving& serving);

@@ -299,6 +299,7 @@ bool Reconciler::look_after_connections() {
       const bool attached = hearing.shm && reader.shm != nullptr && reader.shm->connected(writer);
       changed |= negotiation_.connection_changed(id, writer, TransportKind::udp, listening);
       changed |= negotiation_.connection_changed(id, writer, TransportKind::shm, attached);
+      if (listening && reader.udp->history_began(writer)) changed |= negotiation_.history_began(id, writer);
       waiting |= hearing.shm && !attached;
     }
     if (changed) request_changed(id);

@@ -41,7 +41,7 @@ struct SampleBuffer {
   /// Received by UDP: the gate for a maximum rate that it passed (0: none), as the how-manieth.
   std::uint32_t min_period_us = 0;
   std::uint32_t ordinal = 0;
-  /// Likewise, a retained sample: the only reader that it is for (0: all), and the first sequence sent to it.
+  /// Likewise: the only reader that it is for (0: all), and the first sequence that was sent to that.
   std::uint64_t addressee = 0;
   std::uint64_t oldest_retained = 0;
   std::shared_ptr<BufferOwner> owner;

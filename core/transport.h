@@ -56,7 +56,8 @@ struct Route {
   FieldMask mask;
   std::uint32_t min_period_us = 0;         ///< the limit that it asks for; 0: none
   std::shared_ptr<const RateGate> gate{};  ///< which keeps that limit; null: every sample is for it
-  std::uint32_t history = 0;               ///< retained samples that it is to get first
+  /// Not 0: it is served apart from all others, from so many retained samples on.
+  std::uint32_t history = 0;
   friend bool operator==(const Route&, const Route&) = default;
 };
 
@@ -70,6 +71,7 @@ struct WriterSpec {
 struct Source {
   EndpointId writer = 0;
   std::size_t max_sample_bytes = 0;
+  bool history_first = false;  ///< nothing of it is for the reader until something for it alone has come
   friend bool operator==(const Source&, const Source&) = default;
 };
 
@@ -103,16 +105,17 @@ class WriterPort {
   /// handle, but not write. Never waits for a reader. Every route's mask must be a subset of sample->mask.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
-  /// What is sent to a route with `history` waits, from here on, until send_history() was called for it.
+  /// A route with `history` is served apart: what is sent to it names its reader, and waits until
+  /// send_history() was called for it. It may become one without.
   virtual void set_routes(std::vector<Route> routes) = 0;
-  /// Sends these to one route of those in force, to nobody else, and then what waited for it. Where the
-  /// transport cannot address a single reader nothing is sent.
+  /// Sends these to one such route of those in force, once, and then what waited for it. Where the transport
+  /// cannot address a single reader nothing is sent.
   virtual void send_history(const Route& to, std::vector<SampleHandle> samples) {
     static_cast<void>(to);
     static_cast<void>(samples);
   }
-  /// Whether all that send_history() was given has left.
-  virtual bool history_sent() const noexcept { return true; }
+  /// Whether all that was sent to such routes has left.
+  virtual bool history_sent() noexcept { return true; }
 
   /// Whether send() can take this sample as it is: shared memory only carries what it lent itself.
   virtual bool can_send(const SampleBuffer& sample) const noexcept {
@@ -159,6 +162,11 @@ class ReaderPort {
   virtual Result<void> connect(const Source& source) = 0;
   /// Whether samples that the writer sends from now on will arrive.
   virtual bool connected(EndpointId writer) const noexcept = 0;
+  /// Whether a sample of that writer has come that was for this reader alone.
+  virtual bool history_began(EndpointId writer) const noexcept {
+    static_cast<void>(writer);
+    return false;
+  }
   /// Differs from what it was whenever a sample of that writer has arrived meanwhile, taken or not.
   virtual std::uint64_t arrivals(EndpointId writer) noexcept = 0;
   /// Accepts no more of them; what has arrived can still be taken.

@@ -24,7 +24,7 @@ inline constexpr std::uint8_t mask_words_follow = 1;
 /// The sample passed a gate for a maximum rate: `rate` stands right behind the header.
 inline constexpr std::uint8_t rate_follows = 2;
 inline constexpr std::size_t rate_bytes = 8;
-/// The sample was retained and is for one reader only: `history` stands behind that.
+/// The sample is for one late reader only: `history` stands behind that.
 inline constexpr std::uint8_t history_follows = 4;
 inline constexpr std::size_t history_bytes = 16;
 
@@ -43,7 +43,7 @@ struct RateMark {
   friend bool operator==(const RateMark&, const RateMark&) = default;
 };
 
-/// A retained sample.
+/// A sample of those that begin with what was retained.
 struct HistoryMark {
   std::uint64_t reader = 0;  ///< its id
   std::uint64_t oldest = 0;  ///< sequence of the first sample that it is sent

@@ -5,6 +5,14 @@
 
 namespace sft::udp {
 
+namespace {
+template <class Writers>
+auto* find_in(Writers& writers, core::EndpointId id) noexcept {
+  const auto found = std::find_if(writers.begin(), writers.end(), [&](const auto& w) { return w.id == id; });
+  return found == writers.end() ? nullptr : &*found;
+}
+}  // namespace
+
 void Inbox::deliver(core::SampleHandle sample) noexcept {
   core::ArrivalListener* listener = nullptr;
   {
@@ -29,6 +37,11 @@ void Inbox::deliver(core::SampleHandle sample) noexcept {
 bool Inbox::enqueue(core::SampleHandle& sample) noexcept {
   Writer* writer = find(sample->header().writer);
   if (writer == nullptr || !writer->connected) return false;
+  if (sample->addressee != 0) {
+    writer->history_first = false;
+    writer->history_began = true;
+  }
+  if (writer->history_first) return false;  // of before: it will come again, with what is older
   ++writer->arrivals;
   switch (writer->queue.put(sample, ++arrivals_)) {
     case KeepLastQueue::Put::kept:
@@ -67,13 +80,13 @@ core::SampleHandle Inbox::take() noexcept {
   return sample;
 }
 
-void Inbox::connect(core::EndpointId id) {
+void Inbox::connect(const core::Source& source) {
   const std::scoped_lock lock(mutex_);
-  if (Writer* known = find(id); known != nullptr) {
-    known->connected = true;
-  } else {
-    writers_.push_back({id, KeepLastQueue(depth_)});
-  }
+  Writer* writer = find(source.writer);
+  if (writer == nullptr) writer = &writers_.emplace_back(Writer{source.writer, KeepLastQueue(depth_)});
+  writer->connected = true;
+  writer->history_first = source.history_first;
+  writer->history_began = false;
 }
 
 void Inbox::disconnect(core::EndpointId id) noexcept {
@@ -109,9 +122,14 @@ core::SampleHandle Inbox::drop_surplus() noexcept {
 
 bool Inbox::connected(core::EndpointId id) const noexcept {
   const std::scoped_lock lock(mutex_);
-  const auto found =
-      std::find_if(writers_.begin(), writers_.end(), [&](const Writer& w) { return w.id == id; });
-  return found != writers_.end() && found->connected;
+  const Writer* writer = find(id);
+  return writer != nullptr && writer->connected;
+}
+
+bool Inbox::history_began(core::EndpointId id) const noexcept {
+  const std::scoped_lock lock(mutex_);
+  const Writer* writer = find(id);
+  return writer != nullptr && writer->history_began;
 }
 
 std::uint64_t Inbox::arrivals(core::EndpointId id) noexcept {
@@ -137,10 +155,8 @@ void Inbox::detach() noexcept {
   called_.wait(lock, [this] { return calling_ == std::thread::id(); });
 }
 
-Inbox::Writer* Inbox::find(core::EndpointId id) noexcept {
-  const auto found =
-      std::find_if(writers_.begin(), writers_.end(), [&](const Writer& w) { return w.id == id; });
-  return found == writers_.end() ? nullptr : &*found;
-}
+Inbox::Writer* Inbox::find(core::EndpointId id) noexcept { return find_in(writers_, id); }
+
+const Inbox::Writer* Inbox::find(core::EndpointId id) const noexcept { return find_in(writers_, id); }
 
 }  // namespace sft::udp

@@ -23,11 +23,12 @@ class Inbox {
 
   core::SampleHandle take() noexcept;
 
-  void connect(core::EndpointId writer);
+  void connect(const core::Source& source);
   /// What is queued can still be taken: of all disconnected writers together as much as of one that is
   /// connected, the newest.
   void disconnect(core::EndpointId writer) noexcept;
   bool connected(core::EndpointId writer) const noexcept;
+  bool history_began(core::EndpointId writer) const noexcept;
   std::uint64_t arrivals(core::EndpointId writer) noexcept;
   std::uint64_t discarded() const noexcept;
   std::uint64_t lost_unnoticed() const noexcept;
@@ -41,11 +42,14 @@ class Inbox {
     core::EndpointId id;
     KeepLastQueue queue;
     bool connected = true;
+    bool history_first = false;  ///< still, see core::Source
+    bool history_began = false;
     bool taken = false;         ///< some sample of it was
     std::uint64_t dropped = 0;  ///< since then, while it was disconnected
     std::uint64_t arrivals = 0;
   };
   Writer* find(core::EndpointId id) noexcept;
+  const Writer* find(core::EndpointId id) const noexcept;
   bool enqueue(core::SampleHandle& sample) noexcept;
   /// The writer whose oldest sample came first.
   template <class Condition>

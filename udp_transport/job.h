@@ -30,6 +30,7 @@ struct Job {
   Projection projection;
   FirstHeader first;
   std::shared_ptr<const WireMask> mask;
+  std::uint64_t sequence = 0;  ///< whole
 
   EncodedBody body() const { return {first, mask->words, projection.segments()}; }
 

@@ -1,17 +1,17 @@
 #include "udp_transport/lane.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace sft::udp {
 
-namespace {
-bool is_retained(const Job& job) { return (job.first.flags & history_follows) != 0; }
-}  // namespace
-
-Lane::Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally)
-    : to_(std::move(to)), depth_(std::max<std::size_t>(depth, 1)), tally_(std::move(tally)) {
+Lane::Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
+           Start start)
+    : to_(std::move(to)),
+      depth_(std::max<std::size_t>(depth, 1)),
+      tally_(std::move(tally)),
+      busy_(start == Start::held),
+      held_(start == Start::held) {
   queue_.reserve(depth_);
 }
 
@@ -23,48 +23,46 @@ Lane::Posted Lane::post(JobHandle job) {
     oldest = std::move(queue_.front());
     queue_.erase(queue_.begin());
   }
+  if (oldest_ == 0) oldest_ = job->sequence;
   queue_.push_back(std::move(job));
   busy_.store(true, std::memory_order_relaxed);
-  return {.was_idle = held_ == 0 && !std::exchange(scheduled_, true),
+  return {.was_idle = !held_ && !std::exchange(scheduled_, true),
           .dropped_oldest = static_cast<bool>(oldest)};
 }
 
-void Lane::hold() {
+void Lane::mark(Job& job) {
   const std::scoped_lock lock(mutex_);
-  ++held_;
-  busy_.store(true, std::memory_order_relaxed);
+  if (oldest_ == 0) oldest_ = job.sequence;
+  job.first.history.oldest = oldest_;
 }
 
-bool Lane::release(std::vector<JobHandle> history) {
+bool Lane::begin(std::vector<JobHandle> history) {
   const std::scoped_lock lock(mutex_);
-  --held_;
+  held_ = false;
   if (closed()) return false;
-  tally_->history_waiting.fetch_add(history.size(), std::memory_order_relaxed);
-  // Behind what others are to be given: each is for one reader, so that among them the order does not matter.
-  history_.insert(history_.begin(), std::make_move_iterator(history.rbegin()),
-                  std::make_move_iterator(history.rend()));
-  const bool has_work = !history_.empty() || (held_ == 0 && !queue_.empty());
-  const bool is_new = has_work && !std::exchange(scheduled_, true);
-  busy_.store(scheduled_ || held_ != 0, std::memory_order_release);
-  return is_new;
+  std::reverse(history.begin(), history.end());
+  history_ = std::move(history);
+  if (!history_.empty()) oldest_ = history_.back()->sequence;
+  scheduled_ = !history_.empty() || !queue_.empty();
+  busy_.store(scheduled_, std::memory_order_release);
+  return scheduled_;
 }
 
 const Job* Lane::next() {
-  if (current_ && is_retained(*current_)) tally_->history_waiting.fetch_sub(1, std::memory_order_relaxed);
   current_ = {};
   const std::scoped_lock lock(mutex_);
   if (!history_.empty()) {
     current_ = std::move(history_.back());
     history_.pop_back();
-    return &*current_;
-  }
-  if (queue_.empty() || held_ != 0) {
+  } else if (!queue_.empty()) {
+    current_ = std::move(queue_.front());
+    queue_.erase(queue_.begin());
+  } else {
     scheduled_ = false;
-    busy_.store(held_ != 0, std::memory_order_release);
+    busy_.store(false, std::memory_order_release);
     return nullptr;
   }
-  current_ = std::move(queue_.front());
-  queue_.erase(queue_.begin());
+  if ((current_->first.flags & history_follows) != 0) current_->first.history.oldest = oldest_;
   return &*current_;
 }
 
@@ -74,7 +72,6 @@ void Lane::close() {
   closed_.store(true, std::memory_order_release);
   dropped.swap(queue_);
   dropped_history.swap(history_);
-  tally_->history_waiting.fetch_sub(dropped_history.size(), std::memory_order_relaxed);
 }
 
 }  // namespace sft::udp

@@ -17,14 +17,17 @@ namespace sft::udp {
 
 /// Counts of one writer, over all its lanes.
 struct WriterTally {
-  std::atomic<std::uint64_t> history_waiting{0};  ///< retained samples that have yet to be sent
   std::atomic<std::uint64_t> bytes_sent{0};
   std::atomic<std::uint64_t> dropped{0};  ///< taken from a lane, and then not sent
 };
 
 class Lane {
  public:
-  Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally);
+  enum class Start : std::uint8_t { open, held };
+
+  /// Held: what is posted waits for begin().
+  Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
+       Start start = Start::open);
 
   // Any thread.
 
@@ -44,13 +47,14 @@ class Lane {
   };
   Posted post(JobHandle job);
 
+  /// For a job that is sent here without being queued: which one was the first.
+  void mark(Job& job);
+
   // The agent's thread.
 
-  /// From here on what is posted waits, until as many release().
-  void hold();
-  /// Queues retained samples, however many, before all that was posted. Whether the sending thread has to be
-  /// told of this lane.
-  [[nodiscard]] bool release(std::vector<JobHandle> history);
+  /// Of a held lane: goes on, with retained samples, however many, before all that was posted. Whether the
+  /// sending thread has to be told of this lane.
+  [[nodiscard]] bool begin(std::vector<JobHandle> history);
 
   // The sending thread.
 
@@ -62,12 +66,13 @@ class Lane {
   const std::shared_ptr<Destination> to_;
   const std::size_t depth_;
   const std::shared_ptr<WriterTally> tally_;
-  std::atomic<bool> busy_{false};  ///< scheduled_ or held_, as the publisher sees it
+  std::atomic<bool> busy_;  ///< scheduled_ or held_, as the publisher sees it
   std::atomic<bool> closed_{false};
   JobHandle current_;  ///< the sending thread's
   std::mutex mutex_;
-  bool scheduled_ = false;          ///< the sending thread knows of it
-  std::size_t held_ = 0;            ///< by so many
+  bool scheduled_ = false;  ///< the sending thread knows of it
+  bool held_;
+  std::uint64_t oldest_ = 0;        ///< sequence of the first sample, once there is one
   std::vector<JobHandle> history_;  ///< goes first, the newest first
   std::vector<JobHandle> queue_;    ///< the oldest first
 };

@@ -23,6 +23,7 @@ std::shared_ptr<const WireMask> make_wire_mask(const FieldMask& mask, std::uint1
 
 struct Gathered {
   core::Wanted wanted;
+  core::EndpointId late_reader;
   std::shared_ptr<const core::RateGate> gate;
   std::vector<std::shared_ptr<Destination>> destinations;
 };
@@ -34,9 +35,11 @@ std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDir
     const auto* address = std::get_if<core::UdpAddress>(&route.destination);
     if (address == nullptr) continue;
     const core::Wanted wanted{route.mask, route.gate == nullptr ? 0 : route.gate->min_period_us()};
-    auto group =
-        std::find_if(groups.begin(), groups.end(), [&](const Gathered& g) { return g.wanted == wanted; });
-    if (group == groups.end()) group = groups.insert(groups.end(), {wanted, route.gate, {}});
+    const core::EndpointId late_reader = route.history == 0 ? 0 : route.reader;
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const Gathered& g) {
+      return g.wanted == wanted && g.late_reader == late_reader;
+    });
+    if (group == groups.end()) group = groups.insert(groups.end(), {wanted, late_reader, route.gate, {}});
     auto destination = directory.find(*address);
     auto& known = group->destinations;
     if (std::find(known.begin(), known.end(), destination) == known.end())
@@ -47,43 +50,62 @@ std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDir
 
 }  // namespace
 
-const Group* RouteTable::find(const core::Route& route) const {
-  if (!std::holds_alternative<core::UdpAddress>(route.destination)) return nullptr;
-  const auto found = std::find_if(groups.begin(), groups.end(), [&](const Group& group) {
-    return group.plan.mask() == route.mask && group.gate == route.gate;
-  });
+const Group* RouteTable::of_late_reader(core::EndpointId reader) const {
+  const auto found =
+      std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.late_reader == reader; });
   return found == groups.end() ? nullptr : &*found;
 }
 
 VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally)
     : queue_depth_(queue_depth), tally_(std::move(tally)) {}
 
-VariantDirectory::Variant& VariantDirectory::find(const core::Wanted& wanted) {
-  auto known =
-      std::find_if(variants_.begin(), variants_.end(), [&](const Variant& v) { return v.wanted == wanted; });
+VariantDirectory::Variant& VariantDirectory::find(const core::Wanted& wanted, core::EndpointId late_reader) {
+  auto known = std::find_if(variants_.begin(), variants_.end(), [&](const Variant& v) {
+    return v.wanted == wanted && v.late_reader == late_reader;
+  });
   if (known == variants_.end()) {
-    variants_.push_back({wanted, make_wire_mask(wanted.mask, unused_number()), {}, round_});
+    variants_.push_back({wanted, late_reader, make_wire_mask(wanted.mask, unused_number()), {}, round_});
     known = variants_.end() - 1;
   }
   known->last_use = round_;
   return *known;
 }
 
-std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared_ptr<Destination>& to) const {
+std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared_ptr<Destination>& to) {
+  if (variant.late_reader != 0) return late_lane(variant.late_reader, to);
   for (const std::shared_ptr<Lane>& lane : variant.lanes) {
     if (&lane->destination() == to.get()) return lane;
   }
   return variant.lanes.emplace_back(std::make_shared<Lane>(to, queue_depth_, tally_));
 }
 
-void VariantDirectory::keep_lanes_to(const std::set<const Destination*>& served) {
-  for (Variant& variant : variants_) {
-    std::erase_if(variant.lanes, [&](const std::shared_ptr<Lane>& lane) {
-      if (served.contains(&lane->destination())) return false;
-      lane->close();
-      return true;
-    });
-  }
+/// Held until its history is known, unless the reader has only moved.
+std::shared_ptr<Lane> VariantDirectory::late_lane(core::EndpointId reader,
+                                                  const std::shared_ptr<Destination>& to) {
+  std::shared_ptr<Lane>& lane = late_lanes_[reader];
+  if (lane != nullptr && &lane->destination() == to.get()) return lane;
+  const auto start = lane == nullptr ? Lane::Start::held : Lane::Start::open;
+  if (lane != nullptr) lane->close();
+  lane = std::make_shared<Lane>(to, queue_depth_, tally_, start);
+  return lane;
+}
+
+void VariantDirectory::keep_lanes_to(const std::set<const Destination*>& served,
+                                     const std::set<core::EndpointId>& late_readers) {
+  const auto close_if_unserved = [&](const std::shared_ptr<Lane>& lane) {
+    if (served.contains(&lane->destination())) return false;
+    lane->close();
+    return true;
+  };
+  for (Variant& variant : variants_) std::erase_if(variant.lanes, close_if_unserved);
+  std::erase_if(late_lanes_, [&](const auto& item) {
+    return close_if_unserved(item.second) || !late_readers.contains(item.first);
+  });
+}
+
+bool VariantDirectory::late_lanes_idle() const {
+  return std::all_of(late_lanes_.begin(), late_lanes_.end(),
+                     [](const auto& item) { return item.second->idle(); });
 }
 
 std::uint16_t VariantDirectory::unused_number() {
@@ -112,17 +134,22 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                    DestinationDirectory& destinations) {
   auto table = std::make_shared<RouteTable>();
   std::set<const Destination*> served;
+  std::set<core::EndpointId> late_readers;
   variants.next_round();
   for (Gathered& gathered : gather(routes, destinations)) {
-    VariantDirectory::Variant& variant = variants.find(gathered.wanted);
-    Group& group = table->groups.emplace_back(Group{
-        ProjectionPlan(type, std::move(gathered.wanted.mask)), std::move(gathered.gate), variant.wire, {}});
+    VariantDirectory::Variant& variant = variants.find(gathered.wanted, gathered.late_reader);
+    Group& group = table->groups.emplace_back(Group{ProjectionPlan(type, std::move(gathered.wanted.mask)),
+                                                    std::move(gathered.gate),
+                                                    gathered.late_reader,
+                                                    variant.wire,
+                                                    {}});
     for (const std::shared_ptr<Destination>& destination : gathered.destinations) {
       group.lanes.push_back(variants.lane(variant, destination));
       served.insert(destination.get());
     }
+    if (gathered.late_reader != 0) late_readers.insert(gathered.late_reader);
   }
-  variants.keep_lanes_to(served);
+  variants.keep_lanes_to(served, late_readers);
   return table;
 }
 

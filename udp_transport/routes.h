@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <set>
 #include <span>
@@ -14,10 +15,12 @@
 
 namespace sft::udp {
 
-/// Readers with equal masks and limits: they share an encoding, and each destination has a lane of its own.
+/// Readers with equal masks and limits: they share an encoding, and each destination has a lane of its own. A
+/// late reader is served apart, so that what it gets can begin with what was retained.
 struct Group {
   ProjectionPlan plan;
   std::shared_ptr<const core::RateGate> gate;  ///< null: every sample is for them
+  core::EndpointId late_reader = 0;            ///< 0: it serves others
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
 };
@@ -26,16 +29,18 @@ struct Group {
 struct RouteTable {
   std::vector<Group> groups;
 
-  /// The group that a route is in; null for one to elsewhere than a UDP address.
-  const Group* find(const core::Route& route) const;
+  /// The group of a late reader; null if there is none.
+  const Group* of_late_reader(core::EndpointId reader) const;
 };
 
 /// What readers ask of a writer, and asked for before: each has its number and its lanes, so that its samples
-/// stay in order while routes change. Numbers are reused only after all others were used in between.
+/// stay in order while routes change; a late reader has one lane whatever it asks for. Numbers are reused
+/// only after all others were used in between.
 class VariantDirectory {
  public:
   struct Variant {
     core::Wanted wanted;
+    core::EndpointId late_reader;  ///< 0: for others
     std::shared_ptr<const WireMask> wire;
     std::vector<std::shared_ptr<Lane>> lanes;
     std::uint64_t last_use;
@@ -44,24 +49,30 @@ class VariantDirectory {
   VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally);
 
   /// The variant for that, known or new. Valid until the next call.
-  Variant& find(const core::Wanted& wanted);
+  Variant& find(const core::Wanted& wanted, core::EndpointId late_reader = 0);
   /// Its lane to that destination, known or new.
-  std::shared_ptr<Lane> lane(Variant& variant, const std::shared_ptr<Destination>& to) const;
+  std::shared_ptr<Lane> lane(Variant& variant, const std::shared_ptr<Destination>& to);
 
-  /// Closes and forgets all lanes but those to one of these.
-  void keep_lanes_to(const std::set<const Destination*>& served);
+  /// Closes and forgets all lanes but those to one of these destinations. Lanes of late readers other than
+  /// these are forgotten, too, but send what they have.
+  void keep_lanes_to(const std::set<const Destination*>& served,
+                     const std::set<core::EndpointId>& late_readers);
 
-  /// For what is sent once, to one reader.
-  std::uint16_t unused_number();
+  /// Nothing waits for a late reader.
+  bool late_lanes_idle() const;
 
   /// Forgets the longest unused ones beyond a few; called between rounds of find().
   void next_round();
 
  private:
+  std::uint16_t unused_number();
+  std::shared_ptr<Lane> late_lane(core::EndpointId reader, const std::shared_ptr<Destination>& to);
+
   static constexpr std::size_t remembered_max = 64;
   const std::size_t queue_depth_;
   const std::shared_ptr<WriterTally> tally_;
   std::vector<Variant> variants_;
+  std::map<core::EndpointId, std::shared_ptr<Lane>> late_lanes_;
   std::uint16_t next_number_ = 0;
   std::uint64_t round_ = 0;
 };

@@ -29,10 +29,10 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
 }  // namespace
 
 bool Subscriber::accepts(const core::SampleBuffer& sample) const {
-  const bool is_retained = sample.addressee != 0;
-  if (is_retained && sample.addressee != reader) return false;
+  const bool for_one = sample.addressee != 0;
+  if (for_one && sample.addressee != reader) return false;
   return std::any_of(wanted.begin(), wanted.end(), [&](const core::Wanted& w) {
-    return (is_retained || w.min_period_us == sample.min_period_us) && w.mask == sample.mask;
+    return (for_one || w.min_period_us == sample.min_period_us) && w.mask == sample.mask;
   });
 }
 

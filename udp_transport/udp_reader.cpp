@@ -16,7 +16,7 @@ UdpReader::~UdpReader() {
 
 Result<void> UdpReader::connect(const core::Source& source) {
   Result<void> connected = receiver_->subscriptions().connect(*inbox_, source);
-  if (connected) inbox_->connect(source.writer);
+  if (connected) inbox_->connect(source);
   return connected;
 }
 

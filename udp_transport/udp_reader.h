@@ -19,6 +19,9 @@ class UdpReader final : public core::ReaderPort {
   core::SampleHandle take() noexcept override { return inbox_->take(); }
   Result<void> connect(const core::Source& source) override;
   bool connected(core::EndpointId writer) const noexcept override { return inbox_->connected(writer); }
+  bool history_began(core::EndpointId writer) const noexcept override {
+    return inbox_->history_began(writer);
+  }
   std::uint64_t arrivals(core::EndpointId writer) noexcept override { return inbox_->arrivals(writer); }
   void disconnect(core::EndpointId writer) noexcept override;
   void accept(std::vector<core::Wanted> wanted) override;

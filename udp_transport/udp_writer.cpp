@@ -28,46 +28,26 @@ std::uint64_t UdpWriter::bytes_sent() const noexcept {
 
 std::uint64_t UdpWriter::dropped() const noexcept { return tally_->dropped.load(std::memory_order_relaxed); }
 
-bool UdpWriter::history_sent() const noexcept {
-  return side_->sender.stopped() || tally_->history_waiting.load(std::memory_order_relaxed) == 0;
-}
+bool UdpWriter::history_sent() noexcept { return side_->sender.stopped() || variants_.late_lanes_idle(); }
 
 void UdpWriter::set_routes(std::vector<core::Route> routes) {
-  auto table = make_route_table(type_.type(), routes, variants_, side_->destinations);
-  for (const core::Route& route : routes) {
-    const Group* group = route.history == 0 ? nullptr : table->find(route);
-    if (group != nullptr) lane_of(*group, route)->hold();
-  }
-  routes_.store(std::move(table));
+  routes_.store(make_route_table(type_.type(), routes, variants_, side_->destinations));
   side_->sender.look_again();
 }
 
-/// With a number of their own, although others may be sent the same: those have had their samples.
 void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHandle> samples) {
   const std::shared_ptr<const RouteTable> table = routes_.share();
-  const Group* live = table->find(to);
-  if (live == nullptr) return;
-  auto wire = std::make_shared<WireMask>(*live->wire);
-  wire->variant = variants_.unused_number();
+  const Group* group = table->of_late_reader(to.reader);
+  if (group == nullptr) return;
   std::vector<JobHandle> jobs;
   for (const core::SampleHandle& sample : samples) {
     JobHandle job = jobs_->take();
-    if (!encode(live->plan, wire, *sample, *job)) continue;
-    job->first.flags |= history_follows;
-    job->first.history = {to.reader, samples.front()->sequence};
+    if (!encode(*group, *sample, *job)) continue;
     job->sample = sample;
     jobs.push_back(std::move(job));
   }
-  const std::shared_ptr<Lane> lane = lane_of(*live, to);
-  if (lane->release(std::move(jobs))) side_->sender.schedule(lane);
-}
-
-/// That leads to one of those whom the group serves.
-std::shared_ptr<Lane> UdpWriter::lane_of(const Group& group, const core::Route& route) {
-  const auto destination = side_->destinations.find(std::get<core::UdpAddress>(route.destination));
-  return *std::find_if(group.lanes.begin(), group.lanes.end(), [&](const std::shared_ptr<Lane>& lane) {
-    return &lane->destination() == destination.get();
-  });
+  const std::shared_ptr<Lane>& lane = group->lanes.front();
+  if (lane->begin(std::move(jobs))) side_->sender.schedule(lane);
 }
 
 core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
@@ -84,7 +64,7 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
 bool UdpWriter::send(const Group& group, const core::SampleHandle& sample) noexcept try {
   if (!blank_) blank_ = jobs_->take();
   Job& job = *blank_;
-  if (!encode(group.plan, group.wire, *sample, job)) return false;
+  if (!encode(group, *sample, job)) return false;
   if (group.gate != nullptr) {
     job.first.flags |= rate_follows;
     job.first.rate = {group.gate->min_period_us(), group.gate->ordinal()};
@@ -92,8 +72,7 @@ bool UdpWriter::send(const Group& group, const core::SampleHandle& sample) noexc
   cut_for_ = 0;
   bool lossless = true;
   for (const std::shared_ptr<Lane>& lane : group.lanes) {
-    const SendOutcome outcome =
-        lane->idle() ? try_send(lane->destination(), job.body()) : SendOutcome::would_wait;
+    const SendOutcome outcome = lane->idle() ? try_send(*lane, job) : SendOutcome::would_wait;
     if (outcome == SendOutcome::would_wait) {
       if (!job.sample) job.sample = sample;
       lossless &= enqueue(lane);
@@ -108,30 +87,34 @@ bool UdpWriter::send(const Group& group, const core::SampleHandle& sample) noexc
   return false;
 }
 
-bool UdpWriter::encode(const ProjectionPlan& plan, const std::shared_ptr<const WireMask>& wire,
-                       const core::SampleBuffer& sample, Job& job) {
-  assert(sample.mask.contains(plan.mask()));
+bool UdpWriter::encode(const Group& group, const core::SampleBuffer& sample, Job& job) {
+  assert(sample.mask.contains(group.plan.mask()));
   const SampleState source = core::state_of(sample, type_.slots());
-  if (!job.projection.project(source, plan)) return false;
+  if (!job.projection.project(source, group.plan)) return false;
   if (job.projection.bytes() > side_->max_sample_bytes) {
     side_->over_limit.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
-  job.mask = wire;
-  job.first.label = {writer_, static_cast<std::uint32_t>(sample.sequence), wire->variant};
-  job.first.flags = wire->words.empty() ? std::uint8_t{0} : mask_words_follow;
+  job.mask = group.wire;
+  job.sequence = sample.sequence;
+  job.first.label = {writer_, static_cast<std::uint32_t>(sample.sequence), group.wire->variant};
+  job.first.flags = group.wire->words.empty() ? std::uint8_t{0} : mask_words_follow;
+  if (group.late_reader != 0) job.first.flags |= history_follows;
+  job.first.history.reader = group.late_reader;
   job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
-  job.first.mask = wire->mask;
+  job.first.mask = group.wire->mask;
   job.first.stamp_ns = sample.source_stamp_ns;
   return true;
 }
 
 /// `would_wait` where it is for the sending thread: the body is not small, or the send buffer is full.
-SendOutcome UdpWriter::try_send(Destination& to, const EncodedBody& body) {
-  if (body.first.total > direct_bytes_max) return SendOutcome::would_wait;
+SendOutcome UdpWriter::try_send(Lane& lane, Job& job) {
+  if (job.first.total > direct_bytes_max) return SendOutcome::would_wait;
+  if ((job.first.flags & history_follows) != 0) lane.mark(job);
+  Destination& to = lane.destination();
   // Most destinations take datagrams of the same length: they are cut once.
   if (const std::size_t datagram_bytes = to.datagram_bytes(); datagram_bytes != cut_for_) {
-    Fragmenter fragments(body, datagram_bytes);
+    Fragmenter fragments(job.body(), datagram_bytes);
     fragments.next(batch_);
     cut_for_ = fragments.done() ? datagram_bytes : 0;
     if (!fragments.done()) return SendOutcome::would_wait;

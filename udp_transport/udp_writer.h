@@ -35,16 +35,14 @@ class UdpWriter final : public core::WriterPort {
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
   void set_routes(std::vector<core::Route> routes) override;
   void send_history(const core::Route& to, std::vector<core::SampleHandle> samples) override;
-  bool history_sent() const noexcept override;
+  bool history_sent() noexcept override;
   std::uint64_t bytes_sent() const noexcept override;
   std::uint64_t dropped() const noexcept override;
 
  private:
   bool send(const Group& group, const core::SampleHandle& sample) noexcept;
-  bool encode(const ProjectionPlan& plan, const std::shared_ptr<const WireMask>& wire,
-              const core::SampleBuffer& sample, Job& job);
-  SendOutcome try_send(Destination& to, const EncodedBody& body);
-  std::shared_ptr<Lane> lane_of(const Group& group, const core::Route& route);
+  bool encode(const Group& group, const core::SampleBuffer& sample, Job& job);
+  SendOutcome try_send(Lane& lane, Job& job);
   bool enqueue(const std::shared_ptr<Lane>& lane);
 
   const std::uint32_t writer_;  ///< low half of the id

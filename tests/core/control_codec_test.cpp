@@ -35,7 +35,8 @@ Endpoint endpoint() {
                .mask_words = {1, 2},
                .min_period_us = 100'000,
                .listening = {6},
-               .attached = {8, 9}};
+               .attached = {8, 9},
+               .begun = {9}};
   return e;
 }
 
@@ -52,11 +53,13 @@ TEST(ControlCodecTest, WhatIsLongerThanTheTopicAllowsIsCutAndNotWrittenBeyond) {
   e.node = std::string(1000, 'n');
   e.addresses.resize(20, e.addresses[0]);
   e.request.attached.resize(2000, 1);
+  e.request.begun.resize(2000, 1);
   ControlStorage storage;
   const auto back = from_dds(to_dds(e, storage)).value();
   EXPECT_EQ(back.node.size(), 255U);
   EXPECT_EQ(back.addresses.size(), 8U);
   EXPECT_EQ(back.request.attached.size(), 1024U);
+  EXPECT_EQ(back.request.begun.size(), 1024U);
 }
 
 TEST(ControlCodecTest, ATypeDescriptionBeyondTheLimitIsLeftOutWhole) {

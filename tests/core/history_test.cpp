@@ -17,6 +17,7 @@ class HistoryTest : public ::testing::Test {
     SampleHandle s = pool->take(256);
     s->header().sequence = sequence;
     s->header().source_stamp_ns = static_cast<std::int64_t>(sequence);
+    s->trust_header();
     return s;
   }
   static std::vector<std::uint64_t> sequences(const std::vector<SampleHandle>& samples) {

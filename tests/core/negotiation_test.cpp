@@ -61,7 +61,8 @@ class NegotiationTest : public ::testing::Test {
                  .sequence = 1,
                  .mask_words = words(F::height | F::width),
                  .listening = {100},
-                 .attached = {}};
+                 .attached = {},
+                 .begun = {}};
     return e;
   }
 
@@ -71,7 +72,8 @@ class NegotiationTest : public ::testing::Test {
             .sequence = sequence,
             .mask_words = words(mask),
             .listening = {100},
-            .attached = std::move(attached)};
+            .attached = std::move(attached),
+            .begun = {}};
   }
 
   void our_writer() { negotiation.local_added(endpoint(Role::writer, 100), type); }
@@ -321,6 +323,12 @@ class LateReaderTest : public NegotiationTest {
     reader.request.attached = {100};
     return reader;
   }
+  /// It says that what is for it alone has begun to come.
+  void begin(EndpointId reader, std::uint64_t sequence) {
+    Request begun = request(reader, sequence, F::data, {100});
+    begun.begun = {100};
+    negotiation.request_received(begun);
+  }
 };
 
 TEST_F(LateReaderTest, GetsByUdpWhatBothSidesKeepAndChangesOverToSharedMemoryThen) {
@@ -330,6 +338,9 @@ TEST_F(LateReaderTest, GetsByUdpWhatBothSidesKeepAndChangesOverToSharedMemoryThe
   ASSERT_EQ(serving.udp.size(), 1U);
   EXPECT_EQ(serving.udp[0].history, 3U);
   EXPECT_TRUE(serving.history_owed);
+  EXPECT_FALSE(negotiation.history_given(100, 7)) << "nothing of it has come yet";
+  begin(7, 2);
+  EXPECT_TRUE(negotiation.serving(100).history_owed) << "not all of it has left yet";
   EXPECT_TRUE(negotiation.history_given(100, 7));
   EXPECT_FALSE(negotiation.history_given(100, 7));
   serving = negotiation.serving(100);
@@ -356,6 +367,7 @@ TEST_F(LateReaderTest, ThatIsVolatileGetsNothing) {
 
 TEST_F(LateReaderTest, ThatWasLostAndReturnsIsNotGivenItAgainAndOneThatWentIs) {
   negotiation.endpoint_seen(late_reader());
+  begin(7, 2);
   negotiation.history_given(100, 7);
   negotiation.endpoint_lost(7, Now{});
   negotiation.endpoint_seen(late_reader());
@@ -363,6 +375,34 @@ TEST_F(LateReaderTest, ThatWasLostAndReturnsIsNotGivenItAgainAndOneThatWentIs) {
   negotiation.endpoint_departed(7);
   negotiation.endpoint_seen(late_reader());
   EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
+}
+
+TEST_F(LateReaderTest, ThatLostUsAndFoundUsAgainIsGivenItAgain) {
+  negotiation.endpoint_seen(late_reader());
+  begin(7, 2);
+  negotiation.history_given(100, 7);
+  negotiation.request_received(request(7, 3, F::data, {100}));
+  EXPECT_TRUE(negotiation.serving(100).history_owed);
+  begin(7, 4);
+  EXPECT_TRUE(negotiation.serving(100).history_owed) << "it has begun, but not all of it has left yet";
+}
+
+TEST_F(NegotiationTest, OurReaderTakesNothingOfADurableWriterBeforeWhatThatRetained) {
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.qos.durability = transient_local;
+  negotiation.local_added(reader, type);
+  Endpoint writer = endpoint(Role::writer, 7);
+  negotiation.endpoint_seen(writer);
+  EXPECT_FALSE(negotiation.hearing(200).at(0).source.history_first);
+  writer.qos.durability = transient_local;
+  negotiation.endpoint_seen(writer);
+  EXPECT_TRUE(negotiation.hearing(200).at(0).source.history_first);
+  EXPECT_TRUE(negotiation.history_began(200, 7));
+  EXPECT_FALSE(negotiation.history_began(200, 7));
+  EXPECT_EQ(negotiation.local(200)->request.begun, std::vector<EndpointId>{7});
+  negotiation.connection_changed(200, 7, TransportKind::udp, true);
+  negotiation.connection_changed(200, 7, TransportKind::udp, false);
+  EXPECT_TRUE(negotiation.local(200)->request.begun.empty());
 }
 
 TEST_F(NegotiationTest, EndpointsOfOtherTopicsAreNobodysBusiness) {

@@ -231,8 +231,12 @@ void NegotiationWorld::add_endpoint(Node& node, const EndpointPlan& plan) {
   if (plan.may_use_udp) endpoint.addresses = {{static_cast<std::uint32_t>(node.place), 7000, 1 << 20}};
   if (plan.role == Role::reader) {
     const FieldMask mask = type_->closed(FieldMask::from_words(type_->leaves(), {{std::uint64_t{1}}}));
-    endpoint.request = {
-        .reader = endpoint.id, .sequence = 1, .mask_words = mask.to_words(), .listening = {}, .attached = {}};
+    endpoint.request = {.reader = endpoint.id,
+                        .sequence = 1,
+                        .mask_words = mask.to_words(),
+                        .listening = {},
+                        .attached = {},
+                        .begun = {}};
     node.readers[endpoint.id].endpoint = endpoint;
   } else {
     node.writers[endpoint.id].endpoint = endpoint;
@@ -362,13 +366,40 @@ void NegotiationWorld::give_history(std::size_t n, std::size_t which) {
   bool dirty = false;
   for (const Route& route : writer.in_force.udp) {
     if (route.history == 0) continue;
-    const auto told = node.told.find(route.reader);
-    const bool known =
-        node.readers.contains(route.reader) || (told != node.told.end() && told->second.endpoint != nullptr);
-    if (known) writer.history_given.insert(route.reader);
+    history_comes(id, route.reader);
+    if (has_begun(node, id, route.reader)) writer.history_given.insert(route.reader);
     dirty |= node.negotiation.history_given(id, route.reader);
   }
   changed(n, dirty);
+}
+
+/// Something of that writer comes for that reader alone, if it is still there and listens.
+void NegotiationWorld::history_comes(Id writer, Id reader) {
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const auto here = nodes_[n].readers.find(reader);
+    if (!nodes_[n].up || here == nodes_[n].readers.end() || !holds(here->second.connected, writer)) continue;
+    if (!holds(nodes_[n].negotiation.local(reader)->request.listening, writer)) continue;
+    if (!nodes_[n].negotiation.history_began(reader, writer)) continue;
+    note_request(nodes_[n].negotiation, reader);
+    changed(n, true);
+    send_request(n, reader);
+  }
+}
+
+/// As a node was told by the reader.
+bool NegotiationWorld::has_begun(const Node& node, Id writer, Id reader) const {
+  if (const auto own = node.readers.find(reader); own != node.readers.end())
+    return holds(node.negotiation.local(reader)->request.begun, writer);
+  const auto told = node.told.find(reader);
+  if (told == node.told.end() || told->second.endpoint == nullptr) return false;
+  return holds(asked_.at(reader).at(told->second.newest).request.begun, writer);
+}
+
+/// A reader that lost a writer and found it again begins anew.
+void NegotiationWorld::owe_what_has_not_begun(Node& node, Id reader) {
+  for (auto& [id, writer] : node.writers) {
+    if (!has_begun(node, id, reader)) writer.history_given.erase(reader);
+  }
 }
 
 /// A reader that comes again after it went is another one as far as its writers can tell.
@@ -426,6 +457,7 @@ void NegotiationWorld::deliver(std::size_t to, const Announcement& announcement)
   told.newest_while_away = 0;
   told.endpoint = announcement.endpoint;
   told.lost_since.reset();
+  if (told.endpoint->role == Role::reader) owe_what_has_not_begun(node, announcement.id);
   changed(to, node.negotiation.endpoint_seen(*announcement.endpoint));
 }
 
@@ -435,6 +467,7 @@ void NegotiationWorld::deliver(std::size_t to, const Request& request) {
   const bool here = told.endpoint != nullptr && !told.lost_since;
   std::uint64_t& newest = here ? told.newest : told.newest_while_away;
   newest = std::max(newest, request.sequence);
+  if (here) owe_what_has_not_begun(node, request.reader);
   changed(to, node.negotiation.request_received(request));
 }
 

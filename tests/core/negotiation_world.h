@@ -171,6 +171,9 @@ class NegotiationWorld {
   void arrive(std::size_t which);
   static bool owes_history(const Writer& writer);
   void give_history(std::size_t node, std::size_t which);
+  void history_comes(Id writer, Id reader);
+  bool has_begun(const Node& node, Id writer, Id reader) const;
+  void owe_what_has_not_begun(Node& node, Id reader);
   static void forget_history(Node& node, Id reader);
 
   void announce(std::size_t node, Id id);

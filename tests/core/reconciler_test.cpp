@@ -66,7 +66,12 @@ class ReconcilerTest : public ::testing::Test {
     e.network = id;
     e.may_use_udp = true;
     e.addresses = {{0x0a000001, 7000, 1 << 20}};
-    e.request = {.reader = id, .sequence = 1, .mask_words = mask.to_words(), .listening = {}, .attached = {}};
+    e.request = {.reader = id,
+                 .sequence = 1,
+                 .mask_words = mask.to_words(),
+                 .listening = {},
+                 .attached = {},
+                 .begun = {}};
     return e;
   }
 

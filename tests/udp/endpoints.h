@@ -54,9 +54,9 @@ class Subscriber final : private core::ArrivalListener {
   }
 
   void listen_to(core::EndpointId writer, std::size_t max_sample_bytes = 0) {
-    const Result<void> connected = port_->connect({writer, max_sample_bytes});
-    EXPECT_TRUE(connected) << connected.error().message;
+    listen({.writer = writer, .max_sample_bytes = max_sample_bytes});
   }
+  void listen_late_to(core::EndpointId writer) { listen({.writer = writer, .history_first = true}); }
 
   core::ReaderPort& port() { return *port_; }
 
@@ -73,6 +73,10 @@ class Subscriber final : private core::ArrivalListener {
   }
 
  private:
+  void listen(const core::Source& source) {
+    const Result<void> connected = port_->connect(source);
+    EXPECT_TRUE(connected) << connected.error().message;
+  }
   void arrived() noexcept override {
     {
       const std::scoped_lock lock(mutex_);

@@ -22,6 +22,7 @@ class InboxTest : public testing::Test {
       sample->header().writer = writer;
       sample->header().sequence = sequence;
       sample->oldest_retained = oldest_retained;
+      sample->addressee = oldest_retained == 0 ? 0 : 1;
       inbox_.deliver(std::move(sample));
     }
   }
@@ -37,7 +38,7 @@ class InboxTest : public testing::Test {
 };
 
 TEST_F(InboxTest, GivesWhatAWriterSentBeforeItWent) {
-  inbox_.connect(1);
+  inbox_.connect({1});
   deliver(1, 1, 2);
   inbox_.disconnect(1);
   deliver(1, 3, 3);
@@ -47,7 +48,7 @@ TEST_F(InboxTest, GivesWhatAWriterSentBeforeItWent) {
 
 TEST_F(InboxTest, KeepsNoMoreOfAllWritersThatWentThanOfOne) {
   for (core::EndpointId writer = 1; writer <= 1000; ++writer) {
-    inbox_.connect(writer);
+    inbox_.connect({writer});
     deliver(writer, 1, 2);
     inbox_.disconnect(writer);
   }
@@ -56,11 +57,11 @@ TEST_F(InboxTest, KeepsNoMoreOfAllWritersThatWentThanOfOne) {
 }
 
 TEST_F(InboxTest, LeavesTheQueuesOfConnectedWritersAlone) {
-  inbox_.connect(1);
-  inbox_.connect(2);
+  inbox_.connect({1});
+  inbox_.connect({2});
   deliver(1, 1, 3);
   for (core::EndpointId writer = 3; writer <= 10; ++writer) {
-    inbox_.connect(writer);
+    inbox_.connect({writer});
     deliver(writer, 1, 3);
     inbox_.disconnect(writer);
   }
@@ -70,16 +71,16 @@ TEST_F(InboxTest, LeavesTheQueuesOfConnectedWritersAlone) {
 /// A subscriber counts the gaps in a writer's sequences; it sees none behind the last sample, nor before the
 /// first.
 TEST_F(InboxTest, CountsLossesThatNoSequenceShows) {
-  inbox_.connect(1);
+  inbox_.connect({1});
   deliver(1, 1, 3);
   EXPECT_EQ(inbox_.take()->header().sequence, 1U);
-  inbox_.connect(2);
+  inbox_.connect({2});
   deliver(2, 1, 3);
   inbox_.disconnect(1);
   inbox_.disconnect(2);  // 5 samples: 2 and 3 of the first writer go
   EXPECT_EQ(inbox_.lost_unnoticed(), 2U);
 
-  inbox_.connect(3);
+  inbox_.connect({3});
   deliver(3, 1, 1);
   inbox_.disconnect(3);  // 1 of the second goes, of which nothing was taken yet
   EXPECT_EQ(take_all(), (Taken{{2, 2}, {2, 3}, {3, 1}}));
@@ -87,10 +88,10 @@ TEST_F(InboxTest, CountsLossesThatNoSequenceShows) {
 }
 
 TEST_F(InboxTest, LeavesLossesThatASequenceShowsToIt) {
-  inbox_.connect(1);
+  inbox_.connect({1});
   deliver(1, 1, 3);
   EXPECT_EQ(inbox_.take()->header().sequence, 1U);
-  inbox_.connect(2);
+  inbox_.connect({2});
   deliver(2, 1, 2);
   inbox_.disconnect(1);
   inbox_.disconnect(2);  // 4 samples: 2 of the first writer goes
@@ -100,14 +101,28 @@ TEST_F(InboxTest, LeavesLossesThatASequenceShowsToIt) {
 
 /// What was sent first of a writer's history is known from each sample of it.
 TEST_F(InboxTest, LeavesLossesOfRetainedSamplesToTheirReader) {
-  inbox_.connect(1);
+  inbox_.connect({1});
   deliver(1, 11, 13, 11);
-  inbox_.connect(2);
+  inbox_.connect({2});
   deliver(2, 1, 1);
   inbox_.disconnect(1);
   inbox_.disconnect(2);  // 4 samples: 11 of the first writer goes
   EXPECT_EQ(take_all(), (Taken{{1, 12}, {1, 13}, {2, 1}}));
   EXPECT_EQ(inbox_.lost_unnoticed(), 0U);
+}
+
+TEST_F(InboxTest, TakesNothingOfADurableWriterUntilSomethingForItsReaderAloneCame) {
+  inbox_.connect({.writer = 1, .history_first = true});
+  deliver(1, 5, 6);
+  EXPECT_FALSE(inbox_.history_began(1));
+  deliver(1, 4, 5, 4);
+  EXPECT_TRUE(inbox_.history_began(1));
+  deliver(1, 6, 6);
+  EXPECT_EQ(take_all(), (Taken{{1, 4}, {1, 5}, {1, 6}}));
+  EXPECT_EQ(inbox_.discarded(), 0U);
+  inbox_.disconnect(1);
+  inbox_.connect({.writer = 1, .history_first = true});
+  EXPECT_FALSE(inbox_.history_began(1)) << "it may have forgotten us";
 }
 
 }  // namespace

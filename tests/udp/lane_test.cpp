@@ -19,16 +19,17 @@ class LaneTest : public testing::Test {
     job->sample = memory_->take(1000);
     job->first = {};
     job->first.label.sequence = number;
+    job->sequence = number;
     return job;
   }
-  JobHandle retained(std::uint32_t number) {
-    JobHandle retained = job(number);
-    retained->first.flags = history_follows;
-    return retained;
+  JobHandle for_late_reader(std::uint32_t number) {
+    JobHandle one = job(number);
+    one->first.flags = history_follows;
+    return one;
   }
-  std::vector<JobHandle> all_retained(const Numbers& numbers) {
+  std::vector<JobHandle> retained(const Numbers& numbers) {
     std::vector<JobHandle> jobs;
-    for (const std::uint32_t number : numbers) jobs.push_back(retained(number));
+    for (const std::uint32_t number : numbers) jobs.push_back(for_late_reader(number));
     return jobs;
   }
   static Numbers take_all(Lane& lane) {
@@ -50,6 +51,7 @@ class LaneTest : public testing::Test {
   DestinationDirectory destinations_{{}, connections_.connect()};
   std::shared_ptr<WriterTally> tally_ = std::make_shared<WriterTally>();
   Lane one_{destinations_.find({.ipv4 = 0x7F000001, .port = 1}), 3, tally_};
+  Lane late_{destinations_.find({.ipv4 = 0x7F000001, .port = 1}), 3, tally_, Lane::Start::held};
   Lane other_{destinations_.find({.ipv4 = 0x7F000001, .port = 2}), 3, tally_};
 };
 
@@ -109,46 +111,48 @@ TEST_F(LaneTest, DropsWhatIsQueuedWhenItIsClosedAndTakesNothingMore) {
 }
 
 TEST_F(LaneTest, SendsRetainedSamplesHoweverManyBeforeWhatWaitedForThem) {
-  one_.hold();
-  EXPECT_FALSE(one_.idle());
-  EXPECT_FALSE(one_.post(job(5)).was_idle) << "it cannot go yet";
-  EXPECT_TRUE(one_.release(all_retained({1, 2, 3, 4})));
-  EXPECT_EQ(tally_->history_waiting, 4U);
-  EXPECT_FALSE(one_.post(job(6)).was_idle);
-  EXPECT_EQ(take_all(one_), (Numbers{1, 2, 3, 4, 5, 6}));
-  EXPECT_EQ(tally_->history_waiting, 0U);
-  EXPECT_TRUE(one_.idle());
+  EXPECT_FALSE(late_.idle());
+  EXPECT_FALSE(late_.post(job(5)).was_idle) << "it cannot go yet";
+  EXPECT_TRUE(late_.begin(retained({1, 2, 3, 4})));
+  EXPECT_FALSE(late_.post(job(6)).was_idle);
+  EXPECT_EQ(take_all(late_), (Numbers{1, 2, 3, 4, 5, 6}));
+  EXPECT_TRUE(late_.idle());
 }
 
-TEST_F(LaneTest, WaitsUntilTheLastReaderThatHeldItHasItsRetainedSamples) {
-  one_.post(job(7));
-  one_.hold();
-  one_.hold();
-  EXPECT_EQ(take_all(one_), Numbers{});
-  EXPECT_TRUE(one_.release(all_retained({1, 2})));
-  EXPECT_EQ(take_all(one_), (Numbers{1, 2}));
-  EXPECT_FALSE(one_.idle());
-  EXPECT_TRUE(one_.release({}));
-  EXPECT_EQ(take_all(one_), Numbers{7});
-  EXPECT_TRUE(one_.idle());
+TEST_F(LaneTest, GoesOnWithWhatWaitedWhereNothingIsRetained) {
+  late_.post(job(5));
+  EXPECT_TRUE(late_.begin({}));
+  EXPECT_EQ(take_all(late_), Numbers{5});
 }
 
-TEST_F(LaneTest, IsIdleAfterAHoldForWhichNothingWasRetained) {
-  one_.hold();
-  EXPECT_FALSE(one_.release({}));
-  EXPECT_TRUE(one_.idle());
+TEST_F(LaneTest, IsIdleOnceItHasBegunWithNothing) {
+  EXPECT_FALSE(late_.begin({}));
+  EXPECT_TRUE(late_.idle());
+  EXPECT_TRUE(late_.post(job(1)).was_idle);
 }
 
-TEST_F(LaneTest, OwesNothingAnyMoreWhenItIsClosed) {
-  one_.hold();
-  EXPECT_TRUE(one_.release(all_retained({1, 2, 3})));
-  one_.next();
-  one_.hold();
-  one_.close();
-  EXPECT_FALSE(one_.release(all_retained({4})));
-  EXPECT_EQ(tally_->history_waiting, 1U) << "what is being sent";
-  EXPECT_EQ(take_all(one_), Numbers{});
-  EXPECT_EQ(tally_->history_waiting, 0U);
+TEST_F(LaneTest, TellsWithEachSampleWhichWasTheFirst) {
+  late_.post(for_late_reader(7));
+  EXPECT_TRUE(late_.begin(retained({5, 6})));
+  while (const Job* job = late_.next()) EXPECT_EQ(job->first.history.oldest, 5U) << job->sequence;
+  const JobHandle direct = for_late_reader(8);
+  late_.mark(*direct);
+  EXPECT_EQ(direct->first.history.oldest, 5U);
+}
+
+TEST_F(LaneTest, CountsFromTheFirstLiveSampleWhereNothingIsRetainedAlsoIfThatIsDropped) {
+  EXPECT_FALSE(late_.begin({}));
+  for (std::uint32_t n = 4; n <= 8; ++n) late_.post(for_late_reader(n));
+  const Job* job = late_.next();
+  EXPECT_EQ(job->sequence, 6U);
+  EXPECT_EQ(job->first.history.oldest, 4U);
+}
+
+TEST_F(LaneTest, SendsNothingAnyMoreWhenItIsClosedBeforeItBegins) {
+  late_.post(job(4));
+  late_.close();
+  EXPECT_FALSE(late_.begin(retained({1, 2, 3})));
+  EXPECT_EQ(take_all(late_), Numbers{});
   EXPECT_EQ(held(), 0U);
 }
 

@@ -55,6 +55,33 @@ TEST_F(RoutesTest, GroupsReadersByMaximumRateToo) {
   EXPECT_NE(t->groups[0].wire->variant, t->groups[1].wire->variant);
 }
 
+TEST_F(RoutesTest, ServesALateReaderApartByOneLaneWhateverItAsksFor) {
+  core::Route late = route(1, fields<Image>("data"));
+  late.history = 3;
+  const core::Route other{2, late.destination, late.mask};
+  const auto before = table({late, other});
+  ASSERT_EQ(before->groups.size(), 2U);
+  EXPECT_EQ(before->of_late_reader(1), before->groups.data());
+  EXPECT_FALSE(variants_.late_lanes_idle()) << "its history is not known yet";
+  late.mask = fields<Image>("name");
+  const auto after = table({late, other});
+  EXPECT_EQ(after->groups[0].lanes, before->groups[0].lanes);
+  EXPECT_NE(after->groups[0].wire->variant, before->groups[0].wire->variant);
+  late.history = 0;
+  EXPECT_EQ(table({late, other})->of_late_reader(1), nullptr);
+  EXPECT_TRUE(variants_.late_lanes_idle());
+}
+
+TEST_F(RoutesTest, ALateReaderThatMovesIsNotHeldAgain) {
+  core::Route late = route(1, fields<Image>("data"));
+  late.history = 3;
+  const auto before = table({late});
+  std::get<core::UdpAddress>(late.destination).port = 2;
+  const auto after = table({late});
+  EXPECT_TRUE(before->groups[0].lanes[0]->closed());
+  EXPECT_TRUE(after->groups[0].lanes[0]->idle());
+}
+
 TEST_F(RoutesTest, LeavesReadersInSharedMemoryOut) {
   EXPECT_TRUE(table({{1, core::DoorbellAddress{.page = 1, .slot = 2}, fields<Image>("*")}})->groups.empty());
 }

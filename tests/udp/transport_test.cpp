@@ -100,31 +100,57 @@ TEST_P(TransportTest, SendsRetainedSamplesToOneReaderBeforeWhatComesMeanwhile) {
   Subscriber late(*here, {"data"}, 1000, 2);
   Publisher publisher(*there);
   early.listen_to(publisher.id());
-  late.listen_to(publisher.id());
+  late.listen_late_to(publisher.id());
   const FieldMask mask = fields<Image>("data");
   const core::Route to_early{1, loopback_address(*here), mask};
   core::Route to_late{2, loopback_address(*here), mask};
   to_late.history = 3;
+  publisher.port().set_routes({to_early});
   std::vector<core::SampleHandle> retained;
   for (std::size_t i = 0; i < 3; ++i) retained.push_back(publisher.make(make_image(30'000 * i)));
+  publisher.port().send(retained.back());
 
   publisher.port().set_routes({to_early, to_late});
-  for (int i = 0; i < 2; ++i) publisher.publish(make_image(10));  // waits: some reader is to get others first
+  for (int i = 0; i < 2; ++i) publisher.publish(make_image(10));
+  EXPECT_EQ(early.await_sequences(3), (std::vector<std::uint64_t>{3, 4, 5})) << "it waits for nobody";
+  EXPECT_FALSE(late.port().history_began(publisher.id())) << "what came was not for it";
   publisher.port().send_history(to_late, retained);
   EXPECT_EQ(late.await_sequences(5), first_numbers(5));
-  EXPECT_EQ(early.await_sequences(2), (std::vector<std::uint64_t>{4, 5}));
-  EXPECT_EQ(late.await(1)[0]->addressee, 2U);
-  EXPECT_EQ(late.await(1)[0]->oldest_retained, 1U);
+  for (const core::SampleHandle& sample : late.await(5)) {
+    EXPECT_EQ(sample->addressee, 2U);
+    EXPECT_EQ(sample->oldest_retained, 1U);
+  }
+  EXPECT_TRUE(late.port().history_began(publisher.id()));
   EXPECT_TRUE(eventually([&] { return publisher.port().history_sent(); }));
+  to_late.history = 0;
+  publisher.port().set_routes({to_early, to_late});
   publisher.publish(make_image(10));
   EXPECT_EQ(late.await_sequences(6), first_numbers(6));
+  EXPECT_EQ(early.await_sequences(4).back(), 6U);
+}
+
+TEST_P(TransportTest, KeepsTheOrderOfALateReaderThatAsksForOtherFieldsMeanwhile) {
+  const auto there = open({.pace_bytes_per_s = 100'000'000}), here = open();
+  Subscriber late(*here, {"*", "stamp"});
+  Publisher publisher(*there);
+  late.listen_late_to(publisher.id());
+  core::Route to_late{1, loopback_address(*here), fields<Image>("*")};
+  to_late.history = 10;
+  std::vector<core::SampleHandle> retained;
+  for (std::size_t i = 0; i < 10; ++i) retained.push_back(publisher.make(make_image(1'000'000)));
+  publisher.port().set_routes({to_late});
+  publisher.port().send_history(to_late, retained);
+  to_late.mask = fields<Image>("stamp");
+  publisher.port().set_routes({to_late});
+  publisher.publish(make_image(10));
+  EXPECT_EQ(late.await_sequences(11), first_numbers(11));
 }
 
 TEST_P(TransportTest, GoesOnWhereNothingIsRetained) {
   const auto there = open(), here = open();
   Subscriber late(*here, {"*"});
   Publisher publisher(*there);
-  late.listen_to(publisher.id());
+  late.listen_late_to(publisher.id());
   core::Route to_late{1, loopback_address(*here), fields<Image>("*")};
   to_late.history = 3;
   publisher.port().set_routes({to_late});
