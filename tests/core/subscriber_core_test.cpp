@@ -100,7 +100,7 @@ TEST_F(SubscriberCoreTest, AnExpiredSampleIsNotDeliveredAndNotLost) {
   subscriber->hears({hearing});
   arrives(*udp, 1);  // stamped in 1970
   arrives(*udp, 2);
-  udp->samples.back()->header().source_stamp_ns = realtime_ns();
+  udp->samples.back()->source_stamp_ns = realtime_ns();
   EXPECT_TRUE(subscriber->wait({}));
   EXPECT_EQ(taken(), (Sequences{2}));
   const SubscriberStatus status = subscriber->status();
