@@ -16,6 +16,7 @@
 #include <string>
 
 #include "core/buffer_pool.h"
+#include "core/call_count.h"
 #include "core/event_sink.h"
 #include "core/history.h"
 #include "core/negotiation.h"
@@ -117,7 +118,7 @@ class PublisherCore {
   const std::shared_ptr<WriterPort> udp_;
   const std::unique_ptr<History> history_;  ///< null unless durability asks for it
   Snapshot<Outlets> outlets_;
-  std::atomic<bool> publishing_{false};  ///< publish() is between reading the outlets and having sent
+  CallCount calls_;  ///< of those that read the outlets: publish(), publish_cdr(), loan(), commit()
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> dropped_{0};
   std::atomic<std::uint64_t> asserted_{0};
