@@ -80,10 +80,18 @@ void Reconciler::remove(EndpointId id) {
   writers_.erase(id);
   const auto reader = readers_.find(id);
   if (reader == readers_.end()) return;
-  dispatcher_.remove(*reader->second.core);
+  const SubscriberCore& core = *reader->second.core;
+  dispatcher_.remove(core);
   reader->second.core->set_port(TransportKind::udp, nullptr);
   reader->second.core->set_port(TransportKind::shm, nullptr);
+  if (core.is_called_back()) leaving_.push_back(std::move(reader->second));
   readers_.erase(reader);
+}
+
+/// Ports wait for the call of their listener to return, which the agent must not: the callback in which a
+/// subscriber was destroyed may take long, or itself ask the agent for something.
+void Reconciler::let_go_of_the_left() {
+  std::erase_if(leaving_, [](const Reader& reader) { return !reader.core->is_called_back(); });
 }
 
 void Reconciler::announce(EndpointId id) {
@@ -161,6 +169,7 @@ std::chrono::milliseconds Reconciler::tick() {
   dirty_ |= negotiation_.tick(now) || (shm_pause_.count() != 0 && now >= next_shm_attempt_);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   look_after_histories();
+  let_go_of_the_left();
   reconcile();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);

@@ -111,6 +111,7 @@ class Reconciler {
   bool look_after_connections();
   void forget_what_was_in_flight(Now now);
   void drop_shm_ports();
+  void let_go_of_the_left();
   /// Logs, once, which of those on the other side have another definition of an endpoint's type.
   template <class Status>
   void report_mismatches(EndpointId id, const std::vector<Status>& others, std::set<EndpointId>& reported);
@@ -139,6 +140,7 @@ class Reconciler {
   Negotiation negotiation_;
   std::map<EndpointId, Writer> writers_;
   std::map<EndpointId, Reader> readers_;
+  std::vector<Reader> leaving_;  ///< removed within callbacks that have not returned yet
   Self self_;
   bool udp_failed_ = false;
   bool dirty_ = false;      ///< something changed that reconcile() has not seen

@@ -56,6 +56,8 @@ class SubscriberCore final : public ArrivalListener {
   void dispatch();
   void arrived() noexcept override;
 
+  /// Whether a callback may be running. Once closed, and when it is not, none will any more.
+  bool is_called_back() const { return pending_.load() != 0; }
   /// After it returns no callback runs any more, except for one in which it is called itself.
   void close();
 

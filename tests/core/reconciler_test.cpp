@@ -18,12 +18,15 @@ using ::testing::IsEmpty;
 /// Whom it was told to take datagrams from.
 struct Connections {
   std::set<EndpointId> writers;
+  SampleHandle sample;  ///< to be taken
+  int ports_gone = 0;
 };
 
 class TestReaderPort final : public ReaderPort {
  public:
   explicit TestReaderPort(Connections& connections) : connections_(connections) {}
-  SampleHandle take() noexcept override { return {}; }
+  ~TestReaderPort() override { ++connections_.ports_gone; }
+  SampleHandle take() noexcept override { return std::move(connections_.sample); }
   Result<void> connect(const Source& source) override {
     connections_.writers.insert(source.writer);
     return {};
@@ -70,12 +73,15 @@ class ReconcilerTest : public ::testing::Test {
     return e;
   }
 
-  void our_reader(EndpointId id) {
+  std::shared_ptr<SubscriberCore> our_reader(EndpointId id, untyped::Callback callback = nullptr) {
+    const auto port = std::make_shared<TestReaderPort>(connections);
     auto core = std::make_shared<SubscriberCore>(
-        SubscriberCore::Spec{id, "points", &type, {mask, false}, {}, nullptr}, bells->at(1), nullptr);
-    reconciler.add_reader(endpoint(Role::reader, id),
-                          {core, nullptr, std::make_shared<TestReaderPort>(connections)});
+        SubscriberCore::Spec{id, "points", &type, {mask, false}, {}, std::move(callback)}, bells->at(1),
+        nullptr);
+    core->set_port(TransportKind::udp, port);
+    reconciler.add_reader(endpoint(Role::reader, id), {core, nullptr, port});
     reconciler.reconcile();
+    return core;
   }
   void writer_seen(EndpointId id) {
     reconciler.endpoint_seen(endpoint(Role::writer, id));
@@ -126,6 +132,25 @@ TEST_F(ReconcilerTest, WhatIsStillInFlightOfAWriterThatWentIsTaken) {
   writer_departed(7);
   reconciler.tick();
   EXPECT_THAT(connections.writers, ElementsAre(7));
+}
+
+// The port would wait for the callback, and the agent with it.
+TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
+  std::shared_ptr<SubscriberCore> core;
+  int ports_gone_within = 0;
+  core = our_reader(200, [&](untyped::Sample&&) {
+    core->close();
+    reconciler.remove(200);
+    reconciler.tick();
+    ports_gone_within = connections.ports_gone;
+  });
+  connections.sample = BufferPool::make(1 << 20)->take(256);
+  connections.sample->writer = 7;
+  connections.sample->sequence = 1;
+  core->arrived();
+  EXPECT_EQ(ports_gone_within, 0);
+  reconciler.tick();
+  EXPECT_EQ(connections.ports_gone, 1);
 }
 
 }  // namespace

@@ -292,6 +292,26 @@ TEST_P(PubSubTest, ASubscriberMayBeDestroyedInItsOwnCallback) {
   expect_served(pub, 0);
 }
 
+// What it asks is answered by the thread that takes the subscriber down.
+TEST_P(PubSubTest, ACallbackThatHasDestroyedItsSubscriberMayAskTheNode) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  std::atomic<std::size_t> topics{0};
+  std::atomic<bool> complete{false};
+  std::optional<Subscriber<PointCloud2, F::height>> sub;
+  sub.emplace(b.subscriber<PointCloud2, F::height>("points", [&](const auto&) {
+                 if (!complete) return;
+                 sub.reset();
+                 expect_served(pub, 0);  // the agent is done with it
+                 topics = b.topics().size();
+               }).value());
+  complete = true;
+  expect_served(pub, 1);
+  pub.publish(cloud(1));
+  EXPECT_TRUE(eventually([&] { return topics == 1; }));
+}
+
 TEST_P(PubSubTest, ASampleOutlivesItsSubscriberItsNodeAndItsPublisher) {
   std::optional<Node> a = open("a");
   std::optional<Node> b = open("b");
