@@ -61,7 +61,7 @@ void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherC
 
 void Reconciler::add_reader(const Endpoint& endpoint, NewReader reader) {
   const TypeSupport& type = reader.core->type();
-  if (reader.core->has_callback() && endpoint.may_use_shm) dispatcher_.add(reader.core);
+  if (reader.core->has_callback()) dispatcher_.add(reader.core);
   Reader& added = readers_[endpoint.id];
   added.core = std::move(reader.core);
   added.recorder = std::move(reader.recorder);

@@ -172,5 +172,27 @@ TEST_F(SubscriberCoreTest, AClosedSubscriberCallsNobody) {
   EXPECT_EQ(calls, 1);
 }
 
+// The transport's thread is not to be held up again.
+TEST_F(SubscriberCoreTest, AfterASlowCallbackTheDispatcherCallsBackUntilManyWereQuick) {
+  int calls = 0;
+  reopen([&](untyped::Sample&&) {
+    const auto begun = std::chrono::steady_clock::now();
+    if (++calls != 1) return;
+    while (std::chrono::steady_clock::now() - begun < std::chrono::milliseconds(1)) {
+    }
+  });
+  auto arrive_together = [&, sequence = std::uint64_t{0}](int count) mutable {
+    for (int i = 0; i < count; ++i) arrives(*udp, ++sequence);
+    subscriber->arrived();
+  };
+  arrive_together(101);
+  EXPECT_EQ(calls, 1);
+  EXPECT_TRUE(subscriber->waits_for_dispatch());
+  subscriber->dispatch();
+  EXPECT_EQ(calls, 101);
+  arrive_together(1);
+  EXPECT_EQ(calls, 102);
+}
+
 }  // namespace
 }  // namespace sft::core
