@@ -1,4 +1,4 @@
-#include "udp_transport/named_thread.h"
+#include "core/thread.h"
 
 #include <pthread.h>
 
@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-namespace sft::udp {
+namespace sft::core {
 
 namespace {
 
@@ -16,6 +16,9 @@ class BlockedSignals {
   BlockedSignals() {
     sigset_t all;
     ::sigfillset(&all);
+    // Those that a thread brings on itself stay: blocked they would end the process past its crash handler.
+    for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGABRT})
+      ::sigdelset(&all, fault);
     ::pthread_sigmask(SIG_SETMASK, &all, &before_);
   }
   BlockedSignals(const BlockedSignals&) = delete;
@@ -40,4 +43,4 @@ Result<std::thread> start_thread(const std::string& name, std::function<void()> 
   }
 }
 
-}  // namespace sft::udp
+}  // namespace sft::core
