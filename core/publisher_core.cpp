@@ -19,6 +19,11 @@ bool contains(const std::vector<T>& all, const T& one) {
   return std::find(all.begin(), all.end(), one) != all.end();
 }
 
+bool equal_but_for_number(ReaderStatus a, const ReaderStatus& b) {
+  a.request_sequence = b.request_sequence;
+  return a == b;
+}
+
 }  // namespace
 
 PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<WriterPort> udp)
@@ -73,12 +78,16 @@ void PublisherCore::find_gates(Serving& serving) {
   }
 }
 
-/// With the status mutex held: what was withheld from a reader stays its own when it changes its limit.
-void PublisherCore::follow_withholding(const Serving& serving) {
+/// With the status mutex held: of readers that are gone.
+void PublisherCore::forget_withholding() {
   std::erase_if(withholding_, [&](const auto& item) {
-    return std::none_of(serving.readers.begin(), serving.readers.end(),
+    return std::none_of(readers_.begin(), readers_.end(),
                         [&](const ReaderStatus& reader) { return reader.id == item.first; });
   });
+}
+
+/// With the status mutex held: what was withheld from a reader stays its own when it changes its limit.
+void PublisherCore::follow_withholding(const Serving& serving) {
   for (const auto* routes : {&serving.shm, &serving.udp}) {
     for (const Route& route : *routes) {
       const auto known = withholding_.find(route.reader);
@@ -133,9 +142,21 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
   {
     const std::scoped_lock lock(status_mutex_);
     readers_ = serving.readers;
+    forget_withholding();
     follow_withholding(serving);
   }
   if (spec_.on_readers_changed) spec_.on_readers_changed(status());
+}
+
+void PublisherCore::show(std::vector<ReaderStatus> readers) {
+  bool is_news = false;
+  {
+    const std::scoped_lock lock(status_mutex_);
+    is_news = !std::ranges::equal(readers_, readers, equal_but_for_number);
+    readers_ = std::move(readers);
+    forget_withholding();
+  }
+  if (is_news && spec_.on_readers_changed) spec_.on_readers_changed(status());
 }
 
 PublishStatus PublisherCore::publish(const void* value) {

@@ -63,6 +63,9 @@ class PublisherCore {
   /// Puts a new division of readers between the ports in force. `shm` is null while there is no shared
   /// memory.
   void serve(Serving serving, std::shared_ptr<WriterPort> shm);
+  /// Only what status() says of readers has changed. A request with another number and nothing new in it is
+  /// no change to tell the program of.
+  void show(std::vector<ReaderStatus> readers);
 
   // The agent's: what the program did, and for status() how it keeps its promises.
   OfferWatch::Signs signs() const;
@@ -96,6 +99,7 @@ class PublisherCore {
   std::vector<Route> take_latecomers(Serving& serving);
   void find_gates(Serving& serving);
   std::shared_ptr<RateGate> gate_for(std::uint32_t min_period_us);
+  void forget_withholding();
   void follow_withholding(const Serving& serving);
   bool admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept;
   std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;

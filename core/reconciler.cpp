@@ -371,8 +371,9 @@ void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
     });
   }
   if (writer.in_force == wanted) return;
+  const bool as_before = writer.in_force && writer.in_force->serves_like(wanted);
   writer.in_force = wanted;
-  writer.core->serve(wanted, writer.shm);
+  as_before ? writer.core->show(wanted.readers) : writer.core->serve(wanted, writer.shm);
   report_mismatches(id, wanted.readers, writer.mismatched);
 }
 

@@ -15,6 +15,18 @@ using F = PointCloud2::Field;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
+class TestWriterPort final : public WriterPort {
+ public:
+  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
+  void set_routes(std::vector<Route> set) override {
+    routes = std::move(set);
+    ++changes;
+  }
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+  std::vector<Route> routes;
+  int changes = 0;
+};
+
 /// Whom it was told to take datagrams from.
 struct Connections {
   std::set<EndpointId> writers;
@@ -83,6 +95,18 @@ class ReconcilerTest : public ::testing::Test {
     reconciler.reconcile();
     return core;
   }
+  std::shared_ptr<PublisherCore> our_writer(EndpointId id, const std::shared_ptr<WriterPort>& port) {
+    PublisherCore::Spec spec{id, "points", &type, 1 << 16};
+    spec.on_readers_changed = [this](const PublisherStatus&) { ++readers_changed; };
+    auto core = std::make_shared<PublisherCore>(std::move(spec), BufferPool::make(1 << 20), port);
+    reconciler.add_writer(endpoint(Role::writer, id), core);
+    reconciler.reconcile();
+    return core;
+  }
+  void requested(Request request) {
+    reconciler.request_received(request);
+    reconciler.reconcile();
+  }
   void writer_seen(EndpointId id) {
     reconciler.endpoint_seen(endpoint(Role::writer, id));
     reconciler.reconcile();
@@ -95,6 +119,7 @@ class ReconcilerTest : public ::testing::Test {
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const FieldMask mask = type.closed(FieldMask(F::height | F::width));
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
+  int readers_changed = 0;
   Dispatcher dispatcher{bells->at(0), "test"};
   Connections connections;
   TestDiscovery discovery;
@@ -132,6 +157,33 @@ TEST_F(ReconcilerTest, WhatIsStillInFlightOfAWriterThatWentIsTaken) {
   writer_departed(7);
   reconciler.tick();
   EXPECT_THAT(connections.writers, ElementsAre(7));
+}
+
+// It says for instance that it listens to another writer, too.
+TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNothing) {
+  const auto port = std::make_shared<TestWriterPort>();
+  const auto core = our_writer(7, port);
+  const Endpoint reader = endpoint(Role::reader, 200);
+  reconciler.endpoint_seen(reader);
+  Request request = reader.request;
+  request.sequence = 2;
+  request.listening = {7};
+  requested(request);
+  EXPECT_EQ(port->routes.size(), 1U);
+  const int changes = port->changes, told = readers_changed;
+
+  request.sequence = 3;
+  request.listening = {7, 8};
+  requested(request);
+  EXPECT_EQ(port->changes, changes);
+  EXPECT_EQ(readers_changed, told);
+  EXPECT_EQ(core->status().readers.at(0).request_sequence, 3U);
+
+  request.sequence = 4;
+  request.mask_words = type.full().to_words();
+  requested(request);
+  EXPECT_EQ(port->changes, changes + 1);
+  EXPECT_EQ(readers_changed, told + 1);
 }
 
 // The port would wait for the callback, and the agent with it.
