@@ -34,9 +34,10 @@ class BlockedSignals {
 Result<std::thread> start_thread(const std::string& name, std::function<void()> body) {
   const BlockedSignals blocked;
   try {
-    std::thread thread(std::move(body));
-    ::pthread_setname_np(thread.native_handle(), name.substr(0, 15).c_str());
-    return thread;
+    return std::thread([name = name.substr(0, 15), body = std::move(body)] {
+      ::pthread_setname_np(::pthread_self(), name.c_str());
+      body();
+    });
   } catch (const std::system_error& error) {
     return fail(Errc::system,
                 "cannot start the thread " + name + ": " + error.what() + "; raise the limit (ulimit -u)");
