@@ -7,6 +7,8 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <set>
 
+#include "tests/support/eventually.h"
+
 namespace sft::core {
 namespace {
 
@@ -30,6 +32,7 @@ class TestWriterPort final : public WriterPort {
 /// Whom it was told to take datagrams from.
 struct Connections {
   std::set<EndpointId> writers;
+  std::string refusal;  ///< why nothing can be connected at present
   SampleHandle sample;  ///< to be taken
   int ports_gone = 0;
 };
@@ -40,6 +43,7 @@ class TestReaderPort final : public ReaderPort {
   ~TestReaderPort() override { ++connections_.ports_gone; }
   SampleHandle take() noexcept override { return std::move(connections_.sample); }
   Result<void> connect(const Source& source) override {
+    if (!connections_.refusal.empty()) return fail(Errc::unavailable, connections_.refusal);
     connections_.writers.insert(source.writer);
     return {};
   }
@@ -120,10 +124,13 @@ class ReconcilerTest : public ::testing::Test {
   const FieldMask mask = type.closed(FieldMask(F::height | F::width));
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   int readers_changed = 0;
+  std::vector<std::string> logged;
   Dispatcher dispatcher{bells->at(0), "test"};
   Connections connections;
   TestDiscovery discovery;
-  Reconciler reconciler{1, nullptr, nullptr, discovery, dispatcher, [](LogLevel, const std::string&) {}};
+  Reconciler reconciler{1,          nullptr,
+                        nullptr,    discovery,
+                        dispatcher, [this](LogLevel, const std::string& text) { logged.push_back(text); }};
 };
 
 TEST_F(ReconcilerTest, AReaderIsAnnouncedBeforeItListensToAnybody) {
@@ -157,6 +164,25 @@ TEST_F(ReconcilerTest, WhatIsStillInFlightOfAWriterThatWentIsTaken) {
   writer_departed(7);
   reconciler.tick();
   EXPECT_THAT(connections.writers, ElementsAre(7));
+}
+
+// Another writer may have the same short id, until it goes.
+TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainByItself) {
+  connections.refusal = "the same short id";
+  our_reader(200);
+  writer_seen(7);
+  writer_seen(8);
+  for (int i = 0; i < 10; ++i) {
+    reconciler.tick();
+    writer_seen(7);
+  }
+  EXPECT_THAT(logged, ElementsAre("the same short id", "the same short id"));
+  connections.refusal.clear();
+  EXPECT_THAT(connections.writers, IsEmpty());
+  EXPECT_TRUE(test::eventually([&] {
+    reconciler.tick();
+    return connections.writers.size() == 2;
+  }));
 }
 
 // It says for instance that it listens to another writer, too.
