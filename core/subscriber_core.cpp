@@ -12,6 +12,11 @@ thread_local int callback_depth = 0;
 constexpr std::size_t gone_writers_kept = 64;            // their last samples may still be taken
 constexpr std::chrono::microseconds slow_callback{200};  // far more than handing over to another thread costs
 constexpr int quick_again_after = 100;                   // callbacks in a row
+
+/// Of one writer the next is always newer, whatever was done to its clock.
+bool is_newer(const SampleInfo& next, const SampleInfo& latest) {
+  return next.writer == latest.writer || next.source_stamp > latest.source_stamp;
+}
 }  // namespace
 
 bool SubscriberCore::in_callback() noexcept { return callback_depth != 0; }
@@ -186,12 +191,11 @@ untyped::Sample SubscriberCore::take() {
 untyped::Sample SubscriberCore::take_latest() {
   const std::scoped_lock lock(mutex_);
   Next latest = next();
-  while (latest.sample) {
-    Next newer = next();
-    if (!newer.sample) break;
-    newer.info.lost_before += latest.info.lost_before;
-    latest = std::move(newer);
+  for (Next other = next(); other.sample; other = next()) {
+    if (is_newer(other.info, latest.info)) std::swap(latest, other);
+    heard(other.info.writer).lost_untold += other.info.lost_before;  // told with the next one of that writer
   }
+  if (latest.sample) latest.info.lost_before += std::exchange(heard(latest.info.writer).lost_untold, 0);
   return wrap(std::move(latest));
 }
 

@@ -31,10 +31,13 @@ class SubscriberCoreTest : public ::testing::Test {
   }
 
   void arrives(QueuePort& port, std::uint64_t sequence, EndpointId writer = 9) {
+    arrives(port, sequence, writer, static_cast<std::int64_t>(sequence));
+  }
+  void arrives(QueuePort& port, std::uint64_t sequence, EndpointId writer, std::int64_t stamp_ns) {
     SampleHandle sample = pool->take(256);
     sample->writer = writer;
     sample->sequence = sequence;
-    sample->source_stamp_ns = static_cast<std::int64_t>(sequence);
+    sample->source_stamp_ns = stamp_ns;
     sample->mask = type.full();
     port.samples.push_back(std::move(sample));
   }
@@ -125,6 +128,30 @@ TEST_F(SubscriberCoreTest, TheLatestSampleCarriesTheLossesOfThosePassedOver) {
   EXPECT_EQ(latest.info().sequence, 4U);
   EXPECT_EQ(latest.info().lost_before, 1U);
   EXPECT_FALSE(subscriber->take_latest());
+}
+
+TEST_F(SubscriberCoreTest, TheLatestOfSeveralWritersIsTheLastThatWasPublished) {
+  arrives(*udp, 1, 9, 100);
+  arrives(*udp, 1, 10, 300);
+  arrives(*udp, 2, 9, 200);
+  const untyped::Sample latest = subscriber->take_latest();
+  EXPECT_EQ(latest.info().writer, 10U);
+  EXPECT_FALSE(subscriber->take());
+}
+
+TEST_F(SubscriberCoreTest, TheLatestOfOneWriterIsTheOneOfTheHighestNumberAlsoWhenItsClockWasSetBack) {
+  arrives(*udp, 1, 9, 300);
+  arrives(*udp, 2, 9, 100);
+  EXPECT_EQ(subscriber->take_latest().info().sequence, 2U);
+}
+
+TEST_F(SubscriberCoreTest, LossesOfWritersThatWerePassedOverAreToldWithTheirNextSample) {
+  arrives(*udp, 1, 9, 100);
+  arrives(*udp, 5, 9, 200);
+  arrives(*udp, 1, 10, 300);
+  EXPECT_EQ(subscriber->take_latest().info().lost_before, 0U);
+  arrives(*udp, 7, 9, 400);
+  EXPECT_EQ(subscriber->take().info().lost_before, 4U);
 }
 
 TEST_F(SubscriberCoreTest, WaitReturnsAtOnceIfThereIsASampleAndAtTheDeadlineIfNot) {

@@ -25,7 +25,9 @@ class Subscriber {
 
   /// The oldest sample not yet taken; empty if there is none.
   [[nodiscard]] Sample<T, R> take() { return Sample<T, R>(subscriber_.take()); }
-  /// The newest sample; older ones of it are passed over (and not counted as lost).
+  /// The newest sample of all publishers, by the clocks of these; of one publisher it is its last. All others
+  /// that are there are passed over and not counted as lost. What was lost before it is told of its own
+  /// publisher; of others, with the next sample of these that is taken.
   [[nodiscard]] Sample<T, R> take_latest() { return Sample<T, R>(subscriber_.take_latest()); }
   /// Sleeps until there is something to take or the time is over; tells which.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
