@@ -1,15 +1,16 @@
 #include "core/agent.h"
 
-#include <pthread.h>
-
 #include <utility>
+
+#include "core/thread.h"
 
 namespace sft::core {
 
-void Agent::start(const std::string& thread_name, Duties duties) {
+Result<void> Agent::start(const std::string& thread_name, Duties duties) {
   duties_ = std::move(duties);
-  thread_ = std::thread([this] { run(); });
-  pthread_setname_np(thread_.native_handle(), thread_name.substr(0, 15).c_str());
+  return start_thread(thread_name, [this] { run(); }).map([this](std::thread&& t) {
+    thread_ = std::move(t);
+  });
 }
 
 void Agent::stop() {
@@ -31,6 +32,7 @@ void Agent::post(Task task) {
 }
 
 void Agent::run() {
+  thread_id_.store(std::this_thread::get_id());
   std::vector<Task> batch;
   auto next_tick = std::chrono::steady_clock::now();
   for (;;) {

@@ -2,6 +2,7 @@
 // negotiation, opening and closing of ports, announcements, looking after transports. Others post to it.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
@@ -9,6 +10,8 @@
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "sft/typesupport/result.h"
 
 namespace sft::core {
 
@@ -27,13 +30,13 @@ class Agent {
   Agent(const Agent&) = delete;
   Agent& operator=(const Agent&) = delete;
 
-  void start(const std::string& thread_name, Duties duties);
+  Result<void> start(const std::string& thread_name, Duties duties);
 
   /// Any thread, before start() too; returns at once. Tasks run in the order in which they were posted.
   void post(Task task);
   /// Runs what was posted before, then ends the thread; what is posted later is not run.
   void stop();
-  bool is_current_thread() const { return std::this_thread::get_id() == thread_.get_id(); }
+  bool is_current_thread() const { return std::this_thread::get_id() == thread_id_.load(); }
 
  private:
   void run();
@@ -43,6 +46,7 @@ class Agent {
   std::condition_variable posted_;
   std::vector<Task> tasks_;
   bool stopping_ = false;
+  std::atomic<std::thread::id> thread_id_{};
   std::thread thread_;
 };
 

@@ -1,9 +1,10 @@
 #include "core/dispatcher.h"
 
-#include <pthread.h>
-
 #include <algorithm>
 #include <chrono>
+#include <utility>
+
+#include "core/thread.h"
 
 namespace sft::core {
 
@@ -14,14 +15,19 @@ Dispatcher::~Dispatcher() {
   thread_.join();
 }
 
+Result<void> Dispatcher::start() {
+  const std::scoped_lock lock(mutex_);
+  if (thread_.joinable()) return {};
+  return start_thread(thread_name_, [this] { run(); }).map([this](std::thread&& t) {
+    thread_ = std::move(t);
+  });
+}
+
 void Dispatcher::add(std::shared_ptr<SubscriberCore> subscriber) {
   const std::scoped_lock lock(mutex_);
   auto more = std::make_shared<Subscribers>(*subscribers_);
   more->push_back(std::move(subscriber));
   subscribers_ = std::move(more);
-  if (thread_.joinable()) return;
-  thread_ = std::thread([this] { run(); });
-  pthread_setname_np(thread_.native_handle(), thread_name_.substr(0, 15).c_str());
 }
 
 void Dispatcher::remove(const SubscriberCore& subscriber) {

@@ -1,6 +1,6 @@
-// The thread that calls back for samples in shared memory: it sleeps on one doorbell for all callback
-// subscribers of a node. (Samples that arrive by UDP are called back for on the receiving thread.) Started
-// with the first of them.
+// The thread that calls back for samples in shared memory, and for those that came by UDP where callbacks
+// take long (short ones run on the receiving thread): it sleeps on one doorbell for all callback subscribers
+// of a node.
 #pragma once
 
 #include <atomic>
@@ -22,6 +22,9 @@ class Dispatcher {
   ~Dispatcher();
   Dispatcher(const Dispatcher&) = delete;
   Dispatcher& operator=(const Dispatcher&) = delete;
+
+  /// Before the first add(); does nothing if it was called before. Any thread.
+  Result<void> start();
 
   void add(std::shared_ptr<SubscriberCore> subscriber);
   void remove(const SubscriberCore& subscriber);

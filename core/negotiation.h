@@ -37,6 +37,11 @@ struct Serving {
   bool lease_requested = false;       ///< some reader wants to know whether the writer lives
   bool samples_tell = true;           ///< and each of these gets every sample
   bool history_owed = false;          ///< some route has a history
+
+  /// Whether the same is to be sent to the same readers; what is told of these may differ.
+  bool serves_like(const Serving& other) const {
+    return shm_port == other.shm_port && shm == other.shm && udp == other.udp;
+  }
   friend bool operator==(const Serving&, const Serving&) = default;
 };
 

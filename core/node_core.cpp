@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <future>
 #include <numeric>
-#include <thread>
 #include <utility>
 
 #include "core/described_type.h"
 #include "core/network_id.h"
 #include "core/random_id.h"
+#include "core/thread.h"
 #include "core/topics.h"
 
 namespace sft::core {
@@ -25,8 +25,10 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
       node->network_, node->shm_.get(), node->udp_.get(), *node->discovery_, node->dispatcher_,
       [self](LogLevel level, const std::string& text) { self->log(level, text); });
   Reconciler* const reconciler = node->reconciler_.get();
-  node->agent_.start("sft-agent " + options.name, {.tick = [reconciler] { return reconciler->tick(); },
-                                                   .idle = [reconciler] { reconciler->reconcile(); }});
+  const Agent::Duties duties{.tick = [reconciler] { return reconciler->tick(); },
+                             .idle = [reconciler] { reconciler->reconcile(); }};
+  const Result<void> started = node->agent_.start("sft-agent " + options.name, duties);
+  if (!started) return tl::unexpected(started.error());
   return node;
 }
 
@@ -51,10 +53,12 @@ NodeCore::~NodeCore() {
 void NodeCore::dispose(NodeCore* node) {
   const bool own_thread = SubscriberCore::in_callback() || node->agent_.is_current_thread() ||
                           node->dispatcher_.is_current_thread();
-  if (own_thread) {
-    std::thread([node] { delete node; }).detach();
-  } else {
+  if (!own_thread) {
     delete node;
+  } else if (auto thread = start_thread("sft-close", [node] { delete node; })) {
+    thread->detach();
+  } else {
+    node->log(LogLevel::error, "the node stays open: " + thread.error().message);
   }
 }
 
@@ -155,6 +159,9 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   if (auto ok = check_endpoint(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
   const Result<Qos> qos = qos_of(options);
   if (!qos) return tl::unexpected(qos.error());
+  if (callback) {
+    if (const Result<void> started = dispatcher_.start(); !started) return tl::unexpected(started.error());
+  }
   const Result<std::uint32_t> slot = callback ? Result<std::uint32_t>(0) : take_slot();
   if (!slot) return tl::unexpected(slot.error());
   Endpoint endpoint = new_endpoint(Role::reader, topic, type, options.transport);

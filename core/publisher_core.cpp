@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstring>
 #include <new>
-#include <thread>
 
 #include "core/clock.h"
 #include "sft/typesupport/convert.h"
@@ -18,6 +17,11 @@ constexpr std::size_t gates_remembered_max = 64;
 template <class T>
 bool contains(const std::vector<T>& all, const T& one) {
   return std::find(all.begin(), all.end(), one) != all.end();
+}
+
+bool equal_but_for_number(ReaderStatus a, const ReaderStatus& b) {
+  a.request_sequence = b.request_sequence;
+  return a == b;
 }
 
 }  // namespace
@@ -74,12 +78,16 @@ void PublisherCore::find_gates(Serving& serving) {
   }
 }
 
-/// With the status mutex held: what was withheld from a reader stays its own when it changes its limit.
-void PublisherCore::follow_withholding(const Serving& serving) {
+/// With the status mutex held: of readers that are gone.
+void PublisherCore::forget_withholding() {
   std::erase_if(withholding_, [&](const auto& item) {
-    return std::none_of(serving.readers.begin(), serving.readers.end(),
+    return std::none_of(readers_.begin(), readers_.end(),
                         [&](const ReaderStatus& reader) { return reader.id == item.first; });
   });
+}
+
+/// With the status mutex held: what was withheld from a reader stays its own when it changes its limit.
+void PublisherCore::follow_withholding(const Serving& serving) {
   for (const auto* routes : {&serving.shm, &serving.udp}) {
     for (const Route& route : *routes) {
       const auto known = withholding_.find(route.reader);
@@ -114,11 +122,11 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
   const std::shared_ptr<const Outlets> before = outlets_.share();
   if (!before->mask.contains(after->mask)) {
     // A route must never ask for more than is encoded: first encode what old and new routes need together,
-    // wait for a publish() that began before that, and only then change the routes.
+    // wait for a call that may have begun before that, and only then change the routes.
     auto both = std::make_shared<Outlets>(*before);
     both->mask |= after->mask;
     outlets_.store(both);
-    while (publishing_.load(std::memory_order_seq_cst)) std::this_thread::yield();
+    calls_.wait_for_present_call();
   }
   if (after->shm != nullptr) after->shm->set_routes(serving.shm);
   if (udp_ != nullptr) udp_->set_routes(serving.udp);
@@ -129,23 +137,29 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
   {
     const std::scoped_lock lock(status_mutex_);
     readers_ = serving.readers;
+    forget_withholding();
     follow_withholding(serving);
   }
   if (spec_.on_readers_changed) spec_.on_readers_changed(status());
 }
 
-PublishStatus PublisherCore::publish(const void* value) {
-  publishing_.store(true, std::memory_order_seq_cst);
-  const Outlets& outlets = *outlets_.load();
-  PublishStatus status = PublishStatus::ok;
-  if (outlets.to_shm || outlets.to_udp || history_ != nullptr) {
-    const std::int64_t stamp_ns = realtime_ns();
-    status = admit(outlets, stamp_ns) ? encode_and_send(outlets, value, stamp_ns) : withhold();
-  } else {
-    sequence_.fetch_add(1, std::memory_order_relaxed);
+void PublisherCore::show(std::vector<ReaderStatus> readers) {
+  bool is_news = false;
+  {
+    const std::scoped_lock lock(status_mutex_);
+    is_news = !std::ranges::equal(readers_, readers, equal_but_for_number);
+    readers_ = std::move(readers);
+    forget_withholding();
   }
-  publishing_.store(false, std::memory_order_release);
-  return status;
+  if (is_news && spec_.on_readers_changed) spec_.on_readers_changed(status());
+}
+
+PublishStatus PublisherCore::publish(const void* value) {
+  const CallCount::Call call(calls_);
+  const Outlets& outlets = *outlets_.load();
+  if (!outlets.to_shm && !outlets.to_udp && history_ == nullptr) return withhold();
+  const std::int64_t stamp_ns = realtime_ns();
+  return admit(outlets, stamp_ns) ? encode_and_send(outlets, value, stamp_ns) : withhold();
 }
 
 /// Asks each gate once. False if the sample is for nobody.
@@ -158,7 +172,7 @@ bool PublisherCore::admit(const Outlets& outlets, std::int64_t stamp_ns) const n
   return passes;
 }
 
-/// Counts a sample that its readers do not want, so that they can tell.
+/// Counts a sample that nobody wants, so that readers can tell.
 PublishStatus PublisherCore::withhold() noexcept {
   sequence_.fetch_add(1, std::memory_order_relaxed);
   return PublishStatus::ok;
@@ -195,6 +209,7 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
                                           " bytes; raise PublisherOptions::max_sample_bytes");
   }
   const std::int64_t stamp_ns = realtime_ns();
+  const CallCount::Call call(calls_);
   const Outlets& outlets = *outlets_.load();
   const SampleHandle sample = lend(outlets, size.bytes);
   if (!sample) return no_memory();
@@ -220,6 +235,7 @@ Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const 
     return fail(Errc::limit_exceeded, "a loan of " + std::to_string(size.bytes) +
                                           " bytes; raise PublisherOptions::max_sample_bytes");
   }
+  const CallCount::Call call(calls_);
   SampleHandle sample = lend(*outlets_.load(), size.bytes);
   if (!sample) return fail(Errc::out_of_memory, "no memory free for a loan: readers or loans hold too much");
   fill_header(*sample, full_, size.bytes);
@@ -236,6 +252,7 @@ PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
     if (const PublishStatus status = close_gaps(*sample); status != PublishStatus::ok) return status;
   }
   const std::int64_t stamp_ns = realtime_ns();
+  const CallCount::Call call(calls_);
   const Outlets& outlets = *outlets_.load();
   return admit(outlets, stamp_ns) ? send(outlets, sample, stamp_ns) : withhold();
 }

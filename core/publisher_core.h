@@ -16,6 +16,7 @@
 #include <string>
 
 #include "core/buffer_pool.h"
+#include "core/call_count.h"
 #include "core/event_sink.h"
 #include "core/history.h"
 #include "core/negotiation.h"
@@ -62,6 +63,9 @@ class PublisherCore {
   /// Puts a new division of readers between the ports in force. `shm` is null while there is no shared
   /// memory.
   void serve(Serving serving, std::shared_ptr<WriterPort> shm);
+  /// Only what status() says of readers has changed. A request with another number and nothing new in it is
+  /// no change to tell the program of.
+  void show(std::vector<ReaderStatus> readers);
 
   // The agent's: what the program did, and for status() how it keeps its promises.
   OfferWatch::Signs signs() const;
@@ -95,6 +99,7 @@ class PublisherCore {
   std::vector<Route> take_latecomers(const Serving& serving);
   void find_gates(Serving& serving);
   std::shared_ptr<RateGate> gate_for(std::uint32_t min_period_us);
+  void forget_withholding();
   void follow_withholding(const Serving& serving);
   bool admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept;
   std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;
@@ -117,7 +122,7 @@ class PublisherCore {
   const std::shared_ptr<WriterPort> udp_;
   const std::unique_ptr<History> history_;  ///< null unless durability asks for it
   Snapshot<Outlets> outlets_;
-  std::atomic<bool> publishing_{false};  ///< publish() is between reading the outlets and having sent
+  CallCount calls_;  ///< of those that read the outlets: publish(), publish_cdr(), loan(), commit()
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> dropped_{0};
   std::atomic<std::uint64_t> asserted_{0};

@@ -10,13 +10,18 @@ namespace sft::core {
 namespace {
 
 constexpr std::size_t accepted_max = 16;
-constexpr std::chrono::seconds in_flight_max{2};         // what was sent longer ago does not come any more
-constexpr std::chrono::milliseconds shm_pause_min{500};  // after the daemon did not do what was asked for
-constexpr std::chrono::milliseconds shm_pause_max{10'000};
+constexpr std::chrono::seconds in_flight_max{2};  // what was sent longer ago does not come any more
 constexpr std::chrono::milliseconds tick_quiet{50};
 constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
+
+/// Whether it failed for the first time, or for another reason than before.
+bool is_new_failure(Retry& retry, const Result<void>& outcome) {
+  if (!outcome) return retry.failed(outcome.error().message, std::chrono::steady_clock::now());
+  retry.succeeded();
+  return false;
+}
 
 }  // namespace
 
@@ -61,7 +66,7 @@ void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherC
 
 void Reconciler::add_reader(const Endpoint& endpoint, NewReader reader) {
   const TypeSupport& type = reader.core->type();
-  if (reader.core->has_callback() && endpoint.may_use_shm) dispatcher_.add(reader.core);
+  if (reader.core->has_callback()) dispatcher_.add(reader.core);
   Reader& added = readers_[endpoint.id];
   added.core = std::move(reader.core);
   added.recorder = std::move(reader.recorder);
@@ -80,10 +85,18 @@ void Reconciler::remove(EndpointId id) {
   writers_.erase(id);
   const auto reader = readers_.find(id);
   if (reader == readers_.end()) return;
-  dispatcher_.remove(*reader->second.core);
+  const SubscriberCore& core = *reader->second.core;
+  dispatcher_.remove(core);
   reader->second.core->set_port(TransportKind::udp, nullptr);
   reader->second.core->set_port(TransportKind::shm, nullptr);
+  if (core.is_called_back()) leaving_.push_back(std::move(reader->second));
   readers_.erase(reader);
+}
+
+/// Ports wait for the call of their listener to return, which the agent must not: the callback in which a
+/// subscriber was destroyed may take long, or itself ask the agent for something.
+void Reconciler::let_go_of_the_left() {
+  std::erase_if(leaving_, [](const Reader& reader) { return !reader.core->is_called_back(); });
 }
 
 void Reconciler::announce(EndpointId id) {
@@ -158,9 +171,11 @@ std::chrono::milliseconds Reconciler::tick() {
   look_after_shm();
   look_after_udp(now);
   forget_what_was_in_flight(now);
-  dirty_ |= negotiation_.tick(now) || (shm_pause_.count() != 0 && now >= next_shm_attempt_);
+  dirty_ |= negotiation_.tick(now);
+  dirty_ |= may_try_again(now);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   look_after_histories();
+  let_go_of_the_left();
   reconcile();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
@@ -256,8 +271,6 @@ void Reconciler::look_after_shm() {
   dirty_ |= negotiation_.self_changed(self_);
   if (!new_host) return;
   drop_shm_ports();
-  shm_pause_ = {};
-  next_shm_attempt_ = {};
   reconcile();  // first: who was served in memory is served by UDP from here on
   log_(LogLevel::info, "shared memory: " + self_.shm_state);
   for (const auto& [id, writer] : writers_) announce(id);
@@ -274,9 +287,11 @@ void Reconciler::look_after_udp(Now now) {
   log_(LogLevel::error, "UDP: " + udp_->description());
 }
 
-/// The memory that they were in is gone, or another daemon's.
+/// The memory that they were in is gone, or another daemon's, which is to be asked at once.
 void Reconciler::drop_shm_ports() {
+  asking_daemon_ = {};
   for (auto& [id, writer] : writers_) {
+    writer.opening_shm = {};
     if (writer.shm == nullptr) continue;
     writer.shm.reset();
     writer.in_force.reset();
@@ -285,6 +300,7 @@ void Reconciler::drop_shm_ports() {
     reader.core->set_port(TransportKind::shm, nullptr);
     reader.shm.reset();
     for (auto& [writer, hearing] : reader.heard) hearing.shm = false;
+    for (auto& [writer, connecting] : reader.connecting) connecting.shm = {};
   }
 }
 
@@ -308,21 +324,38 @@ bool Reconciler::look_after_connections() {
   return waiting;
 }
 
-/// Opens something in shared memory, unless that failed a moment ago: a daemon that does not answer costs its
-/// deadline each time, during which the agent does nothing else.
+/// Unless it failed a moment ago: then not yet, and nothing at all of a daemon that did not answer. That
+/// costs its deadline each time, during which the agent does nothing else.
 template <class Open>
-bool Reconciler::try_shm(Open open) {
+bool Reconciler::try_shm(Retry& retry, Open open) {
   const Now now = std::chrono::steady_clock::now();
-  if (now < next_shm_attempt_) return false;
+  if (!retry.due(now) || !asking_daemon_.due(now)) return false;
   const Result<void> opened = open();
-  if (opened) {
-    shm_pause_ = {};
-    return true;
-  }
-  shm_pause_ = std::clamp(shm_pause_ * 2, shm_pause_min, shm_pause_max);
-  next_shm_attempt_ = std::chrono::steady_clock::now() + shm_pause_;
-  log_(LogLevel::warning, opened.error().message);
-  return false;
+  const bool answered = opened || opened.error().code != Errc::unavailable;
+  const bool is_news = is_new_failure(retry, opened);
+  if (answered) asking_daemon_.succeeded();
+  if ((answered || is_new_failure(asking_daemon_, opened)) && is_news)
+    log_(LogLevel::warning, opened.error().message);
+  return opened.has_value();
+}
+
+bool Reconciler::try_udp(Retry& retry, Reader& reader, const Source& source) {
+  if (!retry.due(std::chrono::steady_clock::now())) return false;
+  const Result<void> connected = reader.udp->connect(source);
+  if (is_new_failure(retry, connected)) log_(LogLevel::warning, connected.error().message);
+  return connected.has_value();
+}
+
+/// Whether something that failed and is still wanted has its turn again.
+bool Reconciler::may_try_again(Now now) const {
+  const auto shm_may = [&](const Retry& retry) { return retry.due_again(now) && asking_daemon_.due(now); };
+  const auto writer_may = [&](const auto& item) { return shm_may(item.second.opening_shm); };
+  const auto reader_may = [&](const auto& item) {
+    return std::ranges::any_of(item.second.connecting, [&](const auto& connecting) {
+      return shm_may(connecting.second.shm) || connecting.second.udp.due_again(now);
+    });
+  };
+  return std::ranges::any_of(writers_, writer_may) || std::ranges::any_of(readers_, reader_may);
 }
 
 /// Until nothing changes any more: what our readers are connected to is news to our own writers.
@@ -353,8 +386,10 @@ void Reconciler::apply_desired_states() {
 
 void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
   const Serving wanted = negotiation_.serving(id);
-  if (wanted.shm_port && writer.shm == nullptr) {
-    try_shm([&]() -> Result<void> {
+  if (!wanted.shm_port || writer.shm != nullptr) {
+    writer.opening_shm = {};
+  } else {
+    try_shm(writer.opening_shm, [&]() -> Result<void> {
       auto port = shm_->open_writer({id, &writer.core->type(), negotiation_.local(id)->max_sample_bytes});
       if (!port) return tl::unexpected(port.error());
       writer.shm = std::move(*port);
@@ -363,8 +398,9 @@ void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
     });
   }
   if (writer.in_force == wanted) return;
+  const bool as_before = writer.in_force && writer.in_force->serves_like(wanted);
   writer.in_force = wanted;
-  writer.core->serve(wanted, writer.shm);
+  as_before ? writer.core->show(wanted.readers) : writer.core->serve(wanted, writer.shm);
   report_mismatches(id, wanted.readers, writer.mismatched);
 }
 
@@ -399,6 +435,7 @@ void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
   }
   if (changed) request_changed(id);
   reader.heard = std::move(heard);
+  std::erase_if(reader.connecting, [&](const auto& item) { return !reader.heard.contains(item.first); });
   reader.core->hears(wanted);
   std::vector<WriterStatus> writers;
   for (const Hearing& hearing : wanted) writers.push_back(hearing.status);
@@ -424,20 +461,22 @@ void Reconciler::watch(Reader& reader) {
 Hearing Reconciler::connect(EndpointId id, Reader& reader, const Hearing& wanted, const Hearing& before) {
   Hearing now = wanted;
   const EndpointId writer = wanted.source.writer;
+  Connecting& connecting = reader.connecting[writer];
+  if (!wanted.shm) connecting.shm = {};
+  if (!wanted.udp) connecting.udp = {};
   reader.departed.erase(writer);
   if (wanted.udp != before.udp) {
     if (!wanted.udp) {
       reader.udp->disconnect(writer);
-    } else if (const Result<void> ok = reader.udp->connect(wanted.source); !ok) {
-      now.udp = false;
-      log_(LogLevel::warning, ok.error().message);
+    } else {
+      now.udp = try_udp(connecting.udp, reader, wanted.source);
     }
   }
   if (wanted.shm != before.shm) {
     if (!wanted.shm) {
       if (reader.shm != nullptr) reader.shm->disconnect(writer);
     } else {
-      now.shm = try_shm([&] { return connect_shm(id, reader, wanted.source); });
+      now.shm = try_shm(connecting.shm, [&] { return connect_shm(id, reader, wanted.source); });
     }
   }
   return now;

@@ -21,6 +21,7 @@
 #include "core/publisher_core.h"
 #include "core/qos_watch.h"
 #include "core/recorder.h"
+#include "core/retry.h"
 #include "core/subscriber_core.h"
 #include "core/transport.h"
 #include "sft/options.h"
@@ -76,6 +77,7 @@ class Reconciler {
   struct Writer {
     std::shared_ptr<PublisherCore> core;
     std::shared_ptr<WriterPort> shm;
+    Retry opening_shm{};
     std::optional<Serving> in_force;
     std::set<EndpointId> mismatched{};  ///< readers of another definition of the type, reported
     OfferWatch watch;
@@ -86,13 +88,18 @@ class Reconciler {
     Wanted wanted;
     Now replaced_at = Now::max();  ///< when something else was asked for
   };
+  struct Connecting {
+    Retry shm;
+    Retry udp;
+  };
   struct Reader {
     std::shared_ptr<SubscriberCore> core;
     std::shared_ptr<Recorder> recorder;
     std::shared_ptr<ReaderPort> shm;
     std::shared_ptr<ReaderPort> udp;
     std::map<EndpointId, Hearing> heard;
-    std::map<EndpointId, RequestWatch> watched;  ///< of these
+    std::map<EndpointId, Connecting> connecting;  ///< to these
+    std::map<EndpointId, RequestWatch> watched;   ///< of these
     Qos requested;
     std::vector<Accepted> accepted;      ///< newest last
     std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
@@ -111,6 +118,7 @@ class Reconciler {
   bool look_after_connections();
   void forget_what_was_in_flight(Now now);
   void drop_shm_ports();
+  void let_go_of_the_left();
   /// Logs, once, which of those on the other side have another definition of an endpoint's type.
   template <class Status>
   void report_mismatches(EndpointId id, const std::vector<Status>& others, std::set<EndpointId>& reported);
@@ -121,7 +129,9 @@ class Reconciler {
   Hearing connect(EndpointId id, Reader& reader, const Hearing& wanted, const Hearing& before);
   Result<void> connect_shm(EndpointId id, Reader& reader, const Source& source);
   template <class Open>
-  bool try_shm(Open open);
+  bool try_shm(Retry& retry, Open open);
+  bool try_udp(Retry& retry, Reader& reader, const Source& source);
+  bool may_try_again(Now now) const;
 
   void tell_what_happened();
 
@@ -139,11 +149,11 @@ class Reconciler {
   Negotiation negotiation_;
   std::map<EndpointId, Writer> writers_;
   std::map<EndpointId, Reader> readers_;
+  std::vector<Reader> leaving_;  ///< removed within callbacks that have not returned yet
   Self self_;
   bool udp_failed_ = false;
-  bool dirty_ = false;      ///< something changed that reconcile() has not seen
-  Now next_shm_attempt_{};  ///< after failures, and the pause until then
-  std::chrono::milliseconds shm_pause_{0};
+  bool dirty_ = false;  ///< something changed that reconcile() has not seen
+  Retry asking_daemon_;
   int hurried_ticks_ = 0;  ///< in a row, because some reader waits for its connection
 
   std::atomic<bool> shm_ready_{false};

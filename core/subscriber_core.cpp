@@ -9,7 +9,14 @@ namespace sft::core {
 
 namespace {
 thread_local int callback_depth = 0;
-constexpr std::size_t gone_writers_kept = 64;  // their last samples may still be taken
+constexpr std::size_t gone_writers_kept = 64;            // their last samples may still be taken
+constexpr std::chrono::microseconds slow_callback{200};  // far more than handing over to another thread costs
+constexpr int quick_again_after = 100;                   // callbacks in a row
+
+/// Of one writer the next is always newer, whatever was done to its clock.
+bool is_newer(const SampleInfo& next, const SampleInfo& latest) {
+  return next.writer == latest.writer || next.source_stamp > latest.source_stamp;
+}
 }  // namespace
 
 bool SubscriberCore::in_callback() noexcept { return callback_depth != 0; }
@@ -184,12 +191,11 @@ untyped::Sample SubscriberCore::take() {
 untyped::Sample SubscriberCore::take_latest() {
   const std::scoped_lock lock(mutex_);
   Next latest = next();
-  while (latest.sample) {
-    Next newer = next();
-    if (!newer.sample) break;
-    newer.info.lost_before += latest.info.lost_before;
-    latest = std::move(newer);
+  for (Next other = next(); other.sample; other = next()) {
+    if (is_newer(other.info, latest.info)) std::swap(latest, other);
+    heard(other.info.writer).lost_untold += other.info.lost_before;  // told with the next one of that writer
   }
+  if (latest.sample) latest.info.lost_before += std::exchange(heard(latest.info.writer).lost_untold, 0);
   return wrap(std::move(latest));
 }
 
@@ -224,17 +230,21 @@ bool SubscriberCore::wait(std::chrono::nanoseconds timeout) {
 }
 
 void SubscriberCore::arrived() noexcept {
-  if (has_callback()) {
-    dispatch();
+  if (has_callback() && !is_slow_.load()) {
+    dispatch(Caller::transport);
   } else {
     bell_.ring();
   }
 }
 
-void SubscriberCore::dispatch() {
+void SubscriberCore::dispatch(Caller caller) {
   if (pending_.fetch_add(1) != 0) return;  // whoever is at it sees the count
   for (std::uint32_t seen = 1;;) {
-    call_back_for_all();
+    if (!call_back_for_all(caller)) {
+      pending_.store(0);
+      bell_.ring();  // the dispatcher looks for itself what there is
+      break;
+    }
     const std::uint32_t before = pending_.fetch_sub(seen);
     if (before != seen) {
       seen = before - seen;
@@ -247,16 +257,28 @@ void SubscriberCore::dispatch() {
   pending_.notify_all();
 }
 
-void SubscriberCore::call_back_for_all() {
+/// False if the rest is for the dispatcher.
+bool SubscriberCore::call_back_for_all(Caller caller) {
   dispatching_.store(std::this_thread::get_id());
-  while (!closed_.load()) {
+  bool goes_on = true;
+  while (goes_on && !closed_.load()) {
     untyped::Sample sample = take();
     if (!sample) break;
-    ++callback_depth;
-    spec_.callback(std::move(sample));
-    --callback_depth;
+    call_back(std::move(sample));
+    goes_on = caller == Caller::dispatcher || !is_slow_.load();
   }
   dispatching_.store({});
+  return goes_on;
+}
+
+void SubscriberCore::call_back(untyped::Sample sample) {
+  using Clock = std::chrono::steady_clock;
+  const auto begun = Clock::now();
+  ++callback_depth;
+  spec_.callback(std::move(sample));
+  --callback_depth;
+  quick_in_a_row_ = Clock::now() - begun < slow_callback ? quick_in_a_row_ + 1 : 0;
+  if (quick_in_a_row_ == 0 || quick_in_a_row_ == quick_again_after) is_slow_.store(quick_in_a_row_ == 0);
 }
 
 void SubscriberCore::close() {

@@ -51,11 +51,15 @@ class SubscriberCore final : public ArrivalListener {
   /// Callback subscribers: whether there is something that nobody is dispatching.
   bool waits_for_dispatch();
 
-  /// Callback subscribers: calls back for all there is. At once if a call is under way on another thread:
-  /// that one goes on.
-  void dispatch();
+  /// Callback subscribers: calls back for all there is. Returns at once if a call is under way on another
+  /// thread: that one goes on.
+  void dispatch() { dispatch(Caller::dispatcher); }
+  /// Calls back on the spot, which is quickest, unless callbacks were seen to take long lately: then it
+  /// leaves that to the dispatcher, so that the transport can go on.
   void arrived() noexcept override;
 
+  /// Whether a callback may be running. Once closed, and when it is not, none will any more.
+  bool is_called_back() const { return pending_.load() != 0; }
   /// After it returns no callback runs any more, except for one in which it is called itself.
   void close();
 
@@ -100,6 +104,8 @@ class SubscriberCore final : public ArrivalListener {
     SampleInfo info;
   };
 
+  enum class Caller : std::uint8_t { dispatcher, transport };
+
   bool fill_inlets();
   Numbered numbered(const Inlet& inlet) const;
   bool find_next();
@@ -110,7 +116,9 @@ class SubscriberCore final : public ArrivalListener {
   void forget_the_gone();
   Next next();
   untyped::Sample wrap(Next next);
-  void call_back_for_all();
+  void dispatch(Caller caller);
+  bool call_back_for_all(Caller caller);
+  void call_back(untyped::Sample sample);
 
   const Spec spec_;
   Doorbell& bell_;
@@ -130,6 +138,8 @@ class SubscriberCore final : public ArrivalListener {
   std::atomic<std::uint32_t> pending_{
       0};  ///< arrivals not yet dispatched; whoever raises it from 0 dispatches
   std::atomic<bool> closed_{false};
+  std::atomic<bool> is_slow_{false};  ///< a callback took long, and not enough quick ones came since then
+  int quick_in_a_row_ = 0;            ///< of whoever dispatches
   std::atomic<std::thread::id> dispatching_{};
 };
 

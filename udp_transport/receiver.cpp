@@ -4,7 +4,7 @@
 #include <new>
 #include <utility>
 
-#include "udp_transport/named_thread.h"
+#include "core/thread.h"
 
 namespace sft::udp {
 
@@ -17,7 +17,7 @@ Receiver::Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits&
     : io_(std::move(io)), reassembly_(limits, std::move(pool)) {}
 
 Result<void> Receiver::start(const std::string& thread_name) {
-  Result<std::thread> started = start_thread(thread_name, [self = shared_from_this()] { self->run(); });
+  Result<std::thread> started = core::start_thread(thread_name, [self = shared_from_this()] { self->run(); });
   if (!started) return tl::unexpected<Error>(std::move(started.error()));
   thread_ = std::move(*started);
   return {};

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "udp_transport/named_thread.h"
+#include "core/thread.h"
 
 namespace sft::udp {
 
@@ -22,7 +22,7 @@ Sender::Sender(std::unique_ptr<DatagramSender> io) : io_(std::move(io)) {}
 Sender::~Sender() { stop(); }
 
 Result<void> Sender::start(const std::string& thread_name) {
-  Result<std::thread> started = start_thread(thread_name, [this] { run(); });
+  Result<std::thread> started = core::start_thread(thread_name, [this] { run(); });
   if (!started) return tl::unexpected<Error>(std::move(started.error()));
   thread_ = std::move(*started);
   return {};

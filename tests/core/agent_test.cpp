@@ -18,7 +18,7 @@ TEST(AgentTest, TasksRunInTheOrderInWhichTheyWerePostedEvenBeforeTheStart) {
   std::vector<int> order;
   Agent agent;
   agent.post([&] { order.push_back(1); });
-  agent.start("test", no_duties());
+  ASSERT_TRUE(agent.start("test", no_duties()));
   agent.post([&] { order.push_back(2); });
   agent.stop();
   EXPECT_EQ(order, (std::vector<int>{1, 2}));
@@ -27,7 +27,7 @@ TEST(AgentTest, TasksRunInTheOrderInWhichTheyWerePostedEvenBeforeTheStart) {
 TEST(AgentTest, StoppingRunsWhatRunningTasksPost) {
   bool ran = false;
   Agent agent;
-  agent.start("test", no_duties());
+  ASSERT_TRUE(agent.start("test", no_duties()));
   agent.post([&] { agent.post([&] { ran = true; }); });
   agent.stop();
   EXPECT_TRUE(ran);
@@ -38,12 +38,13 @@ TEST(AgentTest, IdleComesAfterABatchAndTicksKeepComing) {
   std::promise<void> third_tick;
   int ticks = 0;
   Agent agent;
-  agent.start("test", {.tick =
-                           [&] {
-                             if (++ticks == 3) third_tick.set_value();
-                             return 1ms;
-                           },
-                       .idle = [&] { idle.set_value(); }});
+  const Agent::Duties duties{.tick =
+                                 [&] {
+                                   if (++ticks == 3) third_tick.set_value();
+                                   return 1ms;
+                                 },
+                             .idle = [&] { idle.set_value(); }};
+  ASSERT_TRUE(agent.start("test", duties));
   agent.post([] {});
   EXPECT_EQ(idle.get_future().wait_for(10s), std::future_status::ready);
   EXPECT_EQ(third_tick.get_future().wait_for(10s), std::future_status::ready);
@@ -52,7 +53,7 @@ TEST(AgentTest, IdleComesAfterABatchAndTicksKeepComing) {
 TEST(AgentTest, ManyThreadsMayPost) {
   std::atomic<int> ran{0};
   Agent agent;
-  agent.start("test", no_duties());
+  ASSERT_TRUE(agent.start("test", no_duties()));
   std::vector<std::thread> posters;
   for (int t = 0; t < 4; ++t) {
     posters.emplace_back([&] {

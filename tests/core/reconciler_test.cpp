@@ -7,6 +7,8 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <set>
 
+#include "tests/support/eventually.h"
+
 namespace sft::core {
 namespace {
 
@@ -15,16 +17,33 @@ using F = PointCloud2::Field;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
+class TestWriterPort final : public WriterPort {
+ public:
+  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
+  void set_routes(std::vector<Route> set) override {
+    routes = std::move(set);
+    ++changes;
+  }
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+  std::vector<Route> routes;
+  int changes = 0;
+};
+
 /// Whom it was told to take datagrams from.
 struct Connections {
   std::set<EndpointId> writers;
+  std::string refusal;  ///< why nothing can be connected at present
+  SampleHandle sample;  ///< to be taken
+  int ports_gone = 0;
 };
 
 class TestReaderPort final : public ReaderPort {
  public:
   explicit TestReaderPort(Connections& connections) : connections_(connections) {}
-  SampleHandle take() noexcept override { return {}; }
+  ~TestReaderPort() override { ++connections_.ports_gone; }
+  SampleHandle take() noexcept override { return std::move(connections_.sample); }
   Result<void> connect(const Source& source) override {
+    if (!connections_.refusal.empty()) return fail(Errc::unavailable, connections_.refusal);
     connections_.writers.insert(source.writer);
     return {};
   }
@@ -75,11 +94,26 @@ class ReconcilerTest : public ::testing::Test {
     return e;
   }
 
-  void our_reader(EndpointId id) {
+  std::shared_ptr<SubscriberCore> our_reader(EndpointId id, untyped::Callback callback = nullptr) {
+    const auto port = std::make_shared<TestReaderPort>(connections);
     auto core = std::make_shared<SubscriberCore>(
-        SubscriberCore::Spec{id, "points", &type, {mask, false}, {}, nullptr}, bells->at(1), nullptr);
-    reconciler.add_reader(endpoint(Role::reader, id),
-                          {core, nullptr, std::make_shared<TestReaderPort>(connections)});
+        SubscriberCore::Spec{id, "points", &type, {mask, false}, {}, std::move(callback)}, bells->at(1),
+        nullptr);
+    core->set_port(TransportKind::udp, port);
+    reconciler.add_reader(endpoint(Role::reader, id), {core, nullptr, port});
+    reconciler.reconcile();
+    return core;
+  }
+  std::shared_ptr<PublisherCore> our_writer(EndpointId id, const std::shared_ptr<WriterPort>& port) {
+    PublisherCore::Spec spec{id, "points", &type, 1 << 16};
+    spec.on_readers_changed = [this](const PublisherStatus&) { ++readers_changed; };
+    auto core = std::make_shared<PublisherCore>(std::move(spec), BufferPool::make(1 << 20), port);
+    reconciler.add_writer(endpoint(Role::writer, id), core);
+    reconciler.reconcile();
+    return core;
+  }
+  void requested(Request request) {
+    reconciler.request_received(request);
     reconciler.reconcile();
   }
   void writer_seen(EndpointId id) {
@@ -94,10 +128,14 @@ class ReconcilerTest : public ::testing::Test {
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const FieldMask mask = type.closed(FieldMask(F::height | F::width));
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
+  int readers_changed = 0;
+  std::vector<std::string> logged;
   Dispatcher dispatcher{bells->at(0), "test"};
   Connections connections;
   TestDiscovery discovery;
-  Reconciler reconciler{1, nullptr, nullptr, discovery, dispatcher, [](LogLevel, const std::string&) {}};
+  Reconciler reconciler{1,          nullptr,
+                        nullptr,    discovery,
+                        dispatcher, [this](LogLevel, const std::string& text) { logged.push_back(text); }};
 };
 
 TEST_F(ReconcilerTest, AReaderIsAnnouncedBeforeItListensToAnybody) {
@@ -131,6 +169,71 @@ TEST_F(ReconcilerTest, WhatIsStillInFlightOfAWriterThatWentIsTaken) {
   writer_departed(7);
   reconciler.tick();
   EXPECT_THAT(connections.writers, ElementsAre(7));
+}
+
+// Another writer may have the same short id, until it goes.
+TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainByItself) {
+  connections.refusal = "the same short id";
+  our_reader(200);
+  writer_seen(7);
+  writer_seen(8);
+  for (int i = 0; i < 10; ++i) {
+    reconciler.tick();
+    writer_seen(7);
+  }
+  EXPECT_THAT(logged, ElementsAre("the same short id", "the same short id"));
+  connections.refusal.clear();
+  EXPECT_THAT(connections.writers, IsEmpty());
+  EXPECT_TRUE(test::eventually([&] {
+    reconciler.tick();
+    return connections.writers.size() == 2;
+  }));
+}
+
+// It says for instance that it listens to another writer, too.
+TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNothing) {
+  const auto port = std::make_shared<TestWriterPort>();
+  const auto core = our_writer(7, port);
+  const Endpoint reader = endpoint(Role::reader, 200);
+  reconciler.endpoint_seen(reader);
+  Request request = reader.request;
+  request.sequence = 2;
+  request.listening = {7};
+  requested(request);
+  EXPECT_EQ(port->routes.size(), 1U);
+  const int changes = port->changes, told = readers_changed;
+
+  request.sequence = 3;
+  request.listening = {7, 8};
+  requested(request);
+  EXPECT_EQ(port->changes, changes);
+  EXPECT_EQ(readers_changed, told);
+  EXPECT_EQ(core->status().readers.at(0).request_sequence, 3U);
+
+  request.sequence = 4;
+  request.mask_words = type.full().to_words();
+  requested(request);
+  EXPECT_EQ(port->changes, changes + 1);
+  EXPECT_EQ(readers_changed, told + 1);
+}
+
+// The port would wait for the callback, and the agent with it.
+TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
+  std::shared_ptr<SubscriberCore> core;
+  int ports_gone_within = 0;
+  core = our_reader(200, [&](untyped::Sample&&) {
+    core->close();
+    reconciler.remove(200);
+    reconciler.tick();
+    ports_gone_within = connections.ports_gone;
+  });
+  connections.sample = BufferPool::make(1 << 20)->take(256);
+  connections.sample->writer = 7;
+  connections.sample->sequence = 1;
+  core->arrived();
+  EXPECT_EQ(ports_gone_within, 0);
+  reconciler.tick();
+  EXPECT_EQ(connections.ports_gone, 1);
 }
 
 }  // namespace

@@ -31,10 +31,13 @@ class SubscriberCoreTest : public ::testing::Test {
   }
 
   void arrives(QueuePort& port, std::uint64_t sequence, EndpointId writer = 9) {
+    arrives(port, sequence, writer, static_cast<std::int64_t>(sequence));
+  }
+  void arrives(QueuePort& port, std::uint64_t sequence, EndpointId writer, std::int64_t stamp_ns) {
     SampleHandle sample = pool->take(256);
     sample->writer = writer;
     sample->sequence = sequence;
-    sample->source_stamp_ns = static_cast<std::int64_t>(sequence);
+    sample->source_stamp_ns = stamp_ns;
     sample->mask = type.full();
     port.samples.push_back(std::move(sample));
   }
@@ -127,6 +130,30 @@ TEST_F(SubscriberCoreTest, TheLatestSampleCarriesTheLossesOfThosePassedOver) {
   EXPECT_FALSE(subscriber->take_latest());
 }
 
+TEST_F(SubscriberCoreTest, TheLatestOfSeveralWritersIsTheLastThatWasPublished) {
+  arrives(*udp, 1, 9, 100);
+  arrives(*udp, 1, 10, 300);
+  arrives(*udp, 2, 9, 200);
+  const untyped::Sample latest = subscriber->take_latest();
+  EXPECT_EQ(latest.info().writer, 10U);
+  EXPECT_FALSE(subscriber->take());
+}
+
+TEST_F(SubscriberCoreTest, TheLatestOfOneWriterIsTheOneOfTheHighestNumberAlsoWhenItsClockWasSetBack) {
+  arrives(*udp, 1, 9, 300);
+  arrives(*udp, 2, 9, 100);
+  EXPECT_EQ(subscriber->take_latest().info().sequence, 2U);
+}
+
+TEST_F(SubscriberCoreTest, LossesOfWritersThatWerePassedOverAreToldWithTheirNextSample) {
+  arrives(*udp, 1, 9, 100);
+  arrives(*udp, 5, 9, 200);
+  arrives(*udp, 1, 10, 300);
+  EXPECT_EQ(subscriber->take_latest().info().lost_before, 0U);
+  arrives(*udp, 7, 9, 400);
+  EXPECT_EQ(subscriber->take().info().lost_before, 4U);
+}
+
 TEST_F(SubscriberCoreTest, WaitReturnsAtOnceIfThereIsASampleAndAtTheDeadlineIfNot) {
   EXPECT_FALSE(subscriber->wait(std::chrono::milliseconds(5)));
   arrives(*shm, 1);
@@ -170,6 +197,28 @@ TEST_F(SubscriberCoreTest, AClosedSubscriberCallsNobody) {
   arrives(*udp, 2);
   subscriber->arrived();
   EXPECT_EQ(calls, 1);
+}
+
+// The transport's thread is not to be held up again.
+TEST_F(SubscriberCoreTest, AfterASlowCallbackTheDispatcherCallsBackUntilManyWereQuick) {
+  int calls = 0;
+  reopen([&](untyped::Sample&&) {
+    const auto begun = std::chrono::steady_clock::now();
+    if (++calls != 1) return;
+    while (std::chrono::steady_clock::now() - begun < std::chrono::milliseconds(1)) {
+    }
+  });
+  auto arrive_together = [&, sequence = std::uint64_t{0}](int count) mutable {
+    for (int i = 0; i < count; ++i) arrives(*udp, ++sequence);
+    subscriber->arrived();
+  };
+  arrive_together(101);
+  EXPECT_EQ(calls, 1);
+  EXPECT_TRUE(subscriber->waits_for_dispatch());
+  subscriber->dispatch();
+  EXPECT_EQ(calls, 101);
+  arrive_together(1);
+  EXPECT_EQ(calls, 102);
 }
 
 }  // namespace

@@ -292,6 +292,48 @@ TEST_P(PubSubTest, ASubscriberMayBeDestroyedInItsOwnCallback) {
   expect_served(pub, 0);
 }
 
+TEST_P(PubSubTest, ACallbackThatIsKnownToTakeLongHoldsUpNoOtherSubscriber) {
+  Node a = open("a");
+  Node b = open("b");
+  auto slow_pub = a.publisher<PointCloud2>("slow").value();
+  auto pub = a.publisher<PointCloud2>("points").value();
+  std::atomic<int> calls{0};
+  std::atomic<bool> may_return{false};
+  auto slow = b.subscriber<PointCloud2, F::height>("slow", [&](const auto&) {
+                 if (++calls == 1) return static_cast<void>(eventually([] { return false; }, 1ms));
+                 eventually([&] { return may_return.load(); });
+               }).value();
+  auto sub = b.subscriber<PointCloud2, F::height>("points").value();
+  expect_served(slow_pub, 1);
+  expect_served(pub, 1);
+  slow_pub.publish(cloud(1));
+  slow_pub.publish(cloud(2));
+  EXPECT_TRUE(eventually([&] { return calls == 2; }));
+  pub.publish(cloud(3));
+  EXPECT_TRUE(sub.wait(5s));
+  may_return = true;
+}
+
+// What it asks is answered by the thread that takes the subscriber down.
+TEST_P(PubSubTest, ACallbackThatHasDestroyedItsSubscriberMayAskTheNode) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  std::atomic<std::size_t> topics{0};
+  std::atomic<bool> complete{false};
+  std::optional<Subscriber<PointCloud2, F::height>> sub;
+  sub.emplace(b.subscriber<PointCloud2, F::height>("points", [&](const auto&) {
+                 if (!complete) return;
+                 sub.reset();
+                 expect_served(pub, 0);  // the agent is done with it
+                 topics = b.topics().size();
+               }).value());
+  complete = true;
+  expect_served(pub, 1);
+  pub.publish(cloud(1));
+  EXPECT_TRUE(eventually([&] { return topics == 1; }));
+}
+
 TEST_P(PubSubTest, ASampleOutlivesItsSubscriberItsNodeAndItsPublisher) {
   std::optional<Node> a = open("a");
   std::optional<Node> b = open("b");

@@ -13,6 +13,11 @@ namespace sft {
 /// sample, never twice at once, from threads of the node; while it runs, further samples queue up to the
 /// depth. After the destructor no callback runs any more (unless it is called from within the callback
 /// itself).
+///
+/// Callbacks for what comes by UDP run on the thread that receives, which is quickest, as long as they are
+/// quick. After one that took 0.2 ms or more that subscriber's run on a thread that all callbacks of the node
+/// for samples in shared memory share, until 100 in a row were quick: a callback that takes long holds up
+/// other callbacks of its node, but, except for the first time, no reception.
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Subscriber {
  public:
@@ -20,7 +25,9 @@ class Subscriber {
 
   /// The oldest sample not yet taken; empty if there is none.
   [[nodiscard]] Sample<T, R> take() { return Sample<T, R>(subscriber_.take()); }
-  /// The newest sample; older ones of it are passed over (and not counted as lost).
+  /// The newest sample of all publishers, by the clocks of these; of one publisher it is its last. All others
+  /// that are there are passed over and not counted as lost. What was lost before it is told of its own
+  /// publisher; of others, with the next sample of these that is taken.
   [[nodiscard]] Sample<T, R> take_latest() { return Sample<T, R>(subscriber_.take_latest()); }
   /// Sleeps until there is something to take or the time is over; tells which.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }

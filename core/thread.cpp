@@ -1,4 +1,4 @@
-#include "udp_transport/named_thread.h"
+#include "core/thread.h"
 
 #include <pthread.h>
 
@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-namespace sft::udp {
+namespace sft::core {
 
 namespace {
 
@@ -16,6 +16,9 @@ class BlockedSignals {
   BlockedSignals() {
     sigset_t all;
     ::sigfillset(&all);
+    // Those that a thread brings on itself stay: blocked they would end the process past its crash handler.
+    for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGABRT})
+      ::sigdelset(&all, fault);
     ::pthread_sigmask(SIG_SETMASK, &all, &before_);
   }
   BlockedSignals(const BlockedSignals&) = delete;
@@ -31,13 +34,14 @@ class BlockedSignals {
 Result<std::thread> start_thread(const std::string& name, std::function<void()> body) {
   const BlockedSignals blocked;
   try {
-    std::thread thread(std::move(body));
-    ::pthread_setname_np(thread.native_handle(), name.substr(0, 15).c_str());
-    return thread;
+    return std::thread([name = name.substr(0, 15), body = std::move(body)] {
+      ::pthread_setname_np(::pthread_self(), name.c_str());
+      body();
+    });
   } catch (const std::system_error& error) {
     return fail(Errc::system,
                 "cannot start the thread " + name + ": " + error.what() + "; raise the limit (ulimit -u)");
   }
 }
 
-}  // namespace sft::udp
+}  // namespace sft::core
