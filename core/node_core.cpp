@@ -162,6 +162,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   if (callback) {
     if (const Result<void> started = dispatcher_.start(); !started) return tl::unexpected(started.error());
   }
+  if (auto ok = Recorder::check(options.recording); !ok) return tl::unexpected(ok.error());
   const Result<std::uint32_t> slot = callback ? Result<std::uint32_t>(0) : take_slot();
   if (!slot) return tl::unexpected(slot.error());
   Endpoint endpoint = new_endpoint(Role::reader, topic, type, options.transport);
@@ -176,6 +177,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   endpoint.request.mask_words = requirement.mask.to_words();
   endpoint.request.min_period_us = *min_period_us_of(options.max_rate_hz);  // checked with the other policies
   Reconciler::NewReader reader;
+  const bool as_remote = requirement.recorded && options.recording.as_remote;
   if (requirement.recorded) {
     reader.recorder = Recorder::make(type.leaves(), options.recording, [this, id = endpoint.id] {
       agent_.post([this, id] { reconciler_->requirement_changed(id); });
@@ -193,7 +195,8 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
                            .rate_changed =
                                [this, id = endpoint.id](std::uint32_t min_period_us) {
                                  agent_.post([=, this] { reconciler_->rate_changed(id, min_period_us); });
-                               }},
+                               },
+                           .as_remote = as_remote ? heap_ : nullptr},
       bells_->at(*slot), reader.recorder);
   if (endpoint.may_use_udp) {
     auto port = udp_->open_reader({endpoint.id, &type, options.depth, reader.core.get(), endpoint.doorbell});

@@ -101,6 +101,17 @@ Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const Dynamic
                                            DynamicCallback callback) {
   Result<FieldMask> mask = type.support().parse_mask(fields);
   if (!mask) return tl::unexpected(mask.error());
+  return open_subscriber(topic, type, {std::move(*mask), false}, options, std::move(callback));
+}
+
+Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const DynamicType& type, Recorded,
+                                           const SubscriberOptions& options, DynamicCallback callback) {
+  return open_subscriber(topic, type, {type.support().full(), true}, options, std::move(callback));
+}
+
+Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const DynamicType& type,
+                                                untyped::Requirement requirement,
+                                                const SubscriberOptions& options, DynamicCallback callback) {
   untyped::Callback untyped;
   if (callback) {
     untyped = [type, callback = std::move(callback)](untyped::Sample&& sample) {
@@ -108,7 +119,7 @@ Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const Dynamic
     };
   }
   return core_
-      ->open_subscriber(core_, topic, type.support(), {std::move(*mask), false}, options, std::move(untyped),
+      ->open_subscriber(core_, topic, type.support(), std::move(requirement), options, std::move(untyped),
                         std::make_shared<DynamicType>(type))
       .map([&](untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s)); });
 }

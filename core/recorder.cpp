@@ -5,6 +5,30 @@
 
 namespace sft::core {
 
+namespace {
+
+constexpr std::uint64_t bit(std::size_t leaf) { return std::uint64_t{1} << (leaf % 64); }
+
+/// Of a sample that nobody reads any more.
+std::uint64_t take_bits(AccessWord& word) noexcept {
+  const std::uint64_t bits =
+      word.found.load(std::memory_order_relaxed) | word.missed.load(std::memory_order_relaxed);
+  if (bits == 0) return 0;
+  word.found.store(0, std::memory_order_relaxed);
+  word.missed.store(0, std::memory_order_relaxed);
+  return bits;
+}
+
+}  // namespace
+
+Result<void> Recorder::check(const RecordingSettings& settings) {
+  if (settings.learn_samples == 0) {
+    return fail(Errc::invalid_argument,
+                "recording.learn_samples is 0: what is needed is learnt from at least one sample");
+  }
+  return {};
+}
+
 std::shared_ptr<Recorder> Recorder::make(std::size_t leaves, const RecordingSettings& settings,
                                          Changed changed) {
   return std::shared_ptr<Recorder>(new Recorder(leaves, settings, std::move(changed)));
@@ -13,27 +37,34 @@ std::shared_ptr<Recorder> Recorder::make(std::size_t leaves, const RecordingSett
 Recorder::Recorder(std::size_t leaves, const RecordingSettings& settings, Changed changed)
     : settings_(settings),
       changed_(std::move(changed)),
-      required_(FieldMask::full(leaves)),
-      last_read_(leaves, 0),
-      counts_(leaves, 0) {}
+      required_(FieldMask(leaves).words()),
+      leaves_(leaves),
+      order_(leaves) {
+  const FieldMask all = FieldMask::full(leaves);
+  for (std::size_t i = 0; i < required_.size(); ++i) required_[i].store(all.word(i));
+}
 
 void Recorder::detach() {
-  const std::scoped_lock lock(mutex_);
-  changed_ = nullptr;
+  detached_.store(true);
+  while (const std::uint32_t telling = telling_.load()) telling_.wait(telling);
+}
+
+void Recorder::tell() noexcept {
+  telling_.fetch_add(1);
+  if (!detached_.load()) changed_();
+  if (telling_.fetch_sub(1) == 1) telling_.notify_all();
 }
 
 RecordedSample* Recorder::begin() {
   RecordedSample* sample = nullptr;
   {
     const std::scoped_lock lock(mutex_);
-    if (free_.empty()) {
-      AccessLog::MissListener* const listener = this;
-      owned_.push_back(std::make_unique<RecordedSample>(required_.words(), listener));
-      free_.reserve(owned_.size());  // so that end() allocates nothing
-      free_.push_back(owned_.back().get());
+    if (free_ == nullptr) {  // more are out than ever
+      AccessLog::Listener* const listener = this;
+      owned_.push_back(std::make_unique<RecordedSample>(required_.size(), listener));
+      free_ = owned_.back().get();
     }
-    sample = free_.back();
-    free_.pop_back();
+    sample = std::exchange(free_, free_->next_free_);
   }
   sample->recorder_ = shared_from_this();
   return sample;
@@ -45,50 +76,98 @@ void Recorder::end(RecordedSample* sample) noexcept {
 }
 
 void Recorder::fold(RecordedSample& sample) noexcept {
-  const std::scoped_lock lock(mutex_);
-  ++samples_;
-  for (std::size_t i = 0; i < sample.words_.size(); ++i) {
-    for (std::uint64_t bits = sample.words_[i].exchange(0, std::memory_order_relaxed); bits != 0;
-         bits &= bits - 1) {
-      const std::size_t leaf = i * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-      last_read_[leaf] = samples_;
-      ++counts_[leaf];
-    }
+  bool changed = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    ++samples_;
+    changed = count(sample);
+    changed |= give_up_stale();
+    changed |= samples_ == settings_.learn_samples && finish_learning();
+    sample.next_free_ = std::exchange(free_, &sample);
   }
-  free_.push_back(&sample);
-  if (refresh_required() && changed_) changed_();
+  if (changed) tell();
 }
 
-/// With the mutex held: whether required_ is another one now. A leaf is needed if it was read lately; where
-/// one was never read, that is known once the first samples are through.
-bool Recorder::refresh_required() {
-  if (samples_ < settings_.learn_samples) return false;
+// ---- with the mutex held; true: required_ has changed ----
+
+bool Recorder::count(RecordedSample& sample) noexcept {
   bool changed = false;
-  for (std::size_t leaf = 0; leaf < last_read_.size(); ++leaf) {
-    const bool needed = last_read_[leaf] != 0 && samples_ < last_read_[leaf] + settings_.narrow_after_samples;
-    if (needed == required_.contains(leaf)) continue;
-    needed ? required_.insert(leaf) : required_.erase(leaf);
-    changed = true;
+  for (std::size_t i = 0; i < sample.words_.size(); ++i) {
+    for (std::uint64_t bits = take_bits(sample.words_[i]); bits != 0; bits &= bits - 1) {
+      const std::size_t leaf = i * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+      LeafUse& use = leaves_[leaf].use;
+      ++use.samples;
+      use.last_sample = samples_;
+      changed |= need(leaf, samples_);
+    }
   }
   return changed;
 }
 
-void Recorder::missed(std::size_t leaf) noexcept {
-  const std::scoped_lock lock(mutex_);
-  if (required_.contains(leaf)) return;  // asked for already, the samples that have it are under way
-  required_.insert(leaf);
-  last_read_[leaf] = samples_ + 1;  // the sample being read
-  if (changed_) changed_();
+bool Recorder::need(std::size_t leaf, std::uint64_t sample) noexcept {
+  leaves_[leaf].needed_since = sample;
+  order_.was_read(leaf);
+  if (is_required(leaf)) return false;
+  required_[leaf / 64].fetch_or(bit(leaf), std::memory_order_relaxed);
+  return true;
+}
+
+/// Gives up what was not read for too long; all of it is at the front of the order.
+bool Recorder::give_up_stale() noexcept {
+  if (settings_.narrow_after_samples == 0) return false;
+  const bool learnt = samples_ >= settings_.learn_samples;
+  bool changed = false;
+  while (!order_.empty()) {
+    const std::size_t leaf = order_.oldest();
+    if (samples_ < leaves_[leaf].needed_since + settings_.narrow_after_samples) break;
+    order_.remove(leaf);
+    if (learnt) required_[leaf / 64].fetch_and(~bit(leaf), std::memory_order_relaxed);
+    changed |= learnt;
+  }
+  return changed;
+}
+
+/// From here on what was not read is not required.
+bool Recorder::finish_learning() noexcept {
+  FieldMask read(leaves_.size());
+  for (std::size_t leaf = order_.oldest(); leaf != order_.end(); leaf = order_.newer_than(leaf))
+    read.insert(leaf);
+  bool changed = false;
+  for (std::size_t i = 0; i < required_.size(); ++i)
+    changed |= required_[i].exchange(read.word(i), std::memory_order_relaxed) != read.word(i);
+  return changed;
+}
+
+bool Recorder::is_required(std::size_t leaf) const noexcept {
+  return (required_[leaf / 64].load(std::memory_order_relaxed) & bit(leaf)) != 0;
+}
+
+// ---- any thread ----
+
+void Recorder::first_read(std::size_t leaf) noexcept {
+  if (is_required(leaf)) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!need(leaf, samples_ + 1)) return;  // the sample being read is not released before
+  }
+  tell();
 }
 
 FieldMask Recorder::required() const {
-  const std::scoped_lock lock(mutex_);
-  return required_;
+  std::vector<std::uint64_t> words(required_.size());
+  {
+    const std::scoped_lock lock(mutex_);
+    for (std::size_t i = 0; i < words.size(); ++i) words[i] = required_[i].load(std::memory_order_relaxed);
+  }
+  return FieldMask::from_words(leaves_.size(), words);
 }
 
-std::vector<std::uint64_t> Recorder::counts() const {
+Recorder::Use Recorder::use() const {
+  Use use{.samples = 0, .leaves = std::vector<LeafUse>(leaves_.size())};
   const std::scoped_lock lock(mutex_);
-  return counts_;
+  use.samples = samples_;
+  for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf) use.leaves[leaf] = leaves_[leaf].use;
+  return use;
 }
 
 }  // namespace sft::core

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/clock.h"
+#include "core/requirements.h"
 
 namespace sft::core {
 
@@ -27,7 +28,11 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
       recorder_(std::move(recorder)),
       events_(spec_.options.on_event),
       requested_(spec_.requirement.mask),
-      min_period_us_(spec_.min_period_us) {}
+      min_period_us_(spec_.min_period_us) {
+  if (spec_.as_remote == nullptr) return;
+  remote_.emplace(type(), spec_.as_remote);
+  requests(requested_, requests_);
+}
 
 void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> port) {
   const std::scoped_lock lock(mutex_);
@@ -37,9 +42,11 @@ void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> po
 }
 
 void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
+  auto asked = remote_ ? std::make_shared<const ProjectionPlan>(type().type(), mask) : nullptr;
   const std::scoped_lock lock(mutex_);
   requested_ = mask;
   requests_ = sequence;
+  asked_ = std::move(asked);
 }
 
 void SubscriberCore::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {
@@ -174,29 +181,56 @@ SubscriberCore::Next SubscriberCore::next() {
                         .receive_stamp = Stamp(std::chrono::nanoseconds(inlet.next->receive_stamp_ns)),
                         .lost_before = std::exchange(from.lost_untold, 0),
                         .transport = static_cast<TransportKind>(&inlet - inlets_.data())};
-  return {std::move(inlet.next), info};
+  return {std::move(inlet.next), info, info.transport == TransportKind::shm ? asked_ : nullptr};
 }
 
-untyped::Sample SubscriberCore::wrap(Next next) {
-  if (!next.sample) return {};
-  return untyped::Sample(next.sample.release(), *spec_.type, next.info,
-                         recorder_ == nullptr ? nullptr : recorder_->begin());
-}
-
-untyped::Sample SubscriberCore::take() {
-  const std::scoped_lock lock(mutex_);
-  return wrap(next());
-}
-
-untyped::Sample SubscriberCore::take_latest() {
-  const std::scoped_lock lock(mutex_);
+/// With the mutex held: the same, and those before it are passed over.
+SubscriberCore::Next SubscriberCore::newest() {
   Next latest = next();
   for (Next other = next(); other.sample; other = next()) {
     if (is_newer(other.info, latest.info)) std::swap(latest, other);
     heard(other.info.writer).lost_untold += other.info.lost_before;  // told with the next one of that writer
   }
   if (latest.sample) latest.info.lost_before += std::exchange(heard(latest.info.writer).lost_untold, 0);
-  return wrap(std::move(latest));
+  return latest;
+}
+
+template <class Choose>
+untyped::Sample SubscriberCore::take(Choose choose) {
+  for (;;) {
+    Next next;
+    {
+      const std::scoped_lock lock(mutex_);
+      next = choose();
+    }
+    if (!next.sample) return {};
+    if (next.asked == nullptr || as_remote(next)) return wrap(std::move(next));
+  }
+}
+
+untyped::Sample SubscriberCore::take() {
+  return take([this] { return next(); });
+}
+
+untyped::Sample SubscriberCore::take_latest() {
+  return take([this] { return newest(); });
+}
+
+/// Leaves it only what was asked for. False if it is lost, as it would be there.
+bool SubscriberCore::as_remote(Next& next) {
+  next.sample = remote_->of(std::move(next.sample), *next.asked);
+  if (next.sample) return true;
+  const std::scoped_lock lock(mutex_);
+  Heard& from = heard(next.info.writer);
+  --from.received;
+  ++from.lost;
+  from.lost_untold += next.info.lost_before + 1;
+  return false;
+}
+
+untyped::Sample SubscriberCore::wrap(Next next) {
+  return untyped::Sample(next.sample.release(), *spec_.type, next.info,
+                         recorder_ == nullptr ? nullptr : recorder_->begin());
 }
 
 bool SubscriberCore::available() {
@@ -288,6 +322,16 @@ void SubscriberCore::close() {
     if (dispatching_.load() == std::this_thread::get_id()) return;
     pending_.wait(pending);
   }
+}
+
+Requirements SubscriberCore::requirements() {
+  FieldMask requested;
+  {
+    const std::scoped_lock lock(mutex_);
+    requested = requested_;
+  }
+  return recorder_ == nullptr ? declared_requirements(type(), requested)
+                              : recorded_requirements(type(), requested, *recorder_);
 }
 
 SubscriberStatus SubscriberCore::status() {

@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "core/event_sink.h"
 #include "core/negotiation.h"
 #include "core/recorder.h"
+#include "core/remote_copy.h"
 #include "core/sequence_account.h"
 #include "core/transport.h"
 #include "sft/untyped.h"
@@ -38,6 +40,8 @@ class SubscriberCore final : public ArrivalListener {
     std::shared_ptr<const void> type_owner{};           ///< keeps the type alive; null where it is static
     std::uint32_t min_period_us = 0;                    ///< of options.max_rate_hz
     std::function<void(std::uint32_t)> rate_changed{};  ///< told of another; any thread, posts and returns
+    std::shared_ptr<BufferPool>
+        as_remote{};  ///< not null: what comes in shared memory is copied to it, as asked for
   };
 
   /// `bell` is what is rung when samples arrive; `recorder` is null unless the requirement is recorded.
@@ -64,6 +68,7 @@ class SubscriberCore final : public ArrivalListener {
   void close();
 
   SubscriberStatus status();
+  Requirements requirements();
   /// Whether this thread is within a callback of some subscriber.
   static bool in_callback() noexcept;
 
@@ -102,6 +107,7 @@ class SubscriberCore final : public ArrivalListener {
   struct Next {
     SampleHandle sample;
     SampleInfo info;
+    std::shared_ptr<const ProjectionPlan> asked;  ///< not null: it is to have no more than that
   };
 
   enum class Caller : std::uint8_t { dispatcher, transport };
@@ -115,6 +121,10 @@ class SubscriberCore final : public ArrivalListener {
   Heard& heard(EndpointId writer);
   void forget_the_gone();
   Next next();
+  Next newest();
+  template <class Choose>
+  untyped::Sample take(Choose choose);
+  bool as_remote(Next& next);
   untyped::Sample wrap(Next next);
   void dispatch(Caller caller);
   bool call_back_for_all(Caller caller);
@@ -123,6 +133,7 @@ class SubscriberCore final : public ArrivalListener {
   const Spec spec_;
   Doorbell& bell_;
   const std::shared_ptr<Recorder> recorder_;
+  std::optional<RemoteCopy> remote_;  ///< of whoever takes
   EventSink events_;
 
   std::mutex mutex_;             // never held over a system call or a callback
@@ -131,6 +142,7 @@ class SubscriberCore final : public ArrivalListener {
   Heard gone_;  ///< sums of writers that were forgotten
   std::vector<WriterStatus> writers_;
   FieldMask requested_;
+  std::shared_ptr<const ProjectionPlan> asked_;  ///< the same, where samples are to look as on another host
   std::uint64_t requests_ = 1;
   std::uint32_t min_period_us_;  ///< asked for
 

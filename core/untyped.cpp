@@ -145,6 +145,8 @@ Result<void> Subscriber::set_max_rate_hz(double max_rate_hz) { return core_->set
 
 SubscriberStatus Subscriber::status() const { return core_->status(); }
 
+Requirements Subscriber::requirements() const { return core_->requirements(); }
+
 const TypeSupport& Subscriber::type() const { return core_->type(); }
 
 }  // namespace untyped

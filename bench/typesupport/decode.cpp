@@ -3,7 +3,7 @@
 #include <nav_msgs/msg/Odometry.h>
 #include <sensor_msgs/msg/PointCloud2.h>
 
-#include "bench/typesupport/contest.h"
+#include "bench/common/contest.h"
 #include "bench/typesupport/cyclone.h"
 #include "bench/typesupport/fast_cdr.h"
 #include "bench/typesupport/messages.h"

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "bench/typesupport/contest.h"
+#include "bench/common/contest.h"
 #include "bench/typesupport/cyclone.h"
 #include "bench/typesupport/fast_cdr.h"
 #include "bench/typesupport/messages.h"

@@ -1,4 +1,4 @@
-#include "bench/typesupport/contest.h"
+#include "bench/common/contest.h"
 #include "bench/typesupport/messages.h"
 #include "bench/typesupport/typesupport.h"
 #include "sft/typesupport/project.h"

@@ -1,8 +1,9 @@
-// In steady state a loan that shrinks allocates nothing.
+// In steady state a loan that shrinks allocates nothing, nor does recording what is read.
 #include <gtest/gtest.h>
 
 #include <views.hpp>
 
+#include "core/recorder.h"
 #include "tests/core/publisher_fixture.h"
 #include "tests/support/thread_allocations.h"
 
@@ -27,6 +28,27 @@ TEST(LoanAllocations, ReservingFillingShrinkingAndPublishingAllocateNothing) {
   const std::uint64_t before = sft::test::thread_allocations();
   for (int i = 0; i < 100; ++i) exchange();
   EXPECT_EQ(sft::test::thread_allocations() - before, 0U);
+}
+
+TEST(RecorderAllocations, ReadingWideningAndNarrowingAllocateNothing) {
+  constexpr std::size_t leaves = 1000;
+  int changes = 0;
+  const auto recorder =
+      Recorder::make(leaves, {.learn_samples = 2, .narrow_after_samples = 3}, [&] { ++changes; });
+  std::size_t n = 0;
+  const auto read = [&] {
+    RecordedSample* const first = recorder->begin();
+    RecordedSample* const second = recorder->begin();
+    first->log().touch(++n * 7 % leaves, true);
+    second->log().touch(n * 13 % leaves, false);
+    Recorder::end(first);
+    Recorder::end(second);
+  };
+  for (int i = 0; i < 10; ++i) read();
+  const std::uint64_t before = sft::test::thread_allocations();
+  for (int i = 0; i < 1000; ++i) read();
+  EXPECT_EQ(sft::test::thread_allocations() - before, 0U);
+  EXPECT_GT(changes, 1000);
 }
 
 }  // namespace

@@ -180,6 +180,46 @@ TEST_P(DynamicTest, CompiledAndDynamicSubscribersOfOneNodeGetTheSame) {
   EXPECT_TRUE(std::equal(one.cdr().begin(), one.cdr().end(), other.cdr().begin(), other.cdr().end()));
 }
 
+TEST_P(DynamicTest, FieldsThatAreReadByNameAreRecorded) {
+  auto pub = a.publisher<PointCloud2>("points").value();
+  const DynamicType type = b.find_type("points", 15s).value();
+  auto sub = b.subscriber("points", type, recorded,
+                          {.recording = {.learn_samples = 1, .narrow_after_samples = 20, .as_remote = true}})
+                 .value();
+  expect_served(pub, 1);
+  const auto asked_for = [&](const FieldMask& mask, auto read) {
+    return eventually([&] {
+      pub.publish(small_cloud());
+      if (!sub.wait(5s)) return false;
+      while (const DynamicSample sample = sub.take()) read(sample.view());
+      return pub.status().readers.at(0).mask == mask;
+    });
+  };
+  EXPECT_TRUE(asked_for(FieldMask(F::width), [](const DynamicView& v) { (void)v["width"].as<int>(); }));
+  EXPECT_TRUE(
+      asked_for(FieldMask(F::height), [](const DynamicView& v) { (void)static_cast<bool>(v["height"]); }));
+  EXPECT_TRUE(asked_for(FieldMask(F::fields.size), [](const DynamicView& v) { (void)v["fields"].size(); }));
+  EXPECT_TRUE(asked_for(FieldMask(F::fields.size | F::fields.each.name), [](const DynamicView& v) {
+    for (const DynamicView& field : v["fields"].elements()) (void)field["name"].as<std::string_view>();
+  }));
+  EXPECT_TRUE(asked_for(FieldMask(F::header.stamp.sec), [](const DynamicView& v) {
+    if (const DynamicView header = v["header"]) (void)header["stamp"]["sec"].as<int>();
+  }));
+  EXPECT_EQ(sub.requirements().text, "header.stamp.sec, height, width, fields.size, fields[].name");
+}
+
+TEST_P(DynamicTest, PrintingASampleReadsAllOfIt) {
+  auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = b.subscriber("points", b.find_type("points", 15s).value(), recorded,
+                          {.recording = {.learn_samples = 1}})
+                 .value();
+  expect_served(pub, 1);
+  pub.publish(small_cloud());
+  ASSERT_TRUE(sub.wait(5s));
+  EXPECT_TRUE(sub.take().to_yaml());
+  EXPECT_EQ(sub.requirements().text, "*");
+}
+
 INSTANTIATE_TEST_SUITE_P(Ways, DynamicTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
                          way_name);
 

@@ -193,7 +193,7 @@ TEST_F(MaskedViewTest, RecordedGettersHaveAValueExactlyIfTheSampleHasTheLeaf) {
     const Encoded sample(support.type(), &cloud, mask);
     const auto has = [&](std::string_view path) { return mask.contains(*support.find(path)); };
 
-    std::vector<std::atomic<std::uint64_t>> words(1);
+    std::vector<AccessWord> words(1);
     AccessLog log(words, nullptr);
     SampleState state = sample.state();
     state.log = &log;
@@ -211,7 +211,8 @@ TEST_F(MaskedViewTest, RecordedGettersHaveAValueExactlyIfTheSampleHasTheLeaf) {
              there_if(has("fields[].count"), field.count(), owned.count);
     }));
     EXPECT_FALSE(state.is_malformed());
-    const FieldMask read = FieldMask::from_words(support.leaves(), std::vector{words[0].load()});
+    const FieldMask read =
+        FieldMask::from_words(support.leaves(), std::vector{words[0].found.load() | words[0].missed.load()});
     EXPECT_TRUE(
         read.contains(*support.parse_mask("header.stamp.sec, header.frame_id, data, is_dense, fields.size")));
     EXPECT_FALSE(read.any_of(3, 2)) << "nobody has read height and width";

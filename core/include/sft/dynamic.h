@@ -71,6 +71,7 @@ class DynamicSubscriber {
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
 
   SubscriberStatus status() const { return subscriber_.status(); }
+  Requirements requirements() const { return subscriber_.requirements(); }
   const DynamicType& type() const { return type_; }
 
  private:

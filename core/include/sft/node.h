@@ -60,6 +60,9 @@ class Node {
   Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
                                        std::string_view fields, const SubscriberOptions& options = {},
                                        DynamicCallback callback = {});
+  /// Recorded: `node.subscriber("points", type, sft::recorded)`.
+  Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type, Recorded,
+                                       const SubscriberOptions& options = {}, DynamicCallback callback = {});
 
   NodeStatus status() const;
 
@@ -75,6 +78,9 @@ class Node {
   Result<untyped::Subscriber> open_subscriber(std::string_view topic, const TypeSupport& type,
                                               untyped::Requirement requirement,
                                               const SubscriberOptions& options, untyped::Callback callback);
+  Result<DynamicSubscriber> open_subscriber(std::string_view topic, const DynamicType& type,
+                                            untyped::Requirement requirement,
+                                            const SubscriberOptions& options, DynamicCallback callback);
 
   std::shared_ptr<core::NodeCore> core_;
 };

@@ -72,10 +72,16 @@ struct PublisherOptions {
   EventCallback on_event{};
 };
 
+/// Of subscribers whose fields are recorded. Samples count when they are released.
 struct RecordingSettings {
-  std::uint32_t learn_samples = 3;  ///< the first request, after so many samples
-  std::uint32_t narrow_after_samples =
-      100;  ///< later, a field not read for so many samples is no longer asked for
+  /// At first all fields are asked for, and after so many samples those that were read; at least 1.
+  std::uint32_t learn_samples = 3;
+  /// A field that was not read in so many samples in a row is not asked for any more; 0: it always is. One
+  /// that is read at least once in so many samples is never given up.
+  std::uint32_t narrow_after_samples = 100;
+  /// Samples from shared memory, too, have only what was asked for when they were taken, as on another host:
+  /// to find out on one host what happens on two. What is asked for is copied.
+  bool as_remote = false;
 };
 
 /// Durations of 0 mean none: any deadline will do, any liveliness.

@@ -37,6 +37,8 @@ class Subscriber {
   Result<void> set_max_rate_hz(double max_rate_hz) { return subscriber_.set_max_rate_hz(max_rate_hz); }
 
   SubscriberStatus status() const { return subscriber_.status(); }
+  /// What it asks for and, where fields are recorded, how often each was read. Any thread.
+  Requirements requirements() const { return subscriber_.requirements(); }
   const TypeSupport& type() const { return subscriber_.type(); }
 
  private:

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "sft/options.h"
+#include "sft/requirements.h"
 #include "sft/status.h"
 #include "sft/typesupport/loan_view.h"
 #include "sft/typesupport/result.h"
@@ -163,6 +164,7 @@ class Subscriber {
   bool wait(std::chrono::nanoseconds timeout);
   Result<void> set_max_rate_hz(double max_rate_hz);
   SubscriberStatus status() const;
+  Requirements requirements() const;
   const TypeSupport& type() const;
 
  private:

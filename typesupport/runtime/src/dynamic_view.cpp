@@ -204,18 +204,16 @@ bool DynamicView::has_only_size() const {
 }
 
 DynamicView::Elements::Elements(DynamicView of) : of_(std::move(of)) {
-  if (!of_ || !of_.is_collection() || of_.has_only_size()) return;
+  if (!of_ || !of_.is_collection()) return;
+  const bool empty_ones = of_.has_only_size();
+  if (empty_ones && of_.state_->log == nullptr) return;
   const Extent all = of_.extent();
   left_ = all ? all.count : 1;  // one that says that the bytes are malformed
+  if (empty_ones) left_ = std::min<std::size_t>(left_, max_empty_elements);
   first_ = all.first;
 }
 
 // ---- values ----
-
-/// Notes the access where the reader records.
-void DynamicView::note() const {
-  if (state_->log != nullptr) state_->log->touch(place_.leaf, present_);
-}
 
 /// Of a collection, checked: where its first element is, and how many there are.
 Extent DynamicView::extent() const {
@@ -238,11 +236,7 @@ Result<std::size_t> DynamicView::size() const {
 }
 
 Result<DynamicView::Scalar> DynamicView::scalar() const {
-  if (node_ != Node::value || !*this) {
-    if (node_ == Node::value && error_ == nullptr) note();
-    return tl::unexpected(not_readable("a single value"));
-  }
-  note();
+  if (node_ != Node::value || !*this) return tl::unexpected(not_readable("a single value"));
   if (kind() == Kind::string) {
     const Extent text = checked_string(*state_, place_.offset);
     if (!text) return tl::unexpected(*malformed().error_);

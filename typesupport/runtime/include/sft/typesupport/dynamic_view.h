@@ -13,6 +13,9 @@
 //   - error(): no such field or element, or bytes that are not what they claim to be (the sample is flagged
 //     malformed as well)
 //
+// Where the reader records, asking whether a view is true notes an access as asking for its value does; of a
+// struct, to its first leaf. is_absent() notes nothing.
+//
 // A view owns nothing and must not outlive the sample and the type that it came from. Several threads may
 // read one sample.
 #pragma once
@@ -61,13 +64,17 @@ class DynamicView {
   DynamicView find(std::string_view path) const;
   /// All members of a struct in order, absent ones too; none if it is no struct.
   Members members() const;
-  /// All elements of an array or a sequence; none if it is none, or only its length was sent. If the bytes
-  /// end early, the last one is an error.
+  /// All elements of an array or a sequence; none if it is none, or only its length was sent (absent ones
+  /// where the reader records: how else would it see which fields are missed). If the bytes end early, the
+  /// last one is an error.
   Elements elements() const;
 
   // ---- what it is ----
 
-  explicit operator bool() const { return error_ == nullptr && present_; }
+  explicit operator bool() const {
+    note();
+    return error_ == nullptr && present_;
+  }
   /// It could be read, had it been sent.
   bool is_absent() const { return error_ == nullptr && !present_; }
   /// Null unless it is an error.
@@ -125,7 +132,10 @@ class DynamicView {
   DynamicView failed(Errc code, std::string message) const;
   DynamicView malformed() const;
   Error not_readable(const char* wanted) const;
-  void note() const;
+  void note() const {
+    if (state_->log != nullptr && error_ == nullptr && member_ != nullptr)
+      state_->log->touch(place_.leaf, state_->mask->contains(place_.leaf));
+  }
   std::string label() const;
   Result<std::span<const std::byte>> primitives(std::size_t element_bytes, const char* wanted,
                                                 bool (*matches)(Kind)) const;

@@ -103,15 +103,9 @@ class ElementRange : public std::ranges::view_interface<ElementRange<Step>> {
 
   ElementRange() = default;
   /// Empty, and the sample flagged, where its bytes cannot be that many elements.
-  ElementRange(const SampleState& s, Extent extent) : s_(&s) {
-    // Elements of which nothing was sent take no bytes, and no bytes vouch for their number.
-    const bool vouched = Step::type == nullptr || s.mask->any_of(Step::leaf, leaf_count(*Step::type));
-    extent_ = checked_elements(s, extent, Step::type == nullptr ? 4 : vouched ? 1 : 0);
-    if (!extent_) {
-      s.flag_malformed();
-      extent_ = {0, 0};
-    }
-    walked_ = vouched ? extent_.count : std::min(extent_.count, max_empty_elements);
+  ElementRange(const SampleState& s, Extent extent)
+      : s_(&s), extent_(checked_elements(s, extent, Step::type == nullptr ? 4 : 1)) {
+    if (!extent_) extent_ = without_bytes(s, extent);
   }
 
   /// How many there are in the message. Of elements of which nothing was sent, no more than
@@ -119,12 +113,26 @@ class ElementRange : public std::ranges::view_interface<ElementRange<Step>> {
   std::size_t size() const { return extent_.count; }
   bool empty() const { return extent_.count == 0; }
   iterator begin() const { return {s_, extent_, 0}; }
-  iterator end() const { return {s_, extent_, walked_}; }
+  iterator end() const {
+    const bool all = extent_.count <= max_empty_elements || have_bytes(*s_);
+    return {s_, extent_, all ? extent_.count : max_empty_elements};
+  }
 
  private:
+  static bool have_bytes(const SampleState& s) {
+    return Step::type == nullptr || s.mask->any_of(Step::leaf, leaf_count(*Step::type));
+  }
+  /// Elements of which nothing was sent take no bytes, and no bytes vouch for their number.
+  [[gnu::noinline]] static Extent without_bytes(const SampleState& s, Extent extent) {
+    const Extent empty_ones = have_bytes(s) ? Extent{} : checked_elements(s, extent, 0);
+    if (empty_ones) return empty_ones;
+    s.flag_malformed();
+    return {0, 0};
+  }
+
+  // Two words, which are passed in registers.
   const SampleState* s_ = nullptr;
   Extent extent_{0, 0};
-  std::uint32_t walked_ = 0;
 };
 
 }  // namespace sft

@@ -198,6 +198,14 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
   }
 }
 
+/// Beside the getters, which are many and short: it is needed once for each leaf and sample.
+[[gnu::noinline]] inline bool note_first(const SampleState& s, std::size_t leaf,
+                                         std::size_t leaves) noexcept {
+  const bool present = s.mask->any_of(leaf, leaves);
+  if (s.log != nullptr) s.log->touch(leaf, present);
+  return present;
+}
+
 /// What the two places share: whether a member can be read, and noting that it was.
 template <auto R, class S, std::size_t Leaf>
 struct PlaceBase {
@@ -213,9 +221,7 @@ struct PlaceBase {
   /// Notes the access where the reader records, and tells whether the sample has the leaf. For a collection
   /// of structs that is the leaf of its length (or its first element's leaf, in an array).
   static bool note(const SampleState& s, std::size_t leaf, std::size_t leaves) noexcept {
-    const bool present = s.mask->any_of(leaf, leaves);
-    if (s.log != nullptr) s.log->touch(leaf, present);
-    return present;
+    return (s.log != nullptr && s.log->has_found(leaf)) || note_first(s, leaf, leaves);
   }
 
   template <std::size_t M, class As, class OffsetOf>

@@ -1,4 +1,4 @@
-#include "bench/typesupport/contest.h"
+#include "bench/common/contest.h"
 
 #include <algorithm>
 #include <limits>

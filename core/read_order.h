@@ -1,0 +1,49 @@
+// Leaves in the order in which they were last read: which of them was not read for the longest is known at
+// once, whatever their number. A list through one array; nothing is allocated after construction.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace sft::core {
+
+class ReadOrder {
+ public:
+  explicit ReadOrder(std::size_t leaves) : links_(leaves + 1) {
+    for (std::size_t i = 0; i < links_.size(); ++i) unlink(i);
+  }
+
+  bool empty() const { return links_.back().newer == end(); }
+  /// Of those that are in it.
+  std::size_t oldest() const { return links_.back().newer; }
+  std::size_t newer_than(std::size_t leaf) const { return links_[leaf].newer; }
+  std::size_t end() const { return links_.size() - 1; }
+
+  /// Enters it, or moves it to the end.
+  void was_read(std::size_t leaf) {
+    remove(leaf);
+    Link& last = links_.back();  // closes the ring
+    links_[leaf] = {last.older, static_cast<std::uint32_t>(end())};
+    links_[last.older].newer = static_cast<std::uint32_t>(leaf);
+    last.older = static_cast<std::uint32_t>(leaf);
+  }
+  void remove(std::size_t leaf) {
+    const Link link = links_[leaf];
+    links_[link.older].newer = link.newer;
+    links_[link.newer].older = link.older;
+    unlink(leaf);
+  }
+
+ private:
+  struct Link {
+    std::uint32_t older = 0;
+    std::uint32_t newer = 0;
+  };
+  /// A leaf that is not in it is a ring of its own.
+  void unlink(std::size_t i) { links_[i] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i)}; }
+
+  std::vector<Link> links_;
+};
+
+}  // namespace sft::core
