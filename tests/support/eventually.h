@@ -7,13 +7,14 @@
 
 namespace sft::test {
 
-/// Looks every millisecond; false if the condition does not hold in time.
+/// Looks again after each pause; false if the condition does not hold in time.
 template <class Condition>
-bool eventually(Condition&& condition, std::chrono::milliseconds within = std::chrono::seconds(15)) {
+bool eventually(Condition&& condition, std::chrono::milliseconds within = std::chrono::seconds(15),
+                std::chrono::milliseconds pause = std::chrono::milliseconds(1)) {
   const auto deadline = std::chrono::steady_clock::now() + within;
   while (!condition()) {
     if (std::chrono::steady_clock::now() >= deadline) return false;
-    poll(nullptr, 0, 1);
+    poll(nullptr, 0, static_cast<int>(pause.count()));
   }
   return true;
 }

@@ -74,8 +74,7 @@ bool set_up() {
   if (!bring_loopback_up()) return refuse("loopback");
   if (mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0) return refuse("mount");
   if (mount("proc", "/proc", "proc", 0, nullptr) != 0) return refuse("mount /proc");
-  if (!mount_shm(shm_size)) return refuse("mount /dev/shm");
-  if (!mount_tmp()) return refuse("mount /tmp");
+  if (!mount_own_memory()) return refuse("mount /dev/shm and /tmp");
   refusal.clear();
   return true;
 }
@@ -101,6 +100,8 @@ const std::string& program_directory() {
   static const std::string directory = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   return directory;
 }
+
+bool mount_own_memory() { return mount_shm(shm_size) && mount_tmp(); }
 
 int run_isolated(const std::function<int()>& run) {
   program_directory();  // while /proc is still the one of this process

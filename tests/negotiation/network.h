@@ -1,0 +1,72 @@
+// A network in user space: each host's eth0 is a tap device, and a thread passes frames on between them, as
+// badly as it is told to.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace sft::test {
+
+/// What becomes of a frame, as probabilities.
+struct Faults {
+  double lost = 0;
+  double repeated = 0;
+  double delayed = 0;  ///< by up to 20 ms, so that others overtake it
+};
+
+class Network {
+ public:
+  explicit Network(std::uint64_t seed);
+  ~Network();
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
+
+  /// Why there can be none; empty if there can.
+  static std::string refusal();
+
+  /// Makes eth0 in the network namespace of the calling thread and returns the number of its port.
+  std::size_t plug_in();
+  /// A cable that is not plugged carries nothing, and both ends of it know.
+  void set_plugged(std::size_t port, bool plugged);
+  void set_faults(const Faults& faults);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Frame = std::vector<char>;
+  struct Port {
+    int tap = -1;
+    bool plugged = true;
+  };
+  struct Passing {
+    std::size_t from;
+    Frame frame;
+  };
+
+  void run();
+  void receive(std::size_t from);
+  void judge(std::size_t from, const Frame& frame);
+  void deliver(std::size_t from, const Frame& frame);
+  void deliver_delayed();
+  int patience_ms() const;
+  bool happens(double probability);
+  void wake() const;
+
+  const int wake_;
+  std::mutex mutex_;
+  std::vector<Port> ports_;
+  Faults faults_;
+  std::mt19937_64 random_;
+  std::multimap<Clock::time_point, Passing> delayed_;
+  std::atomic<bool> ended_{false};
+  std::thread thread_;
+};
+
+}  // namespace sft::test

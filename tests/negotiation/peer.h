@@ -1,0 +1,58 @@
+// A negotiation_peer, as its test sees it: another process, on some host, with a node of its own.
+#pragma once
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/negotiation/host.h"
+
+namespace sft::test {
+
+using nlohmann::json;
+
+/// A peer that dies or does not answer ends the test, by an exception.
+class Peer {
+ public:
+  /// Options: cyclonedds, port (peer_main.cpp).
+  Peer(const Host& host, std::string name, json options = json::object());
+  ~Peer();
+  Peer(const Peer&) = delete;
+  Peer& operator=(const Peer&) = delete;
+
+  const std::string& name() const { return name_; }
+
+  /// Opens its publisher or its subscriber. Options: those of peer_roles.cpp.
+  void advertise(json options = json::object());
+  void subscribe(const std::string& fields, json options = json::object());
+  /// Destroys both.
+  void leave() { ask({{"do", "leave"}}); }
+
+  /// Returns when so many more are published.
+  void publish(std::uint64_t count, std::chrono::microseconds period = std::chrono::milliseconds(1));
+  /// Publishes until it is stopped.
+  void start_publishing(std::chrono::microseconds period = std::chrono::milliseconds(1));
+  void stop_publishing() { ask({{"do", "stop"}}); }
+  /// Which fields a recorded subscriber reads of the last sample, and of those to come.
+  void read(const std::string& fields) { ask({{"do", "read"}, {"fields", fields}}); }
+  void set_max_rate_hz(double hz) { ask({{"do", "rate"}, {"hz", hz}}); }
+  /// Publishers of so many other topics.
+  void crowd(std::size_t count) { ask({{"do", "crowd"}, {"count", count}}); }
+
+  json status() { return ask({{"do", "status"}}); }
+
+  /// SIGSTOP, SIGCONT
+  void signal(int number) { process_->signal(number); }
+  void kill_now() { process_->kill_now(); }
+  /// Returns from main(); its exit code.
+  int quit();
+
+ private:
+  json ask(const json& command);
+
+  std::string name_;
+  int socket_ = -1;
+  std::unique_ptr<Process> process_;
+};
+
+}  // namespace sft::test

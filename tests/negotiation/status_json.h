@@ -1,0 +1,15 @@
+// What publishers, subscribers and nodes tell of themselves, for the pipe between a peer and its test.
+#pragma once
+
+#include <sft/sft.h>
+
+#include <nlohmann/json.hpp>
+
+namespace sft::test {
+
+nlohmann::json to_json(const PublisherStatus& status);
+nlohmann::json to_json(const SubscriberStatus& status);
+nlohmann::json to_json(const NodeStatus& status);
+nlohmann::json to_json(const Event& event);
+
+}  // namespace sft::test
