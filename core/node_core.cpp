@@ -184,7 +184,6 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   const Result<std::uint32_t> slot = callback ? Result<std::uint32_t>(0) : take_slot();
   if (!slot) return tl::unexpected(slot.error());
   Endpoint endpoint = new_endpoint(Role::reader, topic, type, options.transport);
-  endpoint.recorded = requirement.recorded;
   endpoint.qos = *qos;
   endpoint.doorbell = {bells_->id(), *slot};
   // Without a shared page nobody else could ring.
