@@ -46,6 +46,7 @@ std::shared_ptr<PublisherCore::Outlets> PublisherCore::outlets_for(const Serving
   outlets->shm = std::move(shm);
   outlets->to_shm = outlets->shm != nullptr && !serving.shm.empty();
   outlets->to_udp = udp_ != nullptr && !serving.udp.empty();
+  outlets->is_wanted = outlets->to_shm || outlets->to_udp || history_ != nullptr;
   const bool whole = outlets->to_shm || history_ != nullptr;  // nobody knows what late readers will ask for
   outlets->mask = whole ? full_ : spec_.type->closed(spec_.type->none());
   for (const Route& route : serving.udp) outlets->mask |= route.mask;
@@ -162,7 +163,7 @@ void PublisherCore::show(std::vector<ReaderStatus> readers) {
 PublishStatus PublisherCore::publish(const void* value) {
   const CallCount::Call call(calls_);
   const Outlets& outlets = *outlets_.load();
-  if (!outlets.to_shm && !outlets.to_udp && history_ == nullptr) return withhold();
+  if (!outlets.is_wanted) return withhold();
   const std::int64_t stamp_ns = realtime_ns();
   return admit(outlets, stamp_ns) ? encode_and_send(outlets, value, stamp_ns) : withhold();
 }
@@ -207,6 +208,9 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
   const StructType& type = spec_.type->type();
   const Result<Payload> payload = parse_payload(bytes);
   if (!payload) return tl::unexpected(payload.error());
+  const CallCount::Call call(calls_);
+  const Outlets& outlets = *outlets_.load();
+  if (!outlets.is_wanted) return withhold();
   ConvertedSize size = converted_size(*payload, type);
   if (size.status != WalkStatus::ok) return malformed(size.status);
   if (size.bytes > spec_.max_sample_bytes) {
@@ -214,8 +218,6 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
                                           " bytes; raise PublisherOptions::max_sample_bytes");
   }
   const std::int64_t stamp_ns = realtime_ns();
-  const CallCount::Call call(calls_);
-  const Outlets& outlets = *outlets_.load();
   const SampleHandle sample = lend(outlets, size.bytes);
   if (!sample) return no_memory();
   const std::span<std::byte> body(sample->data + layout_.body_offset, size.bytes);

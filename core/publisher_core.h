@@ -80,6 +80,7 @@ class PublisherCore {
   /// Where samples go at present. Immutable once stored.
   struct Outlets {
     std::shared_ptr<WriterPort> shm;
+    bool is_wanted = false;  ///< a sample: somebody reads, or it is retained
     bool to_shm = false;
     bool to_udp = false;
     std::vector<std::shared_ptr<RateGate>> gates;
