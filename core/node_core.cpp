@@ -163,7 +163,7 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   });
   // The handle withdraws the endpoint; the agent lets go of the rest.
   std::shared_ptr<PublisherCore> handle(core.get(), [self, core, id = endpoint.id](PublisherCore*) {
-    core->events().close();
+    core->close();
     self->agent_.post([node = self.get(), id] { node->reconciler_->remove(id); });
   });
   return untyped::Publisher(std::move(handle));

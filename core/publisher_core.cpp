@@ -36,7 +36,8 @@ PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::s
       history_(spec_.qos.durability == Durability::volatile_
                    ? nullptr
                    : std::make_unique<History>(spec_.qos.history_depth, spec_.qos.lifespan.count())),
-      events_(spec_.on_event) {
+      events_(spec_.on_event),
+      readers_changed_(spec_.on_readers_changed) {
   outlets_.store(outlets_for({}, nullptr));
 }
 
@@ -146,7 +147,7 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
     forget_withholding();
     follow_withholding(serving);
   }
-  if (spec_.on_readers_changed) spec_.on_readers_changed(status());
+  if (readers_changed_.wanted()) readers_changed_.tell(status());
 }
 
 void PublisherCore::show(std::vector<ReaderStatus> readers) {
@@ -157,7 +158,7 @@ void PublisherCore::show(std::vector<ReaderStatus> readers) {
     readers_ = std::move(readers);
     forget_withholding();
   }
-  if (is_news && spec_.on_readers_changed) spec_.on_readers_changed(status());
+  if (is_news && readers_changed_.wanted()) readers_changed_.tell(status());
 }
 
 PublishStatus PublisherCore::publish(const void* value) {
@@ -351,6 +352,11 @@ void PublisherCore::expire_history() {
 void PublisherCore::assert_liveliness() {
   asserted_.fetch_add(1, std::memory_order_relaxed);
   if (spec_.asserted && !assertion_told_.exchange(true, std::memory_order_relaxed)) spec_.asserted();
+}
+
+void PublisherCore::close() {
+  events_.close();
+  readers_changed_.close();
 }
 
 OfferWatch::Signs PublisherCore::signs() const {

@@ -100,5 +100,17 @@ TEST_F(PublisherServingTest, OfAPayloadThatNobodyReadsTheEncapsulationIsCheckedA
   EXPECT_FALSE(publisher.publish_cdr({}));
 }
 
+TEST_F(PublisherServingTest, OnceClosedItTellsTheProgramOfNoReaders) {
+  int told = 0;
+  PublisherCore::Spec spec{1, "points", &type, 1 << 16};
+  spec.on_readers_changed = [&](const PublisherStatus&) { ++told; };
+  PublisherCore telling(spec, BufferPool::make(1 << 20), port);
+  telling.serve(to_one(type.full()), nullptr);
+  EXPECT_EQ(told, 1);
+  telling.close();
+  telling.serve({}, nullptr);
+  EXPECT_EQ(told, 1);
+}
+
 }  // namespace
 }  // namespace sft::core
