@@ -49,7 +49,6 @@ struct Endpoint {
   std::vector<UdpAddress> addresses;
   DoorbellAddress doorbell;
   std::uint64_t max_sample_bytes = 0;
-  bool recorded = false;
   Qos qos;
   Request request;
   friend bool operator==(const Endpoint&, const Endpoint&) = default;

@@ -104,7 +104,6 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.doorbell_page = endpoint.doorbell.page;
   out.doorbell_slot = endpoint.doorbell.slot;
   out.max_sample_bytes = endpoint.max_sample_bytes;
-  out.recorded = endpoint.recorded;
   out.qos = to_dds(endpoint.qos);
   out.request = to_dds(endpoint.request);
   return out;
@@ -159,7 +158,6 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   }
   out.doorbell = {in.doorbell_page, in.doorbell_slot};
   out.max_sample_bytes = in.max_sample_bytes;
-  out.recorded = in.recorded;
   out.qos = *qos;
   out.request = {.reader = in.id,
                  .sequence = in.request.request_sequence,

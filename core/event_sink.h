@@ -1,8 +1,9 @@
-// A user's event callback between the agent, which calls it, and the destructor of what it belongs to, after
-// which it is called no more.
+// A user's callback between the agent, which calls it with news, and the destructor of what it belongs to,
+// after which it is called no more.
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <thread>
 #include <utility>
 
@@ -10,18 +11,20 @@
 
 namespace sft::core {
 
-class EventSink {
+template <class News>
+class NewsSink {
  public:
-  explicit EventSink(EventCallback call) : call_(std::move(call)) {}
+  using Call = std::function<void(const News&)>;
+  explicit NewsSink(Call call) : call_(std::move(call)) {}
 
   bool wanted() const { return static_cast<bool>(call_) && !closed_.load(); }
 
   /// The agent's thread.
-  void tell(const Event& event) {
+  void tell(const News& news) {
     if (!wanted()) return;
     caller_.store(std::this_thread::get_id());
     calling_.store(true);
-    if (wanted()) call_(event);
+    if (wanted()) call_(news);
     calling_.store(false);
     calling_.notify_all();
   }
@@ -34,11 +37,13 @@ class EventSink {
   }
 
  private:
-  const EventCallback call_;
+  const Call call_;
   // All sequentially consistent: either tell() sees that it is closed, or close() that a call is under way.
   std::atomic<bool> closed_{false};
   std::atomic<bool> calling_{false};
   std::atomic<std::thread::id> caller_{};
 };
+
+using EventSink = NewsSink<Event>;
 
 }  // namespace sft::core

@@ -189,8 +189,8 @@ std::uint32_t Negotiation::history_owed(const Entry& writer, const Endpoint& rea
 }
 
 std::string Negotiation::why_not_shm(const Endpoint& writer, const Endpoint& reader) const {
-  if (!writer.may_use_shm) return "the publisher chose UDP";
-  if (!reader.may_use_shm) return "the subscriber chose UDP";
+  if (!writer.may_use_shm) return "the publisher or its node rules shared memory out";
+  if (!reader.may_use_shm) return "the subscriber or its node rules shared memory out";
   const Endpoint& peer = entries_.at(writer.id).type != nullptr ? reader : writer;
   if (self_.host.known() && peer.host.known() && peer.host != self_.host) return "another host";
   if (peer.network != self_.network) return "another host";

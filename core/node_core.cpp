@@ -115,6 +115,24 @@ Endpoint NodeCore::new_endpoint(Role role, std::string_view topic, const TypeSup
   return endpoint;
 }
 
+/// Of the ways that a writer may use, those that carry its largest sample.
+Result<void> NodeCore::keep_ways_for(Endpoint& writer) const {
+  const auto most = [](bool may_use, const auto& transport) {
+    return may_use ? transport->max_sample_bytes() : std::size_t{0};
+  };
+  const std::size_t by_shm = most(writer.may_use_shm, shm_);
+  const std::size_t by_udp = most(writer.may_use_udp, udp_);
+  if (writer.max_sample_bytes > std::max(by_shm, by_udp)) {
+    return fail(Errc::limit_exceeded, "topic '" + writer.topic + "': PublisherOptions::max_sample_bytes of " +
+                                          std::to_string(writer.max_sample_bytes) + " is more than the " +
+                                          std::to_string(std::max(by_shm, by_udp)) + " that can be sent");
+  }
+  writer.may_use_shm = writer.max_sample_bytes <= by_shm;
+  writer.may_use_udp = writer.max_sample_bytes <= by_udp;
+  if (!writer.may_use_udp) writer.addresses.clear();
+  return {};
+}
+
 Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCore>& self,
                                                     std::string_view topic, const TypeSupport& type,
                                                     const PublisherOptions& options) {
@@ -124,9 +142,10 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   Endpoint endpoint = new_endpoint(Role::writer, topic, type, options.transport);
   endpoint.qos = *qos;
   endpoint.max_sample_bytes = options.max_sample_bytes;
+  if (auto fits = keep_ways_for(endpoint); !fits) return tl::unexpected(fits.error());
   std::shared_ptr<WriterPort> udp;
   if (endpoint.may_use_udp) {
-    auto port = udp_->open_writer({endpoint.id, &type, options.max_sample_bytes});
+    auto port = udp_->open_writer({endpoint.id, &type});
     if (!port) return tl::unexpected(port.error());
     udp = std::move(*port);
   }
@@ -144,7 +163,7 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   });
   // The handle withdraws the endpoint; the agent lets go of the rest.
   std::shared_ptr<PublisherCore> handle(core.get(), [self, core, id = endpoint.id](PublisherCore*) {
-    core->events().close();
+    core->close();
     self->agent_.post([node = self.get(), id] { node->reconciler_->remove(id); });
   });
   return untyped::Publisher(std::move(handle));
@@ -166,7 +185,6 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   const Result<std::uint32_t> slot = callback ? Result<std::uint32_t>(0) : take_slot();
   if (!slot) return tl::unexpected(slot.error());
   Endpoint endpoint = new_endpoint(Role::reader, topic, type, options.transport);
-  endpoint.recorded = requirement.recorded;
   endpoint.qos = *qos;
   endpoint.doorbell = {bells_->id(), *slot};
   // Without a shared page nobody else could ring.

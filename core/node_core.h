@@ -54,6 +54,7 @@ class NodeCore final : private DiscoveryListener {
   void give_slot_back(std::uint32_t slot);
   Endpoint new_endpoint(Role role, std::string_view topic, const TypeSupport& type,
                         TransportChoice choice) const;
+  Result<void> keep_ways_for(Endpoint& writer) const;
   Result<void> check_endpoint(std::string_view topic, const TypeSupport& type, TransportChoice choice) const;
 
   // DiscoveryListener: posted to the agent.

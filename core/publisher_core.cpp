@@ -36,7 +36,8 @@ PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::s
       history_(spec_.qos.durability == Durability::volatile_
                    ? nullptr
                    : std::make_unique<History>(spec_.qos.history_depth, spec_.qos.lifespan.count())),
-      events_(spec_.on_event) {
+      events_(spec_.on_event),
+      readers_changed_(spec_.on_readers_changed) {
   outlets_.store(outlets_for({}, nullptr));
 }
 
@@ -46,6 +47,7 @@ std::shared_ptr<PublisherCore::Outlets> PublisherCore::outlets_for(const Serving
   outlets->shm = std::move(shm);
   outlets->to_shm = outlets->shm != nullptr && !serving.shm.empty();
   outlets->to_udp = udp_ != nullptr && !serving.udp.empty();
+  outlets->is_wanted = outlets->to_shm || outlets->to_udp || history_ != nullptr;
   const bool whole = outlets->to_shm || history_ != nullptr;  // nobody knows what late readers will ask for
   outlets->mask = whole ? full_ : spec_.type->closed(spec_.type->none());
   for (const Route& route : serving.udp) outlets->mask |= route.mask;
@@ -140,7 +142,7 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
     forget_withholding();
     follow_withholding(serving);
   }
-  if (spec_.on_readers_changed) spec_.on_readers_changed(status());
+  if (readers_changed_.wanted()) readers_changed_.tell(status());
 }
 
 void PublisherCore::show(std::vector<ReaderStatus> readers) {
@@ -151,13 +153,13 @@ void PublisherCore::show(std::vector<ReaderStatus> readers) {
     readers_ = std::move(readers);
     forget_withholding();
   }
-  if (is_news && spec_.on_readers_changed) spec_.on_readers_changed(status());
+  if (is_news && readers_changed_.wanted()) readers_changed_.tell(status());
 }
 
 PublishStatus PublisherCore::publish(const void* value) {
   const CallCount::Call call(calls_);
   const Outlets& outlets = *outlets_.load();
-  if (!outlets.to_shm && !outlets.to_udp && history_ == nullptr) return withhold();
+  if (!outlets.is_wanted) return withhold();
   const std::int64_t stamp_ns = realtime_ns();
   return admit(outlets, stamp_ns) ? encode_and_send(outlets, value, stamp_ns) : withhold();
 }
@@ -202,6 +204,9 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
   const StructType& type = spec_.type->type();
   const Result<Payload> payload = parse_payload(bytes);
   if (!payload) return tl::unexpected(payload.error());
+  const CallCount::Call call(calls_);
+  const Outlets& outlets = *outlets_.load();
+  if (!outlets.is_wanted) return withhold();
   ConvertedSize size = converted_size(*payload, type);
   if (size.status != WalkStatus::ok) return malformed(size.status);
   if (size.bytes > spec_.max_sample_bytes) {
@@ -209,8 +214,6 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
                                           " bytes; raise PublisherOptions::max_sample_bytes");
   }
   const std::int64_t stamp_ns = realtime_ns();
-  const CallCount::Call call(calls_);
-  const Outlets& outlets = *outlets_.load();
   const SampleHandle sample = lend(outlets, size.bytes);
   if (!sample) return no_memory();
   const std::span<std::byte> body(sample->data + layout_.body_offset, size.bytes);
@@ -344,6 +347,11 @@ void PublisherCore::expire_history() {
 void PublisherCore::assert_liveliness() {
   asserted_.fetch_add(1, std::memory_order_relaxed);
   if (spec_.asserted && !assertion_told_.exchange(true, std::memory_order_relaxed)) spec_.asserted();
+}
+
+void PublisherCore::close() {
+  events_.close();
+  readers_changed_.close();
 }
 
 OfferWatch::Signs PublisherCore::signs() const {

@@ -55,6 +55,9 @@ class PublisherCore {
 
   void assert_liveliness();
 
+  /// After it returns no callback runs any more, except for one in which it is called itself.
+  void close();
+
   PublisherStatus status() const;
   const TypeSupport& type() const { return *spec_.type; }
   EndpointId id() const { return spec_.id; }
@@ -80,6 +83,7 @@ class PublisherCore {
   /// Where samples go at present. Immutable once stored.
   struct Outlets {
     std::shared_ptr<WriterPort> shm;
+    bool is_wanted = false;  ///< a sample: somebody reads, or it is retained
     bool to_shm = false;
     bool to_udp = false;
     std::vector<std::shared_ptr<RateGate>> gates;
@@ -130,6 +134,7 @@ class PublisherCore {
   std::atomic<std::uint64_t> deadlines_missed_{0};
   std::atomic<bool> alive_{true};
   EventSink events_;
+  NewsSink<PublisherStatus> readers_changed_;
 
   mutable std::mutex status_mutex_;
   std::vector<ReaderStatus> readers_;

@@ -64,7 +64,6 @@ struct Route {
 struct WriterSpec {
   EndpointId id = 0;
   const TypeSupport* type = nullptr;  ///< outlives the port
-  std::size_t max_sample_bytes = 0;   ///< of a body
 };
 
 /// What a reader has to know of a writer whose samples it wants.
@@ -196,7 +195,8 @@ enum class Availability : std::uint8_t { ready, starting, unavailable };
 class Transport {
  public:
   virtual ~Transport() = default;
-  virtual TransportKind kind() const noexcept = 0;
+  /// The largest body that it carries.
+  virtual std::size_t max_sample_bytes() const noexcept = 0;
 
   /// Looks after the transport (starts or finds its daemon, notices its death) and tells its state; called
   /// often, from the agent, and returns at once. When the answer leaves `ready`, ports of before are dead:

@@ -20,7 +20,7 @@ class ShmTransport final : public core::Transport {
  public:
   explicit ShmTransport(const ShmOptions& options) : options_(options), runtime_(IceoryxRuntime::shared()) {}
 
-  core::TransportKind kind() const noexcept override { return core::TransportKind::shm; }
+  std::size_t max_sample_bytes() const noexcept override { return std::size_t{16} << 20; }  // sftd/pools.h
 
   Availability poll(Clock::time_point now) override {
     DaemonLink::State state = runtime_->daemon().advance(options_, runtime_, now);

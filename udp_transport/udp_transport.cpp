@@ -31,6 +31,7 @@ class UdpTransport final : public core::Transport {
                std::shared_ptr<Receiver> receiver, std::shared_ptr<SendSide> send_side)
       : description_(std::move(description) + ", port " + std::to_string(socket.port) +
                      note_on_buffer(options, socket)),
+        max_sample_bytes_(options.max_sample_bytes),
         bound_to_(options.bind_address),
         advertised_(options.advertised_addresses),
         port_(socket.port),
@@ -43,7 +44,7 @@ class UdpTransport final : public core::Transport {
     send_side_->sender.stop();
   }
 
-  core::TransportKind kind() const noexcept override { return core::TransportKind::udp; }
+  std::size_t max_sample_bytes() const noexcept override { return max_sample_bytes_; }
 
   core::Availability poll(std::chrono::steady_clock::time_point) override {
     return receiver_->broken() ? core::Availability::unavailable : core::Availability::ready;
@@ -82,6 +83,7 @@ class UdpTransport final : public core::Transport {
 
  private:
   const std::string description_;
+  const std::size_t max_sample_bytes_;
   const std::uint32_t bound_to_;
   const std::vector<std::uint32_t> advertised_;
   const std::uint16_t port_;

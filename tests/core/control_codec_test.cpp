@@ -22,7 +22,6 @@ Endpoint endpoint() {
   e.addresses = {{0x7f000001, 4000, 1 << 20}, {0x0a000001, 4000, 1 << 20}};
   e.doorbell = {77, 3};
   e.max_sample_bytes = 1 << 24;
-  e.recorded = true;
   e.qos = {.reliability = reliable,
            .durability = transient_local,
            .deadline = std::chrono::milliseconds(5),

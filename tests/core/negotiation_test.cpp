@@ -423,7 +423,7 @@ TEST_F(NegotiationTest, AReaderHearsWritersOfItsTopicByTheWaysBothAllow) {
   ASSERT_EQ(hearing.size(), 2U);
   EXPECT_TRUE(hearing[0].shm && hearing[0].udp);
   EXPECT_TRUE(!hearing[1].shm && hearing[1].udp);
-  EXPECT_EQ(hearing[1].status.reason, "the publisher chose UDP");
+  EXPECT_EQ(hearing[1].status.reason, "the publisher or its node rules shared memory out");
 }
 
 TEST_F(NegotiationTest, EveryChangeOfARequirementOrAnAttachmentIsANewerRequest) {

@@ -40,6 +40,15 @@ class PublisherServingTest : public ::testing::Test {
     return serving;
   }
 
+  std::vector<std::byte> payload() const {
+    const FieldMask all = type.full();
+    std::vector<std::byte> bytes(encapsulation_bytes + encoded_size(type.type(), &cloud, all).bytes);
+    std::memcpy(bytes.data(), encapsulation_cdr_le.data(), encapsulation_bytes);
+    std::vector<std::uint32_t> index(type.slots());
+    encode(type.type(), &cloud, all, std::span(bytes).subspan(encapsulation_bytes), index);
+    return bytes;
+  }
+
   /// `publish` is held in the port while a reader asks for more than before.
   template <class Publish>
   void expect_waited_for(Publish publish) {
@@ -74,12 +83,33 @@ TEST_F(PublisherServingTest, RoutesThatAskForMoreWaitForALoanBeingPublished) {
 }
 
 TEST_F(PublisherServingTest, RoutesThatAskForMoreWaitForAPayloadBeingPublished) {
-  const FieldMask all = type.full();
-  std::vector<std::byte> payload(encapsulation_bytes + encoded_size(type.type(), &cloud, all).bytes);
-  std::memcpy(payload.data(), encapsulation_cdr_le.data(), encapsulation_bytes);
-  std::vector<std::uint32_t> index(type.slots());
-  encode(type.type(), &cloud, all, std::span(payload).subspan(encapsulation_bytes), index);
-  expect_waited_for([&] { EXPECT_TRUE(publisher.publish_cdr(payload)); });
+  expect_waited_for([&] { EXPECT_TRUE(publisher.publish_cdr(payload())); });
+}
+
+TEST_F(PublisherServingTest, APayloadIsWalkedOnlyIfSomebodyReads) {
+  std::vector<std::byte> cut = payload();
+  cut.resize(cut.size() / 2);
+  EXPECT_EQ(publisher.publish_cdr(cut).value(), PublishStatus::ok);
+  EXPECT_EQ(publisher.status().published, 1U);
+  publisher.serve(to_one(type.full()), nullptr);
+  EXPECT_EQ(publisher.publish_cdr(cut).error().code, Errc::malformed);
+  EXPECT_EQ(publisher.status().published, 1U);
+}
+
+TEST_F(PublisherServingTest, OfAPayloadThatNobodyReadsTheEncapsulationIsCheckedAllTheSame) {
+  EXPECT_FALSE(publisher.publish_cdr({}));
+}
+
+TEST_F(PublisherServingTest, OnceClosedItTellsTheProgramOfNoReaders) {
+  int told = 0;
+  PublisherCore::Spec spec{1, "points", &type, 1 << 16};
+  spec.on_readers_changed = [&](const PublisherStatus&) { ++told; };
+  PublisherCore telling(spec, BufferPool::make(1 << 20), port);
+  telling.serve(to_one(type.full()), nullptr);
+  EXPECT_EQ(told, 1);
+  telling.close();
+  telling.serve({}, nullptr);
+  EXPECT_EQ(told, 1);
 }
 
 }  // namespace

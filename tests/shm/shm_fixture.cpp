@@ -134,7 +134,7 @@ bool Node::becomes(core::Availability wanted, std::chrono::milliseconds within) 
 }
 
 Writer::Writer(Node& node, core::EndpointId id) : id_(id) {
-  auto port = node->open_writer({.id = id, .type = &frame_type(), .max_sample_bytes = 16 << 20});
+  auto port = node->open_writer({.id = id, .type = &frame_type()});
   EXPECT_TRUE(port) << port.error().message;
   if (!port) return;
   port_ = std::move(*port);
@@ -175,8 +175,7 @@ std::size_t ChunkCounter::free() {
   std::vector<core::SampleHandle> loans;
   for (std::size_t i = 0;; ++i) {
     if (i == ports_.size()) {
-      auto port =
-          node_->open_writer({.id = 1'000'000 + i, .type = &frame_type(), .max_sample_bytes = 16 << 20});
+      auto port = node_->open_writer({.id = 1'000'000 + i, .type = &frame_type()});
       if (!port) throw std::runtime_error(port.error().message);
       ports_.push_back(std::move(*port));
     }

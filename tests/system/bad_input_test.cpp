@@ -72,6 +72,8 @@ TEST_F(BadInputTest, AMessageThatCdrCannotCarryIsInvalid) {
 TEST_F(BadInputTest, APayloadThatIsNotTheTypeIsAnError) {
   Node a = udp_node("a");
   auto pub = a.publisher<PointCloud2>("points").value();
+  auto sub = a.subscriber<PointCloud2>("points").value();  // without one nobody would look
+  ASSERT_TRUE(eventually([&] { return !pub.status().readers.empty() && pub.status().readers[0].served; }));
   const std::vector<std::byte> payload(100, std::byte{0xff});
   EXPECT_FALSE(pub.publish_cdr(payload));
   std::vector<std::byte> little = payload;

@@ -36,6 +36,31 @@ TEST_P(PubSubTest, SamplesOf16MiBArriveAndLargerOnesAreRefused) {
   EXPECT_EQ(pub.publish(cloud(8, 16 * 1024 * 1024)), PublishStatus::invalid);
 }
 
+TEST_P(PubSubTest, SamplesOf32MiBArriveByUdpIfTheirPublisherAnnouncesThem) {
+  constexpr std::size_t most = 32 * 1024 * 1024;
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points", {.max_sample_bytes = most});
+  if (in_shared_memory()) {
+    ASSERT_FALSE(pub);
+    EXPECT_NE(pub.error().message.find("16777216"), std::string::npos) << pub.error().message;
+    return;
+  }
+  auto sub = b.subscriber<PointCloud2>("points").value();
+  expect_served(*pub, 1);
+  const PointCloud2 sent = cloud(7, most - 400);
+  EXPECT_EQ(pub->publish(sent), PublishStatus::ok);
+  ASSERT_TRUE(sub.wait(10s));
+  EXPECT_EQ(sub.take().to_owned(), sent);
+}
+
+TEST_P(PubSubTest, APublisherOfSamplesThatNothingCarriesIsRefused) {
+  Node a = open("a");
+  const auto pub = a.publisher<PointCloud2>("points", {.max_sample_bytes = 1 << 30});
+  ASSERT_FALSE(pub);
+  EXPECT_EQ(pub.error().code, Errc::limit_exceeded);
+}
+
 TEST_P(PubSubTest, EachSubscriberGetsTheFieldsItDeclared) {
   Node a = open("a");
   Node b = open("b");

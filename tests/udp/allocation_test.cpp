@@ -69,7 +69,7 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
                             .value();
     listener.reader = reader.get();
     reader->accept({{fields<Image>("*")}, {fields<Image>("data")}});
-    const auto writer = transport->open_writer({7, &test::type_support<Image>(), 16 << 20}).value();
+    const auto writer = transport->open_writer({7, &test::type_support<Image>()}).value();
     ASSERT_TRUE(reader->connect({7, 0}));
     writer->set_routes({{1, test::loopback_address(*transport), fields<Image>("data")}});
 

@@ -94,7 +94,7 @@ class Subscriber final : private core::ArrivalListener {
 class Publisher {
  public:
   explicit Publisher(core::Transport& transport, core::EndpointId id = 0x1234'5678'0000'0001)
-      : id_(id), port_(transport.open_writer({id, &type_support<Image>(), std::size_t{16} << 20}).value()) {}
+      : id_(id), port_(transport.open_writer({id, &type_support<Image>()}).value()) {}
 
   struct Reader {
     core::UdpAddress address;

@@ -65,7 +65,7 @@ class DynamicSubscriber {
 
   /// The oldest sample not yet taken; empty if there is none.
   [[nodiscard]] DynamicSample take() { return {type_, subscriber_.take()}; }
-  /// The newest sample; older ones of it are passed over (and not counted as lost).
+  /// The newest sample, as Subscriber::take_latest() says.
   [[nodiscard]] DynamicSample take_latest() { return {type_, subscriber_.take_latest()}; }
   /// Sleeps until there is something to take or the time is over; tells which.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }

@@ -1,5 +1,9 @@
 // A node: the participant through which a program publishes and subscribes. It owns its threads; several in
 // one process are fine. Publishers and subscribers keep their node alive.
+//
+// All functions of a node may be called by any thread, also at once, and within callbacks of its publishers
+// and subscribers, but for find_type(). Copies are the same node. What a node has opened may call back before
+// the function that opened it has returned.
 #pragma once
 
 #include <chrono>

@@ -64,10 +64,14 @@ struct PublisherOptions {
   /// agree.
   std::chrono::nanoseconds lifespan{0};
   Liveliness liveliness = Liveliness::automatic;
-  std::chrono::nanoseconds liveliness_lease{0};     ///< promises a sign of life at least so often
-  std::size_t max_sample_bytes = 16 * 1024 * 1024;  ///< announced: readers set memory aside for no more
+  std::chrono::nanoseconds liveliness_lease{0};  ///< promises a sign of life at least so often
+  /// Announced: readers set memory aside for no more. Shared memory carries samples of up to 16 MiB: a
+  /// publisher of larger ones, up to 32 MiB, uses UDP within the host as well.
+  std::size_t max_sample_bytes = 16 * 1024 * 1024;
   /// After readers came, left or changed what they ask for, and that is in force: all of them as they are
-  /// now. (For what happened to each there is on_event.) On the node's agent thread: be short.
+  /// now. (For what happened to each there is on_event.) On the node's agent thread: be short. Like any
+  /// callback it may come before the function that opens the publisher has returned: it must not rely on what
+  /// that returns.
   std::function<void(const PublisherStatus&)> on_readers_changed{};
   EventCallback on_event{};
 };

@@ -19,7 +19,7 @@ namespace sft {
 /// `loan->data()` is a writable span of a reserved sequence, `loan.set(F::width, 1024)` writes a scalar,
 /// `loan.shrink(F::data, n)` gives back what was reserved beyond n elements. An unpublished loan gives its
 /// memory back. Of a loan that was published or moved away spans are empty, set() does nothing and calls that
-/// have a status return no_loan.
+/// have a status return no_loan. Used by one thread at a time, and destroyed on any.
 template <class T>
 class Loan {
  public:
@@ -107,6 +107,10 @@ class Loan {
   Reservations reserved_;
 };
 
+/// Moved, not copied. One thread at a time publishes and takes loans; a loan may be filled on another, but is
+/// published by the thread whose turn it is. assert_liveliness() and status() may be called by any thread at
+/// any time. Its loans may outlive it. After its destructor and theirs neither of its callbacks runs any more
+/// (unless one of these is called from within that callback).
 template <class T>
 class Publisher {
  public:
@@ -117,7 +121,8 @@ class Publisher {
   PublishStatus publish(const T& message) { return publisher_.publish(&message); }
 
   /// A payload that is already encoded (4 bytes of encapsulation and a body), as in ROS 2 bags: XCDR1 and
-  /// plain XCDR2 in both byte orders, see sft/typesupport/convert.h.
+  /// plain XCDR2 in both byte orders, see sft/typesupport/convert.h. It is checked on the way; without a
+  /// reader, and where nothing is retained, only the encapsulation is, and it costs a few nanoseconds.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
   }

@@ -9,7 +9,8 @@
 
 namespace sft {
 
-/// Without a callback: take() from any thread, one at a time. With one: the callback is called for each
+/// Moved, not copied. All of its functions may be called by any thread at any time, also at once: each sample
+/// is taken by one of them. Without a callback samples are taken. With one: the callback is called for each
 /// sample, never twice at once, from threads of the node; while it runs, further samples queue up to the
 /// depth. After the destructor no callback runs any more (unless it is called from within the callback
 /// itself).
