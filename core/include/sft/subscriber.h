@@ -2,12 +2,17 @@
 #pragma once
 
 #include <chrono>
+#include <concepts>
 #include <utility>
 
 #include "sft/sample.h"
 #include "sft/untyped.h"
 
 namespace sft {
+
+/// What is called for each sample S: with a `const S&`, or with an `S` that it may keep.
+template <class F, class S>
+concept SampleCallback = std::invocable<F&, const S&> || std::invocable<F&, S>;
 
 /// Without a callback: take() from any thread, one at a time. With one: the callback is called for each
 /// sample, never twice at once, from threads of the node; while it runs, further samples queue up to the
