@@ -14,19 +14,17 @@ class ReadOrder {
     for (std::size_t i = 0; i < links_.size(); ++i) unlink(i);
   }
 
-  bool empty() const { return links_.back().newer == end(); }
-  /// Of those that are in it.
+  bool empty() const { return !contains(end()); }
+  bool contains(std::size_t leaf) const { return links_[leaf].newer != leaf; }
+  /// Not of an empty one.
   std::size_t oldest() const { return links_.back().newer; }
-  std::size_t newer_than(std::size_t leaf) const { return links_[leaf].newer; }
-  std::size_t end() const { return links_.size() - 1; }
 
   /// Enters it, or moves it to the end.
   void was_read(std::size_t leaf) {
     remove(leaf);
-    Link& last = links_.back();  // closes the ring
-    links_[leaf] = {last.older, static_cast<std::uint32_t>(end())};
-    links_[last.older].newer = static_cast<std::uint32_t>(leaf);
-    last.older = static_cast<std::uint32_t>(leaf);
+    const std::uint32_t newest = links_.back().older;
+    links_[leaf] = {newest, static_cast<std::uint32_t>(end())};
+    links_[newest].newer = links_.back().older = static_cast<std::uint32_t>(leaf);
   }
   void remove(std::size_t leaf) {
     const Link link = links_[leaf];
@@ -40,6 +38,8 @@ class ReadOrder {
     std::uint32_t older = 0;
     std::uint32_t newer = 0;
   };
+  /// The last link closes the ring.
+  std::size_t end() const { return links_.size() - 1; }
   /// A leaf that is not in it is a ring of its own.
   void unlink(std::size_t i) { links_[i] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i)}; }
 

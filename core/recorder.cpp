@@ -59,15 +59,19 @@ RecordedSample* Recorder::begin() {
   RecordedSample* sample = nullptr;
   {
     const std::scoped_lock lock(mutex_);
-    if (free_ == nullptr) {  // more are out than ever
-      AccessLog::Listener* const listener = this;
-      owned_.push_back(std::make_unique<RecordedSample>(required_.size(), listener));
-      free_ = owned_.back().get();
-    }
-    sample = std::exchange(free_, free_->next_free_);
+    if (free_ != nullptr) sample = std::exchange(free_, free_->next_free_);
   }
+  if (sample == nullptr) sample = add();
   sample->recorder_ = shared_from_this();
   return sample;
+}
+
+/// More are out than ever.
+RecordedSample* Recorder::add() {
+  AccessLog::Listener* const listener = this;
+  auto added = std::make_unique<RecordedSample>(required_.size(), listener);
+  const std::scoped_lock lock(mutex_);
+  return owned_.emplace_back(std::move(added)).get();
 }
 
 void Recorder::end(RecordedSample* sample) noexcept {
@@ -129,12 +133,12 @@ bool Recorder::give_up_stale() noexcept {
 
 /// From here on what was not read is not required.
 bool Recorder::finish_learning() noexcept {
-  FieldMask read(leaves_.size());
-  for (std::size_t leaf = order_.oldest(); leaf != order_.end(); leaf = order_.newer_than(leaf))
-    read.insert(leaf);
   bool changed = false;
-  for (std::size_t i = 0; i < required_.size(); ++i)
-    changed |= required_[i].exchange(read.word(i), std::memory_order_relaxed) != read.word(i);
+  for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf) {
+    if (order_.contains(leaf)) continue;
+    required_[leaf / 64].fetch_and(~bit(leaf), std::memory_order_relaxed);
+    changed = true;
+  }
   return changed;
 }
 

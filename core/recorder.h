@@ -76,6 +76,7 @@ class Recorder final : public std::enable_shared_from_this<Recorder>, private Ac
   };
 
   Recorder(std::size_t leaves, const RecordingSettings& settings, Changed changed);
+  RecordedSample* add();
   void first_read(std::size_t leaf) noexcept override;
   void fold(RecordedSample& sample) noexcept;
   bool count(RecordedSample& sample) noexcept;

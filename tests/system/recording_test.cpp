@@ -1,5 +1,7 @@
 // Automatic requirement recording, end to end: what is read is what is asked for.
+#include <mutex>
 #include <thread>
+#include <vector>
 
 #include "tests/system/fixture.h"
 
@@ -108,6 +110,28 @@ TEST_P(RecordingTest, ASampleIsReadAndReleasedWhenItsSubscriberAndNodeAreGone) {
     EXPECT_EQ(sample->width(), 2U);
     sample = {};
   }).join();
+}
+
+TEST_P(RecordingTest, ASampleThatACallbackKeptIsReadAfterwards) {
+  std::mutex mutex;
+  std::vector<Sample<PointCloud2, recorded>> kept;
+  const auto keep = [&](Sample<PointCloud2, recorded> sample) {
+    const std::scoped_lock lock(mutex);
+    kept.push_back(std::move(sample));
+  };
+  const auto keeper =
+      b.subscriber<PointCloud2, recorded>("points", keep, {.recording = {.learn_samples = 1}}).value();
+  expect_served(pub, 2);
+  pub.publish(cloud(7));
+  ASSERT_TRUE(eventually([&] {
+    const std::scoped_lock lock(mutex);
+    return !kept.empty();
+  }));
+  EXPECT_EQ(keeper.requirements().samples, 0U);
+  EXPECT_EQ(kept[0]->height(), 7U);
+  kept.clear();
+  EXPECT_EQ(keeper.requirements().samples, 1U);
+  EXPECT_EQ(keeper.requirements().text, "height");
 }
 
 TEST_P(RecordingTest, RequirementsSayInHowManySamplesAFieldWasReadAndWhenLast) {

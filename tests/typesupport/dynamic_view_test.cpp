@@ -5,9 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
+#include <cstring>
+#include <optional>
 #include <proof.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <torture.hpp>
+#include <vector>
 
 #include "tests/support/encoded.h"
 
@@ -158,6 +162,70 @@ TEST_F(DynamicViewTest, OfASequenceMayOnlyTheLengthHaveBeenSent) {
   EXPECT_TRUE(fields[2]["name"].is_absent());
   EXPECT_NE(fields[3].error(), nullptr);
   for (const DynamicView& e : fields.elements()) ADD_FAILURE() << e.name();
+}
+
+/// A view of a recorded sample.
+class RecordedDynamicViewTest : public DynamicViewTest {
+ protected:
+  using Leaves = std::vector<std::size_t>;
+
+  DynamicView masked(const Mask<PointCloud2>& mask) {
+    sample.emplace(cloud(), mask);
+    state = sample->state();
+    state.log = &log;
+    return {state, type};
+  }
+  Leaves found() const { return leaves_of(words[0].found); }
+  Leaves missed() const { return leaves_of(words[0].missed); }
+
+  std::vector<AccessWord> words = std::vector<AccessWord>(1);
+  AccessLog log{words, nullptr};
+  std::optional<Encoded> sample;
+  SampleState state;
+
+ private:
+  Leaves leaves_of(const std::atomic<std::uint64_t>& word) const {
+    const FieldMask mask = FieldMask::from_words(leaf_count(type), std::vector{word.load()});
+    return {mask.begin(), mask.end()};
+  }
+};
+
+TEST_F(RecordedDynamicViewTest, ValuesThatAreAskedForAreNoted) {
+  const DynamicView some = masked(F::width | F::header.stamp);
+  EXPECT_TRUE(some["width"].as<int>());
+  EXPECT_TRUE(some["header"]["stamp"]["nanosec"].as<int>());
+  EXPECT_FALSE(some["height"].as<int>());
+  EXPECT_FALSE(some["data"].size());
+  EXPECT_FALSE(some["fields"][1]["name"].as<std::string>());
+  EXPECT_EQ(found(), (Leaves{1, 4}));
+  EXPECT_EQ(missed(), (Leaves{3, 6, 13}));
+}
+
+TEST_F(RecordedDynamicViewTest, WhetherThereIsAValueIsNotedToo) {
+  const DynamicView some = masked(F::width);
+  EXPECT_TRUE(some);
+  EXPECT_TRUE(some["width"]);
+  EXPECT_FALSE(some["header"]);
+  EXPECT_TRUE(some["is_dense"].is_absent());
+  EXPECT_FALSE(some["widht"]);
+  EXPECT_EQ(found(), (Leaves{4}));
+  EXPECT_EQ(missed(), (Leaves{0}));
+}
+
+TEST_F(RecordedDynamicViewTest, ElementsOfWhichOnlyTheNumberWasSentAreThereToBeMissed) {
+  const DynamicView fields = masked(F::fields.size)["fields"];
+  int n = 0;
+  for (const DynamicView& field : fields.elements()) n += field["datatype"].as<int>() ? 100 : 1;
+  EXPECT_EQ(n, 3);
+  EXPECT_EQ(found(), (Leaves{5}));
+  EXPECT_EQ(missed(), (Leaves{8}));
+}
+
+TEST_F(RecordedDynamicViewTest, NoBytesVouchForTheirNumberWhichIsLimited) {
+  const DynamicView fields = masked(F::fields.size)["fields"];
+  const std::uint32_t huge = 0xFFFF'FFFF;
+  std::memcpy(sample->body(), &huge, sizeof huge);
+  EXPECT_EQ(std::ranges::distance(fields.elements().begin(), fields.elements().end()), max_empty_elements);
 }
 
 TEST_F(DynamicViewTest, EnumerationsHaveNames) {

@@ -42,11 +42,16 @@ class Node {
         .map([](untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 
-  template <class T, Req<T> R = Req<T>(all<T>), std::invocable<const Sample<T, R>&> F>
+  template <class T, Req<T> R = Req<T>(all<T>), SampleCallback<Sample<T, R>> F>
   Result<Subscriber<T, R>> subscriber(std::string_view topic, F&& callback,
                                       const SubscriberOptions& options = {}) {
-    auto typed = [callback = std::forward<F>(callback)](untyped::Sample&& sample) mutable {
-      callback(std::as_const(static_cast<const Sample<T, R>&>(Sample<T, R>(std::move(sample)))));
+    auto typed = [callback = std::forward<F>(callback)](untyped::Sample&& untyped) mutable {
+      Sample<T, R> sample(std::move(untyped));
+      if constexpr (std::invocable<F&, const Sample<T, R>&>) {
+        callback(std::as_const(sample));
+      } else {
+        callback(std::move(sample));
+      }
     };
     return open_subscriber(topic, type_support<T>(), requirement<T, R>(), options, std::move(typed))
         .map([](untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });

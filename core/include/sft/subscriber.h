@@ -2,12 +2,17 @@
 #pragma once
 
 #include <chrono>
+#include <concepts>
 #include <utility>
 
 #include "sft/sample.h"
 #include "sft/untyped.h"
 
 namespace sft {
+
+/// What is called for each sample S: with a `const S&`, or with an `S` that it may keep.
+template <class F, class S>
+concept SampleCallback = std::invocable<F&, const S&> || std::invocable<F&, S>;
 
 /// Moved, not copied. All of its functions may be called by any thread at any time, also at once: each sample
 /// is taken by one of them. Without a callback samples are taken. With one: the callback is called for each
