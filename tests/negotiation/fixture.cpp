@@ -107,7 +107,7 @@ AssertionResult accounts_for_all(Peer& publisher, Peer& subscriber) {
   });
   if (right && accounted == expected && taken["received"] == writer["received"]) return AssertionSuccess();
   return AssertionFailure() << expected << " were published, " << accounted
-                            << " are accounted for: " << writer << ", taken: " << taken;
+                            << " are accounted for: " << writer << ", taken: " << status["taken"];
 }
 
 bool was_told(const json& events, const std::string& kind, const std::string& text) {
