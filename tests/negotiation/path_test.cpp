@@ -28,9 +28,11 @@ TEST_F(Paths, ChangeWithTheDaemonAndNothingIsTakenTwiceOrUnderAnotherMask) {
   ASSERT_TRUE(comes_true([&] { return is_served_with(publisher, reader, "height"); }));
   for (int i = 0; i < 2; ++i) {
     EXPECT_TRUE(is_served_by(publisher, reader, "udp"));
+    const json lost = writer_of(publisher, reader)["lost"];
     Daemon daemon(here());
     ASSERT_TRUE(goes_by(publisher, reader, "shm"));
     EXPECT_TRUE(agree(publisher, reader));
+    EXPECT_EQ(writer_of(publisher, reader)["lost"], lost) << "it was not attached yet";
     EXPECT_TRUE(is_served_with(publisher, reader, "height"));
     daemon.kill_now();
     ASSERT_TRUE(goes_by(publisher, reader, "udp"));
@@ -119,8 +121,12 @@ TEST_F(Paths, ThatOneSideWantsAndTheOtherRulesOutAreNone) {
   Peer reader(here(), "reader");
   publisher.advertise({{"transport", "udp"}});
   reader.subscribe("*", {{"transport", "shm"}});
-  EXPECT_TRUE(is_refused_for(publisher, reader, "UDP is ruled out, and the publisher chose UDP"));
-  EXPECT_FALSE(writer_of(publisher, reader)["matched"]);
+  EXPECT_TRUE(is_refused_for(publisher, reader, "UDP is ruled out, and the publisher "));
+  EXPECT_TRUE(comes_true([&] {
+    const json writer = writer_of(publisher, reader);
+    return !writer.is_null() && !writer["matched"] &&
+           writer["reason"].get<std::string>().starts_with("the publisher ");
+  })) << reader.status();
   publisher.publish(10);
   EXPECT_TRUE(reader.status()["taken"].empty());
 }

@@ -39,6 +39,10 @@ class Peer {
   /// Publishers of so many other topics.
   void crowd(std::size_t count) { ask({{"do", "crowd"}, {"count", count}}); }
 
+  /// From now on it remembers what all say on the control topics; and says that once more (echo.h).
+  void hear_control() { ask({{"do", "hear"}}); }
+  void repeat_control() { ask({{"do", "repeat"}}); }
+
   json status() { return ask({{"do", "status"}}); }
 
   /// SIGSTOP, SIGCONT

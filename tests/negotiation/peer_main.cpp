@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/negotiation/echo.h"
 #include "tests/negotiation/peer_roles.h"
 #include "tests/negotiation/status_json.h"
 
@@ -48,7 +49,9 @@ class Peer {
         {"read", &Peer::read},
         {"rate", &Peer::set_rate},
         {"leave", &Peer::leave},
-        {"crowd", &Peer::crowd}};
+        {"crowd", &Peer::crowd},
+        {"hear", &Peer::hear},
+        {"repeat", &Peer::repeat}};
     (this->*verbs.at(what))(command);
     return json::object();
   }
@@ -79,6 +82,9 @@ class Peer {
       crowd_.push_back(node_.publisher<PointCloud2>("other/" + std::to_string(i)).value());
   }
 
+  void hear(const json&) { echo_ = std::make_unique<Echo>(); }
+  void repeat(const json&) { echo_->repeat(); }
+
   json status() const {
     json all{{"node", to_json(node_.status())},
              {"offered", offered_.to_json()},
@@ -97,6 +103,7 @@ class Peer {
   std::vector<Publisher<PointCloud2>> crowd_;
   std::unique_ptr<Publishing> publishing_;
   std::unique_ptr<Subscribing> subscribing_;
+  std::unique_ptr<Echo> echo_;
 };
 
 void serve(Peer& peer) {

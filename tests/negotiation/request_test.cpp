@@ -88,6 +88,31 @@ TEST_F(Requests, AnotherMaximumRateIsInForceSoonAndWhatItWithholdsIsNotLost) {
   EXPECT_EQ(writer_of(publisher, reader)["withheld"], reader_of(publisher, reader)["withheld"]);
 }
 
+TEST_F(Requests, OldOnesAndOldAnnouncementsThatComeOnceMoreTakeNothingBack) {
+  Peer echo(there(), "echo");
+  echo.hear_control();
+  Peer publisher(here(), "publisher");
+  Peer reader(there(), "reader");
+  publisher.advertise();
+  reader.subscribe("recorded");
+  publisher.start_publishing();
+  for (const char* fields : {"height", "data", "height, width", "width"}) {
+    reader.read(fields);
+    ASSERT_TRUE(comes_true([&] { return is_served_with(publisher, reader, fields); }));
+  }
+  const json before = reader_of(publisher, reader);
+  echo.repeat_control();
+  ASSERT_TRUE(comes_true([&] {
+    const json marker = reader_of(publisher, echo);
+    return !marker.is_null() && marker["request"] == 2;
+  }));
+  EXPECT_EQ(reader_of(publisher, reader), before);
+  publisher.stop_publishing();
+  EXPECT_TRUE(agree(publisher, reader));
+  EXPECT_TRUE(accounts_for_all(publisher, reader));
+  EXPECT_EQ(writer_of(publisher, reader)["lost"], 0);
+}
+
 TEST_F(Requests, OnANetworkThatLosesRepeatsAndReordersTheLastOneIsInForce) {
   Peer publisher(here(), "publisher");
   Peer reader(there(), "reader");
