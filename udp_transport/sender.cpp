@@ -49,7 +49,10 @@ void Sender::run() {
   while (!stopped()) {
     wake_at_ = Time::max();
     take_over_scheduled();
-    std::erase_if(flows_, [this](Flow& flow) { return !advance(flow); });
+    for (Flow& flow : flows_) {
+      if (!advance(flow)) flow.lane.reset();
+    }
+    std::erase_if(flows_, [](const Flow& flow) { return flow.lane == nullptr; });
     io_->await(wake_at_);
   }
   flows_.clear();
@@ -79,11 +82,22 @@ bool Sender::advance(Flow& flow) {
   if (!flow.fragments || flow.lane->closed()) {
     if (!begin(flow)) return false;
   }
+  if (must_wait(flow)) return true;
   const Progress progress = send_some(flow);
   if (progress == Progress::some) return true;
   if (progress == Progress::lost) flow.lane->tally().dropped.fetch_add(1, std::memory_order_relaxed);
   wake_at_ = {};
   return begin(flow);
+}
+
+/// Large samples of one writer go to a destination one after another, under whichever masks: a receiver puts
+/// only so many together at a time, and the first is whole sooner. Small ones pass between.
+bool Sender::must_wait(const Flow& flow) const {
+  if (flow.fragments->begun() || flow.fragments->bytes() <= batch_bytes_max) return false;
+  return std::any_of(flows_.begin(), flows_.end(), [&](const Flow& other) {
+    return other.fragments && other.fragments->begun() && &other.lane->tally() == &flow.lane->tally() &&
+           &other.lane->destination() == &flow.lane->destination();
+  });
 }
 
 Sender::Progress Sender::send_some(Flow& flow) {

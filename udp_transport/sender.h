@@ -50,6 +50,7 @@ class Sender {
   void take_over_scheduled();
   bool begin(Flow& flow);
   bool advance(Flow& flow);
+  bool must_wait(const Flow& flow) const;
   Progress send_some(Flow& flow);
   std::size_t cut_batches(Fragmenter fragments, Destination& to, Time now);
   Progress wait_for_room(Flow& flow, Time now);
