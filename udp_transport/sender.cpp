@@ -32,6 +32,9 @@ void Sender::stop() {
   stopped_.store(true, std::memory_order_release);
   io_->wake();
   if (thread_.joinable()) thread_.join();
+  const std::scoped_lock lock(mutex_);
+  scheduled_.clear();
+  left_.reset();
 }
 
 void Sender::schedule(std::shared_ptr<Lane> lane) {
@@ -44,18 +47,46 @@ void Sender::schedule(std::shared_ptr<Lane> lane) {
   if (first) io_->wake();
 }
 
+void Sender::schedule(std::shared_ptr<LeftWork> work) noexcept {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (stopped()) return;  // it shares what owns this sender
+    work->next_ = std::exchange(left_, work);
+    any_left_.store(true, std::memory_order_release);
+  }
+  io_->wake();
+}
+
 void Sender::run() {
   ::prctl(PR_SET_TIMERSLACK, timer_slack_ns);
   while (!stopped()) {
     wake_at_ = Time::max();
+    carry_out_left();
     take_over_scheduled();
     for (Flow& flow : flows_) {
       if (!advance(flow)) flow.lane.reset();
+      carry_out_left();
     }
     std::erase_if(flows_, [](const Flow& flow) { return flow.lane == nullptr; });
     io_->await(wake_at_);
   }
   flows_.clear();
+}
+
+/// Between flows too: it is small, or will be a flow itself.
+void Sender::carry_out_left() {
+  if (!any_left_.load(std::memory_order_acquire)) return;
+  std::shared_ptr<LeftWork> work;
+  {
+    const std::scoped_lock lock(mutex_);
+    work.swap(left_);
+    any_left_.store(false, std::memory_order_relaxed);
+  }
+  while (work != nullptr) {
+    std::shared_ptr<LeftWork> next = std::move(work->next_);  // it may be scheduled again at once
+    work->carry_out();
+    work = std::move(next);
+  }
 }
 
 void Sender::take_over_scheduled() {

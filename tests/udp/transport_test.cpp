@@ -179,9 +179,19 @@ class Audience {
     }
     publisher.serve(readers_);
   }
+  /// The last ones become the first.
+  void ask_in_reverse(Publisher& publisher) {
+    std::reverse(readers_.begin(), readers_.end());
+    publisher.serve(readers_);
+  }
 
   const std::vector<std::string>& masks() const { return masks_; }
   Subscriber& subscriber(std::size_t number) { return *subscribers_[number]; }
+  /// Whether each, in the end, has had these and no others.
+  void expect_sequences(const std::vector<std::uint64_t>& sequences) {
+    for (std::size_t i = 0; i < masks_.size(); ++i)
+      EXPECT_EQ(subscribers_[i]->await_sequences(sequences.size()), sequences) << masks_[i];
+  }
 
  private:
   core::Transport& here_;
@@ -204,6 +214,29 @@ TEST_P(TransportTest, SendsEachReaderItsFields) {
     }
     ++n;
   }
+}
+
+TEST_P(TransportTest, KeepsTheOrderUnderMoreMasksThanThePublishersThreadEncodes) {
+  const auto there = open({.send_queue_depth = 100}), here = open();
+  Publisher publisher(*there);
+  Audience audience(*here);
+  audience.ask(publisher);
+  for (int i = 0; i < 60; ++i) {
+    ASSERT_EQ(publisher.publish(make_image(i % 20 == 0 ? 60'000 : 50)), core::SendStatus::sent);
+    audience.ask_in_reverse(publisher);
+  }
+  audience.expect_sequences(first_numbers(60));
+}
+
+TEST_P(TransportTest, SendsUnderAllMasksAfterThePublisherWent) {
+  const auto there = open(), here = open();
+  Audience audience(*here);
+  {
+    Publisher publisher(*there);
+    audience.ask(publisher);
+    for (int i = 0; i < 3; ++i) publisher.publish(make_image(100'000));
+  }
+  audience.expect_sequences(first_numbers(3));
 }
 
 /// Where the kernel grants little memory to a socket, some may get lost.
