@@ -1,6 +1,7 @@
 // What 64 readers on another host cost the thread that publishes, if each asks for other fields: the time
 // until publish() returns, of a large sample that nothing else is being sent of, and what is allocated.
 #include <sft/sft.h>
+#include <numeric>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "bench/common/hosts.h"
@@ -17,6 +18,7 @@ using sensor_msgs::msg::PointCloud2;
 
 constexpr std::size_t readers = 64;
 constexpr std::size_t data_bytes = 1'660'000;
+constexpr std::size_t cache_bytes = 64 << 20;  // more than any level has
 
 /// The fields that the reader of that number asks for.
 using Fields = std::string (*)(std::size_t);
@@ -55,17 +57,26 @@ void wait_for_readers(Exchange& exchange) {
   }
 }
 
-/// Counts what is allocated over the second half of the samples.
+/// The variants of the last sample were so many bytes that nothing of the next one is in the caches: it must
+/// not be either where there was one variant.
+std::uint64_t clear_caches(const std::vector<std::uint64_t>& larger_than_caches) {
+  return std::accumulate(larger_than_caches.begin(), larger_than_caches.end(), std::uint64_t{0});
+}
+
+/// Counts what is allocated over the last quarter of the samples: buffers have grown by then.
 void publish(Exchange& exchange, std::uint64_t samples, std::uint64_t& allocations) {
   Node node = Node::open(options("publisher")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();
   PointCloud2 cloud;
   cloud.data.resize(data_bytes);
+  const std::vector<std::uint64_t> rubbish(cache_bytes / sizeof(std::uint64_t), 1);
   while (!all_served(publisher.status())) sleep_us(1000);
   std::uint64_t before = 0;
   for (std::uint64_t i = 0; i < samples && !exchange.failed.load(); ++i) {
-    if (i == samples / 2) before = test::process_allocations();
+    if (i == samples - samples / 4) before = test::process_allocations();
     exchange.received = 0;
+    exchange.failed = clear_caches(rubbish) == 0;
+    sleep_us(2000);  // or the scheduler would give the core to the sending thread at once
     exchange.sent_at[i] = now_ns();
     publisher.publish(cloud);
     exchange.received_at[i] = now_ns();
@@ -89,7 +100,7 @@ struct Contender {
   Fields fields;
   std::uint64_t samples;
   Rounds times{};
-  double allocations = 0;  ///< per sample, the most of all rounds
+  std::vector<double> allocations{};  ///< per sample
 
   void run(const TwoHosts& hosts) {
     const Shared<std::uint64_t> allocated;
@@ -97,7 +108,7 @@ struct Contender {
     times.add(run_pair(hosts.sides([&, n](Exchange& e) { publish(e, n, *allocated); },
                                    [this](Exchange& e) { subscribe(e, fields); }),
                        n));
-    allocations = std::max(allocations, static_cast<double>(*allocated) / static_cast<double>(n - n / 2));
+    allocations.push_back(static_cast<double>(*allocated) / static_cast<double>(n / 4));
   }
 };
 
@@ -105,15 +116,15 @@ struct Contender {
 
 std::vector<Figure> publish_64_masks(const Scale& scale) {
   const TwoHosts hosts;
-  Contender one{equal_fields_and_data, 100}, all{own_fields_and_data, 20}, most{mostly_small_fields, 100};
+  Contender one{equal_fields_and_data, 60}, all{own_fields_and_data, 20}, most{mostly_small_fields, 60};
   for (int round = 0; round < scale.rounds; ++round) {
     for (Contender* contender : {&one, &all, &most}) contender->run(hosts);
   }
   const char* reference = "the same readers, one mask";
   return {{"publish_64_masks", all.times.p50(), "us", one.times.p50(), reference, 2},
-          {"publish_64_masks_mixed", most.times.p50(), "us", one.times.p50(), reference, 2},
-          {"publish_64_masks_allocations", std::max(all.allocations, most.allocations), "", one.allocations,
-           reference, 0, true}};
+          {"publish_64_mixed", most.times.p50(), "us", one.times.p50(), reference, 2},
+          {"publish_64_masks_allocations", median(all.allocations), "", {}, "per sample, in all threads", 0},
+          {"publish_64_mixed_allocations", median(most.allocations), "", {}, "likewise", 0}};
 }
 
 }  // namespace sft::bench
