@@ -43,9 +43,7 @@ class Process {
     const std::scoped_lock lock(mutex_);
     if (domains_.contains(domain)) return {};
     dds_set_log_sink(&Process::on_log, this);
-    std::string config = our_config;
-    if (!user_config.empty()) config += "," + user_config;
-    config += std::string(",") + enforced_config;
+    const std::string config = Discovery::domain_config(user_config);
     const dds_entity_t created = dds_create_domain(domain, config.c_str());
     if (created < 0 && created != DDS_RETCODE_PRECONDITION_NOT_MET) {
       return fail(Errc::invalid_argument, "Cyclone DDS refuses its configuration: " + last_log() +
@@ -258,6 +256,12 @@ class CycloneDiscovery final : public Discovery {
 };
 
 }  // namespace
+
+std::string Discovery::domain_config(const std::string& user_config) {
+  std::string config = our_config;
+  if (!user_config.empty()) config += "," + user_config;
+  return config + "," + enforced_config;
+}
 
 Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options,
                                                    DiscoveryListener& listener) {

@@ -41,6 +41,9 @@ class Discovery {
                                                  DiscoveryListener& listener);
   virtual ~Discovery() = default;
 
+  /// What a domain is opened with.
+  static std::string domain_config(const std::string& user_config);
+
   /// Announces an endpoint of ours, or that it has changed.
   virtual Result<void> announce(const Endpoint& endpoint) = 0;
   virtual void withdraw(EndpointId id) = 0;

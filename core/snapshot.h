@@ -27,6 +27,9 @@ class Snapshot {
     return in_use_.get();
   }
 
+  /// The reading thread: what load() returned last, to be kept beyond the next one.
+  const std::shared_ptr<const T>& loaded() const { return in_use_; }
+
   /// Any thread.
   std::shared_ptr<const T> share() const {
     const std::scoped_lock lock(mutex_);

@@ -62,6 +62,8 @@ class Fragmenter {
  public:
   Fragmenter(const EncodedBody& body, std::size_t datagram_bytes);
 
+  std::size_t bytes() const { return body_.first.total; }  ///< of the body
+  bool begun() const { return begun_; }
   bool done() const { return begun_ && offset_ == body_.first.total; }
 
   /// Replaces the batch by the next datagrams: at least one, even where the limits have no room for it.

@@ -78,7 +78,7 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   JobPool() { spare_.reserve(spare_max); }
   void recycle(std::unique_ptr<Job> job) noexcept;
 
-  static constexpr std::size_t spare_max = 64;
+  static constexpr std::size_t spare_max = 256;  ///< many masks, a few samples each
   std::mutex mutex_;
   std::vector<std::unique_ptr<Job>> spare_;
 };

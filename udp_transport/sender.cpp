@@ -32,6 +32,9 @@ void Sender::stop() {
   stopped_.store(true, std::memory_order_release);
   io_->wake();
   if (thread_.joinable()) thread_.join();
+  const std::scoped_lock lock(mutex_);
+  scheduled_.clear();
+  left_.reset();
 }
 
 void Sender::schedule(std::shared_ptr<Lane> lane) {
@@ -44,15 +47,46 @@ void Sender::schedule(std::shared_ptr<Lane> lane) {
   if (first) io_->wake();
 }
 
+void Sender::schedule(std::shared_ptr<LeftWork> work) noexcept {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (stopped()) return;  // it shares what owns this sender
+    work->next_ = std::exchange(left_, work);
+    any_left_.store(true, std::memory_order_release);
+  }
+  io_->wake();
+}
+
 void Sender::run() {
   ::prctl(PR_SET_TIMERSLACK, timer_slack_ns);
   while (!stopped()) {
     wake_at_ = Time::max();
+    carry_out_left();
     take_over_scheduled();
-    std::erase_if(flows_, [this](Flow& flow) { return !advance(flow); });
+    for (Flow& flow : flows_) {
+      if (!advance(flow)) flow.lane.reset();
+      carry_out_left();
+    }
+    std::erase_if(flows_, [](const Flow& flow) { return flow.lane == nullptr; });
     io_->await(wake_at_);
   }
   flows_.clear();
+}
+
+/// Between flows too: it is small, or will be a flow itself.
+void Sender::carry_out_left() {
+  if (!any_left_.load(std::memory_order_acquire)) return;
+  std::shared_ptr<LeftWork> work;
+  {
+    const std::scoped_lock lock(mutex_);
+    work.swap(left_);
+    any_left_.store(false, std::memory_order_relaxed);
+  }
+  while (work != nullptr) {
+    std::shared_ptr<LeftWork> next = std::move(work->next_);  // it may be scheduled again at once
+    work->carry_out();
+    work = std::move(next);
+  }
 }
 
 void Sender::take_over_scheduled() {
@@ -79,11 +113,22 @@ bool Sender::advance(Flow& flow) {
   if (!flow.fragments || flow.lane->closed()) {
     if (!begin(flow)) return false;
   }
+  if (must_wait(flow)) return true;
   const Progress progress = send_some(flow);
   if (progress == Progress::some) return true;
   if (progress == Progress::lost) flow.lane->tally().dropped.fetch_add(1, std::memory_order_relaxed);
   wake_at_ = {};
   return begin(flow);
+}
+
+/// Large samples of one writer go to a destination one after another, under whichever masks: a receiver puts
+/// only so many together at a time, and the first is whole sooner. Small ones pass between.
+bool Sender::must_wait(const Flow& flow) const {
+  if (flow.fragments->begun() || flow.fragments->bytes() <= batch_bytes_max) return false;
+  return std::any_of(flows_.begin(), flows_.end(), [&](const Flow& other) {
+    return other.fragments && other.fragments->begun() && &other.lane->tally() == &flow.lane->tally() &&
+           &other.lane->destination() == &flow.lane->destination();
+  });
 }
 
 Sender::Progress Sender::send_some(Flow& flow) {

@@ -17,6 +17,17 @@
 
 namespace sft::udp {
 
+/// What a publisher's thread has left to the sending thread.
+class LeftWork {
+ public:
+  virtual ~LeftWork() = default;
+  virtual void carry_out() noexcept = 0;
+
+ private:
+  friend class Sender;
+  std::shared_ptr<LeftWork> next_;  ///< while it is scheduled
+};
+
 class Sender {
  public:
   explicit Sender(std::unique_ptr<DatagramSender> io);
@@ -34,6 +45,8 @@ class Sender {
   std::unique_ptr<Connection> connect(const SocketAddress& to) { return io_->connect(to); }
   /// A lane that was idle has something to send.
   void schedule(std::shared_ptr<Lane> lane);
+  /// Not again before it is carried out. Allocates nothing.
+  void schedule(std::shared_ptr<LeftWork> work) noexcept;
   /// Lanes were closed: lets go of them at once.
   void look_again() noexcept { io_->wake(); }
 
@@ -47,9 +60,11 @@ class Sender {
   enum class Progress : std::uint8_t { some, whole, lost };
 
   void run();
+  void carry_out_left();
   void take_over_scheduled();
   bool begin(Flow& flow);
   bool advance(Flow& flow);
+  bool must_wait(const Flow& flow) const;
   Progress send_some(Flow& flow);
   std::size_t cut_batches(Fragmenter fragments, Destination& to, Time now);
   Progress wait_for_room(Flow& flow, Time now);
@@ -62,6 +77,8 @@ class Sender {
 
   std::mutex mutex_;
   std::vector<std::shared_ptr<Lane>> scheduled_;  ///< not yet seen by the thread
+  std::shared_ptr<LeftWork> left_;                ///< likewise; the last one, which knows the one before
+  std::atomic<bool> any_left_{false};
 
   // Of the sending thread alone.
   std::vector<std::shared_ptr<Lane>> taken_;

@@ -1,26 +1,31 @@
 #include "udp_transport/udp_writer.h"
 
 #include <algorithm>
-#include <cassert>
-#include <new>
+#include <cstddef>
 #include <utility>
 
 namespace sft::udp {
 
 namespace {
-/// Larger bodies are sent by the sending thread: the publisher goes on after a few datagrams.
-constexpr std::size_t direct_bytes_max = 16 * 1024;
+/// Masks under which the publisher's thread sends a sample itself: with many it would be held up, and more so
+/// with what has just made it wait, since a large sample has taken the caches.
+std::size_t own_variants_max(const core::SampleBuffer& sample) {
+  return sample.capacity <= direct_bytes_max ? 4 : 1;
+}
 }  // namespace
 
 UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> side)
-    : writer_(static_cast<std::uint32_t>(spec.id)),
-      type_(*spec.type),
+    : type_(*spec.type),
       side_(std::move(side)),
       tally_(std::make_shared<WriterTally>()),
+      jobs_(JobPool::make()),
       variants_(side_->queue_depth, tally_),
-      jobs_(JobPool::make()) {
+      sender_(spec, side_, tally_, jobs_),
+      left_(std::make_shared<FanOut>(spec, side_, tally_, jobs_)) {
   routes_.store(std::make_shared<RouteTable>());
 }
+
+UdpWriter::~UdpWriter() { left_->finish(); }
 
 std::uint64_t UdpWriter::bytes_sent() const noexcept {
   return tally_->bytes_sent.load(std::memory_order_relaxed);
@@ -28,7 +33,9 @@ std::uint64_t UdpWriter::bytes_sent() const noexcept {
 
 std::uint64_t UdpWriter::dropped() const noexcept { return tally_->dropped.load(std::memory_order_relaxed); }
 
-bool UdpWriter::history_sent() noexcept { return side_->sender.stopped() || variants_.late_lanes_idle(); }
+bool UdpWriter::history_sent() noexcept {
+  return side_->sender.stopped() || (left_->done() && variants_.late_lanes_idle());
+}
 
 void UdpWriter::set_routes(std::vector<core::Route> routes) {
   routes_.store(make_route_table(type_.type(), routes, variants_, side_->destinations));
@@ -42,7 +49,7 @@ void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHand
   std::vector<JobHandle> jobs;
   for (const core::SampleHandle& sample : samples) {
     JobHandle job = jobs_->take();
-    if (!encode(*group, *sample, *job)) continue;
+    if (!sender_.encode(*group, *sample, *job)) continue;
     job->sample = sample;
     jobs.push_back(std::move(job));
   }
@@ -52,88 +59,32 @@ void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHand
 
 core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
   if (side_->sender.stopped()) return core::SendStatus::lost_port;
-  core::SendStatus status = core::SendStatus::sent;
-  for (const Group& group : routes_.load()->groups) {
-    if (group.gate != nullptr && !group.gate->passes()) continue;
-    if (!send(group, sample)) status = core::SendStatus::dropped;
-  }
-  return status;
-}
-
-/// False if a destination does not get it, or if an older sample had to go for it.
-bool UdpWriter::send(const Group& group, const core::SampleHandle& sample) noexcept try {
-  if (!blank_) blank_ = jobs_->take();
-  Job& job = *blank_;
-  if (!encode(group, *sample, job)) return false;
-  if (group.gate != nullptr) {
-    job.first.flags |= rate_follows;
-    job.first.rate = {group.gate->min_period_us(), group.gate->ordinal()};
-  }
-  cut_for_ = 0;
-  bool lossless = true;
-  for (const std::shared_ptr<Lane>& lane : group.lanes) {
-    const SendOutcome outcome = lane->idle() ? try_send(*lane, job) : SendOutcome::would_wait;
-    if (outcome == SendOutcome::would_wait) {
-      if (!job.sample) job.sample = sample;
-      lossless &= enqueue(lane);
-    } else {
-      lossless &= outcome == SendOutcome::sent;
+  std::size_t missed = 0;
+  std::size_t own = left_->done() ? own_variants_max(*sample) : 0;  // nothing overtakes what was left before
+  std::size_t first_left = 0;
+  const std::vector<Group>& groups = routes_.load()->groups;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const Group& group = groups[i];
+    if (group.gate != nullptr) {  // answers for this sample only while it is the last
+      if (group.gate->passes()) missed += sender_.send(group, sample);
+    } else if (own > 0) {
+      missed += sender_.send(group, sample);
+      first_left = i + 1;
+      --own;
     }
   }
-  if (job.sample) blank_ = {};
-  return lossless;
-} catch (const std::bad_alloc&) {  // buffers grow with the samples that they have seen
-  blank_ = {};
-  return false;
+  const bool left = leave(sample, first_left);
+  return missed == 0 && left ? core::SendStatus::sent : core::SendStatus::dropped;
 }
 
-bool UdpWriter::encode(const Group& group, const core::SampleBuffer& sample, Job& job) {
-  assert(sample.mask.contains(group.plan.mask()));
-  const SampleState source = core::state_of(sample, type_.slots());
-  if (!job.projection.project(source, group.plan)) return false;
-  if (job.projection.bytes() > side_->max_sample_bytes) {
-    side_->over_limit.fetch_add(1, std::memory_order_relaxed);
-    return false;
-  }
-  job.mask = group.wire;
-  job.sequence = sample.sequence;
-  job.first.label = {writer_, static_cast<std::uint32_t>(sample.sequence), group.wire->variant};
-  job.first.flags = group.wire->words.empty() ? std::uint8_t{0} : mask_words_follow;
-  if (group.late_reader != 0) job.first.flags |= history_follows;
-  job.first.history.reader = group.late_reader;
-  job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
-  job.first.mask = group.wire->mask;
-  job.first.stamp_ns = sample.source_stamp_ns;
-  return true;
-}
-
-/// `would_wait` where it is for the sending thread: the body is not small, or the send buffer is full.
-SendOutcome UdpWriter::try_send(Lane& lane, Job& job) {
-  if (job.first.total > direct_bytes_max) return SendOutcome::would_wait;
-  if ((job.first.flags & history_follows) != 0) lane.mark(job);
-  Destination& to = lane.destination();
-  // Most destinations take datagrams of the same length: they are cut once.
-  if (const std::size_t datagram_bytes = to.datagram_bytes(); datagram_bytes != cut_for_) {
-    Fragmenter fragments(job.body(), datagram_bytes);
-    fragments.next(batch_);
-    cut_for_ = fragments.done() ? datagram_bytes : 0;
-    if (!fragments.done()) return SendOutcome::would_wait;
-  }
-  if (batch_.datagrams() > to.datagrams_per_call()) return SendOutcome::would_wait;
-  const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
-  const SendOutcome outcome = to.connection().try_send({&batch, 1}).outcome;
-  if (outcome == SendOutcome::sent) {
-    tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
-  } else if (outcome != SendOutcome::would_wait) {
-    to.note(outcome);
-  }
-  return outcome;
-}
-
-/// False if an older sample had to go for it.
-bool UdpWriter::enqueue(const std::shared_ptr<Lane>& lane) {
-  const Lane::Posted posted = lane->post(blank_);
-  if (posted.was_idle) side_->sender.schedule(lane);
+/// To the sending thread: what is without a maximum rate, from that group on. False if an older sample had to
+/// go for it.
+bool UdpWriter::leave(const core::SampleHandle& sample, std::size_t first) noexcept {
+  const std::vector<Group>& groups = routes_.loaded()->groups;
+  const auto rest = groups.begin() + static_cast<std::ptrdiff_t>(first);
+  if (std::all_of(rest, groups.end(), [](const Group& group) { return group.gate != nullptr; })) return true;
+  const FanOut::Posted posted = left_->post({sample, routes_.loaded(), first});
+  if (posted.was_idle) side_->sender.schedule(left_);
   if (posted.dropped_oldest) side_->over_limit.fetch_add(1, std::memory_order_relaxed);
   return !posted.dropped_oldest;
 }

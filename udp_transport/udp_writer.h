@@ -1,8 +1,7 @@
 // A publisher's way onto the wire: one encoding for each distinct mask, sent from its own thread while it is
-// small.
+// small and there are few.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -10,27 +9,17 @@
 
 #include "core/snapshot.h"
 #include "core/transport.h"
+#include "udp_transport/fan_out.h"
 #include "udp_transport/routes.h"
-#include "udp_transport/sender.h"
+#include "udp_transport/send_side.h"
+#include "udp_transport/variant_sender.h"
 
 namespace sft::udp {
-
-/// What the writers of one transport share. Outlives the transport as long as a writer does.
-struct SendSide {
-  SendSide(std::unique_ptr<DatagramSender> io, const DestinationLimits& limits)
-      : sender(std::move(io)),
-        destinations(limits, [this](const SocketAddress& to) { return sender.connect(to); }) {}
-
-  Sender sender;
-  DestinationDirectory destinations;
-  std::size_t max_sample_bytes = 0;  ///< of a body
-  std::size_t queue_depth = 0;
-  std::atomic<std::uint64_t> over_limit{0};
-};
 
 class UdpWriter final : public core::WriterPort {
  public:
   UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> side);
+  ~UdpWriter() override;
 
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
   void set_routes(std::vector<core::Route> routes) override;
@@ -40,24 +29,18 @@ class UdpWriter final : public core::WriterPort {
   std::uint64_t dropped() const noexcept override;
 
  private:
-  bool send(const Group& group, const core::SampleHandle& sample) noexcept;
-  bool encode(const Group& group, const core::SampleBuffer& sample, Job& job);
-  SendOutcome try_send(Lane& lane, Job& job);
-  bool enqueue(const std::shared_ptr<Lane>& lane);
+  bool leave(const core::SampleHandle& sample, std::size_t first) noexcept;
 
-  const std::uint32_t writer_;  ///< low half of the id
   const TypeSupport& type_;
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
+  const std::shared_ptr<JobPool> jobs_;
 
   VariantDirectory variants_;  ///< of the agent's thread
   core::Snapshot<RouteTable> routes_;
 
-  // Of the publisher's thread.
-  const std::shared_ptr<JobPool> jobs_;
-  JobHandle blank_;          ///< the next job, empty if a lane has the last
-  Batch batch_;              ///< of the present sample
-  std::size_t cut_for_ = 0;  ///< bytes of the datagrams in the batch; 0: none of the present sample
+  VariantSender sender_;  ///< of the publisher's thread
+  const std::shared_ptr<FanOut> left_;
 };
 
 }  // namespace sft::udp

@@ -1,13 +1,14 @@
 #include "bench/common/pair.h"
 
 #include <signal.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
-#include <new>
+#include <ctime>
+
+#include "bench/common/shared.h"
 
 namespace sft::bench {
 
@@ -23,6 +24,11 @@ void pause_us(std::int64_t us) {
   const std::int64_t until = now_ns() + us * 1000;
   while (now_ns() < until) {
   }
+}
+
+void sleep_us(std::int64_t us) {
+  const timespec time{us / 1'000'000, us % 1'000'000 * 1000};
+  nanosleep(&time, nullptr);
 }
 
 void pin_to_core(int core) {
@@ -48,22 +54,19 @@ pid_t start(int core, const std::function<void()>& enter, const std::function<vo
 }  // namespace
 
 std::vector<double> run_pair(const Sides& sides, std::uint64_t messages) {
-  void* memory = mmap(nullptr, sizeof(Exchange), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (memory == MAP_FAILED) return {};
-  auto& exchange = *new (memory) Exchange;
-  const pid_t receiver = start(1, sides.enter_receiver, sides.receiver, exchange);
-  const pid_t sender = start(0, sides.enter_sender, sides.sender, exchange);
+  const Shared<Exchange> exchange;
+  const pid_t receiver = start(1, sides.enter_receiver, sides.receiver, *exchange);
+  const pid_t sender = start(0, sides.enter_sender, sides.sender, *exchange);
   int status = 0;
   waitpid(sender, &status, 0);
   if (status != 0) kill(receiver, SIGKILL);
   waitpid(receiver, nullptr, 0);
   std::vector<double> times;
   for (std::uint64_t i = messages / 10; status == 0 && i < messages; ++i) {
-    if (exchange.received_at[i] != 0) {
-      times.push_back(static_cast<double>(exchange.received_at[i] - exchange.sent_at[i]) / 1000.0);
+    if (exchange->received_at[i] != 0) {
+      times.push_back(static_cast<double>(exchange->received_at[i] - exchange->sent_at[i]) / 1000.0);
     }
   }
-  munmap(memory, sizeof(Exchange));
   return times;
 }
 

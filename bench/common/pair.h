@@ -50,6 +50,8 @@ std::vector<double> run_pair(const Sides& sides, std::uint64_t messages);
 
 /// Lets the receiver fall asleep between two messages, without this core going into a deep idle state.
 void pause_us(std::int64_t us);
+/// Leaves the core to others meanwhile.
+void sleep_us(std::int64_t us);
 
 void pin_to_core(int core);
 

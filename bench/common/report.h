@@ -14,10 +14,11 @@ struct Figure {
   std::string unit;
   std::optional<double> reference{};  ///< measured in the same run, same unit
   std::string reference_name{};
-  std::optional<double> bound{};  ///< of the ratio, or of the value where there is no reference
+  std::optional<double> bound{};   ///< of the ratio, or of the value where there is no reference
+  bool bound_is_of_value = false;  ///< although there is one
 
   double measure() const { return reference ? value / *reference : value; }
-  bool within_bound() const { return !bound || measure() <= *bound; }
+  bool within_bound() const { return !bound || (bound_is_of_value ? value : measure()) <= *bound; }
 };
 
 void print_table(const std::vector<Figure>& figures);

@@ -14,4 +14,10 @@ double quantile(std::vector<double>& values, double q) {
 
 double median(std::vector<double> values) { return quantile(values, 0.5); }
 
+void Rounds::add(std::vector<double> times) {
+  if (times.empty()) return;
+  p50_.push_back(quantile(times, 0.5));
+  p99_.push_back(quantile(times, 0.99));
+}
+
 }  // namespace sft::bench

@@ -11,4 +11,15 @@ double quantile(std::vector<double>& values, double q);
 /// The median of several rounds' results: one disturbed round does not count.
 double median(std::vector<double> values);
 
+/// Quantiles of a contender that is measured in several rounds, each as the median over these.
+class Rounds {
+ public:
+  void add(std::vector<double> times);
+  double p50() const { return median(p50_); }
+  double p99() const { return median(p99_); }
+
+ private:
+  std::vector<double> p50_, p99_;
+};
+
 }  // namespace sft::bench

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "bench/spine/hosts.h"
+#include "bench/common/hosts.h"
 #include "bench/spine/spine.h"
 
 namespace sft::bench {

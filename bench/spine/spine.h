@@ -19,8 +19,6 @@ struct Scale {
 std::vector<Figure> shared_memory(const Scale& scale);
 /// 64 bytes of fields between two hosts, callback to callback, against blocking sockets.
 std::vector<Figure> udp_small(const Scale& scale);
-/// From the getter that widens the mask to the publisher having applied it, between two hosts.
-std::vector<Figure> str_response(const Scale& scale);
 /// Bytes on the link: of a diagnostic subscriber per sample, and of an idle node per second.
 std::vector<Figure> wire_bytes();
 

@@ -2,8 +2,8 @@
 #include <sft/sft.h>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
+#include "bench/common/hosts.h"
 #include "bench/common/statistics.h"
-#include "bench/spine/hosts.h"
 #include "bench/spine/spine.h"
 
 namespace sft::bench {
@@ -55,8 +55,7 @@ void ping(Exchange& exchange, std::uint64_t messages) {
   send();
   std::uint64_t before = 0;
   while (rounds.load() < messages) {
-    timespec second{1, 0};
-    nanosleep(&second, nullptr);
+    sleep_us(1'000'000);
     if (rounds.load() == before) {  // a datagram was lost: go on from here
       exchange.failed = rounds.load() == 0;
       send();
@@ -77,10 +76,7 @@ void echo(Exchange& exchange, std::uint64_t messages) {
                   .value();
   wait_served(publisher);
   exchange.ready = true;
-  while (exchange.received.load() < messages && !exchange.failed.load()) {
-    timespec moment{0, 20'000'000};
-    nanosleep(&moment, nullptr);
-  }
+  while (exchange.received.load() < messages && !exchange.failed.load()) sleep_us(20'000);
 }
 
 }  // namespace

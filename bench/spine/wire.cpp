@@ -3,7 +3,7 @@
 #include <sft/sft.h>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "bench/spine/hosts.h"
+#include "bench/common/hosts.h"
 #include "bench/spine/spine.h"
 
 namespace sft::bench {
@@ -18,27 +18,22 @@ constexpr std::uint64_t samples = 25 * phase_seconds;
 
 NodeOptions options(const char* name) { return {.name = name, .transport = TransportChoice::udp}; }
 
-void sleep_ns(std::int64_t ns) {
-  timespec t{ns / 1'000'000'000, ns % 1'000'000'000};
-  nanosleep(&t, nullptr);
-}
-
 /// Phases, by Exchange::sent: 1 both matched and quiet, 2 publishing, 3 published.
 void publish(Exchange& exchange) {
   Node node = Node::open(options("lidar")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();
-  while (publisher.status().readers.empty()) sleep_ns(1'000'000);
+  while (publisher.status().readers.empty()) sleep_us(1000);
   PointCloud2 cloud;
   cloud.data.resize(6'291'456);
-  sleep_ns(2'000'000'000);  // until the traffic of joining is over
+  sleep_us(2'000'000);  // until the traffic of joining is over
   exchange.sent = 1;
-  while (exchange.received.load() < 1) sleep_ns(1'000'000);
+  while (exchange.received.load() < 1) sleep_us(1000);
   for (std::uint64_t i = 0; i < samples; ++i) {
     publisher.publish(cloud);
-    sleep_ns(std::int64_t{phase_seconds} * 1'000'000'000 / static_cast<std::int64_t>(samples));
+    sleep_us(std::int64_t{phase_seconds} * 1'000'000 / static_cast<std::int64_t>(samples));
   }
   exchange.sent = 2;
-  while (exchange.received.load() < 2) sleep_ns(1'000'000);
+  while (exchange.received.load() < 2) sleep_us(1000);
 }
 
 /// Leaves in received_at: bytes sent and received in the quiet phase, bytes received and samples in the other
@@ -48,13 +43,13 @@ void subscribe(Exchange& exchange) {
   std::atomic<std::int64_t> received{0};
   auto subscriber =
       node.subscriber<PointCloud2, F::height | F::width>("points", [&](const auto&) { ++received; }).value();
-  while (exchange.sent.load() < 1) sleep_ns(1'000'000);
+  while (exchange.sent.load() < 1) sleep_us(1000);
   const LinkBytes begin = link_bytes();
-  sleep_ns(std::int64_t{phase_seconds} * 1'000'000'000);
+  sleep_us(std::int64_t{phase_seconds} * 1'000'000);
   const LinkBytes quiet = link_bytes();
   const std::int64_t from = now_ns();
   exchange.received = 1;
-  while (exchange.sent.load() < 2) sleep_ns(1'000'000);
+  while (exchange.sent.load() < 2) sleep_us(1000);
   const LinkBytes end = link_bytes();
   exchange.received_at[0] = quiet.sent - begin.sent;
   exchange.received_at[1] = quiet.received - begin.received;

@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <numeric>
 #include <thread>
@@ -185,33 +186,99 @@ TEST_P(TransportTest, CarriesNoSampleBeyondTheLimit) {
   EXPECT_EQ(there->counters().over_limit, 1U);
 }
 
+/// Readers behind one socket, each with a mask of its own.
+class Audience {
+ public:
+  explicit Audience(core::Transport& here) : here_(here) {
+    for (const char* scalar : {"", "stamp", "height", "stamp.sec, width"}) {
+      for (const char* text : {"", ", name"}) {
+        for (const char* bytes : {"", ", data"}) masks_.push_back(std::string(scalar) + text + bytes);
+      }
+    }
+  }
+
+  void ask(Publisher& publisher) {
+    for (const std::string& mask : masks_) {
+      subscribers_.push_back(std::make_unique<Subscriber>(here_, std::vector<std::string>{mask}));
+      subscribers_.back()->listen_to(publisher.id());
+      readers_.push_back({loopback_address(here_), mask});
+    }
+    publisher.serve(readers_);
+  }
+  /// The last ones become the first.
+  void ask_in_reverse(Publisher& publisher) {
+    std::reverse(readers_.begin(), readers_.end());
+    publisher.serve(readers_);
+  }
+
+  const std::vector<std::string>& masks() const { return masks_; }
+  Subscriber& subscriber(std::size_t number) { return *subscribers_[number]; }
+  /// Whether each, in the end, has had these and no others.
+  void expect_sequences(const std::vector<std::uint64_t>& sequences) {
+    for (std::size_t i = 0; i < masks_.size(); ++i)
+      EXPECT_EQ(subscribers_[i]->await_sequences(sequences.size()), sequences) << masks_[i];
+  }
+
+ private:
+  core::Transport& here_;
+  std::vector<std::string> masks_;
+  std::vector<std::unique_ptr<Subscriber>> subscribers_;
+  std::vector<Publisher::Reader> readers_;
+};
+
 TEST_P(TransportTest, SendsEachReaderItsFields) {
   const auto there = open(), here = open();
   Publisher publisher(*there);
-  std::vector<std::string> masks;
-  std::vector<std::unique_ptr<Subscriber>> subscribers;
-  std::vector<Publisher::Reader> readers;
-  for (const char* scalar : {"", "stamp", "height", "stamp.sec, width"}) {
-    for (const char* text : {"", ", name"}) {
-      for (const char* bytes : {"", ", data"}) masks.push_back(std::string(scalar) + text + bytes);
-    }
-  }
-  for (const std::string& mask : masks) {
-    subscribers.push_back(std::make_unique<Subscriber>(*here, std::vector<std::string>{mask}));
-    subscribers.back()->listen_to(publisher.id());
-    readers.push_back({loopback_address(*here), mask});
-  }
-  publisher.serve(readers);
+  Audience audience(*here);
+  audience.ask(publisher);
   for (std::size_t n = 1; const std::size_t bytes : {10U, 20'000U, 1000U}) {
     EXPECT_EQ(publisher.publish(make_image(bytes)), core::SendStatus::sent);
-    for (std::size_t i = 0; i < masks.size(); ++i) {
-      const auto samples = subscribers[i]->await(n);
-      ASSERT_EQ(samples.size(), n) << masks[i];
-      EXPECT_EQ(test::body_of(*samples.back()), encoded_body(make_image(bytes), fields<Image>(masks[i])))
-          << masks[i];
+    for (std::size_t i = 0; const std::string& mask : audience.masks()) {
+      const auto samples = audience.subscriber(i++).await(n);
+      ASSERT_EQ(samples.size(), n) << mask;
+      EXPECT_EQ(test::body_of(*samples.back()), encoded_body(make_image(bytes), fields<Image>(mask))) << mask;
     }
     ++n;
   }
+}
+
+TEST_P(TransportTest, KeepsTheOrderUnderMoreMasksThanThePublishersThreadEncodes) {
+  const auto there = open({.send_queue_depth = 100}), here = open();
+  Publisher publisher(*there);
+  Audience audience(*here);
+  audience.ask(publisher);
+  for (int i = 0; i < 60; ++i) {
+    ASSERT_EQ(publisher.publish(make_image(i % 20 == 0 ? 60'000 : 50)), core::SendStatus::sent);
+    audience.ask_in_reverse(publisher);
+  }
+  audience.expect_sequences(first_numbers(60));
+}
+
+TEST_P(TransportTest, SendsUnderAllMasksAfterThePublisherWent) {
+  const auto there = open(), here = open();
+  Audience audience(*here);
+  {
+    Publisher publisher(*there);
+    audience.ask(publisher);
+    for (int i = 0; i < 3; ++i) publisher.publish(make_image(100'000));
+  }
+  audience.expect_sequences(first_numbers(3));
+}
+
+/// Where the kernel grants little memory to a socket, some may get lost.
+TEST_P(TransportTest, SendsLargeSamplesOfOneWriterOneAfterAnother) {
+  const auto there = open({.pace_bytes_per_s = 100'000'000});
+  const auto here = open({.reassembly = {.unfinished_per_writer = 2}});
+  Publisher publisher(*there);
+  Audience audience(*here);
+  audience.ask(publisher);
+  EXPECT_TRUE(eventually([&] {
+    publisher.publish(make_image(1'000'000));
+    bool all = true;
+    for (std::size_t i = 0; i < audience.masks().size(); ++i)
+      all &= !audience.subscriber(i).await(1, std::chrono::seconds(2)).empty();
+    return all;
+  }));
 }
 
 TEST_P(TransportTest, SendsReadersOfOneProcessOneCopy) {

@@ -1,4 +1,4 @@
-#include "bench/spine/hosts.h"
+#include "bench/common/hosts.h"
 
 #include <arpa/inet.h>
 
@@ -15,8 +15,7 @@ namespace {
 demo::EmulatedNetwork two_hosts() {
   auto network = demo::EmulatedNetwork::create(2);
   if (network) return std::move(*network);
-  std::fprintf(stderr, "bench_spine: two hosts cannot be made (it takes root): %s\n",
-               network.error().message.c_str());
+  std::fprintf(stderr, "two hosts cannot be made (it takes root): %s\n", network.error().message.c_str());
   std::exit(1);
 }
 

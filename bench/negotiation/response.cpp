@@ -1,10 +1,12 @@
-// How long it takes from a getter that meets an absent field to the publisher having changed what it sends.
+// How long after the getter that meets an absent field its publisher, on another host, has applied the new
+// mask.
 #include <sft/sft.h>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
+#include "bench/common/hosts.h"
 #include "bench/common/statistics.h"
-#include "bench/spine/hosts.h"
-#include "bench/spine/spine.h"
+#include "bench/negotiation/negotiation.h"
+#include "bench/negotiation/raw_cyclone.h"
 
 namespace sft::bench {
 
@@ -30,8 +32,7 @@ void publish(Exchange& exchange, std::uint64_t messages) {
   auto publisher = node.publisher<PointCloud2>("points", {.on_readers_changed = note}).value();
   const PointCloud2 message;
   while (exchange.received.load() < messages && !exchange.failed.load()) {
-    timespec millisecond{0, 1'000'000};
-    nanosleep(&millisecond, nullptr);
+    sleep_us(1000);
     publisher.publish(message);
   }
 }
@@ -58,21 +59,43 @@ void subscribe(Exchange& exchange, std::uint64_t messages) {
   }
 }
 
+/// From one thread of a program to another one's: Cyclone alone, with what a request is sent by.
+void write(Exchange& exchange, std::uint64_t messages) {
+  RawCyclone cyclone;
+  const dds_entity_t writer = cyclone.writer("requests", RawCyclone::Delivery::last_value);
+  while (!exchange.ready.load() || RawCyclone::readers(writer) == 0) sleep_us(1000);
+  for (std::uint64_t i = 0; i < messages; ++i) {
+    sleep_us(1000);
+    exchange.sent_at[i] = now_ns();
+    RawCyclone::write(writer, i + 1);
+  }
+}
+
+void listen(Exchange& exchange, std::uint64_t messages) {
+  const RawCyclone::Arrived note = [&](std::uint64_t number) {
+    exchange.received_at[number - 1] = now_ns();
+    exchange.received.store(number, std::memory_order_release);
+  };
+  RawCyclone cyclone;
+  cyclone.reader("requests", RawCyclone::Delivery::last_value, note);
+  exchange.ready = true;
+  while (exchange.received.load() < messages && !exchange.failed.load()) sleep_us(1000);
+}
+
 }  // namespace
 
 std::vector<Figure> str_response(const Scale& scale) {
   const TwoHosts hosts;
-  const std::uint64_t messages = scale.messages / 10;
-  std::vector<double> p50, p99;
+  const std::uint64_t n = scale.messages;
+  Rounds ours, raw;
   for (int round = 0; round < scale.rounds; ++round) {
-    auto times = run_pair(
-        hosts.sides([&](Exchange& e) { publish(e, messages); }, [&](Exchange& e) { subscribe(e, messages); }),
-        messages);
-    p50.push_back(quantile(times, 0.5));
-    p99.push_back(quantile(times, 0.99));
+    ours.add(
+        run_pair(hosts.sides([=](Exchange& e) { publish(e, n); }, [=](Exchange& e) { subscribe(e, n); }), n));
+    raw.add(run_pair(hosts.sides([=](Exchange& e) { write(e, n); }, [=](Exchange& e) { listen(e, n); }), n));
   }
-  return {{"str_response", median(p50), "us", {}, "getter to publisher's new mask", 250},
-          {"str_response_p99", median(p99), "us", {}, "", {}}};
+  const char* reference = "dds_write to a listener";
+  return {{"str_response", ours.p50(), "us", raw.p50(), reference, 100, true},
+          {"str_response_p99", ours.p99(), "us", raw.p99(), reference, 1000, true}};
 }
 
 }  // namespace sft::bench

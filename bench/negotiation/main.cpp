@@ -1,0 +1,25 @@
+// The negotiation in figures: how soon a reader gets what it asks for, and what that costs its publisher.
+// What takes two hosts runs in network namespaces, each side on a core of its own.
+#include "bench/common/program.h"
+#include "bench/negotiation/negotiation.h"
+#include "tests/support/isolated_host.h"
+
+int main(int argc, char** argv) {
+  using namespace sft::bench;
+  Scale scale;
+  Program program("Speed and cost of the negotiation, against references of the same run",
+                  {
+                      {"getter_overhead", [&] { return getter_overhead(scale); }},
+                      {"response", [&] { return str_response(scale); }},
+                      {"new_nodes", [&] { return first_sample_new_nodes(scale); }},
+                      {"late_reader", [&] { return first_sample_late_reader(scale); }},
+                      {"masks", [&] { return publish_64_masks(scale); }},
+                      {"memory", [] { return node_anonymous_memory(); }},
+                  });
+  program.options()
+      .add_option("--messages", scale.messages, "per round and contender")
+      ->check(CLI::Range(100, 20'000));
+  program.options().add_option("--rounds", scale.rounds, "of each contender")->check(CLI::Range(1, 100));
+  if (const auto code = program.parse(argc, argv)) return *code;
+  return sft::test::run_isolated([&] { return program.run(); });
+}

@@ -1,0 +1,130 @@
+// What 64 readers on another host cost the thread that publishes, if each asks for other fields: the time
+// until publish() returns, of a large sample that nothing else is being sent of, and what is allocated.
+#include <sft/sft.h>
+#include <numeric>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "bench/common/hosts.h"
+#include "bench/common/shared.h"
+#include "bench/common/statistics.h"
+#include "bench/negotiation/negotiation.h"
+#include "tests/support/process_allocations.h"
+
+namespace sft::bench {
+
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+
+constexpr std::size_t readers = 64;
+constexpr std::size_t data_bytes = 1'660'000;
+constexpr std::size_t cache_bytes = 64 << 20;  // more than any level has
+
+/// The fields that the reader of that number asks for.
+using Fields = std::string (*)(std::size_t);
+
+/// A set of small fields for each number below 64.
+std::string small_fields(std::size_t number) {
+  std::string fields;
+  for (const char* name : {"height", "width", "is_bigendian", "point_step", "row_step", "is_dense"}) {
+    if (number % 2 == 1) fields += std::string(", ") + name;
+    number /= 2;
+  }
+  return fields;
+}
+
+std::string own_fields_and_data(std::size_t number) { return "data" + small_fields(number); }
+std::string equal_fields_and_data(std::size_t) { return own_fields_and_data(readers - 1); }
+/// A display, a recorder, a planner want the data; 60 monitors do not.
+std::string mostly_small_fields(std::size_t number) {
+  return number < 4 ? own_fields_and_data(number) : "header.frame_id" + small_fields(number);
+}
+
+NodeOptions options(const char* name) { return {.name = name, .transport = TransportChoice::udp}; }
+
+bool all_served(const PublisherStatus& status) {
+  return status.readers.size() == readers && std::ranges::all_of(status.readers, &ReaderStatus::served);
+}
+
+/// Until each has had the sample, or nothing more comes: UDP may lose some.
+void wait_for_readers(Exchange& exchange) {
+  std::uint64_t before = 0;
+  for (int quiet = 0; before < readers && quiet < 100; ++quiet) {
+    sleep_us(1000);
+    const std::uint64_t received = exchange.received.load();
+    if (received != before) quiet = 0;
+    before = received;
+  }
+}
+
+/// The variants of the last sample were so many bytes that nothing of the next one is in the caches: it must
+/// not be either where there was one variant.
+std::uint64_t clear_caches(const std::vector<std::uint64_t>& larger_than_caches) {
+  return std::accumulate(larger_than_caches.begin(), larger_than_caches.end(), std::uint64_t{0});
+}
+
+/// Counts what is allocated over the last quarter of the samples: buffers have grown by then.
+void publish(Exchange& exchange, std::uint64_t samples, std::uint64_t& allocations) {
+  Node node = Node::open(options("publisher")).value();
+  auto publisher = node.publisher<PointCloud2>("points").value();
+  PointCloud2 cloud;
+  cloud.data.resize(data_bytes);
+  const std::vector<std::uint64_t> rubbish(cache_bytes / sizeof(std::uint64_t), 1);
+  while (!all_served(publisher.status())) sleep_us(1000);
+  std::uint64_t before = 0;
+  for (std::uint64_t i = 0; i < samples && !exchange.failed.load(); ++i) {
+    if (i == samples - samples / 4) before = test::process_allocations();
+    exchange.received = 0;
+    exchange.failed = clear_caches(rubbish) == 0;
+    sleep_us(2000);  // or the scheduler would give the core to the sending thread at once
+    exchange.sent_at[i] = now_ns();
+    publisher.publish(cloud);
+    exchange.received_at[i] = now_ns();
+    wait_for_readers(exchange);
+  }
+  allocations = test::process_allocations() - before;
+  exchange.sent = 1;
+}
+
+void subscribe(Exchange& exchange, Fields fields) {
+  Node node = Node::open(options("subscriber")).value();
+  const DynamicType type = node.find_type("points", std::chrono::seconds(5)).value();
+  const auto count = [&](const DynamicSample&) { exchange.received.fetch_add(1); };
+  std::vector<DynamicSubscriber> subscribers;
+  for (std::size_t i = 0; i < readers; ++i)
+    subscribers.push_back(node.subscriber("points", type, fields(i), {}, count).value());
+  while (exchange.sent.load() == 0 && !exchange.failed.load()) sleep_us(10'000);
+}
+
+struct Contender {
+  Fields fields;
+  std::uint64_t samples;
+  Rounds times{};
+  std::vector<double> allocations{};  ///< per sample
+
+  void run(const TwoHosts& hosts) {
+    const Shared<std::uint64_t> allocated;
+    const std::uint64_t n = samples;
+    times.add(run_pair(hosts.sides([&, n](Exchange& e) { publish(e, n, *allocated); },
+                                   [this](Exchange& e) { subscribe(e, fields); }),
+                       n));
+    allocations.push_back(static_cast<double>(*allocated) / static_cast<double>(n / 4));
+  }
+};
+
+}  // namespace
+
+std::vector<Figure> publish_64_masks(const Scale& scale) {
+  const TwoHosts hosts;
+  Contender one{equal_fields_and_data, 60}, all{own_fields_and_data, 20}, most{mostly_small_fields, 60};
+  for (int round = 0; round < scale.rounds; ++round) {
+    for (Contender* contender : {&one, &all, &most}) contender->run(hosts);
+  }
+  const char* reference = "the same readers, one mask";
+  return {{"publish_64_masks", all.times.p50(), "us", one.times.p50(), reference, 2},
+          {"publish_64_mixed", most.times.p50(), "us", one.times.p50(), reference, 2},
+          {"publish_64_masks_allocations", median(all.allocations), "", {}, "per sample, in all threads", 0},
+          {"publish_64_mixed_allocations", median(most.allocations), "", {}, "likewise", 0}};
+}
+
+}  // namespace sft::bench

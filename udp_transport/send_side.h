@@ -1,0 +1,28 @@
+// What the writers of one transport share.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "udp_transport/destination.h"
+#include "udp_transport/sender.h"
+
+namespace sft::udp {
+
+/// Outlives the transport as long as a writer does.
+struct SendSide {
+  SendSide(std::unique_ptr<DatagramSender> io, const DestinationLimits& limits)
+      : sender(std::move(io)),
+        destinations(limits, [this](const SocketAddress& to) { return sender.connect(to); }) {}
+
+  Sender sender;
+  DestinationDirectory destinations;
+  std::size_t max_sample_bytes = 0;  ///< of a body
+  std::size_t queue_depth = 0;
+  std::atomic<std::uint64_t> over_limit{0};
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,94 @@
+#include "udp_transport/variant_sender.h"
+
+#include <cassert>
+#include <new>
+#include <utility>
+
+namespace sft::udp {
+
+VariantSender::VariantSender(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
+                             std::shared_ptr<WriterTally> tally, std::shared_ptr<JobPool> jobs)
+    : writer_(static_cast<std::uint32_t>(spec.id)),
+      type_(*spec.type),
+      side_(std::move(side)),
+      tally_(std::move(tally)),
+      jobs_(std::move(jobs)) {}
+
+std::size_t VariantSender::send(const Group& group, const core::SampleHandle& sample) noexcept try {
+  if (!blank_) blank_ = jobs_->take();
+  Job& job = *blank_;
+  if (!encode(group, *sample, job)) return group.lanes.size();
+  if (group.gate != nullptr) {
+    job.first.flags |= rate_follows;
+    job.first.rate = {group.gate->min_period_us(), group.gate->ordinal()};
+  }
+  cut_for_ = 0;
+  std::size_t missed = 0;
+  for (const std::shared_ptr<Lane>& lane : group.lanes) {
+    const SendOutcome outcome = lane->idle() ? try_send(*lane, job) : SendOutcome::would_wait;
+    if (outcome == SendOutcome::would_wait) {
+      if (!job.sample) job.sample = sample;
+      missed += enqueue(lane) ? 0 : 1;
+    } else {
+      missed += outcome == SendOutcome::sent ? 0 : 1;
+    }
+  }
+  if (job.sample) blank_ = {};
+  return missed;
+} catch (const std::bad_alloc&) {  // buffers grow with the samples that they have seen
+  blank_ = {};
+  return group.lanes.size();
+}
+
+bool VariantSender::encode(const Group& group, const core::SampleBuffer& sample, Job& job) const {
+  assert(sample.mask.contains(group.plan.mask()));
+  const SampleState source = core::state_of(sample, type_.slots());
+  if (!job.projection.project(source, group.plan)) return false;
+  if (job.projection.bytes() > side_->max_sample_bytes) {
+    side_->over_limit.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  job.mask = group.wire;
+  job.sequence = sample.sequence;
+  job.first.label = {writer_, static_cast<std::uint32_t>(sample.sequence), group.wire->variant};
+  job.first.flags = group.wire->words.empty() ? std::uint8_t{0} : mask_words_follow;
+  if (group.late_reader != 0) job.first.flags |= history_follows;
+  job.first.history.reader = group.late_reader;
+  job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
+  job.first.mask = group.wire->mask;
+  job.first.stamp_ns = sample.source_stamp_ns;
+  return true;
+}
+
+/// `would_wait` where it is for the sending thread: the body is not small, or the send buffer is full.
+SendOutcome VariantSender::try_send(Lane& lane, Job& job) {
+  if (job.first.total > direct_bytes_max) return SendOutcome::would_wait;
+  if ((job.first.flags & history_follows) != 0) lane.mark(job);
+  Destination& to = lane.destination();
+  // Most destinations take datagrams of the same length: they are cut once.
+  if (const std::size_t datagram_bytes = to.datagram_bytes(); datagram_bytes != cut_for_) {
+    Fragmenter fragments(job.body(), datagram_bytes);
+    fragments.next(batch_);
+    cut_for_ = fragments.done() ? datagram_bytes : 0;
+    if (!fragments.done()) return SendOutcome::would_wait;
+  }
+  if (batch_.datagrams() > to.datagrams_per_call()) return SendOutcome::would_wait;
+  const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
+  const SendOutcome outcome = to.connection().try_send({&batch, 1}).outcome;
+  if (outcome == SendOutcome::sent) {
+    tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
+  } else if (outcome != SendOutcome::would_wait) {
+    to.note(outcome);
+  }
+  return outcome;
+}
+
+/// False if an older sample had to go for it.
+bool VariantSender::enqueue(const std::shared_ptr<Lane>& lane) {
+  const Lane::Posted posted = lane->post(blank_);
+  if (posted.was_idle) side_->sender.schedule(lane);
+  if (posted.dropped_oldest) side_->over_limit.fetch_add(1, std::memory_order_relaxed);
+  return !posted.dropped_oldest;
+}
+
+}  // namespace sft::udp
