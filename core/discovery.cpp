@@ -259,6 +259,8 @@ class CycloneDiscovery final : public Discovery {
 
 }  // namespace
 
+std::uint32_t control_protocol_version() { return sft_control_protocol_version; }
+
 Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options,
                                                    DiscoveryListener& listener) {
   auto discovery = std::make_unique<CycloneDiscovery>(listener);

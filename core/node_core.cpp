@@ -6,6 +6,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/clock.h"
 #include "core/described_type.h"
 #include "core/network_id.h"
 #include "core/random_id.h"
@@ -134,6 +135,7 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
       PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes, *qos,
                           options.on_readers_changed, options.on_event, std::move(asserted)},
       heap_, std::move(udp));
+  roster_.enter(*core);
   agent_.post([this, endpoint, core] {
     reconciler_->add_writer(endpoint, core);
     endpoints_changed_.raise();
@@ -141,6 +143,7 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   // The handle withdraws the endpoint; the agent lets go of the rest.
   std::shared_ptr<PublisherCore> handle(core.get(), [self, core, id = endpoint.id](PublisherCore*) {
     core->events().close();
+    self->roster_.strike_off(*core);
     self->agent_.post([node = self.get(), id] { node->reconciler_->remove(id); });
   });
   return untyped::Publisher(std::move(handle));
@@ -200,12 +203,14 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   }
   const std::shared_ptr<SubscriberCore> core = reader.core;
   const std::shared_ptr<Recorder> recorder = reader.recorder;
+  roster_.enter(*core);
   agent_.post([this, endpoint, reader = std::move(reader)]() mutable {
     reconciler_->add_reader(endpoint, std::move(reader));
     endpoints_changed_.raise();
   });
   const auto close = [self, core, recorder, id = endpoint.id, slot = *slot](SubscriberCore*) {
     core->close();
+    self->roster_.strike_off(*core);
     if (recorder != nullptr) recorder->detach();
     self->agent_.post([node = self.get(), id, slot] {
       node->reconciler_->remove(id);
@@ -288,9 +293,28 @@ NodeStatus NodeCore::status() const {
     status.samples_incomplete = counters.incomplete;
     status.over_limit = counters.over_limit;
   }
+  if (shm_ != nullptr) {
+    const Transport::Counters counters = shm_->counters();
+    status.shm_samples_malformed = counters.malformed;
+    status.shm_over_limit = counters.over_limit;
+  }
   status.control_malformed = control_malformed_.load(std::memory_order_relaxed);
   status.control_ignored = reconciler_->control_ignored();
   return status;
+}
+
+NodeSnapshot NodeCore::snapshot() const {
+  NodeSnapshot snapshot{.name = options_.name,
+                        .domain = options_.domain.value_or(0),
+                        .version = SFT_VERSION,
+                        .control_protocol = control_protocol_version(),
+                        .time = std::chrono::sys_time<std::chrono::nanoseconds>(
+                            std::chrono::nanoseconds(realtime_ns())),
+                        .status = status(),
+                        .publishers = {},
+                        .subscribers = {}};
+  roster_.describe(snapshot);
+  return snapshot;
 }
 
 void NodeCore::log(LogLevel level, const std::string& text) const {

@@ -16,6 +16,7 @@
 #include "core/discovery.h"
 #include "core/dispatcher.h"
 #include "core/doorbell.h"
+#include "core/endpoint_roster.h"
 #include "core/event_count.h"
 #include "core/reconciler.h"
 #include "core/transport.h"
@@ -46,6 +47,7 @@ class NodeCore final : private DiscoveryListener {
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   std::vector<TopicInfo> topics();
   NodeStatus status() const;
+  NodeSnapshot snapshot() const;
 
  private:
   NodeCore(const NodeOptions& options, Parts parts);
@@ -81,6 +83,7 @@ class NodeCore final : private DiscoveryListener {
   std::vector<std::uint32_t> free_slots_;  ///< of bells_; slot 0 is the dispatcher's
   std::atomic<std::uint64_t> control_malformed_{0};
   EventCount endpoints_changed_;
+  mutable EndpointRoster roster_;
 
   Dispatcher dispatcher_;
   std::unique_ptr<Discovery> discovery_;    ///< its threads post to the agent

@@ -115,4 +115,6 @@ Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const Dynamic
 
 NodeStatus Node::status() const { return core_->status(); }
 
+NodeSnapshot Node::snapshot() const { return core_->snapshot(); }
+
 }  // namespace sft

@@ -121,6 +121,7 @@ class SubscriberCore final : public ArrivalListener {
   std::array<Inlet, 2> inlets_;  // by TransportKind
   std::vector<Heard> heard_;
   Heard gone_;  ///< sums of writers that were forgotten
+  std::uint64_t discarded_before_ = 0;  ///< by ports that are gone
   std::vector<WriterStatus> writers_;
   FieldMask requested_;
   std::uint64_t requests_ = 1;

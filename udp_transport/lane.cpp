@@ -22,11 +22,21 @@ Lane::Posted Lane::post(JobHandle job) {
   if (queue_.size() == depth_) {
     oldest = std::move(queue_.front());
     queue_.erase(queue_.begin());
+    count_lost(*oldest);
   }
   queue_.push_back(std::move(job));
   busy_.store(true, std::memory_order_relaxed);
   return {.was_idle = held_ == 0 && !std::exchange(scheduled_, true),
           .dropped_oldest = static_cast<bool>(oldest)};
+}
+
+void Lane::lose_current() {
+  tally_->dropped.fetch_add(1, std::memory_order_relaxed);
+  if (!is_retained(*current_)) count_lost(*current_);
+}
+
+void Lane::count_lost(const Job& job) const {
+  losses_->lost(job.first.total, job.sample ? job.sample->whole_bytes : 0);
 }
 
 void Lane::hold() {

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <vector>
 
+#include "core/delivery.h"
 #include "udp_transport/destination.h"
 #include "udp_transport/job.h"
 
@@ -29,6 +30,8 @@ class Lane {
   // Any thread.
 
   Destination& destination() const { return *to_; }
+  /// Samples that were to go this way and did not.
+  const std::shared_ptr<core::LossTally>& losses() const { return losses_; }
   /// Nobody waits there any more: what is queued is dropped, and nothing queued again.
   void close();
   bool closed() const { return closed_.load(std::memory_order_acquire); }
@@ -57,11 +60,16 @@ class Lane {
   /// The next job, valid until the next call; null if there is none, which makes the lane idle.
   const Job* next();
   WriterTally& tally() const { return *tally_; }
+  /// The job that next() gave did not leave.
+  void lose_current();
 
  private:
+  void count_lost(const Job& job) const;
+
   const std::shared_ptr<Destination> to_;
   const std::size_t depth_;
   const std::shared_ptr<WriterTally> tally_;
+  const std::shared_ptr<core::LossTally> losses_ = std::make_shared<core::LossTally>();
   std::atomic<bool> busy_{false};  ///< scheduled_ or held_, as the publisher sees it
   std::atomic<bool> closed_{false};
   JobHandle current_;  ///< the sending thread's

@@ -25,6 +25,7 @@ struct Gathered {
   core::Wanted wanted;
   std::shared_ptr<const core::RateGate> gate;
   std::vector<std::shared_ptr<Destination>> destinations;
+  std::vector<std::pair<core::EndpointId, const Destination*>> readers;
 };
 
 /// Readers with equal masks and limits share an encoding, and those behind one socket a copy of it.
@@ -36,13 +37,22 @@ std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDir
     const core::Wanted wanted{route.mask, route.gate == nullptr ? 0 : route.gate->min_period_us()};
     auto group =
         std::find_if(groups.begin(), groups.end(), [&](const Gathered& g) { return g.wanted == wanted; });
-    if (group == groups.end()) group = groups.insert(groups.end(), {wanted, route.gate, {}});
+    if (group == groups.end()) group = groups.insert(groups.end(), {wanted, route.gate, {}, {}});
     auto destination = directory.find(*address);
+    group->readers.emplace_back(route.reader, destination.get());
     auto& known = group->destinations;
     if (std::find(known.begin(), known.end(), destination) == known.end())
       known.push_back(std::move(destination));
   }
   return groups;
+}
+
+void write_page(const Gathered& gathered, const Group& group, core::DeliveryBook::Page& page) {
+  for (const auto& [reader, destination] : gathered.readers) {
+    const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };
+    const auto lane = std::find_if(group.lanes.begin(), group.lanes.end(), leads_there);
+    page.push_back({reader, {.tally = group.tally, .losses = (*lane)->losses()}});
+  }
 }
 
 }  // namespace
@@ -121,6 +131,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
       group.lanes.push_back(variants.lane(variant, destination));
       served.insert(destination.get());
     }
+    write_page(gathered, group, table->page);
   }
   variants.keep_lanes_to(served);
   return table;

@@ -20,11 +20,16 @@ struct Group {
   std::shared_ptr<const core::RateGate> gate;  ///< null: every sample is for them
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
+  std::shared_ptr<core::DeliveryTally> tally = std::make_shared<core::DeliveryTally>();
+
+  /// The publisher's thread: the one at hand.
+  bool wants_sample() const { return gate == nullptr || gate->passes(); }
 };
 
 /// Immutable: a change of routes makes another one.
 struct RouteTable {
   std::vector<Group> groups;
+  core::DeliveryBook::Page page;  ///< which tallies are whose
 
   /// The group that a route is in; null for one to elsewhere than a UDP address.
   const Group* find(const core::Route& route) const;

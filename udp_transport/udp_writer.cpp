@@ -38,6 +38,7 @@ void UdpWriter::set_routes(std::vector<core::Route> routes) {
     const Group* group = route.history == 0 ? nullptr : table->find(route);
     if (group != nullptr) lane_of(*group, route)->hold();
   }
+  if (book_ != nullptr) book_->enter(table->page);
   routes_.store(std::move(table));
   side_->sender.look_again();
 }
@@ -70,21 +71,38 @@ std::shared_ptr<Lane> UdpWriter::lane_of(const Group& group, const core::Route& 
   });
 }
 
+void UdpWriter::turn_to(const RouteTable& routes) noexcept {
+  if (book_ != nullptr) book_->turn_to(core::DeliveryBook::Teller::network, routes.page);
+  counted_ = &routes;
+}
+
 core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
-  if (side_->sender.stopped()) return core::SendStatus::lost_port;
+  if (side_->sender.stopped()) {
+    miss();
+    return core::SendStatus::lost_port;
+  }
   core::SendStatus status = core::SendStatus::sent;
-  for (const Group& group : routes_.load()->groups) {
-    if (group.gate != nullptr && !group.gate->passes()) continue;
+  for (const Group& group : routes().groups) {
+    if (!group.wants_sample()) continue;
     if (!send(group, sample)) status = core::SendStatus::dropped;
   }
   return status;
+}
+
+void UdpWriter::miss() noexcept {
+  for (const Group& group : routes().groups) {
+    if (group.wants_sample()) group.tally->dropped();
+  }
 }
 
 /// False if a destination does not get it, or if an older sample had to go for it.
 bool UdpWriter::send(const Group& group, const core::SampleHandle& sample) noexcept try {
   if (!blank_) blank_ = jobs_->take();
   Job& job = *blank_;
-  if (!encode(group.plan, group.wire, *sample, job)) return false;
+  if (!encode(group.plan, group.wire, *sample, job)) {
+    group.tally->dropped();
+    return false;
+  }
   if (group.gate != nullptr) {
     job.first.flags |= rate_follows;
     job.first.rate = {group.gate->min_period_us(), group.gate->ordinal()};
@@ -97,13 +115,16 @@ bool UdpWriter::send(const Group& group, const core::SampleHandle& sample) noexc
     if (outcome == SendOutcome::would_wait) {
       if (!job.sample) job.sample = sample;
       lossless &= enqueue(lane);
-    } else {
-      lossless &= outcome == SendOutcome::sent;
+    } else if (outcome != SendOutcome::sent) {
+      lane->losses()->lost(job.first.total, sample->whole_bytes);
+      lossless = false;
     }
   }
+  group.tally->sent(job.first.total, sample->whole_bytes);
   if (job.sample) blank_ = {};
   return lossless;
 } catch (const std::bad_alloc&) {  // buffers grow with the samples that they have seen
+  group.tally->dropped();
   blank_ = {};
   return false;
 }

@@ -12,6 +12,7 @@
 #include "sft/dynamic.h"
 #include "sft/options.h"
 #include "sft/publisher.h"
+#include "sft/snapshot.h"
 #include "sft/status.h"
 #include "sft/subscriber.h"
 #include "sft/topics.h"
@@ -62,6 +63,8 @@ class Node {
                                        DynamicCallback callback = {});
 
   NodeStatus status() const;
+  /// All that the node knows of its publishers, its subscribers and itself (snapshot.h); to_json() writes it.
+  NodeSnapshot snapshot() const;
 
  private:
   template <class T, Req<T> R>

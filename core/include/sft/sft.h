@@ -8,6 +8,7 @@
 #include "sft/publisher.h"   // IWYU pragma: export
 #include "sft/qos.h"         // IWYU pragma: export
 #include "sft/sample.h"      // IWYU pragma: export
+#include "sft/snapshot.h"    // IWYU pragma: export
 #include "sft/status.h"      // IWYU pragma: export
 #include "sft/subscriber.h"  // IWYU pragma: export
 #include "sft/topics.h"      // IWYU pragma: export
