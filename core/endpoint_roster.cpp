@@ -25,7 +25,7 @@ PublisherSnapshot snapshot_of(const PublisherCore& publisher) {
                              .readers = {}};
   for (ReaderStatus& reader : status.readers) {
     // Of a reader that does not match there is no mask.
-    std::string fields = reader.mask.words() == 0 ? "" : spec.type->format_mask(reader.mask);
+    std::string fields = reader.mask.leaves() == 0 ? "" : spec.type->format_mask(reader.mask);
     snapshot.readers.push_back({std::move(reader), std::move(fields)});
   }
   return snapshot;
@@ -74,8 +74,7 @@ void EndpointRoster::strike_off(const SubscriberCore& subscriber) {
 
 void EndpointRoster::describe(NodeSnapshot& snapshot) {
   const std::scoped_lock lock(mutex_);
-  for (const PublisherCore* publisher : publishers_)
-    snapshot.publishers.push_back(snapshot_of(*publisher));
+  for (const PublisherCore* publisher : publishers_) snapshot.publishers.push_back(snapshot_of(*publisher));
   for (SubscriberCore* subscriber : subscribers_) snapshot.subscribers.push_back(snapshot_of(*subscriber));
 }
 

@@ -14,6 +14,10 @@
 
 namespace sft::core {
 
+namespace {
+constexpr std::chrono::seconds complaint_pause{1};
+}
+
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
   const DiscoveryOptions discovery{.domain = options.domain.value_or(0),
@@ -21,10 +25,8 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   auto opened = Discovery::open(discovery, *node);
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
-  NodeCore* const self = node.get();
-  node->reconciler_ = std::make_unique<Reconciler>(
-      node->network_, node->shm_.get(), node->udp_.get(), *node->discovery_, node->dispatcher_,
-      [self](LogLevel level, const std::string& text) { self->log(level, text); });
+  node->reconciler_ = std::make_unique<Reconciler>(node->network_, node->shm_.get(), node->udp_.get(),
+                                                   *node->discovery_, node->dispatcher_, node->log_);
   Reconciler* const reconciler = node->reconciler_.get();
   node->agent_.start("sft-agent " + options.name, {.tick = [reconciler] { return reconciler->tick(); },
                                                    .idle = [reconciler] { reconciler->reconcile(); }});
@@ -39,6 +41,7 @@ NodeCore::NodeCore(const NodeOptions& options, Parts parts)
       heap_(std::move(parts.heap)),
       bells_(DoorbellPage::create()),
       free_slots_(DoorbellPage::slots - 1),
+      log_(options.name, options.log_level, options.log),
       dispatcher_(bells_->at(0), "sft-call " + options.name) {
   std::iota(free_slots_.rbegin(), free_slots_.rend(), 1U);
 }
@@ -248,8 +251,14 @@ void NodeCore::liveliness_asserted(std::vector<EndpointId> writers) {
 }
 
 void NodeCore::control_malformed(std::string why) {
-  control_malformed_.fetch_add(1, std::memory_order_relaxed);
-  log(LogLevel::warning, why);
+  const std::uint64_t refused = control_malformed_.fetch_add(1, std::memory_order_relaxed) + 1;
+  // Whoever floods us must not fill the agent's queue: one complaint in a while is enough.
+  const auto now = std::chrono::steady_clock::now();
+  if (!log_.wants(LogLevel::warning) || now < next_complaint_.load(std::memory_order_relaxed)) return;
+  next_complaint_.store(now + complaint_pause, std::memory_order_relaxed);
+  agent_.post([this, refused, why = std::move(why)] {
+    log_.write(LogLevel::warning, "control traffic refused, " + std::to_string(refused) + " in all: " + why);
+  });
 }
 
 template <class Question>
@@ -304,21 +313,17 @@ NodeStatus NodeCore::status() const {
 }
 
 NodeSnapshot NodeCore::snapshot() const {
-  NodeSnapshot snapshot{.name = options_.name,
-                        .domain = options_.domain.value_or(0),
-                        .version = SFT_VERSION,
-                        .control_protocol = control_protocol_version(),
-                        .time = std::chrono::sys_time<std::chrono::nanoseconds>(
-                            std::chrono::nanoseconds(realtime_ns())),
-                        .status = status(),
-                        .publishers = {},
-                        .subscribers = {}};
+  NodeSnapshot snapshot{
+      .name = options_.name,
+      .domain = options_.domain.value_or(0),
+      .version = SFT_VERSION,
+      .control_protocol = control_protocol_version(),
+      .time = std::chrono::sys_time<std::chrono::nanoseconds>(std::chrono::nanoseconds(realtime_ns())),
+      .status = status(),
+      .publishers = {},
+      .subscribers = {}};
   roster_.describe(snapshot);
   return snapshot;
-}
-
-void NodeCore::log(LogLevel level, const std::string& text) const {
-  if (options_.log) options_.log(level, options_.name + ": " + text);
 }
 
 }  // namespace sft::core

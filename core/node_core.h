@@ -18,6 +18,7 @@
 #include "core/doorbell.h"
 #include "core/endpoint_roster.h"
 #include "core/event_count.h"
+#include "core/node_log.h"
 #include "core/reconciler.h"
 #include "core/transport.h"
 #include "sft/options.h"
@@ -71,7 +72,6 @@ class NodeCore final : private DiscoveryListener {
   auto ask_agent(Question question) -> decltype(question());
 
   bool may_use(TransportKind kind, TransportChoice choice) const;
-  void log(LogLevel level, const std::string& text) const;
 
   const NodeOptions options_;
   const std::uint64_t network_;
@@ -82,6 +82,8 @@ class NodeCore final : private DiscoveryListener {
   std::mutex slots_mutex_;
   std::vector<std::uint32_t> free_slots_;  ///< of bells_; slot 0 is the dispatcher's
   std::atomic<std::uint64_t> control_malformed_{0};
+  std::atomic<std::chrono::steady_clock::time_point> next_complaint_{};  ///< of the malformed
+  NodeLog log_;                                                          ///< the agent's
   EventCount endpoints_changed_;
   mutable EndpointRoster roster_;
 

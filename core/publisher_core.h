@@ -101,7 +101,8 @@ class PublisherCore {
   /// Those in force, by which is counted from here on.
   const Outlets& outlets() noexcept {
     const Outlets* outlets = outlets_.load();
-    if (outlets != counted_) [[unlikely]] turn_to(*outlets);
+    if (outlets != counted_) [[unlikely]]
+      turn_to(*outlets);
     return *outlets;
   }
   void turn_to(const Outlets& outlets) noexcept;

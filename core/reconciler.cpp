@@ -21,8 +21,8 @@ constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is no
 }  // namespace
 
 Reconciler::Reconciler(std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
-                       Dispatcher& dispatcher, Log log)
-    : shm_(shm), udp_(udp), discovery_(discovery), dispatcher_(dispatcher), log_(std::move(log)) {
+                       Dispatcher& dispatcher, NodeLog& log)
+    : shm_(shm), udp_(udp), discovery_(discovery), dispatcher_(dispatcher), log_(log) {
   self_.network = network;
   self_.shm_state = shm_ == nullptr ? "the node rules it out" : "starting";
   negotiation_.self_changed(self_);
@@ -90,7 +90,7 @@ void Reconciler::announce(EndpointId id) {
   const Endpoint* endpoint = negotiation_.local(id);
   if (endpoint == nullptr) return;
   if (const Result<void> sent = discovery_.announce(*endpoint); !sent)
-    log_(LogLevel::warning, sent.error().message);
+    log_.write(LogLevel::warning, sent.error().message);
 }
 
 void Reconciler::requirement_changed(EndpointId id) {
@@ -149,7 +149,7 @@ void Reconciler::request_changed(EndpointId id) {
   SubscriberCore& core = *readers_.at(id).core;
   core.requests(FieldMask::from_words(core.type().leaves(), request.mask_words), request.sequence);
   if (const Result<void> sent = discovery_.send(request); !sent) {
-    log_(LogLevel::warning, sent.error().message);
+    log_.write(LogLevel::warning, sent.error().message);
   }
 }
 
@@ -259,7 +259,7 @@ void Reconciler::look_after_shm() {
   shm_pause_ = {};
   next_shm_attempt_ = {};
   reconcile();  // first: who was served in memory is served by UDP from here on
-  log_(LogLevel::info, "shared memory: " + self_.shm_state);
+  log_.write(LogLevel::info, "shared memory: " + self_.shm_state);
   for (const auto& [id, writer] : writers_) announce(id);
   for (const auto& [id, reader] : readers_) {
     announce(id);
@@ -271,7 +271,7 @@ void Reconciler::look_after_shm() {
 void Reconciler::look_after_udp(Now now) {
   if (udp_ == nullptr || udp_failed_ || udp_->poll(now) == Availability::ready) return;
   udp_failed_ = true;
-  log_(LogLevel::error, "UDP: " + udp_->description());
+  log_.write(LogLevel::error, "UDP: " + udp_->description());
 }
 
 /// The memory that they were in is gone, or another daemon's.
@@ -320,7 +320,7 @@ bool Reconciler::try_shm(Open open) {
   }
   shm_pause_ = std::clamp(shm_pause_ * 2, shm_pause_min, shm_pause_max);
   next_shm_attempt_ = std::chrono::steady_clock::now() + shm_pause_;
-  log_(LogLevel::warning, opened.error().message);
+  log_.write(LogLevel::warning, opened.error().message);
   return false;
 }
 
@@ -335,11 +335,15 @@ void Reconciler::reconcile() {
 
 /// Events are what differs between the states that users could have polled.
 void Reconciler::tell_what_happened() {
-  const auto tell = [](auto& core, auto& told) {
-    if (!core.events().wanted()) return;
+  const auto tell = [this](auto& core, auto& told) {
+    if (!core.events().wanted() && !log_.wants(LogLevel::warning)) return;
     auto now = core.status();
-    for (const Event& event : events_between(told, now)) core.events().tell(event);
+    const auto events = events_between(told, now, core.type());
     told = std::move(now);
+    for (const Event& event : events) {
+      log_.write(core.spec().topic, event);
+      core.events().tell(event);
+    }
   };
   for (auto& [id, writer] : writers_) tell(*writer.core, writer.told);
   for (auto& [id, reader] : readers_) tell(*reader.core, reader.told);
@@ -364,20 +368,6 @@ void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
   if (writer.in_force == wanted) return;
   writer.in_force = wanted;
   writer.core->serve(wanted, writer.shm);
-  report_mismatches(id, wanted.readers, writer.mismatched);
-}
-
-template <class Status>
-void Reconciler::report_mismatches(EndpointId id, const std::vector<Status>& others,
-                                   std::set<EndpointId>& reported) {
-  const auto before = std::exchange(reported, {});
-  for (const Status& other : others) {
-    if (other.mismatch == nullptr) continue;
-    reported.insert(other.id);
-    if (before.contains(other.id)) continue;
-    log_(LogLevel::warning,
-         "topic '" + negotiation_.local(id)->topic + "', node '" + other.node + "': " + other.reason);
-  }
 }
 
 void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
@@ -399,9 +389,6 @@ void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
   if (changed) request_changed(id);
   reader.heard = std::move(heard);
   reader.core->hears(wanted);
-  std::vector<WriterStatus> writers;
-  for (const Hearing& hearing : wanted) writers.push_back(hearing.status);
-  report_mismatches(id, writers, reader.mismatched);
   watch(reader);
 }
 
@@ -429,7 +416,7 @@ Hearing Reconciler::connect(EndpointId id, Reader& reader, const Hearing& wanted
       reader.udp->disconnect(writer);
     } else if (const Result<void> ok = reader.udp->connect(wanted.source); !ok) {
       now.udp = false;
-      log_(LogLevel::warning, ok.error().message);
+      log_.write(LogLevel::warning, ok.error().message);
     }
   }
   if (wanted.shm != before.shm) {

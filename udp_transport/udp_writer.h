@@ -45,7 +45,8 @@ class UdpWriter final : public core::WriterPort {
   /// Those in force, by which is counted from here on.
   const RouteTable& routes() noexcept {
     const RouteTable* routes = routes_.load();
-    if (routes != counted_) [[unlikely]] turn_to(*routes);
+    if (routes != counted_) [[unlikely]]
+      turn_to(*routes);
     return *routes;
   }
   void turn_to(const RouteTable& routes) noexcept;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <thread>
 #include <vector>
 
@@ -101,6 +102,7 @@ TEST_F(DeliveryTest, ReadersThatAreGoneStayInTheTotal) {
 // The agent enters pages, some of which the publisher never turns to; a third thread reads.
 TEST_F(DeliveryTest, WhileOthersReadAndReadersComeAndGoNoSampleIsMissedOrCountedTwice) {
   test::Random random{test::test_seed()};
+  SCOPED_TRACE(test::how_to_repeat());
   std::atomic<bool> stop{false};
   std::thread watcher([&] {
     for (std::uint64_t before = 0; !stop.load();) {

@@ -92,7 +92,8 @@ class ReconcilerTest : public ::testing::Test {
   Dispatcher dispatcher{bells->at(0), "test"};
   Connections connections;
   TestDiscovery discovery;
-  Reconciler reconciler{1, nullptr, nullptr, discovery, dispatcher, [](LogLevel, const std::string&) {}};
+  NodeLog log{"node", LogLevel::info, nullptr};
+  Reconciler reconciler{1, nullptr, nullptr, discovery, dispatcher, log};
 };
 
 TEST_F(ReconcilerTest, AReaderIsAnnouncedBeforeItListensToAnybody) {

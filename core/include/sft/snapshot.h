@@ -13,15 +13,21 @@
 //   shm           ready, state, refused {malformed, over_limit}
 //   udp           state, refused {malformed, unknown, incomplete, over_limit}
 //   control       refused {malformed, ignored}
-//   publishers[]  id, topic, type, qos, fields (encoded at present), published, bytes_sent, bytes_saved, dropped,
+//   publishers[]  id, topic, type, qos, fields (encoded at present), published, bytes_sent, bytes_saved,
+//   dropped,
 //                 deadlines_missed, alive, readers[]
-//     readers[]   id, node, served, transport, reason, incompatible_type, incompatible_policy (null: none), fields,
-//                 max_rate_hz, request, published, sent, withheld, dropped, retained, bytes_sent, bytes_saved
-//   subscribers[] id, topic, type, qos, fields (asked for), recorded, max_rate_hz, requests, received, lost, withheld,
+//     readers[]   id, node, served, transport, reason, incompatible_type, incompatible_policy (null: none),
+//     no_path,
+//                 fields, max_rate_hz, request, published, sent, withheld, dropped, retained, bytes_sent,
+//                 bytes_saved
+//   subscribers[] id, topic, type, qos, fields (asked for), recorded, max_rate_hz, requests, received, lost,
+//   withheld,
 //                 expired, discarded, writers[]
-//     writers[]   id, node, matched, alive, transport, reason, incompatible_type, incompatible_policy, received,
-//                 lost, withheld, expired, deadlines_missed
-//   qos           reliability, durability, history_depth, deadline_ns, lifespan_ns, liveliness, liveliness_lease_ns
+//     writers[]   id, node, matched, alive, transport, reason, incompatible_type, incompatible_policy,
+//     no_path,
+//                 received, lost, withheld, expired, deadlines_missed
+//   qos           reliability, durability, history_depth, deadline_ns, lifespan_ns, liveliness,
+//   liveliness_lease_ns
 #pragma once
 
 #include <chrono>
@@ -60,9 +66,9 @@ struct SubscriberSnapshot {
   std::string topic;
   std::string type;
   Qos qos;
-  std::string fields;        ///< asked for at present
-  bool recorded = false;     ///< and found out by recording
-  double max_rate_hz = 0;    ///< asked for; 0: all samples
+  std::string fields;      ///< asked for at present
+  bool recorded = false;   ///< and found out by recording
+  double max_rate_hz = 0;  ///< asked for; 0: all samples
   std::uint64_t requests = 0;
   std::uint64_t received = 0;
   std::uint64_t lost = 0;
@@ -78,7 +84,7 @@ struct NodeSnapshot {
   std::string version;                 ///< of this library
   std::uint32_t control_protocol = 0;  ///< its version; nodes of another one are not seen
   std::chrono::sys_time<std::chrono::nanoseconds> time{};
-  NodeStatus status;  ///< how shared memory and UDP work, and what was refused
+  NodeStatus status;                            ///< how shared memory and UDP work, and what was refused
   std::vector<PublisherSnapshot> publishers;    ///< in the order in which they were opened
   std::vector<SubscriberSnapshot> subscribers;  ///< likewise
 };

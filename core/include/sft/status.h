@@ -36,6 +36,7 @@ struct ReaderStatus {
   bool incompatible_type = false;
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
+  bool no_path = false;                             ///< fits, but not the ways that both may use
   FieldMask mask{};
   double max_rate_hz = 0;              ///< that it asks for; 0: all samples
   std::uint64_t request_sequence = 0;  ///< of the STR in force
@@ -82,6 +83,7 @@ struct WriterStatus {
   bool incompatible_type = false;
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
+  bool no_path = false;                             ///< fits, but not the ways that both may use
   std::uint64_t received = 0;
   std::uint64_t lost = 0;      ///< samples that should have come
   std::uint64_t withheld = 0;  ///< samples that did not come, or were skipped, for max_rate_hz
@@ -113,8 +115,8 @@ struct NodeStatus {
   std::uint64_t over_limit = 0;             ///< by UDP: sent or received, and dropped to stay within a limit
   std::uint64_t shm_samples_malformed = 0;  ///< that are not what they claim to be
   std::uint64_t shm_over_limit = 0;         ///< no memory lent, nothing taken or sent, to stay within a limit
-  std::uint64_t control_malformed = 0;  ///< endpoints, type descriptions and requests that were refused
-  std::uint64_t control_ignored = 0;    ///< those beyond the limits of the table of endpoints
+  std::uint64_t control_malformed = 0;      ///< endpoints, type descriptions and requests that were refused
+  std::uint64_t control_ignored = 0;        ///< those beyond the limits of the table of endpoints
 };
 
 }  // namespace sft
