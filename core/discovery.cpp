@@ -263,6 +263,8 @@ std::string Discovery::domain_config(const std::string& user_config) {
   return config + "," + enforced_config;
 }
 
+std::uint32_t control_protocol_version() { return sft_control_protocol_version; }
+
 Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options,
                                                    DiscoveryListener& listener) {
   auto discovery = std::make_unique<CycloneDiscovery>(listener);

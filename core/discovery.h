@@ -34,6 +34,9 @@ class DiscoveryListener {
   ~DiscoveryListener() = default;
 };
 
+/// Control samples of another version are refused.
+std::uint32_t control_protocol_version();
+
 class Discovery {
  public:
   /// `listener` outlives the discovery.

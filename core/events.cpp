@@ -1,6 +1,7 @@
 #include "core/events.h"
 
 #include <algorithm>
+#include <cstdio>
 
 namespace sft {
 
@@ -16,6 +17,8 @@ const char* to_string(EventKind kind) {
       return "incompatible QoS";
     case EventKind::incompatible_type:
       return "incompatible type";
+    case EventKind::no_path:
+      return "no path";
     case EventKind::deadline_missed:
       return "deadline missed";
     case EventKind::liveliness_lost:
@@ -24,6 +27,8 @@ const char* to_string(EventKind kind) {
       return "liveliness recovered";
     case EventKind::samples_lost:
       return "samples lost";
+    case EventKind::request_changed:
+      return "request changed";
   }
   return "unknown";
 }
@@ -64,11 +69,31 @@ void add_changes(const Peer& before, const Peer& after, std::vector<Event>& even
       (before.incompatible_policy != after.incompatible_policy || before.reason != after.reason)) {
     events.push_back(event_of(EventKind::incompatible_qos, after, after.reason));
   }
+  if (after.no_path && !before.no_path) {
+    events.push_back(event_of(EventKind::no_path, after, after.reason));
+  }
   if (!matched(before) && matched(after)) {
     events.push_back(event_of(EventKind::matched, after, path_of(after)));
   } else if (matched(after) && before.transport != after.transport) {
     events.push_back(event_of(EventKind::path_changed, after, path_of(after)));
   }
+}
+
+/// "height, width, at most 10 Hz"
+std::string request_text(const FieldMask& mask, double max_rate_hz, const TypeSupport& type) {
+  std::string text = mask.empty() ? "no fields" : type.format_mask(mask);
+  if (max_rate_hz == 0) return text;
+  char rate[40];
+  std::snprintf(rate, sizeof rate, ", at most %g Hz", max_rate_hz);
+  return text + rate;
+}
+
+/// Both may be a reader as its publisher serves it, or a subscriber; where nothing is asked for yet there is
+/// no mask at all.
+template <class Asking>
+bool request_changed(const Asking& before, const Asking& after) {
+  if (before.mask.leaves() == 0 || after.mask.leaves() == 0) return false;
+  return before.mask != after.mask || before.max_rate_hz != after.max_rate_hz;
 }
 
 template <class Peer>
@@ -126,16 +151,25 @@ void add_counts(const WriterStatus& before, const WriterStatus& after, std::vect
 
 }  // namespace
 
-std::vector<Event> events_between(const PublisherStatus& before, const PublisherStatus& after) {
+std::vector<Event> events_between(const PublisherStatus& before, const PublisherStatus& after,
+                                  const TypeSupport& type) {
   std::vector<Event> events;
-  compare(before.readers, after.readers, events,
-          [&](const ReaderStatus& b, const ReaderStatus& a) { add_changes(b, a, events); });
+  compare(before.readers, after.readers, events, [&](const ReaderStatus& b, const ReaderStatus& a) {
+    add_changes(b, a, events);
+    if (!request_changed(b, a)) return;
+    events.push_back(event_of(EventKind::request_changed, a, request_text(a.mask, a.max_rate_hz, type)));
+  });
   add_promises(before, after, events);
   return events;
 }
 
-std::vector<Event> events_between(const SubscriberStatus& before, const SubscriberStatus& after) {
+std::vector<Event> events_between(const SubscriberStatus& before, const SubscriberStatus& after,
+                                  const TypeSupport& type) {
   std::vector<Event> events;
+  if (request_changed(before, after)) {
+    events.push_back(
+        {.kind = EventKind::request_changed, .text = request_text(after.mask, after.max_rate_hz, type)});
+  }
   compare(before.writers, after.writers, events, [&](const WriterStatus& b, const WriterStatus& a) {
     add_changes(b, a, events);
     add_promises(b, a, events);

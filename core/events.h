@@ -5,10 +5,14 @@
 
 #include "sft/event.h"
 #include "sft/status.h"
+#include "sft/typesupport/type_support.h"
 
 namespace sft::core {
 
-std::vector<Event> events_between(const PublisherStatus& before, const PublisherStatus& after);
-std::vector<Event> events_between(const SubscriberStatus& before, const SubscriberStatus& after);
+/// `type` is what it publishes or subscribes to; it names fields.
+std::vector<Event> events_between(const PublisherStatus& before, const PublisherStatus& after,
+                                  const TypeSupport& type);
+std::vector<Event> events_between(const SubscriberStatus& before, const SubscriberStatus& after,
+                                  const TypeSupport& type);
 
 }  // namespace sft::core

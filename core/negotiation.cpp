@@ -281,6 +281,7 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   } else if (verdict.udp) {
     status.reason = "the subscriber is not listening yet";
   } else {
+    status.no_path = !verdict.shm;
     status.reason =
         verdict.shm ? "shared memory is being attached" : "UDP is ruled out, and " + verdict.udp_reason;
   }
@@ -325,13 +326,15 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     hearing.status.incompatible_type = verdict.incompatible_type;
     hearing.status.incompatible_policy = verdict.incompatible_policy;
     hearing.status.matched = verdict.shm || verdict.udp;
+    hearing.status.no_path = !hearing.status.matched && verdict.mismatch.empty();
     hearing.status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
     hearing.status.mismatch = verdict.definitions;
     hearing.status.reason = !verdict.mismatch.empty() ? verdict.mismatch
                             : writer->lost_since      ? "its node does not answer"
                             : attached                ? "same host"
                             : verdict.shm             ? "same host, shared memory is being attached"
-                                                      : verdict.udp_reason;
+                            : verdict.udp             ? verdict.udp_reason
+                                                      : "UDP is ruled out, and " + verdict.udp_reason;
     result.push_back(std::move(hearing));
   }
   return result;

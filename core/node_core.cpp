@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/clock.h"
 #include "core/described_type.h"
 #include "core/network_id.h"
 #include "core/random_id.h"
@@ -13,6 +14,10 @@
 
 namespace sft::core {
 
+namespace {
+constexpr std::chrono::seconds complaint_pause{1};
+}
+
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
   const DiscoveryOptions discovery{.domain = options.domain.value_or(0),
@@ -20,10 +25,8 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   auto opened = Discovery::open(discovery, *node);
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
-  NodeCore* const self = node.get();
-  node->reconciler_ = std::make_unique<Reconciler>(
-      node->network_, node->shm_.get(), node->udp_.get(), *node->discovery_, node->dispatcher_,
-      [self](LogLevel level, const std::string& text) { self->log(level, text); });
+  node->reconciler_ = std::make_unique<Reconciler>(node->network_, node->shm_.get(), node->udp_.get(),
+                                                   *node->discovery_, node->dispatcher_, node->log_);
   Reconciler* const reconciler = node->reconciler_.get();
   const Agent::Duties duties{.tick = [reconciler] { return reconciler->tick(); },
                              .idle = [reconciler] { reconciler->reconcile(); }};
@@ -40,6 +43,7 @@ NodeCore::NodeCore(const NodeOptions& options, Parts parts)
       heap_(std::move(parts.heap)),
       bells_(DoorbellPage::create()),
       free_slots_(DoorbellPage::slots - 1),
+      log_(options.name, options.log_level, options.log),
       dispatcher_(bells_->at(0), "sft-call " + options.name) {
   std::iota(free_slots_.rbegin(), free_slots_.rend(), 1U);
 }
@@ -157,6 +161,7 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
       PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes, *qos,
                           options.on_readers_changed, options.on_event, std::move(asserted)},
       heap_, std::move(udp));
+  roster_.enter(*core);
   agent_.post([this, endpoint, core] {
     reconciler_->add_writer(endpoint, core);
     endpoints_changed_.raise();
@@ -164,6 +169,7 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   // The handle withdraws the endpoint; the agent lets go of the rest.
   std::shared_ptr<PublisherCore> handle(core.get(), [self, core, id = endpoint.id](PublisherCore*) {
     core->close();
+    self->roster_.strike_off(*core);
     self->agent_.post([node = self.get(), id] { node->reconciler_->remove(id); });
   });
   return untyped::Publisher(std::move(handle));
@@ -228,12 +234,14 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   }
   const std::shared_ptr<SubscriberCore> core = reader.core;
   const std::shared_ptr<Recorder> recorder = reader.recorder;
+  roster_.enter(*core);
   agent_.post([this, endpoint, reader = std::move(reader)]() mutable {
     reconciler_->add_reader(endpoint, std::move(reader));
     endpoints_changed_.raise();
   });
   const auto close = [self, core, recorder, id = endpoint.id, slot = *slot](SubscriberCore*) {
     core->close();
+    self->roster_.strike_off(*core);
     if (recorder != nullptr) recorder->detach();
     self->agent_.post([node = self.get(), id, slot] {
       node->reconciler_->remove(id);
@@ -271,8 +279,14 @@ void NodeCore::liveliness_asserted(std::vector<EndpointId> writers) {
 }
 
 void NodeCore::control_malformed(std::string why) {
-  control_malformed_.fetch_add(1, std::memory_order_relaxed);
-  log(LogLevel::warning, why);
+  const std::uint64_t refused = control_malformed_.fetch_add(1, std::memory_order_relaxed) + 1;
+  // Whoever floods us must not fill the agent's queue: one complaint in a while is enough.
+  const auto now = std::chrono::steady_clock::now();
+  if (!log_.wants(LogLevel::warning) || now < next_complaint_.load(std::memory_order_relaxed)) return;
+  next_complaint_.store(now + complaint_pause, std::memory_order_relaxed);
+  agent_.post([this, refused, why = std::move(why)] {
+    log_.write(LogLevel::warning, "control traffic refused, " + std::to_string(refused) + " in all: " + why);
+  });
 }
 
 template <class Question>
@@ -316,13 +330,28 @@ NodeStatus NodeCore::status() const {
     status.samples_incomplete = counters.incomplete;
     status.over_limit = counters.over_limit;
   }
+  if (shm_ != nullptr) {
+    const Transport::Counters counters = shm_->counters();
+    status.shm_samples_malformed = counters.malformed;
+    status.shm_over_limit = counters.over_limit;
+  }
   status.control_malformed = control_malformed_.load(std::memory_order_relaxed);
   status.control_ignored = reconciler_->control_ignored();
   return status;
 }
 
-void NodeCore::log(LogLevel level, const std::string& text) const {
-  if (options_.log) options_.log(level, options_.name + ": " + text);
+NodeSnapshot NodeCore::snapshot() const {
+  NodeSnapshot snapshot{
+      .name = options_.name,
+      .domain = options_.domain.value_or(0),
+      .version = SFT_VERSION,
+      .control_protocol = control_protocol_version(),
+      .time = std::chrono::sys_time<std::chrono::nanoseconds>(std::chrono::nanoseconds(realtime_ns())),
+      .status = status(),
+      .publishers = {},
+      .subscribers = {}};
+  roster_.describe(snapshot);
+  return snapshot;
 }
 
 }  // namespace sft::core

@@ -16,7 +16,9 @@
 #include "core/discovery.h"
 #include "core/dispatcher.h"
 #include "core/doorbell.h"
+#include "core/endpoint_roster.h"
 #include "core/event_count.h"
+#include "core/node_log.h"
 #include "core/reconciler.h"
 #include "core/transport.h"
 #include "sft/options.h"
@@ -46,6 +48,7 @@ class NodeCore final : private DiscoveryListener {
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   std::vector<TopicInfo> topics();
   NodeStatus status() const;
+  NodeSnapshot snapshot() const;
 
  private:
   NodeCore(const NodeOptions& options, Parts parts);
@@ -70,7 +73,6 @@ class NodeCore final : private DiscoveryListener {
   auto ask_agent(Question question) -> decltype(question());
 
   bool may_use(TransportKind kind, TransportChoice choice) const;
-  void log(LogLevel level, const std::string& text) const;
 
   const NodeOptions options_;
   const std::uint64_t network_;
@@ -81,7 +83,10 @@ class NodeCore final : private DiscoveryListener {
   std::mutex slots_mutex_;
   std::vector<std::uint32_t> free_slots_;  ///< of bells_; slot 0 is the dispatcher's
   std::atomic<std::uint64_t> control_malformed_{0};
+  std::atomic<std::chrono::steady_clock::time_point> next_complaint_{};  ///< of the malformed
+  NodeLog log_;                                                          ///< the agent's
   EventCount endpoints_changed_;
+  mutable EndpointRoster roster_;
 
   Dispatcher dispatcher_;
   std::unique_ptr<Discovery> discovery_;    ///< its threads post to the agent

@@ -126,4 +126,6 @@ Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const Dy
 
 NodeStatus Node::status() const { return core_->status(); }
 
+NodeSnapshot Node::snapshot() const { return core_->snapshot(); }
+
 }  // namespace sft

@@ -13,6 +13,9 @@ namespace sft::core {
 namespace {
 
 constexpr std::size_t gates_remembered_max = 64;
+/// A sample that is not encoded whole is measured, for what it saves, only so often: to walk through a large
+/// message can take longer than to encode a few of its fields.
+constexpr std::int64_t measured_every_ns = 10'000'000;
 
 template <class T>
 bool contains(const std::vector<T>& all, const T& one) {
@@ -37,7 +40,9 @@ PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::s
                    ? nullptr
                    : std::make_unique<History>(spec_.qos.history_depth, spec_.qos.lifespan.count())),
       events_(spec_.on_event),
-      readers_changed_(spec_.on_readers_changed) {
+      readers_changed_(spec_.on_readers_changed),
+      encoded_(spec_.type->none()) {
+  if (udp_ != nullptr) udp_->count_in(book_);
   outlets_.store(outlets_for({}, nullptr));
 }
 
@@ -51,6 +56,7 @@ std::shared_ptr<PublisherCore::Outlets> PublisherCore::outlets_for(const Serving
   const bool whole = outlets->to_shm || history_ != nullptr;  // nobody knows what late readers will ask for
   outlets->mask = whole ? full_ : spec_.type->closed(spec_.type->none());
   for (const Route& route : serving.udp) outlets->mask |= route.mask;
+  outlets->whole = outlets->mask.is_full();
   for (const auto* routes : {&serving.shm, &serving.udp}) {
     for (const Route& route : *routes) {
       outlets->to_all |= route.gate == nullptr;
@@ -59,7 +65,24 @@ std::shared_ptr<PublisherCore::Outlets> PublisherCore::outlets_for(const Serving
       outlets->gates.push_back(gate->second);
     }
   }
+  write_page(serving, *outlets);
   return outlets;
+}
+
+void PublisherCore::write_page(const Serving& serving, Outlets& outlets) const {
+  for (const Route& route : serving.shm) {
+    const auto same = [&](const Outlets::Locals& locals) { return locals.gate == route.gate; };
+    auto locals = std::find_if(outlets.locals.begin(), outlets.locals.end(), same);
+    if (locals == outlets.locals.end())
+      locals = outlets.locals.insert(locals, {route.gate, std::make_shared<DeliveryTally>()});
+    outlets.page.push_back({route.reader, {.tally = locals->tally, .gate = route.gate}});
+  }
+  for (const Route& route : serving.udp) outlets.page.push_back({route.reader, {.gate = route.gate}});
+}
+
+void PublisherCore::turn_to(const Outlets& outlets) noexcept {
+  book_->turn_to(DeliveryBook::Teller::publisher, outlets.page);
+  counted_ = &outlets;
 }
 
 /// One gate for each limit, kept for a while when nobody asks for it any more: its numbers go on when
@@ -77,27 +100,6 @@ void PublisherCore::find_gates(Serving& serving) {
   }
   for (auto* routes : {&serving.shm, &serving.udp}) {
     for (Route& route : *routes) route.gate = gate_for(route.min_period_us);
-  }
-}
-
-/// With the status mutex held: of readers that are gone.
-void PublisherCore::forget_withholding() {
-  std::erase_if(withholding_, [&](const auto& item) {
-    return std::none_of(readers_.begin(), readers_.end(),
-                        [&](const ReaderStatus& reader) { return reader.id == item.first; });
-  });
-}
-
-/// With the status mutex held: what was withheld from a reader stays its own when it changes its limit.
-void PublisherCore::follow_withholding(const Serving& serving) {
-  for (const auto* routes : {&serving.shm, &serving.udp}) {
-    for (const Route& route : *routes) {
-      const auto known = withholding_.find(route.reader);
-      if (known != withholding_.end() ? known->second.gate == route.gate : route.gate == nullptr) continue;
-      const std::uint64_t before = known == withholding_.end() ? 0 : known->second.count();
-      const std::uint64_t at_first = route.gate == nullptr ? 0 : route.gate->withheld();
-      withholding_[route.reader] = {route.gate, at_first, before};
-    }
   }
 }
 
@@ -127,20 +129,27 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
     // wait for a call that may have begun before that, and only then change the routes.
     auto both = std::make_shared<Outlets>(*before);
     both->mask |= after->mask;
+    both->whole = both->mask.is_full();
     outlets_.store(both);
     calls_.wait_for_present_call();
   }
+  book_->enter(after->page);
   if (after->shm != nullptr) after->shm->set_routes(serving.shm);
   if (udp_ != nullptr) udp_->set_routes(serving.udp);
   outlets_.store(after);
   for (const Route& route : latecomers) {
-    udp_->send_history(route, history_->last(route.history, realtime_ns()));
+    std::vector<SampleHandle> samples = history_->last(route.history, realtime_ns());
+    book_->retained(route.reader, samples.size());
+    udp_->send_history(route, std::move(samples));
   }
+  std::set<EndpointId> known;
+  for (const ReaderStatus& reader : serving.readers) known.insert(reader.id);
+  book_->keep(known);
   {
     const std::scoped_lock lock(status_mutex_);
     readers_ = serving.readers;
-    forget_withholding();
-    follow_withholding(serving);
+    const bool encodes = after->to_shm || after->to_udp || history_ != nullptr;
+    encoded_ = encodes ? after->mask : spec_.type->none();
   }
   if (readers_changed_.wanted()) readers_changed_.tell(status());
 }
@@ -151,14 +160,13 @@ void PublisherCore::show(std::vector<ReaderStatus> readers) {
     const std::scoped_lock lock(status_mutex_);
     is_news = !std::ranges::equal(readers_, readers, equal_but_for_number);
     readers_ = std::move(readers);
-    forget_withholding();
   }
   if (is_news && readers_changed_.wanted()) readers_changed_.tell(status());
 }
 
 PublishStatus PublisherCore::publish(const void* value) {
   const CallCount::Call call(calls_);
-  const Outlets& outlets = *outlets_.load();
+  const Outlets& outlets = this->outlets();
   if (!outlets.is_wanted) return withhold();
   const std::int64_t stamp_ns = realtime_ns();
   return admit(outlets, stamp_ns) ? encode_and_send(outlets, value, stamp_ns) : withhold();
@@ -186,17 +194,33 @@ PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void*
   const EncodedSize size = encoded_size(type, value, outlets.mask);
   if (size.status != EncodeStatus::ok || size.bytes > spec_.max_sample_bytes) return PublishStatus::invalid;
   const SampleHandle sample = lend(outlets, size.bytes);
-  if (!sample) return no_memory();
+  if (!sample) return no_memory(outlets);
   fill_header(*sample, outlets.mask, size.bytes);
+  if (!outlets.whole) sample->whole_bytes = whole_bytes(value, size.bytes, stamp_ns);
   encode(type, value, outlets.mask, {sample->data + layout_.body_offset, size.bytes},
          {sample->index(), spec_.type->slots()});
   return send(outlets, sample, stamp_ns);
 }
 
+/// What the body would have if all fields were encoded, as far as that is measured.
+std::uint32_t PublisherCore::whole_bytes(const void* value, std::uint32_t encoded_bytes,
+                                         std::int64_t stamp_ns) noexcept {
+  if (stamp_ns - measured_at_ns_ >= measured_every_ns || stamp_ns < measured_at_ns_) {
+    const EncodedSize size = encoded_size(spec_.type->type(), value, full_);
+    if (size.status == EncodeStatus::ok) measured_bytes_ = size.bytes;
+    measured_at_ns_ = stamp_ns;
+  }
+  return std::max(measured_bytes_, encoded_bytes);
+}
+
 /// Counts a sample that could not be made, so that readers see that one is missing.
-PublishStatus PublisherCore::no_memory() noexcept {
+PublishStatus PublisherCore::no_memory(const Outlets& outlets) noexcept {
   sequence_.fetch_add(1, std::memory_order_relaxed);
   dropped_.fetch_add(1, std::memory_order_relaxed);
+  for (const Outlets::Locals& locals : outlets.locals) {
+    if (locals.want()) locals.tally->dropped();
+  }
+  if (outlets.to_udp) udp_->miss();
   return PublishStatus::no_memory;
 }
 
@@ -205,7 +229,7 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
   const Result<Payload> payload = parse_payload(bytes);
   if (!payload) return tl::unexpected(payload.error());
   const CallCount::Call call(calls_);
-  const Outlets& outlets = *outlets_.load();
+  const Outlets& outlets = this->outlets();
   if (!outlets.is_wanted) return withhold();
   ConvertedSize size = converted_size(*payload, type);
   if (size.status != WalkStatus::ok) return malformed(size.status);
@@ -215,7 +239,7 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
   }
   const std::int64_t stamp_ns = realtime_ns();
   const SampleHandle sample = lend(outlets, size.bytes);
-  if (!sample) return no_memory();
+  if (!sample) return admit(outlets, stamp_ns) ? no_memory(outlets) : withhold();
   const std::span<std::byte> body(sample->data + layout_.body_offset, size.bytes);
   const SampleState state{.body = body.data(), .body_bytes = size.bytes, .mask = &full_};
   WalkStatus status = convert(*payload, type, body);
@@ -239,7 +263,7 @@ Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const 
                                           " bytes; raise PublisherOptions::max_sample_bytes");
   }
   const CallCount::Call call(calls_);
-  SampleHandle sample = lend(*outlets_.load(), size.bytes);
+  SampleHandle sample = lend(outlets(), size.bytes);
   if (!sample) return fail(Errc::out_of_memory, "no memory free for a loan: readers or loans hold too much");
   fill_header(*sample, full_, size.bytes);
   const std::span body(sample->data + layout_.body_offset, size.bytes);
@@ -256,7 +280,7 @@ PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
   }
   const std::int64_t stamp_ns = realtime_ns();
   const CallCount::Call call(calls_);
-  const Outlets& outlets = *outlets_.load();
+  const Outlets& outlets = this->outlets();
   return admit(outlets, stamp_ns) ? send(outlets, sample, stamp_ns) : withhold();
 }
 
@@ -275,7 +299,7 @@ PublishStatus PublisherCore::close_gaps(SampleBuffer& sample) noexcept try {
     if (to != segment.data) std::memmove(to, segment.data, segment.bytes);
     to += segment.bytes;
   }
-  state.body_bytes = header.body_bytes = static_cast<std::uint32_t>(closing_.bytes());
+  state.body_bytes = header.body_bytes = sample.whole_bytes = static_cast<std::uint32_t>(closing_.bytes());
   const WalkStatus walked = build_index(state, spec_.type->type(), {sample.index(), spec_.type->slots()});
   return walked == WalkStatus::ok ? PublishStatus::ok : PublishStatus::invalid;
 } catch (const std::bad_alloc&) {
@@ -301,6 +325,7 @@ void PublisherCore::fill_header(SampleBuffer& buffer, const FieldMask& mask,
   header.body_offset = static_cast<std::uint32_t>(layout_.body_offset);
   header.body_bytes = body_bytes;
   buffer.mask = mask;
+  buffer.whole_bytes = body_bytes;
   // Between index and encapsulation nothing may remain of what the memory held before.
   std::byte* const encapsulation = buffer.data + layout_.body_offset - encapsulation_bytes;
   auto* const index_end = reinterpret_cast<std::byte*>(buffer.index() + spec_.type->slots());
@@ -316,12 +341,16 @@ PublishStatus PublisherCore::send(const Outlets& before, const SampleHandle& sam
   header.source_stamp_ns = stamp_ns;
   sample->trust_header();
   if (history_ != nullptr) history_->add(sample);
-  const Outlets& outlets = history_ == nullptr ? before : *outlets_.load();  // see serve()
+  const Outlets& outlets = history_ == nullptr ? before : this->outlets();  // see serve()
   PublishStatus status = PublishStatus::ok;
   if (outlets.to_shm) {
     // It may have been lent elsewhere, before shared memory came up or while it had no chunk free.
     const SampleHandle local = outlets.shm->can_send(*sample) ? sample : copy_to_shm(outlets, sample);
-    if (!local || outlets.shm->send(local) != SendStatus::sent) status = PublishStatus::dropped;
+    const bool sent = local && outlets.shm->send(local) == SendStatus::sent;
+    if (!sent) status = PublishStatus::dropped;
+    for (const Outlets::Locals& locals : outlets.locals) {
+      if (locals.want()) sent ? locals.tally->sent(0, 0) : locals.tally->dropped();
+    }
   }
   if (outlets.to_udp && udp_->send(sample) != SendStatus::sent) status = PublishStatus::dropped;
   if (status != PublishStatus::ok) dropped_.fetch_add(1, std::memory_order_relaxed);
@@ -373,11 +402,19 @@ PublisherStatus PublisherCore::status() const {
     status.bytes_sent = udp_->bytes_sent();
     status.dropped += udp_->dropped();
   }
+  status.bytes_saved = book_->total().bytes_saved;
   const std::scoped_lock lock(status_mutex_);
+  status.mask = encoded_;
   status.readers = readers_;
   for (ReaderStatus& reader : status.readers) {
-    const auto withholding = withholding_.find(reader.id);
-    if (withholding != withholding_.end()) reader.withheld = withholding->second.count();
+    const Delivered delivered = book_->of(reader.id);
+    reader.published = delivered.sent + delivered.withheld + delivered.dropped;
+    reader.sent = delivered.sent;
+    reader.withheld = delivered.withheld;
+    reader.dropped = delivered.dropped;
+    reader.retained = delivered.retained;
+    reader.bytes_sent = delivered.bytes;
+    reader.bytes_saved = delivered.bytes_saved;
   }
   return status;
 }

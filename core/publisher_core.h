@@ -17,6 +17,7 @@
 
 #include "core/buffer_pool.h"
 #include "core/call_count.h"
+#include "core/delivery.h"
 #include "core/event_sink.h"
 #include "core/history.h"
 #include "core/negotiation.h"
@@ -61,6 +62,7 @@ class PublisherCore {
   PublisherStatus status() const;
   const TypeSupport& type() const { return *spec_.type; }
   EndpointId id() const { return spec_.id; }
+  const Spec& spec() const { return spec_; }
   EventSink& events() { return events_; }
 
   /// Puts a new division of readers between the ports in force. `shm` is null while there is no shared
@@ -90,25 +92,33 @@ class PublisherCore {
     bool to_all = false;  ///< some reader gets every sample
     FieldMask
         mask;  ///< what has to be encoded: everything for shared memory, else the union of what is asked for
-  };
-
-  /// What one reader's gates have withheld from it.
-  struct Withholding {
-    std::shared_ptr<const RateGate> gate;
-    std::uint64_t at_first = 0;  ///< the gate's count when the reader came to it
-    std::uint64_t before = 0;    ///< by other gates, earlier
-    std::uint64_t count() const { return before + (gate == nullptr ? 0 : gate->withheld() - at_first); }
+    bool whole = false;  ///< which is all there is
+    struct Locals {      ///< readers in shared memory with one limit
+      std::shared_ptr<const RateGate> gate;
+      std::shared_ptr<DeliveryTally> tally;
+      bool want() const { return gate == nullptr || gate->passes(); }
+    };
+    std::vector<Locals> locals;
+    DeliveryBook::Page page;  ///< all readers' gates, and what is sent through shared memory
   };
 
   std::vector<Route> take_latecomers(const Serving& serving);
   void find_gates(Serving& serving);
   std::shared_ptr<RateGate> gate_for(std::uint32_t min_period_us);
-  void forget_withholding();
-  void follow_withholding(const Serving& serving);
+  void write_page(const Serving& serving, Outlets& outlets) const;
+  /// Those in force, by which is counted from here on.
+  const Outlets& outlets() noexcept {
+    const Outlets* outlets = outlets_.load();
+    if (outlets != counted_) [[unlikely]]
+      turn_to(*outlets);
+    return *outlets;
+  }
+  void turn_to(const Outlets& outlets) noexcept;
+  std::uint32_t whole_bytes(const void* value, std::uint32_t encoded_bytes, std::int64_t stamp_ns) noexcept;
   bool admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept;
   std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;
   PublishStatus encode_and_send(const Outlets& outlets, const void* value, std::int64_t stamp_ns);
-  PublishStatus no_memory() noexcept;
+  PublishStatus no_memory(const Outlets& outlets) noexcept;
   tl::unexpected<Error> malformed(WalkStatus why) const;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept;
@@ -125,6 +135,7 @@ class PublisherCore {
   const std::shared_ptr<BufferPool> heap_;
   const std::shared_ptr<WriterPort> udp_;
   const std::unique_ptr<History> history_;  ///< null unless durability asks for it
+  const std::shared_ptr<DeliveryBook> book_ = std::make_shared<DeliveryBook>();
   Snapshot<Outlets> outlets_;
   CallCount calls_;  ///< of those that read the outlets: publish(), publish_cdr(), loan(), commit()
   std::atomic<std::uint64_t> sequence_{0};
@@ -138,7 +149,12 @@ class PublisherCore {
 
   mutable std::mutex status_mutex_;
   std::vector<ReaderStatus> readers_;
-  std::map<EndpointId, Withholding> withholding_;
+  FieldMask encoded_;  ///< at present
+
+  // Of the publisher's thread.
+  const Outlets* counted_ = nullptr;  ///< whose page is open
+  std::uint32_t measured_bytes_ = 0;  ///< of a sample with all its fields, and when it was published
+  std::int64_t measured_at_ns_ = 0;
 
   // Of the agent's thread.
   std::map<std::uint32_t, std::shared_ptr<RateGate>> gates_;  ///< by period; those of before as well

@@ -11,18 +11,7 @@
 
 namespace sft::core {
 
-/// What a writer offers or a reader requests. Durations of 0: none.
-struct Qos {
-  Reliability reliability = Reliability::best_effort;
-  Durability durability = Durability::volatile_;
-  std::chrono::nanoseconds deadline{0};
-  Liveliness liveliness = Liveliness::automatic;
-  std::chrono::nanoseconds liveliness_lease{0};
-  // These take no part in matching:
-  std::chrono::nanoseconds lifespan{0};  ///< writers
-  std::uint32_t history_depth = 1;       ///< writers: samples kept for late readers; readers: until taken
-  friend bool operator==(const Qos&, const Qos&) = default;
-};
+using sft::Qos;
 
 /// Errors name the option and what it may be.
 Result<Qos> qos_of(const PublisherOptions& options);

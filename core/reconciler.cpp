@@ -26,8 +26,8 @@ bool is_new_failure(Retry& retry, const Result<void>& outcome) {
 }  // namespace
 
 Reconciler::Reconciler(std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
-                       Dispatcher& dispatcher, Log log)
-    : shm_(shm), udp_(udp), discovery_(discovery), dispatcher_(dispatcher), log_(std::move(log)) {
+                       Dispatcher& dispatcher, NodeLog& log)
+    : shm_(shm), udp_(udp), discovery_(discovery), dispatcher_(dispatcher), log_(log) {
   self_.network = network;
   self_.shm_state = shm_ == nullptr ? "the node rules it out" : "starting";
   negotiation_.self_changed(self_);
@@ -103,7 +103,7 @@ void Reconciler::announce(EndpointId id) {
   const Endpoint* endpoint = negotiation_.local(id);
   if (endpoint == nullptr) return;
   if (const Result<void> sent = discovery_.announce(*endpoint); !sent)
-    log_(LogLevel::warning, sent.error().message);
+    log_.write(LogLevel::warning, sent.error().message);
 }
 
 void Reconciler::requirement_changed(EndpointId id) {
@@ -162,7 +162,7 @@ void Reconciler::request_changed(EndpointId id) {
   SubscriberCore& core = *readers_.at(id).core;
   core.requests(FieldMask::from_words(core.type().leaves(), request.mask_words), request.sequence);
   if (const Result<void> sent = discovery_.send(request); !sent) {
-    log_(LogLevel::warning, sent.error().message);
+    log_.write(LogLevel::warning, sent.error().message);
   }
 }
 
@@ -272,7 +272,7 @@ void Reconciler::look_after_shm() {
   if (!new_host) return;
   drop_shm_ports();
   reconcile();  // first: who was served in memory is served by UDP from here on
-  log_(LogLevel::info, "shared memory: " + self_.shm_state);
+  log_.write(LogLevel::info, "shared memory: " + self_.shm_state);
   for (const auto& [id, writer] : writers_) announce(id);
   for (const auto& [id, reader] : readers_) {
     announce(id);
@@ -284,7 +284,7 @@ void Reconciler::look_after_shm() {
 void Reconciler::look_after_udp(Now now) {
   if (udp_ == nullptr || udp_failed_ || udp_->poll(now) == Availability::ready) return;
   udp_failed_ = true;
-  log_(LogLevel::error, "UDP: " + udp_->description());
+  log_.write(LogLevel::error, "UDP: " + udp_->description());
 }
 
 /// The memory that they were in is gone, or another daemon's, which is to be asked at once.
@@ -335,14 +335,14 @@ bool Reconciler::try_shm(Retry& retry, Open open) {
   const bool is_news = is_new_failure(retry, opened);
   if (answered) asking_daemon_.succeeded();
   if ((answered || is_new_failure(asking_daemon_, opened)) && is_news)
-    log_(LogLevel::warning, opened.error().message);
+    log_.write(LogLevel::warning, opened.error().message);
   return opened.has_value();
 }
 
 bool Reconciler::try_udp(Retry& retry, Reader& reader, const Source& source) {
   if (!retry.due(std::chrono::steady_clock::now())) return false;
   const Result<void> connected = reader.udp->connect(source);
-  if (is_new_failure(retry, connected)) log_(LogLevel::warning, connected.error().message);
+  if (is_new_failure(retry, connected)) log_.write(LogLevel::warning, connected.error().message);
   return connected.has_value();
 }
 
@@ -369,11 +369,15 @@ void Reconciler::reconcile() {
 
 /// Events are what differs between the states that users could have polled.
 void Reconciler::tell_what_happened() {
-  const auto tell = [](auto& core, auto& told) {
-    if (!core.events().wanted()) return;
+  const auto tell = [this](auto& core, auto& told) {
+    if (!core.events().wanted() && !log_.wants(LogLevel::warning)) return;
     auto now = core.status();
-    for (const Event& event : events_between(told, now)) core.events().tell(event);
+    const auto events = events_between(told, now, core.type());
     told = std::move(now);
+    for (const Event& event : events) {
+      log_.write(core.spec().topic, event);
+      core.events().tell(event);
+    }
   };
   for (auto& [id, writer] : writers_) tell(*writer.core, writer.told);
   for (auto& [id, reader] : readers_) tell(*reader.core, reader.told);
@@ -401,20 +405,6 @@ void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
   const bool as_before = writer.in_force && writer.in_force->serves_like(wanted);
   writer.in_force = wanted;
   as_before ? writer.core->show(wanted.readers) : writer.core->serve(wanted, writer.shm);
-  report_mismatches(id, wanted.readers, writer.mismatched);
-}
-
-template <class Status>
-void Reconciler::report_mismatches(EndpointId id, const std::vector<Status>& others,
-                                   std::set<EndpointId>& reported) {
-  const auto before = std::exchange(reported, {});
-  for (const Status& other : others) {
-    if (other.mismatch == nullptr) continue;
-    reported.insert(other.id);
-    if (before.contains(other.id)) continue;
-    log_(LogLevel::warning,
-         "topic '" + negotiation_.local(id)->topic + "', node '" + other.node + "': " + other.reason);
-  }
 }
 
 void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
@@ -437,9 +427,6 @@ void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
   reader.heard = std::move(heard);
   std::erase_if(reader.connecting, [&](const auto& item) { return !reader.heard.contains(item.first); });
   reader.core->hears(wanted);
-  std::vector<WriterStatus> writers;
-  for (const Hearing& hearing : wanted) writers.push_back(hearing.status);
-  report_mismatches(id, writers, reader.mismatched);
   watch(reader);
 }
 

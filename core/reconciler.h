@@ -18,6 +18,7 @@
 #include "core/discovery.h"
 #include "core/dispatcher.h"
 #include "core/negotiation.h"
+#include "core/node_log.h"
 #include "core/publisher_core.h"
 #include "core/qos_watch.h"
 #include "core/recorder.h"
@@ -30,11 +31,9 @@ namespace sft::core {
 
 class Reconciler {
  public:
-  using Log = std::function<void(LogLevel, const std::string&)>;
-
   /// All that it is given outlives it; a transport is null where the node must not use it.
   Reconciler(std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
-             Dispatcher& dispatcher, Log log);
+             Dispatcher& dispatcher, NodeLog& log);
 
   struct NewReader {
     std::shared_ptr<SubscriberCore> core;
@@ -79,7 +78,6 @@ class Reconciler {
     std::shared_ptr<WriterPort> shm;
     Retry opening_shm{};
     std::optional<Serving> in_force;
-    std::set<EndpointId> mismatched{};  ///< readers of another definition of the type, reported
     OfferWatch watch;
     bool history_sent = false;  ///< at the last tick: all that late readers were to be given
     PublisherStatus told;       ///< the state up to which its events were told
@@ -103,7 +101,6 @@ class Reconciler {
     Qos requested;
     std::vector<Accepted> accepted;      ///< newest last
     std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
-    std::set<EndpointId> mismatched{};   ///< writers of another definition of the type, reported
     SubscriberStatus told;
   };
 
@@ -119,9 +116,6 @@ class Reconciler {
   void forget_what_was_in_flight(Now now);
   void drop_shm_ports();
   void let_go_of_the_left();
-  /// Logs, once, which of those on the other side have another definition of an endpoint's type.
-  template <class Status>
-  void report_mismatches(EndpointId id, const std::vector<Status>& others, std::set<EndpointId>& reported);
 
   void apply_desired_states();
   void reconcile_writer(EndpointId id, Writer& writer);
@@ -144,7 +138,7 @@ class Reconciler {
   Transport* const udp_;
   Discovery& discovery_;
   Dispatcher& dispatcher_;
-  const Log log_;
+  NodeLog& log_;
 
   Negotiation negotiation_;
   std::map<EndpointId, Writer> writers_;

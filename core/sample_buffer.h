@@ -33,6 +33,8 @@ struct SampleBuffer {
   FieldMask mask;                     ///< leaves that the sample has
   ElementIndex elements;              ///< what readers found out about this sample
   std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
+  /// On the sending side, for what is counted as saved: of the body with all fields; 0: unknown.
+  std::uint32_t whole_bytes = 0;
   // What the header said when it could be trusted: set by readers' ports once they have checked it, and by
   // publishers. A header in shared memory is never asked again.
   std::uint64_t writer = 0;

@@ -38,7 +38,9 @@ void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> po
   const std::scoped_lock lock(mutex_);
   inlets_[static_cast<std::size_t>(kind)].port.swap(
       port);  // the old one dies with the argument, behind the lock
-  if (port != nullptr) gone_.lost += port->lost_unnoticed();
+  if (port == nullptr) return;
+  gone_.lost += port->lost_unnoticed();
+  discarded_before_ += port->discarded();
 }
 
 void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
@@ -340,11 +342,15 @@ SubscriberStatus SubscriberCore::status() {
                           .lost = gone_.lost,
                           .withheld = gone_.withheld,
                           .expired = gone_.expired,
+                          .discarded = discarded_before_,
                           .mask = requested_,
+                          .max_rate_hz = min_period_us_ == 0 ? 0 : 1e6 / min_period_us_,
                           .requests = requests_,
                           .writers = writers_};
   for (const Inlet& inlet : inlets_) {
-    if (inlet.port != nullptr) status.lost += inlet.port->lost_unnoticed();
+    if (inlet.port == nullptr) continue;
+    status.lost += inlet.port->lost_unnoticed();
+    status.discarded += inlet.port->discarded();
   }
   for (const Heard& h : heard_) {
     status.received += h.received;

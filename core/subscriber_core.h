@@ -139,7 +139,8 @@ class SubscriberCore final : public ArrivalListener {
   std::mutex mutex_;             // never held over a system call or a callback
   std::array<Inlet, 2> inlets_;  // by TransportKind
   std::vector<Heard> heard_;
-  Heard gone_;  ///< sums of writers that were forgotten
+  Heard gone_;                          ///< sums of writers that were forgotten
+  std::uint64_t discarded_before_ = 0;  ///< by ports that are gone
   std::vector<WriterStatus> writers_;
   FieldMask requested_;
   std::shared_ptr<const ProjectionPlan> asked_;  ///< the same, where samples are to look as on another host

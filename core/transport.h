@@ -18,6 +18,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/delivery.h"
 #include "core/rate_gate.h"
 #include "core/sample_buffer.h"
 #include "sft/status.h"
@@ -103,6 +104,13 @@ class WriterPort {
   /// can_send() for where it may come from. The caller may still read the sample afterwards while it keeps a
   /// handle, but not write. Never waits for a reader. Every route's mask must be a subset of sample->mask.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
+
+  /// The sample that the gates were asked about last could not be made: whom it was for misses it.
+  virtual void miss() noexcept {}
+
+  /// Where to count what becomes of samples, by the pages of DeliveryBook::Teller::network. Called at most
+  /// once, before anything else.
+  virtual void count_in(std::shared_ptr<DeliveryBook> book) { static_cast<void>(book); }
 
   /// A route with `history` is served apart: what is sent to it names its reader, and waits until
   /// send_history() was called for it. It may become one without.

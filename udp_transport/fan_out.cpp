@@ -29,6 +29,13 @@ FanOut::Posted FanOut::post(Rest rest) noexcept {
     }
     oldest = std::move(queue_.front());
     queue_.erase(queue_.begin());
+    count_dropped(oldest);
+  }
+}
+
+void FanOut::count_dropped(const Rest& rest) noexcept {
+  for (const Group& group : of(rest)) {
+    if (group.gate == nullptr) group.tally->dropped();
   }
 }
 
@@ -45,10 +52,9 @@ std::optional<FanOut::Rest> FanOut::take() noexcept {
 
 void FanOut::carry_out() noexcept {
   while (const std::optional<Rest> rest = take()) {
-    const std::vector<Group>& groups = rest->routes->groups;
-    for (std::size_t i = rest->first; i < groups.size(); ++i) {
-      if (groups[i].gate != nullptr) continue;
-      tally_->dropped.fetch_add(sender_.send(groups[i], rest->sample), std::memory_order_relaxed);
+    for (const Group& group : of(*rest)) {
+      if (group.gate == nullptr)
+        tally_->dropped.fetch_add(sender_.send(group, rest->sample), std::memory_order_relaxed);
     }
   }
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/sample_buffer.h"
@@ -47,6 +48,10 @@ class FanOut final : public LeftWork {
 
  private:
   std::optional<Rest> take() noexcept;
+  static std::span<const Group> of(const Rest& rest) {
+    return std::span(rest.routes->groups).subspan(rest.first);
+  }
+  static void count_dropped(const Rest& rest) noexcept;
 
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;

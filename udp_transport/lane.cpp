@@ -22,12 +22,22 @@ Lane::Posted Lane::post(JobHandle job) {
   if (queue_.size() == depth_) {
     oldest = std::move(queue_.front());
     queue_.erase(queue_.begin());
+    count_lost(*oldest);
   }
   if (oldest_ == 0) oldest_ = job->sequence;
   queue_.push_back(std::move(job));
   busy_.store(true, std::memory_order_relaxed);
   return {.was_idle = !held_ && !std::exchange(scheduled_, true),
           .dropped_oldest = static_cast<bool>(oldest)};
+}
+
+void Lane::lose_current() {
+  tally_->dropped.fetch_add(1, std::memory_order_relaxed);
+  if (!is_retained_) count_lost(*current_);
+}
+
+void Lane::count_lost(const Job& job) const {
+  losses_->lost(job.first.total, job.sample ? job.sample->whole_bytes : 0);
 }
 
 void Lane::mark(Job& job) {
@@ -51,7 +61,8 @@ bool Lane::begin(std::vector<JobHandle> history) {
 const Job* Lane::next() {
   current_ = {};
   const std::scoped_lock lock(mutex_);
-  if (!history_.empty()) {
+  is_retained_ = !history_.empty();
+  if (is_retained_) {
     current_ = std::move(history_.back());
     history_.pop_back();
   } else if (!queue_.empty()) {

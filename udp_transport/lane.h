@@ -10,6 +10,7 @@
 #include <mutex>
 #include <vector>
 
+#include "core/delivery.h"
 #include "udp_transport/destination.h"
 #include "udp_transport/job.h"
 
@@ -32,6 +33,8 @@ class Lane {
   // Any thread.
 
   Destination& destination() const { return *to_; }
+  /// Samples that were to go this way and did not.
+  const std::shared_ptr<core::LossTally>& losses() const { return losses_; }
   /// Nobody waits there any more: what is queued is dropped, and nothing queued again.
   void close();
   bool closed() const { return closed_.load(std::memory_order_acquire); }
@@ -61,14 +64,20 @@ class Lane {
   /// The next job, valid until the next call; null if there is none, which makes the lane idle.
   const Job* next();
   WriterTally& tally() const { return *tally_; }
+  /// The job that next() gave did not leave.
+  void lose_current();
 
  private:
+  void count_lost(const Job& job) const;
+
   const std::shared_ptr<Destination> to_;
   const std::size_t depth_;
   const std::shared_ptr<WriterTally> tally_;
+  const std::shared_ptr<core::LossTally> losses_ = std::make_shared<core::LossTally>();
   std::atomic<bool> busy_;  ///< scheduled_ or held_, as the publisher sees it
   std::atomic<bool> closed_{false};
-  JobHandle current_;  ///< the sending thread's
+  JobHandle current_;         ///< the sending thread's
+  bool is_retained_ = false;  ///< likewise: what is current is no live sample
   std::mutex mutex_;
   bool scheduled_ = false;  ///< the sending thread knows of it
   bool held_;

@@ -26,6 +26,7 @@ struct Gathered {
   core::EndpointId late_reader;
   std::shared_ptr<const core::RateGate> gate;
   std::vector<std::shared_ptr<Destination>> destinations;
+  std::vector<std::pair<core::EndpointId, const Destination*>> readers;
 };
 
 /// Readers with equal masks and limits share an encoding, and those behind one socket a copy of it.
@@ -39,13 +40,22 @@ std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDir
     auto group = std::find_if(groups.begin(), groups.end(), [&](const Gathered& g) {
       return g.wanted == wanted && g.late_reader == late_reader;
     });
-    if (group == groups.end()) group = groups.insert(groups.end(), {wanted, late_reader, route.gate, {}});
+    if (group == groups.end()) group = groups.insert(groups.end(), {wanted, late_reader, route.gate, {}, {}});
     auto destination = directory.find(*address);
+    group->readers.emplace_back(route.reader, destination.get());
     auto& known = group->destinations;
     if (std::find(known.begin(), known.end(), destination) == known.end())
       known.push_back(std::move(destination));
   }
   return groups;
+}
+
+void write_page(const Gathered& gathered, const Group& group, core::DeliveryBook::Page& page) {
+  for (const auto& [reader, destination] : gathered.readers) {
+    const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };
+    const auto lane = std::find_if(group.lanes.begin(), group.lanes.end(), leads_there);
+    page.push_back({reader, {.tally = group.tally, .losses = (*lane)->losses()}});
+  }
 }
 
 }  // namespace
@@ -148,6 +158,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
       served.insert(destination.get());
     }
     if (gathered.late_reader != 0) late_readers.insert(gathered.late_reader);
+    write_page(gathered, group, table->page);
   }
   variants.keep_lanes_to(served, late_readers);
   return table;

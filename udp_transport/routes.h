@@ -23,11 +23,16 @@ struct Group {
   core::EndpointId late_reader = 0;            ///< 0: it serves others
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
+  std::shared_ptr<core::DeliveryTally> tally = std::make_shared<core::DeliveryTally>();
+
+  /// The publisher's thread: the one at hand.
+  bool wants_sample() const { return gate == nullptr || gate->passes(); }
 };
 
 /// Immutable: a change of routes makes another one.
 struct RouteTable {
   std::vector<Group> groups;
+  core::DeliveryBook::Page page;  ///< which tallies are whose
 
   /// The group of a late reader; null if there is none.
   const Group* of_late_reader(core::EndpointId reader) const;

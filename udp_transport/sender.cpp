@@ -116,7 +116,7 @@ bool Sender::advance(Flow& flow) {
   if (must_wait(flow)) return true;
   const Progress progress = send_some(flow);
   if (progress == Progress::some) return true;
-  if (progress == Progress::lost) flow.lane->tally().dropped.fetch_add(1, std::memory_order_relaxed);
+  if (progress == Progress::lost) flow.lane->lose_current();
   wake_at_ = {};
   return begin(flow);
 }

@@ -38,7 +38,9 @@ bool UdpWriter::history_sent() noexcept {
 }
 
 void UdpWriter::set_routes(std::vector<core::Route> routes) {
-  routes_.store(make_route_table(type_.type(), routes, variants_, side_->destinations));
+  auto table = make_route_table(type_.type(), routes, variants_, side_->destinations);
+  if (book_ != nullptr) book_->enter(table->page);
+  routes_.store(std::move(table));
   side_->sender.look_again();
 }
 
@@ -57,12 +59,23 @@ void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHand
   if (lane->begin(std::move(jobs))) side_->sender.schedule(lane);
 }
 
+/// What was left under the routes before still counts; under those before that, nothing may be left.
+void UdpWriter::turn_to(const RouteTable& routes) noexcept {
+  if (late_counts_) left_->finish();
+  late_counts_ = !left_->done();
+  if (book_ != nullptr) book_->turn_to(core::DeliveryBook::Teller::network, routes.page);
+  counted_ = &routes;
+}
+
 core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
-  if (side_->sender.stopped()) return core::SendStatus::lost_port;
+  if (side_->sender.stopped()) {
+    miss();
+    return core::SendStatus::lost_port;
+  }
+  const std::vector<Group>& groups = routes().groups;
   std::size_t missed = 0;
   std::size_t own = left_->done() ? own_variants_max(*sample) : 0;  // nothing overtakes what was left before
   std::size_t first_left = 0;
-  const std::vector<Group>& groups = routes_.load()->groups;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const Group& group = groups[i];
     if (group.gate != nullptr) {  // answers for this sample only while it is the last
@@ -75,6 +88,12 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
   }
   const bool left = leave(sample, first_left);
   return missed == 0 && left ? core::SendStatus::sent : core::SendStatus::dropped;
+}
+
+void UdpWriter::miss() noexcept {
+  for (const Group& group : routes().groups) {
+    if (group.wants_sample()) group.tally->dropped();
+  }
 }
 
 /// To the sending thread: what is without a maximum rate, from that group on. False if an older sample had to

@@ -22,6 +22,8 @@ class UdpWriter final : public core::WriterPort {
   ~UdpWriter() override;
 
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
+  void miss() noexcept override;
+  void count_in(std::shared_ptr<core::DeliveryBook> book) override { book_ = std::move(book); }
   void set_routes(std::vector<core::Route> routes) override;
   void send_history(const core::Route& to, std::vector<core::SampleHandle> samples) override;
   bool history_sent() noexcept override;
@@ -30,6 +32,14 @@ class UdpWriter final : public core::WriterPort {
 
  private:
   bool leave(const core::SampleHandle& sample, std::size_t first) noexcept;
+  /// Those in force, by which is counted from here on.
+  const RouteTable& routes() noexcept {
+    const RouteTable* routes = routes_.load();
+    if (routes != counted_) [[unlikely]]
+      turn_to(*routes);
+    return *routes;
+  }
+  void turn_to(const RouteTable& routes) noexcept;
 
   const TypeSupport& type_;
   const std::shared_ptr<SendSide> side_;
@@ -38,8 +48,12 @@ class UdpWriter final : public core::WriterPort {
 
   VariantDirectory variants_;  ///< of the agent's thread
   core::Snapshot<RouteTable> routes_;
+  std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 
-  VariantSender sender_;  ///< of the publisher's thread
+  // Of the publisher's thread.
+  const RouteTable* counted_ = nullptr;  ///< whose page is open
+  bool late_counts_ = false;             ///< something may have been left of the page before
+  VariantSender sender_;
   const std::shared_ptr<FanOut> left_;
 };
 

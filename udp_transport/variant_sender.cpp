@@ -17,7 +17,10 @@ VariantSender::VariantSender(const core::WriterSpec& spec, std::shared_ptr<SendS
 std::size_t VariantSender::send(const Group& group, const core::SampleHandle& sample) noexcept try {
   if (!blank_) blank_ = jobs_->take();
   Job& job = *blank_;
-  if (!encode(group, *sample, job)) return group.lanes.size();
+  if (!encode(group, *sample, job)) {
+    group.tally->dropped();
+    return group.lanes.size();
+  }
   if (group.gate != nullptr) {
     job.first.flags |= rate_follows;
     job.first.rate = {group.gate->min_period_us(), group.gate->ordinal()};
@@ -29,13 +32,16 @@ std::size_t VariantSender::send(const Group& group, const core::SampleHandle& sa
     if (outcome == SendOutcome::would_wait) {
       if (!job.sample) job.sample = sample;
       missed += enqueue(lane) ? 0 : 1;
-    } else {
-      missed += outcome == SendOutcome::sent ? 0 : 1;
+    } else if (outcome != SendOutcome::sent) {
+      lane->losses()->lost(job.first.total, sample->whole_bytes);
+      ++missed;
     }
   }
+  group.tally->sent(job.first.total, sample->whole_bytes);
   if (job.sample) blank_ = {};
   return missed;
 } catch (const std::bad_alloc&) {  // buffers grow with the samples that they have seen
+  group.tally->dropped();
   blank_ = {};
   return group.lanes.size();
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <sensor_msgs/msg/PointCloud2.hpp>
 #include <thread>
 
 #include "core/event_sink.h"
@@ -14,6 +15,8 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+
+using sensor_msgs::msg::PointCloud2;
 
 constexpr std::uint64_t peer = 7;
 
@@ -41,47 +44,88 @@ std::vector<EventKind> kinds(const std::vector<Event>& events) {
   return k;
 }
 
+std::vector<Event> between(const PublisherStatus& before, const PublisherStatus& after) {
+  return events_between(before, after, type_support<PointCloud2>());
+}
+std::vector<Event> between(const SubscriberStatus& before, const SubscriberStatus& after) {
+  return events_between(before, after, type_support<PointCloud2>());
+}
+
 TEST(EventsTest, NothingHappensBetweenEqualStates) {
-  EXPECT_THAT(events_between(serving(reader(true)), serving(reader(true))), IsEmpty());
-  EXPECT_THAT(events_between(hearing(writer(true)), hearing(writer(true))), IsEmpty());
+  EXPECT_THAT(between(serving(reader(true)), serving(reader(true))), IsEmpty());
+  EXPECT_THAT(between(hearing(writer(true)), hearing(writer(true))), IsEmpty());
 }
 
 TEST(EventsTest, APeerIsMatchedWhenItIsServedAndNotBefore) {
-  EXPECT_THAT(events_between(PublisherStatus{}, serving(reader(false))), IsEmpty());
-  const auto events = events_between(serving(reader(false)), serving(reader(true)));
+  EXPECT_THAT(between(PublisherStatus{}, serving(reader(false))), IsEmpty());
+  const auto events = between(serving(reader(false)), serving(reader(true)));
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0], (Event{.kind = EventKind::matched, .peer = peer, .node = "n", .text = "udp: so"}));
 }
 
 TEST(EventsTest, APeerIsUnmatchedWhenItIsNotServedAnyMoreOrGone) {
-  const auto silent = events_between(serving(reader(true)), serving(reader(false, {}, "no answer")));
+  const auto silent = between(serving(reader(true)), serving(reader(false, {}, "no answer")));
   ASSERT_THAT(kinds(silent), ElementsAre(EventKind::unmatched));
   EXPECT_EQ(silent[0].text, "no answer");
-  EXPECT_THAT(kinds(events_between(hearing(writer(true)), SubscriberStatus{})),
-              ElementsAre(EventKind::unmatched));
-  EXPECT_THAT(events_between(hearing(writer(false)), SubscriberStatus{}), IsEmpty());
+  EXPECT_THAT(kinds(between(hearing(writer(true)), SubscriberStatus{})), ElementsAre(EventKind::unmatched));
+  EXPECT_THAT(between(hearing(writer(false)), SubscriberStatus{}), IsEmpty());
 }
 
 TEST(EventsTest, AnotherPathIsToldWithItsReasonAndAnotherReasonAloneIsNot) {
   const auto before = serving(reader(true));
-  const auto events = events_between(before, serving(reader(true, TransportKind::shm, "same host")));
+  const auto events = between(before, serving(reader(true, TransportKind::shm, "same host")));
   ASSERT_THAT(kinds(events), ElementsAre(EventKind::path_changed));
   EXPECT_EQ(events[0].text, "shm: same host");
-  EXPECT_THAT(events_between(before, serving(reader(true, TransportKind::udp, "other words"))), IsEmpty());
+  EXPECT_THAT(between(before, serving(reader(true, TransportKind::udp, "other words"))), IsEmpty());
 }
 
 TEST(EventsTest, IncompatiblePeersAreToldOnceOnBothSides) {
   ReaderStatus r = reader(false, {}, "words");
   r.incompatible_policy = QosPolicy::deadline;
-  const auto events = events_between(PublisherStatus{}, serving(r));
+  const auto events = between(PublisherStatus{}, serving(r));
   ASSERT_THAT(kinds(events), ElementsAre(EventKind::incompatible_qos));
   EXPECT_EQ(events[0].policy, QosPolicy::deadline);
   EXPECT_EQ(events[0].text, "words");
-  EXPECT_THAT(events_between(serving(r), serving(r)), IsEmpty());
+  EXPECT_THAT(between(serving(r), serving(r)), IsEmpty());
   WriterStatus w = writer(false);
   w.incompatible_type = true;
-  EXPECT_THAT(kinds(events_between(SubscriberStatus{}, hearing(w))),
-              ElementsAre(EventKind::incompatible_type));
+  EXPECT_THAT(kinds(between(SubscriberStatus{}, hearing(w))), ElementsAre(EventKind::incompatible_type));
+}
+
+TEST(EventsTest, APairWithoutAWayForSamplesIsToldOnceOnBothSides) {
+  ReaderStatus r = reader(false, {}, "words");
+  r.no_path = true;
+  const auto events = between(serving(reader(false)), serving(r));
+  ASSERT_THAT(kinds(events), ElementsAre(EventKind::no_path));
+  EXPECT_EQ(events[0].text, "words");
+  EXPECT_THAT(between(serving(r), serving(r)), IsEmpty());
+  EXPECT_THAT(kinds(between(serving(r), serving(reader(true)))), ElementsAre(EventKind::matched));
+  WriterStatus w = writer(false);
+  w.no_path = true;
+  EXPECT_THAT(kinds(between(SubscriberStatus{}, hearing(w))), ElementsAre(EventKind::no_path));
+}
+
+TEST(EventsTest, WhatASubscriberAsksForIsToldOnBothSidesWhenItChanges) {
+  const auto& type = type_support<PointCloud2>();
+  ReaderStatus before = reader(true);
+  before.mask = type.parse_mask("height").value();
+  ReaderStatus after = before;
+  after.mask = type.parse_mask("height, width").value();
+  after.max_rate_hz = 2.5;
+  EXPECT_THAT(kinds(between(PublisherStatus{}, serving(before))), ElementsAre(EventKind::matched));
+  const auto told = between(serving(before), serving(after));
+  ASSERT_THAT(kinds(told), ElementsAre(EventKind::request_changed));
+  EXPECT_EQ(told[0].peer, peer);
+  EXPECT_EQ(told[0].text, "height, width, at most 2.5 Hz");
+  SubscriberStatus recorded;
+  recorded.mask = type.full();
+  SubscriberStatus narrow;
+  narrow.mask = type.none();
+  EXPECT_THAT(between(SubscriberStatus{}, recorded), IsEmpty());
+  const auto own = between(recorded, narrow);
+  ASSERT_THAT(kinds(own), ElementsAre(EventKind::request_changed));
+  EXPECT_EQ(own[0].peer, 0U);
+  EXPECT_EQ(own[0].text, "no fields");
 }
 
 TEST(EventsTest, DeadlinesAndLivelinessAreToldOnBothSides) {
@@ -89,20 +133,20 @@ TEST(EventsTest, DeadlinesAndLivelinessAreToldOnBothSides) {
   PublisherStatus late = good;
   late.deadlines_missed = 3;
   late.alive = false;
-  const auto offered = events_between(good, late);
+  const auto offered = between(good, late);
   ASSERT_THAT(kinds(offered), ElementsAre(EventKind::deadline_missed, EventKind::liveliness_lost));
   EXPECT_EQ(offered[0].count, 3U);
   EXPECT_EQ(offered[0].peer, 0U);
-  EXPECT_THAT(kinds(events_between(late, good)), ElementsAre(EventKind::liveliness_recovered));
+  EXPECT_THAT(kinds(between(late, good)), ElementsAre(EventKind::liveliness_recovered));
 
   WriterStatus silent = writer(true, "no sign of life");
   silent.deadlines_missed = 1;
   silent.alive = false;
-  const auto requested = events_between(hearing(writer(true)), hearing(silent));
+  const auto requested = between(hearing(writer(true)), hearing(silent));
   ASSERT_THAT(kinds(requested), ElementsAre(EventKind::deadline_missed, EventKind::liveliness_lost));
   EXPECT_EQ(requested[1].text, "no sign of life");
   EXPECT_EQ(requested[1].peer, peer);
-  EXPECT_THAT(kinds(events_between(hearing(silent), hearing(writer(true)))),
+  EXPECT_THAT(kinds(between(hearing(silent), hearing(writer(true)))),
               ElementsAre(EventKind::liveliness_recovered));
 }
 
@@ -111,7 +155,7 @@ TEST(EventsTest, LossesAreToldWithTheirNumber) {
   before.lost = 2;
   WriterStatus after = before;
   after.lost = 5;
-  const auto events = events_between(hearing(before), hearing(after));
+  const auto events = between(hearing(before), hearing(after));
   ASSERT_THAT(kinds(events), ElementsAre(EventKind::samples_lost));
   EXPECT_EQ(events[0].count, 3U);
 }

@@ -133,9 +133,9 @@ class ReconcilerTest : public ::testing::Test {
   Dispatcher dispatcher{bells->at(0), "test"};
   Connections connections;
   TestDiscovery discovery;
-  Reconciler reconciler{1,          nullptr,
-                        nullptr,    discovery,
-                        dispatcher, [this](LogLevel, const std::string& text) { logged.push_back(text); }};
+  NodeLog log{"node", LogLevel::info,
+              [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
+  Reconciler reconciler{1, nullptr, nullptr, discovery, dispatcher, log};
 };
 
 TEST_F(ReconcilerTest, AReaderIsAnnouncedBeforeItListensToAnybody) {

@@ -15,10 +15,14 @@ enum class EventKind : std::uint8_t {
   path_changed,          ///< `text`: to which, and why
   incompatible_qos,      ///< `policy`; never matches
   incompatible_type,     ///< the same name of a topic, another type; never matches
+  no_path,               ///< all fits but the ways that both may use; `text`: why there is none
   deadline_missed,       ///< offered, on a publisher: `peer` is 0; requested, on a subscriber
   liveliness_lost,       ///< on a publisher, its own: `peer` is 0; on a subscriber, that of a publisher
   liveliness_recovered,  ///< likewise
   samples_lost,          ///< on subscribers
+  /// A subscriber asks for other fields or another rate, which `text` names; on the subscriber itself `peer`
+  /// is 0.
+  request_changed,
 };
 const char* to_string(EventKind kind);
 
@@ -33,9 +37,9 @@ struct Event {
 };
 
 /// Called on the node's agent thread, which does nothing else meanwhile: be short. No lock is held,
-/// everything of SFT may be called and destroyed. What comes and goes within one batch of news may not be
-/// told. After the destructor of the publisher or subscriber it is not called any more (unless that runs in
-/// the call itself).
+/// everything of SFT may be called and destroyed. The node's log gets the same, whether there is a callback
+/// or not. What comes and goes within one batch of news may not be told. After the destructor of the
+/// publisher or subscriber it is not called any more (unless that runs in the call itself).
 using EventCallback = std::function<void(const Event&)>;
 
 }  // namespace sft

@@ -16,6 +16,7 @@
 #include "sft/dynamic.h"
 #include "sft/options.h"
 #include "sft/publisher.h"
+#include "sft/snapshot.h"
 #include "sft/status.h"
 #include "sft/subscriber.h"
 #include "sft/topics.h"
@@ -74,6 +75,8 @@ class Node {
                                        const SubscriberOptions& options = {}, DynamicCallback callback = {});
 
   NodeStatus status() const;
+  /// All that the node knows of its publishers, its subscribers and itself (snapshot.h); to_json() writes it.
+  NodeSnapshot snapshot() const;
 
  private:
   template <class T, Req<T> R>

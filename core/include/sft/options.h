@@ -18,9 +18,14 @@ namespace sft {
 /// hosts, and UDP within a host while shared memory is not to be had.
 enum class TransportChoice : std::uint8_t { automatic, shm, udp };
 
+/// debug: what subscribers ask for, whenever that changes; info: what happens to pairs, by which path and
+/// why; warning: what fails, or will never work as it is set up; error: what is over until the node is opened
+/// again.
 enum class LogLevel : std::uint8_t { debug, info, warning, error };
-using LogSink =
-    std::function<void(LogLevel, std::string_view)>;  ///< any thread; must not call back into the node
+/// Called on the node's agent thread, as event callbacks are: be short, no lock is held, everything of SFT
+/// may be called. One sink for several nodes is called by a thread of each. Of what comes again and again,
+/// ten lines of a kind are written and then one in 5 s, which says how many were left out.
+using LogSink = std::function<void(LogLevel, std::string_view)>;
 
 struct UdpSettings {
   std::uint16_t port = 0;                               ///< 0: any free one
@@ -47,6 +52,7 @@ struct NodeOptions {
   ShmSettings shm{};
   std::optional<std::string> cyclonedds_config{};  ///< XML or URI behind ours; default: $CYCLONEDDS_URI
   LogSink log{};                                   ///< the library itself never prints
+  LogLevel log_level = LogLevel::info;             ///< what is below is not even put into words
 };
 
 struct PublisherStatus;

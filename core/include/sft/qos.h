@@ -10,6 +10,7 @@
 // History, lifespan and rate are each side's own affair.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 
 namespace sft {
@@ -37,6 +38,19 @@ using enum Durability;
 using Liveliness::manual_by_topic;
 
 enum class QosPolicy : std::uint8_t { none, reliability, durability, deadline, liveliness };
+
+/// What a publisher offers or a subscriber requests. Durations of 0: none.
+struct Qos {
+  Reliability reliability = Reliability::best_effort;
+  Durability durability = Durability::volatile_;
+  std::chrono::nanoseconds deadline{0};
+  Liveliness liveliness = Liveliness::automatic;
+  std::chrono::nanoseconds liveliness_lease{0};
+  // These take no part in matching:
+  std::chrono::nanoseconds lifespan{0};  ///< publishers
+  std::uint32_t history_depth = 1;       ///< publishers: samples kept for late ones; subscribers: until taken
+  friend bool operator==(const Qos&, const Qos&) = default;
+};
 
 constexpr const char* to_string(Reliability kind) {
   return kind == Reliability::reliable ? "reliable" : "best_effort";

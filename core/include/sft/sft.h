@@ -9,6 +9,7 @@
 #include "sft/qos.h"           // IWYU pragma: export
 #include "sft/requirements.h"  // IWYU pragma: export
 #include "sft/sample.h"        // IWYU pragma: export
+#include "sft/snapshot.h"      // IWYU pragma: export
 #include "sft/status.h"        // IWYU pragma: export
 #include "sft/subscriber.h"    // IWYU pragma: export
 #include "sft/topics.h"        // IWYU pragma: export

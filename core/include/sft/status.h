@@ -1,4 +1,9 @@
-// Snapshots of what was negotiated and what was counted.
+// What was negotiated and what was counted, as it is when asked for. status() may be called by any thread,
+// callbacks of SFT included. It takes a short lock of its own and copies: some microseconds, more with many
+// peers, and nothing waits for it, who publishes least of all. For all of a node at once there is snapshot.h.
+//
+// Counts only grow. They are read one after the other while samples go on, so that a sample under way may be
+// in one count already and not yet in another; when nothing is under way they agree exactly.
 #pragma once
 
 #include <cstdint>
@@ -31,21 +36,39 @@ struct ReaderStatus {
   bool incompatible_type = false;
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
+  bool no_path = false;                             ///< fits, but not the ways that both may use
   FieldMask mask{};
   double max_rate_hz = 0;              ///< that it asks for; 0: all samples
-  std::uint64_t withheld = 0;          ///< samples that were not sent to it for that
   std::uint64_t request_sequence = 0;  ///< of the STR in force
+
+  // Samples, since it was first served, over all that it asked for and all paths it had. What was queued for
+  // it when its route changed counts as sent.
+  std::uint64_t published = 0;  ///< while it was served: sent + withheld + dropped
+  std::uint64_t sent = 0;       ///< put into shared memory, handed to the system, or queued to be
+  std::uint64_t withheld = 0;   ///< not sent to it for max_rate_hz
+  std::uint64_t dropped = 0;    ///< a queue or the memory was full, or the system refused
+  std::uint64_t retained = 0;   ///< older ones, sent first, of a durable publisher; not in the counts above
+
+  // Bytes over the network, loopback too, of the bodies of what was sent, without headers; in shared memory
+  // nothing is sent and nothing counts as saved. Where several readers of a process ask for the same, what
+  // travels once counts for each of them.
+  std::uint64_t bytes_sent = 0;
+  /// Of the same samples: what whole bodies would have been, less bytes_sent. A sample that was not encoded
+  /// whole is taken to have been as large as the last one measured, at most 10 ms before.
+  std::uint64_t bytes_saved = 0;
   friend bool operator==(const ReaderStatus&, const ReaderStatus&) = default;
 };
 
 struct PublisherStatus {
-  std::uint64_t published = 0;   ///< samples
-  std::uint64_t bytes_sent = 0;  ///< payload and SFT headers over the network
+  std::uint64_t published = 0;    ///< samples
+  std::uint64_t bytes_sent = 0;   ///< bodies and SFT headers over the network, each datagram once
+  std::uint64_t bytes_saved = 0;  ///< of all readers, with those that are gone
   std::uint64_t deadlines_missed = 0;
   bool alive = true;  ///< or it did not assert its liveliness in time
   /// Samples that could not be handed to some transport; and those that UDP queued and then could not send,
   /// once for each address that missed one.
   std::uint64_t dropped = 0;
+  FieldMask mask;                     ///< what is encoded of a sample at present
   std::vector<ReaderStatus> readers;  ///< all of the topic, served or not
 };
 
@@ -60,6 +83,7 @@ struct WriterStatus {
   bool incompatible_type = false;
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
+  bool no_path = false;                             ///< fits, but not the ways that both may use
   std::uint64_t received = 0;
   std::uint64_t lost = 0;      ///< samples that should have come
   std::uint64_t withheld = 0;  ///< samples that did not come, or were skipped, for max_rate_hz
@@ -72,7 +96,11 @@ struct SubscriberStatus {
   std::uint64_t lost = 0;      ///< with what writers left behind and was not taken in time
   std::uint64_t withheld = 0;  ///< for max_rate_hz
   std::uint64_t expired = 0;   ///< with their lifespan
+  /// That arrived and were thrown away: pushed out of a full queue, which counts as lost once a later one is
+  /// taken, or malformed.
+  std::uint64_t discarded = 0;
   FieldMask mask;              ///< what is asked for at present
+  double max_rate_hz = 0;      ///< likewise; 0: all samples
   std::uint64_t requests = 0;  ///< STRs sent
   std::vector<WriterStatus> writers;
 };
@@ -82,11 +110,13 @@ struct NodeStatus {
   std::string shm;
   bool shm_ready = false;
   std::uint64_t datagrams_malformed = 0;
-  std::uint64_t datagrams_unknown = 0;  ///< of writers that nobody here reads
-  std::uint64_t samples_incomplete = 0;
-  std::uint64_t over_limit = 0;
-  std::uint64_t control_malformed = 0;  ///< endpoints, type descriptions and requests that were refused
-  std::uint64_t control_ignored = 0;    ///< those beyond the limits of the table of endpoints
+  std::uint64_t datagrams_unknown = 0;      ///< of writers that nobody here reads
+  std::uint64_t samples_incomplete = 0;     ///< of which a part never came
+  std::uint64_t over_limit = 0;             ///< by UDP: sent or received, and dropped to stay within a limit
+  std::uint64_t shm_samples_malformed = 0;  ///< that are not what they claim to be
+  std::uint64_t shm_over_limit = 0;         ///< no memory lent, nothing taken or sent, to stay within a limit
+  std::uint64_t control_malformed = 0;      ///< endpoints, type descriptions and requests that were refused
+  std::uint64_t control_ignored = 0;        ///< those beyond the limits of the table of endpoints
 };
 
 }  // namespace sft

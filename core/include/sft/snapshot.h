@@ -1,0 +1,95 @@
+// Everything that a node knows of its own doings, at one time: node.snapshot(). For people, tools and tests.
+//
+// Any thread, callbacks of SFT included. It takes the states of all publishers and subscribers one after the
+// other, each as status() does (sft/status.h says what counts mean and when they agree), and writes masks as
+// field names: some microseconds for each pair, and memory. Nobody who publishes or receives waits for it. A
+// publisher or subscriber that is being opened or destroyed waits until it is taken.
+//
+// As JSON it is one object. Names stay what they are; later versions may add some. Ids are strings of 16 hex
+// digits, durations are nanoseconds, 0 means none, `fields` are as parse_mask() takes them, and `transport`
+// is "shm", "udp" or, where nothing travels, null:
+//
+//   node          name, domain, version, control_protocol, time_ns (CLOCK_REALTIME)
+//   shm           ready, state, refused {malformed, over_limit}
+//   udp           state, refused {malformed, unknown, incomplete, over_limit}
+//   control       refused {malformed, ignored}
+//   publishers[]  id, topic, type, qos, fields (encoded at present), published, bytes_sent, bytes_saved,
+//   dropped,
+//                 deadlines_missed, alive, readers[]
+//     readers[]   id, node, served, transport, reason, incompatible_type, incompatible_policy (null: none),
+//     no_path,
+//                 fields, max_rate_hz, request, published, sent, withheld, dropped, retained, bytes_sent,
+//                 bytes_saved
+//   subscribers[] id, topic, type, qos, fields (asked for), recorded, max_rate_hz, requests, received, lost,
+//   withheld,
+//                 expired, discarded, writers[]
+//     writers[]   id, node, matched, alive, transport, reason, incompatible_type, incompatible_policy,
+//     no_path,
+//                 received, lost, withheld, expired, deadlines_missed
+//   qos           reliability, durability, history_depth, deadline_ns, lifespan_ns, liveliness,
+//   liveliness_lease_ns
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sft/qos.h"
+#include "sft/status.h"
+
+namespace sft {
+
+struct ReaderSnapshot : ReaderStatus {
+  std::string fields{};  ///< that it is sent
+};
+
+/// What has no comment is as in PublisherStatus.
+struct PublisherSnapshot {
+  std::uint64_t id = 0;
+  std::string topic;
+  std::string type;
+  Qos qos;
+  std::string fields;  ///< that are encoded at present
+  std::uint64_t published = 0;
+  std::uint64_t bytes_sent = 0;
+  std::uint64_t bytes_saved = 0;
+  std::uint64_t dropped = 0;
+  std::uint64_t deadlines_missed = 0;
+  bool alive = true;
+  std::vector<ReaderSnapshot> readers;
+};
+
+/// What has no comment is as in SubscriberStatus.
+struct SubscriberSnapshot {
+  std::uint64_t id = 0;
+  std::string topic;
+  std::string type;
+  Qos qos;
+  std::string fields;      ///< asked for at present
+  bool recorded = false;   ///< and found out by recording
+  double max_rate_hz = 0;  ///< asked for; 0: all samples
+  std::uint64_t requests = 0;
+  std::uint64_t received = 0;
+  std::uint64_t lost = 0;
+  std::uint64_t withheld = 0;
+  std::uint64_t expired = 0;
+  std::uint64_t discarded = 0;
+  std::vector<WriterStatus> writers;
+};
+
+struct NodeSnapshot {
+  std::string name;
+  std::uint32_t domain = 0;
+  std::string version;                 ///< of this library
+  std::uint32_t control_protocol = 0;  ///< its version; nodes of another one are not seen
+  std::chrono::sys_time<std::chrono::nanoseconds> time{};
+  NodeStatus status;                            ///< how shared memory and UDP work, and what was refused
+  std::vector<PublisherSnapshot> publishers;    ///< in the order in which they were opened
+  std::vector<SubscriberSnapshot> subscribers;  ///< likewise
+};
+
+/// `indent`: spaces for each level; -1: all in one line. Whatever was announced by others stays valid UTF-8.
+std::string to_json(const NodeSnapshot& snapshot, int indent = 2);
+
+}  // namespace sft

@@ -1,0 +1,91 @@
+// What reaches a program's log sink, and how little of what comes again and again.
+#include "core/node_log.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using Now = NodeLog::Now;
+
+class NodeLogTest : public ::testing::Test {
+ protected:
+  using Lines = std::vector<std::pair<LogLevel, std::string>>;
+  NodeLog log_from(LogLevel threshold) {
+    return {"node", threshold,
+            [this](LogLevel level, std::string_view text) { lines.emplace_back(level, text); }};
+  }
+  Lines lines;
+  const Now now{1h};
+};
+
+TEST_F(NodeLogTest, WritesFromItsLevelOn) {
+  NodeLog log = log_from(LogLevel::warning);
+  log.write(LogLevel::info, "no", now);
+  log.write(LogLevel::warning, "yes", now);
+  log.write(LogLevel::error, "yes, too", now);
+  EXPECT_EQ(lines, (Lines{{LogLevel::warning, "node: yes"}, {LogLevel::error, "node: yes, too"}}));
+  EXPECT_FALSE(log.wants(LogLevel::info));
+}
+
+TEST_F(NodeLogTest, WithoutASinkWantsNothing) {
+  NodeLog log("node", LogLevel::debug, nullptr);
+  EXPECT_FALSE(log.wants(LogLevel::error));
+  log.write(LogLevel::error, "to nobody", now);
+}
+
+TEST_F(NodeLogTest, AnEventNamesItsTopicItsPeerAndItsReason) {
+  NodeLog log = log_from(LogLevel::info);
+  log.write("points", {.kind = EventKind::path_changed, .peer = 7, .node = "other", .text = "shm: same host"},
+            now);
+  log.write("points", {.kind = EventKind::deadline_missed, .text = "nothing came"}, now);
+  log.write("points", {.kind = EventKind::incompatible_qos, .text = "incompatible QoS: deadline"}, now);
+  log.write("points", {.kind = EventKind::request_changed, .text = "for debugging"}, now);
+  EXPECT_EQ(lines,
+            (Lines{{LogLevel::info, "node: topic 'points', node 'other': path changed: shm: same host"},
+                   {LogLevel::info, "node: topic 'points': deadline missed: nothing came"},
+                   {LogLevel::warning, "node: topic 'points': incompatible QoS: deadline"}}));
+}
+
+TEST_F(NodeLogTest, WhatWillNeverMatchIsAWarning) {
+  EXPECT_EQ(NodeLog::level_of(EventKind::incompatible_qos), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of(EventKind::incompatible_type), LogLevel::warning);
+}
+
+TEST_F(NodeLogTest, OfAFloodAFewLinesAreWrittenThenOneNowAndThenThatSaysHowManyWereNot) {
+  NodeLog log = log_from(LogLevel::info);
+  for (int i = 0; i < 1000; ++i) log.write(LogLevel::warning, "again", now);
+  ASSERT_EQ(lines.size(), std::size_t{LineBudget::burst});
+  log.write(LogLevel::warning, "again", now + LineBudget::period);
+  ASSERT_EQ(lines.size(), LineBudget::burst + 1U);
+  EXPECT_EQ(lines.back().second, "node: again (990 more of its kind left out)");
+  log.write(LogLevel::warning, "again", now + LineBudget::period);
+  EXPECT_EQ(lines.size(), LineBudget::burst + 1U);
+}
+
+TEST_F(NodeLogTest, AFloodOfOneKindHoldsNoOtherBack) {
+  NodeLog log = log_from(LogLevel::info);
+  for (int i = 0; i < 1000; ++i)
+    log.write("points", {.kind = EventKind::samples_lost, .text = "1 lost"}, now);
+  lines.clear();
+  log.write("points", {.kind = EventKind::matched, .text = "udp: another host"}, now);
+  log.write(LogLevel::info, "shared memory: ready", now);
+  EXPECT_EQ(lines.size(), 2U);
+}
+
+TEST_F(NodeLogTest, AfterAQuietTimeTheBudgetIsWholeAndNoLarger) {
+  NodeLog log = log_from(LogLevel::info);
+  for (int round = 0; round < 3; ++round) {
+    lines.clear();
+    for (int i = 0; i < 100; ++i) log.write(LogLevel::info, "again", now + round * 1h);
+    EXPECT_EQ(lines.size(), std::size_t{LineBudget::burst});
+  }
+}
+
+}  // namespace
+}  // namespace sft::core
