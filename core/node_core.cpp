@@ -62,7 +62,9 @@ void NodeCore::dispose(NodeCore* node) {
   } else if (auto thread = start_thread("sft-close", [node] { delete node; })) {
     thread->detach();
   } else {
-    node->log(LogLevel::error, "the node stays open: " + thread.error().message);
+    node->agent_.post([node, why = thread.error().message] {
+      node->log_.write(LogLevel::error, "the node stays open: " + why);
+    });
   }
 }
 
