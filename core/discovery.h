@@ -1,4 +1,4 @@
-// The two control topics on Cyclone DDS: announces our endpoints and requests, reports everybody else's. The
+// The control topics on Cyclone DDS: announces our endpoints and requests, reports everybody else's. The
 // only part of the core that sees Cyclone, which is behind the .cpp.
 #pragma once
 

@@ -21,7 +21,7 @@ struct alignas(64) Doorbell {
   std::atomic<std::uint32_t> rings{0};
   std::atomic<std::uint32_t> sleepers{0};
 
-  /// Wakes one sleeper, if any, after the caller made data visible. Any thread or process.
+  /// Wakes all who sleep, after the caller made data visible. Any thread or process.
   void ring() noexcept;
 
   /// Sleeps until `ready()` holds, the doorbell was rung, or the deadline passed. Spurious returns are

@@ -45,10 +45,6 @@ bool held_by_other_user(const std::string& path) {
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-  if (fd_ >= 0) close(fd_);
-}
-
 bool is_locked(int descriptor) noexcept {
   struct flock lock = whole_file();
   return fcntl(descriptor, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;

@@ -9,28 +9,12 @@
 #include <string>
 #include <utility>
 
+#include "core/file_descriptor.h"
 #include "sft/typesupport/result.h"
 
 namespace sft::shm {
 
-/// A file descriptor that closes itself.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  ~Descriptor();
-
-  explicit operator bool() const { return fd_ >= 0; }
-  int get() const { return fd_; }
-
- private:
-  int fd_ = -1;
-};
+using Descriptor = core::FileDescriptor;
 
 class FileLock {
  public:

@@ -70,7 +70,7 @@ class SocketReceiver final : public DatagramReceiver {
 
 Result<DatagramIo> open_socket_io(std::shared_ptr<const UdpSocket> socket) {
   FileDescriptor wake_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (!wake_event.valid())
+  if (!wake_event)
     return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
   Result<std::unique_ptr<DatagramSender>> sender = open_socket_sender(socket);
   if (!sender) return tl::unexpected<Error>(std::move(sender.error()));

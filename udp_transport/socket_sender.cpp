@@ -31,11 +31,11 @@ class SocketConnection final : public Connection {
       : to_(to_sockaddr(to)), shared_(std::move(shared)) {
     if (shared_->own_sockets.fetch_add(1, std::memory_order_relaxed) < sending_sockets_max)
       own_ = open_sending_socket(shared_->socket->options);
-    if (!own_.valid()) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
+    if (!own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
     reconnect();
   }
   ~SocketConnection() override {
-    if (own_.valid()) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
+    if (own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
   }
 
   Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
@@ -44,7 +44,7 @@ class SocketConnection final : public Connection {
 
   /// Undone first: the kernel would keep the source address and the route that it chose before.
   void reconnect() noexcept override {
-    if (!own_.valid()) return;
+    if (!own_) return;
     connected_.store(false, std::memory_order_relaxed);
     const sockaddr nobody{.sa_family = AF_UNSPEC, .sa_data = {}};
     ::connect(own_.get(), &nobody, sizeof nobody);
@@ -59,7 +59,7 @@ class SocketConnection final : public Connection {
   bool full() const noexcept override { return full_; }
 
   void has_room() noexcept { full_ = false; }
-  int fd() const noexcept { return own_.valid() ? own_.get() : shared_->socket->fd.get(); }
+  int fd() const noexcept { return own_ ? own_.get() : shared_->socket->fd.get(); }
 
  private:
   const sockaddr_in to_;
@@ -109,7 +109,7 @@ class SocketSender final : public DatagramSender {
 
 Result<std::unique_ptr<DatagramSender>> open_socket_sender(std::shared_ptr<const UdpSocket> socket) {
   FileDescriptor wake_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (!wake_event.valid())
+  if (!wake_event)
     return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
   return std::make_unique<SocketSender>(std::move(socket), std::move(wake_event));
 }

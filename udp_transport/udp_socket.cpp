@@ -1,7 +1,6 @@
 #include "udp_transport/udp_socket.h"
 
 #include <netinet/udp.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -130,15 +129,11 @@ ArrivalTime arrival_time() noexcept {
 
 }  // namespace
 
-FileDescriptor::~FileDescriptor() {
-  if (fd_ >= 0) ::close(fd_);
-}
-
 Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& options) {
   auto socket = std::make_shared<UdpSocket>();
   socket->fd = FileDescriptor(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   const int fd = socket->fd.get();
-  if (!socket->fd.valid()) return fail(Errc::system, "cannot open a UDP socket: " + message_of(errno));
+  if (!socket->fd) return fail(Errc::system, "cannot open a UDP socket: " + message_of(errno));
   if (const int error = bind_patiently(fd, to_sockaddr(options.bind)); error != 0) {
     return bind_error(error, options.bind);
   }
@@ -154,7 +149,7 @@ Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& op
 
 FileDescriptor open_sending_socket(const SocketOptions& options) noexcept {
   FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  if (!socket.valid()) return socket;
+  if (!socket) return socket;
   const int fd = socket.get();
   const sockaddr_in from = to_sockaddr({options.bind.ipv4, 0});
   if (options.bind.ipv4 != 0) ::bind(fd, reinterpret_cast<const sockaddr*>(&from), sizeof from);

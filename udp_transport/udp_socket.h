@@ -11,29 +11,14 @@
 #include <ctime>
 #include <memory>
 #include <span>
-#include <utility>
 
+#include "core/file_descriptor.h"
 #include "sft/typesupport/result.h"
 #include "udp_transport/datagram_io.h"
 
 namespace sft::udp {
 
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int fd = -1) : fd_(fd) {}
-  FileDescriptor(FileDescriptor&& other) noexcept : fd_(other.release()) {}
-  FileDescriptor& operator=(FileDescriptor other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  ~FileDescriptor();
-  int get() const { return fd_; }
-  bool valid() const { return fd_ >= 0; }
-
- private:
-  int release() { return std::exchange(fd_, -1); }
-  int fd_;
-};
+using core::FileDescriptor;
 
 struct SocketOptions {
   SocketAddress bind;                    ///< address 0: all; port 0: any

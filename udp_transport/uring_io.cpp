@@ -277,7 +277,7 @@ tl::unexpected<Error> refused(int error) {
 
 Result<DatagramIo> open_uring_io(std::shared_ptr<const UdpSocket> socket) {
   FileDescriptor wake_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (!wake_event.valid())
+  if (!wake_event)
     return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
   auto receiver = std::make_unique<UringReceiver>(socket, std::move(wake_event));
   if (const int error = receiver->open(); error != 0) return refused(error);

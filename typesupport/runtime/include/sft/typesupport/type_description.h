@@ -18,7 +18,7 @@ struct DescriptionLimits {
   std::size_t bytes = 65'536;
   std::size_t name_bytes = 255;  ///< of each name and unit
   std::uint32_t array_elements = 1U << 28;
-  std::size_t depth = 64;            ///< of structs in structs
+  std::size_t depth = 16;            ///< of structs in structs; real types have some 5
   std::size_t leaves = 4096;         ///< as many as a request can name
   std::size_t members = 32'768;      ///< and enumerators
   std::size_t path_bytes = 1 << 20;  ///< of the paths of all leaves, about
