@@ -83,14 +83,18 @@ Reading DeliveryBook::Column::sum() const noexcept {
   return sum += before;
 }
 
-void DeliveryBook::Column::close() noexcept {
+void DeliveryBook::Column::close(LateCounts late_counts) noexcept {
   const Reading now = meter.read();
   before += now;
   before -= at_first;
   before += late.read();
   before -= at_last;
-  late = {.tally = meter.tally};
-  at_last = {.sent = now.sent, .dropped = now.dropped, .bytes = now.bytes, .whole_bytes = now.whole_bytes};
+  late = {};
+  at_last = {};
+  if (late_counts == LateCounts::to_come && meter.tally != nullptr) {
+    late.tally = meter.tally;
+    at_last = {.sent = now.sent, .dropped = now.dropped, .bytes = now.bytes, .whole_bytes = now.whole_bytes};
+  }
   at_first = {};
   meter = {};
 }
@@ -133,10 +137,10 @@ void DeliveryBook::forget_the_gone() {
   });
 }
 
-void DeliveryBook::turn_to(Teller teller, const Page& page) noexcept {
+void DeliveryBook::turn_to(Teller teller, const Page& page, LateCounts late) noexcept {
   const auto number = static_cast<std::size_t>(teller);
   const std::scoped_lock lock(mutex_);
-  for (auto& [reader, account] : accounts_) account.columns[number].close();
+  for (auto& [reader, account] : accounts_) account.columns[number].close(late);
   for (const auto& [reader, meter] : page) {
     const auto account = accounts_.find(reader);
     if (account == accounts_.end()) continue;

@@ -96,9 +96,11 @@ class DeliveryBook {
   /// Those that are not among these do not come back: from here on they only count in total().
   void keep(const std::set<std::uint64_t>& readers);
 
-  /// The publisher's thread. Allocates nothing. What is sent late, by tallies of the page before, still
-  /// counts.
-  void turn_to(Teller teller, const Page& page) noexcept;
+  /// Tallies of the page before may still be added to, until the next turn: they must not be on this page too.
+  enum class LateCounts : std::uint8_t { none, to_come };
+
+  /// The publisher's thread. Allocates nothing.
+  void turn_to(Teller teller, const Page& page, LateCounts late = LateCounts::none) noexcept;
 
   // Any thread.
 
@@ -113,7 +115,7 @@ class DeliveryBook {
     DeliveryMeter meter{};
     DeliveryMeter::Reading at_last{};  ///< on the page before
     DeliveryMeter late{};              ///< its tally
-    void close() noexcept;
+    void close(LateCounts late_counts) noexcept;
     DeliveryMeter::Reading sum() const noexcept;
   };
   struct Account {

@@ -61,9 +61,10 @@ void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHand
 
 /// What was left under the routes before still counts; under those before that, nothing may be left.
 void UdpWriter::turn_to(const RouteTable& routes) noexcept {
-  if (late_counts_) left_->finish();
-  late_counts_ = !left_->done();
-  if (book_ != nullptr) book_->turn_to(core::DeliveryBook::Teller::network, routes.page);
+  using core::DeliveryBook;
+  if (late_counts_ == DeliveryBook::LateCounts::to_come) left_->finish();
+  late_counts_ = left_->done() ? DeliveryBook::LateCounts::none : DeliveryBook::LateCounts::to_come;
+  if (book_ != nullptr) book_->turn_to(DeliveryBook::Teller::network, routes.page, late_counts_);
   counted_ = &routes;
 }
 

@@ -52,7 +52,7 @@ class UdpWriter final : public core::WriterPort {
 
   // Of the publisher's thread.
   const RouteTable* counted_ = nullptr;  ///< whose page is open
-  bool late_counts_ = false;             ///< something may have been left of the page before
+  core::DeliveryBook::LateCounts late_counts_{};  ///< of what was left on the page before
   VariantSender sender_;
   const std::shared_ptr<FanOut> left_;
 };

@@ -55,6 +55,20 @@ TEST_F(DeliveryTest, CountsGoOnFromPageToPageAndAddUpOverTellers) {
   EXPECT_EQ(book.of(neighbour), (Delivered{.sent = 2, .bytes = 2, .bytes_saved = 8}));
 }
 
+TEST_F(DeliveryTest, WhatIsLeftOfThePageBeforeStillCountsIfItIsExpected) {
+  const Tally before = tally(), now = tally();
+  turn_to({{reader, {.tally = before}}});
+  before->sent(1, 5);
+  book.turn_to(Teller::network, {{reader, {.tally = now}}}, DeliveryBook::LateCounts::to_come);
+  before->sent(1, 5);
+  now->sent(1, 5);
+  EXPECT_EQ(book.of(reader).sent, 3U);
+  book.turn_to(Teller::network, {});
+  EXPECT_EQ(book.of(reader), (Delivered{.sent = 3, .bytes = 3, .bytes_saved = 12}));
+  before->sent(1, 5);
+  EXPECT_EQ(book.of(reader).sent, 3U);
+}
+
 TEST_F(DeliveryTest, WhatAGateWithholdsIsItsReadersFromWhenTheyCameToIt) {
   const auto gate = std::make_shared<RateGate>(1'000'000);
   const auto withhold = [&gate = *gate] { gate.consider(1); };

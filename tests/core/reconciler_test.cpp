@@ -133,8 +133,7 @@ class ReconcilerTest : public ::testing::Test {
   Dispatcher dispatcher{bells->at(0), "test"};
   Connections connections;
   TestDiscovery discovery;
-  NodeLog log{"node", LogLevel::info,
-              [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
+  NodeLog log{"node", LogLevel::warning, [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
   Reconciler reconciler{1, nullptr, nullptr, discovery, dispatcher, log};
 };
 
@@ -181,7 +180,7 @@ TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainBy
     reconciler.tick();
     writer_seen(7);
   }
-  EXPECT_THAT(logged, ElementsAre("the same short id", "the same short id"));
+  EXPECT_THAT(logged, ElementsAre("node: the same short id", "node: the same short id"));
   connections.refusal.clear();
   EXPECT_THAT(connections.writers, IsEmpty());
   EXPECT_TRUE(test::eventually([&] {
