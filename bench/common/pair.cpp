@@ -40,6 +40,8 @@ void pin_to_core(int core) {
 
 namespace {
 
+constexpr unsigned patience_s = 300;  // a side that takes longer hangs
+
 pid_t start(int core, const std::function<void()>& enter, const std::function<void(Exchange&)>& role,
             Exchange& exchange) {
   const pid_t child = fork();
@@ -47,6 +49,7 @@ pid_t start(int core, const std::function<void()>& enter, const std::function<vo
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   enter();
   pin_to_core(core);
+  alarm(patience_s);
   role(exchange);
   std::exit(exchange.failed.load() ? 1 : 0);
 }

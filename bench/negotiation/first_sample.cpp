@@ -96,7 +96,7 @@ void read_late(Exchange& exchange, Late late, std::uint64_t readers) {
     typename Program::Reader reader(program, topic, late);
     exchange.failed = !reader.wait();
     exchange.received_at[i] = now_ns();
-    while (exchange.sent.load() == 0) sleep_us(period_us);
+    while (exchange.sent.load() == 0 && !exchange.failed.load()) sleep_us(period_us);
     exchange.received = i + 1;
   }
 }

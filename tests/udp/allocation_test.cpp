@@ -4,37 +4,12 @@
 #include <netinet/in.h>
 
 #include <atomic>
-#include <cstdlib>
 #include <memory>
-#include <new>
 #include <thread>
 
 #include "endpoints.h"
+#include "tests/support/process_allocations.h"
 #include "udp_transport/udp_transport.h"
-
-namespace {
-std::atomic<std::size_t> allocations{0};
-
-void* allocate(std::size_t bytes, std::size_t alignment = alignof(std::max_align_t)) {
-  allocations.fetch_add(1, std::memory_order_relaxed);
-  void* memory = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-}  // namespace
-
-void* operator new(std::size_t bytes) { return allocate(bytes); }
-void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept { return allocate(bytes); }
-void* operator new(std::size_t bytes, std::align_val_t alignment) {
-  return allocate(bytes, static_cast<std::size_t>(alignment));
-}
-void* operator new(std::size_t bytes, std::align_val_t alignment, const std::nothrow_t&) noexcept {
-  return allocate(bytes, static_cast<std::size_t>(alignment));
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
 namespace sft::udp {
 namespace {
@@ -87,9 +62,10 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
         std::this_thread::yield();
     };
     for (std::uint64_t sequence = 1; sequence <= 50; ++sequence) exchange(sequence);
-    const std::size_t before = allocations;
+    const std::uint64_t before = sft::test::process_allocations();
     for (std::uint64_t sequence = 51; sequence <= 250; ++sequence) exchange(sequence);
-    EXPECT_LT(allocations - before, 20U);  // a thread may fall further behind than it did before
+    EXPECT_LT(sft::test::process_allocations() - before,
+              20U);  // a thread may fall further behind than it did before
     EXPECT_GT(listener.samples, 200U);
   }
 }
