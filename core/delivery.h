@@ -96,7 +96,8 @@ class DeliveryBook {
   /// Those that are not among these do not come back: from here on they only count in total().
   void keep(const std::set<std::uint64_t>& readers);
 
-  /// Tallies of the page before may still be added to, until the next turn: they must not be on this page too.
+  /// Tallies of the page before may still be added to, until the next turn: they must not be on this page
+  /// too.
   enum class LateCounts : std::uint8_t { none, to_come };
 
   /// The publisher's thread. Allocates nothing.

@@ -51,7 +51,7 @@ class UdpWriter final : public core::WriterPort {
   std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 
   // Of the publisher's thread.
-  const RouteTable* counted_ = nullptr;  ///< whose page is open
+  const RouteTable* counted_ = nullptr;           ///< whose page is open
   core::DeliveryBook::LateCounts late_counts_{};  ///< of what was left on the page before
   VariantSender sender_;
   const std::shared_ptr<FanOut> left_;

@@ -133,7 +133,8 @@ class ReconcilerTest : public ::testing::Test {
   Dispatcher dispatcher{bells->at(0), "test"};
   Connections connections;
   TestDiscovery discovery;
-  NodeLog log{"node", LogLevel::warning, [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
+  NodeLog log{"node", LogLevel::warning,
+              [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
   Reconciler reconciler{1, nullptr, nullptr, discovery, dispatcher, log};
 };
 

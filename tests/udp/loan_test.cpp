@@ -132,7 +132,7 @@ class LoansOnTheWire : public ::testing::TestWithParam<Backend> {
       open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = GetParam()}, pool).value();
   std::shared_ptr<core::PublisherCore> core =
       std::make_shared<core::PublisherCore>(core::PublisherCore::Spec{7, "topic", &type, 1 << 20}, pool,
-                                            transport->open_writer({7, &type, 1 << 20}).value());
+                                            transport->open_writer({7, &type}).value());
   Publisher<Recording> publisher{untyped::Publisher(core)};
   Wire wire;
 };
