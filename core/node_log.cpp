@@ -27,9 +27,10 @@ void NodeLog::write(LogLevel level, const std::string& text, Now now) {
 void NodeLog::write(const std::string& topic, const Event& event, Now now) {
   const LogLevel level = level_of(event.kind);
   if (!wants(level)) return;
-  const std::string peer = event.node.empty() ? "" : ", node '" + event.node + "'";
-  write(of_events_[static_cast<std::size_t>(event.kind)], level,
-        "topic '" + topic + "'" + peer + ": " + to_string(event.kind) + ": " + event.text, now);
+  std::string text = "topic '" + topic + "'";
+  if (!event.node.empty()) text += ", node '" + event.node + "'";
+  if (!event.text.starts_with(to_string(event.kind))) text += std::string(": ") + to_string(event.kind);
+  write(of_events_[static_cast<std::size_t>(event.kind)], level, text + ": " + event.text, now);
 }
 
 void NodeLog::write(LineBudget& budget, LogLevel level, const std::string& text, Now now) {

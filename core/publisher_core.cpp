@@ -71,7 +71,25 @@ void PublisherCore::write_page(const Serving& serving, Outlets& outlets) const {
       locals = outlets.locals.insert(locals, {route.gate, std::make_shared<DeliveryTally>()});
     outlets.page.push_back({route.reader, {.tally = locals->tally, .gate = route.gate}});
   }
-  for (const Route& route : serving.udp) outlets.page.push_back({route.reader, {.gate = route.gate}});
+}
+
+/// Whether each sample is made so that the others' routes can send it.
+bool PublisherCore::Outlets::provides_for(const Outlets& other) const {
+  const auto asked = [this](const auto& gate) { return contains(gates, gate); };
+  return mask.contains(other.mask) && (to_all || !other.to_all) &&
+         std::all_of(other.gates.begin(), other.gates.end(), asked);
+}
+
+/// The same places, and all that the others need.
+PublisherCore::Outlets PublisherCore::Outlets::with(const Outlets& other) const {
+  Outlets both = *this;
+  both.mask |= other.mask;
+  both.whole = both.mask.is_full();
+  both.to_all |= other.to_all;
+  for (const auto& gate : other.gates) {
+    if (!contains(both.gates, gate)) both.gates.push_back(gate);
+  }
+  return both;
 }
 
 void PublisherCore::turn_to(const Outlets& outlets) noexcept {
@@ -123,13 +141,10 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
   const std::vector<Route> latecomers = take_latecomers(serving);
   const std::shared_ptr<Outlets> after = outlets_for(serving, std::move(shm));
   const std::shared_ptr<const Outlets> before = outlets_.share();
-  if (!before->mask.contains(after->mask)) {
-    // A route must never ask for more than is encoded: first encode what old and new routes need together,
-    // wait for a publish() that began before that, and only then change the routes.
-    auto both = std::make_shared<Outlets>(*before);
-    both->mask |= after->mask;
-    both->whole = both->mask.is_full();
-    outlets_.store(both);
+  if (!before->provides_for(*after)) {
+    // A route must never ask for more than is encoded, or by a gate that was not asked: first do what old and
+    // new routes need together, wait for a publish() that began before that, and only then change the routes.
+    outlets_.store(std::make_shared<Outlets>(before->with(*after)));
     while (publishing_.load(std::memory_order_seq_cst)) std::this_thread::yield();
   }
   book_->enter(after->page);
@@ -167,8 +182,10 @@ PublishStatus PublisherCore::publish(const void* value) {
   return status;
 }
 
-/// Asks each gate once. False if the sample is for nobody.
+/// Asks each gate once. False if the sample is for nobody. (Of a durable publisher the routes are those in
+/// force once the sample is in the history, see serve().)
 bool PublisherCore::admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept {
+  if (outlets.to_udp && history_ == nullptr) udp_->begin();
   bool passes = outlets.to_all || outlets.gates.empty() || history_ != nullptr;
   for (const auto& gate : outlets.gates) {
     gate->consider(stamp_ns);

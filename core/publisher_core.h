@@ -91,7 +91,10 @@ class PublisherCore {
       bool want() const { return gate == nullptr || gate->passes(); }
     };
     std::vector<Locals> locals;
-    DeliveryBook::Page page;  ///< all readers' gates, and what is sent through shared memory
+    DeliveryBook::Page page;  ///< of these readers
+
+    bool provides_for(const Outlets& other) const;
+    Outlets with(const Outlets& other) const;
   };
 
   std::vector<Route> take_latecomers(Serving& serving);

@@ -73,7 +73,20 @@ std::shared_ptr<Lane> UdpWriter::lane_of(const Group& group, const core::Route& 
 
 void UdpWriter::turn_to(const RouteTable& routes) noexcept {
   if (book_ != nullptr) book_->turn_to(core::DeliveryBook::Teller::network, routes.page);
-  counted_ = &routes;
+  in_use_ = &routes;
+}
+
+void UdpWriter::begin() noexcept {
+  const RouteTable* routes = routes_.load();
+  if (routes != in_use_) [[unlikely]]
+    turn_to(*routes);
+  begun_ = true;
+}
+
+const RouteTable& UdpWriter::routes_of_sample() noexcept {
+  if (!begun_) begin();
+  begun_ = false;
+  return *in_use_;
 }
 
 core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
@@ -82,7 +95,7 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
     return core::SendStatus::lost_port;
   }
   core::SendStatus status = core::SendStatus::sent;
-  for (const Group& group : routes().groups) {
+  for (const Group& group : routes_of_sample().groups) {
     if (!group.wants_sample()) continue;
     if (!send(group, sample)) status = core::SendStatus::dropped;
   }
@@ -90,7 +103,7 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
 }
 
 void UdpWriter::miss() noexcept {
-  for (const Group& group : routes().groups) {
+  for (const Group& group : routes_of_sample().groups) {
     if (group.wants_sample()) group.tally->dropped();
   }
 }

@@ -33,6 +33,7 @@ class UdpWriter final : public core::WriterPort {
   UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> side);
 
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
+  void begin() noexcept override;
   void miss() noexcept override;
   void count_in(std::shared_ptr<core::DeliveryBook> book) override { book_ = std::move(book); }
   void set_routes(std::vector<core::Route> routes) override;
@@ -42,13 +43,7 @@ class UdpWriter final : public core::WriterPort {
   std::uint64_t dropped() const noexcept override;
 
  private:
-  /// Those in force, by which is counted from here on.
-  const RouteTable& routes() noexcept {
-    const RouteTable* routes = routes_.load();
-    if (routes != counted_) [[unlikely]]
-      turn_to(*routes);
-    return *routes;
-  }
+  const RouteTable& routes_of_sample() noexcept;
   void turn_to(const RouteTable& routes) noexcept;
   bool send(const Group& group, const core::SampleHandle& sample) noexcept;
   bool encode(const ProjectionPlan& plan, const std::shared_ptr<const WireMask>& wire,
@@ -67,7 +62,8 @@ class UdpWriter final : public core::WriterPort {
   std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 
   // Of the publisher's thread.
-  const RouteTable* counted_ = nullptr;  ///< whose page is open
+  const RouteTable* in_use_ = nullptr;  ///< of the last sample; whose page is open
+  bool begun_ = false;                  ///< they are those of the present one
   const std::shared_ptr<JobPool> jobs_;
   JobHandle blank_;          ///< the next job, empty if a lane has the last
   Batch batch_;              ///< of the present sample

@@ -44,10 +44,12 @@ TEST_F(NodeLogTest, AnEventNamesItsTopicItsPeerAndItsReason) {
   log.write("points", {.kind = EventKind::path_changed, .peer = 7, .node = "other", .text = "shm: same host"},
             now);
   log.write("points", {.kind = EventKind::deadline_missed, .text = "nothing came"}, now);
+  log.write("points", {.kind = EventKind::incompatible_qos, .text = "incompatible QoS: deadline"}, now);
   log.write("points", {.kind = EventKind::request_changed, .text = "for debugging"}, now);
   EXPECT_EQ(lines,
             (Lines{{LogLevel::info, "node: topic 'points', node 'other': path changed: shm: same host"},
-                   {LogLevel::info, "node: topic 'points': deadline missed: nothing came"}}));
+                   {LogLevel::info, "node: topic 'points': deadline missed: nothing came"},
+                   {LogLevel::warning, "node: topic 'points': incompatible QoS: deadline"}}));
 }
 
 TEST_F(NodeLogTest, WhatWillNeverMatchIsAWarning) {

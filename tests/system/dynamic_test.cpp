@@ -272,9 +272,11 @@ TEST_F(DynamicNodesTest, AnotherDefinitionOfTheTypeIsExplainedToBothSidesAndLogg
   EXPECT_THAT(logged[0], HasSubstr("topic 'points', node '"));
 }
 
-TEST_F(DynamicNodesTest, DescriptionsThatLieAreCountedAndLeftOutAndTheEndpointStays) {
+TEST_F(DynamicNodesTest,
+       DescriptionsThatLieAreCountedAndLeftOutAndTheEndpointStaysAndAFloodOfThemIsLoggedOnce) {
   NodeOptions options = node_options(Way::udp, "a");
-  options.log = {};
+  std::atomic<int> complaints{0};
+  options.log = [&](LogLevel level, std::string_view) { complaints += level == LogLevel::warning ? 1 : 0; };
   Node node = Node::open(options).value();
   auto sub = node.subscriber<PointCloud2>("points").value();
 
@@ -309,6 +311,12 @@ TEST_F(DynamicNodesTest, DescriptionsThatLieAreCountedAndLeftOutAndTheEndpointSt
   EXPECT_EQ(node.status().control_malformed, 2U);
   for (const WriterStatus& writer : sub.status().writers) EXPECT_EQ(writer.mismatch, nullptr);
   EXPECT_TRUE(node.find_type("points", 0s));
+  const auto begun = std::chrono::steady_clock::now();
+  for (core::EndpointId id = 10; id < 210; ++id) announce(id, std::vector<std::byte>(100, std::byte{0xff}));
+  EXPECT_TRUE(eventually([&] { return node.status().control_malformed == 202; }));
+  const auto seconds = (std::chrono::steady_clock::now() - begun) / 1s;
+  EXPECT_GE(complaints, 1);
+  EXPECT_LE(complaints, 3 + seconds);
 }
 
 }  // namespace

@@ -50,6 +50,7 @@ class QosTest : public PubSubTest {
 };
 
 TEST_P(QosTest, AnIncompatiblePairNeverMatchesAndBothSidesAreToldThePolicy) {
+  warnings_expected = true;
   auto pub = a.publisher<PointCloud2>("points", {.on_event = offered.callback()}).value();
   auto sub = b.subscriber<PointCloud2, F::height>("points",
                                                   {.reliability = reliable, .on_event = requested.callback()})
@@ -85,6 +86,7 @@ TEST_P(QosTest, BothSidesAreToldWhenTheyMatchAndWhenTheyDoNotAnyMore) {
 }
 
 TEST_P(QosTest, AnotherTypeOfTheSameTopicIsTold) {
+  warnings_expected = true;
   auto pub = a.publisher<PointCloud2>("points", {.on_event = offered.callback()}).value();
   auto sub = b.subscriber<Image>("points", {.on_event = requested.callback()}).value();
   EXPECT_TRUE(offered.await(EventKind::incompatible_type));
