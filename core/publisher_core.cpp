@@ -77,7 +77,25 @@ void PublisherCore::write_page(const Serving& serving, Outlets& outlets) const {
       locals = outlets.locals.insert(locals, {route.gate, std::make_shared<DeliveryTally>()});
     outlets.page.push_back({route.reader, {.tally = locals->tally, .gate = route.gate}});
   }
-  for (const Route& route : serving.udp) outlets.page.push_back({route.reader, {.gate = route.gate}});
+}
+
+/// Whether each sample is made so that the others' routes can send it.
+bool PublisherCore::Outlets::provides_for(const Outlets& other) const {
+  const auto asked = [this](const auto& gate) { return contains(gates, gate); };
+  return mask.contains(other.mask) && (to_all || !other.to_all) &&
+         std::all_of(other.gates.begin(), other.gates.end(), asked);
+}
+
+/// The same places, and all that the others need.
+PublisherCore::Outlets PublisherCore::Outlets::with(const Outlets& other) const {
+  Outlets both = *this;
+  both.mask |= other.mask;
+  both.whole = both.mask.is_full();
+  both.to_all |= other.to_all;
+  for (const auto& gate : other.gates) {
+    if (!contains(both.gates, gate)) both.gates.push_back(gate);
+  }
+  return both;
 }
 
 void PublisherCore::turn_to(const Outlets& outlets) noexcept {
@@ -116,6 +134,15 @@ std::vector<Route> PublisherCore::take_latecomers(const Serving& serving) {
   return latecomers;
 }
 
+/// Whether a reader that was served by UDP is served in shared memory from now on.
+bool PublisherCore::changes_over(const Serving& serving) {
+  const bool somebody_does =
+      std::ranges::any_of(serving.shm, [this](const Route& route) { return by_udp_.contains(route.reader); });
+  by_udp_.clear();
+  for (const Route& route : serving.udp) by_udp_.insert(route.reader);
+  return somebody_does;
+}
+
 /// What a latecomer gets of the history, and what of the samples published meanwhile: these wait from
 /// set_routes() on, and whatever send() sends by earlier routes or outlets, which do not reach it, is in the
 /// history by the time that it is looked at. Both may hold one sample; the reader takes it once.
@@ -124,17 +151,23 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
   const std::vector<Route> latecomers = take_latecomers(serving);
   const std::shared_ptr<Outlets> after = outlets_for(serving, std::move(shm));
   const std::shared_ptr<const Outlets> before = outlets_.share();
-  if (!before->mask.contains(after->mask)) {
-    // A route must never ask for more than is encoded: first encode what old and new routes need together,
-    // wait for a call that may have begun before that, and only then change the routes.
-    auto both = std::make_shared<Outlets>(*before);
-    both->mask |= after->mask;
-    both->whole = both->mask.is_full();
-    outlets_.store(both);
+  if (!before->provides_for(*after)) {
+    // A route must never ask for more than is encoded, or by a gate that was not asked: first do what old and
+    // new routes need together, wait for a call that may have begun before that, and only then change the
+    // routes.
+    outlets_.store(std::make_shared<Outlets>(before->with(*after)));
     calls_.wait_for_present_call();
   }
   book_->enter(after->page);
   if (after->shm != nullptr) after->shm->set_routes(serving.shm);
+  if (changes_over(serving)) {
+    // It must not fall between two ports: for a moment it is sent samples by both, and takes them once.
+    auto both = std::make_shared<Outlets>(before->with(*after));
+    both->shm = after->shm;
+    both->to_shm = true;
+    outlets_.store(std::move(both));
+    calls_.wait_for_present_call();
+  }
   if (udp_ != nullptr) udp_->set_routes(serving.udp);
   outlets_.store(after);
   for (const Route& route : latecomers) {
@@ -172,8 +205,10 @@ PublishStatus PublisherCore::publish(const void* value) {
   return admit(outlets, stamp_ns) ? encode_and_send(outlets, value, stamp_ns) : withhold();
 }
 
-/// Asks each gate once. False if the sample is for nobody.
+/// Asks each gate once. False if the sample is for nobody. (Of a durable publisher the routes are those in
+/// force once the sample is in the history, see serve().)
 bool PublisherCore::admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept {
+  if (outlets.to_udp && history_ == nullptr) udp_->begin();
   bool passes = outlets.to_all || outlets.gates.empty() || history_ != nullptr;
   for (const auto& gate : outlets.gates) {
     gate->consider(stamp_ns);

@@ -99,10 +99,14 @@ class PublisherCore {
       bool want() const { return gate == nullptr || gate->passes(); }
     };
     std::vector<Locals> locals;
-    DeliveryBook::Page page;  ///< all readers' gates, and what is sent through shared memory
+    DeliveryBook::Page page;  ///< of these readers
+
+    bool provides_for(const Outlets& other) const;
+    Outlets with(const Outlets& other) const;
   };
 
   std::vector<Route> take_latecomers(const Serving& serving);
+  bool changes_over(const Serving& serving);
   void find_gates(Serving& serving);
   std::shared_ptr<RateGate> gate_for(std::uint32_t min_period_us);
   void write_page(const Serving& serving, Outlets& outlets) const;
@@ -159,6 +163,7 @@ class PublisherCore {
   // Of the agent's thread.
   std::map<std::uint32_t, std::shared_ptr<RateGate>> gates_;  ///< by period; those of before as well
   std::set<EndpointId> history_begun_;                        ///< readers that are being given the history
+  std::set<EndpointId> by_udp_;                               ///< readers that are served so
 };
 
 }  // namespace sft::core

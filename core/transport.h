@@ -105,6 +105,9 @@ class WriterPort {
   /// handle, but not write. Never waits for a reader. Every route's mask must be a subset of sample->mask.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
+  /// A sample is about to be made, and gates to be asked: it goes by the routes that are in force now.
+  /// Without this by those in force when it is sent.
+  virtual void begin() noexcept {}
   /// The sample that the gates were asked about last could not be made: whom it was for misses it.
   virtual void miss() noexcept {}
 

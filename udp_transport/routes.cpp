@@ -54,7 +54,7 @@ void write_page(const Gathered& gathered, const Group& group, core::DeliveryBook
   for (const auto& [reader, destination] : gathered.readers) {
     const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };
     const auto lane = std::find_if(group.lanes.begin(), group.lanes.end(), leads_there);
-    page.push_back({reader, {.tally = group.tally, .losses = (*lane)->losses()}});
+    page.push_back({reader, {.tally = group.tally, .losses = (*lane)->losses(), .gate = group.gate}});
   }
 }
 

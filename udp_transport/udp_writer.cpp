@@ -65,7 +65,20 @@ void UdpWriter::turn_to(const RouteTable& routes) noexcept {
   if (late_counts_ == DeliveryBook::LateCounts::to_come) left_->finish();
   late_counts_ = left_->done() ? DeliveryBook::LateCounts::none : DeliveryBook::LateCounts::to_come;
   if (book_ != nullptr) book_->turn_to(DeliveryBook::Teller::network, routes.page, late_counts_);
-  counted_ = &routes;
+  in_use_ = &routes;
+}
+
+void UdpWriter::begin() noexcept {
+  const RouteTable* routes = routes_.load();
+  if (routes != in_use_) [[unlikely]]
+    turn_to(*routes);
+  begun_ = true;
+}
+
+const RouteTable& UdpWriter::routes_of_sample() noexcept {
+  if (!begun_) begin();
+  begun_ = false;
+  return *in_use_;
 }
 
 core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
@@ -73,7 +86,7 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
     miss();
     return core::SendStatus::lost_port;
   }
-  const std::vector<Group>& groups = routes().groups;
+  const std::vector<Group>& groups = routes_of_sample().groups;
   std::size_t missed = 0;
   std::size_t own = left_->done() ? own_variants_max(*sample) : 0;  // nothing overtakes what was left before
   std::size_t first_left = 0;
@@ -92,7 +105,7 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
 }
 
 void UdpWriter::miss() noexcept {
-  for (const Group& group : routes().groups) {
+  for (const Group& group : routes_of_sample().groups) {
     if (group.wants_sample()) group.tally->dropped();
   }
 }

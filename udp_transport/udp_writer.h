@@ -22,6 +22,7 @@ class UdpWriter final : public core::WriterPort {
   ~UdpWriter() override;
 
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
+  void begin() noexcept override;
   void miss() noexcept override;
   void count_in(std::shared_ptr<core::DeliveryBook> book) override { book_ = std::move(book); }
   void set_routes(std::vector<core::Route> routes) override;
@@ -32,13 +33,7 @@ class UdpWriter final : public core::WriterPort {
 
  private:
   bool leave(const core::SampleHandle& sample, std::size_t first) noexcept;
-  /// Those in force, by which is counted from here on.
-  const RouteTable& routes() noexcept {
-    const RouteTable* routes = routes_.load();
-    if (routes != counted_) [[unlikely]]
-      turn_to(*routes);
-    return *routes;
-  }
+  const RouteTable& routes_of_sample() noexcept;
   void turn_to(const RouteTable& routes) noexcept;
 
   const TypeSupport& type_;
@@ -51,7 +46,8 @@ class UdpWriter final : public core::WriterPort {
   std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 
   // Of the publisher's thread.
-  const RouteTable* counted_ = nullptr;           ///< whose page is open
+  const RouteTable* in_use_ = nullptr;            ///< of the last sample; whose page is open
+  bool begun_ = false;                            ///< they are those of the present one
   core::DeliveryBook::LateCounts late_counts_{};  ///< of what was left on the page before
   VariantSender sender_;
   const std::shared_ptr<FanOut> left_;

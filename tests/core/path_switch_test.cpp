@@ -8,6 +8,7 @@
 #include <deque>
 #include <functional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <set>
 
 #include "core/publisher_core.h"
 #include "core/subscriber_core.h"
@@ -166,6 +167,26 @@ TEST_F(PathSwitch, LosesNothingUncountedTakesNothingTwiceAndAsksForNothingThatIs
   EXPECT_EQ(status.received + status.lost, last - first + 1);
   EXPECT_EQ(publisher.status().published, published);
   EXPECT_EQ(shm_writer->uncovered + udp_writer->uncovered, 0);
+}
+
+TEST_F(PathSwitch, FromUdpToSharedMemoryNoSampleFallsBetweenThePorts) {
+  Serving by_udp, by_shm;
+  by_udp.udp = {{reader_id, UdpAddress{}, type.full()}};
+  by_shm.shm = {{reader_id, DoorbellAddress{}, type.full()}};
+  for (int round = 0; round < 100; ++round) {
+    publisher.serve({}, shm_writer);
+    publisher.serve(by_udp, shm_writer);
+    shm_writer->sent.clear();
+    udp_writer->sent.clear();
+    const std::uint64_t before = published;
+    publisher.serve(by_shm, shm_writer);  // samples are published meanwhile
+    publish();
+    std::set<std::uint64_t> sent;
+    for (const auto* samples : {&shm_writer->sent, &udp_writer->sent}) {
+      for (const SampleHandle& sample : *samples) sent.insert(sample->sequence);
+    }
+    EXPECT_EQ(sent.size(), published - before);
+  }
 }
 
 // Between samples of one gate, between gates, and between the reader's own counting and its publisher's.

@@ -198,12 +198,12 @@ TEST_F(StoppedDaemon, HangsNoCallBeyondItsDeadline) {
   stop_daemon();
   EXPECT_LT(
       time_of([&] {
-        const auto refused = node->open_writer({.id = 2, .type = &frame_type(), .max_sample_bytes = 1000});
+        const auto refused = node->open_writer({.id = 2, .type = &frame_type()});
         ASSERT_FALSE(refused);
         EXPECT_NE(refused.error().message.find("stopped"), std::string::npos) << refused.error().message;
       }),
       1s);
-  EXPECT_LT(time_of([&] { EXPECT_FALSE(reader->port().connect({.writer = 9, .max_sample_bytes = 1000})); }),
+  EXPECT_LT(time_of([&] { EXPECT_FALSE(reader->port().connect({.writer = 9})); }),
             1s);
   EXPECT_LT(time_of([&] {
               EXPECT_EQ(writer.send_frame(), SendStatus::sent);
@@ -243,7 +243,7 @@ TEST_F(StoppedDaemon, AnswersLaterAndTheLateAnswersHarmNobody) {
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   stop_daemon();
   for (core::EndpointId id = 10; id < 13; ++id) {
-    EXPECT_FALSE(node->open_writer({.id = id, .type = &frame_type(), .max_sample_bytes = 1000}));
+    EXPECT_FALSE(node->open_writer({.id = id, .type = &frame_type()}));
   }
   ::kill(daemon_pid(), SIGCONT);
   Writer writer(node, 10);

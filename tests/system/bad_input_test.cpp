@@ -45,6 +45,7 @@ TEST_F(BadInputTest, AnEndpointCannotChooseWhatItsNodeRulesOut) {
 }
 
 TEST_F(BadInputTest, TwoTypesOnOneTopicNeverMatchAndBothSidesSayWhy) {
+  warnings_expected = true;
   Node a = udp_node("a");
   Node b = udp_node("b");
   auto pub = a.publisher<PointCloud2>("points").value();
