@@ -54,6 +54,7 @@ class ShmTransport final : public core::Transport {
 
   Result<std::unique_ptr<core::ReaderPort>> open_reader(const core::ReaderSpec& spec) override {
     if (session_ == nullptr) return not_ready();
+    session_->admit_writers(spec.doorbell.page);
     return std::make_unique<ShmReaderPort>(session_, spec, options_, statistics_);
   }
 

@@ -149,7 +149,7 @@ TEST_F(Sftd, RefusesTooSmallASharedMemoryAndNamesTheRemedy) {
 
 TEST_F(Sftd, LeavesLargeChunksOutWhereThereIsLittleRoomAndSaysSo) {
   const ShmOfSize small("140m");
-  Process daemon({sftd_path(), "--foreground"});
+  Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
   const std::string first = daemon.line();
   EXPECT_TRUE(contains(first, "do not fit")) << first;
   EXPECT_EQ(daemon.line(), "sftd: ready");
