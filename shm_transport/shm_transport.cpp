@@ -38,6 +38,8 @@ class ShmTransport final : public core::Transport {
     return session_ != nullptr ? session_->token() : core::HostToken{};
   }
 
+  bool may_write() const override { return session_ == nullptr || session_->can_write(); }
+
   Result<std::unique_ptr<core::WriterPort>> open_writer(const core::WriterSpec& spec) override {
     if (session_ == nullptr) return not_ready();
     const auto deadline = Clock::now() + options_.port_deadline;
