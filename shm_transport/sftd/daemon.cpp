@@ -162,20 +162,18 @@ std::optional<StartFailure> Daemon::host(const PoolPlan& plan) {
   ports_ = std::make_unique<iox::roudi::PortManager>(memory_.get());
   roudi_ = std::make_unique<RoudiHost>(*memory_, *ports_, groups_, settings_.limits, log_);
   plan_ = plan;
-  if (!announce())
+  const auto serves = [] { return listener_at(roudi_socket_path) == Listener::alive; };
+  if (!wait_until(Clock::now() + 5s, serves))
     return StartFailure{ExitCode::failed, "iceoryx does not begin to serve; is /tmp writable?"};
+  if (const auto admitted = admit_readers(); !admitted)
+    return StartFailure{ExitCode::failed, "readers cannot be let in: " + admitted.error().message};
+  if (!announce()) return StartFailure{ExitCode::failed, "its sign in /dev/shm could not be written"};
   log_.info(description());
   if (!plan.remark.empty()) log_.warning(plan.remark);
   return std::nullopt;
 }
 
 bool Daemon::announce() {
-  if (!wait_until(Clock::now() + 5s, [] { return listener_at(roudi_socket_path) == Listener::alive; }))
-    return false;
-  if (const auto admitted = admit_readers(); !admitted) {
-    log_.error(admitted.error().message);
-    return false;
-  }
   tell_status();
   HostFile file;
   file.pid = getpid();

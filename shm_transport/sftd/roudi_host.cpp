@@ -112,19 +112,23 @@ bool RoudiHost::refuse_over_limit(const IpcMessageType& type, const iox::Runtime
   return true;
 }
 
+/// What to answer, or nothing.
 std::string RoudiHost::over_limit(const IpcMessageType& type, const iox::RuntimeName_t& name) {
   const auto its_ports = [&name](const auto& ports) {
     return std::count_if(ports.begin(), ports.end(),
                          [&](const auto* port) { return port->m_runtimeName == name; });
   };
-  const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
   if (type == IpcMessageType::REG && clients_.size() >= limits_.processes) return too_many_processes;
-  if (type == IpcMessageType::CREATE_PUBLISHER &&
-      its_ports(port_pool_.getPublisherPortDataList()) >= limits_.publishers_per_process)
-    return iox::runtime::IpcMessageErrorTypeToString(IpcMessageErrorType::PUBLISHER_LIST_FULL);
-  if (type == IpcMessageType::CREATE_SUBSCRIBER &&
-      its_ports(port_pool_.getSubscriberPortDataList()) >= limits_.subscribers_per_process)
-    return iox::runtime::IpcMessageErrorTypeToString(IpcMessageErrorType::SUBSCRIBER_LIST_FULL);
+  if (type == IpcMessageType::CREATE_PUBLISHER) {
+    const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
+    if (its_ports(port_pool_.getPublisherPortDataList()) >= limits_.publishers_per_process)
+      return iox::runtime::IpcMessageErrorTypeToString(IpcMessageErrorType::PUBLISHER_LIST_FULL);
+  }
+  if (type == IpcMessageType::CREATE_SUBSCRIBER) {
+    const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
+    if (its_ports(port_pool_.getSubscriberPortDataList()) >= limits_.subscribers_per_process)
+      return iox::runtime::IpcMessageErrorTypeToString(IpcMessageErrorType::SUBSCRIBER_LIST_FULL);
+  }
   return {};
 }
 

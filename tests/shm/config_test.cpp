@@ -76,6 +76,14 @@ TEST(SftdConfig, LimitsAndGroupsAreTaken) {
   EXPECT_EQ(config.settings.access.readers, "r");
 }
 
+TEST(SftdConfig, TheFileThatIsInstalledSaysWhatHoldsWithoutIt) {
+  const auto config = read_config(SFTD_TOML);
+  ASSERT_TRUE(config) << config.error().message;
+  EXPECT_EQ(config->settings.idle_exit, DaemonSettings{}.idle_exit);
+  EXPECT_EQ(config->settings.limits.processes, Limits{}.processes);
+  EXPECT_EQ(config->log_level, LogLevel::info);
+}
+
 TEST(SftdConfig, AnUnknownKeyIsRefusedWithItsLineAndTheKnownOnes) {
   EXPECT_EQ(
       refusal("total_mib = 64\n\nidle_exit = 3"),

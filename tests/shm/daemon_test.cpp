@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -128,7 +129,8 @@ std::vector<std::string> mapping_flags(pid_t pid, const std::string& file) {
   bool of_file = false;
   std::ifstream smaps("/proc/" + std::to_string(pid) + "/smaps");
   for (std::string line; std::getline(smaps, line);) {
-    if (contains(line, "-") && contains(line, " /")) of_file = contains(line, file);
+    const bool is_mapping = !line.empty() && std::isupper(static_cast<unsigned char>(line[0])) == 0;
+    if (is_mapping) of_file = contains(line, file);  // what is said of it follows, in words
     if (of_file && line.starts_with("VmFlags:")) flags.push_back(line + " ");
   }
   return flags;
