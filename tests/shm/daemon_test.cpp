@@ -435,6 +435,17 @@ TEST_F(NodeWithoutDaemon, IgnoresAHostFileThatNobodyHolds) {
   EXPECT_FALSE(node->host_token().known());
 }
 
+TEST_F(NodeWithoutDaemon, NamesAnSftdOfAnotherVersion) {
+  auto held = shm::FileLock::take(shm::host_file_path);
+  ASSERT_TRUE(held);
+  const std::string sign = "token 000102030405060708090a0b0c0d0e0f\npid 1\nports 64\nend\n";
+  ASSERT_EQ(write(held->descriptor(), sign.data(), sign.size()), static_cast<ssize_t>(sign.size()));
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes(Availability::unavailable));
+  EXPECT_TRUE(contains(node->description(), "another version")) << node->description();
+  held->remove();
+}
+
 TEST_F(NodeWithoutDaemon, OpensNoPorts) {
   Node node(no_daemon());
   node.poll();
