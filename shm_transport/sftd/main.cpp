@@ -36,8 +36,7 @@ struct Arguments {
 
 void declare_daemon(CLI::App& app, Arguments& arguments) {
   app.add_option("--config", arguments.config_file,
-                 "Read this file (TOML: pools, limits, groups); what is given here comes before it")
-      ->check(CLI::ExistingFile);
+                 "Read this file (TOML: pools, limits, groups); what is given here comes before it");
   app.add_option("--pool-mib", arguments.pool_mib,
                  "Shared memory for samples, in MiB (default: half of what is free, "
                  "at most 320)")

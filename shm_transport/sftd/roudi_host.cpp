@@ -57,6 +57,7 @@ RoudiHost::RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const G
       healer_(port_pool_, clients_, log),
       reclaimer_(port_pool_),
       book_(port_pool_, *memory.samples().pools, memory.management()) {
+  note_usage();  // so that there is something to tell from the first moment on
   hooks_may_run_ = true;
   healing_ = std::thread([this] { heal_until_stopped(); });
   startProcessRuntimeMessagesThread();

@@ -1,8 +1,6 @@
 // The daemon that serves this host, seen from another process.
 #pragma once
 
-#include <chrono>
-#include <optional>
 #include <string>
 
 #include "shm_transport/host_file.h"

@@ -191,6 +191,12 @@ TEST_F(Sftd, RefusesAWrongConfigurationWithItsPlace) {
   EXPECT_EQ(daemon.exit_code(), 7);
 }
 
+TEST_F(Sftd, RefusesAConfigurationThatIsNotThere) {
+  Process daemon({sftd_path(), "--config=/tmp/nowhere.toml"});
+  EXPECT_TRUE(daemon.all_output().starts_with("sftd: /tmp/nowhere.toml: "));
+  EXPECT_EQ(daemon.exit_code(), 7);
+}
+
 TEST_F(Sftd, GivesOneProgramNoMoreThanItsLimits) {
   std::ofstream("/tmp/sftd.toml") << "total_mib = 16\nlog_level = 'error'\n"
                                      "[limits]\nprocesses = 1\npublishers_per_process = 2\n";

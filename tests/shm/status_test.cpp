@@ -1,9 +1,5 @@
 // `sftd status` and `sftd stop`: what they tell, with or without a daemon that answers.
-#include <fcntl.h>
 #include <signal.h>
-#include <sys/stat.h>
-
-#include <algorithm>
 
 #include "shm_fixture.h"
 #include "shm_transport/sftd/exit_code.h"
