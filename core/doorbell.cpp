@@ -25,10 +25,6 @@ constexpr const char* directory = "/dev/shm";
 constexpr std::string_view prefix = "sft_bell_";
 constexpr std::size_t page_bytes = DoorbellPage::slots * sizeof(Doorbell);
 
-std::string path_of(std::uint64_t id) {
-  return std::string(directory) + "/" + std::string(prefix) + in_hex(id);
-}
-
 Doorbell* map(int fd) {
   const int flags = fd < 0 ? MAP_PRIVATE | MAP_ANONYMOUS : MAP_SHARED;
   void* memory = mmap(nullptr, page_bytes, PROT_READ | PROT_WRITE, flags, fd, 0);
@@ -66,6 +62,10 @@ void Doorbell::sleep(std::uint32_t seen, std::chrono::steady_clock::time_point d
   // The bitset variant takes an absolute time of CLOCK_MONOTONIC.
   syscall(SYS_futex, &rings, FUTEX_WAIT_BITSET, seen, forever ? nullptr : &until, nullptr,
           FUTEX_BITSET_MATCH_ANY);
+}
+
+std::string DoorbellPage::path_of(std::uint64_t id) {
+  return std::string(directory) + "/" + std::string(prefix) + in_hex(id);
 }
 
 std::unique_ptr<DoorbellPage> DoorbellPage::create() {

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "sft/typesupport/result.h"
 
@@ -47,6 +48,8 @@ class DoorbellPage {
   static std::unique_ptr<DoorbellPage> create();
   /// A page of another process (or of this one), to ring.
   static Result<std::unique_ptr<DoorbellPage>> open(std::uint64_t id);
+  /// Where a page with that id lies.
+  static std::string path_of(std::uint64_t id);
   /// Removes the pages of processes that are gone; returns how many.
   static std::size_t sweep() noexcept;
 

@@ -11,13 +11,18 @@ bool holds(const std::vector<EndpointId>& writers, EndpointId id) {
 }
 }  // namespace
 
+/// Of our endpoints: a writer that may not write to that memory has none, so that nobody waits for it there.
+HostToken Negotiation::host_of(Role role) const {
+  return role == Role::writer && !self_.may_write_shm ? HostToken{} : self_.host;
+}
+
 bool Negotiation::self_changed(const Self& self) {
   if (self == self_) return false;
   const bool new_host = self.host != self_.host;
   self_ = self;
   for (auto& [id, entry] : entries_) {
     if (entry.type == nullptr) continue;
-    entry.endpoint.host = self.host;
+    entry.endpoint.host = host_of(entry.endpoint.role);
     entry.endpoint.network = self.network;
     // Attachments were to ports of the memory that is gone.
     if (new_host && !entry.endpoint.request.attached.empty()) {
@@ -30,7 +35,7 @@ bool Negotiation::self_changed(const Self& self) {
 
 void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type) {
   Entry entry{.endpoint = endpoint, .type = &type, .lost_since = {}, .history_given = {}};
-  entry.endpoint.host = self_.host;
+  entry.endpoint.host = host_of(endpoint.role);
   entry.endpoint.network = self_.network;
   entries_.insert_or_assign(endpoint.id, std::move(entry));
 }
@@ -191,10 +196,12 @@ std::uint32_t Negotiation::history_owed(const Entry& writer, const Endpoint& rea
 std::string Negotiation::why_not_shm(const Endpoint& writer, const Endpoint& reader) const {
   if (!writer.may_use_shm) return "the publisher or its node rules shared memory out";
   if (!reader.may_use_shm) return "the subscriber or its node rules shared memory out";
-  const Endpoint& peer = entries_.at(writer.id).type != nullptr ? reader : writer;
+  const bool we_write = entries_.at(writer.id).type != nullptr;
+  const Endpoint& peer = we_write ? reader : writer;
   if (self_.host.known() && peer.host.known() && peer.host != self_.host) return "another host";
   if (peer.network != self_.network) return "another host";
   if (!self_.host.known()) return "no shared memory: " + self_.shm_state;
+  if (we_write && !self_.may_write_shm && peer.host.known()) return "this user may only read shared memory";
   return "the other side has no shared memory yet";
 }
 

@@ -24,7 +24,8 @@ namespace sft::core {
 struct Self {
   HostToken host;  ///< known while shared memory is ready
   std::uint64_t network = 0;
-  std::string shm_state;  ///< why shared memory is not ready, for reasons given to people
+  std::string shm_state;      ///< why shared memory is not ready, for reasons given to people
+  bool may_write_shm = true;  ///< where it is
   friend bool operator==(const Self&, const Self&) = default;
 };
 
@@ -119,6 +120,7 @@ class Negotiation {
     std::string udp_reason;
   };
 
+  HostToken host_of(Role role) const;
   Verdict judge(const Entry& ours, const Entry& other) const;
   std::string why_not_shm(const Endpoint& writer, const Endpoint& reader) const;
   static void look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving);

@@ -260,6 +260,7 @@ void Reconciler::look_after_shm() {
   const bool ready = shm_->poll(std::chrono::steady_clock::now()) == Availability::ready;
   self.host = ready ? shm_->host_token() : HostToken{};
   self.shm_state = shm_->description();
+  self.may_write_shm = shm_->may_write();
   if (self == self_) return;
   const bool new_host = self.host != self_.host;
   self_ = self;

@@ -217,6 +217,8 @@ class Transport {
   virtual std::string description() const = 0;
   /// Known while shared memory is ready; never for UDP.
   virtual HostToken host_token() const { return {}; }
+  /// False where this user may only read what others write: open_writer then fails.
+  virtual bool may_write() const { return true; }
   /// Where readers of this node are reached, best first; empty for shared memory (readers have doorbells).
   virtual std::vector<UdpAddress> addresses() const { return {}; }
 

@@ -118,6 +118,12 @@ void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) 
 }
 
 void DaemonLink::begin_registration(const ShmOptions& options, HostWatch watch, Clock::time_point now) {
+  if (watch.file().protocol != host_protocol) {
+    return give_up(
+        daemon_name(watch.file().pid) +
+            " is of another version than this program; end it (sftd stop), and start that of this one",
+        now);
+  }
   auto channel = RoudiChannel::open(make_runtime_name(options.runtime_name_prefix));
   if (!channel) {
     return give_up(daemon_name(watch.file().pid) + " cannot be reached: " + channel.error().message, now);

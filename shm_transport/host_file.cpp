@@ -41,7 +41,13 @@ bool take_line(HostFile& file, std::string_view key, std::string_view value) {
   if (key == "token") return from_hex(value, file.token);
   if (key == "pid") return from_decimal(value, file.pid);
   if (key == "ports") return from_decimal(value, file.port_pool_offset);
-  if (key == "segment") file.segment = value;
+  if (key == "protocol") return from_decimal(value, file.protocol);
+  if (key == "segment_id") return from_decimal(value, file.segment_id);
+  if (key == "segment_bytes") return from_decimal(value, file.segment_bytes);
+  if (key == "segment") {
+    file.segment = value;
+    return value.find('/') == std::string_view::npos;
+  }
   return true;  // of a later version
 }
 
@@ -58,8 +64,13 @@ std::string format(const HostFile& file) {
     text += digits[byte & 15];
   }
   text += "\npid " + std::to_string(file.pid);
+  text += "\nprotocol " + std::to_string(file.protocol);
   text += "\nports " + std::to_string(file.port_pool_offset);
-  if (!file.segment.empty()) text += "\nsegment " + file.segment;
+  if (!file.segment.empty()) {
+    text += "\nsegment " + file.segment;
+    text += "\nsegment_id " + std::to_string(file.segment_id);
+    text += "\nsegment_bytes " + std::to_string(file.segment_bytes);
+  }
   return text + "\nend\n";
 }
 

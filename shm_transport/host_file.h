@@ -23,6 +23,12 @@ inline constexpr const char* daemon_lock_path = "/tmp/sftd.lock";
 inline constexpr const char* roudi_socket_path = "/tmp/roudi";
 inline constexpr const char* runtime_name_stem = "sft_";  ///< of the sockets in /tmp that are ours
 
+/// Of what is said here, and of the way programs speak with sftd. Counts up when an older program or daemon
+/// would misunderstand.
+inline constexpr std::uint32_t host_protocol = 2;
+/// What a registration is answered with, as an error, that is one too many.
+inline constexpr const char* too_many_processes = "SFT_PROCESS_LIST_FULL";
+
 /// Whether a process may be known by this name: its socket is then in /tmp itself, and no file of the
 /// daemon's.
 bool is_runtime_name(std::string_view name) noexcept;
@@ -30,8 +36,11 @@ bool is_runtime_name(std::string_view name) noexcept;
 struct HostFile {
   std::array<std::uint8_t, 16> token{};
   pid_t pid = 0;                       ///< of the daemon in its own pid namespace: for messages only
+  std::uint32_t protocol = 1;          ///< the first one did not say
   std::uint64_t port_pool_offset = 0;  ///< of iceoryx's table of ports, in the management segment
-  std::string segment{};               ///< name of the segment with the samples, for whoever cleans up
+  std::string segment{};               ///< name of the segment with the samples, in /dev/shm
+  std::uint64_t segment_id = 0;        ///< in iceoryx's relative pointers
+  std::uint64_t segment_bytes = 0;
 };
 
 std::string format(const HostFile& file);

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <tuple>
 
+#include "shm_transport/access.h"
 #include "shm_transport/host_file.h"
 
 namespace sft::shm {
@@ -33,6 +34,15 @@ std::string path_of(const std::string& runtime_name) {
   return iox::platform::IOX_UDS_SOCKET_PATH_PREFIX + runtime_name;
 }
 
+/// The daemon may be another user. Where single users cannot be let in, its group is, if this process is in
+/// it.
+void let_daemon_answer(const std::string& path) {
+  struct stat daemon {};
+  if (stat(roudi_socket_path, &daemon) != 0 || daemon.st_uid == geteuid()) return;
+  if (grant_to_user(path, daemon.st_uid)) return;
+  if (chown(path.c_str(), geteuid(), daemon.st_gid) == 0) chmod(path.c_str(), 0660);
+}
+
 Result<Descriptor> listen_at(const std::string& path) {
   Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const sockaddr_un address = address_of(path);
@@ -40,11 +50,8 @@ Result<Descriptor> listen_at(const std::string& path) {
     return fail(errno == EACCES ? Errc::no_permission : Errc::system,
                 path + ": " + std::strerror(errno) + "; shared memory needs a writable /tmp");
   }
-  // The daemon may be another user, of a group that this one is in: let that group answer.
-  struct stat daemon {};
-  const bool same_group =
-      stat(roudi_socket_path, &daemon) == 0 && chown(path.c_str(), geteuid(), daemon.st_gid) == 0;
-  chmod(path.c_str(), same_group ? 0660 : 0600);
+  chmod(path.c_str(), 0600);
+  let_daemon_answer(path);
   return socket;
 }
 
@@ -53,10 +60,9 @@ Result<Descriptor> connect_to(const char* path) {
   const sockaddr_un address = address_of(path);
   if (!socket || connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     if (errno == EACCES) {
-      return fail(
-          Errc::no_permission,
-          std::string(path) +
-              ": permission denied; run this program as a member of the primary group of sftd's user");
+      return fail(Errc::no_permission,
+                  std::string(path) +
+                      ": permission denied; run this program as a member of a group that sftd serves");
     }
     return fail(Errc::unavailable, std::string(path) + ": " + std::strerror(errno) +
                                        "; does this program have another /tmp than sftd (a container)?");
@@ -92,14 +98,15 @@ std::string serialized(const T& value) {
 std::string reason_of(IpcMessageErrorType error) {
   switch (error) {
     case IpcMessageErrorType::PUBLISHER_LIST_FULL:
-      return "sftd has no room for another writer (it serves 506); close some, or use UDP for this topic";
+      return "sftd has no room for another writer (it serves 506, or as many as its limits say; see sftd "
+             "status); "
+             "close some, or use UDP for this topic";
     case IpcMessageErrorType::SUBSCRIBER_LIST_FULL:
-      return "sftd has no room for another reader (it serves 1024, writers count as one each); close some, "
-             "or use UDP "
-             "for this topic";
+      return "sftd has no room for another reader (it serves 1024, or as many as its limits say, and writers "
+             "count "
+             "as one each; see sftd status); close some, or use UDP for this topic";
     case IpcMessageErrorType::REQUEST_PUBLISHER_NO_WRITABLE_SHM_SEGMENT:
-      return "this user may not write to sftd's memory; run it as a member of the primary group of sftd's "
-             "user";
+      return "this user may not write to sftd's memory; run it as a member of the group that publishes";
     default:
       return "sftd refused the port (iceoryx error " + std::to_string(static_cast<int>(error)) + ")";
   }
@@ -163,6 +170,11 @@ Result<std::unique_ptr<RoudiChannel>> RoudiChannel::open(const std::string& runt
 Result<std::optional<Registration>> RoudiChannel::poll_registration() {
   const auto answer = receive(Clock::now());
   if (!answer) return std::optional<Registration>{};
+  if (type_of(*answer) == IpcMessageType::ERROR && answer->getElementAtIndex(1) == too_many_processes) {
+    return fail(Errc::limit_exceeded,
+                "sftd serves as many programs as its configuration allows; see sftd status, and raise "
+                "limits.processes");
+  }
   const bool ours = type_of(*answer) == IpcMessageType::REG_ACK && answer->getNumberOfElements() == 5 &&
                     number_at(*answer, 3) == static_cast<std::uint64_t>(registration_stamp_);
   if (!ours)

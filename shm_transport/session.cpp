@@ -1,7 +1,6 @@
 #include "shm_transport/session.h"
 
 #include <fcntl.h>
-#include <pwd.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -9,8 +8,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <tuple>
 
+#include "core/doorbell.h"
 #include "core/random_id.h"
+#include "shm_transport/access.h"
 #include "shm_transport/iceoryx_runtime.h"
 #include "shm_transport/port_lock.h"
 
@@ -43,7 +45,7 @@ Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool w
     const bool forbidden = errno == EACCES;
     return fail(forbidden ? Errc::no_permission : Errc::unavailable,
                 "/dev/shm/" + name + ": " + std::strerror(errno) +
-                    (forbidden ? "; run this program as a member of the primary group of sftd's user" : ""));
+                    (forbidden ? "; run this program as a member of a group that sftd serves" : ""));
   }
   if (static_cast<std::size_t>(status.st_size) < bytes) {
     return fail(Errc::malformed, "/dev/shm/" + name + " is shorter than sftd said");
@@ -52,6 +54,8 @@ Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool w
       mmap(nullptr, bytes, writable ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, file.get(), 0);
   if (memory == MAP_FAILED)
     return fail(Errc::out_of_memory, "/dev/shm/" + name + ": " + std::strerror(errno));
+  // Once its name is gone, the memory would be in every core dump.
+  madvise(memory, bytes, MADV_DONTDUMP);
   return Mapping({static_cast<std::byte*>(memory), bytes});
 }
 
@@ -101,21 +105,17 @@ Result<void> Session::map(const Registration& registration) {
     return fail(Errc::malformed,
                 "sftd's management segment is not what it announced; is it of another version?");
   }
-  if (getpwuid(geteuid()) == nullptr) {
-    return fail(Errc::no_permission,
-                "user " + std::to_string(geteuid()) +
-                    " has no entry in /etc/passwd, by which sftd grants access; add one");
-  }
-  auto& manager = *reinterpret_cast<SegmentManager*>(management.data() + registration.segment_manager_offset);
-  for (const auto& segment : manager.getSegmentMappings(iox::posix::PosixUser::getUserOfCurrentProcess())) {
-    added = add_segment(segment.m_segmentId, segment.m_sharedMemoryName.c_str(), segment.m_size,
-                        segment.m_isWritable);
-    if (!added) return added;
-  }
-  if (segments_.size() > 1) return {};
-  return fail(Errc::no_permission,
-              "this user is in no group that sftd grants its memory to; run it as a member of the "
-              "primary group of sftd's user");
+  return add_samples();
+}
+
+/// The kernel says which rights this process has: groups of a service manager or of a container are in no
+/// file that could be asked.
+Result<void> Session::add_samples() {
+  const HostFile& file = watch_.file();
+  auto added = add_segment(file.segment_id, file.segment, file.segment_bytes, true);
+  if (added || added.error().code != Errc::no_permission) return added;
+  can_write_ = false;
+  return add_segment(file.segment_id, file.segment, file.segment_bytes, false);
 }
 
 Result<void> Session::add_segment(std::uint64_t id, const std::string& name, std::size_t bytes,
@@ -159,6 +159,13 @@ bool Session::claim(const PortPlace& place, const std::string& label) const {
 }
 
 Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer, Clock::time_point deadline) {
+  if (!can_write_) {
+    return fail(Errc::no_permission,
+                "this user may read samples in shared memory but not write them; run it as a member of the "
+                "group that "
+                "owns /dev/shm/" +
+                    watch_.file().segment);
+  }
   iox::popo::PublisherOptions options;
   options.historyCapacity = 0;
   options.subscriberTooSlowPolicy = iox::popo::ConsumerTooSlowPolicy::DISCARD_OLDEST_DATA;
@@ -187,6 +194,12 @@ Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, 
   auto* port = static_cast<SubscriberPortData*>(port_at(*place, sizeof(SubscriberPortData)));
   if (port == nullptr) return fail(Errc::malformed, "sftd answered with a port outside its memory");
   return port;
+}
+
+void Session::admit_writers(std::uint64_t doorbell_page) const {
+  struct stat management {};
+  if (stat((std::string("/dev/shm/") + iox::roudi::SHM_NAME).c_str(), &management) != 0) return;
+  std::ignore = grant_to_group(core::DoorbellPage::path_of(doorbell_page), management.st_gid);
 }
 
 ChunkPools& Session::pools(const iox::mepoo::MemoryManager& pools) {

@@ -62,6 +62,8 @@ class Session : public std::enable_shared_from_this<Session> {
   ~Session();
 
   const core::HostToken& token() const { return token_; }
+  /// Whether this process may write samples, or only read those of others.
+  bool can_write() const { return can_write_; }
   pid_t daemon_pid() const { return watch_.file().pid; }
   bool daemon_lives() const noexcept { return watch_.daemon_lives(); }
 
@@ -69,6 +71,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// `depth` 0: not subscribed, only a list of held chunks that the daemon frees when this process dies.
   Result<iox::popo::SubscriberPortData*> create_subscriber(core::EndpointId writer, std::uint32_t depth,
                                                            Clock::time_point deadline);
+  /// Lets all that may write samples ring in a page of this process's (core/doorbell.h).
+  void admit_writers(std::uint64_t doorbell_page) const;
   /// The pools that its writers take from, of which this process sees one set.
   ChunkPools& pools(const iox::mepoo::MemoryManager& pools);
   /// The writer's port that delivers into this port's queue, or null. Looks at all writers of the host.
@@ -97,6 +101,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Session(std::shared_ptr<IceoryxRuntime> runtime, HostWatch watch, std::unique_ptr<RoudiChannel> channel);
   Result<void> map(const Registration& registration);
   Result<void> add_segment(std::uint64_t id, const std::string& name, std::size_t bytes, bool writable);
+  Result<void> add_samples();
   void forget_segments() noexcept;
   const iox::roudi::PortPoolData* port_pool() const;
   iox::popo::BasePortData* port_at(const PortPlace& place, std::size_t bytes) const;
@@ -107,6 +112,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::unique_ptr<RoudiChannel> channel_;
   core::HostToken token_;
   std::vector<Segment> segments_;  ///< the management segment first
+  bool can_write_ = true;
 
   std::mutex mutex_;  // guards what follows
   bool lost_ = false;

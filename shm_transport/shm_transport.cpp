@@ -38,6 +38,8 @@ class ShmTransport final : public core::Transport {
     return session_ != nullptr ? session_->token() : core::HostToken{};
   }
 
+  bool may_write() const override { return session_ == nullptr || session_->can_write(); }
+
   Result<std::unique_ptr<core::WriterPort>> open_writer(const core::WriterSpec& spec) override {
     if (session_ == nullptr) return not_ready();
     const auto deadline = Clock::now() + options_.port_deadline;
@@ -54,6 +56,7 @@ class ShmTransport final : public core::Transport {
 
   Result<std::unique_ptr<core::ReaderPort>> open_reader(const core::ReaderSpec& spec) override {
     if (session_ == nullptr) return not_ready();
+    session_->admit_writers(spec.doorbell.page);
     return std::make_unique<ShmReaderPort>(session_, spec, options_, statistics_);
   }
 

@@ -25,9 +25,9 @@ bool ClientTable::is_dead(const std::string& name, bool process_exited) {
 }
 
 void ClientTable::add(const std::string& name, pid_t pid) {
-  auto process = std::make_shared<const Descriptor>(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
+  auto life = std::make_shared<const Descriptor>(static_cast<int>(syscall(SYS_pidfd_open, pid, 0)));
   const std::scoped_lock lock(mutex_);
-  clients_.insert_or_assign(name, std::move(process));
+  clients_.insert_or_assign(name, Process{pid, std::move(life)});
 }
 
 void ClientTable::remove(const std::string& name) {
@@ -40,6 +40,18 @@ bool ClientTable::empty() const {
   return clients_.empty();
 }
 
+std::size_t ClientTable::size() const {
+  const std::scoped_lock lock(mutex_);
+  return clients_.size();
+}
+
+std::vector<ClientTable::Client> ClientTable::all() const {
+  const std::scoped_lock lock(mutex_);
+  std::vector<Client> clients;
+  for (const auto& [name, process] : clients_) clients.push_back({name, process.pid});
+  return clients;
+}
+
 std::vector<std::string> ClientTable::find_dead(Clock::time_point now) {
   std::map<std::string, Process> clients;
   {
@@ -47,7 +59,7 @@ std::vector<std::string> ClientTable::find_dead(Clock::time_point now) {
     clients = clients_;
   }
   std::vector<pollfd> processes;
-  for (const auto& [name, process] : clients) processes.push_back({process->get(), POLLIN, 0});
+  for (const auto& [name, process] : clients) processes.push_back({process.life->get(), POLLIN, 0});
   poll(processes.data(), processes.size(), 0);
   const bool everybody = now >= next_round_;
   if (everybody) next_round_ = now + round_interval;
@@ -69,7 +81,7 @@ bool ClientTable::is_gone(const std::string& name) const {
     if (client == clients_.end()) return true;
     process = client->second;
   }
-  return is_dead(name, has_exited(*process));
+  return is_dead(name, has_exited(*process.life));
 }
 
 }  // namespace sft::shm

@@ -24,6 +24,13 @@ class ClientTable {
   void add(const std::string& name, pid_t pid);
   void remove(const std::string& name);
   bool empty() const;
+  std::size_t size() const;
+
+  struct Client {
+    std::string name;
+    pid_t pid;  ///< as it told
+  };
+  std::vector<Client> all() const;
 
   /// The dead ones among the registered. Cheap while nobody dies: one system call, and one per client each
   /// second.
@@ -33,8 +40,11 @@ class ClientTable {
   bool is_gone(const std::string& name) const;
 
  private:
-  /// A pidfd, readable once the process is gone; none for pids of other namespaces.
-  using Process = std::shared_ptr<const Descriptor>;
+  /// `life`: a pidfd, readable once the process is gone; none for pids of other namespaces.
+  struct Process {
+    pid_t pid = 0;
+    std::shared_ptr<const Descriptor> life{};
+  };
   static bool is_dead(const std::string& name, bool process_exited);
 
   mutable std::mutex mutex_;  // guards the map

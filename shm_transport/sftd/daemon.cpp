@@ -9,9 +9,12 @@
 #include <cerrno>
 #include <thread>
 
+#include "core/clock.h"
 #include "core/doorbell.h"
+#include "shm_transport/access.h"
 #include "shm_transport/host_file.h"
 #include "shm_transport/sftd/stale_files.h"
+#include "shm_transport/sftd/status_file.h"
 
 namespace sft::shm {
 
@@ -52,25 +55,29 @@ tl::unexpected<StartFailure> refuse_for_space(const Space& space, std::size_t ne
           "samples go over UDP");
 }
 
+tl::expected<PoolPlan, StartFailure> take_pools(const DaemonSettings& settings, const Groups& groups,
+                                                const Space& space) {
+  PoolPlan plan{settings.pools, {}};
+  const std::size_t needed = HostMemory::management_bytes(make_config(plan, groups)) + plan.bytes();
+  if (space.free < needed) return refuse_for_space(space, needed);
+  return plan;
+}
+
 /// How much of the free space goes to samples: what was asked for, or half of it up to a default.
-tl::expected<PoolPlan, StartFailure> choose_pools(const DaemonSettings& settings,
-                                                  const std::string& segment_name) {
+tl::expected<PoolPlan, StartFailure> choose_pools(const DaemonSettings& settings, const Groups& groups) {
   const Space space = shm_space();
   if (space.total < smallest_shm_bytes) return refuse_for_space(space, smallest_shm_bytes);
+  if (!settings.pools.empty()) return take_pools(settings, groups, space);
   const std::size_t wanted = settings.pool_bytes.value_or(default_pool_bytes);
-  const std::size_t management = HostMemory::management_bytes(make_config(plan_pools(wanted), segment_name));
+  const std::size_t management = HostMemory::management_bytes(make_config(plan_pools(wanted), groups));
   const std::size_t least = settings.pool_bytes.value_or(2 * smallest_budget_bytes);
   if (space.free < management + least) return refuse_for_space(space, management + least);
   const std::size_t half = (space.free - management) / 2;
   return plan_pools(settings.pool_bytes ? wanted : std::min(half, wanted));
 }
 
-std::string describe(const PoolPlan& plan) {
-  std::string text = format_bytes(plan.bytes()) + " for samples:";
-  for (const Pool& pool : plan.pools)
-    text += " " + std::to_string(pool.count) + " x " + format_bytes(pool.bytes) + ",";
-  text.pop_back();
-  return text;
+ExitCode code_of(const Error& error) {
+  return error.code == Errc::invalid_argument ? ExitCode::bad_config : ExitCode::failed;
 }
 
 /// Whatever iceoryx meets later concerns one client, and ends in an answer to it. While it starts, it would
@@ -98,20 +105,23 @@ bool wait_until(Clock::time_point deadline, Condition condition) {
 }  // namespace
 
 Daemon::Daemon(const DaemonSettings& settings, const Log& log, FileLock only_one, FileLock host_file,
-               std::string segment_name)
+               Groups groups)
     : settings_(settings),
       log_(log),
       only_one_(std::move(only_one)),
       host_file_(std::move(host_file)),
-      segment_name_(std::move(segment_name)),
+      groups_(std::move(groups)),
+      since_ns_(core::realtime_ns()),
       error_handler_(log_errors(log)) {}
 
 /// The order matters: our locks come before anything of iceoryx, which would abort where it finds a daemon
 /// running.
 Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log) {
+  auto groups = take_up_groups(settings.access);
+  if (!groups) return refuse(code_of(groups.error()), groups.error().message);
   auto only_one = FileLock::take(daemon_lock_path);
   if (!only_one) {
-    if (only_one.error().code == Errc::address_in_use) return refuse(ExitCode::running, "already running");
+    if (only_one.error().code == Errc::address_in_use) return refuse(ExitCode::done, "already running");
     return refuse(ExitCode::failed,
                   only_one.error().message + "; another user's sftd may have left it: remove it");
   }
@@ -129,15 +139,12 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log) {
                       "; an sftd of another container may use the same /dev/shm, which needs the same "
                       "/tmp too");
   }
-  auto segment_name = data_segment_name();
-  if (!segment_name) return refuse(ExitCode::failed, segment_name.error().message);
-
   std::unique_ptr<Daemon> daemon(
-      new Daemon(settings, log, std::move(*only_one), std::move(*host_file), std::move(*segment_name)));
-  remove_daemon_files(daemon->segment_name_);
+      new Daemon(settings, log, std::move(*only_one), std::move(*host_file), std::move(*groups)));
+  remove_daemon_files(daemon->groups_.writers);
   remove_dead_sockets();
   core::DoorbellPage::sweep();
-  auto plan = choose_pools(settings, daemon->segment_name_);
+  auto plan = choose_pools(settings, daemon->groups_);
   if (!plan) return tl::unexpected(plan.error());
   if (auto failure = daemon->host(*plan)) return tl::unexpected(*failure);
   return daemon;
@@ -149,30 +156,71 @@ std::optional<StartFailure> Daemon::host(const PoolPlan& plan) {
     return StartFailure{ExitCode::foreign_daemon, "another iceoryx daemon is about to start; stop it"};
   }
   roudi_lock_.emplace(std::move(lock.value()));
-  auto memory = HostMemory::make(make_config(plan, segment_name_));
+  auto memory = HostMemory::make(make_config(plan, groups_), groups_);
   if (!memory) return StartFailure{ExitCode::no_space, memory.error().message};
   memory_ = std::move(*memory);
   ports_ = std::make_unique<iox::roudi::PortManager>(memory_.get());
-  roudi_ = std::make_unique<RoudiHost>(*memory_, *ports_, log_);
-  if (!announce())
+  roudi_ = std::make_unique<RoudiHost>(*memory_, *ports_, groups_, settings_.limits, log_);
+  plan_ = plan;
+  const auto serves = [] { return listener_at(roudi_socket_path) == Listener::alive; };
+  if (!wait_until(Clock::now() + 5s, serves))
     return StartFailure{ExitCode::failed, "iceoryx does not begin to serve; is /tmp writable?"};
-  log_.info(describe(plan));
+  if (const auto admitted = admit_readers(); !admitted)
+    return StartFailure{ExitCode::failed, "readers cannot be let in: " + admitted.error().message};
+  if (!announce()) return StartFailure{ExitCode::failed, "its sign in /dev/shm could not be written"};
+  log_.info(description());
   if (!plan.remark.empty()) log_.warning(plan.remark);
   return std::nullopt;
 }
 
 bool Daemon::announce() {
-  if (!wait_until(Clock::now() + 5s, [] { return listener_at(roudi_socket_path) == Listener::alive; }))
-    return false;
+  tell_status();
   HostFile file;
   file.pid = getpid();
   file.port_pool_offset = memory_->port_pool_offset();
-  file.segment = segment_name_;
+  file.protocol = host_protocol;
+  file.segment = groups_.writers;
+  file.segment_id = memory_->samples().id;
+  file.segment_bytes = memory_->samples().bytes;
   if (getrandom(file.token.data(), file.token.size(), 0) != static_cast<ssize_t>(file.token.size()))
     return false;
   const std::string text = format(file);
   return pwrite(host_file_.descriptor(), text.data(), text.size(), 0) == static_cast<ssize_t>(text.size()) &&
          dprintf(only_one_.descriptor(), "%d\n", static_cast<int>(getpid())) > 0;
+}
+
+/// They use what manages the samples as writers do. The samples themselves iceoryx has made readable to them.
+Result<void> Daemon::admit_readers() {
+  if (!groups_.reader_id) return {};
+  for (const std::string& path :
+       {std::string("/dev/shm/") + iox::roudi::SHM_NAME, std::string(roudi_socket_path)}) {
+    if (auto granted = grant_to_group(path, *groups_.reader_id); !granted) return granted;
+  }
+  return {};
+}
+
+std::string Daemon::description() const {
+  std::string text = format_bytes(plan_.bytes()) + " for samples:";
+  for (const Pool& pool : plan_.pools)
+    text += " " + std::to_string(pool.count) + " x " + format_bytes(pool.bytes) + ",";
+  return text + " and " + format_bytes(memory_->management().size()) + " to manage them";
+}
+
+void Daemon::tell_status() {
+  Status status;
+  status.pid = getpid();
+  status.versions = {SFT_VERSION, "2.0.3", host_protocol};
+  status.since_ns = since_ns_;
+  status.idle_exit_s = settings_.idle_exit.count();
+  status.writers = groups_.writers;
+  status.readers = groups_.readers;
+  status.sample_bytes = memory_->samples().bytes;
+  status.management_bytes = memory_->management().size();
+  status.usage = roudi_->usage();
+  const auto told = write_status_file(status);
+  if (!told && status_was_told_)
+    log_.warning(told.error().message + "; sftd status will not see what happens");
+  status_was_told_ = told.has_value();
 }
 
 Daemon::End Daemon::serve() {
@@ -183,6 +231,7 @@ Daemon::End Daemon::serve() {
   auto next_sweep = Clock::now() + sweep_interval;
   for (;;) {
     if (sigtimedwait(&signals, nullptr, &timeout) > 0) return End::stopped;
+    tell_status();
     const auto now = Clock::now();
     if (now >= next_sweep) {
       core::DoorbellPage::sweep();
@@ -207,7 +256,7 @@ std::optional<Daemon::End> Daemon::check_idle(Clock::time_point now) {
 
 void Daemon::remove_traces() {
   host_file_.remove();
-  remove_daemon_files(segment_name_);
+  remove_daemon_files(groups_.writers);
   only_one_.remove();
 }
 

@@ -2,23 +2,20 @@
 #pragma once
 
 #include <chrono>
-#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "shm_transport/file_lock.h"
-#include "shm_transport/sftd/detach.h"
+#include "shm_transport/sftd/exit_code.h"
+#include "shm_transport/sftd/groups.h"
 #include "shm_transport/sftd/host_memory.h"
 #include "shm_transport/sftd/log.h"
 #include "shm_transport/sftd/roudi_host.h"
+#include "shm_transport/sftd/settings.h"
 
 namespace sft::shm {
-
-struct DaemonSettings {
-  std::optional<std::size_t> pool_bytes{};  ///< for samples; by default what /dev/shm has room for
-  std::chrono::seconds idle_exit{0};        ///< 0: never
-};
 
 struct StartFailure {
   ExitCode code;
@@ -35,6 +32,9 @@ class Daemon {
     idle,     ///< no clients for so long
     renew,    ///< no clients, and killed ones may have lost chunks: to be started again with fresh memory
   };
+  /// What it took, in one sentence.
+  std::string description() const;
+
   /// Until one of these. The signals that stop it must be blocked in all threads.
   End serve();
 
@@ -44,16 +44,21 @@ class Daemon {
 
  private:
   Daemon(const DaemonSettings& settings, const Log& log, FileLock only_one, FileLock host_file,
-         std::string segment_name);
+         Groups groups);
   std::optional<StartFailure> host(const PoolPlan& plan);
   bool announce();
+  Result<void> admit_readers();
+  void tell_status();
   std::optional<End> check_idle(std::chrono::steady_clock::time_point now);
 
   const DaemonSettings settings_;
   const Log& log_;
   FileLock only_one_;   ///< of this /tmp
   FileLock host_file_;  ///< of this /dev/shm
-  const std::string segment_name_;
+  const Groups groups_;
+  const std::int64_t since_ns_;
+  PoolPlan plan_;
+  bool status_was_told_ = true;  ///< at the last attempt
 
   iox::cxx::GenericRAII error_handler_;
   std::optional<iox::posix::FileLock> roudi_lock_;  ///< keeps an iox-roudi from taking our segments away

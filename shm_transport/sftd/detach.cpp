@@ -12,7 +12,7 @@ namespace {
 
 void print(ExitCode code, const std::string& message) {
   if (message.empty()) return;
-  std::fprintf(code == ExitCode::running ? stdout : stderr, "sftd: %s\n", message.c_str());
+  std::fprintf(code == ExitCode::done ? stdout : stderr, "sftd: %s\n", message.c_str());
   std::fflush(nullptr);
 }
 

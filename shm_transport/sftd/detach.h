@@ -5,16 +5,9 @@
 #include <string>
 
 #include "shm_transport/file_lock.h"
+#include "shm_transport/sftd/exit_code.h"
 
 namespace sft::shm {
-
-/// Exit codes of sftd.
-enum class ExitCode : unsigned char {
-  running = 0,         ///< ready, or another one already was
-  no_space = 1,        ///< too little in /dev/shm
-  foreign_daemon = 2,  ///< another iceoryx daemon runs
-  failed = 3,          ///< anything else, told in the message
-};
 
 /// The process that was started, waiting in the foreground for what becomes of the daemon.
 class Starter {

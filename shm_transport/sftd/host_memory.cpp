@@ -1,26 +1,19 @@
 #include "shm_transport/sftd/host_memory.h"
 
-#include <grp.h>
-#include <unistd.h>
+#include <sys/mman.h>
 
 namespace sft::shm {
 
 using iox::roudi::RouDiMemoryManagerError;
 
-Result<std::string> data_segment_name() {
-  const group* own = getgrgid(getegid());
-  if (own != nullptr) return std::string(own->gr_name);
-  return fail(Errc::no_permission,
-              "group " + std::to_string(getegid()) +
-                  " has no entry in /etc/group, by which access to the memory is granted; add one");
-}
-
-iox::RouDiConfig_t make_config(const PoolPlan& plan, const std::string& segment_name) {
+iox::RouDiConfig_t make_config(const PoolPlan& plan, const Groups& groups) {
   iox::mepoo::MePooConfig pools;
   for (const Pool& pool : plan.pools) pools.addMemPool({static_cast<std::uint32_t>(pool.bytes), pool.count});
   iox::RouDiConfig_t config;
-  const iox::posix::PosixGroup::string_t group(iox::cxx::TruncateToCapacity, segment_name);
-  config.m_sharedMemorySegments.push_back({group, group, pools});
+  using Name = iox::posix::PosixGroup::string_t;
+  const Name writers(iox::cxx::TruncateToCapacity, groups.writers);
+  const Name readers(iox::cxx::TruncateToCapacity, groups.readers);
+  config.m_sharedMemorySegments.push_back({groups.reader_id ? readers : writers, writers, pools});
   return config;
 }
 
@@ -39,17 +32,36 @@ std::size_t HostMemory::management_bytes() const {
          alignment_slack;
 }
 
-Result<std::unique_ptr<HostMemory>> HostMemory::make(const iox::RouDiConfig_t& config) {
+Result<std::unique_ptr<HostMemory>> HostMemory::make(const iox::RouDiConfig_t& config, const Groups& groups) {
   std::unique_ptr<HostMemory> memory(new HostMemory(config));
-  if (memory->createAndAnnounceMemory().has_error()) {
+  if (memory->createAndAnnounceMemory().has_error() || !memory->find_samples(groups.member)) {
     return fail(Errc::out_of_memory, "the segments in /dev/shm could not be created; is there space left?");
   }
   return memory;
 }
 
+bool HostMemory::find_samples(uid_t member) {
+  auto& segments = *segmentManager().value();
+  const iox::posix::PosixUser user(member);
+  const auto mappings = segments.getSegmentMappings(user);
+  auto writable = segments.getSegmentInformationWithWriteAccessForUser(user);
+  if (mappings.empty() || !writable.m_memoryManager.has_value()) return false;
+  const auto& mapping = mappings[0];
+  samples_ = {mapping.m_segmentId, mapping.m_size, &writable.m_memoryManager.value().get()};
+  const std::span<const std::byte> managing = management();
+  madvise(const_cast<std::byte*>(managing.data()), managing.size(), MADV_DONTDUMP);
+  madvise(const_cast<void*>(mapping.m_startAddress), mapping.m_size, MADV_DONTDUMP);
+  return true;
+}
+
+std::span<const std::byte> HostMemory::management() const {
+  return {static_cast<const std::byte*>(*memory_.m_managementShm.baseAddress()),
+          memory_.m_managementShm.size()};
+}
+
 std::uint64_t HostMemory::port_pool_offset() const {
-  const auto* base = static_cast<const std::byte*>(*memory_.m_managementShm.baseAddress());
-  return static_cast<std::uint64_t>(reinterpret_cast<const std::byte*>(*ports_.portPool()) - base);
+  return static_cast<std::uint64_t>(reinterpret_cast<const std::byte*>(*ports_.portPool()) -
+                                    management().data());
 }
 
 iox::cxx::expected<RouDiMemoryManagerError> HostMemory::createAndAnnounceMemory() noexcept {

@@ -6,10 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <string>
+#include <span>
 
 #include "sft/typesupport/result.h"
 #include "shm_transport/iceoryx.h"
+#include "shm_transport/sftd/groups.h"
 #include "shm_transport/sftd/pools.h"
 
 #include <iceoryx_hoofs/posix_wrapper/file_lock.hpp>
@@ -21,18 +22,26 @@
 
 namespace sft::shm {
 
-/// Name of the segment of pools in /dev/shm, and of the group that may use it: iceoryx makes them the same.
-Result<std::string> data_segment_name();
+iox::RouDiConfig_t make_config(const PoolPlan& plan, const Groups& groups);
 
-iox::RouDiConfig_t make_config(const PoolPlan& plan, const std::string& segment_name);
+/// The segment of samples, as programs have to know it.
+struct SampleSegment {
+  std::uint64_t id = 0;
+  std::uint64_t bytes = 0;
+  const iox::mepoo::MemoryManager* pools = nullptr;
+};
 
 class HostMemory final : public iox::roudi::RouDiMemoryInterface {
  public:
   /// Bytes of the management segment for these pools.
   static std::size_t management_bytes(const iox::RouDiConfig_t& config);
 
-  /// Creates the segments and fills them with zeros, so that /dev/shm has really given the memory.
-  static Result<std::unique_ptr<HostMemory>> make(const iox::RouDiConfig_t& config);
+  /// Creates the segments and fills them with zeros, so that /dev/shm has really given the memory. They are
+  /// left out of core dumps of this process.
+  static Result<std::unique_ptr<HostMemory>> make(const iox::RouDiConfig_t& config, const Groups& groups);
+
+  const SampleSegment& samples() const { return samples_; }
+  std::span<const std::byte> management() const;
 
   std::uint64_t port_pool_offset() const;
 
@@ -46,11 +55,13 @@ class HostMemory final : public iox::roudi::RouDiMemoryInterface {
  private:
   explicit HostMemory(const iox::RouDiConfig_t& config);
   std::size_t management_bytes() const;
+  bool find_samples(uid_t member);
 
   iox::roudi::PortPoolMemoryBlock ports_;
   iox::cxx::optional<iox::roudi::PortPool> port_pool_;
   iox::roudi::DefaultRouDiMemory memory_;
   iox::roudi::RouDiMemoryManager manager_;
+  SampleSegment samples_;
 };
 
 }  // namespace sft::shm

@@ -67,6 +67,7 @@ LockHealer::Finding LockHealer::look_at(const KnownPort& known, Clock::time_poin
   if (!is_settled(known.lock, holder_of(*known.lock), now)) return Finding::unclear;
   open_by_force(*known.lock);
   suspects_.erase(known.lock);
+  ++opened_;
   log_.info(std::string("opened a lock that a killed process left closed, on a port of ") +
             known.owner.c_str());
   return Finding::opened;

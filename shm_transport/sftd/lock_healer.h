@@ -13,7 +13,9 @@
 // deliveries, which the daemon removes (chunk_reclaimer.h).
 #pragma once
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <string>
@@ -41,6 +43,8 @@ class LockHealer {
   /// while a thread of the daemon is blocked on such a lock.
   bool heal();
 
+  std::uint64_t opened() const { return opened_.load(std::memory_order_relaxed); }
+
  private:
   using Clock = std::chrono::steady_clock;
   using Lock = PortLock;
@@ -64,6 +68,8 @@ class LockHealer {
   iox::roudi::PortPool& ports_;
   const ClientTable& clients_;
   const Log& log_;
+
+  std::atomic<std::uint64_t> opened_{0};
 
   std::mutex mutex_;              // guards what follows; held for a whole round, of which no call blocks
   std::vector<KnownPort> known_;  ///< subscribers first

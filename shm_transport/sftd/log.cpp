@@ -2,9 +2,18 @@
 
 #include <syslog.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
 
 namespace sft::shm {
+
+std::optional<LogLevel> log_level_of(std::string_view name) {
+  constexpr std::string_view names[] = {"error", "warning", "info", "debug"};
+  const auto found = std::ranges::find(names, name);
+  if (found == std::end(names)) return std::nullopt;
+  return static_cast<LogLevel>(found - std::begin(names));
+}
 
 Log::Log(LogLevel most_detailed, Target target) : most_detailed_(most_detailed), target_(target) {
   if (target_ == Target::system_log) openlog("sftd", LOG_PID, LOG_DAEMON);

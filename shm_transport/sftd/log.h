@@ -1,12 +1,16 @@
 // sftd's own messages: to the terminal in the foreground, to syslog once detached.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace sft::shm {
 
 enum class LogLevel { error, warning, info, debug };
+
+std::optional<LogLevel> log_level_of(std::string_view name);
 
 class Log {
  public:

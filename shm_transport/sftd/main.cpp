@@ -1,34 +1,42 @@
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <filesystem>
 #include <iostream>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "shm_transport/iceoryx.h"
+#include "shm_transport/sftd/commands.h"
+#include "shm_transport/sftd/config.h"
 #include "shm_transport/sftd/daemon.h"
+#include "shm_transport/sftd/detach.h"
+#include "shm_transport/sftd/notify.h"
 
 namespace {
 
 using namespace sft::shm;
 
 struct Arguments {
-  std::size_t pool_mib = 0;
-  long idle_exit_s = 0;
+  std::string config_file;
+  std::optional<std::size_t> pool_mib;
+  std::optional<long> idle_exit_s;
+  std::optional<std::string> log_level;
   bool foreground = false;
   bool renewed = false;
-  LogLevel log_level = LogLevel::warning;
-  std::string log_level_name = "warning";
+
+  bool status = false;
+  bool status_as_json = false;
+  bool stop = false;
+  double stop_patience_s = 10;
 };
 
-const std::map<std::string, LogLevel> log_levels{{"error", LogLevel::error},
-                                                 {"warning", LogLevel::warning},
-                                                 {"info", LogLevel::info},
-                                                 {"debug", LogLevel::debug}};
-
-void declare(CLI::App& app, Arguments& arguments) {
+void declare_daemon(CLI::App& app, Arguments& arguments) {
+  app.add_option("--config", arguments.config_file,
+                 "Read this file (TOML: pools, limits, groups); what is given here comes before it");
   app.add_option("--pool-mib", arguments.pool_mib,
                  "Shared memory for samples, in MiB (default: half of what is free, "
                  "at most 320)")
@@ -38,9 +46,36 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(0, 1 << 30));
   app.add_flag("--foreground", arguments.foreground,
                "Stay in the terminal, and log to it instead of to syslog");
-  app.add_option("--log-level", arguments.log_level_name, "error, warning, info or debug")
-      ->check(CLI::IsMember(log_levels));
+  app.add_option("--log-level", arguments.log_level, "error, warning, info (the default) or debug")
+      ->check(CLI::IsMember({"error", "warning", "info", "debug"}));
   app.add_flag("--renewed", arguments.renewed)->group("");  // how it starts itself afresh: detached already
+}
+
+void declare(CLI::App& app, Arguments& arguments) {
+  declare_daemon(app, arguments);
+  app.footer(exit_codes_help);
+  app.require_subcommand(0, 1);
+  CLI::App* status = app.add_subcommand("status", "Show who uses the memory, and how much of it");
+  status->add_flag("--json", arguments.status_as_json, "For programs");
+  status->callback([&arguments] { arguments.status = true; });
+  CLI::App* stop = app.add_subcommand("stop", "End the running sftd; its users go on over UDP");
+  stop->add_option("--patience", arguments.stop_patience_s, "Wait so many seconds for that")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  stop->callback([&arguments] { arguments.stop = true; });
+}
+
+/// The configuration file's settings, and over them those of the command line.
+sft::Result<Config> settings_of(const Arguments& arguments) {
+  sft::Result<Config> config = arguments.config_file.empty() ? Config{} : read_config(arguments.config_file);
+  if (!config) return config;
+  if (arguments.pool_mib) {
+    config->settings.pool_bytes = *arguments.pool_mib << 20;
+    config->settings.pools.clear();
+  }
+  if (arguments.idle_exit_s) config->settings.idle_exit = std::chrono::seconds(*arguments.idle_exit_s);
+  if (arguments.log_level) config->log_level = log_level_of(*arguments.log_level);
+  return config;
 }
 
 /// iceoryx writes to the standard streams, whatever its log level; that is of use only to debug it.
@@ -62,10 +97,11 @@ void block_signals() {
 
 /// The same program again in the same process, with the same settings and nothing else left over.
 [[noreturn]] void start_again(const Arguments& arguments) {
-  std::vector<std::string> words{"sftd", "--idle-exit=" + std::to_string(arguments.idle_exit_s),
-                                 "--log-level=" + arguments.log_level_name,
-                                 arguments.foreground ? "--foreground" : "--renewed"};
-  if (arguments.pool_mib != 0) words.push_back("--pool-mib=" + std::to_string(arguments.pool_mib));
+  std::vector<std::string> words{"sftd", arguments.foreground ? "--foreground" : "--renewed"};
+  if (!arguments.config_file.empty()) words.push_back("--config=" + arguments.config_file);
+  if (arguments.pool_mib) words.push_back("--pool-mib=" + std::to_string(*arguments.pool_mib));
+  if (arguments.idle_exit_s) words.push_back("--idle-exit=" + std::to_string(*arguments.idle_exit_s));
+  if (arguments.log_level) words.push_back("--log-level=" + *arguments.log_level);
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
@@ -73,27 +109,32 @@ void block_signals() {
   _exit(static_cast<int>(ExitCode::failed));
 }
 
-int run(const Arguments& arguments, Starter starter) {
-  const bool has_terminal = arguments.foreground;
-  const Log log(arguments.log_level, has_terminal ? Log::Target::standard_error : Log::Target::system_log);
-  set_up_iceoryx_output(arguments.log_level);
+int run(const Arguments& arguments, const ServiceManager& manager, Starter starter) {
+  const auto config = settings_of(arguments);
+  if (!config) {
+    starter.tell(ExitCode::bad_config, config.error().message);
+    return static_cast<int>(ExitCode::bad_config);
+  }
+  const LogLevel log_level = config->log_level.value_or(LogLevel::info);
+  const Log log(log_level, arguments.foreground ? Log::Target::standard_error : Log::Target::system_log);
+  set_up_iceoryx_output(log_level);
   block_signals();
+  umask(022);  // others look for the sign that it runs
 
-  DaemonSettings settings;
-  if (arguments.pool_mib != 0) settings.pool_bytes = arguments.pool_mib << 20;
-  settings.idle_exit = std::chrono::seconds(arguments.idle_exit_s);
-  auto daemon = Daemon::start(settings, log);
+  auto daemon = Daemon::start(config->settings, log);
   if (!daemon) {
     starter.tell(daemon.error().code, daemon.error().message);
     return static_cast<int>(daemon.error().code);
   }
-  starter.tell(ExitCode::running, has_terminal ? "ready" : "");
+  starter.tell(ExitCode::done, arguments.foreground ? "ready" : "");
+  manager.ready((*daemon)->description());
   const Daemon::End end = (*daemon)->serve();
+  if (end != Daemon::End::renew) manager.stopping();
   (*daemon)->remove_traces();
   // Nothing is destroyed: programs may be in the middle of using the ports in shared memory, and iceoryx
   // would take them apart under their hands.
   if (end == Daemon::End::renew) start_again(arguments);
-  _exit(static_cast<int>(ExitCode::running));
+  _exit(static_cast<int>(ExitCode::done));
 }
 
 }  // namespace
@@ -104,7 +145,16 @@ int main(int argc, char** argv) {
   Arguments arguments;
   declare(app, arguments);
   CLI11_PARSE(app, argc, argv);
-  arguments.log_level = log_levels.at(arguments.log_level_name);
-  if (arguments.foreground || arguments.renewed) return run(arguments, Starter::in_foreground());
-  return run(arguments, Starter::detach());
+  if (arguments.status) return static_cast<int>(print_status(arguments.status_as_json));
+  if (arguments.stop) {
+    const std::chrono::duration<double> patience(arguments.stop_patience_s);
+    return static_cast<int>(stop_daemon(std::chrono::duration_cast<std::chrono::milliseconds>(patience)));
+  }
+  // It leaves the directory that it was started in.
+  if (!arguments.config_file.empty())
+    arguments.config_file = std::filesystem::absolute(arguments.config_file);
+  const char* socket = std::getenv("NOTIFY_SOCKET");
+  const ServiceManager manager(socket == nullptr ? "" : socket);
+  const bool in_foreground = arguments.foreground || arguments.renewed;
+  return run(arguments, manager, in_foreground ? Starter::in_foreground() : Starter::detach());
 }

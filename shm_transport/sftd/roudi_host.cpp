@@ -1,13 +1,21 @@
 #include "shm_transport/sftd/roudi_host.h"
 
-#include <charconv>
+#include <sys/socket.h>
+#include <sys/un.h>
 
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <tuple>
+
+#include "core/clock.h"
 #include "shm_transport/host_file.h"
 #include "shm_transport/sftd/stale_files.h"
 
 namespace sft::shm {
 
 using iox::runtime::IpcMessage;
+using iox::runtime::IpcMessageErrorType;
 using iox::runtime::IpcMessageType;
 
 namespace {
@@ -28,13 +36,28 @@ pid_t pid_in(const IpcMessage& registration) {
   return pid;
 }
 
+void send_to(const std::string& client, const std::string& text) {
+  const Descriptor channel(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, ("/tmp/" + client).c_str(), sizeof address.sun_path - 1);
+  std::ignore = sendto(channel.get(), text.c_str(), text.size() + 1, MSG_NOSIGNAL,
+                       reinterpret_cast<const sockaddr*>(&address), sizeof address);
+}
+
 }  // namespace
 
-RoudiHost::RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const Log& log)
+RoudiHost::RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const Groups& groups,
+                     const Limits& limits, const Log& log)
     : RouDi(memory, ports, startup_parameters()),
+      groups_(groups),
+      limits_(limits),
       log_(log),
-      healer_(*memory.portPool().value(), clients_, log),
-      reclaimer_(*memory.portPool().value()) {
+      port_pool_(*memory.portPool().value()),
+      healer_(port_pool_, clients_, log),
+      reclaimer_(port_pool_),
+      book_(port_pool_, *memory.samples().pools, memory.management()) {
+  note_usage();  // so that there is something to tell from the first moment on
   hooks_may_run_ = true;
   healing_ = std::thread([this] { heal_until_stopped(); });
   startProcessRuntimeMessagesThread();
@@ -55,10 +78,8 @@ void RoudiHost::processMessage(const IpcMessage& message, const IpcMessageType& 
   // From anybody who may write to the socket. The name becomes a path, which iceoryx writes to and which is
   // removed once nobody listens there.
   if (!is_runtime_name(name.c_str())) return log_.debug("a message under a name that no program of ours has");
-  if (type == IpcMessageType::REG && message.getNumberOfElements() == 6) {
-    clients_.add(name.c_str(), pid_in(message));
-    log_.debug(std::string(name.c_str()) + " registers");
-  }
+  if (refuse_over_limit(type, name)) return;
+  if (type == IpcMessageType::REG) return take_on(message, name);
   if (type == IpcMessageType::TERMINATION) {
     // Its ports are about to be destroyed, which iceoryx survives only if their locks are open.
     clients_.remove(name.c_str());
@@ -67,7 +88,49 @@ void RoudiHost::processMessage(const IpcMessage& message, const IpcMessageType& 
     log_.debug(std::string(name.c_str()) + " says goodbye");
   }
   RouDi::processMessage(message, type, name);
-  if (type != IpcMessageType::REG) note_ports();
+  note_ports();
+}
+
+/// Who may write is what the kernel lets it map. iceoryx would look the user up, and know less.
+void RoudiHost::take_on(const IpcMessage& registration, const iox::RuntimeName_t& name) {
+  if (registration.getNumberOfElements() != 6) return log_.debug("a registration of another kind");
+  clients_.add(name.c_str(), pid_in(registration));
+  log_.debug(std::string(name.c_str()) + " registers");
+  IpcMessage as_member;
+  for (std::uint32_t i = 0; i < 6; ++i)
+    as_member << (i == 3 ? std::to_string(groups_.member) : registration.getElementAtIndex(i));
+  RouDi::processMessage(as_member, IpcMessageType::REG, name);
+}
+
+/// Answers as iceoryx does where it has no more room itself.
+bool RoudiHost::refuse_over_limit(const IpcMessageType& type, const iox::RuntimeName_t& name) {
+  const std::string reason = over_limit(type, name);
+  if (reason.empty()) return false;
+  log_.warning(std::string(name.c_str()) + " asked for more than a limit allows: " + reason);
+  IpcMessage answer;
+  answer << iox::runtime::IpcMessageTypeToString(IpcMessageType::ERROR) << reason;
+  send_to(name.c_str(), answer.getMessage());
+  return true;
+}
+
+/// What to answer, or nothing.
+std::string RoudiHost::over_limit(const IpcMessageType& type, const iox::RuntimeName_t& name) {
+  const auto its_ports = [&name](const auto& ports) {
+    return std::count_if(ports.begin(), ports.end(),
+                         [&](const auto* port) { return port->m_runtimeName == name; });
+  };
+  if (type == IpcMessageType::REG && clients_.size() >= limits_.processes) return too_many_processes;
+  if (type == IpcMessageType::CREATE_PUBLISHER) {
+    const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
+    if (its_ports(port_pool_.getPublisherPortDataList()) >= limits_.publishers_per_process)
+      return iox::runtime::IpcMessageErrorTypeToString(IpcMessageErrorType::PUBLISHER_LIST_FULL);
+  }
+  if (type == IpcMessageType::CREATE_SUBSCRIBER) {
+    const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
+    if (its_ports(port_pool_.getSubscriberPortDataList()) >= limits_.subscribers_per_process)
+      return iox::runtime::IpcMessageErrorTypeToString(IpcMessageErrorType::SUBSCRIBER_LIST_FULL);
+  }
+  return {};
 }
 
 void RoudiHost::cyclicUpdateHook() noexcept {
@@ -76,11 +139,13 @@ void RoudiHost::cyclicUpdateHook() noexcept {
   for (const std::string& name : clients_.find_dead(ClientTable::Clock::now())) buried |= bury(name);
   if (buried) note_ports();
   reclaim_chunks();
+  note_usage();
 }
 
 void RoudiHost::reclaim_chunks() {
   const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
   const std::size_t chunks = reclaimer_.reclaim();
+  reclaimed_ += chunks;
   if (chunks > 0)
     log_.info(std::to_string(chunks) + " chunks that killed programs were delivering are free again");
 }
@@ -103,6 +168,31 @@ bool RoudiHost::bury(const std::string& name) {
 void RoudiHost::note_ports() {
   const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
   healer_.note_ports();
+}
+
+void RoudiHost::note_usage() {
+  Usage usage;
+  {
+    const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
+    usage = book_.look();
+  }
+  for (const ClientTable::Client& client : clients_.all()) {
+    const auto of_client = [&client](const auto& port) { return port.user == client.name; };
+    usage.users.push_back({client.pid, client.name,
+                           static_cast<std::uint32_t>(std::ranges::count_if(usage.publishers, of_client)),
+                           static_cast<std::uint32_t>(std::ranges::count_if(usage.subscribers, of_client))});
+  }
+  usage.leaks_healed = reclaimed_;
+  usage.locks_healed = healer_.opened();
+  usage.deaths = deaths();
+  usage.stamp_ns = core::realtime_ns();
+  const std::scoped_lock lock(usage_mutex_);
+  usage_ = std::move(usage);
+}
+
+Usage RoudiHost::usage() const {
+  const std::scoped_lock lock(usage_mutex_);
+  return usage_;
 }
 
 void RoudiHost::heal_until_stopped() {

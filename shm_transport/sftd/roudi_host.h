@@ -14,9 +14,12 @@
 
 #include "shm_transport/sftd/chunk_reclaimer.h"
 #include "shm_transport/sftd/client_table.h"
+#include "shm_transport/sftd/groups.h"
 #include "shm_transport/sftd/host_memory.h"
 #include "shm_transport/sftd/lock_healer.h"
 #include "shm_transport/sftd/log.h"
+#include "shm_transport/sftd/settings.h"
+#include "shm_transport/sftd/usage_book.h"
 
 #include <iceoryx_posh/internal/roudi/port_manager.hpp>
 #include <iceoryx_posh/internal/roudi/roudi.hpp>
@@ -32,8 +35,9 @@ class HookGate {
 
 class RoudiHost final : private HookGate, public iox::roudi::RouDi {
  public:
-  /// `memory` and `ports` outlive this.
-  RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const Log& log);
+  /// `memory`, `ports` and `log` outlive this.
+  RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const Groups& groups, const Limits& limits,
+            const Log& log);
   ~RoudiHost() override;
 
   /// Whether no process is registered.
@@ -43,20 +47,35 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   /// back: these come back only when all memory is set up anew.
   std::uint64_t deaths() const { return deaths_.load(std::memory_order_relaxed); }
 
+  /// As RouDi's thread saw it at its last round, 100 ms ago at most if that goes on. Any thread.
+  Usage usage() const;
+
  private:
   void processMessage(const iox::runtime::IpcMessage& message, const iox::runtime::IpcMessageType& type,
                       const iox::RuntimeName_t& name) noexcept override;
   void cyclicUpdateHook() noexcept override;
+  bool refuse_over_limit(const iox::runtime::IpcMessageType& type, const iox::RuntimeName_t& name);
+  std::string over_limit(const iox::runtime::IpcMessageType& type, const iox::RuntimeName_t& name);
+  void take_on(const iox::runtime::IpcMessage& registration, const iox::RuntimeName_t& name);
   bool bury(const std::string& name);
   void reclaim_chunks();
   void note_ports();
+  void note_usage();
   void heal_until_stopped();
 
+  const Groups groups_;
+  const Limits limits_;
   const Log& log_;
+  iox::roudi::PortPool& port_pool_;
   ClientTable clients_;
   LockHealer healer_;
   ChunkReclaimer reclaimer_;  ///< used under RouDi's lock on its processes
+  UsageBook book_;            ///< likewise
   std::atomic<std::uint64_t> deaths_{0};
+  std::uint64_t reclaimed_ = 0;
+
+  mutable std::mutex usage_mutex_;  // guards usage_
+  Usage usage_;
 
   std::mutex mutex_;  // guards stopping_
   std::condition_variable stop_;

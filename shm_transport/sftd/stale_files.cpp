@@ -11,6 +11,7 @@
 
 #include "shm_transport/host_file.h"
 #include "shm_transport/iceoryx.h"
+#include "shm_transport/sftd/status_file.h"
 
 namespace sft::shm {
 
@@ -49,6 +50,7 @@ void remove_daemon_files(const std::string& segment_name) {
   shm_unlink((std::string("/") + iox::roudi::SHM_NAME).c_str());
   shm_unlink(("/" + segment_name).c_str());
   const std::string lock_suffix = ".lock";
+  remove_status_file();
   unlink(roudi_socket_path);
   unlink((roudi_socket_path + lock_suffix).c_str());
   unlink(("/tmp/" + std::string(iox::roudi::ROUDI_LOCK_NAME) + lock_suffix).c_str());

@@ -113,6 +113,18 @@ TEST_F(NegotiationTest, NothingIsSentToAReaderBeforeItSaysThatItListens) {
   EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
 }
 
+TEST_F(NegotiationTest, AWriterThatMayNotWriteSharedMemoryServesItsHostByUdpAndSaysWhy) {
+  negotiation.self_changed(
+      {.host = token(1), .network = here, .shm_state = "iceoryx", .may_write_shm = false});
+  our_writer();
+  our_reader();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));
+  EXPECT_FALSE(negotiation.serving(100).shm_port);
+  EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "this user may only read shared memory");
+  EXPECT_FALSE(negotiation.local(100)->host.known()) << "others would wait for it there";
+  EXPECT_TRUE(negotiation.local(200)->host.known());
+}
+
 TEST_F(NegotiationTest, AReaderInTheSameNetworkStackIsReachedThroughLoopback) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 3));

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -102,6 +103,154 @@ TEST_F(Sftd, OfConcurrentStartsExactlyOneSurvives) {
   EXPECT_TRUE(node.becomes_ready()) << node->description();
 }
 
+/// Process ids of this host's daemons.
+std::vector<std::string> daemons() {
+  std::vector<std::string> found;
+  for (const std::string& name : names_in("/proc")) {
+    std::string program;
+    std::getline(std::ifstream("/proc/" + name + "/comm"), program);
+    if (program == "sftd" && name.find_first_not_of("0123456789") == std::string::npos) found.push_back(name);
+  }
+  return found;
+}
+
+TEST_F(Sftd, IsOneWhenThirtyNodesStartItAtOnce) {
+  std::vector<Process> peers;
+  for (int i = 0; i < 30; ++i) peers.push_back(start_peer({"attend"}));
+  for (Process& peer : peers) EXPECT_EQ(peer.line(30s), "ready");
+  // Those that came too late end as soon as they see the one.
+  EXPECT_TRUE(eventually([] { return daemons().size() == 1; })) << daemons().size();
+  EXPECT_EQ(daemons(), std::vector<std::string>{std::to_string(daemon_pid())});
+}
+
+/// Flags that the kernel has for a process's mappings of files with that name.
+std::vector<std::string> mapping_flags(pid_t pid, const std::string& file) {
+  std::vector<std::string> flags;
+  bool of_file = false;
+  std::ifstream smaps("/proc/" + std::to_string(pid) + "/smaps");
+  for (std::string line; std::getline(smaps, line);) {
+    const bool is_mapping = !line.empty() && std::isupper(static_cast<unsigned char>(line[0])) == 0;
+    if (is_mapping) of_file = contains(line, file);  // what is said of it follows, in words
+    if (of_file && line.starts_with("VmFlags:")) flags.push_back(line + " ");
+  }
+  return flags;
+}
+
+TEST_F(Sftd, ItsMemoryIsInNobodysCoreDump) {
+  Node node;
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  for (const pid_t pid : {getpid(), daemon_pid()}) {
+    const auto flags = mapping_flags(pid, "/dev/shm/");
+    EXPECT_GE(flags.size(), 2U);
+    for (const std::string& mapping : flags) EXPECT_TRUE(contains(mapping, " dd ")) << pid << ": " << mapping;
+  }
+}
+
+TEST_F(Sftd, LendsSamplesOf16MiBWhere256MiBAreShared) {
+  const ShmOfSize small("256m");
+  Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
+  ASSERT_EQ(daemon.line(), "sftd: ready");  // and no remark before that
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  Writer writer(node, 1);
+  EXPECT_TRUE(writer.loan(16 << 20));
+  daemon.signal(SIGTERM);
+  daemon.exit_code();
+}
+
+TEST_F(Sftd, SaysWhatItTook) {
+  Process daemon({sftd_path(), "--foreground", "--pool-mib=16"});
+  const std::string line = daemon.line();
+  EXPECT_TRUE(contains(line, "MiB for samples: ")) << line;
+  EXPECT_TRUE(contains(line, " x 4 KiB")) << line;
+}
+
+TEST_F(Sftd, TakesThePoolsThatItsConfigurationNames) {
+  std::ofstream("/tmp/sftd.toml") << "log_level = 'error'\n[[pool]]\nsize_kib = 64\ncount = 3\n";
+  Process daemon({sftd_path(), "--foreground", "--config=/tmp/sftd.toml"});
+  ASSERT_EQ(daemon.line(), "sftd: ready");
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  EXPECT_EQ(ChunkCounter(node, 100).free(), 3U);
+  EXPECT_EQ(ChunkCounter(node, 100'000).free(), 0U);
+}
+
+TEST_F(Sftd, RefusesPoolsThatDoNotFit) {
+  const ShmOfSize small("200m");
+  std::ofstream("/tmp/sftd.toml") << "[[pool]]\nsize_kib = 1024\ncount = 200\n";
+  Process daemon({sftd_path(), "--foreground", "--config=/tmp/sftd.toml"});
+  EXPECT_TRUE(contains(daemon.all_output(), "/dev/shm has 200.0 MiB"));
+  EXPECT_EQ(daemon.exit_code(), 1);
+}
+
+TEST_F(Sftd, RefusesAWrongConfigurationWithItsPlace) {
+  std::ofstream("/tmp/sftd.toml") << "total_mib = 16\nidle_exit = 3\n";
+  Process daemon({sftd_path(), "--config=/tmp/sftd.toml"});
+  const std::string output = daemon.all_output();
+  EXPECT_TRUE(output.starts_with("sftd: /tmp/sftd.toml:2: idle_exit: not known here")) << output;
+  EXPECT_EQ(daemon.exit_code(), 7);
+}
+
+TEST_F(Sftd, RefusesAConfigurationThatIsNotThere) {
+  Process daemon({sftd_path(), "--config=/tmp/nowhere.toml"});
+  EXPECT_TRUE(daemon.all_output().starts_with("sftd: /tmp/nowhere.toml: "));
+  EXPECT_EQ(daemon.exit_code(), 7);
+}
+
+TEST_F(Sftd, GivesOneProgramNoMoreThanItsLimits) {
+  std::ofstream("/tmp/sftd.toml") << "total_mib = 16\nlog_level = 'error'\n"
+                                     "[limits]\nprocesses = 1\npublishers_per_process = 2\n";
+  Process daemon({sftd_path(), "--foreground", "--config=/tmp/sftd.toml"});
+  ASSERT_EQ(daemon.line(), "sftd: ready");
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  const Writer first(node, 1);
+  const Writer second(node, 2);
+  const auto third = node->open_writer({.id = 3, .type = &frame_type(), .max_sample_bytes = 100});
+  ASSERT_FALSE(third);
+  EXPECT_TRUE(contains(third.error().message, "its limits")) << third.error().message;
+  Process other = start_peer({"knock"});
+  const std::string answer = other.line();
+  EXPECT_TRUE(contains(answer, "as many programs as its configuration allows")) << answer;
+}
+
+/// What a service manager would be sent.
+class ServiceSocket {
+ public:
+  explicit ServiceSocket(const char* path) : socket_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
+    EXPECT_EQ(bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    const timeval deadline{10, 0};
+    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &deadline, sizeof deadline);
+    setenv("NOTIFY_SOCKET", path, 1);
+  }
+  ~ServiceSocket() {
+    unsetenv("NOTIFY_SOCKET");
+    close(socket_);
+  }
+  std::string next() const {
+    char text[512];
+    const ssize_t bytes = recv(socket_, text, sizeof text, 0);
+    return {text, static_cast<std::size_t>(std::max<ssize_t>(bytes, 0))};
+  }
+
+ private:
+  int socket_;
+};
+
+TEST_F(Sftd, TellsItsServiceManagerWhenItIsReadyAndWhenItEnds) {
+  const ServiceSocket manager("/tmp/service_manager");
+  Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
+  const std::string news = manager.next();
+  EXPECT_TRUE(news.starts_with("READY=1\nSTATUS=16.0 MiB for samples")) << news;
+  EXPECT_NE(daemon_pid(), 0) << "it was not ready";
+  daemon.signal(SIGTERM);
+  EXPECT_EQ(manager.next(), "STOPPING=1");
+  EXPECT_EQ(daemon.exit_code(), 0);
+}
+
 TEST_F(Sftd, LeavesNothingBehindWhenItIsTerminated) {
   const auto tmp_before = names_in("/tmp").size();
   for (const int signal : {SIGTERM, SIGINT}) {
@@ -149,7 +298,7 @@ TEST_F(Sftd, RefusesTooSmallASharedMemoryAndNamesTheRemedy) {
 
 TEST_F(Sftd, LeavesLargeChunksOutWhereThereIsLittleRoomAndSaysSo) {
   const ShmOfSize small("140m");
-  Process daemon({sftd_path(), "--foreground"});
+  Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
   const std::string first = daemon.line();
   EXPECT_TRUE(contains(first, "do not fit")) << first;
   EXPECT_EQ(daemon.line(), "sftd: ready");
@@ -290,6 +439,17 @@ TEST_F(NodeWithoutDaemon, IgnoresAHostFileThatNobodyHolds) {
   Node node(no_daemon());
   EXPECT_TRUE(node.becomes(Availability::unavailable));
   EXPECT_FALSE(node->host_token().known());
+}
+
+TEST_F(NodeWithoutDaemon, NamesAnSftdOfAnotherVersion) {
+  auto held = shm::FileLock::take(shm::host_file_path);
+  ASSERT_TRUE(held);
+  const std::string sign = "token 000102030405060708090a0b0c0d0e0f\npid 1\nports 64\nend\n";
+  ASSERT_EQ(write(held->descriptor(), sign.data(), sign.size()), static_cast<ssize_t>(sign.size()));
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes(Availability::unavailable));
+  EXPECT_TRUE(contains(node->description(), "another version")) << node->description();
+  held->remove();
 }
 
 TEST_F(NodeWithoutDaemon, OpensNoPorts) {

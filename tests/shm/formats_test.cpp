@@ -19,13 +19,19 @@ TEST(HostFile, IsReadBackAsItWasWritten) {
   for (std::size_t i = 0; i < file.token.size(); ++i) file.token[i] = static_cast<std::uint8_t>(i * 17);
   file.pid = 4711;
   file.port_pool_offset = 27'913'320;
+  file.protocol = 7;
   file.segment = "robots";
+  file.segment_id = 2;
+  file.segment_bytes = 335'541'000;
   const auto read = shm::parse_host_file(shm::format(file));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->token, file.token);
   EXPECT_EQ(read->pid, file.pid);
   EXPECT_EQ(read->port_pool_offset, file.port_pool_offset);
+  EXPECT_EQ(read->protocol, file.protocol);
   EXPECT_EQ(read->segment, file.segment);
+  EXPECT_EQ(read->segment_id, file.segment_id);
+  EXPECT_EQ(read->segment_bytes, file.segment_bytes);
 }
 
 TEST(HostFile, IsNothingBeforeItsLastLine) {
@@ -36,6 +42,12 @@ TEST(HostFile, IsNothingBeforeItsLastLine) {
 }
 
 TEST(HostFile, IsRefusedWithAShortToken) { EXPECT_FALSE(shm::parse_host_file("token 0011\nend\n")); }
+
+TEST(HostFile, NamesNoSegmentOutsideOfItsDirectory) {
+  shm::HostFile file;
+  file.segment = "../etc/passwd";
+  EXPECT_FALSE(shm::parse_host_file(shm::format(file)));
+}
 
 TEST(HostFile, MayHaveLinesOfLaterVersions) {
   EXPECT_TRUE(shm::parse_host_file("colour blue\ntoken 000102030405060708090a0b0c0d0e0f\nend\n"));

@@ -35,6 +35,7 @@ TEST_F(LockHealerTest, OpensAtOnceWhatNoThreadOfTheDaemonHolds) {
   std::thread([this] { lock().lock(); }).join();
   EXPECT_TRUE(healer_.heal());
   EXPECT_FALSE(shm::is_closed(lock()));
+  EXPECT_EQ(healer_.opened(), 1U);
 }
 
 TEST_F(LockHealerTest, OpensInTheEndWhatAThreadOfTheDaemonSeemsToHold) {

@@ -1,6 +1,7 @@
 #include "shm_fixture.h"
 
 #include <fcntl.h>
+#include <grp.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -17,7 +18,16 @@
 
 namespace sft::test {
 
-Process::Process(const std::vector<std::string>& command) {
+namespace {
+
+bool become(const Identity& identity) {
+  return setgroups(identity.other_groups.size(), identity.other_groups.data()) == 0 &&
+         setgid(identity.group) == 0 && setuid(identity.user) == 0;
+}
+
+}  // namespace
+
+Process::Process(const std::vector<std::string>& command, const Identity* as) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return;
   std::vector<char*> arguments;
@@ -27,6 +37,7 @@ Process::Process(const std::vector<std::string>& command) {
   if (pid_ == 0) {
     dup2(ends[1], 1);
     dup2(ends[1], 2);
+    if (as != nullptr && !become(*as)) _exit(126);
     execv(arguments[0], arguments.data());
     _exit(127);
   }

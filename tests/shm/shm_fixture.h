@@ -23,10 +23,17 @@ namespace sft::test {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
+/// Whom a process runs as. There need be no such user.
+struct Identity {
+  uid_t user;
+  gid_t group;
+  std::vector<gid_t> other_groups{};
+};
+
 /// Another program that the test starts; killed with the object.
 class Process {
  public:
-  explicit Process(const std::vector<std::string>& command);
+  explicit Process(const std::vector<std::string>& command, const Identity* as = nullptr);
   ~Process();
   Process(Process&& other) noexcept;
   Process& operator=(Process&&) = delete;

@@ -1,4 +1,5 @@
 // The other process in tests: does one thing, says so on its standard output, and goes on until it is killed.
+#include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -8,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/doorbell.h"
 #include "frame.h"
 #include "shm_fixture.h"
 
@@ -82,6 +84,52 @@ void count_faults(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   stay();
 }
 
+std::byte* target = nullptr;
+
+/// Says what this process may do with a sample that it reads: look at it, and not write to it.
+void try_to_write(Node& node, sft::core::EndpointId id, std::uint32_t) {
+  Reader reader(node);
+  if (!reader.connects_to(id)) say("cannot connect");
+  const SampleHandle sample = reader.next();
+  if (!sample) say("no sample");
+  signal(SIGSEGV, [](int) {
+    constexpr char text[] = "cannot write\n";
+    _exit(write(1, text, sizeof text - 1) > 0 ? 0 : 1);
+  });
+  target = sample->data;
+  say("reads " + std::to_string(field_of(*sample, 1)));
+  *const_cast<volatile std::byte*>(target) = std::byte{1};
+  say("wrote");
+}
+
+/// Opens a port to publish, or says why it cannot.
+void offer(Node& node, sft::core::EndpointId id, std::uint32_t) {
+  const auto port = node->open_writer({.id = id, .type = &frame_type(), .max_sample_bytes = 1 << 20});
+  say(port ? "may publish" : port.error().message);
+  stay();
+}
+
+/// Reads with a doorbell of its own, and says which.
+void listen(Node& node, sft::core::EndpointId, std::uint32_t) {
+  const auto page = sft::core::DoorbellPage::create();
+  const auto port = node->open_reader({.id = 7, .type = &frame_type(), .doorbell = {page->id(), 0}});
+  say(port ? std::to_string(page->id()) : port.error().message);
+  stay();
+}
+
+void ring(Node&, sft::core::EndpointId page_id, std::uint32_t) {
+  const auto page = sft::core::DoorbellPage::open(page_id);
+  if (page) (*page)->at(0).ring();
+  say(page ? "rang" : page.error().message);
+}
+
+/// Says whether the transport can be used, and if not, why, as soon as it knows.
+int knock(Node& node) {
+  const bool refused = node.becomes(Availability::unavailable, std::chrono::seconds(2));
+  say(refused ? node->description() : "not refused");
+  return 0;
+}
+
 /// Gets ready and stays; lets the daemon be started.
 void attend(Node&, sft::core::EndpointId, std::uint32_t) {
   say("ready");
@@ -96,10 +144,16 @@ int main(int argc, char** argv) {
       {"hoard", hoard},
       {"subscribe", subscribe},
       {"count-faults", count_faults},
+      {"try-to-write", try_to_write},
+      {"offer", offer},
+      {"listen", listen},
+      {"ring", ring},
       {"attend", attend}};
-  const auto task = argc > 1 ? tasks.find(argv[1]) : tasks.end();
-  if (task == tasks.end()) return 2;
+  const std::string wanted = argc > 1 ? argv[1] : "";
+  const auto task = tasks.find(wanted);
+  if (task == tasks.end() && wanted != "knock") return 2;
   Node node;
+  if (wanted == "knock") return knock(node);
   if (!node.becomes_ready()) {
     say("not ready: " + node->description());
     return 1;

@@ -1,0 +1,94 @@
+#include "shm_transport/sftd/commands.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "core/clock.h"
+#include "shm_transport/sftd/running_daemon.h"
+#include "shm_transport/sftd/status_file.h"
+
+namespace sft::shm {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+// It tells twice a second; this much later the machine is not only busy.
+constexpr std::chrono::nanoseconds silence_max = 3s;
+
+ExitCode complain(ExitCode code, const std::string& text) {
+  fmt::print(stderr, "sftd: {}\n", text);
+  return code;
+}
+
+/// Empty if it does.
+std::string why_it_does_not_answer(const RunningDaemon& daemon, const std::optional<Status>& status) {
+  const std::string name = fmt::format("the daemon (pid {}) ", daemon.pid());
+  if (daemon.is_stopped()) return name + "is stopped, by a signal or a debugger; continue it: kill -CONT";
+  if (!status) return name + "has not told its state; is it of another version?";
+  const std::chrono::nanoseconds age(core::realtime_ns() - status->usage.stamp_ns);
+  if (age < silence_max) return {};
+  return name +
+         fmt::format("does not answer; it last did {:.1f} s ago", std::chrono::duration<double>(age).count());
+}
+
+std::string users_of(const std::optional<Status>& status) {
+  std::string users;
+  if (!status) return users;
+  for (const UserUse& user : status->usage.users)
+    users += fmt::format("\n  {} (pid {}): {} publishers, {} subscribers", user.name, user.pid,
+                         user.publishers, user.subscribers);
+  return users;
+}
+
+bool ends_within(const Descriptor& process, std::chrono::milliseconds patience) {
+  pollfd end{process.get(), POLLIN, 0};
+  return poll(&end, 1, static_cast<int>(patience.count())) > 0;
+}
+
+ExitCode code_of(const Error& error) {
+  return error.code == Errc::no_permission ? ExitCode::not_permitted : ExitCode::failed;
+}
+
+}  // namespace
+
+ExitCode print_status(bool as_json) {
+  const auto daemon = RunningDaemon::find();
+  if (!daemon) return complain(daemon.error().code, daemon.error().reason);
+  const auto status = read_status_file(daemon->user());
+  if (status) fmt::print("{}", as_json ? to_json(*status) : to_table(*status, core::realtime_ns()));
+  std::fflush(stdout);
+  const std::string reason = why_it_does_not_answer(*daemon, status);
+  return reason.empty()
+             ? ExitCode::done
+             : complain(ExitCode::no_answer, reason + (status ? "; the state above is of then" : ""));
+}
+
+ExitCode stop_daemon(std::chrono::milliseconds patience) {
+  const auto daemon = RunningDaemon::find();
+  if (!daemon) return complain(daemon.error().code, daemon.error().reason);
+  const auto process = daemon->process();
+  if (!process) return complain(code_of(process.error()), process.error().message);
+  const std::string users = users_of(read_status_file(daemon->user()));
+  if (syscall(SYS_pidfd_send_signal, process->get(), SIGTERM, nullptr, 0) != 0)
+    return complain(ExitCode::failed, fmt::format("the daemon (pid {}) cannot be signalled", daemon->pid()));
+  if (!ends_within(*process, patience)) {
+    return complain(
+        ExitCode::no_answer,
+        fmt::format("the daemon does not end; if it is stopped, continue it: kill -CONT {}", daemon->pid()));
+  }
+  if (users.empty()) {
+    fmt::print("sftd: the daemon (pid {}) has ended; nobody used it\n", daemon->pid());
+  } else {
+    fmt::print("sftd: the daemon (pid {}) has ended; these used it, and go on over UDP:{}\n", daemon->pid(),
+               users);
+  }
+  return ExitCode::done;
+}
+
+}  // namespace sft::shm
