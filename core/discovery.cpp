@@ -1,78 +1,16 @@
 #include "core/discovery.h"
 
 #include <dds/dds.h>
-#include <dds/ddsrt/log.h>
 
 #include <array>
-#include <mutex>
-#include <set>
 
 #include "core/control_codec.h"
+#include "core/dds_domain.h"
 #include "core/described_type.h"
 
 namespace sft::core {
 
 namespace {
-
-// Heartbeats that come at once and acknowledgements that do not wait make a newcomer's first request arrive
-// within milliseconds; what repeats while nothing happens is kept rare. Cyclone's own shared memory would
-// compete with ours for the process's iceoryx runtime, hence the last fragment, which nobody overrides.
-constexpr const char* our_config =
-    "<CycloneDDS><Domain id=\"any\">"
-    "<Discovery><LeaseDuration>10 "
-    "s</LeaseDuration><MaxAutoParticipantIndex>200</MaxAutoParticipantIndex></Discovery>"
-    "<Internal><PreEmptiveAckDelay>0 ms</PreEmptiveAckDelay><NackDelay>1 ms</NackDelay>"
-    "<HeartbeatInterval max=\"2 s\">20 ms</HeartbeatInterval>"
-    "<MultipleReceiveThreads>false</MultipleReceiveThreads></Internal>"
-    "</Domain></CycloneDDS>";
-constexpr const char* enforced_config =
-    "<CycloneDDS><Domain "
-    "id=\"any\"><SharedMemory><Enable>false</Enable></SharedMemory></Domain></CycloneDDS>";
-
-/// Cyclone configures a domain once per process, at the first participant, and logs through one process-wide
-/// sink: the two things here that several nodes of a process share.
-class Process {
- public:
-  static Process& instance() {
-    static Process process;
-    return process;
-  }
-
-  /// Makes sure that the domain exists with our configuration, unless the program has opened it before.
-  Result<void> configure_domain(std::uint32_t domain, const std::string& user_config) {
-    const std::scoped_lock lock(mutex_);
-    if (domains_.contains(domain)) return {};
-    dds_set_log_sink(&Process::on_log, this);
-    std::string config = our_config;
-    if (!user_config.empty()) config += "," + user_config;
-    config += std::string(",") + enforced_config;
-    const dds_entity_t created = dds_create_domain(domain, config.c_str());
-    if (created < 0 && created != DDS_RETCODE_PRECONDITION_NOT_MET) {
-      return fail(Errc::invalid_argument, "Cyclone DDS refuses its configuration: " + last_log() +
-                                              "; check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");
-    }
-    domains_.insert(domain);
-    return {};
-  }
-
-  std::string last_log() {
-    const std::scoped_lock lock(log_mutex_);
-    return last_log_;
-  }
-
- private:
-  static void on_log(void* self, const dds_log_data_t* data) {
-    auto* process = static_cast<Process*>(self);
-    const std::scoped_lock lock(process->log_mutex_);
-    process->last_log_.assign(data->message, data->size);
-    while (process->last_log_.ends_with('\n')) process->last_log_.pop_back();
-  }
-
-  std::mutex mutex_;
-  std::set<std::uint32_t> domains_;
-  std::mutex log_mutex_;
-  std::string last_log_;
-};
 
 struct QosDeleter {
   void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
@@ -128,16 +66,18 @@ class CycloneDiscovery final : public Discovery {
   }
 
   Result<void> open(const DiscoveryOptions& options) {
-    const Result<void> configured = Process::instance().configure_domain(options.domain, options.user_config);
-    if (!configured) return configured;
+    Result<DdsConfig> config = dds_config(options.domain, options.settings, options.user_config);
+    if (!config) return tl::unexpected(config.error());
+    if (const auto opened = open_dds_domain(options.domain, *config); !opened) return opened;
+    configuration_ = {std::move(config->summary), std::move(config->warnings)};
+    const CycloneMessages messages;
     DdsQos participant_qos(dds_create_qos());
     static constexpr char mark[] = "sft/1";  // others can tell our participants from vanilla ones
     dds_qset_userdata(participant_qos.get(), mark, sizeof mark - 1);
     participant_ = dds_create_participant(options.domain, participant_qos.get(), nullptr);
     if (participant_ < 0) {
-      return fail(Errc::unavailable, "DDS domain " + std::to_string(options.domain) + " cannot be joined (" +
-                                         dds_strretcode(participant_) +
-                                         "): " + Process::instance().last_log() +
+      return fail(Errc::unavailable, "DDS domain " + std::to_string(options.domain) +
+                                         " cannot be joined: " + messages.text() +
                                          "; check the network interfaces and CYCLONEDDS_URI");
     }
     const DdsQos qos = control_qos();
@@ -154,6 +94,8 @@ class CycloneDiscovery final : public Discovery {
     assertion_writer_ = *assertions;
     return {};
   }
+
+  const Configuration& configuration() const override { return configuration_; }
 
   Result<void> announce(const Endpoint& endpoint) override {
     ControlStorage storage;
@@ -251,6 +193,7 @@ class CycloneDiscovery final : public Discovery {
   }
 
   DiscoveryListener& listener_;
+  Configuration configuration_;
   dds_entity_t participant_ = 0;
   dds_entity_t endpoint_writer_ = 0;
   dds_entity_t request_writer_ = 0;

@@ -8,13 +8,15 @@
 #include <vector>
 
 #include "core/control.h"
+#include "sft/options.h"
 #include "sft/typesupport/result.h"
 
 namespace sft::core {
 
 struct DiscoveryOptions {
   std::uint32_t domain = 0;
-  std::string user_config;  ///< XML fragments or URIs, put behind ours so that they win
+  DiscoverySettings settings;
+  std::string user_config;  ///< XML texts or names of files
 };
 
 /// Told what others announced. Called on Cyclone's threads, which must not be held up: post it and return.
@@ -40,6 +42,13 @@ class Discovery {
   static Result<std::unique_ptr<Discovery>> open(const DiscoveryOptions& options,
                                                  DiscoveryListener& listener);
   virtual ~Discovery() = default;
+
+  /// For people.
+  struct Configuration {
+    std::string summary;                ///< how nodes are found
+    std::vector<std::string> warnings;  ///< which of the user's settings do not hold, and why
+  };
+  virtual const Configuration& configuration() const = 0;
 
   /// Announces an endpoint of ours, or that it has changed.
   virtual Result<void> announce(const Endpoint& endpoint) = 0;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/address_choice.h"
+
 namespace sft::core {
 
 namespace {
@@ -27,10 +29,20 @@ bool Negotiation::self_changed(const Self& self) {
   return true;
 }
 
+bool Negotiation::network_changed(const std::vector<UdpAddress>& addresses, const std::vector<Link>& links) {
+  addresses_ = addresses;
+  links_ = links;
+  for (auto& [id, entry] : entries_) {
+    if (entry.type != nullptr && entry.endpoint.may_use_udp) entry.endpoint.addresses = addresses;
+  }
+  return true;
+}
+
 void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type) {
   Entry entry{.endpoint = endpoint, .type = &type, .lost_since = {}, .history_given = {}};
   entry.endpoint.host = self_.host;
   entry.endpoint.network = self_.network;
+  if (endpoint.may_use_udp && addresses_) entry.endpoint.addresses = *addresses_;
   entries_.insert_or_assign(endpoint.id, std::move(entry));
 }
 
@@ -211,9 +223,9 @@ std::vector<const Negotiation::Entry*> Negotiation::others(const Entry& entry) c
 }
 
 UdpAddress Negotiation::address_of(const Endpoint& reader) const {
+  if (reader.network != self_.network) return choose_address(reader.addresses, links_);
   UdpAddress address = reader.addresses.front();
-  if (reader.network == self_.network)
-    address.ipv4 = 0x7f000001;  // one network stack: never leaves the machine
+  address.ipv4 = 0x7f000001;  // one network stack: never leaves the machine
   return address;
 }
 

@@ -64,7 +64,10 @@ class Negotiation {
   // Events. Each returns whether anything may have changed, that is, whether to ask for the desired states
   // again.
   bool self_changed(const Self& self);
-  /// `type` outlives the endpoint. The endpoint's host and network are taken from Self.
+  /// Our endpoints are reached there from now on, and others from there.
+  bool network_changed(const std::vector<UdpAddress>& addresses, const std::vector<Link>& links);
+  /// `type` outlives the endpoint. The endpoint's host and network are taken from Self, its addresses from
+  /// network_changed().
   void local_added(const Endpoint& endpoint, const TypeSupport& type);
   void local_removed(EndpointId id);
   bool endpoint_seen(const Endpoint& endpoint);
@@ -124,6 +127,8 @@ class Negotiation {
 
   Limits limits_;
   Self self_;
+  std::optional<std::vector<UdpAddress>> addresses_;  ///< once they were told
+  std::vector<Link> links_;
   std::map<EndpointId, Entry> entries_;
   std::map<EndpointId, EarlyRequest> early_requests_;  ///< of readers that have yet to be seen, or seen again
   std::uint64_t early_arrivals_ = 0;

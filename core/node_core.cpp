@@ -16,10 +16,13 @@ namespace sft::core {
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
   const DiscoveryOptions discovery{.domain = options.domain.value_or(0),
+                                   .settings = options.discovery,
                                    .user_config = options.cyclonedds_config.value_or("")};
   auto opened = Discovery::open(discovery, *node);
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
+  for (const std::string& warning : node->discovery_->configuration().warnings)
+    node->log(LogLevel::warning, "discovery: " + warning);
   NodeCore* const self = node.get();
   node->reconciler_ = std::make_unique<Reconciler>(
       node->network_, node->shm_.get(), node->udp_.get(), *node->discovery_, node->dispatcher_,
@@ -278,6 +281,8 @@ std::vector<TopicInfo> NodeCore::topics() {
 
 NodeStatus NodeCore::status() const {
   NodeStatus status;
+  status.discovery = discovery_->configuration().summary;
+  for (const std::string& warning : discovery_->configuration().warnings) status.discovery += "; " + warning;
   status.udp = udp_ == nullptr ? "the node rules it out" : udp_->description();
   status.shm = reconciler_->shm_state();
   status.shm_ready = reconciler_->shm_ready();

@@ -14,6 +14,7 @@ constexpr std::chrono::seconds in_flight_max{2};         // what was sent longer
 constexpr std::chrono::milliseconds shm_pause_min{500};  // after the daemon did not do what was asked for
 constexpr std::chrono::milliseconds shm_pause_max{10'000};
 constexpr std::chrono::milliseconds tick_quiet{50};
+constexpr std::chrono::seconds look_at_addresses_every{1};
 constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
@@ -26,6 +27,10 @@ Reconciler::Reconciler(std::uint64_t network, Transport* shm, Transport* udp, Di
   self_.network = network;
   self_.shm_state = shm_ == nullptr ? "the node rules it out" : "starting";
   negotiation_.self_changed(self_);
+  if (udp_ == nullptr) return;
+  addresses_ = udp_->addresses();
+  links_ = udp_->links();
+  negotiation_.network_changed(addresses_, links_);
 }
 
 void Reconciler::endpoint_seen(const Endpoint& endpoint) { dirty_ |= negotiation_.endpoint_seen(endpoint); }
@@ -269,9 +274,26 @@ void Reconciler::look_after_shm() {
 
 /// A transport that the system has stopped cannot be mended from within; status() says so from here on.
 void Reconciler::look_after_udp(Now now) {
-  if (udp_ == nullptr || udp_failed_ || udp_->poll(now) == Availability::ready) return;
+  if (udp_ == nullptr || udp_failed_) return;
+  if (udp_->poll(now) == Availability::ready) return look_after_addresses(now);
   udp_failed_ = true;
   log_(LogLevel::error, "UDP: " + udp_->description());
+}
+
+/// Interfaces come and go: where we are reached then is announced anew.
+void Reconciler::look_after_addresses(Now now) {
+  if (now < next_look_at_addresses_) return;
+  next_look_at_addresses_ = now + look_at_addresses_every;
+  std::vector<UdpAddress> addresses = udp_->addresses();
+  std::vector<Link> links = udp_->links();
+  const bool moved = addresses != addresses_;
+  if (!moved && links == links_) return;
+  dirty_ |= negotiation_.network_changed(addresses, links);
+  addresses_ = std::move(addresses);
+  links_ = std::move(links);
+  if (!moved) return;
+  for (const auto& [id, writer] : writers_) announce(id);
+  for (const auto& [id, reader] : readers_) announce(id);
 }
 
 /// The memory that they were in is gone, or another daemon's.

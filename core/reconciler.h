@@ -108,6 +108,7 @@ class Reconciler {
   std::chrono::milliseconds pace() const;
   void look_after_shm();
   void look_after_udp(Now now);
+  void look_after_addresses(Now now);
   bool look_after_connections();
   void forget_what_was_in_flight(Now now);
   void drop_shm_ports();
@@ -141,6 +142,9 @@ class Reconciler {
   std::map<EndpointId, Reader> readers_;
   Self self_;
   bool udp_failed_ = false;
+  std::vector<UdpAddress> addresses_;  ///< as they were announced
+  std::vector<Link> links_;
+  Now next_look_at_addresses_{};
   bool dirty_ = false;      ///< something changed that reconcile() has not seen
   Now next_shm_attempt_{};  ///< after failures, and the pause until then
   std::chrono::milliseconds shm_pause_{0};

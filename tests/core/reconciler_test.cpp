@@ -40,6 +40,7 @@ class TestReaderPort final : public ReaderPort {
 
 class TestDiscovery final : public Discovery {
  public:
+  const Configuration& configuration() const override { return configuration_; }
   Result<void> announce(const Endpoint& endpoint) override {
     announced.push_back(endpoint);
     return {};
@@ -52,6 +53,9 @@ class TestDiscovery final : public Discovery {
   void assert_liveliness(const std::vector<EndpointId>&) override {}
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
+
+ private:
+  const Configuration configuration_;
 };
 
 class ReconcilerTest : public ::testing::Test {
