@@ -97,7 +97,7 @@ class Composition {
   }
 
   DdsConfig result(const std::string& user_config) const {
-    DdsConfig config{{}, summary(), {}};
+    DdsConfig config{{}, multicast_, summary(), {}};
     std::string insisted;
     for (const Demand& demand : demands) insisted += insist_on(demand, config.warnings);
     if (!multicast_) insisted += insist_on(predictable_port, config.warnings);
@@ -139,12 +139,13 @@ class Composition {
 
   /// A peer is asked at every port that a node of it may have, each time: that has to be rare, and they few.
   std::string discovery() const {
-    if (multicast_ && !has_peers()) return element("LeaseDuration", "10 s");
+    if (multicast_ && !has_peers()) return element("SPDPInterval", "10 s") + element("LeaseDuration", "20 s");
     std::string peers;
     if (!multicast_) peers += "<Peer Address=\"localhost\"/>";
     for (const std::string& peer : settings_.peers) peers += "<Peer Address=\"" + peer + "\"/>";
-    return element("LeaseDuration", "10 s") + element("ParticipantIndex", "auto") +
-           element("MaxAutoParticipantIndex", "20") + element("Peers", peers);
+    return element("SPDPInterval", "120 s") + element("LeaseDuration", "150 s") +
+           element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20") +
+           element("Peers", peers);
   }
 
   std::string summary() const {

@@ -32,11 +32,23 @@ DdsQos control_qos() {
   return qos;
 }
 
-DdsQos best_effort_qos() {
+/// For what is said again and again. Its lease is Cyclone's to watch, and covers all that is written.
+DdsQos assertion_qos(const LifeSigns& signs) {
   DdsQos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 16);
+  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, DDS_MSECS(signs.lease.count()));
+  dds_qset_writer_data_lifecycle(qos.get(), false);
   dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
+  return qos;
+}
+
+/// Others can tell our participants from vanilla ones by it. What changes in it is told to everybody, which
+/// is all that `greeting` is for.
+DdsQos participant_qos(unsigned greeting) {
+  const std::array<char, 6> mark{'s', 'f', 't', '/', '1', static_cast<char>('0' + greeting % 10)};
+  DdsQos qos(dds_create_qos());
+  dds_qset_userdata(qos.get(), mark.data(), mark.size());
   return qos;
 }
 
@@ -69,12 +81,10 @@ class CycloneDiscovery final : public Discovery {
     Result<DdsConfig> config = dds_config(options.domain, options.settings, options.user_config);
     if (!config) return tl::unexpected(config.error());
     if (const auto opened = open_dds_domain(options.domain, *config); !opened) return opened;
-    configuration_ = {std::move(config->summary), std::move(config->warnings)};
+    configuration_ = {std::move(config->summary), std::move(config->warnings),
+                      config->multicast ? life_signs_to_all : life_signs_to_each};
     const CycloneMessages messages;
-    DdsQos participant_qos(dds_create_qos());
-    static constexpr char mark[] = "sft/1";  // others can tell our participants from vanilla ones
-    dds_qset_userdata(participant_qos.get(), mark, sizeof mark - 1);
-    participant_ = dds_create_participant(options.domain, participant_qos.get(), nullptr);
+    participant_ = dds_create_participant(options.domain, participant_qos(greetings_).get(), nullptr);
     if (participant_ < 0) {
       return fail(Errc::unavailable, "DDS domain " + std::to_string(options.domain) +
                                          " cannot be joined: " + messages.text() +
@@ -85,7 +95,7 @@ class CycloneDiscovery final : public Discovery {
     if (!endpoints) return tl::unexpected(endpoints.error());
     auto requests = make_topic(&sft_control_Request_desc, "sft_request", qos.get(), &on_requests);
     if (!requests) return tl::unexpected(requests.error());
-    const DdsQos unreliable = best_effort_qos();
+    const DdsQos unreliable = assertion_qos(configuration_.life_signs);
     auto assertions =
         make_topic(&sft_control_Assertion_desc, "sft_liveliness", unreliable.get(), &on_assertions);
     if (!assertions) return tl::unexpected(assertions.error());
@@ -118,10 +128,12 @@ class CycloneDiscovery final : public Discovery {
     return written(dds_write(request_writer_, &sample));
   }
 
-  void assert_liveliness(const std::vector<EndpointId>& writers) override {
-    const sft_control_Assertion sample = to_dds(writers);
+  void assert_liveliness(const Assertion& assertion) override {
+    const sft_control_Assertion sample = to_dds(assertion);
     dds_write(assertion_writer_, &sample);
   }
+
+  void greet() override { dds_set_qos(participant_, participant_qos(++greetings_).get()); }
 
  private:
   Result<dds_entity_t> make_topic(const dds_topic_descriptor_t* type, const char* name, const dds_qos_t* qos,
@@ -185,15 +197,16 @@ class CycloneDiscovery final : public Discovery {
     DiscoveryListener& listener = static_cast<CycloneDiscovery*>(self)->listener_;
     take_all<sft_control_Assertion>(reader,
                                     [&](const sft_control_Assertion& sample, const dds_sample_info_t& info) {
-                                      if (!info.valid_data) return;
-                                      auto writers = from_dds(sample);
-                                      writers ? listener.liveliness_asserted(std::move(*writers))
-                                              : listener.control_malformed(writers.error().message);
+                                      if (!info.valid_data) return listener.node_lost(sample.node);
+                                      Result<Assertion> assertion = from_dds(sample);
+                                      assertion ? listener.liveliness_asserted(std::move(*assertion))
+                                                : listener.control_malformed(assertion.error().message);
                                     });
   }
 
   DiscoveryListener& listener_;
   Configuration configuration_;
+  unsigned greetings_ = 0;
   dds_entity_t participant_ = 0;
   dds_entity_t endpoint_writer_ = 0;
   dds_entity_t request_writer_ = 0;

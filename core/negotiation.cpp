@@ -66,9 +66,14 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
       entry.endpoint.request.sequence > endpoint.request.sequence ? entry.endpoint.request : endpoint.request;
   entry.endpoint = endpoint;
   entry.endpoint.request = newest;
-  entry.lost_since.reset();
-  if (const auto early = early_requests_.extract(endpoint.id)) adopt(entry, early.mapped().request);
+  resume(entry);
   return true;
+}
+
+/// With the newest of the requests that have come meanwhile.
+void Negotiation::resume(Entry& entry) {
+  entry.lost_since.reset();
+  if (const auto early = early_requests_.extract(entry.endpoint.id)) adopt(entry, early.mapped().request);
 }
 
 bool Negotiation::endpoint_departed(EndpointId id) {
@@ -84,6 +89,33 @@ bool Negotiation::endpoint_lost(EndpointId id, Now now) {
   if (entry == entries_.end() || entry->second.type != nullptr || entry->second.lost_since) return false;
   entry->second.lost_since = now;
   return true;
+}
+
+bool Negotiation::node_lost(NodeId id, Now now) {
+  bool changed = false;
+  for (auto& [endpoint, entry] : entries_) {
+    if (entry.endpoint.node_id == id) changed |= endpoint_lost(endpoint, now);
+  }
+  return changed;
+}
+
+bool Negotiation::node_returned(NodeId id) {
+  bool changed = false;
+  for (auto& [endpoint, entry] : entries_) {
+    if (entry.endpoint.node_id != id || !entry.lost_since) continue;
+    resume(entry);
+    changed = true;
+  }
+  return changed;
+}
+
+bool Negotiation::knows(NodeId id) const {
+  return std::ranges::any_of(entries_,
+                             [&](const auto& entry) { return entry.second.endpoint.node_id == id; });
+}
+
+bool Negotiation::misses_somebody() const {
+  return std::ranges::any_of(entries_, [](const auto& entry) { return entry.second.lost_since.has_value(); });
 }
 
 bool Negotiation::request_received(const Request& request) {

@@ -73,6 +73,9 @@ class Negotiation {
   bool endpoint_seen(const Endpoint& endpoint);
   bool endpoint_departed(EndpointId id);
   bool endpoint_lost(EndpointId id, Now now);
+  /// All endpoints of a node, until it is heard of again.
+  bool node_lost(NodeId id, Now now);
+  bool node_returned(NodeId id);
   bool request_received(const Request& request);
   /// One of our readers needs other fields now.
   bool requirement_changed(EndpointId reader, const FieldMask& mask);
@@ -91,6 +94,10 @@ class Negotiation {
   std::size_t endpoints() const { return entries_.size(); }
   /// All endpoints but the lost ones; ours too. Valid until the next event.
   std::vector<const Endpoint*> present() const;
+  /// Whether there is an endpoint of that node.
+  bool knows(NodeId id) const;
+  /// Whether some endpoint is lost.
+  bool misses_somebody() const;
   std::uint64_t ignored() const { return ignored_; }
 
  private:
@@ -121,6 +128,7 @@ class Negotiation {
   static std::uint32_t history_owed(const Entry& writer, const Endpoint& reader);
   void erase(EndpointId id);
   UdpAddress address_of(const Endpoint& reader) const;
+  void resume(Entry& entry);
   static bool adopt(Entry& entry, const Request& request);
   void keep_for_later(const Request& request);
   std::vector<const Entry*> others(const Entry& entry) const;

@@ -25,7 +25,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
     node->log(LogLevel::warning, "discovery: " + warning);
   NodeCore* const self = node.get();
   node->reconciler_ = std::make_unique<Reconciler>(
-      node->network_, node->shm_.get(), node->udp_.get(), *node->discovery_, node->dispatcher_,
+      node->id_, node->network_, node->shm_.get(), node->udp_.get(), *node->discovery_, node->dispatcher_,
       [self](LogLevel level, const std::string& text) { self->log(level, text); });
   Reconciler* const reconciler = node->reconciler_.get();
   node->agent_.start("sft-agent " + options.name, {.tick = [reconciler] { return reconciler->tick(); },
@@ -35,6 +35,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
 
 NodeCore::NodeCore(const NodeOptions& options, Parts parts)
     : options_(options),
+      id_(random_id()),
       network_(network_id()),
       shm_(std::move(parts.shm)),
       udp_(std::move(parts.udp)),
@@ -103,6 +104,7 @@ Endpoint NodeCore::new_endpoint(Role role, std::string_view topic, const TypeSup
   Endpoint endpoint;
   endpoint.id = random_id();
   endpoint.role = role;
+  endpoint.node_id = id_;
   endpoint.node = options_.name.substr(0, name_bytes_max);
   endpoint.topic = topic;
   endpoint.type_name = type.name();
@@ -241,8 +243,12 @@ void NodeCore::request_received(Request request) {
   agent_.post([this, request = std::move(request)] { reconciler_->request_received(request); });
 }
 
-void NodeCore::liveliness_asserted(std::vector<EndpointId> writers) {
-  agent_.post([this, writers = std::move(writers)] { reconciler_->liveliness_asserted(writers); });
+void NodeCore::liveliness_asserted(Assertion assertion) {
+  agent_.post([this, assertion = std::move(assertion)] { reconciler_->liveliness_asserted(assertion); });
+}
+
+void NodeCore::node_lost(NodeId id) {
+  agent_.post([this, id] { reconciler_->node_lost(id); });
 }
 
 void NodeCore::control_malformed(std::string why) {

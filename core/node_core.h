@@ -61,7 +61,8 @@ class NodeCore final : private DiscoveryListener {
   void endpoint_departed(EndpointId id) override;
   void endpoint_lost(EndpointId id) override;
   void request_received(Request request) override;
-  void liveliness_asserted(std::vector<EndpointId> writers) override;
+  void liveliness_asserted(Assertion assertion) override;
+  void node_lost(NodeId id) override;
   void control_malformed(std::string why) override;
 
   /// Calls `question` on the agent's thread, which alone may look at the reconciler, and returns its answer.
@@ -72,6 +73,7 @@ class NodeCore final : private DiscoveryListener {
   void log(LogLevel level, const std::string& text) const;
 
   const NodeOptions options_;
+  const NodeId id_;
   const std::uint64_t network_;
   const std::unique_ptr<Transport> shm_;
   const std::unique_ptr<Transport> udp_;

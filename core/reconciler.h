@@ -17,6 +17,7 @@
 
 #include "core/discovery.h"
 #include "core/dispatcher.h"
+#include "core/greetings.h"
 #include "core/negotiation.h"
 #include "core/publisher_core.h"
 #include "core/qos_watch.h"
@@ -32,7 +33,7 @@ class Reconciler {
   using Log = std::function<void(LogLevel, const std::string&)>;
 
   /// All that it is given outlives it; a transport is null where the node must not use it.
-  Reconciler(std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
+  Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
              Dispatcher& dispatcher, Log log);
 
   struct NewReader {
@@ -54,7 +55,8 @@ class Reconciler {
   void endpoint_departed(EndpointId id);
   void endpoint_lost(EndpointId id);
   void request_received(const Request& request);
-  void liveliness_asserted(const std::vector<EndpointId>& writers);
+  void liveliness_asserted(const Assertion& assertion);
+  void node_lost(NodeId id);
 
   /// The program has asserted the liveliness of one of our writers.
   void program_asserts(EndpointId writer);
@@ -103,7 +105,8 @@ class Reconciler {
   void watch_promises(Now now);
   bool watch_offer(Writer& writer, Now now);
   void look_after_histories();
-  void tell_of_life(const std::vector<EndpointId>& writers);
+  void tell_of_life(std::vector<EndpointId> writers, Now now);
+  void greet(Now now);
   static void watch(Reader& reader);
   std::chrono::milliseconds pace() const;
   void look_after_shm();
@@ -131,6 +134,7 @@ class Reconciler {
   void asks_for(Reader& reader, const Wanted& wanted);
   static void accept(Reader& reader);
 
+  const NodeId id_;
   Transport* const shm_;
   Transport* const udp_;
   Discovery& discovery_;
@@ -145,6 +149,8 @@ class Reconciler {
   std::vector<UdpAddress> addresses_;  ///< as they were announced
   std::vector<Link> links_;
   Now next_look_at_addresses_{};
+  Greetings greetings_{std::chrono::steady_clock::now()};
+  Now told_of_life_at_{};
   bool dirty_ = false;      ///< something changed that reconcile() has not seen
   Now next_shm_attempt_{};  ///< after failures, and the pause until then
   std::chrono::milliseconds shm_pause_{0};

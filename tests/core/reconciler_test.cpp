@@ -50,9 +50,12 @@ class TestDiscovery final : public Discovery {
     sent.push_back(request);
     return {};
   }
-  void assert_liveliness(const std::vector<EndpointId>&) override {}
+  void assert_liveliness(const Assertion& assertion) override { asserted.push_back(assertion); }
+  void greet() override { ++greetings; }
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
+  std::vector<Assertion> asserted;
+  int greetings = 0;
 
  private:
   const Configuration configuration_;
@@ -90,13 +93,15 @@ class ReconcilerTest : public ::testing::Test {
     reconciler.reconcile();
   }
 
+  static constexpr NodeId our_node = 55;
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const FieldMask mask = type.closed(FieldMask(F::height | F::width));
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   Dispatcher dispatcher{bells->at(0), "test"};
   Connections connections;
   TestDiscovery discovery;
-  Reconciler reconciler{1, nullptr, nullptr, discovery, dispatcher, [](LogLevel, const std::string&) {}};
+  Reconciler reconciler{
+      our_node, 1, nullptr, nullptr, discovery, dispatcher, [](LogLevel, const std::string&) {}};
 };
 
 TEST_F(ReconcilerTest, AReaderIsAnnouncedBeforeItListensToAnybody) {
