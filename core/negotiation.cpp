@@ -39,7 +39,7 @@ bool Negotiation::network_changed(const std::vector<UdpAddress>& addresses, cons
 }
 
 void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type) {
-  Entry entry{.endpoint = endpoint, .type = &type, .lost_since = {}, .history_given = {}};
+  Entry entry{.endpoint = endpoint, .type = &type, .lost_since = {}, .silent = false, .history_given = {}};
   entry.endpoint.host = self_.host;
   entry.endpoint.network = self_.network;
   if (endpoint.may_use_udp && addresses_) entry.endpoint.addresses = *addresses_;
@@ -66,13 +66,13 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
       entry.endpoint.request.sequence > endpoint.request.sequence ? entry.endpoint.request : endpoint.request;
   entry.endpoint = endpoint;
   entry.endpoint.request = newest;
-  resume(entry);
+  entry.lost_since.reset();
+  entry.silent = false;
+  adopt_early_request(entry);
   return true;
 }
 
-/// With the newest of the requests that have come meanwhile.
-void Negotiation::resume(Entry& entry) {
-  entry.lost_since.reset();
+void Negotiation::adopt_early_request(Entry& entry) {
   if (const auto early = early_requests_.extract(entry.endpoint.id)) adopt(entry, early.mapped().request);
 }
 
@@ -91,10 +91,12 @@ bool Negotiation::endpoint_lost(EndpointId id, Now now) {
   return true;
 }
 
-bool Negotiation::node_lost(NodeId id, Now now) {
+bool Negotiation::node_lost(NodeId id) {
   bool changed = false;
   for (auto& [endpoint, entry] : entries_) {
-    if (entry.endpoint.node_id == id) changed |= endpoint_lost(endpoint, now);
+    if (entry.endpoint.node_id != id || entry.type != nullptr || entry.silent) continue;
+    entry.silent = true;
+    changed = true;
   }
   return changed;
 }
@@ -102,8 +104,9 @@ bool Negotiation::node_lost(NodeId id, Now now) {
 bool Negotiation::node_returned(NodeId id) {
   bool changed = false;
   for (auto& [endpoint, entry] : entries_) {
-    if (entry.endpoint.node_id != id || !entry.lost_since) continue;
-    resume(entry);
+    if (entry.endpoint.node_id != id || !entry.silent) continue;
+    entry.silent = false;
+    if (!entry.lost_since) adopt_early_request(entry);
     changed = true;
   }
   return changed;
@@ -115,14 +118,14 @@ bool Negotiation::knows(NodeId id) const {
 }
 
 bool Negotiation::misses_somebody() const {
-  return std::ranges::any_of(entries_, [](const auto& entry) { return entry.second.lost_since.has_value(); });
+  return std::ranges::any_of(entries_, [](const auto& entry) { return entry.second.lost(); });
 }
 
 bool Negotiation::request_received(const Request& request) {
   const auto entry = entries_.find(request.reader);
   if (entry != entries_.end() && entry->second.type != nullptr) return false;
   // A lost reader may be forgotten before it is seen again, but its request does not come again.
-  if (entry != entries_.end() && !entry->second.lost_since) return adopt(entry->second, request);
+  if (entry != entries_.end() && !entry->second.lost()) return adopt(entry->second, request);
   keep_for_later(request);
   return false;
 }
@@ -276,7 +279,7 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   status.mask = type.closed(FieldMask::from_words(type.leaves(), r.request.mask_words));
   const std::uint32_t period = r.request.min_period_us;
   status.max_rate_hz = period == 0 ? 0 : 1e6 / period;
-  if (reader.lost_since) {
+  if (reader.lost()) {
     status.reason = "its node does not answer";
     return status;
   }
@@ -335,7 +338,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     Hearing hearing{.source = {w.id, w.max_sample_bytes},
                     .offered = w.qos,
                     .owed = history_owed(*writer, r),
-                    .status = {.id = w.id, .node = w.node, .alive = !writer->lost_since}};
+                    .status = {.id = w.id, .node = w.node, .alive = !writer->lost()}};
     hearing.shm = verdict.shm;
     hearing.udp = verdict.udp;
     const bool attached = verdict.shm && holds(r.request.attached, w.id);
@@ -345,7 +348,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     hearing.status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
     hearing.status.mismatch = verdict.definitions;
     hearing.status.reason = !verdict.mismatch.empty() ? verdict.mismatch
-                            : writer->lost_since      ? "its node does not answer"
+                            : writer->lost()          ? "its node does not answer"
                             : attached                ? "same host"
                             : verdict.shm             ? "same host, shared memory is being attached"
                                                       : verdict.udp_reason;
@@ -357,7 +360,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
 std::vector<const Endpoint*> Negotiation::present() const {
   std::vector<const Endpoint*> endpoints;
   for (const auto& [id, entry] : entries_) {
-    if (!entry.lost_since) endpoints.push_back(&entry.endpoint);
+    if (!entry.lost()) endpoints.push_back(&entry.endpoint);
   }
   return endpoints;
 }

@@ -73,8 +73,8 @@ class Negotiation {
   bool endpoint_seen(const Endpoint& endpoint);
   bool endpoint_departed(EndpointId id);
   bool endpoint_lost(EndpointId id, Now now);
-  /// All endpoints of a node, until it is heard of again.
-  bool node_lost(NodeId id, Now now);
+  /// All endpoints of a node are as lost, until it is heard of again; they are not forgotten for that.
+  bool node_lost(NodeId id);
   bool node_returned(NodeId id);
   bool request_received(const Request& request);
   /// One of our readers needs other fields now.
@@ -104,8 +104,10 @@ class Negotiation {
   struct Entry {
     Endpoint endpoint;
     const TypeSupport* type = nullptr;   ///< of our own endpoints
-    std::optional<Now> lost_since;       ///< its node does not answer
+    std::optional<Now> lost_since;       ///< by discovery: if it returns, it is seen again
+    bool silent = false;                 ///< its node is not heard of
     std::set<EndpointId> history_given;  ///< of our own writers: to these readers
+    bool lost() const { return lost_since || silent; }
   };
   struct EarlyRequest {
     Request request;
@@ -128,7 +130,7 @@ class Negotiation {
   static std::uint32_t history_owed(const Entry& writer, const Endpoint& reader);
   void erase(EndpointId id);
   UdpAddress address_of(const Endpoint& reader) const;
-  void resume(Entry& entry);
+  void adopt_early_request(Entry& entry);
   static bool adopt(Entry& entry, const Request& request);
   void keep_for_later(const Request& request);
   std::vector<const Entry*> others(const Entry& entry) const;

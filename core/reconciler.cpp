@@ -249,7 +249,7 @@ void Reconciler::tell_of_life(std::vector<EndpointId> writers, Now now) {
 }
 
 void Reconciler::node_lost(NodeId id) {
-  dirty_ |= negotiation_.node_lost(id, std::chrono::steady_clock::now());
+  dirty_ |= negotiation_.node_lost(id);
 }
 
 void Reconciler::liveliness_asserted(const Assertion& assertion) {

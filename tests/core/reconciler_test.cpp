@@ -137,5 +137,16 @@ TEST_F(ReconcilerTest, WhatIsStillInFlightOfAWriterThatWentIsTaken) {
   EXPECT_THAT(connections.writers, ElementsAre(7));
 }
 
+TEST_F(ReconcilerTest, ANodeSaysThatItLivesEveryNowAndThenAndToANewcomerAtOnce) {
+  reconciler.tick();
+  ASSERT_EQ(discovery.asserted.size(), 1U);
+  EXPECT_EQ(discovery.asserted[0], (Assertion{our_node, {}}));
+  reconciler.tick();
+  EXPECT_EQ(discovery.asserted.size(), 1U);
+  writer_seen(7);
+  reconciler.tick();
+  EXPECT_EQ(discovery.asserted.size(), 2U);
+}
+
 }  // namespace
 }  // namespace sft::core
