@@ -19,6 +19,8 @@ inline constexpr std::size_t assertions_max = 1024;
 inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 8192;
 
+using NodeId = std::uint64_t;  ///< random per incarnation, never 0
+
 enum class Role : std::uint8_t { writer, reader };
 
 /// A selective transmission request (STR).
@@ -33,10 +35,18 @@ struct Request {
   friend bool operator==(const Request&, const Request&) = default;
 };
 
+/// That a node lives, and these of its writers.
+struct Assertion {
+  NodeId node = 0;
+  std::vector<EndpointId> writers;
+  friend bool operator==(const Assertion&, const Assertion&) = default;
+};
+
 /// A publisher or subscriber, of this node or another. The fields are those of idl/sft_control.idl.
 struct Endpoint {
   EndpointId id = 0;
   Role role{};
+  NodeId node_id = 0;
   std::string node;
   std::string topic;
   std::string type_name;

@@ -86,6 +86,7 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.id = endpoint.id;
   out.version = sft_control_protocol_version;
   out.role = static_cast<std::uint8_t>(endpoint.role);
+  out.node_id = endpoint.node_id;
   put(out.node, endpoint.node);
   put(out.topic, endpoint.topic);
   put(out.type_name, endpoint.type_name);
@@ -109,16 +110,18 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   return out;
 }
 
-sft_control_Assertion to_dds(const std::vector<EndpointId>& writers) {
+sft_control_Assertion to_dds(const Assertion& assertion) {
   sft_control_Assertion out{};
+  out.node = assertion.node;
   out.version = sft_control_protocol_version;
-  out.writers = borrow(writers, assertions_max);
+  out.writers = borrow(assertion.writers, assertions_max);
   return out;
 }
 
-Result<std::vector<EndpointId>> from_dds(const sft_control_Assertion& in) {
+Result<Assertion> from_dds(const sft_control_Assertion& in) {
   if (in.version != sft_control_protocol_version) return wrong_version(in.version);
-  return copy(in.writers);
+  if (in.node == 0) return fail(Errc::malformed, "an assertion of no node");
+  return Assertion{in.node, copy(in.writers)};
 }
 
 Result<Request> from_dds(const sft_control_Request& request) {
@@ -143,6 +146,7 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   Endpoint out;
   out.id = in.id;
   out.role = static_cast<Role>(in.role);
+  out.node_id = in.node_id;
   out.node = in.node;
   out.topic = in.topic;
   out.type_name = in.type_name;

@@ -17,9 +17,9 @@ struct ControlStorage {
 sft_control_Request to_dds(const Request& request);
 sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage);
 
-sft_control_Assertion to_dds(const std::vector<EndpointId>& writers);
+sft_control_Assertion to_dds(const Assertion& assertion);
 
-Result<std::vector<EndpointId>> from_dds(const sft_control_Assertion& assertion);
+Result<Assertion> from_dds(const sft_control_Assertion& assertion);
 Result<Request> from_dds(const sft_control_Request& request);
 Result<Endpoint> from_dds(const sft_control_Endpoint& endpoint);
 

@@ -1,76 +1,16 @@
 #include "core/discovery.h"
 
 #include <dds/dds.h>
-#include <dds/ddsrt/log.h>
 
 #include <array>
-#include <mutex>
-#include <set>
 
 #include "core/control_codec.h"
+#include "core/dds_domain.h"
 #include "core/described_type.h"
 
 namespace sft::core {
 
 namespace {
-
-// Heartbeats that come at once and acknowledgements that do not wait make a newcomer's first request arrive
-// within milliseconds; what repeats while nothing happens is kept rare. Cyclone's own shared memory would
-// compete with ours for the process's iceoryx runtime, hence the last fragment, which nobody overrides.
-constexpr const char* our_config =
-    "<CycloneDDS><Domain id=\"any\">"
-    "<Discovery><LeaseDuration>10 "
-    "s</LeaseDuration><MaxAutoParticipantIndex>200</MaxAutoParticipantIndex></Discovery>"
-    "<Internal><PreEmptiveAckDelay>0 ms</PreEmptiveAckDelay><NackDelay>1 ms</NackDelay>"
-    "<HeartbeatInterval max=\"2 s\">20 ms</HeartbeatInterval>"
-    "<MultipleReceiveThreads>false</MultipleReceiveThreads></Internal>"
-    "</Domain></CycloneDDS>";
-constexpr const char* enforced_config =
-    "<CycloneDDS><Domain "
-    "id=\"any\"><SharedMemory><Enable>false</Enable></SharedMemory></Domain></CycloneDDS>";
-
-/// Cyclone configures a domain once per process, at the first participant, and logs through one process-wide
-/// sink: the two things here that several nodes of a process share.
-class Process {
- public:
-  static Process& instance() {
-    static Process process;
-    return process;
-  }
-
-  /// Makes sure that the domain exists with our configuration, unless the program has opened it before.
-  Result<void> configure_domain(std::uint32_t domain, const std::string& user_config) {
-    const std::scoped_lock lock(mutex_);
-    if (domains_.contains(domain)) return {};
-    dds_set_log_sink(&Process::on_log, this);
-    const std::string config = Discovery::domain_config(user_config);
-    const dds_entity_t created = dds_create_domain(domain, config.c_str());
-    if (created < 0 && created != DDS_RETCODE_PRECONDITION_NOT_MET) {
-      return fail(Errc::invalid_argument, "Cyclone DDS refuses its configuration: " + last_log() +
-                                              "; check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");
-    }
-    domains_.insert(domain);
-    return {};
-  }
-
-  std::string last_log() {
-    const std::scoped_lock lock(log_mutex_);
-    return last_log_;
-  }
-
- private:
-  static void on_log(void* self, const dds_log_data_t* data) {
-    auto* process = static_cast<Process*>(self);
-    const std::scoped_lock lock(process->log_mutex_);
-    process->last_log_.assign(data->message, data->size);
-    while (process->last_log_.ends_with('\n')) process->last_log_.pop_back();
-  }
-
-  std::mutex mutex_;
-  std::set<std::uint32_t> domains_;
-  std::mutex log_mutex_;
-  std::string last_log_;
-};
 
 struct QosDeleter {
   void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
@@ -92,11 +32,23 @@ DdsQos control_qos() {
   return qos;
 }
 
-DdsQos best_effort_qos() {
+/// For what is said again and again. Its lease is Cyclone's to watch, and covers all that is written.
+DdsQos assertion_qos(const LifeSigns& signs) {
   DdsQos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 16);
+  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, DDS_MSECS(signs.lease.count()));
+  dds_qset_writer_data_lifecycle(qos.get(), false);
   dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
+  return qos;
+}
+
+/// Others can tell our participants from vanilla ones by it. What changes in it is told to everybody, which
+/// is all that `greeting` is for.
+DdsQos participant_qos(unsigned greeting) {
+  const std::array<char, 6> mark{'s', 'f', 't', '/', '1', static_cast<char>('0' + greeting % 10)};
+  DdsQos qos(dds_create_qos());
+  dds_qset_userdata(qos.get(), mark.data(), mark.size());
   return qos;
 }
 
@@ -126,16 +78,16 @@ class CycloneDiscovery final : public Discovery {
   }
 
   Result<void> open(const DiscoveryOptions& options) {
-    const Result<void> configured = Process::instance().configure_domain(options.domain, options.user_config);
-    if (!configured) return configured;
-    DdsQos participant_qos(dds_create_qos());
-    static constexpr char mark[] = "sft/1";  // others can tell our participants from vanilla ones
-    dds_qset_userdata(participant_qos.get(), mark, sizeof mark - 1);
-    participant_ = dds_create_participant(options.domain, participant_qos.get(), nullptr);
+    Result<DdsConfig> config = dds_config(options.domain, options.settings, options.user_config);
+    if (!config) return tl::unexpected(config.error());
+    if (const auto opened = open_dds_domain(options.domain, *config); !opened) return opened;
+    configuration_ = {std::move(config->summary), std::move(config->warnings),
+                      config->multicast ? life_signs_to_all : life_signs_to_each};
+    const CycloneMessages messages;
+    participant_ = dds_create_participant(options.domain, participant_qos(greetings_).get(), nullptr);
     if (participant_ < 0) {
-      return fail(Errc::unavailable, "DDS domain " + std::to_string(options.domain) + " cannot be joined (" +
-                                         dds_strretcode(participant_) +
-                                         "): " + Process::instance().last_log() +
+      return fail(Errc::unavailable, "DDS domain " + std::to_string(options.domain) +
+                                         " cannot be joined: " + messages.text() +
                                          "; check the network interfaces and CYCLONEDDS_URI");
     }
     const DdsQos qos = control_qos();
@@ -143,7 +95,7 @@ class CycloneDiscovery final : public Discovery {
     if (!endpoints) return tl::unexpected(endpoints.error());
     auto requests = make_topic(&sft_control_Request_desc, "sft_request", qos.get(), &on_requests);
     if (!requests) return tl::unexpected(requests.error());
-    const DdsQos unreliable = best_effort_qos();
+    const DdsQos unreliable = assertion_qos(configuration_.life_signs);
     auto assertions =
         make_topic(&sft_control_Assertion_desc, "sft_liveliness", unreliable.get(), &on_assertions);
     if (!assertions) return tl::unexpected(assertions.error());
@@ -152,6 +104,8 @@ class CycloneDiscovery final : public Discovery {
     assertion_writer_ = *assertions;
     return {};
   }
+
+  const Configuration& configuration() const override { return configuration_; }
 
   Result<void> announce(const Endpoint& endpoint) override {
     ControlStorage storage;
@@ -174,10 +128,12 @@ class CycloneDiscovery final : public Discovery {
     return written(dds_write(request_writer_, &sample));
   }
 
-  void assert_liveliness(const std::vector<EndpointId>& writers) override {
-    const sft_control_Assertion sample = to_dds(writers);
+  void assert_liveliness(const Assertion& assertion) override {
+    const sft_control_Assertion sample = to_dds(assertion);
     dds_write(assertion_writer_, &sample);
   }
+
+  void greet() override { dds_set_qos(participant_, participant_qos(++greetings_).get()); }
 
  private:
   Result<dds_entity_t> make_topic(const dds_topic_descriptor_t* type, const char* name, const dds_qos_t* qos,
@@ -241,14 +197,16 @@ class CycloneDiscovery final : public Discovery {
     DiscoveryListener& listener = static_cast<CycloneDiscovery*>(self)->listener_;
     take_all<sft_control_Assertion>(reader,
                                     [&](const sft_control_Assertion& sample, const dds_sample_info_t& info) {
-                                      if (!info.valid_data) return;
-                                      auto writers = from_dds(sample);
-                                      writers ? listener.liveliness_asserted(std::move(*writers))
-                                              : listener.control_malformed(writers.error().message);
+                                      if (!info.valid_data) return listener.node_lost(sample.node);
+                                      Result<Assertion> assertion = from_dds(sample);
+                                      assertion ? listener.liveliness_asserted(std::move(*assertion))
+                                                : listener.control_malformed(assertion.error().message);
                                     });
   }
 
   DiscoveryListener& listener_;
+  Configuration configuration_;
+  unsigned greetings_ = 0;
   dds_entity_t participant_ = 0;
   dds_entity_t endpoint_writer_ = 0;
   dds_entity_t request_writer_ = 0;
@@ -256,12 +214,6 @@ class CycloneDiscovery final : public Discovery {
 };
 
 }  // namespace
-
-std::string Discovery::domain_config(const std::string& user_config) {
-  std::string config = our_config;
-  if (!user_config.empty()) config += "," + user_config;
-  return config + "," + enforced_config;
-}
 
 std::uint32_t control_protocol_version() { return sft_control_protocol_version; }
 

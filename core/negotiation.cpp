@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/address_choice.h"
+
 namespace sft::core {
 
 namespace {
@@ -33,10 +35,20 @@ bool Negotiation::self_changed(const Self& self) {
   return true;
 }
 
+bool Negotiation::network_changed(const std::vector<UdpAddress>& addresses, const std::vector<Link>& links) {
+  addresses_ = addresses;
+  links_ = links;
+  for (auto& [id, entry] : entries_) {
+    if (entry.type != nullptr && entry.endpoint.may_use_udp) entry.endpoint.addresses = addresses;
+  }
+  return true;
+}
+
 void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type) {
-  Entry entry{.endpoint = endpoint, .type = &type, .lost_since = {}, .history_given = {}};
+  Entry entry{.endpoint = endpoint, .type = &type, .lost_since = {}, .silent = false, .history_given = {}};
   entry.endpoint.host = host_of(endpoint.role);
   entry.endpoint.network = self_.network;
+  if (endpoint.may_use_udp && addresses_) entry.endpoint.addresses = *addresses_;
   entries_.insert_or_assign(endpoint.id, std::move(entry));
 }
 
@@ -59,9 +71,14 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   const Request known_request = std::exchange(entry.endpoint, endpoint).request;
   adopt(entry, known_request);
   entry.lost_since.reset();
-  if (const auto early = early_requests_.extract(endpoint.id)) adopt(entry, early.mapped().request);
+  entry.silent = false;
+  adopt_early_request(entry);
   owe_what_has_not_begun(entry.endpoint);
   return true;
+}
+
+void Negotiation::adopt_early_request(Entry& entry) {
+  if (const auto early = early_requests_.extract(entry.endpoint.id)) adopt(entry, early.mapped().request);
 }
 
 bool Negotiation::endpoint_departed(EndpointId id) {
@@ -79,11 +96,44 @@ bool Negotiation::endpoint_lost(EndpointId id, Now now) {
   return true;
 }
 
+bool Negotiation::node_lost(NodeId id) {
+  bool changed = false;
+  for (auto& [endpoint, entry] : entries_) {
+    if (entry.endpoint.node_id != id || entry.type != nullptr || entry.silent) continue;
+    entry.silent = true;
+    changed = true;
+  }
+  return changed;
+}
+
+bool Negotiation::node_returned(NodeId id) {
+  bool changed = false;
+  for (auto& [endpoint, entry] : entries_) {
+    if (entry.endpoint.node_id != id || !entry.silent) continue;
+    entry.silent = false;
+    if (!entry.lost_since) {
+      adopt_early_request(entry);
+      owe_what_has_not_begun(entry.endpoint);
+    }
+    changed = true;
+  }
+  return changed;
+}
+
+bool Negotiation::knows(NodeId id) const {
+  return std::ranges::any_of(entries_,
+                             [&](const auto& entry) { return entry.second.endpoint.node_id == id; });
+}
+
+bool Negotiation::misses_somebody() const {
+  return std::ranges::any_of(entries_, [](const auto& entry) { return entry.second.lost(); });
+}
+
 bool Negotiation::request_received(const Request& request) {
   const auto entry = entries_.find(request.reader);
   if (entry != entries_.end() && entry->second.type != nullptr) return false;
   // A lost reader may be forgotten before it is seen again, but its request does not come again.
-  if (entry == entries_.end() || entry->second.lost_since) {
+  if (entry == entries_.end() || entry->second.lost()) {
     keep_for_later(request);
     return false;
   }
@@ -244,9 +294,9 @@ std::vector<const Negotiation::Entry*> Negotiation::others(const Entry& entry) c
 }
 
 UdpAddress Negotiation::address_of(const Endpoint& reader) const {
+  if (reader.network != self_.network) return choose_address(reader.addresses, links_);
   UdpAddress address = reader.addresses.front();
-  if (reader.network == self_.network)
-    address.ipv4 = 0x7f000001;  // one network stack: never leaves the machine
+  address.ipv4 = 0x7f000001;  // one network stack: never leaves the machine
   return address;
 }
 
@@ -265,7 +315,7 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   status.mask = type.closed(FieldMask::from_words(type.leaves(), r.request.mask_words));
   const std::uint32_t period = r.request.min_period_us;
   status.max_rate_hz = period == 0 ? 0 : 1e6 / period;
-  if (reader.lost_since) {
+  if (reader.lost()) {
     status.reason = "its node does not answer";
     return status;
   }
@@ -326,7 +376,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     Hearing hearing{.source = {w.id, w.max_sample_bytes, owed != 0 && verdict.udp},
                     .offered = w.qos,
                     .owed = owed,
-                    .status = {.id = w.id, .node = w.node, .alive = !writer->lost_since}};
+                    .status = {.id = w.id, .node = w.node, .alive = !writer->lost()}};
     hearing.shm = verdict.shm;
     hearing.udp = verdict.udp;
     const bool attached = verdict.shm && holds(r.request.attached, w.id);
@@ -337,7 +387,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     hearing.status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
     hearing.status.mismatch = verdict.definitions;
     hearing.status.reason = !verdict.mismatch.empty() ? verdict.mismatch
-                            : writer->lost_since      ? "its node does not answer"
+                            : writer->lost()          ? "its node does not answer"
                             : attached                ? "same host"
                             : verdict.shm             ? "same host, shared memory is being attached"
                             : verdict.udp             ? verdict.udp_reason
@@ -350,7 +400,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
 std::vector<const Endpoint*> Negotiation::present() const {
   std::vector<const Endpoint*> endpoints;
   for (const auto& [id, entry] : entries_) {
-    if (!entry.lost_since) endpoints.push_back(&entry.endpoint);
+    if (!entry.lost()) endpoints.push_back(&entry.endpoint);
   }
   return endpoints;
 }

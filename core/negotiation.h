@@ -70,12 +70,18 @@ class Negotiation {
   // Events. Each returns whether anything may have changed, that is, whether to ask for the desired states
   // again.
   bool self_changed(const Self& self);
-  /// `type` outlives the endpoint. The endpoint's host and network are taken from Self.
+  /// Our endpoints are reached there from now on, and others from there.
+  bool network_changed(const std::vector<UdpAddress>& addresses, const std::vector<Link>& links);
+  /// `type` outlives the endpoint. The endpoint's host and network are taken from Self, its addresses from
+  /// network_changed().
   void local_added(const Endpoint& endpoint, const TypeSupport& type);
   void local_removed(EndpointId id);
   bool endpoint_seen(const Endpoint& endpoint);
   bool endpoint_departed(EndpointId id);
   bool endpoint_lost(EndpointId id, Now now);
+  /// All endpoints of a node are as lost, until it is heard of again; they are not forgotten for that.
+  bool node_lost(NodeId id);
+  bool node_returned(NodeId id);
   bool request_received(const Request& request);
   /// One of our readers needs other fields now.
   bool requirement_changed(EndpointId reader, const FieldMask& mask);
@@ -97,14 +103,20 @@ class Negotiation {
   std::size_t endpoints() const { return entries_.size(); }
   /// All endpoints but the lost ones; ours too. Valid until the next event.
   std::vector<const Endpoint*> present() const;
+  /// Whether there is an endpoint of that node.
+  bool knows(NodeId id) const;
+  /// Whether some endpoint is lost.
+  bool misses_somebody() const;
   std::uint64_t ignored() const { return ignored_; }
 
  private:
   struct Entry {
     Endpoint endpoint;
     const TypeSupport* type = nullptr;   ///< of our own endpoints
-    std::optional<Now> lost_since;       ///< its node does not answer
+    std::optional<Now> lost_since;       ///< by discovery: if it returns, it is seen again
+    bool silent = false;                 ///< its node is not heard of
     std::set<EndpointId> history_given;  ///< of our own writers: to these readers
+    bool lost() const { return lost_since || silent; }
   };
   struct EarlyRequest {
     Request request;
@@ -128,6 +140,7 @@ class Negotiation {
   static std::uint32_t history_owed(const Entry& writer, const Endpoint& reader);
   void erase(EndpointId id);
   UdpAddress address_of(const Endpoint& reader) const;
+  void adopt_early_request(Entry& entry);
   static bool adopt(Entry& entry, const Request& request);
   void owe_what_has_not_begun(const Endpoint& reader);
   void keep_for_later(const Request& request);
@@ -135,6 +148,8 @@ class Negotiation {
 
   Limits limits_;
   Self self_;
+  std::optional<std::vector<UdpAddress>> addresses_;  ///< once they were told
+  std::vector<Link> links_;
   std::map<EndpointId, Entry> entries_;
   std::map<EndpointId, EarlyRequest> early_requests_;  ///< of readers that have yet to be seen, or seen again
   std::uint64_t early_arrivals_ = 0;

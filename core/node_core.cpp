@@ -21,12 +21,16 @@ constexpr std::chrono::seconds complaint_pause{1};
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
   const DiscoveryOptions discovery{.domain = options.domain.value_or(0),
+                                   .settings = options.discovery,
                                    .user_config = options.cyclonedds_config.value_or("")};
   auto opened = Discovery::open(discovery, *node);
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
-  node->reconciler_ = std::make_unique<Reconciler>(node->network_, node->shm_.get(), node->udp_.get(),
-                                                   *node->discovery_, node->dispatcher_, node->log_);
+  for (const std::string& warning : node->discovery_->configuration().warnings)
+    node->log_.write(LogLevel::warning, "discovery: " + warning);
+  node->reconciler_ =
+      std::make_unique<Reconciler>(node->id_, node->network_, node->shm_.get(), node->udp_.get(),
+                                   *node->discovery_, node->dispatcher_, node->log_);
   Reconciler* const reconciler = node->reconciler_.get();
   const Agent::Duties duties{.tick = [reconciler] { return reconciler->tick(); },
                              .idle = [reconciler] { reconciler->reconcile(); }};
@@ -37,6 +41,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
 
 NodeCore::NodeCore(const NodeOptions& options, Parts parts)
     : options_(options),
+      id_(random_id()),
       network_(network_id()),
       shm_(std::move(parts.shm)),
       udp_(std::move(parts.udp)),
@@ -110,6 +115,7 @@ Endpoint NodeCore::new_endpoint(Role role, std::string_view topic, const TypeSup
   Endpoint endpoint;
   endpoint.id = random_id();
   endpoint.role = role;
+  endpoint.node_id = id_;
   endpoint.node = options_.name.substr(0, name_bytes_max);
   endpoint.topic = topic;
   endpoint.type_name = type.name();
@@ -276,8 +282,12 @@ void NodeCore::request_received(Request request) {
   agent_.post([this, request = std::move(request)] { reconciler_->request_received(request); });
 }
 
-void NodeCore::liveliness_asserted(std::vector<EndpointId> writers) {
-  agent_.post([this, writers = std::move(writers)] { reconciler_->liveliness_asserted(writers); });
+void NodeCore::liveliness_asserted(Assertion assertion) {
+  agent_.post([this, assertion = std::move(assertion)] { reconciler_->liveliness_asserted(assertion); });
+}
+
+void NodeCore::node_lost(NodeId id) {
+  agent_.post([this, id] { reconciler_->node_lost(id); });
 }
 
 void NodeCore::control_malformed(std::string why) {
@@ -322,6 +332,8 @@ std::vector<TopicInfo> NodeCore::topics() {
 
 NodeStatus NodeCore::status() const {
   NodeStatus status;
+  status.discovery = discovery_->configuration().summary;
+  for (const std::string& warning : discovery_->configuration().warnings) status.discovery += "; " + warning;
   status.udp = udp_ == nullptr ? "the node rules it out" : udp_->description();
   status.shm = reconciler_->shm_state();
   status.shm_ready = reconciler_->shm_ready();

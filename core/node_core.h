@@ -65,7 +65,8 @@ class NodeCore final : private DiscoveryListener {
   void endpoint_departed(EndpointId id) override;
   void endpoint_lost(EndpointId id) override;
   void request_received(Request request) override;
-  void liveliness_asserted(std::vector<EndpointId> writers) override;
+  void liveliness_asserted(Assertion assertion) override;
+  void node_lost(NodeId id) override;
   void control_malformed(std::string why) override;
 
   /// Calls `question` on the agent's thread, which alone may look at the reconciler, and returns its answer.
@@ -75,6 +76,7 @@ class NodeCore final : private DiscoveryListener {
   bool may_use(TransportKind kind, TransportChoice choice) const;
 
   const NodeOptions options_;
+  const NodeId id_;
   const std::uint64_t network_;
   const std::unique_ptr<Transport> shm_;
   const std::unique_ptr<Transport> udp_;

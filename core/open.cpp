@@ -1,8 +1,8 @@
 // The one place where the parts are put together, and where the environment is read.
-#include <charconv>
 #include <cstdlib>
-#include <string_view>
 
+#include "core/dds_config.h"
+#include "core/domain_id.h"
 #include "core/node_core.h"
 #include "sft/node.h"
 #include "shm_transport/shm_transport.h"
@@ -12,25 +12,7 @@ namespace sft {
 
 namespace {
 
-constexpr std::uint32_t domain_max = 232;  // by the port numbers that DDS derives from it
-
-Result<std::uint32_t> domain_of(const NodeOptions& options) {
-  std::uint32_t domain = options.domain.value_or(0);
-  const char* from_environment = options.domain ? nullptr : std::getenv("ROS_DOMAIN_ID");
-  if (from_environment != nullptr && *from_environment != '\0') {
-    const std::string_view text = from_environment;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
-    if (error != std::errc{} || end != text.data() + text.size()) {
-      return fail(Errc::invalid_argument, "ROS_DOMAIN_ID is not a number: '" + std::string(text) + "'");
-    }
-  }
-  if (domain > domain_max) {
-    return fail(Errc::invalid_argument, "DDS domain " + std::to_string(domain) + ": domains are 0 to 232");
-  }
-  return domain;
-}
-
-NodeOptions resolved(const NodeOptions& options, std::uint32_t domain) {
+NodeOptions with_defaults(const NodeOptions& options, std::uint32_t domain) {
   NodeOptions result = options;
   result.domain = domain;
   const char* config = std::getenv("CYCLONEDDS_URI");
@@ -38,9 +20,14 @@ NodeOptions resolved(const NodeOptions& options, std::uint32_t domain) {
   return result;
 }
 
+/// `options` with its defaults resolved.
 Result<std::unique_ptr<core::Transport>> open_udp(const NodeOptions& options,
                                                   std::shared_ptr<core::BufferPool> heap) {
+  Result<std::vector<std::string>> interfaces =
+      core::discovery_interfaces(*options.domain, options.discovery, *options.cyclonedds_config);
+  if (!interfaces) return tl::unexpected(interfaces.error());
   udp::UdpOptions udp;
+  udp.interfaces = std::move(*interfaces);
   udp.port = options.udp.port;
   udp.receive_buffer_bytes = options.udp.receive_buffer_bytes;
   udp.pace_bytes_per_s = options.udp.pace_bytes_per_s;
@@ -59,12 +46,13 @@ Result<std::unique_ptr<core::Transport>> open_shm(const NodeOptions& options) {
 }  // namespace
 
 Result<Node> Node::open(const NodeOptions& options) {
-  const Result<std::uint32_t> domain = domain_of(options);
+  const Result<std::uint32_t> domain = core::domain_id(options.domain, std::getenv("ROS_DOMAIN_ID"));
   if (!domain) return tl::unexpected(domain.error());
+  const NodeOptions resolved = with_defaults(options, *domain);
   core::NodeCore::Parts parts;
   parts.heap = core::BufferPool::make(options.udp.memory_limit_bytes);
   if (options.transport != TransportChoice::shm) {
-    auto udp = open_udp(options, parts.heap);
+    auto udp = open_udp(resolved, parts.heap);
     if (!udp) return tl::unexpected(udp.error());
     parts.udp = std::move(*udp);
   }
@@ -73,7 +61,7 @@ Result<Node> Node::open(const NodeOptions& options) {
     if (!shm) return tl::unexpected(shm.error());
     parts.shm = std::move(*shm);
   }
-  return core::NodeCore::open(resolved(options, *domain), std::move(parts)).map([](auto&& core) {
+  return core::NodeCore::open(resolved, std::move(parts)).map([](auto&& core) {
     return Node(std::forward<decltype(core)>(core));
   });
 }

@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t accepted_max = 16;
 constexpr std::chrono::seconds in_flight_max{2};  // what was sent longer ago does not come any more
 constexpr std::chrono::milliseconds tick_quiet{50};
+constexpr std::chrono::seconds look_at_addresses_every{1};
 constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
@@ -25,15 +26,23 @@ bool is_new_failure(Retry& retry, const Result<void>& outcome) {
 
 }  // namespace
 
-Reconciler::Reconciler(std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
+Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
                        Dispatcher& dispatcher, NodeLog& log)
-    : shm_(shm), udp_(udp), discovery_(discovery), dispatcher_(dispatcher), log_(log) {
+    : id_(id), shm_(shm), udp_(udp), discovery_(discovery), dispatcher_(dispatcher), log_(log) {
   self_.network = network;
   self_.shm_state = shm_ == nullptr ? "the node rules it out" : "starting";
   negotiation_.self_changed(self_);
+  if (udp_ == nullptr) return;
+  addresses_ = udp_->addresses();
+  links_ = udp_->links();
+  negotiation_.network_changed(addresses_, links_);
 }
 
-void Reconciler::endpoint_seen(const Endpoint& endpoint) { dirty_ |= negotiation_.endpoint_seen(endpoint); }
+/// A newcomer is told at once that we live: before that it would not notice our end.
+void Reconciler::endpoint_seen(const Endpoint& endpoint) {
+  if (!negotiation_.knows(endpoint.node_id)) told_of_life_at_ = {};
+  dirty_ |= negotiation_.endpoint_seen(endpoint);
+}
 
 void Reconciler::endpoint_departed(EndpointId id) { dirty_ |= negotiation_.endpoint_departed(id); }
 
@@ -179,6 +188,7 @@ std::chrono::milliseconds Reconciler::tick() {
   reconcile();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
+  greet(now);
   reconcile();
   const bool hurry = hurried_ticks_ > 0 && hurried_ticks_ <= hurried_ticks_max;
   return hurry ? tick_while_attaching : pace();
@@ -208,12 +218,17 @@ void Reconciler::look_after_histories() {
   }
 }
 
+void Reconciler::greet(Now now) {
+  if (greetings_.due(now, negotiation_.misses_somebody())) discovery_.greet();
+}
+
 void Reconciler::watch_promises(Now now) {
   std::vector<EndpointId> living;
   for (auto& [id, writer] : writers_) {
     if (watch_offer(writer, now)) living.push_back(id);
   }
-  tell_of_life(living);
+  if (!living.empty() || now - told_of_life_at_ >= discovery_.configuration().life_signs.pause)
+    tell_of_life(std::move(living), now);
   for (auto& [id, reader] : readers_) {
     for (auto& [writer, watch] : reader.watched) {
       watch.look(reader.core->arrivals(writer), now);
@@ -236,18 +251,24 @@ bool Reconciler::watch_offer(Writer& writer, Now now) {
 void Reconciler::program_asserts(EndpointId id) {
   const auto writer = writers_.find(id);
   if (writer == writers_.end()) return;
-  if (watch_offer(writer->second, std::chrono::steady_clock::now())) tell_of_life({id});
+  const Now now = std::chrono::steady_clock::now();
+  if (watch_offer(writer->second, now)) tell_of_life({id}, now);
 }
 
-void Reconciler::tell_of_life(const std::vector<EndpointId>& writers) {
-  if (writers.empty()) return;
-  discovery_.assert_liveliness(writers);
-  liveliness_asserted(writers);  // our own readers
+/// What tells of a writer tells of the node, too.
+void Reconciler::tell_of_life(std::vector<EndpointId> writers, Now now) {
+  const Assertion assertion{id_, std::move(writers)};
+  told_of_life_at_ = now;
+  discovery_.assert_liveliness(assertion);
+  liveliness_asserted(assertion);  // our own readers
 }
 
-void Reconciler::liveliness_asserted(const std::vector<EndpointId>& writers) {
+void Reconciler::node_lost(NodeId id) { dirty_ |= negotiation_.node_lost(id); }
+
+void Reconciler::liveliness_asserted(const Assertion& assertion) {
+  dirty_ |= negotiation_.node_returned(assertion.node);
   for (auto& [id, reader] : readers_) {
-    for (const EndpointId writer : writers) {
+    for (const EndpointId writer : assertion.writers) {
       if (const auto watch = reader.watched.find(writer); watch != reader.watched.end())
         watch->second.asserted();
     }
@@ -283,9 +304,27 @@ void Reconciler::look_after_shm() {
 
 /// A transport that the system has stopped cannot be mended from within; status() says so from here on.
 void Reconciler::look_after_udp(Now now) {
-  if (udp_ == nullptr || udp_failed_ || udp_->poll(now) == Availability::ready) return;
+  if (udp_ == nullptr || udp_failed_) return;
+  if (udp_->poll(now) == Availability::ready) return look_after_addresses(now);
   udp_failed_ = true;
   log_.write(LogLevel::error, "UDP: " + udp_->description());
+}
+
+/// Interfaces come and go: where we are reached then is announced anew.
+void Reconciler::look_after_addresses(Now now) {
+  if (now < next_look_at_addresses_) return;
+  next_look_at_addresses_ = now + look_at_addresses_every;
+  std::vector<UdpAddress> addresses = udp_->addresses();
+  std::vector<Link> links = udp_->links();
+  const bool moved = addresses != addresses_;
+  if (!moved && links == links_) return;
+  dirty_ |= negotiation_.network_changed(addresses, links);
+  addresses_ = std::move(addresses);
+  links_ = std::move(links);
+  if (!moved) return;
+  greetings_.begin(now);
+  for (const auto& [id, writer] : writers_) announce(id);
+  for (const auto& [id, reader] : readers_) announce(id);
 }
 
 /// The memory that they were in is gone, or another daemon's, which is to be asked at once.

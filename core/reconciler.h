@@ -17,6 +17,7 @@
 
 #include "core/discovery.h"
 #include "core/dispatcher.h"
+#include "core/greetings.h"
 #include "core/negotiation.h"
 #include "core/node_log.h"
 #include "core/publisher_core.h"
@@ -32,7 +33,7 @@ namespace sft::core {
 class Reconciler {
  public:
   /// All that it is given outlives it; a transport is null where the node must not use it.
-  Reconciler(std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
+  Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
              Dispatcher& dispatcher, NodeLog& log);
 
   struct NewReader {
@@ -54,7 +55,8 @@ class Reconciler {
   void endpoint_departed(EndpointId id);
   void endpoint_lost(EndpointId id);
   void request_received(const Request& request);
-  void liveliness_asserted(const std::vector<EndpointId>& writers);
+  void liveliness_asserted(const Assertion& assertion);
+  void node_lost(NodeId id);
 
   /// The program has asserted the liveliness of one of our writers.
   void program_asserts(EndpointId writer);
@@ -107,11 +109,13 @@ class Reconciler {
   void watch_promises(Now now);
   bool watch_offer(Writer& writer, Now now);
   void look_after_histories();
-  void tell_of_life(const std::vector<EndpointId>& writers);
+  void tell_of_life(std::vector<EndpointId> writers, Now now);
+  void greet(Now now);
   static void watch(Reader& reader);
   std::chrono::milliseconds pace() const;
   void look_after_shm();
   void look_after_udp(Now now);
+  void look_after_addresses(Now now);
   bool look_after_connections();
   void forget_what_was_in_flight(Now now);
   void drop_shm_ports();
@@ -134,6 +138,7 @@ class Reconciler {
   void asks_for(Reader& reader, const Wanted& wanted);
   static void accept(Reader& reader);
 
+  const NodeId id_;
   Transport* const shm_;
   Transport* const udp_;
   Discovery& discovery_;
@@ -146,6 +151,11 @@ class Reconciler {
   std::vector<Reader> leaving_;  ///< removed within callbacks that have not returned yet
   Self self_;
   bool udp_failed_ = false;
+  std::vector<UdpAddress> addresses_;  ///< as they were announced
+  std::vector<Link> links_;
+  Now next_look_at_addresses_{};
+  Greetings greetings_{std::chrono::steady_clock::now()};
+  Now told_of_life_at_{};
   bool dirty_ = false;  ///< something changed that reconcile() has not seen
   Retry asking_daemon_;
   int hurried_ticks_ = 0;  ///< in a row, because some reader waits for its connection

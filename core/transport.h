@@ -41,6 +41,13 @@ struct UdpAddress {
   friend bool operator==(const UdpAddress&, const UdpAddress&) = default;
 };
 
+/// One of our own addresses, and the network that it is in.
+struct Link {
+  std::uint32_t ipv4 = 0;  ///< host byte order
+  std::uint32_t netmask = 0;
+  friend bool operator==(const Link&, const Link&) = default;
+};
+
 /// The word that is rung when a sample for a reader was put into shared memory (core/doorbell.h).
 struct DoorbellAddress {
   std::uint64_t page = 0;
@@ -220,7 +227,10 @@ class Transport {
   /// False where this user may only read what others write: open_writer then fails.
   virtual bool may_write() const { return true; }
   /// Where readers of this node are reached, best first; empty for shared memory (readers have doorbells).
+  /// They change as interfaces come and go.
   virtual std::vector<UdpAddress> addresses() const { return {}; }
+  /// The networks that others can be reached in directly; empty for shared memory.
+  virtual std::vector<Link> links() const { return {}; }
 
   virtual Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec& spec) = 0;
   virtual Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec& spec) = 0;

@@ -29,6 +29,19 @@ std::uint32_t address_towards_others() {
   return known ? to_address(from).ipv4 : 0;
 }
 
+std::uint32_t ipv4_of(const sockaddr& address) {
+  return to_address(reinterpret_cast<const sockaddr_in&>(address)).ipv4;
+}
+
+bool is_chosen(std::string_view name, const core::Link& link, const std::vector<std::string>& chosen) {
+  return std::ranges::any_of(chosen, [&](const std::string& one) {
+    in_addr address{};
+    if (::inet_pton(AF_INET, one.c_str(), &address) != 1) return one == name;
+    const std::uint32_t ipv4 = ntohl(address.s_addr);
+    return ipv4 == link.ipv4 || ipv4 == (link.ipv4 & link.netmask);
+  });
+}
+
 }  // namespace
 
 sockaddr_in to_sockaddr(const SocketAddress& address) noexcept {
@@ -50,23 +63,26 @@ std::string format_ipv4(std::uint32_t ipv4) {
   return text;
 }
 
-std::vector<std::uint32_t> own_addresses() {
-  std::vector<std::uint32_t> addresses, without_carrier;
+std::vector<core::Link> own_links(const std::vector<std::string>& chosen) {
+  std::vector<core::Link> links, without_carrier;
   ifaddrs* list = nullptr;
   if (::getifaddrs(&list) == 0) {
     for (const ifaddrs* i = list; i != nullptr; i = i->ifa_next) {
-      const bool usable = (i->ifa_flags & IFF_UP) != 0 && (i->ifa_flags & IFF_LOOPBACK) == 0;
-      if (!usable || i->ifa_addr == nullptr || i->ifa_addr->sa_family != AF_INET) continue;
-      auto& kind = (i->ifa_flags & IFF_RUNNING) != 0 ? addresses : without_carrier;
-      kind.push_back(to_address(*reinterpret_cast<const sockaddr_in*>(i->ifa_addr)).ipv4);
+      const bool has_address =
+          i->ifa_addr != nullptr && i->ifa_addr->sa_family == AF_INET && i->ifa_netmask != nullptr;
+      if ((i->ifa_flags & IFF_UP) == 0 || !has_address) continue;
+      const core::Link link{ipv4_of(*i->ifa_addr), ipv4_of(*i->ifa_netmask)};
+      const bool usable =
+          chosen.empty() ? (i->ifa_flags & IFF_LOOPBACK) == 0 : is_chosen(i->ifa_name, link, chosen);
+      if (usable) ((i->ifa_flags & IFF_RUNNING) != 0 ? links : without_carrier).push_back(link);
     }
     ::freeifaddrs(list);
   }
   const std::uint32_t preferred = address_towards_others();
-  std::stable_partition(addresses.begin(), addresses.end(), [&](std::uint32_t a) { return a == preferred; });
-  addresses.insert(addresses.end(), without_carrier.begin(), without_carrier.end());
-  if (addresses.empty()) addresses.push_back(INADDR_LOOPBACK);
-  return addresses;
+  std::stable_partition(links.begin(), links.end(), [&](const core::Link& l) { return l.ipv4 == preferred; });
+  links.insert(links.end(), without_carrier.begin(), without_carrier.end());
+  if (links.empty() && chosen.empty()) links.push_back({INADDR_LOOPBACK, IN_CLASSA_NET});
+  return links;
 }
 
 std::uint16_t datagram_bytes_to(const SocketAddress& address) noexcept {

@@ -34,6 +34,7 @@ class UdpTransport final : public core::Transport {
         max_sample_bytes_(options.max_sample_bytes),
         bound_to_(options.bind_address),
         advertised_(options.advertised_addresses),
+        interfaces_(options.interfaces),
         port_(socket.port),
         receive_buffer_bytes_(socket.receive_buffer_bytes),
         receiver_(std::move(receiver)),
@@ -58,11 +59,15 @@ class UdpTransport final : public core::Transport {
   std::vector<core::UdpAddress> addresses() const override {
     std::vector<std::uint32_t> hosts = advertised_;
     if (hosts.empty() && bound_to_ != 0) hosts.push_back(bound_to_);
-    if (hosts.empty()) hosts = own_addresses();
+    if (hosts.empty()) {
+      for (const core::Link& link : links()) hosts.push_back(link.ipv4);
+    }
     std::vector<core::UdpAddress> addresses;
     for (const std::uint32_t host : hosts) addresses.push_back({host, port_, receive_buffer_bytes_});
     return addresses;
   }
+
+  std::vector<core::Link> links() const override { return own_links(interfaces_); }
 
   Result<std::unique_ptr<core::WriterPort>> open_writer(const core::WriterSpec& spec) override {
     if (spec.id == 0 || spec.type == nullptr)
@@ -86,6 +91,7 @@ class UdpTransport final : public core::Transport {
   const std::size_t max_sample_bytes_;
   const std::uint32_t bound_to_;
   const std::vector<std::uint32_t> advertised_;
+  const std::vector<std::string> interfaces_;
   const std::uint16_t port_;
   const std::uint32_t receive_buffer_bytes_;
   const std::shared_ptr<Receiver> receiver_;

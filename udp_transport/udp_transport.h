@@ -27,7 +27,9 @@ enum class Backend : std::uint8_t {
 struct UdpOptions {
   std::uint16_t port = 0;                             ///< 0: any free one
   std::uint32_t bind_address = 0;                     ///< 0: all of the host's
-  std::vector<std::uint32_t> advertised_addresses{};  ///< empty: the one bound to, or all of the host's
+  std::vector<std::uint32_t> advertised_addresses{};  ///< empty: the one bound to, or the host's
+  std::vector<std::string>
+      interfaces{};  ///< else those of these, by name or address; empty: of all that are up
   Backend backend = Backend::automatic;
 
   std::size_t max_sample_bytes = std::size_t{32} << 20;      ///< of a body, sent or received

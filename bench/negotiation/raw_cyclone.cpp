@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <memory>
 
-#include "core/discovery.h"
+#include "core/dds_config.h"
 #include "sft_control.h"
 
 namespace sft::bench {
@@ -47,7 +47,7 @@ void on_data(dds_entity_t reader, void* arrived) {
 }  // namespace
 
 RawCyclone::RawCyclone()
-    : domain_(checked(dds_create_domain(0, core::Discovery::domain_config("").c_str()))),
+    : domain_(checked(dds_create_domain(0, core::dds_config(0, {}, "").value().text.c_str()))),
       participant_(checked(dds_create_participant(0, nullptr, nullptr))) {}
 
 RawCyclone::~RawCyclone() { dds_delete(domain_); }

@@ -10,6 +10,7 @@ Endpoint endpoint() {
   Endpoint e;
   e.id = 7;
   e.role = Role::reader;
+  e.node_id = 8;
   e.node = "perception";
   e.topic = "points";
   e.type_name = "sensor_msgs::msg::PointCloud2";
@@ -43,7 +44,7 @@ TEST(ControlCodecTest, EndpointsAndRequestsComeBackAsTheyWere) {
   ControlStorage storage;
   EXPECT_EQ(from_dds(to_dds(endpoint(), storage)), endpoint());
   EXPECT_EQ(from_dds(to_dds(endpoint().request)), endpoint().request);
-  const std::vector<EndpointId> living{3, 4};
+  const Assertion living{8, {3, 4}};
   EXPECT_EQ(from_dds(to_dds(living)), living);
 }
 

@@ -125,6 +125,72 @@ TEST_F(NegotiationTest, AWriterThatMayNotWriteSharedMemoryServesItsHostByUdpAndS
   EXPECT_TRUE(negotiation.local(200)->host.known());
 }
 
+TEST_F(NegotiationTest, AReaderIsReachedInANetworkThatWeAreInToo) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.addresses.push_back({0x0b000001, 7000, 1 << 20});
+  negotiation.endpoint_seen(reader);
+  const auto destination = [&] {
+    return std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ipv4;
+  };
+  EXPECT_EQ(destination(), 0x0a000001U);
+  EXPECT_TRUE(negotiation.network_changed({}, {{0x0b000002, 0xffffff00}}));
+  EXPECT_EQ(destination(), 0x0b000001U);
+}
+
+TEST_F(NegotiationTest, OurEndpointsAreAnnouncedWithTheAddressesOfNow) {
+  our_reader();
+  const std::vector<UdpAddress> before{{0x0a000001, 7000, 1 << 20}}, after{{0x0b000001, 7000, 1 << 20}};
+  EXPECT_EQ(negotiation.local(200)->addresses, before);
+  negotiation.network_changed(after, {});
+  EXPECT_EQ(negotiation.local(200)->addresses, after);
+  our_writer();  // made with those of before
+  EXPECT_EQ(negotiation.local(100)->addresses, after);
+}
+
+TEST_F(NegotiationTest, ANodeThatIsSilentIsNotServedUntilItIsHeardOfAgainAndNotForgotten) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7), other = endpoint(Role::reader, 8);
+  reader.node_id = 70;
+  other.node_id = 80;
+  negotiation.endpoint_seen(reader);
+  negotiation.endpoint_seen(other);
+  EXPECT_FALSE(negotiation.misses_somebody());
+  EXPECT_TRUE(negotiation.node_lost(70));
+  EXPECT_TRUE(negotiation.misses_somebody());
+  negotiation.tick(Now{} + 1h);
+  ASSERT_EQ(negotiation.serving(100).udp.size(), 1U);
+  EXPECT_EQ(negotiation.serving(100).udp[0].reader, 8U);
+  EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "its node does not answer");
+  EXPECT_TRUE(negotiation.node_returned(70));
+  EXPECT_EQ(negotiation.serving(100).udp.size(), 2U);
+  EXPECT_FALSE(negotiation.node_returned(70)) << "that is no news";
+}
+
+TEST_F(NegotiationTest, ANodeThatReturnsIsServedAsItAskedMeanwhile) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.node_id = 70;
+  negotiation.endpoint_seen(reader);
+  negotiation.node_lost(70);
+  negotiation.request_received(request(7, 2, F::data));
+  negotiation.node_returned(70);
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, ANodeThatDiscoveryHasGivenUpReturnsOnlyByDiscovery) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.node_id = 70;
+  negotiation.endpoint_seen(reader);
+  negotiation.node_lost(70);
+  negotiation.endpoint_lost(7, Now{});
+  negotiation.node_returned(70);
+  EXPECT_TRUE(negotiation.serving(100).udp.empty());
+  negotiation.endpoint_seen(reader);
+  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
+}
+
 TEST_F(NegotiationTest, AReaderInTheSameNetworkStackIsReachedThroughLoopback) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 3));

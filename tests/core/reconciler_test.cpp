@@ -59,6 +59,7 @@ class TestReaderPort final : public ReaderPort {
 
 class TestDiscovery final : public Discovery {
  public:
+  const Configuration& configuration() const override { return configuration_; }
   Result<void> announce(const Endpoint& endpoint) override {
     announced.push_back(endpoint);
     return {};
@@ -68,9 +69,15 @@ class TestDiscovery final : public Discovery {
     sent.push_back(request);
     return {};
   }
-  void assert_liveliness(const std::vector<EndpointId>&) override {}
+  void assert_liveliness(const Assertion& assertion) override { asserted.push_back(assertion); }
+  void greet() override { ++greetings; }
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
+  std::vector<Assertion> asserted;
+  int greetings = 0;
+
+ private:
+  const Configuration configuration_;
 };
 
 class ReconcilerTest : public ::testing::Test {
@@ -125,6 +132,7 @@ class ReconcilerTest : public ::testing::Test {
     reconciler.reconcile();
   }
 
+  static constexpr NodeId our_node = 55;
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const FieldMask mask = type.closed(FieldMask(F::height | F::width));
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
@@ -135,7 +143,7 @@ class ReconcilerTest : public ::testing::Test {
   TestDiscovery discovery;
   NodeLog log{"node", LogLevel::warning,
               [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
-  Reconciler reconciler{1, nullptr, nullptr, discovery, dispatcher, log};
+  Reconciler reconciler{our_node, 1, nullptr, nullptr, discovery, dispatcher, log};
 };
 
 TEST_F(ReconcilerTest, AReaderIsAnnouncedBeforeItListensToAnybody) {
@@ -234,6 +242,17 @@ TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
   EXPECT_EQ(ports_gone_within, 0);
   reconciler.tick();
   EXPECT_EQ(connections.ports_gone, 1);
+}
+
+TEST_F(ReconcilerTest, ANodeSaysThatItLivesEveryNowAndThenAndToANewcomerAtOnce) {
+  reconciler.tick();
+  ASSERT_EQ(discovery.asserted.size(), 1U);
+  EXPECT_EQ(discovery.asserted[0], (Assertion{our_node, {}}));
+  reconciler.tick();
+  EXPECT_EQ(discovery.asserted.size(), 1U);
+  writer_seen(7);
+  reconciler.tick();
+  EXPECT_EQ(discovery.asserted.size(), 2U);
 }
 
 }  // namespace

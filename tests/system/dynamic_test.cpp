@@ -325,7 +325,8 @@ TEST_F(DynamicNodesTest,
     void endpoint_departed(core::EndpointId) override {}
     void endpoint_lost(core::EndpointId) override {}
     void request_received(core::Request) override {}
-    void liveliness_asserted(std::vector<core::EndpointId>) override {}
+    void liveliness_asserted(core::Assertion) override {}
+    void node_lost(core::NodeId) override {}
     void control_malformed(std::string) override {}
   } ignore;
   const char* domain = std::getenv("ROS_DOMAIN_ID");

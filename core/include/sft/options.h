@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "sft/event.h"
 #include "sft/qos.h"
@@ -43,16 +44,37 @@ struct ShmSettings {
       0};  ///< a daemon started so ends after so long without clients; 0: never
 };
 
+/// How nodes find each other. What a process sets for a domain first, holds for it as long as it lives, since
+/// Cyclone DDS can be configured only once: the next node with other settings, or another cyclonedds_config,
+/// fails to open.
+struct DiscoverySettings {
+  /// Hosts to look for nodes on, besides those that multicast reaches: "10.0.0.7", "robot.local", or with the
+  /// port of one process, "10.0.0.7:7410". Both sides have to name each other. On each, the first 20 nodes
+  /// are found.
+  std::vector<std::string> peers{};
+  /// By name ("eth0") or by one of their addresses: nodes are looked for and samples received on these only,
+  /// whether they are there already or come later. Empty: nodes are looked for on the one that seems best,
+  /// and samples received on all. Those that CYCLONEDDS_URI names go before these.
+  std::vector<std::string> interfaces{};
+  /// False: nodes on other hosts are found by `peers` only, those on this host in any case.
+  bool multicast = true;
+};
+
 struct NodeOptions {
   std::string name = "node";
-  std::optional<std::uint32_t>
-      domain{};  ///< DDS domain of the control topics; default: $ROS_DOMAIN_ID, else 0
+  /// DDS domain of the control topics, 0 to 232; default: $ROS_DOMAIN_ID, else 0
+  std::optional<std::uint32_t> domain{};
+  DiscoverySettings discovery{};
   TransportChoice transport = TransportChoice::automatic;  ///< bound for all endpoints of the node
   UdpSettings udp{};
   ShmSettings shm{};
-  std::optional<std::string> cyclonedds_config{};  ///< XML or URI behind ours; default: $CYCLONEDDS_URI
-  LogSink log{};                                   ///< the library itself never prints
-  LogLevel log_level = LogLevel::info;             ///< what is below is not even put into words
+  /// XML or names of files, behind ours, so that it wins; default: $CYCLONEDDS_URI. What SFT cannot do
+  /// without wins over it, and is said, in the log and NodeStatus::discovery.
+  std::optional<std::string> cyclonedds_config{};
+  /// The library itself never prints, nor does Cyclone DDS in a process with a node: its messages, which have
+  /// one destination in a process, are kept for the errors that they explain.
+  LogSink log{};
+  LogLevel log_level = LogLevel::info;  ///< what is below is not even put into words
 };
 
 struct PublisherStatus;

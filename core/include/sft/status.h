@@ -106,7 +106,8 @@ struct SubscriberStatus {
 };
 
 struct NodeStatus {
-  std::string udp;  ///< how UDP works here, or why it does not
+  std::string discovery;  ///< how nodes are found here, and which of the user's settings do not hold, and why
+  std::string udp;        ///< how UDP works here, or why it does not
   std::string shm;
   bool shm_ready = false;
   std::uint64_t datagrams_malformed = 0;

@@ -1,0 +1,25 @@
+// When a node makes itself known again, beside the rare times that Cyclone does it by itself: often at first,
+// since a greeting may get lost, and then only while somebody is missing. Pure: times in, answers out.
+#pragma once
+
+#include <chrono>
+
+namespace sft::core {
+
+class Greetings {
+ public:
+  using Now = std::chrono::steady_clock::time_point;
+
+  explicit Greetings(Now now) { begin(now); }
+
+  /// As at the start: others may reach us now that could not before.
+  void begin(Now now);
+  /// Whether to greet now, which then counts as done. Asked often.
+  bool due(Now now, bool somebody_is_missing);
+
+ private:
+  Now next_{};
+  std::chrono::milliseconds pause_{};
+};
+
+}  // namespace sft::core

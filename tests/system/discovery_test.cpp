@@ -1,0 +1,337 @@
+// Nodes on hosts of their own find each other: by multicast, by a list of peers, over links that lose a fifth
+// of all packets, on hosts with several networks; and what does not hold of a configuration is said.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <sft/sft.h>
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "examples/demo/network.h"
+#include "tests/support/eventually.h"
+#include "tests/support/isolated_host.h"
+
+namespace sft::test {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+/// What a process tells of itself while it runs.
+struct Report {
+  std::atomic<bool> failed{false};
+  std::atomic<std::size_t> matched{0};  ///< publishers that are heard, or subscribers that are served
+  std::atomic<std::uint64_t> taken{0};
+};
+
+/// A node in a process of its own, on a host; killed at the end of its life.
+class NodeProcess {
+ public:
+  using Role = std::function<void(Node& node, Report& report)>;
+
+  NodeProcess(const demo::NetworkNamespace& host, const NodeOptions& options, const Role& role) {
+    void* memory = mmap(nullptr, sizeof(Report), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    report_ = new (memory) Report;
+    process_ = fork();
+    if (process_ == 0) run(host, options, role);
+  }
+  ~NodeProcess() {
+    kill_now();
+    munmap(report_, sizeof(Report));
+  }
+  NodeProcess(const NodeProcess&) = delete;
+  NodeProcess& operator=(const NodeProcess&) = delete;
+
+  void kill_now() {
+    if (process_ <= 0) return;
+    kill(process_, SIGKILL);
+    waitpid(process_, nullptr, 0);
+    process_ = -1;
+  }
+  const Report& report() const { return *report_; }
+  bool matches(std::size_t others, std::chrono::milliseconds within = 5s) const {
+    return eventually([&] { return report().matched == others; }, within);
+  }
+  bool takes_samples(std::chrono::milliseconds within = 5s) const {
+    const std::uint64_t before = report().taken;
+    return eventually([&] { return report().taken > before + 10; }, within);
+  }
+
+ private:
+  [[noreturn]] void run(const demo::NetworkNamespace& host, const NodeOptions& options, const Role& role) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    auto node = host.enter() ? Node::open(options) : fail(Errc::system, "the host cannot be entered");
+    if (node) {
+      for (;;) role(*node, *report_);
+    }
+    std::fprintf(stderr, "%s\n", node.error().message.c_str());
+    report_->failed = true;
+    for (;;) pause();
+  }
+
+  Report* report_ = nullptr;
+  pid_t process_ = -1;
+};
+
+void publish(Node& node, Report& report) {
+  auto publisher = node.publisher<PointCloud2>("points").value();
+  for (std::uint32_t i = 1;; ++i) {
+    std::size_t served = 0;
+    for (const auto& reader : publisher.status().readers) {
+      served += reader.served && reader.mask == FieldMask(F::height | F::width) ? 1 : 0;
+    }
+    report.matched = served;
+    publisher.publish({.height = i});
+    poll(nullptr, 0, 5);
+  }
+}
+
+void subscribe(Node& node, Report& report) {
+  auto subscriber = node.subscriber<PointCloud2, F::height | F::width>("points").value();
+  for (;;) {
+    std::size_t matched = 0;
+    for (const auto& writer : subscriber.status().writers) matched += writer.matched && writer.alive ? 1 : 0;
+    report.matched = matched;
+    if (subscriber.wait(5ms) && subscriber.take()) ++report.taken;
+  }
+}
+
+class DiscoveryTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+    auto made = demo::EmulatedNetwork::create(2);
+    if (!made) GTEST_SKIP() << made.error().message;
+    network_ = std::make_unique<demo::EmulatedNetwork>(std::move(*made));
+  }
+
+  const demo::NetworkNamespace& host(std::size_t number) const { return network_->host(number); }
+  static std::string address(std::size_t number) { return demo::EmulatedNetwork::address(number); }
+  bool run_on(std::size_t number, const std::string& commands) const {
+    const Result<void> done = host(number).run({"sh", "-ec", commands});
+    return done ? true : (ADD_FAILURE() << done.error().message, false);
+  }
+
+  static NodeOptions options(const DiscoverySettings& discovery = {}) {
+    return {.discovery = discovery, .transport = TransportChoice::udp};
+  }
+  static DiscoverySettings only(std::vector<std::string> peers) {
+    return {.peers = std::move(peers), .interfaces = {}, .multicast = false};
+  }
+
+ private:
+  std::unique_ptr<demo::EmulatedNetwork> network_;
+};
+
+TEST_F(DiscoveryTest, NodesFindEachOtherByMulticast) {
+  const NodeProcess publisher(host(0), options(), publish);
+  const NodeProcess subscriber(host(1), options(), subscribe);
+  EXPECT_TRUE(publisher.matches(1));
+  EXPECT_TRUE(subscriber.matches(1));
+  EXPECT_TRUE(subscriber.takes_samples());
+}
+
+TEST_F(DiscoveryTest, NodesThatNameEachOtherFindEachOtherWithoutMulticast) {
+  const NodeProcess publisher(host(0), options(only({address(1)})), publish);
+  const NodeProcess subscriber(host(1), options(only({address(0)})), subscribe);
+  EXPECT_TRUE(subscriber.matches(1));
+  EXPECT_TRUE(subscriber.takes_samples());
+}
+
+TEST_F(DiscoveryTest, WithoutMulticastNodesOfOneHostFindEachOther) {
+  const NodeProcess publisher(host(0), options(only({})), publish);
+  const NodeProcess subscriber(host(0), options(only({})), subscribe);
+  const NodeProcess elsewhere(host(1), options(only({})), subscribe);
+  EXPECT_TRUE(subscriber.matches(1));
+  EXPECT_TRUE(subscriber.takes_samples());
+  EXPECT_EQ(elsewhere.report().matched, 0U);
+}
+
+TEST_F(DiscoveryTest, NodesOfOtherDomainsAreNotFound) {
+  NodeOptions other = options();
+  other.domain = 7;
+  const NodeProcess publisher(host(0), other, publish);
+  const NodeProcess there(host(1), options(), subscribe);
+  const NodeProcess here(host(1), other, subscribe);
+  EXPECT_TRUE(here.matches(1));
+  EXPECT_EQ(there.report().matched, 0U);
+}
+
+/// Both what a host sends and what it gets, since the other one sends it. Dropped by the kernel, by its own
+/// dice.
+class LossyDiscoveryTest : public DiscoveryTest, public testing::WithParamInterface<bool> {
+ protected:
+  void SetUp() override {
+    DiscoveryTest::SetUp();
+    if (IsSkipped()) return;
+    // ld rand; mod 5; jeq 0, drop, pass
+    constexpr const char* program = "5,32 0 0 4294963256,148 0 0 5,21 1 0 0,6 0 0 0,6 0 0 2";
+    for (const std::size_t number : {0U, 1U}) {
+      const Result<void> lossy =
+          host(number).run({"sh", "-ec",
+                            std::string("tc qdisc add dev eth0 clsact; ") +
+                                "tc filter add dev eth0 egress bpf da bytecode '" + program + "'"});
+      if (!lossy) GTEST_SKIP() << "no packets can be dropped here: " << lossy.error().message;
+    }
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(By, LossyDiscoveryTest, testing::Bool(),
+                         [](const auto& param) { return param.param ? "Multicast" : "Peers"; });
+
+TEST_P(LossyDiscoveryTest, NodesThatLoseAFifthOfAllPacketsAgreeOnMasksWithinSeconds) {
+  const auto settings = [&](std::size_t other) {
+    return GetParam() ? DiscoverySettings{} : only({address(other)});
+  };
+  for (int round = 0; round < 5; ++round) {
+    const NodeProcess publisher(host(0), options(settings(1)), publish);
+    const NodeProcess subscriber(host(1), options(settings(0)), subscribe);
+    EXPECT_TRUE(publisher.matches(1, 10s)) << "round " << round;
+    EXPECT_TRUE(subscriber.takes_samples(10s)) << "round " << round;
+  }
+}
+
+TEST_F(DiscoveryTest, AKilledNodeIsNoticedWithinSeconds) {
+  const NodeProcess publisher(host(0), options(), publish);
+  NodeProcess subscriber(host(1), options(), subscribe);
+  ASSERT_TRUE(subscriber.takes_samples());
+  subscriber.kill_now();
+  EXPECT_FALSE(publisher.matches(0, 1s)) << "that would be a short silence";
+  EXPECT_TRUE(publisher.matches(0, 4s));
+}
+
+/// Discovery holds on meanwhile: nothing has to be found again.
+TEST_F(DiscoveryTest, ANodeBehindALinkThatWasDownIsServedAgainAtOnce) {
+  const NodeProcess publisher(host(0), options(), publish);
+  const NodeProcess subscriber(host(1), options(), subscribe);
+  ASSERT_TRUE(subscriber.takes_samples());
+  ASSERT_TRUE(run_on(1, "ip link set dev eth0 down"));
+  EXPECT_TRUE(publisher.matches(0, 5s));
+  EXPECT_TRUE(subscriber.matches(0, 5s));
+  ASSERT_TRUE(run_on(1, "ip link set dev eth0 up"));
+  EXPECT_TRUE(publisher.matches(1, 3s));
+  EXPECT_TRUE(subscriber.takes_samples(3s));
+}
+
+/// Its default route is another network, where its address is best for all that it knows.
+TEST_F(DiscoveryTest, AHostWithTwoNetworksIsSentSamplesInTheOneThatLeadsThere) {
+  ASSERT_TRUE(run_on(1,
+                     "ip link add out type veth peer name far; ip link set dev out multicast off\n"
+                     "ip address add 10.99.0.1/24 dev out; ip link set dev out up; ip link set dev far up\n"
+                     "ip route add default via 10.99.0.2"));
+  const NodeProcess publisher(host(0), options(), publish);
+  const NodeProcess subscriber(host(1), options(), subscribe);
+  EXPECT_TRUE(publisher.matches(1));
+  EXPECT_TRUE(subscriber.takes_samples());
+}
+
+/// On each of them are nodes that the others do not reach.
+TEST_F(DiscoveryTest, NodesAreFoundOnAllInterfacesThatAreListed) {
+  ASSERT_TRUE(run_on(0, "ip link add eth1 type veth peer name eth1 netns " + host(1).path() +
+                            "; ip address add 10.78.0.1/24 dev eth1; ip link set dev eth1 up"));
+  ASSERT_TRUE(run_on(1, "ip address add 10.78.0.2/24 dev eth1; ip link set dev eth1 up"));
+  const NodeProcess publisher(host(0), options({.interfaces = {"eth0", "10.78.0.1"}}), publish);
+  const NodeProcess on_first(host(1), options({.interfaces = {"eth0"}}), subscribe);
+  const NodeProcess on_second(host(1), options({.interfaces = {"eth1", "eth9"}}), subscribe);
+  EXPECT_TRUE(on_first.takes_samples());
+  EXPECT_TRUE(on_second.takes_samples());
+  EXPECT_TRUE(publisher.matches(2));
+}
+
+// ---- in this process ----
+
+class ConfigurationTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+  }
+  NodeOptions with(const std::string& cyclonedds_config) {
+    NodeOptions options;
+    options.transport = TransportChoice::udp;
+    options.cyclonedds_config = cyclonedds_config;
+    options.log = [this](LogLevel level, std::string_view text) {
+      const std::scoped_lock lock(mutex_);
+      if (level == LogLevel::warning) warnings_ += text;
+    };
+    return options;
+  }
+  std::string warnings() {
+    const std::scoped_lock lock(mutex_);
+    return warnings_;
+  }
+  static std::string error_of(const NodeOptions& options) {
+    const auto node = Node::open(options);
+    return node ? "it opens" : node.error().message;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string warnings_;
+};
+
+TEST_F(ConfigurationTest, WhatDoesNotHoldOfItIsLoggedAndInTheStatus) {
+  const Node node = Node::open(with("<SharedMemory><Enable>true</></>")).value();
+  for (const std::string& text : {warnings(), node.status().discovery}) {
+    EXPECT_THAT(text, HasSubstr("SharedMemory/Enable is 'false', not 'true' as CYCLONEDDS_URI says: "));
+  }
+  EXPECT_THAT(node.status().discovery, HasSubstr("by multicast"));
+}
+
+TEST_F(ConfigurationTest, OfTheEnvironmentIsReadUnlessTheProgramHasOne) {
+  setenv("CYCLONEDDS_URI", "<SharedMemory><Enable>true</></>", 1);
+  NodeOptions options = with("");
+  EXPECT_EQ(Node::open(options)->status().discovery, "by multicast");
+  options.cyclonedds_config.reset();
+  options.domain = 1;
+  EXPECT_THAT(Node::open(options)->status().discovery, HasSubstr("SharedMemory/Enable"));
+}
+
+TEST_F(ConfigurationTest, InAFileThatIsNotThereIsAnErrorThatNamesIt) {
+  EXPECT_THAT(error_of(with("file:///nowhere/cyclone.xml")), HasSubstr("'file:///nowhere/cyclone.xml'"));
+}
+
+TEST_F(ConfigurationTest, ThatCycloneDoesNotKnowIsAnErrorInItsWords) {
+  EXPECT_THAT(error_of(with("<General><Colour>red</></>")), HasSubstr("Colour: unknown element"));
+}
+
+TEST_F(ConfigurationTest, OfInterfacesThatAreNotThereIsAnErrorThatNamesThem) {
+  NodeOptions options = with("");
+  options.discovery.interfaces = {"eth9"};
+  EXPECT_THAT(error_of(options), HasSubstr("eth9"));
+}
+
+TEST_F(ConfigurationTest, IsTheSameForAllNodesOfAProcessInADomain) {
+  const Node first = Node::open(with("")).value();
+  EXPECT_TRUE(Node::open(with("")));
+  NodeOptions other = with("");
+  other.discovery.peers = {"10.0.0.7"};
+  EXPECT_THAT(error_of(other),
+              HasSubstr("DDS domain 0 has been opened in this process with other discovery settings"));
+  other.domain = 1;
+  EXPECT_TRUE(Node::open(other));
+}
+
+TEST_F(ConfigurationTest, OfTheDomainIsANumberFrom0To232) {
+  for (const char* domain : {"233", "-1", "one"}) {
+    setenv("ROS_DOMAIN_ID", domain, 1);
+    EXPECT_THAT(error_of(with("")), HasSubstr("ROS_DOMAIN_ID is '" + std::string(domain) + "'"));
+  }
+  setenv("ROS_DOMAIN_ID", "232", 1);
+  EXPECT_TRUE(Node::open(with("")));
+}
+
+}  // namespace
+}  // namespace sft::test
