@@ -16,8 +16,8 @@ namespace sft::core {
 
 struct DiscoveryOptions {
   std::uint32_t domain = 0;
-  DiscoverySettings settings;
-  std::string user_config;  ///< XML texts or names of files
+  DiscoverySettings settings{};
+  std::string user_config{};  ///< XML texts or names of files
 };
 
 /// How often a node says that it lives, and after how long without that it is lost: four in a row may get

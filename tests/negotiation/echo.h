@@ -23,7 +23,8 @@ class Echo final : private core::DiscoveryListener {
   void endpoint_departed(core::EndpointId) override {}
   void endpoint_lost(core::EndpointId) override {}
   void request_received(core::Request request) override;
-  void liveliness_asserted(std::vector<core::EndpointId>) override {}
+  void liveliness_asserted(core::Assertion) override {}
+  void node_lost(core::NodeId) override {}
   void control_malformed(std::string) override {}
 
   std::mutex mutex_;

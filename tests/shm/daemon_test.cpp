@@ -206,7 +206,7 @@ TEST_F(Sftd, GivesOneProgramNoMoreThanItsLimits) {
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   const Writer first(node, 1);
   const Writer second(node, 2);
-  const auto third = node->open_writer({.id = 3, .type = &frame_type(), .max_sample_bytes = 100});
+  const auto third = node->open_writer({.id = 3, .type = &frame_type()});
   ASSERT_FALSE(third);
   EXPECT_TRUE(contains(third.error().message, "its limits")) << third.error().message;
   Process other = start_peer({"knock"});

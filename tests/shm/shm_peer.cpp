@@ -104,7 +104,7 @@ void try_to_write(Node& node, sft::core::EndpointId id, std::uint32_t) {
 
 /// Opens a port to publish, or says why it cannot.
 void offer(Node& node, sft::core::EndpointId id, std::uint32_t) {
-  const auto port = node->open_writer({.id = id, .type = &frame_type(), .max_sample_bytes = 1 << 20});
+  const auto port = node->open_writer({.id = id, .type = &frame_type()});
   say(port ? "may publish" : port.error().message);
   stay();
 }
