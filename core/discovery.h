@@ -16,8 +16,8 @@ namespace sft::core {
 
 struct DiscoveryOptions {
   std::uint32_t domain = 0;
-  DiscoverySettings settings;
-  std::string user_config;  ///< XML texts or names of files
+  DiscoverySettings settings{};
+  std::string user_config{};  ///< XML texts or names of files
 };
 
 /// How often a node says that it lives, and after how long without that it is lost: four in a row may get
@@ -26,7 +26,7 @@ struct LifeSigns {
   std::chrono::milliseconds pause;
   std::chrono::milliseconds lease;
 };
-inline constexpr LifeSigns life_signs_to_all{std::chrono::milliseconds(550), std::chrono::milliseconds(3000)};
+inline constexpr LifeSigns life_signs_to_all{std::chrono::milliseconds(650), std::chrono::milliseconds(3500)};
 /// Without multicast, where each node has to be told by itself.
 inline constexpr LifeSigns life_signs_to_each{std::chrono::milliseconds(1950),
                                               std::chrono::milliseconds(10'000)};
