@@ -26,7 +26,7 @@ struct LifeSigns {
   std::chrono::milliseconds pause;
   std::chrono::milliseconds lease;
 };
-inline constexpr LifeSigns life_signs_to_all{std::chrono::milliseconds(550), std::chrono::milliseconds(3000)};
+inline constexpr LifeSigns life_signs_to_all{std::chrono::milliseconds(650), std::chrono::milliseconds(3500)};
 /// Without multicast, where each node has to be told by itself.
 inline constexpr LifeSigns life_signs_to_each{std::chrono::milliseconds(1950),
                                               std::chrono::milliseconds(10'000)};
