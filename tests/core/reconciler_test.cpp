@@ -7,6 +7,8 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <set>
 
+#include "tests/support/eventually.h"
+
 namespace sft::core {
 namespace {
 
@@ -61,6 +63,18 @@ class TestDiscovery final : public Discovery {
   const Configuration configuration_;
 };
 
+/// A transport as far as it has addresses.
+class TestTransport final : public Transport {
+ public:
+  TransportKind kind() const noexcept override { return TransportKind::udp; }
+  Availability poll(Now) override { return Availability::ready; }
+  std::string description() const override { return "test"; }
+  std::vector<UdpAddress> addresses() const override { return addresses_now; }
+  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }
+  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override { return nullptr; }
+  std::vector<UdpAddress> addresses_now{{0x0a000001, 7000, 1 << 20}};
+};
+
 class ReconcilerTest : public ::testing::Test {
  protected:
   Endpoint endpoint(Role role, EndpointId id) const {
@@ -100,8 +114,9 @@ class ReconcilerTest : public ::testing::Test {
   Dispatcher dispatcher{bells->at(0), "test"};
   Connections connections;
   TestDiscovery discovery;
+  TestTransport udp;
   Reconciler reconciler{
-      our_node, 1, nullptr, nullptr, discovery, dispatcher, [](LogLevel, const std::string&) {}};
+      our_node, 1, nullptr, &udp, discovery, dispatcher, [](LogLevel, const std::string&) {}};
 };
 
 TEST_F(ReconcilerTest, AReaderIsAnnouncedBeforeItListensToAnybody) {
@@ -135,6 +150,18 @@ TEST_F(ReconcilerTest, WhatIsStillInFlightOfAWriterThatWentIsTaken) {
   writer_departed(7);
   reconciler.tick();
   EXPECT_THAT(connections.writers, ElementsAre(7));
+}
+
+TEST_F(ReconcilerTest, AnAddressThatComesOrGoesIsAnnounced) {
+  our_reader(200);
+  reconciler.tick();
+  EXPECT_EQ(discovery.announced.size(), 1U) << "nothing has changed";
+  udp.addresses_now.insert(udp.addresses_now.begin(), {0x0b000001, 7000, 1 << 20});
+  ASSERT_TRUE(test::eventually([&] {
+    reconciler.tick();
+    return discovery.announced.size() > 1;
+  }));
+  EXPECT_EQ(discovery.announced.back().addresses, udp.addresses_now);
 }
 
 TEST_F(ReconcilerTest, ANodeSaysThatItLivesEveryNowAndThenAndToANewcomerAtOnce) {
