@@ -80,6 +80,18 @@ class TestDiscovery final : public Discovery {
   const Configuration configuration_;
 };
 
+/// A transport as far as it has addresses.
+class TestTransport final : public Transport {
+ public:
+  TransportKind kind() const noexcept override { return TransportKind::udp; }
+  Availability poll(Now) override { return Availability::ready; }
+  std::string description() const override { return "test"; }
+  std::vector<UdpAddress> addresses() const override { return addresses_now; }
+  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }
+  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override { return nullptr; }
+  std::vector<UdpAddress> addresses_now{{0x0a000001, 7000, 1 << 20}};
+};
+
 class ReconcilerTest : public ::testing::Test {
  protected:
   Endpoint endpoint(Role role, EndpointId id) const {
@@ -141,9 +153,10 @@ class ReconcilerTest : public ::testing::Test {
   Dispatcher dispatcher{bells->at(0), "test"};
   Connections connections;
   TestDiscovery discovery;
+  TestTransport udp;
   NodeLog log{"node", LogLevel::warning,
               [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
-  Reconciler reconciler{our_node, 1, nullptr, nullptr, discovery, dispatcher, log};
+  Reconciler reconciler{our_node, 1, nullptr, &udp, discovery, dispatcher, log};
 };
 
 TEST_F(ReconcilerTest, AReaderIsAnnouncedBeforeItListensToAnybody) {
@@ -242,6 +255,18 @@ TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
   EXPECT_EQ(ports_gone_within, 0);
   reconciler.tick();
   EXPECT_EQ(connections.ports_gone, 1);
+}
+
+TEST_F(ReconcilerTest, AnAddressThatComesOrGoesIsAnnounced) {
+  our_reader(200);
+  reconciler.tick();
+  EXPECT_EQ(discovery.announced.size(), 1U) << "nothing has changed";
+  udp.addresses_now.insert(udp.addresses_now.begin(), {0x0b000001, 7000, 1 << 20});
+  ASSERT_TRUE(test::eventually([&] {
+    reconciler.tick();
+    return discovery.announced.size() > 1;
+  }));
+  EXPECT_EQ(discovery.announced.back().addresses, udp.addresses_now);
 }
 
 TEST_F(ReconcilerTest, ANodeSaysThatItLivesEveryNowAndThenAndToANewcomerAtOnce) {
