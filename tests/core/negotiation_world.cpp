@@ -14,7 +14,7 @@ using core::Route;
 
 namespace {
 
-constexpr std::array<const char*, 20> names{"announcement comes",
+constexpr std::array<const char*, 22> names{"announcement comes",
                                             "request comes",
                                             "announcement repeated",
                                             "request repeated",

@@ -83,7 +83,7 @@ class TestDiscovery final : public Discovery {
 /// A transport as far as it has addresses.
 class TestTransport final : public Transport {
  public:
-  TransportKind kind() const noexcept override { return TransportKind::udp; }
+  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
   Availability poll(Now) override { return Availability::ready; }
   std::string description() const override { return "test"; }
   std::vector<UdpAddress> addresses() const override { return addresses_now; }
