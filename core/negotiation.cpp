@@ -200,7 +200,10 @@ bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, Trans
     writers.push_back(writer);
   } else {
     std::erase(writers, writer);
-    if (path == TransportKind::udp) std::erase(request.begun, writer);
+    if (path == TransportKind::udp) {
+      std::erase(request.begun, writer);
+      entry->second.history_came.erase(writer);
+    }
     owe_what_has_not_begun(entry->second.endpoint);
   }
   ++request.sequence;
@@ -215,6 +218,12 @@ bool Negotiation::history_began(EndpointId reader, EndpointId writer) {
   request.begun.push_back(writer);
   ++request.sequence;
   return true;
+}
+
+bool Negotiation::history_came(EndpointId reader, EndpointId writer) {
+  const auto entry = entries_.find(reader);
+  if (entry == entries_.end() || entry->second.type == nullptr) return false;
+  return entry->second.history_came.insert(writer).second;
 }
 
 bool Negotiation::history_given(EndpointId writer, EndpointId reader) {
@@ -373,11 +382,14 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     const Endpoint& w = writer->endpoint;
     const Verdict verdict = judge(entry->second, *writer);
     const std::uint32_t owed = history_owed(*writer, r);
-    Hearing hearing{.source = {w.id, w.max_sample_bytes, owed != 0 && verdict.udp},
+    const bool history_first = owed != 0 && verdict.udp;
+    // What others get through shared memory would overtake it.
+    const bool history_comes = history_first && !entry->second.history_came.contains(w.id);
+    Hearing hearing{.source = {w.id, w.max_sample_bytes, history_first},
                     .offered = w.qos,
                     .owed = owed,
                     .status = {.id = w.id, .node = w.node, .alive = !writer->lost()}};
-    hearing.shm = verdict.shm;
+    hearing.shm = verdict.shm && !history_comes;
     hearing.udp = verdict.udp;
     const bool attached = verdict.shm && holds(r.request.attached, w.id);
     hearing.status.incompatible_type = verdict.incompatible_type;
@@ -389,9 +401,11 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     hearing.status.reason = !verdict.mismatch.empty() ? verdict.mismatch
                             : writer->lost()          ? "its node does not answer"
                             : attached                ? "same host"
-                            : verdict.shm             ? "same host, shared memory is being attached"
-                            : verdict.udp             ? verdict.udp_reason
-                                                      : "UDP is ruled out, and " + verdict.udp_reason;
+                            : verdict.shm && history_comes
+                                ? "same host, what was published before comes first"
+                            : verdict.shm ? "same host, shared memory is being attached"
+                            : verdict.udp ? verdict.udp_reason
+                                          : "UDP is ruled out, and " + verdict.udp_reason;
     result.push_back(std::move(hearing));
   }
   return result;

@@ -90,6 +90,8 @@ class Negotiation {
   bool connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected);
   /// Something of a durable writer has come for one of our readers alone.
   bool history_began(EndpointId reader, EndpointId writer);
+  /// And nothing of that is under way any more.
+  bool history_came(EndpointId reader, EndpointId writer);
   /// All that one of our writers has sent to a late reader alone has left. Takes effect once the reader says
   /// that it has begun to come.
   bool history_given(EndpointId writer, EndpointId reader);
@@ -112,10 +114,11 @@ class Negotiation {
  private:
   struct Entry {
     Endpoint endpoint;
-    const TypeSupport* type = nullptr;   ///< of our own endpoints
-    std::optional<Now> lost_since;       ///< by discovery: if it returns, it is seen again
-    bool silent = false;                 ///< its node is not heard of
-    std::set<EndpointId> history_given;  ///< of our own writers: to these readers
+    const TypeSupport* type = nullptr;     ///< of our own endpoints
+    std::optional<Now> lost_since;         ///< by discovery: if it returns, it is seen again
+    bool silent = false;                   ///< its node is not heard of
+    std::set<EndpointId> history_given{};  ///< of our own writers: to these readers
+    std::set<EndpointId> history_came{};   ///< of our own readers: from these writers
     bool lost() const { return lost_since || silent; }
   };
   struct EarlyRequest {

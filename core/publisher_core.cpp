@@ -100,6 +100,7 @@ PublisherCore::Outlets PublisherCore::Outlets::with(const Outlets& other) const 
 
 void PublisherCore::turn_to(const Outlets& outlets) noexcept {
   book_->turn_to(DeliveryBook::Teller::publisher, outlets.page);
+  if (udp_ != nullptr && !outlets.to_udp) udp_->rest();
   counted_ = &outlets;
 }
 
@@ -121,14 +122,15 @@ void PublisherCore::find_gates(Serving& serving) {
   }
 }
 
-/// Routes of readers that are to be given the history now, and not already.
+/// Routes of readers that are to be given the history now, and not already at that address.
 std::vector<Route> PublisherCore::take_latecomers(const Serving& serving) {
   std::vector<Route> latecomers;
-  std::set<EndpointId> begun;
+  std::map<EndpointId, Locator> begun;
   for (const Route& route : serving.udp) {
     if (route.history == 0) continue;
-    begun.insert(route.reader);
-    if (!history_begun_.contains(route.reader)) latecomers.push_back(route);
+    begun.emplace(route.reader, route.destination);
+    const auto before = history_begun_.find(route.reader);
+    if (before == history_begun_.end() || before->second != route.destination) latecomers.push_back(route);
   }
   history_begun_ = std::move(begun);
   return latecomers;
@@ -181,8 +183,7 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
   {
     const std::scoped_lock lock(status_mutex_);
     readers_ = serving.readers;
-    const bool encodes = after->to_shm || after->to_udp || history_ != nullptr;
-    encoded_ = encodes ? after->mask : spec_.type->none();
+    encoded_ = after->is_wanted ? after->mask : spec_.type->none();
   }
   if (readers_changed_.wanted()) readers_changed_.tell(status());
 }

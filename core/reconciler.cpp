@@ -66,7 +66,7 @@ void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherC
                                    .shm = nullptr,
                                    .in_force = {},
                                    .watch = OfferWatch(endpoint.qos, std::chrono::steady_clock::now()),
-                                   .history_sent = false,
+                                   .history_sent = {},
                                    .told = {}});
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
@@ -209,12 +209,13 @@ std::chrono::milliseconds Reconciler::pace() const {
 void Reconciler::look_after_histories() {
   for (auto& [id, writer] : writers_) {
     writer.core->expire_history();
-    const bool owed = writer.in_force && writer.in_force->history_owed;
-    if (!std::exchange(writer.history_sent, owed && writer.core->history_sent()) || !owed) continue;
+    if (!writer.in_force || !writer.in_force->history_owed) continue;
+    const std::set<EndpointId> before = std::exchange(writer.history_sent, {});
     for (const Route& route : writer.in_force->udp) {
-      if (route.history != 0) dirty_ |= negotiation_.history_given(id, route.reader);
+      if (route.history == 0 || !writer.core->history_sent(route.reader)) continue;
+      writer.history_sent.insert(route.reader);
+      if (before.contains(route.reader)) dirty_ |= negotiation_.history_given(id, route.reader);
     }
-    writer.history_sent = false;
   }
 }
 
@@ -344,6 +345,14 @@ void Reconciler::drop_shm_ports() {
   }
 }
 
+/// Whether it has begun to come.
+bool Reconciler::look_after_history(EndpointId reader, const ReaderPort& port, EndpointId writer) {
+  const HistoryProgress progress = port.history(writer);
+  if (progress == HistoryProgress::awaited) return false;
+  if (progress == HistoryProgress::came) dirty_ |= negotiation_.history_came(reader, writer);
+  return negotiation_.history_began(reader, writer);
+}
+
 /// Tells writers which of our readers hear them by now. Whether some reader still waits for its connection in
 /// shared memory.
 bool Reconciler::look_after_connections() {
@@ -355,7 +364,7 @@ bool Reconciler::look_after_connections() {
       const bool attached = hearing.shm && reader.shm != nullptr && reader.shm->connected(writer);
       changed |= negotiation_.connection_changed(id, writer, TransportKind::udp, listening);
       changed |= negotiation_.connection_changed(id, writer, TransportKind::shm, attached);
-      if (listening && reader.udp->history_began(writer)) changed |= negotiation_.history_began(id, writer);
+      if (listening && hearing.source.history_first) changed |= look_after_history(id, *reader.udp, writer);
       waiting |= hearing.shm && !attached;
     }
     if (changed) request_changed(id);

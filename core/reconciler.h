@@ -81,8 +81,8 @@ class Reconciler {
     Retry opening_shm{};
     std::optional<Serving> in_force;
     OfferWatch watch;
-    bool history_sent = false;  ///< at the last tick: all that late readers were to be given
-    PublisherStatus told;       ///< the state up to which its events were told
+    std::set<EndpointId> history_sent{};  ///< to these late readers, at the last tick: all there was
+    PublisherStatus told;                 ///< the state up to which its events were told
   };
   struct Accepted {
     Wanted wanted;
@@ -109,6 +109,7 @@ class Reconciler {
   void watch_promises(Now now);
   bool watch_offer(Writer& writer, Now now);
   void look_after_histories();
+  bool look_after_history(EndpointId reader, const ReaderPort& port, EndpointId writer);
   void tell_of_life(std::vector<EndpointId> writers, Now now);
   void greet(Now now);
   static void watch(Reader& reader);

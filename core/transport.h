@@ -115,6 +115,8 @@ class WriterPort {
   /// A sample is about to be made, and gates to be asked: it goes by the routes that are in force now.
   /// Without this by those in force when it is sent.
   virtual void begin() noexcept {}
+  /// The following samples are for nobody here, until begin() or send().
+  virtual void rest() noexcept {}
   /// The sample that the gates were asked about last could not be made: whom it was for misses it.
   virtual void miss() noexcept {}
 
@@ -131,8 +133,11 @@ class WriterPort {
     static_cast<void>(to);
     static_cast<void>(samples);
   }
-  /// Whether all that was sent to such routes has left.
-  virtual bool history_sent() noexcept { return true; }
+  /// Whether all that was sent to the reader of such a route has left.
+  virtual bool history_sent(EndpointId reader) noexcept {
+    static_cast<void>(reader);
+    return true;
+  }
 
   /// Whether send() can take this sample as it is: shared memory only carries what it lent itself.
   virtual bool can_send(const SampleBuffer& sample) const noexcept {
@@ -168,6 +173,13 @@ struct ReaderSpec {
   DoorbellAddress doorbell;  ///< what writers in shared memory ring for this reader
 };
 
+/// How far a late reader is with what comes for it alone.
+enum class HistoryProgress : std::uint8_t {
+  awaited,  ///< nothing has come yet
+  coming,
+  came,  ///< nothing of it is under way any more
+};
+
 class ReaderPort {
  public:
   virtual ~ReaderPort() = default;
@@ -179,10 +191,10 @@ class ReaderPort {
   virtual Result<void> connect(const Source& source) = 0;
   /// Whether samples that the writer sends from now on will arrive.
   virtual bool connected(EndpointId writer) const noexcept = 0;
-  /// Whether a sample of that writer has come that was for this reader alone.
-  virtual bool history_began(EndpointId writer) const noexcept {
+  /// Of a writer that was connected to with `history_first`.
+  virtual HistoryProgress history(EndpointId writer) const noexcept {
     static_cast<void>(writer);
-    return false;
+    return HistoryProgress::came;
   }
   /// Differs from what it was whenever a sample of that writer has arrived meanwhile, taken or not.
   virtual std::uint64_t arrivals(EndpointId writer) noexcept = 0;

@@ -23,11 +23,12 @@ class UdpWriter final : public core::WriterPort {
 
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
   void begin() noexcept override;
+  void rest() noexcept override;
   void miss() noexcept override;
   void count_in(std::shared_ptr<core::DeliveryBook> book) override { book_ = std::move(book); }
   void set_routes(std::vector<core::Route> routes) override;
   void send_history(const core::Route& to, std::vector<core::SampleHandle> samples) override;
-  bool history_sent() noexcept override;
+  bool history_sent(core::EndpointId reader) noexcept override;
   std::uint64_t bytes_sent() const noexcept override;
   std::uint64_t dropped() const noexcept override;
 
@@ -46,7 +47,8 @@ class UdpWriter final : public core::WriterPort {
   std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 
   // Of the publisher's thread.
-  const RouteTable* in_use_ = nullptr;            ///< of the last sample; whose page is open
+  const RouteTable nobody_;
+  const RouteTable* in_use_ = &nobody_;           ///< of the last sample; whose page is open
   bool begun_ = false;                            ///< they are those of the present one
   core::DeliveryBook::LateCounts late_counts_{};  ///< of what was left on the page before
   VariantSender sender_;

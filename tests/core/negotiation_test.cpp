@@ -465,6 +465,22 @@ TEST_F(LateReaderTest, ThatLostUsAndFoundUsAgainIsGivenItAgain) {
   EXPECT_TRUE(negotiation.serving(100).history_owed) << "it has begun, but not all of it has left yet";
 }
 
+TEST_F(NegotiationTest, OurReaderIsAttachedOnlyOnceTheHistoryHasCome) {
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.qos.durability = transient_local;
+  negotiation.local_added(reader, type);
+  Endpoint writer = endpoint(Role::writer, 7, here, 1);
+  writer.qos.durability = transient_local;
+  negotiation.endpoint_seen(writer);
+  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
+  EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "same host, what was published before comes first");
+  negotiation.history_began(200, 7);
+  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
+  EXPECT_TRUE(negotiation.history_came(200, 7));
+  EXPECT_FALSE(negotiation.history_came(200, 7));
+  EXPECT_TRUE(negotiation.hearing(200).at(0).shm);
+}
+
 TEST_F(NegotiationTest, OurReaderTakesNothingOfADurableWriterBeforeWhatThatRetained) {
   Endpoint reader = endpoint(Role::reader, 200);
   reader.qos.durability = transient_local;

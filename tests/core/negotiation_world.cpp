@@ -603,6 +603,7 @@ bool NegotiationWorld::connections_changed(const Node& node) const {
     for (const auto& [writer, heard] : reader.heard) {
       if ((heard.udp && holds(reader.connected, writer)) != holds(request.listening, writer)) return true;
       if ((heard.shm && holds(reader.fed, writer)) != holds(request.attached, writer)) return true;
+      if (holds(request.begun, writer) && !holds(reader.history_came, writer)) return true;
     }
   }
   return false;
@@ -612,16 +613,22 @@ void NegotiationWorld::look_after_connections(std::size_t n) {
   core::Negotiation& negotiation = nodes_[n].negotiation;
   for (auto& [id, reader] : nodes_[n].readers) {
     bool dirty = false;
+    bool came = false;
     for (const auto& [writer, heard] : reader.heard) {
       const bool listening = heard.udp && holds(reader.connected, writer);
       const bool attached = heard.shm && holds(reader.fed, writer);
       dirty |= negotiation.connection_changed(id, writer, TransportKind::udp, listening);
       dirty |= negotiation.connection_changed(id, writer, TransportKind::shm, attached);
+      if (!holds(negotiation.local(id)->request.begun, writer)) {
+        std::erase(reader.history_came, writer);
+      } else if (!holds(reader.history_came, writer)) {
+        reader.history_came.push_back(writer);
+        came |= negotiation.history_came(id, writer);
+      }
     }
-    if (!dirty) continue;
-    note_request(negotiation, id);
-    changed(n, dirty);
-    send_request(n, id);
+    if (dirty) note_request(negotiation, id);
+    changed(n, dirty || came);
+    if (dirty) send_request(n, id);
   }
 }
 

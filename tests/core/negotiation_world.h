@@ -117,6 +117,7 @@ class NegotiationWorld {
     std::vector<Id> let_go;      ///< did so before
     std::vector<Id> subscribed;  ///< in shared memory
     std::vector<Id> fed;
+    std::vector<Id> history_came;  ///< from these writers, all of it
   };
   struct Writer {
     core::Endpoint endpoint;

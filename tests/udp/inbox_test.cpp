@@ -114,15 +114,15 @@ TEST_F(InboxTest, LeavesLossesOfRetainedSamplesToTheirReader) {
 TEST_F(InboxTest, TakesNothingOfADurableWriterUntilSomethingForItsReaderAloneCame) {
   inbox_.connect({.writer = 1, .history_first = true});
   deliver(1, 5, 6);
-  EXPECT_FALSE(inbox_.history_began(1));
+  EXPECT_EQ(inbox_.history(1), core::HistoryProgress::awaited);
   deliver(1, 4, 5, 4);
-  EXPECT_TRUE(inbox_.history_began(1));
+  EXPECT_NE(inbox_.history(1), core::HistoryProgress::awaited);
   deliver(1, 6, 6);
   EXPECT_EQ(take_all(), (Taken{{1, 4}, {1, 5}, {1, 6}}));
   EXPECT_EQ(inbox_.discarded(), 0U);
   inbox_.disconnect(1);
   inbox_.connect({.writer = 1, .history_first = true});
-  EXPECT_FALSE(inbox_.history_began(1)) << "it may have forgotten us";
+  EXPECT_EQ(inbox_.history(1), core::HistoryProgress::awaited) << "it may have forgotten us";
 }
 
 }  // namespace

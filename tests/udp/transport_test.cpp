@@ -114,15 +114,15 @@ TEST_P(TransportTest, SendsRetainedSamplesToOneReaderBeforeWhatComesMeanwhile) {
   publisher.port().set_routes({to_early, to_late});
   for (int i = 0; i < 2; ++i) publisher.publish(make_image(10));
   EXPECT_EQ(early.await_sequences(3), (std::vector<std::uint64_t>{3, 4, 5})) << "it waits for nobody";
-  EXPECT_FALSE(late.port().history_began(publisher.id())) << "what came was not for it";
+  EXPECT_EQ(late.port().history(publisher.id()), core::HistoryProgress::awaited) << "it was not for it";
   publisher.port().send_history(to_late, retained);
   EXPECT_EQ(late.await_sequences(5), first_numbers(5));
   for (const core::SampleHandle& sample : late.await(5)) {
     EXPECT_EQ(sample->addressee, 2U);
     EXPECT_EQ(sample->oldest_retained, 1U);
   }
-  EXPECT_TRUE(late.port().history_began(publisher.id()));
-  EXPECT_TRUE(eventually([&] { return publisher.port().history_sent(); }));
+  EXPECT_TRUE(eventually([&] { return late.port().history(publisher.id()) == core::HistoryProgress::came; }));
+  EXPECT_TRUE(eventually([&] { return publisher.port().history_sent(2); }));
   to_late.history = 0;
   publisher.port().set_routes({to_early, to_late});
   publisher.publish(make_image(10));
