@@ -175,7 +175,6 @@ SubscriberCore::Next SubscriberCore::next() {
   const Numbered sample = numbered(inlet);
   Heard& from = heard(inlet.next->writer);
   enter(from, sample);
-  ++from.received;
   using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
   const SampleInfo info{.sequence = sample.sequence,
                         .writer = from.writer,
@@ -183,7 +182,9 @@ SubscriberCore::Next SubscriberCore::next() {
                         .receive_stamp = Stamp(std::chrono::nanoseconds(inlet.next->receive_stamp_ns)),
                         .lost_before = std::exchange(from.lost_untold, 0),
                         .transport = static_cast<TransportKind>(&inlet - inlets_.data())};
-  return {std::move(inlet.next), info, info.transport == TransportKind::shm ? asked_ : nullptr};
+  Next taken{std::move(inlet.next), info, info.transport == TransportKind::shm ? asked_ : nullptr};
+  if (taken.asked == nullptr) ++from.received;
+  return taken;
 }
 
 /// With the mutex held: the same, and those before it are passed over.
@@ -191,7 +192,9 @@ SubscriberCore::Next SubscriberCore::newest() {
   Next latest = next();
   for (Next other = next(); other.sample; other = next()) {
     if (is_newer(other.info, latest.info)) std::swap(latest, other);
-    heard(other.info.writer).lost_untold += other.info.lost_before;  // told with the next one of that writer
+    Heard& from = heard(other.info.writer);
+    if (other.asked != nullptr) ++from.received;
+    from.lost_untold += other.info.lost_before;  // told with the next one of that writer
   }
   if (latest.sample) latest.info.lost_before += std::exchange(heard(latest.info.writer).lost_untold, 0);
   return latest;
@@ -218,13 +221,18 @@ untyped::Sample SubscriberCore::take_latest() {
   return take([this] { return newest(); });
 }
 
-/// Leaves it only what was asked for. False if it is lost, as it would be there.
+/// Leaves it only what was asked for, and counts it by now. False if it is lost, as it would be there.
 bool SubscriberCore::as_remote(Next& next) {
-  next.sample = remote_->of(std::move(next.sample), *next.asked);
-  if (next.sample) return true;
+  {
+    const std::scoped_lock lock(remote_mutex_);
+    next.sample = remote_->of(std::move(next.sample), *next.asked);
+  }
   const std::scoped_lock lock(mutex_);
   Heard& from = heard(next.info.writer);
-  --from.received;
+  if (next.sample) {
+    ++from.received;
+    return true;
+  }
   ++from.lost;
   from.lost_untold += next.info.lost_before + 1;
   return false;

@@ -107,7 +107,8 @@ class SubscriberCore final : public ArrivalListener {
   struct Next {
     SampleHandle sample;
     SampleInfo info;
-    std::shared_ptr<const ProjectionPlan> asked;  ///< not null: it is to have no more than that
+    std::shared_ptr<const ProjectionPlan>
+        asked;  ///< not null: it is to have no more than that, and not counted as received yet
   };
 
   enum class Caller : std::uint8_t { dispatcher, transport };
@@ -133,7 +134,8 @@ class SubscriberCore final : public ArrivalListener {
   const Spec spec_;
   Doorbell& bell_;
   const std::shared_ptr<Recorder> recorder_;
-  std::optional<RemoteCopy> remote_;  ///< of whoever takes
+  std::mutex remote_mutex_;           // apart from mutex_, which must not be held while samples are copied
+  std::optional<RemoteCopy> remote_;  ///< of whoever takes, one at a time
   EventSink events_;
 
   std::mutex mutex_;             // never held over a system call or a callback
