@@ -79,7 +79,7 @@ struct NodeOptions {
 
 struct PublisherStatus;
 
-/// Durations of 0 mean none: no deadline, never expires, no lease.
+/// Durations of 0 mean none: no deadline, never expires, no lease. Deadlines and leases have at least 1 ms.
 struct PublisherOptions {
   TransportChoice transport = TransportChoice::automatic;
   Reliability reliability = Reliability::best_effort;  ///< sft/qos.h says what it means, over UDP as of now
@@ -116,7 +116,7 @@ struct RecordingSettings {
   bool as_remote = false;
 };
 
-/// Durations of 0 mean none: any deadline will do, any liveliness.
+/// Durations of 0 mean none: any deadline will do, any liveliness. Others have at least 1 ms.
 struct SubscriberOptions {
   TransportChoice transport = TransportChoice::automatic;
   Reliability reliability = Reliability::best_effort;
