@@ -12,4 +12,10 @@ inline std::int64_t realtime_ns() noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
+/// Whether a stamp, which may be anything, is more than `age_ns` before `now_ns`. Neither of these is
+/// negative.
+constexpr bool is_older(std::int64_t stamp_ns, std::int64_t age_ns, std::int64_t now_ns) noexcept {
+  return stamp_ns < now_ns - age_ns;
+}
+
 }  // namespace sft::core

@@ -147,7 +147,7 @@ void SubscriberCore::enter(Heard& from, const Numbered& sample) {
 }
 
 bool SubscriberCore::is_expired(const Heard& from, const Numbered& sample) {
-  return from.lifespan_ns != 0 && realtime_ns() - sample.stamp_ns > from.lifespan_ns;
+  return from.lifespan_ns != 0 && is_older(sample.stamp_ns, from.lifespan_ns, realtime_ns());
 }
 
 /// With the mutex held: drops what is not to be delivered, until the next sample in order is; false if there
