@@ -125,6 +125,11 @@ bool Negotiation::knows(NodeId id) const {
                              [&](const auto& entry) { return entry.second.endpoint.node_id == id; });
 }
 
+std::optional<NodeId> Negotiation::node_of(EndpointId id) const {
+  const auto entry = entries_.find(id);
+  return entry == entries_.end() ? std::nullopt : std::optional(entry->second.endpoint.node_id);
+}
+
 bool Negotiation::misses_somebody() const {
   return std::ranges::any_of(entries_, [](const auto& entry) { return entry.second.lost(); });
 }

@@ -28,7 +28,13 @@ bool is_new_failure(Retry& retry, const Result<void>& outcome) {
 
 Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
                        Dispatcher& dispatcher, NodeLog& log)
-    : id_(id), shm_(shm), udp_(udp), discovery_(discovery), dispatcher_(dispatcher), log_(log) {
+    : id_(id),
+      shm_(shm),
+      udp_(udp),
+      discovery_(discovery),
+      dispatcher_(dispatcher),
+      log_(log),
+      silence_(discovery.configuration().life_signs.lease) {
   self_.network = network;
   self_.shm_state = shm_ == nullptr ? "the node rules it out" : "starting";
   negotiation_.self_changed(self_);
@@ -40,8 +46,17 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transpo
 
 /// A newcomer is told at once that we live: before that it would not notice our end.
 void Reconciler::endpoint_seen(const Endpoint& endpoint) {
-  if (!negotiation_.knows(endpoint.node_id)) told_of_life_at_ = {};
+  const bool is_new = !negotiation_.knows(endpoint.node_id);
+  if (is_new) told_of_life_at_ = {};
+  if (!is_new) heard_of(endpoint.node_id);
   dirty_ |= negotiation_.endpoint_seen(endpoint);
+}
+
+/// By anything but that it lives, which is said otherwise.
+void Reconciler::heard_of(NodeId id) {
+  const bool returned = negotiation_.node_returned(id);
+  silence_.heard(id, std::chrono::steady_clock::now(), returned);
+  dirty_ |= returned;
 }
 
 void Reconciler::endpoint_departed(EndpointId id) { dirty_ |= negotiation_.endpoint_departed(id); }
@@ -51,6 +66,7 @@ void Reconciler::endpoint_lost(EndpointId id) {
 }
 
 void Reconciler::request_received(const Request& request) {
+  if (const auto node = negotiation_.node_of(request.reader)) heard_of(*node);
   dirty_ |= negotiation_.request_received(request);
 }
 
@@ -181,6 +197,7 @@ std::chrono::milliseconds Reconciler::tick() {
   look_after_udp(now);
   forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
+  for (const NodeId node : silence_.take_lost(now)) dirty_ |= negotiation_.node_lost(node);
   dirty_ |= may_try_again(now);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   look_after_histories();
@@ -263,9 +280,12 @@ void Reconciler::tell_of_life(std::vector<EndpointId> writers, Now now) {
   liveliness_asserted(assertion);  // our own readers
 }
 
-void Reconciler::node_lost(NodeId id) { dirty_ |= negotiation_.node_lost(id); }
+void Reconciler::node_lost(NodeId id) {
+  if (silence_.is_lost(id, std::chrono::steady_clock::now())) dirty_ |= negotiation_.node_lost(id);
+}
 
 void Reconciler::liveliness_asserted(const Assertion& assertion) {
+  silence_.lives(assertion.node);
   dirty_ |= negotiation_.node_returned(assertion.node);
   for (auto& [id, reader] : readers_) {
     for (const EndpointId writer : assertion.writers) {

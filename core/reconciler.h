@@ -24,6 +24,7 @@
 #include "core/qos_watch.h"
 #include "core/recorder.h"
 #include "core/retry.h"
+#include "core/silence_watch.h"
 #include "core/subscriber_core.h"
 #include "core/transport.h"
 #include "sft/options.h"
@@ -106,6 +107,7 @@ class Reconciler {
     SubscriberStatus told;
   };
 
+  void heard_of(NodeId id);
   void watch_promises(Now now);
   bool watch_offer(Writer& writer, Now now);
   void look_after_histories();
@@ -146,6 +148,7 @@ class Reconciler {
   NodeLog& log_;
 
   Negotiation negotiation_;
+  SilenceWatch silence_;
   std::map<EndpointId, Writer> writers_;
   std::map<EndpointId, Reader> readers_;
   std::vector<Reader> leaving_;  ///< removed within callbacks that have not returned yet

@@ -77,7 +77,8 @@ class TestDiscovery final : public Discovery {
   int greetings = 0;
 
  private:
-  const Configuration configuration_;
+  const Configuration configuration_{
+      .life_signs = {.pause = life_signs_to_all.pause, .lease = std::chrono::milliseconds(300)}};
 };
 
 /// A transport as far as it has addresses.
@@ -236,6 +237,39 @@ TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNot
   requested(request);
   EXPECT_EQ(port->changes, changes + 1);
   EXPECT_EQ(readers_changed, told + 1);
+}
+
+// Its signs of life may be lost where other things get through, which are repeated until they do.
+TEST_F(ReconcilerTest, ANodeWhoseSignsOfLifeFailToComeIsServedAsLongAsItSaysAnythingElse) {
+  const auto port = std::make_shared<TestWriterPort>();
+  our_writer(7, port);
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.node_id = 66;
+  reader.request.listening = {7};
+  reconciler.endpoint_seen(reader);
+  const auto served = [&] { return !port->routes.empty(); };
+  const auto tick = [&] { reconciler.tick(); };
+  tick();
+  ASSERT_TRUE(served());
+  reconciler.node_lost(66);
+  tick();
+  EXPECT_FALSE(served()) << "nothing has come but the announcement of a newcomer";
+
+  Request request = reader.request;
+  ++request.sequence;
+  requested(request);
+  EXPECT_TRUE(served());
+  EXPECT_TRUE(test::eventually([&] { return tick(), !served(); }))
+      << "although discovery does not tell again";
+
+  reconciler.endpoint_seen(reader);
+  reconciler.node_lost(66);
+  tick();
+  EXPECT_TRUE(served());
+  EXPECT_TRUE(test::eventually([&] { return tick(), !served(); }));
+  reconciler.liveliness_asserted({66, {}});
+  tick();
+  EXPECT_TRUE(served());
 }
 
 // The port would wait for the callback, and the agent with it.

@@ -36,10 +36,12 @@ struct Event {
   friend bool operator==(const Event&, const Event&) = default;
 };
 
-/// Called on the node's agent thread, which does nothing else meanwhile: be short. No lock is held,
-/// everything of SFT may be called and destroyed. The node's log gets the same, whether there is a callback
-/// or not. What comes and goes within one batch of news may not be told. After the destructor of the
-/// publisher or subscriber it is not called any more (unless that runs in the call itself).
+/// Called on the node's agent thread, which does nothing else meanwhile: be short. If it holds that up for a
+/// few seconds (5, or 14 with peers or without multicast), other nodes take this one for dead and serve it no
+/// more until it goes on. No lock is held, everything of SFT may be called and destroyed. The node's log gets
+/// the same, whether there is a callback or not. What comes and goes within one batch of news may not be
+/// told. After the destructor of the publisher or subscriber it is not called any more (unless that runs in
+/// the call itself).
 using EventCallback = std::function<void(const Event&)>;
 
 }  // namespace sft
