@@ -141,9 +141,11 @@ void Reconciler::requirement_changed(EndpointId id) {
   request_changed(id);
 }
 
-void Reconciler::rate_changed(EndpointId id, std::uint32_t min_period_us) {
+void Reconciler::rate_changed(EndpointId id) {
   const auto reader = readers_.find(id);
-  if (reader == readers_.end() || !negotiation_.rate_changed(id, min_period_us)) return;
+  if (reader == readers_.end()) return;
+  const std::uint32_t min_period_us = reader->second.core->min_period_us();
+  if (!negotiation_.rate_changed(id, min_period_us)) return;
   asks_for(reader->second, {reader->second.accepted.back().wanted.mask, min_period_us});
   request_changed(id);
 }

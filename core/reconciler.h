@@ -48,8 +48,8 @@ class Reconciler {
   void remove(EndpointId id);
   /// What the recorder of one of our readers found.
   void requirement_changed(EndpointId id);
-  /// One of our readers asks for another maximum rate.
-  void rate_changed(EndpointId id, std::uint32_t min_period_us);
+  /// One of our readers may ask for another maximum rate.
+  void rate_changed(EndpointId id);
 
   // What discovery reports.
   void endpoint_seen(const Endpoint& endpoint);

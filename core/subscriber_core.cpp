@@ -256,8 +256,13 @@ Result<void> SubscriberCore::set_max_rate_hz(double max_rate_hz) {
     min_period_us_ = *period;
     for (Heard& h : heard_) h.account.ask(*period);
   }
-  spec_.rate_changed(*period);
+  spec_.rate_changed();
   return {};
+}
+
+std::uint32_t SubscriberCore::min_period_us() {
+  const std::scoped_lock lock(mutex_);
+  return min_period_us_;
 }
 
 bool SubscriberCore::waits_for_dispatch() { return pending_.load() == 0 && !closed_.load() && available(); }

@@ -36,10 +36,11 @@ class SubscriberCore final : public ArrivalListener {
     const TypeSupport* type = nullptr;
     untyped::Requirement requirement;
     SubscriberOptions options;
-    untyped::Callback callback;                         ///< empty: samples are taken
-    std::shared_ptr<const void> type_owner{};           ///< keeps the type alive; null where it is static
-    std::uint32_t min_period_us = 0;                    ///< of options.max_rate_hz
-    std::function<void(std::uint32_t)> rate_changed{};  ///< told of another; any thread, posts and returns
+    untyped::Callback callback;                ///< empty: samples are taken
+    std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
+    std::uint32_t min_period_us = 0;           ///< of options.max_rate_hz
+    std::function<void()>
+        rate_changed{};  ///< any thread: posts that min_period_us() is to be asked, and returns
     std::shared_ptr<BufferPool>
         as_remote{};  ///< not null: what comes in shared memory is copied to it, as asked for
   };
@@ -52,6 +53,8 @@ class SubscriberCore final : public ArrivalListener {
   bool wait(std::chrono::nanoseconds timeout);
   bool available();
   Result<void> set_max_rate_hz(double max_rate_hz);
+  /// Of the maximum rate that was set last.
+  std::uint32_t min_period_us();
   /// Callback subscribers: whether there is something that nobody is dispatching.
   bool waits_for_dispatch();
 

@@ -116,9 +116,14 @@ class ReconcilerTest : public ::testing::Test {
 
   std::shared_ptr<SubscriberCore> our_reader(EndpointId id, untyped::Callback callback = nullptr) {
     const auto port = std::make_shared<TestReaderPort>(connections);
-    auto core = std::make_shared<SubscriberCore>(
-        SubscriberCore::Spec{id, "points", &type, {mask, false}, {}, std::move(callback)}, bells->at(1),
-        nullptr);
+    auto core = std::make_shared<SubscriberCore>(SubscriberCore::Spec{.id = id,
+                                                                      .topic = "points",
+                                                                      .type = &type,
+                                                                      .requirement = {mask, false},
+                                                                      .options = {},
+                                                                      .callback = std::move(callback),
+                                                                      .rate_changed = [] {}},
+                                                 bells->at(1), nullptr);
     core->set_port(TransportKind::udp, port);
     reconciler.add_reader(endpoint(Role::reader, id), {core, nullptr, port});
     reconciler.reconcile();
@@ -237,6 +242,19 @@ TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNot
   requested(request);
   EXPECT_EQ(port->changes, changes + 1);
   EXPECT_EQ(readers_changed, told + 1);
+}
+
+// Two threads may set it at once, and the news of the one that came first be posted last.
+TEST_F(ReconcilerTest, TheMaximumRateThatWasSetLastIsAskedForInWhateverOrderTheNewsCome) {
+  const auto core = our_reader(200);
+  const auto asked = [&] { return discovery.sent.back().min_period_us; };
+  ASSERT_TRUE(core->set_max_rate_hz(10));
+  ASSERT_TRUE(core->set_max_rate_hz(20));
+  reconciler.rate_changed(200);
+  EXPECT_EQ(asked(), 50'000U);
+  reconciler.rate_changed(200);
+  EXPECT_EQ(asked(), 50'000U);
+  EXPECT_EQ(discovery.sent.size(), 1U);
 }
 
 // Its signs of life may be lost where other things get through, which are repeated until they do.

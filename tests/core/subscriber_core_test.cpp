@@ -26,7 +26,7 @@ class SubscriberCoreTest : public ::testing::Test {
                                                                        .requirement = {type.full(), false},
                                                                        .options = {},
                                                                        .callback = std::move(callback),
-                                                                       .rate_changed = [](auto...) {}},
+                                                                       .rate_changed = [] {}},
                                                   bells->at(1), nullptr);
     subscriber->set_port(TransportKind::shm, shm);
     subscriber->set_port(TransportKind::udp, udp);
