@@ -388,6 +388,8 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     hearing.status.incompatible_type = verdict.incompatible_type;
     hearing.status.incompatible_policy = verdict.incompatible_policy;
     hearing.status.matched = verdict.shm || verdict.udp;
+    const bool listening = verdict.udp && holds(r.request.listening, w.id);
+    hearing.status.connected = !writer->lost() && (attached || listening);
     hearing.status.no_path = !hearing.status.matched && verdict.mismatch.empty();
     hearing.status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
     hearing.status.mismatch = verdict.definitions;

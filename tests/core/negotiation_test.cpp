@@ -387,6 +387,19 @@ TEST_F(NegotiationTest, AWriterWhoseNodeDoesNotAnswerIsHeardOfAsNotAlive) {
   EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "its node does not answer");
 }
 
+TEST_F(NegotiationTest, AWriterIsConnectedOnceOurReaderListensToItAndWhileItsNodeAnswers) {
+  our_reader();
+  negotiation.endpoint_seen(endpoint(Role::writer, 7));
+  const auto heard = [&] { return negotiation.hearing(200).at(0).status; };
+  EXPECT_TRUE(heard().matched);
+  EXPECT_FALSE(heard().connected);
+  negotiation.connection_changed(200, 7, TransportKind::udp, true);
+  EXPECT_TRUE(heard().connected);
+  negotiation.endpoint_lost(7, Now{});
+  EXPECT_TRUE(heard().matched);
+  EXPECT_FALSE(heard().connected);
+}
+
 class LateReaderTest : public NegotiationTest {
  protected:
   LateReaderTest() {

@@ -76,8 +76,9 @@ struct PublisherStatus {
 struct WriterStatus {
   std::uint64_t id = 0;
   std::string node;
-  bool matched = false;  ///< false: `reason` says why
-  bool alive = true;     ///< false: its lease or its node's is over, which `reason` says
+  bool matched = false;    ///< false: `reason` says why
+  bool connected = false;  ///< what it sends comes, by `transport`
+  bool alive = true;       ///< false: its lease or its node's is over, which `reason` says
   TransportKind transport{};
   std::string reason{};
   bool incompatible_type = false;
