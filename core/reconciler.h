@@ -84,6 +84,7 @@ class Reconciler {
     OfferWatch watch;
     bool history_sent = false;  ///< at the last tick: all that late readers were to be given
     PublisherStatus told;       ///< the state up to which its events were told
+    bool has_news = false;      ///< since then it may have changed
   };
   struct Accepted {
     Wanted wanted;
@@ -105,6 +106,8 @@ class Reconciler {
     std::vector<Accepted> accepted;      ///< newest last
     std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
     SubscriberStatus told;
+    bool has_news = false;
+    std::uint64_t losses_told = 0;
   };
 
   void heard_of(NodeId id);
@@ -133,7 +136,10 @@ class Reconciler {
   bool try_udp(Retry& retry, Reader& reader, const Source& source);
   bool may_try_again(Now now) const;
 
+  void settle();
   void tell_what_happened();
+  template <class Member>
+  void tell(Member& member);
 
   void announce(EndpointId id);
   void request_changed(EndpointId id);

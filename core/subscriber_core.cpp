@@ -51,11 +51,13 @@ void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
   asked_ = std::move(asked);
 }
 
-void SubscriberCore::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {
+bool SubscriberCore::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {
   const std::scoped_lock lock(mutex_);
   Heard& h = heard(writer);
+  const bool is_news = h.deadlines_missed != deadlines_missed || h.alive != alive;
   h.deadlines_missed = deadlines_missed;
   h.alive = alive;
+  return is_news;
 }
 
 std::uint64_t SubscriberCore::arrivals(EndpointId writer) {
@@ -143,6 +145,7 @@ void SubscriberCore::enter(Heard& from, const Numbered& sample) {
   const SequenceAccount::Missing missing = from.account.enter(sample);
   from.lost += missing.lost;
   from.lost_untold += missing.lost;
+  losses_.fetch_add(missing.lost, std::memory_order_relaxed);
   from.withheld += missing.withheld;
 }
 
@@ -234,6 +237,7 @@ bool SubscriberCore::as_remote(Next& next) {
     return true;
   }
   ++from.lost;
+  losses_.fetch_add(1, std::memory_order_relaxed);
   from.lost_untold += next.info.lost_before + 1;
   return false;
 }

@@ -85,7 +85,10 @@ class SubscriberCore final : public ArrivalListener {
   /// For status(): what is heard at present, and the mask and number of the request in force.
   void hears(const std::vector<Hearing>& hearing);
   void requests(const FieldMask& mask, std::uint64_t sequence);
-  void keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+  /// Whether status() differs by it.
+  bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+  /// Differs from what it was whenever samples of some writer were lost meanwhile.
+  std::uint64_t losses() const { return losses_.load(std::memory_order_relaxed); }
   /// Differs from what it was whenever a sample of that writer has arrived meanwhile.
   std::uint64_t arrivals(EndpointId writer);
 
@@ -119,7 +122,7 @@ class SubscriberCore final : public ArrivalListener {
   bool fill_inlets();
   Numbered numbered(const Inlet& inlet) const;
   bool find_next();
-  static void enter(Heard& from, const Numbered& sample);
+  void enter(Heard& from, const Numbered& sample);
   static bool is_expired(const Heard& from, const Numbered& sample);
   Inlet* oldest_inlet();
   Heard& heard(EndpointId writer);
@@ -144,8 +147,9 @@ class SubscriberCore final : public ArrivalListener {
   std::mutex mutex_;             // never held over a system call or a callback
   std::array<Inlet, 2> inlets_;  // by TransportKind
   std::vector<Heard> heard_;
-  Heard gone_;                          ///< sums of writers that were forgotten
-  std::uint64_t discarded_before_ = 0;  ///< by ports that are gone
+  Heard gone_;                            ///< sums of writers that were forgotten
+  std::uint64_t discarded_before_ = 0;    ///< by ports that are gone
+  std::atomic<std::uint64_t> losses_{0};  ///< written with the mutex held
   std::vector<WriterStatus> writers_;
   FieldMask requested_;
   std::shared_ptr<const ProjectionPlan> asked_;  ///< the same, where samples are to look as on another host

@@ -24,9 +24,10 @@ class TestWriterPort final : public WriterPort {
     routes = std::move(set);
     ++changes;
   }
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
+  std::uint64_t bytes_sent() const noexcept override { return ++looks, 0; }
   std::vector<Route> routes;
   int changes = 0;
+  mutable int looks = 0;  ///< at the state of its publisher
 };
 
 /// Whom it was told to take datagrams from.
@@ -35,6 +36,7 @@ struct Connections {
   std::string refusal;  ///< why nothing can be connected at present
   SampleHandle sample;  ///< to be taken
   int ports_gone = 0;
+  int looks = 0;  ///< at the state of the subscriber
 };
 
 class TestReaderPort final : public ReaderPort {
@@ -51,7 +53,7 @@ class TestReaderPort final : public ReaderPort {
   std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
   void disconnect(EndpointId writer) noexcept override { connections_.writers.erase(writer); }
   void accept(std::vector<Wanted>) override {}
-  std::uint64_t discarded() const noexcept override { return 0; }
+  std::uint64_t discarded() const noexcept override { return ++connections_.looks, 0; }
 
  private:
   Connections& connections_;
@@ -242,6 +244,30 @@ TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNot
   requested(request);
   EXPECT_EQ(port->changes, changes + 1);
   EXPECT_EQ(readers_changed, told + 1);
+}
+
+// Whoever wants events does not pay for them while nothing happens.
+TEST_F(ReconcilerTest, StatesAreComparedForEventsOnlyWhereSomethingHasHappened) {
+  const auto port = std::make_shared<TestWriterPort>();
+  our_writer(7, port);
+  const auto core = our_reader(200);
+  writer_seen(8);
+  reconciler.tick();
+  const auto looks_of_ten_ticks = [&] {
+    const int before = port->looks + connections.looks;
+    for (int i = 0; i < 10; ++i) reconciler.tick();
+    return port->looks + connections.looks - before;
+  };
+  EXPECT_EQ(looks_of_ten_ticks(), 0);
+  for (const std::uint64_t sequence : {1U, 3U}) {
+    connections.sample = BufferPool::make(1 << 20)->take(256);
+    connections.sample->writer = 8;
+    connections.sample->sequence = sequence;
+    EXPECT_TRUE(core->take());
+  }
+  EXPECT_EQ(looks_of_ten_ticks(), 1) << "a sample was lost";
+  writer_departed(8);
+  EXPECT_EQ(looks_of_ten_ticks(), 0) << "that was told with its batch";
 }
 
 // Two threads may set it at once, and the news of the one that came first be posted last.
