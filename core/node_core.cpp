@@ -309,9 +309,7 @@ auto NodeCore::ask_agent(Question question) -> decltype(question()) {
 }
 
 Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
-  using Clock = std::chrono::steady_clock;
-  const auto now = Clock::now();
-  const auto deadline = timeout > Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
+  const auto deadline = deadline_after(timeout);
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();
     Result<DynamicType> type = ask_agent([&] { return type_of(topic, reconciler_->endpoints()); });

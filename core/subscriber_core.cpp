@@ -272,11 +272,9 @@ std::uint32_t SubscriberCore::min_period_us() {
 bool SubscriberCore::waits_for_dispatch() { return pending_.load() == 0 && !closed_.load() && available(); }
 
 bool SubscriberCore::wait(std::chrono::nanoseconds timeout) {
-  using Clock = std::chrono::steady_clock;
-  const auto now = Clock::now();
-  const auto deadline = timeout > Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
+  const auto deadline = deadline_after(timeout);
   while (!available()) {
-    if (Clock::now() >= deadline) return false;
+    if (std::chrono::steady_clock::now() >= deadline) return false;
     bell_.wait(deadline, [this] { return available(); });
   }
   return true;
