@@ -132,11 +132,13 @@ class Negotiation {
     bool shm = false;  ///< both may and can use shared memory
     bool udp = false;
     std::string udp_reason;
+    bool shm_may_come = false;  ///< neither, as yet
   };
 
   HostToken host_of(Role role) const;
   Verdict judge(const Entry& ours, const Entry& other) const;
   std::string why_not_shm(const Endpoint& writer, const Endpoint& reader) const;
+  bool may_come_to_share(const Endpoint& writer, const Endpoint& reader) const;
   static void look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving);
   ReaderStatus serve(const Entry& writer, const Entry& reader, Serving& serving) const;
   static std::uint32_t history_owed(const Entry& writer, const Endpoint& reader);

@@ -32,6 +32,7 @@ struct Event {
   std::string node{};      ///< and its node
   QosPolicy policy = QosPolicy::none;
   std::uint64_t count = 1;  ///< of deadlines missed or samples lost since the last such event
+  bool yet = false;         ///< of no_path: shared memory may still come up, here or there
   std::string text{};       ///< for people
   friend bool operator==(const Event&, const Event&) = default;
 };
