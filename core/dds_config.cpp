@@ -1,7 +1,6 @@
 #include "core/dds_config.h"
 
 #include <fnmatch.h>
-#include <strings.h>
 
 #include <algorithm>
 #include <array>
@@ -19,10 +18,6 @@ namespace {
 constexpr std::array control_topics{"sft_endpoint", "sft_request", "sft_liveliness"};
 constexpr std::size_t fragment_bytes_min = 128;
 constexpr std::size_t sample_bytes_min = 65'536;  // of control samples; the largest have some 30,000
-
-bool equals(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
-}
 
 std::string element(std::string_view name, std::string_view content) {
   return "<" + std::string(name) + ">" + std::string(content) + "</" + std::string(name) + ">";

@@ -125,6 +125,11 @@ bool Negotiation::knows(NodeId id) const {
                              [&](const auto& entry) { return entry.second.endpoint.node_id == id; });
 }
 
+std::optional<NodeId> Negotiation::node_of(EndpointId id) const {
+  const auto entry = entries_.find(id);
+  return entry == entries_.end() ? std::nullopt : std::optional(entry->second.endpoint.node_id);
+}
+
 bool Negotiation::misses_somebody() const {
   return std::ranges::any_of(entries_, [](const auto& entry) { return entry.second.lost(); });
 }
@@ -264,6 +269,14 @@ std::string Negotiation::why_not_shm(const Endpoint& writer, const Endpoint& rea
   return "the other side has no shared memory yet";
 }
 
+/// Of a pair on one network stack, where tokens that differ may be those of a daemon that has just gone.
+bool Negotiation::may_come_to_share(const Endpoint& writer, const Endpoint& reader) const {
+  const bool we_write = entries_.at(writer.id).type != nullptr;
+  const bool read_only = we_write && self_.host.known() && !self_.may_write_shm;
+  const Endpoint& peer = we_write ? reader : writer;
+  return writer.may_use_shm && reader.may_use_shm && peer.network == self_.network && !read_only;
+}
+
 Negotiation::Verdict Negotiation::judge(const Entry& ours, const Entry& other) const {
   const bool we_write = ours.endpoint.role == Role::writer;
   const Endpoint& writer = we_write ? ours.endpoint : other.endpoint;
@@ -289,6 +302,7 @@ Negotiation::Verdict Negotiation::judge(const Entry& ours, const Entry& other) c
                 reader.host == self_.host;
   verdict.udp = writer.may_use_udp && reader.may_use_udp && !reader.addresses.empty();
   if (!verdict.shm) verdict.udp_reason = why_not_shm(writer, reader);
+  verdict.shm_may_come = !verdict.shm && !verdict.udp && may_come_to_share(writer, reader);
   return verdict;
 }
 
@@ -348,6 +362,7 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
     status.reason = "the subscriber is not listening yet";
   } else {
     status.no_path = !verdict.shm;
+    status.no_path_yet = verdict.shm_may_come;
     status.reason =
         verdict.shm ? "shared memory is being attached" : "UDP is ruled out, and " + verdict.udp_reason;
   }
@@ -395,7 +410,10 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     hearing.status.incompatible_type = verdict.incompatible_type;
     hearing.status.incompatible_policy = verdict.incompatible_policy;
     hearing.status.matched = verdict.shm || verdict.udp;
+    const bool listening = verdict.udp && holds(r.request.listening, w.id);
+    hearing.status.connected = !writer->lost() && (attached || listening);
     hearing.status.no_path = !hearing.status.matched && verdict.mismatch.empty();
+    hearing.status.no_path_yet = verdict.shm_may_come;
     hearing.status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
     hearing.status.mismatch = verdict.definitions;
     hearing.status.reason = !verdict.mismatch.empty() ? verdict.mismatch

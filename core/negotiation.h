@@ -107,6 +107,8 @@ class Negotiation {
   std::vector<const Endpoint*> present() const;
   /// Whether there is an endpoint of that node.
   bool knows(NodeId id) const;
+  /// That of an endpoint, if it is known.
+  std::optional<NodeId> node_of(EndpointId id) const;
   /// Whether some endpoint is lost.
   bool misses_somebody() const;
   std::uint64_t ignored() const { return ignored_; }
@@ -133,11 +135,13 @@ class Negotiation {
     bool shm = false;  ///< both may and can use shared memory
     bool udp = false;
     std::string udp_reason;
+    bool shm_may_come = false;  ///< neither, as yet
   };
 
   HostToken host_of(Role role) const;
   Verdict judge(const Entry& ours, const Entry& other) const;
   std::string why_not_shm(const Endpoint& writer, const Endpoint& reader) const;
+  bool may_come_to_share(const Endpoint& writer, const Endpoint& reader) const;
   static void look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving);
   ReaderStatus serve(const Entry& writer, const Entry& reader, Serving& serving) const;
   static std::uint32_t history_owed(const Entry& writer, const Endpoint& reader);

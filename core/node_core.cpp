@@ -216,19 +216,18 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
     });
   }
   reader.core = std::make_shared<SubscriberCore>(
-      SubscriberCore::Spec{.id = endpoint.id,
-                           .topic = endpoint.topic,
-                           .type = &type,
-                           .requirement = requirement,
-                           .options = options,
-                           .callback = std::move(callback),
-                           .type_owner = std::move(type_owner),
-                           .min_period_us = endpoint.request.min_period_us,
-                           .rate_changed =
-                               [this, id = endpoint.id](std::uint32_t min_period_us) {
-                                 agent_.post([=, this] { reconciler_->rate_changed(id, min_period_us); });
-                               },
-                           .as_remote = as_remote ? heap_ : nullptr},
+      SubscriberCore::Spec{
+          .id = endpoint.id,
+          .topic = endpoint.topic,
+          .type = &type,
+          .requirement = requirement,
+          .options = options,
+          .callback = std::move(callback),
+          .type_owner = std::move(type_owner),
+          .min_period_us = endpoint.request.min_period_us,
+          .rate_changed = [this,
+                           id = endpoint.id] { agent_.post([this, id] { reconciler_->rate_changed(id); }); },
+          .as_remote = as_remote ? heap_ : nullptr},
       bells_->at(*slot), reader.recorder);
   if (endpoint.may_use_udp) {
     auto port = udp_->open_reader({endpoint.id, &type, options.depth, reader.core.get(), endpoint.doorbell});
@@ -310,9 +309,7 @@ auto NodeCore::ask_agent(Question question) -> decltype(question()) {
 }
 
 Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
-  using Clock = std::chrono::steady_clock;
-  const auto now = Clock::now();
-  const auto deadline = timeout > Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
+  const auto deadline = deadline_after(timeout);
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();
     Result<DynamicType> type = ask_agent([&] { return type_of(topic, reconciler_->endpoints()); });

@@ -423,9 +423,12 @@ OfferWatch::Signs PublisherCore::signs() const {
   return {sequence_.load(std::memory_order_relaxed), asserted_.load(std::memory_order_relaxed)};
 }
 
-void PublisherCore::keeps_promises(std::uint64_t deadlines_missed, bool alive) {
+bool PublisherCore::keeps_promises(std::uint64_t deadlines_missed, bool alive) {
+  const bool is_news = deadlines_missed != deadlines_missed_.load(std::memory_order_relaxed) ||
+                       alive != alive_.load(std::memory_order_relaxed);
   deadlines_missed_.store(deadlines_missed, std::memory_order_relaxed);
   alive_.store(alive, std::memory_order_relaxed);
+  return is_news;
 }
 
 PublisherStatus PublisherCore::status() const {

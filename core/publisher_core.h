@@ -76,7 +76,8 @@ class PublisherCore {
   OfferWatch::Signs signs() const;
   /// From here on the next assertion of the program is told again.
   void listen_for_assertions() { assertion_told_.store(false, std::memory_order_relaxed); }
-  void keeps_promises(std::uint64_t deadlines_missed, bool alive);
+  /// Whether status() differs by it.
+  bool keeps_promises(std::uint64_t deadlines_missed, bool alive);
   /// Whether all that was for a late reader alone has left.
   bool history_sent(EndpointId reader) const { return udp_ == nullptr || udp_->history_sent(reader); }
   void expire_history();

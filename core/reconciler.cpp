@@ -28,7 +28,13 @@ bool is_new_failure(Retry& retry, const Result<void>& outcome) {
 
 Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
                        Dispatcher& dispatcher, NodeLog& log)
-    : id_(id), shm_(shm), udp_(udp), discovery_(discovery), dispatcher_(dispatcher), log_(log) {
+    : id_(id),
+      shm_(shm),
+      udp_(udp),
+      discovery_(discovery),
+      dispatcher_(dispatcher),
+      log_(log),
+      silence_(discovery.configuration().life_signs.lease) {
   self_.network = network;
   self_.shm_state = shm_ == nullptr ? "the node rules it out" : "starting";
   negotiation_.self_changed(self_);
@@ -40,8 +46,17 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transpo
 
 /// A newcomer is told at once that we live: before that it would not notice our end.
 void Reconciler::endpoint_seen(const Endpoint& endpoint) {
-  if (!negotiation_.knows(endpoint.node_id)) told_of_life_at_ = {};
+  const bool is_new = !negotiation_.knows(endpoint.node_id);
+  if (is_new) told_of_life_at_ = {};
+  if (!is_new) heard_of(endpoint.node_id);
   dirty_ |= negotiation_.endpoint_seen(endpoint);
+}
+
+/// By anything but that it lives, which is said otherwise.
+void Reconciler::heard_of(NodeId id) {
+  const bool returned = negotiation_.node_returned(id);
+  silence_.heard(id, std::chrono::steady_clock::now(), returned);
+  dirty_ |= returned;
 }
 
 void Reconciler::endpoint_departed(EndpointId id) { dirty_ |= negotiation_.endpoint_departed(id); }
@@ -51,6 +66,7 @@ void Reconciler::endpoint_lost(EndpointId id) {
 }
 
 void Reconciler::request_received(const Request& request) {
+  if (const auto node = negotiation_.node_of(request.reader)) heard_of(*node);
   dirty_ |= negotiation_.request_received(request);
 }
 
@@ -125,9 +141,12 @@ void Reconciler::requirement_changed(EndpointId id) {
   request_changed(id);
 }
 
-void Reconciler::rate_changed(EndpointId id, std::uint32_t min_period_us) {
+void Reconciler::rate_changed(EndpointId id) {
   const auto reader = readers_.find(id);
-  if (reader == readers_.end() || !negotiation_.rate_changed(id, min_period_us)) return;
+  if (reader == readers_.end()) return;
+  reader->second.has_news = true;  // status() says it already
+  const std::uint32_t min_period_us = reader->second.core->min_period_us();
+  if (!negotiation_.rate_changed(id, min_period_us)) return;
   asks_for(reader->second, {reader->second.accepted.back().wanted.mask, min_period_us});
   request_changed(id);
 }
@@ -168,7 +187,9 @@ void Reconciler::accept(Reader& reader) {
 
 void Reconciler::request_changed(EndpointId id) {
   const Request& request = negotiation_.local(id)->request;
-  SubscriberCore& core = *readers_.at(id).core;
+  Reader& reader = readers_.at(id);
+  SubscriberCore& core = *reader.core;
+  reader.has_news = true;
   core.requests(FieldMask::from_words(core.type().leaves(), request.mask_words), request.sequence);
   if (const Result<void> sent = discovery_.send(request); !sent) {
     log_.write(LogLevel::warning, sent.error().message);
@@ -181,11 +202,12 @@ std::chrono::milliseconds Reconciler::tick() {
   look_after_udp(now);
   forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
+  for (const NodeId node : silence_.take_lost(now)) dirty_ |= negotiation_.node_lost(node);
   dirty_ |= may_try_again(now);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   look_after_histories();
   let_go_of_the_left();
-  reconcile();
+  settle();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
   greet(now);
@@ -233,7 +255,7 @@ void Reconciler::watch_promises(Now now) {
   for (auto& [id, reader] : readers_) {
     for (auto& [writer, watch] : reader.watched) {
       watch.look(reader.core->arrivals(writer), now);
-      reader.core->keeps_promises(writer, watch.deadlines_missed(), watch.alive());
+      reader.has_news |= reader.core->keeps_promises(writer, watch.deadlines_missed(), watch.alive());
     }
   }
 }
@@ -242,7 +264,7 @@ void Reconciler::watch_promises(Now now) {
 bool Reconciler::watch_offer(Writer& writer, Now now) {
   const OfferWatch::Signs signs = writer.core->signs();
   writer.watch.look(signs, now);
-  writer.core->keeps_promises(writer.watch.deadlines_missed(), writer.watch.alive());
+  writer.has_news |= writer.core->keeps_promises(writer.watch.deadlines_missed(), writer.watch.alive());
   if (!writer.watch.rests(now)) writer.core->listen_for_assertions();
   return writer.in_force && writer.in_force->lease_requested &&
          writer.watch.assertion_due(signs, writer.in_force->samples_tell, now);
@@ -264,9 +286,12 @@ void Reconciler::tell_of_life(std::vector<EndpointId> writers, Now now) {
   liveliness_asserted(assertion);  // our own readers
 }
 
-void Reconciler::node_lost(NodeId id) { dirty_ |= negotiation_.node_lost(id); }
+void Reconciler::node_lost(NodeId id) {
+  if (silence_.is_lost(id, std::chrono::steady_clock::now())) dirty_ |= negotiation_.node_lost(id);
+}
 
 void Reconciler::liveliness_asserted(const Assertion& assertion) {
+  silence_.lives(assertion.node);
   dirty_ |= negotiation_.node_returned(assertion.node);
   for (auto& [id, reader] : readers_) {
     for (const EndpointId writer : assertion.writers) {
@@ -407,29 +432,43 @@ bool Reconciler::may_try_again(Now now) const {
   return std::ranges::any_of(writers_, writer_may) || std::ranges::any_of(readers_, reader_may);
 }
 
-/// Until nothing changes any more: what our readers are connected to is news to our own writers.
 void Reconciler::reconcile() {
+  settle();
+  tell_what_happened();
+}
+
+/// Until nothing changes any more: what our readers are connected to is news to our own writers.
+void Reconciler::settle() {
   while (std::exchange(dirty_, false)) {
     apply_desired_states();
     look_after_connections();
   }
-  tell_what_happened();
+}
+
+/// Of those only of which something can have happened: states are copied to be compared.
+void Reconciler::tell_what_happened() {
+  for (auto& [id, writer] : writers_) {
+    if (std::exchange(writer.has_news, false)) tell(writer);
+  }
+  for (auto& [id, reader] : readers_) {
+    const std::uint64_t losses = reader.core->losses();
+    reader.has_news |= std::exchange(reader.losses_told, losses) != losses;
+    if (std::exchange(reader.has_news, false)) tell(reader);
+  }
 }
 
 /// Events are what differs between the states that users could have polled.
-void Reconciler::tell_what_happened() {
-  const auto tell = [this](auto& core, auto& told) {
-    if (!core.events().wanted() && !log_.wants(LogLevel::warning)) return;
-    auto now = core.status();
-    const auto events = events_between(told, now, core.type());
-    told = std::move(now);
-    for (const Event& event : events) {
-      log_.write(core.spec().topic, event);
-      core.events().tell(event);
-    }
-  };
-  for (auto& [id, writer] : writers_) tell(*writer.core, writer.told);
-  for (auto& [id, reader] : readers_) tell(*reader.core, reader.told);
+template <class Member>
+void Reconciler::tell(Member& member) {
+  auto& core = *member.core;
+  if (!core.events().wanted() && !log_.wants(LogLevel::warning)) return;
+  auto now = core.status();
+  const auto events = events_between(member.told, now, core.type());
+  member.told = std::move(now);
+  for (const Event& event : events) {
+    log_.write(core.spec().topic, event);
+    core.events().tell(event);
+  }
 }
 
 void Reconciler::apply_desired_states() {
@@ -453,6 +492,7 @@ void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
   if (writer.in_force == wanted) return;
   const bool as_before = writer.in_force && writer.in_force->serves_like(wanted);
   writer.in_force = wanted;
+  writer.has_news = true;
   as_before ? writer.core->show(wanted.readers) : writer.core->serve(wanted, writer.shm);
 }
 
@@ -476,6 +516,7 @@ void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
   reader.heard = std::move(heard);
   std::erase_if(reader.connecting, [&](const auto& item) { return !reader.heard.contains(item.first); });
   reader.core->hears(wanted);
+  reader.has_news = true;
   watch(reader);
 }
 

@@ -24,6 +24,7 @@
 #include "core/qos_watch.h"
 #include "core/recorder.h"
 #include "core/retry.h"
+#include "core/silence_watch.h"
 #include "core/subscriber_core.h"
 #include "core/transport.h"
 #include "sft/options.h"
@@ -47,8 +48,8 @@ class Reconciler {
   void remove(EndpointId id);
   /// What the recorder of one of our readers found.
   void requirement_changed(EndpointId id);
-  /// One of our readers asks for another maximum rate.
-  void rate_changed(EndpointId id, std::uint32_t min_period_us);
+  /// One of our readers may ask for another maximum rate.
+  void rate_changed(EndpointId id);
 
   // What discovery reports.
   void endpoint_seen(const Endpoint& endpoint);
@@ -83,6 +84,7 @@ class Reconciler {
     OfferWatch watch;
     std::set<EndpointId> history_sent{};  ///< to these late readers, at the last tick: all there was
     PublisherStatus told;                 ///< the state up to which its events were told
+    bool has_news = false;                ///< since then it may have changed
   };
   struct Accepted {
     Wanted wanted;
@@ -104,8 +106,11 @@ class Reconciler {
     std::vector<Accepted> accepted;      ///< newest last
     std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
     SubscriberStatus told;
+    bool has_news = false;
+    std::uint64_t losses_told = 0;
   };
 
+  void heard_of(NodeId id);
   void watch_promises(Now now);
   bool watch_offer(Writer& writer, Now now);
   void look_after_histories();
@@ -132,7 +137,10 @@ class Reconciler {
   bool try_udp(Retry& retry, Reader& reader, const Source& source);
   bool may_try_again(Now now) const;
 
+  void settle();
   void tell_what_happened();
+  template <class Member>
+  void tell(Member& member);
 
   void announce(EndpointId id);
   void request_changed(EndpointId id);
@@ -147,6 +155,7 @@ class Reconciler {
   NodeLog& log_;
 
   Negotiation negotiation_;
+  SilenceWatch silence_;
   std::map<EndpointId, Writer> writers_;
   std::map<EndpointId, Reader> readers_;
   std::vector<Reader> leaving_;  ///< removed within callbacks that have not returned yet

@@ -51,11 +51,13 @@ void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
   asked_ = std::move(asked);
 }
 
-void SubscriberCore::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {
+bool SubscriberCore::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {
   const std::scoped_lock lock(mutex_);
   Heard& h = heard(writer);
+  const bool is_news = h.deadlines_missed != deadlines_missed || h.alive != alive;
   h.deadlines_missed = deadlines_missed;
   h.alive = alive;
+  return is_news;
 }
 
 std::uint64_t SubscriberCore::arrivals(EndpointId writer) {
@@ -143,11 +145,12 @@ void SubscriberCore::enter(Heard& from, const Numbered& sample) {
   const SequenceAccount::Missing missing = from.account.enter(sample);
   from.lost += missing.lost;
   from.lost_untold += missing.lost;
+  losses_.fetch_add(missing.lost, std::memory_order_relaxed);
   from.withheld += missing.withheld;
 }
 
 bool SubscriberCore::is_expired(const Heard& from, const Numbered& sample) {
-  return from.lifespan_ns != 0 && realtime_ns() - sample.stamp_ns > from.lifespan_ns;
+  return from.lifespan_ns != 0 && is_older(sample.stamp_ns, from.lifespan_ns, realtime_ns());
 }
 
 /// With the mutex held: drops what is not to be delivered, until the next sample in order is; false if there
@@ -175,7 +178,6 @@ SubscriberCore::Next SubscriberCore::next() {
   const Numbered sample = numbered(inlet);
   Heard& from = heard(inlet.next->writer);
   enter(from, sample);
-  ++from.received;
   using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
   const SampleInfo info{.sequence = sample.sequence,
                         .writer = from.writer,
@@ -183,7 +185,9 @@ SubscriberCore::Next SubscriberCore::next() {
                         .receive_stamp = Stamp(std::chrono::nanoseconds(inlet.next->receive_stamp_ns)),
                         .lost_before = std::exchange(from.lost_untold, 0),
                         .transport = static_cast<TransportKind>(&inlet - inlets_.data())};
-  return {std::move(inlet.next), info, info.transport == TransportKind::shm ? asked_ : nullptr};
+  Next taken{std::move(inlet.next), info, info.transport == TransportKind::shm ? asked_ : nullptr};
+  if (taken.asked == nullptr) ++from.received;
+  return taken;
 }
 
 /// With the mutex held: the same, and those before it are passed over.
@@ -191,7 +195,9 @@ SubscriberCore::Next SubscriberCore::newest() {
   Next latest = next();
   for (Next other = next(); other.sample; other = next()) {
     if (is_newer(other.info, latest.info)) std::swap(latest, other);
-    heard(other.info.writer).lost_untold += other.info.lost_before;  // told with the next one of that writer
+    Heard& from = heard(other.info.writer);
+    if (other.asked != nullptr) ++from.received;
+    from.lost_untold += other.info.lost_before;  // told with the next one of that writer
   }
   if (latest.sample) latest.info.lost_before += std::exchange(heard(latest.info.writer).lost_untold, 0);
   return latest;
@@ -218,14 +224,20 @@ untyped::Sample SubscriberCore::take_latest() {
   return take([this] { return newest(); });
 }
 
-/// Leaves it only what was asked for. False if it is lost, as it would be there.
+/// Leaves it only what was asked for, and counts it by now. False if it is lost, as it would be there.
 bool SubscriberCore::as_remote(Next& next) {
-  next.sample = remote_->of(std::move(next.sample), *next.asked);
-  if (next.sample) return true;
+  {
+    const std::scoped_lock lock(remote_mutex_);
+    next.sample = remote_->of(std::move(next.sample), *next.asked);
+  }
   const std::scoped_lock lock(mutex_);
   Heard& from = heard(next.info.writer);
-  --from.received;
+  if (next.sample) {
+    ++from.received;
+    return true;
+  }
   ++from.lost;
+  losses_.fetch_add(1, std::memory_order_relaxed);
   from.lost_untold += next.info.lost_before + 1;
   return false;
 }
@@ -248,18 +260,21 @@ Result<void> SubscriberCore::set_max_rate_hz(double max_rate_hz) {
     min_period_us_ = *period;
     for (Heard& h : heard_) h.account.ask(*period);
   }
-  spec_.rate_changed(*period);
+  spec_.rate_changed();
   return {};
+}
+
+std::uint32_t SubscriberCore::min_period_us() {
+  const std::scoped_lock lock(mutex_);
+  return min_period_us_;
 }
 
 bool SubscriberCore::waits_for_dispatch() { return pending_.load() == 0 && !closed_.load() && available(); }
 
 bool SubscriberCore::wait(std::chrono::nanoseconds timeout) {
-  using Clock = std::chrono::steady_clock;
-  const auto now = Clock::now();
-  const auto deadline = timeout > Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
+  const auto deadline = deadline_after(timeout);
   while (!available()) {
-    if (Clock::now() >= deadline) return false;
+    if (std::chrono::steady_clock::now() >= deadline) return false;
     bell_.wait(deadline, [this] { return available(); });
   }
   return true;

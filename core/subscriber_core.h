@@ -36,10 +36,11 @@ class SubscriberCore final : public ArrivalListener {
     const TypeSupport* type = nullptr;
     untyped::Requirement requirement;
     SubscriberOptions options;
-    untyped::Callback callback;                         ///< empty: samples are taken
-    std::shared_ptr<const void> type_owner{};           ///< keeps the type alive; null where it is static
-    std::uint32_t min_period_us = 0;                    ///< of options.max_rate_hz
-    std::function<void(std::uint32_t)> rate_changed{};  ///< told of another; any thread, posts and returns
+    untyped::Callback callback;                ///< empty: samples are taken
+    std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
+    std::uint32_t min_period_us = 0;           ///< of options.max_rate_hz
+    std::function<void()>
+        rate_changed{};  ///< any thread: posts that min_period_us() is to be asked, and returns
     std::shared_ptr<BufferPool>
         as_remote{};  ///< not null: what comes in shared memory is copied to it, as asked for
   };
@@ -52,6 +53,8 @@ class SubscriberCore final : public ArrivalListener {
   bool wait(std::chrono::nanoseconds timeout);
   bool available();
   Result<void> set_max_rate_hz(double max_rate_hz);
+  /// Of the maximum rate that was set last.
+  std::uint32_t min_period_us();
   /// Callback subscribers: whether there is something that nobody is dispatching.
   bool waits_for_dispatch();
 
@@ -82,7 +85,10 @@ class SubscriberCore final : public ArrivalListener {
   /// For status(): what is heard at present, and the mask and number of the request in force.
   void hears(const std::vector<Hearing>& hearing);
   void requests(const FieldMask& mask, std::uint64_t sequence);
-  void keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+  /// Whether status() differs by it.
+  bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+  /// Differs from what it was whenever samples of some writer were lost meanwhile.
+  std::uint64_t losses() const { return losses_.load(std::memory_order_relaxed); }
   /// Differs from what it was whenever a sample of that writer has arrived meanwhile.
   std::uint64_t arrivals(EndpointId writer);
 
@@ -107,7 +113,8 @@ class SubscriberCore final : public ArrivalListener {
   struct Next {
     SampleHandle sample;
     SampleInfo info;
-    std::shared_ptr<const ProjectionPlan> asked;  ///< not null: it is to have no more than that
+    std::shared_ptr<const ProjectionPlan>
+        asked;  ///< not null: it is to have no more than that, and not counted as received yet
   };
 
   enum class Caller : std::uint8_t { dispatcher, transport };
@@ -115,7 +122,7 @@ class SubscriberCore final : public ArrivalListener {
   bool fill_inlets();
   Numbered numbered(const Inlet& inlet) const;
   bool find_next();
-  static void enter(Heard& from, const Numbered& sample);
+  void enter(Heard& from, const Numbered& sample);
   static bool is_expired(const Heard& from, const Numbered& sample);
   Inlet* oldest_inlet();
   Heard& heard(EndpointId writer);
@@ -133,14 +140,16 @@ class SubscriberCore final : public ArrivalListener {
   const Spec spec_;
   Doorbell& bell_;
   const std::shared_ptr<Recorder> recorder_;
-  std::optional<RemoteCopy> remote_;  ///< of whoever takes
+  std::mutex remote_mutex_;           // apart from mutex_, which must not be held while samples are copied
+  std::optional<RemoteCopy> remote_;  ///< of whoever takes, one at a time
   EventSink events_;
 
   std::mutex mutex_;             // never held over a system call or a callback
   std::array<Inlet, 2> inlets_;  // by TransportKind
   std::vector<Heard> heard_;
-  Heard gone_;                          ///< sums of writers that were forgotten
-  std::uint64_t discarded_before_ = 0;  ///< by ports that are gone
+  Heard gone_;                            ///< sums of writers that were forgotten
+  std::uint64_t discarded_before_ = 0;    ///< by ports that are gone
+  std::atomic<std::uint64_t> losses_{0};  ///< written with the mutex held
   std::vector<WriterStatus> writers_;
   FieldMask requested_;
   std::shared_ptr<const ProjectionPlan> asked_;  ///< the same, where samples are to look as on another host

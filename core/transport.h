@@ -1,8 +1,9 @@
 // The seam between the core and the ways a sample can travel. Shared memory and UDP are each one Transport;
 // the core decides who is served by which (core/negotiation.h) and never asks which one it talks to.
 //
-// Threads. Everything is called from the node's agent thread except WriterPort::loan and send (the
-// publisher's thread), ReaderPort::take (any thread, one at a time), and description, counters and, for UDP,
+// Threads. Everything is called from the node's agent thread except WriterPort::loan, begin, send, can_send
+// and miss (the publisher's thread), ReaderPort::take (any thread, one at a time), and what counts or
+// describes (bytes_sent, dropped, discarded, lost_unnoticed, description, counters) and, for UDP,
 // open_writer and open_reader (any thread); set_routes, connect, disconnect and accept may run at the
 // same time as these. Listeners are called from threads of the transport.
 #pragma once

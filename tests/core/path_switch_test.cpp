@@ -152,7 +152,7 @@ class PathSwitch : public test::RandomTest {
                              .requirement = {type.full(), false},
                              .options = {},
                              .callback = nullptr,
-                             .rate_changed = [](std::uint32_t) {}},
+                             .rate_changed = [] {}},
                             bells->at(1),
                             nullptr};
   std::uint64_t published = 0;

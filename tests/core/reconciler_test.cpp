@@ -24,9 +24,10 @@ class TestWriterPort final : public WriterPort {
     routes = std::move(set);
     ++changes;
   }
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
+  std::uint64_t bytes_sent() const noexcept override { return ++looks, 0; }
   std::vector<Route> routes;
   int changes = 0;
+  mutable int looks = 0;  ///< at the state of its publisher
 };
 
 /// Whom it was told to take datagrams from.
@@ -35,6 +36,7 @@ struct Connections {
   std::string refusal;  ///< why nothing can be connected at present
   SampleHandle sample;  ///< to be taken
   int ports_gone = 0;
+  int looks = 0;  ///< at the state of the subscriber
 };
 
 class TestReaderPort final : public ReaderPort {
@@ -51,7 +53,7 @@ class TestReaderPort final : public ReaderPort {
   std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
   void disconnect(EndpointId writer) noexcept override { connections_.writers.erase(writer); }
   void accept(std::vector<Wanted>) override {}
-  std::uint64_t discarded() const noexcept override { return 0; }
+  std::uint64_t discarded() const noexcept override { return ++connections_.looks, 0; }
 
  private:
   Connections& connections_;
@@ -77,7 +79,8 @@ class TestDiscovery final : public Discovery {
   int greetings = 0;
 
  private:
-  const Configuration configuration_;
+  const Configuration configuration_{
+      .life_signs = {.pause = life_signs_to_all.pause, .lease = std::chrono::milliseconds(300)}};
 };
 
 /// A transport as far as it has addresses.
@@ -115,9 +118,14 @@ class ReconcilerTest : public ::testing::Test {
 
   std::shared_ptr<SubscriberCore> our_reader(EndpointId id, untyped::Callback callback = nullptr) {
     const auto port = std::make_shared<TestReaderPort>(connections);
-    auto core = std::make_shared<SubscriberCore>(
-        SubscriberCore::Spec{id, "points", &type, {mask, false}, {}, std::move(callback)}, bells->at(1),
-        nullptr);
+    auto core = std::make_shared<SubscriberCore>(SubscriberCore::Spec{.id = id,
+                                                                      .topic = "points",
+                                                                      .type = &type,
+                                                                      .requirement = {mask, false},
+                                                                      .options = {},
+                                                                      .callback = std::move(callback),
+                                                                      .rate_changed = [] {}},
+                                                 bells->at(1), nullptr);
     core->set_port(TransportKind::udp, port);
     reconciler.add_reader(endpoint(Role::reader, id), {core, nullptr, port});
     reconciler.reconcile();
@@ -236,6 +244,76 @@ TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNot
   requested(request);
   EXPECT_EQ(port->changes, changes + 1);
   EXPECT_EQ(readers_changed, told + 1);
+}
+
+// Whoever wants events does not pay for them while nothing happens.
+TEST_F(ReconcilerTest, StatesAreComparedForEventsOnlyWhereSomethingHasHappened) {
+  const auto port = std::make_shared<TestWriterPort>();
+  our_writer(7, port);
+  const auto core = our_reader(200);
+  writer_seen(8);
+  reconciler.tick();
+  const auto looks_of_ten_ticks = [&] {
+    const int before = port->looks + connections.looks;
+    for (int i = 0; i < 10; ++i) reconciler.tick();
+    return port->looks + connections.looks - before;
+  };
+  EXPECT_EQ(looks_of_ten_ticks(), 0);
+  for (const std::uint64_t sequence : {1U, 3U}) {
+    connections.sample = BufferPool::make(1 << 20)->take(256);
+    connections.sample->writer = 8;
+    connections.sample->sequence = sequence;
+    EXPECT_TRUE(core->take());
+  }
+  EXPECT_EQ(looks_of_ten_ticks(), 1) << "a sample was lost";
+  writer_departed(8);
+  EXPECT_EQ(looks_of_ten_ticks(), 0) << "that was told with its batch";
+}
+
+// Two threads may set it at once, and the news of the one that came first be posted last.
+TEST_F(ReconcilerTest, TheMaximumRateThatWasSetLastIsAskedForInWhateverOrderTheNewsCome) {
+  const auto core = our_reader(200);
+  const auto asked = [&] { return discovery.sent.back().min_period_us; };
+  ASSERT_TRUE(core->set_max_rate_hz(10));
+  ASSERT_TRUE(core->set_max_rate_hz(20));
+  reconciler.rate_changed(200);
+  EXPECT_EQ(asked(), 50'000U);
+  reconciler.rate_changed(200);
+  EXPECT_EQ(asked(), 50'000U);
+  EXPECT_EQ(discovery.sent.size(), 1U);
+}
+
+// Its signs of life may be lost where other things get through, which are repeated until they do.
+TEST_F(ReconcilerTest, ANodeWhoseSignsOfLifeFailToComeIsServedAsLongAsItSaysAnythingElse) {
+  const auto port = std::make_shared<TestWriterPort>();
+  our_writer(7, port);
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.node_id = 66;
+  reader.request.listening = {7};
+  reconciler.endpoint_seen(reader);
+  const auto served = [&] { return !port->routes.empty(); };
+  const auto tick = [&] { reconciler.tick(); };
+  tick();
+  ASSERT_TRUE(served());
+  reconciler.node_lost(66);
+  tick();
+  EXPECT_FALSE(served()) << "nothing has come but the announcement of a newcomer";
+
+  Request request = reader.request;
+  ++request.sequence;
+  requested(request);
+  EXPECT_TRUE(served());
+  EXPECT_TRUE(test::eventually([&] { return tick(), !served(); }))
+      << "although discovery does not tell again";
+
+  reconciler.endpoint_seen(reader);
+  reconciler.node_lost(66);
+  tick();
+  EXPECT_TRUE(served());
+  EXPECT_TRUE(test::eventually([&] { return tick(), !served(); }));
+  reconciler.liveliness_asserted({66, {}});
+  tick();
+  EXPECT_TRUE(served());
 }
 
 // The port would wait for the callback, and the agent with it.

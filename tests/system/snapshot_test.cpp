@@ -265,8 +265,23 @@ TEST_P(NodeSnapshotTest, AsJsonItHasTheSameUnderStableNames) {
   EXPECT_TRUE(matched) << p.dump(2);
   EXPECT_TRUE(refused) << p.dump(2);
   const auto there = nlohmann::json::parse(to_json(b.snapshot(), -1));
-  EXPECT_EQ(there.at("subscribers").at(0).at("writers").at(0).at("node"), "a");
+  const auto& writer = there.at("subscribers").at(0).at("writers").at(0);
+  EXPECT_EQ(writer.at("node"), "a");
+  EXPECT_EQ(writer.at("connected"), true);
+  EXPECT_EQ(writer.at("transport"), in_shared_memory() ? "shm" : "udp");
   EXPECT_EQ(there.at("subscribers").at(1).at("writers").at(0).at("matched"), false);
+  EXPECT_TRUE(there.at("subscribers").at(1).at("writers").at(0).at("transport").is_null());
+}
+
+TEST(SnapshotJsonTest, NothingTravelsFromAWriterThatMatchesUntilItIsConnected) {
+  NodeSnapshot snapshot;
+  snapshot.subscribers.resize(1);
+  auto& writers = snapshot.subscribers[0].writers;
+  writers = {{.id = 7, .node = "a", .matched = true},
+             {.id = 8, .node = "a", .matched = true, .connected = true}};
+  const auto json = nlohmann::json::parse(to_json(snapshot)).at("subscribers").at(0).at("writers");
+  EXPECT_TRUE(json.at(0).at("transport").is_null());
+  EXPECT_EQ(json.at(1).at("transport"), "shm");
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, NodeSnapshotTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),

@@ -24,8 +24,10 @@ enum class TransportChoice : std::uint8_t { automatic, shm, udp };
 /// again.
 enum class LogLevel : std::uint8_t { debug, info, warning, error };
 /// Called on the node's agent thread, as event callbacks are: be short, no lock is held, everything of SFT
-/// may be called. One sink for several nodes is called by a thread of each. Of what comes again and again,
-/// ten lines of a kind are written and then one in 5 s, which says how many were left out.
+/// may be called. Others take a node whose sink blocks for 5 s (14 s with peers or without multicast) for
+/// dead, and do not serve it until it goes on. One sink for several nodes is called by a thread of each. Of
+/// what comes again and again, ten lines of a kind are written and then one in 5 s, which says how many were
+/// left out.
 using LogSink = std::function<void(LogLevel, std::string_view)>;
 
 struct UdpSettings {
@@ -79,7 +81,7 @@ struct NodeOptions {
 
 struct PublisherStatus;
 
-/// Durations of 0 mean none: no deadline, never expires, no lease.
+/// Durations of 0 mean none: no deadline, never expires, no lease. Deadlines and leases have at least 1 ms.
 struct PublisherOptions {
   TransportChoice transport = TransportChoice::automatic;
   Reliability reliability = Reliability::best_effort;  ///< sft/qos.h says what it means, over UDP as of now
@@ -116,7 +118,7 @@ struct RecordingSettings {
   bool as_remote = false;
 };
 
-/// Durations of 0 mean none: any deadline will do, any liveliness.
+/// Durations of 0 mean none: any deadline will do, any liveliness. Others have at least 1 ms.
 struct SubscriberOptions {
   TransportChoice transport = TransportChoice::automatic;
   Reliability reliability = Reliability::best_effort;
