@@ -1,5 +1,8 @@
 // Eight programs that sleep until the same message comes. The writer has one core, the readers share the
 // other one; meanwhile the writer sleeps, so that what wakes readers for it has a core, too.
+#include <csignal>
+#include <vector>
+
 #include "bench/common/pair.h"
 #include "bench/common/process.h"
 #include "bench/common/raw_iceoryx.h"
@@ -7,9 +10,6 @@
 #include "bench/common/shared.h"
 #include "bench/common/statistics.h"
 #include "bench/shm/shm.h"
-
-#include <csignal>
-#include <vector>
 
 namespace sft::bench {
 
