@@ -1,5 +1,7 @@
 // A 6.3 MB cloud from one program to another one, which sleeps until it comes: with SFT, and with what others
 // have for it in shared memory.
+#include <algorithm>
+
 #include "bench/common/sft_cloud.h"
 #include "bench/common/statistics.h"
 #include "bench/shm/cyclone_cloud.h"
@@ -18,7 +20,7 @@ constexpr double owned_bound = 1 / 1.5;  // of the standard message of others
 }  // namespace
 
 std::vector<Figure> clouds(const Scale& scale) {
-  const Transfer transfer{.messages = std::max<std::uint64_t>(scale.messages / 4, 100)};
+  const Transfer transfer{.messages = std::max<std::uint64_t>(scale.messages / 8, 100)};
   const Roudi roudi;
   Rounds loan, owned, cyclone, cyclone_loan, fast, fast_loan;
   for (int round = 0; round < scale.rounds; ++round) {

@@ -34,8 +34,10 @@ struct Fixed {
   std::uint8_t data[sent_cloud_bytes];
 };
 
-constexpr std::uint32_t message_bytes_max = 7 * 1024 * 1024;  // so that it is not cut into pieces
-constexpr std::uint32_t segment_bytes = 4 * message_bytes_max;
+// The best of what was tried, from pieces of 64 KB to the whole cloud in one: while a piece is read the next
+// one is written.
+constexpr std::uint32_t message_bytes_max = 1'000'000;
+constexpr std::uint32_t segment_bytes = 20'000'000;
 constexpr std::uint32_t encapsulation_bytes = 4;
 constexpr std::uint8_t little_endian[encapsulation_bytes] = {0, 1, 0, 0};
 

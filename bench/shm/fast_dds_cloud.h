@@ -10,7 +10,7 @@ namespace sft::bench {
 
 // One-way times in microseconds, until height and width are read.
 
-/// The standard message by the shared-memory transport, in one piece.
+/// The standard message by the shared-memory transport.
 std::vector<double> fast_dds_standard(const Transfer& transfer);
 /// A loan of a message of fixed size by data sharing, where readers see the writer's memory.
 std::vector<double> fast_dds_fixed(const Transfer& transfer);

@@ -9,7 +9,7 @@
 namespace sft::bench {
 
 struct Scale {
-  std::uint64_t messages = 2000;  ///< per round and contender; a quarter where whole clouds are copied
+  std::uint64_t messages = 1600;  ///< per round and contender; an eighth where whole clouds are copied
   int rounds = 3;                 ///< of each contender, in turns; the median counts
   double idle_s = 10;             ///< how long a node is watched while it waits
 };
