@@ -32,6 +32,15 @@ void sleep_us(std::int64_t us) {
   nanosleep(&time, nullptr);
 }
 
+bool wait_until(const std::function<bool()>& holds) {
+  const std::int64_t deadline = now_ns() + 20'000'000'000;
+  while (!holds()) {
+    if (now_ns() > deadline) return false;
+    sleep_us(1000);
+  }
+  return true;
+}
+
 namespace {
 
 pid_t start(int core, const std::function<void()>& enter, const std::function<void(Exchange&)>& role,

@@ -52,5 +52,7 @@ std::vector<double> run_pair(const Sides& sides, std::uint64_t messages);
 void pause_us(std::int64_t us);
 /// Leaves the core to others meanwhile.
 void sleep_us(std::int64_t us);
+/// Looks every millisecond, for what sides that start wait for; false after 20 s.
+bool wait_until(const std::function<bool()>& holds);
 
 }  // namespace sft::bench

@@ -28,16 +28,14 @@ constexpr std::int64_t pause_between(Reading reading) { return reading == Readin
 
 template <class Writer>
 void send_each(Exchange& exchange, const Transfer& transfer, Writer& writer) {
-  while (!exchange.ready.load() || !writer.serves(1)) sleep_us(1000);
-  for (std::uint64_t i = 0; i < transfer.messages; ++i) {
+  exchange.failed = !wait_until([&] { return exchange.ready.load() && writer.serves(1); });
+  for (std::uint64_t i = 0; i < transfer.messages && !exchange.failed; ++i) {
     pause_us(pause_between(transfer.reading));
     if (transfer.preparing_counts) exchange.sent_at[i] = now_ns();
     writer.prepare(i + 1);
     if (!transfer.preparing_counts) exchange.sent_at[i] = now_ns();
     writer.publish();
-    if (exchange.wait_for_receipt(i + 1)) continue;
-    exchange.failed = true;
-    return;
+    if (!exchange.wait_for_receipt(i + 1)) exchange.failed = true;
   }
 }
 

@@ -46,7 +46,7 @@ struct Board {
 template <class Writer>
 bool send(Board& board, std::uint64_t messages) {
   Writer writer(sent_cloud_bytes);
-  while (board.ready.load() < readers || !writer.serves(readers)) sleep_us(1000);
+  if (!wait_until([&] { return board.ready.load() == readers && writer.serves(readers); })) return false;
   for (std::uint64_t i = 0; i < messages; ++i) {
     pause_us(asleep_us);
     writer.prepare(i + 1);
