@@ -66,6 +66,12 @@ std::uint64_t SubscriberCore::arrivals(EndpointId writer) {
 }
 
 void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
+  hear(hearing);
+  // A writer that was killed between handing over its last sample and waking us did not wake us.
+  bell_.ring();
+}
+
+void SubscriberCore::hear(const std::vector<Hearing>& hearing) {
   const std::scoped_lock lock(mutex_);
   writers_.clear();
   for (const Hearing& h : hearing) {
@@ -205,6 +211,7 @@ untyped::Sample SubscriberCore::take(Choose choose) {
       const std::scoped_lock lock(mutex_);
       next = choose();
     }
+    if (spec_.poll_handle != nullptr) settle_descriptor();
     if (!next.sample) return {};
     if (next.asked == nullptr || as_remote(next)) return wrap(std::move(next));
   }
@@ -216,6 +223,13 @@ untyped::Sample SubscriberCore::take() {
 
 untyped::Sample SubscriberCore::take_latest() {
   return take([this] { return newest(); });
+}
+
+/// After something was taken: the file descriptor is not to be readable any more if that was all.
+void SubscriberCore::settle_descriptor() {
+  if (available()) return;
+  spec_.poll_handle->lower();
+  if (available()) spec_.poll_handle->raise();
 }
 
 /// Leaves it only what was asked for. False if it is lost, as it would be there.
@@ -252,25 +266,48 @@ Result<void> SubscriberCore::set_max_rate_hz(double max_rate_hz) {
   return {};
 }
 
-bool SubscriberCore::waits_for_dispatch() { return pending_.load() == 0 && !closed_.load() && available(); }
+bool SubscriberCore::waits_for_dispatch() {
+  // In this order: what is there by now, settle_descriptor() sees once it has lowered the handle.
+  if (spec_.poll_handle != nullptr) return available() && !spec_.poll_handle->is_raised();
+  return pending_.load() == 0 && !closed_.load() && available();
+}
 
 bool SubscriberCore::wait(std::chrono::nanoseconds timeout) {
   using Clock = std::chrono::steady_clock;
   const auto now = Clock::now();
-  const auto deadline = timeout > Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
-  while (!available()) {
+  return wait_until(timeout > Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout);
+}
+
+bool SubscriberCore::wait_until(std::chrono::steady_clock::time_point deadline) {
+  using Clock = std::chrono::steady_clock;
+  const auto now = Clock::now();
+  const auto spin_until = deadline - now < spec_.options.spin ? deadline : now + spec_.options.spin;
+  for (;;) {
+    const std::uint32_t seen = bell_.rings.load(std::memory_order_seq_cst);
+    if (available()) return true;
     if (Clock::now() >= deadline) return false;
-    bell_.wait(deadline, [this] { return available(); });
+    if (spec_.poll_handle != nullptr) {  // the doorbell is shared with others, and not rung for all there is
+      settle_descriptor();
+      spec_.poll_handle->wait(deadline);
+    } else if (!bell_.spin(seen, spin_until)) {
+      bell_.wait(deadline, [this] { return available(); });
+    }
   }
-  return true;
 }
 
 void SubscriberCore::arrived() noexcept {
   if (has_callback() && !is_slow_.load()) {
     dispatch(Caller::transport);
+  } else if (spec_.poll_handle != nullptr) {
+    spec_.poll_handle->raise();
   } else {
     bell_.ring();
   }
+}
+
+void SubscriberCore::dispatch() {
+  if (spec_.poll_handle == nullptr) return dispatch(Caller::dispatcher);
+  if (available()) spec_.poll_handle->raise();
 }
 
 void SubscriberCore::dispatch(Caller caller) {

@@ -130,6 +130,13 @@ struct SubscriberOptions {
   /// At most so many samples a second, evenly; 0: all. What is withheld for it is not sent, and is counted
   /// apart from what is lost. Subscriber::set_max_rate_hz() changes it.
   double max_rate_hz = 0;
+  /// How long wait() looks for a sample, and keeps a core busy with it, before it sleeps: one that comes
+  /// within that time is had in a microsecond instead of what it takes to wake a thread. By default about as
+  /// long as that takes, so that it never costs more than twice what it could save. Other threads that are
+  /// ready to run get the core meanwhile.
+  std::chrono::nanoseconds spin = std::chrono::microseconds(20);
+  /// Gives it a Subscriber::file_descriptor(). Not with a callback.
+  bool pollable = false;
   RecordingSettings recording{};
   EventCallback on_event{};
 };
