@@ -9,6 +9,9 @@
 namespace sft::core {
 
 namespace {
+
+using namespace std::chrono_literals;
+
 thread_local int callback_depth = 0;
 constexpr std::size_t gone_writers_kept = 64;            // their last samples may still be taken
 constexpr std::chrono::microseconds slow_callback{200};  // far more than handing over to another thread costs
@@ -281,17 +284,27 @@ bool SubscriberCore::wait(std::chrono::nanoseconds timeout) {
 bool SubscriberCore::wait_until(std::chrono::steady_clock::time_point deadline) {
   using Clock = std::chrono::steady_clock;
   const auto now = Clock::now();
-  const auto spin_until = deadline - now < spec_.options.spin ? deadline : now + spec_.options.spin;
-  for (;;) {
+  const std::chrono::nanoseconds spin = spins_.load(std::memory_order_relaxed) ? spec_.options.spin : 0ns;
+  const auto spin_until = deadline - now < spin ? deadline : now + spin;
+  for (bool slept = false;;) {
     const std::uint32_t seen = bell_.rings.load(std::memory_order_seq_cst);
-    if (available()) return true;
-    if (Clock::now() >= deadline) return false;
-    if (spec_.poll_handle != nullptr) {  // the doorbell is shared with others, and not rung for all there is
-      settle_descriptor();
-      spec_.poll_handle->wait(deadline);
-    } else if (!bell_.spin(seen, spin_until)) {
-      bell_.wait(deadline, [this] { return available(); });
+    const bool found = available();
+    if (found || Clock::now() >= deadline) {
+      if (found || slept) spins_.store(found, std::memory_order_relaxed);
+      return found;
     }
+    if (spec_.poll_handle == nullptr && bell_.spin(seen, spin_until)) continue;
+    sleep_until(deadline);
+    slept = true;
+  }
+}
+
+void SubscriberCore::sleep_until(std::chrono::steady_clock::time_point deadline) {
+  if (spec_.poll_handle == nullptr) {
+    bell_.wait(deadline, [this] { return available(); });
+  } else {  // the doorbell is shared with others, and not rung for all there is
+    settle_descriptor();
+    spec_.poll_handle->wait(deadline);
   }
 }
 

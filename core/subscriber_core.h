@@ -134,6 +134,7 @@ class SubscriberCore final : public ArrivalListener {
   untyped::Sample take(Choose choose);
   void settle_descriptor();
   bool wait_until(std::chrono::steady_clock::time_point deadline);
+  void sleep_until(std::chrono::steady_clock::time_point deadline);
   bool as_remote(Next& next);
   untyped::Sample wrap(Next next);
   void dispatch(Caller caller);
@@ -156,6 +157,8 @@ class SubscriberCore final : public ArrivalListener {
   std::shared_ptr<const ProjectionPlan> asked_;  ///< the same, where samples are to look as on another host
   std::uint64_t requests_ = 1;
   std::uint32_t min_period_us_;  ///< asked for
+
+  std::atomic<bool> spins_{true};  ///< not after a wait in vain: that costs a node without traffic nothing
 
   // All sequentially consistent: waits_for_dispatch() of one thread against the end of dispatch() on another.
   std::atomic<std::uint32_t> pending_{

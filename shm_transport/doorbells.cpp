@@ -35,23 +35,18 @@ std::size_t Doorbells::announce() const noexcept {
   return sleepers;
 }
 
-void Doorbells::wake(std::size_t most) const noexcept {
+void Doorbells::run() const noexcept {
   for (const Bell& bell : bells_) {
-    if (most == 0) return;
     // Who has woken up meanwhile looks before it sleeps again.
-    if (!bell.due.exchange(false, std::memory_order_acq_rel) || !bell.bell->has_sleepers()) continue;
-    bell.bell->wake();
-    --most;
+    if (bell.due.exchange(false, std::memory_order_acq_rel) && bell.bell->has_sleepers()) bell.bell->wake();
   }
 }
 
 void DoorbellPages::ring(const std::shared_ptr<const Doorbells>& bells) noexcept {
   const std::size_t sleepers = bells->announce();
-  if (sleepers > 1 && waker_.run(bells)) {
-    bells->wake(1);
-  } else if (sleepers > 0) {
-    bells->run();
-  }
+  if (sleepers == 0) return;
+  // The waker has to be woken, too: for a single sleeper that would save nothing, and cost that one time.
+  if (sleepers == 1 || !waker_.run(bells)) bells->run();
 }
 
 std::shared_ptr<const Doorbells> DoorbellPages::doorbells_of(const std::vector<core::Route>& routes) {

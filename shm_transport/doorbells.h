@@ -33,12 +33,8 @@ class Doorbells final : public Errand {
   /// Tells those that want it: nobody is woken for what it would skip. So many sleep, and are to be woken.
   [[nodiscard]] std::size_t announce() const noexcept;
 
-  // Any thread.
-
-  /// Wakes some of those that are to be woken.
-  void wake(std::size_t most) const noexcept;
-  /// Wakes all of them.
-  void run() const noexcept override { wake(bells_.size()); }
+  /// Any thread: wakes all of them.
+  void run() const noexcept override;
 
  private:
   struct Bell {
@@ -58,8 +54,8 @@ class DoorbellPages {
   /// Doorbells that cannot be opened (their process is gone) are left out.
   std::shared_ptr<const Doorbells> doorbells_of(const std::vector<core::Route>& routes);
 
-  /// The publisher's thread: rings for the sample at hand, waking one sleeper itself and leaving others to a
-  /// thread of the node.
+  /// The publisher's thread: rings for the sample at hand. A single sleeper it wakes itself; several it
+  /// leaves to a thread of the node.
   void ring(const std::shared_ptr<const Doorbells>& bells) noexcept;
 
  private:

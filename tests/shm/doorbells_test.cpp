@@ -1,4 +1,4 @@
-// A publisher that rings for several readers: it wakes one itself and leaves the others to the waker.
+// A publisher that rings for several readers leaves those that sleep to the waker.
 #include "shm_transport/doorbells.h"
 
 #include <gtest/gtest.h>
