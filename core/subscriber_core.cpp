@@ -9,6 +9,9 @@
 namespace sft::core {
 
 namespace {
+
+using namespace std::chrono_literals;
+
 thread_local int callback_depth = 0;
 constexpr std::size_t gone_writers_kept = 64;            // their last samples may still be taken
 constexpr std::chrono::microseconds slow_callback{200};  // far more than handing over to another thread costs
@@ -68,6 +71,12 @@ std::uint64_t SubscriberCore::arrivals(EndpointId writer) {
 }
 
 void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
+  hear(hearing);
+  // A writer that was killed between handing over its last sample and waking us did not wake us.
+  bell_.ring();
+}
+
+void SubscriberCore::hear(const std::vector<Hearing>& hearing) {
   const std::scoped_lock lock(mutex_);
   writers_.clear();
   for (const Hearing& h : hearing) {
@@ -211,6 +220,7 @@ untyped::Sample SubscriberCore::take(Choose choose) {
       const std::scoped_lock lock(mutex_);
       next = choose();
     }
+    if (spec_.poll_handle != nullptr) settle_descriptor();
     if (!next.sample) return {};
     if (next.asked == nullptr || as_remote(next)) return wrap(std::move(next));
   }
@@ -222,6 +232,13 @@ untyped::Sample SubscriberCore::take() {
 
 untyped::Sample SubscriberCore::take_latest() {
   return take([this] { return newest(); });
+}
+
+/// After something was taken: the file descriptor is not to be readable any more if that was all.
+void SubscriberCore::settle_descriptor() {
+  if (available()) return;
+  spec_.poll_handle->lower();
+  if (available()) spec_.poll_handle->raise();
 }
 
 /// Leaves it only what was asked for, and counts it by now. False if it is lost, as it would be there.
@@ -269,23 +286,56 @@ std::uint32_t SubscriberCore::min_period_us() {
   return min_period_us_;
 }
 
-bool SubscriberCore::waits_for_dispatch() { return pending_.load() == 0 && !closed_.load() && available(); }
+bool SubscriberCore::waits_for_dispatch() {
+  // In this order: what is there by now, settle_descriptor() sees once it has lowered the handle.
+  if (spec_.poll_handle != nullptr) return available() && !spec_.poll_handle->is_raised();
+  return pending_.load() == 0 && !closed_.load() && available();
+}
 
 bool SubscriberCore::wait(std::chrono::nanoseconds timeout) {
-  const auto deadline = deadline_after(timeout);
-  while (!available()) {
-    if (std::chrono::steady_clock::now() >= deadline) return false;
-    bell_.wait(deadline, [this] { return available(); });
+  return wait_until(deadline_after(timeout));
+}
+
+bool SubscriberCore::wait_until(std::chrono::steady_clock::time_point deadline) {
+  using Clock = std::chrono::steady_clock;
+  const auto now = Clock::now();
+  const std::chrono::nanoseconds spin = spins_.load(std::memory_order_relaxed) ? spec_.options.spin : 0ns;
+  const auto spin_until = deadline - now < spin ? deadline : now + spin;
+  for (bool slept = false;;) {
+    const std::uint32_t seen = bell_.rings.load(std::memory_order_seq_cst);
+    const bool found = available();
+    if (found || Clock::now() >= deadline) {
+      if (found || slept) spins_.store(found, std::memory_order_relaxed);
+      return found;
+    }
+    if (spec_.poll_handle == nullptr && bell_.spin(seen, spin_until)) continue;
+    sleep_until(deadline);
+    slept = true;
   }
-  return true;
+}
+
+void SubscriberCore::sleep_until(std::chrono::steady_clock::time_point deadline) {
+  if (spec_.poll_handle == nullptr) {
+    bell_.wait(deadline, [this] { return available(); });
+  } else {  // the doorbell is shared with others, and not rung for all there is
+    settle_descriptor();
+    spec_.poll_handle->wait(deadline);
+  }
 }
 
 void SubscriberCore::arrived() noexcept {
   if (has_callback() && !is_slow_.load()) {
     dispatch(Caller::transport);
+  } else if (spec_.poll_handle != nullptr) {
+    spec_.poll_handle->raise();
   } else {
     bell_.ring();
   }
+}
+
+void SubscriberCore::dispatch() {
+  if (spec_.poll_handle == nullptr) return dispatch(Caller::dispatcher);
+  if (available()) spec_.poll_handle->raise();
 }
 
 void SubscriberCore::dispatch(Caller caller) {

@@ -20,6 +20,7 @@
 #include "core/doorbell.h"
 #include "core/event_sink.h"
 #include "core/negotiation.h"
+#include "core/poll_handle.h"
 #include "core/recorder.h"
 #include "core/remote_copy.h"
 #include "core/sequence_account.h"
@@ -43,6 +44,7 @@ class SubscriberCore final : public ArrivalListener {
         rate_changed{};  ///< any thread: posts that min_period_us() is to be asked, and returns
     std::shared_ptr<BufferPool>
         as_remote{};  ///< not null: what comes in shared memory is copied to it, as asked for
+    std::unique_ptr<PollHandle> poll_handle{};  ///< null: it has no file descriptor
   };
 
   /// `bell` is what is rung when samples arrive; `recorder` is null unless the requirement is recorded.
@@ -52,15 +54,20 @@ class SubscriberCore final : public ArrivalListener {
   untyped::Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout);
   bool available();
+  /// -1 if it has none.
+  int file_descriptor() const { return spec_.poll_handle ? spec_.poll_handle->descriptor() : -1; }
   Result<void> set_max_rate_hz(double max_rate_hz);
   /// Of the maximum rate that was set last.
   std::uint32_t min_period_us();
-  /// Callback subscribers: whether there is something that nobody is dispatching.
-  bool waits_for_dispatch();
 
-  /// Callback subscribers: calls back for all there is. Returns at once if a call is under way on another
-  /// thread: that one goes on.
-  void dispatch() { dispatch(Caller::dispatcher); }
+  // Subscribers with a callback or a file descriptor: whoever sleeps on their doorbell for them.
+
+  /// Whether there is something that nobody is dispatching, or that the file descriptor does not tell.
+  bool waits_for_dispatch();
+  /// Calls back for all there is, or tells the file descriptor. Returns at once if a call is under way on
+  /// another thread: that one goes on.
+  void dispatch();
+
   /// Calls back on the spot, which is quickest, unless callbacks were seen to take long lately: then it
   /// leaves that to the dispatcher, so that the transport can go on.
   void arrived() noexcept override;
@@ -119,6 +126,7 @@ class SubscriberCore final : public ArrivalListener {
 
   enum class Caller : std::uint8_t { dispatcher, transport };
 
+  void hear(const std::vector<Hearing>& hearing);
   bool fill_inlets();
   Numbered numbered(const Inlet& inlet) const;
   bool find_next();
@@ -131,6 +139,9 @@ class SubscriberCore final : public ArrivalListener {
   Next newest();
   template <class Choose>
   untyped::Sample take(Choose choose);
+  void settle_descriptor();
+  bool wait_until(std::chrono::steady_clock::time_point deadline);
+  void sleep_until(std::chrono::steady_clock::time_point deadline);
   bool as_remote(Next& next);
   untyped::Sample wrap(Next next);
   void dispatch(Caller caller);
@@ -155,6 +166,8 @@ class SubscriberCore final : public ArrivalListener {
   std::shared_ptr<const ProjectionPlan> asked_;  ///< the same, where samples are to look as on another host
   std::uint64_t requests_ = 1;
   std::uint32_t min_period_us_;  ///< asked for
+
+  std::atomic<bool> spins_{true};  ///< not after a wait in vain: that costs a node without traffic nothing
 
   // All sequentially consistent: waits_for_dispatch() of one thread against the end of dispatch() on another.
   std::atomic<std::uint32_t> pending_{

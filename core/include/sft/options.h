@@ -132,6 +132,16 @@ struct SubscriberOptions {
   /// At most so many samples a second, evenly; 0: all. What is withheld for it is not sent, and is counted
   /// apart from what is lost. Subscriber::set_max_rate_hz() changes it.
   double max_rate_hz = 0;
+  /// How long wait() looks for a sample, and keeps a core busy with it, before it sleeps: one that comes
+  /// within that time is had in a microsecond, without what it takes to wake a thread. By default about as
+  /// long as that takes, so that looking never costs more than it could have saved. Threads that wait for the
+  /// core get it meanwhile, and after a wait that ended without a sample the next one sleeps at once. For a
+  /// reader with a core of its own: longer than the period of the samples. Without effect where it is
+  /// pollable.
+  std::chrono::nanoseconds spin = std::chrono::microseconds(20);
+  /// Gives it a Subscriber::file_descriptor(), and its node a thread that tells it what came in shared
+  /// memory. Not with a callback.
+  bool pollable = false;
   RecordingSettings recording{};
   EventCallback on_event{};
 };
