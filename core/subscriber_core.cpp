@@ -292,9 +292,7 @@ bool SubscriberCore::waits_for_dispatch() {
   return pending_.load() == 0 && !closed_.load() && available();
 }
 
-bool SubscriberCore::wait(std::chrono::nanoseconds timeout) {
-  return wait_until(deadline_after(timeout));
-}
+bool SubscriberCore::wait(std::chrono::nanoseconds timeout) { return wait_until(deadline_after(timeout)); }
 
 bool SubscriberCore::wait_until(std::chrono::steady_clock::time_point deadline) {
   using Clock = std::chrono::steady_clock;
