@@ -79,6 +79,13 @@ TEST_F(ConfigurationTest, OfInterfacesThatAreNotThereIsAnErrorThatNamesThem) {
   EXPECT_THAT(error_of(options), HasSubstr("eth9"));
 }
 
+TEST_F(ConfigurationTest, OfPeersThatHaveNoAddressIsSaidToNameNobody) {
+  NodeOptions options = with("");
+  options.discovery.peers = {"nobody.invalid"};
+  const Node node = Node::open(options).value();
+  EXPECT_THAT(warnings(), HasSubstr("nobody.invalid"));
+}
+
 TEST_F(ConfigurationTest, IsTheSameForAllNodesOfAProcessInADomain) {
   const Node first = Node::open(with("")).value();
   EXPECT_TRUE(Node::open(with("")));
