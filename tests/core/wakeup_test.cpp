@@ -132,11 +132,15 @@ class SubscriberWakeUp : public WakeUp {
     RandomMoment moment(0);
     for (std::uint64_t round = 1; round <= rounds && !HasFailure(); ++round) {
       moment.pass();
+      round_ = round;
       EXPECT_TRUE(receive()) << "round " << round;
-      taken_ = round;
+      end_round();
     }
     publisher.join();
   }
+
+  /// The next sample may come from now on.
+  void end_round() { taken_ = round_; }
 
   SubscriberCore& subscriber() { return *subscriber_; }
   const std::shared_ptr<SubscriberCore>& shared() { return subscriber_; }
@@ -163,6 +167,7 @@ class SubscriberWakeUp : public WakeUp {
   const std::shared_ptr<SharedPort> udp_ = std::make_shared<SharedPort>();
   std::shared_ptr<SubscriberCore> subscriber_;
   std::atomic<std::uint64_t> taken_{0};
+  std::uint64_t round_ = 0;
 };
 
 TEST_F(SubscriberWakeUp, FromSleepIsNeverLost) {
@@ -186,6 +191,7 @@ TEST_F(SubscriberWakeUp, ByFileDescriptorIsNeverLostAndItIsReadableOnlyWhileTher
   };
   exchange(rounds_of(40'000), [&] {
     while (becomes_readable(never)) {
+      end_round();  // so that the next one comes while this is taken, and the descriptor settled
       if (subscriber().take()) return true;
     }
     return false;
