@@ -48,6 +48,7 @@ bool Inbox::enqueue(core::SampleHandle& sample) noexcept {
       return true;
     case KeepLastQueue::Put::pushed_out:
       ++discarded_;
+      ++writer->dropped;
       return true;
     case KeepLastQueue::Put::late:
       ++discarded_;
