@@ -108,6 +108,7 @@ class Flood {
  public:
   Flood(Stage& stage, std::vector<core::Route> routes, std::size_t data_bytes, core::EndpointId id = 1);
   const Writer& writer() const { return writer_; }
+  void serve(std::vector<core::Route> routes) { writer_.serve(std::move(routes)); }
 
  private:
   Writer writer_;

@@ -47,7 +47,7 @@ TEST_P(Conformance, CarriesSamplesOfWhichNothingIsAskedFor) {
 }
 
 TEST_P(Conformance, DecodesEverySampleWhileRoutesChange) {
-  constexpr std::size_t bytes = 5000;
+  constexpr std::size_t bytes = 40'000;
   Writer writer(stage);
   Reader reader(stage, {.masks = masks});
   writer.serve(reader);
