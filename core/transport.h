@@ -209,7 +209,8 @@ class ReaderPort {
   /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
   virtual std::uint64_t discarded() const noexcept = 0;
 
-  /// Of these, samples of disconnected writers that no gap in the sequences of those taken shows.
+  /// Of these, samples that no gap in the sequences of those taken shows: before the first of a writer, or
+  /// behind the last one of a writer that was disconnected.
   virtual std::uint64_t lost_unnoticed() const noexcept { return 0; }
 };
 

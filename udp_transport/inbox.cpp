@@ -46,6 +46,7 @@ bool Inbox::enqueue(core::SampleHandle& sample) noexcept {
       return true;
     case KeepLastQueue::Put::pushed_out:
       ++discarded_;
+      ++writer->dropped;
       return true;
     case KeepLastQueue::Put::late:
       if (!writer->filter.is_late()) ++discarded_;  // else it may have come in both ways

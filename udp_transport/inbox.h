@@ -45,7 +45,7 @@ class Inbox {
     bool connected = true;
     LateFilter filter{};
     bool taken = false;         ///< some sample of it was
-    std::uint64_t dropped = 0;  ///< since then, while it was disconnected
+    std::uint64_t dropped = 0;  ///< since then
     std::uint64_t arrivals = 0;
   };
   Writer* find(core::EndpointId id) noexcept;

@@ -48,8 +48,7 @@ void Lane::mark(Job& job) {
 
 bool Lane::begin(std::vector<JobHandle> history) {
   const std::scoped_lock lock(mutex_);
-  held_ = false;
-  if (closed()) return false;
+  if (!std::exchange(held_, false) || closed()) return false;
   std::reverse(history.begin(), history.end());
   history_ = std::move(history);
   if (!history_.empty()) oldest_ = history_.back()->sequence;

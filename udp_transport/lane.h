@@ -55,8 +55,8 @@ class Lane {
 
   // The agent's thread.
 
-  /// Of a held lane: goes on, with retained samples, however many, before all that was posted. Whether the
-  /// sending thread has to be told of this lane.
+  /// Of a held lane: goes on, with retained samples, however many, before all that was posted; once. Whether
+  /// the sending thread has to be told of this lane.
   [[nodiscard]] bool begin(std::vector<JobHandle> history);
 
   // The sending thread.

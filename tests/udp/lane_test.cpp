@@ -119,6 +119,13 @@ TEST_F(LaneTest, SendsRetainedSamplesHoweverManyBeforeWhatWaitedForThem) {
   EXPECT_TRUE(late_.idle());
 }
 
+TEST_F(LaneTest, BeginsOnce) {
+  EXPECT_TRUE(late_.begin(retained({1, 2, 3})));
+  EXPECT_EQ(late_.next()->sequence, 1U);
+  EXPECT_FALSE(late_.begin(retained({1, 2, 3}))) << "two would send its samples at a time";
+  EXPECT_EQ(take_all(late_), (Numbers{2, 3}));
+}
+
 TEST_F(LaneTest, GoesOnWithWhatWaitedWhereNothingIsRetained) {
   late_.post(job(5));
   EXPECT_TRUE(late_.begin({}));
