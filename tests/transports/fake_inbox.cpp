@@ -6,6 +6,7 @@
 namespace sft::test {
 
 using core::EndpointId;
+using core::HistoryProgress;
 using core::SampleBuffer;
 using core::SampleHandle;
 
@@ -19,7 +20,6 @@ bool FakeInbox::put(SampleHandle sample) {
   if (writer == nullptr || !writer->connected || !wants(*sample)) return false;
   if (sample->addressee != 0) {
     writer->history_first = false;
-    writer->history_began = true;
   }
   if (writer->history_first || sample->sequence <= writer->newest) return false;
   writer->newest = sample->sequence;
@@ -102,7 +102,6 @@ void FakeInbox::connect(const core::Source& source) {
   if (writer == nullptr) writer = &writers_.emplace_back(Writer{.id = source.writer});
   writer->connected = true;
   writer->history_first = source.history_first;
-  writer->history_began = false;
 }
 
 void FakeInbox::disconnect(EndpointId id) {
@@ -126,10 +125,10 @@ bool FakeInbox::connected(EndpointId id) const {
   return writer != nullptr && writer->connected;
 }
 
-bool FakeInbox::history_began(EndpointId id) const {
+HistoryProgress FakeInbox::history(EndpointId id) const {
   const std::scoped_lock lock(mutex_);
   const Writer* writer = find(id);
-  return writer != nullptr && writer->history_began;
+  return writer == nullptr || writer->history_first ? HistoryProgress::awaited : HistoryProgress::came;
 }
 
 std::uint64_t FakeInbox::arrivals(EndpointId id) const {

@@ -30,7 +30,7 @@ class FakeInbox {
   void accept(std::vector<core::Wanted> wanted);
 
   bool connected(core::EndpointId writer) const;
-  bool history_began(core::EndpointId writer) const;
+  core::HistoryProgress history(core::EndpointId writer) const;
   std::uint64_t arrivals(core::EndpointId writer) const;
   std::uint64_t discarded() const;
   std::uint64_t lost_unnoticed() const;
@@ -40,8 +40,7 @@ class FakeInbox {
     core::EndpointId id;
     bool connected = true;
     bool history_first = false;  ///< still, see core::Source
-    bool history_began = false;
-    std::uint64_t newest = 0;  ///< sequence that has arrived
+    std::uint64_t newest = 0;    ///< sequence that has arrived
     std::uint64_t arrivals = 0;
     bool begun = false;         ///< from the sample taken last on, gaps tell what is missing
     std::uint64_t dropped = 0;  ///< since then

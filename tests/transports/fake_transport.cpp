@@ -14,6 +14,7 @@
 namespace sft::test {
 
 using core::EndpointId;
+using core::HistoryProgress;
 using core::SampleHandle;
 using core::SendStatus;
 
@@ -191,7 +192,7 @@ class FakeReader final : public core::ReaderPort {
     return {};
   }
   bool connected(EndpointId writer) const noexcept override { return inbox_->connected(writer); }
-  bool history_began(EndpointId writer) const noexcept override { return inbox_->history_began(writer); }
+  HistoryProgress history(EndpointId writer) const noexcept override { return inbox_->history(writer); }
   std::uint64_t arrivals(EndpointId writer) noexcept override { return inbox_->arrivals(writer); }
   void disconnect(EndpointId writer) noexcept override { inbox_->disconnect(writer); }
   void accept(std::vector<core::Wanted> wanted) override { inbox_->accept(std::move(wanted)); }

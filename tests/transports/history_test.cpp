@@ -5,6 +5,7 @@
 namespace sft::conformance {
 namespace {
 
+using core::HistoryProgress;
 using core::SampleHandle;
 using core::SendStatus;
 
@@ -37,7 +38,7 @@ TEST_P(LateReaders, GetWhatWasRetainedBeforeWhatCameMeanwhile) {
   writer.serve({early.route(), late(latecomer)});
   for (int i = 0; i < 2; ++i) ASSERT_EQ(writer.publish(), SendStatus::sent);
   EXPECT_EQ(early.next_sequences(2), numbers(4, 5)) << "it waits for nobody";
-  EXPECT_FALSE(latecomer.port().history_began(writer.id())) << "what came was not for it";
+  EXPECT_EQ(latecomer.port().history(writer.id()), HistoryProgress::awaited) << "it was not for it";
   writer.port().send_history(late(latecomer), retained);
   for (std::uint64_t n = 1; n <= 5; ++n) {
     const SampleHandle sample = latecomer.next();
@@ -46,7 +47,7 @@ TEST_P(LateReaders, GetWhatWasRetainedBeforeWhatCameMeanwhile) {
     EXPECT_EQ(sample->addressee, latecomer.route().reader);
     EXPECT_EQ(sample->oldest_retained, 1U);
   }
-  EXPECT_TRUE(latecomer.port().history_began(writer.id()));
+  EXPECT_NE(latecomer.port().history(writer.id()), HistoryProgress::awaited);
   EXPECT_FALSE(early.take());
 }
 
@@ -58,7 +59,7 @@ TEST_P(LateReaders, AreServedAsAllOthersOnceTheirHistoryHasLeft) {
   writer.serve({early.route(), late(latecomer)});
   writer.port().send_history(late(latecomer), retain(writer, 10));
   ASSERT_EQ(writer.publish(), SendStatus::sent);
-  ASSERT_TRUE(eventually([&] { return writer.port().history_sent(); }, patience));
+  ASSERT_TRUE(eventually([&] { return writer.port().history_sent(latecomer.route().reader); }, patience));
   writer.serve({early.route(), latecomer.route()});
   ASSERT_EQ(writer.publish(), SendStatus::sent);
   EXPECT_EQ(latecomer.next_sequences(5), numbers(1, 5));
