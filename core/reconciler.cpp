@@ -34,7 +34,7 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transpo
       discovery_(discovery),
       dispatcher_(dispatcher),
       log_(log),
-      silence_(discovery.configuration().life_signs.lease) {
+      silence_(discovery.configuration().longest_lease) {
   self_.network = network;
   self_.shm_state = shm_ == nullptr ? "the node rules it out" : "starting";
   negotiation_.self_changed(self_);
@@ -46,17 +46,15 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transpo
 
 /// A newcomer is told at once that we live: before that it would not notice our end.
 void Reconciler::endpoint_seen(const Endpoint& endpoint) {
-  const bool is_new = !negotiation_.knows(endpoint.node_id);
-  if (is_new) told_of_life_at_ = {};
-  if (!is_new) heard_of(endpoint.node_id);
+  if (!negotiation_.knows(endpoint.node_id)) told_of_life_at_ = {};
   dirty_ |= negotiation_.endpoint_seen(endpoint);
+  if (negotiation_.knows(endpoint.node_id)) heard_of(endpoint.node_id);
 }
 
 /// By anything but that it lives, which is said otherwise.
 void Reconciler::heard_of(NodeId id) {
-  const bool returned = negotiation_.node_returned(id);
-  silence_.heard(id, std::chrono::steady_clock::now(), returned);
-  dirty_ |= returned;
+  silence_.heard(id, std::chrono::steady_clock::now());
+  dirty_ |= negotiation_.node_returned(id);
 }
 
 void Reconciler::endpoint_departed(EndpointId id) { dirty_ |= negotiation_.endpoint_departed(id); }

@@ -1,8 +1,7 @@
-// Nodes that discovery takes for silent, although something else of them has come lately: whether they are to
-// be taken for lost. Pure.
+// Nodes that have said something, and not yet after that that they live: whether they are lost. Pure.
 //
-// Discovery watches their signs of life, and tells once that these fail to come; whatever else a node says is
-// as good a sign.
+// Discovery watches the signs of life of nodes from the first that has come, and tells once that they fail to
+// come. Whatever else a node says is as good a sign, but its end is ours to watch until the next.
 #pragma once
 
 #include <chrono>
@@ -20,23 +19,18 @@ class SilenceWatch {
   /// `lease`: how long nothing at all may be heard of a node.
   explicit SilenceWatch(std::chrono::milliseconds lease) : lease_(lease) {}
 
-  /// It has said something else than that it lives. `was_lost`: discovery does not listen for its end any
-  /// more.
-  void heard(NodeId node, Now now, bool was_lost);
-  /// It has said that it lives: discovery listens.
+  /// It has said something else than that it lives.
+  void heard(NodeId node, Now now) { nodes_[node] = now; }
+  /// It has said that it lives: discovery watches it.
   void lives(NodeId node) { nodes_.erase(node); }
-  /// Discovery takes it for silent. Whether it is lost; if not, it may be told by take_lost() later.
-  bool is_lost(NodeId node, Now now);
+  /// Discovery misses its signs. Whether it is lost; if not, it may be told by take_lost() later.
+  bool is_lost(NodeId node, Now now) const;
   /// Those of which nothing more has come meanwhile.
   std::vector<NodeId> take_lost(Now now);
 
  private:
-  struct Heard {
-    Now at{};
-    bool silent = false;  ///< as discovery takes it
-  };
   std::chrono::milliseconds lease_;
-  std::map<NodeId, Heard> nodes_;  ///< those heard within a lease
+  std::map<NodeId, Now> nodes_;  ///< when they were heard
 };
 
 }  // namespace sft::core

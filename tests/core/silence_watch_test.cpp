@@ -21,34 +21,24 @@ class SilenceWatchTest : public ::testing::Test {
 
 TEST_F(SilenceWatchTest, ANodeOfWhichNothingElseCameIsLostAtOnce) {
   EXPECT_TRUE(watch.is_lost(node, start));
-  watch.heard(node, start, false);
+  watch.heard(node, start);
   EXPECT_TRUE(watch.is_lost(node, start + 5s));
-  EXPECT_THAT(watch.take_lost(start + 20s), IsEmpty()) << "that was told";
 }
 
 TEST_F(SilenceWatchTest, ANodeOfWhichSomethingCameIsLostALeaseAfterThat) {
-  watch.heard(node, start, false);
+  watch.heard(node, start);
   EXPECT_FALSE(watch.is_lost(node, start + 1s));
-  watch.heard(node, start + 3s, false);
+  watch.heard(node, start + 3s);
   EXPECT_THAT(watch.take_lost(start + 8s - 1ms), IsEmpty());
   EXPECT_THAT(watch.take_lost(start + 8s), ElementsAre(node));
-  EXPECT_THAT(watch.take_lost(start + 20s), IsEmpty());
+  EXPECT_THAT(watch.take_lost(start + 20s), IsEmpty()) << "that was told";
 }
 
-TEST_F(SilenceWatchTest, ANodeThatReturnedByWhatItSaidIsLostAgainIfItSaysNoMore) {
-  watch.heard(node, start, true);
-  EXPECT_THAT(watch.take_lost(start + 5s), ElementsAre(node));
-}
-
-TEST_F(SilenceWatchTest, OnceItSaysThatItLivesItIsForDiscoveryToTell) {
-  watch.heard(node, start, true);
+TEST_F(SilenceWatchTest, OnceANodeSaysThatItLivesItIsForDiscoveryToTell) {
+  watch.heard(node, start);
   watch.lives(node);
   EXPECT_THAT(watch.take_lost(start + 20s), IsEmpty());
-}
-
-TEST_F(SilenceWatchTest, ANodeThatIsNotTakenForSilentIsNotLostForSayingNothingElse) {
-  watch.heard(node, start, false);
-  EXPECT_THAT(watch.take_lost(start + 20s), IsEmpty());
+  EXPECT_TRUE(watch.is_lost(node, start + 20s));
 }
 
 }  // namespace
