@@ -338,6 +338,7 @@ void Reconciler::look_after_udp(Now now) {
 void Reconciler::look_after_addresses(Now now) {
   if (now < next_look_at_addresses_) return;
   next_look_at_addresses_ = now + look_at_addresses_every;
+  if (!udp_->network_changed()) return;
   std::vector<UdpAddress> addresses = udp_->addresses();
   std::vector<Link> links = udp_->links();
   const bool moved = addresses != addresses_;
