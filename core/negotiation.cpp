@@ -257,53 +257,10 @@ std::uint32_t Negotiation::history_owed(const Entry& writer, const Endpoint& rea
   return std::min(offered.history_depth, reader.qos.history_depth);
 }
 
-std::string Negotiation::why_not_shm(const Endpoint& writer, const Endpoint& reader) const {
-  if (!writer.may_use_shm) return "the publisher or its node rules shared memory out";
-  if (!reader.may_use_shm) return "the subscriber or its node rules shared memory out";
-  const bool we_write = entries_.at(writer.id).type != nullptr;
-  const Endpoint& peer = we_write ? reader : writer;
-  if (self_.host.known() && peer.host.known() && peer.host != self_.host) return "another host";
-  if (peer.network != self_.network) return "another host";
-  if (!self_.host.known()) return "no shared memory: " + self_.shm_state;
-  if (we_write && !self_.may_write_shm && peer.host.known()) return "this user may only read shared memory";
-  return "the other side has no shared memory yet";
-}
-
-/// Of a pair on one network stack, where tokens that differ may be those of a daemon that has just gone.
-bool Negotiation::may_come_to_share(const Endpoint& writer, const Endpoint& reader) const {
-  const bool we_write = entries_.at(writer.id).type != nullptr;
-  const bool read_only = we_write && self_.host.known() && !self_.may_write_shm;
-  const Endpoint& peer = we_write ? reader : writer;
-  return writer.may_use_shm && reader.may_use_shm && peer.network == self_.network && !read_only;
-}
-
-Negotiation::Verdict Negotiation::judge(const Entry& ours, const Entry& other) const {
-  const bool we_write = ours.endpoint.role == Role::writer;
-  const Endpoint& writer = we_write ? ours.endpoint : other.endpoint;
-  const Endpoint& reader = we_write ? other.endpoint : ours.endpoint;
-  Verdict verdict;
-  if (writer.type_name != reader.type_name) {
-    verdict.mismatch =
-        "type " + writer.type_name + " is published, " + reader.type_name + " is subscribed to";
-  } else if (writer.type_hash != reader.type_hash) {
-    verdict.definitions = comparisons_.compare(*ours.type, other.endpoint);
-    const std::string& difference = verdict.definitions->difference;
-    verdict.mismatch = "two different definitions of type " + writer.type_name +
-                       (difference.empty() ? "" : ": " + difference);
-  }
-  verdict.incompatible_type = !verdict.mismatch.empty();
-  if (verdict.incompatible_type) return verdict;
-  if (QosConflict conflict = conflict_between(writer.qos, reader.qos); conflict.policy != QosPolicy::none) {
-    verdict.incompatible_policy = conflict.policy;
-    verdict.mismatch = std::move(conflict.reason);
-    return verdict;
-  }
-  verdict.shm = writer.may_use_shm && reader.may_use_shm && self_.host.known() && writer.host == self_.host &&
-                reader.host == self_.host;
-  verdict.udp = writer.may_use_udp && reader.may_use_udp && !reader.addresses.empty();
-  if (!verdict.shm) verdict.udp_reason = why_not_shm(writer, reader);
-  verdict.shm_may_come = !verdict.shm && !verdict.udp && may_come_to_share(writer, reader);
-  return verdict;
+Verdict Negotiation::judge(const Entry& writer, const Entry& reader) const {
+  const bool we_write = writer.type != nullptr;
+  const TypeSupport& type = we_write ? *writer.type : *reader.type;
+  return core::judge({writer.endpoint, reader.endpoint, we_write}, type, self_, comparisons_);
 }
 
 std::vector<const Negotiation::Entry*> Negotiation::others(const Entry& entry) const {
@@ -388,6 +345,30 @@ Serving Negotiation::serving(EndpointId writer) const {
   return serving;
 }
 
+WriterStatus Negotiation::status_of(const Entry& writer, const Endpoint& reader, const Verdict& verdict,
+                                    bool history_comes) {
+  const EndpointId id = writer.endpoint.id;
+  const bool attached = verdict.shm && holds(reader.request.attached, id);
+  const bool listening = verdict.udp && holds(reader.request.listening, id);
+  WriterStatus status{.id = id, .node = writer.endpoint.node, .alive = !writer.lost()};
+  status.incompatible_type = verdict.incompatible_type;
+  status.incompatible_policy = verdict.incompatible_policy;
+  status.matched = verdict.shm || verdict.udp;
+  status.connected = !writer.lost() && (attached || listening);
+  status.no_path = !status.matched && verdict.mismatch.empty();
+  status.no_path_yet = verdict.shm_may_come;
+  status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
+  status.mismatch = verdict.definitions;
+  status.reason = !verdict.mismatch.empty()      ? verdict.mismatch
+                  : writer.lost()                ? "its node does not answer"
+                  : attached                     ? "same host"
+                  : verdict.shm && history_comes ? "same host, what was published before comes first"
+                  : verdict.shm                  ? "same host, shared memory is being attached"
+                  : verdict.udp                  ? verdict.udp_reason
+                                                 : "UDP is ruled out, and " + verdict.udp_reason;
+  return status;
+}
+
 std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
   std::vector<Hearing> result;
   const auto entry = entries_.find(reader);
@@ -395,36 +376,17 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
   const Endpoint& r = entry->second.endpoint;
   for (const Entry* writer : others(entry->second)) {
     const Endpoint& w = writer->endpoint;
-    const Verdict verdict = judge(entry->second, *writer);
+    const Verdict verdict = judge(*writer, entry->second);
     const std::uint32_t owed = history_owed(*writer, r);
     const bool history_first = owed != 0 && verdict.udp;
     // What others get through shared memory would overtake it.
     const bool history_comes = history_first && !entry->second.history_came.contains(w.id);
-    Hearing hearing{.source = {w.id, w.max_sample_bytes, history_first},
-                    .offered = w.qos,
-                    .owed = owed,
-                    .status = {.id = w.id, .node = w.node, .alive = !writer->lost()}};
-    hearing.shm = verdict.shm && !history_comes;
-    hearing.udp = verdict.udp;
-    const bool attached = verdict.shm && holds(r.request.attached, w.id);
-    hearing.status.incompatible_type = verdict.incompatible_type;
-    hearing.status.incompatible_policy = verdict.incompatible_policy;
-    hearing.status.matched = verdict.shm || verdict.udp;
-    const bool listening = verdict.udp && holds(r.request.listening, w.id);
-    hearing.status.connected = !writer->lost() && (attached || listening);
-    hearing.status.no_path = !hearing.status.matched && verdict.mismatch.empty();
-    hearing.status.no_path_yet = verdict.shm_may_come;
-    hearing.status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
-    hearing.status.mismatch = verdict.definitions;
-    hearing.status.reason = !verdict.mismatch.empty() ? verdict.mismatch
-                            : writer->lost()          ? "its node does not answer"
-                            : attached                ? "same host"
-                            : verdict.shm && history_comes
-                                ? "same host, what was published before comes first"
-                            : verdict.shm ? "same host, shared memory is being attached"
-                            : verdict.udp ? verdict.udp_reason
-                                          : "UDP is ruled out, and " + verdict.udp_reason;
-    result.push_back(std::move(hearing));
+    result.push_back({.source = {w.id, w.max_sample_bytes, history_first},
+                      .offered = w.qos,
+                      .owed = owed,
+                      .shm = verdict.shm && !history_comes,
+                      .udp = verdict.udp,
+                      .status = status_of(*writer, r, verdict, history_comes)});
   }
   return result;
 }

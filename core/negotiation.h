@@ -13,21 +13,13 @@
 #include <vector>
 
 #include "core/control.h"
+#include "core/pair.h"
 #include "core/qos_watch.h"
 #include "core/transport.h"
 #include "core/type_comparisons.h"
 #include "sft/status.h"
 
 namespace sft::core {
-
-/// This node, as far as it decides about paths.
-struct Self {
-  HostToken host;  ///< known while shared memory is ready
-  std::uint64_t network = 0;
-  std::string shm_state;      ///< why shared memory is not ready, for reasons given to people
-  bool may_write_shm = true;  ///< where it is
-  friend bool operator==(const Self&, const Self&) = default;
-};
 
 /// What one of our writers should do.
 struct Serving {
@@ -127,23 +119,13 @@ class Negotiation {
     Request request;
     std::uint64_t arrival = 0;  ///< counts them, so that the oldest can make room
   };
-  struct Verdict {         ///< on one pair, as we see it
-    std::string mismatch;  ///< not empty: never matches, and why
-    bool incompatible_type = false;
-    std::shared_ptr<const TypeMismatch> definitions;  ///< not null: they are two of one type
-    QosPolicy incompatible_policy = QosPolicy::none;
-    bool shm = false;  ///< both may and can use shared memory
-    bool udp = false;
-    std::string udp_reason;
-    bool shm_may_come = false;  ///< neither, as yet
-  };
 
   HostToken host_of(Role role) const;
-  Verdict judge(const Entry& ours, const Entry& other) const;
-  std::string why_not_shm(const Endpoint& writer, const Endpoint& reader) const;
-  bool may_come_to_share(const Endpoint& writer, const Endpoint& reader) const;
+  Verdict judge(const Entry& writer, const Entry& reader) const;
   static void look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving);
   ReaderStatus serve(const Entry& writer, const Entry& reader, Serving& serving) const;
+  static WriterStatus status_of(const Entry& writer, const Endpoint& reader, const Verdict& verdict,
+                                bool history_comes);
   static std::uint32_t history_owed(const Entry& writer, const Endpoint& reader);
   void erase(EndpointId id);
   UdpAddress address_of(const Endpoint& reader) const;
