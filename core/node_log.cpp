@@ -44,6 +44,7 @@ LogLevel NodeLog::level_of(EventKind kind) {
   switch (kind) {
     case EventKind::incompatible_qos:
     case EventKind::incompatible_type:
+    case EventKind::held_too_many:
       return LogLevel::warning;
     case EventKind::request_changed:
       return LogLevel::debug;
@@ -55,6 +56,7 @@ LogLevel NodeLog::level_of(EventKind kind) {
     case EventKind::liveliness_lost:
     case EventKind::liveliness_recovered:
     case EventKind::samples_lost:
+    case EventKind::samples_diverted:
       return LogLevel::info;
   }
   return LogLevel::info;

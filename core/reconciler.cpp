@@ -67,7 +67,8 @@ void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherC
                                    .in_force = {},
                                    .watch = OfferWatch(endpoint.qos, std::chrono::steady_clock::now()),
                                    .history_sent = false,
-                                   .told = {}});
+                                   .told = {},
+                                   .logged = {}});
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
   announce(endpoint.id);
@@ -185,6 +186,7 @@ std::chrono::milliseconds Reconciler::tick() {
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   look_after_histories();
   let_go_of_the_left();
+  for (const auto& [id, reader] : readers_) reader.core->look_again();
   reconcile();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
@@ -409,18 +411,23 @@ void Reconciler::reconcile() {
 
 /// Events are what differs between the states that users could have polled.
 void Reconciler::tell_what_happened() {
-  const auto tell = [this](auto& core, auto& told) {
+  const auto always = [](const Event&) { return true; };
+  const auto tell = [this](auto& core, auto& told, const auto& is_logged) {
     if (!core.events().wanted() && !log_.wants(LogLevel::warning)) return;
     auto now = core.status();
     const auto events = events_between(told, now, core.type());
     told = std::move(now);
     for (const Event& event : events) {
-      log_.write(core.spec().topic, event);
+      if (is_logged(event)) log_.write(core.spec().topic, event);
       core.events().tell(event);
     }
   };
-  for (auto& [id, writer] : writers_) tell(*writer.core, writer.told);
-  for (auto& [id, reader] : readers_) tell(*reader.core, reader.told);
+  for (auto& [id, writer] : writers_) {
+    tell(*writer.core, writer.told, [&logged = writer.logged](const Event& event) {
+      return event.kind != EventKind::samples_diverted || logged.insert(event.text).second;
+    });
+  }
+  for (auto& [id, reader] : readers_) tell(*reader.core, reader.told, always);
 }
 
 void Reconciler::apply_desired_states() {
@@ -511,8 +518,9 @@ Hearing Reconciler::connect(EndpointId id, Reader& reader, const Hearing& wanted
 
 Result<void> Reconciler::connect_shm(EndpointId id, Reader& reader, const Source& source) {
   if (reader.shm == nullptr) {
-    auto port = shm_->open_reader({id, &reader.core->type(), reader.core->spec().options.depth,
-                                   reader.core.get(), negotiation_.local(id)->doorbell});
+    auto port =
+        shm_->open_reader({id, &reader.core->type(), reader.core->spec().options.depth, reader.core.get(),
+                           negotiation_.local(id)->doorbell, reader.core->spec().options.max_held});
     if (!port) return tl::unexpected(port.error());
     reader.shm = std::move(*port);
     reader.core->set_port(TransportKind::shm, reader.shm);

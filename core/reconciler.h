@@ -81,8 +81,9 @@ class Reconciler {
     Retry opening_shm{};
     std::optional<Serving> in_force;
     OfferWatch watch;
-    bool history_sent = false;  ///< at the last tick: all that late readers were to be given
-    PublisherStatus told;       ///< the state up to which its events were told
+    bool history_sent = false;     ///< at the last tick: all that late readers were to be given
+    PublisherStatus told;          ///< the state up to which its events were told
+    std::set<std::string> logged;  ///< why samples were diverted: each reason once
   };
   struct Accepted {
     Wanted wanted;

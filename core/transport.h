@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -66,6 +67,8 @@ struct Route {
   std::shared_ptr<const RateGate> gate{};  ///< which keeps that limit; null: every sample is for it
   /// Not 0: it is served apart from all others, from so many retained samples on.
   std::uint32_t history = 0;
+  /// It is served elsewhere, and by this only as WriterPort::include_spares() says.
+  bool spare = false;
   friend bool operator==(const Route&, const Route&) = default;
 };
 
@@ -106,6 +109,8 @@ class WriterPort {
     static_cast<void>(bytes);
     return {};
   }
+  /// No loan() of more can ever succeed: for telling why one did not.
+  virtual std::size_t largest_loan_bytes() const noexcept { return std::numeric_limits<std::size_t>::max(); }
 
   /// Sends an encoded sample to the routes in force whose gates it passes, as these say on this thread; see
   /// can_send() for where it may come from. The caller may still read the sample afterwards while it keeps a
@@ -115,7 +120,10 @@ class WriterPort {
   /// A sample is about to be made, and gates to be asked: it goes by the routes that are in force now.
   /// Without this by those in force when it is sent.
   virtual void begin() noexcept {}
-  /// The sample that the gates were asked about last could not be made: whom it was for misses it.
+  /// The sample that is sent next goes by spare routes, too: where it should have gone it could not.
+  virtual void include_spares() noexcept {}
+  /// The sample that the gates were asked about last could not be made: whom it was for misses it, but for
+  /// spare routes.
   virtual void miss() noexcept {}
 
   /// Where to count what becomes of samples, by the pages of DeliveryBook::Teller::network. Called at most
@@ -166,6 +174,8 @@ struct ReaderSpec {
   ArrivalListener* listener =
       nullptr;               ///< outlives the port; not called by shared memory, where doorbells ring
   DoorbellAddress doorbell;  ///< what writers in shared memory ring for this reader
+  /// Handles of one writer that may be out; take() gives no more of it then. For shared memory.
+  std::uint32_t max_held = 256;
 };
 
 class ReaderPort {
@@ -174,6 +184,11 @@ class ReaderPort {
 
   /// The oldest sample not yet taken, validated so far that every getter is safe; empty if there is none.
   virtual SampleHandle take() noexcept = 0;
+  /// The same, of that writer only. Where writers do not pass each other there is no need for it.
+  virtual SampleHandle take_of(EndpointId writer) noexcept {
+    static_cast<void>(writer);
+    return {};
+  }
 
   /// Begins to accept a writer's samples. In shared memory asks the daemon, with a deadline of its own.
   virtual Result<void> connect(const Source& source) = 0;
@@ -196,7 +211,10 @@ class ReaderPort {
   /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
   virtual std::uint64_t discarded() const noexcept = 0;
 
-  /// Of these, samples of disconnected writers that no gap in the sequences of those taken shows.
+  /// Times that as many samples of a writer were held as may be, and the next one could not be taken.
+  virtual std::uint64_t held_too_many() const noexcept { return 0; }
+
+  /// Of those discarded, samples of disconnected writers that no gap in the sequences of those taken shows.
   virtual std::uint64_t lost_unnoticed() const noexcept { return 0; }
 };
 

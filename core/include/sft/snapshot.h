@@ -15,14 +15,14 @@
 //   control       refused {malformed, ignored}
 //   publishers[]  id, topic, type, qos, fields (encoded at present), published, bytes_sent, bytes_saved,
 //   dropped,
-//                 deadlines_missed, alive, readers[]
+//                 diverted {exhausted, too_large, unavailable}, deadlines_missed, alive, readers[]
 //     readers[]   id, node, served, transport, reason, incompatible_type, incompatible_policy (null: none),
 //     no_path,
-//                 fields, max_rate_hz, request, published, sent, withheld, dropped, retained, bytes_sent,
-//                 bytes_saved
+//                 fields, max_rate_hz, request, published, sent, withheld, dropped, retained, diverted,
+//                 bytes_sent, bytes_saved
 //   subscribers[] id, topic, type, qos, fields (asked for), recorded, max_rate_hz, requests, received, lost,
 //   withheld,
-//                 expired, discarded, writers[]
+//                 expired, discarded, held_too_many, writers[]
 //     writers[]   id, node, matched, alive, transport, reason, incompatible_type, incompatible_policy,
 //     no_path,
 //                 received, lost, withheld, expired, deadlines_missed
@@ -55,6 +55,7 @@ struct PublisherSnapshot {
   std::uint64_t bytes_sent = 0;
   std::uint64_t bytes_saved = 0;
   std::uint64_t dropped = 0;
+  Diverted diverted{};
   std::uint64_t deadlines_missed = 0;
   bool alive = true;
   std::vector<ReaderSnapshot> readers;
@@ -75,6 +76,7 @@ struct SubscriberSnapshot {
   std::uint64_t withheld = 0;
   std::uint64_t expired = 0;
   std::uint64_t discarded = 0;
+  std::uint64_t held_too_many = 0;
   std::vector<WriterStatus> writers;
 };
 
