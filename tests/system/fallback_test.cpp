@@ -34,13 +34,13 @@ class SmallDaemon {
  public:
   explicit SmallDaemon(const std::string& pools) {
     std::ofstream("/tmp/sftd.toml") << pools;
-    std::string program = program_directory() + "/sftd", option = "--config", file = "/tmp/sftd.toml";
-    char* arguments[] = {program.data(), option.data(), file.data(), nullptr};
+    std::string words[] = {program_directory() + "/sftd", "--foreground", "--config=/tmp/sftd.toml"};
+    char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), nullptr};
     posix_spawn_file_actions_t quiet;
     posix_spawn_file_actions_init(&quiet);
     posix_spawn_file_actions_addopen(&quiet, 1, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_adddup2(&quiet, 1, 2);
-    if (posix_spawn(&pid_, program.c_str(), &quiet, nullptr, arguments, environ) != 0) pid_ = -1;
+    if (posix_spawn(&pid_, arguments[0], &quiet, nullptr, arguments, environ) != 0) pid_ = -1;
     posix_spawn_file_actions_destroy(&quiet);
   }
   ~SmallDaemon() {
