@@ -8,9 +8,9 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <cstdint>
-#include <thread>
+
+#include "core/backoff.h"
 
 namespace sft::core {
 
@@ -28,19 +28,14 @@ class CallCount {
     CallCount& count_;
   };
 
-  /// Until the call that is under way, if any, has ended. Sleeps, because the caller may need this processor.
+  /// Until the call that is under way, if any, has ended.
   void wait_for_present_call() const {
     const std::uint64_t seen = steps_.load(std::memory_order_seq_cst);
     if (seen % 2 == 0) return;
-    for (int i = 0; steps_.load(std::memory_order_acquire) == seen; ++i) {
-      i < yields ? std::this_thread::yield() : std::this_thread::sleep_for(pause);
-    }
+    wait_until([&] { return steps_.load(std::memory_order_acquire) != seen; });
   }
 
  private:
-  static constexpr int yields = 32;
-  static constexpr std::chrono::microseconds pause{20};
-
   void step(std::memory_order order) { steps_.store(steps_.load(std::memory_order_relaxed) + 1, order); }
 
   std::atomic<std::uint64_t> steps_{0};  ///< odd within a call

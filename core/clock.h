@@ -1,4 +1,4 @@
-// The clock that samples are stamped with.
+// The clock that samples are stamped with, and the one that deadlines are kept by.
 #pragma once
 
 #include <chrono>
@@ -10,6 +10,19 @@ namespace sft::core {
 inline std::int64_t realtime_ns() noexcept {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+}
+
+/// Whether a stamp, which may be anything, is more than `age_ns` before `now_ns`. Neither of these is
+/// negative.
+constexpr bool is_older(std::int64_t stamp_ns, std::int64_t age_ns, std::int64_t now_ns) noexcept {
+  return stamp_ns < now_ns - age_ns;
+}
+
+/// After which a wait is over; the end of time where the timeout is too long for less.
+inline std::chrono::steady_clock::time_point deadline_after(std::chrono::nanoseconds timeout) noexcept {
+  using Clock = std::chrono::steady_clock;
+  const auto now = Clock::now();
+  return timeout > Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
 }
 
 }  // namespace sft::core

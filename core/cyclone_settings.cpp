@@ -30,13 +30,9 @@ constexpr std::string_view separators = ", \t\r\n";
 constexpr const char* where_from =
     "the configuration of Cyclone DDS (CYCLONEDDS_URI or NodeOptions::cyclonedds_config)";
 
-bool same(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
-}
-
 bool is_called(std::string_view written, std::string_view name, bool may_be_short) {
   const bool is_short = may_be_short && !written.empty() && written.size() < name.size();
-  return same(written, is_short ? name.substr(0, written.size()) : name);
+  return equals(written, is_short ? name.substr(0, written.size()) : name);
 }
 
 /// With ${VARIABLES} replaced.
@@ -48,13 +44,18 @@ std::string expanded(const char* value, std::uint32_t domain) {
 /// Where Cyclone finds what it used to have elsewhere.
 void bring_up_to_date(std::vector<std::string>& path) {
   if (path.empty()) return;
-  if (same(path[0], "Unsupported")) path[0] = "Internal";
-  if (same(path[0], "DDSSecurity")) path[0] = "Security";
-  const bool moved = path.size() > 1 && (same(path[1], "MaxMessageSize") || same(path[1], "FragmentSize"));
-  if (moved && same(path[0], "Internal")) path[0] = "General";
+  if (equals(path[0], "Unsupported")) path[0] = "Internal";
+  if (equals(path[0], "DDSSecurity")) path[0] = "Security";
+  const bool moved =
+      path.size() > 1 && (equals(path[1], "MaxMessageSize") || equals(path[1], "FragmentSize"));
+  if (moved && equals(path[0], "Internal")) path[0] = "General";
 }
 
 }  // namespace
+
+bool equals(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
+}
 
 /// Hears what the parser finds, in one text or file.
 class CycloneSettingsReader {
@@ -98,10 +99,10 @@ class CycloneSettingsReader {
   /// Of the elements that are open, those around <Domain> and itself are left out.
   void set(std::string attribute, const char* value) {
     if (open_.size() >= skipped_from_) return;
-    std::size_t outer = same(open_[0], "CycloneDDS") ? 1 : 0;
+    std::size_t outer = equals(open_[0], "CycloneDDS") ? 1 : 0;
     bool in_domain = false;
     if (open_.size() > outer && (is_called(open_[outer], "Domain", may_be_short_ && outer == 1) ||
-                                 same(open_[outer], "DDSI2E") || same(open_[outer], "DDSI2"))) {
+                                 equals(open_[outer], "DDSI2E") || equals(open_[outer], "DDSI2"))) {
       in_domain = true;
       ++outer;
     }
@@ -111,7 +112,7 @@ class CycloneSettingsReader {
     if (!attribute.empty()) setting.path.push_back(std::move(attribute));
     if (setting.path.empty()) return;
     const bool is_id =
-        setting.path.size() == 1 && (same(setting.path[0], "@Id") || same(setting.path[0], "Id"));
+        setting.path.size() == 1 && (equals(setting.path[0], "@Id") || equals(setting.path[0], "Id"));
     if (in_domain && is_id) return take_id(setting.value, outer);
     if (outer < open_.size()) {  // and not a name space, say
       bring_up_to_date(setting.path);
@@ -123,7 +124,7 @@ class CycloneSettingsReader {
     std::uint32_t number = 0;
     const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), number);
     const bool is_number = error == std::errc{} && end == id.data() + id.size();
-    if (same(id, "any") || !is_number || number == domain_) return;  // what is neither, Cyclone refuses
+    if (equals(id, "any") || !is_number || number == domain_) return;  // what is neither, Cyclone refuses
     settings_.for_others_ = true;
     skipped_from_ = domain_depth;
   }

@@ -14,6 +14,9 @@
 
 namespace sft::core {
 
+/// As names and values of settings are compared: upper and lower case are the same.
+bool equals(std::string_view a, std::string_view b);
+
 class CycloneSettings {
  public:
   /// `config`: XML texts and names of files (or file:// URIs), separated by commas; may be empty. The error

@@ -1,7 +1,6 @@
 #include "core/dds_config.h"
 
 #include <fnmatch.h>
-#include <strings.h>
 
 #include <algorithm>
 #include <array>
@@ -19,10 +18,6 @@ namespace {
 constexpr std::array control_topics{"sft_endpoint", "sft_request", "sft_liveliness"};
 constexpr std::size_t fragment_bytes_min = 128;
 constexpr std::size_t sample_bytes_min = 65'536;  // of control samples; the largest have some 30,000
-
-bool equals(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
-}
 
 std::string element(std::string_view name, std::string_view content) {
   return "<" + std::string(name) + ">" + std::string(content) + "</" + std::string(name) + ">";
@@ -92,15 +87,15 @@ std::string path_of(const Demand& demand) {
 class Composition {
  public:
   Composition(const DiscoverySettings& settings, const CycloneSettings& user)
-      : settings_(settings), user_(user), multicast_(settings.multicast) {
-    if (const auto value = user.value("General/AllowMulticast")) multicast_ = !equals(*value, "false");
-  }
+      : settings_(settings),
+        user_(user),
+        multicast_(user.value("General/AllowMulticast").value_or(multicast_by_ours())) {}
 
   DdsConfig result(const std::string& user_config) const {
-    DdsConfig config{{}, multicast_, summary(), {}};
+    DdsConfig config{{}, !finds_by_peers_only() && !equals(multicast_, "spdp"), summary(), {}};
     std::string insisted;
     for (const Demand& demand : demands) insisted += insist_on(demand, config.warnings);
-    if (!multicast_) insisted += insist_on(predictable_port, config.warnings);
+    if (finds_by_peers_only()) insisted += insist_on(predictable_port, config.warnings);
     // What comes later wins.
     config.text = ours() + "," + (user_config.empty() ? "" : user_config + ",") + document(insisted);
     add_remarks(config.warnings);
@@ -108,6 +103,12 @@ class Composition {
   }
 
  private:
+  /// To peers that it does not reach, nothing must go by it once they are found.
+  std::string multicast_by_ours() const {
+    if (!settings_.multicast) return "false";
+    return has_peers() ? "spdp" : "default";
+  }
+  bool finds_by_peers_only() const { return equals(multicast_, "false"); }
   bool has_peers() const { return !settings_.peers.empty() || user_.sets("Discovery/Peers"); }
   bool user_chose_interfaces() const {
     return user_.sets("General/Interfaces") || user_.sets("General/NetworkInterfaceAddress");
@@ -124,8 +125,7 @@ class Composition {
   }
 
   std::string general() const {
-    std::string text;
-    if (!settings_.multicast) text += element("AllowMulticast", "false");
+    const std::string text = element("AllowMulticast", multicast_by_ours());
     if (settings_.interfaces.empty() || user_chose_interfaces()) return text;
     std::string interfaces;
     for (const std::string& name : settings_.interfaces) {
@@ -139,9 +139,10 @@ class Composition {
 
   /// A peer is asked at every port that a node of it may have, each time: that has to be rare, and they few.
   std::string discovery() const {
-    if (multicast_ && !has_peers()) return element("SPDPInterval", "10 s") + element("LeaseDuration", "20 s");
+    if (!finds_by_peers_only() && !has_peers())
+      return element("SPDPInterval", "10 s") + element("LeaseDuration", "20 s");
     std::string peers;
-    if (!multicast_) peers += "<Peer Address=\"localhost\"/>";
+    if (finds_by_peers_only()) peers += "<Peer Address=\"localhost\"/>";
     for (const std::string& peer : settings_.peers) peers += "<Peer Address=\"" + peer + "\"/>";
     return element("SPDPInterval", "120 s") + element("LeaseDuration", "150 s") +
            element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20") +
@@ -151,7 +152,7 @@ class Composition {
   std::string summary() const {
     std::vector<std::string> peers = settings_.peers;
     for (std::string& peer : user_.values("Discovery/Peers/Peer/@Address")) peers.push_back(std::move(peer));
-    std::string text = multicast_ ? "by multicast" : "on this host";
+    std::string text = finds_by_peers_only() ? "on this host" : "by multicast";
     if (!peers.empty()) text += ", and on the peers " + list(peers);
     if (!settings_.interfaces.empty() && !user_chose_interfaces())
       text += ", by " + list(settings_.interfaces);
@@ -180,14 +181,14 @@ class Composition {
       warnings.emplace_back(
           "CYCLONEDDS_URI chooses the network interfaces, not DiscoverySettings::interfaces");
     }
-    if (!multicast_ && !has_peers()) {
+    if (finds_by_peers_only() && !has_peers()) {
       warnings.emplace_back("multicast is off and there are no peers: only nodes of this host are found");
     }
   }
 
   const DiscoverySettings& settings_;
   const CycloneSettings& user_;
-  bool multicast_;
+  const std::string multicast_;  ///< in force, of Cyclone's AllowMulticast
 };
 
 Result<void> check_names(const std::vector<std::string>& names, const char* what) {
@@ -243,7 +244,7 @@ Result<std::vector<std::string>> discovery_interfaces(std::uint32_t domain, cons
   if (const auto deprecated = user->value("General/NetworkInterfaceAddress")) {
     for (const auto name : std::views::split(*deprecated, ',')) names.emplace_back(name.begin(), name.end());
   }
-  return names.empty() ? settings.interfaces : names;
+  return user->sets("General/Interfaces") || !names.empty() ? names : settings.interfaces;
 }
 
 }  // namespace sft::core

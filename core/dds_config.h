@@ -13,7 +13,7 @@ namespace sft::core {
 
 struct DdsConfig {
   std::string text;                   ///< for dds_create_domain
-  bool multicast = true;              ///< one datagram reaches all
+  bool multicast = true;              ///< one datagram can reach several nodes once they are found
   std::string summary;                ///< how nodes are found
   std::vector<std::string> warnings;  ///< what does not hold of the user's, and why; what to know of it
 };

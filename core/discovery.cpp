@@ -43,6 +43,15 @@ DdsQos assertion_qos(const LifeSigns& signs) {
   return qos;
 }
 
+/// Requests nothing of the lease, or a node would not hear of those whose own is longer. It is each writer's
+/// own lease that Cyclone watches.
+DdsQos hearing_qos(const dds_qos_t* written) {
+  DdsQos qos(dds_create_qos());
+  dds_copy_qos(qos.get(), written);
+  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, DDS_INFINITY);
+  return qos;
+}
+
 /// Others can tell our participants from vanilla ones by it. What changes in it is told to everybody, which
 /// is all that `greeting` is for.
 DdsQos participant_qos(unsigned greeting) {
@@ -82,7 +91,7 @@ class CycloneDiscovery final : public Discovery {
     if (!config) return tl::unexpected(config.error());
     if (const auto opened = open_dds_domain(options.domain, *config); !opened) return opened;
     configuration_ = {std::move(config->summary), std::move(config->warnings),
-                      config->multicast ? life_signs_to_all : life_signs_to_each};
+                      config->multicast ? life_signs_to_all : life_signs_to_each, life_signs_to_each.lease};
     const CycloneMessages messages;
     participant_ = dds_create_participant(options.domain, participant_qos(greetings_).get(), nullptr);
     if (participant_ < 0) {
@@ -142,7 +151,7 @@ class CycloneDiscovery final : public Discovery {
     Listener listener(dds_create_listener(this));
     dds_lset_data_available(listener.get(), on_data);
     const dds_entity_t reader =
-        topic < 0 ? topic : dds_create_reader(participant_, topic, qos, listener.get());
+        topic < 0 ? topic : dds_create_reader(participant_, topic, hearing_qos(qos).get(), listener.get());
     const dds_entity_t writer = reader < 0 ? reader : dds_create_writer(participant_, topic, qos, nullptr);
     if (writer < 0) {
       return fail(Errc::system, std::string("control topic ") + name + ": " + dds_strretcode(writer));

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <linux/futex.h>
+#include <sched.h>
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -24,6 +25,16 @@ namespace {
 constexpr const char* directory = "/dev/shm";
 constexpr std::string_view prefix = "sft_bell_";
 constexpr std::size_t page_bytes = DoorbellPage::slots * sizeof(Doorbell);
+constexpr int looks_per_yield = 8;
+
+/// Tells the core that this is a loop that waits.
+void pause_core() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
 
 Doorbell* map(int fd) {
   const int flags = fd < 0 ? MAP_PRIVATE | MAP_ANONYMOUS : MAP_SHARED;
@@ -46,11 +57,20 @@ int create_file(const std::string& path) {
 
 }  // namespace
 
-void Doorbell::ring() noexcept {
-  rings.fetch_add(1, std::memory_order_seq_cst);
-  if (sleepers.load(std::memory_order_seq_cst) == 0) return;
+void Doorbell::wake() noexcept {
   // Everybody: two threads of a process may wait on one word, and each checks for itself what it waits for.
   syscall(SYS_futex, &rings, FUTEX_WAKE, 0x7fffffff, nullptr, nullptr, 0);
+}
+
+bool Doorbell::spin(std::uint32_t seen, std::chrono::steady_clock::time_point until) const noexcept {
+  while (std::chrono::steady_clock::now() < until) {
+    for (int i = 0; i < looks_per_yield; ++i) {
+      if (rings.load(std::memory_order_acquire) != seen) return true;
+      pause_core();
+    }
+    sched_yield();  // it may be the publisher that waits for this core
+  }
+  return false;
 }
 
 void Doorbell::sleep(std::uint32_t seen, std::chrono::steady_clock::time_point deadline) noexcept {

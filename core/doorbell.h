@@ -1,6 +1,6 @@
 // Waking a sleeping reader, in this process or another: a word in a page that the reader's process shares
 // through /dev/shm. Ringing costs one atomic addition while the reader is awake, and one futex call when it
-// sleeps.
+// sleeps; whoever rings several may do the first at once and leave the second to another thread.
 //
 // A page is a file `/dev/shm/sft_bell_<id in hex>`, locked (flock) by its owner as long as the process lives;
 // whoever finds one unlocked may remove it, so that killed processes leave nothing for long.
@@ -22,8 +22,23 @@ struct alignas(64) Doorbell {
   std::atomic<std::uint32_t> rings{0};
   std::atomic<std::uint32_t> sleepers{0};
 
-  /// Wakes all who sleep, after the caller made data visible. Any thread or process.
-  void ring() noexcept;
+  // Any thread or process, after it made data visible.
+
+  /// Wakes all who sleep.
+  void ring() noexcept {
+    if (announce()) wake();
+  }
+  /// The first half of ring(): whoever is awake knows. True if somebody sleeps: then wake() has to follow.
+  [[nodiscard]] bool announce() noexcept {
+    rings.fetch_add(1, std::memory_order_seq_cst);
+    return has_sleepers();
+  }
+  void wake() noexcept;
+  bool has_sleepers() const noexcept { return sleepers.load(std::memory_order_seq_cst) != 0; }
+
+  /// Keeps the core busy until the doorbell was rung since `rings` was `seen`, or the time is over; tells
+  /// which. Lets others run that wait for this core.
+  bool spin(std::uint32_t seen, std::chrono::steady_clock::time_point until) const noexcept;
 
   /// Sleeps until `ready()` holds, the doorbell was rung, or the deadline passed. Spurious returns are
   /// possible.

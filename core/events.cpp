@@ -73,8 +73,9 @@ void add_changes(const Peer& before, const Peer& after, std::vector<Event>& even
       (before.incompatible_policy != after.incompatible_policy || before.reason != after.reason)) {
     events.push_back(event_of(EventKind::incompatible_qos, after, after.reason));
   }
-  if (after.no_path && !before.no_path) {
+  if (after.no_path && (!before.no_path || before.no_path_yet != after.no_path_yet)) {
     events.push_back(event_of(EventKind::no_path, after, after.reason));
+    events.back().yet = after.no_path_yet;
   }
   if (!matched(before) && matched(after)) {
     events.push_back(event_of(EventKind::matched, after, path_of(after)));

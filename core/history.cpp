@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/clock.h"
+
 namespace sft::core {
 
 History::History(std::uint32_t depth, std::int64_t lifespan_ns)
@@ -16,7 +18,7 @@ void History::add(const SampleHandle& sample) {
 }
 
 bool History::is_expired(const SampleHandle& sample, std::int64_t now_ns) const {
-  return lifespan_ns_ != 0 && now_ns - sample->source_stamp_ns > lifespan_ns_;
+  return lifespan_ns_ != 0 && is_older(sample->source_stamp_ns, lifespan_ns_, now_ns);
 }
 
 std::vector<SampleHandle> History::last(std::size_t count, std::int64_t now_ns) const {

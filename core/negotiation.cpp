@@ -125,6 +125,11 @@ bool Negotiation::knows(NodeId id) const {
                              [&](const auto& entry) { return entry.second.endpoint.node_id == id; });
 }
 
+std::optional<NodeId> Negotiation::node_of(EndpointId id) const {
+  const auto entry = entries_.find(id);
+  return entry == entries_.end() ? std::nullopt : std::optional(entry->second.endpoint.node_id);
+}
+
 bool Negotiation::misses_somebody() const {
   return std::ranges::any_of(entries_, [](const auto& entry) { return entry.second.lost(); });
 }
@@ -200,7 +205,10 @@ bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, Trans
     writers.push_back(writer);
   } else {
     std::erase(writers, writer);
-    if (path == TransportKind::udp) std::erase(request.begun, writer);
+    if (path == TransportKind::udp) {
+      std::erase(request.begun, writer);
+      entry->second.history_came.erase(writer);
+    }
     owe_what_has_not_begun(entry->second.endpoint);
   }
   ++request.sequence;
@@ -215,6 +223,12 @@ bool Negotiation::history_began(EndpointId reader, EndpointId writer) {
   request.begun.push_back(writer);
   ++request.sequence;
   return true;
+}
+
+bool Negotiation::history_came(EndpointId reader, EndpointId writer) {
+  const auto entry = entries_.find(reader);
+  if (entry == entries_.end() || entry->second.type == nullptr) return false;
+  return entry->second.history_came.insert(writer).second;
 }
 
 bool Negotiation::history_given(EndpointId writer, EndpointId reader) {
@@ -255,6 +269,14 @@ std::string Negotiation::why_not_shm(const Endpoint& writer, const Endpoint& rea
   return "the other side has no shared memory yet";
 }
 
+/// Of a pair on one network stack, where tokens that differ may be those of a daemon that has just gone.
+bool Negotiation::may_come_to_share(const Endpoint& writer, const Endpoint& reader) const {
+  const bool we_write = entries_.at(writer.id).type != nullptr;
+  const bool read_only = we_write && self_.host.known() && !self_.may_write_shm;
+  const Endpoint& peer = we_write ? reader : writer;
+  return writer.may_use_shm && reader.may_use_shm && peer.network == self_.network && !read_only;
+}
+
 Negotiation::Verdict Negotiation::judge(const Entry& ours, const Entry& other) const {
   const bool we_write = ours.endpoint.role == Role::writer;
   const Endpoint& writer = we_write ? ours.endpoint : other.endpoint;
@@ -280,6 +302,7 @@ Negotiation::Verdict Negotiation::judge(const Entry& ours, const Entry& other) c
                 reader.host == self_.host;
   verdict.udp = writer.may_use_udp && reader.may_use_udp && !reader.addresses.empty();
   if (!verdict.shm) verdict.udp_reason = why_not_shm(writer, reader);
+  verdict.shm_may_come = !verdict.shm && !verdict.udp && may_come_to_share(writer, reader);
   return verdict;
 }
 
@@ -341,6 +364,7 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
     status.reason = "the subscriber is not listening yet";
   } else {
     status.no_path = !verdict.shm;
+    status.no_path_yet = verdict.shm_may_come;
     status.reason =
         verdict.shm ? "shared memory is being attached" : "UDP is ruled out, and " + verdict.udp_reason;
   }
@@ -375,25 +399,33 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     const Endpoint& w = writer->endpoint;
     const Verdict verdict = judge(entry->second, *writer);
     const std::uint32_t owed = history_owed(*writer, r);
-    Hearing hearing{.source = {w.id, w.max_sample_bytes, owed != 0 && verdict.udp},
+    const bool history_first = owed != 0 && verdict.udp;
+    // What others get through shared memory would overtake it.
+    const bool history_comes = history_first && !entry->second.history_came.contains(w.id);
+    Hearing hearing{.source = {w.id, w.max_sample_bytes, history_first},
                     .offered = w.qos,
                     .owed = owed,
                     .status = {.id = w.id, .node = w.node, .alive = !writer->lost()}};
-    hearing.shm = verdict.shm;
+    hearing.shm = verdict.shm && !history_comes;
     hearing.udp = verdict.udp;
     const bool attached = verdict.shm && holds(r.request.attached, w.id);
     hearing.status.incompatible_type = verdict.incompatible_type;
     hearing.status.incompatible_policy = verdict.incompatible_policy;
     hearing.status.matched = verdict.shm || verdict.udp;
+    const bool listening = verdict.udp && holds(r.request.listening, w.id);
+    hearing.status.connected = !writer->lost() && (attached || listening);
     hearing.status.no_path = !hearing.status.matched && verdict.mismatch.empty();
+    hearing.status.no_path_yet = verdict.shm_may_come;
     hearing.status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
     hearing.status.mismatch = verdict.definitions;
     hearing.status.reason = !verdict.mismatch.empty() ? verdict.mismatch
                             : writer->lost()          ? "its node does not answer"
                             : attached                ? "same host"
-                            : verdict.shm             ? "same host, shared memory is being attached"
-                            : verdict.udp             ? verdict.udp_reason
-                                                      : "UDP is ruled out, and " + verdict.udp_reason;
+                            : verdict.shm && history_comes
+                                ? "same host, what was published before comes first"
+                            : verdict.shm ? "same host, shared memory is being attached"
+                            : verdict.udp ? verdict.udp_reason
+                                          : "UDP is ruled out, and " + verdict.udp_reason;
     result.push_back(std::move(hearing));
   }
   return result;

@@ -91,6 +91,8 @@ class Negotiation {
   bool connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected);
   /// Something of a durable writer has come for one of our readers alone.
   bool history_began(EndpointId reader, EndpointId writer);
+  /// And nothing of that is under way any more.
+  bool history_came(EndpointId reader, EndpointId writer);
   /// All that one of our writers has sent to a late reader alone has left. Takes effect once the reader says
   /// that it has begun to come.
   bool history_given(EndpointId writer, EndpointId reader);
@@ -106,6 +108,8 @@ class Negotiation {
   std::vector<const Endpoint*> present() const;
   /// Whether there is an endpoint of that node.
   bool knows(NodeId id) const;
+  /// That of an endpoint, if it is known.
+  std::optional<NodeId> node_of(EndpointId id) const;
   /// Whether some endpoint is lost.
   bool misses_somebody() const;
   std::uint64_t ignored() const { return ignored_; }
@@ -113,10 +117,11 @@ class Negotiation {
  private:
   struct Entry {
     Endpoint endpoint;
-    const TypeSupport* type = nullptr;   ///< of our own endpoints
-    std::optional<Now> lost_since;       ///< by discovery: if it returns, it is seen again
-    bool silent = false;                 ///< its node is not heard of
-    std::set<EndpointId> history_given;  ///< of our own writers: to these readers
+    const TypeSupport* type = nullptr;     ///< of our own endpoints
+    std::optional<Now> lost_since;         ///< by discovery: if it returns, it is seen again
+    bool silent = false;                   ///< its node is not heard of
+    std::set<EndpointId> history_given{};  ///< of our own writers: to these readers
+    std::set<EndpointId> history_came{};   ///< of our own readers: from these writers
     bool lost() const { return lost_since || silent; }
   };
   struct EarlyRequest {
@@ -131,11 +136,13 @@ class Negotiation {
     bool shm = false;  ///< both may and can use shared memory
     bool udp = false;
     std::string udp_reason;
+    bool shm_may_come = false;  ///< neither, as yet
   };
 
   HostToken host_of(Role role) const;
   Verdict judge(const Entry& ours, const Entry& other) const;
   std::string why_not_shm(const Endpoint& writer, const Endpoint& reader) const;
+  bool may_come_to_share(const Endpoint& writer, const Endpoint& reader) const;
   static void look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving);
   ReaderStatus serve(const Entry& writer, const Entry& reader, Serving& serving) const;
   static std::uint32_t history_owed(const Entry& writer, const Endpoint& reader);

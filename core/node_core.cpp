@@ -18,6 +18,11 @@ namespace {
 constexpr std::uint32_t max_held_least = 2;   // one is held while the next is taken
 constexpr std::uint32_t max_held_most = 256;  // iceoryx's limit
 constexpr std::chrono::seconds complaint_pause{1};
+
+// Doorbells that subscribers share, because one thread sleeps for all of them.
+constexpr std::uint32_t dispatcher_slot = 0;
+constexpr std::uint32_t poller_slot = 1;
+constexpr std::uint32_t shared_slots = 2;
 }  // namespace
 
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
@@ -49,10 +54,11 @@ NodeCore::NodeCore(const NodeOptions& options, Parts parts)
       udp_(std::move(parts.udp)),
       heap_(std::move(parts.heap)),
       bells_(DoorbellPage::create()),
-      free_slots_(DoorbellPage::slots - 1),
+      free_slots_(DoorbellPage::slots - shared_slots),
       log_(options.name, options.log_level, options.log),
-      dispatcher_(bells_->at(0), "sft-call " + options.name) {
-  std::iota(free_slots_.rbegin(), free_slots_.rend(), 1U);
+      dispatcher_(bells_->at(dispatcher_slot), "sft-call " + options.name),
+      poller_(bells_->at(poller_slot), "sft-poll " + options.name) {
+  std::iota(free_slots_.rbegin(), free_slots_.rend(), shared_slots);
 }
 
 NodeCore::~NodeCore() {
@@ -63,7 +69,7 @@ NodeCore::~NodeCore() {
 /// The last handle may go within a callback, on a thread that the destructor would wait for.
 void NodeCore::dispose(NodeCore* node) {
   const bool own_thread = SubscriberCore::in_callback() || node->agent_.is_current_thread() ||
-                          node->dispatcher_.is_current_thread();
+                          node->dispatcher_.is_current_thread() || node->poller_.is_current_thread();
   if (!own_thread) {
     delete node;
   } else if (auto thread = start_thread("sft-close", [node] { delete node; })) {
@@ -75,17 +81,29 @@ void NodeCore::dispose(NodeCore* node) {
   }
 }
 
+Result<std::uint32_t> NodeCore::slot_for(bool has_callback, bool pollable) {
+  if (!has_callback && !pollable) return take_slot();
+  if (has_callback && pollable) {
+    return fail(Errc::invalid_argument,
+                "a subscriber has a callback or a file descriptor: leave SubscriberOptions::pollable false");
+  }
+  const Result<void> started = (has_callback ? dispatcher_ : poller_).start();
+  if (!started) return tl::unexpected(started.error());
+  return has_callback ? dispatcher_slot : poller_slot;
+}
+
 Result<std::uint32_t> NodeCore::take_slot() {
   const std::scoped_lock lock(slots_mutex_);
   if (free_slots_.empty())
-    return fail(Errc::limit_exceeded, "a node has at most 1023 subscribers without callback");
+    return fail(Errc::limit_exceeded,
+                "a node has at most 1022 subscribers with neither callback nor file descriptor");
   const std::uint32_t slot = free_slots_.back();
   free_slots_.pop_back();
   return slot;
 }
 
 void NodeCore::give_slot_back(std::uint32_t slot) {
-  if (slot == 0) return;
+  if (slot < shared_slots) return;
   const std::scoped_lock lock(slots_mutex_);
   free_slots_.push_back(slot);
 }
@@ -195,15 +213,15 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   if (auto ok = check_endpoint(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
   const Result<Qos> qos = qos_of(options);
   if (!qos) return tl::unexpected(qos.error());
-  if (callback) {
-    if (const Result<void> started = dispatcher_.start(); !started) return tl::unexpected(started.error());
-  }
   if (auto ok = Recorder::check(options.recording); !ok) return tl::unexpected(ok.error());
   if (options.max_held < max_held_least || options.max_held > max_held_most) {
     return fail(Errc::invalid_argument,
                 "SubscriberOptions::max_held is 2 to 256, not " + std::to_string(options.max_held));
   }
-  const Result<std::uint32_t> slot = callback ? Result<std::uint32_t>(0) : take_slot();
+  Result<std::unique_ptr<PollHandle>> poll_handle;
+  if (options.pollable) poll_handle = PollHandle::create();
+  if (!poll_handle) return tl::unexpected(poll_handle.error());
+  const Result<std::uint32_t> slot = slot_for(static_cast<bool>(callback), options.pollable);
   if (!slot) return tl::unexpected(slot.error());
   Endpoint endpoint = new_endpoint(Role::reader, topic, type, options.transport);
   endpoint.qos = *qos;
@@ -223,19 +241,19 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
     });
   }
   reader.core = std::make_shared<SubscriberCore>(
-      SubscriberCore::Spec{.id = endpoint.id,
-                           .topic = endpoint.topic,
-                           .type = &type,
-                           .requirement = requirement,
-                           .options = options,
-                           .callback = std::move(callback),
-                           .type_owner = std::move(type_owner),
-                           .min_period_us = endpoint.request.min_period_us,
-                           .rate_changed =
-                               [this, id = endpoint.id](std::uint32_t min_period_us) {
-                                 agent_.post([=, this] { reconciler_->rate_changed(id, min_period_us); });
-                               },
-                           .as_remote = as_remote ? heap_ : nullptr},
+      SubscriberCore::Spec{
+          .id = endpoint.id,
+          .topic = endpoint.topic,
+          .type = &type,
+          .requirement = requirement,
+          .options = options,
+          .callback = std::move(callback),
+          .type_owner = std::move(type_owner),
+          .min_period_us = endpoint.request.min_period_us,
+          .rate_changed = [this,
+                           id = endpoint.id] { agent_.post([this, id] { reconciler_->rate_changed(id); }); },
+          .as_remote = as_remote ? heap_ : nullptr,
+          .poll_handle = std::move(*poll_handle)},
       bells_->at(*slot), reader.recorder);
   if (endpoint.may_use_udp) {
     auto port = udp_->open_reader({endpoint.id, &type, options.depth, reader.core.get(), endpoint.doorbell});
@@ -248,6 +266,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
     reader.core->set_port(TransportKind::udp, reader.udp);
   }
   const std::shared_ptr<SubscriberCore> core = reader.core;
+  if (options.pollable) poller_.add(core);
   const std::shared_ptr<Recorder> recorder = reader.recorder;
   roster_.enter(*core);
   agent_.post([this, endpoint, reader = std::move(reader)]() mutable {
@@ -258,6 +277,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
     core->close();
     self->roster_.strike_off(*core);
     if (recorder != nullptr) recorder->detach();
+    self->poller_.remove(*core);
     self->agent_.post([node = self.get(), id, slot] {
       node->reconciler_->remove(id);
       node->give_slot_back(slot);
@@ -317,9 +337,7 @@ auto NodeCore::ask_agent(Question question) -> decltype(question()) {
 }
 
 Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
-  using Clock = std::chrono::steady_clock;
-  const auto now = Clock::now();
-  const auto deadline = timeout > Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
+  const auto deadline = deadline_after(timeout);
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();
     Result<DynamicType> type = ask_agent([&] { return type_of(topic, reconciler_->endpoints()); });

@@ -53,6 +53,7 @@ class NodeCore final : private DiscoveryListener {
  private:
   NodeCore(const NodeOptions& options, Parts parts);
   static void dispose(NodeCore* node);
+  Result<std::uint32_t> slot_for(bool has_callback, bool pollable);
   Result<std::uint32_t> take_slot();
   void give_slot_back(std::uint32_t slot);
   Endpoint new_endpoint(Role role, std::string_view topic, const TypeSupport& type,
@@ -83,7 +84,7 @@ class NodeCore final : private DiscoveryListener {
   const std::shared_ptr<BufferPool> heap_;
   const std::unique_ptr<DoorbellPage> bells_;
   std::mutex slots_mutex_;
-  std::vector<std::uint32_t> free_slots_;  ///< of bells_; slot 0 is the dispatcher's
+  std::vector<std::uint32_t> free_slots_;  ///< of bells_, beside those of the dispatchers
   std::atomic<std::uint64_t> control_malformed_{0};
   std::atomic<std::chrono::steady_clock::time_point> next_complaint_{};  ///< of the malformed
   NodeLog log_;                                                          ///< the agent's
@@ -91,6 +92,7 @@ class NodeCore final : private DiscoveryListener {
   mutable EndpointRoster roster_;
 
   Dispatcher dispatcher_;
+  Dispatcher poller_;                       ///< tells file descriptors what came in shared memory
   std::unique_ptr<Discovery> discovery_;    ///< its threads post to the agent
   std::unique_ptr<Reconciler> reconciler_;  ///< the agent's own; set before that starts
   Agent agent_;

@@ -25,7 +25,7 @@ void NodeLog::write(LogLevel level, const std::string& text, Now now) {
 }
 
 void NodeLog::write(const std::string& topic, const Event& event, Now now) {
-  const LogLevel level = level_of(event.kind);
+  const LogLevel level = level_of(event);
   if (!wants(level)) return;
   std::string text = "topic '" + topic + "'";
   if (!event.node.empty()) text += ", node '" + event.node + "'";
@@ -40,18 +40,19 @@ void NodeLog::write(LineBudget& budget, LogLevel level, const std::string& text,
                    (left_out == 0 ? "" : " (" + std::to_string(left_out) + " more of its kind left out)"));
 }
 
-LogLevel NodeLog::level_of(EventKind kind) {
-  switch (kind) {
+LogLevel NodeLog::level_of(const Event& event) {
+  switch (event.kind) {
     case EventKind::incompatible_qos:
     case EventKind::incompatible_type:
     case EventKind::held_too_many:
       return LogLevel::warning;
+    case EventKind::no_path:
+      return event.yet ? LogLevel::info : LogLevel::warning;
     case EventKind::request_changed:
       return LogLevel::debug;
     case EventKind::matched:
     case EventKind::unmatched:
     case EventKind::path_changed:
-    case EventKind::no_path:
     case EventKind::deadline_missed:
     case EventKind::liveliness_lost:
     case EventKind::liveliness_recovered:

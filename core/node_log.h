@@ -45,7 +45,7 @@ class NodeLog {
   /// What happened to a pair, or to one of our publishers or subscribers. A warning if it will never work as
   /// it is set up; what a program asks for changes often, and is for debugging.
   void write(const std::string& topic, const Event& event, Now now = std::chrono::steady_clock::now());
-  static LogLevel level_of(EventKind kind);
+  static LogLevel level_of(const Event& event);
 
  private:
   static constexpr std::size_t event_kinds = static_cast<std::size_t>(EventKind::request_changed) + 1;

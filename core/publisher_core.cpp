@@ -105,6 +105,7 @@ PublisherCore::Outlets PublisherCore::Outlets::with(const Outlets& other) const 
 
 void PublisherCore::turn_to(const Outlets& outlets) noexcept {
   book_->turn_to(DeliveryBook::Teller::publisher, outlets.page);
+  if (udp_ != nullptr && !outlets.to_udp) udp_->rest();
   counted_ = &outlets;
 }
 
@@ -126,14 +127,15 @@ void PublisherCore::find_gates(Serving& serving) {
   }
 }
 
-/// Routes of readers that are to be given the history now, and not already.
+/// Routes of readers that are to be given the history now, and not already at that address.
 std::vector<Route> PublisherCore::take_latecomers(const Serving& serving) {
   std::vector<Route> latecomers;
-  std::set<EndpointId> begun;
+  std::map<EndpointId, Locator> begun;
   for (const Route& route : serving.udp) {
     if (route.history == 0) continue;
-    begun.insert(route.reader);
-    if (!history_begun_.contains(route.reader)) latecomers.push_back(route);
+    begun.emplace(route.reader, route.destination);
+    const auto before = history_begun_.find(route.reader);
+    if (before == history_begun_.end() || before->second != route.destination) latecomers.push_back(route);
   }
   history_begun_ = std::move(begun);
   return latecomers;
@@ -190,8 +192,7 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
   {
     const std::scoped_lock lock(status_mutex_);
     readers_ = serving.readers;
-    const bool encodes = after->to_shm || after->to_udp || history_ != nullptr;
-    encoded_ = encodes ? after->mask : spec_.type->none();
+    encoded_ = after->is_wanted ? after->mask : spec_.type->none();
   }
   if (readers_changed_.wanted()) readers_changed_.tell(status());
 }
@@ -471,9 +472,17 @@ OfferWatch::Signs PublisherCore::signs() const {
   return {sequence_.load(std::memory_order_relaxed), asserted_.load(std::memory_order_relaxed)};
 }
 
-void PublisherCore::keeps_promises(std::uint64_t deadlines_missed, bool alive) {
+bool PublisherCore::keeps_promises(std::uint64_t deadlines_missed, bool alive) {
+  const bool is_news = deadlines_missed != deadlines_missed_.load(std::memory_order_relaxed) ||
+                       alive != alive_.load(std::memory_order_relaxed);
   deadlines_missed_.store(deadlines_missed, std::memory_order_relaxed);
   alive_.store(alive, std::memory_order_relaxed);
+  return is_news;
+}
+
+Diverted PublisherCore::diverted() const {
+  return {exhausted_.load(std::memory_order_relaxed), too_large_.load(std::memory_order_relaxed),
+          unavailable_.load(std::memory_order_relaxed)};
 }
 
 PublisherStatus PublisherCore::status() const {
@@ -482,8 +491,7 @@ PublisherStatus PublisherCore::status() const {
   status.alive = alive_.load(std::memory_order_relaxed);
   status.published = sequence_.load(std::memory_order_relaxed);
   status.dropped = dropped_.load(std::memory_order_relaxed);
-  status.diverted = {exhausted_.load(std::memory_order_relaxed), too_large_.load(std::memory_order_relaxed),
-                     unavailable_.load(std::memory_order_relaxed)};
+  status.diverted = diverted();
   if (udp_ != nullptr) {
     status.bytes_sent = udp_->bytes_sent();
     status.dropped += udp_->dropped();

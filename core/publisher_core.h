@@ -60,6 +60,7 @@ class PublisherCore {
   void close();
 
   PublisherStatus status() const;
+  Diverted diverted() const;
   const TypeSupport& type() const { return *spec_.type; }
   EndpointId id() const { return spec_.id; }
   const Spec& spec() const { return spec_; }
@@ -76,9 +77,10 @@ class PublisherCore {
   OfferWatch::Signs signs() const;
   /// From here on the next assertion of the program is told again.
   void listen_for_assertions() { assertion_told_.store(false, std::memory_order_relaxed); }
-  void keeps_promises(std::uint64_t deadlines_missed, bool alive);
-  /// Whether all that was for late readers alone has left.
-  bool history_sent() const { return udp_ == nullptr || udp_->history_sent(); }
+  /// Whether status() differs by it.
+  bool keeps_promises(std::uint64_t deadlines_missed, bool alive);
+  /// Whether all that was for a late reader alone has left.
+  bool history_sent(EndpointId reader) const { return udp_ == nullptr || udp_->history_sent(reader); }
   void expire_history();
 
  private:
@@ -172,8 +174,8 @@ class PublisherCore {
 
   // Of the agent's thread.
   std::map<std::uint32_t, std::shared_ptr<RateGate>> gates_;  ///< by period; those of before as well
-  std::set<EndpointId> history_begun_;                        ///< readers that are being given the history
-  std::set<EndpointId> by_udp_;                               ///< readers that are served so
+  std::map<EndpointId, Locator> history_begun_;  ///< readers that are being given the history, and where
+  std::set<EndpointId> by_udp_;                  ///< readers that are served so
 };
 
 }  // namespace sft::core

@@ -14,13 +14,23 @@ constexpr std::uint32_t history_depth_max = 128;  // a writer can hold 256 chunk
 constexpr double slowest_rate_hz = 0.001;
 constexpr double fastest_rate_hz = 100'000;
 
+constexpr std::chrono::milliseconds shortest_watched{1};  // the agent looks no more often
+
 Result<void> check_duration(const char* name, nanoseconds duration) {
   if (duration.count() >= 0) return {};
   return fail(Errc::invalid_argument, std::string(name) + " is negative; 0 is none");
 }
 
+/// Of what has to be looked after.
+Result<void> check_period(const char* name, nanoseconds period) {
+  if (auto ok = check_duration(name, period); !ok) return ok;
+  if (period.count() == 0 || period >= shortest_watched) return {};
+  return fail(Errc::invalid_argument,
+              std::string(name) + " " + text_of(period) + ": it is at least 1 ms, or 0 for none");
+}
+
 Result<void> check_liveliness(Liveliness kind, nanoseconds lease) {
-  if (auto ok = check_duration("liveliness_lease", lease); !ok) return ok;
+  if (auto ok = check_period("liveliness_lease", lease); !ok) return ok;
   if (kind == Liveliness::automatic || lease.count() != 0) return {};
   return fail(Errc::invalid_argument, "liveliness manual_by_topic needs a liveliness_lease");
 }
@@ -71,7 +81,7 @@ Result<Qos> qos_of(const PublisherOptions& options) {
   if (qos.history_depth < 1 || qos.history_depth > history_depth_max) {
     return fail(Errc::invalid_argument, "history_depth is 1 to " + std::to_string(history_depth_max));
   }
-  return check_duration("deadline", qos.deadline)
+  return check_period("deadline", qos.deadline)
       .and_then([&] { return check_duration("lifespan", qos.lifespan); })
       .and_then([&] { return check_liveliness(qos.liveliness, qos.liveliness_lease); })
       .map([&] { return qos; });
@@ -89,8 +99,8 @@ Result<Qos> qos_of(const SubscriberOptions& options) {
   if (options.deadline.count() != 0 && options.deadline < std::chrono::microseconds(*period)) {
     return fail(Errc::invalid_argument, "a deadline shorter than the period of max_rate_hz is always missed");
   }
-  return check_duration("deadline", qos.deadline)
-      .and_then([&] { return check_duration("liveliness_lease", qos.liveliness_lease); })
+  return check_period("deadline", qos.deadline)
+      .and_then([&] { return check_period("liveliness_lease", qos.liveliness_lease); })
       .map([&] { return qos; });
 }
 

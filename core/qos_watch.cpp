@@ -64,9 +64,11 @@ std::optional<nanoseconds> OfferWatch::pace() const {
 
 RequestWatch::RequestWatch(const Qos& offered, const Qos& requested, std::uint64_t arrived, Now now) {
   if (requested.deadline.count() != 0) deadline_.emplace(requested.deadline, arrived, now);
-  // A lease is the writer's to keep: the reader asked for one that is at most so long.
-  if (requested.liveliness_lease.count() != 0 && offered.liveliness_lease.count() != 0)
-    lease_.emplace(offered.liveliness_lease, arrived, now);
+  if (requested.liveliness_lease.count() == 0 || offered.liveliness_lease.count() == 0) return;
+  // A lease is the writer's to keep: the reader asked for one that is at most so long. But one that nobody
+  // could keep must not make us look all the time.
+  const bool may_be_kept = offered.liveliness_lease >= shortest_offer;
+  lease_.emplace(may_be_kept ? offered.liveliness_lease : requested.liveliness_lease, arrived, now);
 }
 
 void RequestWatch::look(std::uint64_t arrived, Now now) {

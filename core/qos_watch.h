@@ -69,6 +69,9 @@ class OfferWatch {
 /// One writer, as one of our readers that asked for something hears it.
 class RequestWatch {
  public:
+  /// Of a lease. If less is offered, it is the requested one that is watched.
+  static constexpr std::chrono::milliseconds shortest_offer{10};
+
   /// `arrived`: changes with each sample that arrives.
   RequestWatch(const Qos& offered, const Qos& requested, std::uint64_t arrived, Now now);
 

@@ -28,7 +28,13 @@ bool is_new_failure(Retry& retry, const Result<void>& outcome) {
 
 Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
                        Dispatcher& dispatcher, NodeLog& log)
-    : id_(id), shm_(shm), udp_(udp), discovery_(discovery), dispatcher_(dispatcher), log_(log) {
+    : id_(id),
+      shm_(shm),
+      udp_(udp),
+      discovery_(discovery),
+      dispatcher_(dispatcher),
+      log_(log),
+      silence_(discovery.configuration().longest_lease) {
   self_.network = network;
   self_.shm_state = shm_ == nullptr ? "the node rules it out" : "starting";
   negotiation_.self_changed(self_);
@@ -42,6 +48,13 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transpo
 void Reconciler::endpoint_seen(const Endpoint& endpoint) {
   if (!negotiation_.knows(endpoint.node_id)) told_of_life_at_ = {};
   dirty_ |= negotiation_.endpoint_seen(endpoint);
+  if (negotiation_.knows(endpoint.node_id)) heard_of(endpoint.node_id);
+}
+
+/// By anything but that it lives, which is said otherwise.
+void Reconciler::heard_of(NodeId id) {
+  silence_.heard(id, std::chrono::steady_clock::now());
+  dirty_ |= negotiation_.node_returned(id);
 }
 
 void Reconciler::endpoint_departed(EndpointId id) { dirty_ |= negotiation_.endpoint_departed(id); }
@@ -51,6 +64,7 @@ void Reconciler::endpoint_lost(EndpointId id) {
 }
 
 void Reconciler::request_received(const Request& request) {
+  if (const auto node = negotiation_.node_of(request.reader)) heard_of(*node);
   dirty_ |= negotiation_.request_received(request);
 }
 
@@ -66,9 +80,8 @@ void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherC
                                    .shm = nullptr,
                                    .in_force = {},
                                    .watch = OfferWatch(endpoint.qos, std::chrono::steady_clock::now()),
-                                   .history_sent = false,
-                                   .told = {},
-                                   .logged = {}});
+                                   .history_sent = {},
+                                   .told = {}});
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
   announce(endpoint.id);
@@ -126,9 +139,12 @@ void Reconciler::requirement_changed(EndpointId id) {
   request_changed(id);
 }
 
-void Reconciler::rate_changed(EndpointId id, std::uint32_t min_period_us) {
+void Reconciler::rate_changed(EndpointId id) {
   const auto reader = readers_.find(id);
-  if (reader == readers_.end() || !negotiation_.rate_changed(id, min_period_us)) return;
+  if (reader == readers_.end()) return;
+  reader->second.has_news = true;  // status() says it already
+  const std::uint32_t min_period_us = reader->second.core->min_period_us();
+  if (!negotiation_.rate_changed(id, min_period_us)) return;
   asks_for(reader->second, {reader->second.accepted.back().wanted.mask, min_period_us});
   request_changed(id);
 }
@@ -169,7 +185,9 @@ void Reconciler::accept(Reader& reader) {
 
 void Reconciler::request_changed(EndpointId id) {
   const Request& request = negotiation_.local(id)->request;
-  SubscriberCore& core = *readers_.at(id).core;
+  Reader& reader = readers_.at(id);
+  SubscriberCore& core = *reader.core;
+  reader.has_news = true;
   core.requests(FieldMask::from_words(core.type().leaves(), request.mask_words), request.sequence);
   if (const Result<void> sent = discovery_.send(request); !sent) {
     log_.write(LogLevel::warning, sent.error().message);
@@ -182,12 +200,13 @@ std::chrono::milliseconds Reconciler::tick() {
   look_after_udp(now);
   forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
+  for (const NodeId node : silence_.take_lost(now)) dirty_ |= negotiation_.node_lost(node);
   dirty_ |= may_try_again(now);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   look_after_histories();
   let_go_of_the_left();
   for (const auto& [id, reader] : readers_) reader.core->look_again();
-  reconcile();
+  settle();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
   greet(now);
@@ -211,12 +230,13 @@ std::chrono::milliseconds Reconciler::pace() const {
 void Reconciler::look_after_histories() {
   for (auto& [id, writer] : writers_) {
     writer.core->expire_history();
-    const bool owed = writer.in_force && writer.in_force->history_owed;
-    if (!std::exchange(writer.history_sent, owed && writer.core->history_sent()) || !owed) continue;
+    if (!writer.in_force || !writer.in_force->history_owed) continue;
+    const std::set<EndpointId> before = std::exchange(writer.history_sent, {});
     for (const Route& route : writer.in_force->udp) {
-      if (route.history != 0) dirty_ |= negotiation_.history_given(id, route.reader);
+      if (route.history == 0 || !writer.core->history_sent(route.reader)) continue;
+      writer.history_sent.insert(route.reader);
+      if (before.contains(route.reader)) dirty_ |= negotiation_.history_given(id, route.reader);
     }
-    writer.history_sent = false;
   }
 }
 
@@ -234,7 +254,7 @@ void Reconciler::watch_promises(Now now) {
   for (auto& [id, reader] : readers_) {
     for (auto& [writer, watch] : reader.watched) {
       watch.look(reader.core->arrivals(writer), now);
-      reader.core->keeps_promises(writer, watch.deadlines_missed(), watch.alive());
+      reader.has_news |= reader.core->keeps_promises(writer, watch.deadlines_missed(), watch.alive());
     }
   }
 }
@@ -243,7 +263,7 @@ void Reconciler::watch_promises(Now now) {
 bool Reconciler::watch_offer(Writer& writer, Now now) {
   const OfferWatch::Signs signs = writer.core->signs();
   writer.watch.look(signs, now);
-  writer.core->keeps_promises(writer.watch.deadlines_missed(), writer.watch.alive());
+  writer.has_news |= writer.core->keeps_promises(writer.watch.deadlines_missed(), writer.watch.alive());
   if (!writer.watch.rests(now)) writer.core->listen_for_assertions();
   return writer.in_force && writer.in_force->lease_requested &&
          writer.watch.assertion_due(signs, writer.in_force->samples_tell, now);
@@ -265,9 +285,12 @@ void Reconciler::tell_of_life(std::vector<EndpointId> writers, Now now) {
   liveliness_asserted(assertion);  // our own readers
 }
 
-void Reconciler::node_lost(NodeId id) { dirty_ |= negotiation_.node_lost(id); }
+void Reconciler::node_lost(NodeId id) {
+  if (silence_.is_lost(id, std::chrono::steady_clock::now())) dirty_ |= negotiation_.node_lost(id);
+}
 
 void Reconciler::liveliness_asserted(const Assertion& assertion) {
+  silence_.lives(assertion.node);
   dirty_ |= negotiation_.node_returned(assertion.node);
   for (auto& [id, reader] : readers_) {
     for (const EndpointId writer : assertion.writers) {
@@ -346,6 +369,14 @@ void Reconciler::drop_shm_ports() {
   }
 }
 
+/// Whether it has begun to come.
+bool Reconciler::look_after_history(EndpointId reader, const ReaderPort& port, EndpointId writer) {
+  const HistoryProgress progress = port.history(writer);
+  if (progress == HistoryProgress::awaited) return false;
+  if (progress == HistoryProgress::came) dirty_ |= negotiation_.history_came(reader, writer);
+  return negotiation_.history_began(reader, writer);
+}
+
 /// Tells writers which of our readers hear them by now. Whether some reader still waits for its connection in
 /// shared memory.
 bool Reconciler::look_after_connections() {
@@ -357,7 +388,7 @@ bool Reconciler::look_after_connections() {
       const bool attached = hearing.shm && reader.shm != nullptr && reader.shm->connected(writer);
       changed |= negotiation_.connection_changed(id, writer, TransportKind::udp, listening);
       changed |= negotiation_.connection_changed(id, writer, TransportKind::shm, attached);
-      if (listening && reader.udp->history_began(writer)) changed |= negotiation_.history_began(id, writer);
+      if (listening && hearing.source.history_first) changed |= look_after_history(id, *reader.udp, writer);
       waiting |= hearing.shm && !attached;
     }
     if (changed) request_changed(id);
@@ -400,34 +431,45 @@ bool Reconciler::may_try_again(Now now) const {
   return std::ranges::any_of(writers_, writer_may) || std::ranges::any_of(readers_, reader_may);
 }
 
-/// Until nothing changes any more: what our readers are connected to is news to our own writers.
 void Reconciler::reconcile() {
+  settle();
+  tell_what_happened();
+}
+
+/// Until nothing changes any more: what our readers are connected to is news to our own writers.
+void Reconciler::settle() {
   while (std::exchange(dirty_, false)) {
     apply_desired_states();
     look_after_connections();
   }
-  tell_what_happened();
+}
+
+/// Of those only of which something can have happened: states are copied to be compared.
+void Reconciler::tell_what_happened() {
+  for (auto& [id, writer] : writers_) {
+    writer.has_news |= writer.core->diverted() != writer.told.diverted;
+    if (std::exchange(writer.has_news, false)) tell(writer);
+  }
+  for (auto& [id, reader] : readers_) {
+    const std::uint64_t losses = reader.core->losses();
+    reader.has_news |= std::exchange(reader.losses_told, losses) != losses;
+    reader.has_news |= reader.core->held_too_many() != reader.told.held_too_many;
+    if (std::exchange(reader.has_news, false)) tell(reader);
+  }
 }
 
 /// Events are what differs between the states that users could have polled.
-void Reconciler::tell_what_happened() {
-  const auto always = [](const Event&) { return true; };
-  const auto tell = [this](auto& core, auto& told, const auto& is_logged) {
-    if (!core.events().wanted() && !log_.wants(LogLevel::warning)) return;
-    auto now = core.status();
-    const auto events = events_between(told, now, core.type());
-    told = std::move(now);
-    for (const Event& event : events) {
-      if (is_logged(event)) log_.write(core.spec().topic, event);
-      core.events().tell(event);
-    }
-  };
-  for (auto& [id, writer] : writers_) {
-    tell(*writer.core, writer.told, [&logged = writer.logged](const Event& event) {
-      return event.kind != EventKind::samples_diverted || logged.insert(event.text).second;
-    });
+template <class Member>
+void Reconciler::tell(Member& member) {
+  auto& core = *member.core;
+  if (!core.events().wanted() && !log_.wants(LogLevel::warning)) return;
+  auto now = core.status();
+  const auto events = events_between(member.told, now, core.type());
+  member.told = std::move(now);
+  for (const Event& event : events) {
+    log_.write(core.spec().topic, event);
+    core.events().tell(event);
   }
-  for (auto& [id, reader] : readers_) tell(*reader.core, reader.told, always);
 }
 
 void Reconciler::apply_desired_states() {
@@ -451,6 +493,7 @@ void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
   if (writer.in_force == wanted) return;
   const bool as_before = writer.in_force && writer.in_force->serves_like(wanted);
   writer.in_force = wanted;
+  writer.has_news = true;
   as_before ? writer.core->show(wanted.readers) : writer.core->serve(wanted, writer.shm);
 }
 
@@ -474,6 +517,7 @@ void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
   reader.heard = std::move(heard);
   std::erase_if(reader.connecting, [&](const auto& item) { return !reader.heard.contains(item.first); });
   reader.core->hears(wanted);
+  reader.has_news = true;
   watch(reader);
 }
 

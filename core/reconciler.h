@@ -24,6 +24,7 @@
 #include "core/qos_watch.h"
 #include "core/recorder.h"
 #include "core/retry.h"
+#include "core/silence_watch.h"
 #include "core/subscriber_core.h"
 #include "core/transport.h"
 #include "sft/options.h"
@@ -47,8 +48,8 @@ class Reconciler {
   void remove(EndpointId id);
   /// What the recorder of one of our readers found.
   void requirement_changed(EndpointId id);
-  /// One of our readers asks for another maximum rate.
-  void rate_changed(EndpointId id, std::uint32_t min_period_us);
+  /// One of our readers may ask for another maximum rate.
+  void rate_changed(EndpointId id);
 
   // What discovery reports.
   void endpoint_seen(const Endpoint& endpoint);
@@ -81,9 +82,9 @@ class Reconciler {
     Retry opening_shm{};
     std::optional<Serving> in_force;
     OfferWatch watch;
-    bool history_sent = false;     ///< at the last tick: all that late readers were to be given
-    PublisherStatus told;          ///< the state up to which its events were told
-    std::set<std::string> logged;  ///< why samples were diverted: each reason once
+    std::set<EndpointId> history_sent{};  ///< to these late readers, at the last tick: all there was
+    PublisherStatus told;                 ///< the state up to which its events were told
+    bool has_news = false;                ///< since then it may have changed
   };
   struct Accepted {
     Wanted wanted;
@@ -105,11 +106,15 @@ class Reconciler {
     std::vector<Accepted> accepted;      ///< newest last
     std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
     SubscriberStatus told;
+    bool has_news = false;
+    std::uint64_t losses_told = 0;
   };
 
+  void heard_of(NodeId id);
   void watch_promises(Now now);
   bool watch_offer(Writer& writer, Now now);
   void look_after_histories();
+  bool look_after_history(EndpointId reader, const ReaderPort& port, EndpointId writer);
   void tell_of_life(std::vector<EndpointId> writers, Now now);
   void greet(Now now);
   static void watch(Reader& reader);
@@ -132,7 +137,10 @@ class Reconciler {
   bool try_udp(Retry& retry, Reader& reader, const Source& source);
   bool may_try_again(Now now) const;
 
+  void settle();
   void tell_what_happened();
+  template <class Member>
+  void tell(Member& member);
 
   void announce(EndpointId id);
   void request_changed(EndpointId id);
@@ -147,6 +155,7 @@ class Reconciler {
   NodeLog& log_;
 
   Negotiation negotiation_;
+  SilenceWatch silence_;
   std::map<EndpointId, Writer> writers_;
   std::map<EndpointId, Reader> readers_;
   std::vector<Reader> leaving_;  ///< removed within callbacks that have not returned yet

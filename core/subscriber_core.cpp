@@ -9,6 +9,9 @@
 namespace sft::core {
 
 namespace {
+
+using namespace std::chrono_literals;
+
 thread_local int callback_depth = 0;
 constexpr std::size_t gone_writers_kept = 64;            // their last samples may still be taken
 constexpr std::chrono::microseconds slow_callback{200};  // far more than handing over to another thread costs
@@ -52,11 +55,13 @@ void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
   asked_ = std::move(asked);
 }
 
-void SubscriberCore::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {
+bool SubscriberCore::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {
   const std::scoped_lock lock(mutex_);
   Heard& h = heard(writer);
+  const bool is_news = h.deadlines_missed != deadlines_missed || h.alive != alive;
   h.deadlines_missed = deadlines_missed;
   h.alive = alive;
+  return is_news;
 }
 
 std::uint64_t SubscriberCore::arrivals(EndpointId writer) {
@@ -67,6 +72,12 @@ std::uint64_t SubscriberCore::arrivals(EndpointId writer) {
 }
 
 void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
+  hear(hearing);
+  // A writer that was killed between handing over its last sample and waking us did not wake us.
+  bell_.ring();
+}
+
+void SubscriberCore::hear(const std::vector<Hearing>& hearing) {
   const std::scoped_lock lock(mutex_);
   writers_.clear();
   for (const Hearing& h : hearing) {
@@ -203,11 +214,12 @@ void SubscriberCore::enter(Heard& from, const Numbered& sample) {
   const SequenceAccount::Missing missing = from.account.enter(sample);
   from.lost += missing.lost;
   from.lost_untold += missing.lost;
+  losses_.fetch_add(missing.lost, std::memory_order_relaxed);
   from.withheld += missing.withheld;
 }
 
 bool SubscriberCore::is_expired(const Heard& from, const Numbered& sample) {
-  return from.lifespan_ns != 0 && realtime_ns() - sample.stamp_ns > from.lifespan_ns;
+  return from.lifespan_ns != 0 && is_older(sample.stamp_ns, from.lifespan_ns, realtime_ns());
 }
 
 /// With the mutex held: drops what is not to be delivered, until the next sample in order is; null if there
@@ -238,7 +250,6 @@ SubscriberCore::Next SubscriberCore::next() {
   const Numbered sample = numbered(inlet);
   Heard& from = heard(inlet.next->writer);
   enter(from, sample);
-  ++from.received;
   using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
   const SampleInfo info{.sequence = sample.sequence,
                         .writer = from.writer,
@@ -246,7 +257,9 @@ SubscriberCore::Next SubscriberCore::next() {
                         .receive_stamp = Stamp(std::chrono::nanoseconds(inlet.next->receive_stamp_ns)),
                         .lost_before = std::exchange(from.lost_untold, 0),
                         .transport = transport_of(inlet)};
-  return {std::move(inlet.next), info, info.transport == TransportKind::shm ? asked_ : nullptr};
+  Next taken{std::move(inlet.next), info, info.transport == TransportKind::shm ? asked_ : nullptr};
+  if (taken.asked == nullptr) ++from.received;
+  return taken;
 }
 
 /// With the mutex held: the same, and those before it are passed over.
@@ -254,7 +267,9 @@ SubscriberCore::Next SubscriberCore::newest() {
   Next latest = next();
   for (Next other = next(); other.sample; other = next()) {
     if (is_newer(other.info, latest.info)) std::swap(latest, other);
-    heard(other.info.writer).lost_untold += other.info.lost_before;  // told with the next one of that writer
+    Heard& from = heard(other.info.writer);
+    if (other.asked != nullptr) ++from.received;
+    from.lost_untold += other.info.lost_before;  // told with the next one of that writer
   }
   if (latest.sample) latest.info.lost_before += std::exchange(heard(latest.info.writer).lost_untold, 0);
   return latest;
@@ -268,6 +283,7 @@ untyped::Sample SubscriberCore::take(Choose choose) {
       const std::scoped_lock lock(mutex_);
       next = choose();
     }
+    if (spec_.poll_handle != nullptr) settle_descriptor();
     if (!next.sample) return {};
     if (next.asked == nullptr || as_remote(next)) return wrap(std::move(next));
   }
@@ -281,14 +297,27 @@ untyped::Sample SubscriberCore::take_latest() {
   return take([this] { return newest(); });
 }
 
-/// Leaves it only what was asked for. False if it is lost, as it would be there.
+/// After something was taken: the file descriptor is not to be readable any more if that was all.
+void SubscriberCore::settle_descriptor() {
+  if (available()) return;
+  spec_.poll_handle->lower();
+  if (available()) spec_.poll_handle->raise();
+}
+
+/// Leaves it only what was asked for, and counts it by now. False if it is lost, as it would be there.
 bool SubscriberCore::as_remote(Next& next) {
-  next.sample = remote_->of(std::move(next.sample), *next.asked);
-  if (next.sample) return true;
+  {
+    const std::scoped_lock lock(remote_mutex_);
+    next.sample = remote_->of(std::move(next.sample), *next.asked);
+  }
   const std::scoped_lock lock(mutex_);
   Heard& from = heard(next.info.writer);
-  --from.received;
+  if (next.sample) {
+    ++from.received;
+    return true;
+  }
   ++from.lost;
+  losses_.fetch_add(1, std::memory_order_relaxed);
   from.lost_untold += next.info.lost_before + 1;
   return false;
 }
@@ -311,29 +340,63 @@ Result<void> SubscriberCore::set_max_rate_hz(double max_rate_hz) {
     min_period_us_ = *period;
     for (Heard& h : heard_) h.account.ask(*period);
   }
-  spec_.rate_changed(*period);
+  spec_.rate_changed();
   return {};
 }
 
-bool SubscriberCore::waits_for_dispatch() { return pending_.load() == 0 && !closed_.load() && available(); }
+std::uint32_t SubscriberCore::min_period_us() {
+  const std::scoped_lock lock(mutex_);
+  return min_period_us_;
+}
 
-bool SubscriberCore::wait(std::chrono::nanoseconds timeout) {
+bool SubscriberCore::waits_for_dispatch() {
+  // In this order: what is there by now, settle_descriptor() sees once it has lowered the handle.
+  if (spec_.poll_handle != nullptr) return available() && !spec_.poll_handle->is_raised();
+  return pending_.load() == 0 && !closed_.load() && available();
+}
+
+bool SubscriberCore::wait(std::chrono::nanoseconds timeout) { return wait_until(deadline_after(timeout)); }
+
+bool SubscriberCore::wait_until(std::chrono::steady_clock::time_point deadline) {
   using Clock = std::chrono::steady_clock;
   const auto now = Clock::now();
-  const auto deadline = timeout > Clock::time_point::max() - now ? Clock::time_point::max() : now + timeout;
-  while (!available()) {
-    if (Clock::now() >= deadline) return false;
-    bell_.wait(deadline, [this] { return available(); });
+  const std::chrono::nanoseconds spin = spins_.load(std::memory_order_relaxed) ? spec_.options.spin : 0ns;
+  const auto spin_until = deadline - now < spin ? deadline : now + spin;
+  for (bool slept = false;;) {
+    const std::uint32_t seen = bell_.rings.load(std::memory_order_seq_cst);
+    const bool found = available();
+    if (found || Clock::now() >= deadline) {
+      if (found || slept) spins_.store(found, std::memory_order_relaxed);
+      return found;
+    }
+    if (spec_.poll_handle == nullptr && bell_.spin(seen, spin_until)) continue;
+    sleep_until(deadline);
+    slept = true;
   }
-  return true;
+}
+
+void SubscriberCore::sleep_until(std::chrono::steady_clock::time_point deadline) {
+  if (spec_.poll_handle == nullptr) {
+    bell_.wait(deadline, [this] { return available(); });
+  } else {  // the doorbell is shared with others, and not rung for all there is
+    settle_descriptor();
+    spec_.poll_handle->wait(deadline);
+  }
 }
 
 void SubscriberCore::arrived() noexcept {
   if (has_callback() && !is_slow_.load()) {
     dispatch(Caller::transport);
+  } else if (spec_.poll_handle != nullptr) {
+    spec_.poll_handle->raise();
   } else {
     bell_.ring();
   }
+}
+
+void SubscriberCore::dispatch() {
+  if (spec_.poll_handle == nullptr) return dispatch(Caller::dispatcher);
+  if (available()) spec_.poll_handle->raise();
 }
 
 void SubscriberCore::dispatch(Caller caller) {
@@ -399,6 +462,18 @@ Requirements SubscriberCore::requirements() {
                               : recorded_requirements(type(), requested, *recorder_);
 }
 
+std::uint64_t SubscriberCore::held_too_many() {
+  const std::scoped_lock lock(mutex_);
+  return sum_of_held_too_many();
+}
+
+/// With the mutex held.
+std::uint64_t SubscriberCore::sum_of_held_too_many() const {
+  std::uint64_t sum = held_too_many_before_;
+  for (const Inlet& inlet : inlets_) sum += inlet.port == nullptr ? 0 : inlet.port->held_too_many();
+  return sum;
+}
+
 SubscriberStatus SubscriberCore::status() {
   const std::scoped_lock lock(mutex_);
   SubscriberStatus status{.received = gone_.received,
@@ -406,7 +481,7 @@ SubscriberStatus SubscriberCore::status() {
                           .withheld = gone_.withheld,
                           .expired = gone_.expired,
                           .discarded = discarded_before_,
-                          .held_too_many = held_too_many_before_,
+                          .held_too_many = sum_of_held_too_many(),
                           .mask = requested_,
                           .max_rate_hz = min_period_us_ == 0 ? 0 : 1e6 / min_period_us_,
                           .requests = requests_,
@@ -415,7 +490,6 @@ SubscriberStatus SubscriberCore::status() {
     if (inlet.port == nullptr) continue;
     status.lost += inlet.port->lost_unnoticed();
     status.discarded += inlet.port->discarded();
-    status.held_too_many += inlet.port->held_too_many();
   }
   for (const Heard& h : heard_) {
     status.received += h.received;

@@ -20,6 +20,7 @@
 #include "core/doorbell.h"
 #include "core/event_sink.h"
 #include "core/negotiation.h"
+#include "core/poll_handle.h"
 #include "core/recorder.h"
 #include "core/remote_copy.h"
 #include "core/sequence_account.h"
@@ -36,12 +37,14 @@ class SubscriberCore final : public ArrivalListener {
     const TypeSupport* type = nullptr;
     untyped::Requirement requirement;
     SubscriberOptions options;
-    untyped::Callback callback;                         ///< empty: samples are taken
-    std::shared_ptr<const void> type_owner{};           ///< keeps the type alive; null where it is static
-    std::uint32_t min_period_us = 0;                    ///< of options.max_rate_hz
-    std::function<void(std::uint32_t)> rate_changed{};  ///< told of another; any thread, posts and returns
+    untyped::Callback callback;                ///< empty: samples are taken
+    std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
+    std::uint32_t min_period_us = 0;           ///< of options.max_rate_hz
+    std::function<void()>
+        rate_changed{};  ///< any thread: posts that min_period_us() is to be asked, and returns
     std::shared_ptr<BufferPool>
         as_remote{};  ///< not null: what comes in shared memory is copied to it, as asked for
+    std::unique_ptr<PollHandle> poll_handle{};  ///< null: it has no file descriptor
     /// How long a sample in shared memory waits for an earlier one that went by UDP: far longer than that
     /// takes within a host. But it may be lost, and nobody should wait long for that.
     std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(100);
@@ -54,13 +57,20 @@ class SubscriberCore final : public ArrivalListener {
   untyped::Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout);
   bool available();
+  /// -1 if it has none.
+  int file_descriptor() const { return spec_.poll_handle ? spec_.poll_handle->descriptor() : -1; }
   Result<void> set_max_rate_hz(double max_rate_hz);
-  /// Callback subscribers: whether there is something that nobody is dispatching.
-  bool waits_for_dispatch();
+  /// Of the maximum rate that was set last.
+  std::uint32_t min_period_us();
 
-  /// Callback subscribers: calls back for all there is. Returns at once if a call is under way on another
-  /// thread: that one goes on.
-  void dispatch() { dispatch(Caller::dispatcher); }
+  // Subscribers with a callback or a file descriptor: whoever sleeps on their doorbell for them.
+
+  /// Whether there is something that nobody is dispatching, or that the file descriptor does not tell.
+  bool waits_for_dispatch();
+  /// Calls back for all there is, or tells the file descriptor. Returns at once if a call is under way on
+  /// another thread: that one goes on.
+  void dispatch();
+
   /// Calls back on the spot, which is quickest, unless callbacks were seen to take long lately: then it
   /// leaves that to the dispatcher, so that the transport can go on.
   void arrived() noexcept override;
@@ -87,7 +97,11 @@ class SubscriberCore final : public ArrivalListener {
   /// For status(): what is heard at present, and the mask and number of the request in force.
   void hears(const std::vector<Hearing>& hearing);
   void requests(const FieldMask& mask, std::uint64_t sequence);
-  void keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+  /// Whether status() differs by it.
+  bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+  /// Differs from what it was whenever samples of some writer were lost meanwhile.
+  std::uint64_t losses() const { return losses_.load(std::memory_order_relaxed); }
+  std::uint64_t held_too_many();
   /// Differs from what it was whenever a sample of that writer has arrived meanwhile.
   std::uint64_t arrivals(EndpointId writer);
 
@@ -112,7 +126,8 @@ class SubscriberCore final : public ArrivalListener {
   struct Next {
     SampleHandle sample;
     SampleInfo info;
-    std::shared_ptr<const ProjectionPlan> asked;  ///< not null: it is to have no more than that
+    std::shared_ptr<const ProjectionPlan>
+        asked;  ///< not null: it is to have no more than that, and not counted as received yet
   };
 
   // Inlets: the ports, by TransportKind, and what was taken from shared memory out of turn.
@@ -120,10 +135,11 @@ class SubscriberCore final : public ArrivalListener {
 
   enum class Caller : std::uint8_t { dispatcher, transport };
 
+  void hear(const std::vector<Hearing>& hearing);
   bool fill_inlets();
   Inlet* find_next();
   Numbered numbered(const Inlet& inlet) const;
-  static void enter(Heard& from, const Numbered& sample);
+  void enter(Heard& from, const Numbered& sample);
   static bool is_expired(const Heard& from, const Numbered& sample);
   Inlet* oldest_inlet();
   Inlet* next_inlet();
@@ -133,10 +149,14 @@ class SubscriberCore final : public ArrivalListener {
   TransportKind transport_of(const Inlet& inlet) const;
   Heard& heard(EndpointId writer);
   void forget_the_gone();
+  std::uint64_t sum_of_held_too_many() const;
   Next next();
   Next newest();
   template <class Choose>
   untyped::Sample take(Choose choose);
+  void settle_descriptor();
+  bool wait_until(std::chrono::steady_clock::time_point deadline);
+  void sleep_until(std::chrono::steady_clock::time_point deadline);
   bool as_remote(Next& next);
   untyped::Sample wrap(Next next);
   void dispatch(Caller caller);
@@ -146,7 +166,8 @@ class SubscriberCore final : public ArrivalListener {
   const Spec spec_;
   Doorbell& bell_;
   const std::shared_ptr<Recorder> recorder_;
-  std::optional<RemoteCopy> remote_;  ///< of whoever takes
+  std::mutex remote_mutex_;           // apart from mutex_, which must not be held while samples are copied
+  std::optional<RemoteCopy> remote_;  ///< of whoever takes, one at a time
   EventSink events_;
 
   std::mutex mutex_;  // never held over a system call or a callback
@@ -156,11 +177,14 @@ class SubscriberCore final : public ArrivalListener {
   Heard gone_;                          ///< sums of writers that were forgotten
   std::uint64_t discarded_before_ = 0;  ///< by ports that are gone
   std::uint64_t held_too_many_before_ = 0;
+  std::atomic<std::uint64_t> losses_{0};  ///< written with the mutex held
   std::vector<WriterStatus> writers_;
   FieldMask requested_;
   std::shared_ptr<const ProjectionPlan> asked_;  ///< the same, where samples are to look as on another host
   std::uint64_t requests_ = 1;
   std::uint32_t min_period_us_;  ///< asked for
+
+  std::atomic<bool> spins_{true};  ///< not after a wait in vain: that costs a node without traffic nothing
 
   // All sequentially consistent: waits_for_dispatch() of one thread against the end of dispatch() on another.
   std::atomic<std::uint32_t> pending_{

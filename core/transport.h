@@ -1,10 +1,11 @@
 // The seam between the core and the ways a sample can travel. Shared memory and UDP are each one Transport;
 // the core decides who is served by which (core/negotiation.h) and never asks which one it talks to.
 //
-// Threads. Everything is called from the node's agent thread except WriterPort::loan and send (the
-// publisher's thread), ReaderPort::take (any thread, one at a time), and description, counters and, for UDP,
-// open_writer and open_reader (any thread); set_routes, connect, disconnect and accept may run at the
-// same time as these. Listeners are called from threads of the transport.
+// Threads. Everything is called from the node's agent thread except WriterPort::loan, begin, include_spares,
+// send, can_send and miss (the publisher's thread), ReaderPort::take and take_of (any thread, one at a time),
+// and what counts or describes (bytes_sent, dropped, discarded, held_too_many, lost_unnoticed, description,
+// counters) and, for UDP, open_writer and open_reader (any thread); set_routes, connect, disconnect and
+// accept may run at the same time as these. Listeners are called from threads of the transport.
 #pragma once
 
 #include <array>
@@ -120,6 +121,8 @@ class WriterPort {
   /// A sample is about to be made, and gates to be asked: it goes by the routes that are in force now.
   /// Without this by those in force when it is sent.
   virtual void begin() noexcept {}
+  /// The following samples are for nobody here, until begin() or send().
+  virtual void rest() noexcept {}
   /// The sample that is sent next goes by spare routes, too: where it should have gone it could not.
   virtual void include_spares() noexcept {}
   /// The sample that the gates were asked about last could not be made: whom it was for misses it, but for
@@ -139,8 +142,11 @@ class WriterPort {
     static_cast<void>(to);
     static_cast<void>(samples);
   }
-  /// Whether all that was sent to such routes has left.
-  virtual bool history_sent() noexcept { return true; }
+  /// Whether all that was sent to the reader of such a route has left.
+  virtual bool history_sent(EndpointId reader) noexcept {
+    static_cast<void>(reader);
+    return true;
+  }
 
   /// Whether send() can take this sample as it is: shared memory only carries what it lent itself.
   virtual bool can_send(const SampleBuffer& sample) const noexcept {
@@ -178,6 +184,13 @@ struct ReaderSpec {
   std::uint32_t max_held = 256;
 };
 
+/// How far a late reader is with what comes for it alone.
+enum class HistoryProgress : std::uint8_t {
+  awaited,  ///< nothing has come yet
+  coming,
+  came,  ///< nothing of it is under way any more
+};
+
 class ReaderPort {
  public:
   virtual ~ReaderPort() = default;
@@ -194,10 +207,10 @@ class ReaderPort {
   virtual Result<void> connect(const Source& source) = 0;
   /// Whether samples that the writer sends from now on will arrive.
   virtual bool connected(EndpointId writer) const noexcept = 0;
-  /// Whether a sample of that writer has come that was for this reader alone.
-  virtual bool history_began(EndpointId writer) const noexcept {
+  /// Of a writer that was connected to with `history_first`.
+  virtual HistoryProgress history(EndpointId writer) const noexcept {
     static_cast<void>(writer);
-    return false;
+    return HistoryProgress::came;
   }
   /// Differs from what it was whenever a sample of that writer has arrived meanwhile, taken or not.
   virtual std::uint64_t arrivals(EndpointId writer) noexcept = 0;
@@ -214,7 +227,8 @@ class ReaderPort {
   /// Times that as many samples of a writer were held as may be, and the next one could not be taken.
   virtual std::uint64_t held_too_many() const noexcept { return 0; }
 
-  /// Of those discarded, samples of disconnected writers that no gap in the sequences of those taken shows.
+  /// Of those discarded, samples that no gap in the sequences of those taken shows: before the first of a
+  /// writer, or behind the last one of a writer that was disconnected.
   virtual std::uint64_t lost_unnoticed() const noexcept { return 0; }
 };
 

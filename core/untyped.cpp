@@ -141,6 +141,8 @@ Sample Subscriber::take_latest() { return core_->take_latest(); }
 
 bool Subscriber::wait(std::chrono::nanoseconds timeout) { return core_->wait(timeout); }
 
+int Subscriber::file_descriptor() const { return core_->file_descriptor(); }
+
 Result<void> Subscriber::set_max_rate_hz(double max_rate_hz) { return core_->set_max_rate_hz(max_rate_hz); }
 
 SubscriberStatus Subscriber::status() const { return core_->status(); }

@@ -11,7 +11,8 @@ void Doorbells::add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot
   core::Doorbell* bell = page == nullptr ? nullptr : &page->at(slot);
   auto known = std::ranges::find(bells_, bell, &Bell::bell);
   if (known == bells_.end()) {
-    known = bells_.insert(bells_.end(), {bell, false, {}});
+    bells_.emplace_back().bell = bell;
+    known = std::prev(bells_.end());
     pages_.push_back(std::move(page));
   }
   known->always |= gate == nullptr;
@@ -24,10 +25,28 @@ bool Doorbells::Bell::wanted() const noexcept {
 
 bool Doorbells::wanted() const noexcept { return std::ranges::any_of(bells_, &Bell::wanted); }
 
-void Doorbells::ring() const noexcept {
+std::size_t Doorbells::announce() const noexcept {
+  std::size_t sleepers = 0;
   for (const Bell& bell : bells_) {
-    if (bell.bell != nullptr && bell.wanted()) bell.bell->ring();
+    if (bell.bell == nullptr || !bell.wanted() || !bell.bell->announce()) continue;
+    bell.due.store(true, std::memory_order_release);
+    ++sleepers;
   }
+  return sleepers;
+}
+
+void Doorbells::run() const noexcept {
+  for (const Bell& bell : bells_) {
+    // Who has woken up meanwhile looks before it sleeps again.
+    if (bell.due.exchange(false, std::memory_order_acq_rel) && bell.bell->has_sleepers()) bell.bell->wake();
+  }
+}
+
+void DoorbellPages::ring(const std::shared_ptr<const Doorbells>& bells) noexcept {
+  const std::size_t sleepers = bells->announce();
+  if (sleepers == 0) return;
+  // The waker has to be woken, too: for a single sleeper that would save nothing, and cost that one time.
+  if (sleepers == 1 || !waker_.run(bells)) bells->run();
 }
 
 std::shared_ptr<const Doorbells> DoorbellPages::doorbells_of(const std::vector<core::Route>& routes) {
@@ -37,6 +56,7 @@ std::shared_ptr<const Doorbells> DoorbellPages::doorbells_of(const std::vector<c
     if (address == nullptr || address->slot >= core::DoorbellPage::slots) continue;
     doorbells->add(open(address->page), address->slot, route.gate);
   }
+  if (doorbells->size() > 1) waker_.start();
   return doorbells;
 }
 

@@ -2,7 +2,9 @@
 // it.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -10,33 +12,40 @@
 
 #include "core/doorbell.h"
 #include "core/transport.h"
+#include "shm_transport/waker.h"
 
 namespace sft::shm {
 
-/// Each doorbell once, however many readers share it. Immutable, so that it can be rung while it is being
-/// replaced.
-class Doorbells {
+/// Each doorbell once, however many readers share it. The list does not change, so that it can be rung while
+/// it is being replaced.
+class Doorbells final : public Errand {
  public:
-  /// `page`: null for a reader that cannot be woken. `gate`: of its maximum rate, null if it has none.
+  /// `page`: null for a reader that cannot be woken. `gate`: of its maximum rate, null if it has none. Before
+  /// the first ring.
   void add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot,
            std::shared_ptr<const core::RateGate> gate);
+  std::size_t size() const { return bells_.size(); }
 
   // The publisher's thread, on which the gates say what passes.
 
   /// Whether any reader wants the sample at hand.
   bool wanted() const noexcept;
-  /// Those that want it: nobody is woken for what it would skip.
-  void ring() const noexcept;
+  /// Tells those that want it: nobody is woken for what it would skip. So many sleep, and are to be woken.
+  [[nodiscard]] std::size_t announce() const noexcept;
+
+  /// Any thread: wakes all of them.
+  void run() const noexcept override;
 
  private:
   struct Bell {
-    core::Doorbell* bell;
-    bool always;  ///< for a reader without limit
-    std::vector<std::shared_ptr<const core::RateGate>> gates;
+    core::Doorbell* bell = nullptr;
+    bool always = false;  ///< for a reader without limit
+    std::vector<std::shared_ptr<const core::RateGate>> gates{};
+    mutable std::atomic<bool> due{false};  ///< to be woken
     bool wanted() const noexcept;
   };
   std::vector<std::shared_ptr<core::DoorbellPage>> pages_;
-  std::vector<Bell> bells_;
+  std::deque<Bell> bells_;
 };
 
 /// Any thread.
@@ -45,9 +54,14 @@ class DoorbellPages {
   /// Doorbells that cannot be opened (their process is gone) are left out.
   std::shared_ptr<const Doorbells> doorbells_of(const std::vector<core::Route>& routes);
 
+  /// The publisher's thread: rings for the sample at hand. A single sleeper it wakes itself; several it
+  /// leaves to a thread of the node.
+  void ring(const std::shared_ptr<const Doorbells>& bells) noexcept;
+
  private:
   std::shared_ptr<core::DoorbellPage> open(std::uint64_t id);
 
+  Waker waker_;
   std::mutex mutex_;
   std::map<std::uint64_t, std::weak_ptr<core::DoorbellPage>> pages_;
 };

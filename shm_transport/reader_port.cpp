@@ -63,7 +63,6 @@ SampleHandle ChunkBorrower::take() noexcept {
       continue;
     }
     buffer.receive_stamp_ns = core::realtime_ns();
-    dropped_at_end_ = 0;
     buffer.owner = shared_from_this();
     return SampleHandle(buffer);
   }
@@ -83,10 +82,11 @@ ChunkSlot* ChunkBorrower::next_chunk() noexcept {
     return nullptr;
   }
   if (!open_) --arrived_;
+  // Asked before: what is reported later may be of samples behind this one.
+  overflowed_ |= std::exchange(overflow_is_news_, false);
+  overflowed_ |= port_.hasLostChunksSinceLastCall();
   auto chunk = port_.tryGetChunk();
   if (chunk.has_error()) return nullptr;
-  overflowed_ = std::exchange(overflow_is_news_, false);
-  overflowed_ |= port_.hasLostChunksSinceLastCall();
   ++popped_;
   ChunkSlot* slot = slots_.take();
   slot->chunk = const_cast<iox::mepoo::ChunkHeader*>(chunk.value());
@@ -113,21 +113,29 @@ bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
   buffer.source_stamp_ns = sample->source_stamp_ns;
   buffer.diverted_sequence = sample->diverted_sequence;
   buffer.diverted_stamp_ns = sample->diverted_stamp_ns;
-  count_gap(sample->sequence, overflowed_);
+  enter(sample->sequence);
   return true;
 }
 
-/// iceoryx tells only that something was pushed out, not how much, and may tell it one sample late; sequences
-/// tell how much, but have gaps for other reasons too (samples that went another way). Together they give the
-/// number.
-void ChunkBorrower::count_gap(std::uint64_t sequence, bool overflowed) noexcept {
-  const std::uint64_t gap =
-      last_sequence_ != 0 && sequence > last_sequence_ ? sequence - last_sequence_ - 1 : 0;
-  if (overflowed) {
-    const std::uint64_t lost = unexplained_gap_ + gap;
-    discarded_.fetch_add(std::max<std::uint64_t>(lost, 1), std::memory_order_relaxed);
+/// iceoryx tells only that something was pushed out, not how much; sequences tell how much, but have gaps for
+/// other reasons too (samples that went another way). Together they give the number. What pushes a sample out
+/// tells it afterwards, and by then a queue of others may have been taken.
+void ChunkBorrower::enter(std::uint64_t sequence) noexcept {
+  const bool overflowed = std::exchange(overflowed_, false);
+  std::uint64_t lost = 0;
+  if (last_sequence_ == 0) {
+    dropped_at_begin_ = dropped_since_;
+    lost = 1;  // if anything is; nobody knows where the sequences began
+  } else if (sequence > last_sequence_ + 1) {
+    unexplained_gap_ += sequence - last_sequence_ - 1;
+    explicable_ = popped_ + data_.m_chunkReceiverData.m_queue.capacity() + 2;
   }
-  unexplained_gap_ = overflowed ? 0 : gap;
+  if (overflowed) {
+    discarded_.fetch_add(lost + unexplained_gap_, std::memory_order_relaxed);
+    unexplained_gap_ = 0;
+  }
+  if (popped_ >= explicable_) unexplained_gap_ = 0;
+  dropped_since_ = 0;
   last_sequence_ = sequence;
 }
 
@@ -168,7 +176,7 @@ void ChunkBorrower::drop_oldest() noexcept {
   const std::scoped_lock lock(mutex_);
   if (lost_ || arrived_ == 0) return;
   --arrived_;
-  ++dropped_at_end_;
+  ++dropped_since_;
   discarded_.fetch_add(1, std::memory_order_relaxed);
   // Where too many are held already, iceoryx gives it back itself.
   if (auto chunk = port_.tryGetChunk(); !chunk.has_error()) port_.releaseChunk(chunk.value());
@@ -238,7 +246,7 @@ ShmReaderPort::Writers ShmReaderPort::forget_drained() noexcept {
   for (const auto& writer : drained) {
     discarded_before_ += writer->discarded();
     held_too_many_before_ += writer->held_too_many();
-    lost_unnoticed_ += writer->dropped_at_end();
+    lost_unnoticed_ += writer->lost_unnoticed();
   }
   return drained;
 }

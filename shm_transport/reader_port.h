@@ -47,8 +47,9 @@ class ChunkBorrower final : public core::BufferOwner,
   /// Of one that is closed: how many these are, and throwing away the oldest.
   std::uint64_t left() const noexcept;
   void drop_oldest() noexcept;
-  /// Samples thrown away since the last one that was taken: no gap in the sequences tells of them.
-  std::uint64_t dropped_at_end() const noexcept { return dropped_at_end_; }
+  /// Of those dropped, the ones before the first that was taken and behind the last: no gap in the sequences
+  /// tells of them.
+  std::uint64_t lost_unnoticed() const noexcept { return dropped_at_begin_ + dropped_since_; }
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
   void lose() noexcept override;
@@ -59,7 +60,7 @@ class ChunkBorrower final : public core::BufferOwner,
                 std::uint32_t held_limit);
   ChunkSlot* next_chunk() noexcept;
   bool check(ChunkSlot& slot) noexcept;
-  void count_gap(std::uint64_t sequence, bool overflowed) noexcept;
+  void enter(std::uint64_t sequence) noexcept;
 
   const std::shared_ptr<Session> session_;
   const core::EndpointId writer_;
@@ -72,10 +73,12 @@ class ChunkBorrower final : public core::BufferOwner,
   const iox::popo::PublisherPortData* feeder_ = nullptr;
 
   // Of the thread that takes (or drops).
-  bool overflowed_ = false;          ///< iceoryx reported it with the chunk just popped
-  std::uint64_t last_sequence_ = 0;  ///< 0: none yet
-  std::uint64_t unexplained_gap_ = 0;
-  std::uint64_t dropped_at_end_ = 0;
+  bool overflowed_ = false;            ///< iceoryx has reported it since the last sample
+  std::uint64_t last_sequence_ = 0;    ///< 0: none yet
+  std::uint64_t unexplained_gap_ = 0;  ///< no overflow was reported so far that could have made it
+  std::uint64_t explicable_ = 0;       ///< until so many were popped one may still be
+  std::uint64_t dropped_at_begin_ = 0;
+  std::uint64_t dropped_since_ = 0;  ///< the last one that was taken
 
   mutable std::mutex mutex_;  // guards what follows; never held over a system call
   bool open_ = true;          ///< neither closed nor lost

@@ -175,7 +175,7 @@ SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
   }
   if (committed == ChunkLender::Commit::lost) return SendStatus::lost_port;
   if (committed == ChunkLender::Commit::busy) return drop();
-  if (wanted) bells->ring();
+  if (wanted) pages_->ring(doorbells_.loaded());
   return SendStatus::sent;
 }
 

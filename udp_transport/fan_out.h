@@ -48,6 +48,8 @@ class FanOut final : public LeftWork {
   void carry_out() noexcept override;
 
  private:
+  static bool is_large(const Rest& rest) { return rest.sample->capacity > direct_bytes_max; }
+  std::vector<Rest>::iterator surplus_before(const Rest& newcomer) noexcept;
   std::optional<Rest> take() noexcept;
   static std::span<const Group> of(const Rest& rest) {
     return std::span(rest.routes->groups).subspan(rest.first, rest.end - rest.first);

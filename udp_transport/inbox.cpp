@@ -1,6 +1,7 @@
 #include "udp_transport/inbox.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace sft::udp {
@@ -37,20 +38,18 @@ void Inbox::deliver(core::SampleHandle sample) noexcept {
 bool Inbox::enqueue(core::SampleHandle& sample) noexcept {
   Writer* writer = find(sample->header().writer);
   if (writer == nullptr || !writer->connected) return false;
-  if (sample->addressee != 0) {
-    writer->history_first = false;
-    writer->history_began = true;
-  }
-  if (writer->history_first) return false;  // of before: it will come again, with what is older
+  if (writer->filter.is_late() && !writer->filter.takes(*sample, std::chrono::steady_clock::now()))
+    return false;  // of those that are for others, or it will come again in its turn
   ++writer->arrivals;
   switch (writer->queue.put(sample, ++arrivals_)) {
     case KeepLastQueue::Put::kept:
       return true;
     case KeepLastQueue::Put::pushed_out:
       ++discarded_;
+      ++writer->dropped;
       return true;
     case KeepLastQueue::Put::late:
-      ++discarded_;
+      if (!writer->filter.is_late()) ++discarded_;  // else it may have come in both ways
       return false;
     case KeepLastQueue::Put::repeated:
       return false;
@@ -85,8 +84,7 @@ void Inbox::connect(const core::Source& source) {
   Writer* writer = find(source.writer);
   if (writer == nullptr) writer = &writers_.emplace_back(Writer{source.writer, KeepLastQueue(depth_)});
   writer->connected = true;
-  writer->history_first = source.history_first;
-  writer->history_began = false;
+  writer->filter = LateFilter(source.history_first);
 }
 
 void Inbox::disconnect(core::EndpointId id) noexcept {
@@ -126,10 +124,11 @@ bool Inbox::connected(core::EndpointId id) const noexcept {
   return writer != nullptr && writer->connected;
 }
 
-bool Inbox::history_began(core::EndpointId id) const noexcept {
+core::HistoryProgress Inbox::history(core::EndpointId id) const noexcept {
   const std::scoped_lock lock(mutex_);
   const Writer* writer = find(id);
-  return writer != nullptr && writer->history_began;
+  return writer == nullptr ? core::HistoryProgress::awaited
+                           : writer->filter.progress(std::chrono::steady_clock::now());
 }
 
 std::uint64_t Inbox::arrivals(core::EndpointId id) noexcept {

@@ -9,6 +9,7 @@
 
 #include "core/transport.h"
 #include "udp_transport/keep_last_queue.h"
+#include "udp_transport/late_filter.h"
 
 namespace sft::udp {
 
@@ -28,7 +29,7 @@ class Inbox {
   /// connected, the newest.
   void disconnect(core::EndpointId writer) noexcept;
   bool connected(core::EndpointId writer) const noexcept;
-  bool history_began(core::EndpointId writer) const noexcept;
+  core::HistoryProgress history(core::EndpointId writer) const noexcept;
   std::uint64_t arrivals(core::EndpointId writer) noexcept;
   std::uint64_t discarded() const noexcept;
   std::uint64_t lost_unnoticed() const noexcept;
@@ -42,10 +43,9 @@ class Inbox {
     core::EndpointId id;
     KeepLastQueue queue;
     bool connected = true;
-    bool history_first = false;  ///< still, see core::Source
-    bool history_began = false;
+    LateFilter filter{};
     bool taken = false;         ///< some sample of it was
-    std::uint64_t dropped = 0;  ///< since then, while it was disconnected
+    std::uint64_t dropped = 0;  ///< since then
     std::uint64_t arrivals = 0;
   };
   Writer* find(core::EndpointId id) noexcept;

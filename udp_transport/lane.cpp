@@ -5,10 +5,19 @@
 
 namespace sft::udp {
 
+namespace {
+// Of a late lane:
+constexpr std::size_t late_jobs_max = 256;
+constexpr std::size_t late_bytes_max = std::size_t{1} << 20;
+
+std::size_t bytes_held(const Job& job) { return job.sample ? job.sample->capacity : 0; }
+}  // namespace
+
 Lane::Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
            Start start)
     : to_(std::move(to)),
       depth_(std::max<std::size_t>(depth, 1)),
+      late_(start == Start::held),
       tally_(std::move(tally)),
       busy_(start == Start::held),
       held_(start == Start::held) {
@@ -19,16 +28,29 @@ Lane::Posted Lane::post(JobHandle job) {
   JobHandle oldest;  // goes outside the lock
   const std::scoped_lock lock(mutex_);
   if (closed()) return {};
-  if (queue_.size() == depth_) {
-    oldest = std::move(queue_.front());
-    queue_.erase(queue_.begin());
+  if (!has_room_for(*job)) {
+    oldest = pop_oldest();
     count_lost(*oldest);
   }
+  queued_bytes_ += bytes_held(*job);
   if (oldest_ == 0) oldest_ = job->sequence;
   queue_.push_back(std::move(job));
   busy_.store(true, std::memory_order_relaxed);
   return {.was_idle = !held_ && !std::exchange(scheduled_, true),
           .dropped_oldest = static_cast<bool>(oldest)};
+}
+
+bool Lane::has_room_for(const Job& job) const {
+  if (queue_.size() < depth_) return true;
+  return late_ && queue_.size() < late_jobs_max && queued_bytes_ + bytes_held(job) <= late_bytes_max;
+}
+
+/// With the mutex held; there is one.
+JobHandle Lane::pop_oldest() {
+  JobHandle oldest = std::move(queue_.front());
+  queue_.erase(queue_.begin());
+  queued_bytes_ -= bytes_held(*oldest);
+  return oldest;
 }
 
 void Lane::lose_current() {
@@ -48,8 +70,7 @@ void Lane::mark(Job& job) {
 
 bool Lane::begin(std::vector<JobHandle> history) {
   const std::scoped_lock lock(mutex_);
-  held_ = false;
-  if (closed()) return false;
+  if (!std::exchange(held_, false) || closed()) return false;
   std::reverse(history.begin(), history.end());
   history_ = std::move(history);
   if (!history_.empty()) oldest_ = history_.back()->sequence;
@@ -66,8 +87,7 @@ const Job* Lane::next() {
     current_ = std::move(history_.back());
     history_.pop_back();
   } else if (!queue_.empty()) {
-    current_ = std::move(queue_.front());
-    queue_.erase(queue_.begin());
+    current_ = pop_oldest();
   } else {
     scheduled_ = false;
     busy_.store(false, std::memory_order_release);
@@ -82,6 +102,7 @@ void Lane::close() {
   const std::scoped_lock lock(mutex_);
   closed_.store(true, std::memory_order_release);
   dropped.swap(queue_);
+  queued_bytes_ = 0;
   dropped_history.swap(history_);
 }
 

@@ -26,7 +26,8 @@ class Lane {
  public:
   enum class Start : std::uint8_t { open, held };
 
-  /// Held: what is posted waits for begin().
+  /// Held: what is posted waits for begin(), and more may wait than `depth`, as long as it is small: nobody
+  /// falls behind there, only the history has to go first.
   Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
        Start start = Start::open);
 
@@ -55,8 +56,8 @@ class Lane {
 
   // The agent's thread.
 
-  /// Of a held lane: goes on, with retained samples, however many, before all that was posted. Whether the
-  /// sending thread has to be told of this lane.
+  /// Of a held lane: goes on, with retained samples, however many, before all that was posted; once. Whether
+  /// the sending thread has to be told of this lane.
   [[nodiscard]] bool begin(std::vector<JobHandle> history);
 
   // The sending thread.
@@ -69,9 +70,12 @@ class Lane {
 
  private:
   void count_lost(const Job& job) const;
+  bool has_room_for(const Job& job) const;
+  JobHandle pop_oldest();
 
   const std::shared_ptr<Destination> to_;
   const std::size_t depth_;
+  const bool late_;  ///< began as held
   const std::shared_ptr<WriterTally> tally_;
   const std::shared_ptr<core::LossTally> losses_ = std::make_shared<core::LossTally>();
   std::atomic<bool> busy_;  ///< scheduled_ or held_, as the publisher sees it
@@ -84,6 +88,7 @@ class Lane {
   std::uint64_t oldest_ = 0;        ///< sequence of the first sample, once there is one
   std::vector<JobHandle> history_;  ///< goes first, the newest first
   std::vector<JobHandle> queue_;    ///< the oldest first
+  std::size_t queued_bytes_ = 0;    ///< of memory that these hold
 };
 
 }  // namespace sft::udp

@@ -107,14 +107,13 @@ std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared
   return variant.lanes.emplace_back(std::make_shared<Lane>(to, queue_depth_, tally_));
 }
 
-/// Held until its history is known, unless the reader has only moved.
+/// Held until its history is known; again if it has moved, since what was queued does not reach it any more.
 std::shared_ptr<Lane> VariantDirectory::late_lane(core::EndpointId reader,
                                                   const std::shared_ptr<Destination>& to) {
   std::shared_ptr<Lane>& lane = late_lanes_[reader];
   if (lane != nullptr && &lane->destination() == to.get()) return lane;
-  const auto start = lane == nullptr ? Lane::Start::held : Lane::Start::open;
   if (lane != nullptr) lane->close();
-  lane = std::make_shared<Lane>(to, queue_depth_, tally_, start);
+  lane = std::make_shared<Lane>(to, queue_depth_, tally_, Lane::Start::held);
   return lane;
 }
 
@@ -131,9 +130,9 @@ void VariantDirectory::keep_lanes_to(const std::set<const Destination*>& served,
   });
 }
 
-bool VariantDirectory::late_lanes_idle() const {
-  return std::all_of(late_lanes_.begin(), late_lanes_.end(),
-                     [](const auto& item) { return item.second->idle(); });
+bool VariantDirectory::late_lane_idle(core::EndpointId reader) const {
+  const auto lane = late_lanes_.find(reader);
+  return lane == late_lanes_.end() || lane->second->idle();
 }
 
 std::uint16_t VariantDirectory::unused_number() {

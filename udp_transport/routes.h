@@ -70,8 +70,8 @@ class VariantDirectory {
   void keep_lanes_to(const std::set<const Destination*>& served,
                      const std::set<core::EndpointId>& late_readers);
 
-  /// Nothing waits for a late reader.
-  bool late_lanes_idle() const;
+  /// Nothing waits for a late reader that has a lane.
+  bool late_lane_idle(core::EndpointId reader) const;
 
   /// Forgets the longest unused ones beyond a few; called between rounds of find().
   void next_round();

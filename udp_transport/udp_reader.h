@@ -19,8 +19,8 @@ class UdpReader final : public core::ReaderPort {
   core::SampleHandle take() noexcept override { return inbox_->take(); }
   Result<void> connect(const core::Source& source) override;
   bool connected(core::EndpointId writer) const noexcept override { return inbox_->connected(writer); }
-  bool history_began(core::EndpointId writer) const noexcept override {
-    return inbox_->history_began(writer);
+  core::HistoryProgress history(core::EndpointId writer) const noexcept override {
+    return inbox_->history(writer);
   }
   std::uint64_t arrivals(core::EndpointId writer) noexcept override { return inbox_->arrivals(writer); }
   void disconnect(core::EndpointId writer) noexcept override;

@@ -34,8 +34,8 @@ std::uint64_t UdpWriter::bytes_sent() const noexcept {
 
 std::uint64_t UdpWriter::dropped() const noexcept { return tally_->dropped.load(std::memory_order_relaxed); }
 
-bool UdpWriter::history_sent() noexcept {
-  return side_->sender.stopped() || (left_->done() && variants_.late_lanes_idle());
+bool UdpWriter::history_sent(core::EndpointId reader) noexcept {
+  return side_->sender.stopped() || (left_->done() && variants_.late_lane_idle(reader));
 }
 
 void UdpWriter::set_routes(std::vector<core::Route> routes) {
@@ -74,6 +74,10 @@ void UdpWriter::begin() noexcept {
   if (routes != in_use_) [[unlikely]]
     turn_to(*routes);
   begun_ = true;
+}
+
+void UdpWriter::rest() noexcept {
+  if (in_use_ != &nobody_) turn_to(nobody_);
 }
 
 const RouteTable& UdpWriter::routes_of_sample() noexcept {

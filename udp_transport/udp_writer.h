@@ -24,12 +24,13 @@ class UdpWriter final : public core::WriterPort {
 
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
   void begin() noexcept override;
+  void rest() noexcept override;
   void include_spares() noexcept override { with_spares_ = true; }
   void miss() noexcept override;
   void count_in(std::shared_ptr<core::DeliveryBook> book) override { book_ = std::move(book); }
   void set_routes(std::vector<core::Route> routes) override;
   void send_history(const core::Route& to, std::vector<core::SampleHandle> samples) override;
-  bool history_sent() noexcept override;
+  bool history_sent(core::EndpointId reader) noexcept override;
   std::uint64_t bytes_sent() const noexcept override;
   std::uint64_t dropped() const noexcept override;
 
@@ -49,7 +50,8 @@ class UdpWriter final : public core::WriterPort {
   std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 
   // Of the publisher's thread.
-  const RouteTable* in_use_ = nullptr;            ///< of the last sample; whose page is open
+  const RouteTable nobody_;
+  const RouteTable* in_use_ = &nobody_;           ///< of the last sample; whose page is open
   bool begun_ = false;                            ///< they are those of the present one
   bool with_spares_ = false;                      ///< of these, too, is the present one
   core::DeliveryBook::LateCounts late_counts_{};  ///< of what was left on the page before

@@ -1,13 +1,9 @@
 #include "bench/common/pair.h"
 
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <cstdlib>
+#include <csignal>
 #include <ctime>
 
+#include "bench/common/process.h"
 #include "bench/common/shared.h"
 
 namespace sft::bench {
@@ -18,6 +14,11 @@ bool Exchange::wait_for_receipt(std::uint64_t n) {
     if (now_ns() > deadline || failed.load()) return false;
   }
   return true;
+}
+
+void Exchange::note_receipt(std::uint64_t n) {
+  received_at[n - 1] = now_ns();
+  received.store(n, std::memory_order_release);
 }
 
 void pause_us(std::int64_t us) {
@@ -31,27 +32,24 @@ void sleep_us(std::int64_t us) {
   nanosleep(&time, nullptr);
 }
 
-void pin_to_core(int core) {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  CPU_SET(core, &set);
-  sched_setaffinity(0, sizeof set, &set);
+bool wait_until(const std::function<bool()>& holds) {
+  const std::int64_t deadline = now_ns() + 20'000'000'000;
+  while (!holds()) {
+    if (now_ns() > deadline) return false;
+    sleep_us(1000);
+  }
+  return true;
 }
 
 namespace {
 
-constexpr unsigned patience_s = 300;  // a side that takes longer hangs
-
 pid_t start(int core, const std::function<void()>& enter, const std::function<void(Exchange&)>& role,
             Exchange& exchange) {
-  const pid_t child = fork();
-  if (child != 0) return child;
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  enter();
-  pin_to_core(core);
-  alarm(patience_s);
-  role(exchange);
-  std::exit(exchange.failed.load() ? 1 : 0);
+  return start_on_core(core, [&] {
+    enter();
+    role(exchange);
+    return exchange.failed.load() ? 1 : 0;
+  });
 }
 
 }  // namespace
@@ -60,12 +58,11 @@ std::vector<double> run_pair(const Sides& sides, std::uint64_t messages) {
   const Shared<Exchange> exchange;
   const pid_t receiver = start(1, sides.enter_receiver, sides.receiver, *exchange);
   const pid_t sender = start(0, sides.enter_sender, sides.sender, *exchange);
-  int status = 0;
-  waitpid(sender, &status, 0);
-  if (status != 0) kill(receiver, SIGKILL);
-  waitpid(receiver, nullptr, 0);
+  const bool sent = succeeds(sender);
+  if (!sent) kill(receiver, SIGKILL);
+  succeeds(receiver);
   std::vector<double> times;
-  for (std::uint64_t i = messages / 10; status == 0 && i < messages; ++i) {
+  for (std::uint64_t i = messages / 10; sent && i < messages; ++i) {
     if (exchange->received_at[i] != 0) {
       times.push_back(static_cast<double>(exchange->received_at[i] - exchange->sent_at[i]) / 1000.0);
     }

@@ -2,8 +2,6 @@
 // measurement here.
 #pragma once
 
-#include <sched.h>
-
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -33,6 +31,8 @@ class Exchange {
 
   /// The sender: waits until the receiver has read message n; gives up after a second.
   bool wait_for_receipt(std::uint64_t n);
+  /// The receiver: it has read message n now.
+  void note_receipt(std::uint64_t n);
 };
 
 /// Where each side runs, and how: `enter` is called in the process before its role (to join a namespace,
@@ -52,7 +52,7 @@ std::vector<double> run_pair(const Sides& sides, std::uint64_t messages);
 void pause_us(std::int64_t us);
 /// Leaves the core to others meanwhile.
 void sleep_us(std::int64_t us);
-
-void pin_to_core(int core);
+/// Looks every millisecond, for what sides that start wait for; false after 20 s.
+bool wait_until(const std::function<bool()>& holds);
 
 }  // namespace sft::bench

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sft::bench {
 
@@ -19,5 +20,16 @@ void Rounds::add(std::vector<double> times) {
   p50_.push_back(quantile(times, 0.5));
   p99_.push_back(quantile(times, 0.99));
 }
+
+namespace {
+
+double median_if_any(const std::vector<double>& rounds) {
+  return rounds.empty() ? std::numeric_limits<double>::quiet_NaN() : median(rounds);
+}
+
+}  // namespace
+
+double Rounds::p50() const { return median_if_any(p50_); }
+double Rounds::p99() const { return median_if_any(p99_); }
 
 }  // namespace sft::bench

@@ -11,12 +11,13 @@ double quantile(std::vector<double>& values, double q);
 /// The median of several rounds' results: one disturbed round does not count.
 double median(std::vector<double> values);
 
-/// Quantiles of a contender that is measured in several rounds, each as the median over these.
+/// Quantiles of a contender that is measured in several rounds, each as the median over these. Not a number
+/// if it failed in all of them, which is within no bound.
 class Rounds {
  public:
   void add(std::vector<double> times);
-  double p50() const { return median(p50_); }
-  double p99() const { return median(p99_); }
+  double p50() const;
+  double p99() const;
 
  private:
   std::vector<double> p50_, p99_;

@@ -1,81 +1,40 @@
-// Our side in shared memory, for samples of two sizes: what a reader of `width` waits for must not depend on
-// the data.
-#include <sft/sft.h>
-#include <sensor_msgs/msg/PointCloud2.hpp>
-
+// Our side in shared memory, for samples of two sizes: what a reader waits for must not depend on the data.
+#include "bench/common/raw_iceoryx.h"
+#include "bench/common/sft_cloud.h"
 #include "bench/common/statistics.h"
+#include "bench/common/transfer.h"
 #include "bench/spine/spine.h"
 
 namespace sft::bench {
 
 namespace {
 
-using sensor_msgs::msg::PointCloud2;
-using F = PointCloud2::Field;
+constexpr std::uint32_t small_bytes = 16;
 
-constexpr std::uint32_t large = 6'291'456;
-constexpr std::uint32_t small = 16;
+/// Of one reader: asleep, or spinning.
+struct Contest {
+  Rounds ours, ours_small, raw;
 
-NodeOptions options(const char* name) { return {.name = name, .transport = TransportChoice::shm}; }
-
-void send(Exchange& exchange, std::uint64_t messages, std::uint32_t bytes, std::int64_t pause) {
-  Node node = Node::open(options("sender")).value();
-  auto publisher = node.publisher<PointCloud2>("spine").value();
-  while (publisher.status().readers.empty() || !publisher.status().readers[0].served) pause_us(1000);
-  const PointCloud2 prototype;
-  for (std::uint64_t i = 0; i < messages; ++i) {
-    pause_us(pause);
-    auto loan = publisher.loan_for_overwrite(prototype, {.data = bytes}).value();
-    loan.set(F::width, static_cast<std::uint32_t>(i + 1));
-    exchange.sent_at[i] = now_ns();
-    std::move(loan).publish();
-    if (!exchange.wait_for_receipt(i + 1)) {
-      exchange.failed = true;
-      return;
-    }
+  void run(const Transfer& transfer) {
+    ours.add(transfer_times<SftLoanWriter, SftReader>(transfer, sent_cloud_bytes));
+    raw.add(transfer_times<RawIceoryxWriter, RawIceoryxReader>(transfer, small_bytes));
+    ours_small.add(transfer_times<SftLoanWriter, SftReader>(transfer, small_bytes));
   }
-}
-
-void receive(Exchange& exchange, std::uint64_t messages, bool asleep) {
-  Node node = Node::open(options("receiver")).value();
-  auto subscriber = node.subscriber<PointCloud2, F::width>("spine").value();
-  for (std::uint64_t next = 1; next <= messages && !exchange.failed;) {
-    if (asleep) subscriber.wait(std::chrono::seconds(1));
-    const auto sample = subscriber.take();
-    if (!sample) continue;
-    const std::uint64_t number = sample->width();
-    exchange.received_at[number - 1] = now_ns();
-    exchange.received.store(number, std::memory_order_release);
-    next = number + 1;
-  }
-}
-
-double p50(std::uint64_t messages, std::uint32_t bytes, bool asleep) {
-  auto times = run_pair({.sender = [=](Exchange& e) { send(e, messages, bytes, asleep ? 150 : 5); },
-                         .receiver = [=](Exchange& e) { receive(e, messages, asleep); }},
-                        messages);
-  return quantile(times, 0.5);
-}
+};
 
 }  // namespace
 
 std::vector<Figure> shared_memory(const Scale& scale) {
-  std::vector<double> sleeping, sleeping_small, spinning, spinning_small, waitset, polling;
+  Contest sleeping, spinning;
   for (int round = 0; round < scale.rounds; ++round) {
-    sleeping.push_back(p50(scale.messages, large, true));
-    auto raw = raw_iceoryx_waitset(scale.messages);
-    waitset.push_back(quantile(raw, 0.5));
-    sleeping_small.push_back(p50(scale.messages, small, true));
-    spinning.push_back(p50(scale.messages, large, false));
-    raw = raw_iceoryx_polling(scale.messages);
-    polling.push_back(quantile(raw, 0.5));
-    spinning_small.push_back(p50(scale.messages, small, false));
+    sleeping.run({.messages = scale.messages, .reading = Reading::sleeping});
+    spinning.run({.messages = scale.messages, .reading = Reading::spinning});
   }
-  return {
-      {"shm_sleeping", median(sleeping), "us", median(waitset), "iceoryx WaitSet, 16 B", 1.3},
-      {"shm_spinning", median(spinning), "us", median(polling), "iceoryx polling, 16 B", 2.0},
-      {"shm_sleeping_size", median(sleeping), "us", median(sleeping_small), "the same, 16 B of data", {}},
-      {"shm_spinning_size", median(spinning), "us", median(spinning_small), "the same, 16 B of data", {}}};
+  const char* small = "the same, 16 B of data";
+  return {{"shm_sleeping", sleeping.ours.p50(), "us", sleeping.raw.p50(), "iceoryx WaitSet, 16 B", 1.3},
+          {"shm_spinning", spinning.ours.p50(), "us", spinning.raw.p50(), "iceoryx polling, 16 B", 2.0},
+          {"shm_sleeping_size", sleeping.ours.p50(), "us", sleeping.ours_small.p50(), small, {}},
+          {"shm_spinning_size", spinning.ours.p50(), "us", spinning.ours_small.p50(), small, {}}};
 }
 
 }  // namespace sft::bench

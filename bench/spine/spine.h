@@ -14,17 +14,15 @@ struct Scale {
   int rounds = 3;                 ///< of each contender, in turns; the median counts
 };
 
-/// A 6.3 MB point cloud, from publish of a loan to width() read, in shared memory: reader asleep, reader
-/// spinning.
+/// A 6.3 MB point cloud, from publish of a loan to height() and width() read, in shared memory: reader
+/// asleep, reader spinning.
 std::vector<Figure> shared_memory(const Scale& scale);
 /// 64 bytes of fields between two hosts, callback to callback, against blocking sockets.
 std::vector<Figure> udp_small(const Scale& scale);
 /// Bytes on the link: of a diagnostic subscriber per sample, and of an idle node per second.
 std::vector<Figure> wire_bytes();
 
-// References.
-std::vector<double> raw_iceoryx_waitset(std::uint64_t messages);
-std::vector<double> raw_iceoryx_polling(std::uint64_t messages);
+// The reference over UDP.
 std::vector<double> raw_socket_ping_pong(std::uint64_t messages, std::size_t bytes, const Sides& hosts);
 
 }  // namespace sft::bench

@@ -25,7 +25,7 @@ void publish(Exchange& exchange) {
   while (publisher.status().readers.empty()) sleep_us(1000);
   PointCloud2 cloud;
   cloud.data.resize(6'291'456);
-  sleep_us(2'000'000);  // until the traffic of joining is over
+  sleep_us(4'000'000);  // until the traffic of joining is over
   exchange.sent = 1;
   while (exchange.received.load() < 1) sleep_us(1000);
   for (std::uint64_t i = 0; i < samples; ++i) {

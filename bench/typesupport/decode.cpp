@@ -4,8 +4,8 @@
 #include <sensor_msgs/msg/PointCloud2.h>
 
 #include "bench/common/contest.h"
+#include "bench/common/fast_cdr.h"
 #include "bench/typesupport/cyclone.h"
-#include "bench/typesupport/fast_cdr.h"
 #include "bench/typesupport/messages.h"
 #include "bench/typesupport/typesupport.h"
 #include "sft/typesupport/view.h"

@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "bench/common/contest.h"
+#include "bench/common/fast_cdr.h"
 #include "bench/typesupport/cyclone.h"
-#include "bench/typesupport/fast_cdr.h"
 #include "bench/typesupport/messages.h"
 #include "bench/typesupport/typesupport.h"
 

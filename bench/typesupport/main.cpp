@@ -1,6 +1,6 @@
 // What the type support costs: encoding, reading, gathering and generated code, on one core, each in turns
 // with its references.
-#include "bench/common/pair.h"
+#include "bench/common/process.h"
 #include "bench/common/program.h"
 #include "bench/typesupport/typesupport.h"
 

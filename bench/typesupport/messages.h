@@ -5,10 +5,10 @@
 #include <nav_msgs/msg/Odometry.hpp>
 #include <sensor_msgs/msg/BatteryState.hpp>
 #include <sensor_msgs/msg/LaserScan.hpp>
-#include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
 #include <vector>
 
+#include "bench/common/cloud.h"
 #include "sft/typesupport/encode.h"
 #include "sft/typesupport/walk.h"
 
@@ -17,7 +17,6 @@ namespace sft::bench {
 inline constexpr std::size_t large_bytes = 1'660'000;  ///< 103,750 points of 16 bytes
 inline constexpr std::size_t small_bytes = 16;
 
-sensor_msgs::msg::PointCloud2 cloud(std::size_t data_bytes);
 nav_msgs::msg::Odometry odometry();
 sensor_msgs::msg::LaserScan scan();
 sensor_msgs::msg::BatteryState battery();

@@ -119,6 +119,10 @@ TEST(EventsTest, APairWithoutAWayForSamplesIsToldOnceOnBothSides) {
   WriterStatus w = writer(false);
   w.no_path = true;
   EXPECT_THAT(kinds(between(SubscriberStatus{}, hearing(w))), ElementsAre(EventKind::no_path));
+  WriterStatus yet = w;
+  yet.no_path_yet = true;
+  EXPECT_TRUE(between(SubscriberStatus{}, hearing(yet)).at(0).yet);
+  EXPECT_FALSE(between(hearing(yet), hearing(w)).at(0).yet) << "by now there will never be one";
 }
 
 TEST(EventsTest, WhatASubscriberAsksForIsToldOnBothSidesWhenItChanges) {

@@ -82,6 +82,10 @@ TEST_F(AllOrders, OfNodesThatLoseAndFindEachOther) {
   explore(one_pair({.mask_changes = 1, .losses = 1}), 8, 10);
 }
 
+TEST_F(AllOrders, OfNodesThatFallSilentAndAreHeardAgain) {
+  explore(one_pair({.mask_changes = 1, .losses = 1, .silences = 1}), 7, 9);
+}
+
 TEST_F(AllOrders, OfNodesThatAreKilledAndComeBack) {
   explore(one_pair({.mask_changes = 1, .restarts = 1}), 7, 9);
 }
@@ -116,6 +120,7 @@ class RandomOrders : public RandomTest {
     plan.budget = {.mask_changes = up_to(8),
                    .rate_changes = up_to(4),
                    .losses = up_to(4),
+                   .silences = up_to(3),
                    .memory_changes = up_to(4),
                    .restarts = up_to(3),
                    .departures = up_to(2),

@@ -403,6 +403,41 @@ TEST_F(NegotiationTest, AWriterWhoseNodeDoesNotAnswerIsHeardOfAsNotAlive) {
   EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "its node does not answer");
 }
 
+TEST_F(NegotiationTest, AWriterIsConnectedOnceOurReaderListensToItAndWhileItsNodeAnswers) {
+  our_reader();
+  negotiation.endpoint_seen(endpoint(Role::writer, 7));
+  const auto heard = [&] { return negotiation.hearing(200).at(0).status; };
+  EXPECT_TRUE(heard().matched);
+  EXPECT_FALSE(heard().connected);
+  negotiation.connection_changed(200, 7, TransportKind::udp, true);
+  EXPECT_TRUE(heard().connected);
+  negotiation.endpoint_lost(7, Now{});
+  EXPECT_TRUE(heard().matched);
+  EXPECT_FALSE(heard().connected);
+}
+
+TEST_F(NegotiationTest, APairOfOneHostThatMayShareMemoryHasNoPathYetAndAnyOtherNeverHas) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7, here, 1);
+  reader.host = {};
+  reader.may_use_udp = false;
+  const auto seen = [&] {
+    negotiation.endpoint_seen(reader);
+    return negotiation.serving(100).readers.at(0);
+  };
+  EXPECT_TRUE(seen().no_path);
+  EXPECT_TRUE(seen().no_path_yet);
+  reader.may_use_shm = false;
+  reader.may_use_udp = true;
+  reader.addresses.clear();
+  EXPECT_TRUE(seen().no_path);
+  EXPECT_FALSE(seen().no_path_yet) << "they contradict each other";
+  reader.may_use_shm = true;
+  reader.network = elsewhere;
+  EXPECT_TRUE(seen().no_path);
+  EXPECT_FALSE(seen().no_path_yet) << "another host";
+}
+
 class LateReaderTest : public NegotiationTest {
  protected:
   LateReaderTest() {
@@ -479,6 +514,22 @@ TEST_F(LateReaderTest, ThatLostUsAndFoundUsAgainIsGivenItAgain) {
   EXPECT_TRUE(negotiation.serving(100).history_owed);
   begin(7, 4);
   EXPECT_TRUE(negotiation.serving(100).history_owed) << "it has begun, but not all of it has left yet";
+}
+
+TEST_F(NegotiationTest, OurReaderIsAttachedOnlyOnceTheHistoryHasCome) {
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.qos.durability = transient_local;
+  negotiation.local_added(reader, type);
+  Endpoint writer = endpoint(Role::writer, 7, here, 1);
+  writer.qos.durability = transient_local;
+  negotiation.endpoint_seen(writer);
+  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
+  EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "same host, what was published before comes first");
+  negotiation.history_began(200, 7);
+  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
+  EXPECT_TRUE(negotiation.history_came(200, 7));
+  EXPECT_FALSE(negotiation.history_came(200, 7));
+  EXPECT_TRUE(negotiation.hearing(200).at(0).shm);
 }
 
 TEST_F(NegotiationTest, OurReaderTakesNothingOfADurableWriterBeforeWhatThatRetained) {

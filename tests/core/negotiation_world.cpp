@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace sft::test {
 
@@ -13,7 +14,7 @@ using core::Route;
 
 namespace {
 
-constexpr std::array<const char*, 20> names{"announcement comes",
+constexpr std::array<const char*, 22> names{"announcement comes",
                                             "request comes",
                                             "announcement repeated",
                                             "request repeated",
@@ -32,7 +33,9 @@ constexpr std::array<const char*, 20> names{"announcement comes",
                                             "sample published",
                                             "datagram comes",
                                             "datagram lost",
-                                            "history leaves"};
+                                            "history leaves",
+                                            "node falls silent",
+                                            "node heard again"};
 
 HostToken token(std::uint8_t n) {
   HostToken t;
@@ -104,6 +107,9 @@ void NegotiationWorld::steps_of_pair(std::size_t from, std::size_t to) {
   if (left_.repetitions > 0 && c.last_request != nullptr) add(What::request_repeated, to, from);
   if (c.found && (left_.losses > 0 || !nodes_[from].up)) add(What::node_lost, to, from);
   if (!c.found && nodes_[from].up) add(What::node_found, to, from);
+  const bool silent = knows_as_silent(from, to);
+  if (silent && nodes_[from].up) add(What::node_heard_again, to, from);
+  if (!silent && c.found && left_.silences > 0) add(What::node_falls_silent, to, from);
 }
 
 void NegotiationWorld::steps_of_node(std::size_t n) {
@@ -195,6 +201,11 @@ void NegotiationWorld::take(const Step& step) {
       return;
     case What::history_leaves:
       return give_history(n, other);
+    case What::node_falls_silent:
+      --left_.silences;
+      return fall_silent(other, n);
+    case What::node_heard_again:
+      return hear_again(other, n);
   }
 }
 
@@ -203,6 +214,7 @@ void NegotiationWorld::take(const Step& step) {
 void NegotiationWorld::start_node(std::size_t place) {
   const std::size_t n = nodes_.size();
   Node& node = nodes_.emplace_back();
+  node.id = nodes_.size();
   node.place = place;
   node.self = {.host = plan_.common_memory ? token(1) : HostToken{}, .network = place + 1, .shm_state = ""};
   node.negotiation.self_changed(node.self);
@@ -220,6 +232,7 @@ void NegotiationWorld::start_node(std::size_t place) {
 void NegotiationWorld::add_endpoint(Node& node, const EndpointPlan& plan) {
   Endpoint endpoint;
   endpoint.id = next_id_++;
+  endpoint.node_id = node.id;
   node.opened.push_back(endpoint.id);
   endpoint.role = plan.role;
   endpoint.topic = "points";
@@ -457,6 +470,7 @@ void NegotiationWorld::deliver(std::size_t to, const Announcement& announcement)
   told.newest_while_away = 0;
   told.endpoint = announcement.endpoint;
   told.lost_since.reset();
+  told.silent = false;
   if (told.endpoint->role == Role::reader) owe_what_has_not_begun(node, announcement.id);
   changed(to, node.negotiation.endpoint_seen(*announcement.endpoint));
 }
@@ -464,7 +478,7 @@ void NegotiationWorld::deliver(std::size_t to, const Announcement& announcement)
 void NegotiationWorld::deliver(std::size_t to, const Request& request) {
   Node& node = nodes_[to];
   Told& told = node.told[request.reader];
-  const bool here = told.endpoint != nullptr && !told.lost_since;
+  const bool here = told.endpoint != nullptr && !told.lost();
   std::uint64_t& newest = here ? told.newest : told.newest_while_away;
   newest = std::max(newest, request.sequence);
   if (here) owe_what_has_not_begun(node, request.reader);
@@ -483,6 +497,33 @@ void NegotiationWorld::lose(std::size_t from, std::size_t to) {
   changed(to, dirty);
 }
 
+bool NegotiationWorld::knows_as_silent(std::size_t from, std::size_t to) const {
+  return std::any_of(nodes_[to].told.begin(), nodes_[to].told.end(), [&](const auto& told) {
+    return told.second.silent && holds(nodes_[from].opened, told.first);
+  });
+}
+
+/// What the node says of its life gets lost; all else comes.
+void NegotiationWorld::fall_silent(std::size_t from, std::size_t to) {
+  Node& node = nodes_[to];
+  for (auto& [id, told] : node.told) {
+    if (told.endpoint != nullptr && holds(nodes_[from].opened, id)) told.silent = true;
+  }
+  changed(to, node.negotiation.node_lost(nodes_[from].id));
+}
+
+void NegotiationWorld::hear_again(std::size_t from, std::size_t to) {
+  Node& node = nodes_[to];
+  for (auto& [id, told] : node.told) {
+    if (!told.silent || !holds(nodes_[from].opened, id)) continue;
+    told.silent = false;
+    if (told.lost_since) continue;
+    told.newest = std::max(told.newest, std::exchange(told.newest_while_away, 0));
+    if (told.endpoint->role == Role::reader) owe_what_has_not_begun(node, id);
+  }
+  changed(to, node.negotiation.node_returned(nodes_[from].id));
+}
+
 void NegotiationWorld::find(std::size_t from, std::size_t to) {
   Channel& c = channel(from, to);
   c.found = true;
@@ -495,7 +536,11 @@ void NegotiationWorld::forget(std::size_t n) {
   node.now += std::chrono::seconds(60);
   for (auto& [id, told] : node.told) {
     if (!told.lost_since) continue;
-    told = {.endpoint = nullptr, .lost_since = {}, .newest = 0, .newest_while_away = told.newest_while_away};
+    told = {.endpoint = nullptr,
+            .lost_since = {},
+            .silent = false,
+            .newest = 0,
+            .newest_while_away = told.newest_while_away};
     forget_history(node, id);
   }
   changed(n, node.negotiation.tick(node.now));
@@ -558,6 +603,7 @@ bool NegotiationWorld::connections_changed(const Node& node) const {
     for (const auto& [writer, heard] : reader.heard) {
       if ((heard.udp && holds(reader.connected, writer)) != holds(request.listening, writer)) return true;
       if ((heard.shm && holds(reader.fed, writer)) != holds(request.attached, writer)) return true;
+      if (holds(request.begun, writer) && !holds(reader.history_came, writer)) return true;
     }
   }
   return false;
@@ -567,16 +613,22 @@ void NegotiationWorld::look_after_connections(std::size_t n) {
   core::Negotiation& negotiation = nodes_[n].negotiation;
   for (auto& [id, reader] : nodes_[n].readers) {
     bool dirty = false;
+    bool came = false;
     for (const auto& [writer, heard] : reader.heard) {
       const bool listening = heard.udp && holds(reader.connected, writer);
       const bool attached = heard.shm && holds(reader.fed, writer);
       dirty |= negotiation.connection_changed(id, writer, TransportKind::udp, listening);
       dirty |= negotiation.connection_changed(id, writer, TransportKind::shm, attached);
+      if (!holds(negotiation.local(id)->request.begun, writer)) {
+        std::erase(reader.history_came, writer);
+      } else if (!holds(reader.history_came, writer)) {
+        reader.history_came.push_back(writer);
+        came |= negotiation.history_came(id, writer);
+      }
     }
-    if (!dirty) continue;
-    note_request(negotiation, id);
-    changed(n, dirty);
-    send_request(n, id);
+    if (dirty) note_request(negotiation, id);
+    changed(n, dirty || came);
+    if (dirty) send_request(n, id);
   }
 }
 

@@ -35,7 +35,8 @@ class NegotiationWorld {
   struct Budget {
     int mask_changes = 0;
     int rate_changes = 0;
-    int losses = 0;  ///< one node does not hear another any more, for a while
+    int losses = 0;    ///< one node does not hear another any more, for a while
+    int silences = 0;  ///< likewise, but only what it says of its life
     int memory_changes = 0;
     int restarts = 0;  ///< killed, and started again
     int departures = 0;
@@ -69,6 +70,8 @@ class NegotiationWorld {
     datagram_comes,
     datagram_lost,
     history_leaves,
+    node_falls_silent,
+    node_heard_again,
   };
   struct Step {
     What what{};
@@ -114,6 +117,7 @@ class NegotiationWorld {
     std::vector<Id> let_go;      ///< did so before
     std::vector<Id> subscribed;  ///< in shared memory
     std::vector<Id> fed;
+    std::vector<Id> history_came;  ///< from these writers, all of it
   };
   struct Writer {
     core::Endpoint endpoint;
@@ -126,10 +130,13 @@ class NegotiationWorld {
   struct Told {
     std::shared_ptr<const core::Endpoint> endpoint;
     std::optional<core::Now> lost_since;
+    bool silent = false;                  ///< its node says no more that it lives
     std::uint64_t newest = 0;             ///< sequence of a request
     std::uint64_t newest_while_away = 0;  ///< told while there was no endpoint, or it was lost
+    bool lost() const { return lost_since || silent; }
   };
   struct Node {
+    core::NodeId id = 0;
     std::size_t place = 0;
     bool up = true;
     bool dirty = false;  ///< as the negotiation said
@@ -171,6 +178,9 @@ class NegotiationWorld {
   void arrive(std::size_t which);
   static bool owes_history(const Writer& writer);
   void give_history(std::size_t node, std::size_t which);
+  void fall_silent(std::size_t from, std::size_t to);
+  void hear_again(std::size_t from, std::size_t to);
+  bool knows_as_silent(std::size_t from, std::size_t to) const;
   void history_comes(Id writer, Id reader);
   bool has_begun(const Node& node, Id writer, Id reader) const;
   void owe_what_has_not_begun(Node& node, Id reader);

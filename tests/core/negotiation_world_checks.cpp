@@ -40,7 +40,7 @@ std::uint32_t retained_for(const core::Qos& offered, const core::Qos& requested)
 void NegotiationWorld::check_serving(const Node& node, const Writer& writer) {
   std::size_t routes = 0;
   for (const auto& [id, told] : node.told) {
-    const bool here = told.endpoint != nullptr && !told.lost_since && told.endpoint->role == Role::reader;
+    const bool here = told.endpoint != nullptr && !told.lost() && told.endpoint->role == Role::reader;
     if (here) routes += check_route(node, writer, *told.endpoint, told.newest);
   }
   for (const auto& [id, reader] : node.readers) {
@@ -100,6 +100,7 @@ void NegotiationWorld::find_all_that_are_up() {
   for (const auto& [pair, c] : channels_) ends.push_back(pair);
   for (const auto& [from, to] : ends) {
     if (nodes_[from].up && !channel(from, to).found) find(from, to);
+    if (nodes_[from].up) hear_again(from, to);
     if (nodes_[from].up) continue;
     if (channel(from, to).found) lose(from, to);
   }

@@ -53,8 +53,10 @@ TEST_F(NodeLogTest, AnEventNamesItsTopicItsPeerAndItsReason) {
 }
 
 TEST_F(NodeLogTest, WhatWillNeverMatchIsAWarning) {
-  EXPECT_EQ(NodeLog::level_of(EventKind::incompatible_qos), LogLevel::warning);
-  EXPECT_EQ(NodeLog::level_of(EventKind::incompatible_type), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::incompatible_qos}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::incompatible_type}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::no_path}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::no_path, .yet = true}), LogLevel::info);
 }
 
 TEST_F(NodeLogTest, OfAFloodAFewLinesAreWrittenThenOneNowAndThenThatSaysHowManyWereNot) {

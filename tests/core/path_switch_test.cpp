@@ -179,7 +179,7 @@ class PathSwitch : public test::RandomTest {
                              .requirement = {type.full(), false},
                              .options = {},
                              .callback = nullptr,
-                             .rate_changed = [](std::uint32_t) {},
+                             .rate_changed = [] {},
                              .as_remote = nullptr,
                              .diverted_patience = patience},
                             bells->at(1),

@@ -96,6 +96,13 @@ TEST(QosOptionsTest, WhatCanNeverWorkIsRefusedByName) {
   ASSERT_FALSE(negative);
   EXPECT_NE(negative.error().message.find("deadline"), std::string::npos);
   EXPECT_FALSE(qos_of(SubscriberOptions{.liveliness_lease = -1ns}));
+  const auto short_lease = qos_of(SubscriberOptions{.liveliness_lease = 999us});
+  ASSERT_FALSE(short_lease);
+  EXPECT_EQ(short_lease.error().message, "liveliness_lease 999 us: it is at least 1 ms, or 0 for none");
+  EXPECT_FALSE(qos_of(PublisherOptions{.liveliness_lease = 1ns}));
+  EXPECT_FALSE(qos_of(PublisherOptions{.deadline = 999'999ns}));
+  EXPECT_FALSE(qos_of(SubscriberOptions{.deadline = 1ns}));
+  EXPECT_TRUE(qos_of(PublisherOptions{.deadline = 1ms, .lifespan = 1ns, .liveliness_lease = 1ms}));
   EXPECT_FALSE(qos_of(PublisherOptions{.history_depth = 0}));
   EXPECT_FALSE(qos_of(PublisherOptions{.history_depth = 129}));
   EXPECT_FALSE(qos_of(PublisherOptions{.lifespan = -1ns}));

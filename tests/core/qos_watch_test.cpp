@@ -135,6 +135,15 @@ TEST(RequestWatchTest, AReaderThatAsksForNothingWatchesNothing) {
   EXPECT_TRUE(watch.alive());
 }
 
+TEST(RequestWatchTest, ALeaseThatNobodyCouldKeepIsNotWatchedButTheOneRequested) {
+  RequestWatch watch({.liveliness_lease = 1ns}, {.liveliness_lease = 1s}, 5, start);
+  EXPECT_EQ(watch.pace(), 500ms);
+  watch.look(5, start + 999ms);
+  EXPECT_TRUE(watch.alive());
+  watch.look(5, start + 1s);
+  EXPECT_FALSE(watch.alive());
+}
+
 TEST(RequestWatchTest, DeadlinesAreTheReadersAndLeasesTheWriters) {
   RequestWatch watch({.deadline = 10ms, .liveliness_lease = 200ms},
                      {.deadline = 100ms, .liveliness_lease = 1s}, 5, start);

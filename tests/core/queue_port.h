@@ -1,9 +1,10 @@
-// A reader's port that hands out what the test put into it.
+// Readers' ports that hand out what the test put into them.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,29 @@ class QueuePort final : public ReaderPort {
 
   std::uint64_t unnoticed = 0;
   std::deque<SampleHandle> samples;
+};
+
+/// A port that another thread fills.
+class SharedPort final : public ReaderPort {
+ public:
+  void put(SampleHandle sample) {
+    const std::scoped_lock lock(mutex_);
+    queue_.samples.push_back(std::move(sample));
+  }
+  SampleHandle take() noexcept override {
+    const std::scoped_lock lock(mutex_);
+    return queue_.take();
+  }
+  Result<void> connect(const Source&) override { return {}; }
+  bool connected(EndpointId) const noexcept override { return true; }
+  std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
+  void disconnect(EndpointId) noexcept override {}
+  void accept(std::vector<Wanted>) override {}
+  std::uint64_t discarded() const noexcept override { return 0; }
+
+ private:
+  std::mutex mutex_;
+  QueuePort queue_;
 };
 
 }  // namespace sft::core

@@ -24,9 +24,10 @@ class TestWriterPort final : public WriterPort {
     routes = std::move(set);
     ++changes;
   }
-  std::uint64_t bytes_sent() const noexcept override { return 0; }
+  std::uint64_t bytes_sent() const noexcept override { return ++looks, 0; }
   std::vector<Route> routes;
   int changes = 0;
+  mutable int looks = 0;  ///< at the state of its publisher
 };
 
 /// Whom it was told to take datagrams from.
@@ -35,6 +36,7 @@ struct Connections {
   std::string refusal;  ///< why nothing can be connected at present
   SampleHandle sample;  ///< to be taken
   int ports_gone = 0;
+  int looks = 0;  ///< at the state of the subscriber
 };
 
 class TestReaderPort final : public ReaderPort {
@@ -51,7 +53,7 @@ class TestReaderPort final : public ReaderPort {
   std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
   void disconnect(EndpointId writer) noexcept override { connections_.writers.erase(writer); }
   void accept(std::vector<Wanted>) override {}
-  std::uint64_t discarded() const noexcept override { return 0; }
+  std::uint64_t discarded() const noexcept override { return ++connections_.looks, 0; }
 
  private:
   Connections& connections_;
@@ -77,7 +79,19 @@ class TestDiscovery final : public Discovery {
   int greetings = 0;
 
  private:
-  const Configuration configuration_;
+  const Configuration configuration_{.longest_lease = std::chrono::milliseconds(300)};
+};
+
+/// A transport as far as it has addresses.
+class TestTransport final : public Transport {
+ public:
+  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
+  Availability poll(Now) override { return Availability::ready; }
+  std::string description() const override { return "test"; }
+  std::vector<UdpAddress> addresses() const override { return addresses_now; }
+  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }
+  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override { return nullptr; }
+  std::vector<UdpAddress> addresses_now{{0x0a000001, 7000, 1 << 20}};
 };
 
 class ReconcilerTest : public ::testing::Test {
@@ -103,9 +117,14 @@ class ReconcilerTest : public ::testing::Test {
 
   std::shared_ptr<SubscriberCore> our_reader(EndpointId id, untyped::Callback callback = nullptr) {
     const auto port = std::make_shared<TestReaderPort>(connections);
-    auto core = std::make_shared<SubscriberCore>(
-        SubscriberCore::Spec{id, "points", &type, {mask, false}, {}, std::move(callback)}, bells->at(1),
-        nullptr);
+    auto core = std::make_shared<SubscriberCore>(SubscriberCore::Spec{.id = id,
+                                                                      .topic = "points",
+                                                                      .type = &type,
+                                                                      .requirement = {mask, false},
+                                                                      .options = {},
+                                                                      .callback = std::move(callback),
+                                                                      .rate_changed = [] {}},
+                                                 bells->at(1), nullptr);
     core->set_port(TransportKind::udp, port);
     reconciler.add_reader(endpoint(Role::reader, id), {core, nullptr, port});
     reconciler.reconcile();
@@ -141,9 +160,10 @@ class ReconcilerTest : public ::testing::Test {
   Dispatcher dispatcher{bells->at(0), "test"};
   Connections connections;
   TestDiscovery discovery;
+  TestTransport udp;
   NodeLog log{"node", LogLevel::warning,
               [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
-  Reconciler reconciler{our_node, 1, nullptr, nullptr, discovery, dispatcher, log};
+  Reconciler reconciler{our_node, 1, nullptr, &udp, discovery, dispatcher, log};
 };
 
 TEST_F(ReconcilerTest, AReaderIsAnnouncedBeforeItListensToAnybody) {
@@ -225,6 +245,76 @@ TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNot
   EXPECT_EQ(readers_changed, told + 1);
 }
 
+// Whoever wants events does not pay for them while nothing happens.
+TEST_F(ReconcilerTest, StatesAreComparedForEventsOnlyWhereSomethingHasHappened) {
+  const auto port = std::make_shared<TestWriterPort>();
+  our_writer(7, port);
+  const auto core = our_reader(200);
+  writer_seen(8);
+  reconciler.tick();
+  const auto looks_of_ten_ticks = [&] {
+    const int before = port->looks + connections.looks;
+    for (int i = 0; i < 10; ++i) reconciler.tick();
+    return port->looks + connections.looks - before;
+  };
+  EXPECT_EQ(looks_of_ten_ticks(), 0);
+  for (const std::uint64_t sequence : {1U, 3U}) {
+    connections.sample = BufferPool::make(1 << 20)->take(256);
+    connections.sample->writer = 8;
+    connections.sample->sequence = sequence;
+    EXPECT_TRUE(core->take());
+  }
+  EXPECT_EQ(looks_of_ten_ticks(), 1) << "a sample was lost";
+  writer_departed(8);
+  EXPECT_EQ(looks_of_ten_ticks(), 0) << "that was told with its batch";
+}
+
+// Two threads may set it at once, and the news of the one that came first be posted last.
+TEST_F(ReconcilerTest, TheMaximumRateThatWasSetLastIsAskedForInWhateverOrderTheNewsCome) {
+  const auto core = our_reader(200);
+  const auto asked = [&] { return discovery.sent.back().min_period_us; };
+  ASSERT_TRUE(core->set_max_rate_hz(10));
+  ASSERT_TRUE(core->set_max_rate_hz(20));
+  reconciler.rate_changed(200);
+  EXPECT_EQ(asked(), 50'000U);
+  reconciler.rate_changed(200);
+  EXPECT_EQ(asked(), 50'000U);
+  EXPECT_EQ(discovery.sent.size(), 1U);
+}
+
+// Its signs of life may be lost where other things get through, which are repeated until they do.
+TEST_F(ReconcilerTest, ANodeWhoseSignsOfLifeFailToComeIsServedAsLongAsItSaysAnythingElse) {
+  const auto port = std::make_shared<TestWriterPort>();
+  our_writer(7, port);
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.node_id = 66;
+  reader.request.listening = {7};
+  reconciler.endpoint_seen(reader);
+  const auto served = [&] { return !port->routes.empty(); };
+  const auto tick = [&] { reconciler.tick(); };
+  tick();
+  ASSERT_TRUE(served());
+  reconciler.node_lost(66);
+  tick();
+  EXPECT_TRUE(served()) << "its announcement has just come";
+  EXPECT_TRUE(test::eventually([&] { return tick(), !served(); }))
+      << "although discovery does not tell again";
+
+  Request request = reader.request;
+  ++request.sequence;
+  requested(request);
+  EXPECT_TRUE(served());
+  EXPECT_TRUE(test::eventually([&] { return tick(), !served(); }));
+
+  reconciler.endpoint_seen(reader);
+  tick();
+  EXPECT_TRUE(served());
+  EXPECT_TRUE(test::eventually([&] { return tick(), !served(); }));
+  reconciler.liveliness_asserted({66, {}});
+  tick();
+  EXPECT_TRUE(served());
+}
+
 // The port would wait for the callback, and the agent with it.
 TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
   std::shared_ptr<SubscriberCore> core;
@@ -242,6 +332,18 @@ TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
   EXPECT_EQ(ports_gone_within, 0);
   reconciler.tick();
   EXPECT_EQ(connections.ports_gone, 1);
+}
+
+TEST_F(ReconcilerTest, AnAddressThatComesOrGoesIsAnnounced) {
+  our_reader(200);
+  reconciler.tick();
+  EXPECT_EQ(discovery.announced.size(), 1U) << "nothing has changed";
+  udp.addresses_now.insert(udp.addresses_now.begin(), {0x0b000001, 7000, 1 << 20});
+  ASSERT_TRUE(test::eventually([&] {
+    reconciler.tick();
+    return discovery.announced.size() > 1;
+  }));
+  EXPECT_EQ(discovery.announced.back().addresses, udp.addresses_now);
 }
 
 TEST_F(ReconcilerTest, ANodeSaysThatItLivesEveryNowAndThenAndToANewcomerAtOnce) {

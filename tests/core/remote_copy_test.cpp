@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <span>
+#include <thread>
 #include <vector>
 
 #include "core/subscriber_core.h"
@@ -122,6 +125,39 @@ TEST_F(AsRemoteSubscriberTest, CountsAsLostWhatItWouldNotHaveGotThere) {
   EXPECT_EQ(behind.info().lost_before, 1U);
   EXPECT_EQ(subscriber.status().received, 2U);
   EXPECT_EQ(subscriber.status().lost, 1U);
+}
+
+TEST_F(AsRemoteSubscriberTest, CountsThosePassedOverAsReceived) {
+  subscriber.requests(FieldMask(F::width), 2);
+  for (int i = 0; i < 3; ++i) port->samples.push_back(whole(any_cloud()));
+  EXPECT_EQ(subscriber.take_latest().info().sequence, 3U);
+  EXPECT_EQ(subscriber.status().received, 3U);
+}
+
+TEST_F(AsRemoteSubscriberTest, MayTakeOnSeveralThreadsAtOnce) {
+  constexpr std::uint64_t samples = 1000;
+  subscriber.requests(closed(FieldMask(F::data)), 2);
+  for (std::uint64_t i = 1; i <= samples; ++i) {
+    PointCloud2 cloud;
+    cloud.data.assign(i, static_cast<std::uint8_t>(i));
+    port->samples.push_back(whole(cloud));
+  }
+  std::atomic<std::uint64_t> wrong{0};
+  const auto take_all = [&] {
+    while (const untyped::Sample sample = subscriber.take()) {
+      PointCloud2 cloud;
+      cloud.data.assign(sample.info().sequence, static_cast<std::uint8_t>(sample.info().sequence));
+      const Encoded expected(type.type(), &cloud, closed(FieldMask(F::data)));
+      const SampleState& state = sample.state();
+      const std::span body(state.body, state.body_bytes);
+      wrong += std::ranges::equal(body, expected.bytes()) ? 0 : 1;
+    }
+  };
+  std::thread other(take_all);
+  take_all();
+  other.join();
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_EQ(subscriber.status().received, samples);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "core/buffer_pool.h"
@@ -24,7 +25,8 @@ class SubscriberCoreTest : public ::testing::Test {
                                                                        .type = &type,
                                                                        .requirement = {type.full(), false},
                                                                        .options = {},
-                                                                       .callback = std::move(callback)},
+                                                                       .callback = std::move(callback),
+                                                                       .rate_changed = [] {}},
                                                   bells->at(1), nullptr);
     subscriber->set_port(TransportKind::shm, shm);
     subscriber->set_port(TransportKind::udp, udp);
@@ -158,6 +160,36 @@ TEST_F(SubscriberCoreTest, AnExpiredSampleIsNotDeliveredAndNotLost) {
   EXPECT_EQ(status.expired, 1U);
   EXPECT_EQ(status.lost, 0U);
   EXPECT_EQ(status.writers.at(0).expired, 1U);
+}
+
+TEST_F(SubscriberCoreTest, WhetherASampleIsExpiredIsToldOfAnyStamp) {
+  constexpr std::int64_t first = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t last = std::numeric_limits<std::int64_t>::max();
+  for (const std::int64_t lifespan : {std::int64_t{1}, std::int64_t{60'000'000'000}, last}) {
+    reopen({});
+    Hearing hearing;
+    hearing.source.writer = hearing.status.id = 9;
+    hearing.offered.lifespan = std::chrono::nanoseconds(lifespan);
+    subscriber->hears({hearing});
+    arrives(*udp, 1, 9, first);
+    arrives(*udp, 2, 9, last);
+    EXPECT_EQ(taken(), (Sequences{2})) << lifespan;
+    EXPECT_EQ(subscriber->status().expired, 1U) << lifespan;
+  }
+}
+
+TEST_F(SubscriberCoreTest, AMaximumRateIsKeptWithAnyStamps) {
+  ASSERT_TRUE(subscriber->set_max_rate_hz(100'000));
+  std::uint64_t sequence = 0;
+  for (int round = 0; round < 3; ++round) {
+    for (const std::int64_t stamp : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1},
+                                     std::int64_t{0}, std::numeric_limits<std::int64_t>::max()}) {
+      arrives(*shm, ++sequence, 9, stamp);
+    }
+  }
+  const std::size_t delivered = taken().size();
+  EXPECT_GT(delivered, 0U);
+  EXPECT_EQ(delivered + subscriber->status().withheld, sequence);
 }
 
 TEST_F(SubscriberCoreTest, EveryWriterHasItsOwnSequence) {

@@ -125,7 +125,7 @@ TEST_F(Paths, ThatOneSideWantsAndTheOtherRulesOutAreNone) {
   EXPECT_TRUE(comes_true([&] {
     const json writer = writer_of(publisher, reader);
     return !writer.is_null() && !writer["matched"] &&
-           writer["reason"].get<std::string>().starts_with("the publisher ");
+           writer["reason"].get<std::string>().starts_with("UDP is ruled out, and the publisher ");
   })) << reader.status();
   publisher.publish(10);
   EXPECT_TRUE(reader.status()["taken"].empty());

@@ -96,43 +96,6 @@ TEST_F(ShmPorts, AreNotConnectedBeforeTheWriterExists) {
   EXPECT_FALSE(reader.port().connected(6));
 }
 
-TEST_F(ShmPorts, LoseNoSampleOnceConnected) {
-  Writer writer(node(), 1);
-  for (int round = 0; round < 50; ++round) {
-    Reader reader(node());
-    ASSERT_TRUE(reader.connects_to(1));
-    writer.send_frame();
-    const SampleHandle got = reader.next();
-    ASSERT_TRUE(got) << round;
-    EXPECT_EQ(sequence_of(got), writer.sequence());
-  }
-}
-
-TEST_F(ShmPorts, DeliverNothingWithoutRoutes) {
-  Writer writer(node(), 1);
-  Reader reader(node());
-  ASSERT_TRUE(reader.connects_to(1));
-  writer.port().set_routes({});
-  EXPECT_EQ(writer.send_frame(), SendStatus::sent);
-  EXPECT_FALSE(reader.take());
-}
-
-TEST_F(ShmPorts, DeliverWhatArrivedBeforeDisconnectingAndNothingElse) {
-  Writer writer(node(), 1);
-  Reader reader(node());
-  ASSERT_TRUE(reader.connects_to(1));
-  for (int i = 0; i < 2; ++i) writer.send_frame();
-  reader.port().disconnect(1);
-  EXPECT_FALSE(reader.port().connected(1));
-  writer.send_frame();
-  EXPECT_EQ(sequence_of(reader.next()), 1U);
-  EXPECT_EQ(sequence_of(reader.next()), 2U);
-  EXPECT_FALSE(reader.take());
-  ASSERT_TRUE(reader.connects_to(1));
-  writer.send_frame();
-  EXPECT_EQ(sequence_of(reader.next()), 4U);
-}
-
 TEST_F(ShmPorts, KeepOneDepthOfWhatDepartedWritersLeftAndCountTheRest) {
   constexpr std::uint32_t depth = 3;
   Reader reader(node(), depth);
@@ -145,13 +108,12 @@ TEST_F(ShmPorts, KeepOneDepthOfWhatDepartedWritersLeftAndCountTheRest) {
     reader.port().disconnect(id);
   }
   EXPECT_TRUE(chunks.comes_to(before - depth));
-  // Of the fifth the first one went, which the gap before its second tells.
-  EXPECT_EQ(reader.port().lost_unnoticed(), 4 * 2U);
+  EXPECT_EQ(reader.port().lost_unnoticed(), 4 * 2U) << "of those of which nothing is left";
   EXPECT_EQ(reader.port().discarded(), 4 * 2U + 1);
   std::vector<std::pair<core::EndpointId, std::uint64_t>> taken;
   while (const SampleHandle got = reader.take()) taken.emplace_back(got->writer, got->sequence);
   EXPECT_EQ(taken, (decltype(taken){{5, 2}, {6, 1}, {6, 2}}));
-  EXPECT_EQ(reader.port().lost_unnoticed(), 4 * 2U);
+  EXPECT_EQ(reader.port().lost_unnoticed(), 4 * 2U + 1) << "no gap tells of the fifth one's first";
   EXPECT_TRUE(chunks.comes_to(before));
 }
 
@@ -170,18 +132,6 @@ TEST_F(ShmPorts, TakeFromSeveralWritersInTurn) {
   ASSERT_EQ(writers.size(), 4U);
   EXPECT_NE(writers[0], writers[1]);
   EXPECT_NE(writers[2], writers[3]);
-}
-
-TEST_F(ShmPorts, PushOutTheOldestOfAFullQueueAndCountIt) {
-  Writer writer(node(), 1);
-  Reader reader(node(), 3);
-  ASSERT_TRUE(reader.connects_to(1));
-  writer.send_frame();
-  EXPECT_EQ(sequence_of(reader.next()), 1U);
-  for (int i = 0; i < 10; ++i) writer.send_frame();
-  for (const std::uint64_t wanted : {9U, 10U, 11U}) EXPECT_EQ(sequence_of(reader.next()), wanted);
-  EXPECT_FALSE(reader.take());
-  EXPECT_EQ(reader.port().discarded(), 7U);
 }
 
 TEST_F(ShmPorts, SkipMalformedSamplesAndCountThem) {
@@ -244,18 +194,6 @@ TEST_F(ShmPorts, GiveUnsentLoansBack) {
   Writer writer(node(), 1);
   for (int i = 0; i < 200; ++i) ASSERT_TRUE(writer.loan(4'000'000)) << i;
   EXPECT_EQ(chunks.free(), before);
-}
-
-TEST_F(ShmPorts, KeepASentChunkUnwrittenWhileItsHandleIsHeld) {
-  Writer writer(node(), 1);
-  std::vector<SampleHandle> history;
-  for (std::uint32_t i = 0; i < 100; ++i) {
-    const SampleHandle sample = writer.loan(100);
-    ASSERT_TRUE(sample) << i;
-    ASSERT_EQ(writer.send(sample, 100), SendStatus::sent);
-    history.push_back(sample);
-  }
-  for (std::size_t i = 0; i < history.size(); ++i) EXPECT_EQ(sequence_of(history[i]), i + 1);
 }
 
 TEST_F(ShmPorts, KeepASampleThatHadNoRouteUnwrittenToo) {

@@ -218,12 +218,14 @@ void ShmTest::SetUp() {
   if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
 }
 
-void ShmTest::TearDown() {
+void end_daemon() {
   const pid_t daemon = daemon_pid();
   if (daemon == 0) return;
   ::kill(daemon, SIGCONT);
   ::kill(daemon, SIGTERM);
   EXPECT_TRUE(eventually([daemon] { return !is_alive(daemon); })) << "sftd does not end";
 }
+
+void ShmTest::TearDown() { end_daemon(); }
 
 }  // namespace sft::test

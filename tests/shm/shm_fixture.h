@@ -61,6 +61,8 @@ Process start_peer(std::vector<std::string> arguments);
 
 /// 0 if none runs.
 pid_t daemon_pid();
+/// Waits for its end; stopped or not.
+void end_daemon();
 bool is_alive(pid_t pid);
 /// Whether all of its threads stand still: they do some time after SIGSTOP was sent.
 bool is_stopped(pid_t pid);

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstdlib>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -10,16 +11,21 @@ namespace sft::test {
 
 namespace {
 
-std::uint64_t seed_of_environment() {
-  const char* text = std::getenv("SFT_TEST_SEED");
-  if (text == nullptr) return std::random_device{}();
+std::optional<std::uint64_t> number_of_environment(const char* name) {
+  const char* text = std::getenv(name);
+  if (text == nullptr) return {};
   const std::string_view digits = text;
-  std::uint64_t seed = 0;
-  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), seed);
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), number);
   if (error != std::errc{} || end != digits.end()) {
-    throw std::invalid_argument("SFT_TEST_SEED is not a number: " + std::string(digits));
+    throw std::invalid_argument(std::string(name) + " is not a number: " + std::string(digits));
   }
-  return seed;
+  return number;
+}
+
+std::uint64_t seed_of_environment() {
+  const auto given = number_of_environment("SFT_TEST_SEED");
+  return given ? *given : std::random_device{}();
 }
 
 }  // namespace
@@ -27,6 +33,11 @@ std::uint64_t seed_of_environment() {
 std::uint64_t test_seed() {
   static const std::uint64_t seed = seed_of_environment();
   return seed;
+}
+
+std::uint64_t test_rounds(std::uint64_t usual) {
+  static const std::uint64_t times = number_of_environment("SFT_TEST_TIMES").value_or(1);
+  return usual * times;
 }
 
 std::string how_to_repeat() { return "to repeat: SFT_TEST_SEED=" + std::to_string(test_seed()); }

@@ -14,6 +14,10 @@ using Random = std::mt19937_64;
 /// $SFT_TEST_SEED, or else a new one for each process.
 std::uint64_t test_seed();
 
+/// `usual`, or $SFT_TEST_TIMES as many: how often a random test does what it does, in longer runs of the
+/// same.
+std::uint64_t test_rounds(std::uint64_t usual);
+
 /// What a failure says: "to repeat: SFT_TEST_SEED=7".
 std::string how_to_repeat();
 

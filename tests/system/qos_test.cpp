@@ -41,6 +41,37 @@ class EventLog {
 
 using sensor_msgs::msg::Image;
 
+/// A late subscriber beside another that has been there: each sample once, in order, from the history on.
+void expect_history_beside_others(Node& a, Node& b) {
+  auto pub = a.publisher<PointCloud2>("points", {.durability = transient_local, .history_depth = 10}).value();
+  auto early = b.subscriber<PointCloud2>("points", {.depth = 1000}).value();
+  ASSERT_TRUE(eventually([&] { return pub.status().readers.size() == 1 && pub.status().readers[0].served; }));
+  std::atomic<bool> done{false};
+  std::thread publishing([&] {
+    PointCloud2 message;
+    message.data.resize(3000);
+    for (std::uint32_t i = 1; !done; ++i) {
+      message.height = i;
+      pub.publish(message);
+      std::this_thread::sleep_for(500us);
+    }
+  });
+  for (int round = 0; round < 5; ++round) {
+    auto late = b.subscriber<PointCloud2>("points", {.durability = transient_local, .depth = 1000}).value();
+    std::uint64_t last = 0;
+    for (int taken = 0; taken < 600 && late.wait(5s); ++taken) {
+      const auto sample = late.take();
+      if (last != 0) {
+        EXPECT_EQ(sample.info().sequence, last + 1);
+      }
+      last = sample.info().sequence;
+    }
+    EXPECT_EQ(late.status().lost, 0U);
+  }
+  done = true;
+  publishing.join();
+}
+
 class QosTest : public PubSubTest {
  protected:
   EventLog offered;
@@ -252,6 +283,12 @@ TEST_P(QosTest, BetweenHistoryAndLiveSamplesNothingIsMissingAndNothingTwice) {
   publishing.join();
 }
 
+// Others, of the same mask in the same process, have live samples all the time.
+TEST_P(QosTest, LiveSamplesForOthersDoNotOvertakeTheHistory) {
+  if (in_shared_memory()) GTEST_SKIP() << "no history without UDP";
+  expect_history_beside_others(a, b);
+}
+
 TEST_P(QosTest, WhatHasExpiredIsNotGivenToLateSubscribers) {
   const PublisherOptions options{.durability = transient_local, .history_depth = 5, .lifespan = 50ms};
   auto pub = a.publisher<PointCloud2>("points", options).value();
@@ -404,6 +441,16 @@ TEST(HistoryTest, ALateSubscriberOnTheSameHostGetsTheHistoryAndChangesOverToShar
     return by_shm;
   }));
   EXPECT_EQ(late.status().lost, 0U);
+}
+
+TEST(HistoryTest, LiveSamplesForOthersInSharedMemoryDoNotOvertakeIt) {
+  NodeOptions options{.name = "a"};
+  options.shm.daemon_idle_exit = 5s;
+  Node a = Node::open(options).value();
+  options.name = "b";
+  Node b = Node::open(options).value();
+  ASSERT_TRUE(eventually([&] { return a.status().shm_ready && b.status().shm_ready; }));
+  expect_history_beside_others(a, b);
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, RateTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);

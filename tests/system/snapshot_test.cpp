@@ -185,6 +185,7 @@ TEST_P(NodeSnapshotTest, CountsAgreeWhateverChangesMeanwhile) {
     pub.publish(cloud(1, 100));
     if (i % 50 == 0) {
       ASSERT_TRUE(limited.set_max_rate_hz(random() % 2 == 0 ? 0 : 1000));
+      std::this_thread::yield();
     }
     while (const auto sample = rec.take()) {
       if (i / 100 % 2 == 0) (void)sample->height();
@@ -193,7 +194,7 @@ TEST_P(NodeSnapshotTest, CountsAgreeWhateverChangesMeanwhile) {
     take_all(limited);
   }
   expect_all_accounted_for(rec, samples);
-  EXPECT_GT(requests(), requests_before) << "the test changed nothing";
+  EXPECT_TRUE(eventually([&] { return requests() > requests_before; })) << "the test changed nothing";
   const PublisherSnapshot p = published();
   EXPECT_EQ(p.published, samples);
   for (const ReaderSnapshot& r : p.readers) {
@@ -264,8 +265,23 @@ TEST_P(NodeSnapshotTest, AsJsonItHasTheSameUnderStableNames) {
   EXPECT_TRUE(matched) << p.dump(2);
   EXPECT_TRUE(refused) << p.dump(2);
   const auto there = nlohmann::json::parse(to_json(b.snapshot(), -1));
-  EXPECT_EQ(there.at("subscribers").at(0).at("writers").at(0).at("node"), "a");
+  const auto& writer = there.at("subscribers").at(0).at("writers").at(0);
+  EXPECT_EQ(writer.at("node"), "a");
+  EXPECT_EQ(writer.at("connected"), true);
+  EXPECT_EQ(writer.at("transport"), in_shared_memory() ? "shm" : "udp");
   EXPECT_EQ(there.at("subscribers").at(1).at("writers").at(0).at("matched"), false);
+  EXPECT_TRUE(there.at("subscribers").at(1).at("writers").at(0).at("transport").is_null());
+}
+
+TEST(SnapshotJsonTest, NothingTravelsFromAWriterThatMatchesUntilItIsConnected) {
+  NodeSnapshot snapshot;
+  snapshot.subscribers.resize(1);
+  auto& writers = snapshot.subscribers[0].writers;
+  writers = {{.id = 7, .node = "a", .matched = true},
+             {.id = 8, .node = "a", .matched = true, .connected = true}};
+  const auto json = nlohmann::json::parse(to_json(snapshot)).at("subscribers").at(0).at("writers");
+  EXPECT_TRUE(json.at(0).at("transport").is_null());
+  EXPECT_EQ(json.at(1).at("transport"), "shm");
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, NodeSnapshotTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),

@@ -96,14 +96,14 @@ TEST_F(DeliveryTest, WhatIsPushedOutOfAQueueIsDroppedForThoseBehindItOnly) {
   far.port = elsewhere;
   publisher->serve({{here(), "name"}});
   publish(1);
-  // A retained sample is awaited: what is live waits in the queue, which is of 4.
+  // A retained sample is awaited: what is live waits in the queue, which is of 256 small samples at most.
   publisher->port().set_routes(
       {{1, here(), fields<Image>("name")}, {2, far, fields<Image>("name"), 0, nullptr, 1}});
-  publish(10);
-  EXPECT_EQ(book->of(1).sent, 11U);
+  publish(300);
+  EXPECT_EQ(book->of(1).sent, 301U);
   EXPECT_EQ(book->of(1).dropped, 0U);
-  EXPECT_EQ(book->of(2).sent, 4U);
-  EXPECT_EQ(book->of(2).dropped, 6U);
+  EXPECT_GT(book->of(2).dropped, 0U);
+  EXPECT_EQ(book->of(2).sent + book->of(2).dropped, 300U);
 }
 
 }  // namespace

@@ -87,6 +87,29 @@ TEST_F(InboxTest, CountsLossesThatNoSequenceShows) {
   EXPECT_EQ(inbox_.lost_unnoticed(), 3U);
 }
 
+TEST_F(InboxTest, CountsWhatWasPushedOutBeforeTheFirstSampleWasTaken) {
+  inbox_.connect({1});
+  deliver(1, 1, 5);
+  EXPECT_EQ(take_all(), (Taken{{1, 3}, {1, 4}, {1, 5}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 2U);
+  deliver(1, 6, 10);
+  EXPECT_EQ(take_all(), (Taken{{1, 8}, {1, 9}, {1, 10}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 2U) << "a gap tells of 6 and 7";
+}
+
+TEST_F(InboxTest, CountsWhatWasPushedOutBeforeAllThatWasLeftBehind) {
+  inbox_.connect({1});
+  deliver(1, 1, 1);
+  EXPECT_EQ(take_all(), (Taken{{1, 1}}));
+  deliver(1, 2, 6);  // 2 and 3 go
+  inbox_.disconnect(1);
+  inbox_.connect({2});
+  deliver(2, 1, 3);
+  inbox_.disconnect(2);  // and the rest
+  EXPECT_EQ(take_all(), (Taken{{2, 1}, {2, 2}, {2, 3}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 5U);
+}
+
 TEST_F(InboxTest, LeavesLossesThatASequenceShowsToIt) {
   inbox_.connect({1});
   deliver(1, 1, 3);
@@ -114,15 +137,15 @@ TEST_F(InboxTest, LeavesLossesOfRetainedSamplesToTheirReader) {
 TEST_F(InboxTest, TakesNothingOfADurableWriterUntilSomethingForItsReaderAloneCame) {
   inbox_.connect({.writer = 1, .history_first = true});
   deliver(1, 5, 6);
-  EXPECT_FALSE(inbox_.history_began(1));
+  EXPECT_EQ(inbox_.history(1), core::HistoryProgress::awaited);
   deliver(1, 4, 5, 4);
-  EXPECT_TRUE(inbox_.history_began(1));
+  EXPECT_NE(inbox_.history(1), core::HistoryProgress::awaited);
   deliver(1, 6, 6);
   EXPECT_EQ(take_all(), (Taken{{1, 4}, {1, 5}, {1, 6}}));
   EXPECT_EQ(inbox_.discarded(), 0U);
   inbox_.disconnect(1);
   inbox_.connect({.writer = 1, .history_first = true});
-  EXPECT_FALSE(inbox_.history_began(1)) << "it may have forgotten us";
+  EXPECT_EQ(inbox_.history(1), core::HistoryProgress::awaited) << "it may have forgotten us";
 }
 
 }  // namespace

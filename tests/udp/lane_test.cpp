@@ -119,6 +119,13 @@ TEST_F(LaneTest, SendsRetainedSamplesHoweverManyBeforeWhatWaitedForThem) {
   EXPECT_TRUE(late_.idle());
 }
 
+TEST_F(LaneTest, BeginsOnce) {
+  EXPECT_TRUE(late_.begin(retained({1, 2, 3})));
+  EXPECT_EQ(late_.next()->sequence, 1U);
+  EXPECT_FALSE(late_.begin(retained({1, 2, 3}))) << "two would send its samples at a time";
+  EXPECT_EQ(take_all(late_), (Numbers{2, 3}));
+}
+
 TEST_F(LaneTest, GoesOnWithWhatWaitedWhereNothingIsRetained) {
   late_.post(job(5));
   EXPECT_TRUE(late_.begin({}));
@@ -140,9 +147,21 @@ TEST_F(LaneTest, TellsWithEachSampleWhichWasTheFirst) {
   EXPECT_EQ(direct->first.history.oldest, 5U);
 }
 
+TEST_F(LaneTest, LetsSmallSamplesWaitForTheHistoryBeyondItsDepth) {
+  for (std::uint32_t n = 4; n <= 8; ++n) EXPECT_FALSE(late_.post(for_late_reader(n)).dropped_oldest);
+  EXPECT_TRUE(late_.begin(retained({2, 3})));
+  EXPECT_EQ(take_all(late_), (Numbers{2, 3, 4, 5, 6, 7, 8}));
+}
+
 TEST_F(LaneTest, CountsFromTheFirstLiveSampleWhereNothingIsRetainedAlsoIfThatIsDropped) {
+  memory_ = core::BufferPool::make(std::size_t{1} << 24);
+  const auto large = [&](std::uint32_t number) {
+    JobHandle one = for_late_reader(number);
+    one->sample = memory_->take(600'000);
+    return one;
+  };
   EXPECT_FALSE(late_.begin({}));
-  for (std::uint32_t n = 4; n <= 8; ++n) late_.post(for_late_reader(n));
+  for (std::uint32_t n = 4; n <= 8; ++n) late_.post(large(n));
   const Job* job = late_.next();
   EXPECT_EQ(job->sequence, 6U);
   EXPECT_EQ(job->first.history.oldest, 4U);

@@ -78,24 +78,26 @@ TEST_F(RoutesTest, ServesALateReaderApartByOneLaneWhateverItAsksFor) {
   const auto before = table({late, other});
   ASSERT_EQ(before->groups.size(), 2U);
   EXPECT_EQ(before->of_late_reader(1), before->groups.data());
-  EXPECT_FALSE(variants_.late_lanes_idle()) << "its history is not known yet";
+  EXPECT_FALSE(variants_.late_lane_idle(1)) << "its history is not known yet";
   late.mask = fields<Image>("name");
   const auto after = table({late, other});
   EXPECT_EQ(after->groups[0].lanes, before->groups[0].lanes);
   EXPECT_NE(after->groups[0].wire->variant, before->groups[0].wire->variant);
   late.history = 0;
   EXPECT_EQ(table({late, other})->of_late_reader(1), nullptr);
-  EXPECT_TRUE(variants_.late_lanes_idle());
+  EXPECT_TRUE(variants_.late_lane_idle(1));
 }
 
-TEST_F(RoutesTest, ALateReaderThatMovesIsNotHeldAgain) {
+TEST_F(RoutesTest, ALateReaderThatMovesBeginsAnew) {
   core::Route late = route(1, fields<Image>("data"));
   late.history = 3;
   const auto before = table({late});
+  EXPECT_FALSE(before->groups[0].lanes[0]->begin({}));
+  EXPECT_TRUE(variants_.late_lane_idle(1));
   std::get<core::UdpAddress>(late.destination).port = 2;
-  const auto after = table({late});
+  table({late});
   EXPECT_TRUE(before->groups[0].lanes[0]->closed());
-  EXPECT_TRUE(after->groups[0].lanes[0]->idle());
+  EXPECT_FALSE(variants_.late_lane_idle(1));
 }
 
 TEST_F(RoutesTest, LeavesReadersInSharedMemoryOut) {

@@ -69,6 +69,7 @@ class DynamicSubscriber {
   [[nodiscard]] DynamicSample take_latest() { return {type_, subscriber_.take_latest()}; }
   /// Sleeps until there is something to take or the time is over; tells which.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
+  int file_descriptor() const { return subscriber_.file_descriptor(); }
 
   SubscriberStatus status() const { return subscriber_.status(); }
   Requirements requirements() const { return subscriber_.requirements(); }

@@ -34,14 +34,17 @@ struct Event {
   std::string node{};      ///< and its node
   QosPolicy policy = QosPolicy::none;
   std::uint64_t count = 1;  ///< of deadlines missed, samples lost or diverted since the last such event
+  bool yet = false;         ///< of no_path: shared memory may still come up, here or there
   std::string text{};       ///< for people
   friend bool operator==(const Event&, const Event&) = default;
 };
 
-/// Called on the node's agent thread, which does nothing else meanwhile: be short. No lock is held,
-/// everything of SFT may be called and destroyed. The node's log gets the same, whether there is a callback
-/// or not. What comes and goes within one batch of news may not be told. After the destructor of the
-/// publisher or subscriber it is not called any more (unless that runs in the call itself).
+/// Called on the node's agent thread, which does nothing else meanwhile: be short. If it holds that up for a
+/// few seconds (5, or 14 with peers or without multicast), other nodes take this one for dead and serve it no
+/// more until it goes on. No lock is held, everything of SFT may be called and destroyed. The node's log gets
+/// the same, whether there is a callback or not. What comes and goes within one batch of news may not be
+/// told. After the destructor of the publisher or subscriber it is not called any more (unless that runs in
+/// the call itself).
 using EventCallback = std::function<void(const Event&)>;
 
 }  // namespace sft

@@ -24,8 +24,10 @@ enum class TransportChoice : std::uint8_t { automatic, shm, udp };
 /// again.
 enum class LogLevel : std::uint8_t { debug, info, warning, error };
 /// Called on the node's agent thread, as event callbacks are: be short, no lock is held, everything of SFT
-/// may be called. One sink for several nodes is called by a thread of each. Of what comes again and again,
-/// ten lines of a kind are written and then one in 5 s, which says how many were left out.
+/// may be called. Others take a node whose sink blocks for 5 s (14 s with peers or without multicast) for
+/// dead, and do not serve it until it goes on. One sink for several nodes is called by a thread of each. Of
+/// what comes again and again, ten lines of a kind are written and then one in 5 s, which says how many were
+/// left out.
 using LogSink = std::function<void(LogLevel, std::string_view)>;
 
 struct UdpSettings {
@@ -79,7 +81,7 @@ struct NodeOptions {
 
 struct PublisherStatus;
 
-/// Durations of 0 mean none: no deadline, never expires, no lease.
+/// Durations of 0 mean none: no deadline, never expires, no lease. Deadlines and leases have at least 1 ms.
 struct PublisherOptions {
   TransportChoice transport = TransportChoice::automatic;
   Reliability reliability = Reliability::best_effort;  ///< sft/qos.h says what it means, over UDP as of now
@@ -117,7 +119,7 @@ struct RecordingSettings {
   bool as_remote = false;
 };
 
-/// Durations of 0 mean none: any deadline will do, any liveliness.
+/// Durations of 0 mean none: any deadline will do, any liveliness. Others have at least 1 ms.
 struct SubscriberOptions {
   TransportChoice transport = TransportChoice::automatic;
   Reliability reliability = Reliability::best_effort;
@@ -135,6 +137,16 @@ struct SubscriberOptions {
   /// many, take() gives no more of that publisher, whose next ones wait within `depth`; the subscriber is
   /// told once each time (EventKind::held_too_many), and everybody else goes on.
   std::uint32_t max_held = 256;
+  /// How long wait() looks for a sample, and keeps a core busy with it, before it sleeps: one that comes
+  /// within that time is had in a microsecond, without what it takes to wake a thread. By default about as
+  /// long as that takes, so that looking never costs more than it could have saved. Threads that wait for the
+  /// core get it meanwhile, and after a wait that ended without a sample the next one sleeps at once. For a
+  /// reader with a core of its own: longer than the period of the samples. Without effect where it is
+  /// pollable.
+  std::chrono::nanoseconds spin = std::chrono::microseconds(20);
+  /// Gives it a Subscriber::file_descriptor(), and its node a thread that tells it what came in shared
+  /// memory. Not with a callback.
+  bool pollable = false;
   RecordingSettings recording{};
   EventCallback on_event{};
 };

@@ -7,27 +7,24 @@
 //
 // As JSON it is one object. Names stay what they are; later versions may add some. Ids are strings of 16 hex
 // digits, durations are nanoseconds, 0 means none, `fields` are as parse_mask() takes them, and `transport`
-// is "shm", "udp" or, where nothing travels, null:
+// is "shm", "udp" or, where nothing travels (a reader that is not served, a writer that is not connected),
+// null:
 //
 //   node          name, domain, version, control_protocol, time_ns (CLOCK_REALTIME)
 //   shm           ready, state, refused {malformed, over_limit}
 //   udp           state, refused {malformed, unknown, incomplete, over_limit}
 //   control       refused {malformed, ignored}
 //   publishers[]  id, topic, type, qos, fields (encoded at present), published, bytes_sent, bytes_saved,
-//   dropped,
-//                 diverted {exhausted, too_large, unavailable}, deadlines_missed, alive, readers[]
+//                 dropped, diverted {exhausted, too_large, unavailable}, deadlines_missed, alive, readers[]
 //     readers[]   id, node, served, transport, reason, incompatible_type, incompatible_policy (null: none),
-//     no_path,
-//                 fields, max_rate_hz, request, published, sent, withheld, dropped, retained, diverted,
-//                 bytes_sent, bytes_saved
-//   subscribers[] id, topic, type, qos, fields (asked for), recorded, max_rate_hz, requests, received, lost,
-//   withheld,
-//                 expired, discarded, held_too_many, writers[]
-//     writers[]   id, node, matched, alive, transport, reason, incompatible_type, incompatible_policy,
-//     no_path,
-//                 received, lost, withheld, expired, deadlines_missed
+//                 no_path, fields, max_rate_hz, request, published, sent, withheld, dropped, retained,
+//                 diverted, bytes_sent, bytes_saved
+//   subscribers[] id, topic, type, qos, fields (asked for), recorded, max_rate_hz, requests, received,
+//                 lost, withheld, expired, discarded, held_too_many, writers[]
+//     writers[]   id, node, matched, connected, alive, transport, reason, incompatible_type,
+//                 incompatible_policy, no_path, received, lost, withheld, expired, deadlines_missed
 //   qos           reliability, durability, history_depth, deadline_ns, lifespan_ns, liveliness,
-//   liveliness_lease_ns
+//                 liveliness_lease_ns
 #pragma once
 
 #include <chrono>

@@ -37,6 +37,7 @@ struct ReaderStatus {
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
   bool no_path = false;                             ///< fits, but not the ways that both may use
+  bool no_path_yet = false;  ///< the same, while shared memory may still come up here or there
   FieldMask mask{};
   double max_rate_hz = 0;              ///< that it asks for; 0: all samples
   std::uint64_t request_sequence = 0;  ///< of the STR in force
@@ -88,14 +89,16 @@ struct PublisherStatus {
 struct WriterStatus {
   std::uint64_t id = 0;
   std::string node;
-  bool matched = false;  ///< false: `reason` says why
-  bool alive = true;     ///< false: its lease or its node's is over, which `reason` says
+  bool matched = false;    ///< false: `reason` says why
+  bool connected = false;  ///< what it sends comes, by `transport`
+  bool alive = true;       ///< false: its lease or its node's is over, which `reason` says
   TransportKind transport{};
   std::string reason{};
   bool incompatible_type = false;
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
   bool no_path = false;                             ///< fits, but not the ways that both may use
+  bool no_path_yet = false;  ///< the same, while shared memory may still come up here or there
   std::uint64_t received = 0;
   std::uint64_t lost = 0;      ///< samples that should have come
   std::uint64_t withheld = 0;  ///< samples that did not come, or were skipped, for max_rate_hz

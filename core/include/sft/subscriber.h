@@ -35,8 +35,14 @@ class Subscriber {
   /// that are there are passed over and not counted as lost. What was lost before it is told of its own
   /// publisher; of others, with the next sample of these that is taken.
   [[nodiscard]] Sample<T, R> take_latest() { return Sample<T, R>(subscriber_.take_latest()); }
-  /// Sleeps until there is something to take or the time is over; tells which.
+  /// Until there is something to take or the time is over; tells which. Looks for SubscriberOptions::spin,
+  /// then sleeps.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
+  /// For an event loop (epoll, poll, asio), in any trigger mode: readable while there is something to take,
+  /// no longer once the last sample was taken. Another thread that takes, or a sample that expires, can leave
+  /// it readable without a sample: take() then finds none, and it ends. It belongs to the subscriber and
+  /// lasts as long; it is to be waited on, not read. -1 without SubscriberOptions::pollable.
+  int file_descriptor() const { return subscriber_.file_descriptor(); }
 
   /// Another SubscriberOptions::max_rate_hz from now on, on any thread; publishers follow in a moment. An
   /// error if it is no rate.

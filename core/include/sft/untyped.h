@@ -162,6 +162,7 @@ class Subscriber {
   Sample take();
   Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout);
+  int file_descriptor() const;
   Result<void> set_max_rate_hz(double max_rate_hz);
   SubscriberStatus status() const;
   Requirements requirements() const;

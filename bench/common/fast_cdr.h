@@ -69,12 +69,15 @@ class FastCdrStream {
   explicit FastCdrStream(std::span<std::byte> memory)
       : buffer_(reinterpret_cast<char*>(memory.data()), memory.size()), cdr_(buffer_) {}
 
+  /// Of the body, read or written so far.
+  std::size_t bytes() const { return cdr_.getSerializedDataLength(); }
+
  protected:
   eprosima::fastcdr::FastBuffer buffer_;
   eprosima::fastcdr::Cdr cdr_;
 };
 
-class FastCdrReader : FastCdrStream {
+class FastCdrReader : public FastCdrStream {
  public:
   using FastCdrStream::FastCdrStream;
 
@@ -100,7 +103,7 @@ class FastCdrReader : FastCdrStream {
   }
 };
 
-class FastCdrWriter : FastCdrStream {
+class FastCdrWriter : public FastCdrStream {
  public:
   using FastCdrStream::FastCdrStream;
 

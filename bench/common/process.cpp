@@ -1,0 +1,40 @@
+#include "bench/common/process.h"
+
+#include <sched.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+
+namespace sft::bench {
+
+namespace {
+
+constexpr unsigned patience_s = 300;
+
+}  // namespace
+
+void pin_to_core(int core) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(core, &set);
+  sched_setaffinity(0, sizeof set, &set);
+}
+
+pid_t start_on_core(int core, const std::function<int()>& run) {
+  const pid_t child = fork();
+  if (child != 0) return child;
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  pin_to_core(core);
+  alarm(patience_s);
+  std::exit(run());
+}
+
+bool succeeds(pid_t process) {
+  int status = 0;
+  return waitpid(process, &status, 0) == process && status == 0;
+}
+
+}  // namespace sft::bench

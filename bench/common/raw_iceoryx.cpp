@@ -1,0 +1,52 @@
+#include "bench/common/raw_iceoryx.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <iceoryx_hoofs/log/logmanager.hpp>
+#include <iceoryx_posh/runtime/posh_runtime.hpp>
+#include <string>
+
+namespace sft::bench {
+
+namespace {
+
+/// Joins sftd, which serves only names that begin with "sft_", before there is a port.
+iox::capro::ServiceDescription service() {
+  iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kOff,
+                                                           iox::log::LogLevelOutput::kHideLogLevel);
+  iox::runtime::PoshRuntime::initRuntime(
+      iox::RuntimeName_t(iox::cxx::TruncateToCapacity, "sft_raw_" + std::to_string(getpid())));
+  return {"bench", "memory", "raw"};
+}
+
+}  // namespace
+
+RawIceoryxWriter::RawIceoryxWriter(std::uint32_t bytes) : publisher_(service()), bytes_(bytes) {}
+
+void RawIceoryxWriter::prepare(std::uint64_t number) {
+  publisher_.loan(bytes_).and_then([&](void* chunk) { chunk_ = chunk; }).or_else([](auto) { std::abort(); });
+  std::memcpy(chunk_, &number, sizeof number);
+}
+
+RawIceoryxReader::RawIceoryxReader() : subscriber_(service()) {
+  wait_set_.attachState(subscriber_, iox::popo::SubscriberState::HAS_DATA).or_else([](auto) {
+    std::abort();
+  });
+}
+
+std::uint64_t RawIceoryxReader::take() {
+  std::uint64_t number = 0;
+  subscriber_.take().and_then([&](const void* chunk) {
+    std::memcpy(&number, chunk, sizeof number);
+    subscriber_.release(chunk);
+  });
+  return number;
+}
+
+std::size_t RawIceoryxReader::writers() const {
+  return subscriber_.getSubscriptionState() == iox::SubscribeState::SUBSCRIBED ? 1 : 0;
+}
+
+}  // namespace sft::bench

@@ -1,0 +1,200 @@
+#include "bench/shm/cyclone_cloud.h"
+
+#include <dds/dds.h>
+#include <dds/ddsc/dds_loan_api.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+
+#include "bench/common/cloud.h"
+#include "fixed_cloud.h"
+#include "sensor_msgs/msg/PointCloud2.h"
+
+namespace sft::bench {
+
+namespace {
+
+using Standard = sensor_msgs_msg_PointCloud2;
+using Fixed = sft_bench_FixedCloud;
+
+constexpr const char* config = "<SharedMemory><Enable>true</Enable><LogLevel>error</LogLevel></SharedMemory>";
+constexpr std::int64_t connecting_us = 300'000;  // iceoryx connects ports every 100 ms
+
+dds_entity_t checked(dds_entity_t entity) {
+  if (entity >= 0) return entity;
+  std::fprintf(stderr, "Cyclone DDS: %s\n", dds_strretcode(entity));
+  std::exit(1);
+}
+
+using Qos = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
+
+Qos best_effort() {
+  Qos qos(dds_create_qos(), dds_delete_qos);
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
+  return qos;
+}
+
+/// A participant, and the domain with it.
+class Participant {
+ public:
+  explicit Participant(const dds_topic_descriptor_t& type)
+      : domain_(checked(dds_create_domain(0, config))),
+        participant_(checked(dds_create_participant(0, nullptr, nullptr))),
+        topic_(checked(dds_create_topic(participant_, &type, "points", nullptr, nullptr))) {}
+  ~Participant() { dds_delete(domain_); }
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  dds_entity_t writer() const {
+    return checked(dds_create_writer(participant_, topic_, best_effort().get(), nullptr));
+  }
+  /// `on_data` gets `context`.
+  dds_entity_t reader(dds_on_data_available_fn on_data, void* context) const {
+    dds_listener_t* listener = dds_create_listener(context);
+    dds_lset_data_available(listener, on_data);
+    const dds_entity_t reader =
+        checked(dds_create_reader(participant_, topic_, best_effort().get(), listener));
+    dds_delete_listener(listener);
+    return reader;
+  }
+
+ private:
+  const dds_entity_t domain_;
+  const dds_entity_t participant_;
+  const dds_entity_t topic_;
+};
+
+template <class T>
+const dds_topic_descriptor_t& descriptor();
+template <>
+const dds_topic_descriptor_t& descriptor<Standard>() {
+  return sensor_msgs_msg_PointCloud2_desc;
+}
+template <>
+const dds_topic_descriptor_t& descriptor<Fixed>() {
+  return sft_bench_FixedCloud_desc;
+}
+
+class Writer {
+ public:
+  explicit Writer(const dds_topic_descriptor_t& type) : participant_(type), writer_(participant_.writer()) {
+    if (dds_is_shared_memory_available(writer_)) return;
+    std::fprintf(stderr, "Cyclone DDS does not use shared memory\n");
+    std::exit(1);
+  }
+
+  bool serves(std::size_t readers) const {
+    dds_publication_matched_status_t status{};
+    dds_get_publication_matched_status(writer_, &status);
+    if (status.current_count != readers) return false;
+    sleep_us(connecting_us);
+    return true;
+  }
+
+ protected:
+  const Participant participant_;
+  const dds_entity_t writer_;
+};
+
+class StandardWriter : public Writer {
+ public:
+  StandardWriter() : Writer(descriptor<Standard>()), cloud_(cloud(sent_cloud_bytes)) {
+    for (auto& field : cloud_.fields) {
+      fields_.push_back({field.name.data(), field.offset, field.datatype, field.count});
+    }
+    const auto length = [](const auto& sequence) { return static_cast<std::uint32_t>(sequence.size()); };
+    message_.header = {{cloud_.header.stamp.sec, cloud_.header.stamp.nanosec}, cloud_.header.frame_id.data()};
+    message_.height = cloud_.height;
+    message_.fields = {length(fields_), length(fields_), fields_.data(), false};
+    message_.point_step = cloud_.point_step;
+    message_.row_step = cloud_.row_step;
+    message_.data = {length(cloud_.data), length(cloud_.data), cloud_.data.data(), false};
+    message_.is_dense = cloud_.is_dense;
+  }
+
+  void prepare(std::uint64_t number) { message_.width = static_cast<std::uint32_t>(number); }
+  void publish() { dds_write(writer_, &message_); }
+
+ private:
+  sensor_msgs::msg::PointCloud2 cloud_;  ///< owns what message_ points to
+  std::vector<sensor_msgs_msg_PointField> fields_;
+  Standard message_{};
+};
+
+class FixedWriter : public Writer {
+ public:
+  FixedWriter() : Writer(descriptor<Fixed>()) {}
+
+  void prepare(std::uint64_t number) {
+    void* loan = nullptr;
+    if (dds_loan_sample(writer_, &loan) != DDS_RETCODE_OK) std::abort();
+    loan_ = static_cast<Fixed*>(loan);
+    loan_->height = 1;
+    loan_->width = static_cast<std::uint32_t>(number);
+  }
+  void publish() { dds_write(writer_, loan_); }
+
+ private:
+  Fixed* loan_ = nullptr;
+};
+
+/// Takes into memory of its own again and again, so that nothing is allocated.
+template <class T>
+class Reader {
+ public:
+  explicit Reader(Arrived arrived)
+      : arrived_(std::move(arrived)),
+        participant_(descriptor<T>()),
+        reader_(participant_.reader(take, this)) {}
+  ~Reader() { dds_delete(reader_); }  // before what it calls
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+  std::size_t writers() const {
+    dds_subscription_matched_status_t status{};
+    dds_get_subscription_matched_status(reader_, &status);
+    return status.current_count;
+  }
+
+ private:
+  static void take(dds_entity_t reader, void* self) {
+    auto& that = *static_cast<Reader*>(self);
+    void* sample = that.message_;
+    dds_sample_info_t info;
+    while (dds_take(reader, &sample, &info, 1, 1) == 1) {
+      if (info.valid_data) that.arrived_(std::uint64_t{that.message_->height} * that.message_->width);
+    }
+  }
+
+  const Arrived arrived_;
+  T* const message_ = static_cast<T*>(dds_alloc(sizeof(T)));
+  const Participant participant_;
+  const dds_entity_t reader_;
+};
+
+template <class W, class R>
+std::vector<double> times(const Transfer& transfer, const Roudi& roudi) {
+  return run_pair({.sender =
+                       [&](Exchange& exchange) {
+                         W writer;
+                         send_each(exchange, transfer, writer);
+                       },
+                   .receiver = [&](Exchange& exchange) { be_called<R>(exchange, transfer); },
+                   .enter_sender = [&] { roudi.enter(); },
+                   .enter_receiver = [&] { roudi.enter(); }},
+                  transfer.messages);
+}
+
+}  // namespace
+
+std::vector<double> cyclone_standard(const Transfer& transfer, const Roudi& roudi) {
+  return times<StandardWriter, Reader<Standard>>(transfer, roudi);
+}
+
+std::vector<double> cyclone_fixed(const Transfer& transfer, const Roudi& roudi) {
+  return times<FixedWriter, Reader<Fixed>>(transfer, roudi);
+}
+
+}  // namespace sft::bench

@@ -1,0 +1,19 @@
+// Clouds with Cyclone DDS over iceoryx. Its reader is called by the thread that sleeps until something comes,
+// without the detour over a waitset.
+#pragma once
+
+#include <vector>
+
+#include "bench/common/transfer.h"
+#include "bench/shm/roudi.h"
+
+namespace sft::bench {
+
+// One-way times in microseconds, until height and width are read.
+
+/// The standard message, which is serialized into shared memory.
+std::vector<double> cyclone_standard(const Transfer& transfer, const Roudi& roudi);
+/// A loan of a message of fixed size, which is not.
+std::vector<double> cyclone_fixed(const Transfer& transfer, const Roudi& roudi);
+
+}  // namespace sft::bench

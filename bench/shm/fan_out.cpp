@@ -1,0 +1,118 @@
+// Eight programs that sleep until the same message comes. The writer has one core, the readers share the
+// other one; meanwhile the writer sleeps, so that what wakes readers for it has a core, too.
+#include <csignal>
+#include <vector>
+
+#include "bench/common/pair.h"
+#include "bench/common/process.h"
+#include "bench/common/raw_iceoryx.h"
+#include "bench/common/sft_cloud.h"
+#include "bench/common/shared.h"
+#include "bench/common/statistics.h"
+#include "bench/shm/shm.h"
+
+namespace sft::bench {
+
+namespace {
+
+constexpr std::uint64_t readers = 8;
+constexpr std::int64_t asleep_us = 300;  // after so long all readers are
+constexpr std::int64_t patience_ns = 1'000'000'000;
+
+struct Board {
+  std::atomic<std::uint64_t> ready{0};  ///< readers that have begun
+  std::atomic<std::uint64_t> read{0};   ///< messages, by all readers together
+  std::int64_t sent_at[Exchange::samples_max] = {};
+  std::int64_t returned_at[Exchange::samples_max] = {};
+  std::atomic<std::int64_t> last_read_at[Exchange::samples_max] = {};
+
+  void note_receipt(std::uint64_t number) {
+    auto& last = last_read_at[number - 1];
+    const std::int64_t now = now_ns();
+    for (std::int64_t before = last; before < now && !last.compare_exchange_weak(before, now);) {
+    }
+    read.fetch_add(1, std::memory_order_release);
+  }
+  bool wait_for_all(std::uint64_t number) const {
+    const std::int64_t deadline = now_ns() + patience_ns;
+    while (read.load(std::memory_order_acquire) < number * readers) {
+      if (now_ns() > deadline) return false;
+      sleep_us(50);
+    }
+    return true;
+  }
+};
+
+template <class Writer>
+bool send(Board& board, std::uint64_t messages) {
+  Writer writer(sent_cloud_bytes);
+  if (!wait_until([&] { return board.ready.load() == readers && writer.serves(readers); })) return false;
+  for (std::uint64_t i = 0; i < messages; ++i) {
+    pause_us(asleep_us);
+    writer.prepare(i + 1);
+    board.sent_at[i] = now_ns();
+    writer.publish();
+    board.returned_at[i] = now_ns();
+    if (!board.wait_for_all(i + 1)) return false;
+  }
+  writer.prepare(messages + 1);  // ends the readers
+  writer.publish();
+  return true;
+}
+
+template <class Reader>
+void receive(Board& board, std::uint64_t messages) {
+  Reader reader;
+  while (reader.writers() == 0) sleep_us(1000);
+  ++board.ready;
+  for (std::uint64_t number = 0; number <= messages;) {
+    reader.wait();
+    number = reader.take();
+    if (number != 0 && number <= messages) board.note_receipt(number);
+  }
+}
+
+struct Times {
+  Rounds until_returned, until_last;
+};
+
+template <class Writer, class Reader>
+void run(std::uint64_t messages, Times& times) {
+  const Shared<Board> board;
+  std::vector<pid_t> started;
+  for (std::uint64_t i = 0; i < readers; ++i) {
+    started.push_back(start_on_core(1, [&] {
+      receive<Reader>(*board, messages);
+      return 0;
+    }));
+  }
+  const bool sent = succeeds(start_on_core(0, [&] { return send<Writer>(*board, messages) ? 0 : 1; }));
+  for (const pid_t reader : started) {
+    if (!sent) kill(reader, SIGKILL);
+    succeeds(reader);
+  }
+  std::vector<double> until_returned, until_last;
+  for (std::uint64_t i = messages / 10; sent && i < messages; ++i) {
+    const std::int64_t begin = board->sent_at[i];
+    until_returned.push_back(static_cast<double>(board->returned_at[i] - begin) / 1000.);
+    until_last.push_back(static_cast<double>(board->last_read_at[i] - begin) / 1000.);
+  }
+  times.until_returned.add(std::move(until_returned));
+  times.until_last.add(std::move(until_last));
+}
+
+}  // namespace
+
+std::vector<Figure> fan_out(const Scale& scale) {
+  Times ours, iceoryx;
+  for (int round = 0; round < scale.rounds; ++round) {
+    run<SftLoanWriter, SftReader>(scale.messages, ours);
+    run<RawIceoryxWriter, RawIceoryxReader>(scale.messages, iceoryx);
+  }
+  const char* reference = "iceoryx, 8 WaitSets";
+  return {{"publish_8_sleepers", ours.until_returned.p50(), "us", iceoryx.until_returned.p50(), reference,
+           1. / 3},
+          {"last_of_8", ours.until_last.p50(), "us", iceoryx.until_last.p50(), reference, 1.3}};
+}
+
+}  // namespace sft::bench

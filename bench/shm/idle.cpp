@@ -1,0 +1,53 @@
+// What a node costs that waits: processor time of the whole process, whose subscriber has a publisher in
+// another program.
+#include <ctime>
+
+#include "bench/common/pair.h"
+#include "bench/common/sft_cloud.h"
+#include "bench/common/shared.h"
+#include "bench/shm/shm.h"
+
+namespace sft::bench {
+
+namespace {
+
+constexpr double allowed_percent = 0.5;
+constexpr std::int64_t settling_us = 2'000'000;  // until the traffic of joining is over
+
+double cpu_s() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) / 1e9;
+}
+
+void keep_publisher(Exchange& exchange) {
+  const SftLoanWriter writer(sent_cloud_bytes);
+  while (!writer.serves(1)) sleep_us(1000);
+  exchange.sent = 1;
+  while (exchange.received.load() == 0) sleep_us(10'000);
+}
+
+double percent_while_waiting(Exchange& exchange, double seconds) {
+  SftReader reader;
+  while (exchange.sent.load() == 0) sleep_us(10'000);
+  sleep_us(settling_us);
+  const std::int64_t begin = now_ns();
+  const std::int64_t end = begin + static_cast<std::int64_t>(seconds * 1e9);
+  const double cpu_before = cpu_s();
+  while (now_ns() < end) reader.wait();  // for a second each time
+  const double percent = (cpu_s() - cpu_before) / (static_cast<double>(now_ns() - begin) / 1e9) * 100;
+  exchange.received = 1;
+  return percent;
+}
+
+}  // namespace
+
+std::vector<Figure> idle_cpu(const Scale& scale) {
+  const Shared<double> percent;
+  run_pair({.sender = keep_publisher,
+            .receiver = [&](Exchange& e) { *percent = percent_while_waiting(e, scale.idle_s); }},
+           0);
+  return {{"idle_cpu", *percent, "%", allowed_percent, "what is allowed, of a core", 1.0}};
+}
+
+}  // namespace sft::bench

@@ -1,0 +1,65 @@
+#include "bench/shm/raw_futex.h"
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <atomic>
+
+#include "bench/common/shared.h"
+
+namespace sft::bench {
+
+namespace {
+
+using Word = std::atomic<std::uint32_t>;
+
+class Writer {
+ public:
+  explicit Writer(Word& word) : word_(word) {}
+  bool serves(std::size_t) const { return true; }
+  void prepare(std::uint64_t number) { number_ = static_cast<std::uint32_t>(number); }
+  void publish() {
+    word_.store(number_, std::memory_order_release);
+    syscall(SYS_futex, &word_, FUTEX_WAKE, 1, nullptr, nullptr, 0);
+  }
+
+ private:
+  Word& word_;
+  std::uint32_t number_ = 0;
+};
+
+class Reader {
+ public:
+  explicit Reader(Word& word) : word_(word) {}
+  std::size_t writers() const { return 1; }
+  void wait() { syscall(SYS_futex, &word_, FUTEX_WAIT, seen_, nullptr, nullptr, 0); }
+  std::uint64_t take() {
+    const std::uint32_t number = word_.load(std::memory_order_acquire);
+    if (number == seen_) return 0;
+    return seen_ = number;
+  }
+
+ private:
+  Word& word_;
+  std::uint32_t seen_ = 0;
+};
+
+}  // namespace
+
+std::vector<double> raw_futex_times(const Transfer& transfer) {
+  const Shared<Word> word;
+  return run_pair({.sender =
+                       [&](Exchange& exchange) {
+                         Writer writer(*word);
+                         send_each(exchange, transfer, writer);
+                       },
+                   .receiver =
+                       [&](Exchange& exchange) {
+                         Reader reader(*word);
+                         receive_each(exchange, transfer, reader);
+                       }},
+                  transfer.messages);
+}
+
+}  // namespace sft::bench

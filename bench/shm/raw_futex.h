@@ -1,0 +1,13 @@
+// The least that waking a process takes: a word in shared memory and the system call.
+#pragma once
+
+#include <vector>
+
+#include "bench/common/transfer.h"
+
+namespace sft::bench {
+
+/// One-way times in microseconds; the reader sleeps whatever the transfer says.
+std::vector<double> raw_futex_times(const Transfer& transfer);
+
+}  // namespace sft::bench

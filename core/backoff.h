@@ -1,0 +1,19 @@
+// Waiting for another thread that is about to be done.
+#pragma once
+
+#include <chrono>
+#include <thread>
+
+namespace sft::core {
+
+/// Until `done()` says so. Sleeps after a few looks, because the other thread may need this processor.
+template <class Done>
+void wait_until(Done done) {
+  constexpr int yields = 32;
+  constexpr std::chrono::microseconds pause{20};
+  for (int i = 0; !done(); ++i) {
+    i < yields ? std::this_thread::yield() : std::this_thread::sleep_for(pause);
+  }
+}
+
+}  // namespace sft::core

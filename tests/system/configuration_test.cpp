@@ -1,0 +1,111 @@
+// What nodes say of their configuration: of what does not hold, and of what is wrong with it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sft/sft.h>
+#include <cstdlib>
+#include <mutex>
+#include <string>
+
+#include "tests/support/isolated_host.h"
+
+namespace sft::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ConfigurationTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+  }
+  /// In a domain that no other test of this process has opened.
+  NodeOptions with(const std::string& cyclonedds_config) {
+    NodeOptions options;
+    options.domain = domain_;
+    options.transport = TransportChoice::udp;
+    options.cyclonedds_config = cyclonedds_config;
+    options.log = [this](LogLevel level, std::string_view text) {
+      const std::scoped_lock lock(mutex_);
+      if (level == LogLevel::warning) warnings_ += text;
+    };
+    return options;
+  }
+  std::string warnings() {
+    const std::scoped_lock lock(mutex_);
+    return warnings_;
+  }
+  static std::string error_of(const NodeOptions& options) {
+    const auto node = Node::open(options);
+    return node ? "it opens" : node.error().message;
+  }
+
+ private:
+  static inline std::uint32_t domains_ = 0;
+  const std::uint32_t domain_ = domains_ += 2;
+  std::mutex mutex_;
+  std::string warnings_;
+};
+
+TEST_F(ConfigurationTest, WhatDoesNotHoldOfItIsLoggedAndInTheStatus) {
+  const Node node = Node::open(with("<SharedMemory><Enable>true</></>")).value();
+  for (const std::string& text : {warnings(), node.status().discovery}) {
+    EXPECT_THAT(text, HasSubstr("SharedMemory/Enable is 'false', not 'true' as CYCLONEDDS_URI says: "));
+  }
+  EXPECT_THAT(node.status().discovery, HasSubstr("by multicast"));
+}
+
+TEST_F(ConfigurationTest, OfTheEnvironmentIsReadUnlessTheProgramHasOne) {
+  setenv("CYCLONEDDS_URI", "<SharedMemory><Enable>true</></>", 1);
+  NodeOptions options = with("");
+  EXPECT_EQ(Node::open(options).value().status().discovery, "by multicast");
+  options.cyclonedds_config.reset();
+  ++*options.domain;
+  EXPECT_THAT(Node::open(options).value().status().discovery, HasSubstr("SharedMemory/Enable"));
+  unsetenv("CYCLONEDDS_URI");
+}
+
+TEST_F(ConfigurationTest, InAFileThatIsNotThereIsAnErrorThatNamesIt) {
+  EXPECT_THAT(error_of(with("file:///nowhere/cyclone.xml")), HasSubstr("'file:///nowhere/cyclone.xml'"));
+}
+
+TEST_F(ConfigurationTest, ThatCycloneDoesNotKnowIsAnErrorInItsWords) {
+  EXPECT_THAT(error_of(with("<General><Colour>red</></>")), HasSubstr("Colour: unknown element"));
+}
+
+TEST_F(ConfigurationTest, OfInterfacesThatAreNotThereIsAnErrorThatNamesThem) {
+  NodeOptions options = with("");
+  options.discovery.interfaces = {"eth9"};
+  EXPECT_THAT(error_of(options), HasSubstr("eth9"));
+}
+
+TEST_F(ConfigurationTest, OfPeersThatHaveNoAddressIsSaidToNameNobody) {
+  NodeOptions options = with("");
+  options.discovery.peers = {"nobody.invalid"};
+  const Node node = Node::open(options).value();
+  EXPECT_THAT(warnings(), HasSubstr("nobody.invalid"));
+}
+
+TEST_F(ConfigurationTest, IsTheSameForAllNodesOfAProcessInADomain) {
+  const Node first = Node::open(with("")).value();
+  EXPECT_TRUE(Node::open(with("")));
+  NodeOptions other = with("");
+  other.discovery.peers = {"10.0.0.7"};
+  EXPECT_THAT(error_of(other), HasSubstr("has been opened in this process with other discovery settings"));
+  ++*other.domain;
+  EXPECT_TRUE(Node::open(other));
+}
+
+TEST_F(ConfigurationTest, OfTheDomainIsANumberFrom0To232) {
+  NodeOptions options = with("");
+  options.domain.reset();
+  for (const char* domain : {"233", "-1", "one"}) {
+    setenv("ROS_DOMAIN_ID", domain, 1);
+    EXPECT_THAT(error_of(options), HasSubstr("ROS_DOMAIN_ID is '" + std::string(domain) + "'"));
+  }
+  setenv("ROS_DOMAIN_ID", "232", 1);
+  EXPECT_TRUE(Node::open(options));
+}
+
+}  // namespace
+}  // namespace sft::test
