@@ -11,6 +11,7 @@ void add(Delivered& sum, const Delivered& more) noexcept {
   sum.withheld += more.withheld;
   sum.dropped += more.dropped;
   sum.retained += more.retained;
+  sum.diverted += more.diverted;
   sum.bytes += more.bytes;
   sum.bytes_saved += more.bytes_saved;
 }
@@ -28,6 +29,7 @@ Reading& Reading::operator+=(const Reading& other) noexcept {
   lost_bytes += other.lost_bytes;
   lost_whole_bytes += other.lost_whole_bytes;
   withheld += other.withheld;
+  diverted += other.diverted;
   return *this;
 }
 
@@ -40,6 +42,7 @@ Reading& Reading::operator-=(const Reading& other) noexcept {
   lost_bytes -= other.lost_bytes;
   lost_whole_bytes -= other.lost_whole_bytes;
   withheld -= other.withheld;
+  diverted -= other.diverted;
   return *this;
 }
 
@@ -52,6 +55,7 @@ Delivered Reading::delivered() const noexcept {
   d.sent = sent - lost_of_ours;
   d.dropped = dropped + lost_of_ours;
   d.withheld = withheld;
+  d.diverted = diverted - std::min(lost_of_ours, diverted);
   d.bytes = bytes - std::min(lost_bytes, bytes);
   d.bytes_saved = whole_bytes_sent - std::min(d.bytes, whole_bytes_sent);
   return d;
@@ -70,6 +74,7 @@ Reading DeliveryMeter::read() const noexcept {
     r.dropped = tally->dropped_.load(relaxed);
     r.bytes = tally->bytes_.load(relaxed);
     r.whole_bytes = tally->whole_bytes_.load(relaxed);
+    if (diverted) r.diverted = r.sent;
   }
   if (gate != nullptr) r.withheld = gate->withheld();
   return r;
@@ -93,7 +98,12 @@ void DeliveryBook::Column::close(LateCounts late_counts) noexcept {
   at_last = {};
   if (late_counts == LateCounts::to_come && meter.tally != nullptr) {
     late.tally = meter.tally;
-    at_last = {.sent = now.sent, .dropped = now.dropped, .bytes = now.bytes, .whole_bytes = now.whole_bytes};
+    late.diverted = meter.diverted;
+    at_last = {.sent = now.sent,
+               .dropped = now.dropped,
+               .bytes = now.bytes,
+               .whole_bytes = now.whole_bytes,
+               .diverted = now.diverted};
   }
   at_first = {};
   meter = {};

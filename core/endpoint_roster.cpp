@@ -20,6 +20,7 @@ PublisherSnapshot snapshot_of(const PublisherCore& publisher) {
                              .bytes_sent = status.bytes_sent,
                              .bytes_saved = status.bytes_saved,
                              .dropped = status.dropped,
+                             .diverted = status.diverted,
                              .deadlines_missed = status.deadlines_missed,
                              .alive = status.alive,
                              .readers = {}};
@@ -47,6 +48,7 @@ SubscriberSnapshot snapshot_of(SubscriberCore& subscriber) {
           .withheld = status.withheld,
           .expired = status.expired,
           .discarded = status.discarded,
+          .held_too_many = status.held_too_many,
           .writers = std::move(status.writers)};
 }
 

@@ -27,6 +27,10 @@ const char* to_string(EventKind kind) {
       return "liveliness recovered";
     case EventKind::samples_lost:
       return "samples lost";
+    case EventKind::samples_diverted:
+      return "samples diverted";
+    case EventKind::held_too_many:
+      return "too many samples held";
     case EventKind::request_changed:
       return "request changed";
   }
@@ -143,6 +147,17 @@ void add_promises(const PublisherStatus& before, const PublisherStatus& after, s
   }
 }
 
+void add_diverted(const Diverted& before, const Diverted& after, std::vector<Event>& events) {
+  const auto add = [&](std::uint64_t Diverted::*count, const char* why) {
+    if (after.*count == before.*count) return;
+    events.push_back(
+        {.kind = EventKind::samples_diverted, .count = after.*count - before.*count, .text = why});
+  };
+  add(&Diverted::exhausted, "by UDP within the host: no chunk of that size is free in shared memory");
+  add(&Diverted::too_large, "by UDP within the host: larger than the largest chunk of shared memory");
+  add(&Diverted::unavailable, "by UDP within the host: shared memory is not to be had at the moment");
+}
+
 void add_counts(const WriterStatus& before, const WriterStatus& after, std::vector<Event>& events) {
   if (after.lost > before.lost) {
     const std::uint64_t lost = after.lost - before.lost;
@@ -161,6 +176,7 @@ std::vector<Event> events_between(const PublisherStatus& before, const Publisher
     events.push_back(event_of(EventKind::request_changed, a, request_text(a.mask, a.max_rate_hz, type)));
   });
   add_promises(before, after, events);
+  add_diverted(before.diverted, after.diverted, events);
   return events;
 }
 
@@ -170,6 +186,11 @@ std::vector<Event> events_between(const SubscriberStatus& before, const Subscrib
   if (request_changed(before, after)) {
     events.push_back(
         {.kind = EventKind::request_changed, .text = request_text(after.mask, after.max_rate_hz, type)});
+  }
+  if (after.held_too_many > before.held_too_many) {
+    events.push_back({.kind = EventKind::held_too_many,
+                      .count = after.held_too_many - before.held_too_many,
+                      .text = "no more of a publisher can be taken until samples of it are destroyed"});
   }
   compare(before.writers, after.writers, events, [&](const WriterStatus& b, const WriterStatus& a) {
     add_changes(b, a, events);

@@ -302,13 +302,15 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   serving.shm_port |= verdict.shm;
   const std::uint32_t owed = history_owed(writer, r);
   const bool history_first = owed != 0 && verdict.udp;
+  const bool listens = verdict.udp && holds(r.request.listening, writer.endpoint.id);
   serving.history_owed |= history_first;
   if (verdict.shm && !history_first && holds(r.request.attached, writer.endpoint.id)) {
     status.served = true;
     status.transport = TransportKind::shm;
     status.reason = owed == 0 ? "same host" : "same host; without UDP nothing of what was published before";
     serving.shm.push_back({r.id, r.doorbell, status.mask, period, nullptr});
-  } else if (verdict.udp && holds(r.request.listening, writer.endpoint.id)) {
+    if (listens) serving.spare.push_back({r.id, address_of(r), status.mask, period, nullptr, 0, true});
+  } else if (listens) {
     status.served = true;
     status.transport = TransportKind::udp;
     status.reason = !verdict.shm    ? verdict.udp_reason

@@ -26,6 +26,7 @@ struct Serving {
   bool shm_port = false;  ///< be reachable in shared memory, even if no reader is attached yet
   std::vector<Route> shm;
   std::vector<Route> udp;
+  std::vector<Route> spare;  ///< by UDP, to those of `shm` that listen there: for what does not go that way
   std::vector<ReaderStatus> readers;  ///< all of the topic, with reasons
   bool lease_requested = false;       ///< some reader wants to know whether the writer lives
   bool samples_tell = true;           ///< and each of these gets every sample
@@ -33,7 +34,7 @@ struct Serving {
 
   /// Whether the same is to be sent to the same readers; what is told of these may differ.
   bool serves_like(const Serving& other) const {
-    return shm_port == other.shm_port && shm == other.shm && udp == other.udp;
+    return shm_port == other.shm_port && shm == other.shm && udp == other.udp && spare == other.spare;
   }
   friend bool operator==(const Serving&, const Serving&) = default;
 };

@@ -15,6 +15,8 @@
 namespace sft::core {
 
 namespace {
+constexpr std::uint32_t max_held_least = 2;   // one is held while the next is taken
+constexpr std::uint32_t max_held_most = 256;  // iceoryx's limit
 constexpr std::chrono::seconds complaint_pause{1};
 
 // Doorbells that subscribers share, because one thread sleeps for all of them.
@@ -146,7 +148,8 @@ Endpoint NodeCore::new_endpoint(Role role, std::string_view topic, const TypeSup
   return endpoint;
 }
 
-/// Of the ways that a writer may use, those that carry its largest sample.
+/// Of the ways that a writer may use, those that are of use for its largest sample: what shared memory cannot
+/// take goes by UDP.
 Result<void> NodeCore::keep_ways_for(Endpoint& writer) const {
   const auto most = [](bool may_use, const auto& transport) {
     return may_use ? transport->max_sample_bytes() : std::size_t{0};
@@ -158,8 +161,8 @@ Result<void> NodeCore::keep_ways_for(Endpoint& writer) const {
                                           std::to_string(writer.max_sample_bytes) + " is more than the " +
                                           std::to_string(std::max(by_shm, by_udp)) + " that can be sent");
   }
-  writer.may_use_shm = writer.max_sample_bytes <= by_shm;
-  writer.may_use_udp = writer.max_sample_bytes <= by_udp;
+  writer.may_use_udp = writer.may_use_udp && writer.max_sample_bytes <= by_udp;
+  writer.may_use_shm = writer.may_use_shm && (writer.may_use_udp || writer.max_sample_bytes <= by_shm);
   if (!writer.may_use_udp) writer.addresses.clear();
   return {};
 }
@@ -212,6 +215,10 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   const Result<Qos> qos = qos_of(options);
   if (!qos) return tl::unexpected(qos.error());
   if (auto ok = Recorder::check(options.recording); !ok) return tl::unexpected(ok.error());
+  if (options.max_held < max_held_least || options.max_held > max_held_most) {
+    return fail(Errc::invalid_argument,
+                "SubscriberOptions::max_held is 2 to 256, not " + std::to_string(options.max_held));
+  }
   Result<std::unique_ptr<PollHandle>> poll_handle;
   if (options.pollable) poll_handle = PollHandle::create();
   if (!poll_handle) return tl::unexpected(poll_handle.error());

@@ -44,6 +44,7 @@ LogLevel NodeLog::level_of(const Event& event) {
   switch (event.kind) {
     case EventKind::incompatible_qos:
     case EventKind::incompatible_type:
+    case EventKind::held_too_many:
       return LogLevel::warning;
     case EventKind::no_path:
       return event.yet ? LogLevel::info : LogLevel::warning;
@@ -56,6 +57,7 @@ LogLevel NodeLog::level_of(const Event& event) {
     case EventKind::liveliness_lost:
     case EventKind::liveliness_recovered:
     case EventKind::samples_lost:
+    case EventKind::samples_diverted:
       return LogLevel::info;
   }
   return LogLevel::info;

@@ -52,6 +52,7 @@ std::shared_ptr<PublisherCore::Outlets> PublisherCore::outlets_for(const Serving
   outlets->shm = std::move(shm);
   outlets->to_shm = outlets->shm != nullptr && !serving.shm.empty();
   outlets->to_udp = udp_ != nullptr && !serving.udp.empty();
+  outlets->has_spares = outlets->to_shm && udp_ != nullptr && !serving.spare.empty();
   outlets->is_wanted = outlets->to_shm || outlets->to_udp || history_ != nullptr;
   const bool whole = outlets->to_shm || history_ != nullptr;  // nobody knows what late readers will ask for
   outlets->mask = whole ? full_ : spec_.type->closed(spec_.type->none());
@@ -71,10 +72,14 @@ std::shared_ptr<PublisherCore::Outlets> PublisherCore::outlets_for(const Serving
 
 void PublisherCore::write_page(const Serving& serving, Outlets& outlets) const {
   for (const Route& route : serving.shm) {
-    const auto same = [&](const Outlets::Locals& locals) { return locals.gate == route.gate; };
+    const auto is_it = [&](const Route& spare) { return spare.reader == route.reader; };
+    const bool spare = outlets.has_spares && std::ranges::any_of(serving.spare, is_it);
+    const auto same = [&](const Outlets::Locals& locals) {
+      return locals.gate == route.gate && locals.spare == spare;
+    };
     auto locals = std::find_if(outlets.locals.begin(), outlets.locals.end(), same);
     if (locals == outlets.locals.end())
-      locals = outlets.locals.insert(locals, {route.gate, std::make_shared<DeliveryTally>()});
+      locals = outlets.locals.insert(locals, {route.gate, std::make_shared<DeliveryTally>(), spare});
     outlets.page.push_back({route.reader, {.tally = locals->tally, .gate = route.gate}});
   }
 }
@@ -117,7 +122,7 @@ void PublisherCore::find_gates(Serving& serving) {
   if (gates_.size() > gates_remembered_max) {
     std::erase_if(gates_, [](const auto& item) { return item.second.use_count() == 1; });
   }
-  for (auto* routes : {&serving.shm, &serving.udp}) {
+  for (auto* routes : {&serving.shm, &serving.udp, &serving.spare}) {
     for (Route& route : *routes) route.gate = gate_for(route.min_period_us);
   }
 }
@@ -170,7 +175,11 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
     outlets_.store(std::move(both));
     calls_.wait_for_present_call();
   }
-  if (udp_ != nullptr) udp_->set_routes(serving.udp);
+  if (udp_ != nullptr) {
+    std::vector<Route> routes = serving.udp;
+    if (after->has_spares) routes.insert(routes.end(), serving.spare.begin(), serving.spare.end());
+    udp_->set_routes(std::move(routes));
+  }
   outlets_.store(after);
   for (const Route& route : latecomers) {
     std::vector<SampleHandle> samples = history_->last(route.history, realtime_ns());
@@ -209,7 +218,7 @@ PublishStatus PublisherCore::publish(const void* value) {
 /// Asks each gate once. False if the sample is for nobody. (Of a durable publisher the routes are those in
 /// force once the sample is in the history, see serve().)
 bool PublisherCore::admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept {
-  if (outlets.to_udp && history_ == nullptr) udp_->begin();
+  if ((outlets.to_udp || outlets.has_spares) && history_ == nullptr) udp_->begin();
   bool passes = outlets.to_all || outlets.gates.empty() || history_ != nullptr;
   for (const auto& gate : outlets.gates) {
     gate->consider(stamp_ns);
@@ -230,7 +239,7 @@ PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void*
   const EncodedSize size = encoded_size(type, value, outlets.mask);
   if (size.status != EncodeStatus::ok || size.bytes > spec_.max_sample_bytes) return PublishStatus::invalid;
   const SampleHandle sample = lend(outlets, size.bytes);
-  if (!sample) return no_memory(outlets);
+  if (!sample) return no_memory(outlets, size.bytes);
   fill_header(*sample, outlets.mask, size.bytes);
   if (!outlets.whole) sample->whole_bytes = whole_bytes(value, size.bytes, stamp_ns);
   encode(type, value, outlets.mask, {sample->data + layout_.body_offset, size.bytes},
@@ -250,14 +259,21 @@ std::uint32_t PublisherCore::whole_bytes(const void* value, std::uint32_t encode
 }
 
 /// Counts a sample that could not be made, so that readers see that one is missing.
-PublishStatus PublisherCore::no_memory(const Outlets& outlets) noexcept {
+PublishStatus PublisherCore::no_memory(const Outlets& outlets, std::uint32_t body_bytes) noexcept {
   sequence_.fetch_add(1, std::memory_order_relaxed);
   dropped_.fetch_add(1, std::memory_order_relaxed);
   for (const Outlets::Locals& locals : outlets.locals) {
     if (locals.want()) locals.tally->dropped();
   }
   if (outlets.to_udp) udp_->miss();
+  if (outlets.to_shm) count_refusal(outlets, body_bytes);
   return PublishStatus::no_memory;
+}
+
+/// Of a loan in shared memory.
+void PublisherCore::count_refusal(const Outlets& outlets, std::uint32_t body_bytes) noexcept {
+  const bool too_large = layout_.bytes(body_bytes) > outlets.shm->largest_loan_bytes();
+  (too_large ? too_large_ : exhausted_).fetch_add(1, std::memory_order_relaxed);
 }
 
 Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> bytes) {
@@ -275,7 +291,7 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
   }
   const std::int64_t stamp_ns = realtime_ns();
   const SampleHandle sample = lend(outlets, size.bytes);
-  if (!sample) return admit(outlets, stamp_ns) ? no_memory(outlets) : withhold();
+  if (!sample) return admit(outlets, stamp_ns) ? no_memory(outlets, size.bytes) : withhold();
   const std::span<std::byte> body(sample->data + layout_.body_offset, size.bytes);
   const SampleState state{.body = body.data(), .body_bytes = size.bytes, .mask = &full_};
   WalkStatus status = convert(*payload, type, body);
@@ -346,8 +362,8 @@ SampleHandle PublisherCore::lend(const Outlets& outlets, std::uint32_t body_byte
   const std::size_t bytes = layout_.bytes(body_bytes);
   SampleHandle sample;
   if (outlets.to_shm) sample = outlets.shm->loan(bytes);
-  // Without a chunk the readers in shared memory miss this one; others need not.
-  if (!sample && (!outlets.to_shm || outlets.to_udp)) sample = heap_->take(bytes);
+  // Without a chunk it can still go by UDP.
+  if (!sample && (!outlets.to_shm || outlets.to_udp || outlets.has_spares)) sample = heap_->take(bytes);
   return sample;
 }
 
@@ -375,21 +391,54 @@ PublishStatus PublisherCore::send(const Outlets& before, const SampleHandle& sam
   SampleHeader& header = sample->header();
   header.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
   header.source_stamp_ns = stamp_ns;
+  header.diverted_sequence = diverted_sequence_;
+  header.diverted_stamp_ns = diverted_stamp_ns_;
   sample->trust_header();
   if (history_ != nullptr) history_->add(sample);
   const Outlets& outlets = history_ == nullptr ? before : this->outlets();  // see serve()
   PublishStatus status = PublishStatus::ok;
+  bool diverted = false;
   if (outlets.to_shm) {
-    // It may have been lent elsewhere, before shared memory came up or while it had no chunk free.
-    const SampleHandle local = outlets.shm->can_send(*sample) ? sample : copy_to_shm(outlets, sample);
-    const bool sent = local && outlets.shm->send(local) == SendStatus::sent;
-    if (!sent) status = PublishStatus::dropped;
-    for (const Outlets::Locals& locals : outlets.locals) {
-      if (locals.want()) sent ? locals.tally->sent(0, 0) : locals.tally->dropped();
+    if (send_to_shm(outlets, sample)) {
+      for (const Outlets::Locals& locals : outlets.locals) {
+        if (locals.want()) locals.tally->sent(0, 0);
+      }
+    } else {
+      status = divert(outlets, sample);
+      diverted = outlets.has_spares;
     }
   }
-  if (outlets.to_udp && udp_->send(sample) != SendStatus::sent) status = PublishStatus::dropped;
+  if ((outlets.to_udp || diverted) && udp_->send(sample) != SendStatus::sent) status = PublishStatus::dropped;
   if (status != PublishStatus::ok) dropped_.fetch_add(1, std::memory_order_relaxed);
+  return status;
+}
+
+/// It may have been lent elsewhere, before shared memory came up or while it had no chunk free.
+bool PublisherCore::send_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept {
+  const SampleHandle local = outlets.shm->can_send(*sample) ? sample : copy_to_shm(outlets, sample);
+  if (local) {
+    if (outlets.shm->send(local) == SendStatus::sent) return true;
+    unavailable_.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  count_refusal(outlets, sample->header().body_bytes);
+  return false;
+}
+
+/// Shared memory does not take it: it goes by UDP to whom it can. Later ones tell these that they may have to
+/// wait for it.
+PublishStatus PublisherCore::divert(const Outlets& outlets, const SampleHandle& sample) noexcept {
+  if (outlets.has_spares) {
+    udp_->include_spares();
+    diverted_sequence_ = sample->sequence;
+    diverted_stamp_ns_ = sample->source_stamp_ns;
+  }
+  PublishStatus status = PublishStatus::ok;
+  for (const Outlets::Locals& locals : outlets.locals) {
+    if (locals.spare || !locals.want()) continue;
+    locals.tally->dropped();
+    status = PublishStatus::dropped;
+  }
   return status;
 }
 
@@ -431,12 +480,18 @@ bool PublisherCore::keeps_promises(std::uint64_t deadlines_missed, bool alive) {
   return is_news;
 }
 
+Diverted PublisherCore::diverted() const {
+  return {exhausted_.load(std::memory_order_relaxed), too_large_.load(std::memory_order_relaxed),
+          unavailable_.load(std::memory_order_relaxed)};
+}
+
 PublisherStatus PublisherCore::status() const {
   PublisherStatus status;
   status.deadlines_missed = deadlines_missed_.load(std::memory_order_relaxed);
   status.alive = alive_.load(std::memory_order_relaxed);
   status.published = sequence_.load(std::memory_order_relaxed);
   status.dropped = dropped_.load(std::memory_order_relaxed);
+  status.diverted = diverted();
   if (udp_ != nullptr) {
     status.bytes_sent = udp_->bytes_sent();
     status.dropped += udp_->dropped();
@@ -452,6 +507,7 @@ PublisherStatus PublisherCore::status() const {
     reader.withheld = delivered.withheld;
     reader.dropped = delivered.dropped;
     reader.retained = delivered.retained;
+    reader.diverted = delivered.diverted;
     reader.bytes_sent = delivered.bytes;
     reader.bytes_saved = delivered.bytes_saved;
   }

@@ -60,6 +60,7 @@ class PublisherCore {
   void close();
 
   PublisherStatus status() const;
+  Diverted diverted() const;
   const TypeSupport& type() const { return *spec_.type; }
   EndpointId id() const { return spec_.id; }
   const Spec& spec() const { return spec_; }
@@ -89,6 +90,7 @@ class PublisherCore {
     bool is_wanted = false;  ///< a sample: somebody reads, or it is retained
     bool to_shm = false;
     bool to_udp = false;
+    bool has_spares = false;  ///< some reader in shared memory can be sent by UDP what that does not take
     std::vector<std::shared_ptr<RateGate>> gates;
     bool to_all = false;  ///< some reader gets every sample
     FieldMask
@@ -97,6 +99,7 @@ class PublisherCore {
     struct Locals {      ///< readers in shared memory with one limit
       std::shared_ptr<const RateGate> gate;
       std::shared_ptr<DeliveryTally> tally;
+      bool spare;  ///< for them, too
       bool want() const { return gate == nullptr || gate->passes(); }
     };
     std::vector<Locals> locals;
@@ -123,13 +126,16 @@ class PublisherCore {
   bool admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept;
   std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;
   PublishStatus encode_and_send(const Outlets& outlets, const void* value, std::int64_t stamp_ns);
-  PublishStatus no_memory(const Outlets& outlets) noexcept;
+  PublishStatus no_memory(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
+  void count_refusal(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   tl::unexpected<Error> malformed(WalkStatus why) const;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept;
   PublishStatus send(const Outlets& before, const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
   PublishStatus withhold() noexcept;
   PublishStatus close_gaps(SampleBuffer& sample) noexcept;
+  bool send_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
+  PublishStatus divert(const Outlets& outlets, const SampleHandle& sample) noexcept;
   SampleHandle copy_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
 
   const Spec spec_;
@@ -145,6 +151,9 @@ class PublisherCore {
   CallCount calls_;  ///< of those that read the outlets: publish(), publish_cdr(), loan(), commit()
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> dropped_{0};
+  std::atomic<std::uint64_t> exhausted_{0};
+  std::atomic<std::uint64_t> too_large_{0};
+  std::atomic<std::uint64_t> unavailable_{0};
   std::atomic<std::uint64_t> asserted_{0};
   std::atomic<bool> assertion_told_{false};
   std::atomic<std::uint64_t> deadlines_missed_{0};
@@ -160,6 +169,8 @@ class PublisherCore {
   const Outlets* counted_ = nullptr;  ///< whose page is open
   std::uint32_t measured_bytes_ = 0;  ///< of a sample with all its fields, and when it was published
   std::int64_t measured_at_ns_ = 0;
+  std::uint64_t diverted_sequence_ = 0;  ///< the last one, and when it was published
+  std::int64_t diverted_stamp_ns_ = 0;
 
   // Of the agent's thread.
   std::map<std::uint32_t, std::shared_ptr<RateGate>> gates_;  ///< by period; those of before as well

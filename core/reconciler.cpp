@@ -199,6 +199,7 @@ std::chrono::milliseconds Reconciler::tick() {
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   look_after_histories();
   let_go_of_the_left();
+  for (const auto& [id, reader] : readers_) reader.core->look_again();
   settle();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
@@ -441,11 +442,13 @@ void Reconciler::settle() {
 /// Of those only of which something can have happened: states are copied to be compared.
 void Reconciler::tell_what_happened() {
   for (auto& [id, writer] : writers_) {
+    writer.has_news |= writer.core->diverted() != writer.told.diverted;
     if (std::exchange(writer.has_news, false)) tell(writer);
   }
   for (auto& [id, reader] : readers_) {
     const std::uint64_t losses = reader.core->losses();
     reader.has_news |= std::exchange(reader.losses_told, losses) != losses;
+    reader.has_news |= reader.core->held_too_many() != reader.told.held_too_many;
     if (std::exchange(reader.has_news, false)) tell(reader);
   }
 }
@@ -554,8 +557,9 @@ Hearing Reconciler::connect(EndpointId id, Reader& reader, const Hearing& wanted
 
 Result<void> Reconciler::connect_shm(EndpointId id, Reader& reader, const Source& source) {
   if (reader.shm == nullptr) {
-    auto port = shm_->open_reader({id, &reader.core->type(), reader.core->spec().options.depth,
-                                   reader.core.get(), negotiation_.local(id)->doorbell});
+    auto port =
+        shm_->open_reader({id, &reader.core->type(), reader.core->spec().options.depth, reader.core.get(),
+                           negotiation_.local(id)->doorbell, reader.core->spec().options.max_held});
     if (!port) return tl::unexpected(port.error());
     reader.shm = std::move(*port);
     reader.core->set_port(TransportKind::shm, reader.shm);

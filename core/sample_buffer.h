@@ -40,6 +40,8 @@ struct SampleBuffer {
   std::uint64_t writer = 0;
   std::uint64_t sequence = 0;
   std::int64_t source_stamp_ns = 0;
+  std::uint64_t diverted_sequence = 0;  ///< of no meaning for what came by UDP
+  std::int64_t diverted_stamp_ns = 0;
   /// Received by UDP: the gate for a maximum rate that it passed (0: none), as the how-manieth.
   std::uint32_t min_period_us = 0;
   std::uint32_t ordinal = 0;
@@ -56,6 +58,8 @@ struct SampleBuffer {
     writer = header().writer;
     sequence = header().sequence;
     source_stamp_ns = header().source_stamp_ns;
+    diverted_sequence = header().diverted_sequence;
+    diverted_stamp_ns = header().diverted_stamp_ns;
   }
   std::uint32_t* index() const { return reinterpret_cast<std::uint32_t*>(data + sizeof(SampleHeader)); }
 };

@@ -39,6 +39,8 @@ class SequenceAccount {
 
   /// Not one that came before, or after which others were taken already.
   bool is_new(const Numbered& sample) const { return sample.sequence > last_; }
+  /// Whether it comes next, as far as the numbers tell.
+  bool follows(const Numbered& sample) const { return sample.sequence == last_ + 1; }
   /// Whether a new sample is for the reader, or to be skipped.
   bool allows(const Numbered& sample) const;
 

@@ -48,6 +48,7 @@ Json reader(const ReaderSnapshot& r) {
           {"withheld", r.withheld},
           {"dropped", r.dropped},
           {"retained", r.retained},
+          {"diverted", r.diverted},
           {"bytes_sent", r.bytes_sent},
           {"bytes_saved", r.bytes_saved}};
 }
@@ -62,6 +63,10 @@ Json publisher(const PublisherSnapshot& p) {
           {"bytes_sent", p.bytes_sent},
           {"bytes_saved", p.bytes_saved},
           {"dropped", p.dropped},
+          {"diverted",
+           {{"exhausted", p.diverted.exhausted},
+            {"too_large", p.diverted.too_large},
+            {"unavailable", p.diverted.unavailable}}},
           {"deadlines_missed", p.deadlines_missed},
           {"alive", p.alive},
           {"readers", list(p.readers, reader)}};
@@ -99,6 +104,7 @@ Json subscriber(const SubscriberSnapshot& s) {
           {"withheld", s.withheld},
           {"expired", s.expired},
           {"discarded", s.discarded},
+          {"held_too_many", s.held_too_many},
           {"writers", list(s.writers, writer)}};
 }
 

@@ -44,6 +44,7 @@ void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> po
   if (port == nullptr) return;
   gone_.lost += port->lost_unnoticed();
   discarded_before_ += port->discarded();
+  held_too_many_before_ += port->held_too_many();
 }
 
 void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
@@ -139,12 +140,71 @@ SubscriberCore::Heard& SubscriberCore::heard(EndpointId writer) {
   return added;
 }
 
+TransportKind SubscriberCore::transport_of(const Inlet& inlet) const {
+  const bool by_udp = &inlet == &inlets_[static_cast<std::size_t>(TransportKind::udp)];
+  return by_udp ? TransportKind::udp : TransportKind::shm;
+}
+
+/// With the mutex held: the oldest one, in the order of each writer, although one path may be ahead of the
+/// other; null if there is none, or none yet.
+SubscriberCore::Inlet* SubscriberCore::next_inlet() {
+  Inlet* const inlet = oldest_inlet();
+  if (inlet == nullptr || follows(*inlet)) return inlet;
+  if (transport_of(*inlet) == TransportKind::udp) return &in_turn(*inlet);
+  if (!waits(*inlet)) return inlet;
+  holds_back_ = true;
+  // Behind others that came by UDP there may be the one that is waited for.
+  Inlet& udp = inlets_[static_cast<std::size_t>(TransportKind::udp)];
+  return udp.next ? &in_turn(udp) : nullptr;
+}
+
+bool SubscriberCore::follows(const Inlet& inlet) {
+  return heard(inlet.next->writer).account.follows(numbered(inlet));
+}
+
+/// With the mutex held: what came by UDP, or what its writer sent before that and lies in shared memory
+/// behind samples of other writers.
+SubscriberCore::Inlet& SubscriberCore::in_turn(Inlet& udp) {
+  const Inlet& shm = inlets_[static_cast<std::size_t>(TransportKind::shm)];
+  Inlet& earlier = inlets_[out_of_turn];
+  const EndpointId writer = udp.next->writer;
+  const bool is_next_there = shm.next && shm.next->writer == writer;
+  if (!follows(udp) && !earlier.next && !is_next_there && shm.port != nullptr)
+    earlier.next = shm.port->take_of(writer);
+  const bool is_earlier =
+      earlier.next && earlier.next->writer == writer && earlier.next->sequence < udp.next->sequence;
+  return is_earlier ? earlier : udp;
+}
+
+/// With the mutex held: whether one before this sample went by UDP and may still come. It does not, if a
+/// later one did. Both clocks are this host's; if it is set meanwhile, nobody waits.
+bool SubscriberCore::waits(const Inlet& inlet) {
+  const SampleBuffer& buffer = *inlet.next;
+  const Numbered diverted{.sequence = buffer.diverted_sequence, .stamp_ns = buffer.diverted_stamp_ns};
+  const SequenceAccount& account = heard(buffer.writer).account;
+  if (diverted.sequence >= buffer.sequence || !account.is_new(diverted) || !account.allows(diverted))
+    return false;
+  const std::int64_t age_ns = realtime_ns() - diverted.stamp_ns;
+  if (age_ns < 0 || age_ns >= spec_.diverted_patience.count()) return false;
+  const Inlet& udp = inlets_[static_cast<std::size_t>(TransportKind::udp)];
+  if (udp.next && udp.next->writer == buffer.writer) return false;
+  return udp.port != nullptr && udp.port->connected(buffer.writer);
+}
+
+void SubscriberCore::look_again() {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!std::exchange(holds_back_, false)) return;
+  }
+  bell_.ring();  // for callbacks, too: those are the dispatcher's
+}
+
 /// Whatever came by UDP is for us, its writer saw to that.
 Numbered SubscriberCore::numbered(const Inlet& inlet) const {
   const SampleBuffer& buffer = *inlet.next;
   return {.sequence = buffer.sequence,
           .stamp_ns = buffer.source_stamp_ns,
-          .gated = &inlet == &inlets_[static_cast<std::size_t>(TransportKind::udp)],
+          .gated = transport_of(inlet) == TransportKind::udp,
           .min_period_us = buffer.min_period_us,
           .ordinal = buffer.ordinal,
           .oldest_retained = buffer.oldest_retained};
@@ -162,28 +222,31 @@ bool SubscriberCore::is_expired(const Heard& from, const Numbered& sample) {
   return from.lifespan_ns != 0 && is_older(sample.stamp_ns, from.lifespan_ns, realtime_ns());
 }
 
-/// With the mutex held: drops what is not to be delivered, until the next sample in order is; false if there
+/// With the mutex held: drops what is not to be delivered, until the next sample in order is; null if there
 /// is none.
-bool SubscriberCore::find_next() {
+SubscriberCore::Inlet* SubscriberCore::find_next() {
   while (fill_inlets()) {
-    Inlet& inlet = *oldest_inlet();
+    Inlet* const next = next_inlet();
+    if (next == nullptr) return nullptr;
+    Inlet& inlet = *next;
     Heard& from = heard(inlet.next->writer);
     const Numbered sample = numbered(inlet);
     const bool is_new = from.account.is_new(sample);  // or it came by both paths while they were switched
     const bool is_ours = is_new && from.account.allows(sample);
     const bool expired = is_ours && is_expired(from, sample);
-    if (is_ours && !expired) return true;
+    if (is_ours && !expired) return next;
     if (is_new) enter(from, sample);
     if (expired) ++from.expired;
     inlet.next.reset();
   }
-  return false;
+  return nullptr;
 }
 
 /// With the mutex held: the next sample in order, which is thereby taken; empty if there is none.
 SubscriberCore::Next SubscriberCore::next() {
-  if (!find_next()) return {};
-  Inlet& inlet = *oldest_inlet();
+  Inlet* const found = find_next();
+  if (found == nullptr) return {};
+  Inlet& inlet = *found;
   const Numbered sample = numbered(inlet);
   Heard& from = heard(inlet.next->writer);
   enter(from, sample);
@@ -193,7 +256,7 @@ SubscriberCore::Next SubscriberCore::next() {
                         .source_stamp = Stamp(std::chrono::nanoseconds(sample.stamp_ns)),
                         .receive_stamp = Stamp(std::chrono::nanoseconds(inlet.next->receive_stamp_ns)),
                         .lost_before = std::exchange(from.lost_untold, 0),
-                        .transport = static_cast<TransportKind>(&inlet - inlets_.data())};
+                        .transport = transport_of(inlet)};
   Next taken{std::move(inlet.next), info, info.transport == TransportKind::shm ? asked_ : nullptr};
   if (taken.asked == nullptr) ++from.received;
   return taken;
@@ -266,7 +329,7 @@ untyped::Sample SubscriberCore::wrap(Next next) {
 
 bool SubscriberCore::available() {
   const std::scoped_lock lock(mutex_);
-  return find_next();
+  return find_next() != nullptr;
 }
 
 Result<void> SubscriberCore::set_max_rate_hz(double max_rate_hz) {
@@ -399,6 +462,18 @@ Requirements SubscriberCore::requirements() {
                               : recorded_requirements(type(), requested, *recorder_);
 }
 
+std::uint64_t SubscriberCore::held_too_many() {
+  const std::scoped_lock lock(mutex_);
+  return sum_of_held_too_many();
+}
+
+/// With the mutex held.
+std::uint64_t SubscriberCore::sum_of_held_too_many() const {
+  std::uint64_t sum = held_too_many_before_;
+  for (const Inlet& inlet : inlets_) sum += inlet.port == nullptr ? 0 : inlet.port->held_too_many();
+  return sum;
+}
+
 SubscriberStatus SubscriberCore::status() {
   const std::scoped_lock lock(mutex_);
   SubscriberStatus status{.received = gone_.received,
@@ -406,6 +481,7 @@ SubscriberStatus SubscriberCore::status() {
                           .withheld = gone_.withheld,
                           .expired = gone_.expired,
                           .discarded = discarded_before_,
+                          .held_too_many = sum_of_held_too_many(),
                           .mask = requested_,
                           .max_rate_hz = min_period_us_ == 0 ? 0 : 1e6 / min_period_us_,
                           .requests = requests_,

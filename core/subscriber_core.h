@@ -45,6 +45,9 @@ class SubscriberCore final : public ArrivalListener {
     std::shared_ptr<BufferPool>
         as_remote{};  ///< not null: what comes in shared memory is copied to it, as asked for
     std::unique_ptr<PollHandle> poll_handle{};  ///< null: it has no file descriptor
+    /// How long a sample in shared memory waits for an earlier one that went by UDP: far longer than that
+    /// takes within a host. But it may be lost, and nobody should wait long for that.
+    std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(100);
   };
 
   /// `bell` is what is rung when samples arrive; `recorder` is null unless the requirement is recorded.
@@ -88,6 +91,8 @@ class SubscriberCore final : public ArrivalListener {
   EventSink& events() { return events_; }
 
   // The agent's.
+  /// Wakes who waits, if a sample was held back; called now and then, so that none is for long.
+  void look_again();
   void set_port(TransportKind kind, std::shared_ptr<ReaderPort> port);
   /// For status(): what is heard at present, and the mask and number of the request in force.
   void hears(const std::vector<Hearing>& hearing);
@@ -96,6 +101,7 @@ class SubscriberCore final : public ArrivalListener {
   bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
   /// Differs from what it was whenever samples of some writer were lost meanwhile.
   std::uint64_t losses() const { return losses_.load(std::memory_order_relaxed); }
+  std::uint64_t held_too_many();
   /// Differs from what it was whenever a sample of that writer has arrived meanwhile.
   std::uint64_t arrivals(EndpointId writer);
 
@@ -124,17 +130,26 @@ class SubscriberCore final : public ArrivalListener {
         asked;  ///< not null: it is to have no more than that, and not counted as received yet
   };
 
+  // Inlets: the ports, by TransportKind, and what was taken from shared memory out of turn.
+  static constexpr std::size_t out_of_turn = 2;
+
   enum class Caller : std::uint8_t { dispatcher, transport };
 
   void hear(const std::vector<Hearing>& hearing);
   bool fill_inlets();
+  Inlet* find_next();
   Numbered numbered(const Inlet& inlet) const;
-  bool find_next();
   void enter(Heard& from, const Numbered& sample);
   static bool is_expired(const Heard& from, const Numbered& sample);
   Inlet* oldest_inlet();
+  Inlet* next_inlet();
+  bool follows(const Inlet& inlet);
+  Inlet& in_turn(Inlet& udp);
+  bool waits(const Inlet& inlet);
+  TransportKind transport_of(const Inlet& inlet) const;
   Heard& heard(EndpointId writer);
   void forget_the_gone();
+  std::uint64_t sum_of_held_too_many() const;
   Next next();
   Next newest();
   template <class Choose>
@@ -155,11 +170,13 @@ class SubscriberCore final : public ArrivalListener {
   std::optional<RemoteCopy> remote_;  ///< of whoever takes, one at a time
   EventSink events_;
 
-  std::mutex mutex_;             // never held over a system call or a callback
-  std::array<Inlet, 2> inlets_;  // by TransportKind
+  std::mutex mutex_;  // never held over a system call or a callback
+  std::array<Inlet, 3> inlets_;
+  bool holds_back_ = false;  ///< a sample, since somebody looked for one
   std::vector<Heard> heard_;
-  Heard gone_;                            ///< sums of writers that were forgotten
-  std::uint64_t discarded_before_ = 0;    ///< by ports that are gone
+  Heard gone_;                          ///< sums of writers that were forgotten
+  std::uint64_t discarded_before_ = 0;  ///< by ports that are gone
+  std::uint64_t held_too_many_before_ = 0;
   std::atomic<std::uint64_t> losses_{0};  ///< written with the mutex held
   std::vector<WriterStatus> writers_;
   FieldMask requested_;

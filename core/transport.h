@@ -1,17 +1,18 @@
 // The seam between the core and the ways a sample can travel. Shared memory and UDP are each one Transport;
 // the core decides who is served by which (core/negotiation.h) and never asks which one it talks to.
 //
-// Threads. Everything is called from the node's agent thread except WriterPort::loan, begin, send, can_send
-// and miss (the publisher's thread), ReaderPort::take (any thread, one at a time), and what counts or
-// describes (bytes_sent, dropped, discarded, lost_unnoticed, description, counters) and, for UDP,
-// open_writer and open_reader (any thread); set_routes, connect, disconnect and accept may run at the
-// same time as these. Listeners are called from threads of the transport.
+// Threads. Everything is called from the node's agent thread except WriterPort::loan, begin, include_spares,
+// send, can_send and miss (the publisher's thread), ReaderPort::take and take_of (any thread, one at a time),
+// and what counts or describes (bytes_sent, dropped, discarded, held_too_many, lost_unnoticed, description,
+// counters) and, for UDP, open_writer and open_reader (any thread); set_routes, connect, disconnect and
+// accept may run at the same time as these. Listeners are called from threads of the transport.
 #pragma once
 
 #include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -67,6 +68,8 @@ struct Route {
   std::shared_ptr<const RateGate> gate{};  ///< which keeps that limit; null: every sample is for it
   /// Not 0: it is served apart from all others, from so many retained samples on.
   std::uint32_t history = 0;
+  /// It is served elsewhere, and by this only as WriterPort::include_spares() says.
+  bool spare = false;
   friend bool operator==(const Route&, const Route&) = default;
 };
 
@@ -107,6 +110,8 @@ class WriterPort {
     static_cast<void>(bytes);
     return {};
   }
+  /// No loan() of more can ever succeed: for telling why one did not.
+  virtual std::size_t largest_loan_bytes() const noexcept { return std::numeric_limits<std::size_t>::max(); }
 
   /// Sends an encoded sample to the routes in force whose gates it passes, as these say on this thread; see
   /// can_send() for where it may come from. The caller may still read the sample afterwards while it keeps a
@@ -118,7 +123,10 @@ class WriterPort {
   virtual void begin() noexcept {}
   /// The following samples are for nobody here, until begin() or send().
   virtual void rest() noexcept {}
-  /// The sample that the gates were asked about last could not be made: whom it was for misses it.
+  /// The sample that is sent next goes by spare routes, too: where it should have gone it could not.
+  virtual void include_spares() noexcept {}
+  /// The sample that the gates were asked about last could not be made: whom it was for misses it, but for
+  /// spare routes.
   virtual void miss() noexcept {}
 
   /// Where to count what becomes of samples, by the pages of DeliveryBook::Teller::network. Called at most
@@ -172,6 +180,8 @@ struct ReaderSpec {
   ArrivalListener* listener =
       nullptr;               ///< outlives the port; not called by shared memory, where doorbells ring
   DoorbellAddress doorbell;  ///< what writers in shared memory ring for this reader
+  /// Handles of one writer that may be out; take() gives no more of it then. For shared memory.
+  std::uint32_t max_held = 256;
 };
 
 /// How far a late reader is with what comes for it alone.
@@ -187,6 +197,11 @@ class ReaderPort {
 
   /// The oldest sample not yet taken, validated so far that every getter is safe; empty if there is none.
   virtual SampleHandle take() noexcept = 0;
+  /// The same, of that writer only. Where writers do not pass each other there is no need for it.
+  virtual SampleHandle take_of(EndpointId writer) noexcept {
+    static_cast<void>(writer);
+    return {};
+  }
 
   /// Begins to accept a writer's samples. In shared memory asks the daemon, with a deadline of its own.
   virtual Result<void> connect(const Source& source) = 0;
@@ -209,8 +224,11 @@ class ReaderPort {
   /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
   virtual std::uint64_t discarded() const noexcept = 0;
 
-  /// Of these, samples that no gap in the sequences of those taken shows: before the first of a writer, or
-  /// behind the last one of a writer that was disconnected.
+  /// Times that as many samples of a writer were held as may be, and the next one could not be taken.
+  virtual std::uint64_t held_too_many() const noexcept { return 0; }
+
+  /// Of those discarded, samples that no gap in the sequences of those taken shows: before the first of a
+  /// writer, or behind the last one of a writer that was disconnected.
   virtual std::uint64_t lost_unnoticed() const noexcept { return 0; }
 };
 

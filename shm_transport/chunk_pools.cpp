@@ -18,6 +18,11 @@ std::optional<ChunkPools::Choice> ChunkPools::choose(std::size_t bytes) const no
   return std::nullopt;
 }
 
+std::size_t ChunkPools::largest_bytes() const noexcept {
+  const std::uint32_t pools = pools_.getNumberOfMemPools();
+  return pools == 0 ? 0 : pools_.getMemPoolInfo(pools - 1).m_chunkSize - chunk_header_size;
+}
+
 void ChunkPools::note_empty(const Choice& choice) noexcept {
   const auto pool = pools_.getMemPoolInfo(choice.pool);
   if (pool.m_usedChunks >= pool.m_numChunks) return;  // others were faster

@@ -26,6 +26,9 @@ class ChunkPools {
   /// samples leaves the large chunks alone.
   std::optional<Choice> choose(std::size_t bytes) const noexcept;
 
+  /// What a chunk of the largest pool holds.
+  std::size_t largest_bytes() const noexcept;
+
   /// The chosen pool was empty after all. A process killed while it took a chunk leaves one that counts as
   /// free and is not; from now on this is reckoned with.
   void note_empty(const Choice& choice) noexcept;

@@ -75,7 +75,10 @@ ChunkSlot* ChunkBorrower::next_chunk() noexcept {
   const std::scoped_lock lock(mutex_);
   if (lost_ || (!open_ && arrived_ == 0)) return nullptr;
   if (slots_.empty()) {
-    if (port_.hasNewChunks()) statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
+    if (at_limit_ || !port_.hasNewChunks()) return nullptr;
+    at_limit_ = true;
+    held_too_many_.fetch_add(1, std::memory_order_relaxed);
+    statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
     return nullptr;
   }
   if (!open_) --arrived_;
@@ -108,6 +111,8 @@ bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
   buffer.writer = sample->writer;
   buffer.sequence = sample->sequence;
   buffer.source_stamp_ns = sample->source_stamp_ns;
+  buffer.diverted_sequence = sample->diverted_sequence;
+  buffer.diverted_stamp_ns = sample->diverted_stamp_ns;
   enter(sample->sequence);
   return true;
 }
@@ -151,6 +156,7 @@ void ChunkBorrower::recycle(SampleBuffer& buffer) noexcept {
   const std::scoped_lock lock(mutex_);
   if (!lost_) port_.releaseChunk(slot.chunk);
   slots_.give_back(slot);
+  at_limit_ = false;
 }
 
 void ChunkBorrower::close() noexcept {
@@ -206,6 +212,12 @@ SampleHandle ShmReaderPort::take() noexcept {
   return {};
 }
 
+SampleHandle ShmReaderPort::take_of(core::EndpointId writer) noexcept {
+  const std::scoped_lock lock(mutex_);
+  const auto found = std::ranges::find_if(writers_, [&](const auto& w) { return w->writer() == writer; });
+  return found == writers_.end() ? SampleHandle() : (*found)->take();
+}
+
 /// With the lock held, as the following.
 SampleHandle ShmReaderPort::take_what_was_left(Writers& drained) noexcept {
   SampleHandle sample;
@@ -233,6 +245,7 @@ ShmReaderPort::Writers ShmReaderPort::forget_drained() noexcept {
   });
   for (const auto& writer : drained) {
     discarded_before_ += writer->discarded();
+    held_too_many_before_ += writer->held_too_many();
     lost_unnoticed_ += writer->lost_unnoticed();
   }
   return drained;
@@ -242,8 +255,7 @@ Result<void> ShmReaderPort::connect(const core::Source& source) {
   if (find(source.writer) != nullptr) return {};
   auto port = session_->create_subscriber(source.writer, depth(), Clock::now() + options_.port_deadline);
   if (!port) return tl::unexpected(port.error());
-  auto writer =
-      ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_, options_.held_limit);
+  auto writer = ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_, max_held());
   const std::scoped_lock lock(mutex_);
   writers_.push_back(std::move(writer));
   return {};
@@ -276,6 +288,14 @@ std::uint64_t ShmReaderPort::discarded() const noexcept {
   std::uint64_t sum = discarded_before_;
   for (const auto& writer : writers_) sum += writer->discarded();
   for (const auto& writer : departed_) sum += writer->discarded();
+  return sum;
+}
+
+std::uint64_t ShmReaderPort::held_too_many() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  std::uint64_t sum = held_too_many_before_;
+  for (const auto& writer : writers_) sum += writer->held_too_many();
+  for (const auto& writer : departed_) sum += writer->held_too_many();
   return sum;
 }
 

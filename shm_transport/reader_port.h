@@ -38,6 +38,7 @@ class ChunkBorrower final : public core::BufferOwner,
   /// Changes whenever something has arrived.
   std::uint64_t arrivals() noexcept;
   std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
+  std::uint64_t held_too_many() const noexcept { return held_too_many_.load(std::memory_order_relaxed); }
 
   /// The oldest valid sample; malformed ones are counted and skipped. One thread at a time.
   core::SampleHandle take() noexcept;
@@ -66,6 +67,7 @@ class ChunkBorrower final : public core::BufferOwner,
   const TypeSupport& type_;
   const std::shared_ptr<Statistics> statistics_;
   std::atomic<std::uint64_t> discarded_{0};
+  std::atomic<std::uint64_t> held_too_many_{0};
 
   /// Of the thread that asks whether it is connected: the writer's port where it last was.
   const iox::popo::PublisherPortData* feeder_ = nullptr;
@@ -85,6 +87,7 @@ class ChunkBorrower final : public core::BufferOwner,
   std::uint64_t popped_ = 0;
   std::uint64_t overflows_ = 0;    ///< that arrivals() came to know of
   bool overflow_is_news_ = false;  ///< to the thread that takes
+  bool at_limit_ = false;          ///< as many are held as may be, which was counted
   iox::popo::SubscriberPortData& data_;
   iox::popo::SubscriberPortUser port_;
   ChunkSlots slots_;
@@ -97,17 +100,20 @@ class ShmReaderPort final : public core::ReaderPort {
   ~ShmReaderPort() override;
 
   core::SampleHandle take() noexcept override;
+  core::SampleHandle take_of(core::EndpointId writer) noexcept override;
   Result<void> connect(const core::Source& source) override;
   bool connected(core::EndpointId writer) const noexcept override;
   std::uint64_t arrivals(core::EndpointId writer) noexcept override;
   void disconnect(core::EndpointId writer) noexcept override;
   void accept(std::vector<core::Wanted>) override {}  // there is one variant in shared memory: all of it
   std::uint64_t discarded() const noexcept override;
+  std::uint64_t held_too_many() const noexcept override;
   std::uint64_t lost_unnoticed() const noexcept override;
 
  private:
   using Writers = std::vector<std::shared_ptr<ChunkBorrower>>;
   std::shared_ptr<ChunkBorrower> find(core::EndpointId writer) const noexcept;
+  std::uint32_t max_held() const noexcept { return std::clamp(spec_.max_held, 1U, options_.held_limit); }
   std::uint32_t depth() const noexcept { return std::clamp(spec_.depth, 1U, options_.queue_limit); }
   core::SampleHandle take_what_was_left(Writers& drained) noexcept;
   void drop_excess() noexcept;
@@ -124,6 +130,7 @@ class ShmReaderPort final : public core::ReaderPort {
   std::size_t next_writer_ = 0;
   // Of writers that it has let go of.
   std::uint64_t discarded_before_ = 0;
+  std::uint64_t held_too_many_before_ = 0;
   std::uint64_t lost_unnoticed_ = 0;
 };
 

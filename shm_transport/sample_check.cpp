@@ -20,8 +20,9 @@ std::optional<CheckedSample> check_sample(const std::byte* data, std::size_t siz
     const std::uint32_t offset = __atomic_load_n(index + slot, __ATOMIC_RELAXED);
     if (offset >= header.body_bytes && offset != no_offset) return std::nullopt;
   }
-  return CheckedSample{body_offset + header.body_bytes, header.writer, header.sequence,
-                       header.source_stamp_ns};
+  return CheckedSample{
+      body_offset + header.body_bytes, header.writer,           header.sequence, header.source_stamp_ns,
+      header.diverted_sequence,        header.diverted_stamp_ns};
 }
 
 }  // namespace sft::shm

@@ -17,6 +17,8 @@ struct CheckedSample {
   core::EndpointId writer = 0;
   std::uint64_t sequence = 0;
   std::int64_t source_stamp_ns = 0;
+  std::uint64_t diverted_sequence = 0;
+  std::int64_t diverted_stamp_ns = 0;
 };
 
 /// Reads the header once and the index once; the body not at all. `data` is 8-aligned, `size` bytes are

@@ -37,6 +37,7 @@ ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherP
                          iox::popo::SubscriberPortData& keeper, const TypeSupport& type,
                          std::uint32_t held_limit)
     : full_mask_(type.full()),
+      largest_bytes_(session->pools(*publisher.m_chunkSenderData.m_memoryMgr).largest_bytes()),
       session_(std::move(session)),
       publisher_(publisher),
       port_(&publisher),

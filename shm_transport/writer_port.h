@@ -40,6 +40,8 @@ class ChunkLender final : public core::BufferOwner,
 
   /// A chunk with a fresh header; empty if there is none, or none so large. Any thread.
   core::SampleHandle lend(std::size_t bytes) noexcept;
+  /// What the largest chunk holds. Any thread.
+  std::size_t largest_bytes() const noexcept { return largest_bytes_; }
 
   enum class Commit { done, busy, lost };
   /// Hands a lent sample to all subscribed readers, or to none. `busy`: the daemon holds the port's lock,
@@ -61,6 +63,7 @@ class ChunkLender final : public core::BufferOwner,
   std::shared_ptr<Session> let_go() noexcept;
 
   const FieldMask full_mask_;
+  const std::size_t largest_bytes_;
 
   mutable std::mutex mutex_;  // guards what follows; never held over a system call
   bool lost_ = false;
@@ -79,6 +82,7 @@ class ShmWriterPort final : public core::WriterPort {
       : chunks_(std::move(chunks)), pages_(std::move(pages)), statistics_(std::move(statistics)) {}
 
   core::SampleHandle loan(std::size_t bytes) noexcept override;
+  std::size_t largest_loan_bytes() const noexcept override { return chunks_->largest_bytes(); }
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
   bool can_send(const core::SampleBuffer& sample) const noexcept override {
     return chunks_->has_lent(sample);

@@ -27,6 +27,7 @@ class FanOut final : public LeftWork {
     core::SampleHandle sample;
     std::shared_ptr<const RouteTable> routes;
     std::size_t first = 0;  ///< of the groups that are left, those without a gate
+    std::size_t end = 0;
   };
 
   // The publisher's thread.
@@ -51,7 +52,7 @@ class FanOut final : public LeftWork {
   std::vector<Rest>::iterator surplus_before(const Rest& newcomer) noexcept;
   std::optional<Rest> take() noexcept;
   static std::span<const Group> of(const Rest& rest) {
-    return std::span(rest.routes->groups).subspan(rest.first);
+    return std::span(rest.routes->groups).subspan(rest.first, rest.end - rest.first);
   }
   static void count_dropped(const Rest& rest) noexcept;
 

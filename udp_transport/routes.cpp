@@ -24,6 +24,7 @@ std::shared_ptr<const WireMask> make_wire_mask(const FieldMask& mask, std::uint1
 struct Gathered {
   core::Wanted wanted;
   core::EndpointId late_reader;
+  bool spare;
   std::shared_ptr<const core::RateGate> gate;
   std::vector<std::shared_ptr<Destination>> destinations;
   std::vector<std::pair<core::EndpointId, const Destination*>> readers;
@@ -38,24 +39,41 @@ std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDir
     const core::Wanted wanted{route.mask, route.gate == nullptr ? 0 : route.gate->min_period_us()};
     const core::EndpointId late_reader = route.history == 0 ? 0 : route.reader;
     auto group = std::find_if(groups.begin(), groups.end(), [&](const Gathered& g) {
-      return g.wanted == wanted && g.late_reader == late_reader;
+      return g.wanted == wanted && g.late_reader == late_reader && g.spare == route.spare;
     });
-    if (group == groups.end()) group = groups.insert(groups.end(), {wanted, late_reader, route.gate, {}, {}});
+    if (group == groups.end())
+      group = groups.insert(groups.end(), {wanted, late_reader, route.spare, route.gate, {}, {}});
     auto destination = directory.find(*address);
     group->readers.emplace_back(route.reader, destination.get());
     auto& known = group->destinations;
     if (std::find(known.begin(), known.end(), destination) == known.end())
       known.push_back(std::move(destination));
   }
+  std::stable_partition(groups.begin(), groups.end(), [](const Gathered& group) { return !group.spare; });
   return groups;
 }
 
+/// What a gate withholds from those on spare routes is counted where they are served.
 void write_page(const Gathered& gathered, const Group& group, core::DeliveryBook::Page& page) {
   for (const auto& [reader, destination] : gathered.readers) {
     const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };
     const auto lane = std::find_if(group.lanes.begin(), group.lanes.end(), leads_there);
-    page.push_back({reader, {.tally = group.tally, .losses = (*lane)->losses(), .gate = group.gate}});
+    page.push_back({reader,
+                    {.tally = group.tally,
+                     .losses = (*lane)->losses(),
+                     .gate = group.spare ? nullptr : group.gate,
+                     .diverted = group.spare}});
   }
+}
+
+/// Whether what is sent to a spare group goes that way for others as well: readers in one process share a
+/// socket.
+bool is_reached_anyway(const RouteTable& table, const Group& spare, const Lane& lane) {
+  return std::any_of(table.groups.begin(), table.groups.end(), [&](const Group& group) {
+    return &group != &spare && group.wire == spare.wire &&
+           std::any_of(group.lanes.begin(), group.lanes.end(),
+                       [&](const auto& other) { return other.get() == &lane; });
+  });
 }
 
 }  // namespace
@@ -150,6 +168,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
     Group& group = table->groups.emplace_back(Group{ProjectionPlan(type, std::move(gathered.wanted.mask)),
                                                     std::move(gathered.gate),
                                                     gathered.late_reader,
+                                                    gathered.spare,
                                                     variant.wire,
                                                     {}});
     for (const std::shared_ptr<Destination>& destination : gathered.destinations) {
@@ -158,6 +177,11 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
     }
     if (gathered.late_reader != 0) late_readers.insert(gathered.late_reader);
     write_page(gathered, group, table->page);
+    if (gathered.spare) {
+      std::erase_if(group.lanes, [&](const auto& lane) { return is_reached_anyway(*table, group, *lane); });
+    } else {
+      table->usual = table->groups.size();
+    }
   }
   variants.keep_lanes_to(served, late_readers);
   return table;

@@ -21,6 +21,7 @@ struct Group {
   ProjectionPlan plan;
   std::shared_ptr<const core::RateGate> gate;  ///< null: every sample is for them
   core::EndpointId late_reader = 0;            ///< 0: it serves others
+  bool spare = false;                          ///< only for samples that are meant for spare routes, too
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
   std::shared_ptr<core::DeliveryTally> tally = std::make_shared<core::DeliveryTally>();
@@ -31,9 +32,15 @@ struct Group {
 
 /// Immutable: a change of routes makes another one.
 struct RouteTable {
-  std::vector<Group> groups;
+  std::vector<Group> groups;      ///< spare ones last
   core::DeliveryBook::Page page;  ///< which tallies are whose
 
+  std::size_t usual = 0;  ///< groups that are not spare
+
+  /// Whom a sample may be for.
+  std::span<const Group> reached(bool with_spares) const {
+    return std::span(groups).first(with_spares ? groups.size() : usual);
+  }
   /// The group of a late reader; null if there is none.
   const Group* of_late_reader(core::EndpointId reader) const;
 };

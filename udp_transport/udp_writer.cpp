@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 namespace sft::udp {
@@ -86,11 +87,11 @@ const RouteTable& UdpWriter::routes_of_sample() noexcept {
 }
 
 core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
+  const std::span<const Group> groups = routes_of_sample().reached(std::exchange(with_spares_, false));
   if (side_->sender.stopped()) {
-    miss();
+    count_missed(groups);
     return core::SendStatus::lost_port;
   }
-  const std::vector<Group>& groups = routes_of_sample().groups;
   std::size_t missed = 0;
   std::size_t own = left_->done() ? own_variants_max(*sample) : 0;  // nothing overtakes what was left before
   std::size_t first_left = 0;
@@ -104,23 +105,27 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
       --own;
     }
   }
-  const bool left = leave(sample, first_left);
+  const bool left = leave(sample, first_left, groups.size());
   return missed == 0 && left ? core::SendStatus::sent : core::SendStatus::dropped;
 }
 
 void UdpWriter::miss() noexcept {
-  for (const Group& group : routes_of_sample().groups) {
+  with_spares_ = false;
+  count_missed(routes_of_sample().reached(false));
+}
+
+void UdpWriter::count_missed(std::span<const Group> groups) noexcept {
+  for (const Group& group : groups) {
     if (group.wants_sample()) group.tally->dropped();
   }
 }
 
 /// To the sending thread: what is without a maximum rate, from that group on. False if an older sample had to
 /// go for it.
-bool UdpWriter::leave(const core::SampleHandle& sample, std::size_t first) noexcept {
-  const std::vector<Group>& groups = routes_.loaded()->groups;
-  const auto rest = groups.begin() + static_cast<std::ptrdiff_t>(first);
-  if (std::all_of(rest, groups.end(), [](const Group& group) { return group.gate != nullptr; })) return true;
-  const FanOut::Posted posted = left_->post({sample, routes_.loaded(), first});
+bool UdpWriter::leave(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept {
+  const auto rest = std::span(routes_.loaded()->groups).subspan(first, end - first);
+  if (std::ranges::all_of(rest, [](const Group& group) { return group.gate != nullptr; })) return true;
+  const FanOut::Posted posted = left_->post({sample, routes_.loaded(), first, end});
   if (posted.was_idle) side_->sender.schedule(left_);
   if (posted.dropped_oldest) side_->over_limit.fetch_add(1, std::memory_order_relaxed);
   return !posted.dropped_oldest;

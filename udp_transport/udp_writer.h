@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/snapshot.h"
@@ -24,6 +25,7 @@ class UdpWriter final : public core::WriterPort {
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
   void begin() noexcept override;
   void rest() noexcept override;
+  void include_spares() noexcept override { with_spares_ = true; }
   void miss() noexcept override;
   void count_in(std::shared_ptr<core::DeliveryBook> book) override { book_ = std::move(book); }
   void set_routes(std::vector<core::Route> routes) override;
@@ -33,8 +35,9 @@ class UdpWriter final : public core::WriterPort {
   std::uint64_t dropped() const noexcept override;
 
  private:
-  bool leave(const core::SampleHandle& sample, std::size_t first) noexcept;
+  bool leave(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept;
   const RouteTable& routes_of_sample() noexcept;
+  static void count_missed(std::span<const Group> groups) noexcept;
   void turn_to(const RouteTable& routes) noexcept;
 
   const TypeSupport& type_;
@@ -50,6 +53,7 @@ class UdpWriter final : public core::WriterPort {
   const RouteTable nobody_;
   const RouteTable* in_use_ = &nobody_;           ///< of the last sample; whose page is open
   bool begun_ = false;                            ///< they are those of the present one
+  bool with_spares_ = false;                      ///< of these, too, is the present one
   core::DeliveryBook::LateCounts late_counts_{};  ///< of what was left on the page before
   VariantSender sender_;
   const std::shared_ptr<FanOut> left_;

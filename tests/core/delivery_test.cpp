@@ -90,6 +90,20 @@ TEST_F(DeliveryTest, WhatAQueueLosesWasNotSent) {
   EXPECT_EQ(book.of(neighbour).sent, 3U);
 }
 
+TEST_F(DeliveryTest, WhatWentByASpareRouteIsToldApart) {
+  const Tally usual = tally(), spare = tally();
+  book.enter({{reader, {}}});
+  book.turn_to(DeliveryBook::Teller::publisher, {{reader, {.tally = usual}}});
+  book.turn_to(DeliveryBook::Teller::network, {{reader, {.tally = spare, .diverted = true}}});
+  usual->sent(0, 0);
+  spare->sent(10, 15);
+  spare->sent(10, 15);
+  EXPECT_EQ(book.of(reader), (Delivered{.sent = 3, .diverted = 2, .bytes = 20, .bytes_saved = 10}));
+  book.turn_to(DeliveryBook::Teller::network, {}, DeliveryBook::LateCounts::to_come);
+  spare->sent(10, 15);
+  EXPECT_EQ(book.of(reader).diverted, 3U);
+}
+
 TEST_F(DeliveryTest, WhatWasLostOfOthersThatWereThereBeforeIsNotCounted) {
   const Tally group = tally();
   const auto queue = std::make_shared<LossTally>();

@@ -56,6 +56,22 @@ TEST(EventsTest, NothingHappensBetweenEqualStates) {
   EXPECT_THAT(between(hearing(writer(true)), hearing(writer(true))), IsEmpty());
 }
 
+TEST(EventsTest, SamplesThatSharedMemoryDoesNotTakeAreToldOfByReason) {
+  PublisherStatus before, after;
+  before.diverted = {.exhausted = 3, .too_large = 1};
+  after.diverted = {.exhausted = 5, .too_large = 1, .unavailable = 1};
+  const std::vector<Event> events = between(before, after);
+  EXPECT_THAT(kinds(events), ElementsAre(EventKind::samples_diverted, EventKind::samples_diverted));
+  EXPECT_EQ(events[0].count, 2U);
+  EXPECT_NE(events[0].text, events[1].text);
+}
+
+TEST(EventsTest, ASubscriberIsToldThatItHoldsTooMany) {
+  SubscriberStatus after;
+  after.held_too_many = 1;
+  EXPECT_THAT(kinds(between(SubscriberStatus{}, after)), ElementsAre(EventKind::held_too_many));
+}
+
 TEST(EventsTest, APeerIsMatchedWhenItIsServedAndNotBefore) {
   EXPECT_THAT(between(PublisherStatus{}, serving(reader(false))), IsEmpty());
   const auto events = between(serving(reader(false)), serving(reader(true)));

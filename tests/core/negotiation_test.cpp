@@ -213,6 +213,22 @@ TEST_F(NegotiationTest, AReaderThatSharesMemoryIsServedByUdpUntilItIsAttachedAnd
   EXPECT_EQ(serving.readers[0].reason, "same host");
 }
 
+TEST_F(NegotiationTest, AnAttachedReaderThatListensByUdpTooGetsThereWhatSharedMemoryDoesNotTake) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));
+  negotiation.request_received(request(7, 2, F::height, {100}));
+  const Serving serving = negotiation.serving(100);
+  ASSERT_EQ(serving.spare.size(), 1U);
+  EXPECT_TRUE(serving.spare[0].spare);
+  EXPECT_EQ(serving.spare[0].mask, FieldMask(F::height));
+  EXPECT_TRUE(std::holds_alternative<UdpAddress>(serving.spare[0].destination));
+  Request deaf = request(7, 3, F::height, {100});
+  deaf.listening.clear();
+  negotiation.request_received(deaf);
+  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
+  EXPECT_TRUE(negotiation.serving(100).spare.empty());
+}
+
 TEST_F(NegotiationTest, WhenTheMemoryIsLostItsReadersAreServedByUdpAgain) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));

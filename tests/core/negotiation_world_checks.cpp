@@ -47,7 +47,8 @@ void NegotiationWorld::check_serving(const Node& node, const Writer& writer) {
     const Endpoint& own = *node.negotiation.local(id);
     routes += check_route(node, writer, own, own.request.sequence);
   }
-  if (routes != writer.wanted.shm.size() + writer.wanted.udp.size()) {
+  if (routes != writer.wanted.shm.size() + writer.wanted.udp.size() ||
+      writer.wanted.spare.size() > writer.wanted.shm.size()) {
     fail("a reader is served that is not there, or twice");
   }
 }
@@ -68,13 +69,16 @@ std::size_t NegotiationWorld::check_route(const Node& node, const Writer& writer
   const bool udp = matches && !shm && network && holds(asked.request.listening, w);
   const Route* by_shm = route_to(writer.wanted.shm, reader.id);
   const Route* by_udp = route_to(writer.wanted.udp, reader.id);
+  const Route* spare = route_to(writer.wanted.spare, reader.id);
+  if ((spare != nullptr) != (shm && network && holds(asked.request.listening, w)))
+    fail("by UDP what shared memory does not take: unasked, or not");
   if ((by_shm != nullptr) != shm) fail("in shared memory: served unasked, or not served");
   if ((by_udp != nullptr) != udp) fail("by UDP: served unasked, or not served");
-  for (const Route* route : {by_shm, by_udp}) {
+  for (const Route* route : {by_shm, by_udp, spare}) {
     if (route == nullptr) continue;
     if (!(route->mask == asked.mask)) fail("not the newest mask that the reader asked for");
     if (route->min_period_us != asked.request.min_period_us) fail("not the newest rate that it asked for");
-    if (route->history != (udp ? owed : 0)) fail("not what it is owed of the history");
+    if (route->history != (route == by_udp ? owed : 0)) fail("not what it is owed of the history");
   }
   return shm || udp ? 1 : 0;
 }

@@ -13,6 +13,7 @@
 #include "core/publisher_core.h"
 #include "core/subscriber_core.h"
 #include "queue_port.h"
+#include "tests/support/eventually.h"
 #include "tests/support/test_seed.h"
 
 namespace sft::core {
@@ -29,9 +30,17 @@ class PathWriter final : public WriterPort {
   PathWriter(TransportKind kind, std::shared_ptr<BufferPool> pool, std::function<void()> between)
       : by_datagrams_(kind == TransportKind::udp), pool_(std::move(pool)), between_(std::move(between)) {}
 
-  SampleHandle loan(std::size_t bytes) noexcept override { return pool_->take(bytes); }
+  SampleHandle loan(std::size_t bytes) noexcept override {
+    return refuses ? SampleHandle() : pool_->take(bytes);
+  }
+  bool can_send(const SampleBuffer& sample) const noexcept override {
+    return by_datagrams_ || sample.owner == pool_;
+  }
+  void include_spares() noexcept override { with_spares_ = true; }
   SendStatus send(const SampleHandle& sample) noexcept override {
+    const bool with_spares = std::exchange(with_spares_, false);
     for (const Route& route : routes_) {
+      if (route.spare && !with_spares) continue;
       if (!sample->mask.contains(route.mask)) ++uncovered;
       if (by_datagrams_ && route.gate != nullptr && !route.gate->passes()) continue;
       if (by_datagrams_) mark(*sample, route);
@@ -47,7 +56,8 @@ class PathWriter final : public WriterPort {
   std::uint64_t bytes_sent() const noexcept override { return 0; }
 
   std::deque<SampleHandle> sent;
-  int uncovered = 0;  ///< routes that asked for more than the sample had
+  bool refuses = false;  ///< to lend
+  int uncovered = 0;     ///< routes that asked for more than the sample had
 
  private:
   static void mark(SampleBuffer& sample, const Route& route) {
@@ -60,11 +70,13 @@ class PathWriter final : public WriterPort {
   std::shared_ptr<BufferPool> pool_;
   std::function<void()> between_;
   std::vector<Route> routes_;
+  bool with_spares_ = false;
 };
 
 class PathSwitch : public test::RandomTest {
  protected:
-  PathSwitch() {
+  explicit PathSwitch(std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(1))
+      : patience(diverted_patience) {
     subscriber.set_port(TransportKind::shm, shm_reader);
     subscriber.set_port(TransportKind::udp, udp_reader);
   }
@@ -73,12 +85,19 @@ class PathSwitch : public test::RandomTest {
 
   void publish() {
     const PointCloud2 value{};
+    shm_writer->refuses = below(100) < refused_percent;
     publisher.publish(&value);
     ++published;
   }
 
   /// What the reader asks for may come late.
   std::uint32_t asked_period_us() { return periods_us[below(periods_us.size())]; }
+
+  static Route spare(Route route) {
+    route.destination = UdpAddress{};
+    route.spare = true;
+    return route;
+  }
 
   /// Any serving of the reader and of a neighbour whose mask is another.
   void serve() {
@@ -87,6 +106,7 @@ class PathSwitch : public test::RandomTest {
       const FieldMask mask = type.closed(FieldMask::from_words(type.leaves(), {{random()}}));
       const std::size_t path = below(3);
       if (path == 0) serving.shm.push_back({id, DoorbellAddress{}, mask, asked_period_us()});
+      if (path == 0 && below(2) == 0) serving.spare.push_back(spare(serving.shm.back()));
       if (path == 1) serving.udp.push_back({id, UdpAddress{}, mask, asked_period_us()});
     }
     publisher.serve(serving, shm_writer);
@@ -120,6 +140,11 @@ class PathSwitch : public test::RandomTest {
     }
   }
 
+  /// Whatever is under way.
+  static void deliver_all_of(PathWriter& writer, QueuePort& reader) {
+    for (; !writer.sent.empty(); writer.sent.pop_front()) reader.samples.push_back(writer.sent.front());
+  }
+
   void run() {
     for (int step = 0; step < 100'000; ++step) {
       const std::size_t what = below(8);
@@ -133,6 +158,8 @@ class PathSwitch : public test::RandomTest {
   }
 
   std::vector<std::uint32_t> periods_us{0};
+  std::size_t refused_percent = 0;
+  const std::chrono::nanoseconds patience;
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 22);
@@ -142,7 +169,7 @@ class PathSwitch : public test::RandomTest {
   const std::shared_ptr<PathWriter> udp_writer =
       std::make_shared<PathWriter>(TransportKind::udp, pool, between);
   const std::shared_ptr<PathWriter> shm_writer =
-      std::make_shared<PathWriter>(TransportKind::shm, pool, between);
+      std::make_shared<PathWriter>(TransportKind::shm, BufferPool::make(1 << 22), between);
   const std::shared_ptr<QueuePort> udp_reader = std::make_shared<QueuePort>();
   const std::shared_ptr<QueuePort> shm_reader = std::make_shared<QueuePort>();
   PublisherCore publisher{{9, "points", &type, 1 << 16}, pool, udp_writer};
@@ -152,7 +179,9 @@ class PathSwitch : public test::RandomTest {
                              .requirement = {type.full(), false},
                              .options = {},
                              .callback = nullptr,
-                             .rate_changed = [] {}},
+                             .rate_changed = [] {},
+                             .as_remote = nullptr,
+                             .diverted_patience = patience},
                             bells->at(1),
                             nullptr};
   std::uint64_t published = 0;
@@ -167,6 +196,57 @@ TEST_F(PathSwitch, LosesNothingUncountedTakesNothingTwiceAndAsksForNothingThatIs
   EXPECT_EQ(status.received + status.lost, last - first + 1);
   EXPECT_EQ(publisher.status().published, published);
   EXPECT_EQ(shm_writer->uncovered + udp_writer->uncovered, 0);
+}
+
+TEST_F(PathSwitch, WhatSharedMemoryRefusesIsLostTakenOnceOrCountedAsWell) {
+  refused_percent = 30;
+  run();
+  shm_writer->refuses = false;
+  EXPECT_TRUE(test::eventually([&] {  // what waited for datagrams that were lost
+    take();
+    return shm_reader->samples.empty() && udp_reader->samples.empty() && !subscriber.available();
+  }));
+  const SubscriberStatus status = subscriber.status();
+  EXPECT_GT(status.received, 1000U);
+  EXPECT_EQ(status.received + status.lost, last - first + 1);
+  EXPECT_EQ(shm_writer->uncovered + udp_writer->uncovered, 0);
+}
+
+class PatientPathSwitch : public PathSwitch {
+ protected:
+  PatientPathSwitch() : PathSwitch(std::chrono::hours(1)) {
+    Serving serving;
+    serving.shm = {{reader_id, DoorbellAddress{}, type.full()}};
+    serving.spare = {spare(serving.shm.front())};
+    publisher.serve(serving, shm_writer);
+  }
+};
+
+// In shared memory a sample is there once it is published; datagrams are under way for a while.
+TEST_F(PatientPathSwitch, WhatSharedMemoryRefusesComesByUdpInItsPlaceHoweverLate) {
+  refused_percent = 30;
+  for (int step = 0; step < 100'000; ++step) {
+    const std::size_t what = below(4);
+    if (what == 0) publish();
+    if (what == 1) take();
+    if (what == 2) deliver_all_of(*shm_writer, *shm_reader);
+    auto& under_way = udp_writer->sent;
+    if (what != 3 || under_way.empty()) continue;
+    deliver_all_of(*shm_writer, *shm_reader);
+    udp_reader->samples.push_back(under_way.front());
+    under_way.pop_front();
+  }
+  deliver_all_of(*shm_writer, *shm_reader);
+  deliver_all_of(*udp_writer, *udp_reader);
+  take();
+  const SubscriberStatus status = subscriber.status();
+  EXPECT_EQ(last, published);
+  EXPECT_EQ(status.received, last - first + 1);
+  EXPECT_EQ(status.lost, 0U);
+  const PublisherStatus sent = publisher.status();
+  EXPECT_EQ(sent.dropped, 0U);
+  EXPECT_GT(sent.diverted.exhausted, 1000U);
+  EXPECT_EQ(sent.diverted.exhausted, sent.diverted.total());
 }
 
 TEST_F(PathSwitch, FromUdpToSharedMemoryNoSampleFallsBetweenThePorts) {

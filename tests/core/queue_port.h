@@ -1,6 +1,7 @@
 // Readers' ports that hand out what the test put into them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <mutex>
@@ -18,6 +19,14 @@ class QueuePort final : public ReaderPort {
     SampleHandle first = std::move(samples.front());
     samples.pop_front();
     return first;
+  }
+  SampleHandle take_of(EndpointId writer) noexcept override {
+    const auto first = std::find_if(samples.begin(), samples.end(),
+                                    [&](const SampleHandle& sample) { return sample->writer == writer; });
+    if (first == samples.end()) return {};
+    SampleHandle sample = std::move(*first);
+    samples.erase(first);
+    return sample;
   }
   Result<void> connect(const Source&) override { return {}; }
   bool connected(EndpointId) const noexcept override { return true; }

@@ -44,6 +44,13 @@ class SubscriberCoreTest : public ::testing::Test {
     port.samples.push_back(std::move(sample));
   }
 
+  /// Through shared memory, after one that went by UDP.
+  void arrives_after_diverted(std::uint64_t sequence, std::uint64_t diverted, std::int64_t diverted_at_ns) {
+    arrives(*shm, sequence);
+    shm->samples.back()->diverted_sequence = diverted;
+    shm->samples.back()->diverted_stamp_ns = diverted_at_ns;
+  }
+
   std::vector<std::uint64_t> taken() {
     std::vector<std::uint64_t> sequences;
     while (const untyped::Sample sample = subscriber->take()) sequences.push_back(sample.info().sequence);
@@ -64,6 +71,47 @@ TEST_F(SubscriberCoreTest, SamplesOfBothPathsComeInTheOrderOfTheirWriter) {
   arrives(*shm, 2);
   arrives(*udp, 3);
   EXPECT_EQ(taken(), (Sequences{1, 2, 3}));
+}
+
+TEST_F(SubscriberCoreTest, ASampleInSharedMemoryWaitsForOneBeforeItThatWentByUdp) {
+  arrives(*shm, 1);
+  arrives_after_diverted(3, 2, realtime_ns());
+  EXPECT_EQ(taken(), (Sequences{1}));
+  EXPECT_FALSE(subscriber->available());
+  arrives(*udp, 7, 8);  // of another writer
+  EXPECT_EQ(taken(), (Sequences{7}));
+  arrives(*udp, 2);
+  EXPECT_EQ(taken(), (Sequences{2, 3}));
+  EXPECT_EQ(subscriber->status().lost, 0U);
+}
+
+TEST_F(SubscriberCoreTest, WhatDoesNotComeByUdpIsNotWaitedForLong) {
+  const std::int64_t long_ago = realtime_ns() - 1'000'000'000;
+  const std::int64_t by_a_clock_that_was_set_back = realtime_ns() + 1'000'000'000'000;
+  arrives(*shm, 1);
+  arrives_after_diverted(3, 2, long_ago);
+  arrives_after_diverted(5, 4, by_a_clock_that_was_set_back);
+  EXPECT_EQ(taken(), (Sequences{1, 3, 5}));
+  EXPECT_EQ(subscriber->status().lost, 2U);
+}
+
+TEST_F(SubscriberCoreTest, OneThatWaitsInVainIsLookedAtAgain) {
+  arrives_after_diverted(2, 1, realtime_ns());
+  EXPECT_FALSE(subscriber->wait({}));
+  std::jthread agent([&](const std::stop_token& end) {
+    while (!end.stop_requested()) subscriber->look_again();
+  });
+  EXPECT_TRUE(subscriber->wait(std::chrono::seconds(10)));
+  EXPECT_EQ(taken(), (Sequences{2}));
+}
+
+TEST_F(SubscriberCoreTest, WhatItsWriterSentBeforeIsFoundInSharedMemoryBehindSamplesOfOthers) {
+  arrives(*shm, 1, 8, 100);
+  arrives(*shm, 1, 9, 5);
+  arrives(*shm, 2, 9, 6);
+  arrives(*udp, 3, 9, 7);
+  EXPECT_EQ(taken(), (Sequences{1, 2, 3, 1}));
+  EXPECT_EQ(subscriber->status().lost, 0U);
 }
 
 TEST_F(SubscriberCoreTest, WhatAPortLostUnseenIsCountedAlsoWhenThePortIsGone) {

@@ -35,6 +35,13 @@ void publish(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   for (;;) writer.send_frame(data);
 }
 
+/// The same, some thousand times a second.
+void publish_paced(Node& node, sft::core::EndpointId id, std::uint32_t data) {
+  Writer writer(node, id);
+  say("publishing");
+  for (;; usleep(200)) writer.send_frame(data);
+}
+
 /// Takes 16 chunks and keeps them: half on loan, half sent, as a history would.
 void hoard(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Writer writer(node, id);
@@ -141,6 +148,7 @@ void attend(Node&, sft::core::EndpointId, std::uint32_t) {
 int main(int argc, char** argv) {
   const std::map<std::string, void (*)(Node&, sft::core::EndpointId, std::uint32_t)> tasks{
       {"publish", publish},
+      {"publish-paced", publish_paced},
       {"hoard", hoard},
       {"subscribe", subscribe},
       {"count-faults", count_faults},

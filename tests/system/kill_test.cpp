@@ -16,6 +16,7 @@
 
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
+#include "tests/support/test_seed.h"
 
 namespace sft::test {
 namespace {
@@ -183,6 +184,55 @@ TEST_F(KillTest, WhenTheDaemonIsKilledSamplesGoOnByUdpAndThenThroughANewOne) {
   EXPECT_TRUE(hears_by(subscriber, TransportKind::shm));
   done = true;
   publishing.join();
+}
+
+// With the three above and what else kills daemons: 30.
+TEST_F(KillTest, OfTheDaemonAtRandomMomentsEachSampleIsTakenOnceOrCountedAndHeldOnesStayValid) {
+  SCOPED_TRACE(how_to_repeat());
+  Random random{test_seed()};
+  Node a = Node::open({.name = "a"}).value();
+  Node b = Node::open({.name = "b"}).value();
+  auto publisher = a.publisher<PointCloud2>("points").value();
+  auto subscriber = b.subscriber<PointCloud2, F::height>("points", {.depth = 256}).value();
+  std::atomic<bool> done{false};
+  std::atomic<int> failed{0};
+  std::thread publishing([&] {
+    for (std::uint32_t i = 1; !done; ++i) {
+      if (publisher.publish({.height = i}) == PublishStatus::no_memory) ++failed;
+      poll(nullptr, 0, 1);
+    }
+  });
+  Sample<PointCloud2, F::height> held;
+  std::uint64_t first = 0, last = 0;
+  const auto take_until = [&](TransportKind way) {
+    return eventually(
+        [&] {
+          subscriber.wait(10ms);
+          bool came = false;
+          while (auto sample = subscriber.take()) {
+            EXPECT_EQ(sample->height(), sample.info().sequence);
+            EXPECT_GT(sample.info().sequence, last);
+            if (first == 0) first = sample.info().sequence;
+            last = sample.info().sequence;
+            came |= sample.info().transport == way;
+            if (way == TransportKind::shm && sample.info().transport == way) held = std::move(sample);
+          }
+          return came;
+        },
+        30s);
+  };
+  for (int round = 0; round < 22; ++round) {
+    ASSERT_TRUE(take_until(TransportKind::shm)) << "round " << round;
+    const std::uint64_t sequence = held.info().sequence;
+    poll(nullptr, 0, static_cast<int>(random() % 40));
+    for (const pid_t daemon : daemons()) kill(daemon, SIGKILL);
+    ASSERT_TRUE(take_until(TransportKind::udp)) << "round " << round;
+    EXPECT_EQ(held->height(), sequence);
+  }
+  done = true;
+  publishing.join();
+  EXPECT_EQ(failed, 0);
+  EXPECT_EQ(subscriber.status().received + subscriber.status().lost, last - first + 1);
 }
 
 TEST_F(KillTest, AKilledNodeIsNoticedAndNoLongerServed) {

@@ -41,6 +41,22 @@ TEST_F(RoutesTest, GroupsReadersByMaskAndMaskReadersByAddress) {
   EXPECT_NE(t->groups[0].wire->variant, t->groups[1].wire->variant);
 }
 
+TEST_F(RoutesTest, SpareRoutesComeLastAndShareNumbersAndLanesWithOthers) {
+  const FieldMask data = fields<Image>("data");
+  core::Route spare = route(2, data), beside = route(1, data);
+  spare.spare = beside.spare = true;
+  beside.reader = 7;
+  const auto t = table({spare, beside, route(1, data)});
+  EXPECT_EQ(t->reached(false).size(), 1U);
+  ASSERT_EQ(t->reached(true).size(), 2U);
+  EXPECT_EQ(t->groups[1].wire, t->groups[0].wire);
+  // Who is behind a socket that the sample goes to anyway gets it there.
+  ASSERT_EQ(t->groups[1].lanes.size(), 1U);
+  EXPECT_NE(t->groups[1].lanes[0], t->groups[0].lanes[0]);
+  const auto after = table({route(2, data)});
+  EXPECT_EQ(after->groups[0].lanes[0], t->groups[1].lanes[0]);
+}
+
 TEST_F(RoutesTest, GroupsReadersByMaximumRateToo) {
   const auto slow = std::make_shared<const core::RateGate>(100'000);
   core::Route limited = route(1, fields<Image>("data"));

@@ -20,6 +20,8 @@ enum class EventKind : std::uint8_t {
   liveliness_lost,       ///< on a publisher, its own: `peer` is 0; on a subscriber, that of a publisher
   liveliness_recovered,  ///< likewise
   samples_lost,          ///< on subscribers
+  samples_diverted,      ///< on publishers: by UDP, since shared memory could not take them; `text`: why
+  held_too_many,  ///< on subscribers: as many samples as they may, and take() gives no more; `peer` is 0
   /// A subscriber asks for other fields or another rate, which `text` names; on the subscriber itself `peer`
   /// is 0.
   request_changed,
@@ -31,7 +33,7 @@ struct Event {
   std::uint64_t peer = 0;  ///< id of the subscriber or publisher at the other end; 0: concerns none
   std::string node{};      ///< and its node
   QosPolicy policy = QosPolicy::none;
-  std::uint64_t count = 1;  ///< of deadlines missed or samples lost since the last such event
+  std::uint64_t count = 1;  ///< of deadlines missed, samples lost or diverted since the last such event
   bool yet = false;         ///< of no_path: shared memory may still come up, here or there
   std::string text{};       ///< for people
   friend bool operator==(const Event&, const Event&) = default;

@@ -95,8 +95,9 @@ struct PublisherOptions {
   std::chrono::nanoseconds lifespan{0};
   Liveliness liveliness = Liveliness::automatic;
   std::chrono::nanoseconds liveliness_lease{0};  ///< promises a sign of life at least so often
-  /// Announced: readers set memory aside for no more. Shared memory carries samples of up to 16 MiB: a
-  /// publisher of larger ones, up to 32 MiB, uses UDP within the host as well.
+  /// Announced: readers set memory aside for no more. Up to 32 MiB, and 16 MiB without UDP. A sample that is
+  /// larger than the largest chunk of shared memory, 16 MiB unless the daemon was set up otherwise, goes by
+  /// UDP within the host, like one for which no chunk is free.
   std::size_t max_sample_bytes = 16 * 1024 * 1024;
   /// After readers came, left or changed what they ask for, and that is in force: all of them as they are
   /// now. (For what happened to each there is on_event.) On the node's agent thread: be short. Like any
@@ -132,6 +133,10 @@ struct SubscriberOptions {
   /// At most so many samples a second, evenly; 0: all. What is withheld for it is not sent, and is counted
   /// apart from what is lost. Subscriber::set_max_rate_hz() changes it.
   double max_rate_hz = 0;
+  /// Samples in shared memory that it may hold of one publisher at the same time, 2 to 256. While it holds as
+  /// many, take() gives no more of that publisher, whose next ones wait within `depth`; the subscriber is
+  /// told once each time (EventKind::held_too_many), and everybody else goes on.
+  std::uint32_t max_held = 256;
   /// How long wait() looks for a sample, and keeps a core busy with it, before it sleeps: one that comes
   /// within that time is had in a microsecond, without what it takes to wake a thread. By default about as
   /// long as that takes, so that looking never costs more than it could have saved. Threads that wait for the

@@ -15,12 +15,12 @@
 //   udp           state, refused {malformed, unknown, incomplete, over_limit}
 //   control       refused {malformed, ignored}
 //   publishers[]  id, topic, type, qos, fields (encoded at present), published, bytes_sent, bytes_saved,
-//                 dropped, deadlines_missed, alive, readers[]
+//                 dropped, diverted {exhausted, too_large, unavailable}, deadlines_missed, alive, readers[]
 //     readers[]   id, node, served, transport, reason, incompatible_type, incompatible_policy (null: none),
 //                 no_path, fields, max_rate_hz, request, published, sent, withheld, dropped, retained,
-//                 bytes_sent, bytes_saved
+//                 diverted, bytes_sent, bytes_saved
 //   subscribers[] id, topic, type, qos, fields (asked for), recorded, max_rate_hz, requests, received,
-//                 lost, withheld, expired, discarded, writers[]
+//                 lost, withheld, expired, discarded, held_too_many, writers[]
 //     writers[]   id, node, matched, connected, alive, transport, reason, incompatible_type,
 //                 incompatible_policy, no_path, received, lost, withheld, expired, deadlines_missed
 //   qos           reliability, durability, history_depth, deadline_ns, lifespan_ns, liveliness,
@@ -52,6 +52,7 @@ struct PublisherSnapshot {
   std::uint64_t bytes_sent = 0;
   std::uint64_t bytes_saved = 0;
   std::uint64_t dropped = 0;
+  Diverted diverted{};
   std::uint64_t deadlines_missed = 0;
   bool alive = true;
   std::vector<ReaderSnapshot> readers;
@@ -72,6 +73,7 @@ struct SubscriberSnapshot {
   std::uint64_t withheld = 0;
   std::uint64_t expired = 0;
   std::uint64_t discarded = 0;
+  std::uint64_t held_too_many = 0;
   std::vector<WriterStatus> writers;
 };
 

@@ -49,6 +49,7 @@ struct ReaderStatus {
   std::uint64_t withheld = 0;   ///< not sent to it for max_rate_hz
   std::uint64_t dropped = 0;    ///< a queue or the memory was full, or the system refused
   std::uint64_t retained = 0;   ///< older ones, sent first, of a durable publisher; not in the counts above
+  std::uint64_t diverted = 0;   ///< of `sent`: by UDP, since shared memory could not take them
 
   // Bytes over the network, loopback too, of the bodies of what was sent, without headers; in shared memory
   // nothing is sent and nothing counts as saved. Where several readers of a process ask for the same, what
@@ -60,6 +61,16 @@ struct ReaderStatus {
   friend bool operator==(const ReaderStatus&, const ReaderStatus&) = default;
 };
 
+/// Samples that shared memory could not take, by reason. They went by UDP to those of its readers that may
+/// use that; the others missed them.
+struct Diverted {
+  std::uint64_t exhausted = 0;  ///< no chunk of its size was free: readers, loans, the history hold them all
+  std::uint64_t too_large = 0;  ///< larger than the largest chunk
+  std::uint64_t unavailable = 0;  ///< the daemon was gone, which was about to be noticed, or held a lock
+  std::uint64_t total() const { return exhausted + too_large + unavailable; }
+  friend bool operator==(const Diverted&, const Diverted&) = default;
+};
+
 struct PublisherStatus {
   std::uint64_t published = 0;    ///< samples
   std::uint64_t bytes_sent = 0;   ///< bodies and SFT headers over the network, each datagram once
@@ -69,6 +80,7 @@ struct PublisherStatus {
   /// Samples that could not be handed to some transport; and those that UDP queued and then could not send,
   /// once for each address that missed one.
   std::uint64_t dropped = 0;
+  Diverted diverted{};
   FieldMask mask;                     ///< what is encoded of a sample at present
   std::vector<ReaderStatus> readers;  ///< all of the topic, served or not
 };
@@ -102,6 +114,8 @@ struct SubscriberStatus {
   /// That arrived and were thrown away: pushed out of a full queue, which counts as lost once a later one is
   /// taken, or malformed.
   std::uint64_t discarded = 0;
+  /// Times that it held SubscriberOptions::max_held samples of a publisher and could not take the next.
+  std::uint64_t held_too_many = 0;
   FieldMask mask;              ///< what is asked for at present
   double max_rate_hz = 0;      ///< likewise; 0: all samples
   std::uint64_t requests = 0;  ///< STRs sent

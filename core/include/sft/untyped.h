@@ -62,8 +62,8 @@ enum class ReservedMemory : std::uint8_t { zeroed, as_it_is };
 namespace untyped {
 
 /// One received sample: owns its place in shared memory or in a buffer until it is destroyed, on any thread.
-/// In shared memory a subscriber can hold 256 samples of one publisher: then take() gives no more of that one
-/// until one is destroyed, which does not wake wait().
+/// In shared memory a subscriber can hold SubscriberOptions::max_held samples of one publisher: then take()
+/// gives no more of that one until one is destroyed, which does not wake wait().
 class Sample {
  public:
   Sample() = default;
