@@ -5,83 +5,13 @@
 
 #include <algorithm>
 #include <random>
-#include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "sft/typesupport/type_description.h"
-#include "sft/typesupport/type_shape.h"
+#include "tests/core/negotiation_fixture.h"
 
 namespace sft::core {
 namespace {
 
-using sensor_msgs::msg::PointCloud2;
-using F = PointCloud2::Field;
 using namespace std::chrono_literals;
-
-constexpr std::uint64_t here = 1;
-constexpr std::uint64_t elsewhere = 2;
-
-HostToken token(std::uint8_t n) {
-  HostToken t;
-  t.bytes.fill(n);
-  return t;
-}
-
-std::vector<std::uint64_t> words(const Mask<PointCloud2>& mask) {
-  return {mask.words.begin(), mask.words.end()};
-}
-
-/// Another definition of PointCloud2, with a wider height.
-struct Taller {
-  std::vector<Member> members{TypeTable<PointCloud2>::members.begin(), TypeTable<PointCloud2>::members.end()};
-  StructType type = (members[1].kind = Kind::uint64, StructType("sensor_msgs::msg::PointCloud2", members));
-};
-
-class NegotiationTest : public ::testing::Test {
- protected:
-  NegotiationTest() { at_host(token(1)); }
-
-  void at_host(const HostToken& host) {
-    negotiation.self_changed({.host = host, .network = here, .shm_state = "off"});
-  }
-
-  Endpoint endpoint(Role role, EndpointId id, std::uint64_t network = elsewhere, std::uint8_t host = 2) {
-    Endpoint e;
-    e.id = id;
-    e.role = role;
-    e.topic = "points";
-    e.type_name = type.name();
-    e.type_hash = type.hash();
-    e.host = token(host);
-    e.network = network;
-    e.may_use_shm = e.may_use_udp = true;
-    e.addresses = {{0x0a000001, 7000, 1 << 20}};
-    e.doorbell = {id, 1};
-    e.max_sample_bytes = 1 << 20;
-    e.request = {.reader = id,
-                 .sequence = 1,
-                 .mask_words = words(F::height | F::width),
-                 .listening = {100},
-                 .attached = {},
-                 .begun = {}};
-    return e;
-  }
-
-  Request request(EndpointId reader, std::uint64_t sequence, const Mask<PointCloud2>& mask,
-                  std::vector<EndpointId> attached = {}) {
-    return {.reader = reader,
-            .sequence = sequence,
-            .mask_words = words(mask),
-            .listening = {100},
-            .attached = std::move(attached),
-            .begun = {}};
-  }
-
-  void our_writer() { negotiation.local_added(endpoint(Role::writer, 100), type); }
-  void our_reader() { negotiation.local_added(endpoint(Role::reader, 200), type); }
-
-  const TypeSupport type{TypeTable<PointCloud2>::type};
-  Negotiation negotiation;
-};
 
 TEST_F(NegotiationTest, AWriterWithoutReadersServesNobody) {
   our_writer();
@@ -111,18 +41,6 @@ TEST_F(NegotiationTest, NothingIsSentToAReaderBeforeItSaysThatItListens) {
   EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "the subscriber is not listening yet");
   negotiation.request_received(request(7, 2, F::data));
   EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
-}
-
-TEST_F(NegotiationTest, AWriterThatMayNotWriteSharedMemoryServesItsHostByUdpAndSaysWhy) {
-  negotiation.self_changed(
-      {.host = token(1), .network = here, .shm_state = "iceoryx", .may_write_shm = false});
-  our_writer();
-  our_reader();
-  negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));
-  EXPECT_FALSE(negotiation.serving(100).shm_port);
-  EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "this user may only read shared memory");
-  EXPECT_FALSE(negotiation.local(100)->host.known()) << "others would wait for it there";
-  EXPECT_TRUE(negotiation.local(200)->host.known());
 }
 
 TEST_F(NegotiationTest, AReaderIsReachedInANetworkThatWeAreInToo) {
@@ -240,17 +158,6 @@ TEST_F(NegotiationTest, WhenTheMemoryIsLostItsReadersAreServedByUdpAgain) {
   EXPECT_EQ(serving.readers[0].reason, "no shared memory: off");
 }
 
-TEST_F(NegotiationTest, AReaderThatRulesUdpOutIsNotServedBeforeItIsAttached) {
-  our_writer();
-  Endpoint reader = endpoint(Role::reader, 7, here, 1);
-  reader.may_use_udp = false;
-  negotiation.endpoint_seen(reader);
-  const Serving serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.udp.empty());
-  EXPECT_TRUE(serving.shm_port);
-  EXPECT_FALSE(serving.readers[0].served);
-}
-
 TEST_F(NegotiationTest, ALaterRequestReplacesTheMaskAndAReorderedOrRepeatedOneDoesNot) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
@@ -310,73 +217,6 @@ TEST_F(NegotiationTest, ALostReaderIsForgottenAfterAWhileAndADepartedOneAtOnce) 
   EXPECT_TRUE(negotiation.serving(100).readers.empty());
 }
 
-TEST_F(NegotiationTest, AnotherDefinitionOfTheTypeNeverMatchesAndSaysSo) {
-  our_writer();
-  Endpoint reader = endpoint(Role::reader, 7);
-  reader.type_hash ^= 1;
-  negotiation.endpoint_seen(reader);
-  const Serving serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.udp.empty());
-  EXPECT_EQ(serving.readers.at(0).reason, "two different definitions of type sensor_msgs::msg::PointCloud2");
-  ASSERT_NE(serving.readers.at(0).mismatch, nullptr);
-  EXPECT_EQ(serving.readers.at(0).mismatch->there, "") << "it did not describe its own";
-}
-
-TEST_F(NegotiationTest, BothSidesAreToldTheFirstDifferenceBetweenTwoDefinitionsAndBothInFull) {
-  const Taller other;
-  our_writer();
-  our_reader();
-  Endpoint reader = endpoint(Role::reader, 7);
-  Endpoint writer = endpoint(Role::writer, 8);
-  for (Endpoint* e : {&reader, &writer}) {
-    e->type_hash = structure_hash(other.type);
-    e->type_description = describe(other.type);
-    negotiation.endpoint_seen(*e);
-  }
-  const Serving serving = negotiation.serving(100);
-  const ReaderStatus& status = serving.readers.at(0);
-  EXPECT_EQ(
-      status.reason,
-      "two different definitions of type sensor_msgs::msg::PointCloud2: height: uint32 here, uint64 there");
-  ASSERT_NE(status.mismatch, nullptr);
-  EXPECT_EQ(status.mismatch->difference, "height: uint32 here, uint64 there");
-  EXPECT_EQ(status.mismatch->here, format_shape(type.type()));
-  EXPECT_EQ(status.mismatch->there, format_shape(other.type));
-  EXPECT_EQ(negotiation.serving(100), serving) << "nothing is new the second time";
-
-  const std::vector<Hearing> hearing = negotiation.hearing(200);
-  const WriterStatus& heard = hearing.at(0).status;
-  EXPECT_EQ(heard.id, 8U);
-  EXPECT_EQ(heard.reason, status.reason);
-  EXPECT_NE(heard.mismatch, nullptr);
-  EXPECT_EQ(hearing.at(1).status.mismatch, nullptr);
-}
-
-TEST_F(NegotiationTest, AnIncompatiblePairNeverMatchesAndBothSidesSayWhy) {
-  our_writer();
-  Endpoint reader = endpoint(Role::reader, 7);
-  reader.qos.reliability = reliable;
-  negotiation.endpoint_seen(reader);
-  const Serving serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.udp.empty());
-  EXPECT_FALSE(serving.shm_port);
-  EXPECT_FALSE(serving.readers.at(0).served);
-  EXPECT_EQ(serving.readers.at(0).incompatible_policy, QosPolicy::reliability);
-
-  Endpoint demanding = endpoint(Role::reader, 200);
-  demanding.qos.deadline = 5ms;
-  negotiation.local_added(demanding, type);
-  Endpoint writer = endpoint(Role::writer, 8);
-  writer.qos.deadline = 10ms;
-  negotiation.endpoint_seen(writer);
-  ASSERT_EQ(negotiation.hearing(200).size(), 2U);
-  for (const Hearing& hearing : negotiation.hearing(200)) {
-    EXPECT_FALSE(hearing.shm || hearing.udp || hearing.status.matched);
-    EXPECT_EQ(hearing.status.incompatible_policy, QosPolicy::deadline);
-    EXPECT_NE(hearing.status.reason.find("is offered, 5 ms is requested"), std::string::npos);
-  }
-}
-
 TEST_F(NegotiationTest, AWriterIsAssertedForReadersThatAskedForALease) {
   Endpoint writer = endpoint(Role::writer, 100);
   writer.qos.liveliness_lease = 1s;
@@ -414,161 +254,6 @@ TEST_F(NegotiationTest, AWriterIsConnectedOnceOurReaderListensToItAndWhileItsNod
   negotiation.endpoint_lost(7, Now{});
   EXPECT_TRUE(heard().matched);
   EXPECT_FALSE(heard().connected);
-}
-
-TEST_F(NegotiationTest, APairOfOneHostThatMayShareMemoryHasNoPathYetAndAnyOtherNeverHas) {
-  our_writer();
-  Endpoint reader = endpoint(Role::reader, 7, here, 1);
-  reader.host = {};
-  reader.may_use_udp = false;
-  const auto seen = [&] {
-    negotiation.endpoint_seen(reader);
-    return negotiation.serving(100).readers.at(0);
-  };
-  EXPECT_TRUE(seen().no_path);
-  EXPECT_TRUE(seen().no_path_yet);
-  reader.may_use_shm = false;
-  reader.may_use_udp = true;
-  reader.addresses.clear();
-  EXPECT_TRUE(seen().no_path);
-  EXPECT_FALSE(seen().no_path_yet) << "they contradict each other";
-  reader.may_use_shm = true;
-  reader.network = elsewhere;
-  EXPECT_TRUE(seen().no_path);
-  EXPECT_FALSE(seen().no_path_yet) << "another host";
-}
-
-class LateReaderTest : public NegotiationTest {
- protected:
-  LateReaderTest() {
-    Endpoint writer = endpoint(Role::writer, 100);
-    writer.qos = {.durability = transient_local, .history_depth = 5};
-    negotiation.local_added(writer, type);
-  }
-  /// On this host, and attached.
-  Endpoint late_reader(EndpointId id = 7) {
-    Endpoint reader = endpoint(Role::reader, id, here, 1);
-    reader.qos = {.durability = transient_local, .history_depth = 3};
-    reader.request.attached = {100};
-    return reader;
-  }
-  /// It says that what is for it alone has begun to come.
-  void begin(EndpointId reader, std::uint64_t sequence) {
-    Request begun = request(reader, sequence, F::data, {100});
-    begun.begun = {100};
-    negotiation.request_received(begun);
-  }
-};
-
-TEST_F(LateReaderTest, GetsByUdpWhatBothSidesKeepAndChangesOverToSharedMemoryThen) {
-  negotiation.endpoint_seen(late_reader());
-  Serving serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.shm.empty());
-  ASSERT_EQ(serving.udp.size(), 1U);
-  EXPECT_EQ(serving.udp[0].history, 3U);
-  EXPECT_TRUE(serving.history_owed);
-  EXPECT_FALSE(negotiation.history_given(100, 7)) << "nothing of it has come yet";
-  begin(7, 2);
-  EXPECT_TRUE(negotiation.serving(100).history_owed) << "not all of it has left yet";
-  EXPECT_TRUE(negotiation.history_given(100, 7));
-  EXPECT_FALSE(negotiation.history_given(100, 7));
-  serving = negotiation.serving(100);
-  EXPECT_TRUE(serving.udp.empty());
-  EXPECT_EQ(serving.shm.size(), 1U);
-  EXPECT_FALSE(serving.history_owed);
-}
-
-TEST_F(LateReaderTest, GetsNothingRetainedThroughSharedMemoryAloneAndIsTold) {
-  Endpoint reader = late_reader();
-  reader.may_use_udp = false;
-  negotiation.endpoint_seen(reader);
-  const Serving serving = negotiation.serving(100);
-  EXPECT_EQ(serving.shm.size(), 1U);
-  EXPECT_EQ(serving.readers.at(0).reason, "same host; without UDP nothing of what was published before");
-}
-
-TEST_F(LateReaderTest, ThatIsVolatileGetsNothing) {
-  Endpoint reader = late_reader();
-  reader.qos.durability = volatile_;
-  negotiation.endpoint_seen(reader);
-  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
-}
-
-TEST_F(LateReaderTest, ThatWasLostAndReturnsIsNotGivenItAgainAndOneThatWentIs) {
-  negotiation.endpoint_seen(late_reader());
-  begin(7, 2);
-  negotiation.history_given(100, 7);
-  negotiation.endpoint_lost(7, Now{});
-  negotiation.endpoint_seen(late_reader());
-  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
-  negotiation.endpoint_departed(7);
-  negotiation.endpoint_seen(late_reader());
-  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
-}
-
-TEST_F(LateReaderTest, ThatLostUsAndFoundUsAgainIsGivenItAgain) {
-  negotiation.endpoint_seen(late_reader());
-  begin(7, 2);
-  negotiation.history_given(100, 7);
-  negotiation.request_received(request(7, 3, F::data, {100}));
-  EXPECT_TRUE(negotiation.serving(100).history_owed);
-  begin(7, 4);
-  EXPECT_TRUE(negotiation.serving(100).history_owed) << "it has begun, but not all of it has left yet";
-}
-
-TEST_F(NegotiationTest, OurReaderIsAttachedOnlyOnceTheHistoryHasCome) {
-  Endpoint reader = endpoint(Role::reader, 200);
-  reader.qos.durability = transient_local;
-  negotiation.local_added(reader, type);
-  Endpoint writer = endpoint(Role::writer, 7, here, 1);
-  writer.qos.durability = transient_local;
-  negotiation.endpoint_seen(writer);
-  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
-  EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "same host, what was published before comes first");
-  negotiation.history_began(200, 7);
-  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
-  EXPECT_TRUE(negotiation.history_came(200, 7));
-  EXPECT_FALSE(negotiation.history_came(200, 7));
-  EXPECT_TRUE(negotiation.hearing(200).at(0).shm);
-}
-
-TEST_F(NegotiationTest, OurReaderTakesNothingOfADurableWriterBeforeWhatThatRetained) {
-  Endpoint reader = endpoint(Role::reader, 200);
-  reader.qos.durability = transient_local;
-  negotiation.local_added(reader, type);
-  Endpoint writer = endpoint(Role::writer, 7);
-  negotiation.endpoint_seen(writer);
-  EXPECT_FALSE(negotiation.hearing(200).at(0).source.history_first);
-  writer.qos.durability = transient_local;
-  negotiation.endpoint_seen(writer);
-  EXPECT_TRUE(negotiation.hearing(200).at(0).source.history_first);
-  EXPECT_TRUE(negotiation.history_began(200, 7));
-  EXPECT_FALSE(negotiation.history_began(200, 7));
-  EXPECT_EQ(negotiation.local(200)->request.begun, std::vector<EndpointId>{7});
-  negotiation.connection_changed(200, 7, TransportKind::udp, true);
-  negotiation.connection_changed(200, 7, TransportKind::udp, false);
-  EXPECT_TRUE(negotiation.local(200)->request.begun.empty());
-}
-
-TEST_F(NegotiationTest, EndpointsOfOtherTopicsAreNobodysBusiness) {
-  our_writer();
-  Endpoint reader = endpoint(Role::reader, 7);
-  reader.topic = "other";
-  negotiation.endpoint_seen(reader);
-  EXPECT_TRUE(negotiation.serving(100).readers.empty());
-}
-
-TEST_F(NegotiationTest, AReaderHearsWritersOfItsTopicByTheWaysBothAllow) {
-  our_reader();
-  negotiation.endpoint_seen(endpoint(Role::writer, 7, here, 1));
-  Endpoint remote = endpoint(Role::writer, 8);
-  remote.may_use_shm = false;
-  negotiation.endpoint_seen(remote);
-  const auto hearing = negotiation.hearing(200);
-  ASSERT_EQ(hearing.size(), 2U);
-  EXPECT_TRUE(hearing[0].shm && hearing[0].udp);
-  EXPECT_TRUE(!hearing[1].shm && hearing[1].udp);
-  EXPECT_EQ(hearing[1].status.reason, "the publisher or its node rules shared memory out");
 }
 
 TEST_F(NegotiationTest, EveryChangeOfARequirementOrAnAttachmentIsANewerRequest) {
@@ -609,15 +294,6 @@ TEST_F(NegotiationTest, AttachmentsEndWithTheMemoryTheyWereIn) {
   at_host(token(9));
   EXPECT_TRUE(negotiation.local(200)->request.attached.empty());
   EXPECT_GT(negotiation.local(200)->request.sequence, before);
-}
-
-TEST_F(NegotiationTest, WriterAndReaderOfOneNodeMatchLikeAnyOthers) {
-  our_writer();
-  our_reader();
-  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
-  EXPECT_TRUE(negotiation.serving(100).shm_port);
-  negotiation.connection_changed(200, 100, TransportKind::shm, true);
-  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
 }
 
 TEST_F(NegotiationTest, EntriesBeyondTheLimitAreIgnoredAndCounted) {

@@ -1,6 +1,7 @@
 // What must hold in the world after each step, and at rest.
 #include <algorithm>
 
+#include "tests/core/endpoint_ids.h"
 #include "tests/core/negotiation_world.h"
 
 namespace sft::test {
@@ -10,10 +11,6 @@ using core::Role;
 using core::Route;
 
 namespace {
-
-bool holds(const std::vector<core::EndpointId>& ids, core::EndpointId id) {
-  return std::find(ids.begin(), ids.end(), id) != ids.end();
-}
 
 const Route* route_to(const std::vector<Route>& routes, core::EndpointId reader) {
   const auto found =

@@ -12,24 +12,7 @@ using core::SendStatus;
 
 constexpr std::uint32_t megabyte = 1'000'000;
 
-class Kill : public ShmTest {
- protected:
-  void SetUp() override {
-    ShmTest::SetUp();
-    if (IsSkipped()) return;
-    node_ = std::make_unique<Node>();
-    ASSERT_TRUE(node_->becomes_ready()) << (*node_)->description();
-  }
-  void TearDown() override {
-    node_.reset();
-    ShmTest::TearDown();
-  }
-  Node& node() { return *node_; }
-  void leave() { node_.reset(); }
-
- private:
-  std::unique_ptr<Node> node_;
-};
+class Kill : public ShmNodeTest {};
 
 TEST_F(Kill, OfAWriterInATightLoopWedgesNobody) {
   constexpr int rounds = 20;

@@ -11,13 +11,11 @@ namespace {
 
 using core::SendStatus;
 
-class HeldLock : public ShmTest {
+class HeldLock : public ShmNodeTest {
  protected:
   void SetUp() override {
-    ShmTest::SetUp();
-    if (IsSkipped()) return;
-    node_ = std::make_unique<Node>();
-    ASSERT_TRUE(node_->becomes_ready()) << (*node_)->description();
+    ShmNodeTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
     const auto runtime = shm::IceoryxRuntime::shared();
     session_ = runtime->daemon().advance(own_daemon(), runtime, Clock::now()).session;
     publisher_ = session_->create_publisher(1, Clock::now() + 1s).value();
@@ -30,8 +28,7 @@ class HeldLock : public ShmTest {
   void TearDown() override {
     port_.reset();
     session_.reset();
-    node_.reset();
-    ShmTest::TearDown();
+    ShmNodeTest::TearDown();
   }
 
   SendStatus send() {
@@ -40,7 +37,6 @@ class HeldLock : public ShmTest {
     return port_->send(sample);
   }
 
-  std::unique_ptr<Node> node_;
   std::shared_ptr<shm::Session> session_;
   iox::popo::PublisherPortData* publisher_ = nullptr;
   std::shared_ptr<shm::Statistics> statistics_ = std::make_shared<shm::Statistics>();

@@ -12,23 +12,7 @@ namespace {
 using core::SampleHandle;
 using core::SendStatus;
 
-class ShmPorts : public ShmTest {
- protected:
-  void SetUp() override {
-    ShmTest::SetUp();
-    if (IsSkipped()) return;
-    node_ = std::make_unique<Node>();
-    ASSERT_TRUE(node_->becomes_ready()) << (*node_)->description();
-  }
-  void TearDown() override {
-    node_.reset();
-    ShmTest::TearDown();
-  }
-  Node& node() { return *node_; }
-
- private:
-  std::unique_ptr<Node> node_;
-};
+class ShmPorts : public ShmNodeTest {};
 
 TEST_F(ShmPorts, DeliverTheChunkThatTheWriterFilled) {
   Writer writer(node(), 1);

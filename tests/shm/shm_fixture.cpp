@@ -228,4 +228,16 @@ void end_daemon() {
 
 void ShmTest::TearDown() { end_daemon(); }
 
+void ShmNodeTest::SetUp() {
+  ShmTest::SetUp();
+  if (IsSkipped()) return;
+  node_ = std::make_unique<Node>();
+  ASSERT_TRUE(node_->becomes_ready()) << (*node_)->description();
+}
+
+void ShmNodeTest::TearDown() {
+  leave();
+  ShmTest::TearDown();
+}
+
 }  // namespace sft::test

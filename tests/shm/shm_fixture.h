@@ -142,4 +142,16 @@ class ShmTest : public ::testing::Test {
   void TearDown() override;
 };
 
+/// With a node that is ready.
+class ShmNodeTest : public ShmTest {
+ protected:
+  void SetUp() override;
+  void TearDown() override;
+  Node& node() { return *node_; }
+  void leave() { node_.reset(); }
+
+ private:
+  std::unique_ptr<Node> node_;
+};
+
 }  // namespace sft::test

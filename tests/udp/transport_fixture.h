@@ -1,0 +1,38 @@
+// Transports on loopback, over both backends.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+
+#include <cstdint>
+#include <memory>
+#include <numeric>
+#include <vector>
+
+#include "endpoints.h"
+#include "udp_transport/udp_transport.h"
+
+namespace sft::udp {
+
+class TransportTest : public testing::TestWithParam<Backend> {
+ protected:
+  void SetUp() override {
+    const auto one = open_udp_transport({.backend = GetParam()}, test::make_pool());
+    const auto other = open_udp_transport({.backend = GetParam()}, test::make_pool());
+    if (!one || !other) GTEST_SKIP() << "io_uring is refused here: " << (one ? other : one).error().message;
+  }
+
+  std::unique_ptr<core::Transport> open(UdpOptions options = {}, const DecorateIo& decorate = {}) {
+    options.backend = GetParam();
+    options.bind_address = INADDR_LOOPBACK;
+    return open_udp_transport(options, test::make_pool(), decorate).value();
+  }
+
+  static std::vector<std::uint64_t> first_numbers(std::size_t n) {
+    std::vector<std::uint64_t> numbers(n);
+    std::iota(numbers.begin(), numbers.end(), 1);
+    return numbers;
+  }
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,179 @@
+// Samples that cannot leave at once, or that nobody takes yet.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "endpoints.h"
+#include "faulty_io.h"
+#include "transport_fixture.h"
+
+namespace sft::udp {
+namespace {
+
+using test::encoded_body;
+using test::eventually;
+using test::fields;
+using test::Image;
+using test::loopback_address;
+using test::make_image;
+using test::Publisher;
+using test::Subscriber;
+
+TEST_P(TransportTest, QueuesSamplesWhileTheSendBufferIsFull) {
+  const auto here = open();
+  const auto there = open({.send_queue_depth = 100}, test::with_connections<test::BusyConnection>);
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{loopback_address(*here)}});
+  for (int i = 0; i < 50; ++i) ASSERT_EQ(publisher.publish(make_image(50)), core::SendStatus::sent);
+  EXPECT_EQ(subscriber.await_sequences(50), first_numbers(50));
+  publisher.publish(make_image(1'000'000));  // of which each call sends a part
+  ASSERT_EQ(subscriber.await(51).size(), 51U);
+  EXPECT_EQ(test::body_of(*subscriber.await(51)[50]),
+            encoded_body(make_image(1'000'000), fields<Image>("*")));
+}
+
+TEST_P(TransportTest, DropsTheOldestOfAFullQueueAndSaysSo) {
+  const auto here = open();
+  test::Gate gate(loopback_address(*here).port);
+  const auto there =
+      open({.send_queue_depth = 2}, [&](DatagramIo io) { return gate.put_around(std::move(io)); });
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{loopback_address(*here)}});
+  EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
+  ASSERT_TRUE(eventually([&] { return gate.somebody_waits(); }));
+  EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
+  EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
+  EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::dropped);
+  EXPECT_EQ(there->counters().over_limit, 1U);
+  gate.open();
+  EXPECT_EQ(subscriber.await_sequences(3), (std::vector<std::uint64_t>{1, 3, 4}));
+}
+
+TEST_P(TransportTest, LetsOneDestinationFallBehindAlone) {
+  const auto slow = open(), fast = open();
+  test::Gate gate(loopback_address(*slow).port);
+  const auto there = open({}, [&](DatagramIo io) { return gate.put_around(std::move(io)); });
+  Subscriber slow_one(*slow, {"*"}), fast_one(*fast, {"*"});
+  Publisher publisher(*there);
+  slow_one.listen_to(publisher.id());
+  fast_one.listen_to(publisher.id());
+  publisher.serve({{loopback_address(*slow)}, {loopback_address(*fast)}});
+  for (std::size_t n = 1; n <= 20; ++n) {
+    publisher.publish(make_image(n % 2 == 0 ? 50 : 100'000));
+    ASSERT_EQ(fast_one.await(n, std::chrono::seconds(2)).size(), n);
+    if (n == 1) {
+      ASSERT_TRUE(eventually([&] { return gate.somebody_waits(); }));
+    }
+  }
+  EXPECT_EQ(fast_one.await_sequences(20), first_numbers(20));
+  EXPECT_EQ(there->counters().over_limit, 15U) << "all but the one being sent and the 4 queued";
+  gate.open();
+  EXPECT_EQ(slow_one.await_sequences(5), (std::vector<std::uint64_t>{1, 17, 18, 19, 20}));
+}
+
+TEST_P(TransportTest, CountsWhatItDropsAfterItTookIt) {
+  const auto here = open();
+  const auto there = open({.max_datagram_bytes = 1472},
+                          test::with_connections<test::TrainRefusingConnection<SendOutcome::failed>>);
+  Publisher publisher(*there);
+  publisher.serve({{loopback_address(*here)}});
+  EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
+  EXPECT_TRUE(eventually([&] { return publisher.port().dropped() == 1; }));
+}
+
+TEST_P(TransportTest, DropsASampleThatCannotLeaveForLong) {
+  const auto here = open();
+  test::Gate gate(loopback_address(*here).port);
+  const auto there = open({}, [&](DatagramIo io) { return gate.put_around(std::move(io)); });
+  Publisher publisher(*there);
+  publisher.serve({{loopback_address(*here)}});
+  EXPECT_EQ(publisher.publish(make_image(10)), core::SendStatus::sent);
+  EXPECT_TRUE(eventually([&] { return publisher.port().dropped() == 1; }));
+}
+
+TEST_P(TransportTest, LetsGoOfWhatIsQueuedForADestinationThatLeft) {
+  const auto here = open();
+  test::Gate gate(loopback_address(*here).port);
+  const auto there = open({}, [&](DatagramIo io) { return gate.put_around(std::move(io)); });
+  Publisher publisher(*there);
+  publisher.serve({{loopback_address(*here)}});
+  const auto pool = core::BufferPool::make(150'000);
+  ASSERT_EQ(publisher.publish(make_image(100'000), *pool), core::SendStatus::sent);
+  ASSERT_TRUE(eventually([&] { return gate.somebody_waits(); }));
+  EXPECT_FALSE(pool->take(100'000)) << "it is being sent";
+  publisher.serve({});
+  EXPECT_TRUE(eventually([&] { return static_cast<bool>(pool->take(100'000)); }));
+  EXPECT_EQ(publisher.port().dropped(), 0U) << "nobody misses it";
+}
+
+TEST_P(TransportTest, SendsWhatIsQueuedAfterThePublisherWent) {
+  const auto here = open();
+  test::Gate gate(loopback_address(*here).port);
+  const auto there = open({}, [&](DatagramIo io) { return gate.put_around(std::move(io)); });
+  Subscriber subscriber(*here, {"*"});
+  {
+    Publisher publisher(*there);
+    subscriber.listen_to(publisher.id());
+    publisher.serve({{loopback_address(*here)}});
+    for (int i = 0; i < 3; ++i) publisher.publish(make_image(100'000));
+  }
+  gate.open();
+  EXPECT_EQ(subscriber.await_sequences(3), first_numbers(3));
+}
+
+TEST_P(TransportTest, PacesWhatASmallReceiveBufferCannotHold) {
+  const auto there = open({.pace_bytes_per_s = 100'000'000}), here = open({.receive_buffer_bytes = 400'000});
+  Publisher publisher(*there);
+  publisher.serve({{loopback_address(*here)}});
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(publisher.publish(make_image(5'000'000)), core::SendStatus::sent);
+  EXPECT_TRUE(eventually([&] { return publisher.port().bytes_sent() > 5'000'000; }));
+  EXPECT_GT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(45));
+}
+
+TEST_P(TransportTest, KeepsTheNewestUntilTheyAreTaken) {
+  const auto there = open(), here = open();
+  const auto reader = here->open_reader({.id = 1,
+                                         .type = &test::type_support<Image>(),
+                                         .depth = 3,
+                                         .listener = nullptr,
+                                         .doorbell = {}})
+                          .value();
+  Publisher publisher(*there);
+  reader->accept({{fields<Image>("*")}});
+  ASSERT_TRUE(reader->connect({publisher.id(), 0}));
+  publisher.serve({{loopback_address(*here)}});
+  for (int i = 0; i < 10; ++i) publisher.publish(make_image(10));
+  EXPECT_TRUE(eventually([&] { return reader->discarded() == 7; }));
+  for (std::uint64_t sequence = 8; sequence <= 10; ++sequence)
+    EXPECT_EQ(reader->take()->header().sequence, sequence);
+  EXPECT_FALSE(reader->take());
+}
+
+TEST_P(TransportTest, ReceivesIntoThePoolThatItSharesWithTheNode) {
+  const auto pool = core::BufferPool::make(1'000'000);
+  const auto there = open();
+  const auto here =
+      open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = GetParam()}, pool).value();
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{loopback_address(*here)}});
+  std::vector<core::SampleHandle> published_here;
+  while (core::SampleHandle sample = pool->take(200'000)) published_here.push_back(std::move(sample));
+  publisher.publish(make_image(100'000));
+  EXPECT_TRUE(eventually([&] { return here->counters().over_limit == 1; }));
+  published_here.clear();
+  publisher.publish(make_image(100'000));
+  EXPECT_EQ(subscriber.await_sequences(1), std::vector<std::uint64_t>{2});
+}
+
+}  // namespace
+}  // namespace sft::udp
