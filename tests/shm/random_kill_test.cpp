@@ -2,8 +2,10 @@
 // and their memory is accounted for. (Daemons and whole nodes: tests/system/kill_test.cpp.)
 #include <signal.h>
 
+#include <atomic>
 #include <optional>
 #include <ostream>
+#include <thread>
 
 #include "shm_fixture.h"
 #include "shm_transport/sftd/status.h"
@@ -14,6 +16,7 @@ namespace {
 
 using core::SendStatus;
 
+constexpr core::EndpointId daemons_killed = 8;
 constexpr int every_one_stopped_first = 15;  // of victims: 14 in all
 constexpr core::EndpointId survivor = 1'000'000;
 
@@ -172,9 +175,50 @@ TEST_P(RandomKillOfReaders, CostsOthersNothingAndAllMemoryComesBack) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Lives, RandomKillOfReaders,
-                         ::testing::Values(Life{"ThatTake", "subscribe", 35, true},
+                         ::testing::Values(Life{"ThatTake", "subscribe", 25, true},
+                                           Life{"ThatTakeNowAndThen", "subscribe-paced", 10, true},
                                            Life{"ThatHaveHardlyBegun", "subscribe", 15, false}),
                          name_of);
+
+// Of the two peers nobody notices what happened: they go on in the memory of the dead.
+TEST_F(RandomKill, OfDaemonsNeitherHangsNorHarmsWhoIsInATightLoop) {
+  for (core::EndpointId round = 0; round < daemons_killed; ++round) {
+    SCOPED_TRACE(round);
+    Writer writer(*node_, 1);
+    Reader reader(*node_);
+    ASSERT_TRUE(reader.connects_to(1));
+    Process publisher = start_peer({"publish", "2"});
+    ASSERT_EQ(publisher.line(), "publishing");
+    Process subscriber = start_peer({"subscribe", "2"});
+    ASSERT_EQ(subscriber.line(), "subscribed");
+    std::atomic<bool> done{false};
+    std::thread writing([&] {
+      while (!done) writer.send_frame();
+    });
+    core::SampleHandle held;
+    std::uint64_t last = 0;
+    std::thread reading([&] {
+      while (!done) {
+        core::SampleHandle sample = reader.take();
+        if (!sample) continue;
+        EXPECT_GT(sequence_of(sample), last);
+        last = sequence_of(sample);
+        held = std::move(sample);
+      }
+    });
+    poll(nullptr, 0, static_cast<int>(below(30)));
+    ::kill(daemon_pid(), SIGKILL);
+    EXPECT_TRUE(eventually([&] { return (*node_).poll() != core::Availability::ready; }));
+    EXPECT_TRUE(node_->becomes_ready()) << (*node_)->description();
+    done = true;
+    writing.join();
+    reading.join();
+    ASSERT_TRUE(held);
+    EXPECT_EQ(sequence_of(held), last);
+    EXPECT_EQ(field_of(*held, 0), static_cast<std::uint32_t>(last));
+    EXPECT_TRUE(publisher.runs() && subscriber.runs());
+  }
+}
 
 }  // namespace
 }  // namespace sft::test
