@@ -9,7 +9,7 @@ std::optional<ChunkPools::Choice> ChunkPools::choose(std::size_t bytes) const no
   for (std::uint32_t i = 0; i < pools_.getNumberOfMemPools() && tried < candidates; ++i) {
     const auto pool = pools_.getMemPoolInfo(i);
     if (pool.m_chunkSize < payload + chunk_header_size) continue;
-    if (pool.m_usedChunks + vanished_[i].load(std::memory_order_relaxed) < pool.m_numChunks) {
+    if (pool.m_usedChunks + vanished_[i].now() < pool.m_numChunks) {
       return Choice{i, static_cast<std::uint32_t>(payload)};
     }
     payload = pool.m_chunkSize - chunk_header_size + 8;  // too much for this one
@@ -26,7 +26,14 @@ std::size_t ChunkPools::largest_bytes() const noexcept {
 void ChunkPools::note_empty(const Choice& choice) noexcept {
   const auto pool = pools_.getMemPoolInfo(choice.pool);
   if (pool.m_usedChunks >= pool.m_numChunks) return;  // others were faster
-  vanished_[choice.pool].store(pool.m_numChunks - pool.m_usedChunks, std::memory_order_relaxed);
+  Vanished& vanished = vanished_[choice.pool];
+  vanished.chunks.store(pool.m_numChunks - pool.m_usedChunks, std::memory_order_relaxed);
+  vanished.until.store(Clock::now() + std::chrono::seconds(1), std::memory_order_relaxed);
+}
+
+std::uint32_t ChunkPools::Vanished::now() const noexcept {
+  const std::uint32_t found = chunks.load(std::memory_order_relaxed);
+  return found == 0 || Clock::now() >= until.load(std::memory_order_relaxed) ? 0 : found;
 }
 
 }  // namespace sft::shm

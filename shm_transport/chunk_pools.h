@@ -5,6 +5,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -30,12 +31,18 @@ class ChunkPools {
   std::size_t largest_bytes() const noexcept;
 
   /// The chosen pool was empty after all. A process killed while it took a chunk leaves one that counts as
-  /// free and is not; from now on this is reckoned with.
+  /// free and is not; this is reckoned with for a second, until sftd has found it.
   void note_empty(const Choice& choice) noexcept;
 
  private:
   const iox::mepoo::MemoryManager& pools_;
-  std::array<std::atomic<std::uint32_t>, iox::MAX_NUMBER_OF_MEMPOOLS> vanished_{};  ///< chunks of each pool
+  using Clock = std::chrono::steady_clock;
+  struct Vanished {  ///< chunks of a pool
+    std::atomic<std::uint32_t> chunks{0};
+    std::atomic<Clock::time_point> until{};
+    std::uint32_t now() const noexcept;
+  };
+  std::array<Vanished, iox::MAX_NUMBER_OF_MEMPOOLS> vanished_{};
 };
 
 /// What to ask iceoryx for to get at least so many bytes.

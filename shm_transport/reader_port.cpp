@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/clock.h"
+#include "shm_transport/chunk_hand.h"
 
 namespace sft::shm {
 
@@ -82,6 +83,7 @@ ChunkSlot* ChunkBorrower::next_chunk() noexcept {
     return nullptr;
   }
   if (!open_) --arrived_;
+  const ChunkInHand hand(data_);
   // Asked before: what is reported later may be of samples behind this one.
   overflowed_ |= std::exchange(overflow_is_news_, false);
   overflowed_ |= port_.hasLostChunksSinceLastCall();
@@ -154,7 +156,10 @@ void ChunkBorrower::recycle(SampleBuffer& buffer) noexcept {
   before_chunk_leaves();
   ChunkSlot& slot = ChunkSlot::of(buffer);
   const std::scoped_lock lock(mutex_);
-  if (!lost_) port_.releaseChunk(slot.chunk);
+  if (!lost_) {
+    const ChunkInHand hand(data_);
+    port_.releaseChunk(slot.chunk);
+  }
   slots_.give_back(slot);
   at_limit_ = false;
 }
@@ -178,6 +183,7 @@ void ChunkBorrower::drop_oldest() noexcept {
   --arrived_;
   ++dropped_since_;
   discarded_.fetch_add(1, std::memory_order_relaxed);
+  const ChunkInHand hand(data_);
   // Where too many are held already, iceoryx gives it back itself.
   if (auto chunk = port_.tryGetChunk(); !chunk.has_error()) port_.releaseChunk(chunk.value());
 }

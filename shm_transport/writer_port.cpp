@@ -4,6 +4,8 @@
 #include <new>
 #include <thread>
 
+#include "shm_transport/chunk_hand.h"
+
 namespace sft::shm {
 
 using core::SampleBuffer;
@@ -59,6 +61,7 @@ SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   {
     const std::scoped_lock lock(mutex_);
     if (lost_ || slots_.empty()) return {};
+    const ChunkInHand hand(publisher_);
     ChunkHeader* chunk = allocate(bytes);
     if (chunk == nullptr) return {};
     slot = slots_.take();
@@ -118,13 +121,11 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers) noexce
 }
 
 void ChunkLender::deliver(ChunkSlot& slot) noexcept {
-  auto& port = publisher_.m_chunkSenderData;
-  port.m_history.push_back(slot.name);
+  const ChunkInHand hand(publisher_);
   // On loan again by iceoryx's own account: only such chunks can be sent.
-  port.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
+  publisher_.m_chunkSenderData.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
   before_chunk_leaves();
   port_.sendChunk(slot.chunk);
-  port.m_history.pop_back();
 }
 
 void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
@@ -133,6 +134,7 @@ void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
   std::shared_ptr<Session> gone;  // unmaps after the lock is released
   const std::scoped_lock lock(mutex_);
   if (!lost_) {
+    const ChunkInHand hand(publisher_);
     SharedChunk held;  // given back at the end of this block
     keeper_.m_chunkReceiverData.m_chunksInUse.remove(slot.chunk, held);
   }

@@ -7,9 +7,8 @@
 // and frees it, when this process is killed. (Subscribing that port would do too, but costs a push, a pop and
 // a release for every sample.)
 //
-// A chunk that is just being delivered when the process is killed has references that nobody knows of. For
-// that time its name stands in the port's history, which iceoryx leaves alone at our capacity of 0, until
-// sftd reads it there (sftd/chunk_reclaimer.h). The name counts for no reference; the list above has one.
+// A chunk that is just being taken, delivered or given back when the process is killed has references that
+// nobody knows of: see chunk_hand.h.
 #pragma once
 
 #include <memory>

@@ -248,9 +248,8 @@ std::optional<Daemon::End> Daemon::check_idle(Clock::time_point now) {
   }
   if (!idle_since_) idle_since_ = now;
   if (settings_.idle_exit > 0s && now - *idle_since_ >= settings_.idle_exit) return End::idle;
-  if (roudi_->deaths() == 0 || now - *idle_since_ < renewal_delay) return std::nullopt;
-  log_.info("up to " + std::to_string(roudi_->deaths()) +
-            " chunks may be lost to killed programs; starts afresh");
+  if (roudi_->unaudited() == 0 || now - *idle_since_ < renewal_delay) return std::nullopt;
+  log_.warning("what manages the memory is not in order after a program was killed; starts afresh");
   return End::renew;
 }
 

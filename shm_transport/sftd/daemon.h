@@ -30,7 +30,7 @@ class Daemon {
   enum class End {
     stopped,  ///< by a signal
     idle,     ///< no clients for so long
-    renew,    ///< no clients, and killed ones may have lost chunks: to be started again with fresh memory
+    renew,  ///< no clients, and chunks of killed ones cannot be found: to be started again with fresh memory
   };
   /// What it took, in one sentence.
   std::string description() const;

@@ -28,7 +28,7 @@ iox::RouDiConfig_t make_config(const PoolPlan& plan, const Groups& groups);
 struct SampleSegment {
   std::uint64_t id = 0;
   std::uint64_t bytes = 0;
-  const iox::mepoo::MemoryManager* pools = nullptr;
+  iox::mepoo::MemoryManager* pools = nullptr;
 };
 
 class HostMemory final : public iox::roudi::RouDiMemoryInterface {

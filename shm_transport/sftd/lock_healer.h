@@ -9,8 +9,7 @@
 // own lock as for those of the queues it feeds (readers only look, see port_lock.h); that none of the
 // daemon's threads is its holder is checked. Second, the dead holder left nothing half done under it: what
 // the mutexes guard (a publisher's list of queues, a queue's condition variable) is written by the daemon
-// only, and chunks in queues are in lock-free structures. The publisher writes only the names of its
-// deliveries, which the daemon removes (chunk_reclaimer.h).
+// only, and chunks in queues are in lock-free structures.
 #pragma once
 
 #include <atomic>

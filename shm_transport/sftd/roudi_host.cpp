@@ -21,6 +21,7 @@ using iox::runtime::IpcMessageType;
 namespace {
 
 constexpr std::chrono::milliseconds healing_interval{20};
+constexpr std::chrono::seconds audit_interval{1};
 constexpr int goodbye_looks_max = 10;
 
 iox::roudi::RouDi::RoudiStartupParameters startup_parameters() {
@@ -55,7 +56,7 @@ RoudiHost::RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const G
       log_(log),
       port_pool_(*memory.portPool().value()),
       healer_(port_pool_, clients_, log),
-      reclaimer_(port_pool_),
+      auditor_(port_pool_, *memory.samples().pools),
       book_(port_pool_, *memory.samples().pools, memory.management()) {
   note_usage();  // so that there is something to tell from the first moment on
   hooks_may_run_ = true;
@@ -138,16 +139,23 @@ void RoudiHost::cyclicUpdateHook() noexcept {
   bool buried = false;
   for (const std::string& name : clients_.find_dead(ClientTable::Clock::now())) buried |= bury(name);
   if (buried) note_ports();
-  reclaim_chunks();
+  audit_chunks();
   note_usage();
 }
 
-void RoudiHost::reclaim_chunks() {
+/// Where nobody has died, nothing is lost. Where somebody has, again and again: what a reader had in hand is
+/// found once its writer is gone.
+void RoudiHost::audit_chunks() {
+  const auto now = std::chrono::steady_clock::now();
+  if (deaths_ == 0 || (unaudited() == 0 && now < next_audit_)) return;
   const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
-  const std::size_t chunks = reclaimer_.reclaim();
-  reclaimed_ += chunks;
-  if (chunks > 0)
-    log_.info(std::to_string(chunks) + " chunks that killed programs were delivering are free again");
+  const auto chunks = auditor_.audit();
+  if (!chunks) return;
+  unaudited_ = 0;
+  next_audit_ = now + audit_interval;
+  leaks_healed_ += *chunks;
+  if (*chunks > 0)
+    log_.info(std::to_string(*chunks) + " chunks that killed programs had in hand are free again");
 }
 
 bool RoudiHost::bury(const std::string& name) {
@@ -155,12 +163,11 @@ bool RoudiHost::bury(const std::string& name) {
   clients_.remove(name);
   {
     const iox::RuntimeName_t runtime_name(iox::cxx::TruncateToCapacity, name);
-    auto processes = m_prcMgr.getScopeGuard();
-    reclaimer_.note_deliveries(runtime_name);
-    processes->unregisterProcess(runtime_name);
+    m_prcMgr.getScopeGuard()->unregisterProcess(runtime_name);
   }
   remove_socket("/tmp/" + name);
   ++deaths_;
+  ++unaudited_;
   log_.info(name + " is dead; what it had is free again");
   return true;
 }
@@ -168,6 +175,7 @@ bool RoudiHost::bury(const std::string& name) {
 void RoudiHost::note_ports() {
   const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
   healer_.note_ports();
+  auditor_.note_ports();
 }
 
 void RoudiHost::note_usage() {
@@ -182,9 +190,10 @@ void RoudiHost::note_usage() {
                            static_cast<std::uint32_t>(std::ranges::count_if(usage.publishers, of_client)),
                            static_cast<std::uint32_t>(std::ranges::count_if(usage.subscribers, of_client))});
   }
-  usage.leaks_healed = reclaimed_;
+  usage.leaks_healed = leaks_healed_;
   usage.locks_healed = healer_.opened();
-  usage.deaths = deaths();
+  usage.deaths = deaths_;
+  usage.unaudited = unaudited();
   usage.stamp_ns = core::realtime_ns();
   const std::scoped_lock lock(usage_mutex_);
   usage_ = std::move(usage);

@@ -19,7 +19,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Holding, chunks, peak, bytes)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(PublisherUse, user, publisher, subscribers, held)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(SubscriberUse, user, publisher, waiting, held)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Usage, pools, users, publishers, subscribers, leaks_healed,
-                                                locks_healed, deaths, stamp_ns)
+                                                locks_healed, deaths, unaudited, stamp_ns)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Status, pid, versions, since_ns, idle_exit_s, writers,
                                                 readers, sample_bytes, management_bytes, usage)
 
@@ -43,8 +43,9 @@ void write_head(Lines out, const Status& status, std::int64_t now_ns) {
                  format_bytes(status.sample_bytes), format_bytes(status.management_bytes), status.writers,
                  status.readers.empty() ? " and subscribes" : ", " + status.readers + " only subscribes");
   const Usage& usage = status.usage;
-  fmt::format_to(out, "healed {} leaked chunks, {} closed locks; {} programs died\n", usage.leaks_healed,
-                 usage.locks_healed, usage.deaths);
+  fmt::format_to(
+      out, "healed {} leaked chunks, {} closed locks; {} programs died, {} of them not looked after yet\n",
+      usage.leaks_healed, usage.locks_healed, usage.deaths, usage.unaudited);
 }
 
 void write_pools(Lines out, const std::vector<PoolUse>& pools) {

@@ -56,9 +56,10 @@ struct Usage {
   std::vector<UserUse> users{};
   std::vector<PublisherUse> publishers{};
   std::vector<SubscriberUse> subscribers{};
-  std::uint64_t leaks_healed = 0;  ///< chunks that killed programs were delivering
+  std::uint64_t leaks_healed = 0;  ///< chunks that killed programs had in hand
   std::uint64_t locks_healed = 0;  ///< that killed programs had left closed
   std::uint64_t deaths = 0;        ///< programs that ended without a goodbye
+  std::uint64_t unaudited = 0;     ///< of these: each may have left a chunk that was not looked for yet
   std::int64_t stamp_ns = 0;       ///< CLOCK_REALTIME when all this was so
 };
 

@@ -1,8 +1,13 @@
 // kill -9 of writers and readers at any moment: nobody else notices, and what they had comes back.
 #include <signal.h>
 
+#include <filesystem>
+#include <optional>
+#include <span>
+
 #include "shm_fixture.h"
 #include "shm_transport/host_file.h"
+#include "shm_transport/session.h"
 
 namespace sft::test {
 namespace {
@@ -32,24 +37,26 @@ TEST_F(Kill, OfAWriterInATightLoopWedgesNobody) {
     ASSERT_EQ(writer.send_frame(), SendStatus::sent) << round;
   }
   EXPECT_EQ(shm::format(shm::HostWatch::look().watch->file()), token) << "the daemon did not survive";
-  EXPECT_TRUE(chunks.comes_to(before - rounds)) << "more than one chunk per kill is lost";
+  EXPECT_TRUE(chunks.comes_to(before));
 }
 
-TEST_F(Kill, OfAReaderInATightLoopCostsAtMostTheChunkItWasJustTaking) {
-  Writer writer(node(), 1);
+TEST_F(Kill, OfAReaderInATightLoopCostsAtMostTheChunkItWasJustTakingUntilTheWriterGoes) {
+  std::optional<Writer> writer(std::in_place, node(), 1);
   ChunkCounter chunks(node(), megabyte);
   const std::size_t before = chunks.free();
   constexpr int rounds = 10;
   for (int round = 0; round < rounds; ++round) {
     Process peer = start_peer({"subscribe", "1"});
     ASSERT_EQ(peer.line(), "subscribed") << round;
-    for (int i = 0; i < 2000; ++i) writer.send_frame(megabyte);
+    for (int i = 0; i < 2000; ++i) writer->send_frame(megabyte);
     peer.kill();
-    ASSERT_EQ(writer.send_frame(megabyte), SendStatus::sent) << round;
+    ASSERT_EQ(writer->send_frame(megabyte), SendStatus::sent) << round;
   }
   // The writer keeps one. iceoryx forgets a chunk if a reader dies between taking it from the queue and
   // noting it: about one kill in a thousand here.
   EXPECT_TRUE(chunks.comes_to(before - 1 - rounds)) << "more than one chunk per kill is lost";
+  writer.reset();
+  EXPECT_TRUE(chunks.comes_to(before));
 }
 
 TEST_F(Kill, OfAWriterReturnsItsLoansAndItsHistory) {
@@ -84,11 +91,29 @@ TEST_F(Kill, RemovesTheSocketOfTheDead) {
   EXPECT_TRUE(eventually([] { return names_in("/tmp", "sft_node").size() == 1; }));
 }
 
-TEST_F(Kill, MakesTheDaemonStartAfreshOnceItIsIdle) {
+/// Writes nonsense into the longest list of free places that there is.
+void damage_free_list() {
+  const std::string path = std::string("/dev/shm/") + iox::roudi::SHM_NAME;
+  const std::size_t bytes = std::filesystem::file_size(path);
+  const shm::Mapping mapping = shm::Mapping::open(iox::roudi::SHM_NAME, bytes, true).value();
+  const std::span words(reinterpret_cast<std::uint32_t*>(mapping.bytes().data()), bytes / 4);
+  std::size_t longest = 0, length = 0, end = 0;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    length = words[i] == words[i - 1] + 1 ? length + 1 : 0;
+    if (length <= longest) continue;
+    longest = length;
+    end = i;
+  }
+  ASSERT_GT(longest, 1000U);
+  words[end - 100] = 0xffffffff;
+}
+
+TEST_F(Kill, MakesTheDaemonStartAfreshOnceItIsIdleWhereItsMemoryIsNotInOrder) {
   const core::HostToken token = node()->host_token();
   const pid_t daemon = daemon_pid();
   Process peer = start_peer({"publish", "1"});
   ASSERT_EQ(peer.line(), "publishing");
+  damage_free_list();
   peer.kill();
   ASSERT_TRUE(eventually([] { return names_in("/tmp", "sft_node").size() == 1; }));
   leave();

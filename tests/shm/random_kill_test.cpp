@@ -2,7 +2,10 @@
 // and their memory is accounted for. (Daemons and whole nodes: tests/system/kill_test.cpp.)
 #include <signal.h>
 
+#include <atomic>
 #include <optional>
+#include <ostream>
+#include <thread>
 
 #include "shm_fixture.h"
 #include "shm_transport/sftd/status.h"
@@ -13,9 +16,8 @@ namespace {
 
 using core::SendStatus;
 
-constexpr int writers_killed = 165;
-constexpr int readers_killed = 50;
-constexpr int every_one_stopped_first = 33;  // of victims: 6 in all
+constexpr core::EndpointId daemons_killed = 8;
+constexpr int every_one_stopped_first = 15;  // of victims: 14 in all
 constexpr core::EndpointId survivor = 1'000'000;
 
 /// Told twice a second.
@@ -41,10 +43,14 @@ class RandomKill : public ShmTest {
     reader_ = std::make_unique<Reader>(*node_);
     ASSERT_TRUE(reader_->connects_to(survivor));
     daemon_ = daemon_pid();
+    ASSERT_EQ(writer_->send_frame(), SendStatus::sent);
+    ASSERT_TRUE(reader_->next());
+    chunks_before_ = chunks_.emplace(*node_, 100).free();
   }
   void TearDown() override {
     reader_.reset();
     writer_.reset();
+    chunks_.reset();
     node_.reset();
     ShmTest::TearDown();
   }
@@ -70,16 +76,14 @@ class RandomKill : public ShmTest {
     ASSERT_EQ(sequence_of(sample), writer_->sequence());
   }
 
-  /// The survivors' last sample is out, and at most one chunk for each kill. What a victim was delivering
-  /// sftd heals; what it was just allocating or letting go of stays in use until sftd is idle and begins
-  /// afresh.
-  void expect_memory_accounted_for(std::uint32_t kills) {
+  /// Nothing is taken any more but the survivors' last sample, and all the rest can be had.
+  void expect_all_memory_back(int kills) {
     shm::Usage usage;
     const bool back = eventually(
         [&] {
           (*node_).poll();
           usage = usage_now();
-          return usage.users.size() == 1 && chunks_in_use(usage) <= 1 + kills;
+          return usage.users.size() == 1 && usage.unaudited == 0 && chunks_in_use(usage) == 1;
         },
         10s, 100ms);
     const std::string account = std::to_string(kills) + " kills, " + std::to_string(usage.deaths) +
@@ -88,60 +92,132 @@ class RandomKill : public ShmTest {
                                 std::to_string(chunks_in_use(usage)) + " in use, " +
                                 std::to_string(usage.users.size()) + " users";
     EXPECT_TRUE(back) << account;
-    std::printf("%s\n", account.c_str());
+    std::printf("%s; %s\n", account.c_str(), how_to_repeat().c_str());
+    EXPECT_LE(usage.leaks_healed, usage.deaths) << "more than one chunk each";
+    EXPECT_TRUE(chunks_->comes_to(chunks_before_));
     EXPECT_EQ(daemon_pid(), daemon_) << "the daemon did not survive";
   }
 
   Random random{test_seed()};
   const ::testing::ScopedTrace seed_{__FILE__, __LINE__, how_to_repeat()};
   std::unique_ptr<Node> node_;
+  std::optional<ChunkCounter> chunks_;
+  std::size_t chunks_before_ = 0;
   std::unique_ptr<Writer> writer_;
   std::unique_ptr<Reader> reader_;
   pid_t daemon_ = 0;
 };
 
-// Half of them are read by somebody; some have hardly begun.
-TEST_F(RandomKill, OfWritersWedgesNobodyAndCostsAtMostOneChunkEach) {
-  for (int round = 0; round < writers_killed; ++round) {
+/// What victims do, and how many of them there are.
+struct Life {
+  const char* name;
+  const char* role;  ///< of shm_peer
+  int kills;
+  bool settled;  ///< when it is killed; or it has hardly begun
+  bool is_read = false;
+};
+void PrintTo(const Life& life, std::ostream* out) { *out << life.kills << " kills"; }
+std::string name_of(const ::testing::TestParamInfo<Life>& info) { return info.param.name; }
+
+class RandomKillOfWriters : public RandomKill, public ::testing::WithParamInterface<Life> {};
+
+TEST_P(RandomKillOfWriters, WedgesNobodyAndAllMemoryComesBack) {
+  const Life& life = GetParam();
+  for (int round = 0; round < life.kills; ++round) {
     SCOPED_TRACE(round);
-    const auto id = std::to_string(1 + round);
-    const char* const pace = below(3) == 0 ? "publish-paced" : "publish";
-    Process victim = start_peer({pace, id, std::to_string(below(2) == 0 ? 100 : 60'000)});
+    const auto id = static_cast<core::EndpointId>(1 + round);
+    Process victim =
+        start_peer({life.role, std::to_string(id), std::to_string(below(2) == 0 ? 100 : 60'000)});
     std::optional<Reader> reader;
-    if (below(4) != 0) {
+    if (life.settled) {
       ASSERT_EQ(victim.line(), "publishing");
     }
-    if (below(2) == 0) {
+    if (life.is_read) {
       reader.emplace(*node_);
-      ASSERT_TRUE(reader->connects_to(std::stoull(id)));
+      ASSERT_TRUE(reader->connects_to(id));
       ASSERT_TRUE(reader->next());
     }
     kill_some_time(victim, round);
     expect_others_go_on();
     ASSERT_FALSE(HasFatalFailure());
   }
-  expect_memory_accounted_for(writers_killed);
+  expect_all_memory_back(life.kills);
 }
 
-TEST_F(RandomKill, OfReadersCostsNobodyAnythingButAtMostOneChunkEach) {
-  for (int round = 0; round < readers_killed; ++round) {
+INSTANTIATE_TEST_SUITE_P(Lives, RandomKillOfWriters,
+                         ::testing::Values(Life{"OnesThatNobodyReads", "publish", 45, true},
+                                           Life{"ReadOnes", "publish", 60, true, true},
+                                           Life{"PacedOnes", "publish-paced", 45, true, true},
+                                           Life{"OnesThatHaveHardlyBegun", "publish", 15, false}),
+                         name_of);
+
+class RandomKillOfReaders : public RandomKill, public ::testing::WithParamInterface<Life> {};
+
+// What one had in hand is its writer's, and comes back once that has gone, too.
+TEST_P(RandomKillOfReaders, CostsOthersNothingAndAllMemoryComesBack) {
+  const Life& life = GetParam();
+  for (int round = 0; round < life.kills; ++round) {
     SCOPED_TRACE(round);
-    Process victim = start_peer({"subscribe", std::to_string(survivor)});
-    if (below(4) != 0) {
+    Process victim = start_peer({life.role, std::to_string(survivor)});
+    if (life.settled) {
       ASSERT_EQ(victim.line(), "subscribed");
       const std::uint32_t samples = below(2000);
-      for (std::uint32_t i = 0; i < samples; ++i) {
-        ASSERT_EQ(writer_->send_frame(), SendStatus::sent);
-        const core::SampleHandle sample = reader_->take();
-        ASSERT_TRUE(sample);
-        ASSERT_EQ(sequence_of(sample), writer_->sequence());
-      }
+      for (std::uint32_t i = 0; i < samples; ++i) expect_others_go_on();
     }
     kill_some_time(victim, round);
     expect_others_go_on();
     ASSERT_FALSE(HasFatalFailure());
   }
-  expect_memory_accounted_for(readers_killed);
+  reader_.reset();
+  writer_ = std::make_unique<Writer>(*node_, survivor + 1);
+  ASSERT_EQ(writer_->send_frame(), SendStatus::sent);
+  expect_all_memory_back(life.kills);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lives, RandomKillOfReaders,
+                         ::testing::Values(Life{"ThatTake", "subscribe", 25, true},
+                                           Life{"ThatTakeNowAndThen", "subscribe-paced", 10, true},
+                                           Life{"ThatHaveHardlyBegun", "subscribe", 15, false}),
+                         name_of);
+
+// Of the two peers nobody notices what happened: they go on in the memory of the dead.
+TEST_F(RandomKill, OfDaemonsNeitherHangsNorHarmsWhoIsInATightLoop) {
+  for (core::EndpointId round = 0; round < daemons_killed; ++round) {
+    SCOPED_TRACE(round);
+    Writer writer(*node_, 1);
+    Reader reader(*node_);
+    ASSERT_TRUE(reader.connects_to(1));
+    Process publisher = start_peer({"publish", "2"});
+    ASSERT_EQ(publisher.line(), "publishing");
+    Process subscriber = start_peer({"subscribe", "2"});
+    ASSERT_EQ(subscriber.line(), "subscribed");
+    std::atomic<bool> done{false};
+    std::thread writing([&] {
+      while (!done) writer.send_frame();
+    });
+    core::SampleHandle held;
+    std::uint64_t last = 0;
+    std::thread reading([&] {
+      while (!done) {
+        core::SampleHandle sample = reader.take();
+        if (!sample) continue;
+        EXPECT_GT(sequence_of(sample), last);
+        last = sequence_of(sample);
+        held = std::move(sample);
+      }
+    });
+    poll(nullptr, 0, static_cast<int>(below(30)));
+    ::kill(daemon_pid(), SIGKILL);
+    EXPECT_TRUE(eventually([&] { return (*node_).poll() != core::Availability::ready; }));
+    EXPECT_TRUE(node_->becomes_ready()) << (*node_)->description();
+    done = true;
+    writing.join();
+    reading.join();
+    ASSERT_TRUE(held);
+    EXPECT_EQ(sequence_of(held), last);
+    EXPECT_EQ(field_of(*held, 0), static_cast<std::uint32_t>(last));
+    EXPECT_TRUE(publisher.runs() && subscriber.runs());
+  }
 }
 
 }  // namespace

@@ -56,6 +56,12 @@ Process::~Process() {
   if (output_ >= 0) close(output_);
 }
 
+bool Process::runs() const {
+  siginfo_t end{};
+  return pid_ > 0 && waitid(P_PID, static_cast<id_t>(pid_), &end, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         end.si_pid == 0;
+}
+
 void Process::signal(int signal) const {
   if (pid_ > 0) ::kill(pid_, signal);
 }

@@ -39,6 +39,7 @@ class Process {
   Process& operator=(Process&&) = delete;
 
   pid_t pid() const { return pid_; }
+  bool runs() const;
   void signal(int signal) const;
   void kill();
   /// Waits for its end; -1 if it was killed.

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -28,6 +29,9 @@ void say(const std::string& text) {
   for (;;) pause();
 }
 
+/// Between two rounds of whoever does not go round and round as fast as it can.
+constexpr unsigned pause_us = 200;
+
 /// Publishes frames of that much data without a pause.
 void publish(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Writer writer(node, id);
@@ -35,11 +39,10 @@ void publish(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   for (;;) writer.send_frame(data);
 }
 
-/// The same, some thousand times a second.
 void publish_paced(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Writer writer(node, id);
   say("publishing");
-  for (;; usleep(200)) writer.send_frame(data);
+  for (;; usleep(pause_us)) writer.send_frame(data);
 }
 
 /// Takes 16 chunks and keeps them: half on loan, half sent, as a history would.
@@ -52,15 +55,29 @@ void hoard(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   stay();
 }
 
-/// Takes samples without a pause, and always holds the last few.
-void subscribe(Node& node, sft::core::EndpointId id, std::uint32_t) {
-  Reader reader(node);
-  if (!reader.connects_to(id)) say("cannot connect");
-  say("subscribed");
-  std::vector<SampleHandle> held(4);
-  for (std::size_t i = 0;;) {
-    if (SampleHandle sample = reader.take()) held[i++ % held.size()] = std::move(sample);
+/// Takes samples, and always holds the last few.
+class Taker {
+ public:
+  Taker(Node& node, sft::core::EndpointId id) : reader_(node) {
+    if (!reader_.connects_to(id)) say("cannot connect");
+    say("subscribed");
   }
+  void take() {
+    if (SampleHandle sample = reader_.take()) held_[taken_++ % held_.size()] = std::move(sample);
+  }
+
+ private:
+  Reader reader_;
+  std::array<SampleHandle, 4> held_;
+  std::size_t taken_ = 0;
+};
+
+void subscribe(Node& node, sft::core::EndpointId id, std::uint32_t) {
+  for (Taker taker(node, id);;) taker.take();
+}
+
+void subscribe_paced(Node& node, sft::core::EndpointId id, std::uint32_t) {
+  for (Taker taker(node, id);; usleep(pause_us)) taker.take();
 }
 
 long minor_faults() {
@@ -151,6 +168,7 @@ int main(int argc, char** argv) {
       {"publish-paced", publish_paced},
       {"hoard", hoard},
       {"subscribe", subscribe},
+      {"subscribe-paced", subscribe_paced},
       {"count-faults", count_faults},
       {"try-to-write", try_to_write},
       {"offer", offer},
