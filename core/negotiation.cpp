@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/address_choice.h"
+#include "core/network_id.h"
 
 namespace sft::core {
 
@@ -262,19 +263,21 @@ std::string Negotiation::why_not_shm(const Endpoint& writer, const Endpoint& rea
   if (!reader.may_use_shm) return "the subscriber or its node rules shared memory out";
   const bool we_write = entries_.at(writer.id).type != nullptr;
   const Endpoint& peer = we_write ? reader : writer;
-  if (self_.host.known() && peer.host.known() && peer.host != self_.host) return "another host";
-  if (peer.network != self_.network) return "another host";
+  if (!on_one_machine(peer.network, self_.network)) return "another host";
+  if (self_.host.known() && peer.host.known() && peer.host != self_.host)
+    return "another host or container: it has a /dev/shm of its own";
   if (!self_.host.known()) return "no shared memory: " + self_.shm_state;
   if (we_write && !self_.may_write_shm && peer.host.known()) return "this user may only read shared memory";
-  return "the other side has no shared memory yet";
+  return "the other side has no shared memory yet; its status says why";
 }
 
-/// Of a pair on one network stack, where tokens that differ may be those of a daemon that has just gone.
+/// Of a pair on one machine, where tokens that differ may be those of a daemon that has just gone.
 bool Negotiation::may_come_to_share(const Endpoint& writer, const Endpoint& reader) const {
   const bool we_write = entries_.at(writer.id).type != nullptr;
   const bool read_only = we_write && self_.host.known() && !self_.may_write_shm;
   const Endpoint& peer = we_write ? reader : writer;
-  return writer.may_use_shm && reader.may_use_shm && peer.network == self_.network && !read_only;
+  return writer.may_use_shm && reader.may_use_shm && on_one_machine(peer.network, self_.network) &&
+         !read_only;
 }
 
 Negotiation::Verdict Negotiation::judge(const Entry& ours, const Entry& other) const {

@@ -18,7 +18,8 @@ using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
 constexpr std::uint64_t here = 1;
-constexpr std::uint64_t elsewhere = 2;
+constexpr std::uint64_t beside = 2;  // in a container of the same machine
+constexpr std::uint64_t elsewhere = std::uint64_t{1} << 32;
 
 HostToken token(std::uint8_t n) {
   HostToken t;
@@ -123,6 +124,18 @@ TEST_F(NegotiationTest, AWriterThatMayNotWriteSharedMemoryServesItsHostByUdpAndS
   EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "this user may only read shared memory");
   EXPECT_FALSE(negotiation.local(100)->host.known()) << "others would wait for it there";
   EXPECT_TRUE(negotiation.local(200)->host.known());
+}
+
+TEST_F(NegotiationTest, AReaderInAContainerIsServedInMemoryIfItSharesThatOrIsToldWhatIsMissing) {
+  our_writer();
+  const auto reason = [&](std::uint8_t host) {
+    negotiation.endpoint_seen(endpoint(Role::reader, 7, beside, host));
+    return negotiation.serving(100).readers.at(0).reason;
+  };
+  EXPECT_EQ(reason(1), "same host, shared memory is being attached");
+  EXPECT_EQ(reason(2), "another host or container: it has a /dev/shm of its own");
+  at_host({});
+  EXPECT_EQ(reason(1), "no shared memory: off");
 }
 
 TEST_F(NegotiationTest, AReaderIsReachedInANetworkThatWeAreInToo) {
