@@ -18,9 +18,10 @@ std::uint64_t network_id() noexcept {
   if (boot.empty() || stat("/proc/self/ns/net", &space) != 0) return random_id();
   Fnv1a hash;
   hash.add(boot);
+  const std::uint64_t machine = hash.value() >> 32 << 32;
   hash.add(space.st_dev);
   hash.add(space.st_ino);
-  return hash.value();
+  return machine | static_cast<std::uint32_t>(hash.value() ^ hash.value() >> 32);
 }
 
 }  // namespace sft::core

@@ -1,11 +1,16 @@
 // Which network stack this process is in: equal for processes between which 127.0.0.1 is the same address.
+// One machine has several where there are containers.
 #pragma once
 
 #include <cstdint>
 
 namespace sft::core {
 
-/// Hash of the boot's id and of the network namespace.
+/// Hash of the boot's id, and below it, in the lower half, one of the network namespace as well.
 std::uint64_t network_id() noexcept;
+
+constexpr bool on_one_machine(std::uint64_t network, std::uint64_t other) {
+  return network >> 32 == other >> 32;
+}
 
 }  // namespace sft::core

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/network_id.h"
+
 namespace sft::core {
 
 namespace {
@@ -10,19 +12,20 @@ std::string why_not_shm(const Pair& pair, const Self& self) {
   if (!pair.writer.may_use_shm) return "the publisher or its node rules shared memory out";
   if (!pair.reader.may_use_shm) return "the subscriber or its node rules shared memory out";
   const Endpoint& peer = pair.peer();
-  if (self.host.known() && peer.host.known() && peer.host != self.host) return "another host";
-  if (peer.network != self.network) return "another host";
+  if (!on_one_machine(peer.network, self.network)) return "another host";
+  if (self.host.known() && peer.host.known() && peer.host != self.host)
+    return "another host or container: it has a /dev/shm of its own";
   if (!self.host.known()) return "no shared memory: " + self.shm_state;
   if (pair.we_write && !self.may_write_shm && peer.host.known())
     return "this user may only read shared memory";
-  return "the other side has no shared memory yet";
+  return "the other side has no shared memory yet; its status says why";
 }
 
-/// Of a pair on one network stack, where tokens that differ may be those of a daemon that has just gone.
+/// Of a pair on one machine, where tokens that differ may be those of a daemon that has just gone.
 bool may_come_to_share(const Pair& pair, const Self& self) {
   const bool read_only = pair.we_write && self.host.known() && !self.may_write_shm;
-  return pair.writer.may_use_shm && pair.reader.may_use_shm && pair.peer().network == self.network &&
-         !read_only;
+  return pair.writer.may_use_shm && pair.reader.may_use_shm &&
+         on_one_machine(pair.peer().network, self.network) && !read_only;
 }
 
 void compare_types(const Pair& pair, const TypeSupport& type, TypeComparisons& comparisons,

@@ -1,11 +1,10 @@
 #include "shm_transport/daemon_link.h"
 
-#include <fcntl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <utility>
 
 #include "core/random_id.h"
 
@@ -14,10 +13,6 @@ namespace sft::shm {
 namespace {
 
 using core::Availability;
-using namespace std::chrono_literals;
-
-constexpr Clock::duration first_backoff = 500ms;
-constexpr Clock::duration longest_backoff = 10s;
 
 /// sft_<prefix>_<pid>_<random>: unique among the processes that a daemon serves, as it must be.
 std::string make_runtime_name(const std::string& prefix) {
@@ -31,8 +26,7 @@ std::string make_runtime_name(const std::string& prefix) {
 
 /// iceoryx's socket answers, but there is no sign of sftd in /dev/shm.
 std::string why_roudi_is_not_ours() {
-  const Descriptor lock(open(daemon_lock_path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  if (lock && is_locked(lock.get())) {
+  if (is_locked_at(daemon_lock_path)) {
     return "sftd is running with another /dev/shm than this program's; share it (docker run --ipc=host)";
   }
   return "iceoryx is served by another daemon than sftd (its iox-roudi?); stop that one, and sftd will be "
@@ -71,12 +65,14 @@ void DaemonLink::look(const ShmOptions& options, Clock::time_point now) {
   if (found.finding == HostWatch::Finding::starting) return await_host_file(options, now);
   deadline_.reset();
   if (found.finding == HostWatch::Finding::alive) {
-    if (now >= next_attempt_) begin_registration(options, std::move(*found.watch), now);
+    const auto& token = found.watch->file().token;
+    if (std::exchange(registered_with_, token) != token) registering_.succeeded();
+    if (registering_.due(now)) begin_registration(options, std::move(*found.watch), now);
   } else if (listener_at(roudi_socket_path) != Listener::gone) {
     publish(Availability::unavailable, why_roudi_is_not_ours());
   } else if (!options.start_daemon) {
     publish(Availability::unavailable, "no sftd is running, and starting one is turned off; run sftd");
-  } else if (now >= next_attempt_) {
+  } else if (launching_.due(now)) {
     launch(options, now);
   }
 }
@@ -93,7 +89,7 @@ void DaemonLink::await_host_file(const ShmOptions& options, Clock::time_point no
 
 void DaemonLink::launch(const ShmOptions& options, Clock::time_point now) {
   auto launched = DaemonLaunch::begin(options);
-  if (!launched) return give_up(launched.error().message, now);
+  if (!launched) return give_up(launching_, launched.error().message, now);
   launch_.emplace(std::move(*launched));
   deadline_ = now + options.start_deadline;
   phase_ = Phase::launching;
@@ -104,29 +100,30 @@ void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) 
   const auto outcome = launch_->poll();
   if (!outcome && now >= *deadline_) {
     launch_.reset();
-    return give_up("sftd was started but does not get ready; is the machine overloaded?", now);
+    return give_up(launching_, "sftd was started but does not get ready; is the machine overloaded?", now);
   }
   if (!outcome) return;
   launch_.reset();
-  if (!outcome->complaint.empty()) return give_up(outcome->complaint, now);
+  if (!outcome->complaint.empty()) return give_up(launching_, outcome->complaint, now);
   phase_ = Phase::looking;
   deadline_.reset();
   // A daemon that ends as soon as it is ready would be started again and again without this.
-  next_attempt_ = now;
+  launching_.failed({}, now);
   look(options, now);
-  if (phase_ == Phase::looking) next_attempt_ = now + first_backoff;
 }
 
 void DaemonLink::begin_registration(const ShmOptions& options, HostWatch watch, Clock::time_point now) {
   if (watch.file().protocol != host_protocol) {
     return give_up(
+        registering_,
         daemon_name(watch.file().pid) +
             " is of another version than this program; end it (sftd stop), and start that of this one",
         now);
   }
   auto channel = RoudiChannel::open(make_runtime_name(options.runtime_name_prefix));
   if (!channel) {
-    return give_up(daemon_name(watch.file().pid) + " cannot be reached: " + channel.error().message, now);
+    return give_up(registering_,
+                   daemon_name(watch.file().pid) + " cannot be reached: " + channel.error().message, now);
   }
   channel_ = std::move(*channel);
   watch_.emplace(std::move(watch));
@@ -140,19 +137,21 @@ std::shared_ptr<Session> DaemonLink::await_registration(const std::shared_ptr<Ic
   const auto answer = channel_->poll_registration();
   const std::string name = daemon_name(watch_->file().pid);
   if (!answer) {
-    give_up(answer.error().message, now);
+    give_up(registering_, answer.error().message, now);
   } else if (!watch_->daemon_lives()) {
-    give_up(name + " went away while this process registered", now);
+    give_up(registering_, name + " went away while this process registered", now);
   } else if (!*answer && now >= *deadline_) {
-    give_up(name + " does not answer; is it stopped, or does it already serve 300 processes?", now);
+    give_up(registering_, name + " does not answer; is it stopped, or does it already serve 300 processes?",
+            now);
   } else if (*answer) {
     auto session = Session::open(runtime, std::move(*watch_), std::move(channel_), **answer);
     watch_.reset();
     if (!session) {
-      give_up(session.error().message, now);
+      give_up(registering_, session.error().message, now);
       return nullptr;
     }
-    backoff_ = Clock::duration::zero();
+    launching_.succeeded();
+    registering_.succeeded();
     phase_ = Phase::in_session;
     publish(Availability::ready, "iceoryx 2.0.3, hosted by " + name, *session);
     return *session;
@@ -168,21 +167,19 @@ std::shared_ptr<Session> DaemonLink::watch_session() {
   }
   // Without a session everybody let go of the last one, which said goodbye by that.
   phase_ = Phase::looking;
-  next_attempt_ = {};
   publish(Availability::starting,
           session != nullptr ? daemon_name(session->daemon_pid()) + " is gone" : "looks for sftd");
   if (session != nullptr) session->lose();
   return nullptr;
 }
 
-void DaemonLink::give_up(std::string reason, Clock::time_point now) {
+void DaemonLink::give_up(core::Retry& attempt, const std::string& reason, Clock::time_point now) {
   channel_.reset();
   watch_.reset();
   deadline_.reset();
   phase_ = Phase::looking;
-  backoff_ = std::clamp(backoff_ * 2, first_backoff, longest_backoff);
-  next_attempt_ = now + backoff_;
-  publish(Availability::unavailable, std::move(reason));
+  attempt.failed(reason, now);
+  publish(Availability::unavailable, reason);
 }
 
 void DaemonLink::publish(Availability availability, std::string description,

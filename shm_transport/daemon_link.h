@@ -2,6 +2,7 @@
 // notices its death. A state machine that never waits; it is advanced by whoever polls.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <memory>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "core/retry.h"
 #include "core/transport.h"
 #include "shm_transport/daemon_launch.h"
 #include "shm_transport/session.h"
@@ -43,7 +45,7 @@ class DaemonLink {
                                               Clock::time_point now);
   std::shared_ptr<Session> watch_session();
 
-  void give_up(std::string reason, Clock::time_point now);
+  void give_up(core::Retry& attempt, const std::string& reason, Clock::time_point now);
   void publish(core::Availability availability, std::string description,
                std::shared_ptr<Session> session = nullptr);
   State current() const;
@@ -55,8 +57,9 @@ class DaemonLink {
   std::optional<HostWatch> watch_;
   std::unique_ptr<RoudiChannel> channel_;
   std::optional<Clock::time_point> deadline_;  ///< of what the phase waits for
-  Clock::time_point next_attempt_{};  ///< launches and registrations that failed are not repeated before
-  Clock::duration backoff_ = Clock::duration::zero();
+  core::Retry launching_;
+  core::Retry registering_;  ///< with the daemon of this token: another one owes nothing
+  std::array<std::uint8_t, 16> registered_with_{};
 
   mutable std::mutex mutex_;  // guards what is seen from outside
   core::Availability availability_ = core::Availability::starting;

@@ -37,17 +37,16 @@ Descriptor open_or_create(const std::string& path) {
   return Descriptor(open(path.c_str(), flags | O_CREAT | O_EXCL, 0644));
 }
 
-/// For a file of another user, which may be neither written nor removed: whether somebody lives behind it.
-bool held_by_other_user(const std::string& path) {
-  const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  return file && is_locked(file.get());
-}
-
 }  // namespace
 
 bool is_locked(int descriptor) noexcept {
   struct flock lock = whole_file();
   return fcntl(descriptor, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+}
+
+bool is_locked_at(const char* path) noexcept {
+  const Descriptor file(open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  return file && is_locked(file.get());
 }
 
 Result<FileLock> FileLock::take(const std::string& path) {
@@ -57,7 +56,8 @@ Result<FileLock> FileLock::take(const std::string& path) {
     if (!file) {
       const int error = errno;
       if (error == EEXIST) continue;
-      if (held_by_other_user(path)) return fail(Errc::address_in_use, path + " is locked");
+      // Of another user, whose file may be neither written nor removed.
+      if (is_locked_at(path.c_str())) return fail(Errc::address_in_use, path + " is locked");
       errno = error;
       return fail_on(path);
     }

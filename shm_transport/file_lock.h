@@ -40,5 +40,7 @@ class FileLock {
 
 /// Whether another open file description holds the lock of this file. Takes nothing.
 bool is_locked(int descriptor) noexcept;
+/// The same of the file that is there now; false if there is none.
+bool is_locked_at(const char* path) noexcept;
 
 }  // namespace sft::shm

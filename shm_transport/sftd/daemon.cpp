@@ -102,6 +102,16 @@ bool wait_until(Clock::time_point deadline, Condition condition) {
   return true;
 }
 
+/// Its sign in /dev/shm comes a moment after its lock in /tmp.
+tl::unexpected<StartFailure> refuse_beside_another() {
+  const auto settled = [] {
+    return HostWatch::look().finding != HostWatch::Finding::absent || !is_locked_at(daemon_lock_path);
+  };
+  if (wait_until(Clock::now() + 1s, settled)) return refuse(ExitCode::done, "already running");
+  return refuse(ExitCode::failed,
+                "an sftd with another /dev/shm has the same /tmp; share both with its container, or neither");
+}
+
 }  // namespace
 
 Daemon::Daemon(const DaemonSettings& settings, const Log& log, FileLock only_one, FileLock host_file,
@@ -121,7 +131,7 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log) {
   if (!groups) return refuse(code_of(groups.error()), groups.error().message);
   auto only_one = FileLock::take(daemon_lock_path);
   if (!only_one) {
-    if (only_one.error().code == Errc::address_in_use) return refuse(ExitCode::done, "already running");
+    if (only_one.error().code == Errc::address_in_use) return refuse_beside_another();
     return refuse(ExitCode::failed,
                   only_one.error().message + "; another user's sftd may have left it: remove it");
   }
@@ -136,8 +146,8 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log) {
   if (!host_file) {
     return refuse(ExitCode::failed,
                   host_file.error().message +
-                      "; an sftd of another container may use the same /dev/shm, which needs the same "
-                      "/tmp too");
+                      "; an sftd with another /tmp has the same /dev/shm: share both with its container, or "
+                      "neither");
   }
   std::unique_ptr<Daemon> daemon(
       new Daemon(settings, log, std::move(*only_one), std::move(*host_file), std::move(*groups)));

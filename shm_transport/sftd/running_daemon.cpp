@@ -1,6 +1,5 @@
 #include "shm_transport/sftd/running_daemon.h"
 
-#include <fcntl.h>
 #include <pwd.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -58,8 +57,7 @@ tl::expected<RunningDaemon, RunningDaemon::Absence> RunningDaemon::find() {
   if (found.finding == HostWatch::Finding::starting)
     return tl::unexpected(
         Absence{ExitCode::no_answer, "the daemon is starting, or was stopped while it did"});
-  const Descriptor lock(open(daemon_lock_path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  if (lock && is_locked(lock.get()))
+  if (is_locked_at(daemon_lock_path))
     return tl::unexpected(
         Absence{ExitCode::not_running, "the daemon is starting or ending, or has another /dev/shm"});
   return tl::unexpected(Absence{ExitCode::not_running, "no daemon is running"});

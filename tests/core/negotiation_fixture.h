@@ -16,7 +16,8 @@ class NegotiationTest : public ::testing::Test {
   using PointCloud2 = sensor_msgs::msg::PointCloud2;
   using F = PointCloud2::Field;
   static constexpr std::uint64_t here = 1;
-  static constexpr std::uint64_t elsewhere = 2;
+  static constexpr std::uint64_t beside = 2;  ///< in a container of the same machine
+  static constexpr std::uint64_t elsewhere = std::uint64_t{1} << 32;
 
   NegotiationTest() { at_host(token(1)); }
 

@@ -29,6 +29,18 @@ TEST_F(NegotiationTest, AWriterThatMayNotWriteSharedMemoryServesItsHostByUdpAndS
   EXPECT_TRUE(negotiation.local(200)->host.known());
 }
 
+TEST_F(NegotiationTest, AReaderInAContainerIsServedInMemoryIfItSharesThatOrIsToldWhatIsMissing) {
+  our_writer();
+  const auto reason = [&](std::uint8_t host) {
+    negotiation.endpoint_seen(endpoint(Role::reader, 7, beside, host));
+    return negotiation.serving(100).readers.at(0).reason;
+  };
+  EXPECT_EQ(reason(1), "same host, shared memory is being attached");
+  EXPECT_EQ(reason(2), "another host or container: it has a /dev/shm of its own");
+  at_host({});
+  EXPECT_EQ(reason(1), "no shared memory: off");
+}
+
 TEST_F(NegotiationTest, AReaderThatRulesUdpOutIsNotServedBeforeItIsAttached) {
   our_writer();
   Endpoint reader = endpoint(Role::reader, 7, here, 1);

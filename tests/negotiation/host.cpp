@@ -56,34 +56,41 @@ void set_address(int control, unsigned long what, std::uint32_t ipv4) {
   checked(ioctl(control, what, &request), "the address of eth0");
 }
 
+void mounted(bool done) {
+  if (!done) throw std::system_error(errno, std::generic_category(), "mount");
+}
+
 }  // namespace
 
 Host::Host(Network& network) : network_(&network) {
-  make(CLONE_NEWNET | CLONE_NEWNS, [this] {
-    control_ = checked(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0), "socket");
-    port_ = network_->plug_in();
-    set_up(control_, "lo", true);
-    set_address(control_, SIOCSIFADDR, first_address + static_cast<std::uint32_t>(port_));
-    set_address(control_, SIOCSIFNETMASK, netmask);
-    set_up(control_, "eth0", true);
+  make([this] {
+    join_network();
+    mounted(mount_own_memory());
   });
 }
 
-Host::Host(SameNetworkAs other)
-    : network_(other.host.network_),
-      port_(other.host.port_),
-      control_(checked(fcntl(other.host.control_, F_DUPFD_CLOEXEC, 0), "dup")) {
-  make(CLONE_NEWNS, [&] { checked(setns(other.host.network_namespace_, CLONE_NEWNET), "setns"); });
+Host::Host(const Host& neighbour, const Shared& shared) : network_(neighbour.network_) {
+  make([&] {
+    if (shared.network) {
+      checked(setns(neighbour.network_namespace_, CLONE_NEWNET), "setns");
+      port_ = neighbour.port_;
+      control_ = checked(fcntl(neighbour.control_, F_DUPFD_CLOEXEC, 0), "dup");
+    } else {
+      join_network();
+    }
+    checked(setns(neighbour.mount_namespace_, CLONE_NEWNS), "setns");
+    checked(unshare(CLONE_NEWNS), "unshare");  // a copy: the neighbour's stay as they are
+    mounted((shared.shm || mount_own_shm()) && (shared.tmp || mount_own_tmp()));
+  });
 }
 
 /// A thread can be in other namespaces than the rest of its process; the descriptors keep them when it ends.
-void Host::make(int namespaces, const std::function<void()>& furnish) {
+void Host::make(const std::function<void()>& furnish) {
   std::exception_ptr failure;
   std::thread([&] {
     try {
-      checked(unshare(namespaces), "unshare");
+      checked(unshare(CLONE_NEWNS), "unshare");
       furnish();
-      if (!mount_own_memory()) throw std::system_error(errno, std::generic_category(), "mount");
       network_namespace_ = checked(open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC), "ns/net");
       mount_namespace_ = checked(open("/proc/thread-self/ns/mnt", O_RDONLY | O_CLOEXEC), "ns/mnt");
     } catch (...) {
@@ -91,6 +98,17 @@ void Host::make(int namespaces, const std::function<void()>& furnish) {
     }
   }).join();
   if (failure) std::rethrow_exception(failure);
+}
+
+/// With a network stack of its own, in the calling thread.
+void Host::join_network() {
+  checked(unshare(CLONE_NEWNET), "unshare");
+  control_ = checked(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0), "socket");
+  port_ = network_->plug_in();
+  set_up(control_, "lo", true);
+  set_address(control_, SIOCSIFADDR, first_address + static_cast<std::uint32_t>(port_));
+  set_address(control_, SIOCSIFNETMASK, netmask);
+  set_up(control_, "eth0", true);
 }
 
 Host::~Host() {

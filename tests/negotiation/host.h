@@ -17,11 +17,14 @@ class Host {
  public:
   /// On the network, as 10.78.0.x.
   explicit Host(Network& network);
-  /// On the network stack of another one, but with memory of its own: a container.
-  struct SameNetworkAs {
-    const Host& host;
+  /// What a container shares with its neighbour. What it does not share is its own: eth0 is on the same
+  /// network.
+  struct Shared {
+    bool network = false;
+    bool shm = false;  ///< /dev/shm
+    bool tmp = false;
   };
-  explicit Host(SameNetworkAs other);
+  Host(const Host& neighbour, const Shared& shared);
   ~Host();
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
@@ -35,7 +38,8 @@ class Host {
   bool enter() const noexcept;
 
  private:
-  void make(int namespaces, const std::function<void()>& furnish);
+  void make(const std::function<void()>& furnish);
+  void join_network();
 
   Network* network_;
   std::size_t port_ = 0;

@@ -14,7 +14,7 @@ using nlohmann::json;
 /// A peer that dies or does not answer ends the test, by an exception.
 class Peer {
  public:
-  /// Options: cyclonedds, port (peer_main.cpp).
+  /// Options: cyclonedds, port, start_daemon (peer_main.cpp).
   Peer(const Host& host, std::string name, json options = json::object());
   ~Peer();
   Peer(const Peer&) = delete;

@@ -27,7 +27,7 @@ Node open_node(const json& options) {
   node.name = options.at("name").get<std::string>();
   if (options.contains("cyclonedds")) node.cyclonedds_config = options["cyclonedds"].get<std::string>();
   node.udp.port = options.value<std::uint16_t>("port", 0);
-  node.shm.start_daemon = false;  // when there is shared memory is for the test to say
+  node.shm.start_daemon = options.value("start_daemon", false);  // else the test says when there is memory
   auto opened = Node::open(node);
   if (!opened) throw std::runtime_error(opened.error().message);
   return std::move(*opened);

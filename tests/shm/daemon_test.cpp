@@ -466,5 +466,16 @@ TEST_F(NodeWithoutDaemon, FindsOneThatIsStartedLater) {
   EXPECT_TRUE(node.becomes_ready()) << node->description();
 }
 
+TEST_F(NodeWithoutDaemon, FindsOneAtOnceHoweverOftenStartingOneHasFailed) {
+  shm::ShmOptions options;
+  options.daemon_path = "/nowhere/sftd";
+  Node node(options);
+  auto now = Clock::now();
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(node->poll(now += 20s), Availability::unavailable);
+  Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
+  ASSERT_EQ(daemon.line(), "sftd: ready");
+  EXPECT_TRUE(eventually([&] { return node->poll(now) == Availability::ready; })) << node->description();
+}
+
 }  // namespace
 }  // namespace sft::test

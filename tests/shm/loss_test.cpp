@@ -196,15 +196,14 @@ TEST_F(StoppedDaemon, HangsNoCallBeyondItsDeadline) {
   auto reader = std::make_unique<Reader>(node);
   ASSERT_TRUE(reader->connects_to(1));
   stop_daemon();
-  EXPECT_LT(
-      time_of([&] {
-        const auto refused = node->open_writer({.id = 2, .type = &frame_type()});
-        ASSERT_FALSE(refused);
-        EXPECT_NE(refused.error().message.find("stopped"), std::string::npos) << refused.error().message;
-      }),
-      1s);
-  EXPECT_LT(time_of([&] { EXPECT_FALSE(reader->port().connect({.writer = 9})); }),
+  EXPECT_LT(time_of([&] {
+              const auto refused = node->open_writer({.id = 2, .type = &frame_type()});
+              ASSERT_FALSE(refused);
+              EXPECT_NE(refused.error().message.find("stopped"), std::string::npos)
+                  << refused.error().message;
+            }),
             1s);
+  EXPECT_LT(time_of([&] { EXPECT_FALSE(reader->port().connect({.writer = 9})); }), 1s);
   EXPECT_LT(time_of([&] {
               EXPECT_EQ(writer.send_frame(), SendStatus::sent);
               EXPECT_TRUE(reader->take());
@@ -236,6 +235,22 @@ TEST_F(StoppedDaemon, IsNamedToANodeThatComesThen) {
   EXPECT_NE(node->description().find("stopped"), std::string::npos) << node->description();
   ::kill(daemon_pid(), SIGCONT);
   EXPECT_TRUE(node.becomes_ready()) << node->description();
+}
+
+TEST_F(StoppedDaemon, MakesNobodyWaitForTheNextOne) {
+  Process first = start_peer({"attend"});
+  ASSERT_EQ(first.line(), "ready");
+  stop_daemon();
+  Node node(no_daemon());
+  auto now = Clock::now();
+  for (int refusals = 0; refusals < 5;) {
+    refusals += node->poll(now += 20s) == Availability::unavailable ? 1 : 0;
+  }
+  first.kill();
+  end_daemon();
+  Process next({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
+  ASSERT_EQ(next.line(), "sftd: ready");
+  EXPECT_TRUE(eventually([&] { return node->poll(now) == Availability::ready; })) << node->description();
 }
 
 TEST_F(StoppedDaemon, AnswersLaterAndTheLateAnswersHarmNobody) {

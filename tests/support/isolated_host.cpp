@@ -47,17 +47,6 @@ bool mount_shm(const char* size) {
   return mount("tmpfs", "/dev/shm", "tmpfs", 0, (std::string("mode=1777,size=") + size).c_str()) == 0;
 }
 
-/// The build may itself lie in /tmp: its programs are put into the new one at the same place.
-bool mount_tmp() {
-  const std::string& programs = program_directory();
-  const int directory = open(programs.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-  if (mount("tmpfs", "/tmp", "tmpfs", 0, "mode=1777,size=256m") != 0) return false;
-  if (access(programs.c_str(), F_OK) == 0) return true;
-  std::filesystem::create_directories(programs);
-  const std::string source = "/proc/self/fd/" + std::to_string(directory);
-  return mount(source.c_str(), programs.c_str(), nullptr, MS_BIND, nullptr) == 0;
-}
-
 /// Discovery multicasts, and there is no interface but this one.
 bool bring_loopback_up() {
   const int control = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -101,7 +90,20 @@ const std::string& program_directory() {
   return directory;
 }
 
-bool mount_own_memory() { return mount_shm(shm_size) && mount_tmp(); }
+bool mount_own_shm() { return mount_shm(shm_size); }
+
+/// The build may itself lie in /tmp: its programs are put into the new one at the same place.
+bool mount_own_tmp() {
+  const std::string& programs = program_directory();
+  const int directory = open(programs.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
+  if (mount("tmpfs", "/tmp", "tmpfs", 0, "mode=1777,size=256m") != 0) return false;
+  if (access(programs.c_str(), F_OK) == 0) return true;
+  std::filesystem::create_directories(programs);
+  const std::string source = "/proc/self/fd/" + std::to_string(directory);
+  return mount(source.c_str(), programs.c_str(), nullptr, MS_BIND, nullptr) == 0;
+}
+
+bool mount_own_memory() { return mount_own_shm() && mount_own_tmp(); }
 
 int run_isolated(const std::function<int()>& run) {
   program_directory();  // while /proc is still the one of this process

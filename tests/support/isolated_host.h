@@ -16,8 +16,10 @@ int run_isolated(const std::function<int()>& run);
 /// Empty if this program is isolated: tests that need it skip by this otherwise.
 const std::string& isolation_refusal();
 
-/// Mounts an empty /dev/shm and /tmp, in which the programs stay in sight. REQUIRES: a mount namespace of
-/// one's own, made by a process that is isolated.
+// Mount an empty /dev/shm, an empty /tmp, in which the programs stay in sight, or both. REQUIRES: a mount
+// namespace of one's own, made by a process that is isolated.
+bool mount_own_shm();
+bool mount_own_tmp();
 bool mount_own_memory();
 
 /// A /dev/shm of another size, while it lives.
