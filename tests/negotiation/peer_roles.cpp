@@ -1,7 +1,9 @@
 #include "tests/negotiation/peer_roles.h"
 
+#include <atomic>
 #include <sensor_msgs/msg/Image.hpp>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "sft/typesupport/type_description.h"
@@ -161,23 +163,16 @@ Publishing::Publishing(Node& node, const std::string& topic, const json& options
 void Publishing::publish_next() { publisher_.publish(message(++published_)); }
 
 void Publishing::publish(std::uint64_t count, std::chrono::microseconds period) {
+  Pace pace(period);
   for (std::uint64_t i = 0; i < count; ++i) {
     publish_next();
-    std::this_thread::sleep_for(period);
+    pace.await_turn();
   }
 }
 
 void Publishing::start(std::chrono::microseconds period) {
   stop();
-  stopped_ = false;
-  thread_ = std::thread([this, period] {
-    while (!stopped_) publish(1, period);
-  });
-}
-
-void Publishing::stop() {
-  stopped_ = true;
-  if (thread_.joinable()) thread_.join();
+  ticker_.emplace(period, [this](std::uint32_t) { publish_next(); });
 }
 
 std::unique_ptr<Subscribing> Subscribing::open(Node& node, const std::string& topic,

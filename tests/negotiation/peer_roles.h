@@ -3,16 +3,16 @@
 
 #include <sft/sft.h>
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
-#include <thread>
 
 #include "tests/negotiation/taken.h"
+#include "tests/support/pace.h"
 
 namespace sft::test {
 
@@ -31,12 +31,11 @@ class EventList {
 class Publishing {
  public:
   Publishing(Node& node, const std::string& topic, const nlohmann::json& options, EventList& events);
-  ~Publishing() { stop(); }
 
   void publish(std::uint64_t count, std::chrono::microseconds period);
   /// Until stop(), on a thread.
   void start(std::chrono::microseconds period);
-  void stop();
+  void stop() { ticker_.reset(); }
   PublisherStatus status() const { return publisher_.status(); }
 
  private:
@@ -44,8 +43,7 @@ class Publishing {
 
   Publisher<PointCloud2> publisher_;
   std::uint64_t published_ = 0;
-  std::atomic<bool> stopped_{true};
-  std::thread thread_;
+  std::optional<Ticker> ticker_;  // goes first
 };
 
 /// Takes on a thread of its own whatever comes.

@@ -1,11 +1,11 @@
 // Quality of service as a user sees it, over every transport.
 #include <atomic>
+#include <functional>
 #include <mutex>
-#include <thread>
+#include <sensor_msgs/msg/Image.hpp>
 #include <vector>
 
-#include <sensor_msgs/msg/Image.hpp>
-
+#include "tests/support/pace.h"
 #include "tests/system/fixture.h"
 
 namespace sft::test {
@@ -41,35 +41,35 @@ class EventLog {
 
 using sensor_msgs::msg::Image;
 
+/// Takes samples as they come: each once, in order, and no gap but before the first.
+template <class S>
+void expect_unbroken(S& late, int samples) {
+  std::uint64_t last = 0;
+  for (int taken = 0; taken < samples && late.wait(5s); ++taken) {
+    const auto sample = late.take();
+    if (last != 0) {
+      ASSERT_EQ(sample.info().sequence, last + 1);
+    }
+    last = sample.info().sequence;
+  }
+  EXPECT_EQ(late.status().lost, 0U);
+}
+
 /// A late subscriber beside another that has been there: each sample once, in order, from the history on.
 void expect_history_beside_others(Node& a, Node& b) {
   auto pub = a.publisher<PointCloud2>("points", {.durability = transient_local, .history_depth = 10}).value();
   auto early = b.subscriber<PointCloud2>("points", {.depth = 1000}).value();
   ASSERT_TRUE(eventually([&] { return pub.status().readers.size() == 1 && pub.status().readers[0].served; }));
-  std::atomic<bool> done{false};
-  std::thread publishing([&] {
-    PointCloud2 message;
-    message.data.resize(3000);
-    for (std::uint32_t i = 1; !done; ++i) {
-      message.height = i;
-      pub.publish(message);
-      std::this_thread::sleep_for(500us);
-    }
+  PointCloud2 message;
+  message.data.resize(3000);
+  const Ticker publishing(500us, [&](std::uint32_t i) {
+    message.height = i;
+    pub.publish(message);
   });
   for (int round = 0; round < 5; ++round) {
     auto late = b.subscriber<PointCloud2>("points", {.durability = transient_local, .depth = 1000}).value();
-    std::uint64_t last = 0;
-    for (int taken = 0; taken < 600 && late.wait(5s); ++taken) {
-      const auto sample = late.take();
-      if (last != 0) {
-        EXPECT_EQ(sample.info().sequence, last + 1);
-      }
-      last = sample.info().sequence;
-    }
-    EXPECT_EQ(late.status().lost, 0U);
+    expect_unbroken(late, 600);
   }
-  done = true;
-  publishing.join();
 }
 
 class QosTest : public PubSubTest {
@@ -260,27 +260,11 @@ TEST_P(QosTest, ALateSubscriberGetsTheLastSamplesInOrderAndLiveOnesBehind) {
 TEST_P(QosTest, BetweenHistoryAndLiveSamplesNothingIsMissingAndNothingTwice) {
   if (in_shared_memory()) GTEST_SKIP() << "no history without UDP";
   auto pub = a.publisher<PointCloud2>("points", {.durability = transient_local, .history_depth = 10}).value();
-  std::atomic<bool> done{false};
-  std::thread publishing([&] {
-    for (std::uint32_t i = 1; !done; ++i) {
-      pub.publish(cloud(i, 3000));
-      std::this_thread::sleep_for(200us);
-    }
-  });
+  const Ticker publishing(200us, [&](std::uint32_t i) { pub.publish(cloud(i, 3000)); });
   for (int round = 0; round < 10; ++round) {
     auto late = b.subscriber<PointCloud2>("points", {.durability = transient_local, .depth = 1000}).value();
-    std::uint64_t last = 0;
-    for (int taken = 0; taken < 100 && late.wait(5s); ++taken) {
-      const auto sample = late.take();
-      if (last != 0) {
-        ASSERT_EQ(sample.info().sequence, last + 1);
-      }
-      last = sample.info().sequence;
-    }
-    EXPECT_EQ(late.status().lost, 0U);
+    expect_unbroken(late, 100);
   }
-  done = true;
-  publishing.join();
 }
 
 // Others, of the same mask in the same process, have live samples all the time.
@@ -302,28 +286,6 @@ TEST_P(QosTest, WhatHasExpiredIsNotGivenToLateSubscribers) {
   const auto first = late.take();
   EXPECT_EQ(first->height(), 4U);
 }
-
-/// Publishes at that rate until it goes.
-class Ticker {
- public:
-  Ticker(Publisher<PointCloud2>& pub, std::chrono::microseconds period)
-      : thread_([&pub, period, this] {
-          auto next = std::chrono::steady_clock::now();
-          for (std::uint32_t i = 1; !done_; ++i) {
-            pub.publish({.height = i});
-            next += period;
-            std::this_thread::sleep_until(next);
-          }
-        }) {}
-  ~Ticker() {
-    done_ = true;
-    thread_.join();
-  }
-
- private:
-  std::atomic<bool> done_{false};
-  std::thread thread_;
-};
 
 class RateTest : public QosTest {
  protected:
@@ -350,13 +312,14 @@ class RateTest : public QosTest {
     return heard;
   }
   Publisher<PointCloud2> pub = a.publisher<PointCloud2>("points").value();
+  const std::function<void(std::uint32_t)> publish = [this](std::uint32_t i) { pub.publish({.height = i}); };
 };
 
 TEST_P(RateTest, ASlowReaderOfAFastPublisherGetsItsRateAndLosesNothing) {
   auto sub = b.subscriber<PointCloud2, F::height>("points", {.max_rate_hz = 10}).value();
   expect_served(pub, 1);
   EXPECT_EQ(pub.status().readers.at(0).max_rate_hz, 10);
-  const Ticker ticker(pub, period);
+  const Ticker ticker(period, publish, Keeps::rate);
   const Heard heard = hear(sub, 15);
   ASSERT_EQ(heard.samples, 15U);
   EXPECT_NEAR(heard.rate(), 10, 1.5);
@@ -373,7 +336,7 @@ TEST_P(RateTest, ReadersOfOneProcessHaveEachTheirOwn) {
   auto slow = b.subscriber<PointCloud2, F::height>("points", {.depth = 64, .max_rate_hz = 20}).value();
   auto slower = b.subscriber<PointCloud2, F::height>("points", {.depth = 64, .max_rate_hz = 5}).value();
   expect_served(pub, 3);
-  const Ticker ticker(pub, period);
+  const Ticker ticker(period, publish, Keeps::rate);
   for (auto* sub : {&slow, &slower}) (void)hear(*sub, 3);  // they may begin with what was saved
   const Heard of_slow = hear(slow, 20);
   EXPECT_NEAR(of_slow.rate(), 20, 3);
@@ -388,7 +351,7 @@ TEST_P(RateTest, ReadersOfOneProcessHaveEachTheirOwn) {
 TEST_P(RateTest, TheRateChangesWhileSamplesFlow) {
   auto sub = b.subscriber<PointCloud2, F::height>("points", {.max_rate_hz = 5}).value();
   expect_served(pub, 1);
-  const Ticker ticker(pub, period);
+  const Ticker ticker(period, publish, Keeps::rate);
   (void)hear(sub, 3);
   ASSERT_TRUE(sub.set_max_rate_hz(0));
   ASSERT_TRUE(eventually([&] { return pub.status().readers.at(0).max_rate_hz == 0; }));
@@ -408,7 +371,7 @@ TEST_P(RateTest, CallbacksComeAtTheRateToo) {
       b.subscriber<PointCloud2, F::height>("points", [&](const auto&) { ++called; }, {.max_rate_hz = 10})
           .value();
   expect_served(pub, 1);
-  const Ticker ticker(pub, period);
+  const Ticker ticker(period, publish, Keeps::rate);
   EXPECT_TRUE(eventually([&] { return called >= 10; }));
   EXPECT_TRUE(eventually([&] { return sub.status().withheld >= 80; }));
   EXPECT_EQ(sub.status().lost, 0U);
