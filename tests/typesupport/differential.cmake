@@ -56,6 +56,9 @@ cyclone_types(${PROJECT_SOURCE_DIR}/tests/idl ../idl/torture_base.idl ../idl/tor
 add_library(cyclone_test_types STATIC ${cyclone_c})
 target_include_directories(cyclone_test_types SYSTEM PUBLIC ${cyclone_dir})
 target_link_libraries(cyclone_test_types PUBLIC CycloneDDS::ddsc)
+add_library(sft_cyclone_test_support STATIC
+  ${support}/c_struct.cpp ${support}/cyclone_cdr.cpp ${support}/cyclone_loopback.cpp)
+target_link_libraries(sft_cyclone_test_support PUBLIC sft_test_values cyclone_test_types PRIVATE sft_warnings)
 
 # sft_differential_test(NAME PARTS n SHARDS n INTERFACES target... [OURS_ONLY header...] [SOURCES file...])
 # Runs over all types that sft_generate makes for INTERFACES; of OURS_ONLY there are no C types.
@@ -64,11 +67,9 @@ function(sft_differential_test name)
   sft_list_types(parts ${name} PARTS ${arg_PARTS} INTERFACES ${arg_INTERFACES} DEPENDS ${cyclone_c}
     OPTIONS --cyclone ${cyclone_dir} --ours-only ${arg_OURS_ONLY})
 
-  add_executable(${name} differential_test.cpp ${arg_SOURCES} ${parts}
-    ${support}/c_struct.cpp ${support}/cyclone_cdr.cpp ${support}/cyclone_loopback.cpp ${support}/owned_value.cpp
-    ${support}/random_value.cpp ${support}/reference.cpp ${support}/test_seed.cpp)
+  add_executable(${name} differential_test.cpp ${arg_SOURCES} ${parts})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
-  target_link_libraries(${name} PRIVATE ${arg_INTERFACES} sft_typesupport cyclone_test_types
+  target_link_libraries(${name} PRIVATE ${arg_INTERFACES} sft_cyclone_test_support
     GTest::gtest_main GTest::gmock sft_warnings)
   if(SFT_SANITIZE)
     target_compile_definitions(${name} PRIVATE SFT_TEST_ROUNDS=100)
