@@ -1,5 +1,5 @@
 // kill -9 of writers and readers at random moments of their lives, some stopped before: nobody else notices,
-// and their memory is accounted for. (Daemons and whole nodes: tests/system/kill_test.cpp.)
+// and all of their memory comes back. (Whole nodes: tests/system/kill_test.cpp.)
 #include <signal.h>
 
 #include <atomic>
@@ -96,7 +96,8 @@ class RandomKill : public ShmTest {
                                 std::to_string(usage.users.size()) + " users";
     EXPECT_TRUE(back) << account;
     std::printf("%s; %s\n", account.c_str(), how_to_repeat().c_str());
-    EXPECT_LE(usage.leaks_healed, usage.deaths) << "more than one chunk each";
+    // What it delivered, and what that pushed out of a queue.
+    EXPECT_LE(usage.leaks_healed, 2 * usage.deaths);
     EXPECT_TRUE(chunks_->comes_to(chunks_before_));
     EXPECT_EQ(daemon_pid(), daemon_) << "the daemon did not survive";
   }
