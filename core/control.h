@@ -1,6 +1,7 @@
 // What the control topics carry, as the core uses it: checked, and without Cyclone's types.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -47,6 +48,8 @@ struct Endpoint {
   EndpointId id = 0;
   Role role{};
   NodeId node_id = 0;
+  std::chrono::milliseconds life_lease{
+      5000};  ///< of its node, which lives if it was heard of within that time
   std::string node;
   std::string topic;
   std::string type_name;

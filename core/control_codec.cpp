@@ -87,6 +87,7 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.version = sft_control_protocol_version;
   out.role = static_cast<std::uint8_t>(endpoint.role);
   out.node_id = endpoint.node_id;
+  out.life_lease_ms = static_cast<std::uint32_t>(endpoint.life_lease.count());
   put(out.node, endpoint.node);
   put(out.topic, endpoint.topic);
   put(out.type_name, endpoint.type_name);
@@ -147,6 +148,7 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   out.id = in.id;
   out.role = static_cast<Role>(in.role);
   out.node_id = in.node_id;
+  out.life_lease = std::chrono::milliseconds(in.life_lease_ms);
   out.node = in.node;
   out.topic = in.topic;
   out.type_name = in.type_name;

@@ -91,7 +91,7 @@ class CycloneDiscovery final : public Discovery {
     if (!config) return tl::unexpected(config.error());
     if (const auto opened = open_dds_domain(options.domain, *config); !opened) return opened;
     configuration_ = {std::move(config->summary), std::move(config->warnings),
-                      config->multicast ? life_signs_to_all : life_signs_to_each, life_signs_to_each.lease};
+                      config->multicast ? life_signs_to_all : life_signs_to_each};
     const CycloneMessages messages;
     participant_ = dds_create_participant(options.domain, participant_qos(greetings_).get(), nullptr);
     if (participant_ < 0) {

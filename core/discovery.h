@@ -65,7 +65,6 @@ class Discovery {
     std::string summary{};                ///< for people: how nodes are found
     std::vector<std::string> warnings{};  ///< for people: which of the user's settings do not hold, and why
     LifeSigns life_signs = life_signs_to_all;
-    std::chrono::milliseconds longest_lease = life_signs_to_each.lease;  ///< of any node's life signs
   };
   virtual const Configuration& configuration() const = 0;
 

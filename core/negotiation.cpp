@@ -125,9 +125,9 @@ bool Negotiation::knows(NodeId id) const {
                              [&](const auto& entry) { return entry.second.endpoint.node_id == id; });
 }
 
-std::optional<NodeId> Negotiation::node_of(EndpointId id) const {
+const Endpoint* Negotiation::known(EndpointId id) const {
   const auto entry = entries_.find(id);
-  return entry == entries_.end() ? std::nullopt : std::optional(entry->second.endpoint.node_id);
+  return entry == entries_.end() ? nullptr : &entry->second.endpoint;
 }
 
 bool Negotiation::misses_somebody() const {

@@ -108,8 +108,8 @@ class Negotiation {
   std::vector<const Endpoint*> present() const;
   /// Whether there is an endpoint of that node.
   bool knows(NodeId id) const;
-  /// That of an endpoint, if it is known.
-  std::optional<NodeId> node_of(EndpointId id) const;
+  /// Null if there is none of that id. Valid until the next event.
+  const Endpoint* known(EndpointId id) const;
   /// Whether some endpoint is lost.
   bool misses_somebody() const;
   std::uint64_t ignored() const { return ignored_; }

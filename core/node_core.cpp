@@ -136,6 +136,7 @@ Endpoint NodeCore::new_endpoint(Role role, std::string_view topic, const TypeSup
   endpoint.id = random_id();
   endpoint.role = role;
   endpoint.node_id = id_;
+  endpoint.life_lease = discovery_->configuration().life_signs.lease;
   endpoint.node = options_.name.substr(0, name_bytes_max);
   endpoint.topic = topic;
   endpoint.type_name = type.name();

@@ -28,13 +28,7 @@ bool is_new_failure(Retry& retry, const Result<void>& outcome) {
 
 Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
                        Dispatcher& dispatcher, NodeLog& log)
-    : id_(id),
-      shm_(shm),
-      udp_(udp),
-      discovery_(discovery),
-      dispatcher_(dispatcher),
-      log_(log),
-      silence_(discovery.configuration().longest_lease) {
+    : id_(id), shm_(shm), udp_(udp), discovery_(discovery), dispatcher_(dispatcher), log_(log) {
   self_.network = network;
   self_.shm_state = shm_ == nullptr ? "the node rules it out" : "starting";
   negotiation_.self_changed(self_);
@@ -48,13 +42,13 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transpo
 void Reconciler::endpoint_seen(const Endpoint& endpoint) {
   if (!negotiation_.knows(endpoint.node_id)) told_of_life_at_ = {};
   dirty_ |= negotiation_.endpoint_seen(endpoint);
-  if (negotiation_.knows(endpoint.node_id)) heard_of(endpoint.node_id);
+  if (negotiation_.knows(endpoint.node_id)) heard_of(endpoint);
 }
 
-/// By anything but that it lives, which is said otherwise.
-void Reconciler::heard_of(NodeId id) {
-  silence_.heard(id, std::chrono::steady_clock::now());
-  dirty_ |= negotiation_.node_returned(id);
+/// Of its node, by anything but that it lives, which is said otherwise.
+void Reconciler::heard_of(const Endpoint& endpoint) {
+  silence_.heard(endpoint.node_id, endpoint.life_lease, std::chrono::steady_clock::now());
+  dirty_ |= negotiation_.node_returned(endpoint.node_id);
 }
 
 void Reconciler::endpoint_departed(EndpointId id) { dirty_ |= negotiation_.endpoint_departed(id); }
@@ -64,7 +58,7 @@ void Reconciler::endpoint_lost(EndpointId id) {
 }
 
 void Reconciler::request_received(const Request& request) {
-  if (const auto node = negotiation_.node_of(request.reader)) heard_of(*node);
+  if (const Endpoint* reader = negotiation_.known(request.reader)) heard_of(*reader);
   dirty_ |= negotiation_.request_received(request);
 }
 
@@ -339,6 +333,7 @@ void Reconciler::look_after_udp(Now now) {
 void Reconciler::look_after_addresses(Now now) {
   if (now < next_look_at_addresses_) return;
   next_look_at_addresses_ = now + look_at_addresses_every;
+  if (!udp_->network_changed()) return;
   std::vector<UdpAddress> addresses = udp_->addresses();
   std::vector<Link> links = udp_->links();
   const bool moved = addresses != addresses_;

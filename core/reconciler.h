@@ -110,7 +110,7 @@ class Reconciler {
     std::uint64_t losses_told = 0;
   };
 
-  void heard_of(NodeId id);
+  void heard_of(const Endpoint& endpoint);
   void watch_promises(Now now);
   bool watch_offer(Writer& writer, Now now);
   void look_after_histories();

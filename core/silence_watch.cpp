@@ -3,14 +3,14 @@
 namespace sft::core {
 
 bool SilenceWatch::is_lost(NodeId node, Now now) const {
-  const auto heard = nodes_.find(node);
-  return heard == nodes_.end() || now - heard->second >= lease_;
+  const auto heard = lost_at_.find(node);
+  return heard == lost_at_.end() || now >= heard->second;
 }
 
 std::vector<NodeId> SilenceWatch::take_lost(Now now) {
   std::vector<NodeId> lost;
-  std::erase_if(nodes_, [&](const auto& item) {
-    if (now - item.second < lease_) return false;
+  std::erase_if(lost_at_, [&](const auto& item) {
+    if (now < item.second) return false;
     lost.push_back(item.first);
     return true;
   });

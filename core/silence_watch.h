@@ -16,21 +16,17 @@ class SilenceWatch {
  public:
   using Now = std::chrono::steady_clock::time_point;
 
-  /// `lease`: how long nothing at all may be heard of a node.
-  explicit SilenceWatch(std::chrono::milliseconds lease) : lease_(lease) {}
-
-  /// It has said something else than that it lives.
-  void heard(NodeId node, Now now) { nodes_[node] = now; }
+  /// It has said something else than that it lives. `lease`: how long nothing at all may be heard of it.
+  void heard(NodeId node, std::chrono::milliseconds lease, Now now) { lost_at_[node] = now + lease; }
   /// It has said that it lives: discovery watches it.
-  void lives(NodeId node) { nodes_.erase(node); }
+  void lives(NodeId node) { lost_at_.erase(node); }
   /// Discovery misses its signs. Whether it is lost; if not, it may be told by take_lost() later.
   bool is_lost(NodeId node, Now now) const;
   /// Those of which nothing more has come meanwhile.
   std::vector<NodeId> take_lost(Now now);
 
  private:
-  std::chrono::milliseconds lease_;
-  std::map<NodeId, Now> nodes_;  ///< when they were heard
+  std::map<NodeId, Now> lost_at_;
 };
 
 }  // namespace sft::core

@@ -263,6 +263,8 @@ class Transport {
   virtual std::vector<UdpAddress> addresses() const { return {}; }
   /// The networks that others can be reached in directly; empty for shared memory.
   virtual std::vector<Link> links() const { return {}; }
+  /// Whether these two may be others than when this was asked last. From the agent; returns at once.
+  virtual bool network_changed() noexcept { return true; }
 
   virtual Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec& spec) = 0;
   virtual Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec& spec) = 0;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "udp_transport/interfaces.h"
+#include "udp_transport/network_watch.h"
 #include "udp_transport/receiver.h"
 #include "udp_transport/socket_io.h"
 #include "udp_transport/udp_reader.h"
@@ -68,6 +69,7 @@ class UdpTransport final : public core::Transport {
   }
 
   std::vector<core::Link> links() const override { return own_links(interfaces_); }
+  bool network_changed() noexcept override { return network_watch_.changed(); }
 
   Result<std::unique_ptr<core::WriterPort>> open_writer(const core::WriterSpec& spec) override {
     if (spec.id == 0 || spec.type == nullptr)
@@ -92,6 +94,7 @@ class UdpTransport final : public core::Transport {
   const std::uint32_t bound_to_;
   const std::vector<std::uint32_t> advertised_;
   const std::vector<std::string> interfaces_;
+  NetworkWatch network_watch_;
   const std::uint16_t port_;
   const std::uint32_t receive_buffer_bytes_;
   const std::shared_ptr<Receiver> receiver_;

@@ -11,6 +11,7 @@ Endpoint endpoint() {
   e.id = 7;
   e.role = Role::reader;
   e.node_id = 8;
+  e.life_lease = std::chrono::milliseconds(14'000);
   e.node = "perception";
   e.topic = "points";
   e.type_name = "sensor_msgs::msg::PointCloud2";

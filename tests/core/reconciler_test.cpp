@@ -79,7 +79,7 @@ class TestDiscovery final : public Discovery {
   int greetings = 0;
 
  private:
-  const Configuration configuration_{.longest_lease = std::chrono::milliseconds(300)};
+  const Configuration configuration_;
 };
 
 /// A transport as far as it has addresses.
@@ -288,6 +288,7 @@ TEST_F(ReconcilerTest, ANodeWhoseSignsOfLifeFailToComeIsServedAsLongAsItSaysAnyt
   our_writer(7, port);
   Endpoint reader = endpoint(Role::reader, 200);
   reader.node_id = 66;
+  reader.life_lease = std::chrono::milliseconds(300);
   reader.request.listening = {7};
   reconciler.endpoint_seen(reader);
   const auto served = [&] { return !port->routes.empty(); };

@@ -16,26 +16,26 @@ constexpr SilenceWatch::Now start = SilenceWatch::Now{} + 100s;
 
 class SilenceWatchTest : public ::testing::Test {
  protected:
-  SilenceWatch watch{5s};
+  SilenceWatch watch;
 };
 
 TEST_F(SilenceWatchTest, ANodeOfWhichNothingElseCameIsLostAtOnce) {
   EXPECT_TRUE(watch.is_lost(node, start));
-  watch.heard(node, start);
+  watch.heard(node, 5s, start);
   EXPECT_TRUE(watch.is_lost(node, start + 5s));
 }
 
 TEST_F(SilenceWatchTest, ANodeOfWhichSomethingCameIsLostALeaseAfterThat) {
-  watch.heard(node, start);
+  watch.heard(node, 5s, start);
   EXPECT_FALSE(watch.is_lost(node, start + 1s));
-  watch.heard(node, start + 3s);
+  watch.heard(node, 5s, start + 3s);
   EXPECT_THAT(watch.take_lost(start + 8s - 1ms), IsEmpty());
   EXPECT_THAT(watch.take_lost(start + 8s), ElementsAre(node));
   EXPECT_THAT(watch.take_lost(start + 20s), IsEmpty()) << "that was told";
 }
 
 TEST_F(SilenceWatchTest, OnceANodeSaysThatItLivesItIsForDiscoveryToTell) {
-  watch.heard(node, start);
+  watch.heard(node, 5s, start);
   watch.lives(node);
   EXPECT_THAT(watch.take_lost(start + 20s), IsEmpty());
   EXPECT_TRUE(watch.is_lost(node, start + 20s));

@@ -249,7 +249,7 @@ TEST_F(KillTest, AKilledNodeIsNoticedAndNoLongerServed) {
         const auto readers = publisher.status().readers;
         return readers.empty() || !readers[0].served;
       },
-      20s));
+      10s));
 }
 
 TEST_F(KillTest, APublisherThatIsStoppedOrKilledLosesItsLiveliness) {

@@ -10,6 +10,7 @@
 
 #include "endpoints.h"
 #include "tests/support/isolated_host.h"
+#include "udp_transport/network_watch.h"
 #include "udp_transport/udp_transport.h"
 
 namespace sft::udp {
@@ -42,6 +43,17 @@ class NetworkTest : public testing::TestWithParam<Backend> {
   }
   static core::UdpAddress dead_reader() { return {dead_address, 5000, 32 << 20}; }
 };
+
+TEST(NetworkWatchTest, NoticesAnAddressThatComesAndGoesAndNothingElse) {
+  if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
+  NetworkWatch watch;
+  EXPECT_FALSE(watch.changed());
+  for (const char* change : {"add", "delete"}) {
+    ASSERT_TRUE(run(("ip address " + std::string(change) + " 10.8.0.1/24 dev lo").c_str()));
+    EXPECT_TRUE(watch.changed()) << change;
+    EXPECT_FALSE(watch.changed()) << "it was told";
+  }
+}
 
 INSTANTIATE_TEST_SUITE_P(Backends, NetworkTest, testing::Values(Backend::io_uring, Backend::sockets),
                          [](const auto& param) {
