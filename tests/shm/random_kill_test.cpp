@@ -1,5 +1,5 @@
 // kill -9 of writers and readers at random moments of their lives, some stopped before: nobody else notices,
-// and their memory is accounted for. (Daemons and whole nodes: tests/system/kill_test.cpp.)
+// and all of their memory comes back. (Whole nodes: tests/system/kill_test.cpp.)
 #include <signal.h>
 
 #include <atomic>
@@ -7,6 +7,7 @@
 #include <ostream>
 #include <thread>
 
+#include "core/clock.h"
 #include "shm_fixture.h"
 #include "shm_transport/sftd/status.h"
 #include "tests/support/test_seed.h"
@@ -17,8 +18,8 @@ namespace {
 using core::SendStatus;
 
 constexpr core::EndpointId daemons_killed = 8;
-constexpr int every_one_stopped_first = 15;  // of victims: 14 in all
-constexpr core::EndpointId survivor = 1'000'000;
+constexpr int every_one_stopped_first = 15;       // of victims: 14 in all
+constexpr core::EndpointId survivor = 2'000'000;  // not one of a ChunkCounter's
 
 /// Told twice a second.
 shm::Usage usage_now() {
@@ -79,11 +80,13 @@ class RandomKill : public ShmTest {
   /// Nothing is taken any more but the survivors' last sample, and all the rest can be had.
   void expect_all_memory_back(int kills) {
     shm::Usage usage;
+    const std::int64_t since_ns = core::realtime_ns();
     const bool back = eventually(
         [&] {
           (*node_).poll();
           usage = usage_now();
-          return usage.users.size() == 1 && usage.unaudited == 0 && chunks_in_use(usage) == 1;
+          return usage.stamp_ns > since_ns && usage.users.size() == 1 && usage.unaudited == 0 &&
+                 chunks_in_use(usage) == 1;
         },
         10s, 100ms);
     const std::string account = std::to_string(kills) + " kills, " + std::to_string(usage.deaths) +
@@ -93,7 +96,8 @@ class RandomKill : public ShmTest {
                                 std::to_string(usage.users.size()) + " users";
     EXPECT_TRUE(back) << account;
     std::printf("%s; %s\n", account.c_str(), how_to_repeat().c_str());
-    EXPECT_LE(usage.leaks_healed, usage.deaths) << "more than one chunk each";
+    // What it delivered, and what that pushed out of a queue.
+    EXPECT_LE(usage.leaks_healed, 2 * usage.deaths);
     EXPECT_TRUE(chunks_->comes_to(chunks_before_));
     EXPECT_EQ(daemon_pid(), daemon_) << "the daemon did not survive";
   }
@@ -130,7 +134,8 @@ TEST_P(RandomKillOfWriters, WedgesNobodyAndAllMemoryComesBack) {
         start_peer({life.role, std::to_string(id), std::to_string(below(2) == 0 ? 100 : 60'000)});
     std::optional<Reader> reader;
     if (life.settled) {
-      ASSERT_EQ(victim.line(), "publishing");
+      const std::string line = victim.line();
+      ASSERT_EQ(line, "publishing") << victim.line() << victim.line();
     }
     if (life.is_read) {
       reader.emplace(*node_);

@@ -25,6 +25,18 @@ bool become(const Identity& identity) {
          setgid(identity.group) == 0 && setuid(identity.user) == 0;
 }
 
+/// Asks again where the daemon gave no answer in time: it may be busy with what a killed process left.
+template <class Ask>
+auto patiently(Ask ask) {
+  auto answer = ask();
+  eventually([&] {
+    if (answer || answer.error().code != Errc::unavailable) return true;
+    answer = ask();
+    return false;
+  });
+  return answer;
+}
+
 }  // namespace
 
 Process::Process(const std::vector<std::string>& command, const Identity* as) {
@@ -151,7 +163,7 @@ bool Node::becomes(core::Availability wanted, std::chrono::milliseconds within) 
 }
 
 Writer::Writer(Node& node, core::EndpointId id) : id_(id) {
-  auto port = node->open_writer({.id = id, .type = &frame_type()});
+  auto port = patiently([&] { return node->open_writer({.id = id, .type = &frame_type()}); });
   EXPECT_TRUE(port) << port.error().message;
   if (!port) return;
   port_ = std::move(*port);
@@ -177,7 +189,8 @@ Reader::Reader(Node& node, std::uint32_t depth) {
 }
 
 bool Reader::connects_to(core::EndpointId writer) {
-  const auto asked = port_->connect({.writer = writer, .max_sample_bytes = 16 << 20});
+  const auto asked =
+      patiently([&] { return port_->connect({.writer = writer, .max_sample_bytes = 16 << 20}); });
   EXPECT_TRUE(asked) << asked.error().message;
   return eventually([&] { return port_->connected(writer); });
 }
