@@ -13,20 +13,22 @@ std::shared_ptr<ChunkBorrower> ChunkBorrower::make(std::shared_ptr<Session> sess
                                                    iox::popo::SubscriberPortData& port,
                                                    core::EndpointId writer, const TypeSupport& type,
                                                    std::shared_ptr<Statistics> statistics,
-                                                   std::uint32_t held_limit) {
+                                                   std::uint32_t held_limit, bool retained_first) {
   std::shared_ptr<ChunkBorrower> borrower(
-      new ChunkBorrower(session, port, writer, type, std::move(statistics), held_limit));
+      new ChunkBorrower(session, port, writer, type, std::move(statistics), held_limit, retained_first));
   session->enlist(borrower);
   return borrower;
 }
 
 ChunkBorrower::ChunkBorrower(std::shared_ptr<Session> session, iox::popo::SubscriberPortData& port,
                              core::EndpointId writer, const TypeSupport& type,
-                             std::shared_ptr<Statistics> statistics, std::uint32_t held_limit)
+                             std::shared_ptr<Statistics> statistics, std::uint32_t held_limit,
+                             bool retained_first)
     : session_(std::move(session)),
       writer_(writer),
       type_(type),
       statistics_(std::move(statistics)),
+      retained_first_(retained_first),
       data_(port),
       port_(&port),
       slots_(held_limit, type.full()) {}
@@ -108,6 +110,8 @@ bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
   buffer.writer = sample->writer;
   buffer.sequence = sample->sequence;
   buffer.source_stamp_ns = sample->source_stamp_ns;
+  const bool is_first = last_sequence_ == 0 && !overflowed_;
+  buffer.oldest_retained = retained_first_ && is_first ? sample->sequence : 0;
   enter(sample->sequence);
   return true;
 }
@@ -240,10 +244,11 @@ ShmReaderPort::Writers ShmReaderPort::forget_drained() noexcept {
 
 Result<void> ShmReaderPort::connect(const core::Source& source) {
   if (find(source.writer) != nullptr) return {};
-  auto port = session_->create_subscriber(source.writer, depth(), Clock::now() + options_.port_deadline);
+  auto port = session_->create_subscriber(source.writer, depth(), Clock::now() + options_.port_deadline,
+                                          source.history_first ? spec_.id : 0);
   if (!port) return tl::unexpected(port.error());
-  auto writer =
-      ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_, options_.held_limit);
+  auto writer = ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_,
+                                    options_.held_limit, source.history_first);
   const std::scoped_lock lock(mutex_);
   writers_.push_back(std::move(writer));
   return {};
@@ -252,6 +257,12 @@ Result<void> ShmReaderPort::connect(const core::Source& source) {
 bool ShmReaderPort::connected(core::EndpointId writer) const noexcept {
   const auto found = find(writer);
   return found != nullptr && found->connected();
+}
+
+core::HistoryProgress ShmReaderPort::history(core::EndpointId writer) const noexcept {
+  const auto found = find(writer);
+  const bool awaited = found != nullptr && found->awaits_retained();
+  return awaited ? core::HistoryProgress::awaited : core::HistoryProgress::came;
 }
 
 std::uint64_t ShmReaderPort::arrivals(core::EndpointId writer) noexcept {
