@@ -17,6 +17,14 @@ void History::add(const SampleHandle& sample) {
   next_ = (next_ + 1) % samples_.size();
 }
 
+void History::replace(const SampleHandle& sample) {
+  SampleHandle replaced = sample;
+  const std::scoped_lock lock(mutex_);
+  for (SampleHandle& kept : samples_) {
+    if (kept && kept->sequence == sample->sequence) return std::swap(kept, replaced);
+  }
+}
+
 bool History::is_expired(const SampleHandle& sample, std::int64_t now_ns) const {
   return lifespan_ns_ != 0 && is_older(sample->source_stamp_ns, lifespan_ns_, now_ns);
 }

@@ -16,6 +16,8 @@ class History {
 
   /// Keeps a sample whose sequence and stamp are set, and lets go of the oldest beyond the depth.
   void add(const SampleHandle& sample);
+  /// Keeps this one for the one with its sequence, if that is still kept.
+  void replace(const SampleHandle& sample);
   /// At most the last `count`, the oldest first.
   std::vector<SampleHandle> last(std::size_t count, std::int64_t now_ns) const;
   void expire(std::int64_t now_ns);

@@ -205,7 +205,7 @@ bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, Trans
     writers.push_back(writer);
   } else {
     std::erase(writers, writer);
-    if (path == TransportKind::udp) {
+    if (path == TransportKind::udp || !holds(request.listening, writer)) {  // the one that it came by
       std::erase(request.begun, writer);
       entry->second.history_came.erase(writer);
     }
@@ -307,8 +307,9 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   if (verdict.shm && !history_first && holds(r.request.attached, writer.endpoint.id)) {
     status.served = true;
     status.transport = TransportKind::shm;
-    status.reason = owed == 0 ? "same host" : "same host; without UDP nothing of what was published before";
-    serving.shm.push_back({r.id, r.doorbell, status.mask, period, nullptr});
+    status.reason = "same host";
+    const bool begun = holds(r.request.begun, writer.endpoint.id);
+    serving.shm.push_back({r.id, r.doorbell, status.mask, period, nullptr, begun ? 0 : owed});
     if (listens) serving.spare.push_back({r.id, address_of(r), status.mask, period, nullptr, 0, true});
   } else if (listens) {
     status.served = true;
@@ -383,7 +384,8 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     const bool history_first = owed != 0 && verdict.udp;
     // What others get through shared memory would overtake it.
     const bool history_comes = history_first && !entry->second.history_came.contains(w.id);
-    result.push_back({.source = {w.id, w.max_sample_bytes, history_first},
+    const bool awaited = history_first || (owed != 0 && !holds(r.request.begun, w.id));
+    result.push_back({.source = {w.id, w.max_sample_bytes, awaited},
                       .offered = w.qos,
                       .owed = owed,
                       .shm = verdict.shm && !history_comes,

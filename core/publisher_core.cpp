@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <new>
 
 #include "core/clock.h"
@@ -186,6 +187,10 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
     book_->retained(route.reader, samples.size());
     udp_->send_history(route, std::move(samples));
   }
+  late_in_shm_.clear();
+  std::ranges::copy_if(serving.shm, std::back_inserter(late_in_shm_),
+                       [](const Route& route) { return route.history != 0; });
+  give_history();
   std::set<EndpointId> known;
   for (const ReaderStatus& reader : serving.readers) known.insert(reader.id);
   book_->keep(known);
@@ -195,6 +200,38 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
     encoded_ = after->is_wanted ? after->mask : spec_.type->none();
   }
   if (readers_changed_.wanted()) readers_changed_.tell(status());
+}
+
+void PublisherCore::give_history() {
+  if (late_in_shm_.empty()) return;
+  const std::shared_ptr<WriterPort> shm = outlets_.share()->shm;
+  constexpr int attempts = 20;  // each one lost to a sample that was published meanwhile
+  for (const Route& route : late_in_shm_) {
+    for (int i = 0; shm != nullptr && i < attempts && !give_history(*shm, route); ++i) continue;
+  }
+}
+
+/// Whether that is done. Asked first is what was held back: all of that, at least, is in the history then.
+bool PublisherCore::give_history(WriterPort& shm, const Route& route) {
+  const auto held_back = shm.held_back(route.reader);
+  if (!held_back) return true;
+  const std::vector<SampleHandle> samples = retained_in(shm, route.history);
+  if (!shm.begin_with(route, samples, *held_back)) return false;
+  book_->retained(route.reader, samples.size());
+  return true;
+}
+
+/// What was published before there was shared memory is copied there now. What there is no room for is
+/// missing, as any sample would be.
+std::vector<SampleHandle> PublisherCore::retained_in(WriterPort& shm, std::uint32_t count) {
+  std::vector<SampleHandle> samples = history_->last(count, realtime_ns());
+  for (SampleHandle& sample : samples) {
+    if (shm.holds(*sample)) continue;
+    sample = copy_to_shm(shm, sample);
+    sample ? history_->replace(sample) : static_cast<void>(dropped_.fetch_add(1, std::memory_order_relaxed));
+  }
+  std::erase_if(samples, [](const SampleHandle& sample) { return !sample; });
+  return samples;
 }
 
 void PublisherCore::show(std::vector<ReaderStatus> readers) {
@@ -415,7 +452,7 @@ PublishStatus PublisherCore::send(const Outlets& before, const SampleHandle& sam
 
 /// It may have been lent elsewhere, before shared memory came up or while it had no chunk free.
 bool PublisherCore::send_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept {
-  const SampleHandle local = outlets.shm->can_send(*sample) ? sample : copy_to_shm(outlets, sample);
+  const SampleHandle local = outlets.shm->can_send(*sample) ? sample : copy_to_shm(*outlets.shm, sample);
   if (local) {
     if (outlets.shm->send(local) == SendStatus::sent) return true;
     unavailable_.fetch_add(1, std::memory_order_relaxed);
@@ -442,14 +479,15 @@ PublishStatus PublisherCore::divert(const Outlets& outlets, const SampleHandle& 
   return status;
 }
 
-SampleHandle PublisherCore::copy_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept {
+SampleHandle PublisherCore::copy_to_shm(WriterPort& shm, const SampleHandle& sample) const noexcept {
   if (!sample->mask.is_full()) return {};
   // It may lie in shared memory too: of a port that is gone.
   const std::size_t bytes = layout_.bytes(state_of(*sample, spec_.type->slots()).body_bytes);
-  SampleHandle copy = outlets.shm->loan(bytes);
+  SampleHandle copy = shm.loan(bytes);
   if (!copy) return {};
   std::memcpy(copy->data, sample->data, bytes);
   copy->mask = sample->mask;
+  copy->whole_bytes = sample->whole_bytes;
   copy->trust_header();
   return copy;
 }

@@ -82,6 +82,8 @@ class PublisherCore {
   /// Whether all that was for a late reader alone has left.
   bool history_sent(EndpointId reader) const { return udp_ == nullptr || udp_->history_sent(reader); }
   void expire_history();
+  /// To late readers in shared memory, as soon as they can be given it.
+  void give_history();
 
  private:
   /// Where samples go at present. Immutable once stored.
@@ -136,7 +138,9 @@ class PublisherCore {
   PublishStatus close_gaps(SampleBuffer& sample) noexcept;
   bool send_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
   PublishStatus divert(const Outlets& outlets, const SampleHandle& sample) noexcept;
-  SampleHandle copy_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
+  SampleHandle copy_to_shm(WriterPort& shm, const SampleHandle& sample) const noexcept;
+  bool give_history(WriterPort& shm, const Route& route);
+  std::vector<SampleHandle> retained_in(WriterPort& shm, std::uint32_t count);
 
   const Spec spec_;
   const FieldMask full_;
@@ -175,6 +179,7 @@ class PublisherCore {
   // Of the agent's thread.
   std::map<std::uint32_t, std::shared_ptr<RateGate>> gates_;  ///< by period; those of before as well
   std::map<EndpointId, Locator> history_begun_;  ///< readers that are being given the history, and where
+  std::vector<Route> late_in_shm_;               ///< to readers that are, or will be, given it there
   std::set<EndpointId> by_udp_;                  ///< readers that are served so
 };
 

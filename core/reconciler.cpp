@@ -224,6 +224,7 @@ std::chrono::milliseconds Reconciler::pace() const {
 void Reconciler::look_after_histories() {
   for (auto& [id, writer] : writers_) {
     writer.core->expire_history();
+    writer.core->give_history();
     if (!writer.in_force || !writer.in_force->history_owed) continue;
     const std::set<EndpointId> before = std::exchange(writer.history_sent, {});
     for (const Route& route : writer.in_force->udp) {
@@ -384,6 +385,8 @@ bool Reconciler::look_after_connections() {
       changed |= negotiation_.connection_changed(id, writer, TransportKind::udp, listening);
       changed |= negotiation_.connection_changed(id, writer, TransportKind::shm, attached);
       if (listening && hearing.source.history_first) changed |= look_after_history(id, *reader.udp, writer);
+      if (attached && hearing.source.history_first && !hearing.udp)
+        changed |= look_after_history(id, *reader.shm, writer);
       waiting |= hearing.shm && !attached;
     }
     if (changed) request_changed(id);

@@ -142,6 +142,27 @@ class WriterPort {
     static_cast<void>(to);
     static_cast<void>(samples);
   }
+  // Where what is sent cannot wait for one reader alone (shared memory) it is held back from that reader, and
+  // has to be in what is retained by then.
+
+  /// How many samples were held back, where that reader waits: to be asked before what is retained is looked
+  /// at. Nothing where it does not, or not yet.
+  virtual std::optional<std::uint64_t> held_back(EndpointId reader) noexcept {
+    static_cast<void>(reader);
+    return std::nullopt;
+  }
+  /// Sends these, which it holds(), to that one reader, and from then on what send() sends. False if that is
+  /// not possible right now, or something was held back since: then look again.
+  virtual bool begin_with(const Route& to, const std::vector<SampleHandle>& retained,
+                          std::uint64_t held_back) {
+    static_cast<void>(to), static_cast<void>(retained), static_cast<void>(held_back);
+    return false;
+  }
+  /// Whether the sample lies in memory that this port lent.
+  virtual bool holds(const SampleBuffer& sample) const noexcept {
+    static_cast<void>(sample);
+    return false;
+  }
   /// Whether all that was sent to the reader of such a route has left.
   virtual bool history_sent(EndpointId reader) noexcept {
     static_cast<void>(reader);

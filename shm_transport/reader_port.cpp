@@ -14,20 +14,22 @@ std::shared_ptr<ChunkBorrower> ChunkBorrower::make(std::shared_ptr<Session> sess
                                                    iox::popo::SubscriberPortData& port,
                                                    core::EndpointId writer, const TypeSupport& type,
                                                    std::shared_ptr<Statistics> statistics,
-                                                   std::uint32_t held_limit) {
+                                                   std::uint32_t held_limit, bool retained_first) {
   std::shared_ptr<ChunkBorrower> borrower(
-      new ChunkBorrower(session, port, writer, type, std::move(statistics), held_limit));
+      new ChunkBorrower(session, port, writer, type, std::move(statistics), held_limit, retained_first));
   session->enlist(borrower);
   return borrower;
 }
 
 ChunkBorrower::ChunkBorrower(std::shared_ptr<Session> session, iox::popo::SubscriberPortData& port,
                              core::EndpointId writer, const TypeSupport& type,
-                             std::shared_ptr<Statistics> statistics, std::uint32_t held_limit)
+                             std::shared_ptr<Statistics> statistics, std::uint32_t held_limit,
+                             bool retained_first)
     : session_(std::move(session)),
       writer_(writer),
       type_(type),
       statistics_(std::move(statistics)),
+      retained_first_(retained_first),
       data_(port),
       port_(&port),
       slots_(held_limit, type.full()) {}
@@ -115,6 +117,8 @@ bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
   buffer.source_stamp_ns = sample->source_stamp_ns;
   buffer.diverted_sequence = sample->diverted_sequence;
   buffer.diverted_stamp_ns = sample->diverted_stamp_ns;
+  const bool is_first = last_sequence_ == 0 && !overflowed_;
+  buffer.oldest_retained = retained_first_ && is_first ? sample->sequence : 0;
   enter(sample->sequence);
   return true;
 }
@@ -259,9 +263,11 @@ ShmReaderPort::Writers ShmReaderPort::forget_drained() noexcept {
 
 Result<void> ShmReaderPort::connect(const core::Source& source) {
   if (find(source.writer) != nullptr) return {};
-  auto port = session_->create_subscriber(source.writer, depth(), Clock::now() + options_.port_deadline);
+  auto port = session_->create_subscriber(source.writer, depth(), Clock::now() + options_.port_deadline,
+                                          source.history_first ? spec_.id : 0);
   if (!port) return tl::unexpected(port.error());
-  auto writer = ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_, max_held());
+  auto writer = ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_, max_held(),
+                                    source.history_first);
   const std::scoped_lock lock(mutex_);
   writers_.push_back(std::move(writer));
   return {};
@@ -270,6 +276,12 @@ Result<void> ShmReaderPort::connect(const core::Source& source) {
 bool ShmReaderPort::connected(core::EndpointId writer) const noexcept {
   const auto found = find(writer);
   return found != nullptr && found->connected();
+}
+
+core::HistoryProgress ShmReaderPort::history(core::EndpointId writer) const noexcept {
+  const auto found = find(writer);
+  const bool awaited = found != nullptr && found->awaits_retained();
+  return awaited ? core::HistoryProgress::awaited : core::HistoryProgress::came;
 }
 
 std::uint64_t ShmReaderPort::arrivals(core::EndpointId writer) noexcept {

@@ -28,13 +28,15 @@ class ChunkBorrower final : public core::BufferOwner,
   static std::shared_ptr<ChunkBorrower> make(std::shared_ptr<Session> session,
                                              iox::popo::SubscriberPortData& port, core::EndpointId writer,
                                              const TypeSupport& type, std::shared_ptr<Statistics> statistics,
-                                             std::uint32_t held_limit);
+                                             std::uint32_t held_limit, bool retained_first);
   ~ChunkBorrower() override;
 
   core::EndpointId writer() const { return writer_; }
   bool open() const noexcept;     ///< neither closed nor lost
   bool drained() const noexcept;  ///< not open, and nothing is left to be taken
   bool connected() noexcept;      ///< one thread at a time
+  /// What the writer retains comes first, and nothing has come yet.
+  bool awaits_retained() noexcept { return retained_first_ && arrivals() == 0; }
   /// Changes whenever something has arrived.
   std::uint64_t arrivals() noexcept;
   std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
@@ -57,7 +59,7 @@ class ChunkBorrower final : public core::BufferOwner,
  private:
   ChunkBorrower(std::shared_ptr<Session> session, iox::popo::SubscriberPortData& port,
                 core::EndpointId writer, const TypeSupport& type, std::shared_ptr<Statistics> statistics,
-                std::uint32_t held_limit);
+                std::uint32_t held_limit, bool retained_first);
   ChunkSlot* next_chunk() noexcept;
   bool check(ChunkSlot& slot) noexcept;
   void enter(std::uint64_t sequence) noexcept;
@@ -66,6 +68,7 @@ class ChunkBorrower final : public core::BufferOwner,
   const core::EndpointId writer_;
   const TypeSupport& type_;
   const std::shared_ptr<Statistics> statistics_;
+  const bool retained_first_;
   std::atomic<std::uint64_t> discarded_{0};
   std::atomic<std::uint64_t> held_too_many_{0};
 
@@ -103,6 +106,7 @@ class ShmReaderPort final : public core::ReaderPort {
   core::SampleHandle take_of(core::EndpointId writer) noexcept override;
   Result<void> connect(const core::Source& source) override;
   bool connected(core::EndpointId writer) const noexcept override;
+  core::HistoryProgress history(core::EndpointId writer) const noexcept override;
   std::uint64_t arrivals(core::EndpointId writer) noexcept override;
   void disconnect(core::EndpointId writer) noexcept override;
   void accept(std::vector<core::Wanted>) override {}  // there is one variant in shared memory: all of it

@@ -227,8 +227,8 @@ Result<PortPlace> RoudiChannel::create_publisher(const iox::capro::ServiceDescri
 
 Result<PortPlace> RoudiChannel::create_subscriber(const iox::capro::ServiceDescription& service,
                                                   iox::popo::SubscriberOptions options, const Claim& claim,
-                                                  Clock::time_point deadline) {
-  const std::string label = next_label();
+                                                  Clock::time_point deadline, const std::string& remark) {
+  const std::string label = next_label() + remark;
   options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
   IpcMessage request;
   request << iox::runtime::IpcMessageTypeToString(IpcMessageType::CREATE_SUBSCRIBER) << runtime_name_

@@ -48,13 +48,14 @@ class RoudiChannel {
   /// The answer to that, once it is there.
   Result<std::optional<Registration>> poll_registration();
 
-  /// Any thread; requests take turns, and waiting for one's turn counts towards the deadline.
+  /// `remark`: stands behind the label, for others to read. Any thread; requests take turns, and waiting for
+  /// one's turn counts towards the deadline.
   Result<PortPlace> create_publisher(const iox::capro::ServiceDescription& service,
                                      iox::popo::PublisherOptions options, const Claim& claim,
                                      Clock::time_point deadline);
   Result<PortPlace> create_subscriber(const iox::capro::ServiceDescription& service,
                                       iox::popo::SubscriberOptions options, const Claim& claim,
-                                      Clock::time_point deadline);
+                                      Clock::time_point deadline, const std::string& remark = {});
 
   /// Tells the daemon that all that this process had may go. Does not wait.
   void say_goodbye() noexcept;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <tuple>
 
@@ -34,6 +35,17 @@ bool delivers_to(const PublisherPortData& publisher, const ChunkQueue& queue) {
   const auto& queues = publisher.m_chunkSenderData.m_queues;
   return std::any_of(queues.begin(), queues.end(),
                      [&queue](const auto& known) { return known.get() == &queue; });
+}
+
+constexpr char late_mark = '@';
+
+core::EndpointId late_reader_in(std::string_view label) noexcept {
+  const auto mark = label.rfind(late_mark);
+  if (mark == std::string_view::npos) return 0;
+  const std::string_view digits = label.substr(mark + 1);
+  core::EndpointId reader = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), reader, 16);
+  return error == std::errc{} && end == digits.data() + digits.size() ? reader : 0;
 }
 
 }  // namespace
@@ -180,7 +192,8 @@ Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer, Cl
 }
 
 Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, std::uint32_t depth,
-                                                       Clock::time_point deadline) {
+                                                       Clock::time_point deadline,
+                                                       core::EndpointId late_reader) {
   iox::popo::SubscriberOptions options;
   options.queueCapacity = std::max(depth, 1U);
   options.historyRequest = 0;
@@ -189,11 +202,22 @@ Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, 
   const auto claim_port = [this](const PortPlace& place, const std::string& label) {
     return claim(place, label);
   };
-  const auto place = channel_->create_subscriber(service_of(writer), options, claim_port, deadline);
+  const auto place =
+      channel_->create_subscriber(service_of(writer), options, claim_port, deadline,
+                                  late_reader == 0 ? "" : late_mark + core::in_hex(late_reader));
   if (!place) return tl::unexpected(place.error());
   auto* port = static_cast<SubscriberPortData*>(port_at(*place, sizeof(SubscriberPortData)));
   if (port == nullptr) return fail(Errc::malformed, "sftd answered with a port outside its memory");
   return port;
+}
+
+core::EndpointId Session::late_reader_at(const ChunkQueue& queue) const noexcept {
+  auto& table = const_cast<iox::roudi::PortPoolData*>(port_pool())->m_subscriberPortMembers;
+  for (const SubscriberPortData* port : table.content()) {
+    if (static_cast<const ChunkQueue*>(&port->m_chunkReceiverData) == &queue)
+      return late_reader_in({port->m_nodeName.c_str(), port->m_nodeName.size()});
+  }
+  return 0;
 }
 
 void Session::admit_writers(std::uint64_t doorbell_page) const {

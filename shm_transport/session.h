@@ -69,8 +69,14 @@ class Session : public std::enable_shared_from_this<Session> {
 
   Result<iox::popo::PublisherPortData*> create_publisher(core::EndpointId writer, Clock::time_point deadline);
   /// `depth` 0: not subscribed, only a list of held chunks that the daemon frees when this process dies.
+  /// `late_reader`: not 0: of that reader, and its writer puts what it retains into the queue before all
+  /// else.
   Result<iox::popo::SubscriberPortData*> create_subscriber(core::EndpointId writer, std::uint32_t depth,
-                                                           Clock::time_point deadline);
+                                                           Clock::time_point deadline,
+                                                           core::EndpointId late_reader = 0);
+  /// The reader that a queue was made for in that way; 0 for others. Looks at all queues of the host.
+  core::EndpointId late_reader_at(
+      const iox::popo::SubscriberPortData::ChunkQueueData_t& queue) const noexcept;
   /// Lets all that may write samples ring in a page of this process's (core/doorbell.h).
   void admit_writers(std::uint64_t doorbell_page) const;
   /// The pools that its writers take from, of which this process sees one set.

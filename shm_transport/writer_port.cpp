@@ -3,6 +3,8 @@
 #include <cassert>
 #include <new>
 #include <thread>
+#include <tuple>
+#include <utility>
 
 #include "shm_transport/chunk_hand.h"
 
@@ -121,11 +123,54 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers) noexce
 }
 
 void ChunkLender::deliver(ChunkSlot& slot) noexcept {
+  auto& port = publisher_.m_chunkSenderData;
+  audience_.look(port.m_queues, *session_);
   const ChunkInHand hand(publisher_);
-  // On loan again by iceoryx's own account: only such chunks can be sent.
-  publisher_.m_chunkSenderData.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
-  before_chunk_leaves();
-  port_.sendChunk(slot.chunk);
+  if (!audience_.somebody_waits()) {
+    // On loan again by iceoryx's own account: only such chunks can be sent.
+    port.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
+    before_chunk_leaves();
+    port_.sendChunk(slot.chunk);
+    return;
+  }
+  audience_.hold_back();
+  for (const Audience::Listener& listener : audience_.listeners()) {
+    if (listener.waits_as == 0) Audience::deliver(port, listener, slot.name.cloneToSharedChunk());
+  }
+}
+
+std::optional<std::uint64_t> ChunkLender::held_back(core::EndpointId reader) noexcept {
+  const std::scoped_lock lock(mutex_);
+  auto& port = publisher_.m_chunkSenderData;
+  if (lost_ || !port.tryLock()) return std::nullopt;
+  audience_.look(port.m_queues, *session_);
+  port.unlock();
+  if (audience_.waiting(reader) == nullptr) return std::nullopt;
+  return audience_.held_back();
+}
+
+bool ChunkLender::begin(core::EndpointId reader, const std::vector<SampleHandle>& retained,
+                        std::uint64_t held_back) noexcept {
+  const std::scoped_lock lock(mutex_);
+  auto& port = publisher_.m_chunkSenderData;
+  if (lost_ || held_back != audience_.held_back() || !port.tryLock()) return false;
+  audience_.look(port.m_queues, *session_);
+  if (const Audience::Listener* listener = audience_.waiting(reader)) {
+    const ChunkInHand hand(publisher_);
+    for (const SampleHandle& sample : retained) {
+      ChunkSlot& slot = ChunkSlot::of(*sample);
+      Audience::deliver(port, *listener, slot.name.cloneToSharedChunk());
+      slot.sent = true;
+    }
+    audience_.begun(reader);
+  }
+  port.unlock();
+  return true;
+}
+
+void ChunkLender::owe_nothing(std::set<core::EndpointId> readers) noexcept {
+  const std::scoped_lock lock(mutex_);
+  audience_.owe_nothing(std::move(readers));
 }
 
 void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
@@ -186,7 +231,22 @@ SendStatus ShmWriterPort::drop() noexcept {
   return SendStatus::dropped;
 }
 
+bool ShmWriterPort::begin_with(const core::Route& to, const std::vector<SampleHandle>& retained,
+                               std::uint64_t held_back) {
+  if (!chunks_->begin(to.reader, retained, held_back)) return false;
+  core::Route whatever_its_rate = to;
+  whatever_its_rate.gate = nullptr;
+  const auto bell = pages_->doorbells_of({whatever_its_rate});
+  if (bell->announce() != 0) bell->run();
+  return true;
+}
+
 void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
+  std::set<core::EndpointId> owed_nothing;
+  for (const core::Route& route : routes) {
+    if (route.history == 0) owed_nothing.insert(route.reader);
+  }
+  chunks_->owe_nothing(std::move(owed_nothing));
   doorbells_.store(routes.empty() ? nullptr : pages_->doorbells_of(routes));
 }
 

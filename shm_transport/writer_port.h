@@ -9,13 +9,19 @@
 //
 // A chunk that is just being taken, delivered or given back when the process is killed has references that
 // nobody knows of: see chunk_hand.h.
+//
+// Late readers get what is retained before all else (audience.h).
 #pragma once
 
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
+#include <vector>
 
 #include "core/snapshot.h"
 #include "core/transport.h"
+#include "shm_transport/audience.h"
 #include "shm_transport/chunk_pools.h"
 #include "shm_transport/chunk_slots.h"
 #include "shm_transport/doorbells.h"
@@ -49,6 +55,15 @@ class ChunkLender final : public core::BufferOwner,
 
   /// Whether the sample was lent here and not yet committed: only such ones can be.
   bool has_lent(const core::SampleBuffer& sample) const noexcept;
+  /// Whether it was lent here at all.
+  bool owns(const core::SampleBuffer& sample) const noexcept { return sample.owner.get() == this; }
+
+  // Readers that wait for what is retained (audience.h). None of it waits for the daemon: then it is as if
+  // nobody did.
+  std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept;
+  bool begin(core::EndpointId reader, const std::vector<core::SampleHandle>& retained,
+             std::uint64_t held_back) noexcept;
+  void owe_nothing(std::set<core::EndpointId> readers) noexcept;
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
   void lose() noexcept override;
@@ -72,6 +87,7 @@ class ChunkLender final : public core::BufferOwner,
   iox::popo::SubscriberPortData& keeper_;
   ChunkPools& pools_;
   ChunkSlots slots_;
+  Audience audience_;
 };
 
 class ShmWriterPort final : public core::WriterPort {
@@ -87,6 +103,12 @@ class ShmWriterPort final : public core::WriterPort {
     return chunks_->has_lent(sample);
   }
   void set_routes(std::vector<core::Route> routes) override;
+  bool holds(const core::SampleBuffer& sample) const noexcept override { return chunks_->owns(sample); }
+  std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept override {
+    return chunks_->held_back(reader);
+  }
+  bool begin_with(const core::Route& to, const std::vector<core::SampleHandle>& retained,
+                  std::uint64_t held_back) override;
   std::uint64_t bytes_sent() const noexcept override { return 0; }
 
  private:

@@ -29,6 +29,17 @@ class HistoryTest : public ::testing::Test {
   const std::shared_ptr<BufferPool> pool = BufferPool::make(16 * 512);
 };
 
+TEST_F(HistoryTest, KeepsAnotherCopyOfASampleForItAsLongAsThatIsKept) {
+  History history(2, 0);
+  for (std::uint64_t n = 1; n <= 3; ++n) history.add(sample(n));
+  const SampleHandle two = sample(2);
+  history.replace(two);
+  history.replace(sample(1));
+  const auto kept = history.last(2, 0);
+  EXPECT_EQ(sequences(kept), (Sequences{2, 3}));
+  EXPECT_EQ(kept.at(0)->data, two->data);
+}
+
 TEST_F(HistoryTest, KeepsTheLastSamplesInOrder) {
   History history(3, 0);
   EXPECT_TRUE(history.last(3, 0).empty());

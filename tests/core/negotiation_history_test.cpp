@@ -46,13 +46,15 @@ TEST_F(LateReaderTest, GetsByUdpWhatBothSidesKeepAndChangesOverToSharedMemoryThe
   EXPECT_FALSE(serving.history_owed);
 }
 
-TEST_F(LateReaderTest, GetsNothingRetainedThroughSharedMemoryAloneAndIsTold) {
+TEST_F(LateReaderTest, GetsThroughSharedMemoryAloneWhatBothSidesKeepUntilItSaysThatItHas) {
   Endpoint reader = late_reader();
   reader.may_use_udp = false;
   negotiation.endpoint_seen(reader);
-  const Serving serving = negotiation.serving(100);
-  EXPECT_EQ(serving.shm.size(), 1U);
-  EXPECT_EQ(serving.readers.at(0).reason, "same host; without UDP nothing of what was published before");
+  Serving serving = negotiation.serving(100);
+  EXPECT_EQ(serving.shm.at(0).history, 3U);
+  EXPECT_EQ(serving.readers.at(0).reason, "same host");
+  begin(7, 2);
+  EXPECT_EQ(negotiation.serving(100).shm.at(0).history, 0U);
 }
 
 TEST_F(LateReaderTest, ThatIsVolatileGetsNothing) {

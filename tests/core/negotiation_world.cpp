@@ -360,9 +360,11 @@ void NegotiationWorld::arrive(std::size_t which) {
 }
 
 bool NegotiationWorld::owes_history(const Writer& writer) {
-  return std::any_of(writer.in_force.udp.begin(), writer.in_force.udp.end(), [&](const Route& route) {
-    return route.history != 0 && !writer.history_given.contains(route.reader);
-  });
+  const auto is_late = [](const Route& route) { return route.history != 0; };
+  return std::ranges::any_of(writer.in_force.shm, is_late) ||
+         std::ranges::any_of(writer.in_force.udp, [&](const Route& route) {
+           return is_late(route) && !writer.history_given.contains(route.reader);
+         });
 }
 
 /// All that a writer is giving at present has left: Reconciler::look_after_histories.
@@ -370,9 +372,12 @@ void NegotiationWorld::give_history(std::size_t n, std::size_t which) {
   Node& node = nodes_[n];
   auto& [id, writer] = *std::next(node.writers.begin(), static_cast<std::ptrdiff_t>(which));
   bool dirty = false;
+  for (const Route& route : writer.in_force.shm) {
+    if (route.history != 0) history_comes(id, route.reader, TransportKind::shm);
+  }
   for (const Route& route : writer.in_force.udp) {
     if (route.history == 0) continue;
-    history_comes(id, route.reader);
+    history_comes(id, route.reader, TransportKind::udp);
     if (has_begun(node, id, route.reader)) writer.history_given.insert(route.reader);
     dirty |= node.negotiation.history_given(id, route.reader);
   }
@@ -380,11 +385,15 @@ void NegotiationWorld::give_history(std::size_t n, std::size_t which) {
 }
 
 /// Something of that writer comes for that reader alone, if it is still there and listens.
-void NegotiationWorld::history_comes(Id writer, Id reader) {
+void NegotiationWorld::history_comes(Id writer, Id reader, TransportKind path) {
+  const bool by_udp = path == TransportKind::udp;
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     const auto here = nodes_[n].readers.find(reader);
-    if (!nodes_[n].up || here == nodes_[n].readers.end() || !holds(here->second.connected, writer)) continue;
-    if (!holds(nodes_[n].negotiation.local(reader)->request.listening, writer)) continue;
+    if (!nodes_[n].up || here == nodes_[n].readers.end() ||
+        !holds(by_udp ? here->second.connected : here->second.fed, writer))
+      continue;
+    const Request& said = nodes_[n].negotiation.local(reader)->request;
+    if (!holds(by_udp ? said.listening : said.attached, writer)) continue;
     if (!nodes_[n].negotiation.history_began(reader, writer)) continue;
     note_request(nodes_[n].negotiation, reader);
     changed(n, true);

@@ -181,7 +181,7 @@ class NegotiationWorld {
   void fall_silent(std::size_t from, std::size_t to);
   void hear_again(std::size_t from, std::size_t to);
   bool knows_as_silent(std::size_t from, std::size_t to) const;
-  void history_comes(Id writer, Id reader);
+  void history_comes(Id writer, Id reader, TransportKind path);
   bool has_begun(const Node& node, Id writer, Id reader) const;
   void owe_what_has_not_begun(Node& node, Id reader);
   static void forget_history(Node& node, Id reader);

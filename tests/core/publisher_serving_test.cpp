@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <future>
+#include <optional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "core/publisher_core.h"
@@ -110,6 +111,72 @@ TEST_F(PublisherServingTest, OnceClosedItTellsTheProgramOfNoReaders) {
   telling.close();
   telling.serve({}, nullptr);
   EXPECT_EQ(told, 1);
+}
+
+/// In memory of its own, where a late reader waits that a sample is held back from while somebody looks what
+/// is retained, as often as is said.
+class MemoryPort final : public WriterPort {
+ public:
+  SampleHandle loan(std::size_t bytes) noexcept override { return memory->take(bytes); }
+  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
+  void set_routes(std::vector<Route>) override {}
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+  bool holds(const SampleBuffer& sample) const noexcept override { return sample.owner == memory; }
+  std::optional<std::uint64_t> held_back(EndpointId) noexcept override {
+    return given ? std::nullopt : std::optional(interruptions);
+  }
+  bool begin_with(const Route&, const std::vector<SampleHandle>& retained, std::uint64_t before) override {
+    if (before > 0) {
+      --interruptions;
+      return false;
+    }
+    given.emplace();
+    for (const SampleHandle& sample : retained) {
+      EXPECT_TRUE(holds(*sample));
+      given->push_back(sample->sequence);
+    }
+    return true;
+  }
+
+  const std::shared_ptr<BufferPool> memory = BufferPool::make(1 << 20);
+  std::uint64_t interruptions = 0;
+  std::optional<std::vector<std::uint64_t>> given;
+};
+
+class LateInMemoryTest : public PublisherServingTest {
+ protected:
+  PublisherCore::Spec retaining() const {
+    PublisherCore::Spec spec{1, "points", &type, 1 << 16};
+    spec.qos.durability = Durability::transient_local;
+    spec.qos.history_depth = 3;
+    return spec;
+  }
+  Serving to_late_reader() const {
+    Serving serving;
+    serving.shm = {{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full(), .history = 2}};
+    return serving;
+  }
+  const std::shared_ptr<MemoryPort> memory = std::make_shared<MemoryPort>();
+};
+
+TEST_F(LateInMemoryTest, AReaderIsGivenWhatWasPublishedBeforeThereWasSharedMemory) {
+  PublisherCore durable(retaining(), BufferPool::make(1 << 20), nullptr);
+  for (int i = 0; i < 4; ++i) durable.publish(&cloud);
+  durable.serve(to_late_reader(), memory);
+  EXPECT_EQ(memory->given, (std::vector<std::uint64_t>{3, 4}));
+  durable.give_history();
+  EXPECT_EQ(memory->given->size(), 2U) << "once";
+}
+
+TEST_F(LateInMemoryTest, AReaderFromWhichSomethingIsHeldBackMeanwhileIsGivenThatToo) {
+  PublisherCore durable(retaining(), BufferPool::make(1 << 20), nullptr);
+  durable.publish(&cloud);
+  memory->interruptions = 30;
+  durable.serve(to_late_reader(), memory);
+  EXPECT_FALSE(memory->given) << "the agent has other things to do";
+  durable.publish(&cloud);
+  durable.give_history();
+  EXPECT_EQ(memory->given, (std::vector<std::uint64_t>{1, 2}));
 }
 
 }  // namespace

@@ -22,6 +22,12 @@ class LateReaders : public NegotiationTest {
   }
 };
 
+/// Without UDP.
+json in_memory(json options) {
+  options["transport"] = "shm";
+  return options;
+}
+
 TEST_F(LateReaders, OnAnotherHostGetWhatIsRetainedUnderTheirMaskAndThenWhatIsPublished) {
   Peer publisher(here(), "publisher");
   Peer reader(there(), "reader");
@@ -33,6 +39,47 @@ TEST_F(LateReaders, OnAnotherHostGetWhatIsRetainedUnderTheirMaskAndThenWhatIsPub
   EXPECT_TRUE(accounts_for_all(publisher, reader));
   EXPECT_EQ(writer_of(publisher, reader)["lost"], 0);
   EXPECT_EQ(taken_of(publisher, reader)["masks"].size(), 1);
+}
+
+TEST_F(LateReaders, WithoutUdpGetWhatIsRetainedInSharedMemoryAlsoOfTheTimeBeforeTheDaemonAndOnlyOnce) {
+  Peer publisher(here(), "publisher");
+  Peer reader(here(), "reader");
+  publisher.advertise(in_memory(retaining));
+  publisher.publish(20);
+  reader.subscribe("height, width", in_memory(asking));
+  std::optional<Daemon> daemon(std::in_place, here());
+  ASSERT_TRUE(has_what_was_retained(publisher, reader)) << reader.status();
+  ASSERT_TRUE(agree(publisher, reader));
+  publisher.publish(50);
+  EXPECT_TRUE(accounts_for_all(publisher, reader));
+  EXPECT_EQ(writer_of(publisher, reader)["lost"], 0);
+  daemon.reset();
+  ASSERT_TRUE(comes_true([&] { return !is_served(publisher, reader); }));
+  daemon.emplace(here());
+  ASSERT_TRUE(comes_true([&] { return is_served(publisher, reader); }));
+  EXPECT_TRUE(accounts_for_all(publisher, reader)) << "something came twice";
+}
+
+TEST_F(LateReaders, WithoutUdpMissNothingAndTakeNothingTwiceWherePublishingGoesOn) {
+  const Daemon daemon(here());
+  Peer publisher(here(), "publisher");
+  Peer early(here(), "early");
+  publisher.advertise(in_memory(retaining));
+  early.subscribe("data");
+  publisher.start_publishing(200us);
+  ASSERT_TRUE(comes_true([&] { return is_served_by(publisher, early, "shm"); }));
+  for (int round = 0; round < 5; ++round) {
+    Peer reader(here(), "reader " + std::to_string(round));
+    reader.subscribe("data", in_memory(asking));
+    ASSERT_TRUE(comes_true([&] {
+      const json taken = taken_of(publisher, reader);
+      return !taken.is_null() && taken["received"] > 500;
+    })) << reader.status();
+    const json status = reader.status();
+    EXPECT_EQ(status["subscriber"]["lost"], 0) << status;
+    const json& taken = status["taken"][0];
+    EXPECT_EQ(taken["disordered"], 0);
+  }
 }
 
 class LateReadersBeside : public LateReaders {

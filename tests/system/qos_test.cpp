@@ -243,14 +243,8 @@ TEST_P(QosTest, ALateSubscriberGetsTheLastSamplesInOrderAndLiveOnesBehind) {
     const auto sample = late.take();
     heights.push_back(sample->height());
   }
-  if (in_shared_memory()) {
-    // Out of reach without UDP as of now: counted, and told.
-    EXPECT_EQ(heights, (std::vector<std::uint32_t>{21}));
-    EXPECT_EQ(late.status().lost, 5U);
-  } else {
-    EXPECT_EQ(heights, (std::vector<std::uint32_t>{16, 17, 18, 19, 20, 21}));
-    EXPECT_EQ(late.status().lost, 0U);
-  }
+  EXPECT_EQ(heights, (std::vector<std::uint32_t>{16, 17, 18, 19, 20, 21}));
+  EXPECT_EQ(late.status().lost, 0U);
   ASSERT_TRUE(present_only.wait(5s));
   const auto first = present_only.take();
   EXPECT_EQ(first->height(), 21U);
@@ -258,7 +252,6 @@ TEST_P(QosTest, ALateSubscriberGetsTheLastSamplesInOrderAndLiveOnesBehind) {
 }
 
 TEST_P(QosTest, BetweenHistoryAndLiveSamplesNothingIsMissingAndNothingTwice) {
-  if (in_shared_memory()) GTEST_SKIP() << "no history without UDP";
   auto pub = a.publisher<PointCloud2>("points", {.durability = transient_local, .history_depth = 10}).value();
   const Ticker publishing(200us, [&](std::uint32_t i) { pub.publish(cloud(i, 3000)); });
   for (int round = 0; round < 10; ++round) {
@@ -269,7 +262,6 @@ TEST_P(QosTest, BetweenHistoryAndLiveSamplesNothingIsMissingAndNothingTwice) {
 
 // Others, of the same mask in the same process, have live samples all the time.
 TEST_P(QosTest, LiveSamplesForOthersDoNotOvertakeTheHistory) {
-  if (in_shared_memory()) GTEST_SKIP() << "no history without UDP";
   expect_history_beside_others(a, b);
 }
 

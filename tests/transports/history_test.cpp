@@ -79,7 +79,7 @@ TEST_P(LateReaders, GetTheirHistoryOnce) {
   EXPECT_FALSE(latecomer.take());
 }
 
-TEST_P(Conformance, ServesALateReaderAlsoWhereNothingWasRetained) {
+TEST_P(LateReaders, AreServedAlsoWhereNothingWasRetained) {
   Writer writer(stage);
   Reader latecomer(stage);
   hear_late(latecomer, writer);
