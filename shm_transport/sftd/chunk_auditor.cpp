@@ -69,32 +69,34 @@ ChunkAuditor::Hands ChunkAuditor::hands() const {
 }
 
 std::optional<ChunkAuditor::Lost> ChunkAuditor::find_lost() const {
-  std::vector<std::vector<bool>> accounted;  // by pool and place: free, or somebody's
+  Places in_order;
   Lost lost;
   for (const PoolLayout& pool : pools_) {
-    accounted.push_back(pool.free_places());
-    if (accounted.back().size() != pool.places()) return std::nullopt;
-    lost.counted_too_many.push_back(pool.counted_too_many(accounted.back()));
+    in_order.push_back(pool.free_places());
+    if (in_order.back().size() != pool.places()) return std::nullopt;
+    lost.counted_too_many.push_back(pool.counted_too_many(in_order.back()));
   }
-  const PoolLayout& headers = pools_.back();
-  for (std::uint32_t i = 0; i < headers.places(); ++i) {
-    if (accounted.back()[i]) continue;
-    const auto& header = *reinterpret_cast<const ChunkManagement*>(headers.at(i));
-    if (header.m_referenceCounter.load(std::memory_order_relaxed) == 0) continue;
-    const void* const chunk = header.m_chunkHeader.get();
-    for (std::size_t pool = 0; pool + 1 < pools_.size(); ++pool) {
-      const auto place = pools_[pool].place_of(chunk);
-      if (!place || accounted[pool][*place] || !is_owned(pools_[pool].at(*place))) continue;
-      accounted[pool][*place] = accounted.back()[i] = true;
-    }
-  }
-  for (const std::vector<bool>& places : accounted) {
+  add_owned(in_order);
+  for (const std::vector<bool>& places : in_order) {
     auto& left = lost.places.emplace_back();
     for (std::uint32_t i = 0; i < places.size(); ++i) {
       if (!places[i]) left.push_back(i);
     }
   }
   return lost;
+}
+
+/// To the free places: headers that count references, and their chunks, where these are somebody's.
+void ChunkAuditor::add_owned(Places& in_order) const {
+  for (std::uint32_t i = 0; i < pools_.back().places(); ++i) {
+    const auto& header = *reinterpret_cast<const ChunkManagement*>(pools_.back().at(i));
+    if (in_order.back()[i] || header.m_referenceCounter.load(std::memory_order_relaxed) == 0) continue;
+    for (std::size_t pool = 0; pool + 1 < pools_.size(); ++pool) {
+      const auto place = pools_[pool].place_of(header.m_chunkHeader.get());
+      if (!place || in_order[pool][*place] || !is_owned(pools_[pool].at(*place))) continue;
+      in_order[pool][*place] = in_order.back()[i] = true;
+    }
+  }
 }
 
 /// A chunk that is taken, and has a header.

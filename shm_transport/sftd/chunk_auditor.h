@@ -41,8 +41,10 @@ class ChunkAuditor {
     std::vector<std::int64_t> counted_too_many;      ///< likewise
   };
   using Hands = std::vector<std::uint32_t>;
+  using Places = std::vector<std::vector<bool>>;  ///< by pool
   std::optional<Lost> look() const;
   std::optional<Lost> find_lost() const;
+  void add_owned(Places& in_order) const;
   Hands hands() const;
   bool is_owned(const std::byte* chunk) const;
   std::size_t free(const Lost& lost);

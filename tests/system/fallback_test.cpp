@@ -218,6 +218,45 @@ TEST_F(FallbackTest, AReaderWithoutUdpMissesWhatIsTooLargeAndThatIsCounted) {
   EXPECT_EQ(publisher.status().diverted, (Diverted{.too_large = 1}));
 }
 
+// Its samples are sent by the routes that are in force behind the history, so its pages turn otherwise.
+TEST_F(FallbackTest, ADurablePublisherCountsEachSampleOnceByWhicheverWayItGoes) {
+  const SmallDaemon daemon("[[pool]]\nsize_kib = 64\ncount = 200\n");
+  Node a = Node::open(options("a")).value();
+  Node b = Node::open(options("b")).value();
+  auto publisher =
+      a.publisher<PointCloud2>("points", {.durability = Durability::transient_local, .history_depth = 4})
+          .value();
+  auto subscriber = b.subscriber<PointCloud2, F::height>("points", {.depth = 64}).value();
+  ASSERT_TRUE(all_served_by_shm(publisher, 1));
+  std::uint32_t published = 0, diverted = 0;
+  const auto publish_some = [&] {
+    for (const std::size_t bytes : {small_bytes, large_bytes, small_bytes}) {
+      ASSERT_EQ(publisher.publish(cloud(++published, bytes)), PublishStatus::ok);
+      diverted += bytes == large_bytes ? 1 : 0;
+      ASSERT_TRUE(subscriber.wait(5s));
+      EXPECT_EQ(height_of(subscriber), published);
+    }
+  };
+  for (int round = 0; round < 3; ++round) {
+    publish_some();
+    {
+      auto other = b.subscriber<PointCloud2, F::width>("points", {.transport = TransportChoice::udp}).value();
+      ASSERT_TRUE(eventually([&] {
+        const auto readers = publisher.status().readers;
+        return readers.size() == 2 && readers[0].served && readers[1].served;
+      }));
+      publish_some();
+    }
+    ASSERT_TRUE(all_served_by_shm(publisher, 1));
+  }
+  publish_some();
+  const ReaderStatus reader = reader_of(publisher);
+  EXPECT_EQ(reader.published, published);
+  EXPECT_EQ(reader.sent, published);
+  EXPECT_EQ(reader.diverted, diverted);
+  EXPECT_EQ(subscriber.status().lost, 0U);
+}
+
 TEST_F(FallbackTest, OfSeveralWritersTheSamplesOfEachStayInOrderWhileBothPathsAreUsed) {
   const SmallDaemon daemon("[[pool]]\nsize_kib = 64\ncount = 400\n");
   Node a = Node::open(options("a")).value();
