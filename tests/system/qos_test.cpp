@@ -261,9 +261,7 @@ TEST_P(QosTest, BetweenHistoryAndLiveSamplesNothingIsMissingAndNothingTwice) {
 }
 
 // Others, of the same mask in the same process, have live samples all the time.
-TEST_P(QosTest, LiveSamplesForOthersDoNotOvertakeTheHistory) {
-  expect_history_beside_others(a, b);
-}
+TEST_P(QosTest, LiveSamplesForOthersDoNotOvertakeTheHistory) { expect_history_beside_others(a, b); }
 
 TEST_P(QosTest, WhatHasExpiredIsNotGivenToLateSubscribers) {
   const PublisherOptions options{.durability = transient_local, .history_depth = 5, .lifespan = 50ms};
