@@ -445,6 +445,7 @@ PublishStatus PublisherCore::send(const Outlets& before, const SampleHandle& sam
       diverted = outlets.has_spares;
     }
   }
+  if (outlets.to_udp && !outlets.to_shm) note_sent_by_udp_alone(*sample);
   if ((outlets.to_udp || diverted) && udp_->send(sample) != SendStatus::sent) status = PublishStatus::dropped;
   if (status != PublishStatus::ok) dropped_.fetch_add(1, std::memory_order_relaxed);
   return status;
@@ -462,13 +463,18 @@ bool PublisherCore::send_to_shm(const Outlets& outlets, const SampleHandle& samp
   return false;
 }
 
-/// Shared memory does not take it: it goes by UDP to whom it can. Later ones tell these that they may have to
-/// wait for it.
+/// Later ones in shared memory tell their readers that they may have to wait for it: it is under way for
+/// longer.
+void PublisherCore::note_sent_by_udp_alone(const SampleBuffer& sample) noexcept {
+  diverted_sequence_ = sample.sequence;
+  diverted_stamp_ns_ = sample.source_stamp_ns;
+}
+
+/// Shared memory does not take it: it goes by UDP to whom it can.
 PublishStatus PublisherCore::divert(const Outlets& outlets, const SampleHandle& sample) noexcept {
   if (outlets.has_spares) {
     udp_->include_spares();
-    diverted_sequence_ = sample->sequence;
-    diverted_stamp_ns_ = sample->source_stamp_ns;
+    note_sent_by_udp_alone(*sample);
   }
   PublishStatus status = PublishStatus::ok;
   for (const Outlets::Locals& locals : outlets.locals) {

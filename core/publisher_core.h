@@ -137,6 +137,7 @@ class PublisherCore {
   PublishStatus withhold() noexcept;
   PublishStatus close_gaps(SampleBuffer& sample) noexcept;
   bool send_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
+  void note_sent_by_udp_alone(const SampleBuffer& sample) noexcept;
   PublishStatus divert(const Outlets& outlets, const SampleHandle& sample) noexcept;
   SampleHandle copy_to_shm(WriterPort& shm, const SampleHandle& sample) const noexcept;
   bool give_history(WriterPort& shm, const Route& route);
@@ -173,7 +174,7 @@ class PublisherCore {
   const Outlets* counted_ = nullptr;  ///< whose page is open
   std::uint32_t measured_bytes_ = 0;  ///< of a sample with all its fields, and when it was published
   std::int64_t measured_at_ns_ = 0;
-  std::uint64_t diverted_sequence_ = 0;  ///< the last one, and when it was published
+  std::uint64_t diverted_sequence_ = 0;  ///< the last one sent by UDP alone, and when it was published
   std::int64_t diverted_stamp_ns_ = 0;
 
   // Of the agent's thread.

@@ -83,6 +83,7 @@ void SubscriberCore::hear(const std::vector<Hearing>& hearing) {
   for (const Hearing& h : hearing) {
     writers_.push_back(h.status);
     Heard& from = heard(h.source.writer);
+    if (from.since_ns == 0) from.since_ns = realtime_ns();
     from.lifespan_ns = h.offered.lifespan.count();
     if (from.lifespan_ns == 0) from.account.owe(h.owed);  // else nobody knows how many were still to be had
   }
@@ -176,13 +177,15 @@ SubscriberCore::Inlet& SubscriberCore::in_turn(Inlet& udp) {
   return is_earlier ? earlier : udp;
 }
 
-/// With the mutex held: whether one before this sample went by UDP and may still come. It does not, if a
-/// later one did. Both clocks are this host's; if it is set meanwhile, nobody waits.
+/// With the mutex held: whether one before this sample went by UDP and may still come to us. It does not, if
+/// a later one did, or if we were not there yet. Both clocks are this host's; if it is set meanwhile, nobody
+/// waits.
 bool SubscriberCore::waits(const Inlet& inlet) {
   const SampleBuffer& buffer = *inlet.next;
   const Numbered diverted{.sequence = buffer.diverted_sequence, .stamp_ns = buffer.diverted_stamp_ns};
-  const SequenceAccount& account = heard(buffer.writer).account;
-  if (diverted.sequence >= buffer.sequence || !account.is_new(diverted) || !account.allows(diverted))
+  const Heard& from = heard(buffer.writer);
+  if (diverted.sequence >= buffer.sequence || diverted.stamp_ns < from.since_ns ||
+      !from.account.is_new(diverted) || !from.account.allows(diverted))
     return false;
   const std::int64_t age_ns = realtime_ns() - diverted.stamp_ns;
   if (age_ns < 0 || age_ns >= spec_.diverted_patience.count()) return false;

@@ -114,6 +114,7 @@ class SubscriberCore final : public ArrivalListener {
     std::uint64_t withheld = 0;
     std::uint64_t lost_untold = 0;  ///< of these, not yet told with a sample
     std::uint64_t expired = 0;
+    std::int64_t since_ns = 0;     ///< when it was looked for first
     std::int64_t lifespan_ns = 0;  ///< that the writer gives its samples; 0: no end
     std::uint64_t deadlines_missed = 0;
     bool alive = true;

@@ -249,6 +249,24 @@ TEST_F(PatientPathSwitch, WhatSharedMemoryRefusesComesByUdpInItsPlaceHoweverLate
   EXPECT_EQ(sent.diverted.exhausted, sent.diverted.total());
 }
 
+TEST_F(PatientPathSwitch, WhatIsStillUnderWayByUdpWhenTheReaderIsAttachedComesInItsPlace) {
+  Serving by_udp, by_shm;
+  by_udp.udp = {{reader_id, UdpAddress{}, type.full()}};
+  by_shm.shm = {{reader_id, DoorbellAddress{}, type.full()}};
+  for (int round = 0; round < 100; ++round) {
+    publisher.serve(by_udp, shm_writer);
+    for (int i = 0; i < 7; ++i) publish();
+    publisher.serve(by_shm, shm_writer);  // samples are published meanwhile
+    publish();
+    deliver_all_of(*shm_writer, *shm_reader);
+    take();
+    deliver_all_of(*udp_writer, *udp_reader);
+    take();
+    ASSERT_EQ(last, published);
+  }
+  EXPECT_EQ(subscriber.status().lost, 0U);
+}
+
 TEST_F(PathSwitch, FromUdpToSharedMemoryNoSampleFallsBetweenThePorts) {
   Serving by_udp, by_shm;
   by_udp.udp = {{reader_id, UdpAddress{}, type.full()}};

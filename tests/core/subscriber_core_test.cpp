@@ -95,6 +95,15 @@ TEST_F(SubscriberCoreTest, WhatDoesNotComeByUdpIsNotWaitedForLong) {
   EXPECT_EQ(subscriber->status().lost, 2U);
 }
 
+TEST_F(SubscriberCoreTest, WhatWentByUdpBeforeItsWriterWasLookedForIsNotWaitedFor) {
+  const std::int64_t before = realtime_ns() - 1;
+  Hearing hearing;
+  hearing.source.writer = 9;
+  subscriber->hears({hearing});
+  arrives_after_diverted(2, 1, before);
+  EXPECT_EQ(taken(), (Sequences{2}));
+}
+
 TEST_F(SubscriberCoreTest, OneThatWaitsInVainIsLookedAtAgain) {
   arrives_after_diverted(2, 1, realtime_ns());
   EXPECT_FALSE(subscriber->wait({}));

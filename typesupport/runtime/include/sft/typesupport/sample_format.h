@@ -28,8 +28,8 @@ struct SampleHeader {
   std::uint64_t type_hash = 0;
   std::uint32_t body_offset = 0;  ///< from the header's first byte
   std::uint32_t body_bytes = 0;
-  // Of the writer's newest sample before this one that shared memory could not take, and that went to readers
-  // there by UDP: it may arrive later than this one. 0: there was none.
+  // Of the writer's newest sample before this one that went by UDP alone, because shared memory was not in use
+  // yet or could not take it: it may arrive later than this one. 0: there was none.
   std::uint64_t diverted_sequence = 0;
   std::int64_t diverted_stamp_ns = 0;
 };
