@@ -81,6 +81,7 @@ class PublisherCore {
   bool keeps_promises(std::uint64_t deadlines_missed, bool alive);
   /// Whether all that was for a late reader alone has left.
   bool history_sent(EndpointId reader) const { return udp_ == nullptr || udp_->history_sent(reader); }
+  bool retains() const { return history_ != nullptr; }
   void expire_history();
   /// To late readers in shared memory, as soon as they can be given it.
   void give_history();

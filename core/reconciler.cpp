@@ -481,7 +481,7 @@ void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
     writer.opening_shm = {};
   } else {
     try_shm(writer.opening_shm, [&]() -> Result<void> {
-      auto port = shm_->open_writer({id, &writer.core->type()});
+      auto port = shm_->open_writer({id, &writer.core->type(), writer.core->retains()});
       if (!port) return tl::unexpected(port.error());
       writer.shm = std::move(*port);
       writer.in_force.reset();

@@ -76,6 +76,7 @@ struct Route {
 struct WriterSpec {
   EndpointId id = 0;
   const TypeSupport* type = nullptr;  ///< outlives the port
+  bool retains = true;                ///< samples for late readers; false: begin_with() is never called
 };
 
 /// What a reader has to know of a writer whose samples it wants.

@@ -50,7 +50,7 @@ class ShmTransport final : public core::Transport {
       (*publisher)->m_toBeDestroyed.store(true, std::memory_order_relaxed);
       return tl::unexpected(keeper.error());
     }
-    auto chunks = ChunkLender::make(session_, **publisher, **keeper, *spec.type, options_.held_limit);
+    auto chunks = ChunkLender::make(session_, **publisher, **keeper, spec, options_.held_limit);
     return std::make_unique<ShmWriterPort>(std::move(chunks), pages_, statistics_);
   }
 

@@ -30,18 +30,19 @@ constexpr std::chrono::microseconds lock_pause{50};
 
 std::shared_ptr<ChunkLender> ChunkLender::make(std::shared_ptr<Session> session,
                                                iox::popo::PublisherPortData& publisher,
-                                               iox::popo::SubscriberPortData& keeper, const TypeSupport& type,
-                                               std::uint32_t held_limit) {
-  std::shared_ptr<ChunkLender> lender(new ChunkLender(session, publisher, keeper, type, held_limit));
+                                               iox::popo::SubscriberPortData& keeper,
+                                               const core::WriterSpec& spec, std::uint32_t held_limit) {
+  std::shared_ptr<ChunkLender> lender(new ChunkLender(session, publisher, keeper, spec, held_limit));
   session->enlist(lender);
   return lender;
 }
 
 ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherPortData& publisher,
-                         iox::popo::SubscriberPortData& keeper, const TypeSupport& type,
+                         iox::popo::SubscriberPortData& keeper, const core::WriterSpec& spec,
                          std::uint32_t held_limit)
-    : full_mask_(type.full()),
+    : full_mask_(spec.type->full()),
       largest_bytes_(session->pools(*publisher.m_chunkSenderData.m_memoryMgr).largest_bytes()),
+      retains_(spec.retains),
       session_(std::move(session)),
       publisher_(publisher),
       port_(&publisher),
@@ -124,7 +125,7 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers) noexce
 
 void ChunkLender::deliver(ChunkSlot& slot) noexcept {
   auto& port = publisher_.m_chunkSenderData;
-  audience_.look(port.m_queues, *session_);
+  if (retains_) audience_.look(port.m_queues, *session_);
   const ChunkInHand hand(publisher_);
   if (!audience_.somebody_waits()) {
     // On loan again by iceoryx's own account: only such chunks can be sent.
@@ -142,7 +143,7 @@ void ChunkLender::deliver(ChunkSlot& slot) noexcept {
 std::optional<std::uint64_t> ChunkLender::held_back(core::EndpointId reader) noexcept {
   const std::scoped_lock lock(mutex_);
   auto& port = publisher_.m_chunkSenderData;
-  if (lost_ || !port.tryLock()) return std::nullopt;
+  if (lost_ || !retains_ || !port.tryLock()) return std::nullopt;
   audience_.look(port.m_queues, *session_);
   port.unlock();
   if (audience_.waiting(reader) == nullptr) return std::nullopt;

@@ -39,8 +39,8 @@ class ChunkLender final : public core::BufferOwner,
  public:
   static std::shared_ptr<ChunkLender> make(std::shared_ptr<Session> session,
                                            iox::popo::PublisherPortData& publisher,
-                                           iox::popo::SubscriberPortData& keeper, const TypeSupport& type,
-                                           std::uint32_t held_limit);
+                                           iox::popo::SubscriberPortData& keeper,
+                                           const core::WriterSpec& spec, std::uint32_t held_limit);
   ~ChunkLender() override;
 
   /// A chunk with a fresh header; empty if there is none, or none so large. Any thread.
@@ -70,7 +70,7 @@ class ChunkLender final : public core::BufferOwner,
 
  private:
   ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherPortData& publisher,
-              iox::popo::SubscriberPortData& keeper, const TypeSupport& type, std::uint32_t held_limit);
+              iox::popo::SubscriberPortData& keeper, const core::WriterSpec& spec, std::uint32_t held_limit);
   iox::mepoo::ChunkHeader* allocate(std::size_t bytes) noexcept;
   void hold(ChunkSlot& slot, iox::mepoo::ChunkHeader& chunk) noexcept;
   void deliver(ChunkSlot& slot) noexcept;
@@ -78,6 +78,7 @@ class ChunkLender final : public core::BufferOwner,
 
   const FieldMask full_mask_;
   const std::size_t largest_bytes_;
+  const bool retains_;
 
   mutable std::mutex mutex_;  // guards what follows; never held over a system call
   bool lost_ = false;

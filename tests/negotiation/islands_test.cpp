@@ -1,27 +1,39 @@
 // Two containers of one machine, which share their network stack, /dev/shm and /tmp or have their own: the
 // table in shm_transport/same_host.md.
 #include <filesystem>
-#include <fstream>
 #include <set>
+#include <string>
+#include <system_error>
 
 #include "tests/negotiation/fixture.h"
 
 namespace sft::test {
 namespace {
 
-/// Of the daemons of this test, in any container.
+/// In any container, also those that have started afresh.
 std::set<pid_t> daemons() {
   std::set<pid_t> found;
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-    std::string name;
-    std::getline(std::ifstream(entry.path() / "comm"), name);
-    if (name == "sftd") found.insert(std::stoi(entry.path().filename()));
+    std::error_code none;
+    const auto program = std::filesystem::read_symlink(entry.path() / "exe", none);
+    if (program.filename() == "sftd") found.insert(std::stoi(entry.path().filename()));
   }
   return found;
 }
 
+bool kill_daemons() {
+  for (const pid_t daemon : daemons()) kill(daemon, SIGKILL);
+  return daemons().empty();
+}
+
 class Islands : public NegotiationTest, public testing::WithParamInterface<Host::Shared> {
  protected:
+  /// Those that nodes started outlive them.
+  void TearDown() override {
+    if (IsSkipped()) return;
+    EXPECT_TRUE(comes_true(kill_daemons));
+  }
+
   static bool share_memory() { return GetParam().shm && GetParam().tmp; }
   /// One for each /dev/shm that can have one: the sockets in a shared /tmp are of one only.
   static std::size_t daemons_wanted() { return GetParam().shm || GetParam().tmp ? 1 : 2; }
@@ -73,16 +85,18 @@ TEST_P(Islands, UseTheMemoryThatTheyShareOrUdpAndSayWhyAlsoAfterTheirDaemonIsKil
   publisher.advertise();
   reader.subscribe("data");
   ASSERT_TRUE(settle(publisher, reader));
-  EXPECT_TRUE(is_told_why(publisher, reader)) << publisher.status() << reader.status();
+  EXPECT_TRUE(comes_true([&] { return is_told_why(publisher, reader); }))
+      << publisher.status() << reader.status();
   publisher.publish(100);
   EXPECT_TRUE(accounts_for_all(publisher, reader));
   EXPECT_EQ(taken_of(publisher, reader)["by_shm"] > 0, share_memory());
 
   publisher.start_publishing();
-  for (const pid_t daemon : daemons()) kill(daemon, SIGKILL);
+  kill_daemons();
   ASSERT_TRUE(settle(publisher, reader));
   publisher.stop_publishing();
-  EXPECT_TRUE(is_told_why(publisher, reader)) << publisher.status() << reader.status();
+  EXPECT_TRUE(comes_true([&] { return is_told_why(publisher, reader); }))
+      << publisher.status() << reader.status();
   EXPECT_TRUE(accounts_for_all(publisher, reader));
 }
 

@@ -21,7 +21,7 @@ class HeldLock : public ShmNodeTest {
     publisher_ = session_->create_publisher(1, Clock::now() + 1s).value();
     auto* keeper = session_->create_subscriber(1, 0, Clock::now() + 1s).value();
     port_ = std::make_unique<shm::ShmWriterPort>(
-        shm::ChunkLender::make(session_, *publisher_, *keeper, frame_type(), 16),
+        shm::ChunkLender::make(session_, *publisher_, *keeper, {.id = 1, .type = &frame_type()}, 16),
         std::make_shared<shm::DoorbellPages>(), statistics_);
     port_->set_routes({{.reader = 1, .destination = core::DoorbellAddress{}, .mask = frame_type().full()}});
   }
