@@ -23,8 +23,8 @@ inline constexpr const char* daemon_lock_path = "/tmp/sftd.lock";
 inline constexpr const char* roudi_socket_path = "/tmp/roudi";
 inline constexpr const char* runtime_name_stem = "sft_";  ///< of the sockets in /tmp that are ours
 
-/// Of what is said here, of the way programs speak with sftd, and of what they say in shared memory. Counts up
-/// when an older program or daemon would misunderstand.
+/// Of what is said here, of the way programs speak with sftd, and of what they say in shared memory. Counts
+/// up when an older program or daemon would misunderstand.
 inline constexpr std::uint32_t host_protocol = 3;
 /// What a registration is answered with, as an error, that is one too many.
 inline constexpr const char* too_many_processes = "SFT_PROCESS_LIST_FULL";

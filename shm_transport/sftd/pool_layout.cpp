@@ -48,7 +48,8 @@ PoolLayout::PoolLayout(MemPool& pool)
     : pool_(pool),
       begin_(reinterpret_cast<std::byte*>(layout_of(pool).begin.get())),
       place_bytes_(pool.getChunkSize()),
-      places_(pool.getChunkCount()) {}
+      places_(pool.getChunkCount()),
+      next_free_(layout_of(pool).free.next.get()) {}
 
 std::optional<std::uint32_t> PoolLayout::place_of(const void* address) const {
   const auto offset = reinterpret_cast<std::uintptr_t>(address) - reinterpret_cast<std::uintptr_t>(begin_);
@@ -57,11 +58,9 @@ std::optional<std::uint32_t> PoolLayout::place_of(const void* address) const {
 }
 
 std::vector<bool> PoolLayout::free_places() const {
-  const FreeList& list = layout_of(pool_).free;
-  const std::uint32_t* const next = list.next.get();
   std::vector<bool> free(places_, false);
-  for (std::uint32_t i = list.head.load(std::memory_order_acquire).first; i != places_;
-       i = __atomic_load_n(&next[i], __ATOMIC_RELAXED)) {
+  for (std::uint32_t i = layout_of(pool_).free.head.load(std::memory_order_acquire).first; i != places_;
+       i = __atomic_load_n(&next_free_[i], __ATOMIC_RELAXED)) {
     if (i > places_ || free[i]) return {};
     free[i] = true;
   }
@@ -79,8 +78,7 @@ void PoolLayout::correct_count(std::int64_t too_many) {
 
 /// Its last user may have been about to mark it as taken, or to put it back.
 void PoolLayout::free(std::uint32_t place) {
-  const FreeList& list = layout_of(pool_).free;
-  __atomic_store_n(&list.next.get()[place], list.taken, __ATOMIC_RELAXED);
+  __atomic_store_n(&next_free_[place], layout_of(pool_).free.taken, __ATOMIC_RELAXED);
   pool_.freeChunk(at(place));
 }
 

@@ -14,7 +14,7 @@ namespace sft::shm {
 /// One pool. What its programs may have written there is checked.
 class PoolLayout {
  public:
-  /// `pool` outlives this.
+  /// `pool` outlives this, and no program has been let in yet.
   explicit PoolLayout(iox::mepoo::MemPool& pool);
 
   std::uint32_t places() const { return places_; }
@@ -36,6 +36,7 @@ class PoolLayout {
   std::byte* const begin_;
   const std::uint32_t place_bytes_;
   const std::uint32_t places_;
+  std::uint32_t* const next_free_;  ///< by place
 };
 
 /// Those that chunks come from, and behind them the one of their headers (iox::mepoo::ChunkManagement).
