@@ -1,6 +1,7 @@
 // Waiting for samples in an event loop, over each transport.
 #include <sys/epoll.h>
 
+#include <cerrno>
 #include <thread>
 
 #include "core/file_descriptor.h"
@@ -16,9 +17,14 @@ class Loop {
     epoll_event event{.events = events, .data = {}};
     EXPECT_EQ(::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event), 0);
   }
+  /// The kernel interrupts it, too, without a signal: to clear away the rings of an earlier test.
   bool wakes(std::chrono::milliseconds within) {
     epoll_event event{};
-    return ::epoll_wait(epoll_.get(), &event, 1, static_cast<int>(within.count())) == 1;
+    int ready = 0;
+    do {
+      ready = ::epoll_wait(epoll_.get(), &event, 1, static_cast<int>(within.count()));
+    } while (ready < 0 && errno == EINTR);
+    return ready == 1;
   }
 
  private:
