@@ -255,6 +255,11 @@ TEST_F(PatientPathSwitch, WhatIsStillUnderWayByUdpWhenTheReaderIsAttachedComesIn
   by_shm.shm = {{reader_id, DoorbellAddress{}, type.full()}};
   for (int round = 0; round < 100; ++round) {
     publisher.serve(by_udp, shm_writer);
+    publish();
+    deliver_all_of(*shm_writer, *shm_reader);
+    deliver_all_of(*udp_writer, *udp_reader);
+    take();
+    const std::uint64_t lost = subscriber.status().lost;
     for (int i = 0; i < 7; ++i) publish();
     publisher.serve(by_shm, shm_writer);  // samples are published meanwhile
     publish();
@@ -263,8 +268,8 @@ TEST_F(PatientPathSwitch, WhatIsStillUnderWayByUdpWhenTheReaderIsAttachedComesIn
     deliver_all_of(*udp_writer, *udp_reader);
     take();
     ASSERT_EQ(last, published);
+    ASSERT_EQ(subscriber.status().lost, lost);
   }
-  EXPECT_EQ(subscriber.status().lost, 0U);
 }
 
 TEST_F(PathSwitch, FromUdpToSharedMemoryNoSampleFallsBetweenThePorts) {

@@ -31,7 +31,9 @@ TEST_F(Paths, ChangeWithTheDaemonAndNothingIsTakenTwiceOrUnderAnotherMask) {
   ASSERT_TRUE(comes_true([&] { return is_served_with(publisher, reader, "height"); }));
   for (int i = 0; i < 2; ++i) {
     EXPECT_TRUE(is_served_by(publisher, reader, "udp"));
-    const json lost = writer_of(publisher, reader)["lost"];
+    const json received = writer_of(publisher, reader)["received"];
+    ASSERT_TRUE(comes_true([&] { return writer_of(publisher, reader)["received"] > received; }));
+    const json lost = writer_of(publisher, reader)["lost"];  // with the daemon, as is noticed by now
     Daemon daemon(here());
     ASSERT_TRUE(goes_by(publisher, reader, "shm"));
     EXPECT_TRUE(agree(publisher, reader));
