@@ -8,6 +8,14 @@ JobHandle::~JobHandle() {
   pool->recycle(std::unique_ptr<Job>(job_));
 }
 
+void Job::copy_body() {
+  copy_.reserve(projection.bytes());
+  copy_.clear();
+  for (const Segment& segment : projection.segments())
+    copy_.insert(copy_.end(), segment.data, segment.data + segment.bytes);
+  copied_ = {copy_.data(), copy_.size()};
+}
+
 JobHandle JobPool::take() {
   std::unique_ptr<Job> job;
   {
@@ -25,6 +33,7 @@ JobHandle JobPool::take() {
 void JobPool::recycle(std::unique_ptr<Job> job) noexcept {
   job->sample.reset();
   job->mask.reset();
+  job->copy_.clear();
   const std::scoped_lock lock(mutex_);
   if (spare_.size() < spare_max) spare_.push_back(std::move(job));
 }

@@ -32,11 +32,22 @@ struct Job {
   std::shared_ptr<const WireMask> mask;
   std::uint64_t sequence = 0;  ///< whole
 
-  EncodedBody body() const { return {first, mask->words, projection.segments()}; }
+  EncodedBody body() const { return body(first); }
+  /// With another header.
+  EncodedBody body(const FirstHeader& header) const {
+    return {header, mask->words, copy_.empty() ? projection.segments() : std::span(&copied_, 1)};
+  }
+
+  /// Makes the job independent of the sample that it was encoded from.
+  void copy_body();
+  /// Memory that it keeps from others.
+  std::size_t held_bytes() const { return sample ? sample->capacity : copy_.size(); }
 
  private:
   friend class JobHandle;
   friend class JobPool;
+  std::vector<std::byte> copy_;  ///< of the body; empty if there is none
+  Segment copied_{};
   std::shared_ptr<JobPool> pool_;  ///< while it is out
   std::atomic<std::uint32_t> references_{0};
 };
