@@ -357,7 +357,8 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
     status.reason = !verdict.shm    ? verdict.udp_reason
                     : history_first ? "same host, what was published before comes first"
                                     : "same host, shared memory is being attached";
-    serving.udp.push_back({r.id, address_of(r), status.mask, period, nullptr, owed});
+    const bool reliable = r.qos.reliability == Reliability::reliable;
+    serving.udp.push_back({r.id, address_of(r), status.mask, period, nullptr, owed, reliable});
   } else if (verdict.udp) {
     status.reason = "the subscriber is not listening yet";
   } else {
@@ -400,10 +401,11 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     const bool history_first = owed != 0 && verdict.udp;
     // What others get through shared memory would overtake it.
     const bool history_comes = history_first && !entry->second.history_came.contains(w.id);
-    Hearing hearing{.source = {w.id, w.max_sample_bytes, history_first},
-                    .offered = w.qos,
-                    .owed = owed,
-                    .status = {.id = w.id, .node = w.node, .alive = !writer->lost()}};
+    Hearing hearing{
+        .source = {w.id, w.max_sample_bytes, history_first, r.qos.reliability == Reliability::reliable},
+        .offered = w.qos,
+        .owed = owed,
+        .status = {.id = w.id, .node = w.node, .alive = !writer->lost()}};
     hearing.shm = verdict.shm && !history_comes;
     hearing.udp = verdict.udp;
     const bool attached = verdict.shm && holds(r.request.attached, w.id);

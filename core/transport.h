@@ -67,6 +67,7 @@ struct Route {
   std::shared_ptr<const RateGate> gate{};  ///< which keeps that limit; null: every sample is for it
   /// Not 0: it is served apart from all others, from so many retained samples on.
   std::uint32_t history = 0;
+  bool reliable = false;  ///< what gets lost on the way is sent again
   friend bool operator==(const Route&, const Route&) = default;
 };
 
@@ -80,6 +81,7 @@ struct Source {
   EndpointId writer = 0;
   std::size_t max_sample_bytes = 0;
   bool history_first = false;  ///< nothing of it is for the reader until something for it alone has come
+  bool reliable = false;       ///< in order, and what gets lost on the way is asked for
   friend bool operator==(const Source&, const Source&) = default;
 };
 

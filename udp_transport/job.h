@@ -30,7 +30,8 @@ struct Job {
   Projection projection;
   FirstHeader first;
   std::shared_ptr<const WireMask> mask;
-  std::uint64_t sequence = 0;  ///< whole
+  std::uint64_t sequence = 0;     ///< whole
+  std::uint32_t whole_bytes = 0;  ///< of the sample's body with all fields
 
   EncodedBody body() const { return body(first); }
   /// With another header.

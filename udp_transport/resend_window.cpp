@@ -31,27 +31,30 @@ ResendWindow::Kept ResendWindow::keep(JobHandle job, FirstHeader first) {
                    .ordinal = ordinal};
   kept_bytes_ += job->held_bytes();
   kept_.push_back({.first = first, .job = std::move(job)});
-  return {ordinal, make_room()};
+  Kept kept{.ordinal = ordinal};
+  make_room(kept);
+  return kept;
 }
 
 /// The newest stays, however large it is.
-std::size_t ResendWindow::make_room() {
-  std::size_t dropped = 0;
-  while (kept_.size() > limits_.samples || (kept_bytes_ > limits_.bytes && kept_.size() > 1))
-    dropped += release_oldest() ? 0 : 1;
-  return dropped;
+void ResendWindow::make_room(Kept& kept) {
+  while (kept_.size() > limits_.samples || (kept_bytes_ > limits_.bytes && kept_.size() > 1)) {
+    if (const Entry& oldest = kept_[kept_.begin()]; !oldest.begun) {
+      ++kept.dropped;
+      kept.dropped_bytes += oldest.first.total;
+      kept.dropped_whole_bytes += oldest.job->whole_bytes;
+    }
+    release_oldest();
+  }
 }
 
-/// False if it was never sent.
-bool ResendWindow::release_oldest() {
+void ResendWindow::release_oldest() {
   const std::uint64_t ordinal = kept_.begin();
   const Entry& oldest = kept_[ordinal];
-  const bool begun = oldest.state != State::waiting;
-  if (begun) in_flight_bytes_ -= oldest.first.total;
+  if (oldest.state != State::waiting) in_flight_bytes_ -= oldest.first.total;
   kept_bytes_ -= oldest.job->held_bytes();
   std::erase_if(repairs_, [&](const Repair& repair) { return repair.ordinal == ordinal; });
   kept_.pop_front();
-  return begun;
 }
 
 /// The oldest may always go: all others wait for it. And some more, until a part of the window is under way
@@ -70,6 +73,11 @@ std::uint64_t ResendWindow::first_waiting(Size size) {
   };
   while (ordinal < kept_.end() && !waits(kept_[ordinal])) ++ordinal;
   return ordinal;
+}
+
+bool ResendWindow::has_work() {
+  return !repairs_.empty() || first_waiting(Size::small) != kept_.end() ||
+         first_waiting(Size::large) != kept_.end();
 }
 
 /// Repairs and live samples take turns, so that neither starves the other.
@@ -101,7 +109,7 @@ std::optional<ResendWindow::Piece> ResendWindow::next_sample(Size size) {
   return {};
 }
 
-std::optional<ResendWindow::Piece> ResendWindow::take(std::uint64_t ordinal, Time) {
+std::optional<ResendWindow::Piece> ResendWindow::take(std::uint64_t ordinal) {
   const Size size = size_of(kept_[ordinal].first.total);
   if (first_waiting(size) != ordinal || !has_room_for(ordinal)) return {};
   return begin(ordinal);

@@ -48,7 +48,10 @@ class ResendWindow {
 
   struct Kept {
     std::uint64_t ordinal = 0;
-    std::size_t dropped = 0;  ///< older samples that had to go and were never sent
+    // Older samples that had to go and were never sent:
+    std::size_t dropped = 0;
+    std::uint64_t dropped_bytes = 0;
+    std::uint64_t dropped_whole_bytes = 0;
   };
   /// Gives a sample its place in the channel. The job does not change any more. `first` is its header.
   Kept keep(JobHandle job, FirstHeader first);
@@ -56,7 +59,7 @@ class ResendWindow {
   /// What may be sent now; it counts as being sent until finished() or put_back() is called.
   std::optional<Piece> next(Size size, Time now);
   /// Takes that very sample, if it is its turn.
-  std::optional<Piece> take(std::uint64_t ordinal, Time now);
+  std::optional<Piece> take(std::uint64_t ordinal);
   void finished(const Piece& piece, Time now);
   void put_back(const Piece& piece);
 
@@ -72,6 +75,9 @@ class ResendWindow {
   Time next_look(Time now) const;
   /// Nothing is left to be sent or acknowledged.
   bool settled() const { return kept_.empty(); }
+
+  /// Something is to be sent, as far as there is room for it.
+  bool has_work();
 
   std::size_t kept() const { return kept_.size(); }
   std::size_t kept_bytes() const { return kept_bytes_; }
@@ -96,8 +102,8 @@ class ResendWindow {
   std::optional<Piece> next_sample(Size size);
   std::uint64_t first_waiting(Size size);
   Piece begin(std::uint64_t ordinal);
-  std::size_t make_room();
-  bool release_oldest();
+  void make_room(Kept& kept);
+  void release_oldest();
   std::uint64_t sent_end() const;
   bool may_have(std::uint64_t next) const;
   void ask_for(const Missing& part, std::uint64_t next);

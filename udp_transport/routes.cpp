@@ -27,6 +27,7 @@ struct Gathered {
   std::shared_ptr<const core::RateGate> gate;
   std::vector<std::shared_ptr<Destination>> destinations;
   std::vector<std::pair<core::EndpointId, const Destination*>> readers;
+  std::set<const Destination*> reliable{};  ///< of the destinations
 };
 
 /// Readers with equal masks and limits share an encoding, and those behind one socket a copy of it.
@@ -43,6 +44,7 @@ std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDir
     if (group == groups.end()) group = groups.insert(groups.end(), {wanted, late_reader, route.gate, {}, {}});
     auto destination = directory.find(*address);
     group->readers.emplace_back(route.reader, destination.get());
+    if (route.reliable) group->reliable.insert(destination.get());
     auto& known = group->destinations;
     if (std::find(known.begin(), known.end(), destination) == known.end())
       known.push_back(std::move(destination));
@@ -66,8 +68,9 @@ const Group* RouteTable::of_late_reader(core::EndpointId reader) const {
   return found == groups.end() ? nullptr : &*found;
 }
 
-VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally)
-    : queue_depth_(queue_depth), tally_(std::move(tally)) {}
+VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally,
+                                   ChannelDirectory* channels)
+    : queue_depth_(queue_depth), tally_(std::move(tally)), channels_(channels) {}
 
 VariantDirectory::Variant& VariantDirectory::find(const core::Wanted& wanted, core::EndpointId late_reader) {
   auto known = std::find_if(variants_.begin(), variants_.end(), [&](const Variant& v) {
@@ -81,8 +84,9 @@ VariantDirectory::Variant& VariantDirectory::find(const core::Wanted& wanted, co
   return *known;
 }
 
-std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared_ptr<Destination>& to) {
-  if (variant.late_reader != 0) return late_lane(variant.late_reader, to);
+std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared_ptr<Destination>& to,
+                                             const std::shared_ptr<Channel>& channel) {
+  if (variant.late_reader != 0) return late_lane(variant.late_reader, to, channel);
   for (const std::shared_ptr<Lane>& lane : variant.lanes) {
     if (&lane->destination() == to.get()) return lane;
   }
@@ -91,11 +95,12 @@ std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared
 
 /// Held until its history is known; again if it has moved, since what was queued does not reach it any more.
 std::shared_ptr<Lane> VariantDirectory::late_lane(core::EndpointId reader,
-                                                  const std::shared_ptr<Destination>& to) {
+                                                  const std::shared_ptr<Destination>& to,
+                                                  const std::shared_ptr<Channel>& channel) {
   std::shared_ptr<Lane>& lane = late_lanes_[reader];
-  if (lane != nullptr && &lane->destination() == to.get()) return lane;
+  if (lane != nullptr && &lane->destination() == to.get() && lane->channel() == channel.get()) return lane;
   if (lane != nullptr) lane->close();
-  lane = std::make_shared<Lane>(to, queue_depth_, tally_, Lane::Start::held);
+  lane = std::make_shared<Lane>(to, queue_depth_, tally_, Lane::Start::held, channel);
   return lane;
 }
 
@@ -143,6 +148,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                    DestinationDirectory& destinations) {
   auto table = std::make_shared<RouteTable>();
   std::set<const Destination*> served;
+  std::set<const Destination*> reliably_served;
   std::set<core::EndpointId> late_readers;
   variants.next_round();
   for (Gathered& gathered : gather(routes, destinations)) {
@@ -153,13 +159,17 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                     variant.wire,
                                                     {}});
     for (const std::shared_ptr<Destination>& destination : gathered.destinations) {
-      group.lanes.push_back(variants.lane(variant, destination));
+      const bool reliable = gathered.reliable.contains(destination.get());
+      group.channels.push_back(reliable ? variants.channel(destination) : nullptr);
+      group.lanes.push_back(variants.lane(variant, destination, group.channels.back()));
       served.insert(destination.get());
     }
+    reliably_served.merge(gathered.reliable);
     if (gathered.late_reader != 0) late_readers.insert(gathered.late_reader);
     write_page(gathered, group, table->page);
   }
   variants.keep_lanes_to(served, late_readers);
+  variants.keep_channels_to(reliably_served);
   return table;
 }
 

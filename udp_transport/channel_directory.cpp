@@ -1,0 +1,35 @@
+#include "udp_transport/channel_directory.h"
+
+namespace sft::udp {
+
+void ChannelRoster::add(const std::shared_ptr<Channel>& channel) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+  known_[{channel->writer(), channel->number()}] = channel;
+}
+
+std::shared_ptr<Channel> ChannelRoster::find(std::uint32_t writer, std::uint32_t number) {
+  const std::scoped_lock lock(mutex_);
+  const auto known = known_.find({writer, number});
+  return known == known_.end() ? nullptr : known->second.lock();
+}
+
+std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destination>& to) {
+  std::weak_ptr<Channel>& known = channels_[to.get()];
+  std::shared_ptr<Channel> channel = known.lock();
+  if (channel != nullptr && channel->resume()) return channel;
+  channel = std::make_shared<Channel>(writer_, ++last_number_, to, tally_, ack_port_);
+  roster_.add(channel);
+  known = channel;
+  return channel;
+}
+
+void ChannelDirectory::keep_to(const std::set<const Destination*>& reliably_served) {
+  std::erase_if(channels_, [](const auto& item) { return item.second.expired(); });
+  for (auto& [to, known] : channels_) {
+    const std::shared_ptr<Channel> channel = known.lock();
+    if (channel != nullptr && !reliably_served.contains(to)) channel->end();
+  }
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,53 @@
+// The channels of one writer, one for each process that it serves reliably; and those of all writers of a
+// transport, so that acks find theirs.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <utility>
+
+#include "udp_transport/channel.h"
+
+namespace sft::udp {
+
+/// Any thread.
+class ChannelRoster {
+ public:
+  void add(const std::shared_ptr<Channel>& channel);
+  /// Null if there is none, or no more.
+  std::shared_ptr<Channel> find(std::uint32_t writer, std::uint32_t number);
+
+ private:
+  std::mutex mutex_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<Channel>> known_;
+};
+
+/// Of the agent's thread. The roster outlives it.
+class ChannelDirectory {
+ public:
+  ChannelDirectory(std::uint32_t writer, std::shared_ptr<WriterTally> tally, ChannelRoster& roster,
+                   std::uint16_t ack_port)
+      : writer_(writer), tally_(std::move(tally)), roster_(roster), ack_port_(ack_port) {}
+  ~ChannelDirectory() { keep_to({}); }
+  ChannelDirectory(const ChannelDirectory&) = delete;
+  ChannelDirectory& operator=(const ChannelDirectory&) = delete;
+
+  /// The one to that destination, known or new.
+  std::shared_ptr<Channel> find(const std::shared_ptr<Destination>& to);
+  /// All others end.
+  void keep_to(const std::set<const Destination*>& reliably_served);
+
+ private:
+  const std::uint32_t writer_;
+  const std::shared_ptr<WriterTally> tally_;
+  ChannelRoster& roster_;
+  const std::uint16_t ack_port_;
+  std::uint32_t last_number_ = 0;
+  /// By destination, which it keeps alive. Routes and the sending thread hold them.
+  std::map<const Destination*, std::weak_ptr<Channel>> channels_;
+};
+
+}  // namespace sft::udp
