@@ -65,7 +65,7 @@ void ArrivalWindow::whole(Place place, core::SampleHandle sample) {
   const std::size_t bytes = sample->capacity;
   slot.sample = std::move(sample);
   settle(slot, State::whole);
-  if (slot.was_asked)  // and in time
+  if (slot.parts > 0)  // it was asked for, and not too early
     delay_ = std::max<Time::duration>(limits_.ask_after, delay_ - delay_ / 8);
   held_bytes_ += bytes;
   unacked_bytes_ += bytes;
@@ -88,11 +88,15 @@ void ArrivalWindow::forget(Place place) {
   look_at(slots_[place].ask_at);
 }
 
-/// Once for each time that it was asked for.
+void ArrivalWindow::asked_for(Place place, std::uint32_t parts) {
+  if (slots_.contains(place)) slots_[place].parts = std::max(parts, 1U);
+}
+
+/// If as much comes again as was asked for, then that was too early; less is what networks do.
 void ArrivalWindow::came_again(Place place) {
   if (!slots_.contains(place)) return;
   Slot& slot = slots_[place];
-  if (!std::exchange(slot.was_asked, false)) return;
+  if (slot.parts == 0 || --slot.parts > 0) return;
   delay_ = std::min<Time::duration>(2 * delay_, delay_longest);
 }
 

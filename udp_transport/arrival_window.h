@@ -76,12 +76,16 @@ class ArrivalWindow {
 
   struct Gap {
     std::uint64_t ordinal = 0;
+    Place place = 0;
     std::optional<SampleLabel> label{};  ///< empty: nothing of it has come
   };
   /// What has been missing for so long that it is to be asked for now. `came_at(label)` tells when something
   /// of a sample came last.
   template <class CameAt>
   std::vector<Gap> due_gaps(Time now, const CameAt& came_at, std::size_t gaps_max);
+
+  /// So many parts of it were.
+  void asked_for(Place place, std::uint32_t parts);
 
   /// Whether something is to be acknowledged now.
   bool ack_due() const {
@@ -105,7 +109,7 @@ class ArrivalWindow {
     SampleLabel label{};
     core::SampleHandle sample{};  ///< begun: as far as it has come
     std::uint8_t asked = 0;       ///< times, since something of it came
-    bool was_asked = false;       ///< and nothing of it came again since then
+    std::uint32_t parts = 0;  ///< of it that were asked for last, less those of which something came again
     Time asked_at{};
     Time ask_at{};
   };
@@ -172,12 +176,12 @@ std::vector<ArrivalWindow::Gap> ArrivalWindow::due_gaps(Time now, const CameAt& 
     if (came > slot.asked_at) slot.asked = 0;
     Time due = slot.state == State::begun ? std::max(slot.ask_at, came + delay_) : slot.ask_at;
     if (due <= now && gaps.size() < gaps_max) {
-      gaps.push_back({place - base_, {}});
+      gaps.push_back({place - base_, place, {}});
       if (slot.state == State::begun) gaps.back().label = slot.label;
       const auto pause = delay_ * (2 << std::min<int>(slot.asked, 8));
       due = slot.ask_at = now + std::min<Time::duration>(pause, limits_.ask_again_longest);
       slot.asked_at = now;
-      slot.was_asked = true;
+      slot.parts = 1;
       if (slot.asked < UINT8_MAX) ++slot.asked;
     }
     look_at(due);

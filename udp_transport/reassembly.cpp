@@ -475,7 +475,9 @@ void Reassembly::answer(Incoming& in, Time now, const SendAck& send) {
   };
   for (const ArrivalWindow::Gap& gap : gaps) {
     const UnfinishedSample* sample = gap.label ? in.find(*gap.label) : nullptr;
+    const std::size_t before = asked;
     for_each_missing(static_cast<std::uint32_t>(gap.ordinal), sample, ask);
+    window.asked_for(gap.place, static_cast<std::uint32_t>(asked - before));
   }
   send(*in.acks_go_to, ack);
 }
