@@ -62,14 +62,13 @@ void ArrivalWindow::begun(Place place, const SampleLabel& label, core::SampleHan
 void ArrivalWindow::whole(Place place, core::SampleHandle sample) {
   if (!slots_.contains(place)) return;
   Slot& slot = slots_[place];
-  const std::size_t bytes = sample->capacity;
+  held_bytes_ += sample->capacity;
+  unacked_bytes_ += sample->header().body_bytes;
+  ++unacked_;
   slot.sample = std::move(sample);
   settle(slot, State::whole);
   if (slot.parts > 0)  // it was asked for, and not too early
     delay_ = std::max<Time::duration>(limits_.ask_after, delay_ - delay_ / 8);
-  held_bytes_ += bytes;
-  unacked_bytes_ += bytes;
-  ++unacked_;
   advance();
   while (held_bytes_ > limits_.held_bytes && next_ < slots_.end()) give_up_oldest();
 }

@@ -189,6 +189,8 @@ void ResendWindow::ask_for(const Missing& part, std::uint64_t next) {
 void ResendWindow::plan_heartbeat(Time now) {
   if (kept_.empty()) {
     heartbeat_at_ = Time::max();
+  } else if (heartbeat_sent_at_ == Time{}) {
+    heartbeat_at_ = now;  // it names the port for acks
   } else if (answer_wanted_) {
     heartbeat_at_ = std::min(heartbeat_at_, std::max(now, heartbeat_sent_at_ + limits_.heartbeat_delay));
   } else {
