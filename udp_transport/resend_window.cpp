@@ -162,17 +162,18 @@ void ResendWindow::hear(const Ack& ack, Time now) {
   if (!may_have(ack.next)) return;
   window_bytes_ = ack.window_bytes;
   while (!kept_.empty() && kept_.begin() < ack.next) release_oldest();
-  for (const Missing& part : ack.parts()) ask_for(part, ack.next);
+  for (const Missing& part : ack.parts()) ask_for(part, ack.next, now);
   unanswered_ = 0;
   plan_heartbeat(now);
 }
 
 /// A part that is asked for. What is under way for the first time comes anyway, and what has been asked for
 /// already is not sent twice.
-void ResendWindow::ask_for(const Missing& part, std::uint64_t next) {
+void ResendWindow::ask_for(const Missing& part, std::uint64_t next, Time now) {
   const std::uint64_t ordinal = widen_sequence(next, part.ordinal);
   if (ordinal < kept_.begin()) answer_wanted_ = true;  // it is gone
   if (!kept_.contains(ordinal) || kept_[ordinal].state != State::sent) return;
+  lost_at_ = now;
   const std::uint32_t total = kept_[ordinal].first.total;
   const BodyRange range{part.begin, std::min(part.end, total)};
   if (range.begin > range.end || repairs_.size() >= repairs_max) return;
@@ -184,7 +185,7 @@ void ResendWindow::ask_for(const Missing& part, std::uint64_t next) {
   if (!asked) repairs_.push_back({ordinal, range, size_of(range.end - range.begin)});
 }
 
-/// Soon after the last sample, but seldom while all goes well. Whoever does not answer is asked ever more
+/// Soon after the last sample, but seldom while nothing gets lost. Whoever does not answer is asked ever more
 /// seldom.
 void ResendWindow::plan_heartbeat(Time now) {
   if (kept_.empty()) {
@@ -194,8 +195,9 @@ void ResendWindow::plan_heartbeat(Time now) {
   } else if (answer_wanted_) {
     heartbeat_at_ = std::min(heartbeat_at_, std::max(now, heartbeat_sent_at_ + limits_.heartbeat_delay));
   } else {
-    heartbeat_at_ =
-        std::max(sent_at_ + limits_.heartbeat_delay, heartbeat_sent_at_ + limits_.heartbeat_pause);
+    const bool bad_link = lost_at_ && now - *lost_at_ < limits_.mistrust;
+    const auto pause = bad_link ? limits_.heartbeat_delay : limits_.heartbeat_pause;
+    heartbeat_at_ = std::max(sent_at_ + limits_.heartbeat_delay, heartbeat_sent_at_ + pause);
   }
 }
 

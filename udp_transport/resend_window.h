@@ -22,7 +22,8 @@ struct ResendLimits {
   std::size_t bytes = std::size_t{64} << 20;          ///< of memory that these hold, but for the newest
   std::uint64_t repair_bytes_per_s = 100'000'000;     ///< live samples have the rest
   std::chrono::milliseconds heartbeat_delay{20};      ///< after the last sample
-  std::chrono::milliseconds heartbeat_pause{2000};    ///< between two that were answered
+  std::chrono::milliseconds heartbeat_pause{2000};    ///< between two that were answered, on a good link
+  std::chrono::seconds mistrust{10};                  ///< of a link, after it has lost something
   std::chrono::milliseconds heartbeat_longest{1000};  ///< between two that were not
 };
 
@@ -106,7 +107,7 @@ class ResendWindow {
   void release_oldest();
   std::uint64_t sent_end() const;
   bool may_have(std::uint64_t next) const;
-  void ask_for(const Missing& part, std::uint64_t next);
+  void ask_for(const Missing& part, std::uint64_t next, Time now);
   void plan_heartbeat(Time now);
 
   const std::uint32_t writer_;
@@ -125,7 +126,8 @@ class ResendWindow {
 
   Time sent_at_{};
   Time heartbeat_sent_at_{};
-  int unanswered_ = 0;  ///< heartbeats
+  std::optional<Time> lost_at_;  ///< when something was asked for last
+  int unanswered_ = 0;           ///< heartbeats
   bool answer_wanted_ =
       false;  ///< nothing can be sent before the next ack, or somebody asks for what is gone
   Time heartbeat_at_ = Time::max();

@@ -230,6 +230,19 @@ TEST_F(ResendWindowTest, BeatsWithTheFirstSampleAndThenSoonAfterTheLastButSeldom
   EXPECT_EQ(heartbeat->end, 3U);
 }
 
+TEST_F(ResendWindowTest, BeatsAfterEachPauseWhereTheLinkHasLostSomething) {
+  keep(5);
+  send();
+  EXPECT_TRUE(window.heartbeat(now));
+  ack(1, {{1, 0, 0}});
+  send();
+  ack(2);
+  keep(5);
+  now += 100ms;
+  send();
+  EXPECT_EQ(window.next_look(now), now + 20ms);
+}
+
 TEST_F(ResendWindowTest, BeatsEverMoreSeldomWhileNobodyAnswers) {
   keep(5);
   send();
