@@ -9,11 +9,32 @@ namespace {
 constexpr std::chrono::milliseconds delay_longest{100};
 }
 
+std::optional<ArrivalWindow::Mark> ArrivalWindow::mark() const {
+  if (!channel_) return {};
+  return Mark{*channel_, std::max(end_, skip_to_) - base_};
+}
+
+void ArrivalWindow::join(const Mark& left) {
+  channel_ = left.channel;
+  slots_.begin_at(left.end);
+  next_ = end_ = skip_to_ = left.end;
+  for (auto& [reader, place] : readers_) place = left.end;
+  joining_ = true;
+}
+
+void ArrivalWindow::begin_with(Place place) {
+  joining_ = false;
+  if (place < next_ || !slots_.empty()) return;
+  slots_.begin_at(place);
+  next_ = end_ = skip_to_ = place;
+}
+
 /// False for a channel of before. What is missing of that one will not come any more.
 bool ArrivalWindow::turn_to(std::uint32_t channel) {
   if (channel_ == channel) return true;
   if (channel_ && static_cast<std::int32_t>(channel - *channel_) < 0) return false;
   channel_ = channel;
+  joining_ = false;
   lose_before(end_);
   base_ = end_ - 1;  // its first ordinal is 1
   return true;
@@ -24,6 +45,7 @@ ArrivalWindow::Met ArrivalWindow::meet(const ChannelMark& mark, Time now) {
   heard_at_ = now;
   const Place place = base_ + mark.ordinal;
   if (place < slots_.begin()) return {Standing::known, 0};
+  if (joining_) begin_with(place);
   if (place - slots_.begin() >= limits_.samples) return {Standing::beyond, 0};
   if (!reach(place + 1, now)) return {Standing::beyond, 0};
   const State state = slots_[place].state;
@@ -140,15 +162,18 @@ void ArrivalWindow::hear(const Heartbeat& heartbeat, Time now) {
   if (!turn_to(heartbeat.channel)) return;
   heard_at_ = now;
   ack_wanted_ = true;
+  if (joining_) begin_with(base_ + heartbeat.end);
   lose_before(base_ + heartbeat.first);
   reach(std::max(end_, base_ + heartbeat.end), now);
   look_at(now + delay_);
 }
 
-void ArrivalWindow::keep_readers(const std::vector<core::EndpointId>& readers) {
-  std::erase_if(readers_, [&](const auto& known) {
-    return std::find(readers.begin(), readers.end(), known.first) == readers.end();
-  });
+void ArrivalWindow::set_readers(const std::vector<core::EndpointId>& readers) {
+  auto before = std::exchange(readers_, {});
+  for (const core::EndpointId reader : readers) {
+    const auto known = std::ranges::find_if(before, [&](const auto& r) { return r.first == reader; });
+    readers_.emplace_back(reader, known == before.end() ? next_ : known->second);
+  }
 }
 
 void ArrivalWindow::release() {

@@ -35,6 +35,16 @@ class ArrivalWindow {
 
   explicit ArrivalWindow(const ArrivalLimits& limits) : limits_(limits), delay_(limits.ask_after) {}
 
+  /// How far a window was when nobody heard the writer any more.
+  struct Mark {
+    std::uint32_t channel = 0;
+    std::uint64_t end = 0;  ///< ordinal behind the last one that was known of
+  };
+  std::optional<Mark> mark() const;
+  /// A new window, of a writer that is heard again. In the same channel it begins with the first sample that
+  /// it hears of, not with those that were sent meanwhile.
+  void join(const Mark& left);
+
   /// What to do with a first datagram.
   enum class Standing : std::uint8_t {
     wanted,
@@ -67,8 +77,8 @@ class ArrivalWindow {
   /// whether one is for it, once anything of it has come.
   template <class Accepts>
   core::SampleHandle next(core::EndpointId reader, const Accepts& accepts);
-  /// All others are forgotten.
-  void keep_readers(const std::vector<core::EndpointId>& readers);
+  /// Who reads from now on: those that are new begin with the first sample that has not come yet.
+  void set_readers(const std::vector<core::EndpointId>& readers);
   /// Lets go of what all of them have. After next() has said for each that there is none.
   void release();
 
@@ -120,13 +130,15 @@ class ArrivalWindow {
   void settle(Slot& slot, State state);
   void advance();
   void give_up_oldest();
+  void begin_with(Place place);
   void lose_before(Place end);
   void lose(Slot& slot);
   void look_at(Time time) { look_at_ = std::min(look_at_, time); }
 
   const ArrivalLimits limits_;
   std::optional<std::uint32_t> channel_;
-  Place base_ = 0;  ///< place of ordinal 0 of the channel
+  bool joining_ = false;  ///< nothing was heard yet since join()
+  Place base_ = 0;        ///< place of ordinal 0 of the channel
   OrdinalRing<Slot> slots_{1};
   Place next_ = 1;     ///< the first that is missing or not whole
   Place end_ = 1;      ///< behind the last one that is known of
@@ -148,7 +160,7 @@ template <class Accepts>
 core::SampleHandle ArrivalWindow::next(core::EndpointId reader, const Accepts& accepts) {
   auto cursor =
       std::find_if(readers_.begin(), readers_.end(), [&](const auto& r) { return r.first == reader; });
-  if (cursor == readers_.end()) cursor = readers_.insert(readers_.end(), {reader, slots_.begin()});
+  if (cursor == readers_.end()) return {};
   Place& place = cursor->second;
   place = std::max(place, slots_.begin());
   while (slots_.contains(place)) {

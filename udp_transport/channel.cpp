@@ -38,10 +38,14 @@ void Channel::end() {
   if (!ended_at_) ended_at_ = now();
 }
 
-bool Channel::resume() {
+void Channel::close() {
   const std::scoped_lock lock(mutex_);
-  ended_at_.reset();
-  return !closed_;
+  closed_ = true;
+}
+
+bool Channel::closed() {
+  const std::scoped_lock lock(mutex_);
+  return closed_ || ended_at_;
 }
 
 std::optional<Channel::Piece> Channel::next(ResendWindow::Size size) {
@@ -54,7 +58,7 @@ std::optional<Channel::Piece> Channel::next(ResendWindow::Size size) {
 Channel::Care Channel::look_after() {
   const Time time = now();
   const std::scoped_lock lock(mutex_);
-  if (window_.settled()) {
+  if (window_.settled() || closed_) {
     attended_ = false;
     return {.at_rest = true};
   }

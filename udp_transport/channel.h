@@ -55,8 +55,9 @@ class Channel {
 
   /// No reader is behind it any more.
   void end();
-  /// One is again. False if it is too late for that.
-  [[nodiscard]] bool resume();
+  /// At once: others are served there now.
+  void close();
+  bool closed();
 
   // The sending thread.
 

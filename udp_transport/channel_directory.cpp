@@ -1,5 +1,7 @@
 #include "udp_transport/channel_directory.h"
 
+#include <algorithm>
+
 namespace sft::udp {
 
 void ChannelRoster::add(const std::shared_ptr<Channel>& channel) {
@@ -14,21 +16,29 @@ std::shared_ptr<Channel> ChannelRoster::find(std::uint32_t writer, std::uint32_t
   return known == known_.end() ? nullptr : known->second.lock();
 }
 
-std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destination>& to) {
-  std::weak_ptr<Channel>& known = channels_[to.get()];
-  std::shared_ptr<Channel> channel = known.lock();
-  if (channel != nullptr && channel->resume()) return channel;
+/// Readers that are new must not get what was sent to others before, so that has to be another channel.
+std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destination>& to,
+                                                const std::set<core::EndpointId>& readers) {
+  Known& known = channels_[to.get()];
+  std::shared_ptr<Channel> channel = known.channel.lock();
+  const bool some_stay =
+      std::ranges::any_of(readers, [&](core::EndpointId reader) { return known.readers.contains(reader); });
+  known.readers = readers;
+  if (channel != nullptr && some_stay && !channel->closed()) return channel;
+  if (channel != nullptr) channel->close();
   channel = std::make_shared<Channel>(writer_, ++last_number_, to, tally_, ack_port_);
   roster_.add(channel);
-  known = channel;
+  known.channel = channel;
   return channel;
 }
 
 void ChannelDirectory::keep_to(const std::set<const Destination*>& reliably_served) {
-  std::erase_if(channels_, [](const auto& item) { return item.second.expired(); });
+  std::erase_if(channels_, [](const auto& item) { return item.second.channel.expired(); });
   for (auto& [to, known] : channels_) {
-    const std::shared_ptr<Channel> channel = known.lock();
-    if (channel != nullptr && !reliably_served.contains(to)) channel->end();
+    const std::shared_ptr<Channel> channel = known.channel.lock();
+    if (channel == nullptr || reliably_served.contains(to)) continue;
+    channel->end();
+    known.readers.clear();
   }
 }
 

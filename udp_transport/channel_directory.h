@@ -35,8 +35,9 @@ class ChannelDirectory {
   ChannelDirectory(const ChannelDirectory&) = delete;
   ChannelDirectory& operator=(const ChannelDirectory&) = delete;
 
-  /// The one to that destination, known or new.
-  std::shared_ptr<Channel> find(const std::shared_ptr<Destination>& to);
+  /// The one to these readers at that destination, known or new: it goes on as long as one of them stays.
+  std::shared_ptr<Channel> find(const std::shared_ptr<Destination>& to,
+                                const std::set<core::EndpointId>& readers);
   /// All others end.
   void keep_to(const std::set<const Destination*>& reliably_served);
 
@@ -47,7 +48,11 @@ class ChannelDirectory {
   const std::uint16_t ack_port_;
   std::uint32_t last_number_ = 0;
   /// By destination, which it keeps alive. Routes and the sending thread hold them.
-  std::map<const Destination*, std::weak_ptr<Channel>> channels_;
+  struct Known {
+    std::weak_ptr<Channel> channel;
+    std::set<core::EndpointId> readers;
+  };
+  std::map<const Destination*, Known> channels_;
 };
 
 }  // namespace sft::udp

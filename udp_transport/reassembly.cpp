@@ -32,6 +32,8 @@ class RecentLabels {
   std::size_t next_ = 0;
 };
 
+constexpr std::size_t left_writers_max = 256;
+
 /// Parts; what is missing beyond these is asked for later.
 constexpr std::size_t asked_at_once_max = 8 * missing_max;
 
@@ -126,15 +128,32 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
     in->sample_bytes = std::min(announced, limits_.sample_bytes);
     in->wanted.clear();
     for (const FieldMask& mask : stream.masks) in->wanted.push_back({mask, mask.hash()});
-    if (!stream.reliable) in->window.reset();
-    if (stream.reliable && in->window == nullptr)
-      in->window = std::make_unique<ArrivalWindow>(limits_.channel);
+    if (!stream.reliable) close_window(*in);
+    if (stream.reliable && in->window == nullptr) open_window(*in);
     windows_ += stream.reliable ? 1 : 0;
     by_stream_.push_back(in.get());
   }
   for (auto& [low, in] : before) {
     while (!in->unfinished.empty()) remove(*in, in->unfinished.back()->label());
+    close_window(*in);
   }
+}
+
+void Reassembly::open_window(Incoming& in) {
+  in.window = std::make_unique<ArrivalWindow>(limits_.channel);
+  const auto left = std::ranges::find_if(left_, [&](const auto& item) { return item.first == in.writer; });
+  if (left == left_.end()) return;
+  in.window->join(left->second);
+  left_.erase(left);
+}
+
+void Reassembly::close_window(Incoming& in) {
+  const auto mark = in.window == nullptr ? std::nullopt : in.window->mark();
+  in.window.reset();
+  in.acks_go_to.reset();
+  if (!mark) return;
+  if (left_.size() == left_writers_max) left_.erase(left_.begin());
+  left_.emplace_back(in.writer, *mark);
 }
 
 Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, ArrivalTime now) {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/buffer_pool.h"
@@ -92,6 +93,9 @@ class Reassembly {
   void drop_abandoned(Incoming& in);
   void answer(Incoming& in, Time now, const SendAck& send);
 
+  void open_window(Incoming& in);
+  void close_window(Incoming& in);
+
   Refusal describe(Incoming& in, Datagram& d, std::uint64_t place, core::SampleHandle& buffer);
   core::SampleHandle take_buffer(Incoming& in, const Datagram& d);
   core::SampleHandle take_reliable_buffer(Incoming& in, const Datagram& d);
@@ -106,6 +110,8 @@ class Reassembly {
   std::shared_ptr<core::BufferPool> pool_;
   std::unordered_map<std::uint32_t, std::unique_ptr<Incoming>> incoming_;  ///< by the writer's short id
   std::vector<Incoming*> by_stream_;
+  std::vector<std::pair<core::EndpointId, ArrivalWindow::Mark>>
+      left_;                                              ///< writers that were, the newest last
   std::size_t windows_ = 0;                               ///< streams that are reliable
   std::vector<std::unique_ptr<UnfinishedSample>> spare_;  ///< kept for the memory that they hold
   std::size_t unfinished_ = 0;

@@ -114,8 +114,10 @@ void Receiver::enter() {
     ArrivalWindow* window = reassembly_.window(i);
     if (window == nullptr) continue;
     std::vector<core::EndpointId> readers;
-    for (const Subscriber& subscriber : wanted_->subscribers[i]) readers.push_back(subscriber.reader);
-    window->keep_readers(readers);
+    for (const Subscriber& subscriber : wanted_->subscribers[i]) {
+      if (subscriber.reliable) readers.push_back(subscriber.reader);
+    }
+    window->set_readers(readers);
   }
 }
 

@@ -27,7 +27,7 @@ struct Gathered {
   std::shared_ptr<const core::RateGate> gate;
   std::vector<std::shared_ptr<Destination>> destinations;
   std::vector<std::pair<core::EndpointId, const Destination*>> readers;
-  std::set<const Destination*> reliable{};  ///< of the destinations
+  std::map<const Destination*, std::set<core::EndpointId>> reliable{};  ///< of these, by destination
 };
 
 /// Readers with equal masks and limits share an encoding, and those behind one socket a copy of it.
@@ -44,7 +44,7 @@ std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDir
     if (group == groups.end()) group = groups.insert(groups.end(), {wanted, late_reader, route.gate, {}, {}});
     auto destination = directory.find(*address);
     group->readers.emplace_back(route.reader, destination.get());
-    if (route.reliable) group->reliable.insert(destination.get());
+    if (route.reliable) group->reliable[destination.get()].insert(route.reader);
     auto& known = group->destinations;
     if (std::find(known.begin(), known.end(), destination) == known.end())
       known.push_back(std::move(destination));
@@ -148,10 +148,18 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                    DestinationDirectory& destinations) {
   auto table = std::make_shared<RouteTable>();
   std::set<const Destination*> served;
+  std::map<const Destination*, std::set<core::EndpointId>> reliable;
   std::set<const Destination*> reliably_served;
   std::set<core::EndpointId> late_readers;
   variants.next_round();
-  for (Gathered& gathered : gather(routes, destinations)) {
+  std::vector<Gathered> gathered_groups = gather(routes, destinations);
+  for (const Gathered& gathered : gathered_groups) {
+    for (const auto& [destination, readers] : gathered.reliable) {
+      reliable[destination].insert(readers.begin(), readers.end());
+      reliably_served.insert(destination);
+    }
+  }
+  for (Gathered& gathered : gathered_groups) {
     VariantDirectory::Variant& variant = variants.find(gathered.wanted, gathered.late_reader);
     Group& group = table->groups.emplace_back(Group{ProjectionPlan(type, std::move(gathered.wanted.mask)),
                                                     std::move(gathered.gate),
@@ -159,12 +167,12 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                     variant.wire,
                                                     {}});
     for (const std::shared_ptr<Destination>& destination : gathered.destinations) {
-      const bool reliable = gathered.reliable.contains(destination.get());
-      group.channels.push_back(reliable ? variants.channel(destination) : nullptr);
+      const bool is_reliable = gathered.reliable.contains(destination.get());
+      group.channels.push_back(is_reliable ? variants.channel(destination, reliable[destination.get()])
+                                           : nullptr);
       group.lanes.push_back(variants.lane(variant, destination, group.channels.back()));
       served.insert(destination.get());
     }
-    reliably_served.merge(gathered.reliable);
     if (gathered.late_reader != 0) late_readers.insert(gathered.late_reader);
     write_page(gathered, group, table->page);
   }

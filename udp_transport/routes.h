@@ -63,9 +63,10 @@ class VariantDirectory {
   /// Its lane to that destination, known or new.
   std::shared_ptr<Lane> lane(Variant& variant, const std::shared_ptr<Destination>& to,
                              const std::shared_ptr<Channel>& channel = {});
-  /// For readers there that are served reliably; null where none can be.
-  std::shared_ptr<Channel> channel(const std::shared_ptr<Destination>& to) {
-    return channels_ == nullptr ? nullptr : channels_->find(to);
+  /// For all readers there that are served reliably; null where none can be.
+  std::shared_ptr<Channel> channel(const std::shared_ptr<Destination>& to,
+                                   const std::set<core::EndpointId>& readers) {
+    return channels_ == nullptr ? nullptr : channels_->find(to, readers);
   }
   void keep_channels_to(const std::set<const Destination*>& reliably_served) {
     if (channels_ != nullptr) channels_->keep_to(reliably_served);

@@ -91,6 +91,9 @@ void World::start_process() {
     const Mask mask = from_to(random_, 0, 2);
     readers_.push_back({.id = id + 100 * channel_, .accepted = {mask}, .served = mask});
   }
+  std::vector<core::EndpointId> ids;
+  for (const Reader& reader : readers_) ids.push_back(reader.id);
+  reassembly_->window(0)->set_readers(ids);
 }
 
 /// Its successor is served by another channel, once the writer has noticed.

@@ -16,6 +16,8 @@ using Numbers = std::vector<std::uint64_t>;
 
 class ArrivalWindowTest : public testing::Test {
  protected:
+  ArrivalWindowTest() { window.set_readers({1, 2}); }
+
   Standing meet(std::uint64_t ordinal, std::uint32_t channel = 1) {
     return window.meet({channel, 0, ordinal}, now).standing;
   }
@@ -62,6 +64,7 @@ class ArrivalWindowTest : public testing::Test {
 };
 
 TEST_F(ArrivalWindowTest, HandsOverWhatComesInOrderAtOnce) {
+  window.set_readers({1});
   come(1);
   EXPECT_EQ(take(), (Numbers{10}));
   come(2);
@@ -128,6 +131,7 @@ TEST_F(ArrivalWindowTest, TakesNothingThatIsOutOfReach) {
 TEST_F(ArrivalWindowTest, ReachesFurtherAsPlacesAreLetGoOf) {
   hear(1, 500);
   EXPECT_EQ(window.size(), 100U);
+  window.set_readers({1});
   for (std::uint64_t ordinal = 1; ordinal < 500; ++ordinal) {
     come(ordinal);
     EXPECT_EQ(take(), (Numbers{10 * ordinal}));
@@ -239,14 +243,48 @@ TEST_F(ArrivalWindowTest, AsksAgainForWhatItHadToLetGoOf) {
 
 TEST_F(ArrivalWindowTest, LetsGoOfASampleOnlyWhenAllReadersHaveIt) {
   come(1);
-  take(1);
   come(2);
-  EXPECT_EQ(take(2), (Numbers{10, 20})) << "a reader that comes later begins with what is there";
+  take(1);
   window.release();
-  EXPECT_EQ(window.size(), 1U);
-  window.keep_readers({2});
+  EXPECT_EQ(window.size(), 2U);
+  EXPECT_EQ(take(2), (Numbers{10, 20}));
   window.release();
   EXPECT_EQ(window.size(), 0U);
+  come(3);
+  take(1);
+  window.set_readers({1});
+  window.release();
+  EXPECT_EQ(window.size(), 0U);
+}
+
+TEST_F(ArrivalWindowTest, BeginsForAReaderThatComesLaterWithWhatHasNotComeYet) {
+  come(1);
+  come(3);
+  window.set_readers({1, 2, 3});
+  come(2);
+  EXPECT_EQ(take(3), (Numbers{20, 30}));
+}
+
+TEST_F(ArrivalWindowTest, BeginsAnewWithWhatItHearsFirstWhereItLeftAndJoinsAgain) {
+  come(1);
+  come(2);
+  ArrivalWindow again({.samples = 100});
+  again.set_readers({1});
+  again.join(*window.mark());
+  EXPECT_EQ(again.meet({1, 0, 2}, now).standing, Standing::known);
+  const auto met = again.meet({1, 0, 5}, now);
+  EXPECT_EQ(met.standing, Standing::wanted);
+  again.whole(met.place, sample(50));
+  EXPECT_EQ(again.ack(1, 1).next, 6U) << "what was sent meanwhile is not asked for";
+  EXPECT_EQ(again.next(1, [](const auto&) { return true; })->sequence, 50U);
+}
+
+TEST_F(ArrivalWindowTest, BeginsWithTheFirstOfANewChannelWhereItJoinsAgain) {
+  come(1);
+  ArrivalWindow again({.samples = 100});
+  again.join(*window.mark());
+  EXPECT_EQ(again.meet({2, 0, 2}, now).standing, Standing::wanted);
+  EXPECT_EQ(again.ack(1, 1).next, 1U);
 }
 
 }  // namespace
