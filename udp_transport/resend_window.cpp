@@ -148,20 +148,16 @@ std::uint64_t ResendWindow::sent_end() const {
   return end;
 }
 
-/// Whether the other end can have all samples before that one.
-bool ResendWindow::may_have(std::uint64_t next) const {
-  if (next > kept_.end()) return false;
-  for (std::uint64_t i = kept_.begin(); i < next; ++i) {
-    if (!kept_[i].begun) return false;
-  }
-  return true;
+/// The other end can have what has left. It may have given up on more than that.
+void ResendWindow::release_before(std::uint64_t next) {
+  while (!kept_.empty() && kept_.begin() < next && kept_[kept_.begin()].begun) release_oldest();
 }
 
 void ResendWindow::hear(const Ack& ack, Time now) {
   if (ack.channel != channel_ || ack.writer != writer_) return;
-  if (!may_have(ack.next)) return;
+  if (ack.next > kept_.end()) return;
   window_bytes_ = ack.window_bytes;
-  while (!kept_.empty() && kept_.begin() < ack.next) release_oldest();
+  release_before(ack.next);
   for (const Missing& part : ack.parts()) ask_for(part, ack.next, now);
   unanswered_ = 0;
   plan_heartbeat(now);

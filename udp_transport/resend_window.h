@@ -106,7 +106,7 @@ class ResendWindow {
   void make_room(Kept& kept);
   void release_oldest();
   std::uint64_t sent_end() const;
-  bool may_have(std::uint64_t next) const;
+  void release_before(std::uint64_t next);
   void ask_for(const Missing& part, std::uint64_t next, Time now);
   void plan_heartbeat(Time now);
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,8 @@ struct Scenario {
   std::size_t sample_bytes_max = 20'000;
   std::uint64_t first_sequence = 1;
   std::uint64_t first_ordinal = 1;
-  bool tight = false;    ///< little is kept, on either side
+  bool tight_writer = false;  ///< little is kept
+  bool tight_reader = false;
   bool crashes = false;  ///< the process of the readers, and comes back
   double change = 0;     ///< of a mask, for each sample
   udp::ResendLimits resend{};
@@ -53,7 +55,7 @@ class World {
     Time served_at = Time::max();         ///< when it will know the latest
     std::uint64_t last = 0;               ///< sequence that it got
     std::vector<std::uint64_t> to_get{};  ///< sequences that were sent to it
-    std::size_t got = 0;                  ///< of these, those that came
+    std::set<std::uint64_t> got{};        ///< of these, those that came
     bool accepts(const core::SampleBuffer& sample) const;
   };
   /// A sample, or a part of it, that is being cut into datagrams.
@@ -65,6 +67,7 @@ class World {
   // The writer.
   void open_channel();
   void publish();
+  void keep(const udp::JobHandle& job);
   udp::JobHandle encode(const udp::test::Image& image, Mask mask);
   void send_some();
   void send_some(udp::ResendWindow::Size size);
@@ -77,6 +80,7 @@ class World {
   void crash();
   void receive(const Bytes& bytes);
   void answer();
+  void take_at_once(const core::SampleBuffer& sample);
   void hand_over();
   void get(Reader& reader, const core::SampleBuffer& sample);
 
@@ -95,6 +99,7 @@ class World {
   std::shared_ptr<udp::JobPool> jobs_ = udp::JobPool::make();
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
   std::unique_ptr<udp::ResendWindow> window_;
+  std::uint64_t oldest_kept_ = 1;
   std::uint32_t channel_ = 0;
   std::optional<Sending> sending_[2];
   Time send_at_;
@@ -102,9 +107,12 @@ class World {
   std::size_t published_ = 0;
   Time publish_at_;
   std::map<std::uint64_t, udp::test::Image> images_;
+  std::map<std::uint64_t, std::uint64_t> sequences_;  ///< by ordinal, of the present channel
+  std::set<std::uint64_t> not_kept_;                  ///< sequences that had to go for others
 
   std::unique_ptr<udp::Reassembly> reassembly_;
   std::vector<Reader> readers_;
+  std::set<std::pair<std::uint64_t, std::uint64_t>> came_at_once_;  ///< sequences and masks
   Time crash_at_ = Time::max();
   Time back_at_ = Time::max();
 };

@@ -100,6 +100,15 @@ TEST_F(ResendWindowTest, IgnoresAcksOfWhatWasNeverSentAndOfOthers) {
   EXPECT_EQ(window.kept(), 3U);
 }
 
+TEST_F(ResendWindowTest, LetsGoOfWhatHasLeftWhereTheOtherEndHasGivenUpOnMore) {
+  ack(1);
+  for (int i = 0; i < 6; ++i) keep(30'000);
+  EXPECT_EQ(send(), numbers(1, 3));
+  ack(6);
+  EXPECT_EQ(window.kept(), 3U);
+  EXPECT_EQ(send(), numbers(4, 6));
+}
+
 TEST_F(ResendWindowTest, BelievesAnAckOfWhatWasPutBackButHadLeft) {
   keep(5);
   const auto piece = window.next(Size::small, now);
