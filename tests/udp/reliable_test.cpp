@@ -106,6 +106,7 @@ TEST_P(ReliableTest, TransfersAThousandSamplesOfAllSizesBitExactOverABadLink) {
       ASSERT_EQ(test::body_of(*sample),
                 test::encoded_body(make_image(sizes[checked - 1], seed), sample->mask));
     }
+    ASSERT_GE(checked, count) << "the others did not come";
   };
   std::uniform_real_distribution<> exponent(0, std::log(6.3e6));
   while (sizes.size() < samples && !HasFatalFailure()) {
