@@ -1,5 +1,7 @@
 #include "udp_transport/job.h"
 
+#include <algorithm>
+
 namespace sft::udp {
 
 JobHandle::~JobHandle() {
@@ -23,9 +25,12 @@ JobHandle JobPool::take() {
     if (!spare_.empty()) {
       job = std::move(spare_.back());
       spare_.pop_back();
+    } else {
+      if (spare_.capacity() <= jobs_) spare_.reserve(std::min(2 * jobs_ + 1, spare_max));
+      job = std::make_unique<Job>();
+      ++jobs_;
     }
   }
-  if (job == nullptr) job = std::make_unique<Job>();
   job->pool_ = shared_from_this();
   return JobHandle(job.release());
 }
@@ -35,7 +40,11 @@ void JobPool::recycle(std::unique_ptr<Job> job) noexcept {
   job->mask.reset();
   job->copy_.clear();
   const std::scoped_lock lock(mutex_);
-  if (spare_.size() < spare_max) spare_.push_back(std::move(job));
+  if (spare_.size() < spare_max) {
+    spare_.push_back(std::move(job));
+  } else {
+    --jobs_;
+  }
 }
 
 }  // namespace sft::udp

@@ -87,12 +87,14 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
 
  private:
   friend class JobHandle;
-  JobPool() { spare_.reserve(spare_max); }
+  JobPool() = default;
   void recycle(std::unique_ptr<Job> job) noexcept;
 
-  static constexpr std::size_t spare_max = 256;  ///< many masks, a few samples each
+  /// Many masks, a few samples each, or what a process acknowledges at a time.
+  static constexpr std::size_t spare_max = 2048;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<Job>> spare_;
+  std::vector<std::unique_ptr<Job>> spare_;  ///< with room for all that there are
+  std::size_t jobs_ = 0;                     ///< that are out or spare
 };
 
 }  // namespace sft::udp
