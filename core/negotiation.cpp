@@ -302,6 +302,7 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   serving.shm_port |= verdict.shm;
   const std::uint32_t owed = history_owed(writer, r);
   const bool history_first = owed != 0 && verdict.udp;
+  const bool reliable = r.qos.reliability == Reliability::reliable;
   const bool listens = verdict.udp && holds(r.request.listening, writer.endpoint.id);
   serving.history_owed |= history_first;
   if (verdict.shm && !history_first && holds(r.request.attached, writer.endpoint.id)) {
@@ -310,14 +311,15 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
     status.reason = "same host";
     const bool begun = holds(r.request.begun, writer.endpoint.id);
     serving.shm.push_back({r.id, r.doorbell, status.mask, period, nullptr, begun ? 0 : owed});
-    if (listens) serving.spare.push_back({r.id, address_of(r), status.mask, period, nullptr, 0, true});
+    if (listens)
+      serving.spare.push_back({r.id, address_of(r), status.mask, period, nullptr, 0, true, reliable});
   } else if (listens) {
     status.served = true;
     status.transport = TransportKind::udp;
     status.reason = !verdict.shm    ? verdict.udp_reason
                     : history_first ? "same host, what was published before comes first"
                                     : "same host, shared memory is being attached";
-    serving.udp.push_back({r.id, address_of(r), status.mask, period, nullptr, owed});
+    serving.udp.push_back({r.id, address_of(r), status.mask, period, nullptr, owed, false, reliable});
   } else if (verdict.udp) {
     status.reason = "the subscriber is not listening yet";
   } else {
@@ -385,7 +387,8 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     // What others get through shared memory would overtake it.
     const bool history_comes = history_first && !entry->second.history_came.contains(w.id);
     const bool awaited = history_first || (owed != 0 && !holds(r.request.begun, w.id));
-    result.push_back({.source = {w.id, w.max_sample_bytes, awaited},
+    const bool reliable = r.qos.reliability == Reliability::reliable;
+    result.push_back({.source = {w.id, w.max_sample_bytes, awaited, reliable},
                       .offered = w.qos,
                       .owed = owed,
                       .shm = verdict.shm && !history_comes,

@@ -70,6 +70,7 @@ struct Route {
   std::uint32_t history = 0;
   /// It is served elsewhere, and by this only as WriterPort::include_spares() says.
   bool spare = false;
+  bool reliable = false;  ///< what gets lost on the way is sent again
   friend bool operator==(const Route&, const Route&) = default;
 };
 
@@ -84,6 +85,7 @@ struct Source {
   EndpointId writer = 0;
   std::size_t max_sample_bytes = 0;
   bool history_first = false;  ///< nothing of it is for the reader until something for it alone has come
+  bool reliable = false;       ///< in order, and what gets lost on the way is asked for
   friend bool operator==(const Source&, const Source&) = default;
 };
 

@@ -11,6 +11,11 @@ constexpr std::size_t at_kind = 0, at_flags = 1, at_variant = 2, at_writer = 4, 
 constexpr std::size_t at_total = 12, at_mask = 16, at_stamp = 24;
 constexpr std::size_t at_offset = 12;
 constexpr std::size_t at_period = first_header_bytes, at_ordinal = at_period + 4;
+// Of heartbeats and acks, which name the writer like all others.
+constexpr std::size_t at_port = 2, at_channel_number = 8, at_first = 16, at_end = 24;
+constexpr std::size_t at_count = 2, at_window = 12, at_next = 16;
+constexpr std::uint64_t ordinal_max = std::uint64_t{1}
+                                      << 62;  // so that nothing overflows that is added to it
 
 template <std::unsigned_integral T>
 void store(T value, std::byte* out) noexcept {
@@ -24,9 +29,13 @@ T load(const std::byte* from) noexcept {
   return value;
 }
 
-void store_common(DatagramKind kind, std::uint8_t flags, const SampleLabel& label, std::byte* out) noexcept {
+void store_kind(DatagramKind kind, std::uint8_t flags, std::byte* out) noexcept {
   store(static_cast<std::uint8_t>(wire_version << 4 | static_cast<std::uint8_t>(kind)), out + at_kind);
   store(flags, out + at_flags);
+}
+
+void store_common(DatagramKind kind, std::uint8_t flags, const SampleLabel& label, std::byte* out) noexcept {
+  store_kind(kind, flags, out);
   store(label.variant, out + at_variant);
   store(label.writer, out + at_writer);
   store(label.sequence, out + at_sequence);
@@ -41,7 +50,7 @@ SampleLabel load_label(const std::byte* from) noexcept {
 std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < first_header_bytes) return {};
   const auto flags = load<std::uint8_t>(&bytes[at_flags]);
-  if ((flags & ~(mask_words_follow | rate_follows | history_follows)) != 0) return {};
+  if ((flags & ~(mask_words_follow | rate_follows | history_follows | channel_follows)) != 0) return {};
   Datagram d;
   d.kind = DatagramKind::first;
   d.first = {.label = load_label(bytes.data()),
@@ -58,6 +67,12 @@ std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
     const std::size_t at = d.first.at_history();
     d.first.history = {load<std::uint64_t>(&bytes[at]), load<std::uint64_t>(&bytes[at + 8])};
     if (d.first.history.reader == 0) return {};
+  }
+  if ((flags & channel_follows) != 0) {
+    const std::size_t at = d.first.at_channel();
+    d.first.channel = {load<std::uint32_t>(&bytes[at]), load<std::uint32_t>(&bytes[at + 4]),
+                       load<std::uint64_t>(&bytes[at + 8])};
+    if (d.first.channel.ordinal == 0 || d.first.channel.ordinal > ordinal_max) return {};
   }
   d.payload = bytes.subspan(d.first.bytes());
   return d;
@@ -90,6 +105,11 @@ void encode(const FirstHeader& header, std::byte* out) noexcept {
     store(header.history.reader, out + header.at_history());
     store(header.history.oldest, out + header.at_history() + 8);
   }
+  if ((header.flags & channel_follows) != 0) {
+    store(header.channel.channel, out + header.at_channel());
+    store(header.channel.sequence_high, out + header.at_channel() + 4);
+    store(header.channel.ordinal, out + header.at_channel() + 8);
+  }
 }
 
 void encode(const FollowingHeader& header, std::byte* out) noexcept {
@@ -97,16 +117,78 @@ void encode(const FollowingHeader& header, std::byte* out) noexcept {
   store(header.offset, out + at_offset);
 }
 
-std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept {
+void encode(const Heartbeat& heartbeat, std::byte* out) noexcept {
+  store_kind(DatagramKind::heartbeat, 0, out);
+  store(heartbeat.port, out + at_port);
+  store(heartbeat.writer, out + at_writer);
+  store(heartbeat.channel, out + at_channel_number);
+  store(std::uint32_t{0}, out + at_window);
+  store(heartbeat.first, out + at_first);
+  store(heartbeat.end, out + at_end);
+}
+
+void encode(const Ack& ack, std::byte* out) noexcept {
+  store_kind(DatagramKind::ack, 0, out);
+  store(static_cast<std::uint16_t>(ack.missing_count), out + at_count);
+  store(ack.writer, out + at_writer);
+  store(ack.channel, out + at_channel_number);
+  store(ack.window_bytes, out + at_window);
+  store(ack.next, out + at_next);
+  std::byte* place = out + ack_header_bytes;
+  for (const Missing& part : ack.parts()) {
+    store(part.ordinal, place);
+    store(part.begin, place + 4);
+    store(part.end, place + 8);
+    place += missing_bytes;
+  }
+}
+
+std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < following_header_bytes || bytes.size() > datagram_bytes_max) return {};
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
   if (version_and_kind >> 4 != wire_version) return {};
-  switch (static_cast<DatagramKind>(version_and_kind & 0xf)) {
-    case DatagramKind::first:
-      return parse_first(bytes);
-    case DatagramKind::following:
-      return parse_following(bytes);
+  const auto kind = static_cast<DatagramKind>(version_and_kind & 0xf);
+  if (kind < DatagramKind::first || kind > DatagramKind::ack) return {};
+  return kind;
+}
+
+std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexcept {
+  if (kind_of(bytes) != DatagramKind::heartbeat || bytes.size() != heartbeat_bytes) return {};
+  if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
+  const Heartbeat heartbeat{.writer = load<std::uint32_t>(&bytes[at_writer]),
+                            .channel = load<std::uint32_t>(&bytes[at_channel_number]),
+                            .port = load<std::uint16_t>(&bytes[at_port]),
+                            .first = load<std::uint64_t>(&bytes[at_first]),
+                            .end = load<std::uint64_t>(&bytes[at_end])};
+  const bool sound = heartbeat.port != 0 && heartbeat.first != 0 && heartbeat.first <= heartbeat.end &&
+                     heartbeat.end <= ordinal_max;
+  return sound ? std::optional(heartbeat) : std::nullopt;
+}
+
+std::optional<Ack> parse_ack(std::span<const std::byte> bytes) noexcept {
+  if (kind_of(bytes) != DatagramKind::ack || bytes.size() < ack_header_bytes) return {};
+  const std::size_t count = load<std::uint16_t>(&bytes[at_count]);
+  if (load<std::uint8_t>(&bytes[at_flags]) != 0 || count > missing_max) return {};
+  if (bytes.size() != ack_header_bytes + count * missing_bytes) return {};
+  Ack ack{.writer = load<std::uint32_t>(&bytes[at_writer]),
+          .channel = load<std::uint32_t>(&bytes[at_channel_number]),
+          .window_bytes = load<std::uint32_t>(&bytes[at_window]),
+          .next = load<std::uint64_t>(&bytes[at_next]),
+          .missing_count = count};
+  if (ack.next == 0 || ack.next > ordinal_max) return {};
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::byte* place = &bytes[ack_header_bytes + i * missing_bytes];
+    ack.missing[i] = {load<std::uint32_t>(place), load<std::uint32_t>(place + 4),
+                      load<std::uint32_t>(place + 8)};
+    if (ack.missing[i].begin > ack.missing[i].end) return {};
   }
+  return ack;
+}
+
+std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept {
+  const std::optional<DatagramKind> kind = kind_of(bytes);
+  if (kind == DatagramKind::first) return parse_first(bytes);
+  if (kind == DatagramKind::following) return parse_following(bytes);
   return {};
 }
 

@@ -1,6 +1,7 @@
 // The headers of SFT datagrams (datagram.md): from structs to bytes and back. Pure and bounds-checked.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -17,6 +18,8 @@ inline constexpr std::size_t datagram_bytes_min = 548;    ///< what every IPv4 p
 enum class DatagramKind : std::uint8_t {
   first = 1,      ///< begins a sample
   following = 2,  ///< a later part of its body
+  heartbeat = 3,  ///< of a channel: what its writer has sent, and still has
+  ack = 4,        ///< of a channel, the other way: what has come, and what is missing
 };
 
 /// Flags of a first datagram. Its mask field is a hash, and the mask's words stand right before the payload.
@@ -27,6 +30,14 @@ inline constexpr std::size_t rate_bytes = 8;
 /// The sample is for one late reader only: `history` stands behind that.
 inline constexpr std::uint8_t history_follows = 4;
 inline constexpr std::size_t history_bytes = 16;
+/// The sample travels in a channel, reliably: `channel` stands behind that.
+inline constexpr std::uint8_t channel_follows = 8;
+inline constexpr std::size_t channel_bytes = 16;
+inline constexpr std::size_t heartbeat_bytes = 32;
+inline constexpr std::size_t ack_header_bytes = 24;
+inline constexpr std::size_t missing_bytes = 12;
+/// As many as fit into a datagram that every path takes.
+inline constexpr std::size_t missing_max = (datagram_bytes_min - ack_header_bytes) / missing_bytes;
 
 /// Names one encoding of one sample. Equal in all its datagrams, and different in all others for a long time.
 struct SampleLabel {
@@ -50,6 +61,14 @@ struct HistoryMark {
   friend bool operator==(const HistoryMark&, const HistoryMark&) = default;
 };
 
+/// The place of a sample in a channel.
+struct ChannelMark {
+  std::uint32_t channel = 0;        ///< the writer's number for it
+  std::uint32_t sequence_high = 0;  ///< high half of the sample's sequence
+  std::uint64_t ordinal = 0;        ///< counts the samples in the channel, from 1
+  friend bool operator==(const ChannelMark&, const ChannelMark&) = default;
+};
+
 struct FirstHeader {
   SampleLabel label;
   std::uint8_t flags = 0;
@@ -58,11 +77,15 @@ struct FirstHeader {
   std::int64_t stamp_ns = 0;  ///< CLOCK_REALTIME at publish
   RateMark rate{};            ///< where the flag says so
   HistoryMark history{};      ///< likewise
+  ChannelMark channel{};      ///< likewise
 
   /// With what the flags say follows it, but for the mask's words.
-  std::size_t bytes() const { return at_history() + ((flags & history_follows) != 0 ? history_bytes : 0); }
+  std::size_t bytes() const { return at_channel() + ((flags & channel_follows) != 0 ? channel_bytes : 0); }
   std::size_t at_history() const {
     return first_header_bytes + ((flags & rate_follows) != 0 ? rate_bytes : 0);
+  }
+  std::size_t at_channel() const {
+    return at_history() + ((flags & history_follows) != 0 ? history_bytes : 0);
   }
 };
 
@@ -74,7 +97,45 @@ struct FollowingHeader {
 void encode(const FirstHeader& header, std::byte* out) noexcept;      ///< header.bytes()
 void encode(const FollowingHeader& header, std::byte* out) noexcept;  ///< following_header_bytes
 
-/// A received datagram whose header is sound. What it says of the sample is only claimed.
+/// Of the samples in a channel, [first, end) were sent and can be sent again; those before cannot.
+struct Heartbeat {
+  std::uint32_t writer = 0;
+  std::uint32_t channel = 0;
+  std::uint16_t port = 0;  ///< where acks go, at the address that it comes from
+  std::uint64_t first = 0;
+  std::uint64_t end = 0;
+  friend bool operator==(const Heartbeat&, const Heartbeat&) = default;
+};
+
+/// A part of a sample that has not come: bytes [begin, end) of its body, or, if these are equal, nothing is
+/// known of it yet and its first datagram is asked for.
+struct Missing {
+  std::uint32_t ordinal = 0;  ///< low half
+  std::uint32_t begin = 0;
+  std::uint32_t end = 0;
+  friend bool operator==(const Missing&, const Missing&) = default;
+};
+
+struct Ack {
+  std::uint32_t writer = 0;
+  std::uint32_t channel = 0;
+  std::uint32_t window_bytes = 0;  ///< that may be under way
+  std::uint64_t next = 0;          ///< ordinal: nothing before it is wanted any more
+  std::array<Missing, missing_max> missing{};
+  std::size_t missing_count = 0;
+
+  std::span<const Missing> parts() const { return {missing.data(), missing_count}; }
+  std::size_t bytes() const { return ack_header_bytes + missing_count * missing_bytes; }
+};
+
+void encode(const Heartbeat& heartbeat, std::byte* out) noexcept;  ///< heartbeat_bytes
+void encode(const Ack& ack, std::byte* out) noexcept;              ///< ack.bytes()
+std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexcept;
+std::optional<Ack> parse_ack(std::span<const std::byte> bytes) noexcept;
+/// Of a datagram of this version. It may be none of these, or not sound.
+std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept;
+
+/// A received datagram of a sample whose header is sound. What it says of the sample is only claimed.
 struct Datagram {
   DatagramKind kind{};
   FirstHeader first;                   ///< of a following datagram only the label is set
@@ -84,7 +145,7 @@ struct Datagram {
   const SampleLabel& label() const { return first.label; }
 };
 
-/// Empty if the bytes are no datagram of this version.
+/// Empty if the bytes are no datagram of a sample, of this version.
 std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept;
 
 void store_word(std::uint64_t word, std::byte* out) noexcept;

@@ -56,7 +56,7 @@ std::shared_ptr<Destination> DestinationDirectory::find(const core::UdpAddress& 
     destination = known.lock();
     if (destination == nullptr) known = destination = std::move(fresh);
   }
-  destination->set_receive_buffer(address.receive_buffer_bytes);
+  if (address.receive_buffer_bytes != 0) destination->set_receive_buffer(address.receive_buffer_bytes);
   return destination;
 }
 

@@ -31,9 +31,20 @@ void Batch::refer(const std::byte* data, std::size_t bytes) {
   bytes_ += bytes;
 }
 
-Fragmenter::Fragmenter(const EncodedBody& body, std::size_t datagram_bytes)
-    : body_(body), datagram_bytes_(std::min(datagram_bytes, datagram_bytes_max)) {
+Fragmenter::Fragmenter(const EncodedBody& body, std::size_t datagram_bytes, BodyRange range)
+    : body_(body),
+      datagram_bytes_(std::min(datagram_bytes, datagram_bytes_max)),
+      end_(std::min(range.end, body.first.total)) {
   assert(datagram_bytes_ > body_.first.bytes() + body_.mask_words.size_bytes());
+  if (range.begin > 0) skip(std::min(range.begin, end_));
+}
+
+void Fragmenter::skip(std::size_t bytes) {
+  begun_ = true;
+  offset_ = static_cast<std::uint32_t>(bytes);
+  while (segment_ < body_.segments.size() && bytes >= body_.segments[segment_].bytes)
+    bytes -= body_.segments[segment_++].bytes;
+  segment_offset_ = bytes;
 }
 
 void Fragmenter::next(Batch& batch, std::size_t bytes_max, std::size_t datagrams_max) {
@@ -48,14 +59,15 @@ void Fragmenter::next(Batch& batch, std::size_t bytes_max, std::size_t datagrams
 
 /// Of a following one.
 std::size_t Fragmenter::next_datagram_bytes() const {
-  return std::min<std::size_t>(datagram_bytes_, following_header_bytes + body_.first.total - offset_);
+  return std::min<std::size_t>(datagram_bytes_, following_header_bytes + end_ - offset_);
 }
 
 void Fragmenter::append_datagram(Batch& batch) {
   const std::size_t before = batch.bytes_;
+  const std::uint32_t end = begun_ ? end_ : body_.first.total;
   append_header(batch);
   const std::size_t room = datagram_bytes_ - (batch.bytes_ - before);
-  append_payload(batch, std::min<std::size_t>(room, body_.first.total - offset_));
+  append_payload(batch, std::min<std::size_t>(room, end - offset_));
   ++batch.datagrams_;
 }
 

@@ -58,19 +58,27 @@ struct EncodedBody {
   std::span<const Segment> segments;
 };
 
+/// A part of a body, [begin, end). From 0 on it has the first datagram, always as a whole.
+struct BodyRange {
+  std::uint32_t begin = 0;
+  std::uint32_t end = UINT32_MAX;
+  friend bool operator==(const BodyRange&, const BodyRange&) = default;
+};
+
 class Fragmenter {
  public:
-  Fragmenter(const EncodedBody& body, std::size_t datagram_bytes);
+  Fragmenter(const EncodedBody& body, std::size_t datagram_bytes, BodyRange range = {});
 
   std::size_t bytes() const { return body_.first.total; }  ///< of the body
   bool begun() const { return begun_; }
-  bool done() const { return begun_ && offset_ == body_.first.total; }
+  bool done() const { return begun_ && offset_ >= end_; }
 
   /// Replaces the batch by the next datagrams: at least one, even where the limits have no room for it.
   void next(Batch& batch, std::size_t bytes_max = batch_bytes_max,
             std::size_t datagrams_max = batch_datagrams_max);
 
  private:
+  void skip(std::size_t bytes);
   std::size_t next_datagram_bytes() const;
   void append_datagram(Batch& batch);
   void append_header(Batch& batch);
@@ -78,6 +86,7 @@ class Fragmenter {
 
   EncodedBody body_;
   std::size_t datagram_bytes_;
+  std::uint32_t end_;
   bool begun_ = false;
   std::uint32_t offset_ = 0;  ///< of the next payload in the body
   std::size_t segment_ = 0;

@@ -1,11 +1,21 @@
 #include "udp_transport/job.h"
 
+#include <algorithm>
+
 namespace sft::udp {
 
 JobHandle::~JobHandle() {
   if (job_ == nullptr || job_->references_.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
   const std::shared_ptr<JobPool> pool = std::move(job_->pool_);  // may be the pool's last reference
   pool->recycle(std::unique_ptr<Job>(job_));
+}
+
+void Job::copy_body() {
+  copy_.reserve(projection.bytes());
+  copy_.clear();
+  for (const Segment& segment : projection.segments())
+    copy_.insert(copy_.end(), segment.data, segment.data + segment.bytes);
+  copied_ = {copy_.data(), copy_.size()};
 }
 
 JobHandle JobPool::take() {
@@ -15,9 +25,12 @@ JobHandle JobPool::take() {
     if (!spare_.empty()) {
       job = std::move(spare_.back());
       spare_.pop_back();
+    } else {
+      if (spare_.capacity() <= jobs_) spare_.reserve(std::min(2 * jobs_ + 1, spare_max));
+      job = std::make_unique<Job>();
+      ++jobs_;
     }
   }
-  if (job == nullptr) job = std::make_unique<Job>();
   job->pool_ = shared_from_this();
   return JobHandle(job.release());
 }
@@ -25,8 +38,13 @@ JobHandle JobPool::take() {
 void JobPool::recycle(std::unique_ptr<Job> job) noexcept {
   job->sample.reset();
   job->mask.reset();
+  job->copy_.clear();
   const std::scoped_lock lock(mutex_);
-  if (spare_.size() < spare_max) spare_.push_back(std::move(job));
+  if (spare_.size() < spare_max) {
+    spare_.push_back(std::move(job));
+  } else {
+    --jobs_;
+  }
 }
 
 }  // namespace sft::udp

@@ -30,13 +30,25 @@ struct Job {
   Projection projection;
   FirstHeader first;
   std::shared_ptr<const WireMask> mask;
-  std::uint64_t sequence = 0;  ///< whole
+  std::uint64_t sequence = 0;     ///< whole
+  std::uint32_t whole_bytes = 0;  ///< of the sample's body with all fields
 
-  EncodedBody body() const { return {first, mask->words, projection.segments()}; }
+  EncodedBody body() const { return body(first); }
+  /// With another header.
+  EncodedBody body(const FirstHeader& header) const {
+    return {header, mask->words, copy_.empty() ? projection.segments() : std::span(&copied_, 1)};
+  }
+
+  /// Makes the job independent of the sample that it was encoded from.
+  void copy_body();
+  /// Memory that it keeps from others.
+  std::size_t held_bytes() const { return sample ? sample->capacity : copy_.size(); }
 
  private:
   friend class JobHandle;
   friend class JobPool;
+  std::vector<std::byte> copy_;  ///< of the body; empty if there is none
+  Segment copied_{};
   std::shared_ptr<JobPool> pool_;  ///< while it is out
   std::atomic<std::uint32_t> references_{0};
 };
@@ -75,12 +87,14 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
 
  private:
   friend class JobHandle;
-  JobPool() { spare_.reserve(spare_max); }
+  JobPool() = default;
   void recycle(std::unique_ptr<Job> job) noexcept;
 
-  static constexpr std::size_t spare_max = 256;  ///< many masks, a few samples each
+  /// Many masks, a few samples each, or what a process acknowledges at a time.
+  static constexpr std::size_t spare_max = 2048;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<Job>> spare_;
+  std::vector<std::unique_ptr<Job>> spare_;  ///< with room for all that there are
+  std::size_t jobs_ = 0;                     ///< that are out or spare
 };
 
 }  // namespace sft::udp

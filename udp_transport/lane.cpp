@@ -14,10 +14,11 @@ std::size_t bytes_held(const Job& job) { return job.sample ? job.sample->capacit
 }  // namespace
 
 Lane::Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
-           Start start)
+           Start start, std::shared_ptr<Channel> channel)
     : to_(std::move(to)),
       depth_(std::max<std::size_t>(depth, 1)),
       late_(start == Start::held),
+      channel_(std::move(channel)),
       tally_(std::move(tally)),
       busy_(start == Start::held),
       held_(start == Start::held) {

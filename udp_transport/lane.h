@@ -16,6 +16,8 @@
 
 namespace sft::udp {
 
+class Channel;
+
 /// Counts of one writer, over all its lanes.
 struct WriterTally {
   std::atomic<std::uint64_t> bytes_sent{0};
@@ -29,11 +31,15 @@ class Lane {
   /// Held: what is posted waits for begin(), and more may wait than `depth`, as long as it is small: nobody
   /// falls behind there, only the history has to go first.
   Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
-       Start start = Start::open);
+       Start start = Start::open, std::shared_ptr<Channel> channel = {});
 
   // Any thread.
 
   Destination& destination() const { return *to_; }
+  bool is_late() const { return late_; }
+  /// What waits here goes on through that; null: to the destination.
+  Channel* channel() const { return channel_.get(); }
+  const std::shared_ptr<Channel>& shared_channel() const { return channel_; }
   /// Samples that were to go this way and did not.
   const std::shared_ptr<core::LossTally>& losses() const { return losses_; }
   /// Nobody waits there any more: what is queued is dropped, and nothing queued again.
@@ -64,6 +70,8 @@ class Lane {
 
   /// The next job, valid until the next call; null if there is none, which makes the lane idle.
   const Job* next();
+  /// The one that next() gave.
+  const JobHandle& current() const { return current_; }
   WriterTally& tally() const { return *tally_; }
   /// The job that next() gave did not leave.
   void lose_current();
@@ -76,6 +84,7 @@ class Lane {
   const std::shared_ptr<Destination> to_;
   const std::size_t depth_;
   const bool late_;  ///< began as held
+  const std::shared_ptr<Channel> channel_;
   const std::shared_ptr<WriterTally> tally_;
   const std::shared_ptr<core::LossTally> losses_ = std::make_shared<core::LossTally>();
   std::atomic<bool> busy_;  ///< scheduled_ or held_, as the publisher sees it

@@ -32,6 +32,23 @@ class RecentLabels {
   std::size_t next_ = 0;
 };
 
+constexpr std::size_t left_writers_max = 256;
+
+/// Parts; what is missing beyond these is asked for later.
+constexpr std::size_t asked_at_once_max = 8 * missing_max;
+
+/// Calls `ask(Missing)` for each part of a sample that has not come; null: nothing of it has.
+template <class Ask>
+void for_each_missing(std::uint32_t ordinal, const UnfinishedSample* sample, const Ask& ask) {
+  if (sample == nullptr) return ask(Missing{ordinal, 0, 0});
+  std::uint32_t at = 0;
+  for (const IntervalSet::Interval& had : sample->received().intervals()) {
+    if (had.begin > at) ask(Missing{ordinal, at, had.begin});
+    at = had.end;
+  }
+  if (at < sample->first().total) ask(Missing{ordinal, at, sample->first().total});
+}
+
 bool equals(const FieldMask& mask, std::span<const std::byte> words) {
   for (std::size_t i = 0; i < mask.words(); ++i) {
     if (mask.word(i) != load_word(&words[i * sizeof(std::uint64_t)])) return false;
@@ -56,6 +73,8 @@ struct Reassembly::Incoming {
   std::vector<std::unique_ptr<UnfinishedSample>> unfinished;  ///< in the order in which they began
   std::size_t unfinished_bytes = 0;                           ///< of those that are described
   RecentLabels finished;
+  std::unique_ptr<ArrivalWindow> window;    ///< null unless it is wanted reliably
+  std::optional<SocketAddress> acks_go_to;  ///< as its last heartbeat said
 
   /// Searched from the end: datagrams of the newest are the most likely.
   UnfinishedSample* find(const SampleLabel& label) const {
@@ -88,6 +107,8 @@ Reassembly::~Reassembly() = default;
 
 void Reassembly::set_streams(std::span<const Stream> streams) {
   auto before = std::exchange(incoming_, {});
+  by_stream_.clear();
+  windows_ = 0;
   for (std::size_t place = 0; place < streams.size(); ++place) {
     const Stream& stream = streams[place];
     const auto low = static_cast<std::uint32_t>(stream.writer);
@@ -107,10 +128,32 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
     in->sample_bytes = std::min(announced, limits_.sample_bytes);
     in->wanted.clear();
     for (const FieldMask& mask : stream.masks) in->wanted.push_back({mask, mask.hash()});
+    if (!stream.reliable) close_window(*in);
+    if (stream.reliable && in->window == nullptr) open_window(*in);
+    windows_ += stream.reliable ? 1 : 0;
+    by_stream_.push_back(in.get());
   }
   for (auto& [low, in] : before) {
     while (!in->unfinished.empty()) remove(*in, in->unfinished.back()->label());
+    close_window(*in);
   }
+}
+
+void Reassembly::open_window(Incoming& in) {
+  in.window = std::make_unique<ArrivalWindow>(limits_.channel);
+  const auto left = std::ranges::find_if(left_, [&](const auto& item) { return item.first == in.writer; });
+  if (left == left_.end()) return;
+  in.window->join(left->second);
+  left_.erase(left);
+}
+
+void Reassembly::close_window(Incoming& in) {
+  const auto mark = in.window == nullptr ? std::nullopt : in.window->mark();
+  in.window.reset();
+  in.acks_go_to.reset();
+  if (!mark) return;
+  if (left_.size() == left_writers_max) left_.erase(left_.begin());
+  left_.emplace_back(in.writer, *mark);
 }
 
 Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, ArrivalTime now) {
@@ -129,31 +172,29 @@ Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, Arrival
 }
 
 Reassembly::Arrival Reassembly::accept_first(Incoming& in, Datagram d, ArrivalTime now) {
+  ArrivalWindow::Met met{ArrivalWindow::Standing::wanted, 0};
+  if (in.window != nullptr && (d.first.flags & channel_follows) != 0) {
+    met = in.window->meet(d.first.channel, now.steady);
+    drop_abandoned(in);
+  }
   UnfinishedSample* sample = in.find(d.label());
-  const bool repeated = sample != nullptr ? sample->described() : in.finished.contains(d.label());
-  if (repeated) return {};
+  const bool repeated =
+      sample != nullptr ? sample->described() : met.place == 0 && in.finished.contains(d.label());
+  const Arrival nothing{{}, in.place, met.place != 0};
+  if (repeated || met.standing != ArrivalWindow::Standing::wanted) return nothing;
 
   core::SampleHandle buffer;
-  switch (describe(in, d, buffer)) {
-    case Refusal::none:
-      break;
-    case Refusal::malformed:
-      drop(in, d.label(), counters_.malformed);
-      return {};
-    case Refusal::unwanted:
-      drop(in, d.label(), counters_.unknown);
-      return {};
-    case Refusal::over_limit:
-      drop(in, d.label(), counters_.over_limit);
-      return {};
-  }
+  if (const Refusal why = describe(in, d, met.place, buffer); why != Refusal::none)
+    return refuse(in, d, met.place, why);
   const std::size_t body_offset = SampleLayout(in.type->slots()).body_offset;
   if (sample == nullptr && d.payload.size() == d.first.total) {  // the whole sample
     if (!d.payload.empty()) std::memcpy(buffer->data + body_offset, d.payload.data(), d.payload.size());
     in.finished.add(d.label());
-    return complete(in, std::move(buffer), d.first, now);
+    return complete(in, std::move(buffer), d.first, met.place, now);
   }
-  if (sample == nullptr) sample = &begin(in, d.label(), now.steady);
+  if (met.place != 0) in.window->begun(met.place, d.label(), buffer);
+  if (sample == nullptr) sample = &begin(in, d.label(), met.place, now.steady);
+  sample->set_place(met.place);
   sample->describe(d.first, body_offset, std::move(buffer));
   in.unfinished_bytes += d.first.total;
   parked_bytes_ -= sample->parked_bytes();
@@ -161,60 +202,77 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, Datagram d, ArrivalTi
   return proceed(in, *sample, sample->unpark(now.steady), now);
 }
 
+/// What was sent reliably, and there is no memory for as yet, will come again.
+Reassembly::Arrival Reassembly::refuse(Incoming& in, const Datagram& d, std::uint64_t place, Refusal why) {
+  const Arrival nothing{{}, in.place, place != 0};
+  if (place != 0 && why == Refusal::over_limit && d.first.total <= in.sample_bytes) {
+    ++counters_.over_limit;
+    return nothing;
+  }
+  if (place != 0) in.window->pass(place);
+  drop(in, d.label(),
+       why == Refusal::malformed  ? counters_.malformed
+       : why == Refusal::unwanted ? counters_.unknown
+                                  : counters_.over_limit);
+  return nothing;
+}
+
 Reassembly::Arrival Reassembly::accept_following(Incoming& in, const Datagram& d, ArrivalTime now) {
   UnfinishedSample* sample = in.find(d.label());
   if (sample == nullptr) {
     if (in.finished.contains(d.label())) return {};
-    sample = &begin(in, d.label(), now.steady);
+    sample = &begin(in, d.label(), 0, now.steady);
   }
   if (!sample->described()) {
     park(in, *sample, d, now.steady);
     return {};
   }
+  const std::uint32_t had = sample->received().covered();
   if (!sample->add(d.offset, d.payload, now.steady)) {
     ++counters_.malformed;  // the sample may be honest
     return {};
   }
+  if (sample->place() != 0 && sample->received().covered() == had) in.window->came_again(sample->place());
   return proceed(in, *sample, true, now);
 }
 
 /// After something was added to a described sample.
 Reassembly::Arrival Reassembly::proceed(Incoming& in, UnfinishedSample& sample, bool well_formed,
                                         ArrivalTime now) {
+  const Arrival nothing{{}, in.place, sample.place() != 0};
   if (!well_formed) {
-    drop(in, sample.label(), counters_.malformed);
-    return {};
+    drop(in, SampleLabel(sample.label()), counters_.malformed);
+    return nothing;
   }
   if (sample.gaps() > limits_.gaps) {
-    drop(in, sample.label(), counters_.over_limit);
-    return {};
+    drop(in, SampleLabel(sample.label()), counters_.over_limit);
+    return nothing;
   }
-  if (!sample.whole()) return {};
+  if (!sample.whole()) return nothing;
   const FirstHeader first = sample.first();
+  const std::uint64_t place = sample.place();
   std::unique_ptr<UnfinishedSample> whole = remove(in, first.label);
   in.finished.add(first.label);
-  Arrival arrival = complete(in, whole->take_buffer(), first, now);
+  Arrival arrival = complete(in, whole->take_buffer(), first, place, now);
   keep_spare(std::move(whole));
   return arrival;
 }
 
 Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample, const FirstHeader& first,
-                                         ArrivalTime now) {
+                                         std::uint64_t place, ArrivalTime now) {
   const SampleLayout layout(in.type->slots());
   SampleHeader& header = sample->header();
   header.slots = static_cast<std::uint32_t>(in.type->slots());
   header.writer = in.writer;
-  header.sequence = widen_sequence(in.newest, first.label.sequence);
+  header.sequence = (first.flags & channel_follows) != 0
+                        ? std::uint64_t{first.channel.sequence_high} << 32 | first.label.sequence
+                        : widen_sequence(in.newest, first.label.sequence);
   header.source_stamp_ns = first.stamp_ns;
   header.type_hash = in.type->hash();
   header.body_offset = static_cast<std::uint32_t>(layout.body_offset);
   header.body_bytes = first.total;
   sample->trust_header();
   sample->receive_stamp_ns = now.realtime_ns;
-  sample->min_period_us = first.rate.min_period_us;
-  sample->ordinal = first.rate.ordinal;
-  sample->addressee = first.history.reader;
-  sample->oldest_retained = first.history.oldest;
   std::byte* body = sample->data + layout.body_offset;
   std::memcpy(body - encapsulation_bytes, encapsulation_cdr_le.data(), encapsulation_bytes);
 
@@ -225,23 +283,31 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
   const WalkStatus status = build_index(state, in.type->type(), {sample->index(), in.type->slots()});
   if (status != WalkStatus::ok || header.sequence == 0) {
     ++counters_.malformed;
-    return {};
+    if (place != 0) in.window->pass(place);
+    return {{}, in.place, place != 0};
   }
   in.newest = std::max(in.newest, header.sequence);
-  return {std::move(sample), in.place};
+  if (place != 0) in.window->whole(place, sample);
+  drop_abandoned(in);
+  return {std::move(sample), in.place, place != 0};
 }
 
 /// Checks what a first datagram claims, before anything is allocated, and takes the memory for it.
-Reassembly::Refusal Reassembly::describe(Incoming& in, Datagram& d, core::SampleHandle& buffer) {
+Reassembly::Refusal Reassembly::describe(Incoming& in, Datagram& d, std::uint64_t place,
+                                         core::SampleHandle& buffer) {
   bool malformed = false;
   const FieldMask* mask = in.named_mask(d, malformed);
   if (malformed) return Refusal::malformed;
   if (mask == nullptr) return Refusal::unwanted;
   if (d.payload.size() > d.first.total) return Refusal::malformed;
   if (d.first.total > in.sample_bytes) return Refusal::over_limit;
-  buffer = take_buffer(in, d);
+  buffer = place == 0 ? take_buffer(in, d) : take_reliable_buffer(in, d);
   if (!buffer) return Refusal::over_limit;
   buffer->mask = *mask;
+  buffer->min_period_us = d.first.rate.min_period_us;
+  buffer->ordinal = d.first.rate.ordinal;
+  buffer->addressee = d.first.history.reader;
+  buffer->oldest_retained = d.first.history.oldest;
   return Refusal::none;
 }
 
@@ -259,6 +325,13 @@ core::SampleHandle Reassembly::take_buffer(Incoming& in, const Datagram& d) {
   return buffer;
 }
 
+/// Nothing makes room for it: it can come again later.
+core::SampleHandle Reassembly::take_reliable_buffer(Incoming& in, const Datagram& d) {
+  const std::size_t total = d.first.total;
+  if (in.unfinished_bytes > 0 && in.unfinished_bytes + total > limits_.unfinished_bytes) return {};
+  return pool_->take(SampleLayout(in.type->slots()).bytes(total), pool_->limit_bytes() / 4);
+}
+
 void Reassembly::park(Incoming& in, UnfinishedSample& sample, const Datagram& d, Time now) {
   const std::size_t bytes = UnfinishedSample::bytes_to_park(d.payload);
   if (d.payload.size() > in.sample_bytes || d.offset > in.sample_bytes - d.payload.size()) {
@@ -273,7 +346,7 @@ void Reassembly::park(Incoming& in, UnfinishedSample& sample, const Datagram& d,
   parked_bytes_ += bytes;
 }
 
-UnfinishedSample& Reassembly::begin(Incoming& in, const SampleLabel& label, Time now) {
+UnfinishedSample& Reassembly::begin(Incoming& in, const SampleLabel& label, std::uint64_t place, Time now) {
   const auto of_variant = [&] {
     return static_cast<std::size_t>(
         std::count_if(in.unfinished.begin(), in.unfinished.end(),
@@ -283,7 +356,7 @@ UnfinishedSample& Reassembly::begin(Incoming& in, const SampleLabel& label, Time
     return in.unfinished.size() >= limits_.unfinished_per_writer ||
            of_variant() >= limits_.unfinished_per_variant;
   };
-  while (full() && drop_oldest(in, label)) {
+  while (place == 0 && full() && drop_oldest(in, label)) {
   }
   if (spare_.empty()) spare_.push_back(std::make_unique<UnfinishedSample>());
   in.unfinished.push_back(std::move(spare_.back()));
@@ -294,11 +367,11 @@ UnfinishedSample& Reassembly::begin(Incoming& in, const SampleLabel& label, Time
   return *in.unfinished.back();
 }
 
-/// Never the sample of the label itself. False if there is no other.
+/// Never the sample of the label itself, nor one that is sent reliably. False if there is no other.
 bool Reassembly::drop_oldest(Incoming& in, const SampleLabel& same_variant_first) {
   const UnfinishedSample* oldest = nullptr;
   for (const auto& sample : in.unfinished) {
-    if (sample->label() == same_variant_first) continue;
+    if (sample->label() == same_variant_first || sample->place() != 0) continue;
     const bool same_variant = sample->label().variant == same_variant_first.variant;
     if (oldest == nullptr || same_variant) oldest = sample.get();
     if (same_variant) break;
@@ -311,7 +384,17 @@ bool Reassembly::drop_oldest(Incoming& in, const SampleLabel& same_variant_first
 void Reassembly::drop(Incoming& in, const SampleLabel& label, std::uint64_t& counter) {
   ++counter;
   in.finished.add(label);
-  if (std::unique_ptr<UnfinishedSample> sample = remove(in, label)) keep_spare(std::move(sample));
+  std::unique_ptr<UnfinishedSample> sample = remove(in, label);
+  if (sample == nullptr) return;
+  if (sample->place() != 0 && in.window != nullptr) in.window->pass(sample->place());
+  keep_spare(std::move(sample));
+}
+
+/// What its writer does not have any more.
+void Reassembly::drop_abandoned(Incoming& in) {
+  for (const SampleLabel& label :
+       in.window == nullptr ? std::vector<SampleLabel>{} : in.window->take_abandoned())
+    drop(in, label, counters_.incomplete);
 }
 
 void Reassembly::keep_spare(std::unique_ptr<UnfinishedSample> sample) {
@@ -336,8 +419,11 @@ void Reassembly::expire(Time now) {
   std::optional<Time> next;
   for (auto& [low, in] : incoming_) {
     for (std::size_t i = 0; i < in->unfinished.size();) {
+      const bool can_come_again = in->unfinished[i]->place() != 0;
       const Time expiry = in->unfinished[i]->last_progress() + limits_.patience;
-      if (expiry <= now) {
+      if (can_come_again) {
+        ++i;
+      } else if (expiry <= now) {
         drop(*in, SampleLabel(in->unfinished[i]->label()), counters_.incomplete);
       } else {
         next = next ? std::min(*next, expiry) : expiry;
@@ -346,6 +432,73 @@ void Reassembly::expire(Time now) {
     }
   }
   next_expiry_ = next;
+}
+
+Reassembly::Arrival Reassembly::accept_heartbeat(std::span<const std::byte> bytes, SocketAddress from,
+                                                 ArrivalTime now) {
+  const std::optional<Heartbeat> heartbeat = parse_heartbeat(bytes);
+  if (!heartbeat) {
+    ++counters_.malformed;
+    return {};
+  }
+  const auto found = incoming_.find(heartbeat->writer);
+  if (found == incoming_.end() || found->second->window == nullptr) {
+    ++counters_.unknown;
+    return {};
+  }
+  Incoming& in = *found->second;
+  in.acks_go_to = SocketAddress{from.ipv4, heartbeat->port};
+  in.window->hear(*heartbeat, now.steady);
+  drop_abandoned(in);
+  return {{}, in.place, true};
+}
+
+ArrivalWindow* Reassembly::window(std::size_t stream) {
+  return stream < by_stream_.size() ? by_stream_[stream]->window.get() : nullptr;
+}
+
+void Reassembly::answer(Time now, const SendAck& send) {
+  if (windows_ == 0) return;
+  for (Incoming* in : by_stream_) {
+    if (in->window != nullptr && in->acks_go_to) answer(*in, now, send);
+  }
+}
+
+Reassembly::Time Reassembly::next_answer() const {
+  Time next = Time::max();
+  if (windows_ == 0) return next;
+  for (const Incoming* in : by_stream_) {
+    if (in->window != nullptr && in->acks_go_to) next = std::min(next, in->window->next_look());
+  }
+  return next;
+}
+
+void Reassembly::answer(Incoming& in, Time now, const SendAck& send) {
+  ArrivalWindow& window = *in.window;
+  const auto came_at = [&](const SampleLabel& label) {
+    const UnfinishedSample* sample = in.find(label);
+    return sample == nullptr ? Time{} : sample->last_progress();
+  };
+  std::vector<ArrivalWindow::Gap> gaps;
+  if (now >= window.next_look()) gaps = window.due_gaps(now, came_at, asked_at_once_max);
+  if (gaps.empty() && !window.ack_due()) return;
+  Ack ack = window.ack(static_cast<std::uint32_t>(in.writer), windows_);
+  std::size_t asked = 0;
+  const auto ask = [&](const Missing& part) {
+    if (++asked > asked_at_once_max) return;
+    if (ack.missing_count == missing_max) {
+      send(*in.acks_go_to, ack);
+      ack.missing_count = 0;
+    }
+    ack.missing[ack.missing_count++] = part;
+  };
+  for (const ArrivalWindow::Gap& gap : gaps) {
+    const UnfinishedSample* sample = gap.label ? in.find(*gap.label) : nullptr;
+    const std::size_t before = asked;
+    for_each_missing(static_cast<std::uint32_t>(gap.ordinal), sample, ask);
+    window.asked_for(gap.place, static_cast<std::uint32_t>(asked - before));
+  }
+  send(*in.acks_go_to, ack);
 }
 
 }  // namespace sft::udp

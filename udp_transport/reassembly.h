@@ -5,14 +5,17 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/buffer_pool.h"
 #include "core/transport.h"
+#include "udp_transport/arrival_window.h"
 #include "udp_transport/datagram.h"
 #include "udp_transport/datagram_io.h"
 #include "udp_transport/unfinished_sample.h"
@@ -27,6 +30,7 @@ struct ReassemblyLimits {
   std::size_t parked_bytes = std::size_t{512} << 10;      ///< of all datagrams that overtook their first
   std::size_t gaps = 4096;                                ///< in one sample
   std::chrono::milliseconds patience{500};                ///< without progress
+  ArrivalLimits channel{};                                ///< of what one writer sends reliably
 };
 
 /// A writer whose samples are wanted here, and under which masks.
@@ -35,6 +39,7 @@ struct Stream {
   const TypeSupport* type = nullptr;  ///< outlives the stream
   std::size_t max_sample_bytes = 0;   ///< announced by the writer; 0: not known
   std::vector<FieldMask> masks;
+  bool reliable = false;  ///< some reader wants it to be
 };
 
 class Reassembly {
@@ -45,7 +50,9 @@ class Reassembly {
   struct Arrival {
     core::SampleHandle sample;  ///< whole and valid; empty if the datagram completed none
     std::size_t stream = 0;     ///< its place in what was given to set_streams()
+    bool in_channel = false;    ///< readers may now have something in order, this sample or others
   };
+  using SendAck = std::function<void(const SocketAddress&, const Ack&)>;
 
   Reassembly(const ReassemblyLimits& limits, std::shared_ptr<core::BufferPool> pool);
   ~Reassembly();
@@ -55,6 +62,14 @@ class Reassembly {
   void set_streams(std::span<const Stream> streams);
 
   Arrival accept(std::span<const std::byte> datagram, ArrivalTime now);
+
+  Arrival accept_heartbeat(std::span<const std::byte> datagram, SocketAddress from, ArrivalTime now);
+
+  /// Of a stream that is reliable; else null. Valid until set_streams().
+  ArrivalWindow* window(std::size_t stream);
+  /// Sends what is to be acknowledged or asked for by now. After accept(), and by next_answer().
+  void answer(Time now, const SendAck& send);
+  Time next_answer() const;
 
   /// Drops what has made no progress for too long.
   void expire(Time now);
@@ -70,13 +85,22 @@ class Reassembly {
   Arrival accept_first(Incoming& in, Datagram d, ArrivalTime now);
   Arrival accept_following(Incoming& in, const Datagram& d, ArrivalTime now);
   Arrival proceed(Incoming& in, UnfinishedSample& sample, bool well_formed, ArrivalTime now);
-  Arrival complete(Incoming& in, core::SampleHandle sample, const FirstHeader& first, ArrivalTime now);
+  Arrival complete(Incoming& in, core::SampleHandle sample, const FirstHeader& first, std::uint64_t place,
+                   ArrivalTime now);
   void park(Incoming& in, UnfinishedSample& sample, const Datagram& d, Time now);
 
-  Refusal describe(Incoming& in, Datagram& d, core::SampleHandle& buffer);
-  core::SampleHandle take_buffer(Incoming& in, const Datagram& d);
+  Arrival refuse(Incoming& in, const Datagram& d, std::uint64_t place, Refusal why);
+  void drop_abandoned(Incoming& in);
+  void answer(Incoming& in, Time now, const SendAck& send);
 
-  UnfinishedSample& begin(Incoming& in, const SampleLabel& label, Time now);
+  void open_window(Incoming& in);
+  void close_window(Incoming& in);
+
+  Refusal describe(Incoming& in, Datagram& d, std::uint64_t place, core::SampleHandle& buffer);
+  core::SampleHandle take_buffer(Incoming& in, const Datagram& d);
+  core::SampleHandle take_reliable_buffer(Incoming& in, const Datagram& d);
+
+  UnfinishedSample& begin(Incoming& in, const SampleLabel& label, std::uint64_t place, Time now);
   bool drop_oldest(Incoming& in, const SampleLabel& same_variant_first);
   void drop(Incoming& in, const SampleLabel& label, std::uint64_t& counter);
   void keep_spare(std::unique_ptr<UnfinishedSample> sample);
@@ -85,6 +109,10 @@ class Reassembly {
   ReassemblyLimits limits_;
   std::shared_ptr<core::BufferPool> pool_;
   std::unordered_map<std::uint32_t, std::unique_ptr<Incoming>> incoming_;  ///< by the writer's short id
+  std::vector<Incoming*> by_stream_;
+  std::vector<std::pair<core::EndpointId, ArrivalWindow::Mark>>
+      left_;                                              ///< writers that were, the newest last
+  std::size_t windows_ = 0;                               ///< streams that are reliable
   std::vector<std::unique_ptr<UnfinishedSample>> spare_;  ///< kept for the memory that they hold
   std::size_t unfinished_ = 0;
   std::size_t parked_bytes_ = 0;

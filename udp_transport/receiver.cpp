@@ -1,5 +1,6 @@
 #include "udp_transport/receiver.h"
 
+#include <algorithm>
 #include <chrono>
 #include <new>
 #include <utility>
@@ -13,8 +14,8 @@ using Clock = std::chrono::steady_clock;
 }
 
 Receiver::Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
-                   std::shared_ptr<core::BufferPool> pool)
-    : io_(std::move(io)), reassembly_(limits, std::move(pool)) {}
+                   std::shared_ptr<core::BufferPool> pool, Acks acks)
+    : io_(std::move(io)), acks_(std::move(acks)), reassembly_(limits, std::move(pool)) {}
 
 Result<void> Receiver::start(const std::string& thread_name) {
   Result<std::thread> started = core::start_thread(thread_name, [self = shared_from_this()] { self->run(); });
@@ -36,15 +37,26 @@ void Receiver::stop() {
 
 void Receiver::run() {
   while (!stopping_.load(std::memory_order_acquire)) {
-    if (!io_->receive(*this, reassembly_.next_expiry().value_or(Clock::time_point::max()))) {
+    if (!io_->receive(*this, next_deadline())) {
       broken_.store(true, std::memory_order_relaxed);
       break;
     }
-    if (!reassembly_.next_expiry()) continue;
-    reassembly_.expire(Clock::now());
+    if (next_deadline() == Clock::time_point::max()) continue;
+    const Clock::time_point now = Clock::now();
+    answer(now);
+    reassembly_.expire(now);
     publish_counters();
   }
   io_->finish();
+}
+
+Clock::time_point Receiver::next_deadline() const {
+  return std::min(reassembly_.next_answer(), reassembly_.next_expiry().value_or(Clock::time_point::max()));
+}
+
+void Receiver::answer(Clock::time_point now) noexcept try {
+  reassembly_.answer(now, acks_.send);
+} catch (const std::bad_alloc&) {  // it is asked for later
 }
 
 void Receiver::begin(ArrivalTime now) noexcept {
@@ -52,8 +64,33 @@ void Receiver::begin(ArrivalTime now) noexcept {
   enter();
 }
 
-void Receiver::datagram(std::span<const std::byte> bytes, SocketAddress) noexcept {
-  if (Reassembly::Arrival arrival = accept(bytes); arrival.sample) deliver(std::move(arrival));
+void Receiver::datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept {
+  const std::optional<DatagramKind> kind = kind_of(bytes);
+  if (kind == DatagramKind::ack) return hear_ack(bytes);
+  Reassembly::Arrival arrival =
+      kind == DatagramKind::heartbeat ? accept_heartbeat(bytes, from) : accept(bytes);
+  const bool in_channel = arrival.in_channel;
+  if (!arrival.sample && !in_channel) return;
+  const core::EndpointId writer = wanted_->streams[arrival.stream].writer;
+  if (arrival.sample) deliver(std::move(arrival));
+  if (in_channel) deliver_in_order(writer);
+}
+
+void Receiver::hear_ack(std::span<const std::byte> bytes) noexcept try {
+  const std::optional<Ack> ack = parse_ack(bytes);
+  if (!ack) {
+    ++malformed_acks_;
+  } else {
+    acks_.hear(*ack);
+  }
+} catch (const std::bad_alloc&) {  // another one will come
+}
+
+Reassembly::Arrival Receiver::accept_heartbeat(std::span<const std::byte> bytes, SocketAddress from) noexcept
+    try {
+  return reassembly_.accept_heartbeat(bytes, from, now_);
+} catch (const std::bad_alloc&) {
+  return {};
 }
 
 Reassembly::Arrival Receiver::accept(std::span<const std::byte> bytes) noexcept try {
@@ -65,6 +102,7 @@ Reassembly::Arrival Receiver::accept(std::span<const std::byte> bytes) noexcept 
 void Receiver::end() noexcept {
   publish_counters();
   subscriptions_.leave();
+  answer(now_.steady);
 }
 
 void Receiver::enter() {
@@ -72,23 +110,66 @@ void Receiver::enter() {
   if (latest == wanted_) return;
   wanted_ = std::move(latest);
   reassembly_.set_streams(wanted_->streams);
+  for (std::size_t i = 0; i < wanted_->streams.size(); ++i) {
+    ArrivalWindow* window = reassembly_.window(i);
+    if (window == nullptr) continue;
+    std::vector<core::EndpointId> readers;
+    for (const Subscriber& subscriber : wanted_->subscribers[i]) {
+      if (subscriber.reliable) readers.push_back(subscriber.reader);
+    }
+    window->set_readers(readers);
+  }
 }
 
-/// Listeners run outside the snapshot: they may take long, and may connect and destroy readers.
+/// To those who take it as it comes. Listeners run outside the snapshot: they may take long, and may connect
+/// and destroy readers.
 void Receiver::deliver(Reassembly::Arrival arrival) {
   publish_counters();
+  const auto in_turn = [&](const Subscriber& s) { return arrival.in_channel && s.reliable; };
+  if (std::ranges::all_of(wanted_->subscribers[arrival.stream], in_turn)) return;
   const std::shared_ptr<const Subscriptions> subscriptions = wanted_;
   subscriptions_.leave();
   for (const Subscriber& subscriber : subscriptions->subscribers[arrival.stream]) {
-    if (subscriber.accepts(*arrival.sample)) subscriber.inbox->deliver(arrival.sample);
+    if (!in_turn(subscriber) && subscriber.accepts(*arrival.sample))
+      subscriber.inbox->deliver(arrival.sample);
   }
   arrival.sample.reset();
   enter();
 }
 
+void Receiver::deliver_in_order(core::EndpointId writer) {
+  while (deliver_next(writer)) {
+  }
+}
+
+/// False if nobody has anything to get now.
+bool Receiver::deliver_next(core::EndpointId writer) {
+  const std::vector<Stream>& streams = wanted_->streams;
+  const auto stream =
+      std::ranges::find_if(streams, [&](const Stream& candidate) { return candidate.writer == writer; });
+  if (stream == streams.end()) return false;
+  const auto place = static_cast<std::size_t>(stream - streams.begin());
+  ArrivalWindow* window = reassembly_.window(place);
+  if (window == nullptr) return false;
+  for (const Subscriber& subscriber : wanted_->subscribers[place]) {
+    if (!subscriber.reliable) continue;
+    core::SampleHandle sample =
+        window->next(subscriber.reader, [&](const core::SampleBuffer& s) { return subscriber.accepts(s); });
+    if (!sample) continue;
+    const std::shared_ptr<Inbox> inbox = subscriber.inbox;
+    const std::shared_ptr<const Subscriptions> subscriptions = wanted_;
+    subscriptions_.leave();
+    inbox->deliver(std::move(sample));
+    enter();
+    return true;
+  }
+  window->release();
+  return false;
+}
+
 void Receiver::publish_counters() noexcept {
   const Reassembly::Counters& counters = reassembly_.counters();
-  malformed_.store(counters.malformed, std::memory_order_relaxed);
+  malformed_.store(counters.malformed + malformed_acks_, std::memory_order_relaxed);
   unknown_.store(counters.unknown, std::memory_order_relaxed);
   incomplete_.store(counters.incomplete, std::memory_order_relaxed);
   over_limit_.store(counters.over_limit, std::memory_order_relaxed);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -15,8 +17,13 @@ namespace sft::udp {
 /// Its thread keeps it alive, so that a listener may destroy the transport that calls it.
 class Receiver final : private DatagramSink, public std::enable_shared_from_this<Receiver> {
  public:
+  /// What reliable delivery needs of the half that sends. Called by the receiving thread.
+  struct Acks {
+    std::function<void(const Ack&)> hear;
+    Reassembly::SendAck send;
+  };
   Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
-           std::shared_ptr<core::BufferPool> pool);
+           std::shared_ptr<core::BufferPool> pool, Acks acks);
 
   Result<void> start(const std::string& thread_name);
   /// Afterwards nothing is received. Called by a listener, it takes effect once that has returned.
@@ -34,7 +41,13 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   void end() noexcept override;
   Reassembly::Arrival accept(std::span<const std::byte> bytes) noexcept;
   void enter();
+  void hear_ack(std::span<const std::byte> bytes) noexcept;
+  Reassembly::Arrival accept_heartbeat(std::span<const std::byte> bytes, SocketAddress from) noexcept;
   void deliver(Reassembly::Arrival arrival);
+  void deliver_in_order(core::EndpointId writer);
+  bool deliver_next(core::EndpointId writer);
+  void answer(std::chrono::steady_clock::time_point now) noexcept;
+  std::chrono::steady_clock::time_point next_deadline() const;
   void publish_counters() noexcept;
 
   std::unique_ptr<DatagramReceiver> io_;
@@ -45,6 +58,8 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   std::atomic<std::uint64_t> malformed_{0}, unknown_{0}, incomplete_{0}, over_limit_{0};
 
   // Of the receiving thread alone.
+  const Acks acks_;
+  std::uint64_t malformed_acks_ = 0;
   Reassembly reassembly_;
   std::shared_ptr<const Subscriptions> wanted_;
   ArrivalTime now_;

@@ -28,6 +28,7 @@ struct Gathered {
   std::shared_ptr<const core::RateGate> gate;
   std::vector<std::shared_ptr<Destination>> destinations;
   std::vector<std::pair<core::EndpointId, const Destination*>> readers;
+  ReliableReaders reliable{};  ///< of these
 };
 
 /// Readers with equal masks and limits share an encoding, and those behind one socket a copy of it.
@@ -45,6 +46,7 @@ std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDir
       group = groups.insert(groups.end(), {wanted, late_reader, route.spare, route.gate, {}, {}});
     auto destination = directory.find(*address);
     group->readers.emplace_back(route.reader, destination.get());
+    if (route.reliable) group->reliable[destination.get()].insert(route.reader);
     auto& known = group->destinations;
     if (std::find(known.begin(), known.end(), destination) == known.end())
       known.push_back(std::move(destination));
@@ -66,14 +68,32 @@ void write_page(const Gathered& gathered, const Group& group, core::DeliveryBook
   }
 }
 
+ReliableReaders reliable_readers(const std::vector<Gathered>& groups) {
+  ReliableReaders all;
+  for (const Gathered& gathered : groups) {
+    for (const auto& [destination, readers] : gathered.reliable)
+      all[destination].insert(readers.begin(), readers.end());
+  }
+  return all;
+}
+
 /// Whether what is sent to a spare group goes that way for others as well: readers in one process share a
 /// socket.
-bool is_reached_anyway(const RouteTable& table, const Group& spare, const Lane& lane) {
+bool is_reached_anyway(const RouteTable& table, const Group& spare, std::size_t lane) {
   return std::any_of(table.groups.begin(), table.groups.end(), [&](const Group& group) {
-    return &group != &spare && group.wire == spare.wire &&
-           std::any_of(group.lanes.begin(), group.lanes.end(),
-                       [&](const auto& other) { return other.get() == &lane; });
+    if (&group == &spare || group.wire != spare.wire) return false;
+    const auto same = std::find(group.lanes.begin(), group.lanes.end(), spare.lanes[lane]);
+    return same != group.lanes.end() && (spare.channels[lane] == nullptr ||
+                                         group.channels[same - group.lanes.begin()] == spare.channels[lane]);
   });
+}
+
+void leave_out_the_reached(const RouteTable& table, Group& spare) {
+  for (std::size_t lane = spare.lanes.size(); lane-- > 0;) {
+    if (!is_reached_anyway(table, spare, lane)) continue;
+    spare.lanes.erase(spare.lanes.begin() + static_cast<std::ptrdiff_t>(lane));
+    spare.channels.erase(spare.channels.begin() + static_cast<std::ptrdiff_t>(lane));
+  }
 }
 
 }  // namespace
@@ -84,8 +104,9 @@ const Group* RouteTable::of_late_reader(core::EndpointId reader) const {
   return found == groups.end() ? nullptr : &*found;
 }
 
-VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally)
-    : queue_depth_(queue_depth), tally_(std::move(tally)) {}
+VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally,
+                                   ChannelDirectory* channels)
+    : queue_depth_(queue_depth), tally_(std::move(tally)), channels_(channels) {}
 
 VariantDirectory::Variant& VariantDirectory::find(const core::Wanted& wanted, core::EndpointId late_reader) {
   auto known = std::find_if(variants_.begin(), variants_.end(), [&](const Variant& v) {
@@ -99,8 +120,9 @@ VariantDirectory::Variant& VariantDirectory::find(const core::Wanted& wanted, co
   return *known;
 }
 
-std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared_ptr<Destination>& to) {
-  if (variant.late_reader != 0) return late_lane(variant.late_reader, to);
+std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared_ptr<Destination>& to,
+                                             const std::shared_ptr<Channel>& channel) {
+  if (variant.late_reader != 0) return late_lane(variant.late_reader, to, channel);
   for (const std::shared_ptr<Lane>& lane : variant.lanes) {
     if (&lane->destination() == to.get()) return lane;
   }
@@ -109,11 +131,12 @@ std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared
 
 /// Held until its history is known; again if it has moved, since what was queued does not reach it any more.
 std::shared_ptr<Lane> VariantDirectory::late_lane(core::EndpointId reader,
-                                                  const std::shared_ptr<Destination>& to) {
+                                                  const std::shared_ptr<Destination>& to,
+                                                  const std::shared_ptr<Channel>& channel) {
   std::shared_ptr<Lane>& lane = late_lanes_[reader];
-  if (lane != nullptr && &lane->destination() == to.get()) return lane;
+  if (lane != nullptr && &lane->destination() == to.get() && lane->channel() == channel.get()) return lane;
   if (lane != nullptr) lane->close();
-  lane = std::make_shared<Lane>(to, queue_depth_, tally_, Lane::Start::held);
+  lane = std::make_shared<Lane>(to, queue_depth_, tally_, Lane::Start::held, channel);
   return lane;
 }
 
@@ -163,7 +186,9 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
   std::set<const Destination*> served;
   std::set<core::EndpointId> late_readers;
   variants.next_round();
-  for (Gathered& gathered : gather(routes, destinations)) {
+  std::vector<Gathered> groups = gather(routes, destinations);
+  const ReliableReaders reliable = reliable_readers(groups);
+  for (Gathered& gathered : groups) {
     VariantDirectory::Variant& variant = variants.find(gathered.wanted, gathered.late_reader);
     Group& group = table->groups.emplace_back(Group{ProjectionPlan(type, std::move(gathered.wanted.mask)),
                                                     std::move(gathered.gate),
@@ -171,19 +196,22 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                     gathered.spare,
                                                     variant.wire,
                                                     {}});
-    for (const std::shared_ptr<Destination>& destination : gathered.destinations) {
-      group.lanes.push_back(variants.lane(variant, destination));
-      served.insert(destination.get());
+    for (const std::shared_ptr<Destination>& to : gathered.destinations) {
+      const bool is_reliable = gathered.reliable.contains(to.get());
+      group.channels.push_back(is_reliable ? variants.channel(to, reliable.at(to.get())) : nullptr);
+      group.lanes.push_back(variants.lane(variant, to, group.channels.back()));
+      served.insert(to.get());
     }
     if (gathered.late_reader != 0) late_readers.insert(gathered.late_reader);
     write_page(gathered, group, table->page);
     if (gathered.spare) {
-      std::erase_if(group.lanes, [&](const auto& lane) { return is_reached_anyway(*table, group, *lane); });
+      leave_out_the_reached(*table, group);
     } else {
       table->usual = table->groups.size();
     }
   }
   variants.keep_lanes_to(served, late_readers);
+  variants.keep_channels_to(reliable);
   return table;
 }
 

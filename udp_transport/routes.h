@@ -10,6 +10,7 @@
 
 #include "core/transport.h"
 #include "sft/typesupport/project.h"
+#include "udp_transport/channel_directory.h"
 #include "udp_transport/destination.h"
 #include "udp_transport/lane.h"
 
@@ -24,6 +25,8 @@ struct Group {
   bool spare = false;                          ///< only for samples that are meant for spare routes, too
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
+  std::vector<std::shared_ptr<Channel>>
+      channels{};  ///< of each lane: not null where a reader is served reliably
   std::shared_ptr<core::DeliveryTally> tally = std::make_shared<core::DeliveryTally>();
 
   /// The publisher's thread: the one at hand.
@@ -58,12 +61,23 @@ class VariantDirectory {
     std::uint64_t last_use;
   };
 
-  VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally);
+  /// `channels` outlives it; null: nobody is served reliably.
+  VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally,
+                   ChannelDirectory* channels = nullptr);
 
   /// The variant for that, known or new. Valid until the next call.
   Variant& find(const core::Wanted& wanted, core::EndpointId late_reader = 0);
   /// Its lane to that destination, known or new.
-  std::shared_ptr<Lane> lane(Variant& variant, const std::shared_ptr<Destination>& to);
+  std::shared_ptr<Lane> lane(Variant& variant, const std::shared_ptr<Destination>& to,
+                             const std::shared_ptr<Channel>& channel = {});
+  /// For all readers there that are served reliably; null where none can be.
+  std::shared_ptr<Channel> channel(const std::shared_ptr<Destination>& to,
+                                   const std::set<core::EndpointId>& readers) {
+    return channels_ == nullptr ? nullptr : channels_->find(to, readers);
+  }
+  void keep_channels_to(const ReliableReaders& readers) {
+    if (channels_ != nullptr) channels_->keep_to(readers);
+  }
 
   /// Closes and forgets all lanes but those to one of these destinations. Lanes of late readers other than
   /// these are forgotten, too, but send what they have.
@@ -78,11 +92,13 @@ class VariantDirectory {
 
  private:
   std::uint16_t unused_number();
-  std::shared_ptr<Lane> late_lane(core::EndpointId reader, const std::shared_ptr<Destination>& to);
+  std::shared_ptr<Lane> late_lane(core::EndpointId reader, const std::shared_ptr<Destination>& to,
+                                  const std::shared_ptr<Channel>& channel);
 
   static constexpr std::size_t remembered_max = 64;
   const std::size_t queue_depth_;
   const std::shared_ptr<WriterTally> tally_;
+  ChannelDirectory* const channels_;
   std::vector<Variant> variants_;
   std::map<core::EndpointId, std::shared_ptr<Lane>> late_lanes_;
   std::uint16_t next_number_ = 0;

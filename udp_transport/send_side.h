@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "udp_transport/channel_directory.h"
 #include "udp_transport/destination.h"
 #include "udp_transport/sender.h"
 
@@ -20,6 +21,8 @@ struct SendSide {
 
   Sender sender;
   DestinationDirectory destinations;
+  ChannelRoster channels;
+  std::uint16_t ack_port = 0;        ///< where this transport receives
   std::size_t max_sample_bytes = 0;  ///< of a body
   std::size_t queue_depth = 0;
   std::atomic<std::uint64_t> over_limit{0};

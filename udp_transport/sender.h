@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "udp_transport/channel.h"
 #include "udp_transport/datagram_io.h"
 #include "udp_transport/lane.h"
 
@@ -45,17 +46,28 @@ class Sender {
   std::unique_ptr<Connection> connect(const SocketAddress& to) { return io_->connect(to); }
   /// A lane that was idle has something to send.
   void schedule(std::shared_ptr<Lane> lane);
+  /// A channel that was at rest has something to look after.
+  void schedule(std::shared_ptr<Channel> channel);
   /// Not again before it is carried out. Allocates nothing.
   void schedule(std::shared_ptr<LeftWork> work) noexcept;
-  /// Lanes were closed: lets go of them at once.
+  /// Lanes were closed, or channels have something to send: looks at all of them at once.
   void look_again() noexcept { io_->wake(); }
 
  private:
   using Time = std::chrono::steady_clock::time_point;
-  struct Flow {  ///< the present job of one lane
+  struct Flow {  ///< the present job of one lane, or of one of a channel's two queues
     std::shared_ptr<Lane> lane;
     std::optional<Fragmenter> fragments{};
     std::optional<Time> full_since{};  ///< its connection, without anything sent since
+    std::shared_ptr<Channel> channel{};
+    ResendWindow::Size size{};
+    std::optional<Channel::Piece> piece{};  ///< keeps what the fragments refer to
+    Destination& destination() const { return lane ? lane->destination() : channel->destination(); }
+    WriterTally& tally() const { return lane ? lane->tally() : channel->tally(); }
+  };
+  struct Attended {
+    std::shared_ptr<Channel> channel;
+    Flow small, large;
   };
   enum class Progress : std::uint8_t { some, whole, lost };
 
@@ -64,6 +76,10 @@ class Sender {
   void take_over_scheduled();
   bool begin(Flow& flow);
   bool advance(Flow& flow);
+  bool pass_on(Lane& lane);
+  bool look_after(Attended& attended);
+  void advance_channel(Flow& flow);
+  void send(const Heartbeat& heartbeat, Channel& channel);
   bool must_wait(const Flow& flow) const;
   Progress send_some(Flow& flow);
   std::size_t cut_batches(Fragmenter fragments, Destination& to, Time now);
@@ -76,13 +92,16 @@ class Sender {
   std::atomic<bool> stopped_{false};
 
   std::mutex mutex_;
-  std::vector<std::shared_ptr<Lane>> scheduled_;  ///< not yet seen by the thread
-  std::shared_ptr<LeftWork> left_;                ///< likewise; the last one, which knows the one before
+  std::vector<std::shared_ptr<Lane>> scheduled_;              ///< not yet seen by the thread
+  std::vector<std::shared_ptr<Channel>> scheduled_channels_;  ///< likewise
+  std::shared_ptr<LeftWork> left_;  ///< likewise; the last one, which knows the one before
   std::atomic<bool> any_left_{false};
 
   // Of the sending thread alone.
   std::vector<std::shared_ptr<Lane>> taken_;
   std::vector<Flow> flows_;
+  std::vector<std::shared_ptr<Channel>> taken_channels_;
+  std::vector<Attended> attended_;
   Time wake_at_{};  ///< when the next flow may go on
   // Of the present call.
   std::array<Batch, batches_per_call> batches_;

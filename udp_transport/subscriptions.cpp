@@ -20,6 +20,7 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
           const std::vector<core::Wanted>& wanted) {
   stream.writer = source.writer;
   stream.type = type;
+  stream.reliable = stream.reliable || source.reliable;
   stream.max_sample_bytes = std::max(stream.max_sample_bytes, source.max_sample_bytes);
   for (const core::Wanted& w : wanted) {
     if (!holds(stream.masks, w.mask)) stream.masks.push_back(w.mask);
@@ -133,7 +134,7 @@ void SubscriptionDirectory::publish() {
         next->subscribers.emplace_back();
       }
       join(next->streams[place->second], reader.type, source, reader.wanted);
-      next->subscribers[place->second].push_back({reader.id, reader.inbox, reader.wanted});
+      next->subscribers[place->second].push_back({reader.id, reader.inbox, reader.wanted, source.reliable});
     }
   }
   latest_ = std::move(next);

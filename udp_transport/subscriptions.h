@@ -18,6 +18,7 @@ struct Subscriber {
   core::EndpointId reader = 0;
   std::shared_ptr<Inbox> inbox;
   std::vector<core::Wanted> wanted;
+  bool reliable = false;
   bool accepts(const core::SampleBuffer& sample) const;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "udp_transport/ack_sender.h"
 #include "udp_transport/interfaces.h"
 #include "udp_transport/network_watch.h"
 #include "udp_transport/receiver.h"
@@ -110,20 +111,34 @@ Result<DatagramIo> open_io(Backend backend, const std::shared_ptr<const UdpSocke
   return plain;
 }
 
-std::shared_ptr<SendSide> make_send_side(const UdpOptions& options, std::unique_ptr<DatagramSender> io) {
+std::shared_ptr<SendSide> make_send_side(const UdpOptions& options, const UdpSocket& socket,
+                                         std::unique_ptr<DatagramSender> io) {
   const DestinationLimits limits{.bytes_per_s = options.pace_bytes_per_s,
                                  .datagram_bytes = options.max_datagram_bytes};
   auto side = std::make_shared<SendSide>(std::move(io), limits);
   side->max_sample_bytes = options.max_sample_bytes;
   side->queue_depth = options.send_queue_depth;
+  side->ack_port = socket.port;
   return side;
 }
 
-std::shared_ptr<Receiver> make_receiver(const UdpOptions& options, std::shared_ptr<core::BufferPool> pool,
-                                        std::unique_ptr<DatagramReceiver> io) {
+/// The kernel counts about twice the bytes of what a socket holds.
+std::shared_ptr<Receiver> make_receiver(const UdpOptions& options, const UdpSocket& socket,
+                                        std::shared_ptr<core::BufferPool> pool,
+                                        std::unique_ptr<DatagramReceiver> io,
+                                        const std::shared_ptr<SendSide>& send_side) {
   ReassemblyLimits limits = options.reassembly;
   limits.sample_bytes = options.max_sample_bytes;
-  return std::make_shared<Receiver>(std::move(io), limits, std::move(pool));
+  limits.channel.window_bytes = socket.receive_buffer_bytes / 2;
+  Receiver::Acks acks;
+  acks.hear = [send_side](const Ack& ack) {
+    const std::shared_ptr<Channel> channel = send_side->channels.find(ack.writer, ack.channel);
+    if (channel != nullptr && channel->hear(ack)) send_side->sender.look_again();
+  };
+  acks.send = [post = std::make_shared<AckSender>(send_side)](const SocketAddress& to, const Ack& ack) {
+    post->send(to, ack);
+  };
+  return std::make_shared<Receiver>(std::move(io), limits, std::move(pool), std::move(acks));
 }
 
 }  // namespace
@@ -141,8 +156,8 @@ Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& op
   if (!io) return forward(io.error());
   if (decorate) *io = decorate(std::move(*io));
 
-  const auto receiver = make_receiver(options, std::move(pool), std::move(io->receiver));
-  const auto send_side = make_send_side(options, std::move(io->sender));
+  const auto send_side = make_send_side(options, **socket, std::move(io->sender));
+  const auto receiver = make_receiver(options, **socket, std::move(pool), std::move(io->receiver), send_side);
   auto transport =
       std::make_unique<UdpTransport>(options, **socket, std::move(io->description), receiver, send_side);
   if (Result<void> started = receiver->start(options.receive_thread_name); !started)

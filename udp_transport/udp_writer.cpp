@@ -20,7 +20,8 @@ UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> sid
       side_(std::move(side)),
       tally_(std::make_shared<WriterTally>()),
       jobs_(JobPool::make()),
-      variants_(side_->queue_depth, tally_),
+      channels_(static_cast<std::uint32_t>(spec.id), tally_, side_->channels, side_->ack_port),
+      variants_(side_->queue_depth, tally_, &channels_),
       sender_(spec, side_, tally_, jobs_),
       left_(std::make_shared<FanOut>(spec, side_, tally_, jobs_)) {
   routes_.store(std::make_shared<RouteTable>());

@@ -45,7 +45,8 @@ class UdpWriter final : public core::WriterPort {
   const std::shared_ptr<WriterTally> tally_;
   const std::shared_ptr<JobPool> jobs_;
 
-  VariantDirectory variants_;  ///< of the agent's thread
+  ChannelDirectory channels_;  ///< of the agent's thread
+  VariantDirectory variants_;  ///< likewise
   core::Snapshot<RouteTable> routes_;
   std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 

@@ -52,6 +52,7 @@ bool UnfinishedSample::unpark(Time now) {
 }
 
 void UnfinishedSample::clear() {
+  place_ = 0;
   buffer_.reset();
   body_ = nullptr;
   received_.clear();

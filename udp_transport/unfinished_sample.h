@@ -25,6 +25,10 @@ class UnfinishedSample {
   Time last_progress() const { return last_progress_; }
   std::size_t gaps() const { return received_.intervals().size(); }
 
+  /// In its channel; 0: in none.
+  std::uint64_t place() const { return place_; }
+  void set_place(std::uint64_t place) { place_ = place; }
+
   bool described() const { return static_cast<bool>(buffer_); }
   const FirstHeader& first() const { return first_; }
   /// The buffer's body has room for first.total bytes.
@@ -34,6 +38,8 @@ class UnfinishedSample {
   bool add(std::uint32_t offset, std::span<const std::byte> payload, Time now);
   bool whole() const { return described() && received_.covered() == first_.total; }
   core::SampleHandle take_buffer() { return std::move(buffer_); }
+  const core::SampleHandle& buffer() const { return buffer_; }
+  const IntervalSet& received() const { return received_; }
 
   /// Until described.
   void park(std::uint32_t offset, std::span<const std::byte> payload, Time now);
@@ -53,6 +59,7 @@ class UnfinishedSample {
     std::uint32_t bytes;
   };
 
+  std::uint64_t place_ = 0;
   FirstHeader first_;  ///< until described, only the label
   core::SampleHandle buffer_;
   std::byte* body_ = nullptr;

@@ -27,7 +27,12 @@ std::size_t VariantSender::send(const Group& group, const core::SampleHandle& sa
   }
   cut_for_ = 0;
   std::size_t missed = 0;
-  for (const std::shared_ptr<Lane>& lane : group.lanes) {
+  for (std::size_t i = 0; i < group.lanes.size(); ++i) {
+    const std::shared_ptr<Lane>& lane = group.lanes[i];
+    if (group.channels[i] != nullptr) {
+      missed += send_reliably(lane, group.channels[i], sample) ? 0 : 1;
+      continue;
+    }
     const SendOutcome outcome = lane->idle() ? try_send(*lane, job) : SendOutcome::would_wait;
     if (outcome == SendOutcome::would_wait) {
       if (!job.sample) job.sample = sample;
@@ -38,12 +43,60 @@ std::size_t VariantSender::send(const Group& group, const core::SampleHandle& sa
     }
   }
   group.tally->sent(job.first.total, sample->whole_bytes);
-  if (job.sample) blank_ = {};
+  if (job.sample || std::exchange(blank_kept_, false)) blank_ = {};
   return missed;
 } catch (const std::bad_alloc&) {  // buffers grow with the samples that they have seen
   group.tally->dropped();
   blank_ = {};
+  blank_kept_ = false;
   return group.lanes.size();
+}
+
+/// A late reader's lane holds it back while its history goes first. False if an older sample had to go for
+/// it.
+bool VariantSender::send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
+                                  const core::SampleHandle& sample) {
+  Job& job = *blank_;
+  const bool is_small = job.first.total <= direct_bytes_max;
+  if (lane->is_late() && !lane->idle()) {
+    if (!job.sample) job.sample = sample;
+    return enqueue(lane);
+  }
+  if (lane->is_late()) lane->mark(job);
+  if (is_small && !std::exchange(blank_kept_, true)) job.copy_body();
+  if (!is_small) job.sample = sample;
+  const Channel::Posted posted = channel->post(blank_, job.first, is_small);
+  if (posted.piece) send_now(*channel, *posted.piece);
+  if (posted.was_at_rest) {
+    side_->sender.schedule(channel);
+  } else if (posted.waits) {
+    side_->sender.look_again();
+  }
+  const ResendWindow::Kept& kept = posted.kept;
+  for (std::size_t i = 0; i < kept.dropped; ++i)
+    lane->losses()->lost(i == 0 ? kept.dropped_bytes : 0, i == 0 ? kept.dropped_whole_bytes : 0);
+  side_->over_limit.fetch_add(kept.dropped, std::memory_order_relaxed);
+  return kept.dropped == 0;
+}
+
+/// What cannot leave at once is for the sending thread.
+void VariantSender::send_now(Channel& channel, const Channel::Piece& piece) {
+  Destination& to = channel.destination();
+  Fragmenter fragments(piece.job->body(piece.first), to.datagram_bytes());
+  fragments.next(batch_);
+  cut_for_ = 0;
+  SendOutcome outcome = SendOutcome::would_wait;
+  if (fragments.done() && batch_.datagrams() <= to.datagrams_per_call()) {
+    const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
+    outcome = to.connection().try_send({&batch, 1}).outcome;
+  }
+  if (outcome == SendOutcome::sent) {
+    tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
+    return channel.finished(piece);
+  }
+  if (outcome != SendOutcome::would_wait) to.note(outcome);
+  channel.put_back(piece);
+  side_->sender.look_again();
 }
 
 bool VariantSender::encode(const Group& group, const core::SampleBuffer& sample, Job& job) const {
@@ -56,6 +109,7 @@ bool VariantSender::encode(const Group& group, const core::SampleBuffer& sample,
   }
   job.mask = group.wire;
   job.sequence = sample.sequence;
+  job.whole_bytes = sample.whole_bytes;
   job.first.label = {writer_, static_cast<std::uint32_t>(sample.sequence), group.wire->variant};
   job.first.flags = group.wire->words.empty() ? std::uint8_t{0} : mask_words_follow;
   if (group.late_reader != 0) job.first.flags |= history_follows;

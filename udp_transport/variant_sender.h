@@ -27,6 +27,9 @@ class VariantSender {
   bool encode(const Group& group, const core::SampleBuffer& sample, Job& job) const;
 
  private:
+  bool send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
+                     const core::SampleHandle& sample);
+  void send_now(Channel& channel, const Channel::Piece& piece);
   SendOutcome try_send(Lane& lane, Job& job);
   bool enqueue(const std::shared_ptr<Lane>& lane);
 
@@ -36,7 +39,8 @@ class VariantSender {
   const std::shared_ptr<WriterTally> tally_;
   const std::shared_ptr<JobPool> jobs_;
 
-  JobHandle blank_;          ///< the next job, empty if a lane has the last
+  JobHandle blank_;          ///< the next job, empty if a lane or a channel has the last
+  bool blank_kept_ = false;  ///< by a channel
   Batch batch_;              ///< of the present sample
   std::size_t cut_for_ = 0;  ///< bytes of the datagrams in the batch; 0: none of the present sample
 };

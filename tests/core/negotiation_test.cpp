@@ -267,6 +267,26 @@ TEST_F(NegotiationTest, EveryChangeOfARequirementOrAnAttachmentIsANewerRequest) 
   EXPECT_EQ(negotiation.local(200)->request.attached, std::vector<EndpointId>{7});
 }
 
+TEST_F(NegotiationTest, AReaderIsServedReliablyAndHearsSoIfItAsksForThat) {
+  Endpoint writer = endpoint(Role::writer, 100);
+  writer.qos.reliability = Reliability::reliable;
+  negotiation.local_added(writer, type);
+  for (const EndpointId id : {7U, 8U}) {
+    Endpoint reader = endpoint(Role::reader, id);
+    if (id == 7) reader.qos.reliability = Reliability::reliable;
+    negotiation.endpoint_seen(reader);
+  }
+  const Serving serving = negotiation.serving(100);
+  ASSERT_EQ(serving.udp.size(), 2U);
+  for (const Route& route : serving.udp) EXPECT_EQ(route.reliable, route.reader == 7);
+
+  Endpoint ours = endpoint(Role::reader, 200);
+  ours.qos.reliability = Reliability::reliable;
+  negotiation.local_added(ours, type);
+  for (const Hearing& hearing : negotiation.hearing(200)) EXPECT_TRUE(hearing.source.reliable);
+  EXPECT_EQ(negotiation.hearing(200).size(), 1U);
+}
+
 TEST_F(NegotiationTest, AMaximumRateTravelsInRequestsAndIsInForceInRoutes) {
   our_reader();
   EXPECT_TRUE(negotiation.rate_changed(200, 100'000));

@@ -27,7 +27,8 @@ std::vector<udp::Stream> streams() {
   return {{image_writer,
            &type_support<Image>(),
            0,
-           {fields<Image>("*"), fields<Image>("data"), fields<Image>("")}},
+           {fields<Image>("*"), fields<Image>("data"), fields<Image>("")},
+           true},
           {wide_writer, &type_support<Wide>(), 400, {fields<Wide>("*"), fields<Wide>("first, seventh")}}};
 }
 
@@ -48,12 +49,22 @@ void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::v
   const udp::SampleLabel label{static_cast<std::uint32_t>(stream.writer), byte(8) % 8U,
                                static_cast<std::uint16_t>(byte(2) % 2)};
   const std::uint32_t number = (byte(12) | byte(13) << 8) % 1024U;
+  if ((action & first) != 0 && byte(0) % 8 == 0 && d.size() >= udp::heartbeat_bytes) {
+    d.resize(udp::heartbeat_bytes);
+    const std::uint64_t begin = 1U + byte(16) % 64U;
+    encode(udp::Heartbeat{label.writer, 1U + byte(8) % 2U, 7, begin, begin + byte(24) % 64U}, d.data());
+    return;
+  }
   if ((action & first) == 0 || d.size() < udp::first_header_bytes + udp::rate_bytes) {
     udp::encode(udp::FollowingHeader{label, number}, d.data());
     return;
   }
   const FieldMask& mask = stream.masks[byte(16) % stream.masks.size()];
   udp::FirstHeader header{label, static_cast<std::uint8_t>(byte(1) % 4), 0, mask.hash(), 0, {1, number}};
+  if (byte(1) >= 128 && d.size() >= udp::first_header_bytes + udp::rate_bytes + udp::channel_bytes) {
+    header.flags |= udp::channel_follows;
+    header.channel = {1U + byte(3) % 2U, 0, 1U + byte(9) % 64U};
+  }
   const bool words = (header.flags & udp::mask_words_follow) != 0;
   const std::size_t head = header.bytes() + (words ? mask.words() * sizeof(std::uint64_t) : 0);
   const bool whole = byte(14) % 2 == 0 && d.size() >= head;
@@ -74,6 +85,23 @@ void decode_all(const core::SampleBuffer& sample) {
   state.mask = &sample.mask;
   T value;
   if (decode(state, TypeTable<T>::type, &value) != WalkStatus::ok) std::abort();  // it was validated
+}
+
+/// What two readers of the first stream get in order, of which one takes but one mask; and what is asked for.
+void read_reliably(udp::Reassembly& reassembly, udp::Reassembly::Time now) {
+  udp::ArrivalWindow& window = *reassembly.window(0);
+  window.set_readers({1, 2});
+  const FieldMask all = fields<Image>("*");
+  for (const core::EndpointId reader : {1U, 2U}) {
+    const auto accepts = [&](const core::SampleBuffer& s) { return reader == 1 || s.mask == all; };
+    while (const core::SampleHandle sample = window.next(reader, accepts)) decode_all<Image>(*sample);
+  }
+  window.release();
+  reassembly.answer(now, [](const udp::SocketAddress&, const udp::Ack& ack) {
+    std::vector<std::byte> bytes(ack.bytes());
+    encode(ack, bytes.data());
+    if (!udp::parse_ack(bytes)) std::abort();
+  });
 }
 
 }  // namespace
@@ -98,9 +126,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::vector<std::byte> datagram = to_bytes(input.subspan(3, bytes));
     if ((action & plausible) != 0 && bytes >= udp::following_header_bytes)
       make_plausible(action, datagram, wanted);
-    const auto arrival = reassembly.accept(datagram, {now, 1});
+    static_cast<void>(udp::parse_ack(datagram));
+    const bool is_heartbeat = udp::kind_of(datagram) == udp::DatagramKind::heartbeat;
+    const auto arrival = is_heartbeat ? reassembly.accept_heartbeat(datagram, {}, {now, 1})
+                                      : reassembly.accept(datagram, {now, 1});
     if (arrival.sample && arrival.stream == 0) decode_all<Image>(*arrival.sample);
     if (arrival.sample && arrival.stream == 1) decode_all<Wide>(*arrival.sample);
+    read_reliably(reassembly, now);
     input = input.subspan(3 + bytes);
   }
   return 0;

@@ -15,7 +15,8 @@ const TypeSupport& image_type() { return udp::test::type_support<Image>(); }
 using Clock = std::chrono::steady_clock;
 }  // namespace
 
-Reader::Reader(Stage& stage, const ReaderOptions& options) : bell_(stage.bells->at(stage.readers)) {
+Reader::Reader(Stage& stage, const ReaderOptions& options)
+    : bell_(stage.bells->at(stage.readers)), reliable_(stage.medium->traits().reliable) {
   const core::DoorbellAddress bell{stage.bells->id(), stage.readers++};
   const core::EndpointId id = 1000 + stage.readers;
   core::ReaderSpec spec{.id = id, .type = &image_type(), .depth = options.depth, .doorbell = bell};
@@ -24,13 +25,18 @@ Reader::Reader(Stage& stage, const ReaderOptions& options) : bell_(stage.bells->
   std::vector<core::Wanted> wanted;
   for (const std::string& mask : options.masks) wanted.push_back({fields<Image>(mask)});
   route_ = {.reader = id, .destination = stage.medium->locator(*stage.here, bell), .mask = wanted[0].mask};
+  route_.reliable = reliable_;
   port_->accept(std::move(wanted));
 }
 
 void Reader::hear(const Writer& writer) {
-  const Result<void> asked = port_->connect({.writer = writer.id()});
+  const Result<void> asked = port_->connect(source(writer));
   ASSERT_TRUE(asked) << asked.error().message;
   ASSERT_TRUE(eventually([&] { return port_->connected(writer.id()); }, patience));
+}
+
+core::Source Reader::source(const Writer& writer) const {
+  return {.writer = writer.id(), .reliable = reliable_};
 }
 
 core::Route Reader::route(const std::string& mask) const {

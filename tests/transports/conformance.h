@@ -53,6 +53,7 @@ class Reader final : private core::ArrivalListener {
 
   /// Waits until it is connected.
   void hear(const Writer& writer);
+  core::Source source(const Writer& writer) const;
   /// What the writer has to know of it.
   core::Route route() const { return route_; }
   core::Route route(const std::string& mask) const;
@@ -72,6 +73,7 @@ class Reader final : private core::ArrivalListener {
   void arrived() noexcept override { bell_.ring(); }
 
   core::Doorbell& bell_;
+  const bool reliable_;
   core::Route route_;
   std::unique_ptr<core::ReaderPort> port_;  // goes first: then nobody calls any more
 };

@@ -19,7 +19,9 @@ core::Route late(const Reader& reader) {
 }
 
 void hear_late(Reader& reader, const Writer& writer) {
-  ASSERT_TRUE(reader.port().connect({.writer = writer.id(), .history_first = true}));
+  core::Source source = reader.source(writer);
+  source.history_first = true;
+  ASSERT_TRUE(reader.port().connect(source));
   ASSERT_TRUE(eventually([&] { return reader.port().connected(writer.id()); }, patience));
 }
 

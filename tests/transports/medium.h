@@ -16,6 +16,7 @@ namespace sft::conformance {
 struct Traits {
   bool projects = true;  ///< a reader gets the fields that it asked for, or else the whole sample
   bool counts_before_first_taken = true;  ///< what a queue pushed out before anything was taken from it
+  bool reliable = false;                  ///< readers ask for that
 };
 
 class Medium {

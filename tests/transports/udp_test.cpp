@@ -1,8 +1,11 @@
-// The suite on UDP, with both of its backends.
+// The suite on UDP, with both of its backends: best effort, and reliable on a link that loses, repeats and
+// swaps datagrams.
 #include <netinet/in.h>
 
 #include "conformance.h"
+#include "tests/support/test_seed.h"
 #include "tests/udp/endpoints.h"
+#include "tests/udp/faulty_io.h"
 #include "udp_transport/udp_transport.h"
 
 namespace sft::conformance {
@@ -10,13 +13,15 @@ namespace {
 
 class UdpMedium final : public Medium {
  public:
-  explicit UdpMedium(udp::Backend backend) : backend_(backend) {}
+  enum class Link : std::uint8_t { good, bad };
+  UdpMedium(udp::Backend backend, Link link) : backend_(backend), link_(link) {}
 
   std::string refusal() override {
     const auto one = open_one(), other = open_one();
     if (one && other) return {};
     return "io_uring is refused here: " + (one ? other : one).error().message;
   }
+  Traits traits() const override { return {.reliable = link_ == Link::bad}; }
   std::unique_ptr<core::Transport> open() override { return open_one().value(); }
   core::Locator locator(const core::Transport& node, const core::DoorbellAddress&) override {
     return udp::test::loopback_address(node);
@@ -27,18 +32,29 @@ class UdpMedium final : public Medium {
   Result<std::unique_ptr<core::Transport>> open_one() {
     return udp::open_udp_transport(
         {.bind_address = INADDR_LOOPBACK, .backend = backend_, .pace_bytes_per_s = 100'000'000},
-        udp::test::make_pool());
+        udp::test::make_pool(), [this](udp::DatagramIo io) {
+          if (link_ == Link::good) return io;
+          const auto seed = static_cast<unsigned>(test::test_seed());
+          io.receiver = std::make_unique<udp::test::FaultyReceiver>(
+              std::move(io.receiver), udp::test::Faults{.loss = 0.02, .repetition = 0.01, .swap = 0.01},
+              seed);
+          return io;
+        });
   }
 
   const udp::Backend backend_;
+  const Link link_;
 };
 
-MediumChoice with(const char* name, udp::Backend backend) {
-  return {name, [backend] { return std::make_unique<UdpMedium>(backend); }};
+MediumChoice with(const char* name, udp::Backend backend, UdpMedium::Link link) {
+  return {name, [=] { return std::make_unique<UdpMedium>(backend, link); }};
 }
 
 const auto both_backends =
-    testing::Values(with("IoUring", udp::Backend::io_uring), with("Sockets", udp::Backend::sockets));
+    testing::Values(with("IoUring", udp::Backend::io_uring, UdpMedium::Link::good),
+                    with("Sockets", udp::Backend::sockets, UdpMedium::Link::good),
+                    with("ReliableIoUring", udp::Backend::io_uring, UdpMedium::Link::bad),
+                    with("ReliableSockets", udp::Backend::sockets, UdpMedium::Link::bad));
 
 INSTANTIATE_TEST_SUITE_P(Udp, Conformance, both_backends, name_of);
 INSTANTIATE_TEST_SUITE_P(Udp, LateReaders, both_backends, name_of);

@@ -87,6 +87,73 @@ TEST(Datagram, CarriesTheMarkOfARetainedSampleBehindTheRate) {
   EXPECT_FALSE(parse(bytes)) << "for nobody";
 }
 
+TEST(Datagram, CarriesItsPlaceInAChannelBehindAllOthers) {
+  std::array<std::byte, first_header_bytes + history_bytes + channel_bytes + 1> bytes{};
+  FirstHeader header{.label = label, .flags = history_follows | channel_follows};
+  header.history = {.reader = 1, .oldest = 9};
+  header.channel = {.channel = 3, .sequence_high = 5, .ordinal = 0x1'0000'0007};
+  encode(header, bytes.data());
+  EXPECT_EQ(header.bytes(), 64U);
+  const auto d = parse(bytes);
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->first.channel, header.channel);
+  EXPECT_EQ(d->payload.size(), 1U);
+  EXPECT_FALSE(parse(std::span(bytes).first(63)));
+  header.channel.ordinal = 0;
+  encode(header, bytes.data());
+  EXPECT_FALSE(parse(bytes)) << "ordinals count from 1";
+}
+
+TEST(Heartbeat, CarriesWholeOrdinals) {
+  std::array<std::byte, heartbeat_bytes> bytes{};
+  const Heartbeat sent{.writer = 1, .channel = 2, .port = 3, .first = 0x1'0000'0004, .end = 0x2'0000'0005};
+  encode(sent, bytes.data());
+  EXPECT_EQ(kind_of(bytes), DatagramKind::heartbeat);
+  EXPECT_EQ(parse_heartbeat(bytes), sent);
+  EXPECT_FALSE(parse(bytes)) << "it is of no sample";
+  EXPECT_FALSE(parse_ack(bytes));
+}
+
+TEST(Heartbeat, IsRefusedWhenItCannotBeTrue) {
+  const auto parses = [](Heartbeat heartbeat, std::size_t bytes_sent = heartbeat_bytes) {
+    std::array<std::byte, heartbeat_bytes + 1> bytes{};
+    encode(heartbeat, bytes.data());
+    return parse_heartbeat(std::span(bytes).first(bytes_sent)).has_value();
+  };
+  EXPECT_TRUE(parses({.port = 1, .first = 7, .end = 7}));
+  EXPECT_FALSE(parses({.port = 1, .first = 7, .end = 6})) << "ends before it begins";
+  EXPECT_FALSE(parses({.port = 1, .first = 0, .end = 7})) << "ordinals count from 1";
+  EXPECT_FALSE(parses({.port = 0, .first = 7, .end = 7})) << "nowhere to answer";
+  EXPECT_FALSE(parses({.port = 1, .first = 7, .end = UINT64_MAX}));
+  EXPECT_FALSE(parses({.port = 1, .first = 7, .end = 7}, heartbeat_bytes - 1));
+  EXPECT_FALSE(parses({.port = 1, .first = 7, .end = 7}, heartbeat_bytes + 1));
+}
+
+TEST(Ack, CarriesWhatIsMissing) {
+  Ack sent{.writer = 1, .channel = 2, .window_bytes = 3, .next = 0x1'0000'0004, .missing_count = missing_max};
+  for (std::uint32_t i = 0; i < missing_max; ++i) sent.missing[i] = {i, 10 * i, 10 * i + 5};
+  std::vector<std::byte> bytes(sent.bytes());
+  encode(sent, bytes.data());
+  EXPECT_LE(bytes.size(), datagram_bytes_min);
+  const auto ack = parse_ack(bytes);
+  ASSERT_TRUE(ack);
+  EXPECT_EQ(ack->writer, 1U);
+  EXPECT_EQ(ack->channel, 2U);
+  EXPECT_EQ(ack->window_bytes, 3U);
+  EXPECT_EQ(ack->next, 0x1'0000'0004U);
+  EXPECT_EQ(ack->missing, sent.missing);
+  for (std::size_t n = 0; n < bytes.size(); ++n) EXPECT_FALSE(parse_ack(std::span(bytes).first(n))) << n;
+  bytes.push_back({});
+  EXPECT_FALSE(parse_ack(bytes));
+}
+
+TEST(Ack, IsRefusedWhenARangeEndsBeforeItBegins) {
+  Ack ack{.next = 1, .missing = {{{1, 5, 4}}}, .missing_count = 1};
+  std::vector<std::byte> bytes(ack.bytes());
+  encode(ack, bytes.data());
+  EXPECT_FALSE(parse_ack(bytes));
+}
+
 TEST(Datagram, OfARateWithoutPeriodIsRefused) {
   std::array<std::byte, first_header_bytes + rate_bytes> bytes{};
   encode(FirstHeader{.label = label, .flags = rate_follows}, bytes.data());
@@ -123,7 +190,7 @@ TEST_F(BrokenDatagram, IsRefusedWhenOfAnotherVersionOrKind) {
 
 TEST_F(BrokenDatagram, IsRefusedWhenAFlagIsNotKnown) {
   auto bytes = first();
-  bytes[1] = std::byte{8};
+  bytes[1] = std::byte{16};
   EXPECT_FALSE(parse(bytes));
 }
 

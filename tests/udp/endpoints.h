@@ -10,6 +10,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/transport.h"
@@ -56,6 +57,7 @@ class Subscriber final : private core::ArrivalListener {
   void listen_to(core::EndpointId writer, std::size_t max_sample_bytes = 0) {
     listen({.writer = writer, .max_sample_bytes = max_sample_bytes});
   }
+  void listen_reliably_to(core::EndpointId writer) { listen({.writer = writer, .reliable = true}); }
   void listen_late_to(core::EndpointId writer) { listen({.writer = writer, .history_first = true}); }
 
   core::ReaderPort& port() { return *port_; }
@@ -65,6 +67,12 @@ class Subscriber final : private core::ArrivalListener {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, at_most, [&] { return taken_.size() >= count; });
     return taken_;
+  }
+  /// Those that have come since it was last asked, once there are `count`; fewer after a while.
+  std::vector<core::SampleHandle> await_new(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, patience, [&] { return taken_.size() >= count; });
+    return std::exchange(taken_, {});
   }
   std::vector<std::uint64_t> await_sequences(std::size_t count) {
     std::vector<std::uint64_t> sequences;
@@ -99,11 +107,14 @@ class Publisher {
   struct Reader {
     core::UdpAddress address;
     std::string mask = "*";
+    bool reliable = false;
   };
   void serve(const std::vector<Reader>& readers) {
     std::vector<core::Route> routes;
-    for (const Reader& reader : readers)
+    for (const Reader& reader : readers) {
       routes.push_back({routes.size() + 1, reader.address, fields<Image>(reader.mask)});
+      routes.back().reliable = reader.reliable;
+    }
     port_->set_routes(std::move(routes));
   }
 

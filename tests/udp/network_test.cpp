@@ -2,14 +2,21 @@
 // test's own.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <sched.h>
+#include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "endpoints.h"
+#include "faulty_io.h"
 #include "tests/support/isolated_host.h"
+#include "tests/support/test_seed.h"
 #include "udp_transport/network_watch.h"
 #include "udp_transport/udp_transport.h"
 
@@ -25,6 +32,28 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint32_t dead_address = 0x0A090002;  // 10.9.0.2: on the link, and nobody answers for it
 
 bool run(const char* command) { return std::system(command) == 0; }
+
+/// Makes something on another host, behind a link of their own: what it opens there stays there. Returns the
+/// address of that host, in 10.9.`net`.0/24; 0 where there can be none.
+std::uint32_t on_another_host(unsigned net, const std::function<void()>& make) {
+  const std::string number = std::to_string(net), link = "to" + number, end = "at" + number;
+  const std::string prefix = "10.9." + number + ".";
+  if (!run(("ip link add " + link + " type veth peer name " + end + " && ip address add " + prefix +
+            "1/24 dev " + link + " && ip link set " + link + " up && ethtool -K " + link +
+            " tx-udp-segmentation off > /dev/null")
+               .c_str()))
+    return 0;
+  bool made = false;
+  std::thread([&] {
+    const std::string hand_over = "nsenter -t " + std::to_string(::getpid()) + " -n ip link set " + end +
+                                  " netns " + std::to_string(::gettid());
+    const std::string set_up = "ip address add " + prefix + "2/24 dev " + end + " && ip link set " + end +
+                               " up && ip link set lo up";
+    made = ::unshare(CLONE_NEWNET) == 0 && run(hand_over.c_str()) && run(set_up.c_str());
+    if (made) make();
+  }).join();
+  return made ? 0x0A090002U | net << 8U : 0;
+}
 
 class NetworkTest : public testing::TestWithParam<Backend> {
  protected:
@@ -109,6 +138,54 @@ TEST_P(NetworkTest, ServesOthersWhileOneLinkIsSlow) {
     publisher.publish(make_image(n % 5 == 0 ? 5 : 200'000));
     ASSERT_EQ(subscriber.await(n, 1s).size(), n);
   }
+}
+
+/// Between two hosts, either of which loses what comes, and also sees some of it twice and in another order.
+TEST_P(NetworkTest, TransfersAThousandSamplesOfAllSizesReliablyWhereDatagramsGetLost) {
+  sft::test::Random random{sft::test::test_seed()};
+  SCOPED_TRACE(sft::test::how_to_repeat());
+  const auto open_here = [&] {
+    const auto seed = static_cast<unsigned>(random());
+    return open_udp_transport({.backend = GetParam()}, test::make_pool(),
+                              [&](DatagramIo io) {
+                                io.receiver = std::make_unique<test::FaultyReceiver>(
+                                    std::move(io.receiver),
+                                    test::Faults{.loss = 0.05, .repetition = 0.01, .swap = 0.01}, seed);
+                                return io;
+                              })
+        .value();
+  };
+  std::unique_ptr<core::Transport> far;
+  core::UdpAddress address{.port = 0};
+  address.ipv4 = on_another_host(GetParam() == Backend::io_uring ? 10 : 11, [&] { far = open_here(); });
+  if (address.ipv4 == 0) GTEST_SKIP() << "a second host cannot be had here";
+  address.port = far->addresses().at(0).port;
+  address.receive_buffer_bytes = far->addresses().at(0).receive_buffer_bytes;
+  const auto near = open_here();
+  Subscriber subscriber(*far, {"*"}, 1000);
+  Publisher publisher(*near);
+  subscriber.listen_reliably_to(publisher.id());
+  publisher.serve({{address, "*", true}});
+
+  constexpr std::size_t samples = 1000, outstanding_max = 8;
+  std::uniform_real_distribution<> exponent(0, std::log(6.3e6));
+  std::vector<std::size_t> sizes;
+  std::size_t checked = 0;
+  const auto check_up_to = [&](std::size_t count) {
+    for (const auto& sample : subscriber.await_new(count - checked)) {
+      ASSERT_EQ(sample->sequence, ++checked);
+      const auto seed = static_cast<std::uint32_t>(checked);
+      ASSERT_EQ(test::body_of(*sample),
+                test::encoded_body(make_image(sizes[checked - 1], seed), sample->mask));
+    }
+    ASSERT_GE(checked, count) << "the others did not come";
+  };
+  while (sizes.size() < samples && !HasFatalFailure()) {
+    sizes.push_back(static_cast<std::size_t>(std::exp(exponent(random))));
+    publisher.publish(make_image(sizes.back(), static_cast<std::uint32_t>(sizes.size())));
+    if (sizes.size() > outstanding_max + checked) check_up_to(sizes.size() - outstanding_max);
+  }
+  if (!HasFatalFailure()) check_up_to(samples);
 }
 
 TEST_P(NetworkTest, GoesOnWhenThePathTakesShorterDatagrams) {

@@ -84,7 +84,7 @@ struct PublisherStatus;
 /// Durations of 0 mean none: no deadline, never expires, no lease. Deadlines and leases have at least 1 ms.
 struct PublisherOptions {
   TransportChoice transport = TransportChoice::automatic;
-  Reliability reliability = Reliability::best_effort;  ///< sft/qos.h says what it means, over UDP as of now
+  Reliability reliability = Reliability::best_effort;  ///< sft/qos.h says what it means
   Durability durability = Durability::volatile_;
   /// Samples kept for late subscribers where durability is transient_local, 1 to 128. They hold their memory,
   /// in shared memory too, and are encoded whole although nobody may ask for all of it.

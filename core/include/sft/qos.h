@@ -17,8 +17,9 @@ namespace sft {
 
 enum class Reliability : std::uint8_t {
   best_effort,
-  /// Nothing is lost between processes of a host beyond the subscriber's depth. Over UDP, as of now, a
-  /// reliable pair gets what a best-effort one gets: what was lost is counted exactly, and not sent again.
+  /// Nothing is lost but beyond the subscriber's depth, and in order. Over UDP what was lost on the way is
+  /// sent again, as long as the publisher keeps it: the last 64 MB or 4096 samples that were not
+  /// acknowledged.
   reliable,
 };
 enum class Durability : std::uint8_t {

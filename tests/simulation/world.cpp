@@ -1,0 +1,342 @@
+#include "world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "tests/udp/datagrams.h"
+
+namespace sft::simulation {
+
+namespace {
+
+using namespace std::chrono_literals;
+using udp::test::Image;
+using Size = udp::ResendWindow::Size;
+
+constexpr core::EndpointId writer_id = 0x7'0000'0001;
+constexpr std::uint16_t writer_port = 7;
+constexpr std::size_t datagrams_at_once = 6;
+constexpr auto send_pause = 60us;
+constexpr std::size_t steps_max = 200'000;
+
+std::uint64_t log_uniform(Random& random, double most) {
+  return static_cast<std::uint64_t>(std::exp(std::uniform_real_distribution<>(0, std::log(most))(random)));
+}
+
+const TypeSupport& image_type() { return udp::test::type_support<Image>(); }
+
+}  // namespace
+
+Scenario::Scenario(Random& random) {
+  weather.loss = happens(random, 0.2) ? 0 : std::uniform_real_distribution<>(0, 0.3)(random);
+  weather.repetition = happens(random, 0.5) ? 0 : 0.1;
+  weather.delay = std::chrono::microseconds(log_uniform(random, 20'000));
+  weather.jitter = std::chrono::microseconds(log_uniform(random, 30'000));
+  if (happens(random, 0.3)) {
+    weather.parted_from = Time(std::chrono::hours(1)) + std::chrono::milliseconds(from_to(random, 0, 100));
+    weather.parted_until = weather.parted_from + std::chrono::milliseconds(log_uniform(random, 10'000));
+  }
+  constexpr std::size_t lengths[] = {548, 1472, 8972};
+  datagram_bytes = lengths[from_to(random, 0, 2)];
+  sample_bytes_max = datagram_bytes > 5000 && happens(random, 0.5) ? 200'000 : 12'000;
+  if (happens(random, 0.3)) first_sequence = 0xffff'ffff - from_to(random, 0, 30);
+  if (happens(random, 0.2)) first_ordinal = 0xffff'ffff - from_to(random, 0, 30);
+  tight_writer = happens(random, 0.2);
+  tight_reader = happens(random, 0.2);
+  crashes = happens(random, 0.15);
+  change = happens(random, 0.5) ? 0.1 : 0;
+  resend.repair_bytes_per_s = 20'000'000;
+  reassembly.channel.window_bytes = from_to(random, 20'000, 500'000);
+  if (tight_writer) {
+    resend.samples = from_to(random, 2, 12);
+    resend.bytes = from_to(random, 20'000, 200'000);
+  }
+  if (!tight_reader) return;
+  reassembly.channel.samples = from_to(random, 4, 16);
+  reassembly.channel.held_bytes = from_to(random, 20'000, 200'000);
+}
+
+const std::vector<FieldMask>& World::masks() {
+  static const std::vector<FieldMask> all = {udp::test::fields<Image>("*"), udp::test::fields<Image>("data"),
+                                             udp::test::fields<Image>("stamp, width")};
+  return all;
+}
+
+bool World::Reader::accepts(const core::SampleBuffer& sample) const {
+  return std::ranges::any_of(accepted, [&](Mask mask) { return masks()[mask] == sample.mask; });
+}
+
+World::World(std::uint64_t seed)
+    : random_(seed),
+      scenario_(random_),
+      network_(scenario_.weather, random_),
+      send_at_(now_),
+      sequence_(scenario_.first_sequence),
+      publish_at_(now_) {
+  if (scenario_.crashes) crash_at_ = now_ + std::chrono::milliseconds(from_to(random_, 0, 100));
+  start_process();
+  open_channel();
+}
+
+void World::open_channel() {
+  const std::uint64_t first = channel_ == 0 ? scenario_.first_ordinal : 1;
+  sequences_.clear();
+  oldest_kept_ = first;
+  window_ = std::make_unique<udp::ResendWindow>(static_cast<std::uint32_t>(writer_id), ++channel_,
+                                                scenario_.resend, first);
+}
+
+void World::start_process() {
+  reassembly_ = std::make_unique<udp::Reassembly>(scenario_.reassembly, memory_);
+  udp::Stream stream{.writer = writer_id, .type = &image_type(), .masks = masks(), .reliable = true};
+  reassembly_->set_streams({&stream, 1});
+  readers_.clear();
+  came_at_once_.clear();
+  for (core::EndpointId id = 1; id <= from_to(random_, 1, 3); ++id) {
+    const Mask mask = from_to(random_, 0, 2);
+    readers_.push_back({.id = id + 100 * channel_, .accepted = {mask}, .served = mask});
+  }
+  std::vector<core::EndpointId> ids;
+  for (const Reader& reader : readers_) ids.push_back(reader.id);
+  reassembly_->window(0)->set_readers(ids);
+}
+
+/// Its successor is served by another channel, once the writer has noticed.
+void World::crash() {
+  crash_at_ = Time::max();
+  reassembly_.reset();
+  readers_.clear();
+  back_at_ = now_ + std::chrono::milliseconds(from_to(random_, 0, 50));
+}
+
+void World::publish() {
+  const Image image =
+      udp::test::make_image(log_uniform(random_, static_cast<double>(scenario_.sample_bytes_max)),
+                            static_cast<std::uint32_t>(sequence_ * 7));
+  for (Mask mask = 0; mask < masks().size(); ++mask) {
+    const auto asks = [&](const Reader& reader) { return reader.served == mask; };
+    if (std::ranges::none_of(readers_, asks)) continue;
+    keep(encode(image, mask));
+  }
+  for (Reader& reader : readers_) reader.to_get.push_back(sequence_);
+  images_.emplace(sequence_++, image);
+  const bool is_last = ++published_ == scenario_.samples;
+  publish_at_ = is_last ? Time::max() : now_ + std::chrono::microseconds(log_uniform(random_, 20'000));
+  send_at_ = std::min(send_at_, now_);
+  if (happens(random_, scenario_.change)) change_a_mask();
+}
+
+void World::keep(const udp::JobHandle& job) {
+  const std::uint64_t ordinal = window_->keep(job, job->first).ordinal;
+  sequences_.emplace(ordinal, job->sequence);
+  const std::uint64_t oldest = ordinal + 1 - window_->kept();
+  for (std::uint64_t i = oldest_kept_; i < oldest; ++i) not_kept_.insert(sequences_.at(i));
+  oldest_kept_ = oldest;
+}
+
+udp::JobHandle World::encode(const Image& image, Mask mask) {
+  const FieldMask all = image_type().full();
+  core::SampleHandle sample = memory_->take(udp::test::sample_bytes(image, all));
+  udp::test::fill(*sample, image, all, writer_id, sequence_);
+  udp::JobHandle job = jobs_->take();
+  job->projection.project(core::state_of(*sample, image_type().slots()), image_type().type(), masks()[mask]);
+  const auto variant = static_cast<std::uint16_t>(mask);
+  job->mask = std::make_shared<udp::WireMask>(udp::WireMask{variant, masks()[mask].hash(), {}});
+  job->sequence = sequence_;
+  job->first.label = {static_cast<std::uint32_t>(writer_id), static_cast<std::uint32_t>(sequence_), variant};
+  job->first.flags = 0;
+  job->first.total = static_cast<std::uint32_t>(job->projection.bytes());
+  job->first.mask = job->mask->mask;
+  if (happens(random_, 0.5)) {
+    job->copy_body();
+  } else {
+    job->sample = sample;
+  }
+  return job;
+}
+
+/// The reader takes both from now on, and the writer gets to know later.
+void World::change_a_mask() {
+  if (readers_.empty()) return;
+  Reader& reader = readers_[from_to(random_, 0, readers_.size() - 1)];
+  if (reader.served_at != Time::max()) return;
+  reader.accepted.push_back(from_to(random_, 0, 2));
+  reader.served_at = now_ + std::chrono::microseconds(log_uniform(random_, 50'000));
+}
+
+void World::learn_of_masks() {
+  for (Reader& reader : readers_) {
+    if (reader.served_at > now_) continue;
+    reader.served = reader.accepted.back();
+    reader.served_at = Time::max();
+  }
+}
+
+void World::send_some() {
+  send_at_ = Time::max();
+  send_some(Size::small);
+  send_some(Size::large);
+  send_heartbeat();
+}
+
+void World::send_some(Size size) {
+  std::optional<Sending>& sending = sending_[static_cast<std::size_t>(size)];
+  for (std::size_t i = 0; i < datagrams_at_once; ++i) {
+    if (!sending) {
+      std::optional<udp::ResendWindow::Piece> piece = window_->next(size, now_);
+      if (!piece) return;
+      const udp::Fragmenter fragments(piece->job->body(piece->first), scenario_.datagram_bytes, piece->range);
+      sending.emplace(Sending{std::move(*piece), fragments});
+    }
+    udp::Batch batch;
+    std::vector<Bytes> datagrams;
+    sending->fragments.next(batch, udp::batch_bytes_max, 1);
+    udp::test::append_datagrams(batch, datagrams);
+    network_.send(Network::Side::reader, std::move(datagrams.front()), now_);
+    if (!sending->fragments.done()) continue;
+    happens(random_, 0.02) ? window_->put_back(sending->piece) : window_->finished(sending->piece, now_);
+    sending.reset();
+  }
+  send_at_ = now_ + send_pause;
+}
+
+void World::send_heartbeat() {
+  std::optional<udp::Heartbeat> heartbeat = window_->heartbeat(now_);
+  if (!heartbeat) return;
+  heartbeat->port = writer_port;
+  Bytes bytes(udp::heartbeat_bytes);
+  udp::encode(*heartbeat, bytes.data());
+  network_.send(Network::Side::reader, std::move(bytes), now_);
+}
+
+void World::receive(const Bytes& bytes) {
+  if (reassembly_ == nullptr) return;
+  const udp::ArrivalTime now{now_, 1};
+  if (udp::kind_of(bytes) == udp::DatagramKind::heartbeat) {
+    reassembly_->accept_heartbeat(bytes, {}, now);
+  } else {
+    const udp::Reassembly::Arrival arrival = reassembly_->accept(bytes, now);
+    if (arrival.sample) take_at_once(*arrival.sample);
+  }
+  hand_over();
+  answer();
+}
+
+/// As a best-effort reader does.
+void World::take_at_once(const core::SampleBuffer& sample) {
+  if (!came_at_once_.emplace(sample.sequence, sample.mask.hash()).second)
+    fail("sample " + std::to_string(sample.sequence) + " comes twice");
+}
+
+void World::answer() {
+  reassembly_->answer(now_, [&](const udp::SocketAddress& to, const udp::Ack& ack) {
+    if (to.port != writer_port) fail("an ack goes elsewhere");
+    Bytes bytes(ack.bytes());
+    udp::encode(ack, bytes.data());
+    network_.send(Network::Side::writer, std::move(bytes), now_);
+  });
+  reassembly_->expire(now_);
+}
+
+void World::hand_over() {
+  udp::ArrivalWindow& arrivals = *reassembly_->window(0);
+  for (Reader& reader : readers_) {
+    const auto accepts = [&](const core::SampleBuffer& sample) { return reader.accepts(sample); };
+    while (const core::SampleHandle sample = arrivals.next(reader.id, accepts)) get(reader, *sample);
+  }
+  arrivals.release();
+}
+
+void World::get(Reader& reader, const core::SampleBuffer& sample) {
+  const std::string which =
+      "sample " + std::to_string(sample.sequence) + " of reader " + std::to_string(reader.id);
+  if (sample.writer != writer_id) return fail(which + " names another writer");
+  const auto image = images_.find(sample.sequence);
+  if (image == images_.end()) return fail(which + " was never published");
+  const std::span<const std::byte> body(sample.data + sample.header().body_offset,
+                                        sample.header().body_bytes);
+  if (!std::ranges::equal(body, udp::test::encoded_body(image->second, sample.mask)))
+    return fail(which + " has other bytes, or those of another mask");
+  if (!std::binary_search(reader.to_get.begin(), reader.to_get.end(), sample.sequence)) return;
+  // While its mask changes, a sample can come under both, for it and for another.
+  if (sample.sequence == reader.last && reader.accepted.size() > 1) return;
+  if (sample.sequence <= reader.last) return fail(which + " comes after " + std::to_string(reader.last));
+  reader.last = sample.sequence;
+  reader.got.insert(sample.sequence);
+}
+
+Time World::next_event() const {
+  Time next =
+      std::min({network_.next(), publish_at_, crash_at_, back_at_, send_at_, window_->next_look(now_)});
+  for (const Reader& reader : readers_) next = std::min(next, reader.served_at);
+  if (reassembly_ == nullptr) return next;
+  return std::min({next, reassembly_->next_answer(), reassembly_->next_expiry().value_or(Time::max())});
+}
+
+bool World::step() {
+  const Time next = next_event();
+  if (next == Time::max()) return false;
+  now_ = std::max(now_, next);
+  while (network_.next() <= now_) {
+    const Network::Datagram datagram = network_.take();
+    if (datagram.to == Network::Side::reader) {
+      receive(datagram.bytes);
+    } else if (const auto ack = udp::parse_ack(datagram.bytes)) {
+      window_->hear(*ack, now_);
+      oldest_kept_ = window_->parting().first - window_->kept();
+      send_at_ = std::min(send_at_, now_);
+    }
+  }
+  if (crash_at_ <= now_) crash();
+  if (back_at_ <= now_) {
+    back_at_ = Time::max();
+    open_channel();
+    for (auto& sending : sending_) sending.reset();
+    start_process();
+  }
+  learn_of_masks();
+  if (publish_at_ <= now_) publish();
+  if (send_at_ <= now_ || window_->next_look(now_) <= now_) send_some();
+  if (reassembly_ != nullptr) answer();
+  check_limits();
+  return failure_.empty();
+}
+
+void World::check_limits() {
+  if (window_->kept() > scenario_.resend.samples) fail("the writer keeps too many samples");
+  if (window_->kept_bytes() > scenario_.resend.bytes && window_->kept() > 1)
+    fail("the writer keeps too much");
+  if (reassembly_ == nullptr) return;
+  const udp::ArrivalWindow& arrivals = *reassembly_->window(0);
+  if (arrivals.size() > scenario_.reassembly.channel.samples) fail("the reader keeps too many places");
+  if (arrivals.held_bytes() > scenario_.reassembly.channel.held_bytes + scenario_.sample_bytes_max)
+    fail("the reader holds back too much");
+}
+
+/// Nothing is under way any more.
+void World::check_end() {
+  if (!window_->settled() && !readers_.empty()) fail("the writer waits for an ack that does not come");
+  for (const Reader& reader : readers_) {
+    for (const std::uint64_t sequence : reader.to_get) {
+      if (reader.got.contains(sequence) || not_kept_.contains(sequence) || scenario_.tight_reader) continue;
+      fail("reader " + std::to_string(reader.id) + " did not get sample " + std::to_string(sequence));
+    }
+  }
+}
+
+std::string World::run() {
+  for (std::size_t steps = 0; step(); ++steps) {
+    if (steps == steps_max) fail("it does not come to rest");
+  }
+  if (failure_.empty()) check_end();
+  return failure_;
+}
+
+void World::fail(const std::string& what) {
+  if (failure_.empty())
+    failure_ = what + ", after " + std::to_string((now_ - Time(std::chrono::hours(1))) / 1us) + " us";
+}
+
+}  // namespace sft::simulation

@@ -1,0 +1,120 @@
+// One writer, a process with some readers of it, and a network in between, from a seed: the writer's and the
+// reader's end of the protocol as they are, on simulated I/O and time. What must hold is checked after each
+// event, and what must have come in the end.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "network.h"
+#include "tests/udp/messages.h"
+#include "udp_transport/reassembly.h"
+#include "udp_transport/resend_window.h"
+
+namespace sft::simulation {
+
+/// What a seed decides.
+struct Scenario {
+  Weather weather;
+  std::size_t datagram_bytes = 1472;
+  std::size_t samples = 40;
+  std::size_t sample_bytes_max = 20'000;
+  std::uint64_t first_sequence = 1;
+  std::uint64_t first_ordinal = 1;
+  bool tight_writer = false;  ///< little is kept
+  bool tight_reader = false;
+  bool crashes = false;  ///< the process of the readers, and comes back
+  double change = 0;     ///< of a mask, for each sample
+  udp::ResendLimits resend{};
+  udp::ReassemblyLimits reassembly{};
+
+  explicit Scenario(Random& random);
+};
+
+class World {
+ public:
+  explicit World(std::uint64_t seed);
+
+  /// Runs until nothing happens any more. What went wrong first; empty if nothing did.
+  std::string run();
+
+ private:
+  using Mask = std::size_t;  ///< its place in masks()
+  static const std::vector<FieldMask>& masks();
+
+  struct Reader {
+    core::EndpointId id = 0;
+    std::vector<Mask> accepted;           ///< what it takes; the last is what it asks for
+    Mask served = 0;                      ///< what the writer knows of that
+    Time served_at = Time::max();         ///< when it will know the latest
+    std::uint64_t last = 0;               ///< sequence that it got
+    std::vector<std::uint64_t> to_get{};  ///< sequences that were sent to it
+    std::set<std::uint64_t> got{};        ///< of these, those that came
+    bool accepts(const core::SampleBuffer& sample) const;
+  };
+  /// A sample, or a part of it, that is being cut into datagrams.
+  struct Sending {
+    udp::ResendWindow::Piece piece;
+    udp::Fragmenter fragments;
+  };
+
+  // The writer.
+  void open_channel();
+  void publish();
+  void keep(const udp::JobHandle& job);
+  udp::JobHandle encode(const udp::test::Image& image, Mask mask);
+  void send_some();
+  void send_some(udp::ResendWindow::Size size);
+  void send_heartbeat();
+  void change_a_mask();
+  void learn_of_masks();
+
+  // The process of the readers.
+  void start_process();
+  void crash();
+  void receive(const Bytes& bytes);
+  void answer();
+  void take_at_once(const core::SampleBuffer& sample);
+  void hand_over();
+  void get(Reader& reader, const core::SampleBuffer& sample);
+
+  Time next_event() const;
+  bool step();
+  void check_limits();
+  void check_end();
+  void fail(const std::string& what);
+
+  Random random_;
+  const Scenario scenario_;
+  Network network_;
+  Time now_ = Time(std::chrono::hours(1));
+  std::string failure_;
+
+  std::shared_ptr<udp::JobPool> jobs_ = udp::JobPool::make();
+  std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
+  std::unique_ptr<udp::ResendWindow> window_;
+  std::uint64_t oldest_kept_ = 1;
+  std::uint32_t channel_ = 0;
+  std::optional<Sending> sending_[2];
+  Time send_at_;
+  std::uint64_t sequence_;
+  std::size_t published_ = 0;
+  Time publish_at_;
+  std::map<std::uint64_t, udp::test::Image> images_;
+  std::map<std::uint64_t, std::uint64_t> sequences_;  ///< by ordinal, of the present channel
+  std::set<std::uint64_t> not_kept_;                  ///< sequences that had to go for others
+
+  std::unique_ptr<udp::Reassembly> reassembly_;
+  std::vector<Reader> readers_;
+  std::set<std::pair<std::uint64_t, std::uint64_t>> came_at_once_;  ///< sequences and masks
+  Time crash_at_ = Time::max();
+  Time back_at_ = Time::max();
+};
+
+}  // namespace sft::simulation

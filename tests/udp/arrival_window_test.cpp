@@ -1,0 +1,291 @@
+#include "udp_transport/arrival_window.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "core/buffer_pool.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using Standing = ArrivalWindow::Standing;
+using Numbers = std::vector<std::uint64_t>;
+
+class ArrivalWindowTest : public testing::Test {
+ protected:
+  ArrivalWindowTest() { window.set_readers({1, 2}); }
+
+  Standing meet(std::uint64_t ordinal, std::uint32_t channel = 1) {
+    return window.meet({channel, 0, ordinal}, now).standing;
+  }
+  core::SampleHandle sample(std::uint64_t sequence, std::uint64_t addressee = 0, std::size_t bytes = 100) {
+    core::SampleHandle made = memory->take(std::max<std::size_t>(bytes, sizeof(SampleHeader)));
+    made->header().body_bytes = static_cast<std::uint32_t>(bytes);
+    made->sequence = sequence;
+    made->addressee = addressee;
+    return made;
+  }
+  /// A whole sample, whose sequence is ten times its ordinal.
+  void come(std::uint64_t ordinal, std::uint64_t addressee = 0, std::size_t bytes = 100) {
+    const auto met = window.meet({1, 0, ordinal}, now);
+    if (met.standing == Standing::wanted) window.whole(met.place, sample(10 * ordinal, addressee, bytes));
+  }
+  void begin(std::uint64_t ordinal, std::uint64_t addressee = 0) {
+    const auto met = window.meet({1, 0, ordinal}, now);
+    window.begun(met.place, {1, static_cast<std::uint32_t>(ordinal), 0}, sample(10 * ordinal, addressee));
+  }
+  void hear(std::uint64_t first, std::uint64_t end, std::uint32_t channel = 1) {
+    window.hear({.writer = 1, .channel = channel, .port = 1, .first = first, .end = end}, now);
+  }
+  /// What that reader gets now; samples are for all, or name one.
+  Numbers take(core::EndpointId reader = 1) {
+    Numbers sequences;
+    const auto accepts = [&](const core::SampleBuffer& s) {
+      return s.addressee == 0 || s.addressee == reader;
+    };
+    while (const core::SampleHandle next = window.next(reader, accepts)) sequences.push_back(next->sequence);
+    return sequences;
+  }
+  Numbers asks() {
+    Numbers ordinals;
+    for (const auto& gap : window.due_gaps(
+             now, [&](const SampleLabel&) { return came_at; }, 100))
+      ordinals.push_back(gap.ordinal);
+    return ordinals;
+  }
+
+  std::shared_ptr<core::BufferPool> memory = core::BufferPool::make(std::size_t{64} << 20);
+  ArrivalWindow::Time now{1h};
+  ArrivalWindow::Time came_at = now;
+  ArrivalWindow window{{.samples = 100, .held_bytes = 100'000, .window_bytes = 4'000}};
+};
+
+TEST_F(ArrivalWindowTest, HandsOverWhatComesInOrderAtOnce) {
+  window.set_readers({1});
+  come(1);
+  EXPECT_EQ(take(), (Numbers{10}));
+  come(2);
+  EXPECT_EQ(take(), (Numbers{20}));
+  window.release();
+  EXPECT_EQ(window.size(), 0U);
+  EXPECT_EQ(window.held_bytes(), 0U);
+}
+
+TEST_F(ArrivalWindowTest, HoldsBackWhatIsBehindAGap) {
+  come(1);
+  come(3);
+  EXPECT_EQ(take(), (Numbers{10}));
+  come(2);
+  EXPECT_EQ(take(), (Numbers{20, 30}));
+}
+
+TEST_F(ArrivalWindowTest, KnowsWhatHasCome) {
+  come(1);
+  begin(2);
+  EXPECT_EQ(meet(1), Standing::known);
+  EXPECT_EQ(meet(2), Standing::known);
+  EXPECT_EQ(meet(3), Standing::wanted);
+  take();
+  window.release();
+  EXPECT_EQ(meet(1), Standing::known);
+}
+
+TEST_F(ArrivalWindowTest, WaitsForASampleThatHasBegunOnlyIfItIsForThatReader) {
+  begin(1, 2);
+  come(2);
+  EXPECT_EQ(take(1), (Numbers{20}));
+  EXPECT_EQ(take(2), (Numbers{}));
+  window.whole(1, sample(10, 2));
+  EXPECT_EQ(take(1), (Numbers{}));
+  EXPECT_EQ(take(2), (Numbers{10, 20}));
+}
+
+TEST_F(ArrivalWindowTest, GoesOnWithoutWhatTheWriterDoesNotHaveAnyMore) {
+  come(1);
+  begin(3);
+  come(4);
+  hear(4, 5);
+  EXPECT_EQ(take(), (Numbers{10, 40}));
+  EXPECT_EQ(window.lost(), 2U);
+  ASSERT_EQ(window.take_abandoned().size(), 1U) << "that had begun";
+}
+
+TEST_F(ArrivalWindowTest, BeginsWhereTheWriterIsByNow) {
+  hear(0x1'0000'0005, 0x1'0000'0006);
+  EXPECT_EQ(meet(0x1'0000'0004), Standing::known);
+  come(0x1'0000'0005);
+  EXPECT_EQ(take(), (Numbers{10 * 0x1'0000'0005}));
+  EXPECT_EQ(window.ack(1, 1).next, 0x1'0000'0006U);
+}
+
+TEST_F(ArrivalWindowTest, TakesNothingThatIsOutOfReach) {
+  EXPECT_EQ(meet(101), Standing::beyond);
+  EXPECT_EQ(window.size(), 0U);
+  EXPECT_EQ(meet(100), Standing::wanted);
+  EXPECT_EQ(window.size(), 100U);
+}
+
+TEST_F(ArrivalWindowTest, ReachesFurtherAsPlacesAreLetGoOf) {
+  hear(1, 500);
+  EXPECT_EQ(window.size(), 100U);
+  window.set_readers({1});
+  for (std::uint64_t ordinal = 1; ordinal < 500; ++ordinal) {
+    come(ordinal);
+    EXPECT_EQ(take(), (Numbers{10 * ordinal}));
+    window.release();
+    EXPECT_EQ(window.size(), std::min<std::uint64_t>(100, 499 - ordinal));
+  }
+}
+
+TEST_F(ArrivalWindowTest, TurnsToANewerChannelAndNotBack) {
+  come(1);
+  come(3);
+  EXPECT_EQ(take(), (Numbers{10}));
+  EXPECT_EQ(meet(1, 2), Standing::wanted);
+  EXPECT_EQ(take(), (Numbers{30})) << "what is missing of the other will not come any more";
+  EXPECT_EQ(meet(2, 1), Standing::beyond);
+  EXPECT_EQ(window.ack(1, 1).channel, 2U);
+  EXPECT_EQ(window.ack(1, 1).next, 1U);
+}
+
+TEST_F(ArrivalWindowTest, AsksForWhatIsMissingAfterAWhileAndThenEverMoreSeldom) {
+  come(1);
+  come(4);
+  EXPECT_EQ(asks(), (Numbers{})) << "it may only have been overtaken";
+  now += 2ms;
+  EXPECT_EQ(asks(), (Numbers{2, 3}));
+  EXPECT_EQ(asks(), (Numbers{}));
+  std::size_t times = 0;
+  for (const auto end = now + 1s; now < end; now = window.next_look()) times += asks().size();
+  EXPECT_GT(times, 10U);
+  EXPECT_LT(times, 30U);
+}
+
+TEST_F(ArrivalWindowTest, AsksForTheLastOnesOnceAHeartbeatTellsOfThem) {
+  come(1);
+  now += 1s;
+  EXPECT_EQ(asks(), (Numbers{}));
+  hear(1, 3);
+  now += 2ms;
+  EXPECT_EQ(asks(), (Numbers{2}));
+}
+
+TEST_F(ArrivalWindowTest, DoesNotAskForMoreOfASampleWhileItComes) {
+  begin(1);
+  for (int i = 0; i < 10; ++i) {
+    came_at = now += 1ms;
+    EXPECT_EQ(asks(), (Numbers{}));
+  }
+  now += 2ms;
+  EXPECT_EQ(asks(), (Numbers{1}));
+}
+
+TEST_F(ArrivalWindowTest, WaitsLongerWhereWhatItAskedForComesTwice) {
+  come(2);
+  now += 2ms;
+  EXPECT_EQ(asks(), (Numbers{1}));
+  come(1);
+  come(1);
+  come(4);
+  now += 2ms;
+  EXPECT_EQ(asks(), (Numbers{}));
+  now += 2ms;
+  EXPECT_EQ(asks(), (Numbers{3}));
+}
+
+TEST_F(ArrivalWindowTest, FallsSilentWhenTheWriterDoes) {
+  come(2);
+  now += 6s;
+  EXPECT_EQ(asks(), (Numbers{}));
+  EXPECT_EQ(window.next_look(), ArrivalWindow::Time::max());
+  hear(1, 3);
+  now += 2ms;
+  EXPECT_EQ(asks(), (Numbers{1}));
+}
+
+TEST_F(ArrivalWindowTest, AcknowledgesAQuarterOfTheWindowAndEachHeartbeat) {
+  for (std::uint64_t ordinal = 1; ordinal <= 10; ++ordinal) {
+    EXPECT_FALSE(window.ack_due());
+    come(ordinal);
+    take();
+    window.release();
+  }
+  EXPECT_TRUE(window.ack_due());
+  const Ack ack = window.ack(9, 2);
+  EXPECT_EQ(ack.next, 11U);
+  EXPECT_EQ(ack.writer, 9U);
+  EXPECT_EQ(ack.window_bytes, 2'000U) << "two share it";
+  EXPECT_FALSE(window.ack_due());
+  hear(11, 11);
+  EXPECT_TRUE(window.ack_due());
+}
+
+TEST_F(ArrivalWindowTest, GivesTheOldestUpWhereTooMuchIsHeldBack) {
+  for (std::uint64_t ordinal = 2; ordinal <= 6; ++ordinal) come(ordinal, 0, 30'000);
+  EXPECT_EQ(take(), (Numbers{20, 30, 40, 50, 60}));
+  EXPECT_EQ(window.lost(), 1U);
+  EXPECT_EQ(window.ack(1, 1).next, 7U);
+}
+
+TEST_F(ArrivalWindowTest, AsksAgainForWhatItHadToLetGoOf) {
+  begin(1);
+  window.forget(1);
+  now += 2ms;
+  const auto gaps = window.due_gaps(
+      now, [&](const SampleLabel&) { return now; }, 100);
+  ASSERT_EQ(gaps.size(), 1U);
+  EXPECT_FALSE(gaps[0].label);
+  EXPECT_EQ(meet(1), Standing::wanted);
+}
+
+TEST_F(ArrivalWindowTest, LetsGoOfASampleOnlyWhenAllReadersHaveIt) {
+  come(1);
+  come(2);
+  take(1);
+  window.release();
+  EXPECT_EQ(window.size(), 2U);
+  EXPECT_EQ(take(2), (Numbers{10, 20}));
+  window.release();
+  EXPECT_EQ(window.size(), 0U);
+  come(3);
+  take(1);
+  window.set_readers({1});
+  window.release();
+  EXPECT_EQ(window.size(), 0U);
+}
+
+TEST_F(ArrivalWindowTest, BeginsForAReaderThatComesLaterWithWhatHasNotComeYet) {
+  come(1);
+  come(3);
+  window.set_readers({1, 2, 3});
+  come(2);
+  EXPECT_EQ(take(3), (Numbers{20, 30}));
+}
+
+TEST_F(ArrivalWindowTest, BeginsAnewWithWhatItHearsFirstWhereItLeftAndJoinsAgain) {
+  come(1);
+  come(2);
+  ArrivalWindow again({.samples = 100});
+  again.set_readers({1});
+  again.join(*window.mark());
+  EXPECT_EQ(again.meet({1, 0, 2}, now).standing, Standing::known);
+  const auto met = again.meet({1, 0, 5}, now);
+  EXPECT_EQ(met.standing, Standing::wanted);
+  again.whole(met.place, sample(50));
+  EXPECT_EQ(again.ack(1, 1).next, 6U) << "what was sent meanwhile is not asked for";
+  EXPECT_EQ(again.next(1, [](const auto&) { return true; })->sequence, 50U);
+}
+
+TEST_F(ArrivalWindowTest, BeginsWithTheFirstOfANewChannelWhereItJoinsAgain) {
+  come(1);
+  ArrivalWindow again({.samples = 100});
+  again.join(*window.mark());
+  EXPECT_EQ(again.meet({2, 0, 2}, now).standing, Standing::wanted);
+  EXPECT_EQ(again.ack(1, 1).next, 1U);
+}
+
+}  // namespace
+}  // namespace sft::udp

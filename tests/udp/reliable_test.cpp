@@ -1,0 +1,122 @@
+// Reliable delivery from transport to transport, while datagrams get lost, repeated and swapped on either
+// way.
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "endpoints.h"
+#include "faulty_io.h"
+#include "tests/support/test_seed.h"
+#include "udp_transport/udp_transport.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using test::make_image;
+using test::Publisher;
+using test::Subscriber;
+
+constexpr test::Faults bad_link{.loss = 0.05, .repetition = 0.01, .swap = 0.02};
+
+class ReliableTest : public testing::TestWithParam<Backend> {
+ protected:
+  void SetUp() override {
+    if (const auto one = open_udp_transport({.backend = GetParam()}, test::make_pool()); !one)
+      GTEST_SKIP() << "io_uring is refused here: " << one.error().message;
+  }
+
+  /// Datagrams of 1,400 bytes, so that large samples have many.
+  std::unique_ptr<core::Transport> open(const test::Faults& faults = {}, UdpOptions options = {}) {
+    options.bind_address = INADDR_LOOPBACK;
+    options.backend = GetParam();
+    if (options.max_datagram_bytes == datagram_bytes_max) options.max_datagram_bytes = 1400;
+    const auto seed = static_cast<unsigned>(sft::test::test_seed());
+    return open_udp_transport(options, test::make_pool(),
+                              [&](DatagramIo io) {
+                                io.receiver = std::make_unique<test::FaultyReceiver>(std::move(io.receiver),
+                                                                                     faults, seed);
+                                return io;
+                              })
+        .value();
+  }
+
+  /// One reader, served reliably.
+  void join(Publisher& publisher, Subscriber& subscriber, const core::Transport& here) {
+    subscriber.listen_reliably_to(publisher.id());
+    publisher.serve({{test::loopback_address(here), "*", true}});
+  }
+
+  static std::vector<std::uint64_t> up_to(std::size_t count) {
+    std::vector<std::uint64_t> all(count);
+    std::iota(all.begin(), all.end(), 1);
+    return all;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Backends, ReliableTest, testing::Values(Backend::io_uring, Backend::sockets),
+                         [](const auto& param) {
+                           return param.param == Backend::io_uring ? "IoUring" : "Sockets";
+                         });
+
+TEST_P(ReliableTest, DeliversEverythingInOrderOverABadLink) {
+  SCOPED_TRACE(sft::test::how_to_repeat());
+  const auto there = open(bad_link), here = open(bad_link);
+  Subscriber subscriber(*here, {"*"}, 5000);
+  Publisher publisher(*there);
+  join(publisher, subscriber, *here);
+  for (std::size_t n = 1; n <= 2000; ++n) {
+    ASSERT_EQ(publisher.publish(make_image(n)), core::SendStatus::sent) << n;
+    if (n % 100 == 0) {
+      ASSERT_GE(subscriber.await(n).size(), n);
+    }
+  }
+  EXPECT_EQ(subscriber.await_sequences(2000), up_to(2000));
+}
+
+TEST_P(ReliableTest, DeliversTheLastSampleAlthoughNothingFollowsIt) {
+  const auto there = open(), here = open({.loss = 0.5});
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  join(publisher, subscriber, *here);
+  publisher.publish(make_image(5));
+  EXPECT_EQ(subscriber.await_sequences(1), up_to(1));
+}
+
+TEST_P(ReliableTest, TransfersAThousandSamplesOfAllSizesBitExactOverABadLink) {
+  SCOPED_TRACE(sft::test::how_to_repeat());
+  sft::test::Random random{sft::test::test_seed()};
+  constexpr std::size_t samples = 1000, outstanding_max = 8;
+  const auto there = open(bad_link), here = open(bad_link);
+  Subscriber subscriber(*here, {"*"}, samples);
+  Publisher publisher(*there);
+  join(publisher, subscriber, *here);
+  std::vector<std::size_t> sizes;
+  std::size_t checked = 0;
+  const auto check_up_to = [&](std::size_t count) {
+    for (auto& sample : subscriber.await_new(count - checked)) {
+      ASSERT_EQ(sample->sequence, ++checked);
+      const auto seed = static_cast<std::uint32_t>(checked);
+      ASSERT_EQ(test::body_of(*sample),
+                test::encoded_body(make_image(sizes[checked - 1], seed), sample->mask));
+    }
+    ASSERT_GE(checked, count) << "the others did not come";
+  };
+  std::uniform_real_distribution<> exponent(0, std::log(6.3e6));
+  while (sizes.size() < samples && !HasFatalFailure()) {
+    sizes.push_back(static_cast<std::size_t>(std::exp(exponent(random))));
+    publisher.publish(make_image(sizes.back(), static_cast<std::uint32_t>(sizes.size())));
+    if (sizes.size() > outstanding_max + checked) check_up_to(sizes.size() - outstanding_max);
+  }
+  check_up_to(samples);
+  EXPECT_EQ(checked, samples);
+}
+
+}  // namespace
+}  // namespace sft::udp

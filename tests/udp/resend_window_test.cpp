@@ -1,0 +1,302 @@
+#include "udp_transport/resend_window.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "messages.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Image;
+using Size = ResendWindow::Size;
+
+constexpr std::uint32_t writer = 7, channel = 3;
+
+class ResendWindowTest : public testing::Test {
+ protected:
+  /// Of which so many bytes of memory are held.
+  JobHandle job(std::size_t bytes, std::uint64_t sequence = 1) {
+    const FieldMask all = test::fields<Image>("*");
+    const Image image = test::make_image(bytes);
+    core::SampleHandle sample = memory->take(test::sample_bytes(image, all));
+    test::fill(*sample, image, all, writer, sequence);
+    JobHandle made = jobs->take();
+    const TypeSupport& type = test::type_support<Image>();
+    made->projection.project(core::state_of(*sample, type.slots()), type.type(), all);
+    made->mask = std::make_shared<WireMask>(WireMask{5, all.hash(), {}});
+    made->sequence = sequence;
+    made->first.label = {writer, static_cast<std::uint32_t>(sequence), 5};
+    made->first.total = static_cast<std::uint32_t>(made->projection.bytes());
+    made->sample = std::move(sample);
+    return made;
+  }
+  std::uint64_t keep(std::size_t bytes, std::uint64_t sequence = 1) {
+    const JobHandle kept = job(bytes, sequence);
+    return window.keep(kept, kept->first).ordinal;
+  }
+  /// Sends all that may be sent now; returns the ordinals.
+  std::vector<std::uint64_t> send() {
+    std::vector<std::uint64_t> sent;
+    for (const Size size : {Size::small, Size::large}) {
+      while (const auto piece = window.next(size, now)) {
+        sent.push_back(piece->ordinal);
+        window.finished(*piece, now);
+      }
+    }
+    return sent;
+  }
+  void ack(std::uint64_t next, std::vector<Missing> missing = {}) {
+    Ack ack{.writer = writer, .channel = channel, .window_bytes = 100'000, .next = next};
+    for (const Missing& part : missing) ack.missing[ack.missing_count++] = part;
+    window.hear(ack, now);
+  }
+  std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t last) {
+    std::vector<std::uint64_t> all;
+    for (std::uint64_t n = first; n <= last; ++n) all.push_back(n);
+    return all;
+  }
+
+  std::shared_ptr<core::BufferPool> memory = core::BufferPool::make(std::size_t{64} << 20);
+  std::shared_ptr<JobPool> jobs = JobPool::make();
+  ResendWindow::Time now{1h};
+  ResendWindow window{writer, channel, {.samples = 10, .bytes = 1'000'000}};
+};
+
+TEST_F(ResendWindowTest, NumbersSamplesInTheOrderInWhichTheyAreKept) {
+  EXPECT_EQ(keep(5, 100), 1U);
+  EXPECT_EQ(keep(5, 0x5'0000'0007), 2U);
+  const auto first = window.next(Size::small, now);
+  const auto second = window.next(Size::small, now);
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->first.channel, (ChannelMark{channel, 0, 1}));
+  EXPECT_EQ(second->first.channel, (ChannelMark{channel, 5, 2}));
+  EXPECT_TRUE(second->first.flags & channel_follows);
+  EXPECT_FALSE(window.next(Size::small, now));
+}
+
+TEST_F(ResendWindowTest, LetsGoOfWhatIsAcknowledged) {
+  for (int i = 0; i < 5; ++i) keep(5);
+  send();
+  ack(4);
+  EXPECT_EQ(window.kept(), 2U);
+  ack(6);
+  EXPECT_TRUE(window.settled());
+  EXPECT_EQ(window.kept_bytes(), 0U);
+}
+
+TEST_F(ResendWindowTest, IgnoresAcksOfWhatWasNeverSentAndOfOthers) {
+  for (int i = 0; i < 3; ++i) keep(5);
+  ack(2);
+  EXPECT_EQ(window.kept(), 3U) << "nothing has been sent";
+  send();
+  ack(5);
+  EXPECT_EQ(window.kept(), 3U);
+  window.hear({.writer = writer + 1, .channel = channel, .next = 3}, now);
+  window.hear({.writer = writer, .channel = channel + 1, .next = 3}, now);
+  EXPECT_EQ(window.kept(), 3U);
+}
+
+TEST_F(ResendWindowTest, LetsGoOfWhatHasLeftWhereTheOtherEndHasGivenUpOnMore) {
+  ack(1);
+  for (int i = 0; i < 6; ++i) keep(30'000);
+  EXPECT_EQ(send(), numbers(1, 3));
+  ack(6);
+  EXPECT_EQ(window.kept(), 3U);
+  EXPECT_EQ(send(), numbers(4, 6));
+}
+
+TEST_F(ResendWindowTest, BelievesAnAckOfWhatWasPutBackButHadLeft) {
+  keep(5);
+  const auto piece = window.next(Size::small, now);
+  window.put_back(*piece);
+  ack(2);
+  EXPECT_TRUE(window.settled());
+}
+
+TEST_F(ResendWindowTest, SendsOnceMoreWhatIsAskedForUnderTheHeaderThatItWasSentWith) {
+  keep(3000);
+  send();
+  ack(1, {{1, 1000, 2000}});
+  const auto repair = window.next(Size::small, now);
+  ASSERT_TRUE(repair);
+  EXPECT_TRUE(repair->is_repair);
+  EXPECT_EQ(repair->range, (BodyRange{1000, 2000}));
+  EXPECT_EQ(repair->first.label.variant, 5U);
+  EXPECT_FALSE(window.next(Size::small, now)) << "once";
+}
+
+TEST_F(ResendWindowTest, SendsThePartsThatTwoAcksAskForOnlyOnceWhileTheyWait) {
+  keep(3000);
+  send();
+  ack(1, {{1, 1000, 2000}});
+  ack(1, {{1, 1000, 2000}, {1, 1500, 2500}});
+  EXPECT_EQ(send(), numbers(1, 1));
+}
+
+TEST_F(ResendWindowTest, SendsNothingThatIsAskedForAndWasNotSentOrIsGone) {
+  for (int i = 0; i < 3; ++i) keep(5);
+  send();
+  ack(3);
+  keep(200'000);
+  ack(3, {{1, 0, 0}, {4, 0, 0}, {9, 0, 0}, {3, UINT32_MAX, UINT32_MAX}});
+  EXPECT_EQ(send(), numbers(4, 4)) << "that one for the first time";
+}
+
+TEST_F(ResendWindowTest, LetsLiveSamplesGoBetweenRepairs) {
+  for (int i = 0; i < 3; ++i) keep(5);
+  send();
+  for (int i = 0; i < 3; ++i) keep(5);
+  ack(1, {{1, 0, 0}, {2, 0, 0}, {3, 0, 0}});
+  EXPECT_EQ(send(), (std::vector<std::uint64_t>{1, 4, 2, 5, 3, 6}));
+}
+
+TEST_F(ResendWindowTest, DoesNotRepairFasterThanItMay) {
+  ResendWindow slow(writer, channel, {.repair_bytes_per_s = 1'000'000});
+  const JobHandle large = job(3'000'000);
+  slow.keep(large, large->first);
+  slow.finished(*slow.next(Size::large, now), now);
+  slow.heartbeat(now);
+  const auto ask = [&] {
+    slow.hear({.writer = writer,
+               .channel = channel,
+               .next = 1,
+               .missing = {{{1, 0, 3'000'000}}},
+               .missing_count = 1},
+              now);
+    return slow.next(Size::large, now).has_value();
+  };
+  EXPECT_TRUE(ask());
+  EXPECT_FALSE(ask());
+  EXPECT_GT(slow.next_look(now), now);
+  now = slow.next_look(now);
+  EXPECT_FALSE(now > ResendWindow::Time(1h + 10s));
+  now += 3s;
+  EXPECT_TRUE(slow.next(Size::large, now));
+}
+
+TEST_F(ResendWindowTest, KeepsTheNewestAndCountsWhatWasNeverSent) {
+  for (int i = 0; i < 4; ++i) keep(5);
+  send();
+  for (int i = 0; i < 6; ++i) keep(5);
+  EXPECT_EQ(window.kept(), 10U);
+  std::size_t dropped = 0;
+  for (int i = 0; i < 5; ++i) {
+    const JobHandle another = job(5);
+    dropped += window.keep(another, another->first).dropped;
+  }
+  EXPECT_EQ(window.kept(), 10U);
+  EXPECT_EQ(dropped, 1U) << "four of these had been sent, and may have come";
+}
+
+TEST_F(ResendWindowTest, KeepsWithinItsBytesButAlwaysTheNewest) {
+  keep(600'000);
+  keep(600'000);
+  EXPECT_EQ(window.kept(), 1U);
+  keep(3'000'000);
+  EXPECT_EQ(window.kept(), 1U);
+  EXPECT_EQ(send(), numbers(3, 3));
+}
+
+TEST_F(ResendWindowTest, StopsWhereTheWindowIsFullAndAsksForAnAck) {
+  ack(1);
+  for (int i = 0; i < 6; ++i) keep(30'000);
+  EXPECT_EQ(send(), numbers(1, 3));
+  EXPECT_TRUE(window.heartbeat(now));
+  ack(3);
+  EXPECT_EQ(send(), numbers(4, 5));
+}
+
+TEST_F(ResendWindowTest, AlwaysLetsTheOldestGo) {
+  ack(1);
+  keep(500'000);
+  keep(50'000);
+  keep(50'000);
+  keep(50'000);
+  EXPECT_EQ(send(), (std::vector<std::uint64_t>{2, 1})) << "small ones overtake, as far as the window goes";
+}
+
+TEST_F(ResendWindowTest, BeatsWithTheFirstSampleAndThenSoonAfterTheLastButSeldom) {
+  EXPECT_EQ(window.next_look(now), ResendWindow::Time::max());
+  keep(5);
+  EXPECT_FALSE(window.heartbeat(now)) << "nothing was sent";
+  send();
+  auto heartbeat = window.heartbeat(now);
+  ASSERT_TRUE(heartbeat);
+  EXPECT_EQ(heartbeat->first, 1U);
+  EXPECT_EQ(heartbeat->end, 2U);
+  ack(2);
+  EXPECT_EQ(window.next_look(now), ResendWindow::Time::max()) << "all has come";
+  now += 100ms;
+  keep(5);
+  send();
+  EXPECT_FALSE(window.heartbeat(now + 1890ms));
+  heartbeat = window.heartbeat(now + 1900ms);
+  ASSERT_TRUE(heartbeat);
+  EXPECT_EQ(heartbeat->end, 3U);
+}
+
+TEST_F(ResendWindowTest, BeatsAfterEachPauseWhereTheLinkHasLostSomething) {
+  keep(5);
+  send();
+  EXPECT_TRUE(window.heartbeat(now));
+  ack(1, {{1, 0, 0}});
+  send();
+  ack(2);
+  keep(5);
+  now += 100ms;
+  send();
+  EXPECT_EQ(window.next_look(now), now + 20ms);
+}
+
+TEST_F(ResendWindowTest, BeatsEverMoreSeldomWhileNobodyAnswers) {
+  keep(5);
+  send();
+  std::size_t beats = 0;
+  for (const auto end = now + 20s; now < end; now = window.next_look(now))
+    beats += window.heartbeat(now) ? 1 : 0;
+  EXPECT_GT(beats, 20U);
+  EXPECT_LT(beats, 30U);
+}
+
+TEST_F(ResendWindowTest, NamesOnlyWhatHasBeenSent) {
+  ack(1);
+  keep(500'000);
+  keep(5);
+  const auto small = window.next(Size::small, now);
+  const auto large = window.next(Size::large, now);
+  ASSERT_TRUE(small && large);
+  window.finished(*small, now);
+  EXPECT_EQ(window.heartbeat(now)->end, 1U);
+  window.finished(*large, now);
+  now += 1s;
+  EXPECT_EQ(window.heartbeat(now)->end, 3U);
+}
+
+TEST_F(ResendWindowTest, SaysThatNothingIsLeftWhenItParts) {
+  keep(5);
+  keep(5);
+  EXPECT_EQ(window.parting().first, 3U);
+  EXPECT_EQ(window.parting().end, 3U);
+}
+
+TEST_F(ResendWindowTest, CountsBeyond32Bits) {
+  ResendWindow far(writer, channel, {.samples = 10}, 0xffff'ffff);
+  for (int i = 0; i < 3; ++i) {
+    const JobHandle next = job(5);
+    far.keep(next, next->first);
+    far.finished(*far.next(Size::small, now), now);
+  }
+  EXPECT_EQ(far.heartbeat(now)->end, 0x1'0000'0002U);
+  Ack ack{.writer = writer, .channel = channel, .window_bytes = 1000, .next = 0x1'0000'0000};
+  ack.missing[ack.missing_count++] = {1, 0, 0};
+  far.hear(ack, now);
+  EXPECT_EQ(far.kept(), 2U);
+  EXPECT_EQ(far.next(Size::small, now)->ordinal, 0x1'0000'0001U);
+}
+
+}  // namespace
+}  // namespace sft::udp

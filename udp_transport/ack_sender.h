@@ -1,0 +1,26 @@
+// Sends acks to the writers that are heard reliably. Of the receiving thread.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+
+#include "udp_transport/datagram.h"
+#include "udp_transport/send_side.h"
+
+namespace sft::udp {
+
+class AckSender {
+ public:
+  explicit AckSender(std::shared_ptr<SendSide> side) : side_(std::move(side)) {}
+
+  /// Now or not at all: where one does not leave, another will follow.
+  void send(const SocketAddress& to, const Ack& ack);
+
+ private:
+  static constexpr std::size_t known_max = 256;  ///< others come anew
+  const std::shared_ptr<SendSide> side_;
+  std::map<SocketAddress, std::shared_ptr<Destination>> known_;
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,92 @@
+// What one writer sends reliably to one process: a ResendWindow, shared by the threads that publish, send and
+// receive acks. The lock is held for a few instructions, never over a system call.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "udp_transport/destination.h"
+#include "udp_transport/lane.h"
+#include "udp_transport/resend_window.h"
+
+namespace sft::udp {
+
+class Channel {
+ public:
+  using Time = ResendWindow::Time;
+  using Piece = ResendWindow::Piece;
+  /// Nobody waits for it any more; what was sent is repaired for so long.
+  static constexpr std::chrono::seconds linger{2};
+
+  /// `port` is where acks come in.
+  Channel(std::uint32_t writer, std::uint32_t number, std::shared_ptr<Destination> to,
+          std::shared_ptr<WriterTally> tally, std::uint16_t port)
+      : writer_(writer),
+        number_(number),
+        to_(std::move(to)),
+        tally_(std::move(tally)),
+        port_(port),
+        window_(writer, number, ResendLimits{}) {}
+
+  // Any thread.
+
+  std::uint32_t writer() const { return writer_; }
+  std::uint32_t number() const { return number_; }
+  Destination& destination() const { return *to_; }
+  WriterTally& tally() const { return *tally_; }
+
+  struct Posted {
+    std::optional<Piece> piece{};  ///< to be sent by the caller, who then says finished() or put_back()
+    bool was_at_rest = false;      ///< the sending thread has to be told of this channel
+    bool waits = false;            ///< the sending thread has to be woken
+    ResendWindow::Kept kept{};
+  };
+  /// `at_once`: the caller would send it.
+  Posted post(JobHandle job, const FirstHeader& first, bool at_once);
+  void finished(const Piece& piece);
+  void put_back(const Piece& piece);
+  /// Whether the sending thread has to be woken.
+  [[nodiscard]] bool hear(const Ack& ack);
+
+  // The agent's thread.
+
+  /// No reader is behind it any more.
+  void end();
+  /// At once: others are served there now.
+  void close();
+  bool closed();
+
+  // The sending thread.
+
+  std::optional<Piece> next(ResendWindow::Size size);
+  struct Care {
+    std::optional<Heartbeat> heartbeat{};
+    Time next_look{};
+    bool at_rest = false;  ///< nothing is left to do, until it is told of again
+  };
+  Care look_after();
+
+ private:
+  static Time now() { return std::chrono::steady_clock::now(); }
+  Heartbeat addressed(Heartbeat heartbeat) const {
+    heartbeat.port = port_;
+    return heartbeat;
+  }
+
+  const std::uint32_t writer_;
+  const std::uint32_t number_;
+  const std::shared_ptr<Destination> to_;
+  const std::shared_ptr<WriterTally> tally_;
+  const std::uint16_t port_;
+  std::mutex mutex_;
+  ResendWindow window_;
+  bool attended_ = false;  ///< the sending thread knows of it
+  bool woken_ = false;     ///< and will look at it
+  bool closed_ = false;    ///< it has parted
+  std::optional<Time> ended_at_;
+};
+
+}  // namespace sft::udp

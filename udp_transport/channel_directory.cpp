@@ -1,0 +1,45 @@
+#include "udp_transport/channel_directory.h"
+
+#include <algorithm>
+
+namespace sft::udp {
+
+void ChannelRoster::add(const std::shared_ptr<Channel>& channel) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+  known_[{channel->writer(), channel->number()}] = channel;
+}
+
+std::shared_ptr<Channel> ChannelRoster::find(std::uint32_t writer, std::uint32_t number) {
+  const std::scoped_lock lock(mutex_);
+  const auto known = known_.find({writer, number});
+  return known == known_.end() ? nullptr : known->second.lock();
+}
+
+/// Readers that are new must not get what was sent to others before, so that has to be another channel.
+std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destination>& to,
+                                                const std::set<core::EndpointId>& readers) {
+  Known& known = channels_[to.get()];
+  std::shared_ptr<Channel> channel = known.channel.lock();
+  const bool some_stay =
+      std::ranges::any_of(readers, [&](core::EndpointId reader) { return known.readers.contains(reader); });
+  known.readers = readers;
+  if (channel != nullptr && some_stay && !channel->closed()) return channel;
+  if (channel != nullptr) channel->close();
+  channel = std::make_shared<Channel>(writer_, ++last_number_, to, tally_, ack_port_);
+  roster_.add(channel);
+  known.channel = channel;
+  return channel;
+}
+
+void ChannelDirectory::keep_to(const ReliableReaders& readers) {
+  std::erase_if(channels_, [](const auto& item) { return item.second.channel.expired(); });
+  for (auto& [to, known] : channels_) {
+    const std::shared_ptr<Channel> channel = known.channel.lock();
+    if (channel == nullptr || readers.contains(to)) continue;
+    channel->end();
+    known.readers.clear();
+  }
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,136 @@
+// The writer's end of a channel (datagram.md): samples that were sent to one process and are kept until it
+// has acknowledged them, and what is to be sent next: samples, repairs, heartbeats. Pure: calls and times in,
+// decisions out; no I/O, no clock, no thread of its own.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "udp_transport/datagram.h"
+#include "udp_transport/fragmenter.h"
+#include "udp_transport/job.h"
+#include "udp_transport/ordinal_ring.h"
+#include "udp_transport/pacer.h"
+
+namespace sft::udp {
+
+struct ResendLimits {
+  std::size_t samples = 4096;                         ///< kept; beyond that the oldest goes
+  std::size_t bytes = std::size_t{64} << 20;          ///< of memory that these hold, but for the newest
+  std::uint64_t repair_bytes_per_s = 100'000'000;     ///< live samples have the rest
+  std::chrono::milliseconds heartbeat_delay{20};      ///< after the last sample
+  std::chrono::milliseconds heartbeat_pause{2000};    ///< between two that were answered, on a good link
+  std::chrono::seconds mistrust{10};                  ///< of a link, after it has lost something
+  std::chrono::milliseconds heartbeat_longest{1000};  ///< between two that were not
+};
+
+class ResendWindow {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// Which of two queues: a large sample does not hold up small ones.
+  enum class Size : std::uint8_t { small, large };
+  static Size size_of(std::size_t bytes) { return bytes <= batch_bytes_max ? Size::small : Size::large; }
+
+  /// A sample to be sent, or a part of it once more.
+  struct Piece {
+    FirstHeader first;
+    JobHandle job;
+    BodyRange range{};
+    std::uint64_t ordinal = 0;
+    bool is_repair = false;
+  };
+
+  ResendWindow(std::uint32_t writer, std::uint32_t channel, const ResendLimits& limits,
+               std::uint64_t first_ordinal = 1);
+
+  struct Kept {
+    std::uint64_t ordinal = 0;
+    // Older samples that had to go and were never sent:
+    std::size_t dropped = 0;
+    std::uint64_t dropped_bytes = 0;
+    std::uint64_t dropped_whole_bytes = 0;
+  };
+  /// Gives a sample its place in the channel. The job does not change any more. `first` is its header.
+  Kept keep(JobHandle job, FirstHeader first);
+
+  /// What may be sent now; it counts as being sent until finished() or put_back() is called.
+  std::optional<Piece> next(Size size, Time now);
+  /// Takes that very sample, if it is its turn.
+  std::optional<Piece> take(std::uint64_t ordinal);
+  void finished(const Piece& piece, Time now);
+  void put_back(const Piece& piece);
+
+  /// What the other end says. Nonsense is ignored.
+  void hear(const Ack& ack, Time now);
+
+  /// Empty if none is due. Its port is left to the caller.
+  std::optional<Heartbeat> heartbeat(Time now);
+  /// The last one: nothing is kept any more.
+  Heartbeat parting() const;
+
+  /// When to look again, if nothing is kept and heard until then.
+  Time next_look(Time now) const;
+  /// Nothing is left to be sent or acknowledged.
+  bool settled() const { return kept_.empty(); }
+
+  /// Something is to be sent, as far as there is room for it.
+  bool has_work();
+
+  std::size_t kept() const { return kept_.size(); }
+  std::size_t kept_bytes() const { return kept_bytes_; }
+  std::uint64_t repairs() const { return repaired_; }  ///< parts that were sent again
+
+ private:
+  enum class State : std::uint8_t { waiting, under_way, sent };
+  struct Entry {
+    FirstHeader first;
+    JobHandle job;
+    State state = State::waiting;
+    bool begun = false;  ///< once, if only a part of it was sent
+  };
+  struct Repair {
+    std::uint64_t ordinal = 0;
+    BodyRange range;
+    Size size{};
+  };
+
+  bool has_room_for(std::uint64_t ordinal) const;
+  std::optional<Piece> next_repair(Size size, Time now);
+  std::optional<Piece> next_sample(Size size);
+  std::uint64_t first_waiting(Size size);
+  Piece begin(std::uint64_t ordinal);
+  void make_room(Kept& kept);
+  void release_oldest();
+  std::uint64_t sent_end() const;
+  void release_before(std::uint64_t next);
+  void ask_for(const Missing& part, std::uint64_t next, Time now);
+  void plan_heartbeat(Time now);
+
+  const std::uint32_t writer_;
+  const std::uint32_t channel_;
+  const ResendLimits limits_;
+  OrdinalRing<Entry> kept_;
+  std::uint64_t waiting_[2];  ///< by Size: no entry of that size before this one waits
+  std::uint64_t sent_;        ///< each before this one was sent
+  std::size_t kept_bytes_ = 0;
+  std::size_t in_flight_bytes_ = 0;  ///< of bodies that were sent, and not acknowledged
+  std::size_t window_bytes_ = 64 * 1024;
+  std::vector<Repair> repairs_;  ///< the oldest first
+  bool repair_was_last_ = false;
+  Pacer repair_pacer_;
+  std::uint64_t repaired_ = 0;
+
+  Time sent_at_{};
+  Time heartbeat_sent_at_{};
+  std::optional<Time> lost_at_;  ///< when something was asked for last
+  int unanswered_ = 0;           ///< heartbeats
+  bool answer_wanted_ =
+      false;  ///< nothing can be sent before the next ack, or somebody asks for what is gone
+  Time heartbeat_at_ = Time::max();
+};
+
+}  // namespace sft::udp
