@@ -132,6 +132,7 @@ void ArrivalWindow::advance() {
   };
   next_ = std::max(next_, slots_.begin());
   while (next_ < slots_.end() && settled(slots_[next_])) ++next_;
+  if (next_ == slots_.end()) look_at_ = Time::max();  // nothing is missing
 }
 
 void ArrivalWindow::lose(Slot& slot) {
@@ -165,7 +166,7 @@ void ArrivalWindow::hear(const Heartbeat& heartbeat, Time now) {
   if (joining_) begin_with(base_ + heartbeat.end);
   lose_before(base_ + heartbeat.first);
   reach(std::max(end_, base_ + heartbeat.end), now);
-  look_at(now + delay_);
+  if (next_ < slots_.end()) look_at(now + delay_);
 }
 
 void ArrivalWindow::set_readers(const std::vector<core::EndpointId>& readers) {

@@ -89,6 +89,53 @@ TEST_P(ReliableTest, DeliversTheLastSampleAlthoughNothingFollowsIt) {
   EXPECT_EQ(subscriber.await_sequences(1), up_to(1));
 }
 
+TEST_P(ReliableTest, SendsReadersOfOneProcessOneCopyWhetherTheyAreReliableOrNot) {
+  const auto there = open(), here = open();
+  Subscriber careful(*here, {"*"}, 100, 1), careless(*here, {"*"}, 100, 2);
+  Publisher publisher(*there);
+  careful.listen_reliably_to(publisher.id());
+  careless.listen_to(publisher.id());
+  const core::UdpAddress address = test::loopback_address(*here);
+  publisher.serve({{address, "*", true}, {address, "*", false}});
+  for (int i = 0; i < 20; ++i) publisher.publish(make_image(50'000));
+  EXPECT_EQ(careful.await_sequences(20), up_to(20));
+  EXPECT_EQ(careless.await_sequences(20), up_to(20));
+  EXPECT_LT(publisher.port().bytes_sent(), 20 * 53'000U);
+}
+
+TEST_P(ReliableTest, LosesNothingWhileTheMaskChanges) {
+  SCOPED_TRACE(sft::test::how_to_repeat());
+  const auto there = open(bad_link), here = open(bad_link);
+  Subscriber subscriber(*here, {"*", "data", "stamp"}, 1000);
+  Publisher publisher(*there);
+  subscriber.listen_reliably_to(publisher.id());
+  const std::vector<std::string> masks = {"*", "data", "stamp"};
+  for (std::size_t n = 1; n <= 300; ++n) {
+    publisher.serve({{test::loopback_address(*here), masks[n % masks.size()], true}});
+    publisher.publish(make_image(n % 7 == 0 ? 100'000 : 50));
+    if (n % 20 == 0) {
+      ASSERT_GE(subscriber.await(n).size(), n);
+    }
+  }
+  EXPECT_EQ(subscriber.await_sequences(300), up_to(300));
+}
+
+TEST_P(ReliableTest, FallsSilentOnceAllHasCome) {
+  const auto there = open(), here = open();
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  join(publisher, subscriber, *here);
+  for (int i = 0; i < 10; ++i) publisher.publish(make_image(50));
+  EXPECT_EQ(subscriber.await_sequences(10), up_to(10));
+  const auto rests = [&, last = publisher.port().bytes_sent(),
+                      since = std::chrono::steady_clock::now()]() mutable {
+    const auto now = std::chrono::steady_clock::now();
+    if (const auto sent = publisher.port().bytes_sent(); std::exchange(last, sent) != sent) since = now;
+    return now - since > 3s;
+  };
+  EXPECT_TRUE(test::eventually(rests));
+}
+
 TEST_P(ReliableTest, TransfersAThousandSamplesOfAllSizesBitExactOverABadLink) {
   SCOPED_TRACE(sft::test::how_to_repeat());
   sft::test::Random random{sft::test::test_seed()};

@@ -1,0 +1,63 @@
+#include "udp_transport/channel_directory.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "connections.h"
+
+namespace sft::udp {
+namespace {
+
+class ChannelDirectoryTest : public testing::Test {
+ protected:
+  std::shared_ptr<Destination> to(std::uint16_t port) {
+    return destinations.find({.ipv4 = 1, .port = port, .receive_buffer_bytes = 0});
+  }
+
+  test::Connections connections;
+  DestinationDirectory destinations{{}, connections.connect()};
+  ChannelRoster roster;
+  ChannelDirectory channels{7, std::make_shared<WriterTally>(), roster, 5000};
+};
+
+TEST_F(ChannelDirectoryTest, KeepsAChannelAsLongAsOneOfItsReadersStays) {
+  const auto there = to(1);
+  const auto channel = channels.find(there, {1, 2});
+  EXPECT_EQ(channels.find(there, {2, 3}), channel);
+  EXPECT_EQ(channels.find(there, {3}), channel);
+  EXPECT_FALSE(channel->closed());
+}
+
+TEST_F(ChannelDirectoryTest, GivesOthersAChannelOfTheirOwnWithAGreaterNumber) {
+  const auto there = to(1);
+  const auto channel = channels.find(there, {1});
+  const auto next = channels.find(there, {2});
+  EXPECT_NE(next, channel);
+  EXPECT_GT(next->number(), channel->number());
+  EXPECT_TRUE(channel->closed());
+}
+
+TEST_F(ChannelDirectoryTest, EndsChannelsToWhereNobodyIsServedReliablyAnyMore) {
+  const auto one = to(1), other = to(2);
+  const auto channel = channels.find(one, {1});
+  const auto stays = channels.find(other, {2});
+  channels.keep_to({other.get()});
+  EXPECT_TRUE(channel->closed());
+  EXPECT_FALSE(stays->closed());
+  EXPECT_NE(channels.find(one, {1}), channel) << "it begins anew";
+}
+
+TEST_F(ChannelDirectoryTest, FindsTheChannelOfAnAckWhileSomebodyHoldsIt) {
+  const auto there = to(1);
+  auto channel = channels.find(there, {1});
+  EXPECT_EQ(roster.find(7, channel->number()), channel);
+  EXPECT_EQ(roster.find(7, channel->number() + 1), nullptr);
+  EXPECT_EQ(roster.find(8, channel->number()), nullptr);
+  const std::uint32_t number = channel->number();
+  channel.reset();
+  EXPECT_EQ(roster.find(7, number), nullptr);
+}
+
+}  // namespace
+}  // namespace sft::udp
