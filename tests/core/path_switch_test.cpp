@@ -305,9 +305,9 @@ TEST_F(PathSwitch, CountsEachSampleThatDidNotComeAsLostOrWithheldWhileLimitsChan
   publish();  // what was skipped before is entered, too
   shm_reader->samples.push_back(shm_writer->sent.back());
   periods_us = {0, 10, 30};
-  take();
+  EXPECT_TRUE(test::eventually([&] { return take(), last == published; }))
+      << last;  // or it waits, for a while
   const SubscriberStatus status = subscriber.status();
-  EXPECT_EQ(last, published);
   EXPECT_GT(status.received, 1000U);
   EXPECT_GT(status.withheld, 100U);
   EXPECT_EQ(status.received + status.lost + status.withheld, last - first + 1);

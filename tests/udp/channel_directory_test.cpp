@@ -42,7 +42,7 @@ TEST_F(ChannelDirectoryTest, EndsChannelsToWhereNobodyIsServedReliablyAnyMore) {
   const auto one = to(1), other = to(2);
   const auto channel = channels.find(one, {1});
   const auto stays = channels.find(other, {2});
-  channels.keep_to({other.get()});
+  channels.keep_to({{other.get(), {2}}});
   EXPECT_TRUE(channel->closed());
   EXPECT_FALSE(stays->closed());
   EXPECT_NE(channels.find(one, {1}), channel) << "it begins anew";
