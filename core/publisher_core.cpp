@@ -13,15 +13,9 @@ namespace sft::core {
 
 namespace {
 
-constexpr std::size_t gates_remembered_max = 64;
 /// A sample that is not encoded whole is measured, for what it saves, only so often: to walk through a large
 /// message can take longer than to encode a few of its fields.
 constexpr std::int64_t measured_every_ns = 10'000'000;
-
-template <class T>
-bool contains(const std::vector<T>& all, const T& one) {
-  return std::find(all.begin(), all.end(), one) != all.end();
-}
 
 bool equal_but_for_number(ReaderStatus a, const ReaderStatus& b) {
   a.request_sequence = b.request_sequence;
@@ -47,85 +41,15 @@ PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::s
   outlets_.store(outlets_for({}, nullptr));
 }
 
-std::shared_ptr<PublisherCore::Outlets> PublisherCore::outlets_for(const Serving& serving,
-                                                                   std::shared_ptr<WriterPort> shm) const {
-  auto outlets = std::make_shared<Outlets>();
-  outlets->shm = std::move(shm);
-  outlets->to_shm = outlets->shm != nullptr && !serving.shm.empty();
-  outlets->to_udp = udp_ != nullptr && !serving.udp.empty();
-  outlets->has_spares = outlets->to_shm && udp_ != nullptr && !serving.spare.empty();
-  outlets->is_wanted = outlets->to_shm || outlets->to_udp || history_ != nullptr;
-  const bool whole = outlets->to_shm || history_ != nullptr;  // nobody knows what late readers will ask for
-  outlets->mask = whole ? full_ : spec_.type->closed(spec_.type->none());
-  for (const Route& route : serving.udp) outlets->mask |= route.mask;
-  outlets->whole = outlets->mask.is_full();
-  for (const auto* routes : {&serving.shm, &serving.udp}) {
-    for (const Route& route : *routes) {
-      outlets->to_all |= route.gate == nullptr;
-      const auto gate = gates_.find(route.min_period_us);
-      if (route.gate == nullptr || contains(outlets->gates, gate->second)) continue;
-      outlets->gates.push_back(gate->second);
-    }
-  }
-  write_page(serving, *outlets);
-  return outlets;
-}
-
-void PublisherCore::write_page(const Serving& serving, Outlets& outlets) const {
-  for (const Route& route : serving.shm) {
-    const auto is_it = [&](const Route& spare) { return spare.reader == route.reader; };
-    const bool spare = outlets.has_spares && std::ranges::any_of(serving.spare, is_it);
-    const auto same = [&](const Outlets::Locals& locals) {
-      return locals.gate == route.gate && locals.spare == spare;
-    };
-    auto locals = std::find_if(outlets.locals.begin(), outlets.locals.end(), same);
-    if (locals == outlets.locals.end())
-      locals = outlets.locals.insert(locals, {route.gate, std::make_shared<DeliveryTally>(), spare});
-    outlets.page.push_back({route.reader, {.tally = locals->tally, .gate = route.gate}});
-  }
-}
-
-/// Whether each sample is made so that the others' routes can send it.
-bool PublisherCore::Outlets::provides_for(const Outlets& other) const {
-  const auto asked = [this](const auto& gate) { return contains(gates, gate); };
-  return mask.contains(other.mask) && (to_all || !other.to_all) &&
-         std::all_of(other.gates.begin(), other.gates.end(), asked);
-}
-
-/// The same places, and all that the others need.
-PublisherCore::Outlets PublisherCore::Outlets::with(const Outlets& other) const {
-  Outlets both = *this;
-  both.mask |= other.mask;
-  both.whole = both.mask.is_full();
-  both.to_all |= other.to_all;
-  for (const auto& gate : other.gates) {
-    if (!contains(both.gates, gate)) both.gates.push_back(gate);
-  }
-  return both;
+std::shared_ptr<Outlets> PublisherCore::outlets_for(const Serving& serving,
+                                                    std::shared_ptr<WriterPort> shm) const {
+  return make_outlets(type(), serving, gates_, {std::move(shm), udp_ != nullptr, retains()});
 }
 
 void PublisherCore::turn_to(const Outlets& outlets) noexcept {
   book_->turn_to(DeliveryBook::Teller::publisher, outlets.page);
   if (udp_ != nullptr && !outlets.to_udp) udp_->rest();
   counted_ = &outlets;
-}
-
-/// One gate for each limit, kept for a while when nobody asks for it any more: its numbers go on when
-/// somebody does again.
-std::shared_ptr<RateGate> PublisherCore::gate_for(std::uint32_t min_period_us) {
-  if (min_period_us == 0) return nullptr;
-  std::shared_ptr<RateGate>& gate = gates_[min_period_us];
-  if (gate == nullptr) gate = std::make_shared<RateGate>(min_period_us);
-  return gate;
-}
-
-void PublisherCore::find_gates(Serving& serving) {
-  if (gates_.size() > gates_remembered_max) {
-    std::erase_if(gates_, [](const auto& item) { return item.second.use_count() == 1; });
-  }
-  for (auto* routes : {&serving.shm, &serving.udp, &serving.spare}) {
-    for (Route& route : *routes) route.gate = gate_for(route.min_period_us);
-  }
 }
 
 /// Routes of readers that are to be given the history now, and not already at that address.
@@ -155,7 +79,8 @@ bool PublisherCore::changes_over(const Serving& serving) {
 /// set_routes() on, and whatever send() sends by earlier routes or outlets, which do not reach it, is in the
 /// history by the time that it is looked at. Both may hold one sample; the reader takes it once.
 void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
-  find_gates(serving);
+  gates_.tidy();
+  for (auto* routes : {&serving.shm, &serving.udp, &serving.spare}) gates_.give(*routes);
   const std::vector<Route> latecomers = take_latecomers(serving);
   const std::shared_ptr<Outlets> after = outlets_for(serving, std::move(shm));
   const std::shared_ptr<const Outlets> before = outlets_.share();
@@ -182,15 +107,7 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
     udp_->set_routes(std::move(routes));
   }
   outlets_.store(after);
-  for (const Route& route : latecomers) {
-    std::vector<SampleHandle> samples = history_->last(route.history, realtime_ns());
-    book_->retained(route.reader, samples.size());
-    udp_->send_history(route, std::move(samples));
-  }
-  late_in_shm_.clear();
-  std::ranges::copy_if(serving.shm, std::back_inserter(late_in_shm_),
-                       [](const Route& route) { return route.history != 0; });
-  give_history();
+  give_history(serving, latecomers);
   std::set<EndpointId> known;
   for (const ReaderStatus& reader : serving.readers) known.insert(reader.id);
   book_->keep(known);
@@ -200,6 +117,18 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
     encoded_ = after->is_wanted ? after->mask : spec_.type->none();
   }
   if (readers_changed_.wanted()) readers_changed_.tell(status());
+}
+
+void PublisherCore::give_history(const Serving& serving, const std::vector<Route>& latecomers) {
+  for (const Route& route : latecomers) {
+    std::vector<SampleHandle> samples = history_->last(route.history, realtime_ns());
+    book_->retained(route.reader, samples.size());
+    udp_->send_history(route, std::move(samples));
+  }
+  late_in_shm_.clear();
+  std::ranges::copy_if(serving.shm, std::back_inserter(late_in_shm_),
+                       [](const Route& route) { return route.history != 0; });
+  give_history();
 }
 
 void PublisherCore::give_history() {

@@ -21,6 +21,7 @@
 #include "core/event_sink.h"
 #include "core/history.h"
 #include "core/negotiation.h"
+#include "core/outlets.h"
 #include "core/qos_watch.h"
 #include "core/snapshot.h"
 #include "core/transport.h"
@@ -87,36 +88,8 @@ class PublisherCore {
   void give_history();
 
  private:
-  /// Where samples go at present. Immutable once stored.
-  struct Outlets {
-    std::shared_ptr<WriterPort> shm;
-    bool is_wanted = false;  ///< a sample: somebody reads, or it is retained
-    bool to_shm = false;
-    bool to_udp = false;
-    bool has_spares = false;  ///< some reader in shared memory can be sent by UDP what that does not take
-    std::vector<std::shared_ptr<RateGate>> gates;
-    bool to_all = false;  ///< some reader gets every sample
-    FieldMask
-        mask;  ///< what has to be encoded: everything for shared memory, else the union of what is asked for
-    bool whole = false;  ///< which is all there is
-    struct Locals {      ///< readers in shared memory with one limit
-      std::shared_ptr<const RateGate> gate;
-      std::shared_ptr<DeliveryTally> tally;
-      bool spare;  ///< for them, too
-      bool want() const { return gate == nullptr || gate->passes(); }
-    };
-    std::vector<Locals> locals;
-    DeliveryBook::Page page;  ///< of these readers
-
-    bool provides_for(const Outlets& other) const;
-    Outlets with(const Outlets& other) const;
-  };
-
   std::vector<Route> take_latecomers(const Serving& serving);
   bool changes_over(const Serving& serving);
-  void find_gates(Serving& serving);
-  std::shared_ptr<RateGate> gate_for(std::uint32_t min_period_us);
-  void write_page(const Serving& serving, Outlets& outlets) const;
   /// Those in force, by which is counted from here on.
   const Outlets& outlets() noexcept {
     const Outlets* outlets = outlets_.load();
@@ -141,6 +114,7 @@ class PublisherCore {
   void note_sent_by_udp_alone(const SampleBuffer& sample) noexcept;
   PublishStatus divert(const Outlets& outlets, const SampleHandle& sample) noexcept;
   SampleHandle copy_to_shm(WriterPort& shm, const SampleHandle& sample) const noexcept;
+  void give_history(const Serving& serving, const std::vector<Route>& latecomers);
   bool give_history(WriterPort& shm, const Route& route);
   std::vector<SampleHandle> retained_in(WriterPort& shm, std::uint32_t count);
 
@@ -179,7 +153,7 @@ class PublisherCore {
   std::int64_t diverted_stamp_ns_ = 0;
 
   // Of the agent's thread.
-  std::map<std::uint32_t, std::shared_ptr<RateGate>> gates_;  ///< by period; those of before as well
+  RateGates gates_;
   std::map<EndpointId, Locator> history_begun_;  ///< readers that are being given the history, and where
   std::vector<Route> late_in_shm_;               ///< to readers that are, or will be, given it there
   std::set<EndpointId> by_udp_;                  ///< readers that are served so

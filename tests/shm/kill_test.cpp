@@ -122,7 +122,7 @@ TEST_F(Kill, MakesTheDaemonStartAfreshOnceItIsIdleWhereItsMemoryIsNotInOrder) {
         const auto found = shm::HostWatch::look();
         return found.watch && shm::host_token(found.watch->file()) != token;
       },
-      10s));
+      30s));
   EXPECT_EQ(daemon_pid(), daemon) << "the same process";
   Node next(no_daemon());
   EXPECT_TRUE(next.becomes_ready()) << next->description();

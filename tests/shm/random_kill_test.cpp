@@ -88,7 +88,7 @@ class RandomKill : public ShmTest {
           return usage.stamp_ns > since_ns && usage.users.size() == 1 && usage.unaudited == 0 &&
                  chunks_in_use(usage) == 1;
         },
-        10s, 100ms);
+        30s, 100ms);
     const std::string account = std::to_string(kills) + " kills, " + std::to_string(usage.deaths) +
                                 " deaths, " + std::to_string(usage.locks_healed) + " locks and " +
                                 std::to_string(usage.leaks_healed) + " chunks healed, " +

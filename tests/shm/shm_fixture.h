@@ -45,7 +45,7 @@ class Process {
   /// Waits for its end; -1 if it was killed.
   int exit_code();
   /// The next line that it writes, with a deadline; empty if none came.
-  std::string line(Clock::duration within = 10s);
+  std::string line(Clock::duration within = 30s);
   std::string all_output();
 
  private:
@@ -77,7 +77,7 @@ class Node {
   explicit Node(const shm::ShmOptions& options = own_daemon());
 
   core::Availability poll() { return transport_->poll(Clock::now()); }
-  bool becomes(core::Availability wanted, std::chrono::milliseconds within = 10s);
+  bool becomes(core::Availability wanted, std::chrono::milliseconds within = 30s);
   bool becomes_ready() { return becomes(core::Availability::ready); }
   core::Transport& transport() { return *transport_; }
   core::Transport* operator->() { return transport_.get(); }

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -13,6 +14,7 @@
 #include "core/doorbell.h"
 #include "frame.h"
 #include "shm_fixture.h"
+#include "tests/support/pace.h"
 
 namespace {
 
@@ -30,7 +32,7 @@ void say(const std::string& text) {
 }
 
 /// Between two rounds of whoever does not go round and round as fast as it can.
-constexpr unsigned pause_us = 200;
+constexpr std::chrono::microseconds pause{200};
 
 /// Publishes frames of that much data without a pause.
 void publish(Node& node, sft::core::EndpointId id, std::uint32_t data) {
@@ -42,7 +44,7 @@ void publish(Node& node, sft::core::EndpointId id, std::uint32_t data) {
 void publish_paced(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Writer writer(node, id);
   say("publishing");
-  for (;; usleep(pause_us)) writer.send_frame(data);
+  for (sft::test::Pace pace(pause);; pace.await_turn()) writer.send_frame(data);
 }
 
 /// Takes 16 chunks and keeps them: half on loan, half sent, as a history would.
@@ -77,7 +79,8 @@ void subscribe(Node& node, sft::core::EndpointId id, std::uint32_t) {
 }
 
 void subscribe_paced(Node& node, sft::core::EndpointId id, std::uint32_t) {
-  for (Taker taker(node, id);; usleep(pause_us)) taker.take();
+  Taker taker(node, id);
+  for (sft::test::Pace pace(pause);; pace.await_turn()) taker.take();
 }
 
 long minor_faults() {

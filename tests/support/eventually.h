@@ -9,7 +9,7 @@ namespace sft::test {
 
 /// Looks again after each pause; false if the condition does not hold in time.
 template <class Condition>
-bool eventually(Condition&& condition, std::chrono::milliseconds within = std::chrono::seconds(15),
+bool eventually(Condition&& condition, std::chrono::milliseconds within = std::chrono::seconds(30),
                 std::chrono::milliseconds pause = std::chrono::milliseconds(1)) {
   const auto deadline = std::chrono::steady_clock::now() + within;
   while (!condition()) {
