@@ -183,7 +183,7 @@ int main(int argc, char** argv) {
   if (task == tasks.end() && wanted != "knock") return 2;
   Node node;
   if (wanted == "knock") return knock(node);
-  if (!node.becomes_ready()) {
+  if (!node.becomes(Availability::ready, std::chrono::seconds(15))) {
     say("not ready: " + node->description());
     return 1;
   }
