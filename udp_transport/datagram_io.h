@@ -13,10 +13,12 @@
 #include <span>
 #include <string>
 
+#include "core/ip_address.h"
+
 namespace sft::udp {
 
 struct SocketAddress {
-  std::uint32_t ipv4 = 0;  ///< host byte order
+  core::IpAddress ip;
   std::uint16_t port = 0;
   friend auto operator<=>(const SocketAddress&, const SocketAddress&) = default;
 };

@@ -42,7 +42,7 @@ void Destination::note(SendOutcome outcome) noexcept {
 }
 
 std::shared_ptr<Destination> DestinationDirectory::find(const core::UdpAddress& address) {
-  const SocketAddress key{address.ipv4, address.port};
+  const SocketAddress key{address.ip, address.port};
   std::shared_ptr<Destination> destination;
   {
     const std::scoped_lock lock(mutex_);

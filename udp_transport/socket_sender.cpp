@@ -8,8 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "udp_transport/interfaces.h"
-
 namespace sft::udp {
 
 namespace {
@@ -28,9 +26,11 @@ struct Shared {
 class SocketConnection final : public Connection {
  public:
   SocketConnection(const SocketAddress& to, std::shared_ptr<Shared> shared)
-      : to_(to_sockaddr(to)), shared_(std::move(shared)) {
+      : to_(to),
+        to_through_shared_(SystemAddress::for_socket(to, shared->socket->family)),
+        shared_(std::move(shared)) {
     if (shared_->own_sockets.fetch_add(1, std::memory_order_relaxed) < sending_sockets_max)
-      own_ = open_sending_socket(shared_->socket->options);
+      own_ = open_sending_socket(shared_->socket->options, to_.family());
     if (!own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
     reconnect();
   }
@@ -39,6 +39,7 @@ class SocketConnection final : public Connection {
   }
 
   Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+    if (!own_) return send_at_once(fd(), batches, &to_through_shared_);
     return send_at_once(fd(), batches, connected_.load(std::memory_order_relaxed) ? nullptr : &to_);
   }
 
@@ -48,7 +49,7 @@ class SocketConnection final : public Connection {
     connected_.store(false, std::memory_order_relaxed);
     const sockaddr nobody{.sa_family = AF_UNSPEC, .sa_data = {}};
     ::connect(own_.get(), &nobody, sizeof nobody);
-    const bool connected = ::connect(own_.get(), reinterpret_cast<const sockaddr*>(&to_), sizeof to_) == 0;
+    const bool connected = ::connect(own_.get(), to_.get(), to_.bytes()) == 0;
     connected_.store(connected, std::memory_order_relaxed);
   }
 
@@ -62,7 +63,8 @@ class SocketConnection final : public Connection {
   int fd() const noexcept { return own_ ? own_.get() : shared_->socket->fd.get(); }
 
  private:
-  const sockaddr_in to_;
+  const SystemAddress to_;
+  const SystemAddress to_through_shared_;  ///< as the socket that receives takes it
   const std::shared_ptr<Shared> shared_;
   FileDescriptor own_;  ///< invalid: the socket that receives sends for this one too
   std::atomic<bool> connected_{false};

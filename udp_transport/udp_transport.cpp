@@ -38,6 +38,7 @@ class UdpTransport final : public core::Transport {
         advertised_(options.advertised_addresses),
         interfaces_(options.interfaces),
         port_(socket.port),
+        family_(socket.family),
         receive_buffer_bytes_(socket.receive_buffer_bytes),
         receiver_(std::move(receiver)),
         send_side_(std::move(send_side)) {}
@@ -59,17 +60,21 @@ class UdpTransport final : public core::Transport {
   }
 
   std::vector<core::UdpAddress> addresses() const override {
-    std::vector<std::uint32_t> hosts = advertised_;
-    if (hosts.empty() && bound_to_ != 0) hosts.push_back(bound_to_);
-    if (hosts.empty()) {
-      for (const core::Link& link : links()) hosts.push_back(link.ipv4);
-    }
+    std::vector<core::IpAddress> hosts = advertised_;
+    if (hosts.empty() && !bound_to_.is_any()) hosts.push_back(bound_to_);
     std::vector<core::UdpAddress> addresses;
-    for (const std::uint32_t host : hosts) addresses.push_back({host, port_, receive_buffer_bytes_});
+    for (const core::IpAddress& host : hosts) addresses.push_back({host, port_, receive_buffer_bytes_});
+    if (!addresses.empty()) return addresses;
+    for (const core::Link& link : links())
+      addresses.push_back({link.ip, port_, receive_buffer_bytes_, link.wireless});
     return addresses;
   }
 
-  std::vector<core::Link> links() const override { return own_links(interfaces_); }
+  std::vector<core::Link> links() const override {
+    std::vector<core::Link> links = own_links(interfaces_);
+    if (family_ == AF_INET) std::erase_if(links, [](const core::Link& link) { return !link.ip.is_ipv4(); });
+    return links;
+  }
   bool network_changed() noexcept override { return network_watch_.changed(); }
 
   Result<std::unique_ptr<core::WriterPort>> open_writer(const core::WriterSpec& spec) override {
@@ -92,11 +97,12 @@ class UdpTransport final : public core::Transport {
  private:
   const std::string description_;
   const std::size_t max_sample_bytes_;
-  const std::uint32_t bound_to_;
-  const std::vector<std::uint32_t> advertised_;
+  const core::IpAddress bound_to_;
+  const std::vector<core::IpAddress> advertised_;
   const std::vector<std::string> interfaces_;
   NetworkWatch network_watch_;
   const std::uint16_t port_;
+  const int family_;  ///< of the socket: one of IPv6 takes both
   const std::uint32_t receive_buffer_bytes_;
   const std::shared_ptr<Receiver> receiver_;
   const std::shared_ptr<SendSide> send_side_;
@@ -147,6 +153,7 @@ Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& op
                                                             std::shared_ptr<core::BufferPool> pool,
                                                             const DecorateIo& decorate) {
   const auto forward = [](Error& error) { return tl::unexpected<Error>(std::move(error)); };
+  if (Result<void> sound = check_interfaces(options.interfaces); !sound) return forward(sound.error());
   Result<std::shared_ptr<const UdpSocket>> socket =
       open_udp_socket({.bind = {options.bind_address, options.port},
                        .receive_buffer_bytes = options.receive_buffer_bytes,

@@ -22,7 +22,7 @@ inline constexpr std::chrono::seconds patience{20};  // for what must happen
 
 inline core::UdpAddress loopback_address(const core::Transport& transport) {
   core::UdpAddress address = transport.addresses().at(0);
-  address.ipv4 = 0x7f000001;
+  address.ip = 0x7f000001;
   return address;
 }
 

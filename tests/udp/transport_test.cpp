@@ -32,7 +32,7 @@ void send_bytes(const core::UdpAddress& to, const std::vector<std::byte>& bytes)
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(to.port);
-  address.sin_addr.s_addr = htonl(to.ipv4);
+  address.sin_addr.s_addr = htonl(to.ip.ipv4());
   EXPECT_EQ(
       ::sendto(fd, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&address), sizeof address),
       static_cast<ssize_t>(bytes.size()));
@@ -52,7 +52,7 @@ TEST_P(TransportTest, SaysHowItWorks) {
             std::string::npos)
       << transport->description();
   ASSERT_EQ(transport->addresses().size(), 1U);
-  EXPECT_EQ(transport->addresses()[0].ipv4, INADDR_LOOPBACK);
+  EXPECT_EQ(transport->addresses()[0].ip, INADDR_LOOPBACK);
   EXPECT_NE(transport->addresses()[0].port, 0);
   EXPECT_GT(transport->addresses()[0].receive_buffer_bytes, 0U);
 }
