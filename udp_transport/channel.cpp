@@ -66,6 +66,7 @@ Channel::Care Channel::look_after() {
     closed_ = true;
     return {.heartbeat = addressed(window_.parting()), .at_rest = true};
   }
+  if (to_->moves() != std::exchange(moves_, to_->moves())) window_.way_changed(time);
   Care care;
   if (const auto heartbeat = window_.heartbeat(time)) care.heartbeat = addressed(*heartbeat);
   care.next_look = window_.next_look(time);

@@ -87,6 +87,7 @@ class Channel {
   bool woken_ = false;     ///< and will look at it
   bool closed_ = false;    ///< it has parted
   std::optional<Time> ended_at_;
+  std::uint32_t moves_ = to_->moves();  ///< of the destination, as far as is known here
 };
 
 }  // namespace sft::udp

@@ -83,6 +83,8 @@ class Connection {
 
   /// Looks for the way anew: after a refusal, for routes and the host's own addresses change. Any thread.
   virtual void reconnect() noexcept = 0;
+  /// The same, to another address of the same socket. Any thread.
+  virtual void redirect(const SocketAddress& to) noexcept = 0;
 
   /// After `would_wait`: makes the next await() return once there is room. The thread that calls await().
   virtual void wait_for_room() noexcept = 0;

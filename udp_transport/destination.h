@@ -1,5 +1,5 @@
 // A socket of somebody's that samples are sent to, shared by all writers that serve readers behind it, and
-// the way there.
+// the way there, which can change: a socket has several addresses.
 #pragma once
 
 #include <atomic>
@@ -37,6 +37,12 @@ class Destination {
   /// sample.
   void set_receive_buffer(std::uint32_t bytes);
 
+  SocketAddress address() const;
+  /// To another address of the same socket: what is on its way there goes on. Any thread.
+  void move_to(const SocketAddress& address) noexcept;
+  /// Counts these moves.
+  std::uint32_t moves() const { return moves_.load(std::memory_order_relaxed); }
+
   /// Learns from a send that was refused; the next one fits, and takes the way as it is now. Any thread.
   void note(SendOutcome outcome) noexcept;
 
@@ -46,8 +52,10 @@ class Destination {
  private:
   std::size_t ask_for_datagram_bytes() const noexcept;
 
-  const SocketAddress address_;
   const DestinationLimits limits_;
+  mutable std::mutex mutex_;  ///< of the address
+  SocketAddress address_;
+  std::atomic<std::uint32_t> moves_{0};
   std::atomic<std::size_t> datagram_bytes_;
   std::atomic<bool> one_at_a_time_{false};
   std::atomic<std::size_t> burst_bytes_;
@@ -63,14 +71,19 @@ class DestinationDirectory {
       : limits_(limits), connect_(std::move(connect)) {}
 
   /// The destination of that address, known or new: a new one is connected to, and the kernel asked for the
-  /// path's MTU. It goes, with its connection, when nobody sends there any more.
+  /// path's MTU. Where the address says whose it is, a known one moves there. It goes, with its connection,
+  /// when nobody sends there any more.
   std::shared_ptr<Destination> find(const core::UdpAddress& address);
 
  private:
   const DestinationLimits limits_;
   const Connect connect_;
   std::mutex mutex_;
-  std::map<SocketAddress, std::weak_ptr<Destination>> known_;
+  /// One that has several addresses is known by its node and port, any other by its address.
+  using Key = std::pair<std::uint64_t, SocketAddress>;
+  static Key key_of(const core::UdpAddress& address);
+  std::shared_ptr<Destination> known(const core::UdpAddress& address);
+  std::map<Key, std::weak_ptr<Destination>> known_;
 };
 
 }  // namespace sft::udp

@@ -197,6 +197,12 @@ void ResendWindow::plan_heartbeat(Time now) {
   }
 }
 
+void ResendWindow::way_changed(Time now) {
+  if (kept_.empty()) return;
+  unanswered_ = 0;
+  heartbeat_at_ = now;
+}
+
 std::optional<Heartbeat> ResendWindow::heartbeat(Time now) {
   if (answer_wanted_ && unanswered_ == 0) plan_heartbeat(now);
   if (now < heartbeat_at_) return {};

@@ -67,6 +67,9 @@ class ResendWindow {
   /// What the other end says. Nonsense is ignored.
   void hear(const Ack& ack, Time now);
 
+  /// The way there is another one: asks at once, which also tells the other end where acks go now.
+  void way_changed(Time now);
+
   /// Empty if none is due. Its port is left to the caller.
   std::optional<Heartbeat> heartbeat(Time now);
   /// The last one: nothing is kept any more.

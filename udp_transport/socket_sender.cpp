@@ -1,10 +1,13 @@
 #include "udp_transport/socket_sender.h"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -26,11 +29,9 @@ struct Shared {
 class SocketConnection final : public Connection {
  public:
   SocketConnection(const SocketAddress& to, std::shared_ptr<Shared> shared)
-      : to_(to),
-        to_through_shared_(SystemAddress::for_socket(to, shared->socket->family)),
-        shared_(std::move(shared)) {
+      : shared_(std::move(shared)), to_(to) {
     if (shared_->own_sockets.fetch_add(1, std::memory_order_relaxed) < sending_sockets_max)
-      own_ = open_sending_socket(shared_->socket->options, to_.family());
+      own_ = open_sending_socket(shared_->socket->options, SystemAddress(to).family());
     if (!own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
     reconnect();
   }
@@ -39,18 +40,26 @@ class SocketConnection final : public Connection {
   }
 
   Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
-    if (!own_) return send_at_once(fd(), batches, &to_through_shared_);
-    return send_at_once(fd(), batches, connected_.load(std::memory_order_relaxed) ? nullptr : &to_);
+    if (connected_.load(std::memory_order_relaxed)) return send_at_once(fd(), batches, nullptr);
+    const SystemAddress to = address();
+    return send_at_once(fd(), batches, &to);
   }
 
-  /// Undone first: the kernel would keep the source address and the route that it chose before.
   void reconnect() noexcept override {
-    if (!own_) return;
-    connected_.store(false, std::memory_order_relaxed);
-    const sockaddr nobody{.sa_family = AF_UNSPEC, .sa_data = {}};
-    ::connect(own_.get(), &nobody, sizeof nobody);
-    const bool connected = ::connect(own_.get(), to_.get(), to_.bytes()) == 0;
-    connected_.store(connected, std::memory_order_relaxed);
+    const std::scoped_lock lock(mutex_);
+    connect();
+  }
+
+  /// A socket of another family takes the place of the one before, also for those who are just using it.
+  void redirect(const SocketAddress& to) noexcept override {
+    const std::scoped_lock lock(mutex_);
+    const int family = SystemAddress(to).family();
+    if (own_ && family != SystemAddress(to_).family()) {
+      const FileDescriptor other = open_sending_socket(shared_->socket->options, family);
+      if (!other || ::dup3(other.get(), own_.get(), O_CLOEXEC) < 0) return;
+    }
+    to_ = to;
+    connect();
   }
 
   void wait_for_room() noexcept override {
@@ -63,12 +72,27 @@ class SocketConnection final : public Connection {
   int fd() const noexcept { return own_ ? own_.get() : shared_->socket->fd.get(); }
 
  private:
-  const SystemAddress to_;
-  const SystemAddress to_through_shared_;  ///< as the socket that receives takes it
+  SystemAddress address() noexcept {
+    const std::scoped_lock lock(mutex_);
+    return own_ ? SystemAddress(to_) : SystemAddress::for_socket(to_, shared_->socket->family);
+  }
+
+  /// Undone first: the kernel would keep the source address and the route that it chose before.
+  void connect() noexcept {
+    if (!own_) return;
+    connected_.store(false, std::memory_order_relaxed);
+    const sockaddr nobody{.sa_family = AF_UNSPEC, .sa_data = {}};
+    ::connect(own_.get(), &nobody, sizeof nobody);
+    const SystemAddress to(to_);
+    connected_.store(::connect(own_.get(), to.get(), to.bytes()) == 0, std::memory_order_relaxed);
+  }
+
   const std::shared_ptr<Shared> shared_;
   FileDescriptor own_;  ///< invalid: the socket that receives sends for this one too
   std::atomic<bool> connected_{false};
   bool full_ = false;  ///< of the thread that calls await()
+  std::mutex mutex_;
+  SocketAddress to_;
 };
 
 class SocketSender final : public DatagramSender {
