@@ -13,7 +13,10 @@ enum class Rank : std::uint8_t { near_by_wire, near_by_radio, routed, link_local
 
 std::pair<Rank, UdpAddress> rank(const UdpAddress& address, std::span<const Link> ours) {
   const bool link_local = address.ip.is_link_local();
-  std::pair best{link_local ? Rank::no_way : Rank::routed, address};
+  const bool routed = !link_local && std::ranges::any_of(ours, [&](const Link& link) {
+    return link.running && !link.ip.is_link_local() && link.ip.is_ipv4() == address.ip.is_ipv4();
+  });
+  std::pair best{routed ? Rank::routed : Rank::no_way, address};
   bool near = false;
   for (const Link& link : ours) {
     if (link.ip.bytes == address.ip.bytes) return {Rank::no_way, address};

@@ -1,7 +1,9 @@
 #include "udp_transport/destination.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "udp_transport/fragmenter.h"
 #include "udp_transport/interfaces.h"
@@ -16,14 +18,26 @@ Destination::Destination(const SocketAddress& address, const DestinationLimits& 
                          std::unique_ptr<Connection> connection)
     : limits_(limits),
       address_(address),
-      datagram_bytes_(ask_for_datagram_bytes()),
+      path_(path_to(address)),
+      datagram_bytes_(path_.datagram_bytes()),
       burst_bytes_(receive_buffer_bytes_default / 2),
       pacer_(limits.bytes_per_s),
       connection_(std::move(connection)) {}
 
-std::size_t Destination::ask_for_datagram_bytes() const noexcept {
-  return std::min<std::size_t>(datagram_bytes_to(address()),
+std::size_t Destination::ask_kernel(const SocketAddress& address) const noexcept {
+  return std::min<std::size_t>(datagram_bytes_to(address),
                                std::max(limits_.datagram_bytes, datagram_bytes_min));
+}
+
+PathMtu Destination::path_to(const SocketAddress& address) const noexcept {
+  const std::size_t kernel_says = ask_kernel(address);
+  return {headers_before_datagram(address.ip),
+          std::min(datagram_bytes_of_every_path(address.ip), kernel_says), kernel_says};
+}
+
+void Destination::publish_length() noexcept {
+  datagram_bytes_.store(path_.datagram_bytes(), std::memory_order_relaxed);
+  length_in_doubt_.store(path_.in_doubt(), std::memory_order_relaxed);
 }
 
 std::size_t Destination::datagrams_per_call() const {
@@ -45,15 +59,47 @@ void Destination::move_to(const SocketAddress& address) noexcept {
     if (address == std::exchange(address_, address)) return;
   }
   connection_->redirect(address);
-  datagram_bytes_.store(ask_for_datagram_bytes(), std::memory_order_relaxed);
+  const PathMtu path = path_to(address);
+  const std::scoped_lock lock(mutex_);
+  path_ = path;
+  publish_length();
   moves_.fetch_add(1, std::memory_order_relaxed);
 }
 
 void Destination::note(SendOutcome outcome) noexcept {
   if (outcome == SendOutcome::no_segments) one_at_a_time_.store(true, std::memory_order_relaxed);
-  if (outcome == SendOutcome::too_long)
-    datagram_bytes_.store(ask_for_datagram_bytes(), std::memory_order_relaxed);
+  if (outcome == SendOutcome::too_long) learn_from_kernel();
   if (outcome == SendOutcome::too_long || outcome == SendOutcome::failed) connection_->reconnect();
+}
+
+void Destination::learn_from_kernel() noexcept {
+  const std::size_t says = ask_kernel(address());
+  const std::scoped_lock lock(mutex_);
+  path_.kernel_says(says);
+  publish_length();
+}
+
+void Destination::long_ones_were_lost(PathMtu::Time now) noexcept {
+  const std::scoped_lock lock(mutex_);
+  path_.lost(now);
+  publish_length();
+}
+
+void Destination::long_ones_arrived(PathMtu::Time now) noexcept {
+  const std::scoped_lock lock(mutex_);
+  path_.arrived(now);
+  publish_length();
+}
+
+void Destination::look_after(PathMtu::Time now, bool anew) noexcept {
+  if (anew) connection_->reconnect();
+  if (anew || now - kernel_asked_at_ >= kernel_is_asked_every) {
+    kernel_asked_at_ = now;
+    learn_from_kernel();
+  }
+  const std::scoped_lock lock(mutex_);
+  path_.look_after(now);
+  publish_length();
 }
 
 DestinationDirectory::Key DestinationDirectory::key_of(const core::UdpAddress& address) {
@@ -89,6 +135,17 @@ std::shared_ptr<Destination> DestinationDirectory::find(const core::UdpAddress& 
   if (address.node != 0) destination->move_to(to);
   if (address.receive_buffer_bytes != 0) destination->set_receive_buffer(address.receive_buffer_bytes);
   return destination;
+}
+
+void DestinationDirectory::look_after(PathMtu::Time now, bool anew) {
+  std::vector<std::shared_ptr<Destination>> all;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& [key, entry] : known_) all.push_back(entry.lock());
+  }
+  for (const std::shared_ptr<Destination>& destination : all) {
+    if (destination != nullptr) destination->look_after(now, anew);
+  }
 }
 
 }  // namespace sft::udp

@@ -123,7 +123,7 @@ SystemAddress::SystemAddress(const SocketAddress& address, int family_of_any) no
 
 SystemAddress SystemAddress::for_socket(const SocketAddress& address, int family) noexcept {
   SystemAddress result;
-  if (family == AF_INET) {
+  if (family == AF_INET && (address.ip.is_ipv4() || address.ip.is_any())) {
     sockaddr_in s{};
     s.sin_family = AF_INET;
     s.sin_port = htons(address.port);

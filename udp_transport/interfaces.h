@@ -21,7 +21,8 @@ class SystemAddress {
  public:
   /// Of the address's own family; any address is one of `family_of_any`.
   explicit SystemAddress(const SocketAddress& address, int family_of_any = AF_INET) noexcept;
-  /// For a socket that takes both families, IPv4 as IPv4-mapped (AF_INET6), or IPv4 only (AF_INET).
+  /// For a socket that takes both families, IPv4 as IPv4-mapped (AF_INET6), or IPv4 only (AF_INET): that will
+  /// refuse others.
   static SystemAddress for_socket(const SocketAddress& address, int family) noexcept;
 
   const sockaddr* get() const noexcept { return reinterpret_cast<const sockaddr*>(&storage_); }

@@ -75,6 +75,11 @@ std::uint64_t ResendWindow::first_waiting(Size size) {
   return ordinal;
 }
 
+std::optional<std::uint32_t> ResendWindow::bytes_sent(std::uint64_t ordinal) const {
+  if (!kept_.contains(ordinal) || !kept_[ordinal].begun) return std::nullopt;
+  return kept_[ordinal].first.total;
+}
+
 bool ResendWindow::has_work() {
   return !repairs_.empty() || first_waiting(Size::small) != kept_.end() ||
          first_waiting(Size::large) != kept_.end();

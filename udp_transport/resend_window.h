@@ -80,6 +80,12 @@ class ResendWindow {
   /// Nothing is left to be sent or acknowledged.
   bool settled() const { return kept_.empty(); }
 
+  /// Bytes of the body, if that sample was sent and is kept.
+  std::optional<std::uint32_t> bytes_sent(std::uint64_t ordinal) const;
+  /// [begin, end) are kept.
+  std::uint64_t begin() const { return kept_.begin(); }
+  std::uint64_t end() const { return kept_.end(); }
+
   /// Something is to be sent, as far as there is room for it.
   bool has_work();
 

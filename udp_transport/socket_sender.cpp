@@ -29,11 +29,11 @@ struct Shared {
 class SocketConnection final : public Connection {
  public:
   SocketConnection(const SocketAddress& to, std::shared_ptr<Shared> shared)
-      : shared_(std::move(shared)), to_(to) {
+      : shared_(std::move(shared)), family_(SystemAddress(to).family()), to_(to) {
     if (shared_->own_sockets.fetch_add(1, std::memory_order_relaxed) < sending_sockets_max)
-      own_ = open_sending_socket(shared_->socket->options, SystemAddress(to).family());
+      own_ = open_sending_socket(shared_->socket->options, family_.load());
     if (!own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
-    reconnect();
+    connect();
   }
   ~SocketConnection() override {
     if (own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
@@ -41,24 +41,18 @@ class SocketConnection final : public Connection {
 
   Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
     if (connected_.load(std::memory_order_relaxed)) return send_at_once(fd(), batches, nullptr);
-    const SystemAddress to = address();
+    const SystemAddress to =
+        own_ ? SystemAddress(address()) : SystemAddress::for_socket(address(), shared_->socket->family);
     return send_at_once(fd(), batches, &to);
   }
 
-  void reconnect() noexcept override {
-    const std::scoped_lock lock(mutex_);
-    connect();
-  }
+  void reconnect() noexcept override { connect(); }
 
-  /// A socket of another family takes the place of the one before, also for those who are just using it.
   void redirect(const SocketAddress& to) noexcept override {
-    const std::scoped_lock lock(mutex_);
-    const int family = SystemAddress(to).family();
-    if (own_ && family != SystemAddress(to_).family()) {
-      const FileDescriptor other = open_sending_socket(shared_->socket->options, family);
-      if (!other || ::dup3(other.get(), own_.get(), O_CLOEXEC) < 0) return;
+    {
+      const std::scoped_lock lock(mutex_);
+      to_ = to;
     }
-    to_ = to;
     connect();
   }
 
@@ -72,26 +66,43 @@ class SocketConnection final : public Connection {
   int fd() const noexcept { return own_ ? own_.get() : shared_->socket->fd.get(); }
 
  private:
-  SystemAddress address() noexcept {
+  SocketAddress address() noexcept {
     const std::scoped_lock lock(mutex_);
-    return own_ ? SystemAddress(to_) : SystemAddress::for_socket(to_, shared_->socket->family);
+    return to_;
+  }
+
+  /// Again where it was redirected meanwhile, and may have been connected to where it went before that.
+  void connect() noexcept {
+    if (!own_) return;
+    SocketAddress to;
+    do {
+      to = address();
+      connect(SystemAddress(to));
+    } while (to != address());
   }
 
   /// Undone first: the kernel would keep the source address and the route that it chose before.
-  void connect() noexcept {
-    if (!own_) return;
+  void connect(const SystemAddress& to) noexcept {
     connected_.store(false, std::memory_order_relaxed);
+    if (to.family() != family_.load(std::memory_order_relaxed)) change_family(to.family());
     const sockaddr nobody{.sa_family = AF_UNSPEC, .sa_data = {}};
     ::connect(own_.get(), &nobody, sizeof nobody);
-    const SystemAddress to(to_);
     connected_.store(::connect(own_.get(), to.get(), to.bytes()) == 0, std::memory_order_relaxed);
   }
 
+  /// Another socket takes the place of this one, also for those who are just using it.
+  void change_family(int family) noexcept {
+    const FileDescriptor other = open_sending_socket(shared_->socket->options, family);
+    if (other && ::dup3(other.get(), own_.get(), O_CLOEXEC) >= 0)
+      family_.store(family, std::memory_order_relaxed);
+  }
+
   const std::shared_ptr<Shared> shared_;
-  FileDescriptor own_;  ///< invalid: the socket that receives sends for this one too
+  FileDescriptor own_;       ///< invalid: the socket that receives sends for this one too
+  std::atomic<int> family_;  ///< of that socket
   std::atomic<bool> connected_{false};
   bool full_ = false;  ///< of the thread that calls await()
-  std::mutex mutex_;
+  std::mutex mutex_;   ///< of the address
   SocketAddress to_;
 };
 

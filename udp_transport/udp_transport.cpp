@@ -50,7 +50,12 @@ class UdpTransport final : public core::Transport {
 
   std::size_t max_sample_bytes() const noexcept override { return max_sample_bytes_; }
 
-  core::Availability poll(std::chrono::steady_clock::time_point) override {
+  core::Availability poll(std::chrono::steady_clock::time_point now) override {
+    const bool anew = std::exchange(network_has_changed_, false);
+    if (anew || now - destinations_looked_after_at_ >= PathMtu::search_pause) {
+      destinations_looked_after_at_ = now;
+      send_side_->destinations.look_after(now, anew);
+    }
     return receiver_->broken() ? core::Availability::unavailable : core::Availability::ready;
   }
 
@@ -75,7 +80,11 @@ class UdpTransport final : public core::Transport {
     if (family_ == AF_INET) std::erase_if(links, [](const core::Link& link) { return !link.ip.is_ipv4(); });
     return links;
   }
-  bool network_changed() noexcept override { return network_watch_.changed(); }
+  bool network_changed() noexcept override {
+    const bool changed = network_watch_.changed();
+    network_has_changed_ |= changed;
+    return changed;
+  }
 
   Result<std::unique_ptr<core::WriterPort>> open_writer(const core::WriterSpec& spec) override {
     if (spec.id == 0 || spec.type == nullptr)
@@ -101,6 +110,8 @@ class UdpTransport final : public core::Transport {
   const std::vector<core::IpAddress> advertised_;
   const std::vector<std::string> interfaces_;
   NetworkWatch network_watch_;
+  bool network_has_changed_ = false;
+  std::chrono::steady_clock::time_point destinations_looked_after_at_{};
   const std::uint16_t port_;
   const int family_;  ///< of the socket: one of IPv6 takes both
   const std::uint32_t receive_buffer_bytes_;

@@ -50,9 +50,15 @@ TEST(AddressChoice, IsTheFirstIfRoutesHaveToLeadThere) {
   EXPECT_EQ(choose({wired, wireless}, {}), wired);
 }
 
+TEST(AddressChoice, IsOfAFamilyThatWeHave) {
+  EXPECT_EQ(choose({ipv6, address("192.168.9.5")}, {our_wired}), address("192.168.9.5"));
+  EXPECT_EQ(choose({wired, address("fd09::5")}, {our_ipv6, link("fe80::4/64")}), address("fd09::5"));
+}
+
 TEST(AddressChoice, IsNotBehindAnInterfaceWithoutCarrier) {
   EXPECT_EQ(choose({wired, wireless}, {our_wireless, without_carrier(our_wired)}), wireless);
-  EXPECT_EQ(choose({wired, ipv6}, {without_carrier(our_wired)}), ipv6) << "routes may lead there";
+  EXPECT_EQ(choose({wired, ipv6}, {without_carrier(our_wired), link("fd01::4/64")}), ipv6)
+      << "routes may lead there";
   EXPECT_EQ(choose({wired}, {without_carrier(our_wired)}), wired) << "there is no other";
   EXPECT_EQ(choose({wired, wireless}, {our_wireless, without_carrier(our_wired), our_wired}), wired)
       << "there are two interfaces to that network";
