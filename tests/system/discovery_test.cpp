@@ -332,9 +332,22 @@ TEST_F(DiscoveryTest, NodesAreFoundOnAllInterfacesThatAreListed) {
   ASSERT_TRUE(run_on(1, "ip address add 10.78.0.2/24 dev eth1; ip link set dev eth1 up"));
   const NodeProcess publisher(host(0), options({.interfaces = {"eth0", "10.78.0.1"}}), publish);
   const NodeProcess on_first(host(1), options({.interfaces = {"eth0"}}), subscribe);
-  const NodeProcess on_second(host(1), options({.interfaces = {"eth1", "eth9"}}), subscribe);
+  const NodeProcess on_second(host(1), options({.interfaces = {"eth1", "eth9", "fd09::/64"}}), subscribe);
   EXPECT_TRUE(on_first.takes_samples());
   EXPECT_TRUE(on_second.takes_samples());
+  EXPECT_TRUE(publisher.matches(2));
+}
+
+TEST_F(DiscoveryTest, HostsThatHaveOnlyIPv6AreServedByThat) {
+  for (const std::size_t number : {0U, 1U}) {
+    ASSERT_TRUE(run_on(number, "ip address flush dev eth0; ip address add fd00::" +
+                                   std::to_string(number + 1) + "/64 dev eth0 nodad"));
+  }
+  const NodeProcess publisher(host(0), options(), publish);
+  const NodeProcess near(host(0), options(), subscribe);
+  const NodeProcess far(host(1), options(), subscribe);
+  EXPECT_TRUE(near.takes_samples());
+  EXPECT_TRUE(far.takes_samples());
   EXPECT_TRUE(publisher.matches(2));
 }
 
