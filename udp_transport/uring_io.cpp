@@ -158,7 +158,7 @@ class UringReceiver final : public DatagramReceiver {
  public:
   UringReceiver(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event)
       : socket_(std::move(socket)), wake_event_(std::move(wake_event)) {
-    layout_.msg_namelen = sizeof(sockaddr_in6);  // of either family
+    layout_.msg_namelen = sender_address_bytes;
     layout_.msg_controllen = train_control_bytes;
   }
 
@@ -192,6 +192,10 @@ class UringReceiver final : public DatagramReceiver {
   }
 
  private:
+  /// Of either family; what follows it is aligned.
+  static constexpr socklen_t sender_address_bytes = 32;
+  static_assert(sender_address_bytes >= sizeof(sockaddr_in6) && sender_address_bytes % alignof(cmsghdr) == 0);
+
   static constexpr std::uint64_t receive_tag = 1;
   static constexpr std::uint64_t wake_tag = 2;
 
