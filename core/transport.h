@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "core/delivery.h"
+#include "core/ip_address.h"
 #include "core/rate_gate.h"
 #include "core/sample_buffer.h"
 #include "sft/status.h"
@@ -36,17 +37,23 @@ using EndpointId = std::uint64_t;  ///< random per incarnation, never 0; datagra
 
 /// Where datagrams for a reader go.
 struct UdpAddress {
-  std::uint32_t ipv4 = 0;  ///< host byte order
+  IpAddress ip;
   std::uint16_t port = 0;
   std::uint32_t receive_buffer_bytes =
-      0;  ///< of the socket, as the kernel counts: a sender paces bursts by it
+      0;                  ///< of the socket, as the kernel counts: a sender paces bursts by it
+  bool wireless = false;  ///< the interface that has it is
+  /// Whose socket it is, random per incarnation: of equal ones with equal ports, one takes the other's place.
+  /// 0: it is not known what other addresses that socket has.
+  std::uint64_t node = 0;
   friend bool operator==(const UdpAddress&, const UdpAddress&) = default;
 };
 
 /// One of our own addresses, and the network that it is in.
 struct Link {
-  std::uint32_t ipv4 = 0;  ///< host byte order
-  std::uint32_t netmask = 0;
+  IpAddress ip;  ///< a link-local one with its scope
+  std::uint8_t prefix_bits = 0;
+  bool running = true;  ///< its interface has a carrier
+  bool wireless = false;
   friend bool operator==(const Link&, const Link&) = default;
 };
 

@@ -43,7 +43,7 @@ class SocketReceiver final : public DatagramReceiver {
  private:
   void drain(DatagramSink& sink) noexcept {
     for (int i = 0; i < trains_per_call; ++i) {
-      sockaddr_in from{};
+      sockaddr_in6 from{};
       iovec whole{train_.data(), train_.size()};
       msghdr message{};
       message.msg_name = &from;
