@@ -48,7 +48,8 @@ void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> po
       held_too_many_before_ += port->held_too_many();
     }
   }
-  ring();  // who waits, may have to wait elsewhere
+  if (port != nullptr) port->interrupt();
+  ring();  // who waits may have to wait elsewhere
 }
 
 /// Whoever waits, wherever.

@@ -3,10 +3,10 @@
 //
 // Threads. Everything is called from the node's agent thread except WriterPort::loan, begin, include_spares,
 // send, can_send and miss (the publisher's thread), ReaderPort::take and take_of (any thread, one at a time),
-// receive and interrupt (any thread), and what counts or describes (bytes_sent, dropped, discarded, held_too_many, lost_unnoticed, description,
-// counters) and, for UDP, open_writer and open_reader (any thread); set_routes, connect, disconnect and
-// accept may run at the same time as these. Listeners are called from threads of the transport, and from those
-// in receive().
+// receive and interrupt (any thread), and what counts or describes (bytes_sent, dropped, discarded,
+// held_too_many, lost_unnoticed, description, counters) and, for UDP, open_writer and open_reader (any
+// thread); set_routes, connect, disconnect and accept may run at the same time as these. Listeners are called
+// from threads of the transport, and from those in receive().
 #pragma once
 
 #include <array>
@@ -255,8 +255,8 @@ class ReaderPort {
   virtual std::uint64_t arrivals(EndpointId writer) noexcept = 0;
   /// Waits on the spot where samples come in, and does the transport's receiving there, which spares what is
   /// waited for the way from one thread to another; listeners of this and other readers are called meanwhile.
-  /// Spurious returns are possible. False, at once, where that cannot be: the transport has its own thread for
-  /// it, and the bell will be rung. Any thread.
+  /// Spurious returns are possible. False, at once, where that cannot be: the transport has its own thread
+  /// for it, and the bell will be rung. Any thread.
   virtual bool receive(const Waiting& waiting) noexcept {
     static_cast<void>(waiting);
     return false;

@@ -26,7 +26,7 @@ void read_away(int fd) noexcept {
   eventfd_t ignored = 0;
   ::eventfd_read(fd, &ignored);
 }
-}
+}  // namespace
 
 Receiver::Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
                    std::shared_ptr<core::BufferPool> pool, Acks acks)
@@ -116,8 +116,8 @@ void Receiver::poll(Time until) {
 
 void Receiver::stand_by(Time until) {
   const int wake = io_->descriptors().wake;
-  std::array<pollfd, 2> ready{{{.fd = wake, .events = POLLIN, .revents = 0},
-                               {.fd = alarm_.get(), .events = POLLIN, .revents = 0}}};
+  std::array<pollfd, 2> ready{
+      {{.fd = wake, .events = POLLIN, .revents = 0}, {.fd = alarm_.get(), .events = POLLIN, .revents = 0}}};
   if (!poll_until(ready, until)) return;
   if (ready[0].revents != 0) read_away(wake);
   if (ready[1].revents != 0) note_alarm();

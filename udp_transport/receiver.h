@@ -1,5 +1,5 @@
-// Datagrams in, samples into the inboxes of the readers that asked for them: by a thread of its own, or by one
-// that waits for a sample (receiving_role.h).
+// Datagrams in, samples into the inboxes of the readers that asked for them: by a thread of its own, or by
+// one that waits for a sample (receiving_role.h).
 #pragma once
 
 #include <atomic>

@@ -95,7 +95,8 @@ ReceivingRole::Task ReceivingRole::next(Time now, bool readable) {
   holder_ = Holder::own;
   const bool in_demand = tended_ == 0 && last_used_ && now < *last_used_ + own_again;
   if (in_demand)
-    return {.duty = Duty::poll, .until = std::min(*last_used_ + own_again, next_deadline_), .evicted = evicted};
+    return {
+        .duty = Duty::poll, .until = std::min(*last_used_ + own_again, next_deadline_), .evicted = evicted};
   in_turn_ = true;
   return {.duty = Duty::receive, .evicted = evicted};
 }

@@ -20,7 +20,7 @@ class ReceivingRole {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  static constexpr std::chrono::milliseconds vacancy{1};    ///< in which the last holder may be back
+  static constexpr std::chrono::milliseconds vacancy{1};       ///< in which the last holder may be back
   static constexpr std::chrono::milliseconds look_period{20};  ///< at a holder, by the thread that stands by
   static constexpr std::chrono::milliseconds second_look{2};   ///< at one that seems to do nothing
   static constexpr std::chrono::seconds own_again{1};  ///< without waiting threads: the own thread stays in

@@ -25,8 +25,8 @@ class SocketReceiver final : public DatagramReceiver {
       : socket_(socket), wake_event_(std::move(wake_event)), trains_(std::move(socket)) {}
 
   bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
-    const bool came = spin.count() > 0 && core::spin(std::min(deadline, Clock::now() + spin),
-                                                     [&] { return trains_.read(sink); });
+    const bool came = spin.count() > 0 &&
+                      core::spin(std::min(deadline, Clock::now() + spin), [&] { return trains_.read(sink); });
     if (came) deadline = {};  // once around, for what else there is
     std::array<pollfd, 2> ready{{{.fd = socket_->fd.get(), .events = POLLIN, .revents = 0},
                                  {.fd = wake_event_.get(), .events = POLLIN, .revents = 0}}};

@@ -41,9 +41,7 @@ class SpinLimits {
   Duration largest() const { return largest_.load(std::memory_order_relaxed); }
 
  private:
-  void note() {
-    largest_.store(all_.empty() ? Duration{0} : *all_.rbegin(), std::memory_order_relaxed);
-  }
+  void note() { largest_.store(all_.empty() ? Duration{0} : *all_.rbegin(), std::memory_order_relaxed); }
 
   std::mutex mutex_;
   std::multiset<Duration> all_;

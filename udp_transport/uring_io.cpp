@@ -39,7 +39,8 @@ class Ring {
   int open(unsigned entries, unsigned completions) noexcept {
     io_uring_params params{};
     params.flags = IORING_SETUP_R_DISABLED | IORING_SETUP_SINGLE_ISSUER | IORING_SETUP_DEFER_TASKRUN |
-                   IORING_SETUP_TASKRUN_FLAG | IORING_SETUP_SUBMIT_ALL | IORING_SETUP_CQSIZE | IORING_SETUP_CLAMP;
+                   IORING_SETUP_TASKRUN_FLAG | IORING_SETUP_SUBMIT_ALL | IORING_SETUP_CQSIZE |
+                   IORING_SETUP_CLAMP;
     params.cq_entries = completions;
     const int error = -io_uring_queue_init_params(entries, &ring_, &params);
     open_ = error == 0;
