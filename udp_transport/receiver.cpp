@@ -75,7 +75,7 @@ void Receiver::run() {
   bool stood_by = false;
   for (;;) {
     const ReceivingRole::Task task = role_.next(Clock::now(), stood_by && readable());
-    if (task.evicted) ::eventfd_write(waiter_event_.get(), 1);
+    if (task.evicts) ::eventfd_write(waiter_event_.get(), 1);
     stood_by = task.duty == ReceivingRole::Duty::stand_by;
     if (task.duty == ReceivingRole::Duty::stop) break;
     if (task.duty == ReceivingRole::Duty::receive) receive_alone();

@@ -79,26 +79,31 @@ bool ReceivingRole::seems_idle(Time now, bool readable) {
   return again;
 }
 
+/// What it knows to be due it does not leave to a holder that may not do it.
+ReceivingRole::Time ReceivingRole::next_look(Time now) const {
+  if (seemed_idle_) return now + second_look;
+  if (next_deadline_ > now + look_period) return now + look_period;
+  return std::max(next_deadline_, now) + second_look;
+}
+
 ReceivingRole::Task ReceivingRole::next(Time now, bool readable) {
   const std::scoped_lock lock(mutex_);
   if (closed_) return {.duty = Duty::stop};
-  bool evicted = false;
+  const bool evicts = holder_ == Holder::waiter;
   if (holder_ == Holder::waiter) {
-    const bool due = tended_ > 0 && !in_turn_;
-    if (!due && !seems_idle(now, readable))
-      return {.duty = Duty::stand_by, .until = now + (seemed_idle_ ? second_look : look_period)};
-    evicted = true;
+    const bool must_go = tended_ > 0 && !in_turn_;
+    if (!seems_idle(now, readable) && !must_go) return {.duty = Duty::stand_by, .until = next_look(now)};
   } else if (holder_ == Holder::nobody) {
     const bool expected_back = behind_ == 0 && tended_ == 0 && now < *last_used_ + vacancy;
     if (expected_back) return {.duty = Duty::stand_by, .until = *last_used_ + vacancy};
   }
   holder_ = Holder::own;
-  const bool in_demand = tended_ == 0 && last_used_ && now < *last_used_ + own_again;
-  if (in_demand)
-    return {
-        .duty = Duty::poll, .until = std::min(*last_used_ + own_again, next_deadline_), .evicted = evicted};
+  if (tended_ == 0 && last_used_ && now < *last_used_ + own_again) {
+    const Time until = std::min(*last_used_ + own_again, next_deadline_);
+    return {.duty = Duty::poll, .until = until, .evicts = evicts};
+  }
   in_turn_ = true;
-  return {.duty = Duty::receive, .evicted = evicted};
+  return {.duty = Duty::receive, .evicts = evicts};
 }
 
 bool ReceivingRole::take_turn() {

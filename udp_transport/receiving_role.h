@@ -21,7 +21,7 @@ class ReceivingRole {
   using Time = std::chrono::steady_clock::time_point;
 
   static constexpr std::chrono::milliseconds vacancy{1};       ///< in which the last holder may be back
-  static constexpr std::chrono::milliseconds look_period{20};  ///< at a holder, by the thread that stands by
+  static constexpr std::chrono::milliseconds look_period{50};  ///< at a holder, by the thread that stands by
   static constexpr std::chrono::milliseconds second_look{2};   ///< at one that seems to do nothing
   static constexpr std::chrono::seconds own_again{1};  ///< without waiting threads: the own thread stays in
                                                        ///< the kernel, and has to be woken for the next one
@@ -67,7 +67,7 @@ class ReceivingRole {
   struct Task {
     Duty duty = Duty::receive;
     Time until = Time::max();
-    bool evicted = false;  ///< somebody lost the role by this: wake it
+    bool evicts = false;  ///< somebody lost the role by this: wake it
   };
   /// `readable`: something waits in the socket.
   Task next(Time now, bool readable);
@@ -87,6 +87,7 @@ class ReceivingRole {
   enum class Holder : std::uint8_t { own, waiter, nobody };
 
   bool seems_idle(Time now, bool readable);
+  Time next_look(Time now) const;
 
   mutable std::mutex mutex_;
   Holder holder_ = Holder::own;

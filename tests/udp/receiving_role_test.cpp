@@ -103,7 +103,7 @@ TEST_F(ReceivingRoleTest, IsTakenFromAThreadThatLeavesTwiceLyingWhatThereIs) {
   pass_to_waiter();
   EXPECT_EQ(duty(true), Duty::stand_by) << "it has just come";
   now += ReceivingRole::second_look;
-  EXPECT_TRUE(role.next(now, true).evicted);
+  EXPECT_TRUE(role.next(now, true).evicts);
   EXPECT_TRUE(role.lost());
   EXPECT_FALSE(role.begin());
   EXPECT_EQ(role.enter(now), Entry::occupied) << "it has not left yet";
@@ -119,7 +119,7 @@ TEST_F(ReceivingRoleTest, IsTakenFromAThreadThatMissesADeadline) {
   now += 10ms;
   EXPECT_EQ(duty(), Duty::stand_by);
   now += ReceivingRole::second_look;
-  EXPECT_TRUE(role.next(now, false).evicted);
+  EXPECT_TRUE(role.next(now, false).evicts);
 }
 
 TEST_F(ReceivingRoleTest, StaysWithAThreadThatIsAtIt) {
