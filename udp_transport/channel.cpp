@@ -8,10 +8,12 @@ namespace sft::udp {
 Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_once) {
   const std::scoped_lock lock(mutex_);
   Posted posted;
+  const std::size_t samples = job->samples();
   posted.kept = window_.keep(std::move(job), first);
   if (at_once) posted.piece = window_.take(posted.kept.ordinal);
   posted.was_at_rest = !std::exchange(attended_, true);
-  posted.waits = !posted.piece && !std::exchange(woken_, true);
+  const bool some_left = !posted.piece || posted.piece->samples < samples;
+  posted.waits = some_left && !std::exchange(woken_, true);
   return posted;
 }
 
