@@ -66,6 +66,7 @@ struct Job {
     if (is_pack()) return packed_[part].bytes;
     return sample ? sample->capacity : copy_.size();
   }
+  std::size_t held_bytes_in_all() const { return is_pack() ? packed_bytes_ : held_bytes(); }
 
  private:
   friend class JobHandle;

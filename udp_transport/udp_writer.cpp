@@ -15,6 +15,7 @@ constexpr std::size_t small_variants_max = 4, large_variants_max = 1;
 
 UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> side)
     : type_(*spec.type),
+      max_blocking_(spec.max_blocking),
       side_(std::move(side)),
       tally_(std::make_shared<WriterTally>()),
       jobs_(JobPool::make()),
@@ -93,6 +94,7 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
     count_missed(groups);
     return core::SendStatus::lost_port;
   }
+  if (!holds_) sender_.be_patient(max_blocking_);
   std::size_t missed = 0;
   std::size_t own = own_variants(*sample);
   std::size_t first_left = 0;
@@ -113,6 +115,7 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
 /// For how many masks this thread sends it itself.
 std::size_t UdpWriter::own_variants(const core::SampleBuffer& sample) const noexcept {
   if (!left_->done()) return 0;  // nothing overtakes what was left before
+  if (max_blocking_.count() > 0) return SIZE_MAX;  // the sending thread does not wait
   if (sample.capacity > direct_bytes_max) return large_variants_max;
   return holds_ ? SIZE_MAX : small_variants_max;
 }
@@ -132,6 +135,7 @@ std::size_t UdpWriter::hold_or_send(const Group& group, const core::SampleHandle
 
 void UdpWriter::hold() noexcept {
   holds_ = true;
+  sender_.be_patient(max_blocking_);
   missed_ = 0;
   held_for_ = routes_.loaded();
 }

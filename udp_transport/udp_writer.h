@@ -46,6 +46,7 @@ class UdpWriter final : public core::WriterPort {
   void turn_to(const RouteTable& routes) noexcept;
 
   const TypeSupport& type_;
+  const std::chrono::nanoseconds max_blocking_;
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
   const std::shared_ptr<JobPool> jobs_;

@@ -149,7 +149,8 @@ std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane, cons
   if (lane->is_late()) lane->mark(job);
   if (is_small && !std::exchange(blank_kept_, true) && !job.is_pack()) job.copy_body();
   if (!is_small) job.sample = sample;
-  const Channel::Posted posted = channel->post(blank_, job.first, is_small);
+  const Channel::Posted posted = 
+      channel->post(blank_, job.first, is_small, patience_.count() == 0 ? nullptr : &patience_);
   if (posted.piece) send_now(*channel, *posted.piece);
   if (posted.was_at_rest) {
     side_->sender.schedule(channel);

@@ -1,6 +1,7 @@
 // Sends a writer's samples under one mask after the other: small ones at once, the rest through lanes.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -35,6 +36,9 @@ class VariantSender {
   /// Returns how many samples do not get to some destination, or cost it an older one.
   std::size_t flush() noexcept;
 
+  /// So long, in all, it may wait from now on until what is sent reliably costs nobody an older sample.
+  void be_patient(std::chrono::nanoseconds patience) { patience_ = patience; }
+
   /// False if there is nothing to send: the sample is malformed, or too large. Any thread.
   bool encode(const Group& group, const core::SampleBuffer& sample, Job& job) const;
 
@@ -67,6 +71,7 @@ class VariantSender {
   bool blank_kept_ = false;  ///< by a channel
   Batch batch_;              ///< of the present sample
   std::size_t cut_for_ = 0;  ///< bytes of the datagrams in the batch; 0: none of the present sample
+  std::chrono::nanoseconds patience_{0};
   JobHandle projected_;      ///< what is to be held next
   std::vector<Held> held_;
 };
