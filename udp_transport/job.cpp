@@ -18,12 +18,14 @@ void Job::copy_body() {
   copied_ = {copy_.data(), copy_.size()};
 }
 
-void Job::pack(const Projection& body) {
-  copy_.resize(packed_bytes_ + body.bytes());
-  packed_.push_back({nullptr, body.bytes()});
+void Job::pack(std::span<const Segment> body) {
+  std::size_t bytes = 0;
+  for (const Segment& segment : body) bytes += segment.bytes;
+  copy_.resize(packed_bytes_ + bytes);
+  packed_.push_back({nullptr, bytes});
   std::byte* to = copy_.data() + packed_bytes_;
-  for (const Segment& segment : body.segments()) to = std::copy_n(segment.data, segment.bytes, to);
-  packed_bytes_ += body.bytes();
+  for (const Segment& segment : body) to = std::copy_n(segment.data, segment.bytes, to);
+  packed_bytes_ += bytes;
 }
 
 void Job::seal() {

@@ -58,7 +58,11 @@ struct Job {
   /// Makes the job independent of the sample that it was encoded from.
   void copy_body();
   /// Adds a sample to a pack, or begins one. It can be sent, and not be added to any more, after seal().
-  void pack(const Projection& body);
+  void pack(std::span<const Segment> body);
+  void pack(std::span<const std::byte> body) {
+    const Segment whole{body.data(), body.size()};
+    pack(std::span(&whole, 1));
+  }
   void seal();
   std::size_t packed_bytes() const { return packed_bytes_; }
   /// Memory that a sample of it keeps from others.

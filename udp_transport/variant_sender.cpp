@@ -106,7 +106,7 @@ VariantSender::Hold VariantSender::hold(const Group& group, const core::SampleHa
     describe(group, *sample, *held.pack);
     held.pack->whole_bytes = 0;
   }
-  held.pack->pack(body);
+  held.pack->pack(body.segments());
   held.pack->whole_bytes += sample->whole_bytes;
   return Hold::held;
 } catch (const std::bad_alloc&) {
