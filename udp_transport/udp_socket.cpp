@@ -236,7 +236,7 @@ bool poll_until(std::span<pollfd> polled, Clock::time_point deadline) noexcept {
   return ready > 0;
 }
 
-void hand_over(std::span<const std::byte> train, std::span<std::byte> control, const sockaddr_in& from,
+void hand_over(std::span<const std::byte> train, std::span<std::byte> control, const sockaddr_in6& from,
                DatagramSink& sink) noexcept {
   const SocketAddress source = to_address(from);
   std::size_t segment = segment_bytes(control);

@@ -179,11 +179,10 @@ class UringReceiver final : public DatagramReceiver {
  public:
   UringReceiver(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event)
       : socket_(socket), wake_event_(std::move(wake_event)), trains_(std::move(socket)) {
-    layout_.msg_namelen = sizeof(sockaddr_in);
+    layout_.msg_namelen = sizeof(sockaddr_in6);  // of either family
     layout_.msg_controllen = train_control_bytes;
   }
 
-  layout_.msg_namelen = sizeof(sockaddr_in6);  // of either family
   int open() noexcept {
     if (const int error = ring_.open(8, 2 * BufferRing::buffers); error != 0) return error;
     if (const int error = ring_.register_files(std::array{socket_->fd.get(), wake_event_.get()}); error != 0)
