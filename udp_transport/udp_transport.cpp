@@ -32,6 +32,7 @@ class UdpTransport final : public core::Transport {
   UdpTransport(const UdpOptions& options, const UdpSocket& socket, std::string description,
                std::shared_ptr<Receiver> receiver, std::shared_ptr<SendSide> send_side)
       : description_(std::move(description) + ", port " + std::to_string(socket.port) +
+                     (socket.family == AF_INET && options.bind_address.is_any() ? ", IPv4 only" : "") +
                      note_on_buffer(options, socket)),
         max_sample_bytes_(options.max_sample_bytes),
         bound_to_(options.bind_address),

@@ -201,6 +201,25 @@ TEST_P(PathsTest, SendsEachHostTheLongestDatagramsThatItsPathTakes) {
   EXPECT_EQ(jumbo.longest(), payload(9000));
 }
 
+class IPv4PathsTest : public PathsTest {};
+INSTANTIATE_TEST_SUITE_P(Over, IPv4PathsTest, testing::Values(Family::ipv4),
+                         [](const auto&) { return "IPv4"; });
+
+TEST_P(IPv4PathsTest, LeadToWhereIPv6IsSwitchedOff) {
+  Host far;
+  far.run_here("for f in /proc/sys/net/ipv6/conf/*/disable_ipv6; do echo 1 > $f; done");
+  plug_in(far, 1, 1500);
+  core::Transport& there = far.open_transport(Backend::io_uring);
+  Subscriber subscriber(there, {"*"});
+  far.here([&] { EXPECT_EQ(there.addresses().size(), 1U); });
+  const auto near = open();
+  Publisher publisher(*near);
+  subscriber.listen_reliably_to(publisher.id());
+  publisher.serve({{far.at(ip(1, 2)), "*", true}});
+  publisher.publish(make_image(300'000));
+  EXPECT_EQ(subscriber.await(1).size(), 1U);
+}
+
 TEST_P(PathsTest, LearnsFromARouterWhatThePathBehindItTakes) {
   Host router, far;
   plug_in(router, 1, 9000);

@@ -54,9 +54,10 @@ struct DiscoverySettings {
   /// port of one process, "10.0.0.7:7410". Both sides have to name each other. On each, the first 20 nodes
   /// are found.
   std::vector<std::string> peers{};
-  /// By name ("eth0") or by one of their addresses: nodes are looked for and samples received on these only,
-  /// whether they are there already or come later. Empty: nodes are looked for on the one that seems best,
-  /// and samples received on all. Those that CYCLONEDDS_URI names go before these.
+  /// By name ("eth0"), one of their addresses ("10.0.0.5", "fe80::1%eth0") or their network ("10.0.0.0/24",
+  /// "fd00::/64"): nodes are looked for and samples received on these only, whether they are there already or
+  /// come later. Empty: nodes are looked for on the one that seems best, and samples received on all. Those
+  /// that CYCLONEDDS_URI names go before these.
   std::vector<std::string> interfaces{};
   /// False: nodes on other hosts are found by `peers` only, those on this host in any case.
   bool multicast = true;
