@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <utility>
 
 #include "core/spin.h"
@@ -25,13 +26,14 @@ class SocketReceiver final : public DatagramReceiver {
       : socket_(socket), wake_event_(std::move(wake_event)), trains_(std::move(socket)) {}
 
   bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
-    const bool came = spin.count() > 0 &&
-                      core::spin(std::min(deadline, Clock::now() + spin), [&] { return trains_.read(sink); });
-    if (came) deadline = {};  // once around, for what else there is
+    const auto over = [&] { return trains_.read(sink) || woken_.load(std::memory_order_relaxed); };
+    if (spin.count() > 0 && core::spin(std::min(deadline, Clock::now() + spin), over))
+      deadline = {};  // once around, for what else there is
     std::array<pollfd, 2> ready{{{.fd = socket_->fd.get(), .events = POLLIN, .revents = 0},
                                  {.fd = wake_event_.get(), .events = POLLIN, .revents = 0}}};
     if (!poll_until(ready, deadline)) return true;
     if (ready[1].revents != 0) {
+      woken_.store(false, std::memory_order_relaxed);
       eventfd_t ignored = 0;
       ::eventfd_read(wake_event_.get(), &ignored);
     }
@@ -40,7 +42,10 @@ class SocketReceiver final : public DatagramReceiver {
     return (ready[0].revents & POLLNVAL) == 0;
   }
 
-  void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
+  void wake() noexcept override {
+    ::eventfd_write(wake_event_.get(), 1);
+    woken_.store(true, std::memory_order_relaxed);
+  }
   void finish() noexcept override {}
   bool receive_now(DatagramSink& sink) noexcept override { return trains_.read(sink); }
   Descriptors descriptors() const noexcept override { return {socket_->fd.get(), wake_event_.get()}; }
@@ -49,6 +54,7 @@ class SocketReceiver final : public DatagramReceiver {
   const std::shared_ptr<const UdpSocket> socket_;
   const FileDescriptor wake_event_;
   TrainReader trains_;
+  std::atomic<bool> woken_{false};  ///< for a loop that is busy
 };
 
 }  // namespace

@@ -193,6 +193,33 @@ TEST_P(WaitingThread, DoesNotCallTheListenersOfReadersThatAreNotOnlyWaitedFor) {
   publisher->publish(make_image(10));
 }
 
+/// Its listener answers each sample by asking for the next.
+TEST_P(WaitingThread, IsNotNeededForLookingBeforeSleeping) {
+  class CalledBack final : public core::ArrivalListener {
+   public:
+    void arrived() noexcept override {
+      while (reader->take()) {
+        if (++taken < 300) publisher->publish(make_image(10));
+      }
+    }
+    core::ReaderPort* reader = nullptr;
+    Publisher* publisher = nullptr;
+    std::atomic<int> taken{0};
+  } called_back;
+  core::ReaderSpec spec{
+      .id = 1, .type = &test::type_support<Image>(), .depth = 8, .listener = &called_back, .doorbell = {}};
+  spec.spin = 1h;
+  auto reader = here->open_reader(spec).value();
+  called_back.reader = reader.get();
+  called_back.publisher = publisher.get();
+  reader->accept({{fields<Image>("*")}});
+  ASSERT_TRUE(reader->connect({publisher->id(), 0}));
+  publisher->publish(make_image(10));
+  EXPECT_TRUE(eventually([&] { return called_back.taken == 300; }));
+  reader.reset();
+  here.reset();  // within the hour
+}
+
 std::atomic<bool> held{false}, may_go{false};
 
 /// As a debugger or an application's signal handler can do to any thread.

@@ -146,8 +146,9 @@ struct SubscriberOptions {
   /// within that time is had in a microsecond, without what it takes to wake a thread. By default about as
   /// long as that takes, so that looking never costs more than it could have saved. Threads that wait for the
   /// core get it meanwhile, and after a wait that ended without a sample the next one sleeps at once. For a
-  /// reader with a core of its own: longer than the period of the samples. Without effect where it is
-  /// pollable.
+  /// reader with a core of its own: longer than the period of the samples. With a callback, the thread that
+  /// receives by UDP looks so long (1 s at most), as long as datagrams come about as fast as that. Without
+  /// effect where it is pollable.
   std::chrono::nanoseconds spin = std::chrono::microseconds(20);
   /// Gives it a Subscriber::file_descriptor(), and its node a thread that tells it what came in shared
   /// memory. Not with a callback.
