@@ -23,11 +23,11 @@ std::vector<Figure> bulk(const Scale& scale) {
   free_running.ahead_max = Load::unlimited;
   StreamRounds ours, ours_free, raw, cyclone, fast_dds;
   for (int round = 0; round < scale.rounds; ++round) {
-    ours.run(sft_program, load, hosts);
-    ours_free.run(sft_program, free_running, hosts);
-    raw.run(raw_udp_program, load, hosts);
-    cyclone.run(cyclone_program, load, hosts);
-    fast_dds.run(fast_dds_program, load, hosts);
+    ours.run(sft_peer, load, hosts);
+    ours_free.run(sft_peer, free_running, hosts);
+    raw.run(raw_udp_peer, load, hosts);
+    cyclone.run(cyclone_peer, load, hosts);
+    fast_dds.run(fast_dds_peer, load, hosts);
   }
   const auto faster = [&](const char* name, const StreamRounds& than, const char* who, double times) {
     return Figure{.name = name,

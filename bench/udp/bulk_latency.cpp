@@ -13,8 +13,8 @@ constexpr std::int64_t period_us = 50'000;
 constexpr std::uint64_t messages_min = 20;
 
 void send(Exchange& exchange, Contender contender, const Topic& topic, std::uint64_t messages) {
-  const auto program = contender();
-  const auto writer = program->writer(topic);
+  const auto peer = contender();
+  const auto writer = peer->writer(topic);
   exchange.failed = !wait_until([&] { return exchange.ready.load() && writer->readers() == 1; });
   for (std::uint64_t i = 0; i < messages && !exchange.failed.load(); ++i) {
     sleep_us(period_us);
@@ -25,8 +25,8 @@ void send(Exchange& exchange, Contender contender, const Topic& topic, std::uint
 }
 
 void receive(Exchange& exchange, Contender contender, const Topic& topic, std::uint64_t messages) {
-  const auto program = contender();
-  const auto reader = program->reader(topic, [&](std::uint64_t number) { exchange.note_receipt(number); });
+  const auto peer = contender();
+  const auto reader = peer->reader(topic, [&](std::uint64_t number) { exchange.note_receipt(number); });
   while (reader->writers() == 0) sleep_us(1000);
   exchange.ready = true;
   while (exchange.received.load() < messages && !exchange.failed.load()) sleep_us(10'000);
@@ -45,10 +45,10 @@ struct Size {
                                   [&](Exchange& e) { receive(e, contender, topic, messages); }),
                       messages);
     };
-    ours.add(times(sft_program));
-    cyclone.add(times(cyclone_program));
-    fast_dds.add(times(fast_dds_program));
-    tcp.add(times(raw_tcp_program));
+    ours.add(times(sft_peer));
+    cyclone.add(times(cyclone_peer));
+    fast_dds.add(times(fast_dds_peer));
+    tcp.add(times(raw_tcp_peer));
   }
   void figures(std::vector<Figure>& to) const {
     const std::string figure = std::string("bulk_latency_") + name;

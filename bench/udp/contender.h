@@ -39,21 +39,21 @@ class Reader {
 };
 
 /// The participants of one process; writers and readers end before it does.
-class Program {
+class Peer {
  public:
-  virtual ~Program() = default;
+  virtual ~Peer() = default;
   virtual std::unique_ptr<Writer> writer(const Topic& topic) = 0;
   /// `arrived` is called on a thread of the contender's; without it samples are taken.
   virtual std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived = {}) = 0;
 };
 
-using Contender = std::unique_ptr<Program> (*)();
-std::unique_ptr<Program> sft_program();
-std::unique_ptr<Program> cyclone_program();
-std::unique_ptr<Program> fast_dds_program();
+using Contender = std::unique_ptr<Peer> (*)();
+std::unique_ptr<Peer> sft_peer();
+std::unique_ptr<Peer> cyclone_peer();
+std::unique_ptr<Peer> fast_dds_peer();
 // For bulk samples and called readers only, from the first of two hosts to the second one:
 /// Trains of datagrams by UDP GSO and GRO, and one acknowledgement for each sample, which write() waits for.
-std::unique_ptr<Program> raw_udp_program();
-std::unique_ptr<Program> raw_tcp_program();
+std::unique_ptr<Peer> raw_udp_peer();
+std::unique_ptr<Peer> raw_tcp_peer();
 
 }  // namespace sft::bench

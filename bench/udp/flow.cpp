@@ -41,8 +41,8 @@ double link_bytes_per_s_when_quiet(std::int64_t us) {
 }
 
 bool send(Exchange& exchange, const Flow& flow, Passage& passage) {
-  const auto program = sft_program();
-  const auto writer = program->writer(flow.topic);
+  const auto peer = sft_peer();
+  const auto writer = peer->writer(flow.topic);
   if (!wait_until([&] { return exchange.ready.load() && writer->readers() == 1; })) return false;
   Sender sender(exchange, *writer);
   if (!sender.send(samples_before, flow.period_us)) return false;
@@ -63,8 +63,8 @@ bool send(Exchange& exchange, const Flow& flow, Passage& passage) {
 }
 
 void receive(Exchange& exchange, const Topic& topic) {
-  const auto program = sft_program();
-  const auto reader = program->reader(topic, [&](std::uint64_t) { exchange.received.fetch_add(1); });
+  const auto peer = sft_peer();
+  const auto reader = peer->reader(topic, [&](std::uint64_t) { exchange.received.fetch_add(1); });
   while (reader->writers() == 0) sleep_us(1000);
   exchange.ready = true;
   while (exchange.sent.load() == 0 && !exchange.failed.load()) sleep_us(10'000);

@@ -31,11 +31,11 @@ std::vector<Figure> rate(const Scale& scale) {
   spans.together = together;
   StreamRounds ours, cyclone, fast_dds, ours_span, cyclone_batches;
   for (int round = 0; round < scale.rounds; ++round) {
-    ours.run(sft_program, single, hosts);
-    cyclone.run(cyclone_program, single, hosts);
-    fast_dds.run(fast_dds_program, single, hosts);
-    ours_span.run(sft_program, spans, hosts);
-    cyclone_batches.run(cyclone_program, spans, hosts);
+    ours.run(sft_peer, single, hosts);
+    cyclone.run(cyclone_peer, single, hosts);
+    fast_dds.run(fast_dds_peer, single, hosts);
+    ours_span.run(sft_peer, spans, hosts);
+    cyclone_batches.run(cyclone_peer, spans, hosts);
   }
   return {rate_figure("rate_64B", ours, cyclone, "Cyclone DDS", 2),
           rate_figure("rate_64B_vs_fast_dds", ours, fast_dds, "Fast DDS", 1),

@@ -55,11 +55,11 @@ void wait_for_callbacks(Exchange& exchange, Rally& rally, Writer& writer) {
 
 void ping(Exchange& exchange, Contender contender, Way way, std::uint64_t messages) {
   Rally rally(exchange, messages);
-  const auto program = contender();
-  const auto writer = program->writer(topic("ping", way));
+  const auto peer = contender();
+  const auto writer = peer->writer(topic("ping", way));
   Arrived arrived;
   if (way == Way::callback) arrived = [&](std::uint64_t number) { rally.return_of(number, *writer); };
-  const auto reader = program->reader(topic("pong", way), arrived);
+  const auto reader = peer->reader(topic("pong", way), arrived);
   exchange.failed =
       !wait_until([&] { return exchange.ready.load() && writer->readers() == 1 && reader->writers() == 1; });
   rally.serve(*writer);
@@ -75,11 +75,11 @@ void ping(Exchange& exchange, Contender contender, Way way, std::uint64_t messag
 }
 
 void pong(Exchange& exchange, Contender contender, Way way, std::uint64_t messages) {
-  const auto program = contender();
-  const auto writer = program->writer(topic("pong", way));
+  const auto peer = contender();
+  const auto writer = peer->writer(topic("pong", way));
   Arrived arrived;
   if (way == Way::callback) arrived = [&](std::uint64_t number) { writer->write(number); };
-  const auto reader = program->reader(topic("ping", way), arrived);
+  const auto reader = peer->reader(topic("ping", way), arrived);
   exchange.failed = !wait_until([&] { return writer->readers() == 1 && reader->writers() == 1; });
   exchange.ready = true;
   const Rally rally(exchange, messages);
@@ -105,9 +105,9 @@ struct Contest {
   Rounds ours{}, cyclone{}, fast_dds{};
 
   void run(const Scale& scale, const TwoHosts& hosts) {
-    ours.add(times(sft_program, way, scale, hosts));
-    cyclone.add(times(cyclone_program, way, scale, hosts));
-    fast_dds.add(times(fast_dds_program, way, scale, hosts));
+    ours.add(times(sft_peer, way, scale, hosts));
+    cyclone.add(times(cyclone_peer, way, scale, hosts));
+    fast_dds.add(times(fast_dds_peer, way, scale, hosts));
   }
   void figures(const std::string& name, const Rounds& raw, std::vector<Figure>& to) const {
     to.push_back({name, ours.p50(), "us", raw.p50(), "blocking sockets", 1.3});
@@ -128,7 +128,7 @@ std::vector<Figure> small(const Scale& scale) {
     callback.run(scale, hosts);
     wait.run(scale, hosts);
     raw_spin.add(raw_socket_ping_pong(scale.messages, sample_bytes, Reading::spinning, hosts));
-    spin.add(times(sft_program, Way::spin, scale, hosts));
+    spin.add(times(sft_peer, Way::spin, scale, hosts));
   }
   std::vector<Figure> figures;
   callback.figures("small_callback", raw, figures);

@@ -46,8 +46,8 @@ struct Board {
 };
 
 void receive(Board& board, Contender contender, const Topic& topic) {
-  const auto program = contender();
-  const auto reader = program->reader(topic, [&](std::uint64_t number) {
+  const auto peer = contender();
+  const auto reader = peer->reader(topic, [&](std::uint64_t number) {
     board.last.store(number, std::memory_order_relaxed);
     board.received.fetch_add(1, std::memory_order_relaxed);
   });
@@ -92,8 +92,8 @@ class Sender {
 };
 
 int send(Board& board, Contender contender, const Load& load) {
-  const auto program = contender();
-  const auto writer = program->writer(load.topic);
+  const auto peer = contender();
+  const auto writer = peer->writer(load.topic);
   if (!wait_until([&] { return board.receiver.load() != 0 && writer->readers() == 1; })) return 1;
   Sender sender(board, *writer, load);
   sender.send_for(warm_up_s);

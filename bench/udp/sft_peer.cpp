@@ -87,7 +87,7 @@ class SftReader : public Reader {
   Subscriber<T> subscriber_;
 };
 
-class SftProgram : public Program {
+class SftPeer : public Peer {
  public:
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     if (topic.bulk_bytes > 0) return std::make_unique<SftWriter<Bulk>>(node_, topic);
@@ -104,6 +104,6 @@ class SftProgram : public Program {
 
 }  // namespace
 
-std::unique_ptr<Program> sft_program() { return std::make_unique<SftProgram>(); }
+std::unique_ptr<Peer> sft_peer() { return std::make_unique<SftPeer>(); }
 
 }  // namespace sft::bench

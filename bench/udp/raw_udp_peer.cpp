@@ -121,7 +121,7 @@ class RawUdpReader : public Reader {
   std::thread thread_;
 };
 
-class RawUdpProgram : public Program {
+class RawUdpPeer : public Peer {
  public:
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     return std::make_unique<RawUdpWriter>(topic);
@@ -133,6 +133,6 @@ class RawUdpProgram : public Program {
 
 }  // namespace
 
-std::unique_ptr<Program> raw_udp_program() { return std::make_unique<RawUdpProgram>(); }
+std::unique_ptr<Peer> raw_udp_peer() { return std::make_unique<RawUdpPeer>(); }
 
 }  // namespace sft::bench

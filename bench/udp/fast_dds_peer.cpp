@@ -132,17 +132,18 @@ class FastDdsReader : public Reader, private dds::DataReaderListener {
 
   std::size_t writers() const override { return fast::writers(reader_); }
   void wait() override { reader_.wait_for_unread_message({1, 0}); }
-  std::uint64_t take() override {
+  std::uint64_t take() override { return take_from(reader_); }
+
+ private:
+  void on_data_available(dds::DataReader* reader) override {
+    while (const std::uint64_t number = take_from(*reader)) arrived_(number);
+  }
+  std::uint64_t take_from(dds::DataReader& reader) {
     dds::SampleInfo info;
-    while (reader_.take_next_sample(&message_, &info) == ReturnCode_t::RETCODE_OK) {
+    while (reader.take_next_sample(&message_, &info) == ReturnCode_t::RETCODE_OK) {
       if (info.valid_data) return message_.number;
     }
     return 0;
-  }
-
- private:
-  void on_data_available(dds::DataReader*) override {
-    while (const std::uint64_t number = take()) arrived_(number);
   }
 
   const Arrived arrived_;
@@ -150,7 +151,7 @@ class FastDdsReader : public Reader, private dds::DataReaderListener {
   dds::DataReader& reader_;
 };
 
-class FastDdsProgram : public Program {
+class FastDdsPeer : public Peer {
  public:
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     if (topic.bulk_bytes > 0) return std::make_unique<FastDdsWriter<Bulk>>(participant_, topic);
@@ -168,6 +169,6 @@ class FastDdsProgram : public Program {
 
 }  // namespace
 
-std::unique_ptr<Program> fast_dds_program() { return std::make_unique<FastDdsProgram>(); }
+std::unique_ptr<Peer> fast_dds_peer() { return std::make_unique<FastDdsPeer>(); }
 
 }  // namespace sft::bench

@@ -100,7 +100,7 @@ class RawTcpReader : public Reader {
   std::thread thread_;
 };
 
-class RawTcpProgram : public Program {
+class RawTcpPeer : public Peer {
  public:
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     return std::make_unique<RawTcpWriter>(topic);
@@ -112,6 +112,6 @@ class RawTcpProgram : public Program {
 
 }  // namespace
 
-std::unique_ptr<Program> raw_tcp_program() { return std::make_unique<RawTcpProgram>(); }
+std::unique_ptr<Peer> raw_tcp_peer() { return std::make_unique<RawTcpPeer>(); }
 
 }  // namespace sft::bench

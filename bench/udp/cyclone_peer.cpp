@@ -8,10 +8,11 @@ namespace sft::bench {
 
 namespace {
 
-// The best of what was tried for large samples: datagrams of 64 KB, which IP cuts to the MTU, of fragments of
-// 4 KB; buffers for some samples at both ends, and as much that is not yet acknowledged.
+// The best of what was tried for large samples, with fragments and datagrams of other sizes down to the MTU:
+// datagrams as large as can be, which IP cuts, buffers for some samples at both ends, and as much that is not
+// yet acknowledged.
 constexpr const char* config = R"(
-  <General><MaxMessageSize>65500B</MaxMessageSize><FragmentSize>4000B</FragmentSize></General>
+  <General><MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>
   <Internal>
     <SocketReceiveBufferSize min="16MB"/><SocketSendBufferSize min="4MB"/>
     <Watermarks><WhcHigh>8MB</WhcHigh></Watermarks>
@@ -30,12 +31,10 @@ const dds_topic_descriptor_t& type_of(const Topic& topic) {
   return topic.bulk_bytes > 0 ? sft_bench_Bulk_desc : sft_bench_Small_desc;
 }
 
-/// A sample of either type, whose number comes first.
+/// A sample of either type; both begin with its number.
 union Message {
   sft_bench_Small small{};
   sft_bench_Bulk bulk;
-
-  std::uint64_t number() const { return *reinterpret_cast<const std::uint64_t*>(this); }
 };
 
 class CycloneWriter : public Writer {
@@ -101,7 +100,7 @@ class CycloneReader : public Reader {
   const dds_entity_t wait_set_;
 };
 
-class CycloneProgram : public Program {
+class CyclonePeer : public Peer {
  public:
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     dds_write_set_batch(topic.batching);
@@ -117,6 +116,6 @@ class CycloneProgram : public Program {
 
 }  // namespace
 
-std::unique_ptr<Program> cyclone_program() { return std::make_unique<CycloneProgram>(); }
+std::unique_ptr<Peer> cyclone_peer() { return std::make_unique<CyclonePeer>(); }
 
 }  // namespace sft::bench
