@@ -6,9 +6,6 @@ namespace sft::bench {
 namespace {
 
 constexpr std::uint32_t data_bytes = 4 << 20;
-// Our publisher waits for nobody, so that what is published beyond what a reader can take is lost. Others
-// wait by themselves at last.
-constexpr std::uint64_t samples_ahead_max = 4;
 
 double gb_per_s(const StreamRounds& rounds) { return rounds.samples_per_s() * data_bytes / 1e9; }
 double cpu_s_per_gb(const StreamRounds& rounds) { return rounds.cpu_s_per_sample() / (data_bytes / 1e9); }
@@ -17,14 +14,10 @@ double cpu_s_per_gb(const StreamRounds& rounds) { return rounds.cpu_s_per_sample
 
 std::vector<Figure> bulk(const Scale& scale) {
   const TwoHosts hosts(Trains::whole);
-  const Load load{
-      .topic = {.bulk_bytes = data_bytes}, .seconds = scale.seconds, .ahead_max = samples_ahead_max};
-  Load free_running = load;
-  free_running.ahead_max = Load::unlimited;
-  StreamRounds ours, ours_free, raw, cyclone, fast_dds;
+  const Load load{.topic = {.bulk_bytes = data_bytes}, .seconds = scale.seconds};
+  StreamRounds ours, raw, cyclone, fast_dds;
   for (int round = 0; round < scale.rounds; ++round) {
     ours.run(sft_peer, load, hosts);
-    ours_free.run(sft_peer, free_running, hosts);
     raw.run(raw_udp_peer, load, hosts);
     cyclone.run(cyclone_peer, load, hosts);
     fast_dds.run(fast_dds_peer, load, hosts);
@@ -51,8 +44,6 @@ std::vector<Figure> bulk(const Scale& scale) {
           faster("bulk_4MiB_vs_cyclone", cyclone, "Cyclone DDS", 5),
           faster("bulk_4MiB_vs_fast_dds", fast_dds, "Fast DDS", 5),
           {"bulk_4MiB_lost", ours.lost(), "", {}, "of all samples published", 0},
-          {"bulk_4MiB_free_running", gb_per_s(ours_free), "GB/s", gb_per_s(ours),
-           "the same, never ahead of its reader"},
           cheaper("cpu_per_GB", raw, "raw UDP with GSO and GRO", {}),
           cheaper("cpu_per_GB_vs_cyclone", cyclone, "Cyclone DDS", 1. / 3),
           cheaper("cpu_per_GB_vs_fast_dds", fast_dds, "Fast DDS", 1. / 3)};

@@ -7,7 +7,6 @@ namespace {
 
 constexpr std::uint32_t depth = 4000;
 constexpr std::uint64_t together = 100;
-constexpr std::uint64_t samples_ahead_max = 2000;  // for the same reason as with bulk samples
 
 Figure rate_figure(const char* name, const StreamRounds& ours, const StreamRounds& than, const char* who,
                    std::optional<double> bound, bool bound_is_of_value = false) {
@@ -25,7 +24,7 @@ Figure rate_figure(const char* name, const StreamRounds& ours, const StreamRound
 
 std::vector<Figure> rate(const Scale& scale) {
   const TwoHosts hosts(Trains::whole);
-  const Load single{.topic = {.depth = depth}, .seconds = scale.seconds, .ahead_max = samples_ahead_max};
+  const Load single{.topic = {.depth = depth}, .seconds = scale.seconds};
   Load spans = single;
   spans.topic.batching = true;
   spans.together = together;

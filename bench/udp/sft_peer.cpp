@@ -24,11 +24,19 @@ Reliability reliability(const Topic& topic) {
   return topic.reliable ? Reliability::reliable : Reliability::best_effort;
 }
 
+/// As others do, it waits for a reader that does not keep up, if it can.
+template <class Options>
+Options publisher_options(const Topic& topic) {
+  Options options{.reliability = reliability(topic)};
+  if constexpr (requires { options.max_blocking; }) options.max_blocking = std::chrono::seconds(1);
+  return options;
+}
+
 template <class T>
 class SftWriter : public Writer {
  public:
   SftWriter(Node& node, const Topic& topic)
-      : publisher_(node.publisher<T>(topic.name, {.reliability = reliability(topic)}).value()),
+      : publisher_(node.publisher<T>(topic.name, publisher_options<PublisherOptions>(topic)).value()),
         message_(message(topic, static_cast<const T*>(nullptr))) {}
 
   std::size_t readers() const override {
@@ -55,7 +63,7 @@ class SftWriter : public Writer {
   std::vector<T> together_;
 };
 
-SubscriberOptions options(const Topic& topic) {
+SubscriberOptions subscriber_options(const Topic& topic) {
   SubscriberOptions options{.reliability = reliability(topic), .depth = topic.depth};
   if (topic.spinning) options.spin = std::chrono::seconds(1);
   return options;
@@ -65,8 +73,9 @@ template <class T>
 class SftReader : public Reader {
  public:
   SftReader(Node& node, const Topic& topic, Arrived arrived)
-      : subscriber_((arrived ? node.subscriber<T>(topic.name, tell(std::move(arrived)), options(topic))
-                             : node.subscriber<T>(topic.name, options(topic)))
+      : subscriber_((arrived
+                         ? node.subscriber<T>(topic.name, tell(std::move(arrived)), subscriber_options(topic))
+                         : node.subscriber<T>(topic.name, subscriber_options(topic)))
                         .value()) {}
 
   std::size_t writers() const override {

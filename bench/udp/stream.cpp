@@ -3,6 +3,7 @@
 #include <sys/types.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <ctime>
 #include <limits>
@@ -35,7 +36,6 @@ struct Moment {
 
 struct Board {
   alignas(64) std::atomic<std::uint64_t> received{0};
-  std::atomic<std::uint64_t> last{0};  ///< number of the last that was received
   alignas(64) std::atomic<pid_t> receiver{0};
   std::atomic<bool> over{false};
   // Of the watched time:
@@ -47,10 +47,8 @@ struct Board {
 
 void receive(Board& board, Contender contender, const Topic& topic) {
   const auto peer = contender();
-  const auto reader = peer->reader(topic, [&](std::uint64_t number) {
-    board.last.store(number, std::memory_order_relaxed);
-    board.received.fetch_add(1, std::memory_order_relaxed);
-  });
+  const auto reader =
+      peer->reader(topic, [&](std::uint64_t) { board.received.fetch_add(1, std::memory_order_relaxed); });
   while (reader->writers() == 0) sleep_us(1000);
   board.receiver = getpid();
   while (!board.over.load()) sleep_us(5000);
@@ -63,10 +61,6 @@ class Sender {
   void send_for(double seconds) {
     const std::int64_t until = now_ns() + static_cast<std::int64_t>(seconds * 1e9);
     while (now_ns() < until) {
-      if (sent_ - board_.last.load(std::memory_order_relaxed) >= load_.ahead_max) {
-        sleep_us(20);
-        continue;
-      }
       if (load_.together == 1) {
         writer_.write(sent_ + 1);
       } else {
@@ -81,7 +75,7 @@ class Sender {
       before = board_.received;
       sleep_us(quiet_us);
     }
-    return sent_ - board_.received;
+    return sent_ - std::min<std::uint64_t>(sent_, board_.received);
   }
 
  private:
@@ -103,10 +97,6 @@ int send(Board& board, Contender contender, const Load& load) {
   board.lost = sender.count_lost();
   board.over = true;
   return 0;
-}
-
-double median_if_any(const std::vector<double>& rounds) {
-  return rounds.empty() ? std::numeric_limits<double>::quiet_NaN() : median(rounds);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "bench/common/hosts.h"
@@ -11,12 +10,9 @@
 namespace sft::bench {
 
 struct Load {
-  static constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
-
   Topic topic;
   double seconds = 1;
-  std::uint64_t together = 1;           ///< samples that are handed over at a time
-  std::uint64_t ahead_max = unlimited;  ///< the writer waits while it is so many samples ahead of what came
+  std::uint64_t together = 1;  ///< samples that are handed over at a time
 };
 
 /// What runs of one contender came to.
