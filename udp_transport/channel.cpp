@@ -5,13 +5,28 @@
 
 namespace sft::udp {
 
-Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_once) {
-  const std::scoped_lock lock(mutex_);
+/// Or nobody needs it any more.
+bool Channel::has_room_for(const Job& job) const {
+  return closed_ || ended_at_ || window_.can_keep(job.samples(), job.held_bytes_in_all());
+}
+
+Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_once,
+                              std::chrono::nanoseconds* patience) {
+  std::unique_lock lock(mutex_);
+  if (patience != nullptr && !has_room_for(*job)) [[unlikely]] {
+    const Time begin = now();
+    awaits_room_ = &*job;
+    room_.wait_until(lock, begin + *patience, [&] { return has_room_for(*job); });
+    awaits_room_ = nullptr;
+    *patience = std::max(*patience - (now() - begin), std::chrono::nanoseconds{0});
+  }
   Posted posted;
+  const std::size_t samples = job->samples();
   posted.kept = window_.keep(std::move(job), first);
   if (at_once) posted.piece = window_.take(posted.kept.ordinal);
   posted.was_at_rest = !std::exchange(attended_, true);
-  posted.waits = !posted.piece && !std::exchange(woken_, true);
+  const bool some_left = !posted.piece || posted.piece->samples < samples;
+  posted.waits = some_left && !std::exchange(woken_, true);
   return posted;
 }
 
@@ -31,6 +46,7 @@ bool Channel::hear(const Ack& ack) {
   const std::scoped_lock lock(mutex_);
   judge_length(ack, time);
   window_.hear(ack, time);
+  if (awaits_room_ != nullptr && has_room_for(*awaits_room_)) room_.notify_one();
   return attended_ && window_.has_work() && !std::exchange(woken_, true);
 }
 
@@ -62,11 +78,13 @@ void Channel::judge_length(const Ack& ack, Time now) {
 void Channel::end() {
   const std::scoped_lock lock(mutex_);
   if (!ended_at_) ended_at_ = now();
+  room_.notify_one();
 }
 
 void Channel::close() {
   const std::scoped_lock lock(mutex_);
   closed_ = true;
+  room_.notify_one();
 }
 
 bool Channel::closed() {

@@ -129,9 +129,7 @@ class SocketSender final : public DatagramSender {
     polled_.assign(1, {.fd = wake_event_.get(), .events = POLLIN, .revents = 0});
     for (const SocketConnection* connection : waiting)
       polled_.push_back({.fd = connection->fd(), .events = POLLOUT, .revents = 0});
-    const bool limited = deadline != Clock::time_point::max();
-    const timespec timeout = limited ? time_until(deadline) : timespec{};
-    if (::ppoll(polled_.data(), polled_.size(), limited ? &timeout : nullptr, nullptr) > 0) {
+    if (poll_until(polled_, deadline)) {
       for (std::size_t i = 0; i < waiting.size(); ++i) {
         if (polled_[i + 1].revents != 0) waiting[i]->has_room();
       }

@@ -228,6 +228,14 @@ timespec time_until(Clock::time_point deadline) noexcept {
           .tv_nsec = static_cast<long>(left.count() % 1'000'000'000)};
 }
 
+bool poll_until(std::span<pollfd> polled, Clock::time_point deadline) noexcept {
+  const bool limited = deadline != Clock::time_point::max();
+  const timespec timeout = limited ? time_until(deadline) : timespec{};
+  const int ready = ::ppoll(polled.data(), polled.size(), limited ? &timeout : nullptr, nullptr);
+  if (ready < 0) std::ranges::for_each(polled, [](pollfd& p) { p.revents = 0; });
+  return ready > 0;
+}
+
 void hand_over(std::span<const std::byte> train, std::span<std::byte> control, const sockaddr_in6& from,
                DatagramSink& sink) noexcept {
   const SocketAddress source = to_address(from);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <chrono>
@@ -53,6 +54,9 @@ SendOutcome outcome_of(int error, bool segmented) noexcept;
 
 /// What is left until then, as ppoll() takes it.
 timespec time_until(std::chrono::steady_clock::time_point deadline) noexcept;
+
+/// ppoll() until then, or a signal. Whether any is ready; `revents` says which, and nothing otherwise.
+bool poll_until(std::span<pollfd> polled, std::chrono::steady_clock::time_point deadline) noexcept;
 
 /// Room for the one control message that receiving with UDP_GRO brings.
 inline constexpr std::size_t train_control_bytes = CMSG_SPACE(sizeof(int));

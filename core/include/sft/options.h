@@ -96,6 +96,10 @@ struct PublisherOptions {
   std::chrono::nanoseconds lifespan{0};
   Liveliness liveliness = Liveliness::automatic;
   std::chrono::nanoseconds liveliness_lease{0};  ///< promises a sign of life at least so often
+  /// So long, up to 1 s, publish() may wait for reliable subscribers elsewhere that do not keep up, before it
+  /// costs them their oldest sample (DDS calls it max_blocking_time). None by default: a subscriber that hangs
+  /// would hold up the program, each time that it publishes, and with it all other subscribers.
+  std::chrono::nanoseconds max_blocking{0};
   /// Announced: readers set memory aside for no more. Up to 32 MiB, and 16 MiB without UDP. A sample that is
   /// larger than the largest chunk of shared memory, 16 MiB unless the daemon was set up otherwise, goes by
   /// UDP within the host, like one for which no chunk is free.
@@ -142,8 +146,9 @@ struct SubscriberOptions {
   /// within that time is had in a microsecond, without what it takes to wake a thread. By default about as
   /// long as that takes, so that looking never costs more than it could have saved. Threads that wait for the
   /// core get it meanwhile, and after a wait that ended without a sample the next one sleeps at once. For a
-  /// reader with a core of its own: longer than the period of the samples. Without effect where it is
-  /// pollable.
+  /// reader with a core of its own: longer than the period of the samples. With a callback, the thread that
+  /// receives by UDP looks so long (1 s at most), as long as datagrams come about as fast as that. Without
+  /// effect where it is pollable.
   std::chrono::nanoseconds spin = std::chrono::microseconds(20);
   /// Gives it a Subscriber::file_descriptor(), and its node a thread that tells it what came in shared
   /// memory. Not with a callback.
