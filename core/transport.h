@@ -2,11 +2,11 @@
 // the core decides who is served by which (core/negotiation.h) and never asks which one it talks to.
 //
 // Threads. Everything is called from the node's agent thread except WriterPort::loan, begin, include_spares,
-// send, can_send and miss (the publisher's thread), ReaderPort::take and take_of (any thread, one at a time),
-// receive and interrupt (any thread), and what counts or describes (bytes_sent, dropped, discarded,
-// held_too_many, lost_unnoticed, description, counters) and, for UDP, open_writer and open_reader (any
-// thread); set_routes, connect, disconnect and accept may run at the same time as these. Listeners are called
-// from threads of the transport, and from those in receive().
+// hold, flush, send, can_send and miss (the publisher's thread), ReaderPort::take and take_of (any thread, one
+// at a time), receive and interrupt (any thread), and what counts or describes (bytes_sent, dropped,
+// discarded, held_too_many, lost_unnoticed, description, counters) and, for UDP, open_writer and open_reader
+// (any thread); set_routes, connect, disconnect and accept may run at the same time as these. Listeners are
+// called from threads of the transport, and from those in receive().
 #pragma once
 
 #include <array>
@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "core/delivery.h"
+#include "core/ip_address.h"
 #include "core/rate_gate.h"
 #include "core/sample_buffer.h"
 #include "sft/status.h"
@@ -38,17 +39,23 @@ using EndpointId = std::uint64_t;  ///< random per incarnation, never 0; datagra
 
 /// Where datagrams for a reader go.
 struct UdpAddress {
-  std::uint32_t ipv4 = 0;  ///< host byte order
+  IpAddress ip;
   std::uint16_t port = 0;
   std::uint32_t receive_buffer_bytes =
-      0;  ///< of the socket, as the kernel counts: a sender paces bursts by it
+      0;                  ///< of the socket, as the kernel counts: a sender paces bursts by it
+  bool wireless = false;  ///< the interface that has it is
+  /// Whose socket it is, random per incarnation: of equal ones with equal ports, one takes the other's place.
+  /// 0: it is not known what other addresses that socket has.
+  std::uint64_t node = 0;
   friend bool operator==(const UdpAddress&, const UdpAddress&) = default;
 };
 
 /// One of our own addresses, and the network that it is in.
 struct Link {
-  std::uint32_t ipv4 = 0;  ///< host byte order
-  std::uint32_t netmask = 0;
+  IpAddress ip;  ///< a link-local one with its scope
+  std::uint8_t prefix_bits = 0;
+  bool running = true;  ///< its interface has a carrier
+  bool wireless = false;
   friend bool operator==(const Link&, const Link&) = default;
 };
 
@@ -80,6 +87,8 @@ struct WriterSpec {
   EndpointId id = 0;
   const TypeSupport* type = nullptr;  ///< outlives the port
   bool retains = true;                ///< samples for late readers; false: begin_with() is never called
+  /// send() may wait so long until what is sent reliably costs no reader an older sample.
+  std::chrono::nanoseconds max_blocking{0};
 };
 
 /// What a reader has to know of a writer whose samples it wants.
@@ -120,8 +129,13 @@ class WriterPort {
 
   /// Sends an encoded sample to the routes in force whose gates it passes, as these say on this thread; see
   /// can_send() for where it may come from. The caller may still read the sample afterwards while it keeps a
-  /// handle, but not write. Never waits for a reader. Every route's mask must be a subset of sample->mask.
+  /// handle, but not write, unless its is the only one. Waits for readers as WriterSpec says. Every route's mask must be a subset of sample->mask.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
+
+  /// Until flush() the samples that are sent need not leave at once, so that small ones share datagrams.
+  virtual void hold() noexcept {}
+  /// Sends what was held. Returns how many of these samples did not get to each route.
+  virtual std::size_t flush() noexcept { return 0; }
 
   /// A sample is about to be made, and gates to be asked: it goes by the routes that are in force now.
   /// Without this by those in force when it is sent.

@@ -13,10 +13,12 @@
 #include <span>
 #include <string>
 
+#include "core/ip_address.h"
+
 namespace sft::udp {
 
 struct SocketAddress {
-  std::uint32_t ipv4 = 0;  ///< host byte order
+  core::IpAddress ip;
   std::uint16_t port = 0;
   friend auto operator<=>(const SocketAddress&, const SocketAddress&) = default;
 };
@@ -92,6 +94,8 @@ class Connection {
 
   /// Looks for the way anew: after a refusal, for routes and the host's own addresses change. Any thread.
   virtual void reconnect() noexcept = 0;
+  /// The same, to another address of the same socket. Any thread.
+  virtual void redirect(const SocketAddress& to) noexcept = 0;
 
   /// After `would_wait`: makes the next await() return once there is room. The thread that calls await().
   virtual void wait_for_room() noexcept = 0;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <iterator>
 #include <new>
 #include <utility>
 
@@ -20,6 +21,8 @@ namespace sft::udp {
 namespace {
 using Clock = std::chrono::steady_clock;
 constexpr int trains_per_turn = 64;  // then a thread that waits may have the role
+/// To a reader in order, without a look at whether it is still there.
+constexpr std::size_t delivered_at_once = 256;
 
 /// Of an eventfd or timerfd.
 void read_away(int fd) noexcept {
@@ -237,9 +240,10 @@ void Receiver::datagram(std::span<const std::byte> bytes, SocketAddress from) no
   Reassembly::Arrival arrival =
       kind == DatagramKind::heartbeat ? accept_heartbeat(bytes, from) : accept(bytes);
   const bool in_channel = arrival.in_channel;
-  if (!arrival.sample && !in_channel) return;
+  const bool any = arrival.sample || !arrival.packed.empty();
+  if (!any && !in_channel) return;
   const core::EndpointId writer = wanted_->streams[arrival.stream].writer;
-  if (arrival.sample) deliver(std::move(arrival));
+  if (any) deliver(arrival);
   if (in_channel) deliver_in_order(writer);
 }
 
@@ -290,17 +294,22 @@ void Receiver::enter() {
 
 /// To those who take it as it comes. Listeners run outside the snapshot: they may take long, and may connect
 /// and destroy readers.
-void Receiver::deliver(Reassembly::Arrival arrival) {
+void Receiver::deliver(Reassembly::Arrival& arrival) {
   publish_counters();
   const auto in_turn = [&](const Subscriber& s) { return arrival.in_channel && s.reliable; };
   if (std::ranges::all_of(wanted_->subscribers[arrival.stream], in_turn)) return;
   const std::shared_ptr<const Subscriptions> subscriptions = wanted_;
   subscriptions_.leave();
+  const std::span samples = arrival.sample ? std::span(&arrival.sample, 1) : arrival.packed;
   for (const Subscriber& subscriber : subscriptions->subscribers[arrival.stream]) {
-    if (!in_turn(subscriber) && subscriber.accepts(*arrival.sample))
-      subscriber.inbox->deliver(arrival.sample);
+    if (in_turn(subscriber)) continue;
+    batch_.clear();
+    std::ranges::copy_if(samples, std::back_inserter(batch_),
+                         [&](const core::SampleHandle& sample) { return subscriber.accepts(*sample); });
+    subscriber.inbox->deliver(batch_);
   }
-  arrival.sample.reset();
+  batch_.clear();
+  for (core::SampleHandle& sample : samples) sample.reset();
   enter();
 }
 
@@ -309,7 +318,7 @@ void Receiver::deliver_in_order(core::EndpointId writer) {
   }
 }
 
-/// False if nobody has anything to get now.
+/// To one reader what it can get now, up to a limit. False if nobody has anything to get.
 bool Receiver::deliver_next(core::EndpointId writer) {
   const std::vector<Stream>& streams = wanted_->streams;
   const auto stream =
@@ -320,13 +329,20 @@ bool Receiver::deliver_next(core::EndpointId writer) {
   if (window == nullptr) return false;
   for (const Subscriber& subscriber : wanted_->subscribers[place]) {
     if (!subscriber.reliable) continue;
-    core::SampleHandle sample =
-        window->next(subscriber.reader, [&](const core::SampleBuffer& s) { return subscriber.accepts(s); });
-    if (!sample) continue;
+    const auto accepts = [&](const core::SampleBuffer& s) { return subscriber.accepts(s); };
+    batch_.clear();
+    while (batch_.size() < delivered_at_once) {
+      batch_.push_back(window->next(subscriber.reader, accepts));
+      if (batch_.back()) continue;
+      batch_.pop_back();
+      break;
+    }
+    if (batch_.empty()) continue;
     const std::shared_ptr<Inbox> inbox = subscriber.inbox;
     const std::shared_ptr<const Subscriptions> subscriptions = wanted_;
     subscriptions_.leave();
-    inbox->deliver(std::move(sample));
+    inbox->deliver(batch_);
+    batch_.clear();
     enter();
     return true;
   }

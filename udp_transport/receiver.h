@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "udp_transport/datagram_io.h"
 #include "udp_transport/reassembly.h"
@@ -69,7 +70,7 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   void enter();
   void hear_ack(std::span<const std::byte> bytes) noexcept;
   Reassembly::Arrival accept_heartbeat(std::span<const std::byte> bytes, SocketAddress from) noexcept;
-  void deliver(Reassembly::Arrival arrival);
+  void deliver(Reassembly::Arrival& arrival);
   void deliver_in_order(core::EndpointId writer);
   bool deliver_next(core::EndpointId writer);
   void answer(Time now) noexcept;
@@ -96,6 +97,7 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   Reassembly reassembly_;
   std::shared_ptr<const Subscriptions> wanted_;
   ArrivalTime now_;
+  std::vector<core::SampleHandle> batch_;  ///< on its way to one inbox
 };
 
 }  // namespace sft::udp

@@ -14,7 +14,7 @@ TrainReader::TrainReader(std::shared_ptr<const UdpSocket> socket)
     : socket_(std::move(socket)), train_(train_bytes_max) {}
 
 bool TrainReader::read(DatagramSink& sink) noexcept {
-  sockaddr_in from{};
+  sockaddr_in6 from{};
   iovec whole{train_.data(), train_.size()};
   msghdr message{};
   message.msg_name = &from;

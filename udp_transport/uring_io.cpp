@@ -179,11 +179,10 @@ class UringReceiver final : public DatagramReceiver {
  public:
   UringReceiver(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event)
       : socket_(socket), wake_event_(std::move(wake_event)), trains_(std::move(socket)) {
-    layout_.msg_namelen = sizeof(sockaddr_in);
+    layout_.msg_namelen = sizeof(sockaddr_in6);  // of either family
     layout_.msg_controllen = train_control_bytes;
   }
 
-  /// 0 or a positive errno.
   int open() noexcept {
     if (const int error = ring_.open(8, 2 * BufferRing::buffers); error != 0) return error;
     if (const int error = ring_.register_files(std::array{socket_->fd.get(), wake_event_.get()}); error != 0)
@@ -268,7 +267,7 @@ class UringReceiver final : public DatagramReceiver {
   void hand_over_buffer(std::byte* buffer, int bytes, DatagramSink& sink) noexcept {
     io_uring_recvmsg_out* out = io_uring_recvmsg_validate(buffer, bytes, &layout_);
     if (out == nullptr || (out->flags & MSG_TRUNC) != 0) return;
-    const auto* from = static_cast<const sockaddr_in*>(io_uring_recvmsg_name(out));
+    const auto* from = static_cast<const sockaddr_in6*>(io_uring_recvmsg_name(out));
     std::byte* control = static_cast<std::byte*>(io_uring_recvmsg_name(out)) + layout_.msg_namelen;
     const auto* train = static_cast<const std::byte*>(io_uring_recvmsg_payload(out, &layout_));
     hand_over({train, io_uring_recvmsg_payload_length(out, bytes, &layout_)},

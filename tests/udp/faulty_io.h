@@ -70,6 +70,7 @@ class Connected : public Connection {
     return inner_->try_send(batches);
   }
   void reconnect() noexcept override { inner_->reconnect(); }
+  void redirect(const SocketAddress& to) noexcept override { inner_->redirect(to); }
   void wait_for_room() noexcept override { inner_->wait_for_room(); }
   bool full() const noexcept override { return inner_->full(); }
 
