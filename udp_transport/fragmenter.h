@@ -74,9 +74,7 @@ class Fragmenter {
 
   std::size_t bytes() const { return body_.first.total; }  ///< of the body
   bool begun() const { return begun_; }
-  bool done() const {
-    return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_;
-  }
+  bool done() const { return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_; }
 
   /// Replaces the batch by the next datagrams: at least one, even where the limits have no room for it.
   void next(Batch& batch, std::size_t bytes_max = batch_bytes_max,

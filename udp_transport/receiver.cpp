@@ -14,7 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 /// To a reader in order, without a look at whether it is still there.
 constexpr std::size_t delivered_at_once = 256;
-}
+}  // namespace
 
 Receiver::Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
                    std::shared_ptr<core::BufferPool> pool, Acks acks)

@@ -121,8 +121,9 @@ class Publisher {
   PublishStatus publish(const T& message) { return publisher_.publish(&message); }
 
   /// The same as to publish one after the other, each a sample of its own, but much cheaper where they are
-  /// small and readers elsewhere: over UDP small ones share datagrams, and these system calls. All are stamped
-  /// with the time of this call. publish() of a single message never waits for others to share anything with.
+  /// small and readers elsewhere: over UDP small ones share datagrams, and these system calls. All are
+  /// stamped with the time of this call. publish() of a single message never waits for others to share
+  /// anything with.
   PublishedSpan publish(std::span<const T> messages) {
     return publisher_.publish(messages.data(), messages.size(), sizeof(T));
   }
