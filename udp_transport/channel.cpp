@@ -44,9 +44,35 @@ void Channel::put_back(const Piece& piece) {
 bool Channel::hear(const Ack& ack) {
   const Time time = now();
   const std::scoped_lock lock(mutex_);
+  judge_length(ack, time);
   window_.hear(ack, time);
   if (awaits_room_ != nullptr && has_room_for(*awaits_room_)) room_.notify_one();
   return attended_ && window_.has_work() && !std::exchange(woken_, true);
+}
+
+/// By the samples that do not fit into one datagram: whether their long ones arrive, or are all asked for,
+/// although what is short gets through, this ack for one.
+void Channel::judge_length(const Ack& ack, Time now) {
+  const std::size_t length = to_->datagram_bytes();
+  if (std::exchange(length_, length) != length) sent_so_from_ = window_.end();
+  const auto is_long = [&](std::uint64_t ordinal) {
+    const auto bytes = window_.bytes_sent(ordinal);
+    return bytes && *bytes + following_header_bytes > length;
+  };
+  if (to_->length_in_doubt()) {
+    for (std::uint64_t ordinal = std::max(sent_so_from_, window_.begin());
+         ordinal < std::min(ack.next, window_.end()); ++ordinal) {
+      if (!is_long(ordinal)) continue;
+      to_->long_ones_arrived(now);
+      break;
+    }
+    sent_so_from_ = std::max(sent_so_from_, std::min(ack.next, window_.end()));
+  }
+  const auto lacks_all = [&](const Missing& part) {
+    if (part.ordinal != static_cast<std::uint32_t>(ack.next) || !is_long(ack.next)) return false;
+    return part.begin == 0 && (part.end == 0 || part.end + length > *window_.bytes_sent(ack.next));
+  };
+  if (std::ranges::any_of(ack.parts(), lacks_all)) to_->long_ones_were_lost(now);
 }
 
 void Channel::end() {
@@ -84,6 +110,7 @@ Channel::Care Channel::look_after() {
     closed_ = true;
     return {.heartbeat = addressed(window_.parting()), .at_rest = true};
   }
+  if (to_->moves() != std::exchange(moves_, to_->moves())) window_.way_changed(time);
   Care care;
   if (const auto heartbeat = window_.heartbeat(time)) care.heartbeat = addressed(*heartbeat);
   care.next_look = window_.next_look(time);

@@ -73,6 +73,7 @@ class Channel {
   Care look_after();
 
  private:
+  void judge_length(const Ack& ack, Time now);
   static Time now() { return std::chrono::steady_clock::now(); }
   Heartbeat addressed(Heartbeat heartbeat) const {
     heartbeat.port = port_;
@@ -94,6 +95,9 @@ class Channel {
   bool woken_ = false;     ///< and will look at it
   bool closed_ = false;    ///< it has parted
   std::optional<Time> ended_at_;
+  std::size_t length_ = 0;              ///< of datagrams, when an ack came last
+  std::uint64_t sent_so_from_ = 0;      ///< the first ordinal that was surely sent in such, and not judged
+  std::uint32_t moves_ = to_->moves();  ///< of the destination, as far as is known here
 };
 
 }  // namespace sft::udp

@@ -3,6 +3,7 @@
 
 #include <sys/uio.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -75,6 +76,9 @@ class Fragmenter {
   std::size_t bytes() const { return body_.first.total; }  ///< of the body
   bool begun() const { return begun_; }
   bool done() const { return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_; }
+
+  /// What is left is cut into datagrams of that length.
+  void set_datagram_bytes(std::size_t bytes) { datagram_bytes_ = std::min(bytes, datagram_bytes_max); }
 
   /// Replaces the batch by the next datagrams: at least one, even where the limits have no room for it.
   void next(Batch& batch, std::size_t bytes_max = batch_bytes_max,

@@ -481,7 +481,7 @@ Reassembly::Arrival Reassembly::accept_heartbeat(std::span<const std::byte> byte
     return {};
   }
   Incoming& in = *found->second;
-  in.acks_go_to = SocketAddress{from.ipv4, heartbeat->port};
+  in.acks_go_to = SocketAddress{from.ip, heartbeat->port};
   in.window->hear(*heartbeat, now.steady);
   drop_abandoned(in);
   return {{}, in.place, true};

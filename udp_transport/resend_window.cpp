@@ -82,6 +82,11 @@ std::uint64_t ResendWindow::first_waiting(Size size) {
   return ordinal;
 }
 
+std::optional<std::uint32_t> ResendWindow::bytes_sent(std::uint64_t ordinal) const {
+  if (!kept_.contains(ordinal) || !kept_[ordinal].begun) return std::nullopt;
+  return kept_[ordinal].first.total;
+}
+
 bool ResendWindow::has_work() {
   return !repairs_.empty() || first_waiting(Size::small) != kept_.end() ||
          first_waiting(Size::large) != kept_.end();
@@ -215,6 +220,12 @@ void ResendWindow::plan_heartbeat(Time now) {
     const auto pause = bad_link ? limits_.heartbeat_delay : limits_.heartbeat_pause;
     heartbeat_at_ = std::max(sent_at_ + limits_.heartbeat_delay, heartbeat_sent_at_ + pause);
   }
+}
+
+void ResendWindow::way_changed(Time now) {
+  if (kept_.empty()) return;
+  unanswered_ = 0;
+  heartbeat_at_ = now;
 }
 
 std::optional<Heartbeat> ResendWindow::heartbeat(Time now) {

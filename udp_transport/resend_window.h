@@ -71,6 +71,9 @@ class ResendWindow {
   /// What the other end says. Nonsense is ignored.
   void hear(const Ack& ack, Time now);
 
+  /// The way there is another one: asks at once, which also tells the other end where acks go now.
+  void way_changed(Time now);
+
   /// Empty if none is due. Its port is left to the caller.
   std::optional<Heartbeat> heartbeat(Time now);
   /// The last one: nothing is kept any more.
@@ -85,6 +88,12 @@ class ResendWindow {
   }
   /// Nothing is left to be sent or acknowledged.
   bool settled() const { return kept_.empty(); }
+
+  /// Bytes of the body, if that sample was sent and is kept.
+  std::optional<std::uint32_t> bytes_sent(std::uint64_t ordinal) const;
+  /// [begin, end) are kept.
+  std::uint64_t begin() const { return kept_.begin(); }
+  std::uint64_t end() const { return kept_.end(); }
 
   /// Something is to be sent, as far as there is room for it.
   bool has_work();

@@ -241,6 +241,7 @@ SendOutcome VariantSender::try_send(Lane& lane, Job& job) {
     tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
   } else if (outcome != SendOutcome::would_wait) {
     to.note(outcome);
+    if (outcome == SendOutcome::too_long && to.datagram_bytes() < cut_for_) return SendOutcome::would_wait;
   }
   return outcome;
 }
