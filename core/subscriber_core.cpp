@@ -452,25 +452,23 @@ void SubscriberCore::dispatch(Caller caller) {
 bool SubscriberCore::call_back_for_all(Caller caller) {
   dispatching_.store(std::this_thread::get_id());
   bool goes_on = true;
-  auto begun = std::chrono::steady_clock::now();
   while (goes_on && !closed_.load()) {
     untyped::Sample sample = take();
     if (!sample) break;
-    call_back(std::move(sample), begun);
+    call_back(std::move(sample));
     goes_on = caller == Caller::dispatcher || !is_slow_.load();
   }
   dispatching_.store({});
   return goes_on;
 }
 
-/// `begun` becomes the time at which it has ended.
-void SubscriberCore::call_back(untyped::Sample sample, std::chrono::steady_clock::time_point& begun) {
+void SubscriberCore::call_back(untyped::Sample sample) {
+  using Clock = std::chrono::steady_clock;
+  const auto begun = Clock::now();
   ++callback_depth;
   spec_.callback(std::move(sample));
   --callback_depth;
-  const auto ended = std::chrono::steady_clock::now();
-  quick_in_a_row_ = ended - begun < slow_callback ? quick_in_a_row_ + 1 : 0;
-  begun = ended;
+  quick_in_a_row_ = Clock::now() - begun < slow_callback ? quick_in_a_row_ + 1 : 0;
   if (quick_in_a_row_ == 0 || quick_in_a_row_ == quick_again_after) is_slow_.store(quick_in_a_row_ == 0);
 }
 

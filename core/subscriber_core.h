@@ -164,7 +164,7 @@ class SubscriberCore final : public ArrivalListener {
   untyped::Sample wrap(Next next);
   void dispatch(Caller caller);
   bool call_back_for_all(Caller caller);
-  void call_back(untyped::Sample sample, std::chrono::steady_clock::time_point& begun);
+  void call_back(untyped::Sample sample);
 
   const Spec spec_;
   Doorbell& bell_;
