@@ -84,7 +84,7 @@ class Reassembly {
   struct Incoming;  ///< what is known of one writer
   enum class Refusal : std::uint8_t { none, malformed, unwanted, over_limit };
 
-  struct Named {  ///< by a datagram
+  struct Named {                      ///< by a datagram
     const FieldMask* mask = nullptr;  ///< null: one that nobody wants
     bool malformed = false;
   };
@@ -123,6 +123,7 @@ class Reassembly {
   std::size_t windows_ = 0;                               ///< streams that are reliable
   std::vector<std::unique_ptr<UnfinishedSample>> spare_;  ///< kept for the memory that they hold
   std::vector<core::SampleHandle> packed_;                ///< of the last packed datagram
+  std::vector<core::SampleHandle> ahead_;                 ///< for the rest of a packed datagram
   std::size_t unfinished_ = 0;
   std::size_t parked_bytes_ = 0;
   std::optional<Time> next_expiry_;

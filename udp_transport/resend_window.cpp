@@ -39,8 +39,7 @@ void ResendWindow::push(const JobHandle& job, const FirstHeader& first) {
   const auto samples = static_cast<std::uint32_t>(job->samples());
   for (std::uint32_t part = 0; part < samples; ++part) {
     kept_bytes_ += job->held_bytes(part);
-    kept_.push_back(
-        {.first = header_behind(first, part, job->body_bytes(part)), .job = job, .part = part});
+    kept_.push_back({.first = header_behind(first, part, job->body_bytes(part)), .job = job, .part = part});
   }
 }
 

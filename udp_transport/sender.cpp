@@ -162,8 +162,7 @@ void Sender::advance_channel(Flow& flow) {
       flow.piece = flow.channel->next(flow.size);
       if (!flow.piece) return;
       flow.full_since.reset();
-      flow.fragments.emplace(flow.piece->body(), flow.destination().datagram_bytes(),
-                             flow.piece->range);
+      flow.fragments.emplace(flow.piece->body(), flow.destination().datagram_bytes(), flow.piece->range);
     }
     if (send_some(flow) == Progress::some) return;
     flow.channel->finished(*flow.piece);  // or it is lost, and will be asked for

@@ -114,7 +114,7 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
 
 /// For how many masks this thread sends it itself.
 std::size_t UdpWriter::own_variants(const core::SampleBuffer& sample) const noexcept {
-  if (!left_->done()) return 0;  // nothing overtakes what was left before
+  if (!left_->done()) return 0;                    // nothing overtakes what was left before
   if (max_blocking_.count() > 0) return SIZE_MAX;  // the sending thread does not wait
   if (sample.capacity > direct_bytes_max) return large_variants_max;
   return holds_ ? SIZE_MAX : small_variants_max;

@@ -85,8 +85,8 @@ VariantSender::Held& VariantSender::held_for(const Group& group) {
   std::size_t datagram_bytes = datagram_bytes_max;
   for (const auto& lane : group.lanes)
     datagram_bytes = std::min(datagram_bytes, lane->destination().datagram_bytes());
-  const std::size_t header = first_header_bytes + channel_bytes + length_bytes +
-                             group.wire->words.size() * sizeof(std::uint64_t);
+  const std::size_t header =
+      first_header_bytes + channel_bytes + length_bytes + group.wire->words.size() * sizeof(std::uint64_t);
   // One that every path takes in a datagram, so that none ever has to be cut.
   const std::size_t sample_bytes = std::min({datagram_bytes_min - header, side_->max_sample_bytes,
                                              (datagram_bytes - header) / samples_per_datagram_min});
@@ -95,7 +95,7 @@ VariantSender::Held& VariantSender::held_for(const Group& group) {
 }
 
 VariantSender::Hold VariantSender::hold(const Group& group, const core::SampleHandle& sample) noexcept try {
-  if (group.gate != nullptr || group.late_reader != 0) return Hold::unfit;
+  if (!group.packs) return Hold::unfit;
   if (!projected_) projected_ = jobs_->take();
   Projection& body = projected_->projection;
   if (!body.project(core::state_of(*sample, type_.slots()), group.plan)) return Hold::unfit;
@@ -137,8 +137,9 @@ std::size_t VariantSender::send_pack(const Held& held) noexcept try {
 
 /// A late reader's lane holds it back while its history goes first. Returns how many older samples had to go
 /// for it.
-std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
-                                  const core::SampleHandle& sample) {
+std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane,
+                                         const std::shared_ptr<Channel>& channel,
+                                         const core::SampleHandle& sample) {
   Job& job = *blank_;
   const std::size_t job_samples = job.samples();
   const bool is_small = job.is_pack() || job.first.total <= direct_bytes_max;
@@ -149,7 +150,7 @@ std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane, cons
   if (lane->is_late()) lane->mark(job);
   if (is_small && !std::exchange(blank_kept_, true) && !job.is_pack()) job.copy_body();
   if (!is_small) job.sample = sample;
-  const Channel::Posted posted = 
+  const Channel::Posted posted =
       channel->post(blank_, job.first, is_small, patience_.count() == 0 ? nullptr : &patience_);
   if (posted.piece) send_now(*channel, *posted.piece);
   if (posted.was_at_rest) {

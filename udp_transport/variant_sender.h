@@ -28,7 +28,7 @@ class VariantSender {
   enum class Hold : std::uint8_t {
     held,
     full,   ///< it has to wait for flush()
-    unfit,  ///< it is not small, or for one late reader or maximum rate: flush(), and then send() it
+    unfit,  ///< it is not small, or must not be: flush(), and then send() it
   };
   /// Copies a small sample, to be sent by flush() in datagrams that it shares with others. The group lives
   /// until then.
@@ -54,7 +54,7 @@ class VariantSender {
   std::size_t send_pack(const Held& held) noexcept;
   std::size_t distribute(const Group& group, const core::SampleHandle& sample);
   std::size_t send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
-                     const core::SampleHandle& sample);
+                            const core::SampleHandle& sample);
   void send_now(Channel& channel, const Channel::Piece& piece);
   SendOutcome try_send(Lane& lane, Job& job);
   SendOutcome send_at_once(const EncodedBody& body, Destination& to);
@@ -72,7 +72,7 @@ class VariantSender {
   Batch batch_;              ///< of the present sample
   std::size_t cut_for_ = 0;  ///< bytes of the datagrams in the batch; 0: none of the present sample
   std::chrono::nanoseconds patience_{0};
-  JobHandle projected_;      ///< what is to be held next
+  JobHandle projected_;  ///< what is to be held next
   std::vector<Held> held_;
 };
 

@@ -53,7 +53,8 @@ void make_packed(udp::FirstHeader header, const FieldMask& mask, std::vector<std
   std::size_t each = byte(13) % 2 == 0 ? (d.size() - head) / samples : 0;
   if (each == 0) header.flags |= udp::lengths_follow;
   if (each != 0) d.resize(head + samples * each);
-  for (std::size_t at = head; each == 0 && at + udp::length_bytes < d.size(); at += udp::length_bytes + byte(at))
+  for (std::size_t at = head; each == 0 && at + udp::length_bytes < d.size();
+       at += udp::length_bytes + byte(at))
     udp::store_length(byte(at), &d[at]);
   encode(udp::PackedHeader{header, static_cast<std::uint16_t>(samples), static_cast<std::uint16_t>(each)},
          d.data());

@@ -113,17 +113,16 @@ void World::crash() {
 }
 
 void World::publish() {
-  const bool is_span = happens(random_, scenario_.span);
+  std::set<Mask> served;
+  for (const Reader& reader : readers_) served.insert(reader.served);
+  const bool is_span = served.size() == 1 && happens(random_, scenario_.span);
   const double bytes_max = is_span ? 200 : static_cast<double>(scenario_.sample_bytes_max);
   std::vector<Image> images;
   for (std::size_t left = is_span ? from_to(random_, 2, 40) : 1; left > 0; --left) {
     const auto seed = static_cast<std::uint32_t>((sequence_ + images.size()) * 7);
     images.push_back(udp::test::make_image(log_uniform(random_, bytes_max), seed));
   }
-  for (Mask mask = 0; mask < masks().size(); ++mask) {
-    const auto asks = [&](const Reader& reader) { return reader.served == mask; };
-    if (std::ranges::any_of(readers_, asks)) keep(encode(images, mask));
-  }
+  for (const Mask mask : served) keep(encode(images, mask));
   for (Image& image : images) {
     for (Reader& reader : readers_) reader.to_get.push_back(sequence_);
     images_.emplace(sequence_++, std::move(image));

@@ -71,9 +71,9 @@ TEST_F(PackTest, LaysOutItsHeaderAsDocumented) {
                       0x2423},
          bytes.data());
   Bytes expected;
-  for (const unsigned byte : {0x15, 0,    0x05, 0x06, 0x01, 0x02, 0x03, 0x04, 0x11, 0x12, 0x13,
-                              0x14, 0x21, 0x22, 0x23, 0x24, 0x31, 0x32, 0x33, 0x34, 0x35, 0x36,
-                              0x37, 0x38, 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff})
+  for (const unsigned byte :
+       {0x15, 0,    0x05, 0x06, 0x01, 0x02, 0x03, 0x04, 0x11, 0x12, 0x13, 0x14, 0x21, 0x22, 0x23, 0x24,
+        0x31, 0x32, 0x33, 0x34, 0x35, 0x36, 0x37, 0x38, 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff})
     expected.push_back(static_cast<std::byte>(byte));
   EXPECT_EQ(Bytes(bytes.begin(), bytes.end()), expected);
 }
@@ -144,7 +144,12 @@ TEST_F(PackTest, IsKeptAndRepairedSampleBySample) {
   ASSERT_TRUE(piece);
   EXPECT_EQ(piece->samples, 3U);
   window.finished(*piece, now);
-  window.hear({.writer = 1, .channel = 9, .window_bytes = 1000, .next = 2, .missing = {{{3, 0, 0}}}, .missing_count = 1},
+  window.hear({.writer = 1,
+               .channel = 9,
+               .window_bytes = 1000,
+               .next = 2,
+               .missing = {{{3, 0, 0}}},
+               .missing_count = 1},
               now);
   EXPECT_EQ(window.kept(), 2U);
   EXPECT_EQ(window.kept_bytes(), 11U);
