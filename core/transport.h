@@ -78,6 +78,7 @@ struct WriterSpec {
   EndpointId id = 0;
   const TypeSupport* type = nullptr;  ///< outlives the port
   bool retains = true;                ///< samples for late readers; false: begin_with() is never called
+  std::uint64_t max_bytes_per_s = 0;  ///< over a network, to all readers together; 0: no limit
 };
 
 /// What a reader has to know of a writer whose samples it wants.

@@ -108,6 +108,7 @@ Reassembly::~Reassembly() = default;
 void Reassembly::set_streams(std::span<const Stream> streams) {
   auto before = std::exchange(incoming_, {});
   by_stream_.clear();
+  last_ = nullptr;
   windows_ = 0;
   for (std::size_t place = 0; place < streams.size(); ++place) {
     const Stream& stream = streams[place];
@@ -157,18 +158,26 @@ void Reassembly::close_window(Incoming& in) {
 }
 
 Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, ArrivalTime now) {
-  const std::optional<Datagram> d = parse(bytes);
-  if (!d) {
+  const bool is_first = kind_of(bytes) != DatagramKind::following;
+  const std::optional<Datagram> first = is_first ? parse(bytes) : std::nullopt;
+  const std::optional<Following> following = is_first ? std::nullopt : parse_following(bytes);
+  if (!first && !following) {
     ++counters_.malformed;
     return {};
   }
-  const auto in = incoming_.find(d->label().writer);
-  if (in == incoming_.end()) {
+  Incoming* const in = find(first ? first->label().writer : following->label.writer);
+  if (in == nullptr) {
     ++counters_.unknown;
     return {};
   }
-  return d->kind == DatagramKind::first ? accept_first(*in->second, *d, now)
-                                        : accept_following(*in->second, *d, now);
+  return first ? accept_first(*in, *first, now) : accept_following(*in, *following, now);
+}
+
+Reassembly::Incoming* Reassembly::find(std::uint32_t writer) {
+  if (last_ != nullptr && static_cast<std::uint32_t>(last_->writer) == writer) return last_;
+  const auto known = incoming_.find(writer);
+  if (known == incoming_.end()) return nullptr;
+  return last_ = known->second.get();
 }
 
 Reassembly::Arrival Reassembly::accept_first(Incoming& in, Datagram d, ArrivalTime now) {
@@ -217,11 +226,11 @@ Reassembly::Arrival Reassembly::refuse(Incoming& in, const Datagram& d, std::uin
   return nothing;
 }
 
-Reassembly::Arrival Reassembly::accept_following(Incoming& in, const Datagram& d, ArrivalTime now) {
-  UnfinishedSample* sample = in.find(d.label());
+Reassembly::Arrival Reassembly::accept_following(Incoming& in, const Following& d, ArrivalTime now) {
+  UnfinishedSample* sample = in.find(d.label);
   if (sample == nullptr) {
-    if (in.finished.contains(d.label())) return {};
-    sample = &begin(in, d.label(), 0, now.steady);
+    if (in.finished.contains(d.label)) return {};
+    sample = &begin(in, d.label, 0, now.steady);
   }
   if (!sample->described()) {
     park(in, *sample, d, now.steady);
@@ -332,7 +341,7 @@ core::SampleHandle Reassembly::take_reliable_buffer(Incoming& in, const Datagram
   return pool_->take(SampleLayout(in.type->slots()).bytes(total), pool_->limit_bytes() / 4);
 }
 
-void Reassembly::park(Incoming& in, UnfinishedSample& sample, const Datagram& d, Time now) {
+void Reassembly::park(Incoming& in, UnfinishedSample& sample, const Following& d, Time now) {
   const std::size_t bytes = UnfinishedSample::bytes_to_park(d.payload);
   if (d.payload.size() > in.sample_bytes || d.offset > in.sample_bytes - d.payload.size()) {
     drop(in, sample.label(), counters_.malformed);
@@ -482,7 +491,7 @@ void Reassembly::answer(Incoming& in, Time now, const SendAck& send) {
   std::vector<ArrivalWindow::Gap> gaps;
   if (now >= window.next_look()) gaps = window.due_gaps(now, came_at, asked_at_once_max);
   if (gaps.empty() && !window.ack_due()) return;
-  Ack ack = window.ack(static_cast<std::uint32_t>(in.writer), windows_);
+  Ack ack = window.ack(static_cast<std::uint32_t>(in.writer));
   std::size_t asked = 0;
   const auto ask = [&](const Missing& part) {
     if (++asked > asked_at_once_max) return;

@@ -18,8 +18,7 @@ ResendWindow::ResendWindow(std::uint32_t writer, std::uint32_t channel, const Re
       kept_(first_ordinal),
       waiting_{first_ordinal, first_ordinal},
       sent_(first_ordinal),
-      repair_pacer_(limits.repair_bytes_per_s) {
-  repair_pacer_.set_burst(repair_burst_bytes);
+      repair_pacer_(limits.repair_bytes_per_s, repair_burst_bytes) {
   repairs_.reserve(repairs_max);
 }
 
@@ -51,18 +50,9 @@ void ResendWindow::make_room(Kept& kept) {
 void ResendWindow::release_oldest() {
   const std::uint64_t ordinal = kept_.begin();
   const Entry& oldest = kept_[ordinal];
-  if (oldest.state != State::waiting) in_flight_bytes_ -= oldest.first.total;
   kept_bytes_ -= oldest.job->held_bytes();
   std::erase_if(repairs_, [&](const Repair& repair) { return repair.ordinal == ordinal; });
   kept_.pop_front();
-}
-
-/// The oldest may always go: all others wait for it. And some more, until a part of the window is under way
-/// that is acknowledged unasked.
-bool ResendWindow::has_room_for(std::uint64_t ordinal) const {
-  const Entry& entry = kept_[ordinal];
-  return ordinal == kept_.begin() || in_flight_bytes_ < std::max<std::size_t>(window_bytes_ / 4, 1) ||
-         in_flight_bytes_ + entry.first.total <= window_bytes_;
 }
 
 std::uint64_t ResendWindow::first_waiting(Size size) {
@@ -104,14 +94,12 @@ std::optional<ResendWindow::Piece> ResendWindow::next_repair(Size size, Time now
 std::optional<ResendWindow::Piece> ResendWindow::next_sample(Size size) {
   const std::uint64_t ordinal = first_waiting(size);
   if (ordinal == kept_.end()) return {};
-  if (has_room_for(ordinal)) return begin(ordinal);
-  answer_wanted_ = true;
-  return {};
+  return begin(ordinal);
 }
 
 std::optional<ResendWindow::Piece> ResendWindow::take(std::uint64_t ordinal) {
   const Size size = size_of(kept_[ordinal].first.total);
-  if (first_waiting(size) != ordinal || !has_room_for(ordinal)) return {};
+  if (first_waiting(size) != ordinal) return {};
   return begin(ordinal);
 }
 
@@ -119,24 +107,35 @@ ResendWindow::Piece ResendWindow::begin(std::uint64_t ordinal) {
   Entry& entry = kept_[ordinal];
   entry.state = State::under_way;
   entry.begun = true;
-  in_flight_bytes_ += entry.first.total;
   return {entry.first, entry.job, {}, ordinal, false};
 }
 
 void ResendWindow::finished(const Piece& piece, Time now) {
+  if (!piece.is_repair && sent_at_ != Time{}) learn_pause(now - sent_at_);
   sent_at_ = now;
   if (!piece.is_repair && kept_.contains(piece.ordinal)) {
     kept_[piece.ordinal].state = State::sent;
     sent_ = sent_end();
   }
+  if (kept_.size() > limits_.samples / 2 || kept_bytes_ > limits_.bytes / 2) answer_wanted_ = true;
   if (unanswered_ == 0) plan_heartbeat(now);
+}
+
+/// One that is much longer, as behind a burst, hardly counts.
+void ResendWindow::learn_pause(Time::duration pause) {
+  if (usual_pause_ == Time::duration{}) {
+    usual_pause_ = pause;
+  } else if (pause > usual_pause_) {
+    usual_pause_ += std::min(pause - usual_pause_, usual_pause_) / 8;
+  } else {
+    usual_pause_ -= (usual_pause_ - pause) / 4;
+  }
 }
 
 void ResendWindow::put_back(const Piece& piece) {
   if (piece.is_repair || !kept_.contains(piece.ordinal)) return;
   Entry& entry = kept_[piece.ordinal];
   entry.state = State::waiting;
-  in_flight_bytes_ -= entry.first.total;
   std::uint64_t& waiting = waiting_[static_cast<std::size_t>(size_of(entry.first.total))];
   waiting = std::min(waiting, piece.ordinal);
 }
@@ -156,7 +155,6 @@ void ResendWindow::release_before(std::uint64_t next) {
 void ResendWindow::hear(const Ack& ack, Time now) {
   if (ack.channel != channel_ || ack.writer != writer_) return;
   if (ack.next > kept_.end()) return;
-  window_bytes_ = ack.window_bytes;
   release_before(ack.next);
   for (const Missing& part : ack.parts()) ask_for(part, ack.next, now);
   unanswered_ = 0;
@@ -181,6 +179,13 @@ void ResendWindow::ask_for(const Missing& part, std::uint64_t next, Time now) {
   if (!asked) repairs_.push_back({ordinal, range, size_of(range.end - range.begin)});
 }
 
+/// A loss is noticed with the sample after it; so what matters is that no other one comes. That is asked for
+/// as often as there are heartbeats to spare.
+ResendWindow::Time ResendWindow::end_of_usual_pause() const {
+  const Time affordable = heartbeats_paid_until_ - limits_.heartbeats_saved * limits_.heartbeat_pause;
+  return std::max(sent_at_ + 2 * usual_pause_, affordable);
+}
+
 /// Soon after the last sample, but seldom while nothing gets lost. Whoever does not answer is asked ever more
 /// seldom.
 void ResendWindow::plan_heartbeat(Time now) {
@@ -192,8 +197,8 @@ void ResendWindow::plan_heartbeat(Time now) {
     heartbeat_at_ = std::min(heartbeat_at_, std::max(now, heartbeat_sent_at_ + limits_.heartbeat_delay));
   } else {
     const bool bad_link = lost_at_ && now - *lost_at_ < limits_.mistrust;
-    const auto pause = bad_link ? limits_.heartbeat_delay : limits_.heartbeat_pause;
-    heartbeat_at_ = std::max(sent_at_ + limits_.heartbeat_delay, heartbeat_sent_at_ + pause);
+    const Time usual = heartbeat_sent_at_ + (bad_link ? limits_.heartbeat_delay : limits_.heartbeat_period);
+    heartbeat_at_ = std::max(sent_at_ + limits_.heartbeat_delay, std::min(usual, end_of_usual_pause()));
   }
 }
 
@@ -202,6 +207,7 @@ std::optional<Heartbeat> ResendWindow::heartbeat(Time now) {
   if (now < heartbeat_at_) return {};
   answer_wanted_ = false;
   heartbeat_sent_at_ = now;
+  heartbeats_paid_until_ = std::max(heartbeats_paid_until_, now) + limits_.heartbeat_pause;
   const auto doubled = limits_.heartbeat_delay * (1 << std::min(++unanswered_, 10));
   heartbeat_at_ = now + std::min<Time::duration>(doubled, limits_.heartbeat_longest);
   return Heartbeat{.writer = writer_, .channel = channel_, .first = kept_.begin(), .end = sent_end()};

@@ -42,6 +42,10 @@ class SocketConnection final : public Connection {
     return send_at_once(fd(), batches, connected_.load(std::memory_order_relaxed) ? nullptr : &to_);
   }
 
+  void carry_bulk() noexcept override {
+    if (own_) give_way(own_.get());
+  }
+
   /// Undone first: the kernel would keep the source address and the route that it chose before.
   void reconnect() noexcept override {
     if (!own_) return;

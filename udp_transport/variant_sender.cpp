@@ -6,6 +6,10 @@
 
 namespace sft::udp {
 
+namespace {
+using Clock = std::chrono::steady_clock;
+}
+
 VariantSender::VariantSender(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
                              std::shared_ptr<WriterTally> tally, std::shared_ptr<JobPool> jobs)
     : writer_(static_cast<std::uint32_t>(spec.id)),
@@ -65,7 +69,8 @@ bool VariantSender::send_reliably(const std::shared_ptr<Lane>& lane, const std::
   if (lane->is_late()) lane->mark(job);
   if (is_small && !std::exchange(blank_kept_, true)) job.copy_body();
   if (!is_small) job.sample = sample;
-  const Channel::Posted posted = channel->post(blank_, job.first, is_small);
+  const bool at_once = is_small && may_send_now(channel->destination(), Clock::now());
+  const Channel::Posted posted = channel->post(blank_, job.first, at_once);
   if (posted.piece) send_now(*channel, *posted.piece);
   if (posted.was_at_rest) {
     side_->sender.schedule(channel);
@@ -87,14 +92,9 @@ void VariantSender::send_now(Channel& channel, const Channel::Piece& piece) {
   cut_for_ = 0;
   SendOutcome outcome = SendOutcome::would_wait;
   if (fragments.done() && batch_.datagrams() <= to.datagrams_per_call()) {
-    const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
-    outcome = to.connection().try_send({&batch, 1}).outcome;
+    outcome = send_batch(to, to.connection(), Clock::now());
   }
-  if (outcome == SendOutcome::sent) {
-    tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
-    return channel.finished(piece);
-  }
-  if (outcome != SendOutcome::would_wait) to.note(outcome);
+  if (outcome == SendOutcome::sent) return channel.finished(piece);
   channel.put_back(piece);
   side_->sender.look_again();
 }
@@ -125,6 +125,8 @@ SendOutcome VariantSender::try_send(Lane& lane, Job& job) {
   if (job.first.total > direct_bytes_max) return SendOutcome::would_wait;
   if ((job.first.flags & history_follows) != 0) lane.mark(job);
   Destination& to = lane.destination();
+  const Clock::time_point now = Clock::now();
+  if (!may_send_now(to, now)) return SendOutcome::would_wait;
   // Most destinations take datagrams of the same length: they are cut once.
   if (const std::size_t datagram_bytes = to.datagram_bytes(); datagram_bytes != cut_for_) {
     Fragmenter fragments(job.body(), datagram_bytes);
@@ -133,10 +135,23 @@ SendOutcome VariantSender::try_send(Lane& lane, Job& job) {
     if (!fragments.done()) return SendOutcome::would_wait;
   }
   if (batch_.datagrams() > to.datagrams_per_call()) return SendOutcome::would_wait;
+  return send_batch(to, to.connection_after(lane.behind()), now);
+}
+
+/// There is room for more, as it were; otherwise the sending thread goes on when there is.
+bool VariantSender::may_send_now(Destination& to, Clock::time_point now) {
+  return tally_->limit.ready(true, now) && side_->sender.limit().ready(true, now) &&
+         to.room(Destination::Size::small, now) > 0;
+}
+
+SendOutcome VariantSender::send_batch(Destination& to, Connection& by, Clock::time_point now) {
   const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
-  const SendOutcome outcome = to.connection().try_send({&batch, 1}).outcome;
+  const SendOutcome outcome = by.try_send({&batch, 1}).outcome;
   if (outcome == SendOutcome::sent) {
     tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
+    tally_->limit.spend(batch_.bytes());
+    side_->sender.limit().spend(batch_.bytes());
+    to.sent(by, batch_.bytes(), batch_.datagrams(), now);
   } else if (outcome != SendOutcome::would_wait) {
     to.note(outcome);
   }

@@ -1,6 +1,7 @@
 // Sends a writer's samples under one mask after the other: small ones at once, the rest through lanes.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -29,6 +30,8 @@ class VariantSender {
  private:
   bool send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
                      const core::SampleHandle& sample);
+  bool may_send_now(Destination& to, std::chrono::steady_clock::time_point now);
+  SendOutcome send_batch(Destination& to, Connection& by, std::chrono::steady_clock::time_point now);
   void send_now(Channel& channel, const Channel::Piece& piece);
   SendOutcome try_send(Lane& lane, Job& job);
   bool enqueue(const std::shared_ptr<Lane>& lane);

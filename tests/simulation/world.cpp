@@ -48,7 +48,7 @@ Scenario::Scenario(Random& random) {
   crashes = happens(random, 0.15);
   change = happens(random, 0.5) ? 0.1 : 0;
   resend.repair_bytes_per_s = 20'000'000;
-  reassembly.channel.window_bytes = from_to(random, 20'000, 500'000);
+  reassembly.channel.ack_bytes = from_to(random, 5'000, 125'000);
   if (tight_writer) {
     resend.samples = from_to(random, 2, 12);
     resend.bytes = from_to(random, 20'000, 200'000);

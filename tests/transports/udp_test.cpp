@@ -28,18 +28,17 @@ class UdpMedium final : public Medium {
   }
 
  private:
-  /// Paced so that the sockets' small buffers on some machines can hold what comes.
   Result<std::unique_ptr<core::Transport>> open_one() {
-    return udp::open_udp_transport(
-        {.bind_address = INADDR_LOOPBACK, .backend = backend_, .pace_bytes_per_s = 100'000'000},
-        udp::test::make_pool(), [this](udp::DatagramIo io) {
-          if (link_ == Link::good) return io;
-          const auto seed = static_cast<unsigned>(test::test_seed());
-          io.receiver = std::make_unique<udp::test::FaultyReceiver>(
-              std::move(io.receiver), udp::test::Faults{.loss = 0.02, .repetition = 0.01, .swap = 0.01},
-              seed);
-          return io;
-        });
+    return udp::open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = backend_},
+                                   udp::test::make_pool(), [this](udp::DatagramIo io) {
+                                     if (link_ == Link::good) return io;
+                                     const auto seed = static_cast<unsigned>(test::test_seed());
+                                     io.receiver = std::make_unique<udp::test::FaultyReceiver>(
+                                         std::move(io.receiver),
+                                         udp::test::Faults{.loss = 0.02, .repetition = 0.01, .swap = 0.01},
+                                         seed);
+                                     return io;
+                                   });
   }
 
   const udp::Backend backend_;
