@@ -14,10 +14,9 @@ FlowWindow::FlowWindow(std::uint32_t flow, const FlowLimits& limits)
   announce(0);
 }
 
-/// Less than any system grants unasked is not believed: it would never get a sample. And others may begin at
-/// the same time.
+/// Less than any system grants unasked is not believed: it would never get a sample. The rest may be others'.
 void FlowWindow::announce(std::size_t receive_buffer_bytes) {
-  if (!heard_) share_ = usable_bytes(std::max(receive_buffer_bytes, receive_buffer_bytes_default)) / 2;
+  if (!heard_) share_ = usable_bytes(std::max(receive_buffer_bytes, receive_buffer_bytes_default)) / 4;
 }
 
 std::uint64_t FlowWindow::unasked_rate() const {
@@ -56,7 +55,11 @@ void FlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now, bool a
   if (!aside) datagrams_ += static_cast<std::uint32_t>(datagrams);
 }
 
-std::size_t FlowWindow::mark_spacing() const { return std::min(window() / 8, limits_.mark_spacing_max); }
+/// Several in a window, but none for what is seldom and small.
+std::size_t FlowWindow::mark_spacing() const {
+  const std::size_t seldom = std::min(window() / 2, limits_.mark_spacing_min);
+  return std::max(seldom, std::min(window() / 8, limits_.mark_spacing_max));
+}
 
 FlowWindow::Time FlowWindow::next_retry() const {
   const auto pause = limits_.mark_again * (1 << std::min(unanswered_, 4));

@@ -29,6 +29,7 @@ struct FlowLimits {
   std::uint64_t unasked_bytes_per_s = 1'000'000;    ///< that receivers take, as we believe without a report
   std::size_t first_bytes = std::size_t{1} << 20;   ///< under way, before anything is known of the way
   std::size_t least_bytes = 32 * 1024;              ///< under way, however bad it is
+  std::size_t mark_spacing_min = 24 * 1024;
   std::size_t mark_spacing_max = 256 * 1024;
   std::chrono::milliseconds queueing{4};  ///< more than the shortest time there and back
   std::chrono::milliseconds mark_again{10};

@@ -26,15 +26,25 @@ ReceiveShares::Sender* ReceiveShares::known_or_new(std::uint32_t flow, const Soc
     if (senders_.size() == senders_max) return nullptr;
     return &senders_.emplace_back(Sender{.from = from, .flow = flow});
   }
-  if (found->from != from) *found = {.from = from, .flow = flow};
+  if (found->from != from) *found = {.from = from, .flow = flow, .granted = found->granted};
   return &*found;
+}
+
+/// Its share, but while others have not been told of it yet, what they leave.
+std::size_t ReceiveShares::grant(Sender& sender) const {
+  const std::size_t share = usable_bytes_ / senders_.size();
+  std::size_t left = usable_bytes_;
+  for (const Sender& other : senders_) {
+    if (&other != &sender) left -= std::min(left, other.granted);
+  }
+  return sender.granted = std::clamp(left, share / 4, share);
 }
 
 FlowReport ReceiveShares::answer(const FlowMark& mark, const SocketAddress& from, Time now) {
   std::erase_if(senders_, [&](const Sender& known) { return now - known.marked_at > at_rest_after; });
   Sender* sender = known_or_new(mark.flow, from);
   if (sender != nullptr) sender->marked_at = now;
-  const std::size_t share = usable_bytes_ / std::max<std::size_t>(senders_.size(), 1);
+  const std::size_t share = sender == nullptr ? usable_bytes_ / (4 * senders_max) : grant(*sender);
   return {.flow = mark.flow,
           .position = mark.position,
           .window_bytes = static_cast<std::uint32_t>(std::min<std::size_t>(share, UINT32_MAX)),

@@ -39,10 +39,12 @@ class ReceiveShares {
   struct Sender {
     SocketAddress from;
     std::uint32_t flow = 0;
-    std::uint32_t came = 0;  ///< datagrams, since it is known
+    std::uint32_t came = 0;   ///< datagrams, since it is known
+    std::size_t granted = 0;  ///< as it was told last
     Time marked_at{};
   };
   void find_and_count(const SocketAddress& from);
+  std::size_t grant(Sender& sender) const;
   Sender* known_or_new(std::uint32_t flow, const SocketAddress& from);
 
   const std::size_t usable_bytes_;

@@ -72,6 +72,7 @@ bool ResendWindow::has_work() {
 
 /// Repairs and live samples take turns, so that neither starves the other.
 std::optional<ResendWindow::Piece> ResendWindow::next(Size size, Time now) {
+  repair_is_paced_ = false;
   const bool repair_first = !std::exchange(repair_was_last_, false);
   std::optional<Piece> piece = repair_first ? next_repair(size, now) : next_sample(size);
   if (!piece) piece = repair_first ? next_sample(size) : next_repair(size, now);
@@ -82,7 +83,9 @@ std::optional<ResendWindow::Piece> ResendWindow::next(Size size, Time now) {
 std::optional<ResendWindow::Piece> ResendWindow::next_repair(Size size, Time now) {
   const auto repair = std::find_if(repairs_.begin(), repairs_.end(),
                                    [&](const Repair& candidate) { return candidate.size == size; });
-  if (repair == repairs_.end() || !repair_pacer_.ready(now)) return {};
+  if (repair == repairs_.end()) return {};
+  repair_is_paced_ = !repair_pacer_.ready(now);
+  if (repair_is_paced_) return {};
   const Entry& entry = kept_[repair->ordinal];
   Piece piece{entry.first, entry.job, repair->range, repair->ordinal, true};
   repair_pacer_.spend(std::max<std::size_t>(repair->range.end - repair->range.begin, datagram_bytes_min));
@@ -219,7 +222,7 @@ Heartbeat ResendWindow::parting() const {
 
 ResendWindow::Time ResendWindow::next_look(Time now) const {
   Time look = heartbeat_at_;
-  if (!repairs_.empty()) look = std::min(look, repair_pacer_.next_ready(now));
+  if (repair_is_paced_) look = std::min(look, repair_pacer_.next_ready(now));
   return look;
 }
 

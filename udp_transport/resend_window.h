@@ -74,7 +74,7 @@ class ResendWindow {
   /// The last one: nothing is kept any more.
   Heartbeat parting() const;
 
-  /// When to look again, if nothing is kept and heard until then.
+  /// When to look again, if nothing is kept, heard and taken until then.
   Time next_look(Time now) const;
   /// Nothing is left to be sent or acknowledged.
   bool settled() const { return kept_.empty(); }
@@ -123,6 +123,7 @@ class ResendWindow {
   std::vector<Repair> repairs_;  ///< the oldest first
   bool repair_was_last_ = false;
   Pacer repair_pacer_;
+  bool repair_is_paced_ = false;  ///< the last next() had to leave one for later
   std::uint64_t repaired_ = 0;
 
   Time sent_at_{};

@@ -46,13 +46,13 @@ class FlowWindowTest : public testing::Test {
   FlowWindow window{flow, FlowLimits{}};
 };
 
-TEST_F(FlowWindowTest, BelievesNoSmallerBufferThanEverySystemGrantsAndFillsHalfOfWhatItMay) {
+TEST_F(FlowWindowTest, BelievesNoSmallerBufferThanEverySystemGrantsAndFillsAQuarter) {
   for (const std::size_t announced : {0UL, 1UL, 1000UL, 212'992UL}) {
     window.announce(announced);
-    EXPECT_EQ(window.window(), usable_bytes(212'992) / 2) << announced;
+    EXPECT_EQ(window.window(), usable_bytes(212'992) / 4) << announced;
   }
   window.announce(1'000'000);
-  EXPECT_EQ(window.window(), usable_bytes(1'000'000) / 2);
+  EXPECT_EQ(window.window(), usable_bytes(1'000'000) / 4);
 }
 
 TEST_F(FlowWindowTest, StopsWhereTheReceiversShareIsUnderWayAndGoesOnWithItsWord) {
@@ -75,14 +75,16 @@ TEST_F(FlowWindowTest, ObeysAReceiverThatHasLessRoomNow) {
 }
 
 TEST_F(FlowWindowTest, LeavesSomeRoomToSmallSamples) {
+  window.announce(1'000'000);
   send_while_there_is_room();
   EXPECT_EQ(window.room(Size::large, now), 0U);
   EXPECT_GT(window.room(Size::small, now), 0U);
 }
 
 TEST_F(FlowWindowTest, MarksSeveralTimesInAWindow) {
+  window.announce(1'000'000);
   const std::size_t sent = send_while_there_is_room();
-  EXPECT_GE(marks.size(), 3U);
+  EXPECT_GE(marks.size(), 2U);
   EXPECT_LE(marks.size() * (mark_bytes + report_bytes), sent / 100) << "it costs a percent at most";
 }
 
@@ -100,7 +102,7 @@ TEST_F(FlowWindowTest, GoesOnPacedWhereNobodyReports) {
     sent += send_while_there_is_room();
     now = window.next_ready(now) + 1us;
   }
-  EXPECT_NEAR(static_cast<double>(sent), 0.1 * 500 * usable_bytes(212'992) / 2, 1e6);
+  EXPECT_NEAR(static_cast<double>(sent), 0.1 * 500 * usable_bytes(212'992) / 4, 1e6);
 }
 
 TEST_F(FlowWindowTest, MarksAgainWhereReportsGetLost) {
@@ -199,8 +201,9 @@ TEST(ReceiveSharesTest, GivesAllWhoSendTheSame) {
     return shares.answer({.flow = sender, .port = 1}, {.ipv4 = 5, .port = 10}, at).window_bytes;
   };
   EXPECT_EQ(share(1, now), 750'000U);
-  EXPECT_EQ(share(2, now), 375'000U);
+  EXPECT_EQ(share(2, now), 93'750U) << "the first one does not know of it yet";
   EXPECT_EQ(share(1, now + 1ms), 375'000U);
+  EXPECT_EQ(share(2, now + 1ms), 375'000U);
   EXPECT_EQ(share(1, now + 10s), 750'000U) << "the other is at rest";
 }
 

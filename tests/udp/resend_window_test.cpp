@@ -268,7 +268,7 @@ TEST_F(ResendWindowTest, BeatsEveryTwoSecondsAtMostHoweverUnevenTheSamplesAre) {
     }
   }
   EXPECT_GT(beats, 20U);
-  EXPECT_LE(beats, 54U);
+  EXPECT_LE(beats, 55U);
 }
 TEST_F(ResendWindowTest, BeatsAfterEachPauseWhereTheLinkHasLostSomething) {
   keep(5);
