@@ -58,7 +58,7 @@ void FlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now, bool a
 /// Several in a window, but none for what is seldom and small.
 std::size_t FlowWindow::mark_spacing() const {
   const std::size_t seldom = std::min(window() / 2, limits_.mark_spacing_min);
-  return std::max(seldom, std::min(window() / 8, limits_.mark_spacing_max));
+  return std::max(seldom, std::min(window() / 4, limits_.mark_spacing_max));
 }
 
 FlowWindow::Time FlowWindow::next_retry() const {
@@ -93,7 +93,7 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
   reported_ = report.position;
   passed_ = std::max(passed_, report.position);
   const std::size_t limit = window() - window() / 4;
-  return waiting_ && under_way() <= limit - limit / 4 && std::exchange(waiting_, false);
+  return waiting_ && under_way() <= limit / 2 && std::exchange(waiting_, false);
 }
 
 FlowWindow::Time FlowWindow::next_ready(Time now) const {

@@ -35,10 +35,19 @@ ResendWindow::Kept ResendWindow::keep(JobHandle job, FirstHeader first) {
   return kept;
 }
 
-/// The newest stays, however large it is.
+bool ResendWindow::keeps_more_than(std::size_t samples, std::size_t bytes) const {
+  return kept_.size() > samples || kept_bytes_ > bytes;
+}
+
+/// The newest stays, however large it is. Where a large one is cut short by that, more goes: else the next
+/// one would be cut short as well, and nothing would ever come whole.
 void ResendWindow::make_room(Kept& kept) {
-  while (kept_.size() > limits_.samples || (kept_bytes_ > limits_.bytes && kept_.size() > 1)) {
-    if (const Entry& oldest = kept_[kept_.begin()]; !oldest.begun) {
+  bool cut_short = false;
+  while (kept_.size() > 1 && (keeps_more_than(limits_.samples, limits_.bytes) ||
+                              (cut_short && keeps_more_than(limits_.samples / 2, limits_.bytes / 2)))) {
+    const Entry& oldest = kept_[kept_.begin()];
+    cut_short = cut_short || (oldest.state == State::under_way && size_of(oldest.first.total) == Size::large);
+    if (!oldest.begun) {
       ++kept.dropped;
       kept.dropped_bytes += oldest.first.total;
       kept.dropped_whole_bytes += oldest.job->whole_bytes;
@@ -120,7 +129,6 @@ void ResendWindow::finished(const Piece& piece, Time now) {
     kept_[piece.ordinal].state = State::sent;
     sent_ = sent_end();
   }
-  if (kept_.size() > limits_.samples / 2 || kept_bytes_ > limits_.bytes / 2) answer_wanted_ = true;
   if (unanswered_ == 0) plan_heartbeat(now);
 }
 
@@ -198,6 +206,8 @@ void ResendWindow::plan_heartbeat(Time now) {
     heartbeat_at_ = now;  // it names the port for acks
   } else if (answer_wanted_) {
     heartbeat_at_ = std::min(heartbeat_at_, std::max(now, heartbeat_sent_at_ + limits_.heartbeat_delay));
+  } else if (keeps_more_than(limits_.samples / 2, limits_.bytes / 2)) {
+    heartbeat_at_ = std::max(now, heartbeat_sent_at_ + limits_.heartbeat_pause);
   } else {
     const bool bad_link = lost_at_ && now - *lost_at_ < limits_.mistrust;
     const Time usual = heartbeat_sent_at_ + (bad_link ? limits_.heartbeat_delay : limits_.heartbeat_period);

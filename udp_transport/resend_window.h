@@ -104,6 +104,7 @@ class ResendWindow {
   std::optional<Piece> next_sample(Size size);
   std::uint64_t first_waiting(Size size);
   Piece begin(std::uint64_t ordinal);
+  bool keeps_more_than(std::size_t samples, std::size_t bytes) const;
   void make_room(Kept& kept);
   void release_oldest();
   std::uint64_t sent_end() const;
@@ -132,7 +133,7 @@ class ResendWindow {
   Time heartbeats_paid_until_{};  ///< each costs a heartbeat_pause
   std::optional<Time> lost_at_;   ///< when something was asked for last
   int unanswered_ = 0;            ///< heartbeats
-  bool answer_wanted_ = false;    ///< much is kept, or somebody asks for what is gone
+  bool answer_wanted_ = false;    ///< somebody asks for what is gone
   Time heartbeat_at_ = Time::max();
 };
 

@@ -116,17 +116,28 @@ TEST_F(ResendWindowTest, LetsSmallSamplesOvertakeLargeOnes) {
   EXPECT_EQ(send(), (std::vector<std::uint64_t>{2, 3, 1}));
 }
 
-TEST_F(ResendWindowTest, AsksForAnAckOnceItKeepsMuch) {
-  for (int i = 0; i < 5; ++i) keep(5);
+TEST_F(ResendWindowTest, AsksForAnAckNowAndThenOnceItKeepsMuch) {
+  for (int i = 0; i < 6; ++i) keep(5);
   send();
   const auto begin = now;
   ASSERT_TRUE(window.heartbeat(begin)) << "the first, which names the port";
   ack(1);
-  now += 10ms;
-  EXPECT_EQ(window.next_look(now), begin + 20ms) << "nothing came after it";
-  keep(5);
-  send();
-  EXPECT_EQ(window.next_look(now), begin + 20ms) << "not later than that";
+  for (; now < begin + 2s; now += 10ms) {
+    EXPECT_FALSE(window.heartbeat(now));
+    keep(5);
+    send();
+  }
+  EXPECT_TRUE(window.heartbeat(now));
+}
+
+TEST_F(ResendWindowTest, LetsMoreGoWhereALargeSampleIsCutShort) {
+  for (int i = 0; i < 7; ++i) keep(100'000);
+  EXPECT_EQ(window.kept(), 7U);
+  const auto piece = window.next(Size::large, now);
+  for (int i = 0; i < 3; ++i) keep(100'000);
+  EXPECT_LE(window.kept(), 6U) << "the next one has some time";
+  EXPECT_GE(window.kept(), 3U);
+  window.finished(*piece, now);
 }
 
 TEST_F(ResendWindowTest, BelievesAnAckOfWhatWasPutBackButHadLeft) {
