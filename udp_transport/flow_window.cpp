@@ -19,15 +19,17 @@ void FlowWindow::announce(std::size_t receive_buffer_bytes) {
   if (!heard_) share_ = usable_bytes(std::max(receive_buffer_bytes, receive_buffer_bytes_default)) / 4;
 }
 
-std::uint64_t FlowWindow::unasked_rate() const {
-  if (heard_) return limits_.unasked_bytes_per_s;
-  return std::min<std::uint64_t>(limits_.unheard_bytes_per_s, share_ * receiver_pauses_per_s);
+/// At which what was sent is believed to pass without a report: not while one is waited for.
+double FlowWindow::unasked_rate() const {
+  if (!heard_)
+    return static_cast<double>(std::min(limits_.unheard_bytes_per_s, share_ * receiver_pauses_per_s));
+  return answer_is_due() ? 0 : expansion_ * static_cast<double>(limits_.unasked_bytes_per_s);
 }
 
 void FlowWindow::pass_time(Time now) {
+  if (now - passed_at_ < std::chrono::microseconds(1)) return;
   const std::chrono::duration<double> since = now - std::exchange(passed_at_, now);
-  if (since.count() <= 0) return;
-  const double bytes = std::min(since.count() * static_cast<double>(unasked_rate()), 1e15);
+  const double bytes = std::min(since.count() * unasked_rate(), 1e15);
   passed_ = std::min(sent_, passed_ + static_cast<std::uint64_t>(bytes));
   if (under_way() == 0) heard_at_ = now;
   if (now - heard_at_ > limits_.silence) {  // its reports get lost, or it is kept from running
@@ -51,7 +53,10 @@ std::size_t FlowWindow::batch_bytes() const { return std::max<std::size_t>(windo
 
 void FlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now, bool aside) {
   pass_time(now);
-  sent_ += socket_bytes(bytes, datagrams);
+  const std::size_t taken = socket_bytes(bytes, datagrams);
+  sent_ += taken;
+  expansion_ +=
+      (static_cast<double>(taken) / static_cast<double>(std::max<std::size_t>(bytes, 1)) - expansion_) / 8;
   if (!aside) datagrams_ += static_cast<std::uint32_t>(datagrams);
 }
 
@@ -62,8 +67,9 @@ std::size_t FlowWindow::mark_spacing() const {
 }
 
 FlowWindow::Time FlowWindow::next_retry() const {
-  const auto pause = limits_.mark_again * (1 << std::min(unanswered_, 4));
-  return marked_at_ + std::min<Time::duration>(pause, limits_.silence);
+  const auto first = std::clamp<Time::duration>(2 * latest_, limits_.mark_again, limits_.mark_again_unheard);
+  return marked_at_ +
+         std::min<Time::duration>(first * (1 << std::min(unanswered_, 6)), limits_.mark_again_longest);
 }
 
 bool FlowWindow::mark_is_due(Time now) const {
@@ -97,10 +103,9 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
 }
 
 FlowWindow::Time FlowWindow::next_ready(Time now) const {
-  const double missing = static_cast<double>(window() / 4);
-  const auto unasked = std::chrono::nanoseconds(
-      static_cast<std::int64_t>(missing / static_cast<double>(unasked_rate()) * 1e9));
-  return std::max(now, std::min(now + unasked, next_retry()));
+  if (heard_ && answer_is_due()) return std::max(now, std::min(next_retry(), heard_at_ + limits_.silence));
+  const double seconds = static_cast<double>(window() / 4) / unasked_rate();
+  return now + std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
 }
 
 /// Of the datagrams since the report before.
@@ -128,6 +133,7 @@ void FlowWindow::learn(const FlowReport& report, Time now) {
   came_at_report_ = report.came;
   if (report.sent_at_ns < 0 || report.sent_at_ns > now.time_since_epoch().count()) return;
   const Time::duration there_and_back = now - Time(std::chrono::nanoseconds(report.sent_at_ns));
+  latest_ = there_and_back;
   note_time_there_and_back(there_and_back, now);
   const Time::duration queueing = there_and_back - shortest_;
   if (lost || queueing > limits_.queueing) {

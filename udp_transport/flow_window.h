@@ -26,14 +26,17 @@ constexpr std::size_t usable_bytes(std::size_t receive_buffer_bytes) { return re
 
 struct FlowLimits {
   std::uint64_t unheard_bytes_per_s = 600'000'000;  ///< as long as a receiver has never reported
-  std::uint64_t unasked_bytes_per_s = 1'000'000;    ///< that receivers take, as we believe without a report
+  std::uint64_t unasked_bytes_per_s = 1'000'000;    ///< that receivers take, as we believe without a report;
+                                                    ///< here datagrams count as long as they are
   std::size_t first_bytes = std::size_t{1} << 20;   ///< under way, before anything is known of the way
   std::size_t least_bytes = 32 * 1024;              ///< under way, however bad it is
   std::size_t mark_spacing_min = 24 * 1024;
   std::size_t mark_spacing_max = 256 * 1024;
-  std::chrono::milliseconds queueing{4};  ///< more than the shortest time there and back
-  std::chrono::milliseconds mark_again{10};
-  std::chrono::milliseconds silence{200};  ///< after which what was sent is no longer waited for
+  std::chrono::milliseconds queueing{4};    ///< more than the shortest time there and back
+  std::chrono::milliseconds mark_again{2};  ///< after twice the time there and back, but not before
+  std::chrono::milliseconds mark_again_unheard{10};
+  std::chrono::milliseconds mark_again_longest{200};
+  std::chrono::milliseconds silence{1000};  ///< after which what was sent is no longer waited for
 };
 
 class FlowWindow {
@@ -71,7 +74,8 @@ class FlowWindow {
 
  private:
   void pass_time(Time now);
-  std::uint64_t unasked_rate() const;
+  double unasked_rate() const;
+  bool answer_is_due() const { return marked_ > reported_; }
   std::size_t mark_spacing() const;
   bool mark_is_due(Time now) const;
   Time next_retry() const;
@@ -88,7 +92,8 @@ class FlowWindow {
   std::uint64_t reported_ = 0;  ///< the last report was of that
   std::uint64_t marked_ = 0;
   std::uint32_t datagrams_ = 0;
-  Time passed_at_{};  ///< when passed_ was brought up to date
+  double expansion_ = 1;  ///< socket bytes for each byte of late
+  Time passed_at_{};      ///< when passed_ was brought up to date
   Time marked_at_{};
   Time heard_at_{};
   int unanswered_ = 0;  ///< marks that were sent again
@@ -96,7 +101,8 @@ class FlowWindow {
   bool waiting_ = false;
 
   // Of the way:
-  Time::duration shortest_ = Time::duration::max();  ///< there and back
+  Time::duration latest_ = limits_.mark_again_unheard;  ///< there and back
+  Time::duration shortest_ = Time::duration::max();     ///< likewise
   Time shortest_at_{};
   std::uint64_t full_at_ = 0;    ///< position where as much as it carries was under way last
   std::uint64_t turned_at_ = 0;  ///< position where sustainable_ was made smaller
