@@ -1,5 +1,5 @@
 // A socket of somebody's that samples are sent to, shared by all writers that serve readers behind it, and
-// the ways there.
+// the ways there, which can change: a socket has several addresses.
 #pragma once
 
 #include <atomic>
@@ -15,6 +15,7 @@
 #include "udp_transport/datagram.h"
 #include "udp_transport/datagram_io.h"
 #include "udp_transport/flow_window.h"
+#include "udp_transport/path_mtu.h"
 
 namespace sft::udp {
 
@@ -45,10 +46,8 @@ class Destination {
   std::size_t datagram_bytes() const { return datagram_bytes_.load(std::memory_order_relaxed); }
   std::size_t datagrams_per_call() const;
   void set_receive_buffer(std::uint32_t bytes);
-  /// Learns from a send that was refused; the next one fits, and takes the way as it is now.
-  void note(SendOutcome outcome) noexcept;
 
-  // How much may be under way: FlowWindow says what these mean.
+  // How much may be under way: FlowWindow says what these mean. Any thread.
 
   std::size_t room(Size size, Time now);
   std::size_t batch_bytes();
@@ -59,14 +58,39 @@ class Destination {
   [[nodiscard]] bool hear(const FlowReport& report, Time now);
   Time next_ready(Time now);
   std::uint64_t position();
+  std::uint32_t flow() const { return flow_; }
 
   /// The sending thread: for large samples.
   Connection& bulk();
 
-  std::uint32_t flow() const { return flow_; }
+  SocketAddress address() const;
+  /// To another address of the same socket: what is on its way there goes on. Any thread.
+  void move_to(const SocketAddress& address) noexcept;
+  /// Counts these moves.
+  std::uint32_t moves() const { return moves_.load(std::memory_order_relaxed); }
+
+  /// Learns from a send that was refused; the next one fits, and takes the way as it is now. Any thread.
+  void note(SendOutcome outcome) noexcept;
+
+  // What the other end lets know of long datagrams (path_mtu.h). Any thread.
+
+  bool length_in_doubt() const { return length_in_doubt_.load(std::memory_order_relaxed); }
+  void long_ones_were_lost(PathMtu::Time now) noexcept;
+  void long_ones_arrived(PathMtu::Time now) noexcept;
+
+  /// From time to time, by one thread: the path may take longer datagrams by now. `anew`: it may be another
+  /// one.
+  void look_after(PathMtu::Time now, bool anew) noexcept;
 
  private:
-  std::size_t ask_for_datagram_bytes() const noexcept;
+  static constexpr std::chrono::seconds kernel_is_asked_every{5};
+
+  std::size_t ask_kernel(const SocketAddress& address) const noexcept;
+  PathMtu path_to(const SocketAddress& address) const noexcept;
+  void learn_from_kernel() noexcept;
+  /// With the mutex held.
+  void publish_length() noexcept;
+  void reconnect() noexcept;
   void send(FlowMark mark);
   /// Behind all that was sent.
   Connection& last_in_line() {
@@ -74,16 +98,21 @@ class Destination {
     return bulk == nullptr ? *connection_ : *bulk;
   }
 
-  const SocketAddress address_;
   const DestinationLimits limits_;
   const std::uint32_t flow_;
   const Connect connect_;
+  mutable std::mutex mutex_;  ///< of these two
+  SocketAddress address_;
+  PathMtu path_;
+  PathMtu::Time kernel_asked_at_{};  ///< of the thread that looks after it
+  std::atomic<bool> length_in_doubt_{false};
+  std::atomic<std::uint32_t> moves_{0};
   std::atomic<std::size_t> datagram_bytes_;
   std::atomic<bool> one_at_a_time_{false};
   const std::unique_ptr<Connection> connection_;
   std::unique_ptr<Connection> bulk_;  ///< of the sending thread, which makes it
   std::atomic<Connection*> bulk_in_use_{nullptr};
-  std::mutex mutex_;
+  std::mutex window_mutex_;
   FlowWindow window_;
 };
 
@@ -92,19 +121,25 @@ class DestinationDirectory {
   DestinationDirectory(const DestinationLimits& limits, Connect connect);
 
   /// The destination of that address, known or new: a new one is connected to, and the kernel asked for the
-  /// path's MTU. It goes, with its connections, when nobody sends there any more.
+  /// path's MTU. Where the address says whose it is, a known one moves there. It goes, with its connection,
+  /// when nobody sends there any more.
   std::shared_ptr<Destination> find(const core::UdpAddress& address);
   /// The one that reports by that number; null if there is none any more.
   std::shared_ptr<Destination> of_flow(std::uint32_t flow);
 
-  const DestinationLimits& limits() const { return limits_; }
+  /// Of all that are known. `anew`: routes or own addresses have changed.
+  void look_after(PathMtu::Time now, bool anew);
 
  private:
   const DestinationLimits limits_;
   const Connect connect_;
   std::mutex mutex_;
   std::uint32_t next_flow_;
-  std::map<SocketAddress, std::weak_ptr<Destination>> known_;
+  /// One that has several addresses is known by its node and port, any other by its address.
+  using Key = std::pair<std::uint64_t, SocketAddress>;
+  static Key key_of(const core::UdpAddress& address);
+  std::shared_ptr<Destination> known(const core::UdpAddress& address);
+  std::map<Key, std::weak_ptr<Destination>> known_;
 };
 
 }  // namespace sft::udp

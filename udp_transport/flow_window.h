@@ -35,7 +35,7 @@ struct FlowLimits {
   std::chrono::milliseconds queueing{4};    ///< more than the shortest time there and back
   std::chrono::milliseconds mark_again{2};  ///< after twice the time there and back, but not before
   std::chrono::milliseconds mark_again_unheard{10};
-  std::chrono::milliseconds mark_again_longest{200};
+  std::chrono::milliseconds mark_again_longest{50};
   std::chrono::milliseconds silence{1000};  ///< after which what was sent is no longer waited for
 };
 

@@ -83,20 +83,19 @@ struct Reassembly::Incoming {
     return found == unfinished.rend() ? nullptr : found->get();
   }
 
-  /// The wanted mask that a first datagram names; null if it names another. Takes the words off the payload.
-  const FieldMask* named_mask(Datagram& d, bool& malformed) const {
+  /// The wanted mask that a datagram names, if any. Takes the words off the payload.
+  Named named_mask(Datagram& d) const {
     std::span<const std::byte> words;
     if ((d.first.flags & mask_words_follow) != 0) {
       const std::size_t bytes = (type->leaves() + 63) / 64 * sizeof(std::uint64_t);
-      malformed = type->leaves() <= 64 || d.payload.size() < bytes;
-      if (malformed) return nullptr;
+      if (type->leaves() <= 64 || d.payload.size() < bytes) return {.malformed = true};
       words = d.payload.first(bytes);
       d.payload = d.payload.subspan(bytes);
     }
     const auto found = std::find_if(wanted.begin(), wanted.end(), [&](const Wanted& w) {
       return w.hash == d.first.mask && (words.empty() || equals(w.mask, words));
     });
-    return found == wanted.end() ? nullptr : &found->mask;
+    return {.mask = found == wanted.end() ? nullptr : &found->mask};
   }
 };
 
@@ -158,19 +157,23 @@ void Reassembly::close_window(Incoming& in) {
 }
 
 Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, ArrivalTime now) {
-  const bool is_first = kind_of(bytes) != DatagramKind::following;
-  const std::optional<Datagram> first = is_first ? parse(bytes) : std::nullopt;
-  const std::optional<Following> following = is_first ? std::nullopt : parse_following(bytes);
-  if (!first && !following) {
+  packed_.clear();
+  const bool is_following = kind_of(bytes) == DatagramKind::following;
+  std::optional<Datagram> d = is_following ? std::nullopt : parse(bytes);
+  const std::optional<Following> following = is_following ? parse_following(bytes) : std::nullopt;
+  if (!d && !following) {
     ++counters_.malformed;
     return {};
   }
-  Incoming* const in = find(first ? first->label().writer : following->label.writer);
+  Incoming* const in = find(d ? d->label().writer : following->label.writer);
   if (in == nullptr) {
     ++counters_.unknown;
     return {};
   }
-  return first ? accept_first(*in, *first, now) : accept_following(*in, *following, now);
+  if (following) return accept_following(*in, *following, now);
+  const Named named = in->named_mask(*d);
+  return d->kind == DatagramKind::first ? accept_first(*in, *d, named, now)
+                                        : accept_packed(*in, *d, named, now);
 }
 
 Reassembly::Incoming* Reassembly::find(std::uint32_t writer) {
@@ -180,7 +183,30 @@ Reassembly::Incoming* Reassembly::find(std::uint32_t writer) {
   return last_ = known->second.get();
 }
 
-Reassembly::Arrival Reassembly::accept_first(Incoming& in, Datagram d, ArrivalTime now) {
+/// As if each sample had come by itself.
+Reassembly::Arrival Reassembly::accept_packed(Incoming& in, const Datagram& packed, const Named& named,
+                                              ArrivalTime now) {
+  PackedBodies bodies(packed);
+  if (named.malformed || !bodies.sound()) {
+    ++counters_.malformed;
+    return {};
+  }
+  Arrival arrival{{}, in.place};
+  Datagram d;
+  d.kind = DatagramKind::first;
+  for (std::uint32_t i = 0; i < packed.samples; ++i) {
+    d.payload = bodies.next();
+    d.first = header_behind(packed.first, i, static_cast<std::uint32_t>(d.payload.size()));
+    Arrival one = accept_first(in, d, named, now);
+    arrival.in_channel |= one.in_channel;
+    if (one.sample) packed_.push_back(std::move(one.sample));
+  }
+  arrival.packed = packed_;
+  return arrival;
+}
+
+Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, const Named& named,
+                                             ArrivalTime now) {
   ArrivalWindow::Met met{ArrivalWindow::Standing::wanted, 0};
   if (in.window != nullptr && (d.first.flags & channel_follows) != 0) {
     met = in.window->meet(d.first.channel, now.steady);
@@ -193,7 +219,7 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, Datagram d, ArrivalTi
   if (repeated || met.standing != ArrivalWindow::Standing::wanted) return nothing;
 
   core::SampleHandle buffer;
-  if (const Refusal why = describe(in, d, met.place, buffer); why != Refusal::none)
+  if (const Refusal why = describe(in, d, named, met.place, buffer); why != Refusal::none)
     return refuse(in, d, met.place, why);
   const std::size_t body_offset = SampleLayout(in.type->slots()).body_offset;
   if (sample == nullptr && d.payload.size() == d.first.total) {  // the whole sample
@@ -302,17 +328,15 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
 }
 
 /// Checks what a first datagram claims, before anything is allocated, and takes the memory for it.
-Reassembly::Refusal Reassembly::describe(Incoming& in, Datagram& d, std::uint64_t place,
-                                         core::SampleHandle& buffer) {
-  bool malformed = false;
-  const FieldMask* mask = in.named_mask(d, malformed);
-  if (malformed) return Refusal::malformed;
-  if (mask == nullptr) return Refusal::unwanted;
+Reassembly::Refusal Reassembly::describe(Incoming& in, const Datagram& d, const Named& named,
+                                         std::uint64_t place, core::SampleHandle& buffer) {
+  if (named.malformed) return Refusal::malformed;
+  if (named.mask == nullptr) return Refusal::unwanted;
   if (d.payload.size() > d.first.total) return Refusal::malformed;
   if (d.first.total > in.sample_bytes) return Refusal::over_limit;
   buffer = place == 0 ? take_buffer(in, d) : take_reliable_buffer(in, d);
   if (!buffer) return Refusal::over_limit;
-  buffer->mask = *mask;
+  buffer->mask = *named.mask;
   buffer->min_period_us = d.first.rate.min_period_us;
   buffer->ordinal = d.first.rate.ordinal;
   buffer->addressee = d.first.history.reader;
@@ -456,7 +480,7 @@ Reassembly::Arrival Reassembly::accept_heartbeat(std::span<const std::byte> byte
     return {};
   }
   Incoming& in = *found->second;
-  in.acks_go_to = SocketAddress{from.ipv4, heartbeat->port};
+  in.acks_go_to = SocketAddress{from.ip, heartbeat->port};
   in.window->hear(*heartbeat, now.steady);
   drop_abandoned(in);
   return {{}, in.place, true};

@@ -21,7 +21,7 @@ void ReceiveShares::find_and_count(const SocketAddress& from) {
 /// One that marks from another port has changed its way: what came before does not count with it.
 ReceiveShares::Sender* ReceiveShares::known_or_new(std::uint32_t flow, const SocketAddress& from) {
   const auto found = std::ranges::find_if(
-      senders_, [&](const Sender& known) { return known.flow == flow && known.from.ipv4 == from.ipv4; });
+      senders_, [&](const Sender& known) { return known.flow == flow && known.from.ip == from.ip; });
   if (found == senders_.end()) {
     if (senders_.size() == senders_max) return nullptr;
     return &senders_.emplace_back(Sender{.from = from, .flow = flow});

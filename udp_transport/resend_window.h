@@ -1,4 +1,4 @@
-// The writer's end of a channel (datagram.md): samples that were sent to one process and are kept until it
+// The writer's end of a channel (wire_format.md): samples that were sent to one process and are kept until it
 // has acknowledged them, and what is to be sent next: samples, repairs, heartbeats. Pure: calls and times in,
 // decisions out; no I/O, no clock, no thread of its own.
 #pragma once
@@ -44,6 +44,9 @@ class ResendWindow {
     BodyRange range{};
     std::uint64_t ordinal = 0;
     bool is_repair = false;
+    std::uint32_t part = 0;  ///< of a pack, its first sample that is to be sent, and how many are
+    std::uint32_t samples = 1;
+    EncodedBody body() const { return job->body(first, part, samples); }
   };
 
   ResendWindow(std::uint32_t writer, std::uint32_t channel, const ResendLimits& limits,
@@ -56,7 +59,8 @@ class ResendWindow {
     std::uint64_t dropped_bytes = 0;
     std::uint64_t dropped_whole_bytes = 0;
   };
-  /// Gives a sample its place in the channel. The job does not change any more. `first` is its header.
+  /// Gives a sample, or each one of a pack, its place in the channel; the ordinal is the first of those that
+  /// are kept. The job does not change any more. `first` is its header.
   Kept keep(JobHandle job, FirstHeader first);
 
   /// What may be sent now; it counts as being sent until finished() or put_back() is called.
@@ -69,6 +73,9 @@ class ResendWindow {
   /// What the other end says. Nonsense is ignored.
   void hear(const Ack& ack, Time now);
 
+  /// The way there is another one: asks at once, which also tells the other end where acks go now.
+  void way_changed(Time now);
+
   /// Empty if none is due. Its port is left to the caller.
   std::optional<Heartbeat> heartbeat(Time now);
   /// The last one: nothing is kept any more.
@@ -76,8 +83,19 @@ class ResendWindow {
 
   /// When to look again, if nothing is kept, heard and taken until then.
   Time next_look(Time now) const;
+  /// Whether so much more can be kept, and nothing has to go for it.
+  bool can_keep(std::size_t samples, std::size_t bytes) const {
+    return kept_.empty() ||
+           (kept_.size() + samples <= limits_.samples && kept_bytes_ + bytes <= limits_.bytes);
+  }
   /// Nothing is left to be sent or acknowledged.
   bool settled() const { return kept_.empty(); }
+
+  /// Bytes of the body, if that sample was sent and is kept.
+  std::optional<std::uint32_t> bytes_sent(std::uint64_t ordinal) const;
+  /// [begin, end) are kept.
+  std::uint64_t begin() const { return kept_.begin(); }
+  std::uint64_t end() const { return kept_.end(); }
 
   /// Something is to be sent.
   bool has_work();
@@ -91,8 +109,10 @@ class ResendWindow {
   struct Entry {
     FirstHeader first;
     JobHandle job;
+    std::uint32_t part = 0;  ///< its number in the pack that the job is
     State state = State::waiting;
     bool begun = false;  ///< once, if only a part of it was sent
+    std::size_t held_bytes() const { return job->held_bytes(part); }
   };
   struct Repair {
     std::uint64_t ordinal = 0;
@@ -100,6 +120,8 @@ class ResendWindow {
     Size size{};
   };
 
+  void push(const JobHandle& job, const FirstHeader& first);
+  void start(Entry& entry);
   std::optional<Piece> next_repair(Size size, Time now);
   std::optional<Piece> next_sample(Size size);
   std::uint64_t first_waiting(Size size);

@@ -47,6 +47,7 @@ Scenario::Scenario(Random& random) {
   tight_reader = happens(random, 0.2);
   crashes = happens(random, 0.15);
   change = happens(random, 0.5) ? 0.1 : 0;
+  span = happens(random, 0.3) ? 0.2 : 0;
   resend.repair_bytes_per_s = 20'000'000;
   reassembly.channel.ack_bytes = from_to(random, 5'000, 125'000);
   receive_buffer_bytes += log_uniform(random, 8e6);
@@ -115,16 +116,20 @@ void World::crash() {
 }
 
 void World::publish() {
-  const Image image =
-      udp::test::make_image(log_uniform(random_, static_cast<double>(scenario_.sample_bytes_max)),
-                            static_cast<std::uint32_t>(sequence_ * 7));
-  for (Mask mask = 0; mask < masks().size(); ++mask) {
-    const auto asks = [&](const Reader& reader) { return reader.served == mask; };
-    if (std::ranges::none_of(readers_, asks)) continue;
-    keep(encode(image, mask));
+  std::set<Mask> served;
+  for (const Reader& reader : readers_) served.insert(reader.served);
+  const bool is_span = served.size() == 1 && happens(random_, scenario_.span);
+  const double bytes_max = is_span ? 200 : static_cast<double>(scenario_.sample_bytes_max);
+  std::vector<Image> images;
+  for (std::size_t left = is_span ? from_to(random_, 2, 40) : 1; left > 0; --left) {
+    const auto seed = static_cast<std::uint32_t>((sequence_ + images.size()) * 7);
+    images.push_back(udp::test::make_image(log_uniform(random_, bytes_max), seed));
   }
-  for (Reader& reader : readers_) reader.to_get.push_back(sequence_);
-  images_.emplace(sequence_++, image);
+  for (const Mask mask : served) keep(encode(images, mask));
+  for (Image& image : images) {
+    for (Reader& reader : readers_) reader.to_get.push_back(sequence_);
+    images_.emplace(sequence_++, std::move(image));
+  }
   const bool is_last = ++published_ == scenario_.samples;
   publish_at_ = is_last ? Time::max() : now_ + std::chrono::microseconds(log_uniform(random_, 20'000));
   send_at_ = std::min(send_at_, now_);
@@ -132,32 +137,43 @@ void World::publish() {
 }
 
 void World::keep(const udp::JobHandle& job) {
-  const std::uint64_t ordinal = window_->keep(job, job->first).ordinal;
-  sequences_.emplace(ordinal, job->sequence);
-  const std::uint64_t oldest = ordinal + 1 - window_->kept();
+  window_->keep(job, job->first);
+  const std::uint64_t end = window_->parting().end;
+  for (std::uint64_t i = 0; i < job->samples(); ++i)
+    sequences_.emplace(end - job->samples() + i, job->sequence + i);
+  const std::uint64_t oldest = end - window_->kept();
   for (std::uint64_t i = oldest_kept_; i < oldest; ++i) not_kept_.insert(sequences_.at(i));
   oldest_kept_ = oldest;
 }
 
-udp::JobHandle World::encode(const Image& image, Mask mask) {
+/// Several are a pack.
+udp::JobHandle World::encode(std::span<const Image> images, Mask mask) {
   const FieldMask all = image_type().full();
-  core::SampleHandle sample = memory_->take(udp::test::sample_bytes(image, all));
-  udp::test::fill(*sample, image, all, writer_id, sequence_);
   udp::JobHandle job = jobs_->take();
-  job->projection.project(core::state_of(*sample, image_type().slots()), image_type().type(), masks()[mask]);
   const auto variant = static_cast<std::uint16_t>(mask);
   job->mask = std::make_shared<udp::WireMask>(udp::WireMask{variant, masks()[mask].hash(), {}});
   job->sequence = sequence_;
   job->first.label = {static_cast<std::uint32_t>(writer_id), static_cast<std::uint32_t>(sequence_), variant};
   job->first.flags = 0;
-  job->first.total = static_cast<std::uint32_t>(job->projection.bytes());
   job->first.mask = job->mask->mask;
-  if (happens(random_, 0.5)) {
-    job->copy_body();
-  } else {
-    job->sample = sample;
+  for (const Image& image : images) {
+    core::SampleHandle sample = memory_->take(udp::test::sample_bytes(image, all));
+    udp::test::fill(*sample, image, all, writer_id, sequence_);
+    project(*job, sample, mask, images.size() > 1);
   }
+  if (images.size() > 1) job->seal();
   return job;
+}
+
+void World::project(udp::Job& job, const core::SampleHandle& sample, Mask mask, bool packed) {
+  job.projection.project(core::state_of(*sample, image_type().slots()), image_type().type(), masks()[mask]);
+  if (packed) return job.pack(job.projection.segments());
+  job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
+  if (happens(random_, 0.5)) {
+    job.copy_body();
+  } else {
+    job.sample = sample;
+  }
 }
 
 /// The reader takes both from now on, and the writer gets to know later.
@@ -190,7 +206,7 @@ void World::send_some(Size size) {
     if (!sending) {
       std::optional<udp::ResendWindow::Piece> piece = window_->next(size, now_);
       if (!piece) return;
-      const udp::Fragmenter fragments(piece->job->body(piece->first), scenario_.datagram_bytes, piece->range);
+      const udp::Fragmenter fragments(piece->body(), scenario_.datagram_bytes, piece->range);
       sending.emplace(Sending{std::move(*piece), fragments});
     }
     if (!may_send(size)) return;
@@ -254,6 +270,7 @@ void World::receive(const Bytes& bytes) {
   } else {
     const udp::Reassembly::Arrival arrival = reassembly_->accept(bytes, now);
     if (arrival.sample) take_at_once(*arrival.sample);
+    for (const core::SampleHandle& sample : arrival.packed) take_at_once(*sample);
   }
   hand_over();
   answer();

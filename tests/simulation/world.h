@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct Scenario {
   bool crashes = false;  ///< the process of the readers, and comes back
   double change = 0;     ///< of a mask, for each sample
   std::size_t receive_buffer_bytes = 212'992;
+  double span = 0;  ///< several samples instead of one
   udp::ResendLimits resend{};
   udp::ReassemblyLimits reassembly{};
 
@@ -71,7 +73,8 @@ class World {
   void open_channel();
   void publish();
   void keep(const udp::JobHandle& job);
-  udp::JobHandle encode(const udp::test::Image& image, Mask mask);
+  udp::JobHandle encode(std::span<const udp::test::Image> images, Mask mask);
+  void project(udp::Job& job, const core::SampleHandle& sample, Mask mask, bool packed);
   void send_some();
   void send_some(udp::ResendWindow::Size size);
   bool may_send(udp::ResendWindow::Size size);

@@ -212,7 +212,7 @@ TEST(ReceiveSharesTest, GivesAllWhoSendTheSame) {
   ReceiveShares shares(1'000'000);
   const ReceiveShares::Time now{1h};
   const auto share = [&](std::uint32_t sender, ReceiveShares::Time at) {
-    return shares.answer({.flow = sender, .port = 1}, {.ipv4 = 5, .port = 10}, at).window_bytes;
+    return shares.answer({.flow = sender, .port = 1}, {.ip = 5U, .port = 10}, at).window_bytes;
   };
   EXPECT_EQ(share(1, now), 750'000U);
   EXPECT_EQ(share(2, now), 93'750U) << "the first one does not know of it yet";
@@ -223,7 +223,7 @@ TEST(ReceiveSharesTest, GivesAllWhoSendTheSame) {
 
 TEST(ReceiveSharesTest, CountsWhatComesFromWhereMarksComeFrom) {
   ReceiveShares shares(1'000'000);
-  const SocketAddress here{5, 10}, there{5, 11};
+  const SocketAddress here{5U, 10}, there{5U, 11};
   const FlowMark mark{.flow = 1, .port = 1, .position = 3, .datagrams = 4, .sent_at_ns = 5};
   shares.count(here);
   EXPECT_EQ(shares.answer(mark, here, {}).came, 0U);
@@ -240,7 +240,7 @@ TEST(ReceiveSharesTest, CountsWhatComesFromWhereMarksComeFrom) {
 TEST(ReceiveSharesTest, RemembersNoMoreSendersThanItMay) {
   ReceiveShares shares(212'992);
   for (std::uint32_t i = 0; i < 1000; ++i)
-    EXPECT_GT(shares.answer({.flow = i, .port = 1}, {.ipv4 = i, .port = 1}, {}).window_bytes, 0U);
+    EXPECT_GT(shares.answer({.flow = i, .port = 1}, {.ip = i, .port = 1}, {}).window_bytes, 0U);
   EXPECT_EQ(shares.senders(), ReceiveShares::senders_max);
 }
 

@@ -86,8 +86,8 @@ class ShapedLinkTest : public testing::TestWithParam<Backend> {
     if (!here) GTEST_SKIP() << "io_uring is refused here: " << here.error().message;
     near_ = std::move(*here);
     const unsigned net = GetParam() == Backend::io_uring ? 20 : 21;
-    reader_.address.ipv4 = test::on_another_host(net, [&] { far_ = open().value(); });
-    if (reader_.address.ipv4 == 0) GTEST_SKIP() << "a second host cannot be had here";
+    reader_.address.ip = test::on_another_host(net, [&] { far_ = open().value(); });
+    if (reader_.address.ip == 0) GTEST_SKIP() << "a second host cannot be had here";
     reader_.address.port = far_->addresses().at(0).port;
     reader_.address.receive_buffer_bytes = far_->addresses().at(0).receive_buffer_bytes;
     const std::string shape = "tc qdisc add dev to" + std::to_string(net) + " root tbf ";
