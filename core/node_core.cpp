@@ -182,7 +182,10 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   if (auto fits = keep_ways_for(endpoint); !fits) return tl::unexpected(fits.error());
   std::shared_ptr<WriterPort> udp;
   if (endpoint.may_use_udp) {
-    auto port = udp_->open_writer({endpoint.id, &type, true, options.max_blocking});
+    auto port = udp_->open_writer({.id = endpoint.id,
+                                   .type = &type,
+                                   .max_blocking = options.max_blocking,
+                                   .max_bytes_per_s = options.max_bytes_per_s});
     if (!port) return tl::unexpected(port.error());
     udp = std::move(*port);
   }

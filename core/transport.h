@@ -89,6 +89,7 @@ struct WriterSpec {
   bool retains = true;                ///< samples for late readers; false: begin_with() is never called
   /// send() may wait so long until what is sent reliably costs no reader an older sample.
   std::chrono::nanoseconds max_blocking{0};
+  std::uint64_t max_bytes_per_s = 0;  ///< over a network, to all readers together; 0: no limit
 };
 
 /// What a reader has to know of a writer whose samples it wants.

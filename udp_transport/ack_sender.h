@@ -1,9 +1,11 @@
-// Sends acks to the writers that are heard reliably. Of the receiving thread.
+// Sends acks to the writers that are heard reliably, and reports to all who ask for them. Of the receiving
+// thread.
 #pragma once
 
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <span>
 
 #include "udp_transport/datagram.h"
 #include "udp_transport/send_side.h"
@@ -16,8 +18,11 @@ class AckSender {
 
   /// Now or not at all: where one does not leave, another will follow.
   void send(const SocketAddress& to, const Ack& ack);
+  void send(const SocketAddress& to, const FlowReport& report);
 
  private:
+  void send(const SocketAddress& to, std::span<const std::byte> bytes);
+
   static constexpr std::size_t known_max = 256;  ///< others come anew
   const std::shared_ptr<SendSide> side_;
   std::map<SocketAddress, std::shared_ptr<Destination>> known_;

@@ -188,15 +188,12 @@ void ArrivalWindow::release() {
   if (slots_.end() < end_ || slots_.end() < skip_to_) reach(std::max(end_, skip_to_), heard_at_);
 }
 
-Ack ArrivalWindow::ack(std::uint32_t writer, std::size_t windows) {
+Ack ArrivalWindow::ack(std::uint32_t writer) {
   ack_wanted_ = false;
   unacked_bytes_ = 0;
   unacked_ = 0;
-  const std::size_t window = limits_.window_bytes / std::max<std::size_t>(windows, 1);
-  return {.writer = writer,
-          .channel = channel_.value_or(0),
-          .window_bytes = static_cast<std::uint32_t>(std::min<std::size_t>(window, UINT32_MAX)),
-          .next = std::max<Place>(next_, base_ + 1) - base_};
+  return {
+      .writer = writer, .channel = channel_.value_or(0), .next = std::max<Place>(next_, base_ + 1) - base_};
 }
 
 }  // namespace sft::udp

@@ -20,10 +20,10 @@
 namespace sft::udp {
 
 struct ArrivalLimits {
-  std::size_t samples = 4096;                       ///< from the first missing one on
-  std::size_t held_bytes = std::size_t{64} << 20;   ///< of whole samples behind one that is missing
-  std::size_t window_bytes = std::size_t{1} << 20;  ///< that may be under way
-  std::chrono::milliseconds ask_after{2};           ///< something was noticed to be missing; at the least
+  std::size_t samples = 4096;                      ///< from the first missing one on
+  std::size_t held_bytes = std::size_t{64} << 20;  ///< of whole samples behind one that is missing
+  std::size_t ack_bytes = std::size_t{1} << 20;    ///< so many are acknowledged unasked
+  std::chrono::milliseconds ask_after{2};          ///< something was noticed to be missing; at the least
   std::chrono::milliseconds ask_again_longest{250};
   std::chrono::seconds forget_after{5};  ///< without a word from the writer nothing is asked for any more
 };
@@ -99,10 +99,10 @@ class ArrivalWindow {
 
   /// Whether something is to be acknowledged now.
   bool ack_due() const {
-    return ack_wanted_ || unacked_bytes_ >= limits_.window_bytes / 4 || unacked_ >= acked_at_once;
+    return ack_wanted_ || unacked_bytes_ >= limits_.ack_bytes || unacked_ >= acked_at_once;
   }
-  /// Without what is missing; counts as sent. `windows`: of so many writers at present.
-  Ack ack(std::uint32_t writer, std::size_t windows);
+  /// Without what is missing; counts as sent.
+  Ack ack(std::uint32_t writer);
   /// When due_gaps() may find something; Time::max() if never.
   Time next_look() const { return look_at_; }
 

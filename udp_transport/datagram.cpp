@@ -14,7 +14,11 @@ constexpr std::size_t at_samples = 12, at_bytes_each = 14;
 constexpr std::size_t at_period = first_header_bytes, at_ordinal = at_period + 4;
 // Of heartbeats and acks, which name the writer like all others.
 constexpr std::size_t at_port = 2, at_channel_number = 8, at_first = 16, at_end = 24;
-constexpr std::size_t at_count = 2, at_window = 12, at_next = 16;
+constexpr std::size_t at_count = 2, at_reserved = 12, at_next = 16;
+// Of marks and reports.
+constexpr std::size_t at_flow = 4, at_position = 8, at_window = 16, at_datagrams = 20, at_came = 24;
+constexpr std::size_t at_padding = 28, at_sent = 32;
+
 constexpr std::uint64_t ordinal_max = std::uint64_t{1}
                                       << 62;  // so that nothing overflows that is added to it
 
@@ -98,18 +102,6 @@ std::optional<Datagram> parse_packed(std::span<const std::byte> bytes) noexcept 
   return d;
 }
 
-/// One without payload says nothing and is refused, like one that ends beyond what a total can be.
-std::optional<Datagram> parse_following(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() <= following_header_bytes || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
-  Datagram d;
-  d.kind = DatagramKind::following;
-  d.first.label = load_label(bytes.data());
-  d.offset = load<std::uint32_t>(&bytes[at_offset]);
-  d.payload = bytes.subspan(following_header_bytes);
-  if (d.payload.size() > UINT32_MAX - d.offset) return {};
-  return d;
-}
-
 }  // namespace
 
 void encode(const FirstHeader& header, std::byte* out) noexcept {
@@ -159,7 +151,7 @@ void encode(const Heartbeat& heartbeat, std::byte* out) noexcept {
   store(heartbeat.port, out + at_port);
   store(heartbeat.writer, out + at_writer);
   store(heartbeat.channel, out + at_channel_number);
-  store(std::uint32_t{0}, out + at_window);
+  store(std::uint32_t{0}, out + at_reserved);
   store(heartbeat.first, out + at_first);
   store(heartbeat.end, out + at_end);
 }
@@ -169,7 +161,7 @@ void encode(const Ack& ack, std::byte* out) noexcept {
   store(static_cast<std::uint16_t>(ack.missing_count), out + at_count);
   store(ack.writer, out + at_writer);
   store(ack.channel, out + at_channel_number);
-  store(ack.window_bytes, out + at_window);
+  store(std::uint32_t{0}, out + at_reserved);
   store(ack.next, out + at_next);
   std::byte* place = out + ack_header_bytes;
   for (const Missing& part : ack.parts()) {
@@ -180,13 +172,45 @@ void encode(const Ack& ack, std::byte* out) noexcept {
   }
 }
 
+void encode(const FlowMark& mark, std::byte* out) noexcept {
+  store_kind(DatagramKind::mark, 0, out);
+  store(mark.port, out + at_port);
+  store(mark.flow, out + at_flow);
+  store(mark.position, out + at_position);
+  store(std::uint32_t{0}, out + at_window);
+  store(mark.datagrams, out + at_datagrams);
+  store(std::uint64_t{0}, out + at_came);
+  store(static_cast<std::uint64_t>(mark.sent_at_ns), out + at_sent);
+}
+
+void encode(const FlowReport& report, std::byte* out) noexcept {
+  store_kind(DatagramKind::report, 0, out);
+  store(std::uint16_t{0}, out + at_port);
+  store(report.flow, out + at_flow);
+  store(report.position, out + at_position);
+  store(report.window_bytes, out + at_window);
+  store(report.datagrams, out + at_datagrams);
+  store(report.came, out + at_came);
+  store(std::uint32_t{0}, out + at_padding);
+  store(static_cast<std::uint64_t>(report.sent_at_ns), out + at_sent);
+}
+
 std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < following_header_bytes || bytes.size() > datagram_bytes_max) return {};
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
   if (version_and_kind >> 4 != wire_version) return {};
   const auto kind = static_cast<DatagramKind>(version_and_kind & 0xf);
-  if (kind < DatagramKind::first || kind > DatagramKind::packed) return {};
-  return kind;
+  switch (kind) {
+    case DatagramKind::first:
+    case DatagramKind::following:
+    case DatagramKind::heartbeat:
+    case DatagramKind::ack:
+    case DatagramKind::packed:
+    case DatagramKind::mark:
+    case DatagramKind::report:
+      return kind;
+  }
+  return {};
 }
 
 std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexcept {
@@ -209,7 +233,6 @@ std::optional<Ack> parse_ack(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() != ack_header_bytes + count * missing_bytes) return {};
   Ack ack{.writer = load<std::uint32_t>(&bytes[at_writer]),
           .channel = load<std::uint32_t>(&bytes[at_channel_number]),
-          .window_bytes = load<std::uint32_t>(&bytes[at_window]),
           .next = load<std::uint64_t>(&bytes[at_next]),
           .missing_count = count};
   if (ack.next == 0 || ack.next > ordinal_max) return {};
@@ -222,12 +245,51 @@ std::optional<Ack> parse_ack(std::span<const std::byte> bytes) noexcept {
   return ack;
 }
 
+std::optional<FlowMark> parse_mark(std::span<const std::byte> bytes) noexcept {
+  if (kind_of(bytes) != DatagramKind::mark || bytes.size() != mark_bytes) return {};
+  const FlowMark mark{.flow = load<std::uint32_t>(&bytes[at_flow]),
+                      .port = load<std::uint16_t>(&bytes[at_port]),
+                      .position = load<std::uint64_t>(&bytes[at_position]),
+                      .datagrams = load<std::uint32_t>(&bytes[at_datagrams]),
+                      .sent_at_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_sent]))};
+  const bool sound = load<std::uint8_t>(&bytes[at_flags]) == 0 && mark.port != 0;
+  return sound ? std::optional(mark) : std::nullopt;
+}
+
+std::optional<FlowReport> parse_report(std::span<const std::byte> bytes) noexcept {
+  if (kind_of(bytes) != DatagramKind::report || bytes.size() != report_bytes) return {};
+  if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
+  return FlowReport{.flow = load<std::uint32_t>(&bytes[at_flow]),
+                    .position = load<std::uint64_t>(&bytes[at_position]),
+                    .window_bytes = load<std::uint32_t>(&bytes[at_window]),
+                    .datagrams = load<std::uint32_t>(&bytes[at_datagrams]),
+                    .came = load<std::uint32_t>(&bytes[at_came]),
+                    .sent_at_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_sent]))};
+}
+
+/// One without payload says nothing and is refused, like one that ends beyond what a total can be.
+std::optional<Following> parse_following(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() <= following_header_bytes || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
+  const Following following{.label = load_label(bytes.data()),
+                            .offset = load<std::uint32_t>(&bytes[at_offset]),
+                            .payload = bytes.subspan(following_header_bytes)};
+  if (following.payload.size() > UINT32_MAX - following.offset) return {};
+  return following;
+}
+
 std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept {
   const std::optional<DatagramKind> kind = kind_of(bytes);
   if (kind == DatagramKind::first) return parse_first(bytes);
-  if (kind == DatagramKind::following) return parse_following(bytes);
   if (kind == DatagramKind::packed) return parse_packed(bytes);
-  return {};
+  if (kind != DatagramKind::following) return {};
+  const std::optional<Following> following = parse_following(bytes);
+  if (!following) return {};
+  Datagram d;
+  d.kind = DatagramKind::following;
+  d.first.label = following->label;
+  d.offset = following->offset;
+  d.payload = following->payload;
+  return d;
 }
 
 bool PackedBodies::sound() const noexcept {

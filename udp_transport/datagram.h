@@ -21,6 +21,8 @@ enum class DatagramKind : std::uint8_t {
   heartbeat = 3,  ///< of a channel: what its writer has sent, and still has
   ack = 4,        ///< of a channel, the other way: what has come, and what is missing
   packed = 5,     ///< whole small samples, whose sequences and ordinals follow one another
+  mark = 8,       ///< between samples: how much was sent to a socket up to here
+  report = 9,     ///< the other way: the mark has come, and how much may be under way
 };
 
 /// Flags of a first datagram. Its mask field is a hash, and the mask's words stand right before the payload.
@@ -41,6 +43,8 @@ inline constexpr std::size_t packed_samples_max = 256;
 inline constexpr std::size_t heartbeat_bytes = 32;
 inline constexpr std::size_t ack_header_bytes = 24;
 inline constexpr std::size_t missing_bytes = 12;
+inline constexpr std::size_t mark_bytes = 40;
+inline constexpr std::size_t report_bytes = 40;  ///< no more than what it answers
 /// As many as fit into a datagram that every path takes.
 inline constexpr std::size_t missing_max = (datagram_bytes_min - ack_header_bytes) / missing_bytes;
 
@@ -135,8 +139,7 @@ struct Missing {
 struct Ack {
   std::uint32_t writer = 0;
   std::uint32_t channel = 0;
-  std::uint32_t window_bytes = 0;  ///< that may be under way
-  std::uint64_t next = 0;          ///< ordinal: nothing before it is wanted any more
+  std::uint64_t next = 0;  ///< ordinal: nothing before it is wanted any more
   std::array<Missing, missing_max> missing{};
   std::size_t missing_count = 0;
 
@@ -144,10 +147,35 @@ struct Ack {
   std::size_t bytes() const { return ack_header_bytes + missing_count * missing_bytes; }
 };
 
+/// Stands behind what was sent to a socket, whatever it was.
+struct FlowMark {
+  std::uint32_t flow = 0;       ///< the sender's number for that socket
+  std::uint16_t port = 0;       ///< where the report goes, at the address that the mark comes from
+  std::uint64_t position = 0;   ///< counts what was sent before it
+  std::uint32_t datagrams = 0;  ///< of these, from where the mark comes from
+  std::int64_t sent_at_ns = 0;  ///< by the sender's clock
+  friend bool operator==(const FlowMark&, const FlowMark&) = default;
+};
+
+/// What the receiver says to a mark, most of which it repeats.
+struct FlowReport {
+  std::uint32_t flow = 0;
+  std::uint64_t position = 0;
+  std::uint32_t window_bytes = 0;  ///< that may be under way, as the receiving kernel counts
+  std::uint32_t datagrams = 0;
+  std::uint32_t came = 0;  ///< datagrams from there, since some time
+  std::int64_t sent_at_ns = 0;
+  friend bool operator==(const FlowReport&, const FlowReport&) = default;
+};
+
 void encode(const Heartbeat& heartbeat, std::byte* out) noexcept;  ///< heartbeat_bytes
 void encode(const Ack& ack, std::byte* out) noexcept;              ///< ack.bytes()
+void encode(const FlowMark& mark, std::byte* out) noexcept;        ///< mark_bytes
+void encode(const FlowReport& report, std::byte* out) noexcept;    ///< report_bytes
 std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexcept;
 std::optional<Ack> parse_ack(std::span<const std::byte> bytes) noexcept;
+std::optional<FlowMark> parse_mark(std::span<const std::byte> bytes) noexcept;
+std::optional<FlowReport> parse_report(std::span<const std::byte> bytes) noexcept;
 /// Of a datagram of this version. It may be none of these, or not sound.
 std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept;
 
@@ -162,6 +190,15 @@ struct Datagram {
 
   const SampleLabel& label() const { return first.label; }
 };
+
+/// The most frequent kind by far, without what it does not have.
+struct Following {
+  SampleLabel label;
+  std::uint32_t offset = 0;
+  std::span<const std::byte> payload;
+};
+/// Of bytes of that kind.
+std::optional<Following> parse_following(std::span<const std::byte> bytes) noexcept;
 
 /// Empty if the bytes are no datagram of a sample, of this version.
 std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept;

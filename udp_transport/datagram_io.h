@@ -92,6 +92,9 @@ class Connection {
   /// Sends each batch as a whole, up to the first that cannot be sent. Never waits. Any thread.
   virtual Sent try_send(std::span<const OutgoingBatch> batches) noexcept = 0;
 
+  /// From now on others go first, where a device has a choice.
+  virtual void carry_bulk() noexcept {}
+
   /// Looks for the way anew: after a refusal, for routes and the host's own addresses change. Any thread.
   virtual void reconnect() noexcept = 0;
   /// The same, to another address of the same socket. Any thread.

@@ -1,7 +1,10 @@
 #include "udp_transport/destination.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
+#include <optional>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -10,19 +13,16 @@
 
 namespace sft::udp {
 
-namespace {
-constexpr std::uint32_t receive_buffer_bytes_default = 212'992;  // Linux, where nothing was set
-}
-
-Destination::Destination(const SocketAddress& address, const DestinationLimits& limits,
-                         std::unique_ptr<Connection> connection)
+Destination::Destination(const SocketAddress& address, const DestinationLimits& limits, std::uint32_t flow,
+                         Connect connect)
     : limits_(limits),
+      flow_(flow),
+      connect_(std::move(connect)),
       address_(address),
       path_(path_to(address)),
       datagram_bytes_(path_.datagram_bytes()),
-      burst_bytes_(receive_buffer_bytes_default / 2),
-      pacer_(limits.bytes_per_s),
-      connection_(std::move(connection)) {}
+      connection_(connect_(address)),
+      window_(flow, limits.flow) {}
 
 std::size_t Destination::ask_kernel(const SocketAddress& address) const noexcept {
   return std::min<std::size_t>(datagram_bytes_to(address),
@@ -45,7 +45,8 @@ std::size_t Destination::datagrams_per_call() const {
 }
 
 void Destination::set_receive_buffer(std::uint32_t bytes) {
-  burst_bytes_.store(std::max(bytes, receive_buffer_bytes_default) / 2, std::memory_order_relaxed);
+  const std::scoped_lock lock(window_mutex_);
+  window_.announce(bytes);
 }
 
 SocketAddress Destination::address() const {
@@ -60,6 +61,7 @@ void Destination::move_to(const SocketAddress& address) noexcept {
   }
   connection_->redirect(address);
   one_at_a_time_.store(false, std::memory_order_relaxed);
+  if (Connection* const bulk = bulk_in_use_.load(std::memory_order_acquire)) bulk->redirect(address);
   const PathMtu path = path_to(address);
   const std::scoped_lock lock(mutex_);
   path_ = path;
@@ -70,7 +72,84 @@ void Destination::move_to(const SocketAddress& address) noexcept {
 void Destination::note(SendOutcome outcome) noexcept {
   if (outcome == SendOutcome::no_segments) one_at_a_time_.store(true, std::memory_order_relaxed);
   if (outcome == SendOutcome::too_long) learn_from_kernel();
-  if (outcome == SendOutcome::too_long || outcome == SendOutcome::failed) connection_->reconnect();
+  if (outcome == SendOutcome::too_long || outcome == SendOutcome::failed) reconnect();
+}
+
+void Destination::reconnect() noexcept {
+  connection_->reconnect();
+  if (Connection* const bulk = bulk_in_use_.load(std::memory_order_acquire)) bulk->reconnect();
+}
+
+/// It may have moved before others know of that connection.
+Connection& Destination::bulk() {
+  if (bulk_ == nullptr) {
+    const SocketAddress to = address();
+    bulk_ = connect_(to);
+    bulk_->carry_bulk();
+    bulk_in_use_.store(bulk_.get(), std::memory_order_release);
+    if (const SocketAddress now = address(); now != to) bulk_->redirect(now);
+  }
+  return *bulk_;
+}
+
+Connection& Destination::connection_after(std::uint64_t position) {
+  if (position == 0) return *connection_;
+  const std::scoped_lock lock(window_mutex_);
+  return window_.passed(position) ? *connection_ : last_in_line();
+}
+
+std::size_t Destination::room(Size size, Time now) {
+  const std::scoped_lock lock(window_mutex_);
+  return window_.room(size, now);
+}
+
+std::size_t Destination::batch_bytes() {
+  const std::scoped_lock lock(window_mutex_);
+  return window_.batch_bytes();
+}
+
+void Destination::sent(const Connection& by, std::size_t bytes, std::size_t datagrams, Time now) {
+  std::optional<FlowMark> due;
+  {
+    const std::scoped_lock lock(window_mutex_);
+    window_.sent(bytes, datagrams, now, &by != &last_in_line());
+    due = window_.mark(now);
+  }
+  if (due) send(*due);
+}
+
+void Destination::mark(Time now) {
+  std::optional<FlowMark> due;
+  {
+    const std::scoped_lock lock(window_mutex_);
+    due = window_.mark(now);
+  }
+  if (due) send(*due);
+}
+
+/// One that does not leave is made up for by a later one.
+void Destination::send(FlowMark mark) {
+  mark.port = limits_.report_port;
+  std::array<std::byte, mark_bytes> encoded;
+  encode(mark, encoded.data());
+  const iovec part{encoded.data(), encoded.size()};
+  const OutgoingBatch batch{{&part, 1}, 0};
+  last_in_line().try_send({&batch, 1});
+}
+
+bool Destination::hear(const FlowReport& report, Time now) {
+  const std::scoped_lock lock(window_mutex_);
+  return window_.hear(report, now);
+}
+
+Destination::Time Destination::next_ready(Time now) {
+  const std::scoped_lock lock(window_mutex_);
+  return window_.next_ready(now);
+}
+
+std::uint64_t Destination::position() {
+  const std::scoped_lock lock(window_mutex_);
+  return window_.position();
 }
 
 void Destination::learn_from_kernel() noexcept {
@@ -94,7 +173,7 @@ void Destination::long_ones_arrived(PathMtu::Time now) noexcept {
 }
 
 void Destination::look_after(PathMtu::Time now, bool anew) noexcept {
-  if (anew) connection_->reconnect();
+  if (anew) reconnect();
   if (anew || now - kernel_asked_at_ >= kernel_is_asked_every) {
     kernel_asked_at_ = now;
     learn_from_kernel();
@@ -103,6 +182,9 @@ void Destination::look_after(PathMtu::Time now, bool anew) noexcept {
   path_.look_after(now);
   publish_length();
 }
+
+DestinationDirectory::DestinationDirectory(const DestinationLimits& limits, Connect connect)
+    : limits_(limits), connect_(std::move(connect)), next_flow_(std::random_device{}()) {}
 
 DestinationDirectory::Key DestinationDirectory::key_of(const core::UdpAddress& address) {
   return {address.node, {address.node == 0 ? address.ip : core::IpAddress{}, address.port}};
@@ -124,12 +206,14 @@ std::shared_ptr<Destination> DestinationDirectory::known(const core::UdpAddress&
 std::shared_ptr<Destination> DestinationDirectory::find(const core::UdpAddress& address) {
   const SocketAddress to{address.ip, address.port};
   std::shared_ptr<Destination> destination;
+  std::uint32_t flow = 0;
   {
     const std::scoped_lock lock(mutex_);
     destination = known(address);
+    flow = next_flow_++;
   }
   if (destination == nullptr) {
-    auto fresh = std::make_shared<Destination>(to, limits_, connect_(to));
+    auto fresh = std::make_shared<Destination>(to, limits_, flow, connect_);
     const std::scoped_lock lock(mutex_);
     destination = known(address);
     if (destination == nullptr) known_[key_of(address)] = destination = std::move(fresh);
@@ -137,6 +221,15 @@ std::shared_ptr<Destination> DestinationDirectory::find(const core::UdpAddress& 
   if (address.node != 0) destination->move_to(to);
   if (address.receive_buffer_bytes != 0) destination->set_receive_buffer(address.receive_buffer_bytes);
   return destination;
+}
+
+std::shared_ptr<Destination> DestinationDirectory::of_flow(std::uint32_t flow) {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& [address, known] : known_) {
+    if (auto destination = known.lock(); destination != nullptr && destination->flow() == flow)
+      return destination;
+  }
+  return nullptr;
 }
 
 void DestinationDirectory::look_after(PathMtu::Time now, bool anew) {

@@ -1,5 +1,5 @@
 // A socket of somebody's that samples are sent to, shared by all writers that serve readers behind it, and
-// the way there, which can change: a socket has several addresses.
+// the ways there, which can change: a socket has several addresses.
 #pragma once
 
 #include <atomic>
@@ -14,29 +14,54 @@
 #include "core/transport.h"
 #include "udp_transport/datagram.h"
 #include "udp_transport/datagram_io.h"
-#include "udp_transport/pacer.h"
+#include "udp_transport/flow_window.h"
 #include "udp_transport/path_mtu.h"
 
 namespace sft::udp {
 
 struct DestinationLimits {
-  std::uint64_t bytes_per_s = 0;  ///< 0: none
   std::size_t datagram_bytes = datagram_bytes_max;
+  std::uint16_t report_port = 0;  ///< where receivers report to
+  FlowLimits flow{};
 };
+
+using Connect = std::function<std::unique_ptr<Connection>(const SocketAddress&)>;
 
 class Destination {
  public:
-  Destination(const SocketAddress& address, const DestinationLimits& limits,
-              std::unique_ptr<Connection> connection);
+  using Time = FlowWindow::Time;
+  using Size = FlowWindow::Size;
 
+  /// `flow` is what its receiver will call us by; `connect` is called again for the first large sample.
+  Destination(const SocketAddress& address, const DestinationLimits& limits, std::uint32_t flow,
+              Connect connect);
+
+  // Any thread.
+
+  /// For what is small, and must not queue behind large samples.
   Connection& connection() { return *connection_; }
+  /// For what must not overtake anything that was sent up to `position`.
+  Connection& connection_after(std::uint64_t position);
+
   std::size_t datagram_bytes() const { return datagram_bytes_.load(std::memory_order_relaxed); }
   std::size_t datagrams_per_call() const;
-  /// Half of what the receiving socket holds: the kernel counts more than the bytes.
-  std::size_t burst_bytes() const { return burst_bytes_.load(std::memory_order_relaxed); }
-  /// What the receiver announced. Less than any system grants unasked is not believed: it would never get a
-  /// sample.
   void set_receive_buffer(std::uint32_t bytes);
+
+  // How much may be under way: FlowWindow says what these mean. Any thread.
+
+  std::size_t room(Size size, Time now);
+  std::size_t batch_bytes();
+  /// What was sent through one of the connections. Tells the receiver, if it is time to.
+  void sent(const Connection& by, std::size_t bytes, std::size_t datagrams, Time now);
+  /// Asks a receiver again that does not report.
+  void mark(Time now);
+  [[nodiscard]] bool hear(const FlowReport& report, Time now);
+  Time next_ready(Time now);
+  std::uint64_t position();
+  std::uint32_t flow() const { return flow_; }
+
+  /// The sending thread: for large samples.
+  Connection& bulk();
 
   SocketAddress address() const;
   /// To another address of the same socket: what is on its way there goes on. Any thread.
@@ -57,9 +82,6 @@ class Destination {
   /// one.
   void look_after(PathMtu::Time now, bool anew) noexcept;
 
-  /// Of the sending thread alone.
-  Pacer& pacer() { return pacer_; }
-
  private:
   static constexpr std::chrono::seconds kernel_is_asked_every{5};
 
@@ -68,8 +90,17 @@ class Destination {
   void learn_from_kernel() noexcept;
   /// With the mutex held.
   void publish_length() noexcept;
+  void reconnect() noexcept;
+  void send(FlowMark mark);
+  /// Behind all that was sent.
+  Connection& last_in_line() {
+    Connection* const bulk = bulk_in_use_.load(std::memory_order_acquire);
+    return bulk == nullptr ? *connection_ : *bulk;
+  }
 
   const DestinationLimits limits_;
+  const std::uint32_t flow_;
+  const Connect connect_;
   mutable std::mutex mutex_;  ///< of these two
   SocketAddress address_;
   PathMtu path_;
@@ -78,22 +109,23 @@ class Destination {
   std::atomic<std::uint32_t> moves_{0};
   std::atomic<std::size_t> datagram_bytes_;
   std::atomic<bool> one_at_a_time_{false};
-  std::atomic<std::size_t> burst_bytes_;
-  Pacer pacer_;
   const std::unique_ptr<Connection> connection_;
+  std::unique_ptr<Connection> bulk_;  ///< of the sending thread, which makes it
+  std::atomic<Connection*> bulk_in_use_{nullptr};
+  std::mutex window_mutex_;
+  FlowWindow window_;
 };
 
 class DestinationDirectory {
  public:
-  using Connect = std::function<std::unique_ptr<Connection>(const SocketAddress&)>;
-
-  DestinationDirectory(const DestinationLimits& limits, Connect connect)
-      : limits_(limits), connect_(std::move(connect)) {}
+  DestinationDirectory(const DestinationLimits& limits, Connect connect);
 
   /// The destination of that address, known or new: a new one is connected to, and the kernel asked for the
   /// path's MTU. Where the address says whose it is, a known one moves there. It goes, with its connection,
   /// when nobody sends there any more.
   std::shared_ptr<Destination> find(const core::UdpAddress& address);
+  /// The one that reports by that number; null if there is none any more.
+  std::shared_ptr<Destination> of_flow(std::uint32_t flow);
 
   /// Of all that are known. `anew`: routes or own addresses have changed.
   void look_after(PathMtu::Time now, bool anew);
@@ -102,6 +134,7 @@ class DestinationDirectory {
   const DestinationLimits limits_;
   const Connect connect_;
   std::mutex mutex_;
+  std::uint32_t next_flow_;
   /// One that has several addresses is known by its node and port, any other by its address.
   using Key = std::pair<std::uint64_t, SocketAddress>;
   static Key key_of(const core::UdpAddress& address);

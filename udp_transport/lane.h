@@ -13,13 +13,16 @@
 #include "core/delivery.h"
 #include "udp_transport/destination.h"
 #include "udp_transport/job.h"
+#include "udp_transport/rate_limit.h"
 
 namespace sft::udp {
 
 class Channel;
 
-/// Counts of one writer, over all its lanes.
+/// Counts and limits of one writer, over all its lanes.
 struct WriterTally {
+  explicit WriterTally(std::uint64_t max_bytes_per_s = 0) : limit(max_bytes_per_s) {}
+  RateLimit limit;
   std::atomic<std::uint64_t> bytes_sent{0};
   std::atomic<std::uint64_t> dropped{0};  ///< taken from a lane, and then not sent
 };
@@ -45,6 +48,9 @@ class Lane {
   /// Nobody waits there any more: what is queued is dropped, and nothing queued again.
   void close();
   bool closed() const { return closed_.load(std::memory_order_acquire); }
+
+  /// Where in what is sent to the destination its last large sample ended; 0: it had none.
+  std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
 
   // The publisher's thread.
 
@@ -75,6 +81,8 @@ class Lane {
   WriterTally& tally() const { return *tally_; }
   /// The job that next() gave did not leave.
   void lose_current();
+  /// It has, and nothing behind it may overtake it: the destination's position is that.
+  void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
 
  private:
   void count_lost(const Job& job) const;
@@ -89,6 +97,7 @@ class Lane {
   const std::shared_ptr<core::LossTally> losses_ = std::make_shared<core::LossTally>();
   std::atomic<bool> busy_;  ///< scheduled_ or held_, as the publisher sees it
   std::atomic<bool> closed_{false};
+  std::atomic<std::uint64_t> behind_{0};
   JobHandle current_;         ///< the sending thread's
   bool is_retained_ = false;  ///< likewise: what is current is no live sample
   std::mutex mutex_;

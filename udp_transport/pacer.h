@@ -1,5 +1,4 @@
-// How fast one destination may be sent to: a burst that its socket
-// buffer surely holds, then a steady rate. Pure.
+// A token bucket: a burst, then a steady rate. Pure.
 #pragma once
 
 #include <algorithm>
@@ -14,36 +13,29 @@ class Pacer {
   using Time = std::chrono::steady_clock::time_point;
 
   /// A rate of 0 is no limit, for bursts neither.
-  explicit Pacer(std::uint64_t bytes_per_s) : wanted_bytes_per_s_(static_cast<double>(bytes_per_s)) {
-    set_burst(0);
-  }
+  /// Bursts have at least one byte.
+  Pacer(std::uint64_t bytes_per_s, std::size_t burst_bytes)
+      : bytes_per_s_(static_cast<double>(bytes_per_s)),
+        burst_(static_cast<double>(std::max<std::size_t>(burst_bytes, 1))),
+        quantum_(std::min(burst_ / 8, quantum_max)) {}
 
-  /// At least one byte. May be set again at any time. A small burst lowers the rate too: the buffer that it
-  /// stands for also has to hold what comes while the receiver is kept from running.
-  void set_burst(std::size_t bytes) {
-    burst_ = static_cast<double>(std::max<std::size_t>(bytes, 1));
-    bytes_per_s_ = std::min(wanted_bytes_per_s_, burst_ / receiver_pause_s);
-    quantum_ = std::min(burst_ / 8, quantum_max);
-  }
-
-  /// One more batch may go; it may take more than is left, which is made up for before the next.
-  bool ready(Time now) {
+  /// One more batch may go, and leaves `reserve` to others; it may take more than is left, which is made up
+  /// for before the next.
+  bool ready(Time now, std::size_t reserve = 0) {
     refill(now);
-    return wanted_bytes_per_s_ == 0 || tokens_ > 0;
+    return bytes_per_s_ == 0 || tokens_ > static_cast<double>(reserve);
   }
   void spend(std::size_t bytes) { tokens_ -= static_cast<double>(bytes); }
-  /// What was spent and then not sent.
-  void give_back(std::size_t bytes) { tokens_ += static_cast<double>(bytes); }
 
   /// When to go on, if nothing is spent until then: once there is enough for more than a moment's work.
-  Time next_ready(Time now) const {
-    if (wanted_bytes_per_s_ == 0 || tokens_ > 0) return now;
+  Time next_ready(Time now, std::size_t reserve = 0) const {
+    const double missing = static_cast<double>(reserve) - tokens_;
+    if (bytes_per_s_ == 0 || missing < 0) return now;
     return now +
-           std::chrono::nanoseconds(static_cast<std::int64_t>((quantum_ - tokens_) / bytes_per_s_ * 1e9));
+           std::chrono::nanoseconds(static_cast<std::int64_t>((quantum_ + missing) / bytes_per_s_ * 1e9));
   }
 
  private:
-  static constexpr double receiver_pause_s = 0.002;
   static constexpr double quantum_max = 192 * 1024;  // three calls' worth
 
   void refill(Time now) {
@@ -52,10 +44,9 @@ class Pacer {
     last_ = now;
   }
 
-  const double wanted_bytes_per_s_;
-  double bytes_per_s_ = 0;
-  double burst_ = 0;
-  double quantum_ = 0;
+  const double bytes_per_s_;
+  const double burst_;
+  const double quantum_;
   double tokens_ = 0;
   Time last_{};  ///< long ago: the first refill is a full one
 };

@@ -107,6 +107,7 @@ Reassembly::~Reassembly() = default;
 void Reassembly::set_streams(std::span<const Stream> streams) {
   auto before = std::exchange(incoming_, {});
   by_stream_.clear();
+  last_ = nullptr;
   windows_ = 0;
   for (std::size_t place = 0; place < streams.size(); ++place) {
     const Stream& stream = streams[place];
@@ -158,20 +159,29 @@ void Reassembly::close_window(Incoming& in) {
 Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, ArrivalTime now) {
   packed_.clear();
   ahead_.clear();
-  std::optional<Datagram> d = parse(bytes);
-  if (!d) {
+  const bool is_following = kind_of(bytes) == DatagramKind::following;
+  std::optional<Datagram> d = is_following ? std::nullopt : parse(bytes);
+  const std::optional<Following> following = is_following ? parse_following(bytes) : std::nullopt;
+  if (!d && !following) {
     ++counters_.malformed;
     return {};
   }
-  const auto in = incoming_.find(d->label().writer);
-  if (in == incoming_.end()) {
+  Incoming* const in = find(d ? d->label().writer : following->label.writer);
+  if (in == nullptr) {
     ++counters_.unknown;
     return {};
   }
-  if (d->kind == DatagramKind::following) return accept_following(*in->second, *d, now);
-  const Named named = in->second->named_mask(*d);
-  return d->kind == DatagramKind::first ? accept_first(*in->second, *d, named, now)
-                                        : accept_packed(*in->second, *d, named, now);
+  if (following) return accept_following(*in, *following, now);
+  const Named named = in->named_mask(*d);
+  return d->kind == DatagramKind::first ? accept_first(*in, *d, named, now)
+                                        : accept_packed(*in, *d, named, now);
+}
+
+Reassembly::Incoming* Reassembly::find(std::uint32_t writer) {
+  if (last_ != nullptr && static_cast<std::uint32_t>(last_->writer) == writer) return last_;
+  const auto known = incoming_.find(writer);
+  if (known == incoming_.end()) return nullptr;
+  return last_ = known->second.get();
 }
 
 /// As if each sample had come by itself.
@@ -248,11 +258,11 @@ Reassembly::Arrival Reassembly::refuse(Incoming& in, const Datagram& d, std::uin
   return nothing;
 }
 
-Reassembly::Arrival Reassembly::accept_following(Incoming& in, const Datagram& d, ArrivalTime now) {
-  UnfinishedSample* sample = in.find(d.label());
+Reassembly::Arrival Reassembly::accept_following(Incoming& in, const Following& d, ArrivalTime now) {
+  UnfinishedSample* sample = in.find(d.label);
   if (sample == nullptr) {
-    if (in.finished.contains(d.label())) return {};
-    sample = &begin(in, d.label(), 0, now.steady);
+    if (in.finished.contains(d.label)) return {};
+    sample = &begin(in, d.label, 0, now.steady);
   }
   if (!sample->described()) {
     park(in, *sample, d, now.steady);
@@ -366,7 +376,7 @@ core::SampleHandle Reassembly::take_reliable_buffer(Incoming& in, const Datagram
   return pool_->take(SampleLayout(in.type->slots()).bytes(total), pool_->limit_bytes() / 4);
 }
 
-void Reassembly::park(Incoming& in, UnfinishedSample& sample, const Datagram& d, Time now) {
+void Reassembly::park(Incoming& in, UnfinishedSample& sample, const Following& d, Time now) {
   const std::size_t bytes = UnfinishedSample::bytes_to_park(d.payload);
   if (d.payload.size() > in.sample_bytes || d.offset > in.sample_bytes - d.payload.size()) {
     drop(in, sample.label(), counters_.malformed);
@@ -516,7 +526,7 @@ void Reassembly::answer(Incoming& in, Time now, const SendAck& send) {
   std::vector<ArrivalWindow::Gap> gaps;
   if (now >= window.next_look()) gaps = window.due_gaps(now, came_at, asked_at_once_max);
   if (gaps.empty() && !window.ack_due()) return;
-  Ack ack = window.ack(static_cast<std::uint32_t>(in.writer), windows_);
+  Ack ack = window.ack(static_cast<std::uint32_t>(in.writer));
   std::size_t asked = 0;
   const auto ask = [&](const Missing& part) {
     if (++asked > asked_at_once_max) return;

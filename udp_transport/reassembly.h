@@ -88,13 +88,14 @@ class Reassembly {
     const FieldMask* mask = nullptr;  ///< null: one that nobody wants
     bool malformed = false;
   };
+  Incoming* find(std::uint32_t writer);
   Arrival accept_first(Incoming& in, const Datagram& d, const Named& named, ArrivalTime now);
   Arrival accept_packed(Incoming& in, const Datagram& d, const Named& named, ArrivalTime now);
-  Arrival accept_following(Incoming& in, const Datagram& d, ArrivalTime now);
+  Arrival accept_following(Incoming& in, const Following& d, ArrivalTime now);
   Arrival proceed(Incoming& in, UnfinishedSample& sample, bool well_formed, ArrivalTime now);
   Arrival complete(Incoming& in, core::SampleHandle sample, const FirstHeader& first, std::uint64_t place,
                    ArrivalTime now);
-  void park(Incoming& in, UnfinishedSample& sample, const Datagram& d, Time now);
+  void park(Incoming& in, UnfinishedSample& sample, const Following& d, Time now);
 
   Arrival refuse(Incoming& in, const Datagram& d, std::uint64_t place, Refusal why);
   void drop_abandoned(Incoming& in);
@@ -118,6 +119,7 @@ class Reassembly {
   std::shared_ptr<core::BufferPool> pool_;
   std::unordered_map<std::uint32_t, std::unique_ptr<Incoming>> incoming_;  ///< by the writer's short id
   std::vector<Incoming*> by_stream_;
+  Incoming* last_ = nullptr;  ///< whose datagram came last
   std::vector<std::pair<core::EndpointId, ArrivalWindow::Mark>>
       left_;                                              ///< writers that were, the newest last
   std::size_t windows_ = 0;                               ///< streams that are reliable

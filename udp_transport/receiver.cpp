@@ -32,8 +32,11 @@ void read_away(int fd) noexcept {
 }  // namespace
 
 Receiver::Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
-                   std::shared_ptr<core::BufferPool> pool, Acks acks)
-    : io_(std::move(io)), acks_(std::move(acks)), reassembly_(limits, std::move(pool)) {}
+                   std::size_t receive_buffer_bytes, std::shared_ptr<core::BufferPool> pool, Acks acks)
+    : io_(std::move(io)),
+      acks_(std::move(acks)),
+      shares_(receive_buffer_bytes),
+      reassembly_(limits, std::move(pool)) {}
 
 Result<void> Receiver::start(const std::string& thread_name) {
   alarm_ = FileDescriptor(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK));
@@ -237,6 +240,9 @@ void Receiver::begin(ArrivalTime now) noexcept {
 void Receiver::datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept {
   const std::optional<DatagramKind> kind = kind_of(bytes);
   if (kind == DatagramKind::ack) return hear_ack(bytes);
+  if (kind == DatagramKind::report) return hear_report(bytes);
+  if (kind == DatagramKind::mark) return report(bytes, from);
+  shares_.count(from);
   Reassembly::Arrival arrival =
       kind == DatagramKind::heartbeat ? accept_heartbeat(bytes, from) : accept(bytes);
   const bool in_channel = arrival.in_channel;
@@ -255,6 +261,22 @@ void Receiver::hear_ack(std::span<const std::byte> bytes) noexcept try {
     acks_.hear(*ack);
   }
 } catch (const std::bad_alloc&) {  // another one will come
+}
+
+void Receiver::hear_report(std::span<const std::byte> bytes) noexcept {
+  const std::optional<FlowReport> report = parse_report(bytes);
+  report ? acks_.hear_report(*report, now_.steady) : void(++malformed_acks_);
+}
+
+/// At once: all that was sent before it has left the socket.
+void Receiver::report(std::span<const std::byte> bytes, SocketAddress from) noexcept try {
+  const std::optional<FlowMark> mark = parse_mark(bytes);
+  if (!mark) {
+    ++malformed_acks_;
+  } else {
+    acks_.report({from.ip, mark->port}, shares_.answer(*mark, from, now_.steady));
+  }
+} catch (const std::bad_alloc&) {  // it will be marked again
 }
 
 Reassembly::Arrival Receiver::accept_heartbeat(std::span<const std::byte> bytes, SocketAddress from) noexcept

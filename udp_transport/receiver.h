@@ -12,6 +12,7 @@
 
 #include "udp_transport/datagram_io.h"
 #include "udp_transport/reassembly.h"
+#include "udp_transport/receive_shares.h"
 #include "udp_transport/receiving_role.h"
 #include "udp_transport/spin_choice.h"
 #include "udp_transport/subscriptions.h"
@@ -23,13 +24,16 @@ namespace sft::udp {
 /// thread" is whichever has the role.
 class Receiver final : private DatagramSink, public std::enable_shared_from_this<Receiver> {
  public:
-  /// What reliable delivery needs of the half that sends. Called by the receiving thread.
+  /// What this half says to the one that sends, and hears for it. Called by the receiving thread.
   struct Acks {
     std::function<void(const Ack&)> hear;
     Reassembly::SendAck send;
+    std::function<void(const FlowReport&, std::chrono::steady_clock::time_point)> hear_report;
+    std::function<void(const SocketAddress&, const FlowReport&)> report;
   };
+  /// `receive_buffer_bytes` of the socket are shared by all who send to it.
   Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
-           std::shared_ptr<core::BufferPool> pool, Acks acks);
+           std::size_t receive_buffer_bytes, std::shared_ptr<core::BufferPool> pool, Acks acks);
 
   Result<void> start(const std::string& thread_name);
   /// Afterwards nothing is received. Called by a listener, it takes effect once that has returned.
@@ -69,6 +73,8 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   Reassembly::Arrival accept(std::span<const std::byte> bytes) noexcept;
   void enter();
   void hear_ack(std::span<const std::byte> bytes) noexcept;
+  void hear_report(std::span<const std::byte> bytes) noexcept;
+  void report(std::span<const std::byte> mark, SocketAddress from) noexcept;
   Reassembly::Arrival accept_heartbeat(std::span<const std::byte> bytes, SocketAddress from) noexcept;
   void deliver(Reassembly::Arrival& arrival);
   void deliver_in_order(core::EndpointId writer);
@@ -94,6 +100,7 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   // Of the receiving thread alone.
   const Acks acks_;
   std::uint64_t malformed_acks_ = 0;
+  ReceiveShares shares_;
   Reassembly reassembly_;
   std::shared_ptr<const Subscriptions> wanted_;
   ArrivalTime now_;

@@ -18,8 +18,7 @@ ResendWindow::ResendWindow(std::uint32_t writer, std::uint32_t channel, const Re
       kept_(first_ordinal),
       waiting_{first_ordinal, first_ordinal},
       sent_(first_ordinal),
-      repair_pacer_(limits.repair_bytes_per_s) {
-  repair_pacer_.set_burst(repair_burst_bytes);
+      repair_pacer_(limits.repair_bytes_per_s, repair_burst_bytes) {
   repairs_.reserve(repairs_max);
 }
 
@@ -43,10 +42,19 @@ void ResendWindow::push(const JobHandle& job, const FirstHeader& first) {
   }
 }
 
-/// The newest stays, however large it is.
+bool ResendWindow::keeps_more_than(std::size_t samples, std::size_t bytes) const {
+  return kept_.size() > samples || kept_bytes_ > bytes;
+}
+
+/// The newest stays, however large it is. Where a large one is cut short by that, more goes: else the next
+/// one would be cut short as well, and nothing would ever come whole.
 void ResendWindow::make_room(Kept& kept) {
-  while (kept_.size() > limits_.samples || (kept_bytes_ > limits_.bytes && kept_.size() > 1)) {
-    if (const Entry& oldest = kept_[kept_.begin()]; !oldest.begun) {
+  bool cut_short = false;
+  while (kept_.size() > 1 && (keeps_more_than(limits_.samples, limits_.bytes) ||
+                              (cut_short && keeps_more_than(limits_.samples / 2, limits_.bytes / 2)))) {
+    const Entry& oldest = kept_[kept_.begin()];
+    cut_short = cut_short || (oldest.state == State::under_way && size_of(oldest.first.total) == Size::large);
+    if (!oldest.begun) {
       ++kept.dropped;
       kept.dropped_bytes += oldest.first.total;
       kept.dropped_whole_bytes += oldest.job->whole_bytes;
@@ -58,18 +66,9 @@ void ResendWindow::make_room(Kept& kept) {
 void ResendWindow::release_oldest() {
   const std::uint64_t ordinal = kept_.begin();
   const Entry& oldest = kept_[ordinal];
-  if (oldest.state != State::waiting) in_flight_bytes_ -= oldest.first.total;
   kept_bytes_ -= oldest.held_bytes();
   std::erase_if(repairs_, [&](const Repair& repair) { return repair.ordinal == ordinal; });
   kept_.pop_front();
-}
-
-/// The oldest may always go: all others wait for it. And some more, until a part of the window is under way
-/// that is acknowledged unasked.
-bool ResendWindow::has_room_for(std::uint64_t ordinal) const {
-  const Entry& entry = kept_[ordinal];
-  return ordinal == kept_.begin() || in_flight_bytes_ < std::max<std::size_t>(window_bytes_ / 4, 1) ||
-         in_flight_bytes_ + entry.first.total <= window_bytes_;
 }
 
 std::uint64_t ResendWindow::first_waiting(Size size) {
@@ -94,6 +93,7 @@ bool ResendWindow::has_work() {
 
 /// Repairs and live samples take turns, so that neither starves the other.
 std::optional<ResendWindow::Piece> ResendWindow::next(Size size, Time now) {
+  repair_is_paced_ = false;
   const bool repair_first = !std::exchange(repair_was_last_, false);
   std::optional<Piece> piece = repair_first ? next_repair(size, now) : next_sample(size);
   if (!piece) piece = repair_first ? next_sample(size) : next_repair(size, now);
@@ -104,7 +104,9 @@ std::optional<ResendWindow::Piece> ResendWindow::next(Size size, Time now) {
 std::optional<ResendWindow::Piece> ResendWindow::next_repair(Size size, Time now) {
   const auto repair = std::find_if(repairs_.begin(), repairs_.end(),
                                    [&](const Repair& candidate) { return candidate.size == size; });
-  if (repair == repairs_.end() || !repair_pacer_.ready(now)) return {};
+  if (repair == repairs_.end()) return {};
+  repair_is_paced_ = !repair_pacer_.ready(now);
+  if (repair_is_paced_) return {};
   const Entry& entry = kept_[repair->ordinal];
   Piece piece{entry.first, entry.job, repair->range, repair->ordinal, true, entry.part};
   repair_pacer_.spend(std::max<std::size_t>(repair->range.end - repair->range.begin, datagram_bytes_min));
@@ -116,37 +118,34 @@ std::optional<ResendWindow::Piece> ResendWindow::next_repair(Size size, Time now
 std::optional<ResendWindow::Piece> ResendWindow::next_sample(Size size) {
   const std::uint64_t ordinal = first_waiting(size);
   if (ordinal == kept_.end()) return {};
-  if (has_room_for(ordinal)) return begin(ordinal);
-  answer_wanted_ = true;
-  return {};
+  return begin(ordinal);
 }
 
 std::optional<ResendWindow::Piece> ResendWindow::take(std::uint64_t ordinal) {
   const Size size = size_of(kept_[ordinal].first.total);
-  if (first_waiting(size) != ordinal || !has_room_for(ordinal)) return {};
+  if (first_waiting(size) != ordinal) return {};
   return begin(ordinal);
 }
 
 void ResendWindow::start(Entry& entry) {
   entry.state = State::under_way;
   entry.begun = true;
-  in_flight_bytes_ += entry.first.total;
 }
 
-/// Of a pack as many as may go.
 ResendWindow::Piece ResendWindow::begin(std::uint64_t ordinal) {
   Entry& entry = kept_[ordinal];
   start(entry);
   Piece piece{entry.first, entry.job, {}, ordinal, false, entry.part};
   const std::uint64_t end = std::min(kept_.end(), ordinal + entry.job->samples() - entry.part);
   for (++ordinal; ordinal < end; ++ordinal, ++piece.samples) {
-    if (kept_[ordinal].state != State::waiting || !has_room_for(ordinal)) break;
+    if (kept_[ordinal].state != State::waiting) break;
     start(kept_[ordinal]);
   }
   return piece;
 }
 
 void ResendWindow::finished(const Piece& piece, Time now) {
+  if (!piece.is_repair && sent_at_ != Time{}) learn_pause(now - sent_at_);
   sent_at_ = now;
   for (std::uint32_t i = 0; !piece.is_repair && i < piece.samples; ++i) {
     if (kept_.contains(piece.ordinal + i)) kept_[piece.ordinal + i].state = State::sent;
@@ -155,12 +154,22 @@ void ResendWindow::finished(const Piece& piece, Time now) {
   if (unanswered_ == 0) plan_heartbeat(now);
 }
 
+/// One that is much longer, as behind a burst, hardly counts.
+void ResendWindow::learn_pause(Time::duration pause) {
+  if (usual_pause_ == Time::duration{}) {
+    usual_pause_ = pause;
+  } else if (pause > usual_pause_) {
+    usual_pause_ += std::min(pause - usual_pause_, usual_pause_) / 8;
+  } else {
+    usual_pause_ -= (usual_pause_ - pause) / 4;
+  }
+}
+
 void ResendWindow::put_back(const Piece& piece) {
   for (std::uint64_t ordinal = piece.ordinal; ordinal < piece.ordinal + piece.samples; ++ordinal) {
     if (piece.is_repair || !kept_.contains(ordinal)) continue;
     Entry& entry = kept_[ordinal];
     entry.state = State::waiting;
-    in_flight_bytes_ -= entry.first.total;
     std::uint64_t& waiting = waiting_[static_cast<std::size_t>(size_of(entry.first.total))];
     waiting = std::min(waiting, ordinal);
   }
@@ -181,7 +190,6 @@ void ResendWindow::release_before(std::uint64_t next) {
 void ResendWindow::hear(const Ack& ack, Time now) {
   if (ack.channel != channel_ || ack.writer != writer_) return;
   if (ack.next > kept_.end()) return;
-  window_bytes_ = ack.window_bytes;
   release_before(ack.next);
   for (const Missing& part : ack.parts()) ask_for(part, ack.next, now);
   unanswered_ = 0;
@@ -206,6 +214,13 @@ void ResendWindow::ask_for(const Missing& part, std::uint64_t next, Time now) {
   if (!asked) repairs_.push_back({ordinal, range, size_of(range.end - range.begin)});
 }
 
+/// A loss is noticed with the sample after it; so what matters is that no other one comes. That is asked for
+/// as often as there are heartbeats to spare.
+ResendWindow::Time ResendWindow::end_of_usual_pause() const {
+  const Time affordable = heartbeats_paid_until_ - limits_.heartbeats_saved * limits_.heartbeat_pause;
+  return std::max(sent_at_ + 2 * usual_pause_, affordable);
+}
+
 /// Soon after the last sample, but seldom while nothing gets lost. Whoever does not answer is asked ever more
 /// seldom.
 void ResendWindow::plan_heartbeat(Time now) {
@@ -215,10 +230,12 @@ void ResendWindow::plan_heartbeat(Time now) {
     heartbeat_at_ = now;  // it names the port for acks
   } else if (answer_wanted_) {
     heartbeat_at_ = std::min(heartbeat_at_, std::max(now, heartbeat_sent_at_ + limits_.heartbeat_delay));
+  } else if (keeps_more_than(limits_.samples / 2, limits_.bytes / 2)) {
+    heartbeat_at_ = std::max(now, heartbeat_sent_at_ + limits_.heartbeat_pause);
   } else {
     const bool bad_link = lost_at_ && now - *lost_at_ < limits_.mistrust;
-    const auto pause = bad_link ? limits_.heartbeat_delay : limits_.heartbeat_pause;
-    heartbeat_at_ = std::max(sent_at_ + limits_.heartbeat_delay, heartbeat_sent_at_ + pause);
+    const Time usual = heartbeat_sent_at_ + (bad_link ? limits_.heartbeat_delay : limits_.heartbeat_period);
+    heartbeat_at_ = std::max(sent_at_ + limits_.heartbeat_delay, std::min(usual, end_of_usual_pause()));
   }
 }
 
@@ -233,6 +250,7 @@ std::optional<Heartbeat> ResendWindow::heartbeat(Time now) {
   if (now < heartbeat_at_) return {};
   answer_wanted_ = false;
   heartbeat_sent_at_ = now;
+  heartbeats_paid_until_ = std::max(heartbeats_paid_until_, now) + limits_.heartbeat_pause;
   const auto doubled = limits_.heartbeat_delay * (1 << std::min(++unanswered_, 10));
   heartbeat_at_ = now + std::min<Time::duration>(doubled, limits_.heartbeat_longest);
   return Heartbeat{.writer = writer_, .channel = channel_, .first = kept_.begin(), .end = sent_end()};
@@ -244,7 +262,7 @@ Heartbeat ResendWindow::parting() const {
 
 ResendWindow::Time ResendWindow::next_look(Time now) const {
   Time look = heartbeat_at_;
-  if (!repairs_.empty()) look = std::min(look, repair_pacer_.next_ready(now));
+  if (repair_is_paced_) look = std::min(look, repair_pacer_.next_ready(now));
   return look;
 }
 

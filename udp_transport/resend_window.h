@@ -22,7 +22,9 @@ struct ResendLimits {
   std::size_t bytes = std::size_t{64} << 20;          ///< of memory that these hold, but for the newest
   std::uint64_t repair_bytes_per_s = 100'000'000;     ///< live samples have the rest
   std::chrono::milliseconds heartbeat_delay{20};      ///< after the last sample
-  std::chrono::milliseconds heartbeat_pause{2000};    ///< between two that were answered, on a good link
+  std::chrono::milliseconds heartbeat_pause{2000};    ///< on a good link, on average, where they are answered
+  std::chrono::milliseconds heartbeat_period{4000};   ///< while samples come as usual
+  int heartbeats_saved = 4;                           ///< that may follow each other faster
   std::chrono::seconds mistrust{10};                  ///< of a link, after it has lost something
   std::chrono::milliseconds heartbeat_longest{1000};  ///< between two that were not
 };
@@ -79,7 +81,7 @@ class ResendWindow {
   /// The last one: nothing is kept any more.
   Heartbeat parting() const;
 
-  /// When to look again, if nothing is kept and heard until then.
+  /// When to look again, if nothing is kept, heard and taken until then.
   Time next_look(Time now) const;
   /// Whether so much more can be kept, and nothing has to go for it.
   bool can_keep(std::size_t samples, std::size_t bytes) const {
@@ -95,7 +97,7 @@ class ResendWindow {
   std::uint64_t begin() const { return kept_.begin(); }
   std::uint64_t end() const { return kept_.end(); }
 
-  /// Something is to be sent, as far as there is room for it.
+  /// Something is to be sent.
   bool has_work();
 
   std::size_t kept() const { return kept_.size(); }
@@ -120,17 +122,19 @@ class ResendWindow {
 
   void push(const JobHandle& job, const FirstHeader& first);
   void start(Entry& entry);
-  bool has_room_for(std::uint64_t ordinal) const;
   std::optional<Piece> next_repair(Size size, Time now);
   std::optional<Piece> next_sample(Size size);
   std::uint64_t first_waiting(Size size);
   Piece begin(std::uint64_t ordinal);
+  bool keeps_more_than(std::size_t samples, std::size_t bytes) const;
   void make_room(Kept& kept);
   void release_oldest();
   std::uint64_t sent_end() const;
   void release_before(std::uint64_t next);
   void ask_for(const Missing& part, std::uint64_t next, Time now);
   void plan_heartbeat(Time now);
+  void learn_pause(Time::duration pause);
+  Time end_of_usual_pause() const;
 
   const std::uint32_t writer_;
   const std::uint32_t channel_;
@@ -139,19 +143,19 @@ class ResendWindow {
   std::uint64_t waiting_[2];  ///< by Size: no entry of that size before this one waits
   std::uint64_t sent_;        ///< each before this one was sent
   std::size_t kept_bytes_ = 0;
-  std::size_t in_flight_bytes_ = 0;  ///< of bodies that were sent, and not acknowledged
-  std::size_t window_bytes_ = 64 * 1024;
   std::vector<Repair> repairs_;  ///< the oldest first
   bool repair_was_last_ = false;
   Pacer repair_pacer_;
+  bool repair_is_paced_ = false;  ///< the last next() had to leave one for later
   std::uint64_t repaired_ = 0;
 
   Time sent_at_{};
+  Time::duration usual_pause_{};  ///< between samples
   Time heartbeat_sent_at_{};
-  std::optional<Time> lost_at_;  ///< when something was asked for last
-  int unanswered_ = 0;           ///< heartbeats
-  bool answer_wanted_ =
-      false;  ///< nothing can be sent before the next ack, or somebody asks for what is gone
+  Time heartbeats_paid_until_{};  ///< each costs a heartbeat_pause
+  std::optional<Time> lost_at_;   ///< when something was asked for last
+  int unanswered_ = 0;            ///< heartbeats
+  bool answer_wanted_ = false;    ///< somebody asks for what is gone
   Time heartbeat_at_ = Time::max();
 };
 

@@ -15,8 +15,9 @@ namespace sft::udp {
 
 /// Outlives the transport as long as a writer does.
 struct SendSide {
-  SendSide(std::unique_ptr<DatagramSender> io, const DestinationLimits& limits)
-      : sender(std::move(io)),
+  SendSide(std::unique_ptr<DatagramSender> io, const DestinationLimits& limits,
+           std::uint64_t max_bytes_per_s = 0)
+      : sender(std::move(io), max_bytes_per_s),
         destinations(limits, [this](const SocketAddress& to) { return sender.connect(to); }) {}
 
   Sender sender;

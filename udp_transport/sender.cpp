@@ -18,7 +18,14 @@ constexpr std::chrono::seconds patience{2};
 constexpr std::size_t small_samples_per_turn = 64;
 }  // namespace
 
-Sender::Sender(std::unique_ptr<DatagramSender> io) : io_(std::move(io)) {}
+/// What is small goes past what is large, unless it has to arrive behind it.
+Connection& Sender::Flow::connection() const {
+  if (size == Size::large) return destination().bulk();
+  return lane ? destination().connection_after(lane->behind()) : destination().connection();
+}
+
+Sender::Sender(std::unique_ptr<DatagramSender> io, std::uint64_t max_bytes_per_s)
+    : io_(std::move(io)), limit_(max_bytes_per_s) {}
 
 Sender::~Sender() { stop(); }
 
@@ -74,20 +81,48 @@ void Sender::run() {
     wake_at_ = Time::max();
     carry_out_left();
     take_over_scheduled();
-    for (Flow& flow : flows_) {
-      if (!advance(flow)) flow.lane.reset();
-      carry_out_left();
-    }
-    std::erase_if(flows_, [](const Flow& flow) { return flow.lane == nullptr; });
-    for (Attended& attended : attended_) {
-      if (!look_after(attended)) attended.channel.reset();
-      carry_out_left();
-    }
-    std::erase_if(attended_, [](const Attended& attended) { return attended.channel == nullptr; });
+    send_small();
+    send_large();
+    forget_finished();
     io_->await(wake_at_);
   }
   flows_.clear();
   attended_.clear();
+}
+
+void Sender::send_small() {
+  for (Flow& flow : flows_) {
+    if (flow.lane->closed()) flow.fragments.reset();
+    if (!flow.fragments && !begin(flow)) flow.lane.reset();
+    if (flow.lane && flow.size == Size::small) advance(flow);
+  }
+  for (Attended& attended : attended_) {
+    advance_channel(attended.small);
+    look_after(attended);
+  }
+}
+
+/// One after another, beginning with another each time: where there is room for a few only, each has its
+/// turn.
+void Sender::send_large() {
+  const std::size_t count = flows_.size() + attended_.size();
+  if (count == 0) return;
+  ++turn_;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t which = (turn_ + i) % count;
+    if (which >= flows_.size()) {
+      Attended& attended = attended_[which - flows_.size()];
+      if (attended.channel) advance_channel(attended.large);
+    } else if (Flow& flow = flows_[which]; flow.lane && flow.fragments && flow.size == Size::large) {
+      advance(flow);
+    }
+    carry_out_left();
+  }
+}
+
+void Sender::forget_finished() {
+  std::erase_if(flows_, [](const Flow& flow) { return flow.lane == nullptr; });
+  std::erase_if(attended_, [](const Attended& attended) { return attended.channel == nullptr; });
 }
 
 /// Between flows too: it is small, or will be a flow itself.
@@ -115,8 +150,8 @@ void Sender::take_over_scheduled() {
   for (std::shared_ptr<Lane>& lane : taken_) flows_.push_back({.lane = std::move(lane)});
   taken_.clear();
   for (std::shared_ptr<Channel>& channel : taken_channels_) {
-    Flow small{.lane = {}, .channel = channel, .size = ResendWindow::Size::small};
-    Flow large{.lane = {}, .channel = channel, .size = ResendWindow::Size::large};
+    Flow small{.lane = {}, .channel = channel, .size = Size::small};
+    Flow large{.lane = {}, .channel = channel, .size = Size::large};
     attended_.push_back({std::move(channel), std::move(small), std::move(large)});
   }
   taken_channels_.clear();
@@ -129,6 +164,7 @@ bool Sender::begin(Flow& flow) {
   if (flow.lane->channel() != nullptr) return pass_on(*flow.lane);
   const Job* job = flow.lane->next();
   if (job == nullptr) return false;
+  flow.size = ResendWindow::size_of(job->first.total);
   flow.fragments.emplace(job->body(), flow.lane->destination().datagram_bytes());
   return true;
 }
@@ -145,14 +181,11 @@ bool Sender::pass_on(Lane& lane) {
   return false;
 }
 
-/// False once it is at rest.
-bool Sender::look_after(Attended& attended) {
-  advance_channel(attended.small);
-  advance_channel(attended.large);
+void Sender::look_after(Attended& attended) {
   const Channel::Care care = attended.channel->look_after();
-  if (care.heartbeat) send(*care.heartbeat, *attended.channel);
+  if (care.heartbeat) send(*care.heartbeat, attended);
   wake_at_ = std::min(wake_at_, care.next_look);
-  return !care.at_rest;
+  if (care.at_rest) attended.channel.reset();
 }
 
 /// Small samples go on until there are none, or no room; large ones take turns.
@@ -168,41 +201,41 @@ void Sender::advance_channel(Flow& flow) {
     flow.channel->finished(*flow.piece);  // or it is lost, and will be asked for
     flow.piece.reset();
     flow.fragments.reset();
-    if (flow.size == ResendWindow::Size::large) break;
+    if (flow.size == Size::large) break;
   }
   wake_at_ = {};
 }
 
-void Sender::send(const Heartbeat& heartbeat, Channel& channel) {
+/// Behind what it tells of.
+void Sender::send(const Heartbeat& heartbeat, const Attended& attended) {
   std::array<std::byte, heartbeat_bytes> bytes;
   encode(heartbeat, bytes.data());
   const iovec part{bytes.data(), bytes.size()};
   const OutgoingBatch batch{{&part, 1}, 0};
-  const SendOutcome outcome = channel.destination().connection().try_send({&batch, 1}).outcome;
+  Destination& to = attended.channel->destination();
+  const SendOutcome outcome = to.connection_after(attended.large.behind).try_send({&batch, 1}).outcome;
   if (outcome == SendOutcome::sent) {
-    channel.tally().bytes_sent.fetch_add(bytes.size(), std::memory_order_relaxed);
+    attended.channel->tally().bytes_sent.fetch_add(bytes.size(), std::memory_order_relaxed);
   } else {
-    channel.destination().note(outcome);
+    to.note(outcome);
   }
 }
 
-/// Sends what the flow may send now. False once its lane is empty.
-bool Sender::advance(Flow& flow) {
-  if (!flow.fragments || flow.lane->closed()) {
-    if (!begin(flow)) return false;
-  }
-  if (must_wait(flow)) return true;
+/// Sends what the flow may send now, and takes its next job when there is nothing left.
+void Sender::advance(Flow& flow) {
+  if (must_wait(flow)) return;
   const Progress progress = send_some(flow);
-  if (progress == Progress::some) return true;
+  if (progress == Progress::some) return;
   if (progress == Progress::lost) flow.lane->lose_current();
+  if (flow.size == Size::large) flow.lane->stay_behind(flow.behind);
   wake_at_ = {};
-  return begin(flow);
+  if (!begin(flow)) flow.lane.reset();
 }
 
 /// Large samples of one writer go to a destination one after another, under whichever masks: a receiver puts
 /// only so many together at a time, and the first is whole sooner. Small ones pass between.
 bool Sender::must_wait(const Flow& flow) const {
-  if (flow.fragments->begun() || flow.fragments->bytes() <= batch_bytes_max) return false;
+  if (flow.fragments->begun() || flow.size == Size::small) return false;
   return std::any_of(flows_.begin(), flows_.end(), [&](const Flow& other) {
     return other.fragments && other.fragments->begun() && &other.lane->tally() == &flow.lane->tally() &&
            &other.lane->destination() == &flow.lane->destination();
@@ -211,19 +244,18 @@ bool Sender::must_wait(const Flow& flow) const {
 
 Sender::Progress Sender::send_some(Flow& flow) {
   Destination& to = flow.destination();
+  Connection& by = flow.connection();
   const Time now = Clock::now();
-  if (to.connection().full()) return wait_for_room(flow, now);
-  const std::size_t cut = cut_batches(*flow.fragments, to, now);
-  const Connection::Sent sent = to.connection().try_send({outgoing_.data(), cut});
-  std::size_t sent_bytes = 0, kept_bytes = 0;
-  for (std::size_t i = 0; i < cut; ++i) (i < sent.batches ? sent_bytes : kept_bytes) += batches_[i].bytes();
-  flow.tally().bytes_sent.fetch_add(sent_bytes, std::memory_order_relaxed);
-  to.pacer().give_back(kept_bytes);
+  if (by.full()) return wait_for_room(flow, by, now);
+  const std::size_t cut = cut_batches(flow, now);
+  if (cut == 0) return Progress::some;
+  const Connection::Sent sent = by.try_send({outgoing_.data(), cut});
   if (sent.batches > 0) {
+    account_for(flow, by, sent.batches, now);
     flow.fragments = rest_[sent.batches - 1];
     flow.full_since.reset();
   }
-  if (sent.outcome == SendOutcome::would_wait) return wait_for_room(flow, now);
+  if (sent.outcome == SendOutcome::would_wait) return wait_for_room(flow, by, now);
   if (sent.outcome != SendOutcome::sent) {
     const std::size_t refused = to.datagram_bytes();
     to.note(sent.outcome);
@@ -233,28 +265,61 @@ Sender::Progress Sender::send_some(Flow& flow) {
     return Progress::some;
   }
   if (flow.fragments->done()) return Progress::whole;
-  wake_at_ = std::min(wake_at_, to.pacer().next_ready(now));
+  wake_at_ = {};
   return Progress::some;
 }
 
+void Sender::account_for(Flow& flow, Connection& by, std::size_t batches, Time now) {
+  std::size_t bytes = 0, datagrams = 0;
+  for (const Batch& batch : std::span(batches_).first(batches)) {
+    bytes += batch.bytes();
+    datagrams += batch.datagrams();
+  }
+  flow.tally().bytes_sent.fetch_add(bytes, std::memory_order_relaxed);
+  flow.tally().limit.spend(bytes);
+  limit_.spend(bytes);
+  flow.destination().sent(by, bytes, datagrams, now);
+  if (flow.size == Size::large) flow.behind = flow.destination().position();
+}
+
+/// Socket bytes that may go now. Where that is nothing, the flow is looked at again once it is more.
+std::size_t Sender::allowance(Flow& flow, Time now) {
+  const bool small = flow.size == Size::small;
+  for (RateLimit* limit : {&flow.tally().limit, &limit_}) {
+    if (limit->ready(small, now)) continue;
+    wake_at_ = std::min(wake_at_, limit->next_ready(small, now));
+    return 0;
+  }
+  Destination& to = flow.destination();
+  const std::size_t room = to.room(small ? Destination::Size::small : Destination::Size::large, now);
+  if (room == 0) {
+    to.mark(now);
+    wake_at_ = std::min(wake_at_, to.next_ready(now));
+  }
+  return std::min({room, flow.tally().limit.batch_bytes(), limit_.batch_bytes()});
+}
+
 /// As many as may go now.
-std::size_t Sender::cut_batches(Fragmenter fragments, Destination& to, Time now) {
-  to.pacer().set_burst(to.burst_bytes());
+std::size_t Sender::cut_batches(Flow& flow, Time now) {
+  Destination& to = flow.destination();
+  Fragmenter fragments = *flow.fragments;
+  const std::size_t allowed = allowance(flow, now);
+  const std::size_t bytes_max = std::min(allowed, to.batch_bytes());
   std::size_t n = 0;
-  for (; n < batches_per_call && !fragments.done() && to.pacer().ready(now); ++n) {
-    fragments.next(batches_[n], to.burst_bytes(), to.datagrams_per_call());
-    to.pacer().spend(batches_[n].bytes());
+  for (std::size_t cut = 0; n < batches_per_call && !fragments.done() && cut < allowed; ++n) {
+    fragments.next(batches_[n], bytes_max, to.datagrams_per_call());
+    cut += socket_bytes(batches_[n].bytes(), batches_[n].datagrams());
     outgoing_[n] = {batches_[n].parts(), batches_[n].segment_bytes()};
     rest_[n] = fragments;
   }
   return n;
 }
 
-Sender::Progress Sender::wait_for_room(Flow& flow, Time now) {
+Sender::Progress Sender::wait_for_room(Flow& flow, Connection& by, Time now) {
   if (!flow.full_since) flow.full_since = now;
   const Time at_most = *flow.full_since + patience;
   if (now >= at_most) return Progress::lost;
-  flow.destination().connection().wait_for_room();
+  by.wait_for_room();
   wake_at_ = std::min(wake_at_, at_most);
   return Progress::some;
 }

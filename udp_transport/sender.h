@@ -1,5 +1,6 @@
-// The sending thread: takes what publishers queued and sends it, paced by destination. No destination waits
-// for another: where a send buffer is full, what has room goes on.
+// The sending thread: takes what publishers queued and sends it, as fast as each destination takes it. No
+// destination waits for another: where a send buffer is full, what has room goes on. Small samples go before
+// large ones, and these take turns.
 #pragma once
 
 #include <array>
@@ -15,6 +16,7 @@
 #include "udp_transport/channel.h"
 #include "udp_transport/datagram_io.h"
 #include "udp_transport/lane.h"
+#include "udp_transport/rate_limit.h"
 
 namespace sft::udp {
 
@@ -31,7 +33,8 @@ class LeftWork {
 
 class Sender {
  public:
-  explicit Sender(std::unique_ptr<DatagramSender> io);
+  /// At most so many bytes per second; 0: no limit.
+  explicit Sender(std::unique_ptr<DatagramSender> io, std::uint64_t max_bytes_per_s = 0);
   ~Sender();
   Sender(const Sender&) = delete;
   Sender& operator=(const Sender&) = delete;
@@ -44,6 +47,7 @@ class Sender {
   // Any thread.
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) { return io_->connect(to); }
+  RateLimit& limit() { return limit_; }
   /// A lane that was idle has something to send.
   void schedule(std::shared_ptr<Lane> lane);
   /// A channel that was at rest has something to look after.
@@ -55,15 +59,18 @@ class Sender {
 
  private:
   using Time = std::chrono::steady_clock::time_point;
+  using Size = ResendWindow::Size;
   struct Flow {  ///< the present job of one lane, or of one of a channel's two queues
     std::shared_ptr<Lane> lane;
     std::optional<Fragmenter> fragments{};
     std::optional<Time> full_since{};  ///< its connection, without anything sent since
     std::shared_ptr<Channel> channel{};
-    ResendWindow::Size size{};
+    Size size{};
+    std::uint64_t behind = 0;  ///< the destination's position after what was sent last of a large sample
     std::optional<Channel::Piece> piece{};  ///< keeps what the fragments refer to
     Destination& destination() const { return lane ? lane->destination() : channel->destination(); }
     WriterTally& tally() const { return lane ? lane->tally() : channel->tally(); }
+    Connection& connection() const;
   };
   struct Attended {
     std::shared_ptr<Channel> channel;
@@ -74,20 +81,26 @@ class Sender {
   void run();
   void carry_out_left();
   void take_over_scheduled();
+  void send_small();
+  void send_large();
+  void forget_finished();
   bool begin(Flow& flow);
-  bool advance(Flow& flow);
+  void advance(Flow& flow);
   bool pass_on(Lane& lane);
-  bool look_after(Attended& attended);
+  void look_after(Attended& attended);
   void advance_channel(Flow& flow);
-  void send(const Heartbeat& heartbeat, Channel& channel);
+  void send(const Heartbeat& heartbeat, const Attended& attended);
   bool must_wait(const Flow& flow) const;
   Progress send_some(Flow& flow);
-  std::size_t cut_batches(Fragmenter fragments, Destination& to, Time now);
-  Progress wait_for_room(Flow& flow, Time now);
+  std::size_t cut_batches(Flow& flow, Time now);
+  std::size_t allowance(Flow& flow, Time now);
+  void account_for(Flow& flow, Connection& by, std::size_t batches, Time now);
+  Progress wait_for_room(Flow& flow, Connection& by, Time now);
 
   static constexpr std::size_t batches_per_call = 8;  ///< of one flow, then it is the next one's turn
 
   std::unique_ptr<DatagramSender> io_;
+  RateLimit limit_;
   std::thread thread_;
   std::atomic<bool> stopped_{false};
 
@@ -102,7 +115,8 @@ class Sender {
   std::vector<Flow> flows_;
   std::vector<std::shared_ptr<Channel>> taken_channels_;
   std::vector<Attended> attended_;
-  Time wake_at_{};  ///< when the next flow may go on
+  std::size_t turn_ = 0;  ///< which large one is the first
+  Time wake_at_{};        ///< when the next flow may go on
   // Of the present call.
   std::array<Batch, batches_per_call> batches_;
   std::array<OutgoingBatch, batches_per_call> outgoing_;

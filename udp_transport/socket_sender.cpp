@@ -53,6 +53,10 @@ class SocketConnection final : public Connection {
     return rest;
   }
 
+  void carry_bulk() noexcept override {
+    if (own_) give_way(own_.get());
+  }
+
   void reconnect() noexcept override { connect(); }
 
   void redirect(const SocketAddress& to) noexcept override {

@@ -118,6 +118,7 @@ std::size_t segment_bytes(std::span<std::byte> control) noexcept {
 }
 
 constexpr std::size_t messages_per_call = 8;
+constexpr int priority_interactive = 6, priority_bulk = 2;  // TC_PRIO_INTERACTIVE, TC_PRIO_BULK
 
 /// What sendmsg() takes for one batch. Points into itself.
 class OutgoingMessage {
@@ -180,6 +181,7 @@ FileDescriptor open_sending_socket(const SocketOptions& options, int family) noe
   const SystemAddress from({options.bind.ip, 0}, family);
   if (!options.bind.ip.is_any() && from.family() == family) ::bind(fd, from.get(), from.bytes());
   set_buffer(fd, SO_SNDBUFFORCE, SO_SNDBUF, options.send_buffer_bytes);
+  set_int(fd, SOL_SOCKET, SO_PRIORITY, priority_interactive);
   set_int(fd, SOL_SOCKET, SO_RCVBUF, 0);  // nobody reads what strangers send there
   refuse_fragments(fd, family);
   return socket;
@@ -190,6 +192,8 @@ static bool is_single(std::span<const OutgoingBatch> batches, const SystemAddres
   return to == nullptr && batches.size() == 1 && batches[0].segment_bytes == 0 &&
          batches[0].parts.size() == 1;
 }
+
+void give_way(int fd) noexcept { set_int(fd, SOL_SOCKET, SO_PRIORITY, priority_bulk); }
 
 Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
                               const SystemAddress* to) noexcept {
@@ -254,6 +258,8 @@ void hand_over(std::span<const std::byte> train, std::span<std::byte> control, c
   sink.begin(arrival_time());
   while (!train.empty()) {
     const std::size_t bytes = std::min(segment, train.size());
+    if (train.size() > 2 * segment)
+      __builtin_prefetch(&train[2 * segment]);  // the kernel's copy left the caches
     sink.datagram(train.first(bytes), source);
     train = train.subspan(bytes);
   }

@@ -42,8 +42,11 @@ struct UdpSocket {
 Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& options);
 
 /// One that sends only, to addresses of one family, from any free port and with a send buffer of its own; not
-/// connected yet. Invalid where the process may not open more.
+/// connected yet. Where a device has a choice, what it sends goes first. Invalid where the process may not
+/// open more.
 FileDescriptor open_sending_socket(const SocketOptions& options, int family) noexcept;
+/// From now on what others send goes first.
+void give_way(int fd) noexcept;
 
 /// sendmmsg() that never waits. `to` is null where the socket is connected.
 Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,

@@ -131,32 +131,34 @@ Result<DatagramIo> open_io(Backend backend, const std::shared_ptr<const UdpSocke
 
 std::shared_ptr<SendSide> make_send_side(const UdpOptions& options, const UdpSocket& socket,
                                          std::unique_ptr<DatagramSender> io) {
-  const DestinationLimits limits{.bytes_per_s = options.pace_bytes_per_s,
-                                 .datagram_bytes = options.max_datagram_bytes};
-  auto side = std::make_shared<SendSide>(std::move(io), limits);
+  const DestinationLimits limits{.datagram_bytes = options.max_datagram_bytes, .report_port = socket.port};
+  auto side = std::make_shared<SendSide>(std::move(io), limits, options.max_bytes_per_s);
   side->max_sample_bytes = options.max_sample_bytes;
   side->queue_depth = options.send_queue_depth;
   side->ack_port = socket.port;
   return side;
 }
 
-/// The kernel counts about twice the bytes of what a socket holds.
 std::shared_ptr<Receiver> make_receiver(const UdpOptions& options, const UdpSocket& socket,
                                         std::shared_ptr<core::BufferPool> pool,
                                         std::unique_ptr<DatagramReceiver> io,
                                         const std::shared_ptr<SendSide>& send_side) {
   ReassemblyLimits limits = options.reassembly;
   limits.sample_bytes = options.max_sample_bytes;
-  limits.channel.window_bytes = socket.receive_buffer_bytes / 2;
   Receiver::Acks acks;
   acks.hear = [send_side](const Ack& ack) {
     const std::shared_ptr<Channel> channel = send_side->channels.find(ack.writer, ack.channel);
     if (channel != nullptr && channel->hear(ack)) send_side->sender.look_again();
   };
-  acks.send = [post = std::make_shared<AckSender>(send_side)](const SocketAddress& to, const Ack& ack) {
-    post->send(to, ack);
+  const auto post = std::make_shared<AckSender>(send_side);
+  acks.send = [post](const SocketAddress& to, const Ack& ack) { post->send(to, ack); };
+  acks.hear_report = [send_side](const FlowReport& report, std::chrono::steady_clock::time_point now) {
+    const std::shared_ptr<Destination> to = send_side->destinations.of_flow(report.flow);
+    if (to != nullptr && to->hear(report, now)) send_side->sender.look_again();
   };
-  return std::make_shared<Receiver>(std::move(io), limits, std::move(pool), std::move(acks));
+  acks.report = [post](const SocketAddress& to, const FlowReport& report) { post->send(to, report); };
+  return std::make_shared<Receiver>(std::move(io), limits, socket.receive_buffer_bytes, std::move(pool),
+                                    std::move(acks));
 }
 
 }  // namespace

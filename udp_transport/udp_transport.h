@@ -37,7 +37,7 @@ struct UdpOptions {
                                                              ///< 0: default
 
   std::size_t max_datagram_bytes = datagram_bytes_max;  ///< sent, with our header; the path may take less
-  std::uint64_t pace_bytes_per_s = 600'000'000;         ///< to each destination, after a burst; 0: no limit
+  std::uint64_t max_bytes_per_s = 0;                    ///< of all that is sent; 0: no limit
   std::size_t send_queue_depth = 4;  ///< of a writer, under a mask, to an address: the newest wait
   ReassemblyLimits reassembly{};     ///< its sample_bytes is set from max_sample_bytes
 

@@ -17,7 +17,7 @@ UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> sid
     : type_(*spec.type),
       max_blocking_(spec.max_blocking),
       side_(std::move(side)),
-      tally_(std::make_shared<WriterTally>()),
+      tally_(std::make_shared<WriterTally>(spec.max_bytes_per_s)),
       jobs_(JobPool::make()),
       channels_(static_cast<std::uint32_t>(spec.id), tally_, side_->channels, side_->ack_port),
       variants_(side_->queue_depth, tally_, &channels_),

@@ -9,6 +9,8 @@
 namespace sft::udp {
 
 namespace {
+using Clock = std::chrono::steady_clock;
+
 /// So that a pack is cut into what one system call takes, whatever the lengths of its samples.
 constexpr std::size_t pack_bytes_most = 44'000;
 constexpr std::size_t pack_datagrams = 30;
@@ -150,8 +152,9 @@ std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane,
   if (lane->is_late()) lane->mark(job);
   if (is_small && !std::exchange(blank_kept_, true) && !job.is_pack()) job.copy_body();
   if (!is_small) job.sample = sample;
+  const bool at_once = is_small && may_send_now(channel->destination(), Clock::now());
   const Channel::Posted posted =
-      channel->post(blank_, job.first, is_small, patience_.count() == 0 ? nullptr : &patience_);
+      channel->post(blank_, job.first, at_once, patience_.count() == 0 ? nullptr : &patience_);
   if (posted.piece) send_now(*channel, *posted.piece);
   if (posted.was_at_rest) {
     side_->sender.schedule(channel);
@@ -166,16 +169,13 @@ std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane,
 }
 
 /// One call for a small body; a pack may take some. `would_wait` where the sending thread has to do it.
-SendOutcome VariantSender::send_at_once(const EncodedBody& body, Destination& to) {
+SendOutcome VariantSender::send_at_once(const EncodedBody& body, Destination& to, Connection& by) {
   Fragmenter fragments(body, to.datagram_bytes());
   do {
     fragments.next(batch_, batch_bytes_max, body.packed ? to.datagrams_per_call() : batch_datagrams_max);
     if (!body.packed && (!fragments.done() || batch_.datagrams() > to.datagrams_per_call()))
       return SendOutcome::would_wait;
-    const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
-    if (const auto outcome = to.connection().try_send({&batch, 1}).outcome; outcome != SendOutcome::sent)
-      return outcome;
-    tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
+    if (const auto outcome = send_batch(to, by, Clock::now()); outcome != SendOutcome::sent) return outcome;
   } while (!fragments.done());
   return SendOutcome::sent;
 }
@@ -184,9 +184,7 @@ SendOutcome VariantSender::send_at_once(const EncodedBody& body, Destination& to
 void VariantSender::send_now(Channel& channel, const Channel::Piece& piece) {
   Destination& to = channel.destination();
   cut_for_ = 0;
-  const SendOutcome outcome = send_at_once(piece.body(), to);
-  if (outcome == SendOutcome::sent) return channel.finished(piece);
-  if (outcome != SendOutcome::would_wait) to.note(outcome);
+  if (send_at_once(piece.body(), to, to.connection()) == SendOutcome::sent) return channel.finished(piece);
   channel.put_back(piece);
   side_->sender.look_again();
 }
@@ -219,14 +217,15 @@ void VariantSender::describe(const Group& group, const core::SampleBuffer& sampl
 
 /// `would_wait` where it is for the sending thread: the body is not small, or the send buffer is full.
 SendOutcome VariantSender::try_send(Lane& lane, Job& job) {
+  Destination& to = lane.destination();
+  const Clock::time_point now = Clock::now();
   if (job.is_pack()) {
-    const SendOutcome outcome = send_at_once(job.body(), lane.destination());
-    if (outcome != SendOutcome::sent && outcome != SendOutcome::would_wait) lane.destination().note(outcome);
-    return outcome;
+    return may_send_now(to, now) ? send_at_once(job.body(), to, to.connection_after(lane.behind()))
+                                 : SendOutcome::would_wait;
   }
   if (job.first.total > direct_bytes_max) return SendOutcome::would_wait;
   if ((job.first.flags & history_follows) != 0) lane.mark(job);
-  Destination& to = lane.destination();
+  if (!may_send_now(to, now)) return SendOutcome::would_wait;
   // Most destinations take datagrams of the same length: they are cut once.
   if (const std::size_t datagram_bytes = to.datagram_bytes(); datagram_bytes != cut_for_) {
     Fragmenter fragments(job.body(), datagram_bytes);
@@ -235,10 +234,23 @@ SendOutcome VariantSender::try_send(Lane& lane, Job& job) {
     if (!fragments.done()) return SendOutcome::would_wait;
   }
   if (batch_.datagrams() > to.datagrams_per_call()) return SendOutcome::would_wait;
+  return send_batch(to, to.connection_after(lane.behind()), now);
+}
+
+/// There is room for more, as it were; otherwise the sending thread goes on when there is.
+bool VariantSender::may_send_now(Destination& to, Clock::time_point now) {
+  return tally_->limit.ready(true, now) && side_->sender.limit().ready(true, now) &&
+         to.room(Destination::Size::small, now) > 0;
+}
+
+SendOutcome VariantSender::send_batch(Destination& to, Connection& by, Clock::time_point now) {
   const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
-  const SendOutcome outcome = to.connection().try_send({&batch, 1}).outcome;
+  const SendOutcome outcome = by.try_send({&batch, 1}).outcome;
   if (outcome == SendOutcome::sent) {
     tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
+    tally_->limit.spend(batch_.bytes());
+    side_->sender.limit().spend(batch_.bytes());
+    to.sent(by, batch_.bytes(), batch_.datagrams(), now);
   } else if (outcome != SendOutcome::would_wait) {
     to.note(outcome);
     if (outcome == SendOutcome::too_long && to.datagram_bytes() < cut_for_) return SendOutcome::would_wait;

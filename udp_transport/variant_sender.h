@@ -55,9 +55,11 @@ class VariantSender {
   std::size_t distribute(const Group& group, const core::SampleHandle& sample);
   std::size_t send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
                             const core::SampleHandle& sample);
+  bool may_send_now(Destination& to, std::chrono::steady_clock::time_point now);
+  SendOutcome send_batch(Destination& to, Connection& by, std::chrono::steady_clock::time_point now);
   void send_now(Channel& channel, const Channel::Piece& piece);
   SendOutcome try_send(Lane& lane, Job& job);
-  SendOutcome send_at_once(const EncodedBody& body, Destination& to);
+  SendOutcome send_at_once(const EncodedBody& body, Destination& to, Connection& by);
   void describe(const Group& group, const core::SampleBuffer& sample, Job& job) const;
   bool enqueue(const std::shared_ptr<Lane>& lane);
 

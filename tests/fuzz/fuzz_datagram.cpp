@@ -10,7 +10,9 @@
 
 #include "sft/typesupport/decode.h"
 #include "tests/udp/messages.h"
+#include "udp_transport/flow_window.h"
 #include "udp_transport/reassembly.h"
+#include "udp_transport/receive_shares.h"
 
 namespace {
 
@@ -75,6 +77,11 @@ void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::v
     encode(udp::Heartbeat{label.writer, 1U + byte(8) % 2U, 7, begin, begin + byte(24) % 64U}, d.data());
     return;
   }
+  if ((action & first) != 0 && byte(0) % 8 == 1 && d.size() >= udp::report_bytes) {
+    d.resize(udp::report_bytes);
+    encode(udp::FlowReport{0, number * 1000U, byte(16) * 1000U, byte(20), byte(24), byte(32)}, d.data());
+    return;
+  }
   if ((action & first) == 0 || d.size() < udp::first_header_bytes + udp::rate_bytes) {
     udp::encode(udp::FollowingHeader{label, number}, d.data());
     return;
@@ -125,6 +132,24 @@ void read_reliably(udp::Reassembly& reassembly, udp::Reassembly::Time now) {
   });
 }
 
+/// Both ends of a flow, of which one always sends what it may.
+class Flow {
+ public:
+  void meet(std::span<const std::byte> datagram, udp::FlowWindow::Time now) {
+    if (const auto mark = udp::parse_mark(datagram))
+      static_cast<void>(shares_.answer(*mark, {mark->flow, mark->port}, now));
+    if (const auto report = udp::parse_report(datagram)) static_cast<void>(window_.hear(*report, now));
+    for (int i = 0; i < 8 && window_.room(udp::FlowWindow::Size::large, now) > 0; ++i)
+      window_.sent(60'000, 41, now);
+    static_cast<void>(window_.mark(now));
+    if (window_.under_way() > window_.position() || window_.next_ready(now) < now) std::abort();
+  }
+
+ private:
+  udp::FlowWindow window_{0, udp::FlowLimits{}};
+  udp::ReceiveShares shares_{212'992};
+};
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -134,6 +159,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::vector<udp::Stream> wanted = streams();
   reassembly.set_streams(wanted);
   udp::Reassembly::Time now{};
+  Flow flow;
   std::span<const std::uint8_t> input(data, size);
   while (input.size() >= 3) {
     const std::uint8_t action = input[0];
@@ -148,6 +174,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if ((action & plausible) != 0 && bytes >= udp::following_header_bytes)
       make_plausible(action, datagram, wanted);
     static_cast<void>(udp::parse_ack(datagram));
+    flow.meet(datagram, now);
     const bool is_heartbeat = udp::kind_of(datagram) == udp::DatagramKind::heartbeat;
     const auto arrival = is_heartbeat ? reassembly.accept_heartbeat(datagram, {}, {now, 1})
                                       : reassembly.accept(datagram, {now, 1});

@@ -49,7 +49,8 @@ Scenario::Scenario(Random& random) {
   change = happens(random, 0.5) ? 0.1 : 0;
   span = happens(random, 0.3) ? 0.2 : 0;
   resend.repair_bytes_per_s = 20'000'000;
-  reassembly.channel.window_bytes = from_to(random, 20'000, 500'000);
+  reassembly.channel.ack_bytes = from_to(random, 5'000, 125'000);
+  receive_buffer_bytes += log_uniform(random, 8e6);
   if (tight_writer) {
     resend.samples = from_to(random, 2, 12);
     resend.bytes = from_to(random, 20'000, 200'000);
@@ -87,12 +88,14 @@ void World::open_channel() {
   oldest_kept_ = first;
   window_ = std::make_unique<udp::ResendWindow>(static_cast<std::uint32_t>(writer_id), ++channel_,
                                                 scenario_.resend, first);
+  flow_ = std::make_unique<udp::FlowWindow>(channel_, udp::FlowLimits{});
 }
 
 void World::start_process() {
   reassembly_ = std::make_unique<udp::Reassembly>(scenario_.reassembly, memory_);
   udp::Stream stream{.writer = writer_id, .type = &image_type(), .masks = masks(), .reliable = true};
   reassembly_->set_streams({&stream, 1});
+  shares_ = std::make_unique<udp::ReceiveShares>(scenario_.receive_buffer_bytes);
   readers_.clear();
   came_at_once_.clear();
   for (core::EndpointId id = 1; id <= from_to(random_, 1, 3); ++id) {
@@ -206,16 +209,46 @@ void World::send_some(Size size) {
       const udp::Fragmenter fragments(piece->body(), scenario_.datagram_bytes, piece->range);
       sending.emplace(Sending{std::move(*piece), fragments});
     }
+    if (!may_send(size)) return;
     udp::Batch batch;
     std::vector<Bytes> datagrams;
     sending->fragments.next(batch, udp::batch_bytes_max, 1);
     udp::test::append_datagrams(batch, datagrams);
     network_.send(Network::Side::reader, std::move(datagrams.front()), now_);
+    flow_->sent(batch.bytes(), 1, now_);
+    send_mark();
     if (!sending->fragments.done()) continue;
     happens(random_, 0.02) ? window_->put_back(sending->piece) : window_->finished(sending->piece, now_);
     sending.reset();
   }
   send_at_ = now_ + send_pause;
+}
+
+bool World::may_send(Size size) {
+  using FlowSize = udp::FlowWindow::Size;
+  if (flow_->room(size == Size::small ? FlowSize::small : FlowSize::large, now_) > 0) return true;
+  send_mark();
+  send_at_ = std::min(send_at_, std::max(flow_->next_ready(now_), now_ + 1us));
+  return false;
+}
+
+void World::send_mark() {
+  std::optional<udp::FlowMark> mark = flow_->mark(now_);
+  if (!mark) return;
+  mark->port = writer_port;
+  Bytes bytes(udp::mark_bytes);
+  udp::encode(*mark, bytes.data());
+  network_.send(Network::Side::reader, std::move(bytes), now_);
+}
+
+void World::hear(const Bytes& bytes) {
+  if (const auto ack = udp::parse_ack(bytes)) {
+    window_->hear(*ack, now_);
+    oldest_kept_ = window_->parting().first - window_->kept();
+  } else if (const auto report = udp::parse_report(bytes)) {
+    if (!flow_->hear(*report, now_)) return;
+  }
+  send_at_ = std::min(send_at_, now_);
 }
 
 void World::send_heartbeat() {
@@ -230,6 +263,8 @@ void World::send_heartbeat() {
 void World::receive(const Bytes& bytes) {
   if (reassembly_ == nullptr) return;
   const udp::ArrivalTime now{now_, 1};
+  if (udp::kind_of(bytes) == udp::DatagramKind::mark) return report(bytes);
+  shares_->count({});
   if (udp::kind_of(bytes) == udp::DatagramKind::heartbeat) {
     reassembly_->accept_heartbeat(bytes, {}, now);
   } else {
@@ -239,6 +274,14 @@ void World::receive(const Bytes& bytes) {
   }
   hand_over();
   answer();
+}
+
+void World::report(const Bytes& bytes) {
+  const auto mark = udp::parse_mark(bytes);
+  if (!mark) return fail("a mark is malformed");
+  Bytes report(udp::report_bytes);
+  udp::encode(shares_->answer(*mark, {}, now_), report.data());
+  network_.send(Network::Side::writer, std::move(report), now_);
 }
 
 /// As a best-effort reader does.
@@ -300,10 +343,8 @@ bool World::step() {
     const Network::Datagram datagram = network_.take();
     if (datagram.to == Network::Side::reader) {
       receive(datagram.bytes);
-    } else if (const auto ack = udp::parse_ack(datagram.bytes)) {
-      window_->hear(*ack, now_);
-      oldest_kept_ = window_->parting().first - window_->kept();
-      send_at_ = std::min(send_at_, now_);
+    } else {
+      hear(datagram.bytes);
     }
   }
   if (crash_at_ <= now_) crash();

@@ -15,7 +15,9 @@
 
 #include "network.h"
 #include "tests/udp/messages.h"
+#include "udp_transport/flow_window.h"
 #include "udp_transport/reassembly.h"
+#include "udp_transport/receive_shares.h"
 #include "udp_transport/resend_window.h"
 
 namespace sft::simulation {
@@ -32,7 +34,8 @@ struct Scenario {
   bool tight_reader = false;
   bool crashes = false;  ///< the process of the readers, and comes back
   double change = 0;     ///< of a mask, for each sample
-  double span = 0;       ///< several samples instead of one
+  std::size_t receive_buffer_bytes = 212'992;
+  double span = 0;  ///< several samples instead of one
   udp::ResendLimits resend{};
   udp::ReassemblyLimits reassembly{};
 
@@ -74,7 +77,10 @@ class World {
   void project(udp::Job& job, const core::SampleHandle& sample, Mask mask, bool packed);
   void send_some();
   void send_some(udp::ResendWindow::Size size);
+  bool may_send(udp::ResendWindow::Size size);
+  void send_mark();
   void send_heartbeat();
+  void hear(const Bytes& bytes);
   void change_a_mask();
   void learn_of_masks();
 
@@ -82,6 +88,7 @@ class World {
   void start_process();
   void crash();
   void receive(const Bytes& bytes);
+  void report(const Bytes& mark);
   void answer();
   void take_at_once(const core::SampleBuffer& sample);
   void hand_over();
@@ -102,6 +109,7 @@ class World {
   std::shared_ptr<udp::JobPool> jobs_ = udp::JobPool::make();
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
   std::unique_ptr<udp::ResendWindow> window_;
+  std::unique_ptr<udp::FlowWindow> flow_;
   std::uint64_t oldest_kept_ = 1;
   std::uint32_t channel_ = 0;
   std::optional<Sending> sending_[2];
@@ -114,6 +122,7 @@ class World {
   std::set<std::uint64_t> not_kept_;                  ///< sequences that had to go for others
 
   std::unique_ptr<udp::Reassembly> reassembly_;
+  std::unique_ptr<udp::ReceiveShares> shares_;
   std::vector<Reader> readers_;
   std::set<std::pair<std::uint64_t, std::uint64_t>> came_at_once_;  ///< sequences and masks
   Time crash_at_ = Time::max();

@@ -28,11 +28,9 @@ class UdpMedium final : public Medium {
   }
 
  private:
-  /// Paced so that the sockets' small buffers on some machines can hold what comes.
   Result<std::unique_ptr<core::Transport>> open_one() {
     return udp::open_udp_transport(
-        {.bind_address = loopback_, .backend = backend_, .pace_bytes_per_s = 100'000'000},
-        udp::test::make_pool(), [this](udp::DatagramIo io) {
+        {.bind_address = loopback_, .backend = backend_}, udp::test::make_pool(), [this](udp::DatagramIo io) {
           if (link_ == Link::good) return io;
           const auto seed = static_cast<unsigned>(test::test_seed());
           io.receiver = std::make_unique<udp::test::FaultyReceiver>(

@@ -12,7 +12,7 @@ namespace sft::udp::test {
 
 class Connections {
  public:
-  DestinationDirectory::Connect connect() {
+  Connect connect() {
     return [this](const SocketAddress&) { return std::make_unique<Nowhere>(*this); };
   }
   std::size_t open() const { return open_; }

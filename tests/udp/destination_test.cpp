@@ -14,26 +14,36 @@ class DestinationTest : public testing::Test {
   std::shared_ptr<Destination> find(std::uint32_t receive_buffer_bytes) {
     return directory_.find({0x7F000001, 5000, receive_buffer_bytes});
   }
+  const Destination::Time now_ = Destination::Time{} + 1h;
   test::Connections connections_;
-  DestinationDirectory directory_{{.bytes_per_s = 600'000'000}, connections_.connect()};
+  DestinationDirectory directory_{{.report_port = 7}, connections_.connect()};
 };
 
-TEST_F(DestinationTest, BelievesNoSmallerReceiveBufferThanEverySystemGrants) {
-  for (const std::uint32_t announced : {0U, 1U, 1000U, 212'992U}) {
-    EXPECT_EQ(find(announced)->burst_bytes(), 212'992U / 2) << announced;
-  }
-  EXPECT_EQ(find(1'000'000)->burst_bytes(), 500'000U);
+TEST_F(DestinationTest, HasAConnectionForWhatIsSmallAndAnotherForWhatIsLarge) {
+  const auto to = find(0);
+  EXPECT_EQ(connections_.open(), 1U);
+  EXPECT_EQ(&to->connection_after(to->position()), &to->connection());
+  EXPECT_NE(&to->bulk(), &to->connection());
+  EXPECT_EQ(connections_.open(), 2U);
 }
 
-TEST_F(DestinationTest, GoesOnWithinMillisecondsWhateverWasAnnounced) {
-  for (const std::uint32_t announced : {0U, 1U, 2U, 212'992U, ~0U}) {
-    const auto to = find(announced);
-    const Pacer::Time now = Pacer::Time{} + 1h;
-    to->pacer().set_burst(to->burst_bytes());
-    for (int i = 0; i < 100'000 && to->pacer().ready(now); ++i) to->pacer().spend(65'507);
-    EXPECT_GT(to->pacer().next_ready(now), now) << announced;
-    EXPECT_LT(to->pacer().next_ready(now), now + 10ms) << announced;
-  }
+TEST_F(DestinationTest, SendsWhatMustNotOvertakeBehindIt) {
+  const auto to = find(0);
+  FlowReport report{.flow = to->flow(), .window_bytes = 1'000'000};
+  ASSERT_FALSE(to->hear(report, now_));
+  to->sent(to->bulk(), 100'000, 70, now_);
+  EXPECT_EQ(&to->connection_after(to->position()), &to->bulk());
+  report.position = to->position();
+  ASSERT_FALSE(to->hear(report, now_ + 1ms));
+  EXPECT_EQ(&to->connection_after(to->position()), &to->connection()) << "it has arrived";
+}
+
+TEST_F(DestinationTest, IsFoundByTheNumberThatItsReceiverKnows) {
+  const auto one = find(0);
+  const auto other = directory_.find({0x7F000001, 5001, 0});
+  EXPECT_EQ(directory_.of_flow(one->flow()), one);
+  EXPECT_EQ(directory_.of_flow(other->flow()), other);
+  EXPECT_EQ(directory_.of_flow(other->flow() + 1), nullptr);
 }
 
 TEST_F(DestinationTest, LooksForTheWayAnewAfterARefusal) {

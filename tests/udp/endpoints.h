@@ -115,8 +115,12 @@ class Subscriber final : private core::ArrivalListener {
 
 class Publisher {
  public:
-  explicit Publisher(core::Transport& transport, core::EndpointId id = 0x1234'5678'0000'0001)
-      : id_(id), port_(transport.open_writer({id, &type_support<Image>()}).value()) {}
+  explicit Publisher(core::Transport& transport, core::EndpointId id = 0x1234'5678'0000'0001,
+                     std::uint64_t max_bytes_per_s = 0)
+      : id_(id),
+        port_(transport
+                  .open_writer({.id = id, .type = &type_support<Image>(), .max_bytes_per_s = max_bytes_per_s})
+                  .value()) {}
 
   struct Reader {
     core::UdpAddress address;

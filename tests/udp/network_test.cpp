@@ -2,17 +2,13 @@
 // test's own.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
-#include <sched.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
-#include <functional>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "another_host.h"
 #include "endpoints.h"
 #include "faulty_io.h"
 #include "tests/support/isolated_host.h"
@@ -25,35 +21,13 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::make_image;
+using test::on_another_host;
 using test::Publisher;
+using test::run;
 using test::Subscriber;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::uint32_t dead_address = 0x0A090002;  // 10.9.0.2: on the link, and nobody answers for it
-
-bool run(const char* command) { return std::system(command) == 0; }
-
-/// Makes something on another host, behind a link of their own: what it opens there stays there. Returns the
-/// address of that host, in 10.9.`net`.0/24; 0 where there can be none.
-std::uint32_t on_another_host(unsigned net, const std::function<void()>& make) {
-  const std::string number = std::to_string(net), link = "to" + number, end = "at" + number;
-  const std::string prefix = "10.9." + number + ".";
-  if (!run(("ip link add " + link + " type veth peer name " + end + " && ip address add " + prefix +
-            "1/24 dev " + link + " && ip link set " + link + " up && ethtool -K " + link +
-            " tx-udp-segmentation off > /dev/null")
-               .c_str()))
-    return 0;
-  bool made = false;
-  std::thread([&] {
-    const std::string hand_over = "nsenter -t " + std::to_string(::getpid()) + " -n ip link set " + end +
-                                  " netns " + std::to_string(::gettid());
-    const std::string set_up = "ip address add " + prefix + "2/24 dev " + end + " && ip link set " + end +
-                               " up && ip link set lo up";
-    made = ::unshare(CLONE_NEWNET) == 0 && run(hand_over.c_str()) && run(set_up.c_str());
-    if (made) make();
-  }).join();
-  return made ? 0x0A090002U | net << 8U : 0;
-}
 
 class NetworkTest : public testing::TestWithParam<Backend> {
  protected:

@@ -144,13 +144,7 @@ TEST_F(PackTest, IsKeptAndRepairedSampleBySample) {
   ASSERT_TRUE(piece);
   EXPECT_EQ(piece->samples, 3U);
   window.finished(*piece, now);
-  window.hear({.writer = 1,
-               .channel = 9,
-               .window_bytes = 1000,
-               .next = 2,
-               .missing = {{{3, 0, 0}}},
-               .missing_count = 1},
-              now);
+  window.hear({.writer = 1, .channel = 9, .next = 2, .missing = {{{3, 0, 0}}}, .missing_count = 1}, now);
   EXPECT_EQ(window.kept(), 2U);
   EXPECT_EQ(window.kept_bytes(), 11U);
   const auto repair = window.next(ResendWindow::Size::small, now);
@@ -161,19 +155,6 @@ TEST_F(PackTest, IsKeptAndRepairedSampleBySample) {
   EXPECT_EQ(d->first.channel, (ChannelMark{9, 2, 3})) << "its sequence has turned over";
   EXPECT_EQ(d->label().sequence, 0U);
   EXPECT_EQ(d->payload.size(), 6U);
-}
-
-TEST_F(PackTest, LeavesAsFarAsTheWindowHasRoom) {
-  ResendWindow window(1, 9, {.samples = 100});
-  window.hear({.writer = 1, .channel = 9, .window_bytes = 400, .next = 1}, ResendWindow::Time{1h});
-  pack(Lengths(10, 100));
-  window.keep(job_, job_->first);
-  const auto piece = window.take(1);
-  ASSERT_TRUE(piece);
-  EXPECT_EQ(piece->samples, 4U);
-  EXPECT_TRUE(window.has_work());
-  window.put_back(*piece);
-  EXPECT_EQ(window.next(ResendWindow::Size::small, {})->samples, 4U);
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ class ResendWindowTest : public testing::Test {
     return sent;
   }
   void ack(std::uint64_t next, std::vector<Missing> missing = {}) {
-    Ack ack{.writer = writer, .channel = channel, .window_bytes = 100'000, .next = next};
+    Ack ack{.writer = writer, .channel = channel, .next = next};
     for (const Missing& part : missing) ack.missing[ack.missing_count++] = part;
     window.hear(ack, now);
   }
@@ -101,12 +101,43 @@ TEST_F(ResendWindowTest, IgnoresAcksOfWhatWasNeverSentAndOfOthers) {
 }
 
 TEST_F(ResendWindowTest, LetsGoOfWhatHasLeftWhereTheOtherEndHasGivenUpOnMore) {
-  ack(1);
-  for (int i = 0; i < 6; ++i) keep(30'000);
+  for (int i = 0; i < 3; ++i) keep(5);
   EXPECT_EQ(send(), numbers(1, 3));
+  for (int i = 0; i < 3; ++i) keep(5);
   ack(6);
   EXPECT_EQ(window.kept(), 3U);
   EXPECT_EQ(send(), numbers(4, 6));
+}
+
+TEST_F(ResendWindowTest, LetsSmallSamplesOvertakeLargeOnes) {
+  keep(500'000);
+  keep(50'000);
+  keep(50'000);
+  EXPECT_EQ(send(), (std::vector<std::uint64_t>{2, 3, 1}));
+}
+
+TEST_F(ResendWindowTest, AsksForAnAckNowAndThenOnceItKeepsMuch) {
+  for (int i = 0; i < 6; ++i) keep(5);
+  send();
+  const auto begin = now;
+  ASSERT_TRUE(window.heartbeat(begin)) << "the first, which names the port";
+  ack(1);
+  for (; now < begin + 2s; now += 10ms) {
+    EXPECT_FALSE(window.heartbeat(now));
+    keep(5);
+    send();
+  }
+  EXPECT_TRUE(window.heartbeat(now));
+}
+
+TEST_F(ResendWindowTest, LetsMoreGoWhereALargeSampleIsCutShort) {
+  for (int i = 0; i < 7; ++i) keep(100'000);
+  EXPECT_EQ(window.kept(), 7U);
+  const auto piece = window.next(Size::large, now);
+  for (int i = 0; i < 3; ++i) keep(100'000);
+  EXPECT_LE(window.kept(), 6U) << "the next one has some time";
+  EXPECT_GE(window.kept(), 3U);
+  window.finished(*piece, now);
 }
 
 TEST_F(ResendWindowTest, BelievesAnAckOfWhatWasPutBackButHadLeft) {
@@ -201,25 +232,7 @@ TEST_F(ResendWindowTest, KeepsWithinItsBytesButAlwaysTheNewest) {
   EXPECT_EQ(send(), numbers(3, 3));
 }
 
-TEST_F(ResendWindowTest, StopsWhereTheWindowIsFullAndAsksForAnAck) {
-  ack(1);
-  for (int i = 0; i < 6; ++i) keep(30'000);
-  EXPECT_EQ(send(), numbers(1, 3));
-  EXPECT_TRUE(window.heartbeat(now));
-  ack(3);
-  EXPECT_EQ(send(), numbers(4, 5));
-}
-
-TEST_F(ResendWindowTest, AlwaysLetsTheOldestGo) {
-  ack(1);
-  keep(500'000);
-  keep(50'000);
-  keep(50'000);
-  keep(50'000);
-  EXPECT_EQ(send(), (std::vector<std::uint64_t>{2, 1})) << "small ones overtake, as far as the window goes";
-}
-
-TEST_F(ResendWindowTest, BeatsWithTheFirstSampleAndThenSoonAfterTheLastButSeldom) {
+TEST_F(ResendWindowTest, BeatsWithTheFirstSampleAndAfterAPauseThatIsLongerThanUsual) {
   EXPECT_EQ(window.next_look(now), ResendWindow::Time::max());
   keep(5);
   EXPECT_FALSE(window.heartbeat(now)) << "nothing was sent";
@@ -230,15 +243,44 @@ TEST_F(ResendWindowTest, BeatsWithTheFirstSampleAndThenSoonAfterTheLastButSeldom
   EXPECT_EQ(heartbeat->end, 2U);
   ack(2);
   EXPECT_EQ(window.next_look(now), ResendWindow::Time::max()) << "all has come";
-  now += 100ms;
-  keep(5);
-  send();
-  EXPECT_FALSE(window.heartbeat(now + 1890ms));
-  heartbeat = window.heartbeat(now + 1900ms);
+  for (int i = 0; i < 5; ++i) {
+    now += 100ms;
+    EXPECT_FALSE(window.heartbeat(now)) << "the next sample tells of those before it";
+    keep(5);
+    send();
+  }
+  EXPECT_FALSE(window.heartbeat(now + 199ms));
+  heartbeat = window.heartbeat(now + 200ms);
   ASSERT_TRUE(heartbeat);
-  EXPECT_EQ(heartbeat->end, 3U);
+  EXPECT_EQ(heartbeat->end, 7U);
 }
 
+TEST_F(ResendWindowTest, BeatsSoonAfterABurst) {
+  for (int i = 0; i < 5; ++i, now += 1ms) keep(5), send();
+  ASSERT_TRUE(window.heartbeat(now));
+  ack(6);
+  now += 10s;
+  for (int i = 0; i < 5; ++i, now += 1ms) keep(5), send();
+  EXPECT_LE(window.next_look(now), now + 20ms);
+}
+
+TEST_F(ResendWindowTest, BeatsEveryTwoSecondsAtMostHoweverUnevenTheSamplesAre) {
+  ResendWindow uneven(writer, channel, {});
+  std::uint64_t beats = 0, sent = 0;
+  const auto end = now + 100s;
+  while (now < end) {
+    const JobHandle next = job(5);
+    uneven.keep(next, next->first);
+    uneven.finished(*uneven.next(Size::small, now), now);
+    for (const auto pause = now + (++sent % 3 == 0 ? 700ms : 30ms); now < pause; now += 10ms) {
+      if (!uneven.heartbeat(now)) continue;
+      ++beats;
+      uneven.hear({.writer = writer, .channel = channel, .next = sent + 1}, now);
+    }
+  }
+  EXPECT_GT(beats, 20U);
+  EXPECT_LE(beats, 55U);
+}
 TEST_F(ResendWindowTest, BeatsAfterEachPauseWhereTheLinkHasLostSomething) {
   keep(5);
   send();
@@ -291,7 +333,7 @@ TEST_F(ResendWindowTest, CountsBeyond32Bits) {
     far.finished(*far.next(Size::small, now), now);
   }
   EXPECT_EQ(far.heartbeat(now)->end, 0x1'0000'0002U);
-  Ack ack{.writer = writer, .channel = channel, .window_bytes = 1000, .next = 0x1'0000'0000};
+  Ack ack{.writer = writer, .channel = channel, .next = 0x1'0000'0000};
   ack.missing[ack.missing_count++] = {1, 0, 0};
   far.hear(ack, now);
   EXPECT_EQ(far.kept(), 2U);

@@ -102,7 +102,7 @@ TEST_P(TransportTest, SendsUnderAllMasksAfterThePublisherWent) {
 
 /// Where the kernel grants little memory to a socket, some may get lost.
 TEST_P(TransportTest, SendsLargeSamplesOfOneWriterOneAfterAnother) {
-  const auto there = open({.pace_bytes_per_s = 100'000'000});
+  const auto there = open();
   const auto here = open({.reassembly = {.unfinished_per_writer = 2}});
   Publisher publisher(*there);
   Audience audience(*here);

@@ -128,14 +128,51 @@ TEST_P(TransportTest, SendsWhatIsQueuedAfterThePublisherWent) {
   EXPECT_EQ(subscriber.await_sequences(3), first_numbers(3));
 }
 
-TEST_P(TransportTest, PacesWhatASmallReceiveBufferCannotHold) {
-  const auto there = open({.pace_bytes_per_s = 100'000'000}), here = open({.receive_buffer_bytes = 400'000});
+TEST_P(TransportTest, SendsNoMoreThanASmallReceiveBufferCanHold) {
+  const auto there = open({.send_queue_depth = 20}), here = open({.receive_buffer_bytes = 212'992});
+  Subscriber subscriber(*here, {"*"});
   Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
   publisher.serve({{loopback_address(*here)}});
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(publisher.publish(make_image(4'000'000)), core::SendStatus::sent);
+  EXPECT_EQ(subscriber.await_sequences(10), first_numbers(10)) << "best effort, and nothing got lost";
+}
+
+TEST_P(TransportTest, KeepsTheRatesOfAWriterAndOfAllTogether) {
+  const auto here = open();
+  const auto there = open({.max_bytes_per_s = 40'000'000, .send_queue_depth = 20});
+  Subscriber subscriber(*here, {"*"});
+  Publisher limited(*there, 1, 10'000'000), other(*there, 2);
+  for (Publisher* publisher : {&limited, &other}) {
+    subscriber.listen_to(publisher->id());
+    publisher->serve({{loopback_address(*here)}});
+  }
   const auto begin = std::chrono::steady_clock::now();
-  EXPECT_EQ(publisher.publish(make_image(5'000'000)), core::SendStatus::sent);
-  EXPECT_TRUE(eventually([&] { return publisher.port().bytes_sent() > 5'000'000; }));
-  EXPECT_GT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(45));
+  const auto since = [&] { return std::chrono::steady_clock::now() - begin; };
+  for (int i = 0; i < 4; ++i) other.publish(make_image(1'000'000));
+  limited.publish(make_image(1'500'000));
+  EXPECT_TRUE(eventually([&] { return other.port().bytes_sent() > 4'000'000; }));
+  EXPECT_GT(since(), std::chrono::milliseconds(80));
+  EXPECT_TRUE(eventually([&] { return limited.port().bytes_sent() > 1'500'000; }));
+  EXPECT_GT(since(), std::chrono::milliseconds(130));
+  EXPECT_EQ(subscriber.await(5).size(), 5U);
+}
+
+TEST_P(TransportTest, LetsSmallSamplesPassLargeOnesThatHaveToWait) {
+  const auto there = open({.max_bytes_per_s = 10'000'000}), here = open();
+  Subscriber subscriber(*here, {"*"});
+  Publisher large(*there, 1), small(*there, 2);
+  for (Publisher* publisher : {&large, &small}) {
+    subscriber.listen_to(publisher->id());
+    publisher->serve({{loopback_address(*here)}});
+  }
+  large.publish(make_image(3'000'000));
+  for (std::uint64_t i = 1; i <= 10; ++i) {
+    small.publish(make_image(100));
+    ASSERT_EQ(subscriber.await(i).size(), i);
+    ASSERT_EQ(subscriber.await(i).back()->header().writer, 2U);
+  }
+  EXPECT_EQ(subscriber.await(11).back()->header().writer, 1U);
 }
 
 TEST_P(TransportTest, KeepsTheNewestUntilTheyAreTaken) {

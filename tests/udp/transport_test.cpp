@@ -93,7 +93,7 @@ TEST_P(TransportTest, SendsRetainedSamplesToOneReaderBeforeWhatComesMeanwhile) {
 }
 
 TEST_P(TransportTest, KeepsTheOrderOfALateReaderThatAsksForOtherFieldsMeanwhile) {
-  const auto there = open({.pace_bytes_per_s = 100'000'000}), here = open();
+  const auto there = open({.max_bytes_per_s = 100'000'000}), here = open();
   Subscriber late(*here, {"*", "stamp"});
   Publisher publisher(*there);
   late.listen_late_to(publisher.id());

@@ -47,9 +47,17 @@ def heartbeat(begin=4, end=9):
     return header(3, at_2=5000) + struct.pack("<IQQ", 0, begin, end)
 
 
-def ack(parts, window=1 << 20, following_ordinal=6):
+def ack(parts, following_ordinal=6):
     data = b"".join(struct.pack("<III", *part) for part in parts)
-    return header(4, at_2=len(parts)) + struct.pack("<IQ", window, following_ordinal) + data
+    return header(4, at_2=len(parts)) + struct.pack("<IQ", 0, following_ordinal) + data
+
+
+def mark(position=1 << 33):
+    return header(8, at_2=5000, at_8=position % 2**32) + struct.pack("<IIIQQ", position >> 32, 0, 70, 0, 12345)
+
+
+def report(position=1 << 33, window=1 << 20):
+    return header(9, at_2=0, at_8=position % 2**32) + struct.pack("<IIIIIQ", position >> 32, window, 70, 69, 0, 12345)
 
 
 def packed(bodies, each, flags=0, marks=b"", padding=b""):

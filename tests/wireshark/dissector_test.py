@@ -6,7 +6,7 @@ import tempfile
 import unittest
 
 import captures
-from captures import ack, channel, first, following, header, heartbeat, history, packed, rate
+from captures import ack, channel, first, following, header, heartbeat, history, mark, packed, rate, report
 
 
 class DissectorTest(unittest.TestCase):
@@ -36,8 +36,11 @@ class DissectorTest(unittest.TestCase):
             (heartbeat(), {"sft.kind": "3", "sft.heartbeat.port": "5000", "sft.channel": "9",
                            "sft.heartbeat.first": "4", "sft.heartbeat.end": "9"}),
             (ack([(6, 0, 0), (8, 100, 200)]),
-             {"sft.kind": "4", "sft.ack.parts": "2", "sft.ack.window": "1048576", "sft.ack.next": "6",
+             {"sft.kind": "4", "sft.ack.parts": "2", "sft.ack.next": "6",
               "sft.missing.ordinal": "6,8", "sft.missing.begin": "0,100", "sft.missing.end": "0,200"}),
+            (mark(), {"sft.kind": "8", "sft.flow": "67305985", "sft.flow.position": str(1 << 33),
+                      "sft.flow.datagrams": "70"}),
+            (report(), {"sft.kind": "9", "sft.report.window": "1048576", "sft.report.came": "69"}),
             (packed([b"abcd", b"efgh"], each=4, flags=0x08, marks=channel()),
              {"sft.kind": "5", "sft.packed.samples": "2", "sft.packed.bytes_each": "4", "sft.leaves": "0-1",
               "sft.payload": b"abcd".hex() + "," + b"efgh".hex(), "sft.sample.bytes": "4,4",

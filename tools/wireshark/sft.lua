@@ -36,8 +36,14 @@ local f = {
   first = ProtoField.uint64("sft.heartbeat.first", "First that can be sent again"),
   end_ = ProtoField.uint64("sft.heartbeat.end", "End of what was sent"),
   reserved = ProtoField.uint32("sft.reserved", "Reserved"),
+  reserved_short = ProtoField.uint16("sft.reserved_short", "Reserved"),
   parts = ProtoField.uint16("sft.ack.parts", "Missing parts"),
-  window = ProtoField.uint32("sft.ack.window", "Window (bytes)"),
+  flow = ProtoField.uint32("sft.flow", "Flow"),
+  position = ProtoField.uint64("sft.flow.position", "Position (bytes sent before)"),
+  window = ProtoField.uint32("sft.report.window", "Window (bytes under way)"),
+  datagrams = ProtoField.uint32("sft.flow.datagrams", "Datagrams sent before"),
+  came = ProtoField.uint32("sft.report.came", "Datagrams that came"),
+  sent_at = ProtoField.uint64("sft.flow.sent_at", "Sent at (by the sender's clock)"),
   next = ProtoField.uint64("sft.ack.next", "Next (all before it have come)"),
   missing = ProtoField.none("sft.missing", "Missing"),
   missing_ordinal = ProtoField.uint32("sft.missing.ordinal", "Ordinal (low half)"),
@@ -204,7 +210,7 @@ end
 
 local function read_ack(c, _, parts)
   local channel = c:number(f.channel, 4)
-  c:number(f.window, 4)
+  c:number(f.reserved, 4)
   local next = c:number(f.next, 8)
   if next == UInt64(0) then c:fail("Ordinals count from 1") end
   local tree = c.tree
@@ -267,13 +273,31 @@ local function read_packed(c, set)
   return string.format("seq=%u and %u more", sequence, samples - 1) .. place_text(place)
 end
 
--- By number: what stands at offset 2, which flags may be set, the least bytes, and what reads all behind the writer.
+-- A mark, and the report that repeats most of it.
+local function read_flow(c, report)
+  local position = c:number(f.position, 8)
+  local window = c:number(report and f.window or f.reserved, 4)
+  c:number(f.datagrams, 4)
+  c:number(report and f.came or f.reserved, 4)
+  c:number(f.reserved, 4)
+  c:number(f.sent_at, 8)
+  if c.failed then return "" end
+  if c:left() > 0 then c:fail("Marks and reports have 40 bytes") end
+  return "position=" .. tostring(position) .. (report and string.format(" window=%u", window) or "")
+end
+local function read_mark(c) return read_flow(c, false) end
+local function read_report(c) return read_flow(c, true) end
+
+-- By number: what stands at offset 2, which flags may be set, the least bytes, and what reads all behind the writer
+-- (or what stands at offset 4 instead).
 local kinds = {
   [1] = { name = "first", at_2 = f.variant, flags = 0x0f, bytes = 32, read = read_first },
   [2] = { name = "following", at_2 = f.variant, flags = 0, bytes = 17, read = read_following },
   [3] = { name = "heartbeat", at_2 = f.port, flags = 0, bytes = 32, read = read_heartbeat },
   [4] = { name = "ack", at_2 = f.parts, flags = 0, bytes = 24, read = read_ack },
   [5] = { name = "packed", at_2 = f.variant, flags = 0x19, bytes = 33, read = read_packed },
+  [8] = { name = "mark", at_2 = f.port, at_4 = f.flow, flags = 0, bytes = 40, read = read_mark },
+  [9] = { name = "report", at_2 = f.reserved_short, at_4 = f.flow, flags = 0, bytes = 40, read = read_report },
 }
 
 local function add_flags(c, kind)
@@ -307,9 +331,9 @@ function sft.dissector(buffer, pinfo, root)
   local set = add_flags(c, kind)
   if c.failed then return buffer:len() end
   local at_2 = c:number(kind.at_2, 2)
-  local writer = c:number(f.writer, 4)
+  local writer = c:number(kind.at_4 or f.writer, 4)
   local what = kind.read(c, set, at_2)
-  local text = string.format("%s writer=%08x %s", kind.name, writer, what) .. (c.failed and " [malformed]" or "")
+  local text = string.format("%s %s=%08x %s", kind.name, kind.at_4 and "flow" or "writer", writer, what) .. (c.failed and " [malformed]" or "")
   pinfo.cols.info = text
   tree:append_text(": " .. text)
   return buffer:len()
@@ -321,6 +345,7 @@ local function plausible(buffer, number)
   if number == 3 then return buffer:len() == 32 and buffer(12, 4):le_uint() == 0 end
   if number == 4 then return buffer:len() == 24 + 12 * buffer(2, 2):le_uint() end
   if number == 5 then return buffer(12, 2):le_uint() >= 1 and buffer(12, 2):le_uint() <= 256 end
+  if number == 8 or number == 9 then return buffer:len() == 40 end
   return true
 end
 

@@ -35,8 +35,9 @@ struct UdpSettings {
   std::size_t receive_buffer_bytes = 32 * 1024 * 1024;  ///< asked of the kernel, which may grant less
   std::size_t memory_limit_bytes = 256 * 1024 * 1024;   ///< of all samples outside of shared memory
   bool use_io_uring = true;                             ///< false: plain sockets
-  std::uint64_t pace_bytes_per_s =
-      600'000'000;  ///< to each destination, once its buffer may be full; 0: no limit
+  /// Of all that the node sends by UDP, headers of SFT included; 0: no limit. Small samples go first. What a
+  /// queue cannot hold meanwhile is dropped, the oldest first, and counted.
+  std::uint64_t max_bytes_per_s = 0;
 };
 
 struct ShmSettings {
@@ -104,6 +105,9 @@ struct PublisherOptions {
   /// larger than the largest chunk of shared memory, 16 MiB unless the daemon was set up otherwise, goes by
   /// UDP within the host, like one for which no chunk is free.
   std::size_t max_sample_bytes = 16 * 1024 * 1024;
+  /// Sent by UDP, over all masks and readers; 0: no limit. Small samples go first, and what a queue cannot
+  /// hold meanwhile is dropped, the oldest first, and counted.
+  std::uint64_t max_bytes_per_s = 0;
   /// After readers came, left or changed what they ask for, and that is in force: all of them as they are
   /// now. (For what happened to each there is on_event.) On the node's agent thread: be short. Like any
   /// callback it may come before the function that opens the publisher has returned: it must not rely on what

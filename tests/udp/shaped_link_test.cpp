@@ -1,0 +1,134 @@
+// Small samples beside large ones, on a link that is far too slow for these.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "another_host.h"
+#include "endpoints.h"
+#include "tests/support/isolated_host.h"
+#include "udp_transport/udp_transport.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using test::make_image;
+using test::Publisher;
+using test::Subscriber;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto bound = 20ms;
+
+std::int64_t realtime_ns() { return std::chrono::system_clock::now().time_since_epoch() / 1ns; }
+
+/// A topic whose samples are small, and how long these take.
+class SmallTopic {
+ public:
+  SmallTopic(core::Transport& near, core::Transport& far, const Publisher::Reader& reader,
+             core::EndpointId id)
+      : publisher_(near, id), subscriber_(far, {"*"}, 2000, id) {
+    reader.reliable ? subscriber_.listen_reliably_to(id) : subscriber_.listen_to(id);
+    publisher_.serve({reader});
+  }
+  void publish() {
+    published_at_.push_back(realtime_ns());
+    publisher_.publish(make_image(100));
+  }
+  /// Of all that were published since it was asked last; those that were lost took forever.
+  std::chrono::nanoseconds p99() {
+    std::vector<std::int64_t> times;
+    for (const auto& sample : subscriber_.await(published_at_.size(), 1s)) {
+      const std::uint64_t number = sample->header().sequence - 1;
+      if (number >= done_) times.push_back(sample->receive_stamp_ns - published_at_[number]);
+    }
+    times.resize(published_at_.size() - done_, INT64_MAX);
+    done_ = published_at_.size();
+    std::ranges::sort(times);
+    return std::chrono::nanoseconds(times[times.size() * 99 / 100]);
+  }
+
+ private:
+  Publisher publisher_;
+  Subscriber subscriber_;
+  std::vector<std::int64_t> published_at_;
+  std::size_t done_ = 0;
+};
+
+/// Publishes samples of 1 MB, every 10 ms.
+class LargeTopic {
+ public:
+  LargeTopic(core::Transport& near, core::Transport& far, const Publisher::Reader& reader,
+             core::EndpointId id)
+      : publisher_(near, id), subscriber_(far, {"*"}, 4, id) {
+    reader.reliable ? subscriber_.listen_reliably_to(id) : subscriber_.listen_to(id);
+    publisher_.serve({reader});
+  }
+  void publish() { publisher_.port().send(publisher_.make(image_)); }
+  std::size_t came() { return subscriber_.await(0).size(); }
+
+ private:
+  const test::Image image_ = make_image(1'000'000);
+  Publisher publisher_;
+  Subscriber subscriber_;
+};
+
+class ShapedLinkTest : public testing::TestWithParam<Backend> {
+ protected:
+  void SetUp() override {
+    if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
+    const auto open = [] { return open_udp_transport({.backend = GetParam()}, test::make_pool()); };
+    auto here = open();
+    if (!here) GTEST_SKIP() << "io_uring is refused here: " << here.error().message;
+    near_ = std::move(*here);
+    const unsigned net = GetParam() == Backend::io_uring ? 20 : 21;
+    reader_.address.ip = test::on_another_host(net, [&] { far_ = open().value(); });
+    if (reader_.address.ip == 0) GTEST_SKIP() << "a second host cannot be had here";
+    reader_.address.port = far_->addresses().at(0).port;
+    reader_.address.receive_buffer_bytes = far_->addresses().at(0).receive_buffer_bytes;
+    const std::string shape = "tc qdisc add dev to" + std::to_string(net) + " root tbf ";
+    if (!test::run((shape + "rate 100mbit burst 70kb latency 1s").c_str()))
+      GTEST_SKIP() << "links of a given rate cannot be made here";
+  }
+  Publisher::Reader reader(bool reliable) const { return {reader_.address, "*", reliable}; }
+
+  std::unique_ptr<core::Transport> near_, far_;
+  Publisher::Reader reader_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Backends, ShapedLinkTest, testing::Values(Backend::io_uring, Backend::sockets),
+                         [](const auto& param) {
+                           return param.param == Backend::io_uring ? "IoUring" : "Sockets";
+                         });
+
+/// On a schedule of its own, each time for a second. A busy machine may need another.
+TEST_P(ShapedLinkTest, KeepsSmallSamplesFastWhileLargeOnesFillTheLink) {
+  std::vector<std::unique_ptr<LargeTopic>> large;
+  std::vector<std::unique_ptr<SmallTopic>> small;
+  for (core::EndpointId id = 1; id <= 4; ++id)
+    large.push_back(std::make_unique<LargeTopic>(*near_, *far_, reader(id % 2 == 0), id));
+  for (core::EndpointId id = 5; id <= 6; ++id)
+    small.push_back(std::make_unique<SmallTopic>(*near_, *far_, reader(id % 2 == 0), id));
+  small[0]->publish();  // has the kernel ask for the other host's address
+  ASSERT_LT(small[0]->p99(), 1s);
+  std::chrono::nanoseconds slowest{};
+  for (int round = 0; round < 3; ++round) {
+    const Clock::time_point begin = Clock::now();
+    for (int step = 0; step < 200; ++step) {
+      std::this_thread::sleep_until(begin + step * 5ms);
+      for (const auto& topic : small) topic->publish();
+      if (step % 2 == 0) large[static_cast<std::size_t>(step / 2 % 4)]->publish();
+    }
+    slowest = std::max(small[0]->p99(), small[1]->p99());
+    if (slowest < bound) break;
+  }
+  EXPECT_LT(slowest / 1us, bound / 1us) << "us";
+  for (const auto& topic : large) EXPECT_GT(topic->came(), 0U) << "each has its share";
+}
+
+}  // namespace
+}  // namespace sft::udp

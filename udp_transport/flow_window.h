@@ -1,0 +1,113 @@
+// How much may be under way to one socket of somebody's: what its receiver reports that it has room for, and
+// no more than the way there carries without a queue that others have to stand in. Pure: calls and times in,
+// decisions out; no I/O, no clock, no thread of its own.
+//
+// All amounts are in bytes as the receiving kernel counts them (socket_bytes). Positions count what was sent.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include "udp_transport/datagram.h"
+
+namespace sft::udp {
+
+/// What datagrams take of a socket's receive buffer: each is kept with what the kernel knows of it.
+constexpr std::size_t socket_bytes(std::size_t bytes, std::size_t datagrams) {
+  constexpr std::size_t of_each_datagram = 832;
+  return bytes + datagrams * of_each_datagram;
+}
+/// Of a receive buffer, what senders may fill: the kernel gives back what was read in steps of a quarter.
+constexpr std::size_t usable_bytes(std::size_t receive_buffer_bytes) { return receive_buffer_bytes / 4 * 3; }
+
+struct FlowLimits {
+  std::uint64_t unheard_bytes_per_s = 600'000'000;  ///< as long as a receiver has never reported
+  std::uint64_t unasked_bytes_per_s = 1'000'000;    ///< that receivers take, as we believe without a report;
+                                                    ///< here datagrams count as long as they are
+  std::size_t first_bytes = std::size_t{1} << 20;   ///< under way, before anything is known of the way
+  std::size_t least_bytes = 32 * 1024;              ///< under way, however bad it is
+  std::size_t mark_spacing_min = 24 * 1024;
+  std::size_t mark_spacing_max = 256 * 1024;
+  std::chrono::milliseconds queueing{4};    ///< more than the shortest time there and back
+  std::chrono::milliseconds mark_again{2};  ///< after twice the time there and back, but not before
+  std::chrono::milliseconds mark_again_unheard{10};
+  std::chrono::milliseconds mark_again_longest{50};
+  std::chrono::milliseconds silence{1000};  ///< after which what was sent is no longer waited for
+};
+
+class FlowWindow {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  /// Small samples have a part of the window for themselves.
+  enum class Size : std::uint8_t { small, large };
+
+  /// `flow` is what the other end calls it by.
+  FlowWindow(std::uint32_t flow, const FlowLimits& limits);
+
+  /// Before a report: how large the socket's buffer is.
+  void announce(std::size_t receive_buffer_bytes);
+
+  /// Socket bytes that may be sent now. The last datagrams may take more. Where there is no room somebody
+  /// waits until hear() or next_ready() says that there is.
+  std::size_t room(Size size, Time now);
+  /// What a batch should have at most, so that several fit into the window.
+  std::size_t batch_bytes() const;
+  /// `aside`: not the way that marks go.
+  void sent(std::size_t bytes, std::size_t datagrams, Time now, bool aside = false);
+
+  /// If one is due: it goes the way that what was sent last has gone. Its port is left to the caller.
+  std::optional<FlowMark> mark(Time now);
+  /// What the other end says. Nonsense is ignored. True if somebody waits who may go on now.
+  [[nodiscard]] bool hear(const FlowReport& report, Time now);
+  /// When to try again, if nothing is heard until then.
+  Time next_ready(Time now) const;
+
+  std::uint64_t position() const { return sent_; }
+  /// What was sent up to there has arrived, or never will.
+  bool passed(std::uint64_t position) const { return position <= (heard_ ? reported_ : passed_); }
+  std::size_t under_way() const { return static_cast<std::size_t>(sent_ - passed_); }
+  std::size_t window() const { return std::min(share_, sustainable_); }
+
+ private:
+  void pass_time(Time now);
+  double unasked_rate() const;
+  bool answer_is_due() const { return marked_ > reported_; }
+  std::size_t mark_spacing() const;
+  bool mark_is_due(Time now) const;
+  Time next_retry() const;
+  void learn(const FlowReport& report, Time now);
+  void note_time_there_and_back(Time::duration time, Time now);
+  bool lost_much(const FlowReport& report) const;
+
+  const std::uint32_t flow_;
+  const FlowLimits limits_;
+  std::size_t share_;        ///< of the receiver's buffer
+  std::size_t sustainable_;  ///< what the way carries without a long queue
+  std::uint64_t sent_ = 0;
+  std::uint64_t passed_ = 0;    ///< reported, or believed to have passed
+  std::uint64_t reported_ = 0;  ///< the last report was of that
+  std::uint64_t marked_ = 0;
+  std::uint32_t datagrams_ = 0;
+  double expansion_ = 1;  ///< socket bytes for each byte of late
+  Time passed_at_{};      ///< when passed_ was brought up to date
+  Time marked_at_{};
+  Time heard_at_{};
+  int unanswered_ = 0;  ///< marks that were sent again
+  bool heard_ = false;
+  bool waiting_ = false;
+
+  // Of the way:
+  Time::duration latest_ = limits_.mark_again_unheard;  ///< there and back
+  Time::duration shortest_ = Time::duration::max();     ///< likewise
+  Time shortest_at_{};
+  std::uint64_t full_at_ = 0;    ///< position where as much as it carries was under way last
+  std::uint64_t turned_at_ = 0;  ///< position where sustainable_ was made smaller
+  std::uint32_t datagrams_at_report_ = 0;
+  std::uint32_t came_at_report_ = 0;
+};
+
+}  // namespace sft::udp

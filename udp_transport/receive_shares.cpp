@@ -1,0 +1,56 @@
+#include "udp_transport/receive_shares.h"
+
+#include <algorithm>
+
+#include "udp_transport/flow_window.h"
+
+namespace sft::udp {
+
+ReceiveShares::ReceiveShares(std::size_t receive_buffer_bytes)
+    : usable_bytes_(usable_bytes(receive_buffer_bytes)) {
+  senders_.reserve(senders_max);
+}
+
+void ReceiveShares::find_and_count(const SocketAddress& from) {
+  const auto found = std::ranges::find_if(senders_, [&](const Sender& known) { return known.from == from; });
+  if (found == senders_.end()) return;
+  ++found->came;
+  last_ = static_cast<std::size_t>(found - senders_.begin());
+}
+
+/// One that marks from another port has changed its way: what came before does not count with it.
+ReceiveShares::Sender* ReceiveShares::known_or_new(std::uint32_t flow, const SocketAddress& from) {
+  const auto found = std::ranges::find_if(
+      senders_, [&](const Sender& known) { return known.flow == flow && known.from.ip == from.ip; });
+  if (found == senders_.end()) {
+    if (senders_.size() == senders_max) return nullptr;
+    return &senders_.emplace_back(Sender{.from = from, .flow = flow});
+  }
+  if (found->from != from) *found = {.from = from, .flow = flow, .granted = found->granted};
+  return &*found;
+}
+
+/// Its share, but while others have not been told of it yet, what they leave.
+std::size_t ReceiveShares::grant(Sender& sender) const {
+  const std::size_t share = usable_bytes_ / senders_.size();
+  std::size_t left = usable_bytes_;
+  for (const Sender& other : senders_) {
+    if (&other != &sender) left -= std::min(left, other.granted);
+  }
+  return sender.granted = std::clamp(left, share / 4, share);
+}
+
+FlowReport ReceiveShares::answer(const FlowMark& mark, const SocketAddress& from, Time now) {
+  std::erase_if(senders_, [&](const Sender& known) { return now - known.marked_at > at_rest_after; });
+  Sender* sender = known_or_new(mark.flow, from);
+  if (sender != nullptr) sender->marked_at = now;
+  const std::size_t share = sender == nullptr ? usable_bytes_ / (4 * senders_max) : grant(*sender);
+  return {.flow = mark.flow,
+          .position = mark.position,
+          .window_bytes = static_cast<std::uint32_t>(std::min<std::size_t>(share, UINT32_MAX)),
+          .datagrams = mark.datagrams,
+          .came = sender == nullptr ? mark.datagrams : sender->came,
+          .sent_at_ns = mark.sent_at_ns};
+}
+
+}  // namespace sft::udp
