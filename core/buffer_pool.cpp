@@ -64,6 +64,7 @@ SampleHandle BufferPool::take(std::size_t bytes, std::size_t leave_bytes) noexce
   buffer->receive_stamp_ns = 0;
   buffer->min_period_us = buffer->ordinal = 0;
   buffer->addressee = buffer->oldest_retained = 0;
+  buffer->merged = false;
   buffer->owner = shared_from_this();
   return SampleHandle(*buffer);
 }

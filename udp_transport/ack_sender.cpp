@@ -5,13 +5,23 @@
 namespace sft::udp {
 
 void AckSender::send(const SocketAddress& to, const Ack& ack) {
+  std::array<std::byte, datagram_bytes_min> bytes;
+  encode(ack, bytes.data());
+  send(to, std::span(bytes).first(ack.bytes()));
+}
+
+void AckSender::send(const SocketAddress& to, const GroupReport& report) {
+  std::array<std::byte, group_report_bytes> bytes;
+  encode(report, bytes.data());
+  send(to, bytes);
+}
+
+void AckSender::send(const SocketAddress& to, std::span<const std::byte> bytes) {
   if (known_.size() >= known_max && !known_.contains(to)) known_.clear();
   std::shared_ptr<Destination>& destination = known_[to];
   if (destination == nullptr)
     destination = side_->destinations.find({.ipv4 = to.ipv4, .port = to.port, .receive_buffer_bytes = 0});
-  std::array<std::byte, datagram_bytes_min> bytes;
-  encode(ack, bytes.data());
-  const iovec part{bytes.data(), ack.bytes()};
+  const iovec part{const_cast<std::byte*>(bytes.data()), bytes.size()};  // the kernel only reads it
   const OutgoingBatch batch{{&part, 1}, 0};
   destination->note(destination->connection().try_send({&batch, 1}).outcome);
 }

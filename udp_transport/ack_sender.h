@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <span>
 
 #include "udp_transport/datagram.h"
 #include "udp_transport/send_side.h"
@@ -16,8 +17,11 @@ class AckSender {
 
   /// Now or not at all: where one does not leave, another will follow.
   void send(const SocketAddress& to, const Ack& ack);
+  void send(const SocketAddress& to, const GroupReport& report);
 
  private:
+  void send(const SocketAddress& to, std::span<const std::byte> bytes);
+
   static constexpr std::size_t known_max = 256;  ///< others come anew
   const std::shared_ptr<SendSide> side_;
   std::map<SocketAddress, std::shared_ptr<Destination>> known_;

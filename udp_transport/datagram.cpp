@@ -14,8 +14,8 @@ constexpr std::size_t at_period = first_header_bytes, at_ordinal = at_period + 4
 // Of heartbeats and acks, which name the writer like all others.
 constexpr std::size_t at_port = 2, at_channel_number = 8, at_first = 16, at_end = 24;
 constexpr std::size_t at_count = 2, at_window = 12, at_next = 16;
-constexpr std::uint64_t ordinal_max = std::uint64_t{1}
-                                      << 62;  // so that nothing overflows that is added to it
+constexpr std::size_t at_group_number = 8, at_member = 12;
+constexpr std::size_t at_group_address = 16, at_offered_channel = 20, at_ahead = 24, at_heard = 16;
 
 template <std::unsigned_integral T>
 void store(T value, std::byte* out) noexcept {
@@ -47,10 +47,15 @@ SampleLabel load_label(const std::byte* from) noexcept {
           .variant = load<std::uint16_t>(from + at_variant)};
 }
 
+constexpr std::uint8_t first_flags =
+    mask_words_follow | rate_follows | history_follows | channel_follows | group_follows | merged_masks;
+constexpr std::uint8_t not_in_groups = rate_follows | history_follows | channel_follows;
+
 std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < first_header_bytes) return {};
   const auto flags = load<std::uint8_t>(&bytes[at_flags]);
-  if ((flags & ~(mask_words_follow | rate_follows | history_follows | channel_follows)) != 0) return {};
+  if ((flags & ~first_flags) != 0) return {};
+  if ((flags & group_follows) != 0 && (flags & not_in_groups) != 0) return {};
   Datagram d;
   d.kind = DatagramKind::first;
   d.first = {.label = load_label(bytes.data()),
@@ -73,6 +78,12 @@ std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
     d.first.channel = {load<std::uint32_t>(&bytes[at]), load<std::uint32_t>(&bytes[at + 4]),
                        load<std::uint64_t>(&bytes[at + 8])};
     if (d.first.channel.ordinal == 0 || d.first.channel.ordinal > ordinal_max) return {};
+  }
+  if ((flags & group_follows) != 0) {
+    const std::size_t at = d.first.at_group();
+    d.first.group = {load<std::uint32_t>(&bytes[at]), load<std::uint32_t>(&bytes[at + 4]),
+                     load<std::uint64_t>(&bytes[at + 8])};
+    if (d.first.group.ordinal == 0 || d.first.group.ordinal > ordinal_max) return {};
   }
   d.payload = bytes.subspan(d.first.bytes());
   return d;
@@ -109,6 +120,11 @@ void encode(const FirstHeader& header, std::byte* out) noexcept {
     store(header.channel.channel, out + header.at_channel());
     store(header.channel.sequence_high, out + header.at_channel() + 4);
     store(header.channel.ordinal, out + header.at_channel() + 8);
+  }
+  if ((header.flags & group_follows) != 0) {
+    store(header.group.group, out + header.at_group());
+    store(header.group.sequence_high, out + header.at_group() + 4);
+    store(header.group.ordinal, out + header.at_group() + 8);
   }
 }
 
@@ -148,8 +164,55 @@ std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept {
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
   if (version_and_kind >> 4 != wire_version) return {};
   const auto kind = static_cast<DatagramKind>(version_and_kind & 0xf);
-  if (kind < DatagramKind::first || kind > DatagramKind::ack) return {};
+  const bool of_samples = kind >= DatagramKind::first && kind <= DatagramKind::ack;
+  if (!of_samples && kind != DatagramKind::group_offer && kind != DatagramKind::group_report) return {};
   return kind;
+}
+
+void encode(const GroupOffer& offer, std::byte* out) noexcept {
+  store_kind(DatagramKind::group_offer, 0, out);
+  store(offer.port, out + at_port);
+  store(offer.writer, out + at_writer);
+  store(offer.group, out + at_group_number);
+  store(offer.member, out + at_member);
+  store(offer.address, out + at_group_address);
+  store(offer.channel, out + at_offered_channel);
+  store(static_cast<std::uint64_t>(offer.ahead), out + at_ahead);
+}
+
+void encode(const GroupReport& report, std::byte* out) noexcept {
+  store_kind(DatagramKind::group_report, 0, out);
+  store(std::uint16_t{0}, out + at_port);
+  store(report.writer, out + at_writer);
+  store(report.group, out + at_group_number);
+  store(report.member, out + at_member);
+  store(report.heard, out + at_heard);
+}
+
+std::optional<GroupOffer> parse_group_offer(std::span<const std::byte> bytes) noexcept {
+  if (kind_of(bytes) != DatagramKind::group_offer || bytes.size() != group_offer_bytes) return {};
+  if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
+  const GroupOffer offer{.writer = load<std::uint32_t>(&bytes[at_writer]),
+                         .group = load<std::uint32_t>(&bytes[at_group_number]),
+                         .member = load<std::uint32_t>(&bytes[at_member]),
+                         .port = load<std::uint16_t>(&bytes[at_port]),
+                         .address = load<std::uint32_t>(&bytes[at_group_address]),
+                         .channel = load<std::uint32_t>(&bytes[at_offered_channel]),
+                         .ahead = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_ahead]))};
+  const auto ahead = static_cast<std::int64_t>(ordinal_max);
+  const bool is_private = offer.address == 0 || offer.address >> 16 == private_groups >> 16;
+  const bool sound = offer.port != 0 && is_private && offer.ahead >= -ahead && offer.ahead <= ahead;
+  return sound ? std::optional(offer) : std::nullopt;
+}
+
+std::optional<GroupReport> parse_group_report(std::span<const std::byte> bytes) noexcept {
+  if (kind_of(bytes) != DatagramKind::group_report || bytes.size() != group_report_bytes) return {};
+  if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
+  const GroupReport report{.writer = load<std::uint32_t>(&bytes[at_writer]),
+                           .group = load<std::uint32_t>(&bytes[at_group_number]),
+                           .member = load<std::uint32_t>(&bytes[at_member]),
+                           .heard = load<std::uint64_t>(&bytes[at_heard])};
+  return report.heard <= ordinal_max ? std::optional(report) : std::nullopt;
 }
 
 std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexcept {

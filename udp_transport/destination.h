@@ -28,6 +28,7 @@ class Destination {
   Destination(const SocketAddress& address, const DestinationLimits& limits,
               std::unique_ptr<Connection> connection);
 
+  const SocketAddress& address() const { return address_; }
   Connection& connection() { return *connection_; }
   std::size_t datagram_bytes() const { return datagram_bytes_.load(std::memory_order_relaxed); }
   std::size_t datagrams_per_call() const;

@@ -14,8 +14,11 @@ using Clock = std::chrono::steady_clock;
 }
 
 Receiver::Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
-                   std::shared_ptr<core::BufferPool> pool, Acks acks)
-    : io_(std::move(io)), acks_(std::move(acks)), reassembly_(limits, std::move(pool)) {}
+                   std::shared_ptr<core::BufferPool> pool, Acks acks, Groups groups)
+    : io_(std::move(io)),
+      acks_(std::move(acks)),
+      groups_(std::move(groups)),
+      reassembly_(limits, std::move(pool)) {}
 
 Result<void> Receiver::start(const std::string& thread_name) {
   Result<std::thread> started = core::start_thread(thread_name, [self = shared_from_this()] { self->run(); });
@@ -56,6 +59,7 @@ Clock::time_point Receiver::next_deadline() const {
 
 void Receiver::answer(Clock::time_point now) noexcept try {
   reassembly_.answer(now, acks_.send);
+  reassembly_.report(groups_.send);
 } catch (const std::bad_alloc&) {  // it is asked for later
 }
 
@@ -67,6 +71,8 @@ void Receiver::begin(ArrivalTime now) noexcept {
 void Receiver::datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept {
   const std::optional<DatagramKind> kind = kind_of(bytes);
   if (kind == DatagramKind::ack) return hear_ack(bytes);
+  if (kind == DatagramKind::group_offer) return hear_offer(bytes, from);
+  if (kind == DatagramKind::group_report) return hear_report(bytes);
   Reassembly::Arrival arrival =
       kind == DatagramKind::heartbeat ? accept_heartbeat(bytes, from) : accept(bytes);
   const bool in_channel = arrival.in_channel;
@@ -79,9 +85,27 @@ void Receiver::datagram(std::span<const std::byte> bytes, SocketAddress from) no
 void Receiver::hear_ack(std::span<const std::byte> bytes) noexcept try {
   const std::optional<Ack> ack = parse_ack(bytes);
   if (!ack) {
-    ++malformed_acks_;
+    ++malformed_answers_;
   } else {
     acks_.hear(*ack);
+  }
+} catch (const std::bad_alloc&) {  // another one will come
+}
+
+void Receiver::hear_offer(std::span<const std::byte> bytes, SocketAddress from) noexcept try {
+  const std::optional<GroupOffer> offer = reassembly_.accept_offer(bytes, from);
+  if (!offer) return;
+  groups_.joins->keep_to(reassembly_.groups());
+  if (offer->address != 0) groups_.joins->join(offer->address, from);
+} catch (const std::bad_alloc&) {  // another one will come
+}
+
+void Receiver::hear_report(std::span<const std::byte> bytes) noexcept try {
+  const std::optional<GroupReport> report = parse_group_report(bytes);
+  if (!report) {
+    ++malformed_answers_;
+  } else {
+    groups_.hear(*report);
   }
 } catch (const std::bad_alloc&) {  // another one will come
 }
@@ -110,6 +134,7 @@ void Receiver::enter() {
   if (latest == wanted_) return;
   wanted_ = std::move(latest);
   reassembly_.set_streams(wanted_->streams);
+  groups_.joins->keep_to(reassembly_.groups());
   for (std::size_t i = 0; i < wanted_->streams.size(); ++i) {
     ArrivalWindow* window = reassembly_.window(i);
     if (window == nullptr) continue;
@@ -169,7 +194,7 @@ bool Receiver::deliver_next(core::EndpointId writer) {
 
 void Receiver::publish_counters() noexcept {
   const Reassembly::Counters& counters = reassembly_.counters();
-  malformed_.store(counters.malformed + malformed_acks_, std::memory_order_relaxed);
+  malformed_.store(counters.malformed + malformed_answers_, std::memory_order_relaxed);
   unknown_.store(counters.unknown, std::memory_order_relaxed);
   incomplete_.store(counters.incomplete, std::memory_order_relaxed);
   over_limit_.store(counters.over_limit, std::memory_order_relaxed);

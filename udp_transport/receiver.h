@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "udp_transport/datagram_io.h"
+#include "udp_transport/group_socket.h"
 #include "udp_transport/reassembly.h"
 #include "udp_transport/subscriptions.h"
 
@@ -22,8 +23,14 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
     std::function<void(const Ack&)> hear;
     Reassembly::SendAck send;
   };
+  /// And what multicast groups need.
+  struct Groups {
+    std::function<void(const GroupReport&)> hear;
+    Reassembly::SendReport send;
+    std::shared_ptr<GroupJoins> joins;
+  };
   Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
-           std::shared_ptr<core::BufferPool> pool, Acks acks);
+           std::shared_ptr<core::BufferPool> pool, Acks acks, Groups groups);
 
   Result<void> start(const std::string& thread_name);
   /// Afterwards nothing is received. Called by a listener, it takes effect once that has returned.
@@ -42,6 +49,8 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   Reassembly::Arrival accept(std::span<const std::byte> bytes) noexcept;
   void enter();
   void hear_ack(std::span<const std::byte> bytes) noexcept;
+  void hear_offer(std::span<const std::byte> bytes, SocketAddress from) noexcept;
+  void hear_report(std::span<const std::byte> bytes) noexcept;
   Reassembly::Arrival accept_heartbeat(std::span<const std::byte> bytes, SocketAddress from) noexcept;
   void deliver(Reassembly::Arrival arrival);
   void deliver_in_order(core::EndpointId writer);
@@ -59,7 +68,8 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
 
   // Of the receiving thread alone.
   const Acks acks_;
-  std::uint64_t malformed_acks_ = 0;
+  const Groups groups_;
+  std::uint64_t malformed_answers_ = 0;
   Reassembly reassembly_;
   std::shared_ptr<const Subscriptions> wanted_;
   ArrivalTime now_;

@@ -23,7 +23,7 @@ ResendWindow::ResendWindow(std::uint32_t writer, std::uint32_t channel, const Re
   repairs_.reserve(repairs_max);
 }
 
-ResendWindow::Kept ResendWindow::keep(JobHandle job, FirstHeader first) {
+ResendWindow::Kept ResendWindow::keep(JobHandle job, FirstHeader first, bool elsewhere) {
   const std::uint64_t ordinal = kept_.end();
   first.flags |= channel_follows;
   first.channel = {.channel = channel_,
@@ -33,7 +33,20 @@ ResendWindow::Kept ResendWindow::keep(JobHandle job, FirstHeader first) {
   kept_.push_back({.first = first, .job = std::move(job)});
   Kept kept{.ordinal = ordinal};
   make_room(kept);
+  kept.elsewhere = elsewhere && has_room_for(ordinal);
+  if (kept.elsewhere) {
+    kept_[ordinal].elsewhere = true;
+    begin(ordinal);
+  }
   return kept;
+}
+
+void ResendWindow::left(std::uint64_t ordinal, Time now) {
+  if (!kept_.contains(ordinal) || !kept_[ordinal].elsewhere) return;
+  sent_at_ = now;
+  kept_[ordinal].state = State::sent;
+  sent_ = sent_end();
+  if (unanswered_ == 0) plan_heartbeat(now);
 }
 
 /// The newest stays, however large it is.

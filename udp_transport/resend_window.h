@@ -53,9 +53,13 @@ class ResendWindow {
     std::size_t dropped = 0;
     std::uint64_t dropped_bytes = 0;
     std::uint64_t dropped_whole_bytes = 0;
+    bool elsewhere = false;  ///< as was asked for
   };
   /// Gives a sample its place in the channel. The job does not change any more. `first` is its header.
-  Kept keep(JobHandle job, FirstHeader first);
+  /// `elsewhere`: if there is room, it is being sent by a group and only repaired by this; else by this.
+  Kept keep(JobHandle job, FirstHeader first, bool elsewhere = false);
+  /// One that was sent elsewhere has left.
+  void left(std::uint64_t ordinal, Time now);
 
   /// What may be sent now; it counts as being sent until finished() or put_back() is called.
   std::optional<Piece> next(Size size, Time now);
@@ -91,6 +95,7 @@ class ResendWindow {
     JobHandle job;
     State state = State::waiting;
     bool begun = false;  ///< once, if only a part of it was sent
+    bool elsewhere = false;
   };
   struct Repair {
     std::uint64_t ordinal = 0;

@@ -24,8 +24,10 @@ class SocketReceiver final : public DatagramReceiver {
       : socket_(std::move(socket)), wake_event_(std::move(wake_event)), train_(train_bytes_max) {}
 
   bool receive(DatagramSink& sink, Clock::time_point deadline) noexcept override {
-    std::array<pollfd, 2> ready{{{.fd = socket_->fd.get(), .events = POLLIN, .revents = 0},
-                                 {.fd = wake_event_.get(), .events = POLLIN, .revents = 0}}};
+    const int group_fd = socket_->group_fd ? socket_->group_fd.get() : -1;
+    std::array<pollfd, 3> ready{{{.fd = socket_->fd.get(), .events = POLLIN, .revents = 0},
+                                 {.fd = wake_event_.get(), .events = POLLIN, .revents = 0},
+                                 {.fd = group_fd, .events = POLLIN, .revents = 0}}};
     const bool limited = deadline != Clock::time_point::max();
     const timespec timeout = limited ? time_until(deadline) : timespec{};
     if (::ppoll(ready.data(), ready.size(), limited ? &timeout : nullptr, nullptr) < 0) return errno == EINTR;
@@ -33,7 +35,8 @@ class SocketReceiver final : public DatagramReceiver {
       eventfd_t ignored = 0;
       ::eventfd_read(wake_event_.get(), &ignored);
     }
-    if (ready[0].revents != 0) drain(sink);
+    if (ready[0].revents != 0) drain(socket_->fd.get(), sink);
+    if (ready[2].revents != 0) drain(group_fd, sink);
     return (ready[0].revents & POLLNVAL) == 0;
   }
 
@@ -41,7 +44,7 @@ class SocketReceiver final : public DatagramReceiver {
   void finish() noexcept override {}
 
  private:
-  void drain(DatagramSink& sink) noexcept {
+  void drain(int fd, DatagramSink& sink) noexcept {
     for (int i = 0; i < trains_per_call; ++i) {
       sockaddr_in from{};
       iovec whole{train_.data(), train_.size()};
@@ -52,7 +55,7 @@ class SocketReceiver final : public DatagramReceiver {
       message.msg_iovlen = 1;
       message.msg_control = control_;
       message.msg_controllen = sizeof control_;
-      const ssize_t bytes = ::recvmsg(socket_->fd.get(), &message, MSG_DONTWAIT);
+      const ssize_t bytes = ::recvmsg(fd, &message, MSG_DONTWAIT);
       if (bytes < 0) return;  // nothing left, or an error that the call has cleared
       if ((message.msg_flags & MSG_TRUNC) != 0) continue;
       hand_over(std::span(train_).first(static_cast<std::size_t>(bytes)),

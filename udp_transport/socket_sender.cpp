@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "udp_transport/group_socket.h"
 #include "udp_transport/interfaces.h"
 
 namespace sft::udp {
@@ -32,6 +33,13 @@ class SocketConnection final : public Connection {
     if (shared_->own_sockets.fetch_add(1, std::memory_order_relaxed) < sending_sockets_max)
       own_ = open_sending_socket(shared_->socket->options);
     if (!own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
+    reconnect();
+  }
+  SocketConnection(const SocketAddress& group, const SocketAddress& own, std::shared_ptr<Shared> shared)
+      : to_(to_sockaddr(group)), shared_(std::move(shared)) {
+    own_ = open_sending_socket(shared_->socket->options);
+    shared_->own_sockets.fetch_add(own_ ? 1 : 0, std::memory_order_relaxed);
+    if (own_) send_to_groups_by(own_.get(), own);
     reconnect();
   }
   ~SocketConnection() override {
@@ -78,6 +86,10 @@ class SocketSender final : public DatagramSender {
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) override {
     return std::make_unique<SocketConnection>(to, shared_);
+  }
+
+  std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) override {
+    return std::make_unique<SocketConnection>(group, own, shared_);
   }
 
   void await(Clock::time_point deadline) noexcept override {

@@ -24,6 +24,7 @@ struct SocketOptions {
   SocketAddress bind;                    ///< address 0: all; port 0: any
   std::size_t receive_buffer_bytes = 0;  ///< wanted, as the kernel counts
   std::size_t send_buffer_bytes = 0;     ///< 0: the system's default
+  bool hears_groups = false;
 };
 
 struct UdpSocket {
@@ -32,10 +33,15 @@ struct UdpSocket {
   std::uint16_t port = 0;
   std::uint32_t receive_buffer_bytes = 0;  ///< granted, as the kernel counts
   bool receives_trains = false;            ///< UDP_GRO is on
+  FileDescriptor group_fd{};  ///< what multicast groups get (group_socket.h); invalid where there can be none
 };
 
 /// A port that a process just left can stay in use for some 50 ms; this waits for it.
 Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& options);
+
+bool set_int(int fd, int level, int name, int value);
+/// As many as the system grants.
+void set_receive_buffer(int fd, std::size_t bytes);
 
 /// One that sends only, from any free port and with a send buffer of its own; not connected yet. Invalid
 /// where the process may not open more.

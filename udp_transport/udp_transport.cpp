@@ -1,6 +1,7 @@
 #include "udp_transport/udp_transport.h"
 
 #include <algorithm>
+#include <random>
 #include <utility>
 
 #include "udp_transport/ack_sender.h"
@@ -49,7 +50,8 @@ class UdpTransport final : public core::Transport {
 
   std::size_t max_sample_bytes() const noexcept override { return max_sample_bytes_; }
 
-  core::Availability poll(std::chrono::steady_clock::time_point) override {
+  core::Availability poll(std::chrono::steady_clock::time_point now) override {
+    send_side_->writers.tend(now);
     return receiver_->broken() ? core::Availability::unavailable : core::Availability::ready;
   }
 
@@ -119,26 +121,36 @@ std::shared_ptr<SendSide> make_send_side(const UdpOptions& options, const UdpSoc
   side->max_sample_bytes = options.max_sample_bytes;
   side->queue_depth = options.send_queue_depth;
   side->ack_port = socket.port;
+  side->multicast = options.multicast;
   return side;
 }
 
 /// The kernel counts about twice the bytes of what a socket holds.
-std::shared_ptr<Receiver> make_receiver(const UdpOptions& options, const UdpSocket& socket,
+std::shared_ptr<Receiver> make_receiver(const UdpOptions& options,
+                                        const std::shared_ptr<const UdpSocket>& socket,
                                         std::shared_ptr<core::BufferPool> pool,
                                         std::unique_ptr<DatagramReceiver> io,
                                         const std::shared_ptr<SendSide>& send_side) {
   ReassemblyLimits limits = options.reassembly;
   limits.sample_bytes = options.max_sample_bytes;
-  limits.channel.window_bytes = socket.receive_buffer_bytes / 2;
+  limits.channel.window_bytes = socket->receive_buffer_bytes / 2;
+  limits.channel.seed = std::random_device()();
+  const auto answers = std::make_shared<AckSender>(send_side);
   Receiver::Acks acks;
   acks.hear = [send_side](const Ack& ack) {
     const std::shared_ptr<Channel> channel = send_side->channels.find(ack.writer, ack.channel);
     if (channel != nullptr && channel->hear(ack)) send_side->sender.look_again();
   };
-  acks.send = [post = std::make_shared<AckSender>(send_side)](const SocketAddress& to, const Ack& ack) {
-    post->send(to, ack);
+  acks.send = [answers](const SocketAddress& to, const Ack& ack) { answers->send(to, ack); };
+  Receiver::Groups groups;
+  groups.hear = [send_side](const GroupReport& report) {
+    if (const auto group = send_side->groups.find(report.writer, report.group))
+      group->hear(report, std::chrono::steady_clock::now());
   };
-  return std::make_shared<Receiver>(std::move(io), limits, std::move(pool), std::move(acks));
+  groups.send = [answers](const SocketAddress& to, const GroupReport& report) { answers->send(to, report); };
+  groups.joins = std::make_shared<GroupJoins>(socket);
+  return std::make_shared<Receiver>(std::move(io), limits, std::move(pool), std::move(acks),
+                                    std::move(groups));
 }
 
 }  // namespace
@@ -150,14 +162,15 @@ Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& op
   Result<std::shared_ptr<const UdpSocket>> socket =
       open_udp_socket({.bind = {options.bind_address, options.port},
                        .receive_buffer_bytes = options.receive_buffer_bytes,
-                       .send_buffer_bytes = options.send_buffer_bytes});
+                       .send_buffer_bytes = options.send_buffer_bytes,
+                       .hears_groups = options.multicast != Multicast::off});
   if (!socket) return forward(socket.error());
   Result<DatagramIo> io = open_io(options.backend, *socket);
   if (!io) return forward(io.error());
   if (decorate) *io = decorate(std::move(*io));
 
   const auto send_side = make_send_side(options, **socket, std::move(io->sender));
-  const auto receiver = make_receiver(options, **socket, std::move(pool), std::move(io->receiver), send_side);
+  const auto receiver = make_receiver(options, *socket, std::move(pool), std::move(io->receiver), send_side);
   auto transport =
       std::make_unique<UdpTransport>(options, **socket, std::move(io->description), receiver, send_side);
   if (Result<void> started = receiver->start(options.receive_thread_name); !started)

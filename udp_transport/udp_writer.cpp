@@ -13,6 +13,26 @@ namespace {
 std::size_t own_variants_max(const core::SampleBuffer& sample) {
   return sample.capacity <= direct_bytes_max ? 4 : 1;
 }
+
+GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
+                             std::shared_ptr<WriterTally> tally) {
+  GroupKeeper::Setup setup;
+  setup.writer = static_cast<std::uint32_t>(spec.id);
+  setup.type = &spec.type->type();
+  setup.use = side.multicast;
+  setup.report_port = side.ack_port;
+  setup.queue_depth = side.queue_depth;
+  setup.tally = std::move(tally);
+  setup.roster = &side.groups;
+  setup.connect = [&side](std::uint32_t group, std::uint32_t own, std::size_t datagram_bytes) {
+    DestinationLimits limits = side.limits;
+    limits.datagram_bytes = datagram_bytes;
+    const SocketAddress to{group, group_port};
+    return std::make_shared<Destination>(to, limits, side.sender.connect_group(to, {own, 0}));
+  };
+  return setup;
+}
+
 }  // namespace
 
 UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> side)
@@ -22,12 +42,17 @@ UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> sid
       jobs_(JobPool::make()),
       channels_(static_cast<std::uint32_t>(spec.id), tally_, side_->channels, side_->ack_port),
       variants_(side_->queue_depth, tally_, &channels_),
+      keeper_(groups_of(spec, *side_, tally_)),
       sender_(spec, side_, tally_, jobs_),
       left_(std::make_shared<FanOut>(spec, side_, tally_, jobs_)) {
   routes_.store(std::make_shared<RouteTable>());
+  side_->writers.add(*this);
 }
 
-UdpWriter::~UdpWriter() { left_->finish(); }
+UdpWriter::~UdpWriter() {
+  side_->writers.remove(*this);
+  left_->finish();
+}
 
 std::uint64_t UdpWriter::bytes_sent() const noexcept {
   return tally_->bytes_sent.load(std::memory_order_relaxed);
@@ -40,7 +65,17 @@ bool UdpWriter::history_sent(core::EndpointId reader) noexcept {
 }
 
 void UdpWriter::set_routes(std::vector<core::Route> routes) {
-  auto table = make_route_table(type_.type(), routes, variants_, side_->destinations);
+  asked_for_ = std::move(routes);
+  make_table();
+}
+
+void UdpWriter::tend(std::chrono::steady_clock::time_point now) {
+  if (keeper_.replan(now)) make_table();
+  keeper_.tend(now);
+}
+
+void UdpWriter::make_table() {
+  auto table = make_route_table(type_.type(), asked_for_, variants_, side_->destinations, &keeper_);
   if (book_ != nullptr) book_->enter(table->page);
   routes_.store(std::move(table));
   side_->sender.look_again();
@@ -93,6 +128,8 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
     count_missed(groups);
     return core::SendStatus::lost_port;
   }
+  if (BodySizes* sizes = in_use_->sizes.get())
+    sizes->measure(core::state_of(*sample, type_.slots()), std::chrono::steady_clock::now());
   std::size_t missed = 0;
   std::size_t own = left_->done() ? own_variants_max(*sample) : 0;  // nothing overtakes what was left before
   std::size_t first_left = 0;

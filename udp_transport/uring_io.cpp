@@ -180,11 +180,11 @@ class UringReceiver final : public DatagramReceiver {
 
   /// Closing an armed ring would keep the port in use for some time.
   void finish() noexcept override {
-    if (ring_.enabled() && (receive_armed_ || wake_armed_)) {
+    if (ring_.enabled() && armed()) {
       io_uring_sqe* s = ring_.next_submission();
       io_uring_prep_cancel64(s, 0, IORING_ASYNC_CANCEL_ANY | IORING_ASYNC_CANCEL_ALL);
       s->user_data = 0;
-      while ((receive_armed_ || wake_armed_) && ring_.wait(1, Clock::time_point::max())) {
+      while (armed() && ring_.wait(1, Clock::time_point::max())) {
         ring_.for_each_completion([this](const io_uring_cqe& completion) { complete(completion, nullptr); });
       }
     }
@@ -194,23 +194,29 @@ class UringReceiver final : public DatagramReceiver {
  private:
   static constexpr std::uint64_t receive_tag = 1;
   static constexpr std::uint64_t wake_tag = 2;
+  static constexpr std::uint64_t group_tag = 3;
+
+  bool armed() const { return receive_armed_ || group_armed_ || wake_armed_; }
 
   /// A multishot receive ends when it finds no free buffer, and on errors; nothing is lost meanwhile.
   void arm() noexcept {
-    if (!receive_armed_) {
-      io_uring_sqe* s = ring_.next_submission();
-      io_uring_prep_recvmsg_multishot(s, socket_->fd.get(), &layout_, 0);
-      s->flags |= IOSQE_BUFFER_SELECT;
-      s->buf_group = BufferRing::group;
-      s->user_data = receive_tag;
-      receive_armed_ = true;
-    }
+    if (!receive_armed_) arm_receive(socket_->fd.get(), receive_tag, receive_armed_);
+    if (!group_armed_ && socket_->group_fd) arm_receive(socket_->group_fd.get(), group_tag, group_armed_);
     if (!wake_armed_) {
       io_uring_sqe* s = ring_.next_submission();
       io_uring_prep_poll_add(s, wake_event_.get(), POLLIN);
       s->user_data = wake_tag;
       wake_armed_ = true;
     }
+  }
+
+  void arm_receive(int fd, std::uint64_t tag, bool& armed) noexcept {
+    io_uring_sqe* s = ring_.next_submission();
+    io_uring_prep_recvmsg_multishot(s, fd, &layout_, 0);
+    s->flags |= IOSQE_BUFFER_SELECT;
+    s->buf_group = BufferRing::group;
+    s->user_data = tag;
+    armed = true;
   }
 
   /// Without a sink the train is thrown away.
@@ -220,8 +226,9 @@ class UringReceiver final : public DatagramReceiver {
       ::eventfd_read(wake_event_.get(), &ignored);
       wake_armed_ = false;
     }
-    if (completion.user_data != receive_tag) return;
-    if ((completion.flags & IORING_CQE_F_MORE) == 0) receive_armed_ = false;
+    if (completion.user_data != receive_tag && completion.user_data != group_tag) return;
+    if ((completion.flags & IORING_CQE_F_MORE) == 0)
+      (completion.user_data == group_tag ? group_armed_ : receive_armed_) = false;
     // Other errors are of single datagrams (an ICMP answer) or pass (no free buffer).
     if (completion.res == -EINVAL || completion.res == -EOPNOTSUPP || completion.res == -EBADF)
       broken_ = true;
@@ -247,6 +254,7 @@ class UringReceiver final : public DatagramReceiver {
   BufferRing buffers_;
   Ring ring_;  // closed before the buffers go
   bool receive_armed_ = false;
+  bool group_armed_ = false;
   bool wake_armed_ = false;
   bool broken_ = false;
 };

@@ -27,6 +27,15 @@ class VariantSender {
   bool encode(const Group& group, const core::SampleBuffer& sample, Job& job) const;
 
  private:
+  void hold(const core::SampleHandle& sample);
+  void release_blank();
+  bool prepare(const Group& group, const core::SampleBuffer& sample);
+  std::size_t send_alone(const Group& group, const core::SampleHandle& sample);
+  bool send_alone(const Group& group, std::size_t place, const core::SampleHandle& sample);
+  std::size_t send_together(const Group& group, const core::SampleHandle& sample);
+  bool keep_together(const Group& group, std::size_t place, std::uint64_t ordinal, bool has_room);
+  bool send_to_group(const Group& group, const core::SampleHandle& sample);
+  bool note(const Channel::Posted& posted, const std::shared_ptr<Channel>& channel, Lane& lane);
   bool send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
                      const core::SampleHandle& sample);
   void send_now(Channel& channel, const Channel::Piece& piece);

@@ -1,0 +1,109 @@
+// Processes that one writer sends one copy to, by a multicast group, under the union of their masks
+// (multicast.md). Who is in it never changes: others make another group, with another number.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "udp_transport/channel.h"
+#include "udp_transport/datagram.h"
+#include "udp_transport/group_membership.h"
+#include "udp_transport/lane.h"
+
+namespace sft::udp {
+
+class MulticastGroup final : public LaneListener {
+ public:
+  using Time = GroupMembership::Time;
+
+  struct Member {
+    std::shared_ptr<Lane> lane;        ///< its own way, as long as it has not reported
+    std::shared_ptr<Channel> channel;  ///< null: it is sent by best effort
+    friend bool operator==(const Member&, const Member&) = default;
+  };
+  struct Name {
+    std::uint32_t writer = 0;
+    std::uint32_t number = 0;   ///< the writer's, never used again
+    std::uint32_t address = 0;  ///< IPv4, host byte order
+  };
+
+  /// `lane` leads to the group. `report_port` is where reports come in.
+  static std::shared_ptr<MulticastGroup> make(const Name& name, std::shared_ptr<Lane> lane,
+                                              std::vector<Member> members, std::uint16_t report_port);
+
+  const Name& name() const { return name_; }
+  const std::vector<Member>& members() const { return members_; }
+  const std::shared_ptr<Lane>& lane() const { return lane_; }
+
+  // Who sends: the publisher's thread, or the sending one in its place.
+
+  /// The next sample is sent to it, at this place.
+  std::uint64_t next_ordinal(Time now) noexcept;
+  /// What is sent now comes to that member.
+  bool hears(std::size_t member) const noexcept { return hears_[member].load(std::memory_order_relaxed); }
+  /// Where that sample is in the member's channel.
+  void placed(std::size_t member, std::uint64_t ordinal, std::uint64_t in_channel) noexcept;
+  /// Nothing may be sent to it any more.
+  bool broken() const noexcept { return broken_.load(std::memory_order_relaxed); }
+  /// Of those without a channel: whether one hears, and whether one does not.
+  struct BestEffort {
+    bool some_hear = false;
+    bool some_do_not = false;
+  };
+  BestEffort best_effort() const noexcept;
+
+  /// Any thread. What was sent elsewhere has left, or is lost.
+  void left(const Job& job, bool lost) noexcept override;
+  void hear(const GroupReport& report, Time now);
+  std::string state_of(std::size_t member) const;
+
+  // The agent's thread.
+
+  struct Offer {
+    std::size_t member = 0;
+    GroupOffer offer;
+  };
+  /// What is to be told members now.
+  std::vector<Offer> offers(Time now);
+  /// What tells a member that it is in it no more.
+  GroupOffer farewell(std::size_t member) const;
+
+ private:
+  MulticastGroup(const Name& name, std::shared_ptr<Lane> lane, std::vector<Member> members,
+                 std::uint16_t report_port);
+
+  const Name name_;
+  const std::shared_ptr<Lane> lane_;
+  const std::vector<Member> members_;
+  const std::uint16_t report_port_;
+  std::unique_ptr<std::atomic<bool>[]> hears_;  ///< of each member
+
+  mutable std::mutex mutex_;  ///< held for a few instructions
+  std::vector<GroupMembership> memberships_;
+  /// Its channel's ordinals are ahead of ours by so many; empty: nothing was sent yet.
+  std::vector<std::optional<std::int64_t>> ahead_;
+  std::uint64_t last_ordinal_ = 0;
+  std::atomic<bool> broken_{false};
+};
+
+/// Those of all writers of a transport, so that reports find theirs. Any thread.
+class GroupRoster {
+ public:
+  void add(const std::shared_ptr<MulticastGroup>& group);
+  std::shared_ptr<MulticastGroup> find(std::uint32_t writer, std::uint32_t number);
+
+ private:
+  std::mutex mutex_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<MulticastGroup>> known_;
+};
+
+}  // namespace sft::udp
