@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
+#include <functional>
 #include <utility>
 
 #include "udp_transport/interfaces.h"
@@ -21,11 +21,12 @@ bool holds(const Range& range, const Value& value) {
 
 }  // namespace
 
-GroupKeeper::GroupKeeper(Setup setup) : setup_(std::move(setup)) {}
+GroupKeeper::GroupKeeper(Setup setup)
+    : setup_(std::move(setup)), too_many_leaves_(leaf_count(*setup_.type) > leaves_max) {}
 
 void GroupKeeper::merge(std::vector<Gathered>& routes, Time now) {
-  look_at(routes);
-  choose_masks();
+  look_at(routes, now);
+  choose_masks(now);
   keep_possible();
   explain(routes);
   for (const Planned& planned : planned_) merge(planned, routes);
@@ -35,7 +36,7 @@ void GroupKeeper::merge(std::vector<Gathered>& routes, Time now) {
   found_.clear();
 }
 
-void GroupKeeper::look_at(const std::vector<Gathered>& routes) {
+void GroupKeeper::look_at(const std::vector<Gathered>& routes, Time now) {
   candidates_.clear();
   links_ = setup_.use == Multicast::off ? std::vector<MulticastLink>{} : multicast_links(setup_.use);
   for (const Gathered& gathered : routes) {
@@ -43,7 +44,7 @@ void GroupKeeper::look_at(const std::vector<Gathered>& routes) {
       const auto [known, is_new] = candidates_.try_emplace(to.get());
       Candidate& candidate = known->second;
       if (is_new) candidate.to = to;
-      if (is_new) choose_link(candidate);
+      if (is_new) choose_link(candidate, now);
       if (gathered.gate != nullptr) candidate.refusal = "a reader there has a maximum rate";
       if (gathered.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
       if (gathered.spare) candidate.refusal = "a reader there is served in shared memory";
@@ -53,10 +54,12 @@ void GroupKeeper::look_at(const std::vector<Gathered>& routes) {
   }
 }
 
-void GroupKeeper::choose_link(Candidate& candidate) const {
+void GroupKeeper::choose_link(Candidate& candidate, Time now) const {
   const std::uint32_t ip = candidate.to->address().ipv4;
   if (setup_.use == Multicast::off) candidate.refusal = "multicast is off by option";
-  if (setup_.type == nullptr) candidate.refusal = "its type has too many fields";
+  if (too_many_leaves_) candidate.refusal = "its type has too many fields";
+  const auto deaf = deaf_until_.find(candidate.to.get());
+  if (deaf != deaf_until_.end() && now < deaf->second) candidate.refusal = "no multicast comes to it";
   if (!candidate.refusal.empty()) return;
   const bool strict = setup_.use != Multicast::everywhere;
   for (std::size_t i = 0; i < links_.size(); ++i) {
@@ -74,7 +77,7 @@ void GroupKeeper::choose_link(Candidate& candidate) const {
 
 /// The most wanted ones, as many as are measured together. Destinations that want others, too, are served
 /// alone.
-void GroupKeeper::choose_masks() {
+void GroupKeeper::choose_masks(Time now) {
   std::vector<std::pair<FieldMask, std::size_t>> wanted;
   std::size_t possible = 0;
   for (const auto& [to, candidate] : candidates_) {
@@ -103,6 +106,7 @@ void GroupKeeper::choose_masks() {
   } else if (sizes_ == nullptr || !std::ranges::is_permutation(sizes_->masks(), masks)) {
     sizes_ = std::make_shared<BodySizes>(*setup_.type, std::move(masks));
     counted_ = 0;
+    counted_at_ = now;
   }
 }
 
@@ -196,6 +200,7 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
 
 bool GroupKeeper::replan(Time now) {
   if (std::ranges::any_of(groups_, [](const auto& group) { return group->broken(); })) return true;
+  if (any_given_up(now)) return true;
   if (sizes_ == nullptr || !sizes_->known() || now < replan_at_) return false;
   replan_at_ = now + replan_pause;
   const std::uint64_t samples = sizes_->samples();
@@ -225,6 +230,18 @@ bool GroupKeeper::replan(Time now) {
   }
   planned_ = std::move(next);
   return true;
+}
+
+bool GroupKeeper::any_given_up(Time now) {
+  bool some = false;
+  std::erase_if(deaf_until_, [&](const auto& item) { return item.second < now; });
+  for (const auto& group : groups_) {
+    for (const Destination* to : group->given_up()) {
+      deaf_until_[to] = now + deaf_pause;
+      some = true;
+    }
+  }
+  return some;
 }
 
 /// 239.255.16.0 to 239.255.239.255, without those that others are known to use: two writers share one now and

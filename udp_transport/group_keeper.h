@@ -76,9 +76,10 @@ class GroupKeeper {
     Time at;
   };
 
-  void look_at(const std::vector<Gathered>& routes);
-  void choose_link(Candidate& candidate) const;
-  void choose_masks();
+  void look_at(const std::vector<Gathered>& routes, Time now);
+  bool any_given_up(Time now);
+  void choose_link(Candidate& candidate, Time now) const;
+  void choose_masks(Time now);
   void keep_possible();
   void merge(const Planned& planned, std::vector<Gathered>& routes) const;
   std::vector<PlanDestination> plan_destinations(std::vector<const Destination*>& places) const;
@@ -88,15 +89,18 @@ class GroupKeeper {
 
   static constexpr std::chrono::milliseconds settling{100};  ///< routes come in bunches
   static constexpr std::chrono::seconds replan_pause{1};
+  static constexpr std::chrono::minutes deaf_pause{1};  ///< before one that heard nothing is offered a group
   static constexpr std::chrono::seconds farewell_after{1};  ///< what is under way arrives before
 
   const Setup setup_;
+  const bool too_many_leaves_;  ///< masks are not sent in words then
   std::vector<MulticastLink> links_;
   std::map<const Destination*, Candidate> candidates_;
   std::shared_ptr<BodySizes> sizes_;
   std::vector<Planned> planned_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_, found_;
   std::vector<Retired> retired_;
+  std::map<const Destination*, Time> deaf_until_;
   std::uint32_t last_number_ = 0;
   Time replan_at_{};
   Time counted_at_{};

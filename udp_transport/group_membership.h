@@ -28,7 +28,11 @@ class GroupMembership {
     reported_at_ = now;
     owed_since_ = never;
     pause_ = offer_pause_least;
+    unanswered_ = 0;
   }
+
+  /// It was offered so often that it seems not to be reached by multicast at all.
+  bool given_up() const { return unanswered_ >= offers_max; }
 
   /// Notices what did not come.
   void look(Time now) {
@@ -44,6 +48,7 @@ class GroupMembership {
   bool offer_due(Time now) {
     if (hears_ || !sent_since_offer_ || now < offer_at_) return false;
     sent_since_offer_ = false;
+    ++unanswered_;
     offer_at_ = now + pause_;
     pause_ = std::min(2 * pause_, offer_pause_longest);
     return true;
@@ -55,12 +60,14 @@ class GroupMembership {
   static constexpr std::chrono::milliseconds offer_pause_least{20};
   static constexpr std::chrono::milliseconds offer_pause_longest{2000};
 
+  static constexpr int offers_max = 9;  ///< some 5 s, if samples are sent meanwhile
   static constexpr Time never = Time::max();
 
   bool hears_ = false;
   bool sent_since_offer_ = true;
   Time offer_at_{};
   std::chrono::milliseconds pause_ = offer_pause_least;
+  int unanswered_ = 0;
   Time reported_at_{};
   Time owed_since_ = never;  ///< a sample was sent that it should have reported
 };

@@ -96,6 +96,15 @@ std::vector<MulticastGroup::Offer> MulticastGroup::offers(Time now) {
   return due;
 }
 
+std::vector<const Destination*> MulticastGroup::given_up() const {
+  std::vector<const Destination*> destinations;
+  const std::scoped_lock lock(mutex_);
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (memberships_[i].given_up()) destinations.push_back(&members_[i].lane->destination());
+  }
+  return destinations;
+}
+
 GroupOffer MulticastGroup::farewell(std::size_t member) const {
   return {.writer = name_.writer,
           .group = name_.number,

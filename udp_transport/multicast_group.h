@@ -74,6 +74,8 @@ class MulticastGroup final : public LaneListener {
   };
   /// What is to be told members now.
   std::vector<Offer> offers(Time now);
+  /// Those that hear nothing of it.
+  std::vector<const Destination*> given_up() const;
   /// What tells a member that it is in it no more.
   GroupOffer farewell(std::size_t member) const;
 

@@ -47,6 +47,7 @@ Scenario::Scenario(Random& random) {
   tight_reader = happens(random, 0.2);
   crashes = happens(random, 0.15);
   change = happens(random, 0.5) ? 0.1 : 0;
+  regroup = happens(random, 0.5) ? 0.15 : 0;
   resend.repair_bytes_per_s = 20'000'000;
   reassembly.channel.window_bytes = from_to(random, 20'000, 500'000);
   if (tight_writer) {
@@ -65,7 +66,9 @@ const std::vector<FieldMask>& World::masks() {
 }
 
 bool World::Reader::accepts(const core::SampleBuffer& sample) const {
-  return std::ranges::any_of(accepted, [&](Mask mask) { return masks()[mask] == sample.mask; });
+  return std::ranges::any_of(accepted, [&](Mask mask) {
+    return sample.merged ? sample.mask.contains(masks()[mask]) : masks()[mask] == sample.mask;
+  });
 }
 
 World::World(std::uint64_t seed)
@@ -115,10 +118,11 @@ void World::publish() {
   const Image image =
       udp::test::make_image(log_uniform(random_, static_cast<double>(scenario_.sample_bytes_max)),
                             static_cast<std::uint32_t>(sequence_ * 7));
-  for (Mask mask = 0; mask < masks().size(); ++mask) {
+  if (group_) publish_to_group(image);
+  for (Mask mask = 0; mask < masks().size() && !group_; ++mask) {
     const auto asks = [&](const Reader& reader) { return reader.served == mask; };
     if (std::ranges::none_of(readers_, asks)) continue;
-    keep(encode(image, mask));
+    keep(encode(image, masks()[mask], static_cast<std::uint16_t>(mask)));
   }
   for (Reader& reader : readers_) reader.to_get.push_back(sequence_);
   images_.emplace(sequence_++, image);
@@ -126,24 +130,92 @@ void World::publish() {
   publish_at_ = is_last ? Time::max() : now_ + std::chrono::microseconds(log_uniform(random_, 20'000));
   send_at_ = std::min(send_at_, now_);
   if (happens(random_, scenario_.change)) change_a_mask();
+  if (happens(random_, scenario_.regroup)) regroup();
 }
 
-void World::keep(const udp::JobHandle& job) {
-  const std::uint64_t ordinal = window_->keep(job, job->first).ordinal;
+/// Once, under all masks of the process.
+void World::publish_to_group(const Image& image) {
+  std::size_t served = 0;
+  FieldMask all = image_type().none();
+  for (const Reader& reader : readers_) {
+    all |= masks()[reader.served];
+    served |= std::size_t{1} << reader.served;
+  }
+  if (served == 0) return;
+  udp::JobHandle job = encode(image, all, static_cast<std::uint16_t>(100 + served));
+  job->first.flags |= udp::merged_masks;
+  const udp::ResendWindow::Kept kept = keep(job, group_->membership.hears());
+  const std::uint64_t ordinal = ++group_->last_ordinal;
+  if (!group_->ahead) group_->ahead = static_cast<std::int64_t>(kept.ordinal - ordinal);
+  group_->membership.sent(now_);
+  job->first.flags |= udp::group_follows;
+  job->first.group = {group_->number, static_cast<std::uint32_t>(sequence_ >> 32), ordinal};
+  send_to_group(job);
+  if (kept.elsewhere) window_->left(kept.ordinal, now_);
+}
+
+void World::send_to_group(const udp::JobHandle& job) {
+  udp::Fragmenter fragments(job->body(), scenario_.datagram_bytes);
+  std::vector<Bytes> datagrams;
+  while (!fragments.done()) {
+    udp::Batch batch;
+    fragments.next(batch, udp::batch_bytes_max, 1);
+    udp::test::append_datagrams(batch, datagrams);
+  }
+  for (Bytes& datagram : datagrams) {
+    if (!group_->deaf) network_.send(Network::Side::reader, std::move(datagram), now_);
+  }
+}
+
+/// Another one, none, or what it was loses its way.
+void World::regroup() {
+  if (group_ && happens(random_, 0.3)) {
+    group_->deaf = !group_->deaf;
+  } else if (group_ && happens(random_, 0.3)) {
+    group_.reset();
+  } else {
+    group_.emplace(Group{.number = ++last_group_, .deaf = happens(random_, 0.1)});
+  }
+}
+
+void World::offer_group() {
+  if (!group_ || !group_->ahead) return;
+  group_->membership.look(now_);
+  if (!group_->membership.offer_due(now_)) return;
+  const udp::GroupOffer offer{.writer = static_cast<std::uint32_t>(writer_id),
+                              .group = group_->number,
+                              .port = writer_port,
+                              .address = udp::private_groups + 1,
+                              .channel = channel_,
+                              .ahead = *group_->ahead};
+  Bytes bytes(udp::group_offer_bytes);
+  udp::encode(offer, bytes.data());
+  network_.send(Network::Side::reader, std::move(bytes), now_);
+}
+
+void World::hear_report(const udp::GroupReport& report) {
+  if (!group_ || report.group != group_->number) return;
+  if (report.heard > group_->last_ordinal) return fail("a report of what was never sent");
+  group_->membership.reported(now_);
+}
+
+udp::ResendWindow::Kept World::keep(const udp::JobHandle& job, bool elsewhere) {
+  const udp::ResendWindow::Kept kept = window_->keep(job, job->first, elsewhere);
+  const std::uint64_t ordinal = kept.ordinal;
   sequences_.emplace(ordinal, job->sequence);
   const std::uint64_t oldest = ordinal + 1 - window_->kept();
   for (std::uint64_t i = oldest_kept_; i < oldest; ++i) not_kept_.insert(sequences_.at(i));
   oldest_kept_ = oldest;
+  return kept;
 }
 
-udp::JobHandle World::encode(const Image& image, Mask mask) {
+udp::JobHandle World::encode(const Image& image, const FieldMask& mask, std::uint16_t variant) {
   const FieldMask all = image_type().full();
   core::SampleHandle sample = memory_->take(udp::test::sample_bytes(image, all));
   udp::test::fill(*sample, image, all, writer_id, sequence_);
   udp::JobHandle job = jobs_->take();
-  job->projection.project(core::state_of(*sample, image_type().slots()), image_type().type(), masks()[mask]);
-  const auto variant = static_cast<std::uint16_t>(mask);
-  job->mask = std::make_shared<udp::WireMask>(udp::WireMask{variant, masks()[mask].hash(), {}});
+  job->projection.project(core::state_of(*sample, image_type().slots()), image_type().type(), mask);
+  job->mask = std::make_shared<udp::WireMask>(udp::WireMask{variant, mask.hash(), {}});
   job->sequence = sequence_;
   job->first.label = {static_cast<std::uint32_t>(writer_id), static_cast<std::uint32_t>(sequence_), variant};
   job->first.flags = 0;
@@ -216,6 +288,8 @@ void World::receive(const Bytes& bytes) {
   const udp::ArrivalTime now{now_, 1};
   if (udp::kind_of(bytes) == udp::DatagramKind::heartbeat) {
     reassembly_->accept_heartbeat(bytes, {}, now);
+  } else if (udp::kind_of(bytes) == udp::DatagramKind::group_offer) {
+    reassembly_->accept_offer(bytes, {});
   } else {
     const udp::Reassembly::Arrival arrival = reassembly_->accept(bytes, now);
     if (arrival.sample) take_at_once(*arrival.sample);
@@ -235,6 +309,11 @@ void World::answer() {
     if (to.port != writer_port) fail("an ack goes elsewhere");
     Bytes bytes(ack.bytes());
     udp::encode(ack, bytes.data());
+    network_.send(Network::Side::writer, std::move(bytes), now_);
+  });
+  reassembly_->report([&](const udp::SocketAddress&, const udp::GroupReport& report) {
+    Bytes bytes(udp::group_report_bytes);
+    udp::encode(report, bytes.data());
     network_.send(Network::Side::writer, std::move(bytes), now_);
   });
   reassembly_->expire(now_);
@@ -283,6 +362,8 @@ bool World::step() {
     const Network::Datagram datagram = network_.take();
     if (datagram.to == Network::Side::reader) {
       receive(datagram.bytes);
+    } else if (const auto report = udp::parse_group_report(datagram.bytes)) {
+      hear_report(*report);
     } else if (const auto ack = udp::parse_ack(datagram.bytes)) {
       window_->hear(*ack, now_);
       oldest_kept_ = window_->parting().first - window_->kept();
@@ -295,10 +376,12 @@ bool World::step() {
     open_channel();
     for (auto& sending : sending_) sending.reset();
     start_process();
+    if (group_) group_.emplace(Group{.number = ++last_group_});
   }
   learn_of_masks();
   if (publish_at_ <= now_) publish();
   if (send_at_ <= now_ || window_->next_look(now_) <= now_) send_some();
+  offer_group();
   if (reassembly_ != nullptr) answer();
   check_limits();
   return failure_.empty();

@@ -14,6 +14,7 @@
 
 #include "network.h"
 #include "tests/udp/messages.h"
+#include "udp_transport/group_membership.h"
 #include "udp_transport/reassembly.h"
 #include "udp_transport/resend_window.h"
 
@@ -31,6 +32,7 @@ struct Scenario {
   bool tight_reader = false;
   bool crashes = false;  ///< the process of the readers, and comes back
   double change = 0;     ///< of a mask, for each sample
+  double regroup = 0;    ///< of the multicast group that the process is in, for each sample
   udp::ResendLimits resend{};
   udp::ReassemblyLimits reassembly{};
 
@@ -64,11 +66,25 @@ class World {
     udp::Fragmenter fragments;
   };
 
+  /// A multicast group that the process is in, with others that are not looked at.
+  struct Group {
+    std::uint32_t number = 0;
+    bool deaf = false;  ///< nothing of it comes to the process
+    std::uint64_t last_ordinal = 0;
+    std::optional<std::int64_t> ahead{};  ///< of these are the channel's
+    udp::GroupMembership membership{};
+  };
+
   // The writer.
   void open_channel();
   void publish();
-  void keep(const udp::JobHandle& job);
-  udp::JobHandle encode(const udp::test::Image& image, Mask mask);
+  void publish_to_group(const udp::test::Image& image);
+  void send_to_group(const udp::JobHandle& job);
+  void regroup();
+  void offer_group();
+  void hear_report(const udp::GroupReport& report);
+  udp::ResendWindow::Kept keep(const udp::JobHandle& job, bool elsewhere = false);
+  udp::JobHandle encode(const udp::test::Image& image, const FieldMask& mask, std::uint16_t variant);
   void send_some();
   void send_some(udp::ResendWindow::Size size);
   void send_heartbeat();
@@ -101,6 +117,8 @@ class World {
   std::unique_ptr<udp::ResendWindow> window_;
   std::uint64_t oldest_kept_ = 1;
   std::uint32_t channel_ = 0;
+  std::optional<Group> group_;
+  std::uint32_t last_group_ = 0;
   std::optional<Sending> sending_[2];
   Time send_at_;
   std::uint64_t sequence_;
