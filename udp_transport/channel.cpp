@@ -24,6 +24,11 @@ Channel::Posted Channel::post_shared(JobHandle job, const FirstHeader& first, bo
   return posted;
 }
 
+JobHandle Channel::sent_elsewhere(std::uint64_t ordinal) {
+  const std::scoped_lock lock(mutex_);
+  return window_.sent_elsewhere(ordinal);
+}
+
 void Channel::left(std::uint64_t ordinal) {
   const Time time = now();
   const std::scoped_lock lock(mutex_);

@@ -50,6 +50,8 @@ class Channel {
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
   /// It has left there.
   void left(std::uint64_t ordinal);
+  /// What has; else none.
+  JobHandle sent_elsewhere(std::uint64_t ordinal);
   void finished(const Piece& piece);
   void put_back(const Piece& piece);
   /// Whether the sending thread has to be woken.

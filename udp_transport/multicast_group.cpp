@@ -5,6 +5,13 @@
 
 namespace sft::udp {
 
+namespace {
+/// What is asked for within this time was lost together.
+constexpr std::chrono::milliseconds asked_together{100};
+/// Of a larger one only parts are missing: those that ask are sent these.
+constexpr std::size_t sent_again_bytes_max = std::size_t{16} << 10;
+}  // namespace
+
 std::shared_ptr<MulticastGroup> MulticastGroup::make(const Name& name, std::shared_ptr<Lane> lane,
                                                      std::vector<Member> members, std::uint16_t report_port) {
   std::shared_ptr<MulticastGroup> group(
@@ -73,6 +80,45 @@ void MulticastGroup::hear(const GroupReport& report, Time now) {
   hears_[report.member].store(true, std::memory_order_relaxed);
 }
 
+bool MulticastGroup::take_over_repairs(std::size_t member, Ack& ack, Time now) {
+  bool tell = false;
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < ack.missing_count; ++i) {
+    const std::uint64_t in_channel = widen_sequence(ack.next, ack.missing[i].ordinal);
+    if (!is_taken_over(member, in_channel, now, tell)) ack.missing[left++] = ack.missing[i];
+  }
+  ack.missing_count = left;
+  return tell;
+}
+
+/// The first that asks is answered alone, and so is who asks once more.
+bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel, Time now, bool& tell) {
+  std::optional<std::int64_t> ahead;
+  {
+    const std::scoped_lock lock(mutex_);
+    ahead = ahead_[member];
+  }
+  if (!ahead || broken()) return false;
+  const std::uint64_t ordinal = in_channel - static_cast<std::uint64_t>(*ahead);
+  const auto asked = std::ranges::find_if(asked_, [&](const Asked& one) {
+    return one.ordinal == ordinal && now - one.at < asked_together && one.ordinal != 0;
+  });
+  if (asked == asked_.end()) {
+    asked_[next_asked_++ % asked_.size()] = {ordinal, member, false, now};
+    return false;
+  }
+  if (asked->member == member) return false;
+  if (!asked->sent_again) asked->sent_again = send_again(member, in_channel, tell);
+  return asked->sent_again;
+}
+
+bool MulticastGroup::send_again(std::size_t member, std::uint64_t in_channel, bool& tell) {
+  JobHandle job = members_[member].channel->sent_elsewhere(in_channel);
+  if (!job || job->first.total > sent_again_bytes_max || !lane_->has_room()) return false;
+  tell = lane_->post(std::move(job)).was_idle || tell;
+  return true;
+}
+
 std::string MulticastGroup::state_of(std::size_t member) const {
   return hears(member) ? "" : "; it has not reported any sample of the group yet, or no more";
 }
@@ -115,13 +161,25 @@ GroupOffer MulticastGroup::farewell(std::size_t member) const {
 void GroupRoster::add(const std::shared_ptr<MulticastGroup>& group) {
   const std::scoped_lock lock(mutex_);
   std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+  std::erase_if(by_channel_, [](const auto& entry) { return entry.second.group.expired(); });
   known_[{group->name().writer, group->name().number}] = group;
+  for (std::size_t i = 0; i < group->members().size(); ++i) {
+    if (const Channel* channel = group->members()[i].channel.get())
+      by_channel_[{group->name().writer, channel->number()}] = {group, i};
+  }
 }
 
 std::shared_ptr<MulticastGroup> GroupRoster::find(std::uint32_t writer, std::uint32_t number) {
   const std::scoped_lock lock(mutex_);
   const auto known = known_.find({writer, number});
   return known == known_.end() ? nullptr : known->second.lock();
+}
+
+GroupRoster::OfChannel GroupRoster::of_channel(std::uint32_t writer, std::uint32_t channel) {
+  const std::scoped_lock lock(mutex_);
+  const auto known = by_channel_.find({writer, channel});
+  if (known == by_channel_.end()) return {};
+  return {known->second.group.lock(), known->second.member};
 }
 
 }  // namespace sft::udp

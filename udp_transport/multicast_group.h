@@ -2,6 +2,7 @@
 // (multicast.md). Who is in it never changes: others make another group, with another number.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
@@ -65,6 +66,10 @@ class MulticastGroup final : public LaneListener {
   void left(const Job& job, bool lost) noexcept override;
   void hear(const GroupReport& report, Time now);
   std::string state_of(std::size_t member) const;
+  /// The thread that receives: a member asks for parts of samples in its channel. Takes those out that are
+  /// sent to the group again, since others asked for the same. Whether the sending thread has to be told of
+  /// the lane.
+  [[nodiscard]] bool take_over_repairs(std::size_t member, Ack& ack, Time now);
 
   // The agent's thread.
 
@@ -83,6 +88,16 @@ class MulticastGroup final : public LaneListener {
   MulticastGroup(const Name& name, std::shared_ptr<Lane> lane, std::vector<Member> members,
                  std::uint16_t report_port);
 
+  /// A sample that was asked for lately.
+  struct Asked {
+    std::uint64_t ordinal = 0;
+    std::size_t member = 0;  ///< who asked first
+    bool sent_again = false;
+    Time at{};
+  };
+  bool is_taken_over(std::size_t member, std::uint64_t in_channel, Time now, bool& tell);
+  bool send_again(std::size_t member, std::uint64_t in_channel, bool& tell);
+
   const Name name_;
   const std::shared_ptr<Lane> lane_;
   const std::vector<Member> members_;
@@ -95,6 +110,8 @@ class MulticastGroup final : public LaneListener {
   std::vector<std::optional<std::int64_t>> ahead_;
   std::uint64_t last_ordinal_ = 0;
   std::atomic<bool> broken_{false};
+  std::array<Asked, 64> asked_{};  ///< of the thread that receives
+  std::size_t next_asked_ = 0;
 };
 
 /// Those of all writers of a transport, so that reports find theirs. Any thread.
@@ -102,10 +119,20 @@ class GroupRoster {
  public:
   void add(const std::shared_ptr<MulticastGroup>& group);
   std::shared_ptr<MulticastGroup> find(std::uint32_t writer, std::uint32_t number);
+  struct OfChannel {
+    std::shared_ptr<MulticastGroup> group;  ///< null: in none
+    std::size_t member = 0;
+  };
+  OfChannel of_channel(std::uint32_t writer, std::uint32_t channel);
 
  private:
+  struct Membership {
+    std::weak_ptr<MulticastGroup> group;
+    std::size_t member = 0;
+  };
   std::mutex mutex_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<MulticastGroup>> known_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Membership> by_channel_;
 };
 
 }  // namespace sft::udp

@@ -41,6 +41,12 @@ ResendWindow::Kept ResendWindow::keep(JobHandle job, FirstHeader first, bool els
   return kept;
 }
 
+JobHandle ResendWindow::sent_elsewhere(std::uint64_t ordinal) const {
+  if (!kept_.contains(ordinal)) return {};
+  const Entry& entry = kept_[ordinal];
+  return entry.elsewhere && entry.state == State::sent ? entry.job : JobHandle{};
+}
+
 void ResendWindow::left(std::uint64_t ordinal, Time now) {
   if (!kept_.contains(ordinal) || !kept_[ordinal].elsewhere) return;
   sent_at_ = now;

@@ -68,6 +68,9 @@ class ResendWindow {
   void finished(const Piece& piece, Time now);
   void put_back(const Piece& piece);
 
+  /// Of one that has left elsewhere: the job, whose own header is the one of there. Else none.
+  JobHandle sent_elsewhere(std::uint64_t ordinal) const;
+
   /// What the other end says. Nonsense is ignored.
   void hear(const Ack& ack, Time now);
 

@@ -125,6 +125,14 @@ std::shared_ptr<SendSide> make_send_side(const UdpOptions& options, const UdpSoc
   return side;
 }
 
+/// What several members of a group ask for.
+void hand_repairs_to_group(SendSide& side, Ack& ack) {
+  const GroupRoster::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
+  if (in.group == nullptr) return;
+  if (in.group->take_over_repairs(in.member, ack, std::chrono::steady_clock::now()))
+    side.sender.schedule(in.group->lane());
+}
+
 /// The kernel counts about twice the bytes of what a socket holds.
 std::shared_ptr<Receiver> make_receiver(const UdpOptions& options,
                                         const std::shared_ptr<const UdpSocket>& socket,
@@ -139,7 +147,10 @@ std::shared_ptr<Receiver> make_receiver(const UdpOptions& options,
   Receiver::Acks acks;
   acks.hear = [send_side](const Ack& ack) {
     const std::shared_ptr<Channel> channel = send_side->channels.find(ack.writer, ack.channel);
-    if (channel != nullptr && channel->hear(ack)) send_side->sender.look_again();
+    if (channel == nullptr) return;
+    Ack alone = ack;
+    if (ack.missing_count > 0) hand_repairs_to_group(*send_side, alone);
+    if (channel->hear(alone)) send_side->sender.look_again();
   };
   acks.send = [answers](const SocketAddress& to, const Ack& ack) { answers->send(to, ack); };
   Receiver::Groups groups;
