@@ -275,6 +275,7 @@ void GroupKeeper::send(Destination& to, const GroupOffer& offer) {
 void GroupKeeper::explain(const std::vector<Gathered>& routes) {
   const std::scoped_lock lock(why_mutex_);
   why_.clear();
+  several_ = sizes_ != nullptr;
   for (const Gathered& gathered : routes) {
     for (const auto& [reader, to] : gathered.readers) why_[reader] = {to, candidates_.at(to).refusal};
   }
@@ -293,8 +294,8 @@ std::string GroupKeeper::why(core::EndpointId reader) const {
              std::to_string(group->members().size()) + group->state_of(i);
     }
   }
-  return why_.size() < 2 ? "alone: no other reader is on its link"
-                         : "alone: a group would put hardly fewer bytes on the wire";
+  return several_ ? "alone: a group would put hardly fewer bytes on the wire"
+                  : "alone: nobody else could be in a group with it";
 }
 
 }  // namespace sft::udp

@@ -113,6 +113,7 @@ class GroupKeeper {
   };
   std::map<core::EndpointId, Why> why_;
   std::vector<std::shared_ptr<MulticastGroup>> shown_;
+  bool several_ = false;  ///< could be in a group
 };
 
 }  // namespace sft::udp

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "udp_transport/datagram.h"
@@ -17,6 +18,28 @@ double alone_cost(const PlanDestination& to, const BodyBytes& body_bytes) {
   double cost = 0;
   for (MaskSet left = to.masks; left != 0; left &= left - 1)
     cost += wire_bytes(body_bytes(left & -left), to.datagram_bytes, to.reliable);
+  return cost;
+}
+
+std::vector<double> alone_costs(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes) {
+  std::vector<double> costs;
+  for (const PlanDestination& to : destinations) costs.push_back(alone_cost(to, body_bytes));
+  return costs;
+}
+
+/// `alone`: of each destination. Always with a mark.
+double cost_of(std::span<const PlanDestination> destinations, const std::vector<double>& alone,
+               const BodyBytes& body_bytes, const MulticastPlan& plan, const PlanLimits& limits) {
+  double cost = std::accumulate(alone.begin(), alone.end(), 0.0);
+  for (const PlannedGroup& group : plan) {
+    std::size_t datagram_bytes = SIZE_MAX;
+    for (const std::size_t member : group.members)
+      datagram_bytes = std::min(datagram_bytes, destinations[member].datagram_bytes);
+    const double together = wire_bytes(body_bytes(group.masks), datagram_bytes, true);
+    cost += together;
+    for (const std::size_t member : group.members)
+      cost += limits.unwanted_weight * std::max(0.0, together - alone[member]) - alone[member];
+  }
   return cost;
 }
 
@@ -48,10 +71,11 @@ class Search {
       : destinations_(destinations),
         body_bytes_(body_bytes),
         limits_(limits),
-        kinds_(kinds_of(destinations, limits.kinds_max)) {}
+        kinds_(kinds_of(destinations, limits.kinds_max)),
+        alone_(alone_costs(destinations, body_bytes)) {}
 
   MulticastPlan best() {
-    best_cost_ = plan_cost(destinations_, body_bytes_, {}, limits_);
+    best_cost_ = cost_of(destinations_, alone_, body_bytes_, {}, limits_);
     place(0);
     for (PlannedGroup& group : best_) std::ranges::sort(group.members);
     std::ranges::sort(best_, {}, [](const PlannedGroup& group) { return group.members.front(); });
@@ -80,7 +104,7 @@ class Search {
   void weigh() {
     if (std::ranges::any_of(plan_, [](const PlannedGroup& group) { return group.members.size() < 2; }))
       return;
-    const double cost = plan_cost(destinations_, body_bytes_, plan_, limits_);
+    const double cost = cost_of(destinations_, alone_, body_bytes_, plan_, limits_);
     if (cost >= best_cost_) return;
     best_cost_ = cost;
     best_ = plan_;
@@ -90,6 +114,7 @@ class Search {
   const BodyBytes& body_bytes_;
   const PlanLimits& limits_;
   const std::vector<Kind> kinds_;
+  const std::vector<double> alone_;
   MulticastPlan plan_, best_;
   double best_cost_ = 0;
 };
@@ -106,20 +131,7 @@ double wire_bytes(double body_bytes, std::size_t datagram_bytes, bool reliable) 
 
 double plan_cost(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
                  const MulticastPlan& plan, const PlanLimits& limits) {
-  double cost = 0;
-  for (const PlanDestination& to : destinations) cost += alone_cost(to, body_bytes);
-  for (const PlannedGroup& group : plan) {
-    std::size_t datagram_bytes = SIZE_MAX;
-    for (const std::size_t member : group.members)
-      datagram_bytes = std::min(datagram_bytes, destinations[member].datagram_bytes);
-    const double together = wire_bytes(body_bytes(group.masks), datagram_bytes, true);
-    cost += together;
-    for (const std::size_t member : group.members) {
-      const double alone = alone_cost(destinations[member], body_bytes);
-      cost += limits.unwanted_weight * std::max(0.0, together - alone) - alone;
-    }
-  }
-  return cost;
+  return cost_of(destinations, alone_costs(destinations, body_bytes), body_bytes, plan, limits);
 }
 
 MulticastPlan plan_multicast(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <random>
 #include <vector>
@@ -41,6 +42,20 @@ TEST(WireBytes, CountAllHeadersOfAllDatagrams) {
   EXPECT_EQ(wire_bytes(1441, 1472, false), 1441 + 32 + 16 + 2 * 42);
   EXPECT_EQ(wire_bytes(100, 1472, true), 100 + 48 + 42);
   EXPECT_EQ(wire_bytes(0, 1472, false), 32 + 42);
+}
+
+TEST(MulticastPlan, CostsWhatIsDocumented) {
+  const auto cost = [](const std::vector<MaskSet>& masks, std::vector<double> bytes,
+                       const MulticastPlan& plan) {
+    return std::lround(plan_cost(destinations(masks), apart(std::move(bytes)), plan, {}));
+  };
+  const std::vector<MaskSet> eight(8, A), halves{A, A, A, A, B, B, B, B};
+  EXPECT_EQ(cost(eight, {1000}, {}), 8592);
+  EXPECT_EQ(cost(eight, {1000}, {{A, {0, 1, 2, 3, 4, 5, 6, 7}}}), 1122);
+  EXPECT_EQ(cost(halves, {10'000, 10'000}, {}), 83'376);
+  EXPECT_EQ(cost(halves, {10'000, 10'000}, {{A, {0, 1, 2, 3}}, {B, {4, 5, 6, 7}}}), 20'908);
+  EXPECT_EQ(cost({A, B}, {8, 8}, {{A | B, {0, 1}}}), 118);
+  EXPECT_EQ(cost({A, A, B}, {10'000, 8}, {{A, {0, 1}}}), 10'528);
 }
 
 struct Case {
