@@ -15,7 +15,7 @@ namespace sft::core {
 /// Bounds of the control topics (idl/sft_control.idl).
 inline constexpr std::size_t mask_words_max = 64;
 inline constexpr std::size_t writers_per_reader_max = 1024;
-inline constexpr std::size_t addresses_max = 8;
+inline constexpr std::size_t addresses_max = 16;
 inline constexpr std::size_t assertions_max = 1024;
 inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 8192;

@@ -39,6 +39,25 @@ tl::unexpected<Error> wrong_version(unsigned version) {
                                    ", this is " + std::to_string(sft_control_protocol_version));
 }
 
+sft_control_UdpLocator to_dds(const UdpAddress& address) {
+  sft_control_UdpLocator out{};
+  out.family = address.ip.is_ipv4() ? 4 : 6;
+  out.wireless = address.wireless;
+  std::ranges::copy(address.ip.bytes, out.address);
+  out.port = address.port;
+  out.receive_buffer_bytes = address.receive_buffer_bytes;
+  return out;
+}
+
+/// Empty where it is nothing that one socket could be reached at.
+std::optional<UdpAddress> from_dds(const sft_control_UdpLocator& in) {
+  IpAddress ip;
+  std::ranges::copy(in.address, ip.bytes.begin());
+  const bool sound = in.family == (ip.is_ipv4() ? 4 : 6) && !ip.is_any() && !ip.is_multicast();
+  if (!sound || in.port == 0) return std::nullopt;
+  return UdpAddress{ip, in.port, in.receive_buffer_bytes, in.wireless};
+}
+
 sft_control_Qos to_dds(const Qos& qos) {
   sft_control_Qos out{};
   out.reliability = static_cast<std::uint8_t>(qos.reliability);
@@ -98,8 +117,7 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.may_use_shm = endpoint.may_use_shm;
   out.may_use_udp = endpoint.may_use_udp;
   for (const UdpAddress& a : endpoint.addresses) {
-    if (storage.addresses.size() < addresses_max)
-      storage.addresses.push_back({a.ipv4, a.port, a.receive_buffer_bytes});
+    if (storage.addresses.size() < addresses_max) storage.addresses.push_back(to_dds(a));
   }
   const auto addresses = static_cast<std::uint32_t>(storage.addresses.size());
   out.addresses = {addresses, addresses, storage.addresses.data(), false};
@@ -159,8 +177,7 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   out.may_use_shm = in.may_use_shm;
   out.may_use_udp = in.may_use_udp;
   for (std::uint32_t i = 0; i < in.addresses._length; ++i) {
-    const sft_control_UdpLocator& a = in.addresses._buffer[i];
-    if (a.port != 0) out.addresses.push_back({a.ipv4, a.port, a.receive_buffer_bytes});
+    if (const auto address = from_dds(in.addresses._buffer[i])) out.addresses.push_back(*address);
   }
   out.doorbell = {in.doorbell_page, in.doorbell_slot};
   out.max_sample_bytes = in.max_sample_bytes;

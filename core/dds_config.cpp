@@ -6,10 +6,12 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <optional>
 #include <ranges>
 #include <string_view>
 
 #include "core/cyclone_settings.h"
+#include "core/ip_address.h"
 
 namespace sft::core {
 
@@ -129,10 +131,10 @@ class Composition {
     if (settings_.interfaces.empty() || user_chose_interfaces()) return text;
     std::string interfaces;
     for (const std::string& name : settings_.interfaces) {
-      const bool is_address =
-          std::isdigit(static_cast<unsigned char>(name[0])) != 0 && name.find('.') != name.npos;
-      interfaces += std::string("<NetworkInterface ") + (is_address ? "address" : "name") + "=\"" + name +
-                    "\" presence_required=\"false\"/>";
+      // Of a network, too, Cyclone wants an address, and takes the bits of the interface.
+      const std::optional<IpNetwork> network = parse_ip_network(name);
+      interfaces += std::string("<NetworkInterface ") + (network ? "address" : "name") + "=\"" +
+                    (network ? format(network->ip) : name) + "\" presence_required=\"false\"/>";
     }
     return text + element("Interfaces", interfaces);
   }
@@ -195,7 +197,7 @@ Result<void> check_names(const std::vector<std::string>& names, const char* what
   const auto is_plain = [](const std::string& name) {
     return !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
       return std::isalnum(c) != 0 ||
-             std::string_view(".:-_[]%@").find(static_cast<char>(c)) != std::string_view::npos;
+             std::string_view(".:-_[]%@/").find(static_cast<char>(c)) != std::string_view::npos;
     });
   };
   for (const std::string& name : names) {

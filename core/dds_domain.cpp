@@ -1,8 +1,12 @@
 #include "core/dds_domain.h"
 
 #include <dds/ddsrt/log.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <sys/socket.h>
 
 #include <map>
+#include <memory>
 #include <mutex>
 
 namespace sft::core {
@@ -17,6 +21,32 @@ struct OpenDomains {
   std::map<std::uint32_t, std::string> configurations;  ///< empty: not opened by SFT
 };
 OpenDomains open_domains;
+
+struct IfaddrsDeleter {
+  void operator()(ifaddrs* list) const { ::freeifaddrs(list); }
+};
+
+/// Cyclone uses one family for all, IPv4 unless it is told otherwise.
+bool host_has_only_ipv6() {
+  ifaddrs* first = nullptr;
+  ::getifaddrs(&first);
+  const std::unique_ptr<ifaddrs, IfaddrsDeleter> list(first);
+  bool has_ipv6 = false;
+  for (const ifaddrs* i = list.get(); i != nullptr; i = i->ifa_next) {
+    const bool usable =
+        i->ifa_addr != nullptr && (i->ifa_flags & IFF_UP) != 0 && (i->ifa_flags & IFF_LOOPBACK) == 0;
+    if (usable && i->ifa_addr->sa_family == AF_INET) return false;
+    has_ipv6 |= usable && i->ifa_addr->sa_family == AF_INET6;
+  }
+  return has_ipv6;
+}
+
+/// Not part of what is compared: that the host's addresses change is nobody's mistake.
+std::string for_this_host(const std::string& config) {
+  constexpr const char* ipv6 =
+      "<CycloneDDS><Domain id=\"any\"><General><Transport>udp6</Transport></General></Domain></CycloneDDS>,";
+  return (host_has_only_ipv6() ? ipv6 : "") + config;
+}
 
 }  // namespace
 
@@ -57,7 +87,7 @@ Result<void> open_dds_domain(std::uint32_t domain, DdsConfig& config) {
                       "process can configure it only once: give all its nodes the same");
     }
   } else {
-    const dds_entity_t created = dds_create_domain(domain, config.text.c_str());
+    const dds_entity_t created = dds_create_domain(domain, for_this_host(config.text).c_str());
     if (created < 0 && created != DDS_RETCODE_PRECONDITION_NOT_MET) {
       return fail(Errc::invalid_argument, "Cyclone DDS refuses its configuration (" + messages.text() +
                                               "); check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");

@@ -37,8 +37,8 @@ struct Delivered {
 class DeliveryTally {
  public:
   /// `whole_bytes`: of the sample with all its fields.
-  void sent(std::uint64_t bytes, std::uint64_t whole_bytes) noexcept {
-    sent_.fetch_add(1, std::memory_order_relaxed);
+  void sent(std::uint64_t bytes, std::uint64_t whole_bytes, std::uint64_t samples = 1) noexcept {
+    sent_.fetch_add(samples, std::memory_order_relaxed);
     bytes_.fetch_add(bytes, std::memory_order_relaxed);
     whole_bytes_.fetch_add(whole_bytes, std::memory_order_relaxed);
   }
@@ -52,8 +52,8 @@ class DeliveryTally {
 /// Of the readers behind one queue: samples that counted as sent and did not leave it. Any thread.
 class LossTally {
  public:
-  void lost(std::uint64_t bytes, std::uint64_t whole_bytes) noexcept {
-    lost_.fetch_add(1, std::memory_order_relaxed);
+  void lost(std::uint64_t bytes, std::uint64_t whole_bytes, std::uint64_t samples = 1) noexcept {
+    lost_.fetch_add(samples, std::memory_order_relaxed);
     bytes_.fetch_add(bytes, std::memory_order_relaxed);
     whole_bytes_.fetch_add(whole_bytes, std::memory_order_relaxed);
   }

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <linux/futex.h>
-#include <sched.h>
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -17,6 +16,7 @@
 #include <system_error>
 
 #include "core/random_id.h"
+#include "core/spin.h"
 
 namespace sft::core {
 
@@ -25,16 +25,6 @@ namespace {
 constexpr const char* directory = "/dev/shm";
 constexpr std::string_view prefix = "sft_bell_";
 constexpr std::size_t page_bytes = DoorbellPage::slots * sizeof(Doorbell);
-constexpr int looks_per_yield = 8;
-
-/// Tells the core that this is a loop that waits.
-void pause_core() {
-#if defined(__x86_64__)
-  __builtin_ia32_pause();
-#elif defined(__aarch64__)
-  asm volatile("yield");
-#endif
-}
 
 Doorbell* map(int fd) {
   const int flags = fd < 0 ? MAP_PRIVATE | MAP_ANONYMOUS : MAP_SHARED;
@@ -63,14 +53,7 @@ void Doorbell::wake() noexcept {
 }
 
 bool Doorbell::spin(std::uint32_t seen, std::chrono::steady_clock::time_point until) const noexcept {
-  while (std::chrono::steady_clock::now() < until) {
-    for (int i = 0; i < looks_per_yield; ++i) {
-      if (rings.load(std::memory_order_acquire) != seen) return true;
-      pause_core();
-    }
-    sched_yield();  // it may be the publisher that waits for this core
-  }
-  return false;
+  return core::spin(until, [&] { return rung(seen); });
 }
 
 void Doorbell::sleep(std::uint32_t seen, std::chrono::steady_clock::time_point deadline) noexcept {

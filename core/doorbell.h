@@ -36,6 +36,9 @@ struct alignas(64) Doorbell {
   void wake() noexcept;
   bool has_sleepers() const noexcept { return sleepers.load(std::memory_order_seq_cst) != 0; }
 
+  /// Since `rings` was `seen`.
+  bool rung(std::uint32_t seen) const noexcept { return rings.load(std::memory_order_seq_cst) != seen; }
+
   /// Keeps the core busy until the doorbell was rung since `rings` was `seen`, or the time is over; tells
   /// which. Lets others run that wait for this core.
   bool spin(std::uint32_t seen, std::chrono::steady_clock::time_point until) const noexcept;

@@ -274,9 +274,15 @@ std::vector<const Negotiation::Entry*> Negotiation::others(const Entry& entry) c
 }
 
 UdpAddress Negotiation::address_of(const Endpoint& reader) const {
-  if (reader.network != self_.network) return choose_address(reader.addresses, links_);
-  UdpAddress address = reader.addresses.front();
-  address.ipv4 = 0x7f000001;  // one network stack: never leaves the machine
+  UdpAddress address;
+  if (reader.network != self_.network) {
+    address = choose_address(reader.addresses, links_);
+  } else {  // one network stack: never leaves the machine
+    address = reader.addresses.front();
+    const bool has_ipv4 = std::ranges::any_of(reader.addresses, [](const auto& a) { return a.ip.is_ipv4(); });
+    address.ip = has_ipv4 ? loopback_ipv4 : loopback_ipv6;
+  }
+  address.node = reader.node_id;
   return address;
 }
 

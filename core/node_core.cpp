@@ -14,10 +14,13 @@
 
 namespace sft::core {
 
+using namespace std::chrono_literals;
+
 namespace {
 constexpr std::uint32_t max_held_least = 2;   // one is held while the next is taken
 constexpr std::uint32_t max_held_most = 256;  // iceoryx's limit
 constexpr std::chrono::seconds complaint_pause{1};
+constexpr std::chrono::seconds max_spin{1};  // of the thread that calls back: then it looks after the rest
 
 // Doorbells that subscribers share, because one thread sleeps for all of them.
 constexpr std::uint32_t dispatcher_slot = 0;
@@ -179,7 +182,7 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   if (auto fits = keep_ways_for(endpoint); !fits) return tl::unexpected(fits.error());
   std::shared_ptr<WriterPort> udp;
   if (endpoint.may_use_udp) {
-    auto port = udp_->open_writer({endpoint.id, &type});
+    auto port = udp_->open_writer({endpoint.id, &type, true, options.max_blocking});
     if (!port) return tl::unexpected(port.error());
     udp = std::move(*port);
   }
@@ -257,7 +260,10 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
           .poll_handle = std::move(*poll_handle)},
       bells_->at(*slot), reader.recorder);
   if (endpoint.may_use_udp) {
-    auto port = udp_->open_reader({endpoint.id, &type, options.depth, reader.core.get(), endpoint.doorbell});
+    ReaderSpec spec{endpoint.id, &type, options.depth, reader.core.get(), endpoint.doorbell};
+    spec.only_waited_for = !reader.core->has_callback() && !options.pollable;
+    spec.spin = std::clamp(options.spin, 0ns, std::chrono::nanoseconds(max_spin));
+    auto port = udp_->open_reader(spec);
     if (!port) {
       give_slot_back(*slot);
       return tl::unexpected(port.error());

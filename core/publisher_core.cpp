@@ -17,6 +17,12 @@ namespace {
 /// message can take longer than to encode a few of its fields.
 constexpr std::int64_t measured_every_ns = 10'000'000;
 
+/// Of a span, with the same outlets: whoever changes these waits no longer.
+constexpr std::size_t span_at_once = 1024;
+
+/// Memory that a publisher keeps for its next sample.
+constexpr std::size_t spare_bytes_max = 4096;
+
 bool equal_but_for_number(ReaderStatus a, const ReaderStatus& b) {
   a.request_sequence = b.request_sequence;
   return a == b;
@@ -181,6 +187,45 @@ PublishStatus PublisherCore::publish(const void* value) {
   return admit(outlets, stamp_ns) ? encode_and_send(outlets, value, stamp_ns) : withhold();
 }
 
+PublishedSpan PublisherCore::publish(const void* values, std::size_t count, std::size_t stride) {
+  const auto* value = static_cast<const std::byte*>(values);
+  PublishedSpan all;
+  while (count > 0) {
+    const std::size_t some = std::min(count, span_at_once);
+    const PublishedSpan published = publish_some(value, some, stride);
+    all.published += published.published;
+    if (all.status == PublishStatus::ok) all.status = published.status;
+    value += some * stride;
+    count -= some;
+  }
+  return all;
+}
+
+/// In one call, as far as whoever changes the outlets can tell.
+PublishedSpan PublisherCore::publish_some(const std::byte* values, std::size_t count, std::size_t stride) {
+  const CallCount::Call call(calls_);
+  const Outlets& outlets = this->outlets();
+  if (!outlets.is_wanted) {
+    sequence_.fetch_add(count, std::memory_order_relaxed);
+    return {.published = count};
+  }
+  const std::int64_t stamp_ns = realtime_ns();
+  PublishedSpan done;
+  if (udp_ != nullptr) udp_->hold();
+  for (std::size_t i = 0; i < count; ++i) {
+    const PublishStatus status = admit(outlets, stamp_ns)
+                                     ? encode_and_send(outlets, values + i * stride, stamp_ns)
+                                     : withhold();
+    done.published += status == PublishStatus::ok ? 1 : 0;
+    if (done.status == PublishStatus::ok) done.status = status;
+  }
+  const std::size_t missed = udp_ == nullptr ? 0 : std::min(udp_->flush(), done.published);
+  done.published -= missed;
+  if (missed > 0 && done.status == PublishStatus::ok) done.status = PublishStatus::dropped;
+  dropped_.fetch_add(missed, std::memory_order_relaxed);
+  return done;
+}
+
 /// Asks each gate once. False if the sample is for nobody. (Of a durable publisher the routes are those in
 /// force once the sample is in the history, see serve().)
 bool PublisherCore::admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept {
@@ -329,8 +374,15 @@ SampleHandle PublisherCore::lend(const Outlets& outlets, std::uint32_t body_byte
   SampleHandle sample;
   if (outlets.to_shm) sample = outlets.shm->loan(bytes);
   // Without a chunk it can still go by UDP.
-  if (!sample && (!outlets.to_shm || outlets.to_udp || outlets.has_spares)) sample = heap_->take(bytes);
+  if (!sample && (!outlets.to_shm || outlets.to_udp || outlets.has_spares)) sample = take_heap(bytes);
   return sample;
+}
+
+/// The memory of the last sample, where nobody has kept that and it is not too large.
+SampleHandle PublisherCore::take_heap(std::size_t bytes) noexcept {
+  if (bytes > spare_bytes_max) return heap_->take(bytes);
+  if (!spare_ || !spare_.is_only() || spare_->capacity < bytes) spare_ = heap_->take(bytes);
+  return spare_;
 }
 
 void PublisherCore::fill_header(SampleBuffer& buffer, const FieldMask& mask,

@@ -49,6 +49,8 @@ class PublisherCore {
   PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<WriterPort> udp);
 
   PublishStatus publish(const void* value);
+  /// So many values, each `stride` bytes behind the one before.
+  PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
   Result<PublishStatus> publish_cdr(std::span<const std::byte> bytes);
   Result<SampleHandle> loan(const void* prototype, std::span<const Reservation> reservations,
                             ReservedMemory memory);
@@ -101,10 +103,12 @@ class PublisherCore {
   std::uint32_t whole_bytes(const void* value, std::uint32_t encoded_bytes, std::int64_t stamp_ns) noexcept;
   bool admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept;
   std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;
+  PublishedSpan publish_some(const std::byte* values, std::size_t count, std::size_t stride);
   PublishStatus encode_and_send(const Outlets& outlets, const void* value, std::int64_t stamp_ns);
   PublishStatus no_memory(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void count_refusal(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   tl::unexpected<Error> malformed(WalkStatus why) const;
+  SampleHandle take_heap(std::size_t bytes) noexcept;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept;
   PublishStatus send(const Outlets& before, const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
@@ -147,6 +151,7 @@ class PublisherCore {
 
   // Of the publisher's thread.
   const Outlets* counted_ = nullptr;  ///< whose page is open
+  SampleHandle spare_;                ///< from the heap; the next sample's, if nobody else has it by then
   std::uint32_t measured_bytes_ = 0;  ///< of a sample with all its fields, and when it was published
   std::int64_t measured_at_ns_ = 0;
   std::uint64_t diverted_sequence_ = 0;  ///< the last one sent by UDP alone, and when it was published

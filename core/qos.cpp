@@ -29,6 +29,13 @@ Result<void> check_period(const char* name, nanoseconds period) {
               std::string(name) + " " + text_of(period) + ": it is at least 1 ms, or 0 for none");
 }
 
+/// The agent waits for a publish() that is under way.
+Result<void> check_max_blocking(nanoseconds longest) {
+  if (auto ok = check_duration("max_blocking", longest); !ok) return ok;
+  if (longest <= std::chrono::seconds(1)) return {};
+  return fail(Errc::invalid_argument, "max_blocking " + text_of(longest) + ": it is at most 1 s");
+}
+
 Result<void> check_liveliness(Liveliness kind, nanoseconds lease) {
   if (auto ok = check_period("liveliness_lease", lease); !ok) return ok;
   if (kind == Liveliness::automatic || lease.count() != 0) return {};
@@ -83,6 +90,7 @@ Result<Qos> qos_of(const PublisherOptions& options) {
   }
   return check_period("deadline", qos.deadline)
       .and_then([&] { return check_duration("lifespan", qos.lifespan); })
+      .and_then([&] { return check_max_blocking(options.max_blocking); })
       .and_then([&] { return check_liveliness(qos.liveliness, qos.liveliness_lease); })
       .map([&] { return qos; });
 }

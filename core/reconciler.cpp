@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t accepted_max = 16;
 constexpr std::chrono::seconds in_flight_max{2};  // what was sent longer ago does not come any more
 constexpr std::chrono::milliseconds tick_quiet{50};
-constexpr std::chrono::seconds look_at_addresses_every{1};
+constexpr std::chrono::milliseconds look_at_addresses_every{200};  // costs one call while all stays
 constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking

@@ -105,6 +105,9 @@ class SampleHandle {
     owner->recycle(*buffer);
   }
 
+  /// Nobody else has one of it, nor sees any more what others did with theirs.
+  bool is_only() const noexcept { return buffer_->references.load(std::memory_order_acquire) == 1; }
+
   /// Gives the reference away, and takes over one that was given away.
   [[nodiscard]] SampleBuffer* release() noexcept { return std::exchange(buffer_, nullptr); }
   static SampleHandle adopt(SampleBuffer* buffer) noexcept {

@@ -38,13 +38,29 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
 }
 
 void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> port) {
-  const std::scoped_lock lock(mutex_);
-  inlets_[static_cast<std::size_t>(kind)].port.swap(
-      port);  // the old one dies with the argument, behind the lock
-  if (port == nullptr) return;
-  gone_.lost += port->lost_unnoticed();
-  discarded_before_ += port->discarded();
-  held_too_many_before_ += port->held_too_many();
+  {
+    const std::scoped_lock lock(mutex_);
+    inlets_[static_cast<std::size_t>(kind)].port.swap(
+        port);  // the old one dies with the argument, behind the lock
+    if (port != nullptr) {
+      gone_.lost += port->lost_unnoticed();
+      discarded_before_ += port->discarded();
+      held_too_many_before_ += port->held_too_many();
+    }
+  }
+  if (port != nullptr) port->interrupt();
+  ring();  // who waits may have to wait elsewhere
+}
+
+/// Whoever waits, wherever.
+void SubscriberCore::ring() {
+  bell_.ring();
+  std::shared_ptr<ReaderPort> udp;
+  {
+    const std::scoped_lock lock(mutex_);
+    udp = inlets_[static_cast<std::size_t>(TransportKind::udp)].port;
+  }
+  if (udp != nullptr) udp->interrupt();
 }
 
 void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
@@ -74,7 +90,7 @@ std::uint64_t SubscriberCore::arrivals(EndpointId writer) {
 void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
   hear(hearing);
   // A writer that was killed between handing over its last sample and waking us did not wake us.
-  bell_.ring();
+  ring();
 }
 
 void SubscriberCore::hear(const std::vector<Hearing>& hearing) {
@@ -199,7 +215,7 @@ void SubscriberCore::look_again() {
     const std::scoped_lock lock(mutex_);
     if (!std::exchange(holds_back_, false)) return;
   }
-  bell_.ring();  // for callbacks, too: those are the dispatcher's
+  ring();  // for callbacks, too: those are the dispatcher's
 }
 
 /// Whatever came by UDP is for us, its writer saw to that.
@@ -365,17 +381,27 @@ bool SubscriberCore::wait_until(std::chrono::steady_clock::time_point deadline) 
   const auto now = Clock::now();
   const std::chrono::nanoseconds spin = spins_.load(std::memory_order_relaxed) ? spec_.options.spin : 0ns;
   const auto spin_until = deadline - now < spin ? deadline : now + spin;
-  for (bool slept = false;;) {
+  for (;;) {
     const std::uint32_t seen = bell_.rings.load(std::memory_order_seq_cst);
     const bool found = available();
     if (found || Clock::now() >= deadline) {
-      if (found || slept) spins_.store(found, std::memory_order_relaxed);
+      if (found || spin_until < deadline) spins_.store(found, std::memory_order_relaxed);
       return found;
     }
+    const std::shared_ptr<ReaderPort> port = only_port();
+    if (port != nullptr && port->receive({bell_, seen, deadline, spin_until})) continue;
     if (spec_.poll_handle == nullptr && bell_.spin(seen, spin_until)) continue;
     sleep_until(deadline);
-    slept = true;
   }
+}
+
+/// The one that all samples come by, and whose transport tells of nothing but by the doorbell; null if there
+/// are others, which ring it from other processes.
+std::shared_ptr<ReaderPort> SubscriberCore::only_port() {
+  if (has_callback() || spec_.poll_handle != nullptr) return nullptr;
+  const std::scoped_lock lock(mutex_);
+  const bool shm = inlets_[static_cast<std::size_t>(TransportKind::shm)].port != nullptr;
+  return shm ? nullptr : inlets_[static_cast<std::size_t>(TransportKind::udp)].port;
 }
 
 void SubscriberCore::sleep_until(std::chrono::steady_clock::time_point deadline) {

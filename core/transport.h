@@ -2,10 +2,11 @@
 // the core decides who is served by which (core/negotiation.h) and never asks which one it talks to.
 //
 // Threads. Everything is called from the node's agent thread except WriterPort::loan, begin, include_spares,
-// send, can_send and miss (the publisher's thread), ReaderPort::take and take_of (any thread, one at a time),
-// and what counts or describes (bytes_sent, dropped, discarded, held_too_many, lost_unnoticed, description,
-// counters) and, for UDP, open_writer and open_reader (any thread); set_routes, connect, disconnect and
-// accept may run at the same time as these. Listeners are called from threads of the transport.
+// hold, flush, send, can_send and miss (the publisher's thread), ReaderPort::take and take_of (any thread, one
+// at a time), receive and interrupt (any thread), and what counts or describes (bytes_sent, dropped,
+// discarded, held_too_many, lost_unnoticed, description, counters) and, for UDP, open_writer and open_reader
+// (any thread); set_routes, connect, disconnect and accept may run at the same time as these. Listeners are
+// called from threads of the transport, and from those in receive().
 #pragma once
 
 #include <array>
@@ -21,6 +22,7 @@
 #include <vector>
 
 #include "core/delivery.h"
+#include "core/ip_address.h"
 #include "core/rate_gate.h"
 #include "core/sample_buffer.h"
 #include "sft/status.h"
@@ -31,22 +33,29 @@
 namespace sft::core {
 
 using sft::TransportKind;
+struct Doorbell;
 
 using EndpointId = std::uint64_t;  ///< random per incarnation, never 0; datagrams carry its low 32 bits
 
 /// Where datagrams for a reader go.
 struct UdpAddress {
-  std::uint32_t ipv4 = 0;  ///< host byte order
+  IpAddress ip;
   std::uint16_t port = 0;
   std::uint32_t receive_buffer_bytes =
-      0;  ///< of the socket, as the kernel counts: a sender paces bursts by it
+      0;                  ///< of the socket, as the kernel counts: a sender paces bursts by it
+  bool wireless = false;  ///< the interface that has it is
+  /// Whose socket it is, random per incarnation: of equal ones with equal ports, one takes the other's place.
+  /// 0: it is not known what other addresses that socket has.
+  std::uint64_t node = 0;
   friend bool operator==(const UdpAddress&, const UdpAddress&) = default;
 };
 
 /// One of our own addresses, and the network that it is in.
 struct Link {
-  std::uint32_t ipv4 = 0;  ///< host byte order
-  std::uint32_t netmask = 0;
+  IpAddress ip;  ///< a link-local one with its scope
+  std::uint8_t prefix_bits = 0;
+  bool running = true;  ///< its interface has a carrier
+  bool wireless = false;
   friend bool operator==(const Link&, const Link&) = default;
 };
 
@@ -78,6 +87,8 @@ struct WriterSpec {
   EndpointId id = 0;
   const TypeSupport* type = nullptr;  ///< outlives the port
   bool retains = true;                ///< samples for late readers; false: begin_with() is never called
+  /// send() may wait so long until what is sent reliably costs no reader an older sample.
+  std::chrono::nanoseconds max_blocking{0};
 };
 
 /// What a reader has to know of a writer whose samples it wants.
@@ -118,8 +129,13 @@ class WriterPort {
 
   /// Sends an encoded sample to the routes in force whose gates it passes, as these say on this thread; see
   /// can_send() for where it may come from. The caller may still read the sample afterwards while it keeps a
-  /// handle, but not write. Never waits for a reader. Every route's mask must be a subset of sample->mask.
+  /// handle, but not write, unless its is the only one. Waits for readers as WriterSpec says. Every route's mask must be a subset of sample->mask.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
+
+  /// Until flush() the samples that are sent need not leave at once, so that small ones share datagrams.
+  virtual void hold() noexcept {}
+  /// Sends what was held. Returns how many of these samples did not get to each route.
+  virtual std::size_t flush() noexcept { return 0; }
 
   /// A sample is about to be made, and gates to be asked: it goes by the routes that are in force now.
   /// Without this by those in force when it is sent.
@@ -196,8 +212,7 @@ class WriterPort {
 
 class ArrivalListener {
  public:
-  /// At least one sample can be taken. Called from a thread of the transport, which does nothing else
-  /// meanwhile.
+  /// At least one sample can be taken. Called from a thread that receives, which does nothing else meanwhile.
   virtual void arrived() noexcept = 0;
 
  protected:
@@ -213,6 +228,20 @@ struct ReaderSpec {
   DoorbellAddress doorbell;  ///< what writers in shared memory ring for this reader
   /// Handles of one writer that may be out; take() gives no more of it then. For shared memory.
   std::uint32_t max_held = 256;
+  /// All that its listener does is to ring `doorbell`, for threads in ReaderPort::receive(), which any of
+  /// them may do for the others.
+  bool only_waited_for = false;
+  /// How long the thread that calls the listener looks for more, and keeps a core busy with it, before it
+  /// sleeps.
+  std::chrono::nanoseconds spin{0};
+};
+
+/// Of a thread that waits for a sample, until its reader's doorbell is rung.
+struct Waiting {
+  Doorbell& bell;
+  std::uint32_t seen = 0;  ///< of its rings
+  std::chrono::steady_clock::time_point deadline;
+  std::chrono::steady_clock::time_point spin_until;  ///< keeps the core busy so long
 };
 
 /// How far a late reader is with what comes for it alone.
@@ -245,6 +274,17 @@ class ReaderPort {
   }
   /// Differs from what it was whenever a sample of that writer has arrived meanwhile, taken or not.
   virtual std::uint64_t arrivals(EndpointId writer) noexcept = 0;
+  /// Waits on the spot where samples come in, and does the transport's receiving there, which spares what is
+  /// waited for the way from one thread to another; listeners of this and other readers are called meanwhile.
+  /// Spurious returns are possible. False, at once, where that cannot be: the transport has its own thread
+  /// for it, and the bell will be rung. Any thread.
+  virtual bool receive(const Waiting& waiting) noexcept {
+    static_cast<void>(waiting);
+    return false;
+  }
+  /// After somebody else than the transport rang the bell: whoever is in receive() looks at it. Any thread.
+  virtual void interrupt() noexcept {}
+
   /// Accepts no more of them; what has arrived can still be taken.
   virtual void disconnect(EndpointId writer) noexcept = 0;
 

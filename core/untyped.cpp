@@ -118,6 +118,10 @@ PublishStatus Loan::publish() && {
 
 PublishStatus Publisher::publish(const void* value) { return core_->publish(value); }
 
+PublishedSpan Publisher::publish(const void* values, std::size_t count, std::size_t stride) {
+  return core_->publish(values, count, stride);
+}
+
 Result<PublishStatus> Publisher::publish_cdr(std::span<const std::byte> payload) {
   return core_->publish_cdr(payload);
 }

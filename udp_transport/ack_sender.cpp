@@ -19,8 +19,7 @@ void AckSender::send(const SocketAddress& to, const GroupReport& report) {
 void AckSender::send(const SocketAddress& to, std::span<const std::byte> bytes) {
   if (known_.size() >= known_max && !known_.contains(to)) known_.clear();
   std::shared_ptr<Destination>& destination = known_[to];
-  if (destination == nullptr)
-    destination = side_->destinations.find({.ipv4 = to.ipv4, .port = to.port, .receive_buffer_bytes = 0});
+  if (destination == nullptr) destination = side_->destinations.find({.ip = to.ip, .port = to.port});
   const iovec part{const_cast<std::byte*>(bytes.data()), bytes.size()};  // the kernel only reads it
   const OutgoingBatch batch{{&part, 1}, 0};
   destination->note(destination->connection().try_send({&batch, 1}).outcome);

@@ -1,5 +1,5 @@
-// The reader's end of a channel (datagram.md): which samples have come, which are missing and when to ask for
-// them, and who of this process has got which, in order. Pure: calls and times in, answers out.
+// The reader's end of a channel (wire_format.md): which samples have come, which are missing and when to ask
+// for them, and who of this process has got which, in order. Pure: calls and times in, answers out.
 //
 // Places count up over all channels of a writer, one after the other: ordinal and place differ by what the
 // channels before had.

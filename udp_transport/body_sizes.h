@@ -27,8 +27,8 @@ class BodySizes {
   const std::vector<FieldMask>& masks() const { return masks_; }
   FieldMask union_of(MaskSet set) const;
 
-  /// The publisher's thread: a sample is sent.
-  void measure(const SampleState& sample, Time now) noexcept;
+  /// The publisher's thread: a sample is sent, by itself or of several that are published together.
+  void measure(const SampleState& sample, Time now, bool of_several = false) noexcept;
 
   // Any thread.
 
@@ -36,6 +36,8 @@ class BodySizes {
   bool known() const { return known_.load(std::memory_order_acquire); }
   double bytes_of(MaskSet set) const { return bytes_[set].load(std::memory_order_relaxed); }
   std::uint64_t samples() const { return samples_.load(std::memory_order_relaxed); }
+  /// Some were published together since last asked.
+  bool take_several() { return several_.exchange(false, std::memory_order_relaxed); }
 
  private:
   static constexpr std::size_t per_sample = 4;
@@ -45,7 +47,7 @@ class BodySizes {
   std::vector<ProjectionPlan> plans_;             ///< of set i + 1
   std::unique_ptr<std::atomic<double>[]> bytes_;  ///< by set
   std::atomic<std::uint64_t> samples_{0};
-  std::atomic<bool> known_{false};
+  std::atomic<bool> known_{false}, several_{false};
   // Of the publisher's thread.
   Projection projection_;
   std::size_t next_ = 0;

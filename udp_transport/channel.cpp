@@ -5,13 +5,28 @@
 
 namespace sft::udp {
 
-Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_once) {
-  const std::scoped_lock lock(mutex_);
+/// Or nobody needs it any more.
+bool Channel::has_room_for(const Job& job) const {
+  return closed_ || ended_at_ || window_.can_keep(job.samples(), job.held_bytes_in_all());
+}
+
+Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_once,
+                              std::chrono::nanoseconds* patience) {
+  std::unique_lock lock(mutex_);
+  if (patience != nullptr && !has_room_for(*job)) [[unlikely]] {
+    const Time begin = now();
+    awaits_room_ = &*job;
+    room_.wait_until(lock, begin + *patience, [&] { return has_room_for(*job); });
+    awaits_room_ = nullptr;
+    *patience = std::max(*patience - (now() - begin), std::chrono::nanoseconds{0});
+  }
   Posted posted;
+  const std::size_t samples = job->samples();
   posted.kept = window_.keep(std::move(job), first);
   if (at_once) posted.piece = window_.take(posted.kept.ordinal);
   posted.was_at_rest = !std::exchange(attended_, true);
-  posted.waits = !posted.piece && !std::exchange(woken_, true);
+  const bool some_left = !posted.piece || posted.piece->samples < samples;
+  posted.waits = some_left && !std::exchange(woken_, true);
   return posted;
 }
 
@@ -49,18 +64,47 @@ void Channel::put_back(const Piece& piece) {
 bool Channel::hear(const Ack& ack) {
   const Time time = now();
   const std::scoped_lock lock(mutex_);
+  judge_length(ack, time);
   window_.hear(ack, time);
+  if (awaits_room_ != nullptr && has_room_for(*awaits_room_)) room_.notify_one();
   return attended_ && window_.has_work() && !std::exchange(woken_, true);
+}
+
+/// By the samples that do not fit into one datagram: whether their long ones arrive, or are all asked for,
+/// although what is short gets through, this ack for one.
+void Channel::judge_length(const Ack& ack, Time now) {
+  const std::size_t length = to_->datagram_bytes();
+  if (std::exchange(length_, length) != length) sent_so_from_ = window_.end();
+  const auto is_long = [&](std::uint64_t ordinal) {
+    const auto bytes = window_.bytes_sent(ordinal);
+    return bytes && *bytes + following_header_bytes > length;
+  };
+  if (to_->length_in_doubt()) {
+    for (std::uint64_t ordinal = std::max(sent_so_from_, window_.begin());
+         ordinal < std::min(ack.next, window_.end()); ++ordinal) {
+      if (!is_long(ordinal)) continue;
+      to_->long_ones_arrived(now);
+      break;
+    }
+    sent_so_from_ = std::max(sent_so_from_, std::min(ack.next, window_.end()));
+  }
+  const auto lacks_all = [&](const Missing& part) {
+    if (part.ordinal != static_cast<std::uint32_t>(ack.next) || !is_long(ack.next)) return false;
+    return part.begin == 0 && (part.end == 0 || part.end + length > *window_.bytes_sent(ack.next));
+  };
+  if (std::ranges::any_of(ack.parts(), lacks_all)) to_->long_ones_were_lost(now);
 }
 
 void Channel::end() {
   const std::scoped_lock lock(mutex_);
   if (!ended_at_) ended_at_ = now();
+  room_.notify_one();
 }
 
 void Channel::close() {
   const std::scoped_lock lock(mutex_);
   closed_ = true;
+  room_.notify_one();
 }
 
 bool Channel::closed() {
@@ -86,6 +130,7 @@ Channel::Care Channel::look_after() {
     closed_ = true;
     return {.heartbeat = addressed(window_.parting()), .at_rest = true};
   }
+  if (to_->moves() != std::exchange(moves_, to_->moves())) window_.way_changed(time);
   Care care;
   if (const auto heartbeat = window_.heartbeat(time)) care.heartbeat = addressed(*heartbeat);
   care.next_look = window_.next_look(time);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -44,8 +45,10 @@ class Channel {
     bool waits = false;            ///< the sending thread has to be woken
     ResendWindow::Kept kept{};
   };
-  /// `at_once`: the caller would send it.
-  Posted post(JobHandle job, const FirstHeader& first, bool at_once);
+  /// `at_once`: the caller would send it. Waits as long as `patience` lasts, which it uses up, until nothing
+  /// has to go for the sample; not at all without.
+  Posted post(JobHandle job, const FirstHeader& first, bool at_once,
+              std::chrono::nanoseconds* patience = nullptr);
   /// The same, of a sample that a group sends, too: if it is not `kept.elsewhere`, it waits here as well.
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
   /// It has left there.
@@ -76,6 +79,7 @@ class Channel {
   Care look_after();
 
  private:
+  void judge_length(const Ack& ack, Time now);
   static Time now() { return std::chrono::steady_clock::now(); }
   Heartbeat addressed(Heartbeat heartbeat) const {
     heartbeat.port = port_;
@@ -87,12 +91,19 @@ class Channel {
   const std::shared_ptr<Destination> to_;
   const std::shared_ptr<WriterTally> tally_;
   const std::uint16_t port_;
+  bool has_room_for(const Job& job) const;
+
   std::mutex mutex_;
   ResendWindow window_;
+  const Job* awaits_room_ = nullptr;  ///< the publisher, for that
+  std::condition_variable room_;
   bool attended_ = false;  ///< the sending thread knows of it
   bool woken_ = false;     ///< and will look at it
   bool closed_ = false;    ///< it has parted
   std::optional<Time> ended_at_;
+  std::size_t length_ = 0;              ///< of datagrams, when an ack came last
+  std::uint64_t sent_so_from_ = 0;      ///< the first ordinal that was surely sent in such, and not judged
+  std::uint32_t moves_ = to_->moves();  ///< of the destination, as far as is known here
 };
 
 }  // namespace sft::udp

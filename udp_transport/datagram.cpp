@@ -10,6 +10,7 @@ namespace {
 constexpr std::size_t at_kind = 0, at_flags = 1, at_variant = 2, at_writer = 4, at_sequence = 8;
 constexpr std::size_t at_total = 12, at_mask = 16, at_stamp = 24;
 constexpr std::size_t at_offset = 12;
+constexpr std::size_t at_samples = 12, at_bytes_each = 14;
 constexpr std::size_t at_period = first_header_bytes, at_ordinal = at_period + 4;
 // Of heartbeats and acks, which name the writer like all others.
 constexpr std::size_t at_port = 2, at_channel_number = 8, at_first = 16, at_end = 24;
@@ -47,17 +48,14 @@ SampleLabel load_label(const std::byte* from) noexcept {
           .variant = load<std::uint16_t>(from + at_variant)};
 }
 
-constexpr std::uint8_t first_flags =
-    mask_words_follow | rate_follows | history_follows | channel_follows | group_follows | merged_masks;
-constexpr std::uint8_t not_in_groups = rate_follows | history_follows | channel_follows;
-
-std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
+/// With what may follow the header, as far as the kind allows it.
+std::optional<Datagram> parse_described(DatagramKind kind, std::uint8_t allowed,
+                                        std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < first_header_bytes) return {};
   const auto flags = load<std::uint8_t>(&bytes[at_flags]);
-  if ((flags & ~first_flags) != 0) return {};
-  if ((flags & group_follows) != 0 && (flags & not_in_groups) != 0) return {};
+  if ((flags & ~allowed) != 0) return {};
   Datagram d;
-  d.kind = DatagramKind::first;
+  d.kind = kind;
   d.first = {.label = load_label(bytes.data()),
              .flags = flags,
              .total = load<std::uint32_t>(&bytes[at_total]),
@@ -86,6 +84,26 @@ std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
     if (d.first.group.ordinal == 0 || d.first.group.ordinal > ordinal_max) return {};
   }
   d.payload = bytes.subspan(d.first.bytes());
+  return d;
+}
+
+std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
+  constexpr std::uint8_t not_in_groups = rate_follows | history_follows | channel_follows;
+  constexpr std::uint8_t allowed = mask_words_follow | not_in_groups | group_follows | merged_masks;
+  const std::optional<Datagram> d = parse_described(DatagramKind::first, allowed, bytes);
+  const bool of_group = d && (d->first.flags & group_follows) != 0;
+  return of_group && (d->first.flags & not_in_groups) != 0 ? std::nullopt : d;
+}
+
+std::optional<Datagram> parse_packed(std::span<const std::byte> bytes) noexcept {
+  constexpr std::uint8_t allowed = mask_words_follow | channel_follows | lengths_follow;
+  std::optional<Datagram> d = parse_described(DatagramKind::packed, allowed, bytes);
+  if (!d) return {};
+  d->samples = load<std::uint16_t>(&bytes[at_samples]);
+  d->bytes_each = load<std::uint16_t>(&bytes[at_bytes_each]);
+  const bool lengths = (d->first.flags & lengths_follow) != 0;
+  if (d->samples == 0 || d->samples > packed_samples_max || lengths != (d->bytes_each == 0)) return {};
+  d->first.total = 0;
   return d;
 }
 
@@ -133,6 +151,23 @@ void encode(const FollowingHeader& header, std::byte* out) noexcept {
   store(header.offset, out + at_offset);
 }
 
+void encode(const PackedHeader& header, std::byte* out) noexcept {
+  encode(header.first, out);
+  store_kind(DatagramKind::packed, header.first.flags, out);
+  store(header.samples, out + at_samples);
+  store(header.bytes_each, out + at_bytes_each);
+}
+
+FirstHeader header_behind(const FirstHeader& first, std::uint32_t samples, std::uint32_t total) noexcept {
+  FirstHeader header = first;
+  header.label.sequence += samples;
+  header.total = total;
+  if ((header.flags & channel_follows) == 0) return header;
+  header.channel.sequence_high += header.label.sequence < samples ? 1 : 0;
+  header.channel.ordinal += samples;
+  return header;
+}
+
 void encode(const Heartbeat& heartbeat, std::byte* out) noexcept {
   store_kind(DatagramKind::heartbeat, 0, out);
   store(heartbeat.port, out + at_port);
@@ -164,8 +199,7 @@ std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept {
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
   if (version_and_kind >> 4 != wire_version) return {};
   const auto kind = static_cast<DatagramKind>(version_and_kind & 0xf);
-  const bool of_samples = kind >= DatagramKind::first && kind <= DatagramKind::ack;
-  if (!of_samples && kind != DatagramKind::group_offer && kind != DatagramKind::group_report) return {};
+  if (kind < DatagramKind::first || kind > DatagramKind::group_report) return {};
   return kind;
 }
 
@@ -252,10 +286,38 @@ std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept {
   const std::optional<DatagramKind> kind = kind_of(bytes);
   if (kind == DatagramKind::first) return parse_first(bytes);
   if (kind == DatagramKind::following) return parse_following(bytes);
+  if (kind == DatagramKind::packed) return parse_packed(bytes);
   return {};
 }
 
+bool PackedBodies::sound() const noexcept {
+  if (bytes_each_ != 0) return rest_.size() == samples_ * bytes_each_;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < samples_; ++i) {
+    if (rest_.size() - at < length_bytes) return false;
+    const std::size_t bytes = load<std::uint16_t>(&rest_[at]);
+    at += length_bytes;
+    if (rest_.size() - at < bytes) return false;
+    at += bytes;
+  }
+  return true;  // what follows is padding
+}
+
+std::span<const std::byte> PackedBodies::next() noexcept {
+  std::size_t bytes = bytes_each_;
+  if (bytes == 0) {
+    bytes = load<std::uint16_t>(rest_.data());
+    rest_ = rest_.subspan(length_bytes);
+  }
+  const auto body = rest_.first(bytes);
+  rest_ = rest_.subspan(bytes);
+  return body;
+}
+
 void store_word(std::uint64_t word, std::byte* out) noexcept { store(word, out); }
+void store_length(std::size_t bytes, std::byte* out) noexcept {
+  store(static_cast<std::uint16_t>(bytes), out);
+}
 std::uint64_t load_word(const std::byte* from) noexcept { return load<std::uint64_t>(from); }
 
 std::uint64_t widen_sequence(std::uint64_t reference, std::uint32_t low) noexcept {

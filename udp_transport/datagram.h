@@ -1,4 +1,4 @@
-// The headers of SFT datagrams (datagram.md): from structs to bytes and back. Pure and bounds-checked.
+// The headers of SFT datagrams (wire_format.md): from structs to bytes and back. Pure and bounds-checked.
 #pragma once
 
 #include <array>
@@ -20,6 +20,7 @@ enum class DatagramKind : std::uint8_t {
   following = 2,     ///< a later part of its body
   heartbeat = 3,     ///< of a channel: what its writer has sent, and still has
   ack = 4,           ///< of a channel, the other way: what has come, and what is missing
+  packed = 5,        ///< whole small samples, whose sequences and ordinals follow one another
   group_offer = 6,   ///< to a process: in which multicast group it is sent the same
   group_report = 7,  ///< the other way: what has come there
 };
@@ -46,6 +47,10 @@ inline constexpr std::uint32_t private_groups = 0xEFFF0000;
 inline constexpr std::uint16_t group_port = 22155;
 inline constexpr std::size_t group_offer_bytes = 32;
 inline constexpr std::size_t group_report_bytes = 24;
+/// Of a packed datagram: before each sample stands how long it is; else all are equally long.
+inline constexpr std::uint8_t lengths_follow = 16;
+inline constexpr std::size_t length_bytes = 2;
+inline constexpr std::size_t packed_samples_max = 256;
 inline constexpr std::size_t heartbeat_bytes = 32;
 inline constexpr std::size_t ack_header_bytes = 24;
 inline constexpr std::size_t missing_bytes = 12;
@@ -120,8 +125,19 @@ struct FollowingHeader {
   std::uint32_t offset = 0;  ///< of the payload in the body
 };
 
+/// What the samples of a packed datagram have in common.
+struct PackedHeader {
+  FirstHeader first;             ///< of the first of them; its total counts for nothing
+  std::uint16_t samples = 0;     ///< 1 to packed_samples_max
+  std::uint16_t bytes_each = 0;  ///< 0 where the flag says that lengths follow, and only there
+};
+
 void encode(const FirstHeader& header, std::byte* out) noexcept;      ///< header.bytes()
 void encode(const FollowingHeader& header, std::byte* out) noexcept;  ///< following_header_bytes
+void encode(const PackedHeader& header, std::byte* out) noexcept;     ///< header.first.bytes()
+
+/// Of the sample so many behind the first one, where their sequences and ordinals follow one another.
+FirstHeader header_behind(const FirstHeader& first, std::uint32_t samples, std::uint32_t total) noexcept;
 
 /// Of the samples in a channel, [first, end) were sent and can be sent again; those before cannot.
 struct Heartbeat {
@@ -191,6 +207,8 @@ struct Datagram {
   DatagramKind kind{};
   FirstHeader first;                   ///< of a following datagram only the label is set
   std::uint32_t offset = 0;            ///< of the payload in the body; 0 in a first datagram
+  std::uint16_t samples = 0;           ///< of a packed datagram, as in its header
+  std::uint16_t bytes_each = 0;        ///< likewise
   std::span<const std::byte> payload;  ///< begins with the mask's words where the flag says so
 
   const SampleLabel& label() const { return first.label; }
@@ -199,7 +217,24 @@ struct Datagram {
 /// Empty if the bytes are no datagram of a sample, of this version.
 std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept;
 
+/// Takes the bodies of a packed datagram, one after the other, off its payload (behind the mask's words).
+class PackedBodies {
+ public:
+  explicit PackedBodies(const Datagram& d)
+      : rest_(d.payload), samples_(d.samples), bytes_each_(d.bytes_each) {}
+
+  /// All are there, and behind equally long ones nothing else: next() may be called for each.
+  bool sound() const noexcept;
+  std::span<const std::byte> next() noexcept;
+
+ private:
+  std::span<const std::byte> rest_;
+  std::size_t samples_;
+  std::size_t bytes_each_;
+};
+
 void store_word(std::uint64_t word, std::byte* out) noexcept;
+void store_length(std::size_t bytes, std::byte* out) noexcept;  ///< length_bytes
 std::uint64_t load_word(const std::byte* from) noexcept;
 
 /// The 64-bit sequence nearest to `reference` that has these low 32 bits; never below zero.

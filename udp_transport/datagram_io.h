@@ -13,10 +13,12 @@
 #include <span>
 #include <string>
 
+#include "core/ip_address.h"
+
 namespace sft::udp {
 
 struct SocketAddress {
-  std::uint32_t ipv4 = 0;  ///< host byte order
+  core::IpAddress ip;
   std::uint16_t port = 0;
   friend auto operator<=>(const SocketAddress&, const SocketAddress&) = default;
 };
@@ -38,18 +40,29 @@ class DatagramSink {
   ~DatagramSink() = default;
 };
 
-/// Used by one thread, the first that calls receive(), except wake().
+/// Used by one thread, the first that calls receive(), but where something else is said.
 class DatagramReceiver {
  public:
+  using Time = std::chrono::steady_clock::time_point;
   virtual ~DatagramReceiver() = default;
 
   /// Waits until there are datagrams, the deadline has passed or wake() was called, and hands over what is
-  /// there. False if it can never receive again.
-  virtual bool receive(DatagramSink& sink, std::chrono::steady_clock::time_point deadline) noexcept = 0;
+  /// there. Keeps the core busy for `spin` before it sleeps. False if it can never receive again.
+  virtual bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept = 0;
   /// Makes the present receive() return, or the next one. Any thread.
   virtual void wake() noexcept = 0;
   /// The last call: leaves nothing behind in the kernel that would hold the port.
   virtual void finish() noexcept = 0;
+
+  /// Hands over what came next, without waiting; false if nothing is there. Any thread, while no other is in
+  /// here or in receive().
+  virtual bool receive_now(DatagramSink& sink) noexcept = 0;
+  /// For poll(2): readable while there are datagrams, and from wake() on until it is read.
+  struct Descriptors {
+    int datagrams;
+    int wake;
+  };
+  virtual Descriptors descriptors() const noexcept = 0;
 };
 
 /// Datagrams for one address, laid end to end in `parts`; all of `segment_bytes` but the last.
@@ -81,6 +94,8 @@ class Connection {
 
   /// Looks for the way anew: after a refusal, for routes and the host's own addresses change. Any thread.
   virtual void reconnect() noexcept = 0;
+  /// The same, to another address of the same socket. Any thread.
+  virtual void redirect(const SocketAddress& to) noexcept = 0;
 
   /// After `would_wait`: makes the next await() return once there is room. The thread that calls await().
   virtual void wait_for_room() noexcept = 0;

@@ -1,7 +1,9 @@
 #include "udp_transport/destination.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "udp_transport/fragmenter.h"
 #include "udp_transport/interfaces.h"
@@ -14,16 +16,28 @@ constexpr std::uint32_t receive_buffer_bytes_default = 212'992;  // Linux, where
 
 Destination::Destination(const SocketAddress& address, const DestinationLimits& limits,
                          std::unique_ptr<Connection> connection)
-    : address_(address),
-      limits_(limits),
-      datagram_bytes_(ask_for_datagram_bytes()),
+    : limits_(limits),
+      address_(address),
+      path_(path_to(address)),
+      datagram_bytes_(path_.datagram_bytes()),
       burst_bytes_(receive_buffer_bytes_default / 2),
       pacer_(limits.bytes_per_s),
       connection_(std::move(connection)) {}
 
-std::size_t Destination::ask_for_datagram_bytes() const noexcept {
-  return std::min<std::size_t>(datagram_bytes_to(address_),
+std::size_t Destination::ask_kernel(const SocketAddress& address) const noexcept {
+  return std::min<std::size_t>(datagram_bytes_to(address),
                                std::max(limits_.datagram_bytes, datagram_bytes_min));
+}
+
+PathMtu Destination::path_to(const SocketAddress& address) const noexcept {
+  const std::size_t kernel_says = ask_kernel(address);
+  return {headers_before_datagram(address.ip),
+          std::min(datagram_bytes_of_every_path(address.ip), kernel_says), kernel_says};
+}
+
+void Destination::publish_length() noexcept {
+  datagram_bytes_.store(path_.datagram_bytes(), std::memory_order_relaxed);
+  length_in_doubt_.store(path_.in_doubt(), std::memory_order_relaxed);
 }
 
 std::size_t Destination::datagrams_per_call() const {
@@ -34,30 +48,104 @@ void Destination::set_receive_buffer(std::uint32_t bytes) {
   burst_bytes_.store(std::max(bytes, receive_buffer_bytes_default) / 2, std::memory_order_relaxed);
 }
 
+SocketAddress Destination::address() const {
+  const std::scoped_lock lock(mutex_);
+  return address_;
+}
+
+void Destination::move_to(const SocketAddress& address) noexcept {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (address == std::exchange(address_, address)) return;
+  }
+  connection_->redirect(address);
+  const PathMtu path = path_to(address);
+  const std::scoped_lock lock(mutex_);
+  path_ = path;
+  publish_length();
+  moves_.fetch_add(1, std::memory_order_relaxed);
+}
+
 void Destination::note(SendOutcome outcome) noexcept {
   if (outcome == SendOutcome::no_segments) one_at_a_time_.store(true, std::memory_order_relaxed);
-  if (outcome == SendOutcome::too_long)
-    datagram_bytes_.store(ask_for_datagram_bytes(), std::memory_order_relaxed);
+  if (outcome == SendOutcome::too_long) learn_from_kernel();
   if (outcome == SendOutcome::too_long || outcome == SendOutcome::failed) connection_->reconnect();
 }
 
+void Destination::learn_from_kernel() noexcept {
+  const std::size_t says = ask_kernel(address());
+  const std::scoped_lock lock(mutex_);
+  path_.kernel_says(says);
+  publish_length();
+}
+
+void Destination::long_ones_were_lost(PathMtu::Time now) noexcept {
+  const std::scoped_lock lock(mutex_);
+  path_.lost(now);
+  publish_length();
+}
+
+void Destination::long_ones_arrived(PathMtu::Time now) noexcept {
+  const std::scoped_lock lock(mutex_);
+  path_.arrived(now);
+  publish_length();
+}
+
+void Destination::look_after(PathMtu::Time now, bool anew) noexcept {
+  if (anew) connection_->reconnect();
+  if (anew || now - kernel_asked_at_ >= kernel_is_asked_every) {
+    kernel_asked_at_ = now;
+    learn_from_kernel();
+  }
+  const std::scoped_lock lock(mutex_);
+  path_.look_after(now);
+  publish_length();
+}
+
+DestinationDirectory::Key DestinationDirectory::key_of(const core::UdpAddress& address) {
+  return {address.node, {address.node == 0 ? address.ip : core::IpAddress{}, address.port}};
+}
+
+/// With the mutex held. Whoever does not know whose an address is may find one that is there at present.
+std::shared_ptr<Destination> DestinationDirectory::known(const core::UdpAddress& address) {
+  std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+  if (const auto found = known_.find(key_of(address)); found != known_.end()) return found->second.lock();
+  if (address.node != 0) return nullptr;
+  for (const auto& [key, entry] : known_) {
+    std::shared_ptr<Destination> destination = entry.lock();
+    if (destination != nullptr && destination->address() == SocketAddress{address.ip, address.port})
+      return destination;
+  }
+  return nullptr;
+}
+
 std::shared_ptr<Destination> DestinationDirectory::find(const core::UdpAddress& address) {
-  const SocketAddress key{address.ipv4, address.port};
+  const SocketAddress to{address.ip, address.port};
   std::shared_ptr<Destination> destination;
   {
     const std::scoped_lock lock(mutex_);
-    std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
-    if (const auto known = known_.find(key); known != known_.end()) destination = known->second.lock();
+    destination = known(address);
   }
   if (destination == nullptr) {
-    auto fresh = std::make_shared<Destination>(key, limits_, connect_(key));
+    auto fresh = std::make_shared<Destination>(to, limits_, connect_(to));
     const std::scoped_lock lock(mutex_);
-    std::weak_ptr<Destination>& known = known_[key];
-    destination = known.lock();
-    if (destination == nullptr) known = destination = std::move(fresh);
+    destination = known(address);
+    if (destination == nullptr) known_[key_of(address)] = destination = std::move(fresh);
   }
+  if (address.node != 0) destination->move_to(to);
   if (address.receive_buffer_bytes != 0) destination->set_receive_buffer(address.receive_buffer_bytes);
   return destination;
+}
+
+void DestinationDirectory::look_after(PathMtu::Time now, bool anew) {
+  std::vector<std::shared_ptr<Destination>> all;
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& [key, entry] : known_) all.push_back(entry.lock());
+  }
+  for (const std::shared_ptr<Destination>& destination : all) {
+    if (destination != nullptr) destination->look_after(now, anew);
+  }
 }
 
 }  // namespace sft::udp

@@ -3,6 +3,7 @@
 
 #include <sys/uio.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -37,6 +38,7 @@ class Batch {
  private:
   friend class Fragmenter;
   void clear();
+  void pad();
   std::byte* stage(std::size_t bytes);
   void refer(const std::byte* data, std::size_t bytes);
 
@@ -56,6 +58,8 @@ struct EncodedBody {
   FirstHeader first;                          ///< total is the body's bytes
   std::span<const std::uint64_t> mask_words;  ///< sent where the header's flag says so
   std::span<const Segment> segments;
+  /// Each segment is a small sample, one behind the other: these are cut into packed datagrams.
+  bool packed = false;
 };
 
 /// A part of a body, [begin, end). From 0 on it has the first datagram, always as a whole.
@@ -71,7 +75,10 @@ class Fragmenter {
 
   std::size_t bytes() const { return body_.first.total; }  ///< of the body
   bool begun() const { return begun_; }
-  bool done() const { return begun_ && offset_ >= end_; }
+  bool done() const { return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_; }
+
+  /// What is left is cut into datagrams of that length.
+  void set_datagram_bytes(std::size_t bytes) { datagram_bytes_ = std::min(bytes, datagram_bytes_max); }
 
   /// Replaces the batch by the next datagrams: at least one, even where the limits have no room for it.
   void next(Batch& batch, std::size_t bytes_max = batch_bytes_max,
@@ -79,10 +86,18 @@ class Fragmenter {
 
  private:
   void skip(std::size_t bytes);
-  std::size_t next_datagram_bytes() const;
+  std::size_t bytes_with_next(const Batch& batch) const;
   void append_datagram(Batch& batch);
   void append_header(Batch& batch);
   void append_payload(Batch& batch, std::size_t bytes);
+  void append_mask_words(Batch& batch) const;
+
+  struct Pack {
+    std::size_t samples = 0;
+    std::size_t bytes = 0;  ///< of the datagram
+  };
+  Pack next_pack() const;
+  void append_packed(Batch& batch);
 
   EncodedBody body_;
   std::size_t datagram_bytes_;
@@ -91,6 +106,7 @@ class Fragmenter {
   std::uint32_t offset_ = 0;  ///< of the next payload in the body
   std::size_t segment_ = 0;
   std::size_t segment_offset_ = 0;
+  std::size_t bytes_each_ = 0;  ///< of packed samples; 0: they differ
 };
 
 }  // namespace sft::udp

@@ -55,12 +55,15 @@ void GroupKeeper::look_at(const std::vector<Gathered>& routes, Time now) {
 }
 
 void GroupKeeper::choose_link(Candidate& candidate, Time now) const {
-  const std::uint32_t ip = candidate.to->address().ipv4;
+  const core::IpAddress address = candidate.to->address().ip;
   if (setup_.use == Multicast::off) candidate.refusal = "multicast is off by option";
+  if (now < packed_until_) candidate.refusal = "samples that are published together share datagrams";
   if (too_many_leaves_) candidate.refusal = "its type has too many fields";
   const auto deaf = deaf_until_.find(candidate.to.get());
   if (deaf != deaf_until_.end() && now < deaf->second) candidate.refusal = "no multicast comes to it";
+  if (!address.is_ipv4()) candidate.refusal = "it is reached by IPv6";
   if (!candidate.refusal.empty()) return;
+  const std::uint32_t ip = address.ipv4();
   const bool strict = setup_.use != Multicast::everywhere;
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const MulticastLink& link = links_[i];
@@ -201,6 +204,11 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
 bool GroupKeeper::replan(Time now) {
   if (std::ranges::any_of(groups_, [](const auto& group) { return group->broken(); })) return true;
   if (any_given_up(now)) return true;
+  if (sizes_ != nullptr && sizes_->take_several()) {
+    const bool is_news = now >= packed_until_;
+    packed_until_ = now + packed_pause;
+    if (is_news) return true;
+  }
   if (sizes_ == nullptr || !sizes_->known() || now < replan_at_) return false;
   replan_at_ = now + replan_pause;
   const std::uint64_t samples = sizes_->samples();
@@ -290,7 +298,7 @@ std::string GroupKeeper::why(core::EndpointId reader) const {
   for (const auto& group : shown_) {
     for (std::size_t i = 0; i < group->members().size(); ++i) {
       if (&group->members()[i].lane->destination() != why.to) continue;
-      return "group " + format_ipv4(group->name().address) + " of " +
+      return "group " + core::format(core::IpAddress(group->name().address)) + " of " +
              std::to_string(group->members().size()) + group->state_of(i);
     }
   }

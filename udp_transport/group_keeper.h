@@ -90,6 +90,7 @@ class GroupKeeper {
   static constexpr std::chrono::milliseconds settling{100};  ///< routes come in bunches
   static constexpr std::chrono::seconds replan_pause{1};
   static constexpr std::chrono::minutes deaf_pause{1};  ///< before one that heard nothing is offered a group
+  static constexpr std::chrono::seconds packed_pause{10};   ///< since samples were published together
   static constexpr std::chrono::seconds farewell_after{1};  ///< what is under way arrives before
 
   const Setup setup_;
@@ -101,6 +102,7 @@ class GroupKeeper {
   std::vector<std::shared_ptr<MulticastGroup>> groups_, found_;
   std::vector<Retired> retired_;
   std::map<const Destination*, Time> deaf_until_;
+  Time packed_until_{};
   std::uint32_t last_number_ = 0;
   Time replan_at_{};
   Time counted_at_{};

@@ -2,6 +2,7 @@
 
 #include <netinet/in.h>
 #include <netinet/udp.h>
+#include <sys/epoll.h>
 
 #include <algorithm>
 
@@ -12,20 +13,19 @@ namespace sft::udp {
 
 namespace {
 
-/// Ours on the way there; 0: there is none.
-std::uint32_t own_address_towards(const SocketAddress& to) noexcept {
+/// Ours on the way there; none: there is no way, or not by IPv4.
+core::IpAddress own_address_towards(const SocketAddress& to) noexcept {
+  if (!to.ip.is_ipv4()) return {};
   const FileDescriptor probe(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  const sockaddr_in there = to_sockaddr(to);
-  sockaddr_in own{};
+  const SystemAddress there(to);
+  sockaddr_in6 own{};
   socklen_t size = sizeof own;
-  const bool known = ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&there), sizeof there) == 0 &&
+  const bool known = ::connect(probe.get(), there.get(), there.bytes()) == 0 &&
                      ::getsockname(probe.get(), reinterpret_cast<sockaddr*>(&own), &size) == 0;
-  return known ? to_address(own).ipv4 : 0;
+  return known ? to_address(own).ip : core::IpAddress{};
 }
 
-}  // namespace
-
-FileDescriptor open_group_socket(const SocketOptions& options) noexcept {
+FileDescriptor open_for_groups(const SocketOptions& options) noexcept {
   FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   if (!socket) return socket;
   const int fd = socket.get();
@@ -33,13 +33,31 @@ FileDescriptor open_group_socket(const SocketOptions& options) noexcept {
   set_int(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);  // not what others of this host have joined
   set_receive_buffer(fd, options.receive_buffer_bytes);
   set_int(fd, SOL_UDP, UDP_GRO, 1);
-  const sockaddr_in address = to_sockaddr({INADDR_ANY, group_port});
-  if (::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return {};
+  const SystemAddress any({{}, group_port}, AF_INET);
+  if (::bind(fd, any.get(), any.bytes()) != 0) return {};
   return socket;
 }
 
+FileDescriptor open_either(int one, int other) noexcept {
+  FileDescriptor either(::epoll_create1(EPOLL_CLOEXEC));
+  for (const int fd : {one, other}) {
+    epoll_event readable{.events = EPOLLIN, .data = {.fd = fd}};
+    if (::epoll_ctl(either.get(), EPOLL_CTL_ADD, fd, &readable) != 0) return {};
+  }
+  return either;
+}
+
+}  // namespace
+
+void open_group_socket(UdpSocket& socket) noexcept {
+  socket.group_fd = open_for_groups(socket.options);
+  if (!socket.group_fd) return;
+  socket.either_fd = open_either(socket.fd.get(), socket.group_fd.get());
+  if (!socket.either_fd) socket.group_fd = {};
+}
+
 void send_to_groups_by(int fd, const SocketAddress& own) noexcept {
-  const in_addr link = to_sockaddr(own).sin_addr;
+  const in_addr link{htonl(own.ip.ipv4())};
   ::setsockopt(fd, IPPROTO_IP, IP_MULTICAST_IF, &link, sizeof link);
   set_int(fd, IPPROTO_IP, IP_MULTICAST_TTL, 1);
   set_int(fd, IPPROTO_IP, IP_MULTICAST_LOOP, 0);
@@ -52,8 +70,9 @@ void GroupJoins::set(int option, const Joined& joined) noexcept {
 }
 
 void GroupJoins::join(std::uint32_t group, const SocketAddress& towards) noexcept {
-  const Joined wanted{group, own_address_towards(towards)};
-  if (wanted.own == 0) return;
+  const core::IpAddress own = own_address_towards(towards);
+  if (!own.is_ipv4()) return;
+  const Joined wanted{group, own.ipv4()};
   if (const auto known = std::ranges::find(joined_, wanted); known != joined_.end()) {
     std::rotate(known, known + 1, joined_.end());
     return;
@@ -63,6 +82,7 @@ void GroupJoins::join(std::uint32_t group, const SocketAddress& towards) noexcep
     joined_.erase(joined_.begin());
   }
   set(IP_ADD_MEMBERSHIP, wanted);
+  socket_->in_groups.store(true, std::memory_order_relaxed);
   joined_.push_back(wanted);
 }
 
@@ -72,6 +92,7 @@ void GroupJoins::keep_to(std::span<const std::uint32_t> groups) noexcept {
     set(IP_DROP_MEMBERSHIP, joined);
     return true;
   });
+  socket_->in_groups.store(!joined_.empty(), std::memory_order_relaxed);
 }
 
 }  // namespace sft::udp

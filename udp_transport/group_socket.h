@@ -11,12 +11,12 @@
 
 namespace sft::udp {
 
-/// Bound to the port of groups, which processes of a host share; it hears none until it joins. Invalid where
-/// that port is not to be had.
-FileDescriptor open_group_socket(const SocketOptions& options) noexcept;
+/// A second socket beside the one that receives, bound to the port of groups, which processes of a host
+/// share; it hears none until it joins. None where that port is not to be had.
+void open_group_socket(UdpSocket& socket) noexcept;
 
-/// What is sent to groups by this socket leaves where the host has that address, and goes no further than the
-/// link. It does not come back to this host: who is reached by loopback is in no group.
+/// What is sent to groups by this socket leaves where the host has that IPv4 address, and goes no further
+/// than the link. It does not come back to this host: who is reached by loopback is in no group.
 void send_to_groups_by(int fd, const SocketAddress& own) noexcept;
 
 /// The groups that a process is in. Of the receiving thread.

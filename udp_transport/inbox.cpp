@@ -14,17 +14,23 @@ auto* find_in(Writers& writers, core::EndpointId id) noexcept {
 }
 }  // namespace
 
-void Inbox::deliver(core::SampleHandle sample) noexcept {
-  core::ArrivalListener* listener = nullptr;
-  {
-    const std::scoped_lock lock(mutex_);
-    if (detached_ || !enqueue(sample)) return;
-    listener = listener_;
-    if (listener != nullptr) calling_ = std::this_thread::get_id();
+void Inbox::deliver(std::span<core::SampleHandle> samples) noexcept {
+  while (!samples.empty()) {
+    Enqueued enqueued;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (detached_) return;
+      enqueued = enqueue_some(samples);
+      if (enqueued.kept > 0 && listener_ != nullptr) calling_ = std::this_thread::get_id();
+    }
+    for (core::SampleHandle& pushed_out : samples.first(enqueued.samples)) pushed_out.reset();
+    samples = samples.subspan(enqueued.samples);
+    if (enqueued.kept > 0 && listener_ != nullptr) call();
   }
-  sample.reset();  // what was pushed out
-  if (listener == nullptr) return;
-  listener->arrived();
+}
+
+void Inbox::call() noexcept {
+  listener_->arrived();
   bool awaited = false;
   {
     const std::scoped_lock lock(mutex_);
@@ -32,6 +38,14 @@ void Inbox::deliver(core::SampleHandle sample) noexcept {
     awaited = detached_;
   }
   if (awaited) called_.notify_all();
+}
+
+/// As many as can wait.
+Inbox::Enqueued Inbox::enqueue_some(std::span<core::SampleHandle> samples) noexcept {
+  Enqueued enqueued;
+  while (enqueued.samples < samples.size() && enqueued.kept < depth_)
+    enqueued.kept += enqueue(samples[enqueued.samples++]) ? 1 : 0;
+  return enqueued;
 }
 
 /// Leaves in `sample` what is to be released without the lock.

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -20,7 +21,10 @@ class Inbox {
       : depth_(depth == 0 ? 1 : depth), listener_(listener) {}
 
   /// Queues a sample of a connected writer and calls the listener, without a lock. The receiving thread.
-  void deliver(core::SampleHandle sample) noexcept;
+  void deliver(core::SampleHandle sample) noexcept { deliver(std::span(&sample, 1)); }
+  /// The same for several, which are gone or hold what was pushed out afterwards. The listener is called once
+  /// for all, but for no more than can wait: what it takes at once none of them pushes out.
+  void deliver(std::span<core::SampleHandle> samples) noexcept;
 
   core::SampleHandle take() noexcept;
 
@@ -51,6 +55,12 @@ class Inbox {
   Writer* find(core::EndpointId id) noexcept;
   const Writer* find(core::EndpointId id) const noexcept;
   bool enqueue(core::SampleHandle& sample) noexcept;
+  struct Enqueued {
+    std::size_t samples = 0;  ///< the first ones
+    std::size_t kept = 0;     ///< of these
+  };
+  Enqueued enqueue_some(std::span<core::SampleHandle> samples) noexcept;
+  void call() noexcept;
   /// The writer whose oldest sample came first.
   template <class Condition>
   Writer* first_to_come(Condition condition) noexcept;

@@ -18,6 +18,25 @@ void Job::copy_body() {
   copied_ = {copy_.data(), copy_.size()};
 }
 
+void Job::pack(std::span<const Segment> body) {
+  std::size_t bytes = 0;
+  for (const Segment& segment : body) bytes += segment.bytes;
+  copy_.resize(packed_bytes_ + bytes);
+  packed_.push_back({nullptr, bytes});
+  std::byte* to = copy_.data() + packed_bytes_;
+  for (const Segment& segment : body) to = std::copy_n(segment.data, segment.bytes, to);
+  packed_bytes_ += bytes;
+}
+
+void Job::seal() {
+  const std::byte* at = copy_.data();
+  for (Segment& body : packed_) {
+    body.data = at;
+    at += body.bytes;
+  }
+  first.total = static_cast<std::uint32_t>(packed_bytes_);
+}
+
 JobHandle JobPool::take() {
   std::unique_ptr<Job> job;
   {
@@ -39,6 +58,8 @@ void JobPool::recycle(std::unique_ptr<Job> job) noexcept {
   job->sample.reset();
   job->mask.reset();
   job->copy_.clear();
+  job->packed_.clear();
+  job->packed_bytes_ = 0;
   const std::scoped_lock lock(mutex_);
   if (spare_.size() < spare_max) {
     spare_.push_back(std::move(job));

@@ -25,30 +25,60 @@ struct WireMask {
 };
 
 /// Written by the publisher's thread as long as no lane has it.
+///
+/// A job may also be a pack: copies of small samples, all under one mask and with one stamp, whose sequences
+/// follow one another. `first` is the first one's then, but for its total, which is that of all.
 struct Job {
   core::SampleHandle sample;  ///< keeps what the projection refers to
   Projection projection;
   FirstHeader first;
   std::shared_ptr<const WireMask> mask;
   std::uint64_t sequence = 0;     ///< whole
-  std::uint32_t whole_bytes = 0;  ///< of the sample's body with all fields
+  std::uint32_t whole_bytes = 0;  ///< of the sample's body with all fields; of a pack: of all
 
   EncodedBody body() const { return body(first); }
   /// With another header.
   EncodedBody body(const FirstHeader& header) const {
+    if (is_pack()) return {header, mask->words, packed_, true};
     return {header, mask->words, copy_.empty() ? projection.segments() : std::span(&copied_, 1)};
+  }
+  /// Of a pack only these; one alone is a sample like any other.
+  EncodedBody body(const FirstHeader& header, std::size_t part, std::size_t samples) const {
+    if (!is_pack()) return body(header);
+    return {header, mask->words, std::span(packed_).subspan(part, samples), samples > 1};
+  }
+
+  bool is_pack() const { return !packed_.empty(); }
+  std::size_t samples() const { return is_pack() ? packed_.size() : 1; }
+  /// Of a sample's body.
+  std::uint32_t body_bytes(std::size_t part) const {
+    return is_pack() ? static_cast<std::uint32_t>(packed_[part].bytes) : first.total;
   }
 
   /// Makes the job independent of the sample that it was encoded from.
   void copy_body();
-  /// Memory that it keeps from others.
-  std::size_t held_bytes() const { return sample ? sample->capacity : copy_.size(); }
+  /// Adds a sample to a pack, or begins one. It can be sent, and not be added to any more, after seal().
+  void pack(std::span<const Segment> body);
+  void pack(std::span<const std::byte> body) {
+    const Segment whole{body.data(), body.size()};
+    pack(std::span(&whole, 1));
+  }
+  void seal();
+  std::size_t packed_bytes() const { return packed_bytes_; }
+  /// Memory that a sample of it keeps from others.
+  std::size_t held_bytes(std::size_t part = 0) const {
+    if (is_pack()) return packed_[part].bytes;
+    return sample ? sample->capacity : copy_.size();
+  }
+  std::size_t held_bytes_in_all() const { return is_pack() ? packed_bytes_ : held_bytes(); }
 
  private:
   friend class JobHandle;
   friend class JobPool;
   std::vector<std::byte> copy_;  ///< of the body; empty if there is none
   Segment copied_{};
+  std::vector<Segment> packed_;  ///< a pack's samples in the copy; until seal() only how long they are
+  std::size_t packed_bytes_ = 0;
   std::shared_ptr<JobPool> pool_;  ///< while it is out
   std::atomic<std::uint32_t> references_{0};
 };

@@ -66,13 +66,16 @@ JobHandle Lane::pop_oldest() {
 }
 
 void Lane::lose_current() {
-  tally_->dropped.fetch_add(1, std::memory_order_relaxed);
+  tally_->dropped.fetch_add(current_->samples(), std::memory_order_relaxed);
   is_lost_ = true;
   if (!is_retained_) count_lost(*current_);
 }
 
 void Lane::count_lost(const Job& job) const {
-  losses_->lost(job.first.total, job.sample ? job.sample->whole_bytes : 0);
+  const std::uint32_t whole_bytes = job.is_pack() ? job.whole_bytes
+                                    : job.sample  ? job.sample->whole_bytes
+                                                  : 0;
+  losses_->lost(job.first.total, whole_bytes, job.samples());
 }
 
 void Lane::mark(Job& job) {

@@ -2,9 +2,8 @@
 
 #include <ifaddrs.h>
 #include <net/if.h>
+#include <netinet/in.h>
 #include <unistd.h>
-
-#include "udp_transport/interfaces.h"
 
 namespace sft::udp {
 
@@ -38,7 +37,7 @@ std::vector<MulticastLink> multicast_links(Multicast use) {
         i->ifa_addr != nullptr && i->ifa_addr->sa_family == AF_INET && i->ifa_netmask != nullptr;
     if ((i->ifa_flags & IFF_UP) == 0 || !has_address) continue;
     const auto ipv4 = [](const sockaddr& a) {
-      return to_address(reinterpret_cast<const sockaddr_in&>(a)).ipv4;
+      return ntohl(reinterpret_cast<const sockaddr_in&>(a).sin_addr.s_addr);
     };
     links.push_back({i->ifa_name, ipv4(*i->ifa_addr), ipv4(*i->ifa_netmask), refusal(*i, use)});
   }

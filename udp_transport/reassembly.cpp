@@ -94,41 +94,38 @@ struct Reassembly::Incoming {
     return found == unfinished.rend() ? nullptr : found->get();
   }
 
-  /// The wanted mask that a first datagram names; null if it names another. Takes the words off the payload.
-  const FieldMask* named_mask(Datagram& d, bool& malformed) {
+  /// The wanted mask that a datagram names, if any. Takes the words off the payload.
+  Named named_mask(Datagram& d) {
     std::span<const std::byte> words;
     if ((d.first.flags & mask_words_follow) != 0) {
       const std::size_t bytes = (type->leaves() + 63) / 64 * sizeof(std::uint64_t);
-      malformed = type->leaves() <= 64 || d.payload.size() < bytes;
-      if (malformed) return nullptr;
+      if (type->leaves() <= 64 || d.payload.size() < bytes) return {.malformed = true};
       words = d.payload.first(bytes);
       d.payload = d.payload.subspan(bytes);
     }
-    if ((d.first.flags & merged_masks) != 0) return merged_mask(d, words, malformed);
+    if ((d.first.flags & merged_masks) != 0) return merged_mask(d, words);
     const auto found = std::find_if(wanted.begin(), wanted.end(), [&](const Wanted& w) {
       return w.hash == d.first.mask && (words.empty() || equals(w.mask, words));
     });
-    return found == wanted.end() ? nullptr : &found->mask;
+    return {.mask = found == wanted.end() ? nullptr : &found->mask};
   }
 
   /// The union that it names, if it contains some wanted mask.
-  const FieldMask* merged_mask(const Datagram& d, std::span<const std::byte> words, bool& malformed) {
+  Named merged_mask(const Datagram& d, std::span<const std::byte> words) {
     const auto known = std::ranges::find_if(merged, [&](const FieldMask& mask) {
       return mask.hash() == d.first.mask && (words.empty() || equals(mask, words));
     });
-    if (known != merged.end()) return &*known;
-    malformed = words.empty() != (type->leaves() <= 64);
-    if (malformed) return nullptr;
+    if (known != merged.end()) return {.mask = &*known};
+    if (words.empty() != (type->leaves() <= 64)) return {.malformed = true};
     std::vector<std::uint64_t> bits{d.first.mask};
     if (!words.empty()) bits.resize(words.size() / sizeof(std::uint64_t));
     for (std::size_t i = 0; i < words.size() / sizeof(std::uint64_t); ++i)
       bits[i] = load_word(&words[i * sizeof(std::uint64_t)]);
     FieldMask mask = FieldMask::from_words(type->leaves(), bits);
-    malformed = mask.hash() != d.first.mask || type->closed(mask) != mask;
-    const auto is_in_it = [&](const Wanted& w) { return mask.contains(w.mask); };
-    if (malformed || std::ranges::none_of(wanted, is_in_it)) return nullptr;
+    if (mask.hash() != d.first.mask || type->closed(mask) != mask) return {.malformed = true};
+    if (std::ranges::none_of(wanted, [&](const Wanted& w) { return mask.contains(w.mask); })) return {};
     if (merged.size() == merged_max) merged.erase(merged.begin());
-    return &merged.emplace_back(std::move(mask));
+    return {.mask = &merged.emplace_back(std::move(mask))};
   }
   static constexpr std::size_t merged_max = 8;
 };
@@ -191,7 +188,8 @@ void Reassembly::close_window(Incoming& in) {
 }
 
 Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, ArrivalTime now) {
-  const std::optional<Datagram> d = parse(bytes);
+  packed_.clear();
+  std::optional<Datagram> d = parse(bytes);
   if (!d) {
     ++counters_.malformed;
     return {};
@@ -201,12 +199,37 @@ Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, Arrival
     ++counters_.unknown;
     return {};
   }
-  return d->kind == DatagramKind::first ? accept_first(*in->second, *d, now)
-                                        : accept_following(*in->second, *d, now);
+  if (d->kind == DatagramKind::following) return accept_following(*in->second, *d, now);
+  if ((d->first.flags & group_follows) != 0 && !place(*in->second, *d, now.steady)) return {};
+  const Named named = in->second->named_mask(*d);
+  return d->kind == DatagramKind::first ? accept_first(*in->second, *d, named, now)
+                                        : accept_packed(*in->second, *d, named, now);
 }
 
-Reassembly::Arrival Reassembly::accept_first(Incoming& in, Datagram d, ArrivalTime now) {
-  if ((d.first.flags & group_follows) != 0 && !place(in, d, now.steady)) return {};
+/// As if each sample had come by itself.
+Reassembly::Arrival Reassembly::accept_packed(Incoming& in, const Datagram& packed, const Named& named,
+                                              ArrivalTime now) {
+  PackedBodies bodies(packed);
+  if (named.malformed || !bodies.sound()) {
+    ++counters_.malformed;
+    return {};
+  }
+  Arrival arrival{{}, in.place};
+  Datagram d;
+  d.kind = DatagramKind::first;
+  for (std::uint32_t i = 0; i < packed.samples; ++i) {
+    d.payload = bodies.next();
+    d.first = header_behind(packed.first, i, static_cast<std::uint32_t>(d.payload.size()));
+    Arrival one = accept_first(in, d, named, now);
+    arrival.in_channel |= one.in_channel;
+    if (one.sample) packed_.push_back(std::move(one.sample));
+  }
+  arrival.packed = packed_;
+  return arrival;
+}
+
+Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, const Named& named,
+                                             ArrivalTime now) {
   ArrivalWindow::Met met{ArrivalWindow::Standing::wanted, 0};
   if (in.window != nullptr && (d.first.flags & channel_follows) != 0) {
     met = in.window->meet(d.first.channel, now.steady);
@@ -219,7 +242,7 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, Datagram d, ArrivalTi
   if (repeated || met.standing != ArrivalWindow::Standing::wanted) return nothing;
 
   core::SampleHandle buffer;
-  if (const Refusal why = describe(in, d, met.place, buffer); why != Refusal::none)
+  if (const Refusal why = describe(in, d, named, met.place, buffer); why != Refusal::none)
     return refuse(in, d, met.place, why);
   const std::size_t body_offset = SampleLayout(in.type->slots()).body_offset;
   if (sample == nullptr && d.payload.size() == d.first.total) {  // the whole sample
@@ -363,17 +386,15 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
 }
 
 /// Checks what a first datagram claims, before anything is allocated, and takes the memory for it.
-Reassembly::Refusal Reassembly::describe(Incoming& in, Datagram& d, std::uint64_t place,
-                                         core::SampleHandle& buffer) {
-  bool malformed = false;
-  const FieldMask* mask = in.named_mask(d, malformed);
-  if (malformed) return Refusal::malformed;
-  if (mask == nullptr) return Refusal::unwanted;
+Reassembly::Refusal Reassembly::describe(Incoming& in, const Datagram& d, const Named& named,
+                                         std::uint64_t place, core::SampleHandle& buffer) {
+  if (named.malformed) return Refusal::malformed;
+  if (named.mask == nullptr) return Refusal::unwanted;
   if (d.payload.size() > d.first.total) return Refusal::malformed;
   if (d.first.total > in.sample_bytes) return Refusal::over_limit;
   buffer = place == 0 ? take_buffer(in, d) : take_reliable_buffer(in, d);
   if (!buffer) return Refusal::over_limit;
-  buffer->mask = *mask;
+  buffer->mask = *named.mask;
   buffer->min_period_us = d.first.rate.min_period_us;
   buffer->ordinal = d.first.rate.ordinal;
   buffer->addressee = d.first.history.reader;
@@ -518,7 +539,7 @@ Reassembly::Arrival Reassembly::accept_heartbeat(std::span<const std::byte> byte
     return {};
   }
   Incoming& in = *found->second;
-  in.acks_go_to = SocketAddress{from.ipv4, heartbeat->port};
+  in.acks_go_to = SocketAddress{from.ip, heartbeat->port};
   in.window->hear(*heartbeat, now.steady);
   drop_abandoned(in);
   return {{}, in.place, true};

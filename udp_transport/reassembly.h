@@ -51,6 +51,8 @@ class Reassembly {
     core::SampleHandle sample;  ///< whole and valid; empty if the datagram completed none
     std::size_t stream = 0;     ///< its place in what was given to set_streams()
     bool in_channel = false;    ///< readers may now have something in order, this sample or others
+    /// Likewise whole and valid, of a packed datagram; may be taken out, and is gone with the next call.
+    std::span<core::SampleHandle> packed{};
   };
   using SendAck = std::function<void(const SocketAddress&, const Ack&)>;
 
@@ -90,7 +92,12 @@ class Reassembly {
   struct Incoming;  ///< what is known of one writer
   enum class Refusal : std::uint8_t { none, malformed, unwanted, over_limit };
 
-  Arrival accept_first(Incoming& in, Datagram d, ArrivalTime now);
+  struct Named {                      ///< by a datagram
+    const FieldMask* mask = nullptr;  ///< null: one that nobody wants
+    bool malformed = false;
+  };
+  Arrival accept_first(Incoming& in, const Datagram& d, const Named& named, ArrivalTime now);
+  Arrival accept_packed(Incoming& in, const Datagram& d, const Named& named, ArrivalTime now);
   bool place(Incoming& in, Datagram& d, Time now);
   Arrival accept_following(Incoming& in, const Datagram& d, ArrivalTime now);
   Arrival proceed(Incoming& in, UnfinishedSample& sample, bool well_formed, ArrivalTime now);
@@ -105,7 +112,8 @@ class Reassembly {
   void open_window(Incoming& in);
   void close_window(Incoming& in);
 
-  Refusal describe(Incoming& in, Datagram& d, std::uint64_t place, core::SampleHandle& buffer);
+  Refusal describe(Incoming& in, const Datagram& d, const Named& named, std::uint64_t place,
+                   core::SampleHandle& buffer);
   core::SampleHandle take_buffer(Incoming& in, const Datagram& d);
   core::SampleHandle take_reliable_buffer(Incoming& in, const Datagram& d);
 
@@ -123,6 +131,7 @@ class Reassembly {
       left_;                                              ///< writers that were, the newest last
   std::size_t windows_ = 0;                               ///< streams that are reliable
   std::vector<std::unique_ptr<UnfinishedSample>> spare_;  ///< kept for the memory that they hold
+  std::vector<core::SampleHandle> packed_;                ///< of the last packed datagram
   std::size_t unfinished_ = 0;
   std::size_t parked_bytes_ = 0;
   bool reports_due_ = false;

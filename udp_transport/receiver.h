@@ -1,4 +1,5 @@
-// The receiving thread: datagrams in, samples into the inboxes of the readers that asked for them.
+// Datagrams in, samples into the inboxes of the readers that asked for them: by a thread of its own, or by
+// one that waits for a sample (receiving_role.h).
 #pragma once
 
 #include <atomic>
@@ -7,15 +8,20 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "udp_transport/datagram_io.h"
 #include "udp_transport/group_socket.h"
 #include "udp_transport/reassembly.h"
+#include "udp_transport/receiving_role.h"
+#include "udp_transport/spin_choice.h"
 #include "udp_transport/subscriptions.h"
+#include "udp_transport/udp_socket.h"
 
 namespace sft::udp {
 
-/// Its thread keeps it alive, so that a listener may destroy the transport that calls it.
+/// Its thread keeps it alive, so that a listener may destroy the transport that calls it. "The receiving
+/// thread" is whichever has the role.
 class Receiver final : private DatagramSink, public std::enable_shared_from_this<Receiver> {
  public:
   /// What reliable delivery needs of the half that sends. Called by the receiving thread.
@@ -36,13 +42,34 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   /// Afterwards nothing is received. Called by a listener, it takes effect once that has returned.
   void stop();
 
+  // Any thread. Of a reader with these wishes; when it returns, no thread but its own calls a listener that
+  // is not only waited for.
+  void add(const core::ReaderSpec& reader);
+  void remove(const core::ReaderSpec& reader);
+
+  /// As ReaderPort::receive(); `who` is the reader.
+  bool receive(const void* who, const core::Waiting& waiting) noexcept;
+  void interrupt(const void* who) noexcept;
+
   SubscriptionDirectory& subscriptions() { return subscriptions_; }
   core::Transport::Counters counters() const noexcept;
   /// The system gave up on the socket.
   bool broken() const noexcept { return broken_.load(std::memory_order_relaxed); }
 
  private:
+  using Time = std::chrono::steady_clock::time_point;
   void run();
+  void receive_alone();
+  void poll(Time until);
+  void stand_by(Time until);
+  void note_alarm();
+  void wait_in_role(const core::Waiting& waiting) noexcept;
+  void wait_behind(const core::Waiting& waiting) noexcept;
+  bool receive_turn() noexcept;
+  void sleep_in_role(Time until) noexcept;
+  void look_after_time() noexcept;
+  void leave_role() noexcept;
+  bool readable() const noexcept;
   void begin(ArrivalTime now) noexcept override;
   void datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept override;
   void end() noexcept override;
@@ -52,19 +79,26 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   void hear_offer(std::span<const std::byte> bytes, SocketAddress from) noexcept;
   void hear_report(std::span<const std::byte> bytes) noexcept;
   Reassembly::Arrival accept_heartbeat(std::span<const std::byte> bytes, SocketAddress from) noexcept;
-  void deliver(Reassembly::Arrival arrival);
+  void deliver(Reassembly::Arrival& arrival);
   void deliver_in_order(core::EndpointId writer);
   bool deliver_next(core::EndpointId writer);
-  void answer(std::chrono::steady_clock::time_point now) noexcept;
-  std::chrono::steady_clock::time_point next_deadline() const;
+  void answer(Time now) noexcept;
+  Time next_deadline() const;
   void publish_counters() noexcept;
 
   std::unique_ptr<DatagramReceiver> io_;
   SubscriptionDirectory subscriptions_;
   std::thread thread_;
-  std::atomic<bool> stopping_{false};
+  ReceivingRole role_;
+  FileDescriptor alarm_;         ///< a timerfd: wakes the own thread when a vacancy is over
+  FileDescriptor waiter_event_;  ///< wakes the waiting thread that has the role, or is promised it
+  std::atomic<const void*> waiter_{nullptr};  ///< its reader
+  SpinLimits spins_;
   std::atomic<bool> broken_{false};
   std::atomic<std::uint64_t> malformed_{0}, unknown_{0}, incomplete_{0}, over_limit_{0};
+
+  // Of the own thread.
+  SpinChoice spin_choice_;
 
   // Of the receiving thread alone.
   const Acks acks_;
@@ -73,6 +107,7 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   Reassembly reassembly_;
   std::shared_ptr<const Subscriptions> wanted_;
   ArrivalTime now_;
+  std::vector<core::SampleHandle> batch_;  ///< on its way to one inbox
 };
 
 }  // namespace sft::udp

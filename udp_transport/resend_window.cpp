@@ -24,21 +24,28 @@ ResendWindow::ResendWindow(std::uint32_t writer, std::uint32_t channel, const Re
 }
 
 ResendWindow::Kept ResendWindow::keep(JobHandle job, FirstHeader first, bool elsewhere) {
-  const std::uint64_t ordinal = kept_.end();
+  Kept kept{.ordinal = kept_.end()};
   first.flags |= channel_follows;
   first.channel = {.channel = channel_,
                    .sequence_high = static_cast<std::uint32_t>(job->sequence >> 32),
-                   .ordinal = ordinal};
-  kept_bytes_ += job->held_bytes();
-  kept_.push_back({.first = first, .job = std::move(job)});
-  Kept kept{.ordinal = ordinal};
+                   .ordinal = kept.ordinal};
+  push(job, first);
   make_room(kept);
-  kept.elsewhere = elsewhere && has_room_for(ordinal);
+  kept.ordinal = std::max(kept.ordinal, kept_.begin());
+  kept.elsewhere = elsewhere && has_room_for(kept.ordinal);
   if (kept.elsewhere) {
-    kept_[ordinal].elsewhere = true;
-    begin(ordinal);
+    kept_[kept.ordinal].elsewhere = true;
+    start(kept_[kept.ordinal]);
   }
   return kept;
+}
+
+void ResendWindow::push(const JobHandle& job, const FirstHeader& first) {
+  const auto samples = static_cast<std::uint32_t>(job->samples());
+  for (std::uint32_t part = 0; part < samples; ++part) {
+    kept_bytes_ += job->held_bytes(part);
+    kept_.push_back({.first = header_behind(first, part, job->body_bytes(part)), .job = job, .part = part});
+  }
 }
 
 JobHandle ResendWindow::sent_elsewhere(std::uint64_t ordinal) const {
@@ -71,7 +78,7 @@ void ResendWindow::release_oldest() {
   const std::uint64_t ordinal = kept_.begin();
   const Entry& oldest = kept_[ordinal];
   if (oldest.state != State::waiting) in_flight_bytes_ -= oldest.first.total;
-  kept_bytes_ -= oldest.job->held_bytes();
+  kept_bytes_ -= oldest.held_bytes();
   std::erase_if(repairs_, [&](const Repair& repair) { return repair.ordinal == ordinal; });
   kept_.pop_front();
 }
@@ -94,6 +101,11 @@ std::uint64_t ResendWindow::first_waiting(Size size) {
   return ordinal;
 }
 
+std::optional<std::uint32_t> ResendWindow::bytes_sent(std::uint64_t ordinal) const {
+  if (!kept_.contains(ordinal) || !kept_[ordinal].begun) return std::nullopt;
+  return kept_[ordinal].first.total;
+}
+
 bool ResendWindow::has_work() {
   return !repairs_.empty() || first_waiting(Size::small) != kept_.end() ||
          first_waiting(Size::large) != kept_.end();
@@ -113,7 +125,7 @@ std::optional<ResendWindow::Piece> ResendWindow::next_repair(Size size, Time now
                                    [&](const Repair& candidate) { return candidate.size == size; });
   if (repair == repairs_.end() || !repair_pacer_.ready(now)) return {};
   const Entry& entry = kept_[repair->ordinal];
-  Piece piece{entry.first, entry.job, repair->range, repair->ordinal, true};
+  Piece piece{entry.first, entry.job, repair->range, repair->ordinal, true, entry.part};
   repair_pacer_.spend(std::max<std::size_t>(repair->range.end - repair->range.begin, datagram_bytes_min));
   repairs_.erase(repair);
   ++repaired_;
@@ -134,30 +146,43 @@ std::optional<ResendWindow::Piece> ResendWindow::take(std::uint64_t ordinal) {
   return begin(ordinal);
 }
 
-ResendWindow::Piece ResendWindow::begin(std::uint64_t ordinal) {
-  Entry& entry = kept_[ordinal];
+void ResendWindow::start(Entry& entry) {
   entry.state = State::under_way;
   entry.begun = true;
   in_flight_bytes_ += entry.first.total;
-  return {entry.first, entry.job, {}, ordinal, false};
+}
+
+/// Of a pack as many as may go.
+ResendWindow::Piece ResendWindow::begin(std::uint64_t ordinal) {
+  Entry& entry = kept_[ordinal];
+  start(entry);
+  Piece piece{entry.first, entry.job, {}, ordinal, false, entry.part};
+  const std::uint64_t end = std::min(kept_.end(), ordinal + entry.job->samples() - entry.part);
+  for (++ordinal; ordinal < end; ++ordinal, ++piece.samples) {
+    if (kept_[ordinal].state != State::waiting || !has_room_for(ordinal)) break;
+    start(kept_[ordinal]);
+  }
+  return piece;
 }
 
 void ResendWindow::finished(const Piece& piece, Time now) {
   sent_at_ = now;
-  if (!piece.is_repair && kept_.contains(piece.ordinal)) {
-    kept_[piece.ordinal].state = State::sent;
-    sent_ = sent_end();
+  for (std::uint32_t i = 0; !piece.is_repair && i < piece.samples; ++i) {
+    if (kept_.contains(piece.ordinal + i)) kept_[piece.ordinal + i].state = State::sent;
   }
+  sent_ = sent_end();
   if (unanswered_ == 0) plan_heartbeat(now);
 }
 
 void ResendWindow::put_back(const Piece& piece) {
-  if (piece.is_repair || !kept_.contains(piece.ordinal)) return;
-  Entry& entry = kept_[piece.ordinal];
-  entry.state = State::waiting;
-  in_flight_bytes_ -= entry.first.total;
-  std::uint64_t& waiting = waiting_[static_cast<std::size_t>(size_of(entry.first.total))];
-  waiting = std::min(waiting, piece.ordinal);
+  for (std::uint64_t ordinal = piece.ordinal; ordinal < piece.ordinal + piece.samples; ++ordinal) {
+    if (piece.is_repair || !kept_.contains(ordinal)) continue;
+    Entry& entry = kept_[ordinal];
+    entry.state = State::waiting;
+    in_flight_bytes_ -= entry.first.total;
+    std::uint64_t& waiting = waiting_[static_cast<std::size_t>(size_of(entry.first.total))];
+    waiting = std::min(waiting, ordinal);
+  }
 }
 
 /// Each before it was sent, or is gone.
@@ -214,6 +239,12 @@ void ResendWindow::plan_heartbeat(Time now) {
     const auto pause = bad_link ? limits_.heartbeat_delay : limits_.heartbeat_pause;
     heartbeat_at_ = std::max(sent_at_ + limits_.heartbeat_delay, heartbeat_sent_at_ + pause);
   }
+}
+
+void ResendWindow::way_changed(Time now) {
+  if (kept_.empty()) return;
+  unanswered_ = 0;
+  heartbeat_at_ = now;
 }
 
 std::optional<Heartbeat> ResendWindow::heartbeat(Time now) {

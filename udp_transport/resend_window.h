@@ -1,4 +1,4 @@
-// The writer's end of a channel (datagram.md): samples that were sent to one process and are kept until it
+// The writer's end of a channel (wire_format.md): samples that were sent to one process and are kept until it
 // has acknowledged them, and what is to be sent next: samples, repairs, heartbeats. Pure: calls and times in,
 // decisions out; no I/O, no clock, no thread of its own.
 #pragma once
@@ -42,6 +42,9 @@ class ResendWindow {
     BodyRange range{};
     std::uint64_t ordinal = 0;
     bool is_repair = false;
+    std::uint32_t part = 0;  ///< of a pack, its first sample that is to be sent, and how many are
+    std::uint32_t samples = 1;
+    EncodedBody body() const { return job->body(first, part, samples); }
   };
 
   ResendWindow(std::uint32_t writer, std::uint32_t channel, const ResendLimits& limits,
@@ -55,8 +58,9 @@ class ResendWindow {
     std::uint64_t dropped_whole_bytes = 0;
     bool elsewhere = false;  ///< as was asked for
   };
-  /// Gives a sample its place in the channel. The job does not change any more. `first` is its header.
-  /// `elsewhere`: if there is room, it is being sent by a group and only repaired by this; else by this.
+  /// Gives a sample, or each one of a pack, its place in the channel; the ordinal is the first of those that
+  /// are kept. The job does not change any more. `first` is its header. `elsewhere`, not of packs: if there
+  /// is room, it is being sent by a group and only repaired by this; else by this.
   Kept keep(JobHandle job, FirstHeader first, bool elsewhere = false);
   /// One that was sent elsewhere has left.
   void left(std::uint64_t ordinal, Time now);
@@ -74,6 +78,9 @@ class ResendWindow {
   /// What the other end says. Nonsense is ignored.
   void hear(const Ack& ack, Time now);
 
+  /// The way there is another one: asks at once, which also tells the other end where acks go now.
+  void way_changed(Time now);
+
   /// Empty if none is due. Its port is left to the caller.
   std::optional<Heartbeat> heartbeat(Time now);
   /// The last one: nothing is kept any more.
@@ -81,8 +88,19 @@ class ResendWindow {
 
   /// When to look again, if nothing is kept and heard until then.
   Time next_look(Time now) const;
+  /// Whether so much more can be kept, and nothing has to go for it.
+  bool can_keep(std::size_t samples, std::size_t bytes) const {
+    return kept_.empty() ||
+           (kept_.size() + samples <= limits_.samples && kept_bytes_ + bytes <= limits_.bytes);
+  }
   /// Nothing is left to be sent or acknowledged.
   bool settled() const { return kept_.empty(); }
+
+  /// Bytes of the body, if that sample was sent and is kept.
+  std::optional<std::uint32_t> bytes_sent(std::uint64_t ordinal) const;
+  /// [begin, end) are kept.
+  std::uint64_t begin() const { return kept_.begin(); }
+  std::uint64_t end() const { return kept_.end(); }
 
   /// Something is to be sent, as far as there is room for it.
   bool has_work();
@@ -96,9 +114,11 @@ class ResendWindow {
   struct Entry {
     FirstHeader first;
     JobHandle job;
+    std::uint32_t part = 0;  ///< its number in the pack that the job is
     State state = State::waiting;
     bool begun = false;  ///< once, if only a part of it was sent
     bool elsewhere = false;
+    std::size_t held_bytes() const { return job->held_bytes(part); }
   };
   struct Repair {
     std::uint64_t ordinal = 0;
@@ -106,6 +126,8 @@ class ResendWindow {
     Size size{};
   };
 
+  void push(const JobHandle& job, const FirstHeader& first);
+  void start(Entry& entry);
   bool has_room_for(std::uint64_t ordinal) const;
   std::optional<Piece> next_repair(Size size, Time now);
   std::optional<Piece> next_sample(Size size);

@@ -162,8 +162,7 @@ void Sender::advance_channel(Flow& flow) {
       flow.piece = flow.channel->next(flow.size);
       if (!flow.piece) return;
       flow.full_since.reset();
-      flow.fragments.emplace(flow.piece->job->body(flow.piece->first), flow.destination().datagram_bytes(),
-                             flow.piece->range);
+      flow.fragments.emplace(flow.piece->body(), flow.destination().datagram_bytes(), flow.piece->range);
     }
     if (send_some(flow) == Progress::some) return;
     flow.channel->finished(*flow.piece);  // or it is lost, and will be asked for
@@ -226,8 +225,12 @@ Sender::Progress Sender::send_some(Flow& flow) {
   }
   if (sent.outcome == SendOutcome::would_wait) return wait_for_room(flow, now);
   if (sent.outcome != SendOutcome::sent) {
+    const std::size_t refused = to.datagram_bytes();
     to.note(sent.outcome);
-    return Progress::lost;
+    if (sent.outcome != SendOutcome::too_long || to.datagram_bytes() >= refused) return Progress::lost;
+    flow.fragments->set_datagram_bytes(to.datagram_bytes());
+    wake_at_ = {};
+    return Progress::some;
   }
   if (flow.fragments->done()) return Progress::whole;
   wake_at_ = std::min(wake_at_, to.pacer().next_ready(now));

@@ -3,11 +3,14 @@
 #include <poll.h>
 #include <sys/eventfd.h>
 
+#include <algorithm>
 #include <array>
-#include <cerrno>
-#include <vector>
+#include <atomic>
+#include <utility>
 
+#include "core/spin.h"
 #include "udp_transport/socket_sender.h"
+#include "udp_transport/train_reader.h"
 
 namespace sft::udp {
 
@@ -15,58 +18,43 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t train_bytes_max = 65536;
 constexpr int trains_per_call = 64;  // then wake() and the deadline are looked at again
 
 class SocketReceiver final : public DatagramReceiver {
  public:
   SocketReceiver(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event)
-      : socket_(std::move(socket)), wake_event_(std::move(wake_event)), train_(train_bytes_max) {}
+      : socket_(socket), wake_event_(std::move(wake_event)), trains_(std::move(socket)) {}
 
-  bool receive(DatagramSink& sink, Clock::time_point deadline) noexcept override {
-    const int group_fd = socket_->group_fd ? socket_->group_fd.get() : -1;
-    std::array<pollfd, 3> ready{{{.fd = socket_->fd.get(), .events = POLLIN, .revents = 0},
-                                 {.fd = wake_event_.get(), .events = POLLIN, .revents = 0},
-                                 {.fd = group_fd, .events = POLLIN, .revents = 0}}};
-    const bool limited = deadline != Clock::time_point::max();
-    const timespec timeout = limited ? time_until(deadline) : timespec{};
-    if (::ppoll(ready.data(), ready.size(), limited ? &timeout : nullptr, nullptr) < 0) return errno == EINTR;
+  bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
+    const auto over = [&] { return trains_.read(sink) || woken_.load(std::memory_order_relaxed); };
+    if (spin.count() > 0 && core::spin(std::min(deadline, Clock::now() + spin), over))
+      deadline = {};  // once around, for what else there is
+    std::array<pollfd, 2> ready{{{.fd = socket_->readable(), .events = POLLIN, .revents = 0},
+                                 {.fd = wake_event_.get(), .events = POLLIN, .revents = 0}}};
+    if (!poll_until(ready, deadline)) return true;
     if (ready[1].revents != 0) {
+      woken_.store(false, std::memory_order_relaxed);
       eventfd_t ignored = 0;
       ::eventfd_read(wake_event_.get(), &ignored);
     }
-    if (ready[0].revents != 0) drain(socket_->fd.get(), sink);
-    if (ready[2].revents != 0) drain(group_fd, sink);
+    for (int i = 0; ready[0].revents != 0 && i < trains_per_call && trains_.read(sink); ++i) {
+    }
     return (ready[0].revents & POLLNVAL) == 0;
   }
 
-  void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
+  void wake() noexcept override {
+    ::eventfd_write(wake_event_.get(), 1);
+    woken_.store(true, std::memory_order_relaxed);
+  }
   void finish() noexcept override {}
+  bool receive_now(DatagramSink& sink) noexcept override { return trains_.read(sink); }
+  Descriptors descriptors() const noexcept override { return {socket_->readable(), wake_event_.get()}; }
 
  private:
-  void drain(int fd, DatagramSink& sink) noexcept {
-    for (int i = 0; i < trains_per_call; ++i) {
-      sockaddr_in from{};
-      iovec whole{train_.data(), train_.size()};
-      msghdr message{};
-      message.msg_name = &from;
-      message.msg_namelen = sizeof from;
-      message.msg_iov = &whole;
-      message.msg_iovlen = 1;
-      message.msg_control = control_;
-      message.msg_controllen = sizeof control_;
-      const ssize_t bytes = ::recvmsg(fd, &message, MSG_DONTWAIT);
-      if (bytes < 0) return;  // nothing left, or an error that the call has cleared
-      if ((message.msg_flags & MSG_TRUNC) != 0) continue;
-      hand_over(std::span(train_).first(static_cast<std::size_t>(bytes)),
-                std::span(control_).first(message.msg_controllen), from, sink);
-    }
-  }
-
-  std::shared_ptr<const UdpSocket> socket_;
-  FileDescriptor wake_event_;
-  std::vector<std::byte> train_;
-  alignas(cmsghdr) std::byte control_[train_control_bytes];
+  const std::shared_ptr<const UdpSocket> socket_;
+  const FileDescriptor wake_event_;
+  TrainReader trains_;
+  std::atomic<bool> woken_{false};  ///< for a loop that is busy
 };
 
 }  // namespace

@@ -1,15 +1,17 @@
 #include "udp_transport/socket_sender.h"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
+#include <mutex>
 #include <utility>
 #include <vector>
 
 #include "udp_transport/group_socket.h"
-#include "udp_transport/interfaces.h"
 
 namespace sft::udp {
 
@@ -29,35 +31,38 @@ struct Shared {
 class SocketConnection final : public Connection {
  public:
   SocketConnection(const SocketAddress& to, std::shared_ptr<Shared> shared)
-      : to_(to_sockaddr(to)), shared_(std::move(shared)) {
+      : shared_(std::move(shared)), family_(SystemAddress(to).family()), to_(to) {
     if (shared_->own_sockets.fetch_add(1, std::memory_order_relaxed) < sending_sockets_max)
-      own_ = open_sending_socket(shared_->socket->options);
+      own_ = open_sending_socket(shared_->socket->options, family_.load());
     if (!own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
-    reconnect();
+    connect();
   }
   SocketConnection(const SocketAddress& group, const SocketAddress& own, std::shared_ptr<Shared> shared)
-      : to_(to_sockaddr(group)), shared_(std::move(shared)) {
-    own_ = open_sending_socket(shared_->socket->options);
+      : shared_(std::move(shared)), family_(SystemAddress(group).family()), to_(group) {
+    own_ = open_sending_socket(shared_->socket->options, family_.load());
     shared_->own_sockets.fetch_add(own_ ? 1 : 0, std::memory_order_relaxed);
     if (own_) send_to_groups_by(own_.get(), own);
-    reconnect();
+    connect();
   }
   ~SocketConnection() override {
     if (own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
   }
 
   Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
-    return send_at_once(fd(), batches, connected_.load(std::memory_order_relaxed) ? nullptr : &to_);
+    if (connected_.load(std::memory_order_relaxed)) return send_at_once(fd(), batches, nullptr);
+    const SystemAddress to =
+        own_ ? SystemAddress(address()) : SystemAddress::for_socket(address(), shared_->socket->family);
+    return send_at_once(fd(), batches, &to);
   }
 
-  /// Undone first: the kernel would keep the source address and the route that it chose before.
-  void reconnect() noexcept override {
-    if (!own_) return;
-    connected_.store(false, std::memory_order_relaxed);
-    const sockaddr nobody{.sa_family = AF_UNSPEC, .sa_data = {}};
-    ::connect(own_.get(), &nobody, sizeof nobody);
-    const bool connected = ::connect(own_.get(), reinterpret_cast<const sockaddr*>(&to_), sizeof to_) == 0;
-    connected_.store(connected, std::memory_order_relaxed);
+  void reconnect() noexcept override { connect(); }
+
+  void redirect(const SocketAddress& to) noexcept override {
+    {
+      const std::scoped_lock lock(mutex_);
+      to_ = to;
+    }
+    connect();
   }
 
   void wait_for_room() noexcept override {
@@ -70,11 +75,44 @@ class SocketConnection final : public Connection {
   int fd() const noexcept { return own_ ? own_.get() : shared_->socket->fd.get(); }
 
  private:
-  const sockaddr_in to_;
+  SocketAddress address() noexcept {
+    const std::scoped_lock lock(mutex_);
+    return to_;
+  }
+
+  /// Again where it was redirected meanwhile, and may have been connected to where it went before that.
+  void connect() noexcept {
+    if (!own_) return;
+    SocketAddress to;
+    do {
+      to = address();
+      connect(SystemAddress(to));
+    } while (to != address());
+  }
+
+  /// Undone first: the kernel would keep the source address and the route that it chose before.
+  void connect(const SystemAddress& to) noexcept {
+    connected_.store(false, std::memory_order_relaxed);
+    if (to.family() != family_.load(std::memory_order_relaxed)) change_family(to.family());
+    const sockaddr nobody{.sa_family = AF_UNSPEC, .sa_data = {}};
+    ::connect(own_.get(), &nobody, sizeof nobody);
+    connected_.store(::connect(own_.get(), to.get(), to.bytes()) == 0, std::memory_order_relaxed);
+  }
+
+  /// Another socket takes the place of this one, also for those who are just using it.
+  void change_family(int family) noexcept {
+    const FileDescriptor other = open_sending_socket(shared_->socket->options, family);
+    if (other && ::dup3(other.get(), own_.get(), O_CLOEXEC) >= 0)
+      family_.store(family, std::memory_order_relaxed);
+  }
+
   const std::shared_ptr<Shared> shared_;
-  FileDescriptor own_;  ///< invalid: the socket that receives sends for this one too
+  FileDescriptor own_;       ///< invalid: the socket that receives sends for this one too
+  std::atomic<int> family_;  ///< of that socket
   std::atomic<bool> connected_{false};
   bool full_ = false;  ///< of the thread that calls await()
+  std::mutex mutex_;   ///< of the address
+  SocketAddress to_;
 };
 
 class SocketSender final : public DatagramSender {
@@ -97,9 +135,7 @@ class SocketSender final : public DatagramSender {
     polled_.assign(1, {.fd = wake_event_.get(), .events = POLLIN, .revents = 0});
     for (const SocketConnection* connection : waiting)
       polled_.push_back({.fd = connection->fd(), .events = POLLOUT, .revents = 0});
-    const bool limited = deadline != Clock::time_point::max();
-    const timespec timeout = limited ? time_until(deadline) : timespec{};
-    if (::ppoll(polled_.data(), polled_.size(), limited ? &timeout : nullptr, nullptr) > 0) {
+    if (poll_until(polled_, deadline)) {
       for (std::size_t i = 0; i < waiting.size(); ++i) {
         if (polled_[i + 1].revents != 0) waiting[i]->has_room();
       }

@@ -5,13 +5,17 @@
 namespace sft::udp {
 
 UdpReader::UdpReader(const core::ReaderSpec& spec, std::shared_ptr<Receiver> receiver)
-    : receiver_(std::move(receiver)), inbox_(std::make_shared<Inbox>(spec.depth, spec.listener)) {
+    : spec_(spec),
+      receiver_(std::move(receiver)),
+      inbox_(std::make_shared<Inbox>(spec.depth, spec.listener)) {
+  receiver_->add(spec_);
   receiver_->subscriptions().add(spec.id, inbox_, *spec.type);
 }
 
 UdpReader::~UdpReader() {
   receiver_->subscriptions().remove(*inbox_);
   inbox_->detach();
+  receiver_->remove(spec_);
 }
 
 Result<void> UdpReader::connect(const core::Source& source) {

@@ -24,11 +24,14 @@ class UdpReader final : public core::ReaderPort {
   }
   std::uint64_t arrivals(core::EndpointId writer) noexcept override { return inbox_->arrivals(writer); }
   void disconnect(core::EndpointId writer) noexcept override;
+  bool receive(const core::Waiting& waiting) noexcept override { return receiver_->receive(this, waiting); }
+  void interrupt() noexcept override { receiver_->interrupt(this); }
   void accept(std::vector<core::Wanted> wanted) override;
   std::uint64_t discarded() const noexcept override { return inbox_->discarded(); }
   std::uint64_t lost_unnoticed() const noexcept override { return inbox_->lost_unnoticed(); }
 
  private:
+  const core::ReaderSpec spec_;
   const std::shared_ptr<Receiver> receiver_;
   const std::shared_ptr<Inbox> inbox_;
 };

@@ -13,13 +13,13 @@
 #include <utility>
 
 #include "udp_transport/group_socket.h"
-#include "udp_transport/interfaces.h"
 
 namespace sft::udp {
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using core::IpAddress;
 
 // The kernel frees the sockets of a killed process, or of a closed ring, a little later.
 constexpr std::chrono::milliseconds bind_patience{200};
@@ -27,10 +27,11 @@ constexpr std::chrono::milliseconds bind_interval{10};
 
 std::string message_of(int error) { return std::system_category().message(error); }
 
-int bind_patiently(int fd, const sockaddr_in& address) {
+int bind_patiently(int fd, const SocketAddress& address, int family) {
+  const SystemAddress at(address, family);
   const Clock::time_point deadline = Clock::now() + bind_patience;
-  while (::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    if (errno != EADDRINUSE || address.sin_port == 0 || Clock::now() > deadline) return errno;
+  while (::bind(fd, at.get(), at.bytes()) != 0) {
+    if (errno != EADDRINUSE || address.port == 0 || Clock::now() > deadline) return errno;
     std::this_thread::sleep_for(bind_interval);
   }
   return 0;
@@ -48,10 +49,10 @@ tl::unexpected<Error> bind_error(int error, const SocketAddress& address) {
       return fail(Errc::no_permission,
                   "UDP port " + port + " needs privileges; choose one above 1023, or 0 for any");
     case EADDRNOTAVAIL:
-      return fail(Errc::invalid_argument, "this host has no address " + format_ipv4(address.ipv4) +
-                                              "; 'ip -4 address' lists those it has");
+      return fail(Errc::invalid_argument, "this host has no address " + core::format(address.ip) +
+                                              "; 'ip address' lists those it has");
     default:
-      return fail(Errc::system, "cannot bind a UDP socket to " + format_ipv4(address.ipv4) + ":" + port +
+      return fail(Errc::system, "cannot bind a UDP socket to " + core::format(address.ip, address.port) +
                                     ": " + message_of(error));
   }
 }
@@ -69,14 +70,36 @@ void set_buffer(int fd, int force_name, int name, std::size_t bytes) {
 }
 
 /// Datagrams that are too long for a path are refused instead of fragmented: one lost fragment would cost
-/// all.
-void refuse_fragments(int fd) { set_int(fd, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO); }
+/// all. A socket of both families has both.
+void refuse_fragments(int fd, int family) {
+  set_int(fd, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO);
+  if (family != AF_INET6) return;
+  set_int(fd, IPPROTO_IPV6, IPV6_MTU_DISCOVER, IPV6_PMTUDISC_DO);
+  set_int(fd, IPPROTO_IPV6, IPV6_DONTFRAG, 1);
+}
 
 std::uint16_t bound_port(int fd) {
-  sockaddr_in address{};
+  sockaddr_in6 address{};
   socklen_t size = sizeof address;
   ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
-  return ntohs(address.sin_port);
+  return to_address(address).port;
+}
+
+struct OpenSocket {
+  FileDescriptor fd;
+  int family = AF_INET;
+};
+
+/// For IPv4 alone where the address is, or where the system was started without IPv6 (ipv6.disable=1).
+OpenSocket open_socket_for(const IpAddress& address) {
+  if (!address.is_ipv4()) {
+    FileDescriptor both(::socket(AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    // Both families, whatever net.ipv6.bindv6only says.
+    if (both && set_int(both.get(), IPPROTO_IPV6, IPV6_V6ONLY, address.is_any() ? 0 : 1))
+      return {std::move(both), AF_INET6};
+    if (!address.is_any()) return {{}, AF_INET6};
+  }
+  return {FileDescriptor(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)), AF_INET};
 }
 
 std::size_t segment_bytes(std::span<std::byte> control) noexcept {
@@ -97,10 +120,12 @@ constexpr std::size_t messages_per_call = 8;
 /// What sendmsg() takes for one batch. Points into itself.
 class OutgoingMessage {
  public:
-  const msghdr& set(const OutgoingBatch& batch, const sockaddr_in* to) noexcept {
+  const msghdr& set(const OutgoingBatch& batch, const SystemAddress* to) noexcept {
     header_ = {};
-    header_.msg_name = const_cast<sockaddr_in*>(to);  // the kernel only reads what it is given
-    header_.msg_namelen = to == nullptr ? 0 : sizeof *to;
+    if (to != nullptr) {
+      header_.msg_name = const_cast<sockaddr*>(to->get());  // the kernel only reads what it is given
+      header_.msg_namelen = to->bytes();
+    }
     header_.msg_iov = const_cast<iovec*>(batch.parts.data());
     header_.msg_iovlen = batch.parts.size();
     if (batch.segment_bytes == 0) return header_;
@@ -134,37 +159,39 @@ void set_receive_buffer(int fd, std::size_t bytes) { set_buffer(fd, SO_RCVBUFFOR
 
 Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& options) {
   auto socket = std::make_shared<UdpSocket>();
-  socket->fd = FileDescriptor(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  OpenSocket open = open_socket_for(options.bind.ip);
+  if (!open.fd) return fail(Errc::system, "cannot open a UDP socket: " + message_of(errno));
+  socket->fd = std::move(open.fd);
+  socket->family = open.family;
   const int fd = socket->fd.get();
-  if (!socket->fd) return fail(Errc::system, "cannot open a UDP socket: " + message_of(errno));
-  if (const int error = bind_patiently(fd, to_sockaddr(options.bind)); error != 0) {
+  if (const int error = bind_patiently(fd, options.bind, open.family); error != 0) {
     return bind_error(error, options.bind);
   }
   set_receive_buffer(fd, options.receive_buffer_bytes);
   set_buffer(fd, SO_SNDBUFFORCE, SO_SNDBUF, options.send_buffer_bytes);
-  refuse_fragments(fd);
+  refuse_fragments(fd, open.family);
   socket->options = options;
   socket->receives_trains = set_int(fd, SOL_UDP, UDP_GRO, 1);
   socket->receive_buffer_bytes = static_cast<std::uint32_t>(get_int(fd, SOL_SOCKET, SO_RCVBUF));
   socket->port = bound_port(fd);
-  if (options.hears_groups) socket->group_fd = open_group_socket(options);
+  if (options.hears_groups) open_group_socket(*socket);
   return socket;
 }
 
-FileDescriptor open_sending_socket(const SocketOptions& options) noexcept {
-  FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+FileDescriptor open_sending_socket(const SocketOptions& options, int family) noexcept {
+  FileDescriptor socket(::socket(family, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   if (!socket) return socket;
   const int fd = socket.get();
-  const sockaddr_in from = to_sockaddr({options.bind.ipv4, 0});
-  if (options.bind.ipv4 != 0) ::bind(fd, reinterpret_cast<const sockaddr*>(&from), sizeof from);
+  const SystemAddress from({options.bind.ip, 0}, family);
+  if (!options.bind.ip.is_any() && from.family() == family) ::bind(fd, from.get(), from.bytes());
   set_buffer(fd, SO_SNDBUFFORCE, SO_SNDBUF, options.send_buffer_bytes);
   set_int(fd, SOL_SOCKET, SO_RCVBUF, 0);  // nobody reads what strangers send there
-  refuse_fragments(fd);
+  refuse_fragments(fd, family);
   return socket;
 }
 
 Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
-                              const sockaddr_in* to) noexcept {
+                              const SystemAddress* to) noexcept {
   std::array<OutgoingMessage, messages_per_call> messages;
   std::array<mmsghdr, messages_per_call> headers;
   std::size_t sent = 0;
@@ -206,7 +233,15 @@ timespec time_until(Clock::time_point deadline) noexcept {
           .tv_nsec = static_cast<long>(left.count() % 1'000'000'000)};
 }
 
-void hand_over(std::span<const std::byte> train, std::span<std::byte> control, const sockaddr_in& from,
+bool poll_until(std::span<pollfd> polled, Clock::time_point deadline) noexcept {
+  const bool limited = deadline != Clock::time_point::max();
+  const timespec timeout = limited ? time_until(deadline) : timespec{};
+  const int ready = ::ppoll(polled.data(), polled.size(), limited ? &timeout : nullptr, nullptr);
+  if (ready < 0) std::ranges::for_each(polled, [](pollfd& p) { p.revents = 0; });
+  return ready > 0;
+}
+
+void hand_over(std::span<const std::byte> train, std::span<std::byte> control, const sockaddr_in6& from,
                DatagramSink& sink) noexcept {
   const SocketAddress source = to_address(from);
   std::size_t segment = segment_bytes(control);

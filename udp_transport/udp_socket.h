@@ -3,8 +3,10 @@
 #pragma once
 
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -15,25 +17,34 @@
 #include "core/file_descriptor.h"
 #include "sft/typesupport/result.h"
 #include "udp_transport/datagram_io.h"
+#include "udp_transport/interfaces.h"
 
 namespace sft::udp {
 
 using core::FileDescriptor;
 
 struct SocketOptions {
-  SocketAddress bind;                    ///< address 0: all; port 0: any
+  SocketAddress bind;                    ///< address 0: all, of both families; port 0: any
   std::size_t receive_buffer_bytes = 0;  ///< wanted, as the kernel counts
   std::size_t send_buffer_bytes = 0;     ///< 0: the system's default
   bool hears_groups = false;
 };
 
+/// Not bound to an address it takes both families, IPv4 as IPv4-mapped, unless the system has no IPv6.
 struct UdpSocket {
   FileDescriptor fd;
+  int family = AF_INET;  ///< of the addresses that it is used with
   SocketOptions options;
   std::uint16_t port = 0;
   std::uint32_t receive_buffer_bytes = 0;  ///< granted, as the kernel counts
   bool receives_trains = false;            ///< UDP_GRO is on
-  FileDescriptor group_fd{};  ///< what multicast groups get (group_socket.h); invalid where there can be none
+  // Multicast groups (group_socket.h); invalid where there can be none.
+  FileDescriptor group_fd{};   ///< what they get
+  FileDescriptor either_fd{};  ///< readable if one of both is
+  mutable std::atomic<bool> in_groups{false};
+
+  /// Becomes readable when something has come.
+  int readable() const noexcept { return either_fd ? either_fd.get() : fd.get(); }
 };
 
 /// A port that a process just left can stay in use for some 50 ms; this waits for it.
@@ -43,12 +54,13 @@ bool set_int(int fd, int level, int name, int value);
 /// As many as the system grants.
 void set_receive_buffer(int fd, std::size_t bytes);
 
-/// One that sends only, from any free port and with a send buffer of its own; not connected yet. Invalid
-/// where the process may not open more.
-FileDescriptor open_sending_socket(const SocketOptions& options) noexcept;
+/// One that sends only, to addresses of one family, from any free port and with a send buffer of its own; not
+/// connected yet. Invalid where the process may not open more.
+FileDescriptor open_sending_socket(const SocketOptions& options, int family) noexcept;
 
 /// sendmmsg() that never waits. `to` is null where the socket is connected.
-Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches, const sockaddr_in* to) noexcept;
+Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
+                              const SystemAddress* to) noexcept;
 
 /// What a failed send means, by its errno; `segmented` if it was of several datagrams.
 SendOutcome outcome_of(int error, bool segmented) noexcept;
@@ -56,12 +68,16 @@ SendOutcome outcome_of(int error, bool segmented) noexcept;
 /// What is left until then, as ppoll() takes it.
 timespec time_until(std::chrono::steady_clock::time_point deadline) noexcept;
 
+/// ppoll() until then, or a signal. Whether any is ready; `revents` says which, and nothing otherwise.
+bool poll_until(std::span<pollfd> polled, std::chrono::steady_clock::time_point deadline) noexcept;
+
 /// Room for the one control message that receiving with UDP_GRO brings.
 inline constexpr std::size_t train_control_bytes = CMSG_SPACE(sizeof(int));
 
 /// Hands the datagrams of a train to the sink, between begin() and end(). `control` are the control messages
-/// that came with it; without the segment size among them the train is one datagram.
-void hand_over(std::span<const std::byte> train, std::span<std::byte> control, const sockaddr_in& from,
+/// that came with it; without the segment size among them the train is one datagram. `from` is of either
+/// family.
+void hand_over(std::span<const std::byte> train, std::span<std::byte> control, const sockaddr_in6& from,
                DatagramSink& sink) noexcept;
 
 }  // namespace sft::udp

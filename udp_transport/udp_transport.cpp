@@ -33,12 +33,14 @@ class UdpTransport final : public core::Transport {
   UdpTransport(const UdpOptions& options, const UdpSocket& socket, std::string description,
                std::shared_ptr<Receiver> receiver, std::shared_ptr<SendSide> send_side)
       : description_(std::move(description) + ", port " + std::to_string(socket.port) +
+                     (socket.family == AF_INET && options.bind_address.is_any() ? ", IPv4 only" : "") +
                      note_on_buffer(options, socket)),
         max_sample_bytes_(options.max_sample_bytes),
         bound_to_(options.bind_address),
         advertised_(options.advertised_addresses),
         interfaces_(options.interfaces),
         port_(socket.port),
+        family_(socket.family),
         receive_buffer_bytes_(socket.receive_buffer_bytes),
         receiver_(std::move(receiver)),
         send_side_(std::move(send_side)) {}
@@ -52,6 +54,11 @@ class UdpTransport final : public core::Transport {
 
   core::Availability poll(std::chrono::steady_clock::time_point now) override {
     send_side_->writers.tend(now);
+    const bool anew = std::exchange(network_has_changed_, false);
+    if (anew || now - destinations_looked_after_at_ >= PathMtu::search_pause) {
+      destinations_looked_after_at_ = now;
+      send_side_->destinations.look_after(now, anew);
+    }
     return receiver_->broken() ? core::Availability::unavailable : core::Availability::ready;
   }
 
@@ -61,18 +68,26 @@ class UdpTransport final : public core::Transport {
   }
 
   std::vector<core::UdpAddress> addresses() const override {
-    std::vector<std::uint32_t> hosts = advertised_;
-    if (hosts.empty() && bound_to_ != 0) hosts.push_back(bound_to_);
-    if (hosts.empty()) {
-      for (const core::Link& link : links()) hosts.push_back(link.ipv4);
-    }
+    std::vector<core::IpAddress> hosts = advertised_;
+    if (hosts.empty() && !bound_to_.is_any()) hosts.push_back(bound_to_);
     std::vector<core::UdpAddress> addresses;
-    for (const std::uint32_t host : hosts) addresses.push_back({host, port_, receive_buffer_bytes_});
+    for (const core::IpAddress& host : hosts) addresses.push_back({host, port_, receive_buffer_bytes_});
+    if (!addresses.empty()) return addresses;
+    for (const core::Link& link : links())
+      addresses.push_back({link.ip, port_, receive_buffer_bytes_, link.wireless});
     return addresses;
   }
 
-  std::vector<core::Link> links() const override { return own_links(interfaces_); }
-  bool network_changed() noexcept override { return network_watch_.changed(); }
+  std::vector<core::Link> links() const override {
+    std::vector<core::Link> links = own_links(interfaces_);
+    if (family_ == AF_INET) std::erase_if(links, [](const core::Link& link) { return !link.ip.is_ipv4(); });
+    return links;
+  }
+  bool network_changed() noexcept override {
+    const bool changed = network_watch_.changed();
+    network_has_changed_ |= changed;
+    return changed;
+  }
 
   Result<std::unique_ptr<core::WriterPort>> open_writer(const core::WriterSpec& spec) override {
     if (spec.id == 0 || spec.type == nullptr)
@@ -94,11 +109,14 @@ class UdpTransport final : public core::Transport {
  private:
   const std::string description_;
   const std::size_t max_sample_bytes_;
-  const std::uint32_t bound_to_;
-  const std::vector<std::uint32_t> advertised_;
+  const core::IpAddress bound_to_;
+  const std::vector<core::IpAddress> advertised_;
   const std::vector<std::string> interfaces_;
   NetworkWatch network_watch_;
+  bool network_has_changed_ = false;
+  std::chrono::steady_clock::time_point destinations_looked_after_at_{};
   const std::uint16_t port_;
+  const int family_;  ///< of the socket: one of IPv6 takes both
   const std::uint32_t receive_buffer_bytes_;
   const std::shared_ptr<Receiver> receiver_;
   const std::shared_ptr<SendSide> send_side_;
@@ -170,6 +188,7 @@ Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& op
                                                             std::shared_ptr<core::BufferPool> pool,
                                                             const DecorateIo& decorate) {
   const auto forward = [](Error& error) { return tl::unexpected<Error>(std::move(error)); };
+  if (Result<void> sound = check_interfaces(options.interfaces); !sound) return forward(sound.error());
   Result<std::shared_ptr<const UdpSocket>> socket =
       open_udp_socket({.bind = {options.bind_address, options.port},
                        .receive_buffer_bytes = options.receive_buffer_bytes,

@@ -24,13 +24,12 @@ enum class Backend : std::uint8_t {
   sockets,
 };
 
-/// Addresses are IPv4 in host byte order.
 struct UdpOptions {
-  std::uint16_t port = 0;                             ///< 0: any free one
-  std::uint32_t bind_address = 0;                     ///< 0: all of the host's
-  std::vector<std::uint32_t> advertised_addresses{};  ///< empty: the one bound to, or the host's
-  std::vector<std::string>
-      interfaces{};  ///< else those of these, by name or address; empty: of all that are up
+  std::uint16_t port = 0;                               ///< 0: any free one
+  core::IpAddress bind_address{};                       ///< any: all of the host's, of both families
+  std::vector<core::IpAddress> advertised_addresses{};  ///< empty: the one bound to, or the host's
+  /// Else those of these, by name, address or network (interfaces.h); empty: of all that are up.
+  std::vector<std::string> interfaces{};
   Backend backend = Backend::automatic;
 
   std::size_t max_sample_bytes = std::size_t{32} << 20;      ///< of a body, sent or received

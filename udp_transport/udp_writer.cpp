@@ -10,9 +10,7 @@ namespace sft::udp {
 namespace {
 /// Masks under which the publisher's thread sends a sample itself: with many it would be held up, and more so
 /// with what has just made it wait, since a large sample has taken the caches.
-std::size_t own_variants_max(const core::SampleBuffer& sample) {
-  return sample.capacity <= direct_bytes_max ? 4 : 1;
-}
+constexpr std::size_t small_variants_max = 4, large_variants_max = 1;
 
 GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
                              std::shared_ptr<WriterTally> tally) {
@@ -27,8 +25,9 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
   setup.connect = [&side](std::uint32_t group, std::uint32_t own, std::size_t datagram_bytes) {
     DestinationLimits limits = side.limits;
     limits.datagram_bytes = datagram_bytes;
-    const SocketAddress to{group, group_port};
-    return std::make_shared<Destination>(to, limits, side.sender.connect_group(to, {own, 0}));
+    const SocketAddress to{core::IpAddress(group), group_port};
+    return std::make_shared<Destination>(to, limits,
+                                         side.sender.connect_group(to, {core::IpAddress(own), 0}));
   };
   return setup;
 }
@@ -37,6 +36,7 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
 
 UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> side)
     : type_(*spec.type),
+      max_blocking_(spec.max_blocking),
       side_(std::move(side)),
       tally_(std::make_shared<WriterTally>()),
       jobs_(JobPool::make()),
@@ -99,6 +99,8 @@ void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHand
 /// What was left under the routes before still counts; under those before that, nothing may be left.
 void UdpWriter::turn_to(const RouteTable& routes) noexcept {
   using core::DeliveryBook;
+  send_held();
+  held_for_ = holds_ ? routes_.loaded() : nullptr;
   if (late_counts_ == DeliveryBook::LateCounts::to_come) left_->finish();
   late_counts_ = left_->done() ? DeliveryBook::LateCounts::none : DeliveryBook::LateCounts::to_come;
   if (book_ != nullptr) book_->turn_to(DeliveryBook::Teller::network, routes.page, late_counts_);
@@ -129,22 +131,58 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
     return core::SendStatus::lost_port;
   }
   if (BodySizes* sizes = in_use_->sizes.get())
-    sizes->measure(core::state_of(*sample, type_.slots()), std::chrono::steady_clock::now());
+    sizes->measure(core::state_of(*sample, type_.slots()), std::chrono::steady_clock::now(), holds_);
+  if (!holds_) sender_.be_patient(max_blocking_);
   std::size_t missed = 0;
-  std::size_t own = left_->done() ? own_variants_max(*sample) : 0;  // nothing overtakes what was left before
+  std::size_t own = own_variants(*sample);
   std::size_t first_left = 0;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const Group& group = groups[i];
     if (group.gate != nullptr) {  // answers for this sample only while it is the last
-      if (group.gate->passes()) missed += sender_.send(group, sample);
+      if (group.gate->passes()) missed += hold_or_send(group, sample);
     } else if (own > 0) {
-      missed += sender_.send(group, sample);
+      missed += hold_or_send(group, sample);
       first_left = i + 1;
       --own;
     }
   }
   const bool left = leave(sample, first_left, groups.size());
   return missed == 0 && left ? core::SendStatus::sent : core::SendStatus::dropped;
+}
+
+/// For how many masks this thread sends it itself.
+std::size_t UdpWriter::own_variants(const core::SampleBuffer& sample) const noexcept {
+  if (!left_->done()) return 0;                    // nothing overtakes what was left before
+  if (max_blocking_.count() > 0) return SIZE_MAX;  // the sending thread does not wait
+  if (sample.capacity > direct_bytes_max) return large_variants_max;
+  return holds_ ? SIZE_MAX : small_variants_max;
+}
+
+/// What cannot be held does not overtake what is.
+std::size_t UdpWriter::hold_or_send(const Group& group, const core::SampleHandle& sample) noexcept {
+  using Hold = VariantSender::Hold;
+  Hold hold = holds_ ? sender_.hold(group, sample) : Hold::unfit;
+  if (hold == Hold::full) {
+    send_held();
+    hold = sender_.hold(group, sample);
+  }
+  if (hold == Hold::held) return 0;
+  if (holds_) send_held();
+  return sender_.send(group, sample);
+}
+
+void UdpWriter::hold() noexcept {
+  holds_ = true;
+  sender_.be_patient(max_blocking_);
+  missed_ = 0;
+  held_for_ = routes_.loaded();
+}
+
+std::size_t UdpWriter::flush() noexcept {
+  send_held();
+  holds_ = false;
+  held_for_.reset();
+  return std::exchange(missed_, 0);
 }
 
 void UdpWriter::miss() noexcept {
@@ -163,6 +201,7 @@ void UdpWriter::count_missed(std::span<const Group> groups) noexcept {
 bool UdpWriter::leave(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept {
   const auto rest = std::span(routes_.loaded()->groups).subspan(first, end - first);
   if (std::ranges::all_of(rest, [](const Group& group) { return group.gate != nullptr; })) return true;
+  send_held();
   const FanOut::Posted posted = left_->post({sample, routes_.loaded(), first, end});
   if (posted.was_idle) side_->sender.schedule(left_);
   if (posted.dropped_oldest) side_->over_limit.fetch_add(1, std::memory_order_relaxed);

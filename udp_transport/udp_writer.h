@@ -25,6 +25,8 @@ class UdpWriter final : public core::WriterPort, private Tended {
   ~UdpWriter() override;
 
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
+  void hold() noexcept override;
+  std::size_t flush() noexcept override;
   void begin() noexcept override;
   void rest() noexcept override;
   void include_spares() noexcept override { with_spares_ = true; }
@@ -40,12 +42,16 @@ class UdpWriter final : public core::WriterPort, private Tended {
  private:
   void tend(std::chrono::steady_clock::time_point now) override;
   void make_table();
+  std::size_t own_variants(const core::SampleBuffer& sample) const noexcept;
+  std::size_t hold_or_send(const Group& group, const core::SampleHandle& sample) noexcept;
+  void send_held() noexcept { missed_ += sender_.flush(); }
   bool leave(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept;
   const RouteTable& routes_of_sample() noexcept;
   static void count_missed(std::span<const Group> groups) noexcept;
   void turn_to(const RouteTable& routes) noexcept;
 
   const TypeSupport& type_;
+  const std::chrono::nanoseconds max_blocking_;
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
   const std::shared_ptr<JobPool> jobs_;
@@ -64,6 +70,9 @@ class UdpWriter final : public core::WriterPort, private Tended {
   bool with_spares_ = false;                      ///< of these, too, is the present one
   core::DeliveryBook::LateCounts late_counts_{};  ///< of what was left on the page before
   VariantSender sender_;
+  bool holds_ = false;                          ///< until flush()
+  std::size_t missed_ = 0;                      ///< of what was held
+  std::shared_ptr<const RouteTable> held_for_;  ///< keeps the groups of what is held
   const std::shared_ptr<FanOut> left_;
 };
 

@@ -6,11 +6,14 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <string>
 #include <system_error>
 
+#include "core/spin.h"
 #include "udp_transport/socket_sender.h"
+#include "udp_transport/train_reader.h"
 
 namespace sft::udp {
 
@@ -36,22 +39,33 @@ class Ring {
   int open(unsigned entries, unsigned completions) noexcept {
     io_uring_params params{};
     params.flags = IORING_SETUP_R_DISABLED | IORING_SETUP_SINGLE_ISSUER | IORING_SETUP_DEFER_TASKRUN |
-                   IORING_SETUP_SUBMIT_ALL | IORING_SETUP_CQSIZE | IORING_SETUP_CLAMP;
+                   IORING_SETUP_TASKRUN_FLAG | IORING_SETUP_SUBMIT_ALL | IORING_SETUP_CQSIZE |
+                   IORING_SETUP_CLAMP;
     params.cq_entries = completions;
     const int error = -io_uring_queue_init_params(entries, &ring_, &params);
     open_ = error == 0;
     return error;
   }
 
+  /// They are named by their place here. 0 or a positive errno.
+  template <std::size_t n>
+  int register_files(const std::array<int, n>& files) noexcept {
+    return -io_uring_register_files(&ring_, files.data(), n);
+  }
+
   bool enable() noexcept {
+    if (enabled_) return true;
     // The function for it is declared by liburing 2.3, but not exported.
-    if (!enabled_) enabled_ = io_uring_register(ring_.ring_fd, IORING_REGISTER_ENABLE_RINGS, nullptr, 0) == 0;
+    enabled_ = io_uring_register(ring_.ring_fd, IORING_REGISTER_ENABLE_RINGS, nullptr, 0) == 0;
+    if (enabled_) io_uring_register_ring_fd(&ring_);  // only saves time: where it is refused, all goes on
     return enabled_;
   }
   bool enabled() const { return enabled_; }
 
   void close() noexcept {
-    if (open_) io_uring_queue_exit(&ring_);
+    if (!open_) return;
+    io_uring_unregister_files(&ring_);  // at once, while the rest of a ring goes a little later
+    io_uring_queue_exit(&ring_);
     open_ = enabled_ = false;
   }
 
@@ -76,6 +90,13 @@ class Ring {
     }
     return result >= 0 || result == -ETIME || result == -EINTR || result == -EAGAIN || result == -EBUSY;
   }
+
+  /// Whether wait() would return at once. Costs no system call: completions are put together only there, and
+  /// this sees the mark that something waits for that.
+  bool has_news() noexcept {
+    return (IO_URING_READ_ONCE(*ring_.sq.kflags) & IORING_SQ_TASKRUN) != 0 || io_uring_cq_ready(&ring_) != 0;
+  }
+  bool has_submissions() noexcept { return io_uring_sq_ready(&ring_) != 0; }
 
   /// Calls `handle(completion)` for each one there is; a completion is
   /// given back before the next is looked at.
@@ -157,26 +178,32 @@ class BufferRing {
 class UringReceiver final : public DatagramReceiver {
  public:
   UringReceiver(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event)
-      : socket_(std::move(socket)), wake_event_(std::move(wake_event)) {
-    layout_.msg_namelen = sizeof(sockaddr_in);
+      : socket_(socket), wake_event_(std::move(wake_event)), trains_(std::move(socket)) {
+    layout_.msg_namelen = sizeof(sockaddr_in6);  // of either family
     layout_.msg_controllen = train_control_bytes;
   }
 
-  /// 0 or a positive errno.
   int open() noexcept {
     if (const int error = ring_.open(8, 2 * BufferRing::buffers); error != 0) return error;
+    if (const int error = register_files(); error != 0) return error;
     return buffers_.open(ring_.get());
   }
 
-  bool receive(DatagramSink& sink, Clock::time_point deadline) noexcept override {
+  bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
     if (broken_ || !ring_.enable()) return false;
     arm();
+    if (spin.count() > 0 && !ring_.has_submissions())
+      core::spin(std::min(deadline, Clock::now() + spin), [this] { return ring_.has_news(); });
     if (!ring_.wait(1, deadline)) return false;
     ring_.for_each_completion([&](const io_uring_cqe& completion) { complete(completion, &sink); });
     return !broken_;
   }
 
   void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
+
+  /// What is armed stays so: a ring whose thread is elsewhere takes nothing from the socket.
+  bool receive_now(DatagramSink& sink) noexcept override { return trains_.read(sink); }
+  Descriptors descriptors() const noexcept override { return {socket_->readable(), wake_event_.get()}; }
 
   /// Closing an armed ring would keep the port in use for some time.
   void finish() noexcept override {
@@ -192,31 +219,43 @@ class UringReceiver final : public DatagramReceiver {
   }
 
  private:
+  // The registered files.
+  static constexpr int socket_place = 0;
+  static constexpr int wake_place = 1;
+  static constexpr int group_place = 2;
+
   static constexpr std::uint64_t receive_tag = 1;
   static constexpr std::uint64_t wake_tag = 2;
   static constexpr std::uint64_t group_tag = 3;
+
+  int register_files() noexcept {
+    const int datagrams = socket_->fd.get(), wake = wake_event_.get();
+    if (!socket_->group_fd) return ring_.register_files(std::array{datagrams, wake});
+    return ring_.register_files(std::array{datagrams, wake, socket_->group_fd.get()});
+  }
 
   bool armed() const { return receive_armed_ || group_armed_ || wake_armed_; }
 
   /// A multishot receive ends when it finds no free buffer, and on errors; nothing is lost meanwhile.
   void arm() noexcept {
-    if (!receive_armed_) arm_receive(socket_->fd.get(), receive_tag, receive_armed_);
-    if (!group_armed_ && socket_->group_fd) arm_receive(socket_->group_fd.get(), group_tag, group_armed_);
+    if (!receive_armed_) arm_receive(socket_place, receive_tag, receive_armed_);
+    if (!group_armed_ && socket_->group_fd) arm_receive(group_place, group_tag, group_armed_);
     if (!wake_armed_) {
       io_uring_sqe* s = ring_.next_submission();
-      io_uring_prep_poll_add(s, wake_event_.get(), POLLIN);
+      io_uring_prep_poll_add(s, wake_place, POLLIN);
+      s->flags |= IOSQE_FIXED_FILE;
       s->user_data = wake_tag;
       wake_armed_ = true;
     }
   }
 
-  void arm_receive(int fd, std::uint64_t tag, bool& armed) noexcept {
+  void arm_receive(int place, std::uint64_t tag, bool& is_armed) noexcept {
     io_uring_sqe* s = ring_.next_submission();
-    io_uring_prep_recvmsg_multishot(s, fd, &layout_, 0);
-    s->flags |= IOSQE_BUFFER_SELECT;
+    io_uring_prep_recvmsg_multishot(s, place, &layout_, 0);
+    s->flags |= IOSQE_BUFFER_SELECT | IOSQE_FIXED_FILE;
     s->buf_group = BufferRing::group;
     s->user_data = tag;
-    armed = true;
+    is_armed = true;
   }
 
   /// Without a sink the train is thrown away.
@@ -241,15 +280,16 @@ class UringReceiver final : public DatagramReceiver {
   void hand_over_buffer(std::byte* buffer, int bytes, DatagramSink& sink) noexcept {
     io_uring_recvmsg_out* out = io_uring_recvmsg_validate(buffer, bytes, &layout_);
     if (out == nullptr || (out->flags & MSG_TRUNC) != 0) return;
-    const auto* from = static_cast<const sockaddr_in*>(io_uring_recvmsg_name(out));
+    const auto* from = static_cast<const sockaddr_in6*>(io_uring_recvmsg_name(out));
     std::byte* control = static_cast<std::byte*>(io_uring_recvmsg_name(out)) + layout_.msg_namelen;
     const auto* train = static_cast<const std::byte*>(io_uring_recvmsg_payload(out, &layout_));
     hand_over({train, io_uring_recvmsg_payload_length(out, bytes, &layout_)},
               {control, std::min<std::size_t>(out->controllen, train_control_bytes)}, *from, sink);
   }
 
-  std::shared_ptr<const UdpSocket> socket_;
-  FileDescriptor wake_event_;
+  const std::shared_ptr<const UdpSocket> socket_;
+  const FileDescriptor wake_event_;
+  TrainReader trains_;
   msghdr layout_{};  ///< how much room each buffer leaves before the train
   BufferRing buffers_;
   Ring ring_;  // closed before the buffers go

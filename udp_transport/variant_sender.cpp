@@ -1,11 +1,23 @@
 #include "udp_transport/variant_sender.h"
 
+#include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <iterator>
 #include <new>
 #include <utility>
 
 namespace sft::udp {
+
+namespace {
+/// So that a pack is cut into what one system call takes, whatever the lengths of its samples.
+constexpr std::size_t pack_bytes_most = 44'000;
+constexpr std::size_t pack_datagrams = 30;
+/// A quarter of what is acknowledged at a time or kept: the next one can be filled meanwhile.
+constexpr std::size_t pack_samples_max = 1024;
+/// In a datagram there is room for so many at least: with fewer, sharing it gains little.
+constexpr std::size_t samples_per_datagram_min = 4;
+}  // namespace
 
 VariantSender::VariantSender(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
                              std::shared_ptr<WriterTally> tally, std::shared_ptr<JobPool> jobs)
@@ -16,16 +28,17 @@ VariantSender::VariantSender(const core::WriterSpec& spec, std::shared_ptr<SendS
       jobs_(std::move(jobs)) {}
 
 std::size_t VariantSender::send(const Group& group, const core::SampleHandle& sample) noexcept try {
-  if (!prepare(group, *sample)) {
+  if (!blank_) blank_ = jobs_->take();
+  Job& job = *blank_;
+  if (!encode(group, *sample, job)) {
     group.tally->dropped();
     return group.lanes.size();
   }
-  const std::uint32_t bytes = blank_->first.total;
-  const std::size_t missed =
-      group.multicast == nullptr ? send_alone(group, sample) : send_together(group, sample);
-  group.tally->sent(bytes, sample->whole_bytes);
-  release_blank();
-  return missed;
+  if (group.gate != nullptr) {
+    job.first.flags |= rate_follows;
+    job.first.rate = {group.gate->min_period_us(), group.gate->ordinal()};
+  }
+  return group.multicast == nullptr ? distribute(group, sample) : send_together(group, sample);
 } catch (const std::bad_alloc&) {  // buffers grow with the samples that they have seen
   group.tally->dropped();
   blank_ = {};
@@ -33,61 +46,58 @@ std::size_t VariantSender::send(const Group& group, const core::SampleHandle& sa
   return group.lanes.size();
 }
 
-/// For what is sent later. A channel that has the job counts what it holds: it has a copy of the body.
-void VariantSender::hold(const core::SampleHandle& sample) {
+/// For what is sent later. A channel that has the job counts what it holds: it has a copy of the body. Where
+/// it is a pack there is no sample: it keeps all by itself.
+void VariantSender::keep_for_later(const core::SampleHandle& sample) {
   if (!blank_->sample && !blank_kept_) blank_->sample = sample;
-}
-
-/// Encodes it into the next job.
-bool VariantSender::prepare(const Group& group, const core::SampleBuffer& sample) {
-  if (!blank_) blank_ = jobs_->take();
-  Job& job = *blank_;
-  if (!encode(group, sample, job)) return false;
-  if (group.gate != nullptr) {
-    job.first.flags |= rate_follows;
-    job.first.rate = {group.gate->min_period_us(), group.gate->ordinal()};
-  }
-  cut_for_ = 0;
-  return true;
+  blank_kept_ = blank_kept_ || blank_->is_pack();
 }
 
 void VariantSender::release_blank() {
   if (std::exchange(blank_kept_, false) || blank_->sample) blank_ = {};
 }
 
-std::size_t VariantSender::send_alone(const Group& group, const core::SampleHandle& sample) {
+/// The blank job.
+std::size_t VariantSender::distribute(const Group& group, const core::SampleHandle& sample) {
+  cut_for_ = 0;
   std::size_t missed = 0;
-  for (std::size_t i = 0; i < group.lanes.size(); ++i) missed += send_alone(group, i, sample) ? 0 : 1;
+  for (std::size_t i = 0; i < group.lanes.size(); ++i) missed += send_alone(group, i, sample);
+  group.tally->sent(blank_->first.total, blank_->whole_bytes, blank_->samples());
+  release_blank();
   return missed;
 }
 
-bool VariantSender::send_alone(const Group& group, std::size_t place, const core::SampleHandle& sample) {
+std::size_t VariantSender::send_alone(const Group& group, std::size_t place,
+                                      const core::SampleHandle& sample) {
   Job& job = *blank_;
   const std::shared_ptr<Lane>& lane = group.lanes[place];
   if (group.channels[place] != nullptr) return send_reliably(lane, group.channels[place], sample);
   const SendOutcome outcome = lane->idle() ? try_send(*lane, job) : SendOutcome::would_wait;
-  if (outcome == SendOutcome::sent) return true;
+  if (outcome == SendOutcome::sent) return 0;
   if (outcome == SendOutcome::would_wait) {
-    hold(sample);
-    return enqueue(lane);
+    keep_for_later(sample);
+    return enqueue(lane) ? 0 : job.samples();
   }
-  lane->losses()->lost(job.first.total, sample->whole_bytes);
-  return false;
+  lane->losses()->lost(job.first.total, job.whole_bytes, job.samples());
+  return job.samples();
 }
 
-/// Each reliable member keeps it in its channel, for repairs, or to send it itself while the member does not
-/// hear the group or has no room. Copies for others of those that do not hear it have no mark of the group.
+/// The blank job. Each reliable member keeps it in its channel, for repairs, or to send it itself while the
+/// member does not hear the group or has no room. Copies for others of those that do not hear it have no mark
+/// of the group.
 std::size_t VariantSender::send_together(const Group& group, const core::SampleHandle& sample) {
   MulticastGroup& together = *group.multicast;
   const std::uint64_t ordinal = together.next_ordinal(std::chrono::steady_clock::now());
   const bool is_small = blank_->first.total <= direct_bytes_max;
   const bool has_room = together.lane()->has_room() && !together.broken();
+  cut_for_ = 0;
+  group.tally->sent(blank_->first.total, blank_->whole_bytes, 1);
   std::size_t missed = 0;
-  if (!is_small) hold(sample);
+  if (!is_small) keep_for_later(sample);
   for (std::size_t i = 0; i < group.lanes.size(); ++i) {
     if (group.channels[i] == nullptr) continue;
     if (is_small && !std::exchange(blank_kept_, true)) blank_->copy_body();
-    missed += keep_together(group, i, ordinal, has_room) ? 0 : 1;
+    missed += keep_together(group, i, ordinal, has_room);
   }
   const MulticastGroup::BestEffort others = together.best_effort();
   if (has_room || others.some_hear) {
@@ -97,23 +107,30 @@ std::size_t VariantSender::send_together(const Group& group, const core::SampleH
                            ordinal};
     missed += send_to_group(group, sample) ? 0 : 1;
   }
-  if (!others.some_do_not) return missed;
   release_blank();
-  if (!prepare(group, *sample)) return missed;
+  return others.some_do_not ? missed + send_to_the_deaf(group, sample) : missed;
+}
+
+std::size_t VariantSender::send_to_the_deaf(const Group& group, const core::SampleHandle& sample) {
+  if (!blank_) blank_ = jobs_->take();
+  if (!encode(group, *sample, *blank_)) return 0;
+  cut_for_ = 0;
+  std::size_t missed = 0;
   for (std::size_t i = 0; i < group.lanes.size(); ++i) {
-    if (group.channels[i] == nullptr && !together.hears(i)) missed += send_alone(group, i, sample) ? 0 : 1;
+    if (group.channels[i] == nullptr && !group.multicast->hears(i)) missed += send_alone(group, i, sample);
   }
+  release_blank();
   return missed;
 }
 
-bool VariantSender::keep_together(const Group& group, std::size_t place, std::uint64_t ordinal,
-                                  bool has_room) {
+std::size_t VariantSender::keep_together(const Group& group, std::size_t place, std::uint64_t ordinal,
+                                         bool has_room) {
   MulticastGroup& together = *group.multicast;
   const std::shared_ptr<Channel>& channel = group.channels[place];
   const bool elsewhere = has_room && together.hears(place);
   const Channel::Posted posted = channel->post_shared(blank_, blank_->first, elsewhere);
   together.placed(place, ordinal, posted.kept.ordinal);
-  return note(posted, channel, *group.lanes[place]);
+  return note(posted, channel, *group.lanes[place], 1);
 }
 
 bool VariantSender::send_to_group(const Group& group, const core::SampleHandle& sample) {
@@ -126,33 +143,100 @@ bool VariantSender::send_to_group(const Group& group, const core::SampleHandle& 
   }
   const SendOutcome outcome = lane->idle() ? try_send(*lane, job) : SendOutcome::would_wait;
   if (outcome == SendOutcome::would_wait) {
-    hold(sample);
+    keep_for_later(sample);
     return enqueue(lane);
   }
   together.left(job, outcome != SendOutcome::sent);
   return outcome == SendOutcome::sent;
 }
 
-/// A late reader's lane holds it back while its history goes first. False if an older sample had to go for
-/// it.
-bool VariantSender::send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
-                                  const core::SampleHandle& sample) {
-  Job& job = *blank_;
-  const bool is_small = job.first.total <= direct_bytes_max;
-  if (lane->is_late() && !lane->idle()) {
-    hold(sample);
-    return enqueue(lane);
-  }
-  if (lane->is_late()) lane->mark(job);
-  if (is_small && !std::exchange(blank_kept_, true)) job.copy_body();
-  if (!is_small) hold(sample);
-  const Channel::Posted posted = channel->post(blank_, job.first, is_small);
-  if (posted.piece) send_now(*channel, *posted.piece);
-  return note(posted, channel, *lane);
+bool VariantSender::Held::follows(const core::SampleBuffer& sample, std::size_t bytes) const {
+  if (!pack->is_pack()) return true;
+  return sample.sequence == pack->sequence + pack->samples() &&
+         sample.source_stamp_ns == pack->first.stamp_ns && pack->samples() < pack_samples_max &&
+         pack->packed_bytes() + bytes <= pack_bytes_max;
 }
 
-/// Wakes who has to look after it. False if an older sample had to go for it.
-bool VariantSender::note(const Channel::Posted& posted, const std::shared_ptr<Channel>& channel, Lane& lane) {
+VariantSender::Held& VariantSender::held_for(const Group& group) {
+  const auto known = std::ranges::find(held_, &group, &Held::group);
+  if (known != held_.end()) return *known;
+  std::size_t datagram_bytes = datagram_bytes_max;
+  for (const auto& lane : group.lanes)
+    datagram_bytes = std::min(datagram_bytes, lane->destination().datagram_bytes());
+  const std::size_t header =
+      first_header_bytes + channel_bytes + length_bytes + group.wire->words.size() * sizeof(std::uint64_t);
+  // One that every path takes in a datagram, so that none ever has to be cut.
+  const std::size_t sample_bytes = std::min({datagram_bytes_min - header, side_->max_sample_bytes,
+                                             (datagram_bytes - header) / samples_per_datagram_min});
+  return held_.emplace_back(
+      Held{&group, jobs_->take(), sample_bytes, std::min(pack_bytes_most, pack_datagrams * datagram_bytes)});
+}
+
+VariantSender::Hold VariantSender::hold(const Group& group, const core::SampleHandle& sample) noexcept try {
+  if (group.gate != nullptr || group.late_reader != 0 || group.multicast != nullptr) return Hold::unfit;
+  if (!projected_) projected_ = jobs_->take();
+  Projection& body = projected_->projection;
+  if (!body.project(core::state_of(*sample, type_.slots()), group.plan)) return Hold::unfit;
+  Held& held = held_for(group);
+  if (body.bytes() > held.sample_bytes_max) return Hold::unfit;
+  if (!held.follows(*sample, body.bytes())) return Hold::full;
+  if (!held.pack->is_pack()) {
+    describe(group, *sample, *held.pack);
+    held.pack->whole_bytes = 0;
+  }
+  held.pack->pack(body.segments());
+  held.pack->whole_bytes += sample->whole_bytes;
+  return Hold::held;
+} catch (const std::bad_alloc&) {
+  return Hold::unfit;
+}
+
+std::size_t VariantSender::flush() noexcept {
+  std::size_t missed = 0;
+  for (const Held& held : held_) {
+    if (held.pack->is_pack()) missed += send_pack(held);
+  }
+  held_.clear();
+  return missed;
+}
+
+std::size_t VariantSender::send_pack(const Held& held) noexcept try {
+  held.pack->seal();
+  JobHandle before = std::exchange(blank_, held.pack);
+  const std::size_t missed = distribute(*held.group, {});
+  blank_ = std::move(before);
+  return missed;
+} catch (const std::bad_alloc&) {
+  for (std::size_t i = 0; i < held.pack->samples(); ++i) held.group->tally->dropped();
+  blank_ = {};
+  blank_kept_ = false;
+  return held.pack->samples();
+}
+
+/// A late reader's lane holds it back while its history goes first. Returns how many older samples had to go
+/// for it.
+std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane,
+                                         const std::shared_ptr<Channel>& channel,
+                                         const core::SampleHandle& sample) {
+  Job& job = *blank_;
+  const std::size_t job_samples = job.samples();
+  const bool is_small = job.is_pack() || job.first.total <= direct_bytes_max;
+  if (lane->is_late() && !lane->idle()) {
+    keep_for_later(sample);
+    return enqueue(lane) ? 0 : 1;
+  }
+  if (lane->is_late()) lane->mark(job);
+  if (is_small && !std::exchange(blank_kept_, true) && !job.is_pack()) job.copy_body();
+  if (!is_small) keep_for_later(sample);
+  const Channel::Posted posted =
+      channel->post(blank_, job.first, is_small, patience_.count() == 0 ? nullptr : &patience_);
+  if (posted.piece) send_now(*channel, *posted.piece);
+  return note(posted, channel, *lane, job_samples);
+}
+
+/// Wakes who has to look after it. Returns how many older samples had to go for it, of as many as it is.
+std::size_t VariantSender::note(const Channel::Posted& posted, const std::shared_ptr<Channel>& channel,
+                                Lane& lane, std::size_t job_samples) {
   if (posted.was_at_rest) {
     side_->sender.schedule(channel);
   } else if (posted.waits) {
@@ -162,24 +246,30 @@ bool VariantSender::note(const Channel::Posted& posted, const std::shared_ptr<Ch
   for (std::size_t i = 0; i < kept.dropped; ++i)
     lane.losses()->lost(i == 0 ? kept.dropped_bytes : 0, i == 0 ? kept.dropped_whole_bytes : 0);
   side_->over_limit.fetch_add(kept.dropped, std::memory_order_relaxed);
-  return kept.dropped == 0;
+  return std::min(kept.dropped, job_samples);
+}
+
+/// One call for a small body; a pack may take some. `would_wait` where the sending thread has to do it.
+SendOutcome VariantSender::send_at_once(const EncodedBody& body, Destination& to) {
+  Fragmenter fragments(body, to.datagram_bytes());
+  do {
+    fragments.next(batch_, batch_bytes_max, body.packed ? to.datagrams_per_call() : batch_datagrams_max);
+    if (!body.packed && (!fragments.done() || batch_.datagrams() > to.datagrams_per_call()))
+      return SendOutcome::would_wait;
+    const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
+    if (const auto outcome = to.connection().try_send({&batch, 1}).outcome; outcome != SendOutcome::sent)
+      return outcome;
+    tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
+  } while (!fragments.done());
+  return SendOutcome::sent;
 }
 
 /// What cannot leave at once is for the sending thread.
 void VariantSender::send_now(Channel& channel, const Channel::Piece& piece) {
   Destination& to = channel.destination();
-  Fragmenter fragments(piece.job->body(piece.first), to.datagram_bytes());
-  fragments.next(batch_);
   cut_for_ = 0;
-  SendOutcome outcome = SendOutcome::would_wait;
-  if (fragments.done() && batch_.datagrams() <= to.datagrams_per_call()) {
-    const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
-    outcome = to.connection().try_send({&batch, 1}).outcome;
-  }
-  if (outcome == SendOutcome::sent) {
-    tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
-    return channel.finished(piece);
-  }
+  const SendOutcome outcome = send_at_once(piece.body(), to);
+  if (outcome == SendOutcome::sent) return channel.finished(piece);
   if (outcome != SendOutcome::would_wait) to.note(outcome);
   channel.put_back(piece);
   side_->sender.look_again();
@@ -193,6 +283,13 @@ bool VariantSender::encode(const Group& group, const core::SampleBuffer& sample,
     side_->over_limit.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
+  describe(group, sample, job);
+  job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
+  return true;
+}
+
+/// All but how long the body is.
+void VariantSender::describe(const Group& group, const core::SampleBuffer& sample, Job& job) const {
   job.mask = group.wire;
   job.sequence = sample.sequence;
   job.whole_bytes = sample.whole_bytes;
@@ -201,14 +298,17 @@ bool VariantSender::encode(const Group& group, const core::SampleBuffer& sample,
   if (group.multicast != nullptr) job.first.flags |= merged_masks;
   if (group.late_reader != 0) job.first.flags |= history_follows;
   job.first.history.reader = group.late_reader;
-  job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
   job.first.mask = group.wire->mask;
   job.first.stamp_ns = sample.source_stamp_ns;
-  return true;
 }
 
 /// `would_wait` where it is for the sending thread: the body is not small, or the send buffer is full.
 SendOutcome VariantSender::try_send(Lane& lane, Job& job) {
+  if (job.is_pack()) {
+    const SendOutcome outcome = send_at_once(job.body(), lane.destination());
+    if (outcome != SendOutcome::sent && outcome != SendOutcome::would_wait) lane.destination().note(outcome);
+    return outcome;
+  }
   if (job.first.total > direct_bytes_max) return SendOutcome::would_wait;
   if ((job.first.flags & history_follows) != 0) lane.mark(job);
   Destination& to = lane.destination();
@@ -226,6 +326,7 @@ SendOutcome VariantSender::try_send(Lane& lane, Job& job) {
     tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
   } else if (outcome != SendOutcome::would_wait) {
     to.note(outcome);
+    if (outcome == SendOutcome::too_long && to.datagram_bytes() < cut_for_) return SendOutcome::would_wait;
   }
   return outcome;
 }

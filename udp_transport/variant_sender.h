@@ -1,9 +1,11 @@
 // Sends a writer's samples under one mask after the other: small ones at once, the rest through lanes.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "core/transport.h"
 #include "udp_transport/routes.h"
@@ -23,23 +25,49 @@ class VariantSender {
   /// Returns how many destinations do not get it, or lose an older sample for it.
   std::size_t send(const Group& group, const core::SampleHandle& sample) noexcept;
 
+  enum class Hold : std::uint8_t {
+    held,
+    full,   ///< it has to wait for flush()
+    unfit,  ///< it is not small, or for one late reader or maximum rate: flush(), and then send() it
+  };
+  /// Copies a small sample, to be sent by flush() in datagrams that it shares with others. The group lives
+  /// until then.
+  Hold hold(const Group& group, const core::SampleHandle& sample) noexcept;
+  /// Returns how many samples do not get to some destination, or cost it an older one.
+  std::size_t flush() noexcept;
+
+  /// So long, in all, it may wait from now on until what is sent reliably costs nobody an older sample.
+  void be_patient(std::chrono::nanoseconds patience) { patience_ = patience; }
+
   /// False if there is nothing to send: the sample is malformed, or too large. Any thread.
   bool encode(const Group& group, const core::SampleBuffer& sample, Job& job) const;
 
  private:
-  void hold(const core::SampleHandle& sample);
+  struct Held {
+    const Group* group;
+    JobHandle pack;
+    std::size_t sample_bytes_max;
+    std::size_t pack_bytes_max;
+    bool follows(const core::SampleBuffer& sample, std::size_t bytes) const;
+  };
+  Held& held_for(const Group& group);
+  std::size_t send_pack(const Held& held) noexcept;
+  void keep_for_later(const core::SampleHandle& sample);
   void release_blank();
-  bool prepare(const Group& group, const core::SampleBuffer& sample);
-  std::size_t send_alone(const Group& group, const core::SampleHandle& sample);
-  bool send_alone(const Group& group, std::size_t place, const core::SampleHandle& sample);
+  std::size_t distribute(const Group& group, const core::SampleHandle& sample);
+  std::size_t send_alone(const Group& group, std::size_t place, const core::SampleHandle& sample);
   std::size_t send_together(const Group& group, const core::SampleHandle& sample);
-  bool keep_together(const Group& group, std::size_t place, std::uint64_t ordinal, bool has_room);
+  std::size_t send_to_the_deaf(const Group& group, const core::SampleHandle& sample);
+  std::size_t keep_together(const Group& group, std::size_t place, std::uint64_t ordinal, bool has_room);
   bool send_to_group(const Group& group, const core::SampleHandle& sample);
-  bool note(const Channel::Posted& posted, const std::shared_ptr<Channel>& channel, Lane& lane);
-  bool send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
-                     const core::SampleHandle& sample);
+  std::size_t note(const Channel::Posted& posted, const std::shared_ptr<Channel>& channel, Lane& lane,
+                   std::size_t job_samples);
+  std::size_t send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
+                            const core::SampleHandle& sample);
   void send_now(Channel& channel, const Channel::Piece& piece);
   SendOutcome try_send(Lane& lane, Job& job);
+  SendOutcome send_at_once(const EncodedBody& body, Destination& to);
+  void describe(const Group& group, const core::SampleBuffer& sample, Job& job) const;
   bool enqueue(const std::shared_ptr<Lane>& lane);
 
   const std::uint32_t writer_;  ///< low half of the id
@@ -52,6 +80,9 @@ class VariantSender {
   bool blank_kept_ = false;  ///< by a channel
   Batch batch_;              ///< of the present sample
   std::size_t cut_for_ = 0;  ///< bytes of the datagrams in the batch; 0: none of the present sample
+  std::chrono::nanoseconds patience_{0};
+  JobHandle projected_;  ///< what is to be held next
+  std::vector<Held> held_;
 };
 
 }  // namespace sft::udp

@@ -12,25 +12,35 @@ namespace sft::bench {
 
 namespace {
 
-demo::EmulatedNetwork two_hosts() {
-  auto network = demo::EmulatedNetwork::create(2);
-  if (network) return std::move(*network);
-  std::fprintf(stderr, "two hosts cannot be made (it takes root): %s\n", network.error().message.c_str());
+[[noreturn]] void give_up(const Error& error) {
+  std::fprintf(stderr, "the hosts cannot be made (it takes root): %s\n", error.message.c_str());
   std::exit(1);
 }
 
 }  // namespace
 
-TwoHosts::TwoHosts() : network_(two_hosts()) {}
+demo::EmulatedNetwork make_hosts(std::size_t hosts, Trains trains) {
+  auto network = demo::EmulatedNetwork::create(hosts);
+  if (!network) give_up(network.error());
+  for (std::size_t i = 0; i < hosts && trains == Trains::whole; ++i) {
+    const auto done =
+        network->host(i).run({"ethtool", "-K", demo::host_interface, "tx-udp-segmentation", "on"});
+    if (!done) give_up(done.error());
+  }
+  return std::move(*network);
+}
+
+TwoHosts::TwoHosts(Trains trains) : network_(make_hosts(2, trains)) {}
+
+void TwoHosts::enter(std::size_t host) const {
+  if (!network_.host(host).enter()) std::abort();
+}
 
 Sides TwoHosts::sides(std::function<void(Exchange&)> sender, std::function<void(Exchange&)> receiver) const {
-  const auto enter = [this](std::size_t host) {
-    if (!network_.host(host).enter()) std::abort();
-  };
   return {.sender = std::move(sender),
           .receiver = std::move(receiver),
-          .enter_sender = [enter] { enter(0); },
-          .enter_receiver = [enter] { enter(1); }};
+          .enter_sender = [this] { enter(0); },
+          .enter_receiver = [this] { enter(1); }};
 }
 
 std::uint32_t TwoHosts::receiver_address() { return inet_addr(demo::EmulatedNetwork::address(1).c_str()); }

@@ -1,4 +1,4 @@
-// Two hosts joined by a network, for one benchmark.
+// Hosts joined by a network, for one benchmark.
 #pragma once
 
 #include <functional>
@@ -8,13 +8,23 @@
 
 namespace sft::bench {
 
+/// What the interfaces of hosts do with a train of datagrams that one system call hands over.
+enum class Trains {
+  cut,   ///< into frames, each of which is counted with its headers
+  whole  ///< passed on in one piece, as fast as the system can
+};
+
 /// Needs root; ends the program with a message where that is missing.
+demo::EmulatedNetwork make_hosts(std::size_t hosts, Trains trains);
+
 class TwoHosts {
  public:
-  TwoHosts();
+  explicit TwoHosts(Trains trains = Trains::cut);
 
   /// The sender runs on the first host, the receiver on the second.
   Sides sides(std::function<void(Exchange&)> sender, std::function<void(Exchange&)> receiver) const;
+  /// Moves the calling process to the first host or to the second.
+  void enter(std::size_t host) const;
 
   /// Of the second host, as a number in network byte order.
   static std::uint32_t receiver_address();

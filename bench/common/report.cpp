@@ -9,14 +9,15 @@
 namespace sft::bench {
 
 void print_table(const std::vector<Figure>& figures) {
-  fmt::print("{:<28} {:>12} {:<6} {:>12} {:<34} {:>7} {:>9}\n", "figure", "value", "unit", "reference", "of",
+  fmt::print("{:<32} {:>12} {:<6} {:>12} {:<34} {:>7} {:>14}\n", "figure", "value", "unit", "reference", "of",
              "ratio", "bound");
   for (const Figure& f : figures) {
     const std::string reference = f.reference ? fmt::format("{:.3f}", *f.reference) : "";
     const std::string ratio = f.reference ? fmt::format("{:.2f}", f.measure()) : "";
-    const std::string bound =
-        f.bound ? fmt::format("{}{:g}", f.within_bound() ? "<= " : "MISSES ", *f.bound) : "";
-    fmt::print("{:<28} {:>12.3f} {:<6} {:>12} {:<34} {:>7} {:>9}\n", f.name, f.value, f.unit, reference,
+    const std::string bound = f.bound ? fmt::format("{}{} {:.4g}", f.within_bound() ? "" : "MISSES ",
+                                                    f.at_least ? ">=" : "<=", *f.bound)
+                                      : "";
+    fmt::print("{:<32} {:>12.3f} {:<6} {:>12} {:<34} {:>7} {:>14}\n", f.name, f.value, f.unit, reference,
                f.reference_name, ratio, bound);
   }
   std::fflush(stdout);

@@ -16,9 +16,14 @@ struct Figure {
   std::string reference_name{};
   std::optional<double> bound{};   ///< of the ratio, or of the value where there is no reference
   bool bound_is_of_value = false;  ///< although there is one
+  bool at_least = false;           ///< the bound; otherwise at most
 
   double measure() const { return reference ? value / *reference : value; }
-  bool within_bound() const { return !bound || (bound_is_of_value ? value : measure()) <= *bound; }
+  bool within_bound() const {
+    if (!bound) return true;
+    const double bounded = bound_is_of_value ? value : measure();
+    return at_least ? bounded >= *bound : bounded <= *bound;
+  }
 };
 
 void print_table(const std::vector<Figure>& figures);

@@ -15,19 +15,15 @@ double quantile(std::vector<double>& values, double q) {
 
 double median(std::vector<double> values) { return quantile(values, 0.5); }
 
+double median_if_any(const std::vector<double>& values) {
+  return values.empty() ? std::numeric_limits<double>::quiet_NaN() : median(values);
+}
+
 void Rounds::add(std::vector<double> times) {
   if (times.empty()) return;
   p50_.push_back(quantile(times, 0.5));
   p99_.push_back(quantile(times, 0.99));
 }
-
-namespace {
-
-double median_if_any(const std::vector<double>& rounds) {
-  return rounds.empty() ? std::numeric_limits<double>::quiet_NaN() : median(rounds);
-}
-
-}  // namespace
 
 double Rounds::p50() const { return median_if_any(p50_); }
 double Rounds::p99() const { return median_if_any(p99_); }

@@ -10,6 +10,8 @@ double quantile(std::vector<double>& values, double q);
 
 /// The median of several rounds' results: one disturbed round does not count.
 double median(std::vector<double> values);
+/// Not a number of nothing.
+double median_if_any(const std::vector<double>& values);
 
 /// Quantiles of a contender that is measured in several rounds, each as the median over these. Not a number
 /// if it failed in all of them, which is within no bound.

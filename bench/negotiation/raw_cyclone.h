@@ -2,11 +2,11 @@
 // request.
 #pragma once
 
-#include <dds/dds.h>
-
 #include <cstdint>
 #include <functional>
 #include <string>
+
+#include "bench/common/cyclone.h"
 
 namespace sft::bench {
 
@@ -22,9 +22,6 @@ class RawCyclone {
 
   /// Ends the program with a message where Cyclone refuses.
   RawCyclone();
-  ~RawCyclone();
-  RawCyclone(const RawCyclone&) = delete;
-  RawCyclone& operator=(const RawCyclone&) = delete;
 
   dds_entity_t writer(const std::string& topic, Delivery delivery);
   /// `arrived` outlives the reader.
@@ -32,13 +29,10 @@ class RawCyclone {
 
   static void write(dds_entity_t writer, std::uint64_t number);
   /// How many read what the writer writes.
-  static std::size_t readers(dds_entity_t writer);
+  static std::size_t readers(dds_entity_t writer) { return CycloneParticipant::readers(writer); }
 
  private:
-  dds_entity_t topic(const std::string& name);
-
-  dds_entity_t domain_ = 0;
-  dds_entity_t participant_ = 0;
+  const CycloneParticipant participant_;
 };
 
 }  // namespace sft::bench

@@ -1,13 +1,12 @@
 #include "bench/shm/cyclone_cloud.h"
 
-#include <dds/dds.h>
 #include <dds/ddsc/dds_loan_api.h>
 
 #include <cstdio>
 #include <cstdlib>
-#include <memory>
 
 #include "bench/common/cloud.h"
+#include "bench/common/cyclone.h"
 #include "fixed_cloud.h"
 #include "sensor_msgs/msg/PointCloud2.h"
 
@@ -21,50 +20,7 @@ using Fixed = sft_bench_FixedCloud;
 constexpr const char* config = "<SharedMemory><Enable>true</Enable><LogLevel>error</LogLevel></SharedMemory>";
 constexpr std::int64_t connecting_us = 300'000;  // iceoryx connects ports every 100 ms
 
-dds_entity_t checked(dds_entity_t entity) {
-  if (entity >= 0) return entity;
-  std::fprintf(stderr, "Cyclone DDS: %s\n", dds_strretcode(entity));
-  std::exit(1);
-}
-
-using Qos = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
-
-Qos best_effort() {
-  Qos qos(dds_create_qos(), dds_delete_qos);
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
-  return qos;
-}
-
-/// A participant, and the domain with it.
-class Participant {
- public:
-  explicit Participant(const dds_topic_descriptor_t& type)
-      : domain_(checked(dds_create_domain(0, config))),
-        participant_(checked(dds_create_participant(0, nullptr, nullptr))),
-        topic_(checked(dds_create_topic(participant_, &type, "points", nullptr, nullptr))) {}
-  ~Participant() { dds_delete(domain_); }
-  Participant(const Participant&) = delete;
-  Participant& operator=(const Participant&) = delete;
-
-  dds_entity_t writer() const {
-    return checked(dds_create_writer(participant_, topic_, best_effort().get(), nullptr));
-  }
-  /// `on_data` gets `context`.
-  dds_entity_t reader(dds_on_data_available_fn on_data, void* context) const {
-    dds_listener_t* listener = dds_create_listener(context);
-    dds_lset_data_available(listener, on_data);
-    const dds_entity_t reader =
-        checked(dds_create_reader(participant_, topic_, best_effort().get(), listener));
-    dds_delete_listener(listener);
-    return reader;
-  }
-
- private:
-  const dds_entity_t domain_;
-  const dds_entity_t participant_;
-  const dds_entity_t topic_;
-};
+constexpr const char* topic = "points";
 
 template <class T>
 const dds_topic_descriptor_t& descriptor();
@@ -79,22 +35,21 @@ const dds_topic_descriptor_t& descriptor<Fixed>() {
 
 class Writer {
  public:
-  explicit Writer(const dds_topic_descriptor_t& type) : participant_(type), writer_(participant_.writer()) {
+  explicit Writer(const dds_topic_descriptor_t& type)
+      : writer_(participant_.writer(type, topic, cyclone_best_effort().get())) {
     if (dds_is_shared_memory_available(writer_)) return;
     std::fprintf(stderr, "Cyclone DDS does not use shared memory\n");
     std::exit(1);
   }
 
   bool serves(std::size_t readers) const {
-    dds_publication_matched_status_t status{};
-    dds_get_publication_matched_status(writer_, &status);
-    if (status.current_count != readers) return false;
+    if (CycloneParticipant::readers(writer_) != readers) return false;
     sleep_us(connecting_us);
     return true;
   }
 
  protected:
-  const Participant participant_;
+  const CycloneParticipant participant_{config};
   const dds_entity_t writer_;
 };
 
@@ -146,17 +101,12 @@ class Reader {
  public:
   explicit Reader(Arrived arrived)
       : arrived_(std::move(arrived)),
-        participant_(descriptor<T>()),
-        reader_(participant_.reader(take, this)) {}
+        reader_(participant_.reader(descriptor<T>(), topic, cyclone_best_effort().get(), take, this)) {}
   ~Reader() { dds_delete(reader_); }  // before what it calls
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
-  std::size_t writers() const {
-    dds_subscription_matched_status_t status{};
-    dds_get_subscription_matched_status(reader_, &status);
-    return status.current_count;
-  }
+  std::size_t writers() const { return CycloneParticipant::writers(reader_); }
 
  private:
   static void take(dds_entity_t reader, void* self) {
@@ -170,7 +120,7 @@ class Reader {
 
   const Arrived arrived_;
   T* const message_ = static_cast<T*>(dds_alloc(sizeof(T)));
-  const Participant participant_;
+  const CycloneParticipant participant_{config};
   const dds_entity_t reader_;
 };
 

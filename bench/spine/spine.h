@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "bench/common/pair.h"
 #include "bench/common/report.h"
 
 namespace sft::bench {
@@ -21,8 +20,5 @@ std::vector<Figure> shared_memory(const Scale& scale);
 std::vector<Figure> udp_small(const Scale& scale);
 /// Bytes on the link: of a diagnostic subscriber per sample, and of an idle node per second.
 std::vector<Figure> wire_bytes();
-
-// The reference over UDP.
-std::vector<double> raw_socket_ping_pong(std::uint64_t messages, std::size_t bytes, const Sides& hosts);
 
 }  // namespace sft::bench

@@ -21,7 +21,7 @@ Endpoint endpoint() {
   e.network = 9;
   e.may_use_shm = true;
   e.may_use_udp = true;
-  e.addresses = {{0x7f000001, 4000, 1 << 20}, {0x0a000001, 4000, 1 << 20}};
+  e.addresses = {{0x0a000001, 4000, 1 << 20}, {loopback_ipv6, 4000, 1 << 20, true}};
   e.doorbell = {77, 3};
   e.max_sample_bytes = 1 << 24;
   e.qos = {.reliability = reliable,
@@ -58,7 +58,7 @@ TEST(ControlCodecTest, WhatIsLongerThanTheTopicAllowsIsCutAndNotWrittenBeyond) {
   ControlStorage storage;
   const auto back = from_dds(to_dds(e, storage)).value();
   EXPECT_EQ(back.node.size(), 255U);
-  EXPECT_EQ(back.addresses.size(), 8U);
+  EXPECT_EQ(back.addresses.size(), 16U);
   EXPECT_EQ(back.request.attached.size(), 1024U);
   EXPECT_EQ(back.request.begun.size(), 1024U);
 }
@@ -115,6 +115,19 @@ TEST(ControlCodecTest, AddressesWithoutPortAreLeftOut) {
   e.addresses[0].port = 0;
   ControlStorage storage;
   EXPECT_EQ(from_dds(to_dds(e, storage))->addresses.size(), 1U);
+}
+
+TEST(ControlCodecTest, AddressesOfUnknownFamiliesAndOfNoSocketAreLeftOut) {
+  const auto left_out = [](auto spoil) {
+    ControlStorage storage;
+    sft_control_Endpoint sample = to_dds(endpoint(), storage);
+    spoil(storage.addresses[0]);
+    return from_dds(sample)->addresses == std::vector(1, endpoint().addresses[1]);
+  };
+  EXPECT_TRUE(left_out([](auto& locator) { locator.family = 5; }));
+  EXPECT_TRUE(left_out([](auto& locator) { locator.family = 6; })) << "it is one of IPv4";
+  EXPECT_TRUE(left_out([](auto& locator) { locator.address[12] = 224; })) << "it is a multicast address";
+  EXPECT_TRUE(left_out([](auto& locator) { std::fill_n(locator.address, 16, std::uint8_t{0}); }));
 }
 
 }  // namespace

@@ -124,10 +124,11 @@ TEST(DdsConfig, WithoutMulticastFindsNodesOfThisHostAllTheSame) {
 }
 
 TEST(DdsConfig, NamesInterfacesUnlessTheUserDoes) {
-  const DiscoverySettings settings{.interfaces = {"eth1", "10.0.0.1"}};
+  const DiscoverySettings settings{.interfaces = {"eth1", "10.0.0.1", "10.1.0.0/16"}};
   const auto ours = CycloneSettings::read(config("", settings).text, 0).value();
   EXPECT_THAT(ours.values("General/Interfaces/NetworkInterface/@name"), ElementsAre("eth1"));
-  EXPECT_THAT(ours.values("General/Interfaces/NetworkInterface/@address"), ElementsAre("10.0.0.1"));
+  EXPECT_THAT(ours.values("General/Interfaces/NetworkInterface/@address"),
+              ElementsAre("10.0.0.1", "10.1.0.0"));
   const char* user = "<General><Interfaces><NetworkInterface name='wlan0'/></></>";
   const auto theirs = config(user, settings);
   EXPECT_THAT(

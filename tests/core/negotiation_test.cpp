@@ -27,7 +27,7 @@ TEST_F(NegotiationTest, AReaderOnAnotherHostIsServedByUdpWithTheMaskOfItsFirstRe
   const Serving serving = negotiation.serving(100);
   ASSERT_EQ(serving.udp.size(), 1U);
   EXPECT_EQ(serving.udp[0].mask, FieldMask(F::height | F::width));
-  EXPECT_EQ(std::get<UdpAddress>(serving.udp[0].destination).ipv4, 0x0a000001U);
+  EXPECT_EQ(std::get<UdpAddress>(serving.udp[0].destination).ip, 0x0a000001U);
   EXPECT_EQ(serving.readers[0].reason, "another host");
   EXPECT_FALSE(serving.shm_port);
 }
@@ -49,10 +49,10 @@ TEST_F(NegotiationTest, AReaderIsReachedInANetworkThatWeAreInToo) {
   reader.addresses.push_back({0x0b000001, 7000, 1 << 20});
   negotiation.endpoint_seen(reader);
   const auto destination = [&] {
-    return std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ipv4;
+    return std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ip;
   };
   EXPECT_EQ(destination(), 0x0a000001U);
-  EXPECT_TRUE(negotiation.network_changed({}, {{0x0b000002, 0xffffff00}}));
+  EXPECT_TRUE(negotiation.network_changed({}, {{0x0b000002, 24}}));
   EXPECT_EQ(destination(), 0x0b000001U);
 }
 
@@ -112,7 +112,7 @@ TEST_F(NegotiationTest, ANodeThatDiscoveryHasGivenUpReturnsOnlyByDiscovery) {
 TEST_F(NegotiationTest, AReaderInTheSameNetworkStackIsReachedThroughLoopback) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 3));
-  EXPECT_EQ(std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ipv4, 0x7f000001U);
+  EXPECT_EQ(std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ip, 0x7f000001U);
 }
 
 TEST_F(NegotiationTest, AReaderThatSharesMemoryIsServedByUdpUntilItIsAttachedAndThenByMemoryOnly) {

@@ -42,6 +42,26 @@ std::vector<std::byte> to_bytes(std::span<const std::uint8_t> bytes) {
   return d;
 }
 
+/// Of some samples, with all the bytes that there are.
+void make_packed(udp::FirstHeader header, const FieldMask& mask, std::vector<std::byte>& d) {
+  const auto byte = [&](std::size_t i) { return std::to_integer<std::size_t>(d[i]); };
+  header.flags &= udp::mask_words_follow | udp::channel_follows;
+  const bool words = (header.flags & udp::mask_words_follow) != 0;
+  const std::size_t head = header.bytes() + (words ? mask.words() * sizeof(std::uint64_t) : 0);
+  if (d.size() <= head) return;
+  const std::size_t samples = 1 + byte(12) % 8;
+  std::size_t each = byte(13) % 2 == 0 ? (d.size() - head) / samples : 0;
+  if (each == 0) header.flags |= udp::lengths_follow;
+  if (each != 0) d.resize(head + samples * each);
+  for (std::size_t at = head; each == 0 && at + udp::length_bytes < d.size();
+       at += udp::length_bytes + byte(at))
+    udp::store_length(byte(at), &d[at]);
+  encode(udp::PackedHeader{header, static_cast<std::uint16_t>(samples), static_cast<std::uint16_t>(each)},
+         d.data());
+  for (std::size_t i = 0; words && i < mask.words(); ++i)
+    udp::store_word(mask.word(i), &d[header.bytes() + 8 * i]);
+}
+
 /// Turns what it found in the place of a header into one of few samples, so that datagrams meet.
 void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::vector<udp::Stream>& wanted) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
@@ -68,6 +88,7 @@ void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::v
   const bool words = (header.flags & udp::mask_words_follow) != 0;
   const std::size_t head = header.bytes() + (words ? mask.words() * sizeof(std::uint64_t) : 0);
   const bool whole = byte(14) % 2 == 0 && d.size() >= head;
+  if (byte(15) % 4 == 0) return make_packed(header, mask, d);
   header.total = whole ? static_cast<std::uint32_t>(d.size() - head) : number;
   udp::encode(header, d.data());
   for (std::size_t i = 0; words && i < mask.words() && header.bytes() + 8 * i + 8 <= d.size(); ++i) {
@@ -137,8 +158,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const bool is_heartbeat = udp::kind_of(datagram) == udp::DatagramKind::heartbeat;
     const auto arrival = is_heartbeat ? reassembly.accept_heartbeat(datagram, {}, {now, 1})
                                       : reassembly.accept(datagram, {now, 1});
-    if (arrival.sample && arrival.stream == 0) decode_all<Image>(*arrival.sample);
-    if (arrival.sample && arrival.stream == 1) decode_all<Wide>(*arrival.sample);
+    std::vector<core::SampleHandle> samples(arrival.packed.begin(), arrival.packed.end());
+    if (arrival.sample) samples.push_back(arrival.sample);
+    for (const core::SampleHandle& sample : samples)
+      arrival.stream == 0 ? decode_all<Image>(*sample) : decode_all<Wide>(*sample);
     read_reliably(reassembly, now);
     input = input.subspan(3 + bytes);
   }

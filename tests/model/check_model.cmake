@@ -30,7 +30,7 @@ else()
   set(compile_options -DSAFETY)
 endif()
 run(${SPIN} -a ${spin_options} ${MODEL})
-run(${CC} ${level} -w -DMEMLIM=${memory_max_mib} -DCOLLAPSE ${compile_options} -o pan pan.c)
+run(${CC} ${level} -w -DMEMLIM=${memory_max_mib} ${compile_options} -o pan pan.c)
 run(${CMAKE_COMMAND} -E time ./pan ${search_options} -m${depth_max} -w22)
 message("${output}")
 

@@ -48,6 +48,7 @@ Scenario::Scenario(Random& random) {
   crashes = happens(random, 0.15);
   change = happens(random, 0.5) ? 0.1 : 0;
   regroup = happens(random, 0.5) ? 0.15 : 0;
+  span = happens(random, 0.3) ? 0.2 : 0;
   resend.repair_bytes_per_s = 20'000'000;
   reassembly.channel.window_bytes = from_to(random, 20'000, 500'000);
   if (tight_writer) {
@@ -115,17 +116,23 @@ void World::crash() {
 }
 
 void World::publish() {
-  const Image image =
-      udp::test::make_image(log_uniform(random_, static_cast<double>(scenario_.sample_bytes_max)),
-                            static_cast<std::uint32_t>(sequence_ * 7));
-  if (group_) publish_to_group(image);
+  const bool is_span = !group_ && happens(random_, scenario_.span);
+  const double bytes_max = is_span ? 200 : static_cast<double>(scenario_.sample_bytes_max);
+  std::vector<Image> images;
+  for (std::size_t left = is_span ? from_to(random_, 2, 40) : 1; left > 0; --left) {
+    const auto seed = static_cast<std::uint32_t>((sequence_ + images.size()) * 7);
+    images.push_back(udp::test::make_image(log_uniform(random_, bytes_max), seed));
+  }
+  if (group_) publish_to_group(images.front());
   for (Mask mask = 0; mask < masks().size() && !group_; ++mask) {
     const auto asks = [&](const Reader& reader) { return reader.served == mask; };
-    if (std::ranges::none_of(readers_, asks)) continue;
-    keep(encode(image, masks()[mask], static_cast<std::uint16_t>(mask)));
+    if (std::ranges::any_of(readers_, asks))
+      keep(encode(images, masks()[mask], static_cast<std::uint16_t>(mask)));
   }
-  for (Reader& reader : readers_) reader.to_get.push_back(sequence_);
-  images_.emplace(sequence_++, image);
+  for (Image& image : images) {
+    for (Reader& reader : readers_) reader.to_get.push_back(sequence_);
+    images_.emplace(sequence_++, std::move(image));
+  }
   const bool is_last = ++published_ == scenario_.samples;
   publish_at_ = is_last ? Time::max() : now_ + std::chrono::microseconds(log_uniform(random_, 20'000));
   send_at_ = std::min(send_at_, now_);
@@ -142,7 +149,7 @@ void World::publish_to_group(const Image& image) {
     served |= std::size_t{1} << reader.served;
   }
   if (served == 0) return;
-  udp::JobHandle job = encode(image, all, static_cast<std::uint16_t>(100 + served));
+  udp::JobHandle job = encode({&image, 1}, all, static_cast<std::uint16_t>(100 + served));
   job->first.flags |= udp::merged_masks;
   const udp::ResendWindow::Kept kept = keep(job, group_->membership.hears());
   const std::uint64_t ordinal = ++group_->last_ordinal;
@@ -201,32 +208,42 @@ void World::hear_report(const udp::GroupReport& report) {
 
 udp::ResendWindow::Kept World::keep(const udp::JobHandle& job, bool elsewhere) {
   const udp::ResendWindow::Kept kept = window_->keep(job, job->first, elsewhere);
-  const std::uint64_t ordinal = kept.ordinal;
-  sequences_.emplace(ordinal, job->sequence);
-  const std::uint64_t oldest = ordinal + 1 - window_->kept();
+  const std::uint64_t end = window_->parting().end;
+  for (std::uint64_t i = 0; i < job->samples(); ++i)
+    sequences_.emplace(end - job->samples() + i, job->sequence + i);
+  const std::uint64_t oldest = end - window_->kept();
   for (std::uint64_t i = oldest_kept_; i < oldest; ++i) not_kept_.insert(sequences_.at(i));
   oldest_kept_ = oldest;
   return kept;
 }
 
-udp::JobHandle World::encode(const Image& image, const FieldMask& mask, std::uint16_t variant) {
+/// Several are a pack.
+udp::JobHandle World::encode(std::span<const Image> images, const FieldMask& mask, std::uint16_t variant) {
   const FieldMask all = image_type().full();
-  core::SampleHandle sample = memory_->take(udp::test::sample_bytes(image, all));
-  udp::test::fill(*sample, image, all, writer_id, sequence_);
   udp::JobHandle job = jobs_->take();
-  job->projection.project(core::state_of(*sample, image_type().slots()), image_type().type(), mask);
   job->mask = std::make_shared<udp::WireMask>(udp::WireMask{variant, mask.hash(), {}});
   job->sequence = sequence_;
   job->first.label = {static_cast<std::uint32_t>(writer_id), static_cast<std::uint32_t>(sequence_), variant};
   job->first.flags = 0;
-  job->first.total = static_cast<std::uint32_t>(job->projection.bytes());
   job->first.mask = job->mask->mask;
-  if (happens(random_, 0.5)) {
-    job->copy_body();
-  } else {
-    job->sample = sample;
+  for (const Image& image : images) {
+    core::SampleHandle sample = memory_->take(udp::test::sample_bytes(image, all));
+    udp::test::fill(*sample, image, all, writer_id, sequence_);
+    project(*job, sample, mask, images.size() > 1);
   }
+  if (images.size() > 1) job->seal();
   return job;
+}
+
+void World::project(udp::Job& job, const core::SampleHandle& sample, const FieldMask& mask, bool packed) {
+  job.projection.project(core::state_of(*sample, image_type().slots()), image_type().type(), mask);
+  if (packed) return job.pack(job.projection.segments());
+  job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
+  if (happens(random_, 0.5)) {
+    job.copy_body();
+  } else {
+    job.sample = sample;
+  }
 }
 
 /// The reader takes both from now on, and the writer gets to know later.
@@ -259,7 +276,7 @@ void World::send_some(Size size) {
     if (!sending) {
       std::optional<udp::ResendWindow::Piece> piece = window_->next(size, now_);
       if (!piece) return;
-      const udp::Fragmenter fragments(piece->job->body(piece->first), scenario_.datagram_bytes, piece->range);
+      const udp::Fragmenter fragments(piece->body(), scenario_.datagram_bytes, piece->range);
       sending.emplace(Sending{std::move(*piece), fragments});
     }
     udp::Batch batch;
@@ -293,6 +310,7 @@ void World::receive(const Bytes& bytes) {
   } else {
     const udp::Reassembly::Arrival arrival = reassembly_->accept(bytes, now);
     if (arrival.sample) take_at_once(*arrival.sample);
+    for (const core::SampleHandle& sample : arrival.packed) take_at_once(*sample);
   }
   hand_over();
   answer();

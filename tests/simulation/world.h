@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,7 @@ struct Scenario {
   bool crashes = false;  ///< the process of the readers, and comes back
   double change = 0;     ///< of a mask, for each sample
   double regroup = 0;    ///< of the multicast group that the process is in, for each sample
+  double span = 0;       ///< several samples instead of one
   udp::ResendLimits resend{};
   udp::ReassemblyLimits reassembly{};
 
@@ -84,7 +86,9 @@ class World {
   void offer_group();
   void hear_report(const udp::GroupReport& report);
   udp::ResendWindow::Kept keep(const udp::JobHandle& job, bool elsewhere = false);
-  udp::JobHandle encode(const udp::test::Image& image, const FieldMask& mask, std::uint16_t variant);
+  udp::JobHandle encode(std::span<const udp::test::Image> images, const FieldMask& mask,
+                        std::uint16_t variant);
+  void project(udp::Job& job, const core::SampleHandle& sample, const FieldMask& mask, bool packed);
   void send_some();
   void send_some(udp::ResendWindow::Size size);
   void send_heartbeat();

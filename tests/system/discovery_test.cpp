@@ -32,6 +32,7 @@ struct Report {
   std::atomic<std::size_t> matched{0};  ///< publishers that are heard, or subscribers that are served
   std::atomic<std::uint64_t> taken{0};
   std::atomic<std::uint64_t> liveliness_lost{0};
+  std::atomic<std::uint64_t> out_of_order{0};  ///< samples that did not follow the one before
 };
 
 /// A node in a process of its own, on a host; killed at the end of its life.
@@ -122,6 +123,34 @@ void expect_life(Node& node, Report& report) {
     const auto writers = subscriber.status().writers;
     report.matched = static_cast<std::size_t>(std::ranges::count_if(writers, &WriterStatus::matched));
     poll(nullptr, 0, 5);
+  }
+}
+
+/// Numbers its samples, without a pause that would let repairs catch up unnoticed.
+void publish_reliably(Node& node, Report& report) {
+  auto publisher = node.publisher<PointCloud2>("points", {.reliability = reliable}).value();
+  std::vector<std::uint8_t> data(20'000);
+  for (std::uint32_t i = 1;;) {
+    const auto status = publisher.status();
+    report.matched = static_cast<std::size_t>(std::ranges::count_if(status.readers, &ReaderStatus::served));
+    if (report.matched != 0) publisher.publish({.height = i++, .data = data});
+    poll(nullptr, 0, 2);
+  }
+}
+
+/// Of what follows the first sample each has to come, in its turn.
+void subscribe_reliably(Node& node, Report& report) {
+  auto subscriber =
+      node.subscriber<PointCloud2, F::height | F::data>("points", {.reliability = reliable, .depth = 1000})
+          .value();
+  std::uint32_t last = 0;
+  for (;;) {
+    subscriber.wait(5ms);
+    while (auto sample = subscriber.take()) {
+      if (last != 0 && sample->height() != last + 1) ++report.out_of_order;
+      last = sample->height();
+      ++report.taken;
+    }
   }
 }
 
@@ -303,10 +332,40 @@ TEST_F(DiscoveryTest, NodesAreFoundOnAllInterfacesThatAreListed) {
   ASSERT_TRUE(run_on(1, "ip address add 10.78.0.2/24 dev eth1; ip link set dev eth1 up"));
   const NodeProcess publisher(host(0), options({.interfaces = {"eth0", "10.78.0.1"}}), publish);
   const NodeProcess on_first(host(1), options({.interfaces = {"eth0"}}), subscribe);
-  const NodeProcess on_second(host(1), options({.interfaces = {"eth1", "eth9"}}), subscribe);
+  const NodeProcess on_second(host(1), options({.interfaces = {"eth1", "eth9", "fd09::/64"}}), subscribe);
   EXPECT_TRUE(on_first.takes_samples());
   EXPECT_TRUE(on_second.takes_samples());
   EXPECT_TRUE(publisher.matches(2));
+}
+
+TEST_F(DiscoveryTest, HostsThatHaveOnlyIPv6AreServedByThat) {
+  for (const std::size_t number : {0U, 1U}) {
+    ASSERT_TRUE(run_on(number, "ip address flush dev eth0; ip address add fd00::" +
+                                   std::to_string(number + 1) + "/64 dev eth0 nodad"));
+  }
+  const NodeProcess publisher(host(0), options(), publish);
+  const NodeProcess near(host(0), options(), subscribe);
+  const NodeProcess far(host(1), options(), subscribe);
+  EXPECT_TRUE(near.takes_samples());
+  EXPECT_TRUE(far.takes_samples());
+  EXPECT_TRUE(publisher.matches(2));
+}
+
+/// The other host sees no change of its own: there is a switch in between.
+TEST_F(DiscoveryTest, AReliableStreamGoesOnByAnotherInterfaceWithoutALoss) {
+  ASSERT_TRUE(run_on(0, "ip link add eth1 type veth peer name eth1 netns " + host(1).path() +
+                            "; ip address add 10.78.0.1/24 dev eth1; ip link set dev eth1 up"));
+  ASSERT_TRUE(run_on(1, "ip address add 10.78.0.2/24 dev eth1; ip link set dev eth1 up"));
+  const DiscoverySettings both{.interfaces = {"eth0", "eth1"}};
+  const NodeProcess publisher(host(0), options(both), publish_reliably);
+  const NodeProcess subscriber(host(1), options(both), subscribe_reliably);
+  ASSERT_TRUE(subscriber.takes_samples());
+  for (const char* change : {"eth0 down", "eth0 up", "eth1 down"}) {
+    ASSERT_TRUE(run_on(0, std::string("ip link set dev ") + change));
+    EXPECT_TRUE(subscriber.takes_samples(2s)) << change;
+  }
+  EXPECT_EQ(subscriber.report().out_of_order, 0U);
+  EXPECT_EQ(publisher.report().matched, 1U);
 }
 
 }  // namespace

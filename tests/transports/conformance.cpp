@@ -21,6 +21,7 @@ Reader::Reader(Stage& stage, const ReaderOptions& options)
   const core::EndpointId id = 1000 + stage.readers;
   core::ReaderSpec spec{.id = id, .type = &image_type(), .depth = options.depth, .doorbell = bell};
   spec.listener = this;
+  spec.only_waited_for = true;
   port_ = stage.here->open_reader(spec).value();
   std::vector<core::Wanted> wanted;
   for (const std::string& mask : options.masks) wanted.push_back({fields<Image>(mask)});
@@ -48,8 +49,11 @@ core::Route Reader::route(const std::string& mask) const {
 SampleHandle Reader::next() {
   SampleHandle sample;
   const auto came = [&] { return sample || (sample = port_->take()); };
-  for (const auto deadline = Clock::now() + patience; !came() && Clock::now() < deadline;)
-    bell_.wait(deadline, came);
+  for (const auto deadline = Clock::now() + patience; Clock::now() < deadline;) {
+    const std::uint32_t seen = bell_.rings;
+    if (came()) break;
+    if (!port_->receive({bell_, seen, deadline, {}})) bell_.wait(deadline, came);
+  }
   return sample;
 }
 

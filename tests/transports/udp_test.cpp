@@ -1,7 +1,5 @@
-// The suite on UDP, with both of its backends: best effort, and reliable on a link that loses, repeats and
-// swaps datagrams.
-#include <netinet/in.h>
-
+// The suite on UDP, with both of its backends: best effort, over IPv4 and IPv6, and reliable on a link that
+// loses, repeats and swaps datagrams.
 #include "conformance.h"
 #include "tests/support/test_seed.h"
 #include "tests/udp/endpoints.h"
@@ -14,9 +12,11 @@ namespace {
 class UdpMedium final : public Medium {
  public:
   enum class Link : std::uint8_t { good, bad };
-  UdpMedium(udp::Backend backend, Link link) : backend_(backend), link_(link) {}
+  UdpMedium(udp::Backend backend, Link link, const core::IpAddress& loopback)
+      : backend_(backend), link_(link), loopback_(loopback) {}
 
   std::string refusal() override {
+    if (!loopback_.is_ipv4() && !udp::test::has_ipv6_loopback()) return "there is no IPv6 here";
     const auto one = open_one(), other = open_one();
     if (one && other) return {};
     return "io_uring is refused here: " + (one ? other : one).error().message;
@@ -31,7 +31,7 @@ class UdpMedium final : public Medium {
   /// Paced so that the sockets' small buffers on some machines can hold what comes.
   Result<std::unique_ptr<core::Transport>> open_one() {
     return udp::open_udp_transport(
-        {.bind_address = INADDR_LOOPBACK, .backend = backend_, .pace_bytes_per_s = 100'000'000},
+        {.bind_address = loopback_, .backend = backend_, .pace_bytes_per_s = 100'000'000},
         udp::test::make_pool(), [this](udp::DatagramIo io) {
           if (link_ == Link::good) return io;
           const auto seed = static_cast<unsigned>(test::test_seed());
@@ -44,15 +44,19 @@ class UdpMedium final : public Medium {
 
   const udp::Backend backend_;
   const Link link_;
+  const core::IpAddress loopback_;
 };
 
-MediumChoice with(const char* name, udp::Backend backend, UdpMedium::Link link) {
-  return {name, [=] { return std::make_unique<UdpMedium>(backend, link); }};
+MediumChoice with(const char* name, udp::Backend backend, UdpMedium::Link link,
+                  const core::IpAddress& loopback = core::loopback_ipv4) {
+  return {name, [=] { return std::make_unique<UdpMedium>(backend, link, loopback); }};
 }
 
 const auto both_backends =
     testing::Values(with("IoUring", udp::Backend::io_uring, UdpMedium::Link::good),
                     with("Sockets", udp::Backend::sockets, UdpMedium::Link::good),
+                    with("IoUringIPv6", udp::Backend::io_uring, UdpMedium::Link::good, core::loopback_ipv6),
+                    with("SocketsIPv6", udp::Backend::sockets, UdpMedium::Link::good, core::loopback_ipv6),
                     with("ReliableIoUring", udp::Backend::io_uring, UdpMedium::Link::bad),
                     with("ReliableSockets", udp::Backend::sockets, UdpMedium::Link::bad));
 

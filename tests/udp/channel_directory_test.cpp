@@ -11,9 +11,7 @@ namespace {
 
 class ChannelDirectoryTest : public testing::Test {
  protected:
-  std::shared_ptr<Destination> to(std::uint16_t port) {
-    return destinations.find({.ipv4 = 1, .port = port, .receive_buffer_bytes = 0});
-  }
+  std::shared_ptr<Destination> to(std::uint16_t port) { return destinations.find({.ip = 1, .port = port}); }
 
   test::Connections connections;
   DestinationDirectory destinations{{}, connections.connect()};

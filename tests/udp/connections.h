@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "udp_transport/destination.h"
 
@@ -16,6 +17,7 @@ class Connections {
   }
   std::size_t open() const { return open_; }
   std::size_t reconnected() const { return reconnected_; }
+  const std::vector<SocketAddress>& redirected() const { return redirected_; }
 
  private:
   class Nowhere final : public Connection {
@@ -24,6 +26,7 @@ class Connections {
     ~Nowhere() override { --all_.open_; }
     Sent try_send(std::span<const OutgoingBatch> batches) noexcept override { return {batches.size()}; }
     void reconnect() noexcept override { ++all_.reconnected_; }
+    void redirect(const SocketAddress& to) noexcept override { all_.redirected_.push_back(to); }
     void wait_for_room() noexcept override {}
     bool full() const noexcept override { return false; }
 
@@ -32,6 +35,7 @@ class Connections {
   };
   std::size_t open_ = 0;
   std::size_t reconnected_ = 0;
+  std::vector<SocketAddress> redirected_;
 };
 
 }  // namespace sft::udp::test

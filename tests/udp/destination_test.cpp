@@ -46,5 +46,29 @@ TEST_F(DestinationTest, LooksForTheWayAnewAfterARefusal) {
   EXPECT_EQ(connections_.reconnected(), 2U);
 }
 
+TEST_F(DestinationTest, MovesToAnotherAddressOfTheSameSocket) {
+  const auto at = [&](std::uint32_t ip, std::uint64_t node, std::uint16_t port = 5000) {
+    return directory_.find({.ip = ip, .port = port, .node = node});
+  };
+  const auto there = at(1, 7);
+  EXPECT_EQ(at(1, 7), there);
+  EXPECT_EQ(there->moves(), 0U);
+  EXPECT_EQ(at(2, 7), there);
+  EXPECT_EQ(there->moves(), 1U);
+  EXPECT_EQ(there->address(), (SocketAddress{2, 5000}));
+  EXPECT_EQ(connections_.redirected(), (std::vector<SocketAddress>{{2, 5000}}));
+  EXPECT_NE(at(2, 7, 5001), there) << "it is another socket of that node";
+  EXPECT_NE(at(2, 8), there) << "it is another node, by an address that changed hands";
+  EXPECT_EQ(connections_.open(), 1U) << "those two are gone";
+}
+
+TEST_F(DestinationTest, IsFoundByWhereItIsWhenNobodySaysWhoseItIs) {
+  const auto there = directory_.find({.ip = 1, .port = 5000, .node = 7});
+  directory_.find({.ip = 2, .port = 5000, .node = 7});
+  EXPECT_EQ(directory_.find({.ip = 2, .port = 5000}), there);
+  EXPECT_EQ(there->address(), (SocketAddress{2, 5000}));
+  EXPECT_NE(directory_.find({.ip = 1, .port = 5000}), there);
+}
+
 }  // namespace
 }  // namespace sft::udp

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -22,8 +25,19 @@ inline constexpr std::chrono::seconds patience{20};  // for what must happen
 
 inline core::UdpAddress loopback_address(const core::Transport& transport) {
   core::UdpAddress address = transport.addresses().at(0);
-  address.ipv4 = 0x7f000001;
+  address.ip = address.ip.is_ipv4() ? core::loopback_ipv4 : core::loopback_ipv6;
   return address;
+}
+
+/// Without it in the kernel, or with it switched off, there is no IPv6 loopback to test on.
+inline bool has_ipv6_loopback() {
+  const int fd = ::socket(AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in6 loopback{};
+  loopback.sin6_family = AF_INET6;
+  loopback.sin6_addr = in6addr_loopback;
+  const bool bound = ::bind(fd, reinterpret_cast<const sockaddr*>(&loopback), sizeof loopback) == 0;
+  if (fd >= 0) ::close(fd);
+  return bound;
 }
 
 /// Waits until it holds; false after `patience`.

@@ -6,6 +6,8 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <functional>
+#include <optional>
 #include <thread>
 
 #include "endpoints.h"
@@ -14,12 +16,17 @@
 namespace sft::udp {
 namespace {
 
-/// Runs the action on a thread whose io_uring_setup() fails, as containers make it.
-void without_io_uring(int error, const std::function<void()>& action) {
+/// Runs the action on a thread whom that system call fails, with any first argument or that one.
+void without(unsigned call, std::optional<unsigned> argument, int error,
+             const std::function<void()>& action) {
   std::thread([&] {
+    const sock_filter any_argument = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr));
+    const sock_filter first_argument = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, args));
     sock_filter filter[] = {
         BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
-        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_io_uring_setup, 0, 1),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 3),
+        argument ? first_argument : any_argument,
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, argument.value_or(call), 0, 1),
         BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | static_cast<unsigned>(error)),
         BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
     };
@@ -28,6 +35,11 @@ void without_io_uring(int error, const std::function<void()>& action) {
     ASSERT_EQ(::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program), 0);
     action();
   }).join();
+}
+
+/// As containers make it.
+void without_io_uring(int error, const std::function<void()>& action) {
+  without(SYS_io_uring_setup, {}, error, action);
 }
 
 TEST(Fallback, UsesPlainSocketsWhereIoUringIsForbiddenAndSaysWhy) {
@@ -53,6 +65,23 @@ TEST(Fallback, DoesNotReplaceIoUringWhereItIsDemanded) {
     const auto transport = open_udp_transport({.backend = Backend::io_uring}, test::make_pool());
     ASSERT_FALSE(transport);
     EXPECT_EQ(transport.error().code, Errc::no_permission);
+  });
+}
+
+/// As with ipv6.disable=1 at the kernel's start.
+TEST(Fallback, UsesIPv4AloneWhereTheSystemHasNoIPv6) {
+  without(SYS_socket, AF_INET6, EAFNOSUPPORT, [] {
+    const auto there = open_udp_transport({}, test::make_pool()).value();
+    const auto here = open_udp_transport({}, test::make_pool()).value();
+    EXPECT_NE(here->description().find("IPv4 only"), std::string::npos) << here->description();
+    for (const core::UdpAddress& address : here->addresses()) EXPECT_TRUE(address.ip.is_ipv4());
+    test::Subscriber subscriber(*here, {"*"});
+    test::Publisher publisher(*there);
+    subscriber.listen_reliably_to(publisher.id());
+    publisher.serve({{test::loopback_address(*here), "*", true}});
+    publisher.publish(test::make_image(300'000));
+    EXPECT_EQ(subscriber.await(1).size(), 1U);
+    EXPECT_FALSE(open_udp_transport({.bind_address = core::loopback_ipv6}, test::make_pool()));
   });
 }
 

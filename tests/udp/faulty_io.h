@@ -28,10 +28,15 @@ class FaultyReceiver final : public DatagramReceiver, private DatagramSink {
   FaultyReceiver(std::unique_ptr<DatagramReceiver> inner, const Faults& faults, unsigned seed)
       : inner_(std::move(inner)), faults_(faults), random_(seed) {}
 
-  bool receive(DatagramSink& sink, std::chrono::steady_clock::time_point deadline) noexcept override {
+  bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
     sink_ = &sink;
-    return inner_->receive(*this, deadline);
+    return inner_->receive(*this, deadline, spin);
   }
+  bool receive_now(DatagramSink& sink) noexcept override {
+    sink_ = &sink;
+    return inner_->receive_now(*this);
+  }
+  Descriptors descriptors() const noexcept override { return inner_->descriptors(); }
   void wake() noexcept override { inner_->wake(); }
   void finish() noexcept override { inner_->finish(); }
 
@@ -64,10 +69,15 @@ class DeafReceiver final : public DatagramReceiver, private DatagramSink {
   DeafReceiver(std::unique_ptr<DatagramReceiver> inner, const std::atomic<bool>& deaf)
       : inner_(std::move(inner)), deaf_(deaf) {}
 
-  bool receive(DatagramSink& sink, std::chrono::steady_clock::time_point deadline) noexcept override {
+  bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
     sink_ = &sink;
-    return inner_->receive(*this, deadline);
+    return inner_->receive(*this, deadline, spin);
   }
+  bool receive_now(DatagramSink& sink) noexcept override {
+    sink_ = &sink;
+    return inner_->receive_now(*this);
+  }
+  Descriptors descriptors() const noexcept override { return inner_->descriptors(); }
   void wake() noexcept override { inner_->wake(); }
   void finish() noexcept override { inner_->finish(); }
 
@@ -93,6 +103,7 @@ class Connected : public Connection {
     return inner_->try_send(batches);
   }
   void reconnect() noexcept override { inner_->reconnect(); }
+  void redirect(const SocketAddress& to) noexcept override { inner_->redirect(to); }
   void wait_for_room() noexcept override { inner_->wait_for_room(); }
   bool full() const noexcept override { return inner_->full(); }
 

@@ -3,51 +3,80 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <set>
-
-#include "udp_transport/datagram.h"
 
 namespace sft::udp {
 namespace {
 
-constexpr std::uint32_t loopback = 0x7f000001;
+using core::IpAddress;
+using core::loopback_ipv4;
+using core::loopback_ipv6;
 
-std::vector<std::uint32_t> own_addresses(const std::vector<std::string>& chosen = {}) {
-  std::vector<std::uint32_t> addresses;
-  for (const core::Link& link : own_links(chosen)) addresses.push_back(link.ipv4);
+std::vector<IpAddress> own_addresses(const std::vector<std::string>& chosen = {}) {
+  std::vector<IpAddress> addresses;
+  for (const core::Link& link : own_links(chosen)) addresses.push_back(link.ip);
   return addresses;
 }
 
 TEST(Interfaces, NameEachAddressOfTheHostOnce) {
   const auto addresses = own_addresses();
   ASSERT_FALSE(addresses.empty());
-  EXPECT_EQ(std::set<std::uint32_t>(addresses.begin(), addresses.end()).size(), addresses.size());
+  EXPECT_EQ(std::set<IpAddress>(addresses.begin(), addresses.end()).size(), addresses.size());
 }
 
 TEST(Interfaces, NameLoopbackOnlyWhereThereIsNothingElse) {
   const auto addresses = own_addresses();
-  const bool named = std::find(addresses.begin(), addresses.end(), loopback) != addresses.end();
-  EXPECT_EQ(named, addresses.size() == 1 && addresses[0] == loopback);
+  const bool named = std::ranges::find(addresses, loopback_ipv4) != addresses.end();
+  EXPECT_EQ(named, addresses.size() == 1 && addresses[0] == loopback_ipv4);
+  EXPECT_EQ(std::ranges::find(addresses, loopback_ipv6), addresses.end());
 }
 
 TEST(Interfaces, AreThoseThatWereChosenByNameAddressOrNetwork) {
-  for (const char* chosen : {"lo", "127.0.0.1", "127.0.0.0"}) {
-    EXPECT_EQ(own_addresses({chosen}), std::vector<std::uint32_t>{loopback}) << chosen;
+  for (const char* chosen : {"127.0.0.1", "127.0.0.0", "127.0.0.0/8", "127.0.0.0/30"}) {
+    EXPECT_EQ(own_addresses({chosen}), std::vector<IpAddress>{loopback_ipv4}) << chosen;
   }
-  EXPECT_TRUE(own_addresses({"eth99"}).empty()) << "although there are others";
+  EXPECT_EQ(own_addresses({"lo"}).front(), loopback_ipv4) << "maybe there is IPv6, too";
+  for (const char* chosen : {"eth99", "127.0.0.2", "10.255.254.0/24", "fd99::/64"}) {
+    EXPECT_TRUE(own_addresses({chosen}).empty()) << chosen << ", although there are others";
+  }
+}
+
+TEST(Interfaces, AreChosenByWhatCanBeOne) {
+  for (const char* chosen : {"eth0", "eth0.100", "eth0:1", "10.0.0.5", "10.0.0.0/24", "fd00::5", "fd00::/64"})
+    EXPECT_TRUE(check_interfaces({chosen})) << chosen;
+  for (const char* chosen : {"", "10.0.0", "10.0.0.0/33", "fd00::/x", "fd00::12345", "a name", "eth0/24",
+                             "fe80::1%eth99", "an-interface-with-a-long-name"}) {
+    const Result<void> checked = check_interfaces({"eth0", chosen});
+    ASSERT_FALSE(checked) << chosen;
+    EXPECT_NE(checked.error().message.find("'" + std::string(chosen) + "'"), std::string::npos);
+  }
 }
 
 TEST(Interfaces, TellTheNetworkOfAnAddress) {
-  EXPECT_EQ(own_links({"lo"}), (std::vector<core::Link>{{loopback, 0xff000000}}));
+  EXPECT_EQ(own_links({"127.0.0.1"}), (std::vector<core::Link>{{loopback_ipv4, 8}}));
 }
 
 TEST(Interfaces, TellHowLongADatagramMayBe) {
-  const std::size_t bytes = datagram_bytes_to({loopback, 9});
-  EXPECT_GE(bytes, datagram_bytes_min);
-  EXPECT_LE(bytes, datagram_bytes_max);
+  for (const IpAddress& to : {loopback_ipv4, loopback_ipv6}) {
+    const std::size_t bytes = datagram_bytes_to({to, 9});
+    EXPECT_GE(bytes, datagram_bytes_of_every_path(to));
+    EXPECT_LE(bytes, datagram_bytes_max);
+  }
 }
 
-TEST(Interfaces, FormatAddresses) { EXPECT_EQ(format_ipv4(0x0a630102), "10.99.1.2"); }
+TEST(Interfaces, AddressesComeBackFromTheSystemAsTheyWere) {
+  IpAddress link_local = core::parse_ip_address("fe80::5").value();
+  link_local.scope = 3;
+  for (const IpAddress& ip : {loopback_ipv4, loopback_ipv6, link_local}) {
+    for (const SystemAddress& address :
+         {SystemAddress({ip, 7000}), SystemAddress::for_socket({ip, 7000}, AF_INET6)}) {
+      sockaddr_in6 filled_in{};
+      std::memcpy(&filled_in, address.get(), address.bytes());
+      EXPECT_EQ(to_address(filled_in), (SocketAddress{ip, 7000})) << core::format(ip);
+    }
+  }
+}
 
 }  // namespace
 }  // namespace sft::udp

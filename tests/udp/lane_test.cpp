@@ -50,9 +50,9 @@ class LaneTest : public testing::Test {
   test::Connections connections_;
   DestinationDirectory destinations_{{}, connections_.connect()};
   std::shared_ptr<WriterTally> tally_ = std::make_shared<WriterTally>();
-  Lane one_{destinations_.find({.ipv4 = 0x7F000001, .port = 1}), 3, tally_};
-  Lane late_{destinations_.find({.ipv4 = 0x7F000001, .port = 1}), 3, tally_, Lane::Start::held};
-  Lane other_{destinations_.find({.ipv4 = 0x7F000001, .port = 2}), 3, tally_};
+  Lane one_{destinations_.find({.ip = 0x7F000001, .port = 1}), 3, tally_};
+  Lane late_{destinations_.find({.ip = 0x7F000001, .port = 1}), 3, tally_, Lane::Start::held};
+  Lane other_{destinations_.find({.ip = 0x7F000001, .port = 2}), 3, tally_};
 };
 
 TEST_F(LaneTest, IsIdleUntilSomethingIsPostedAndOnceAllIsTaken) {

@@ -22,12 +22,12 @@ class MulticastGroupTest : public testing::Test {
   void SetUp() override {
     std::vector<MulticastGroup::Member> members;
     for (std::uint16_t i = 0; i < 4; ++i) {
-      const auto to = directory_.find({.ipv4 = 1, .port = static_cast<std::uint16_t>(i + 1)});
+      const auto to = directory_.find({.ip = core::loopback_ipv4, .port = static_cast<std::uint16_t>(i + 1)});
       auto channel = i == 3 ? nullptr : std::make_shared<Channel>(writer, i + 1U, to, tally_, 9);
       for (std::uint16_t n = 0; channel != nullptr && n < i; ++n) keep(*channel, job(8), false);
       members.push_back({std::make_shared<Lane>(to, 4, tally_), std::move(channel)});
     }
-    const auto to = directory_.find({.ipv4 = private_groups + 1, .port = group_port});
+    const auto to = directory_.find({.ip = core::IpAddress(private_groups + 1), .port = group_port});
     group = MulticastGroup::make({writer, number, private_groups + 1}, std::make_shared<Lane>(to, 4, tally_),
                                  std::move(members), 9);
   }

@@ -156,9 +156,9 @@ TEST_P(NetworkTest, TransfersAThousandSamplesOfAllSizesReliablyWhereDatagramsGet
         .value();
   };
   std::unique_ptr<core::Transport> far;
-  core::UdpAddress address{.port = 0};
-  address.ipv4 = on_another_host(GetParam() == Backend::io_uring ? 10 : 11, [&] { far = open_here(); });
-  if (address.ipv4 == 0) GTEST_SKIP() << "a second host cannot be had here";
+  core::UdpAddress address;
+  address.ip = on_another_host(GetParam() == Backend::io_uring ? 10 : 11, [&] { far = open_here(); });
+  if (address.ip == 0) GTEST_SKIP() << "a second host cannot be had here";
   address.port = far->addresses().at(0).port;
   address.receive_buffer_bytes = far->addresses().at(0).receive_buffer_bytes;
   const auto near = open_here();
@@ -207,7 +207,7 @@ TEST_P(NetworkTest, GoesOnWhenThePathTakesShorterDatagrams) {
   EXPECT_TRUE(arrives());
   ASSERT_TRUE(run("ip route replace 10.9.8.1 dev lo table local mtu 1500"));
   EXPECT_TRUE(arrives());
-  EXPECT_LE(published, 4U);
+  EXPECT_EQ(published, 2U) << "what was refused is cut again";
 }
 
 TEST_P(NetworkTest, GoesOnWhenTheHostGetsAnotherAddress) {

@@ -37,7 +37,7 @@ class OfferedGroupsTest : public testing::Test {
   std::vector<GroupReport> reports() {
     std::vector<GroupReport> sent;
     groups_.report([&](const SocketAddress& to, const GroupReport& report) {
-      EXPECT_EQ(to, (SocketAddress{writer_at.ipv4, 77}));
+      EXPECT_EQ(to, (SocketAddress{writer_at.ip, 77}));
       sent.push_back(report);
     });
     return sent;

@@ -60,6 +60,26 @@ TEST_F(SocketSenderTest, OpensNoMoreSocketsThanItMay) {
   EXPECT_EQ(open_files(), before + 1);
 }
 
+/// In the second round through the one socket that all share.
+TEST_F(SocketSenderTest, SendsOnToAnotherAddressOfEitherFamily) {
+  const auto at_ipv6 = open_udp_socket({.bind = {core::loopback_ipv6, 0}, .receive_buffer_bytes = 200'000});
+  if (!at_ipv6) GTEST_SKIP() << at_ipv6.error().message;
+  const auto sender = open_socket_sender(open_udp_socket({}).value()).value();
+  std::vector<std::unique_ptr<Connection>> others;
+  for (const std::size_t taken : {std::size_t{0}, sending_sockets_max}) {
+    while (others.size() < taken) others.push_back(sender->connect(there_));
+    const auto connection = sender->connect(there_);
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_EQ(send(*connection), SendOutcome::sent);
+      EXPECT_EQ(received(*receiver_), 1U);
+      connection->redirect({core::loopback_ipv6, (*at_ipv6)->port});
+      EXPECT_EQ(send(*connection), SendOutcome::sent);
+      EXPECT_EQ(received(**at_ipv6), 1U);
+      connection->redirect(there_);
+    }
+  }
+}
+
 TEST_F(SocketSenderTest, SharesASocketWhereTheProcessMayOpenNoMore) {
   DatagramSender& sender = *sender_;
   const SocketAddress there = there_;

@@ -1,8 +1,7 @@
-// Transports on loopback, over both backends.
+// Transports on loopback, over both backends and both families.
 #pragma once
 
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 
 #include <cstdint>
 #include <memory>
@@ -14,9 +13,18 @@
 
 namespace sft::udp {
 
-class TransportTest : public testing::TestWithParam<Backend> {
+struct Way {
+  Backend backend{};
+  core::IpAddress loopback = core::loopback_ipv4;
+  operator Backend() const {
+    return backend;
+  }  // NOLINT(google-explicit-constructor): most tests need no more
+};
+
+class TransportTest : public testing::TestWithParam<Way> {
  protected:
   void SetUp() override {
+    if (!GetParam().loopback.is_ipv4() && !test::has_ipv6_loopback()) GTEST_SKIP() << "there is no IPv6 here";
     const auto one = open_udp_transport({.backend = GetParam()}, test::make_pool());
     const auto other = open_udp_transport({.backend = GetParam()}, test::make_pool());
     if (!one || !other) GTEST_SKIP() << "io_uring is refused here: " << (one ? other : one).error().message;
@@ -24,7 +32,7 @@ class TransportTest : public testing::TestWithParam<Backend> {
 
   std::unique_ptr<core::Transport> open(UdpOptions options = {}, const DecorateIo& decorate = {}) {
     options.backend = GetParam();
-    options.bind_address = INADDR_LOOPBACK;
+    options.bind_address = GetParam().loopback;
     return open_udp_transport(options, test::make_pool(), decorate).value();
   }
 

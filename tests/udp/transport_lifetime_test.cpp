@@ -20,7 +20,7 @@ using test::Publisher;
 using test::Subscriber;
 
 TEST_P(TransportTest, GivesItsPortBackWhenItCloses) {
-  UdpOptions options{.bind_address = INADDR_LOOPBACK, .backend = GetParam()};
+  UdpOptions options{.bind_address = GetParam().loopback, .backend = GetParam()};
   options.port = open()->addresses()[0].port;
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(open_udp_transport(options, test::make_pool()));
 }

@@ -161,7 +161,7 @@ TEST_P(TransportTest, ReceivesIntoThePoolThatItSharesWithTheNode) {
   const auto pool = core::BufferPool::make(1'000'000);
   const auto there = open();
   const auto here =
-      open_udp_transport({.bind_address = INADDR_LOOPBACK, .backend = GetParam()}, pool).value();
+      open_udp_transport({.bind_address = GetParam().loopback, .backend = GetParam()}, pool).value();
   Subscriber subscriber(*here, {"*"});
   Publisher publisher(*there);
   subscriber.listen_to(publisher.id());

@@ -1,6 +1,4 @@
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -14,6 +12,7 @@
 #include "faulty_io.h"
 #include "tests/support/test_seed.h"
 #include "transport_fixture.h"
+#include "udp_transport/interfaces.h"
 
 namespace sft::udp {
 namespace {
@@ -28,31 +27,32 @@ using test::Publisher;
 using test::Subscriber;
 
 void send_bytes(const core::UdpAddress& to, const std::vector<std::byte>& bytes) {
-  const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(to.port);
-  address.sin_addr.s_addr = htonl(to.ipv4);
-  EXPECT_EQ(
-      ::sendto(fd, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&address), sizeof address),
-      static_cast<ssize_t>(bytes.size()));
+  const SystemAddress address({to.ip, to.port});
+  const int fd = ::socket(address.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  EXPECT_EQ(::sendto(fd, bytes.data(), bytes.size(), 0, address.get(), address.bytes()),
+            static_cast<ssize_t>(bytes.size()));
   ::close(fd);
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, TransportTest, testing::Values(Backend::io_uring, Backend::sockets),
+INSTANTIATE_TEST_SUITE_P(Backends, TransportTest,
+                         testing::Values(Way{Backend::io_uring}, Way{Backend::sockets},
+                                         Way{Backend::sockets, core::loopback_ipv6}),
                          [](const auto& param) {
-                           return param.param == Backend::io_uring ? "IoUring" : "Sockets";
+                           const Way& way = param.param;
+                           return std::string(way.backend == Backend::io_uring ? "IoUring" : "Sockets") +
+                                  (way.loopback.is_ipv4() ? "" : "IPv6");
                          });
 
 TEST_P(TransportTest, SaysHowItWorks) {
   const auto transport = open();
   EXPECT_EQ(transport->max_sample_bytes(), std::size_t{32} << 20);
   EXPECT_EQ(transport->poll({}), core::Availability::ready);
-  EXPECT_NE(transport->description().find(GetParam() == Backend::io_uring ? "io_uring" : "plain sockets"),
-            std::string::npos)
+  EXPECT_NE(
+      transport->description().find(GetParam().backend == Backend::io_uring ? "io_uring" : "plain sockets"),
+      std::string::npos)
       << transport->description();
   ASSERT_EQ(transport->addresses().size(), 1U);
-  EXPECT_EQ(transport->addresses()[0].ipv4, INADDR_LOOPBACK);
+  EXPECT_EQ(transport->addresses()[0].ip, GetParam().loopback);
   EXPECT_NE(transport->addresses()[0].port, 0);
   EXPECT_GT(transport->addresses()[0].receive_buffer_bytes, 0U);
 }
@@ -180,7 +180,7 @@ TEST_P(TransportTest, NamesAPortThatIsInUse) {
   const auto first = open();
   const std::uint16_t port = first->addresses()[0].port;
   const auto second = open_udp_transport(
-      {.port = port, .bind_address = INADDR_LOOPBACK, .backend = GetParam()}, test::make_pool());
+      {.port = port, .bind_address = GetParam().loopback, .backend = GetParam()}, test::make_pool());
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, Errc::address_in_use);
   EXPECT_NE(second.error().message.find(std::to_string(port)), std::string::npos) << second.error().message;

@@ -59,9 +59,10 @@ struct DiscoverySettings {
   /// port of one process, "10.0.0.7:7410". Both sides have to name each other. On each, the first 20 nodes
   /// are found.
   std::vector<std::string> peers{};
-  /// By name ("eth0") or by one of their addresses: nodes are looked for and samples received on these only,
-  /// whether they are there already or come later. Empty: nodes are looked for on the one that seems best,
-  /// and samples received on all. Those that CYCLONEDDS_URI names go before these.
+  /// By name ("eth0"), one of their addresses ("10.0.0.5", "fe80::1%eth0") or their network ("10.0.0.0/24",
+  /// "fd00::/64"): nodes are looked for and samples received on these only, whether they are there already or
+  /// come later. Empty: nodes are looked for on the one that seems best, and samples received on all. Those
+  /// that CYCLONEDDS_URI names go before these.
   std::vector<std::string> interfaces{};
   /// False: nodes on other hosts are found by `peers` only, those on this host in any case.
   bool multicast = true;
@@ -100,6 +101,10 @@ struct PublisherOptions {
   std::chrono::nanoseconds lifespan{0};
   Liveliness liveliness = Liveliness::automatic;
   std::chrono::nanoseconds liveliness_lease{0};  ///< promises a sign of life at least so often
+  /// So long, up to 1 s, publish() may wait for reliable subscribers elsewhere that do not keep up, before it
+  /// costs them their oldest sample (DDS calls it max_blocking_time). None by default: a subscriber that hangs
+  /// would hold up the program, each time that it publishes, and with it all other subscribers.
+  std::chrono::nanoseconds max_blocking{0};
   /// Announced: readers set memory aside for no more. Up to 32 MiB, and 16 MiB without UDP. A sample that is
   /// larger than the largest chunk of shared memory, 16 MiB unless the daemon was set up otherwise, goes by
   /// UDP within the host, like one for which no chunk is free.
@@ -146,8 +151,9 @@ struct SubscriberOptions {
   /// within that time is had in a microsecond, without what it takes to wake a thread. By default about as
   /// long as that takes, so that looking never costs more than it could have saved. Threads that wait for the
   /// core get it meanwhile, and after a wait that ended without a sample the next one sleeps at once. For a
-  /// reader with a core of its own: longer than the period of the samples. Without effect where it is
-  /// pollable.
+  /// reader with a core of its own: longer than the period of the samples. With a callback, the thread that
+  /// receives by UDP looks so long (1 s at most), as long as datagrams come about as fast as that. Without
+  /// effect where it is pollable.
   std::chrono::nanoseconds spin = std::chrono::microseconds(20);
   /// Gives it a Subscriber::file_descriptor(), and its node a thread that tells it what came in shared
   /// memory. Not with a callback.

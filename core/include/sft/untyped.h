@@ -48,6 +48,12 @@ enum class PublishStatus : std::uint8_t {
 };
 const char* to_string(PublishStatus status);
 
+/// What became of the messages of publish(span).
+struct PublishedSpan {
+  std::size_t published = 0;                 ///< so many of them were ok
+  PublishStatus status = PublishStatus::ok;  ///< of the first one that was not; ok if all were
+};
+
 enum class ShrinkStatus : std::uint8_t {
   ok,
   not_reserved,  ///< the loan named no size for this sequence
@@ -133,6 +139,8 @@ class Publisher {
   Publisher& operator=(Publisher&&) = default;
 
   PublishStatus publish(const void* value);
+  /// So many values, each `stride` bytes behind the one before.
+  PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
   /// An encoded payload of the whole type, see Publisher::publish_cdr.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
   Result<Loan> loan(const void* prototype, std::span<const Reservation> reservations, ReservedMemory memory);

@@ -1,0 +1,44 @@
+// Cyclone DDS as a program uses it that has nothing else.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <cstddef>
+#include <memory>
+
+namespace sft::bench {
+
+/// Ends the program with a message where Cyclone DDS refused.
+dds_entity_t checked(dds_entity_t entity);
+
+using CycloneQos = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
+/// Volatile, and keeps the last sample only.
+CycloneQos cyclone_best_effort();
+
+/// One participant in domain 0, and that domain with it.
+class CycloneParticipant {
+ public:
+  explicit CycloneParticipant(const char* config);
+  ~CycloneParticipant();
+  CycloneParticipant(const CycloneParticipant&) = delete;
+  CycloneParticipant& operator=(const CycloneParticipant&) = delete;
+
+  dds_entity_t writer(const dds_topic_descriptor_t& type, const char* topic, const dds_qos_t* qos) const;
+  /// `on_data`, if not null, gets `context`.
+  dds_entity_t reader(const dds_topic_descriptor_t& type, const char* topic, const dds_qos_t* qos,
+                      dds_on_data_available_fn on_data, void* context) const;
+
+  /// How many read what the writer writes, and how many write what the reader reads.
+  static std::size_t readers(dds_entity_t writer);
+  static std::size_t writers(dds_entity_t reader);
+
+  dds_entity_t entity() const { return participant_; }
+
+ private:
+  dds_entity_t topic(const dds_topic_descriptor_t& type, const char* name) const;
+
+  const dds_entity_t domain_;
+  const dds_entity_t participant_;
+};
+
+}  // namespace sft::bench

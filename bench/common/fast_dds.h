@@ -1,0 +1,161 @@
+// Fast DDS as a program uses it that has nothing else. In one header, since its own take long to compile and
+// each program includes them once.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/TopicDataType.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <functional>
+#include <memory>
+#include <new>
+#include <span>
+
+namespace sft::bench {
+
+namespace fast {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+using eprosima::fastrtps::types::ReturnCode_t;
+
+inline constexpr std::uint32_t encapsulation_bytes = 4;
+inline constexpr std::uint8_t little_endian[encapsulation_bytes] = {0, 1, 0, 0};
+
+[[noreturn]] inline void give_up(const char* what) {
+  std::fprintf(stderr, "Fast DDS: %s\n", what);
+  std::exit(1);
+}
+
+template <class T>
+T& checked(T* entity, const char* what) {
+  if (entity == nullptr) give_up(what);
+  return *entity;
+}
+
+/// What is generated for a type, by hand.
+template <class T>
+class Type : public dds::TopicDataType {
+ public:
+  Type(const char* name, std::uint32_t bytes) {
+    setName(name);
+    m_typeSize = encapsulation_bytes + bytes;
+    auto_fill_type_object(false);
+    auto_fill_type_information(false);
+  }
+
+  void* createData() override { return new T(); }
+  void deleteData(void* data) override { delete static_cast<T*>(data); }
+  bool getKey(void*, rtps::InstanceHandle_t*, bool) override { return false; }
+
+ protected:
+  static std::span<std::byte> body(const rtps::SerializedPayload_t& payload, std::size_t end) {
+    return {reinterpret_cast<std::byte*>(payload.data) + encapsulation_bytes, end - encapsulation_bytes};
+  }
+  static void encapsulate(rtps::SerializedPayload_t& payload, std::size_t body_bytes) {
+    payload.encapsulation = CDR_LE;
+    std::memcpy(payload.data, little_endian, encapsulation_bytes);
+    payload.length = static_cast<std::uint32_t>(encapsulation_bytes + body_bytes);
+  }
+};
+
+/// Of messages that are the same bytes in memory and on the wire.
+template <class T>
+class PlainType : public Type<T> {
+ public:
+  explicit PlainType(const char* name) : Type<T>(name, sizeof(T)) {}
+
+  bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
+    Type<T>::encapsulate(*payload, sizeof(T));
+    std::memcpy(payload->data + encapsulation_bytes, data, sizeof(T));
+    return true;
+  }
+  bool deserialize(rtps::SerializedPayload_t* payload, void* data) override {
+    std::memcpy(data, payload->data + encapsulation_bytes, sizeof(T));
+    return true;
+  }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void*) override {
+    return [] { return std::uint32_t{encapsulation_bytes + sizeof(T)}; };
+  }
+  bool is_bounded() const override { return true; }
+  bool is_plain() const override { return true; }
+  bool construct_sample(void* memory) const override {
+    new (memory) T;
+    return true;
+  }
+};
+
+/// For writers and readers: volatile, and keeps the last sample only, whose memory grows to what it takes.
+template <class Qos>
+Qos best_effort(Qos qos) {
+  qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
+  qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
+  qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;
+  qos.history().depth = 1;
+  qos.endpoint().history_memory_policy = rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  return qos;
+}
+
+/// In domain 0, with that transport only.
+class Participant {
+ public:
+  template <class TransportDescriptor>
+  explicit Participant(std::shared_ptr<TransportDescriptor> transport) {
+    dds::DomainParticipantQos qos;
+    qos.transport().use_builtin_transports = false;
+    qos.transport().user_transports.push_back(std::move(transport));
+    participant_ = &checked(factory().create_participant(0, qos), "participant");
+  }
+  ~Participant() {
+    participant_->delete_contained_entities();
+    factory().delete_participant(participant_);
+  }
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  /// Owns `type`.
+  dds::Topic& topic(const char* name, dds::TopicDataType* type) {
+    const dds::TypeSupport support(type);
+    support.register_type(participant_);
+    return checked(participant_->create_topic(name, type->getName(), dds::TOPIC_QOS_DEFAULT), "topic");
+  }
+  dds::DataWriter& writer(dds::Topic& topic, const dds::DataWriterQos& qos) {
+    auto& publisher = checked(participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT), "publisher");
+    return checked(publisher.create_datawriter(&topic, qos), "writer");
+  }
+  dds::DataReader& reader(dds::Topic& topic, const dds::DataReaderQos& qos,
+                          dds::DataReaderListener* listener) {
+    auto& subscriber = checked(participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT), "subscriber");
+    return checked(subscriber.create_datareader(&topic, qos, listener), "reader");
+  }
+
+ private:
+  static dds::DomainParticipantFactory& factory() { return *dds::DomainParticipantFactory::get_instance(); }
+
+  dds::DomainParticipant* participant_ = nullptr;
+};
+
+/// How many read what the writer writes, and how many write what the reader reads.
+inline std::size_t readers(const dds::DataWriter& writer) {
+  dds::PublicationMatchedStatus status;
+  writer.get_publication_matched_status(status);
+  return static_cast<std::size_t>(status.current_count);
+}
+inline std::size_t writers(const dds::DataReader& reader) {
+  dds::SubscriptionMatchedStatus status;
+  reader.get_subscription_matched_status(status);
+  return static_cast<std::size_t>(status.current_count);
+}
+
+}  // namespace fast
+
+}  // namespace sft::bench

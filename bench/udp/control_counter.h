@@ -1,0 +1,27 @@
+// Counts the datagrams of SFT on this host's interface, both ways, that carry no samples.
+#pragma once
+
+#include <cstdint>
+
+#include "examples/demo/descriptor.h"
+
+namespace sft::bench {
+
+struct ControlTraffic {
+  std::int64_t bytes = 0;  ///< with all headers
+  std::int64_t datagrams = 0;
+};
+
+class ControlCounter {
+ public:
+  /// Ends the program with a message where that is not allowed.
+  ControlCounter();
+
+  /// Since the counter was made, or since the last time.
+  ControlTraffic read() const;
+
+ private:
+  demo::Descriptor packets_;
+};
+
+}  // namespace sft::bench

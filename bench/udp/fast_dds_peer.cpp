@@ -1,0 +1,174 @@
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <vector>
+
+#include "bench/common/fast_dds.h"
+#include "bench/udp/contender.h"
+
+namespace sft::bench {
+
+namespace {
+
+namespace dds = fast::dds;
+using fast::ReturnCode_t;
+
+struct Small {
+  std::uint64_t number = 0;
+  std::uint8_t data[56] = {};
+};
+
+struct Bulk {
+  std::uint64_t number = 0;
+  std::vector<std::uint8_t> data;
+};
+
+class BulkType : public fast::Type<Bulk> {
+ public:
+  explicit BulkType(std::uint32_t data_bytes) : Type("sft_bench::Bulk", fixed_bytes + data_bytes) {}
+
+  bool serialize(void* data, fast::rtps::SerializedPayload_t* payload) override {
+    const auto& bulk = *static_cast<const Bulk*>(data);
+    const auto length = static_cast<std::uint32_t>(bulk.data.size());
+    encapsulate(*payload, fixed_bytes + length);
+    std::byte* to = body(*payload, payload->length).data();
+    std::memcpy(to, &bulk.number, sizeof bulk.number);
+    std::memcpy(to + sizeof bulk.number, &length, sizeof length);
+    std::memcpy(to + fixed_bytes, bulk.data.data(), length);
+    return true;
+  }
+  bool deserialize(fast::rtps::SerializedPayload_t* payload, void* data) override {
+    auto& bulk = *static_cast<Bulk*>(data);
+    const std::span<const std::byte> from = body(*payload, payload->length);
+    if (from.size() < fixed_bytes) return false;
+    std::memcpy(&bulk.number, from.data(), sizeof bulk.number);
+    bulk.data.resize(from.size() - fixed_bytes);
+    std::memcpy(bulk.data.data(), from.data() + fixed_bytes, bulk.data.size());
+    return true;
+  }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [data] {
+      const auto length = static_cast<std::uint32_t>(static_cast<const Bulk*>(data)->data.size());
+      return fast::encapsulation_bytes + fixed_bytes + length;
+    };
+  }
+
+ private:
+  static constexpr std::uint32_t fixed_bytes = sizeof(std::uint64_t) + sizeof(std::uint32_t);
+};
+
+dds::TopicDataType* type_of(const Topic& topic) {
+  if (topic.bulk_bytes > 0) return new BulkType(topic.bulk_bytes);
+  return new fast::PlainType<Small>("sft_bench::Small");
+}
+
+/// Between hosts, with the largest datagrams, which IP cuts to the MTU, and buffers for some samples.
+std::shared_ptr<eprosima::fastdds::rtps::UDPv4TransportDescriptor> udp() {
+  auto transport = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  transport->maxMessageSize = 65'500;
+  transport->sendBufferSize = 4 << 20;
+  transport->receiveBufferSize = 16 << 20;
+  return transport;
+}
+
+template <class Qos>
+Qos qos_of(const Topic& topic, Qos qos) {
+  qos = fast::best_effort(qos);
+  qos.data_sharing().off();
+  if (!topic.reliable) return qos;
+  qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
+  qos.history().kind = dds::KEEP_ALL_HISTORY_QOS;
+  qos.resource_limits().max_samples = static_cast<std::int32_t>(topic.depth);
+  qos.resource_limits().max_samples_per_instance = static_cast<std::int32_t>(topic.depth);
+  qos.resource_limits().max_instances = 1;
+  qos.resource_limits().allocated_samples = 0;
+  return qos;
+}
+
+dds::DataWriterQos writer_qos(const Topic& topic) {
+  dds::DataWriterQos qos = qos_of(topic, dds::DATAWRITER_QOS_DEFAULT);
+  qos.reliability().max_blocking_time = {10, 0};
+  // By default it asks every 3 s what is missing, which it takes until then.
+  qos.reliable_writer_qos().times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0.01);
+  qos.reliable_writer_qos().times.nackResponseDelay = {0, 0};
+  if (topic.bulk_bytes > 0) qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
+  return qos;
+}
+
+dds::DataReaderQos reader_qos(const Topic& topic) {
+  dds::DataReaderQos qos = qos_of(topic, dds::DATAREADER_QOS_DEFAULT);
+  qos.reliable_reader_qos().times.heartbeatResponseDelay = {0, 0};
+  return qos;
+}
+
+template <class T>
+class FastDdsWriter : public Writer {
+ public:
+  FastDdsWriter(fast::Participant& participant, const Topic& topic)
+      : writer_(participant.writer(participant.topic(topic.name, type_of(topic)), writer_qos(topic))) {
+    if constexpr (requires { message_.data.resize(1); }) message_.data.resize(topic.bulk_bytes, 1);
+  }
+
+  std::size_t readers() const override { return fast::readers(writer_); }
+  void write(std::uint64_t number) override {
+    message_.number = number;
+    writer_.write(&message_);
+  }
+
+ private:
+  dds::DataWriter& writer_;
+  T message_{};
+};
+
+/// Deserializes into the same memory again and again.
+template <class T>
+class FastDdsReader : public Reader, private dds::DataReaderListener {
+ public:
+  FastDdsReader(fast::Participant& participant, const Topic& topic, Arrived arrived)
+      : arrived_(std::move(arrived)),
+        reader_(participant.reader(participant.topic(topic.name, type_of(topic)), reader_qos(topic),
+                                   arrived_ ? this : nullptr)) {}
+  ~FastDdsReader() override { reader_.set_listener(nullptr); }
+  FastDdsReader(const FastDdsReader&) = delete;
+  FastDdsReader& operator=(const FastDdsReader&) = delete;
+
+  std::size_t writers() const override { return fast::writers(reader_); }
+  void wait() override { reader_.wait_for_unread_message({1, 0}); }
+  std::uint64_t take() override { return take_from(reader_); }
+
+ private:
+  void on_data_available(dds::DataReader* reader) override {
+    while (const std::uint64_t number = take_from(*reader)) arrived_(number);
+  }
+  std::uint64_t take_from(dds::DataReader& reader) {
+    dds::SampleInfo info;
+    while (reader.take_next_sample(&message_, &info) == ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data) return message_.number;
+    }
+    return 0;
+  }
+
+  const Arrived arrived_;
+  T message_{};
+  dds::DataReader& reader_;
+};
+
+class FastDdsPeer : public Peer {
+ public:
+  std::unique_ptr<Writer> writer(const Topic& topic) override {
+    if (topic.bulk_bytes > 0) return std::make_unique<FastDdsWriter<Bulk>>(participant_, topic);
+    return std::make_unique<FastDdsWriter<Small>>(participant_, topic);
+  }
+  std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
+    if (topic.bulk_bytes > 0)
+      return std::make_unique<FastDdsReader<Bulk>>(participant_, topic, std::move(arrived));
+    return std::make_unique<FastDdsReader<Small>>(participant_, topic, std::move(arrived));
+  }
+
+ private:
+  fast::Participant participant_{udp()};
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> fast_dds_peer() { return std::make_unique<FastDdsPeer>(); }
+
+}  // namespace sft::bench

@@ -1,0 +1,29 @@
+// UDP between hosts in figures: throughput, latency and bytes, beside Cyclone DDS, Fast DDS and raw sockets
+// in the same run. Each side is pinned to a core of its own; the hosts are network namespaces, MTU 1500.
+#include "bench/common/pair.h"
+#include "bench/common/program.h"
+#include "bench/udp/udp.h"
+#include "tests/support/isolated_host.h"
+
+int main(int argc, char** argv) {
+  using namespace sft::bench;
+  Scale scale;
+  Program program("Speed and bytes of UDP between hosts, against references of the same run",
+                  {{"bulk", [&] { return bulk(scale); }},
+                   {"small", [&] { return small(scale); }},
+                   {"rate", [&] { return rate(scale); }},
+                   {"bulk_latency", [&] { return bulk_latency(scale); }},
+                   {"fan_out", [&] { return fan_out(scale); }},
+                   {"wire_overhead", [&] { return wire_overhead(scale); }},
+                   {"ack_overhead", [&] { return ack_overhead(scale); }}});
+  program.options()
+      .add_option("--messages", scale.messages,
+                  "of 64 bytes, per round and contender; a fiftieth of large ones")
+      ->check(CLI::Range(std::size_t{100}, Exchange::samples_max));
+  program.options().add_option("--rounds", scale.rounds, "of each contender")->check(CLI::Range(1, 100));
+  program.options()
+      .add_option("--seconds", scale.seconds, "that a stream of samples is watched for")
+      ->check(CLI::Range(0.1, 100.));
+  if (const auto code = program.parse(argc, argv)) return *code;
+  return sft::test::run_isolated([&] { return program.run(); });
+}

@@ -1,0 +1,138 @@
+// The least that a transfer by UDP takes: each system call hands over a train of datagrams, which the kernel
+// cuts (GSO) and puts together again (GRO), straight from and into the sample's memory. Whoever sends waits
+// for the acknowledgement of a sample, so that none is lost to a full buffer.
+#include <arpa/inet.h>
+#include <netinet/udp.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <thread>
+#include <vector>
+
+#include "bench/common/hosts.h"
+#include "bench/udp/contender.h"
+
+namespace sft::bench {
+
+namespace {
+
+constexpr std::uint16_t port = 45'901;
+constexpr int segment_bytes = 1472;  // an MTU of 1500 without the headers of IPv4 and UDP
+constexpr std::size_t train_bytes = 44 * segment_bytes;
+constexpr std::size_t received_bytes_max = 65'536;
+constexpr int buffer_bytes = 16 << 20;
+constexpr std::uint64_t again = 0;  // instead of a number: begin the sample from the start
+
+int udp_socket(std::uint16_t local_port) {
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const timeval patience{0, 200'000};
+  setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &buffer_bytes, sizeof buffer_bytes);
+  sockaddr_in here{};
+  here.sin_family = AF_INET;
+  here.sin_port = htons(local_port);
+  if (bind(fd, reinterpret_cast<const sockaddr*>(&here), sizeof here) != 0) std::abort();
+  return fd;
+}
+
+/// Without an acknowledgement it says that it begins again.
+class RawUdpWriter : public Writer {
+ public:
+  explicit RawUdpWriter(const Topic& topic) : sample_(topic.bulk_bytes, std::byte{1}) {
+    sockaddr_in peer{};
+    peer.sin_family = AF_INET;
+    peer.sin_port = htons(port);
+    peer.sin_addr.s_addr = TwoHosts::receiver_address();
+    setsockopt(socket_, SOL_UDP, UDP_SEGMENT, &segment_bytes, sizeof segment_bytes);
+    if (connect(socket_, reinterpret_cast<const sockaddr*>(&peer), sizeof peer) != 0) std::abort();
+  }
+  ~RawUdpWriter() override { close(socket_); }
+  RawUdpWriter(const RawUdpWriter&) = delete;
+  RawUdpWriter& operator=(const RawUdpWriter&) = delete;
+
+  std::size_t readers() const override { return 1; }
+  void write(std::uint64_t number) override {
+    std::memcpy(sample_.data(), &number, sizeof number);
+    for (send_sample(); !acknowledged(number); send_sample()) send(socket_, &again, sizeof again, 0);
+  }
+
+ private:
+  void send_sample() const {
+    for (std::size_t at = 0; at < sample_.size(); at += train_bytes)
+      send(socket_, sample_.data() + at, std::min(train_bytes, sample_.size() - at), 0);
+  }
+  bool acknowledged(std::uint64_t number) const {
+    std::uint64_t acknowledgement = 0;
+    while (recv(socket_, &acknowledgement, sizeof acknowledgement, 0) > 0) {
+      if (acknowledgement == number) return true;
+    }
+    return false;
+  }
+
+  const int socket_ = udp_socket(0);
+  std::vector<std::byte> sample_;
+};
+
+class RawUdpReader : public Reader {
+ public:
+  RawUdpReader(const Topic& topic, Arrived arrived)
+      : arrived_(std::move(arrived)), sample_(topic.bulk_bytes + received_bytes_max) {
+    const int on = 1;
+    setsockopt(socket_, SOL_UDP, UDP_GRO, &on, sizeof on);
+    thread_ = std::thread([this, bytes = topic.bulk_bytes] { receive(bytes); });
+  }
+  ~RawUdpReader() override {
+    over_ = true;
+    thread_.join();
+    close(socket_);
+  }
+  RawUdpReader(const RawUdpReader&) = delete;
+  RawUdpReader& operator=(const RawUdpReader&) = delete;
+
+  std::size_t writers() const override { return 1; }
+
+ private:
+  void receive(std::size_t sample_bytes) {
+    std::size_t come = 0;
+    while (!over_) {
+      sockaddr_in peer{};
+      socklen_t length = sizeof peer;
+      const ssize_t bytes = recvfrom(socket_, sample_.data() + come, received_bytes_max, 0,
+                                     reinterpret_cast<sockaddr*>(&peer), &length);
+      if (bytes <= 0) continue;
+      come = bytes == sizeof again ? 0 : come + static_cast<std::size_t>(bytes);
+      if (come < sample_bytes) continue;
+      come = 0;
+      std::uint64_t number = 0;
+      std::memcpy(&number, sample_.data(), sizeof number);
+      sendto(socket_, &number, sizeof number, 0, reinterpret_cast<const sockaddr*>(&peer), length);
+      arrived_(number);
+    }
+  }
+
+  const int socket_ = udp_socket(port);
+  const Arrived arrived_;
+  std::vector<std::byte> sample_;
+  std::atomic<bool> over_{false};
+  std::thread thread_;
+};
+
+class RawUdpPeer : public Peer {
+ public:
+  std::unique_ptr<Writer> writer(const Topic& topic) override {
+    return std::make_unique<RawUdpWriter>(topic);
+  }
+  std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
+    return std::make_unique<RawUdpReader>(topic, std::move(arrived));
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> raw_udp_peer() { return std::make_unique<RawUdpPeer>(); }
+
+}  // namespace sft::bench

@@ -1,0 +1,118 @@
+#include <sft/sft.h>
+#include <algorithm>
+#include <messages.hpp>
+#include <span>
+#include <vector>
+
+#include "bench/udp/contender.h"
+
+namespace sft::bench {
+
+namespace {
+
+using sft_bench::Bulk;
+using sft_bench::Small;
+
+Small message(const Topic&, const Small*) { return {}; }
+Bulk message(const Topic& topic, const Bulk*) {
+  Bulk bulk;
+  bulk.data.resize(topic.bulk_bytes, 1);
+  return bulk;
+}
+
+Reliability reliability(const Topic& topic) {
+  return topic.reliable ? Reliability::reliable : Reliability::best_effort;
+}
+
+/// As others do, it waits for a reader that does not keep up, if it can.
+template <class Options>
+Options publisher_options(const Topic& topic) {
+  Options options{.reliability = reliability(topic)};
+  if constexpr (requires { options.max_blocking; }) options.max_blocking = std::chrono::seconds(1);
+  return options;
+}
+
+template <class T>
+class SftWriter : public Writer {
+ public:
+  SftWriter(Node& node, const Topic& topic)
+      : publisher_(node.publisher<T>(topic.name, publisher_options<PublisherOptions>(topic)).value()),
+        message_(message(topic, static_cast<const T*>(nullptr))) {}
+
+  std::size_t readers() const override {
+    const std::vector<ReaderStatus> readers = publisher_.status().readers;
+    return static_cast<std::size_t>(std::ranges::count_if(readers, &ReaderStatus::served));
+  }
+  void write(std::uint64_t number) override {
+    message_.number = number;
+    publisher_.publish(message_);
+  }
+  void write_together(std::uint64_t first, std::uint64_t count) override {
+    if constexpr (requires { publisher_.publish(std::span<const T>(together_)); }) {
+      together_.resize(count, message_);
+      for (T& m : together_) m.number = first++;
+      publisher_.publish(std::span<const T>(together_));
+    } else {
+      Writer::write_together(first, count);
+    }
+  }
+
+ private:
+  Publisher<T> publisher_;
+  T message_;
+  std::vector<T> together_;
+};
+
+SubscriberOptions subscriber_options(const Topic& topic) {
+  SubscriberOptions options{.reliability = reliability(topic), .depth = topic.depth};
+  if (topic.spinning) options.spin = std::chrono::seconds(1);
+  return options;
+}
+
+template <class T>
+class SftReader : public Reader {
+ public:
+  SftReader(Node& node, const Topic& topic, Arrived arrived)
+      : subscriber_((arrived
+                         ? node.subscriber<T>(topic.name, tell(std::move(arrived)), subscriber_options(topic))
+                         : node.subscriber<T>(topic.name, subscriber_options(topic)))
+                        .value()) {}
+
+  std::size_t writers() const override {
+    const std::vector<WriterStatus> writers = subscriber_.status().writers;
+    return static_cast<std::size_t>(std::ranges::count_if(writers, &WriterStatus::connected));
+  }
+  void wait() override { subscriber_.wait(std::chrono::seconds(1)); }
+  std::uint64_t take() override {
+    const auto sample = subscriber_.take();
+    return sample ? sample->number() : 0;
+  }
+
+ private:
+  static auto tell(Arrived arrived) {
+    return [arrived = std::move(arrived)](const Sample<T>& sample) { arrived(sample->number()); };
+  }
+
+  Subscriber<T> subscriber_;
+};
+
+class SftPeer : public Peer {
+ public:
+  std::unique_ptr<Writer> writer(const Topic& topic) override {
+    if (topic.bulk_bytes > 0) return std::make_unique<SftWriter<Bulk>>(node_, topic);
+    return std::make_unique<SftWriter<Small>>(node_, topic);
+  }
+  std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
+    if (topic.bulk_bytes > 0) return std::make_unique<SftReader<Bulk>>(node_, topic, std::move(arrived));
+    return std::make_unique<SftReader<Small>>(node_, topic, std::move(arrived));
+  }
+
+ private:
+  Node node_ = Node::open({.name = "bench", .transport = TransportChoice::udp}).value();
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> sft_peer() { return std::make_unique<SftPeer>(); }
+
+}  // namespace sft::bench

@@ -1,0 +1,33 @@
+// A program that writes for some time, as fast as its middleware lets it, and one that counts what comes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bench/common/hosts.h"
+#include "bench/udp/contender.h"
+
+namespace sft::bench {
+
+struct Load {
+  Topic topic;
+  double seconds = 1;
+  std::uint64_t together = 1;  ///< samples that are handed over at a time
+};
+
+/// What runs of one contender came to.
+class StreamRounds {
+ public:
+  void run(Contender contender, const Load& load, const TwoHosts& hosts);
+
+  // Medians; not a number if all runs failed.
+  double samples_per_s() const;
+  double cpu_s_per_sample() const;  ///< user and system time of both processes
+  /// Of all runs.
+  double lost() const;
+
+ private:
+  std::vector<double> samples_per_s_, cpu_s_per_sample_, lost_;
+};
+
+}  // namespace sft::bench

@@ -1,0 +1,78 @@
+// IP addresses of both families, the networks that they are in, and both as text.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace sft::core {
+
+/// An IPv4 address is held as it looks in IPv6, "IPv4-mapped" (RFC 4291, 2.5.5.2): as ::ffff:a.b.c.d. All
+/// bytes 0: none, or any.
+struct IpAddress {
+  using Bytes = std::array<std::uint8_t, 16>;
+
+  constexpr IpAddress() = default;
+  /// IPv4, as a number in host byte order, as INADDR_LOOPBACK is one; 0: any.
+  constexpr IpAddress(std::uint32_t ipv4) {  // NOLINT(google-explicit-constructor): as they are written
+    if (ipv4 == 0) return;
+    bytes = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
+    for (std::size_t i = 0; i < 4; ++i) bytes[12 + i] = static_cast<std::uint8_t>(ipv4 >> (24 - 8 * i));
+  }
+  constexpr explicit IpAddress(const Bytes& ipv6, std::uint32_t interface = 0)
+      : bytes(ipv6), scope(interface) {}
+
+  constexpr bool is_any() const { return bytes == Bytes{}; }
+  constexpr bool is_ipv4() const {
+    for (std::size_t i = 0; i < 10; ++i) {
+      if (bytes[i] != 0) return false;
+    }
+    return bytes[10] == 0xff && bytes[11] == 0xff;
+  }
+  /// REQUIRES: is_ipv4().
+  constexpr std::uint32_t ipv4() const {
+    std::uint32_t number = 0;
+    for (std::size_t i = 12; i < 16; ++i) number = number << 8 | bytes[i];
+    return number;
+  }
+  /// Means one host only where it is known by which interface: of IPv6, since that of IPv4 is routed.
+  constexpr bool is_link_local() const { return bytes[0] == 0xfe && (bytes[1] & 0xc0) == 0x80; }
+  constexpr bool is_multicast() const { return is_ipv4() ? bytes[12] >> 4 == 0xe : bytes[0] == 0xff; }
+
+  Bytes bytes{};
+  std::uint32_t scope = 0;  ///< index of the interface that a link-local address is meant on
+
+  friend constexpr auto operator<=>(const IpAddress&, const IpAddress&) = default;
+};
+
+inline constexpr IpAddress loopback_ipv4{0x7f000001};
+inline constexpr IpAddress loopback_ipv6{IpAddress::Bytes{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}};
+
+/// With all bits 0 but the first `prefix_bits`: 0 to 32 of IPv4, 0 to 128 of IPv6.
+IpAddress network_of(const IpAddress& address, unsigned prefix_bits);
+
+/// Whether the first `prefix_bits` are the same, and the family. Link-local networks look all the same: of
+/// these the interface counts, too, as far as it is known of both.
+bool in_one_network(const IpAddress& a, const IpAddress& b, unsigned prefix_bits);
+
+struct IpNetwork {
+  IpAddress ip;
+  std::optional<unsigned> prefix_bits;  ///< none: it was not said
+  friend bool operator==(const IpNetwork&, const IpNetwork&) = default;
+};
+
+/// "10.99.1.2", "fd00::7", "fe80::1%eth0".
+std::string format(const IpAddress& address);
+/// "10.99.1.2:7000", "[fe80::1%eth0]:7000".
+std::string format(const IpAddress& address, std::uint16_t port);
+
+/// Addresses as format() writes them; an interface that this host does not have makes it none.
+std::optional<IpAddress> parse_ip_address(std::string_view text);
+/// An address, or one and how many of its bits are the network's: "10.0.0.0/24", "fd00::/64".
+std::optional<IpNetwork> parse_ip_network(std::string_view text);
+
+}  // namespace sft::core

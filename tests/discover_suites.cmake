@@ -1,0 +1,13 @@
+# cmake -D PROGRAM=file -D LABELS=label -D OUTPUT=file -P discover_suites.cmake
+# Writes, for CTest, one test for each suite of a GoogleTest program: most tests take less time than a process.
+cmake_minimum_required(VERSION 3.25)
+execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "(^|\n)[^ \n]+\\.( |\n)" suites "${listed}") # their tests are indented
+
+set(tests "")
+foreach(suite IN LISTS suites)
+  string(REGEX REPLACE "[ \n]|\\.[ \n]*$" "" suite "${suite}")
+  string(APPEND tests "add_test([[${suite}]] [[${PROGRAM}]] [[--gtest_filter=${suite}.*]])\n"
+                      "set_tests_properties([[${suite}]] PROPERTIES LABELS ${LABELS})\n")
+endforeach()
+file(WRITE ${OUTPUT} "${tests}")

@@ -1,0 +1,135 @@
+// Samples that are published together, from transport to transport.
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "endpoints.h"
+#include "faulty_io.h"
+#include "tests/support/test_seed.h"
+#include "transport_fixture.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using test::fields;
+using test::Image;
+using test::loopback_address;
+using test::make_image;
+using test::Publisher;
+using test::Subscriber;
+
+class SpanTest : public TransportTest {
+ protected:
+  /// Datagrams as on an Ethernet.
+  std::unique_ptr<core::Transport> open(double loss = 0) {
+    return TransportTest::open({.max_datagram_bytes = 1472}, [&](DatagramIo io) {
+      const test::Faults faults{.loss = loss};
+      const auto seed = static_cast<unsigned>(sft::test::test_seed());
+      io.receiver = std::make_unique<test::FaultyReceiver>(std::move(io.receiver), faults, seed);
+      return io;
+    });
+  }
+  static void publish(Publisher& publisher, const std::vector<std::size_t>& data_bytes) {
+    publisher.port().hold();
+    for (const std::size_t bytes : data_bytes) {
+      core::SampleHandle sample = publisher.make(make_image(bytes));
+      sample->source_stamp_ns = 7;  // of the span
+      publisher.port().send(sample);
+    }
+    EXPECT_EQ(publisher.port().flush(), 0U);
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Backends, SpanTest, testing::Values(Backend::io_uring, Backend::sockets),
+                         [](const auto& param) {
+                           return param.param == Backend::io_uring ? "IoUring" : "Sockets";
+                         });
+
+TEST_P(SpanTest, SharesDatagramsAndGivesEachReaderItsFields) {
+  const auto there = open(), here = open();
+  Subscriber bytes(*here, {"data"}, 1000, 1), all(*here, {"*"}, 1000, 2);
+  Publisher publisher(*there);
+  bytes.listen_to(publisher.id());
+  all.listen_reliably_to(publisher.id());
+  publisher.serve({{loopback_address(*here), "data"}, {loopback_address(*here), "*", true}});
+  publish(publisher, std::vector<std::size_t>(300, 40));
+  EXPECT_EQ(all.await_sequences(300), first_numbers(300));
+  EXPECT_EQ(bytes.await_sequences(300), first_numbers(300));
+  EXPECT_EQ(test::body_of(*all.await(300)[299]), test::encoded_body(make_image(40), fields<Image>("*")));
+  EXPECT_EQ(test::body_of(*bytes.await(300)[0]), test::encoded_body(make_image(40), fields<Image>("data")));
+  EXPECT_LT(publisher.port().bytes_sent(), 300 * (44 + 79) * 11 / 10);
+}
+
+TEST_P(SpanTest, KeepsTheOrderWhereSomeSamplesAreLarge) {
+  const auto there = open(), here = open();
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_reliably_to(publisher.id());
+  publisher.serve({{loopback_address(*here), "*", true}});
+  publish(publisher, {10, 20, 5000, 0, 30, 100'000, 300, 900, 7});
+  EXPECT_EQ(subscriber.await_sequences(9), first_numbers(9));
+}
+
+TEST_P(SpanTest, LosesNothingOverABadLink) {
+  SCOPED_TRACE(sft::test::how_to_repeat());
+  const auto there = open(0.05), here = open(0.05);
+  Subscriber subscriber(*here, {"*"}, 5000);
+  Publisher publisher(*there);
+  subscriber.listen_reliably_to(publisher.id());
+  publisher.serve({{loopback_address(*here), "*", true}});
+  for (std::size_t n = 1; n <= 10; ++n) publish(publisher, std::vector<std::size_t>(200, n * 17));
+  EXPECT_EQ(subscriber.await_sequences(2000), first_numbers(2000));
+}
+
+TEST_P(SpanTest, LosesNothingToAReaderThatTakesAtOnceHoweverFewMayWait) {
+  const auto there = open(), here = open();
+  Subscriber subscriber(*here, {"*"}, 1);
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{loopback_address(*here), "*"}});
+  publish(publisher, std::vector<std::size_t>(50, 5));
+  EXPECT_EQ(subscriber.await_sequences(50), first_numbers(50));
+  EXPECT_EQ(subscriber.port().discarded(), 0U);
+}
+
+/// One that acknowledges nothing for some time.
+TEST_P(SpanTest, WaitsForAReaderThatDoesNotKeepUpAsLongAsItMay) {
+  const auto there = open(), here = open();
+  Subscriber subscriber(*here, {"*"}, 20'000);
+  const auto port =
+      there->open_writer({7, &test::type_support<Image>(), true, std::chrono::nanoseconds(200ms)}).value();
+  subscriber.listen_reliably_to(7);
+  core::Route route{1, loopback_address(*here), fields<Image>("*")};
+  route.reliable = true;
+  port->set_routes({route});
+  const auto pool = test::make_pool();
+  const Image image = make_image(20);
+  for (std::uint64_t sequence = 1; sequence <= 20'000;) {
+    port->hold();
+    for (int i = 0; i < 1000; ++i, ++sequence) {
+      const core::SampleHandle sample = pool->take(test::sample_bytes(image, fields<Image>("*")));
+      test::fill(*sample, image, fields<Image>("*"), 7, sequence);
+      sample->source_stamp_ns = 7;
+      ASSERT_EQ(port->send(sample), core::SendStatus::sent);
+    }
+    ASSERT_EQ(port->flush(), 0U);
+  }
+  EXPECT_EQ(subscriber.await_sequences(20'000), first_numbers(20'000));
+
+  route.destination = core::UdpAddress{0x7f000001, 9, 0};  // nobody there
+  port->set_routes({route});
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 4100; ++i) {
+    const core::SampleHandle sample = pool->take(test::sample_bytes(image, fields<Image>("*")));
+    test::fill(*sample, image, fields<Image>("*"), 7, 20'001 + i);
+    if (port->send(sample) == core::SendStatus::dropped) break;
+  }
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, 200ms);
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,72 @@
+"""A run of the demo, captured on the host of its publisher: what goes between the hosts is dissected, all of it."""
+import collections
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import captures
+
+DEMO = sys.argv.pop()
+PUBLISHER = "10.77.0.1"
+DATAGRAMS = 3000  # the first ones: some clouds, and what was agreed on before them
+
+
+def networks_of(process):
+    """Paths of the network namespaces that it holds open."""
+    folder = pathlib.Path(f"/proc/{process.pid}/fd")
+    for link in list(folder.iterdir()):
+        try:
+            if os.readlink(link).startswith("net:["):
+                yield link
+        except FileNotFoundError:
+            pass
+
+
+def has_address(network, address):
+    shown = subprocess.run(["nsenter", f"--net={network}", "ip", "-o", "-4", "address"], capture_output=True, text=True)
+    return f" {address}/" in shown.stdout
+
+
+class DemoTest(unittest.TestCase):
+    def network_of_publisher(self, demo):
+        deadline = time.monotonic() + 10
+        while time.monotonic() < deadline and demo.poll() is None:
+            for network in networks_of(demo):
+                if has_address(network, PUBLISHER):
+                    return network
+            time.sleep(0.02)
+        demo.wait()
+        print("SKIPPED: the demo has no network of its own here")
+        self.skipTest("no namespaces")
+
+    def capture(self, folder):
+        pcap = folder / "demo.pcapng"
+        with subprocess.Popen([DEMO, "--seconds", "1"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as demo:
+            network = self.network_of_publisher(demo)
+            subprocess.run(["nsenter", f"--net={network}", "dumpcap", "-q", "-i", "eth0", "-f", "udp", "-B", "64",
+                            "-c", str(DATAGRAMS), "-a", "duration:6", "-w", str(pcap)],
+                           check=True, capture_output=True, timeout=30)
+            demo.terminate()
+        return pcap
+
+    def test_dissects_every_datagram(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pcap = self.capture(pathlib.Path(folder))
+            rows = captures.dissect(pcap, ["_ws.col.Protocol", "sft.kind", "sft.malformed", "_ws.malformed",
+                                           "sft.leaves", "sft.total"])
+        kinds = collections.Counter(row["sft.kind"] for row in rows)
+        others = {row["_ws.col.Protocol"] for row in rows if not row["sft.kind"]}
+        self.assertLessEqual(others, {"RTPS", "IGMPv3", "MDNS"}, "what is not ours is discovery")
+        self.assertEqual([row for row in rows if row["sft.malformed"] or row["_ws.malformed"]], [])
+        self.assertGreater(kinds["1"], 3)
+        self.assertGreater(kinds["2"], 100)
+        self.assertTrue(any(row["sft.kind"] == "1" and re.match(r"\d", row["sft.leaves"]) for row in rows))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,94 @@
+"""The Wireshark dissector on datagrams of every kind, sound and not."""
+import pathlib
+import random
+import struct
+import tempfile
+import unittest
+
+import captures
+from captures import ack, channel, first, following, header, heartbeat, history, packed, rate
+
+
+class DissectorTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.pcap = pathlib.Path(self.folder.name) / "capture.pcap"
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def read(self, payloads, fields, decode_as=False):
+        captures.write_pcap(self.pcap, payloads)
+        return captures.dissect(self.pcap, fields, decode_as)
+
+    def test_reads_each_field_of_each_kind(self):
+        words = struct.pack("<QQ", 0x5, 0x1)
+        cases = [
+            (first(), {"sft.version": "1", "sft.kind": "1", "sft.writer": "0x04030201", "sft.variant": "3",
+                       "sft.sequence": "9", "sft.total": "4", "sft.mask": "0x0000000000000087",
+                       "sft.leaves": "0-2, 7", "sft.payload": b"body".hex()}),
+            (first(flags=0x0E, marks=rate() + history() + channel()),
+             {"sft.rate.period_us": "100000", "sft.rate.ordinal": "7", "sft.history.reader": "0x0000000100000002",
+              "sft.history.oldest": "5", "sft.channel": "1", "sft.ordinal": "12", "sft.payload": b"body".hex()}),
+            (first(flags=0x01, marks=words), {"sft.mask_word": "0x0000000000000005,0x0000000000000001",
+                                              "sft.payload": b"body".hex()}),
+            (following(), {"sft.kind": "2", "sft.offset": "1440", "sft.sequence": "9", "sft.payload": b"more".hex()}),
+            (heartbeat(), {"sft.kind": "3", "sft.heartbeat.port": "5000", "sft.channel": "9",
+                           "sft.heartbeat.first": "4", "sft.heartbeat.end": "9"}),
+            (ack([(6, 0, 0), (8, 100, 200)]),
+             {"sft.kind": "4", "sft.ack.parts": "2", "sft.ack.window": "1048576", "sft.ack.next": "6",
+              "sft.missing.ordinal": "6,8", "sft.missing.begin": "0,100", "sft.missing.end": "0,200"}),
+            (packed([b"abcd", b"efgh"], each=4, flags=0x08, marks=channel()),
+             {"sft.kind": "5", "sft.packed.samples": "2", "sft.packed.bytes_each": "4", "sft.leaves": "0-1",
+              "sft.payload": b"abcd".hex() + "," + b"efgh".hex(), "sft.sample.bytes": "4,4",
+              "sft.ordinal": "12,12,13"}),
+            (packed([b"abc", b"", b"d"], each=0, flags=0x10, padding=bytes(5)),
+             {"sft.packed.samples": "3", "sft.sample.bytes": "3,0,1", "sft.padding": "0000000000"}),
+        ]
+        fields = sorted({field for _, expected in cases for field in expected} | {"sft.malformed"})
+        rows = self.read([payload for payload, _ in cases], fields)
+        self.assertEqual(len(rows), len(cases))
+        for row, (payload, expected) in zip(rows, cases):
+            with self.subTest(payload=payload.hex()):
+                self.assertEqual({field: row[field] for field in expected}, expected)
+                self.assertEqual(row["sft.malformed"], "")
+
+    def test_says_what_is_wrong(self):
+        wrong = [
+            b"\x11" + bytes(10),
+            header(1)[:12] + bytes(10),
+            b"\x21" + first()[1:],
+            header(9) + bytes(20),
+            first(flags=0x10),
+            first(total=2),
+            first(flags=0x02, marks=rate(period=0)),
+            first(flags=0x08, marks=channel(ordinal=0)),
+            following(body=b""),
+            heartbeat(begin=9, end=4),
+            heartbeat() + b"?",
+            ack([(6, 5, 1)]),
+            ack([(6, 0, 0)])[:-4],
+            packed([], each=4),
+            packed([b"abcd"], each=4)[:-1],
+            packed([b"abcd"], each=4, padding=b"?"),
+            packed([b"abcd"], each=4, flags=0x10),
+            packed([b"abcd"], each=0, flags=0x10)[:-1],
+        ]
+        rows = self.read(wrong, ["sft.malformed", "_ws.col.Protocol"], decode_as=True)
+        self.assertEqual(len(rows), len(wrong))
+        for row, payload in zip(rows, wrong):
+            with self.subTest(payload=payload.hex()):
+                self.assertEqual(row["_ws.col.Protocol"], "SFT")
+                self.assertNotEqual(row["sft.malformed"], "")
+
+    def test_leaves_the_datagrams_of_others_alone(self):
+        rng = random.Random(1)
+        strangers = [rng.randbytes(rng.randrange(0, 300)) for _ in range(200)]
+        strangers += [b"\x21" + first()[1:], first(flags=0x10), heartbeat() + b"?", packed([], each=4)]
+        rows = self.read(strangers, ["sft.kind"])
+        taken = [row for row in rows if row["sft.kind"]]
+        self.assertLessEqual(len(taken), 2)  # of which the first 16 bytes happen to be right
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,341 @@
+-- SFT in Wireshark: a dissector for its datagrams (udp_transport/wire_format.md).
+--
+-- Copy it into the folder "Personal Lua Plugins" (Help, About Wireshark, Folders), or try it with
+-- `tshark -X lua_script:sft.lua -r capture.pcap`. Datagrams are recognised by what they look like, whatever their ports;
+-- "Decode As..." makes Wireshark take all of a port for SFT, and say what is wrong with those that are not.
+--
+-- Another kind of datagram is one more entry in `kinds`, another flag one in `flags`.
+
+local sft = Proto("sft", "Selective Field Transmission")
+
+local wire_version = 1
+local common_bytes = 16
+
+local f = {
+  version = ProtoField.uint8("sft.version", "Version", base.DEC, nil, 0xf0),
+  kind = ProtoField.uint8("sft.kind", "Kind", base.DEC, nil, 0x0f),
+  flags = ProtoField.uint8("sft.flags", "Flags", base.HEX),
+  variant = ProtoField.uint16("sft.variant", "Variant"),
+  writer = ProtoField.uint32("sft.writer", "Writer", base.HEX),
+  sequence = ProtoField.uint32("sft.sequence", "Sequence (low half)"),
+  total = ProtoField.uint32("sft.total", "Bytes of the body"),
+  mask = ProtoField.uint64("sft.mask", "Mask", base.HEX),
+  leaves = ProtoField.string("sft.leaves", "Leaves"),
+  stamp = ProtoField.absolute_time("sft.stamp", "Published", base.UTC),
+  offset = ProtoField.uint32("sft.offset", "Offset in the body"),
+  rate_period = ProtoField.uint32("sft.rate.period_us", "Gate: period (us)"),
+  rate_ordinal = ProtoField.uint32("sft.rate.ordinal", "Gate: ordinal"),
+  history_reader = ProtoField.uint64("sft.history.reader", "Late reader", base.HEX),
+  history_oldest = ProtoField.uint64("sft.history.oldest", "Oldest sequence sent to it"),
+  channel = ProtoField.uint32("sft.channel", "Channel"),
+  sequence_high = ProtoField.uint32("sft.sequence_high", "Sequence (high half)"),
+  ordinal = ProtoField.uint64("sft.ordinal", "Ordinal"),
+  mask_word = ProtoField.uint64("sft.mask_word", "Mask word", base.HEX),
+  payload = ProtoField.bytes("sft.payload", "Payload"),
+  port = ProtoField.uint16("sft.heartbeat.port", "Acks go to port"),
+  first = ProtoField.uint64("sft.heartbeat.first", "First that can be sent again"),
+  end_ = ProtoField.uint64("sft.heartbeat.end", "End of what was sent"),
+  reserved = ProtoField.uint32("sft.reserved", "Reserved"),
+  parts = ProtoField.uint16("sft.ack.parts", "Missing parts"),
+  window = ProtoField.uint32("sft.ack.window", "Window (bytes)"),
+  next = ProtoField.uint64("sft.ack.next", "Next (all before it have come)"),
+  missing = ProtoField.none("sft.missing", "Missing"),
+  missing_ordinal = ProtoField.uint32("sft.missing.ordinal", "Ordinal (low half)"),
+  missing_begin = ProtoField.uint32("sft.missing.begin", "From"),
+  missing_end = ProtoField.uint32("sft.missing.end", "To"),
+  samples = ProtoField.uint16("sft.packed.samples", "Samples"),
+  bytes_each = ProtoField.uint16("sft.packed.bytes_each", "Bytes each (0: lengths follow)"),
+  sample = ProtoField.none("sft.sample", "Sample"),
+  length = ProtoField.uint16("sft.sample.bytes", "Bytes"),
+  padding = ProtoField.bytes("sft.padding", "Padding"),
+}
+
+-- By bit: the mask bit of a flag, what it means, and its field.
+local flags = {
+  { bit = 0x01, name = "mask_words", text = "The mask is a hash; its words follow" },
+  { bit = 0x02, name = "rate", text = "A rate follows" },
+  { bit = 0x04, name = "history", text = "A history mark follows" },
+  { bit = 0x08, name = "channel", text = "A place in a channel follows" },
+  { bit = 0x10, name = "lengths", text = "Each sample has its own length" },
+}
+for _, flag in ipairs(flags) do
+  flag.field = ProtoField.bool("sft.flags." .. flag.name, flag.text, 8, nil, flag.bit)
+  f["flag_" .. flag.name] = flag.field
+end
+sft.fields = f
+
+local malformed = ProtoExpert.new("sft.malformed", "Malformed", expert.group.MALFORMED, expert.severity.ERROR)
+local loss = ProtoExpert.new("sft.loss", "Something is missing", expert.group.SEQUENCE, expert.severity.NOTE)
+sft.experts = { malformed, loss }
+
+local function has(set, bit) return set % (2 * bit) >= bit end
+
+-- "0-3, 7": the bits of the mask, `first` being the number of its lowest.
+local function leaves_text(word, first)
+  local runs, begin = {}, nil
+  local bits = { word:lower(), word:higher() }
+  for leaf = 0, 64 do
+    local set = leaf < 64 and has(bits[leaf < 32 and 1 or 2], 2 ^ (leaf % 32))
+    if set and begin == nil then begin = leaf end
+    if not set and begin ~= nil then
+      local last = leaf - 1
+      runs[#runs + 1] = begin == last and tostring(first + begin) or (first + begin) .. "-" .. (first + last)
+      begin = nil
+    end
+  end
+  return #runs == 0 and "none" or table.concat(runs, ", ")
+end
+
+-- A place in the datagram that moves on with what is read. What does not fit is said once and reads as nil.
+local Cursor = {}
+Cursor.__index = Cursor
+
+function Cursor.new(buffer, tree) return setmetatable({ buffer = buffer, at = 0, tree = tree }, Cursor) end
+function Cursor:left() return self.buffer:len() - self.at end
+function Cursor:fail(what)
+  if not self.failed then self.tree:add_proto_expert_info(malformed, what) end
+  self.failed = true
+end
+function Cursor:take(bytes)
+  if self.failed then return nil end
+  if bytes > self:left() then
+    self:fail("The datagram ends " .. (bytes - self:left()) .. " bytes too early")
+    return nil
+  end
+  local range = self.buffer(self.at, bytes)
+  self.at = self.at + bytes
+  return range
+end
+-- Reads a number into a field. Returns it and its item.
+function Cursor:number(field, bytes)
+  local range = self:take(bytes)
+  if range == nil then return nil end
+  local item = self.tree:add_le(field, range)
+  return bytes == 8 and range:le_uint64() or range:le_uint(), item
+end
+function Cursor:stamp(field)
+  local range = self:take(8)
+  if range == nil then return end
+  local ns = range:le_int64()
+  local second = Int64(1000000000)
+  self.tree:add(field, range, NSTime((ns / second):tonumber(), (ns % second):tonumber()))
+end
+function Cursor:rest(field)
+  if self.failed or self:left() == 0 then return end
+  self.tree:add(field, self:take(self:left()))
+end
+
+-- What the flags say follows a header, but for the mask's words.
+local function read_marks(c, set)
+  if has(set, 0x02) then
+    if c:number(f.rate_period, 4) == 0 then c:fail("The period of a gate is not 0") end
+    c:number(f.rate_ordinal, 4)
+  end
+  if has(set, 0x04) then
+    if c:number(f.history_reader, 8) == UInt64(0) then c:fail("The id of a reader is not 0") end
+    c:number(f.history_oldest, 8)
+  end
+  if not has(set, 0x08) then return {} end
+  local channel = c:number(f.channel, 4)
+  c:number(f.sequence_high, 4)
+  local ordinal = c:number(f.ordinal, 8)
+  if ordinal == UInt64(0) then c:fail("Ordinals count from 1") end
+  return { channel = channel, ordinal = ordinal }
+end
+
+-- How many leaves a type has is not in the datagram; so where the words end and the body begins is known only from the
+-- length of what is whole.
+local function read_mask_words(c, body_bytes)
+  local words = math.floor((c:left() - body_bytes) / 8)
+  for i = 0, words - 1 do
+    local word, item = c:number(f.mask_word, 8)
+    if word ~= nil then item:append_text(" (leaves " .. leaves_text(word, 64 * i) .. ")") end
+  end
+end
+
+local function read_mask(c, set)
+  local mask, item = c:number(f.mask, 8)
+  if mask == nil then return end
+  if has(set, 0x01) then
+    item:append_text(" (hash)")
+  else
+    c.tree:add(f.leaves, c.buffer(c.at - 8, 8), leaves_text(mask, 0))
+  end
+end
+
+local function place_text(place)
+  return place.ordinal and " ordinal=" .. tostring(place.ordinal) or ""
+end
+
+local function read_first(c, set)
+  local sequence = c:number(f.sequence, 4)
+  local total = c:number(f.total, 4)
+  read_mask(c, set)
+  c:stamp(f.stamp)
+  local place = read_marks(c, set)
+  if c.failed then return "" end
+  if has(set, 0x01) and c:left() >= total then read_mask_words(c, total) end
+  if not has(set, 0x01) and c:left() > total then c:fail("There is more payload than the body has bytes") end
+  local part = c:left() < total and " (begins)" or ""
+  c:rest(f.payload)
+  return string.format("seq=%u %u bytes%s", sequence, total, part) .. place_text(place)
+end
+
+local function read_following(c)
+  local sequence = c:number(f.sequence, 4)
+  local offset = c:number(f.offset, 4)
+  if not c.failed and c:left() == 0 then c:fail("A following datagram has at least one byte of payload") end
+  if c.failed then return "" end
+  local bytes = c:left()
+  c:rest(f.payload)
+  return string.format("seq=%u bytes %u to %.0f", sequence, offset, offset + bytes)
+end
+
+local function read_heartbeat(c)
+  local channel = c:number(f.channel, 4)
+  c:number(f.reserved, 4)
+  local first = c:number(f.first, 8)
+  local end_ = c:number(f.end_, 8)
+  if c.failed then return "" end
+  if first == UInt64(0) or end_ < first then c:fail("Ordinals count from 1, and the end is not before the first") end
+  if c:left() > 0 then c:fail("A heartbeat has 32 bytes") end
+  return string.format("channel=%u has [%s, %s)", channel, tostring(first), tostring(end_))
+end
+
+local function read_ack(c, _, parts)
+  local channel = c:number(f.channel, 4)
+  c:number(f.window, 4)
+  local next = c:number(f.next, 8)
+  if next == UInt64(0) then c:fail("Ordinals count from 1") end
+  local tree = c.tree
+  for _ = 1, parts or 0 do
+    local range = c.failed and nil or c:take(12)
+    if range == nil then break end
+    local ordinal, from, to = range(0, 4):le_uint(), range(4, 4):le_uint(), range(8, 4):le_uint()
+    local item = tree:add(f.missing, range)
+    item:add_le(f.missing_ordinal, range(0, 4))
+    item:add_le(f.missing_begin, range(4, 4))
+    item:add_le(f.missing_end, range(8, 4))
+    item:set_text(from == to and string.format("Missing: all of %u", ordinal)
+                              or string.format("Missing: of %u bytes %u to %u", ordinal, from, to))
+    if from > to then c:fail("A missing part ends before it begins") end
+  end
+  if c.failed then return "" end
+  if c:left() > 0 then c:fail("There is more than the parts that it says") end
+  if parts > 0 then tree:add_proto_expert_info(loss, "The reader asks for " .. parts .. " parts again") end
+  return string.format("channel=%u next=%s missing=%u", channel, tostring(next), parts)
+end
+
+-- The bodies in [c.at, end): `each` bytes, or with a length before each.
+local function read_samples(c, sequence, place, samples, each)
+  for i = 0, samples - 1 do
+    local at, bytes = c.at, each
+    if each == 0 then
+      local length = c:take(2)
+      if length == nil then return end
+      bytes = length:le_uint()
+    end
+    local body = c:take(bytes)
+    if c.failed then return end
+    local item = c.tree:add(f.sample, c.buffer(at, c.at - at))
+    item:set_text(string.format("Sample %u: %u bytes", (sequence + i) % 2 ^ 32, bytes))
+    item:add(f.length, bytes):set_generated()
+    if place.ordinal then item:add(f.ordinal, place.ordinal + UInt64(i)):set_generated() end
+    if bytes > 0 then item:add(f.payload, body) end
+  end
+end
+
+local function read_packed(c, set)
+  local sequence = c:number(f.sequence, 4)
+  local samples = c:number(f.samples, 2)
+  local each = c:number(f.bytes_each, 2)
+  read_mask(c, set)
+  c:stamp(f.stamp)
+  local place = read_marks(c, set)
+  if c.failed then return "" end
+  local lengths = has(set, 0x10)
+  if samples == 0 or samples > 256 then c:fail("A packed datagram has 1 to 256 samples") end
+  if lengths ~= (each == 0) then c:fail("Either all samples are equally long, or lengths follow") end
+  if has(set, 0x01) and not lengths then read_mask_words(c, samples * each) end
+  if has(set, 0x01) and lengths then
+    c:rest(f.payload)  -- where the words end only the type tells
+  else
+    read_samples(c, sequence, place, samples, each)
+  end
+  if not c.failed and c:left() > 0 and not lengths then c:fail("There is more than the samples that it says") end
+  c:rest(f.padding)
+  return string.format("seq=%u and %u more", sequence, samples - 1) .. place_text(place)
+end
+
+-- By number: what stands at offset 2, which flags may be set, the least bytes, and what reads all behind the writer.
+local kinds = {
+  [1] = { name = "first", at_2 = f.variant, flags = 0x0f, bytes = 32, read = read_first },
+  [2] = { name = "following", at_2 = f.variant, flags = 0, bytes = 17, read = read_following },
+  [3] = { name = "heartbeat", at_2 = f.port, flags = 0, bytes = 32, read = read_heartbeat },
+  [4] = { name = "ack", at_2 = f.parts, flags = 0, bytes = 24, read = read_ack },
+  [5] = { name = "packed", at_2 = f.variant, flags = 0x19, bytes = 33, read = read_packed },
+}
+
+local function add_flags(c, kind)
+  local range = c:take(1)
+  local set = range:uint()
+  local item = c.tree:add(f.flags, range)
+  for _, flag in ipairs(flags) do item:add(flag.field, range) end
+  for bit = 0, 7 do
+    if kind and has(set, 2 ^ bit) and not has(kind.flags, 2 ^ bit) then
+      c:fail("Flag bit " .. bit .. " is not one of a " .. kind.name .. " datagram")
+    end
+  end
+  return set
+end
+
+function sft.dissector(buffer, pinfo, root)
+  local tree = root:add(sft, buffer())
+  local c = Cursor.new(buffer, tree)
+  pinfo.cols.protocol = "SFT"
+  if buffer:len() < common_bytes then
+    c:fail("Shorter than any header")
+    return
+  end
+  local first_byte = c:take(1)
+  local number = first_byte:bitfield(4, 4)
+  local kind = kinds[number]
+  tree:add(f.version, first_byte)
+  tree:add(f.kind, first_byte):append_text(kind and " (" .. kind.name .. ")" or "")
+  if first_byte:bitfield(0, 4) ~= wire_version then c:fail("Another version than " .. wire_version) end
+  if kind == nil then c:fail("No kind that there is") end
+  local set = add_flags(c, kind)
+  if c.failed then return buffer:len() end
+  local at_2 = c:number(kind.at_2, 2)
+  local writer = c:number(f.writer, 4)
+  local what = kind.read(c, set, at_2)
+  local text = string.format("%s writer=%08x %s", kind.name, writer, what) .. (c.failed and " [malformed]" or "")
+  pinfo.cols.info = text
+  tree:append_text(": " .. text)
+  return buffer:len()
+end
+
+-- What else a datagram would have to be, beside its first bytes, to be taken for one of ours.
+local function plausible(buffer, number)
+  if number == 1 then return (buffer:len() >= 48 or not has(buffer(1, 1):uint(), 0x08)) end
+  if number == 3 then return buffer:len() == 32 and buffer(12, 4):le_uint() == 0 end
+  if number == 4 then return buffer:len() == 24 + 12 * buffer(2, 2):le_uint() end
+  if number == 5 then return buffer(12, 2):le_uint() >= 1 and buffer(12, 2):le_uint() <= 256 end
+  return true
+end
+
+local function looks_like_sft(buffer, pinfo, tree)
+  if buffer:len() < common_bytes then return false end
+  local kind = kinds[buffer(0, 1):bitfield(4, 4)]
+  if buffer(0, 1):bitfield(0, 4) ~= wire_version or kind == nil or buffer:len() < kind.bytes then return false end
+  local set = buffer(1, 1):uint()
+  for bit = 0, 7 do
+    if has(set, 2 ^ bit) and not has(kind.flags, 2 ^ bit) then return false end
+  end
+  if not plausible(buffer, buffer(0, 1):bitfield(4, 4)) then return false end
+  sft.dissector(buffer, pinfo, tree)
+  return true
+end
+
+sft:register_heuristic("udp", looks_like_sft)
+DissectorTable.get("udp.port"):add_for_decode_as(sft)

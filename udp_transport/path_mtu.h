@@ -1,0 +1,60 @@
+// How long the datagrams for one destination may be: as long as the kernel says, of the route and of routers
+// that told it (ICMP); and shorter where a path drops the long ones without a word (a black hole), which only
+// whoever hears what has arrived can notice. After RFC 8899, with samples as probes: what a probe loses is
+// sent again. Pure.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <limits>
+#include <optional>
+
+namespace sft::udp {
+
+class PathMtu {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// Long datagrams are given up for lost after so many requests for them, none of them answered, over that
+  /// time: longer than a round trip, so that the first answer can have come.
+  static constexpr int losses_max = 5;
+  static constexpr std::chrono::milliseconds patience{200};
+  /// From one length that is found to work to the next, and from one that does not to the next try, at first
+  /// and at last.
+  static constexpr std::chrono::seconds search_pause{1}, retry_pause{10}, retry_pause_max{600};
+
+  /// `headers`: bytes of IP and UDP. `shortest`: what every path takes.
+  PathMtu(std::size_t headers, std::size_t shortest, std::size_t kernel_says);
+
+  std::size_t datagram_bytes() const { return bytes_; }
+  /// Whether arrived() is of interest.
+  bool in_doubt() const { return bytes_ < ceiling_ || losses_ > 0; }
+
+  void kernel_says(std::size_t bytes);
+  /// Of what was sent in datagrams of the present length all those were missing, again.
+  void lost(Time now);
+  /// At least one of them has arrived.
+  void arrived(Time now);
+  /// Tries the next greater length when it is time.
+  void look_after(Time now);
+
+ private:
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+
+  std::size_t packet(std::size_t ip_bytes) const { return ip_bytes - headers_; }
+  std::size_t next_longer() const;
+  void shorten(Time now);
+
+  std::size_t headers_;
+  std::size_t shortest_;
+  std::size_t ceiling_;          ///< what the kernel says
+  std::size_t bytes_;            ///< at present
+  std::size_t proven_ = 0;       ///< the greatest that has arrived; 0: none has yet
+  std::size_t too_long_ = none;  ///< did not arrive
+  Time next_try_{};
+  Time::duration retry_after_ = retry_pause;
+  int losses_ = 0;  ///< without an arrival in between
+  Time first_loss_{};
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,108 @@
+// Whose turn it is to receive: that of the transport's own thread, or that of one that waits for a sample and
+// takes it straight from the socket. Pure: times in, decisions out; no I/O, no clock. Any thread.
+//
+// One waiting thread has the role at a time, and keeps it while it sleeps on the socket. When it has its
+// sample and goes, the role stays vacant for a moment, since it will most likely be back: then nobody was
+// woken for it. The own thread meanwhile stands by. It takes the role back when nobody came, when somebody
+// else waits or has to be told at once, and when the holder does nothing although there is something to do: a
+// thread can be held up by a signal handler or a debugger.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+
+namespace sft::udp {
+
+class ReceivingRole {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  static constexpr std::chrono::milliseconds vacancy{1};       ///< in which the last holder may be back
+  static constexpr std::chrono::milliseconds look_period{50};  ///< at a holder, by the thread that stands by
+  static constexpr std::chrono::milliseconds second_look{2};   ///< at one that seems to do nothing
+  static constexpr std::chrono::seconds own_again{1};  ///< without waiting threads: the own thread stays in
+                                                       ///< the kernel, and has to be woken for the next one
+
+  // A waiting thread: enter(), begin() and end() as often as it likes, leave().
+
+  enum class Entry : std::uint8_t {
+    taken,     ///< begin() may be called
+    promised,  ///< it may be once the own thread has passed the role on: that has to be woken
+    occupied,  ///< another has it: wait_behind() until the doorbell rings
+    refused,   ///< never, as things are
+  };
+  Entry enter(Time now);
+  /// Nobody else receives until end(). False if the role is not, or not yet, or no longer this thread's.
+  bool begin();
+  void end(Time next_deadline);
+  /// Neither is it this thread's, nor will it be.
+  bool lost() const;
+
+  struct Leaving {
+    bool set_alarm = false;  ///< the own thread has to look here when the vacancy is over
+    bool wake = false;       ///< it has to look here now
+  };
+  Leaving leave(Time now);
+
+  /// One that the role was denied sleeps, until unwait_behind(). True: the own thread has to be woken.
+  [[nodiscard]] bool wait_behind();
+  void unwait_behind();
+
+  /// A reader whose listener must be called at once, by no thread but the own: as long as there is one, no
+  /// other has the role. True: whoever has it, and the own thread, have to be woken.
+  [[nodiscard]] bool add_tended();
+  void remove_tended();
+
+  // The own thread.
+
+  enum class Duty : std::uint8_t {
+    receive,   ///< alone: a turn of it has begun, in which it may sleep
+    poll,      ///< and take_turn() when something is there
+    stand_by,  ///< until the deadline
+    stop,
+  };
+  struct Task {
+    Duty duty = Duty::receive;
+    Time until = Time::max();
+    bool evicts = false;  ///< somebody lost the role by this: wake it
+  };
+  /// `readable`: something waits in the socket.
+  Task next(Time now, bool readable);
+  /// After `poll`: false if a waiting thread took the role in between.
+  bool take_turn();
+  /// True: a waiting thread has the role now and has to be woken.
+  [[nodiscard]] bool end_turn(Time next_deadline);
+  /// Its alarm has rung.
+  void alarm_rang();
+
+  /// Nobody receives any more; waits for no one. Any thread.
+  void close();
+  /// It ends soon, also after close() and add_tended().
+  bool waiter_in_turn() const;
+
+ private:
+  enum class Holder : std::uint8_t { own, waiter, nobody };
+
+  bool seems_idle(Time now, bool readable);
+  Time next_look(Time now) const;
+
+  mutable std::mutex mutex_;
+  Holder holder_ = Holder::own;
+  bool in_turn_ = false;   ///< the holder is receiving
+  bool inside_ = false;    ///< a thread is between enter() and leave()
+  bool promised_ = false;  ///< to that thread
+  bool alarm_set_ = false;
+  bool closed_ = false;
+  std::size_t tended_ = 0;
+  std::size_t behind_ = 0;
+  std::uint64_t turns_ = 0;
+  std::uint64_t turns_seen_ = 0;  ///< when the holder seemed idle
+  bool seemed_idle_ = false;
+  std::optional<Time> last_used_;  ///< by a waiting thread
+  Time next_deadline_ = Time::max();
+};
+
+}  // namespace sft::udp

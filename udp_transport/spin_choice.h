@@ -1,0 +1,51 @@
+// Whether it is worth while to look for the next datagram with a busy core before sleeping. Pure.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <set>
+
+namespace sft::udp {
+
+/// It is, as long as they come about as fast as a thread can be woken. Whoever answers at once and gets the
+/// next one for it is quicker from then on, and what comes now and then costs nothing.
+class SpinChoice {
+ public:
+  using Duration = std::chrono::nanoseconds;
+
+  Duration choose(Duration limit) const { return last_wait_ / worth_while <= limit ? limit : Duration{0}; }
+  /// How long the next one did not come.
+  void waited(Duration time) { last_wait_ = time; }
+
+ private:
+  static constexpr int worth_while = 3;
+  Duration last_wait_ = Duration::max();
+};
+
+/// What the readers of a transport allow. Any thread.
+class SpinLimits {
+ public:
+  using Duration = std::chrono::nanoseconds;
+
+  void add(Duration limit) {
+    const std::scoped_lock lock(mutex_);
+    all_.insert(limit);
+    note();
+  }
+  void remove(Duration limit) {
+    const std::scoped_lock lock(mutex_);
+    all_.erase(all_.find(limit));
+    note();
+  }
+  Duration largest() const { return largest_.load(std::memory_order_relaxed); }
+
+ private:
+  void note() { largest_.store(all_.empty() ? Duration{0} : *all_.rbegin(), std::memory_order_relaxed); }
+
+  std::mutex mutex_;
+  std::multiset<Duration> all_;
+  std::atomic<Duration> largest_{Duration{0}};
+};
+
+}  // namespace sft::udp
