@@ -2,8 +2,8 @@
 // the core decides who is served by which (core/negotiation.h) and never asks which one it talks to.
 //
 // Threads. Everything is called from the node's agent thread except WriterPort::loan, begin, include_spares,
-// hold, flush, send, can_send and miss (the publisher's thread), ReaderPort::take and take_of (any thread, one
-// at a time), receive and interrupt (any thread), and what counts or describes (bytes_sent, dropped,
+// hold, flush, send, can_send and miss (the publisher's thread), ReaderPort::take and take_of (any thread,
+// one at a time), receive and interrupt (any thread), and what counts or describes (bytes_sent, dropped,
 // discarded, held_too_many, lost_unnoticed, description, counters) and, for UDP, open_writer and open_reader
 // (any thread); set_routes, connect, disconnect and accept may run at the same time as these. Listeners are
 // called from threads of the transport, and from those in receive().
@@ -129,7 +129,8 @@ class WriterPort {
 
   /// Sends an encoded sample to the routes in force whose gates it passes, as these say on this thread; see
   /// can_send() for where it may come from. The caller may still read the sample afterwards while it keeps a
-  /// handle, but not write, unless its is the only one. Waits for readers as WriterSpec says. Every route's mask must be a subset of sample->mask.
+  /// handle, but not write, unless its is the only one. Waits for readers as WriterSpec says. Every route's
+  /// mask must be a subset of sample->mask.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
   /// Until flush() the samples that are sent need not leave at once, so that small ones share datagrams.
@@ -284,6 +285,9 @@ class ReaderPort {
   }
   /// After somebody else than the transport rang the bell: whoever is in receive() looks at it. Any thread.
   virtual void interrupt() noexcept {}
+  /// It has samples by another transport from now on, too, which those of this one must not be behind: the
+  /// transport's own thread receives, always.
+  virtual void share_reader() {}
 
   /// Accepts no more of them; what has arrived can still be taken.
   virtual void disconnect(EndpointId writer) noexcept = 0;

@@ -59,6 +59,7 @@ void Destination::move_to(const SocketAddress& address) noexcept {
     if (address == std::exchange(address_, address)) return;
   }
   connection_->redirect(address);
+  one_at_a_time_.store(false, std::memory_order_relaxed);
   const PathMtu path = path_to(address);
   const std::scoped_lock lock(mutex_);
   path_ = path;
@@ -73,9 +74,10 @@ void Destination::note(SendOutcome outcome) noexcept {
 }
 
 void Destination::learn_from_kernel() noexcept {
-  const std::size_t says = ask_kernel(address());
+  const SocketAddress asked = address();
+  const std::size_t says = ask_kernel(asked);
   const std::scoped_lock lock(mutex_);
-  path_.kernel_says(says);
+  if (asked == address_) path_.kernel_says(says);
   publish_length();
 }
 

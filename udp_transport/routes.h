@@ -31,6 +31,10 @@ struct Group {
   /// Not null: it sends to all of them, and lanes only to those that do not hear it. Members are as lanes.
   std::shared_ptr<MulticastGroup> multicast{};
   std::shared_ptr<core::DeliveryTally> tally = std::make_shared<core::DeliveryTally>();
+  /// Small samples that are published together may share datagrams: all of them leave before the first one of
+  /// another mask. Where a destination is sent several masks, a reader that changes from one to the other
+  /// would miss some.
+  bool packs = false;
 
   /// The publisher's thread: the one at hand.
   bool wants_sample() const { return gate == nullptr || gate->passes(); }

@@ -116,18 +116,19 @@ void World::crash() {
 }
 
 void World::publish() {
-  const bool is_span = !group_ && happens(random_, scenario_.span);
+  std::set<Mask> served;
+  for (const Reader& reader : readers_) served.insert(reader.served);
+  const bool is_span = served.size() == 1 && !group_ && happens(random_, scenario_.span);
   const double bytes_max = is_span ? 200 : static_cast<double>(scenario_.sample_bytes_max);
   std::vector<Image> images;
   for (std::size_t left = is_span ? from_to(random_, 2, 40) : 1; left > 0; --left) {
     const auto seed = static_cast<std::uint32_t>((sequence_ + images.size()) * 7);
     images.push_back(udp::test::make_image(log_uniform(random_, bytes_max), seed));
   }
-  if (group_) publish_to_group(images.front());
-  for (Mask mask = 0; mask < masks().size() && !group_; ++mask) {
-    const auto asks = [&](const Reader& reader) { return reader.served == mask; };
-    if (std::ranges::any_of(readers_, asks))
-      keep(encode(images, masks()[mask], static_cast<std::uint16_t>(mask)));
+  if (group_) {
+    publish_to_group(images.front());
+  } else {
+    for (const Mask mask : served) keep(encode(images, masks()[mask], static_cast<std::uint16_t>(mask)));
   }
   for (Image& image : images) {
     for (Reader& reader : readers_) reader.to_get.push_back(sequence_);

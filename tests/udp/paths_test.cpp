@@ -33,10 +33,15 @@ class LengthWatch final : public DatagramReceiver, private DatagramSink {
  public:
   LengthWatch(std::unique_ptr<DatagramReceiver> inner, std::atomic<std::size_t>& longest)
       : inner_(std::move(inner)), longest_(longest) {}
-  bool receive(DatagramSink& sink, std::chrono::steady_clock::time_point deadline) noexcept override {
+  bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
     sink_ = &sink;
-    return inner_->receive(*this, deadline);
+    return inner_->receive(*this, deadline, spin);
   }
+  bool receive_now(DatagramSink& sink) noexcept override {
+    sink_ = &sink;
+    return inner_->receive_now(*this);
+  }
+  Descriptors descriptors() const noexcept override { return inner_->descriptors(); }
   void wake() noexcept override { inner_->wake(); }
   void finish() noexcept override { inner_->finish(); }
 

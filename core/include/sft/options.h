@@ -102,8 +102,8 @@ struct PublisherOptions {
   Liveliness liveliness = Liveliness::automatic;
   std::chrono::nanoseconds liveliness_lease{0};  ///< promises a sign of life at least so often
   /// So long, up to 1 s, publish() may wait for reliable subscribers elsewhere that do not keep up, before it
-  /// costs them their oldest sample (DDS calls it max_blocking_time). None by default: a subscriber that hangs
-  /// would hold up the program, each time that it publishes, and with it all other subscribers.
+  /// costs them their oldest sample (DDS calls it max_blocking_time). None by default: a subscriber that
+  /// hangs would hold up the program, each time that it publishes, and with it all other subscribers.
   std::chrono::nanoseconds max_blocking{0};
   /// Announced: readers set memory aside for no more. Up to 32 MiB, and 16 MiB without UDP. A sample that is
   /// larger than the largest chunk of shared memory, 16 MiB unless the daemon was set up otherwise, goes by
