@@ -31,6 +31,8 @@ Result<std::unique_ptr<core::Transport>> open_udp(const NodeOptions& options,
   udp.port = options.udp.port;
   udp.receive_buffer_bytes = options.udp.receive_buffer_bytes;
   udp.max_bytes_per_s = options.udp.max_bytes_per_s;
+  udp.multicast =
+      options.udp.multicast == MulticastUse::automatic ? udp::Multicast::automatic : udp::Multicast::off;
   udp.backend = options.udp.use_io_uring ? udp::Backend::automatic : udp::Backend::sockets;
   return udp::open_udp_transport(udp, std::move(heap));
 }

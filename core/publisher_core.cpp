@@ -534,6 +534,8 @@ PublisherStatus PublisherCore::status() const {
     reader.diverted = delivered.diverted;
     reader.bytes_sent = delivered.bytes;
     reader.bytes_saved = delivered.bytes_saved;
+    if (udp_ != nullptr && reader.served && reader.transport == TransportKind::udp)
+      reader.multicast = udp_->multicast(reader.id);
   }
   return status;
 }

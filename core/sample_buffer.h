@@ -48,6 +48,8 @@ struct SampleBuffer {
   /// Likewise: the only reader that it is for (0: all), and the first sequence that was sent to that.
   std::uint64_t addressee = 0;
   std::uint64_t oldest_retained = 0;
+  /// Likewise: its mask is the union of those of several readers.
+  bool merged = false;
   std::shared_ptr<BufferOwner> owner;
   void* owner_data = nullptr;  ///< the owner's own
   std::atomic<std::uint32_t> references{0};

@@ -37,6 +37,7 @@ Json reader(const ReaderSnapshot& r) {
           {"served", r.served},
           {"transport", path(r.served, r.transport)},
           {"reason", r.reason},
+          {"multicast", r.multicast},
           {"incompatible_type", r.incompatible_type},
           {"incompatible_policy", policy(r.incompatible_policy)},
           {"no_path", r.no_path},

@@ -196,6 +196,13 @@ class WriterPort {
     return true;
   }
 
+  /// With whom a reader shares what is sent, or why with nobody: for status(). Empty where that is no
+  /// question. Any thread.
+  virtual std::string multicast(EndpointId reader) const {
+    static_cast<void>(reader);
+    return {};
+  }
+
   /// Bytes of payload and headers of ours handed to the operating system so far, over all routes (0 in shared
   /// memory).
   virtual std::uint64_t bytes_sent() const noexcept = 0;

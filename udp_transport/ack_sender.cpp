@@ -16,6 +16,12 @@ void AckSender::send(const SocketAddress& to, const FlowReport& report) {
   send(to, bytes);
 }
 
+void AckSender::send(const SocketAddress& to, const GroupReport& report) {
+  std::array<std::byte, group_report_bytes> bytes;
+  encode(report, bytes.data());
+  send(to, bytes);
+}
+
 void AckSender::send(const SocketAddress& to, std::span<const std::byte> bytes) {
   if (known_.size() >= known_max && !known_.contains(to)) known_.clear();
   std::shared_ptr<Destination>& destination = known_[to];

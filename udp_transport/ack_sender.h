@@ -19,6 +19,7 @@ class AckSender {
   /// Now or not at all: where one does not leave, another will follow.
   void send(const SocketAddress& to, const Ack& ack);
   void send(const SocketAddress& to, const FlowReport& report);
+  void send(const SocketAddress& to, const GroupReport& report);
 
  private:
   void send(const SocketAddress& to, std::span<const std::byte> bytes);

@@ -63,7 +63,8 @@ bool ArrivalWindow::reach(Place end, Time now) {
       continue;
     }
     if (slots_.size() >= limits_.samples) return false;
-    Slot& slot = slots_.push_back({.ask_at = now + delay_});
+    const Time::duration apart = this->apart();
+    Slot& slot = slots_.push_back({.ask_at = now + delay_ + apart, .apart = apart});
     if (slots_.end() <= skip_to_) settle(slot, State::passed);
     look_at(slot.ask_at);
   }

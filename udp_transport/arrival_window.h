@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <random>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,8 @@ struct ArrivalLimits {
   std::chrono::milliseconds ask_after{2};          ///< something was noticed to be missing; at the least
   std::chrono::milliseconds ask_again_longest{250};
   std::chrono::seconds forget_after{5};  ///< without a word from the writer nothing is asked for any more
+  std::chrono::milliseconds spread{8};   ///< of what many may miss: later by up to so much, at random
+  std::uint32_t seed = 1;                ///< of that
 };
 
 class ArrivalWindow {
@@ -33,7 +36,8 @@ class ArrivalWindow {
   using Time = std::chrono::steady_clock::time_point;
   using Place = std::uint64_t;
 
-  explicit ArrivalWindow(const ArrivalLimits& limits) : limits_(limits), delay_(limits.ask_after) {}
+  explicit ArrivalWindow(const ArrivalLimits& limits)
+      : limits_(limits), delay_(limits.ask_after), random_(limits.seed) {}
 
   /// How far a window was when nobody heard the writer any more.
   struct Mark {
@@ -94,6 +98,9 @@ class ArrivalWindow {
   template <class CameAt>
   std::vector<Gap> due_gaps(Time now, const CameAt& came_at, std::size_t gaps_max);
 
+  /// Others get the same, and may miss the same at the same time: asks at times of its own from now on.
+  void spread_asking() { spread_ = limits_.spread; }
+
   /// So many parts of it were.
   void asked_for(Place place, std::uint32_t parts);
 
@@ -122,7 +129,13 @@ class ArrivalWindow {
     std::uint32_t parts = 0;  ///< of it that were asked for last, less those of which something came again
     Time asked_at{};
     Time ask_at{};
+    Time::duration apart{};  ///< later than others may ask
   };
+  Time::duration apart() {
+    return spread_.count() == 0
+               ? spread_
+               : Time::duration(std::uniform_int_distribution<Time::rep>(0, spread_.count())(random_));
+  }
   static constexpr std::size_t acked_at_once = 1024;
 
   bool turn_to(std::uint32_t channel);
@@ -151,6 +164,8 @@ class ArrivalWindow {
   Time heard_at_{};
   Time look_at_ = Time::max();
   Time::duration delay_;  ///< before asking: grows where that was too early
+  Time::duration spread_{};
+  std::minstd_rand random_;
   bool ack_wanted_ = false;
   std::size_t unacked_bytes_ = 0;
   std::size_t unacked_ = 0;
@@ -186,7 +201,7 @@ std::vector<ArrivalWindow::Gap> ArrivalWindow::due_gaps(Time now, const CameAt& 
     if (slot.state == State::whole || slot.state == State::passed) continue;
     const Time came = slot.state == State::begun ? came_at(slot.label) : Time{};
     if (came > slot.asked_at) slot.asked = 0;
-    Time due = slot.state == State::begun ? std::max(slot.ask_at, came + delay_) : slot.ask_at;
+    Time due = slot.state == State::begun ? std::max(slot.ask_at, came + delay_ + slot.apart) : slot.ask_at;
     if (due <= now && gaps.size() < gaps_max) {
       gaps.push_back({place - base_, place, {}});
       if (slot.state == State::begun) gaps.back().label = slot.label;

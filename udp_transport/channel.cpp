@@ -30,6 +30,26 @@ Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_o
   return posted;
 }
 
+Channel::Posted Channel::post_shared(JobHandle job, const FirstHeader& first, bool elsewhere) {
+  const std::scoped_lock lock(mutex_);
+  Posted posted;
+  posted.kept = window_.keep(std::move(job), first, elsewhere);
+  posted.was_at_rest = !std::exchange(attended_, true);
+  posted.waits = !posted.kept.elsewhere && !std::exchange(woken_, true);
+  return posted;
+}
+
+JobHandle Channel::sent_elsewhere(std::uint64_t ordinal) {
+  const std::scoped_lock lock(mutex_);
+  return window_.sent_elsewhere(ordinal);
+}
+
+void Channel::left(std::uint64_t ordinal) {
+  const Time time = now();
+  const std::scoped_lock lock(mutex_);
+  window_.left(ordinal, time);
+}
+
 void Channel::finished(const Piece& piece) {
   const Time time = now();
   const std::scoped_lock lock(mutex_);

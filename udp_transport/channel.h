@@ -49,6 +49,12 @@ class Channel {
   /// has to go for the sample; not at all without.
   Posted post(JobHandle job, const FirstHeader& first, bool at_once,
               std::chrono::nanoseconds* patience = nullptr);
+  /// The same, of a sample that a group sends, too: if it is not `kept.elsewhere`, it waits here as well.
+  Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
+  /// It has left there.
+  void left(std::uint64_t ordinal);
+  /// What has; else none.
+  JobHandle sent_elsewhere(std::uint64_t ordinal);
   void finished(const Piece& piece);
   void put_back(const Piece& piece);
   /// Whether the sending thread has to be woken.

@@ -19,8 +19,9 @@ constexpr std::size_t at_count = 2, at_reserved = 12, at_next = 16;
 constexpr std::size_t at_flow = 4, at_position = 8, at_window = 16, at_datagrams = 20, at_came = 24;
 constexpr std::size_t at_padding = 28, at_sent = 32;
 
-constexpr std::uint64_t ordinal_max = std::uint64_t{1}
-                                      << 62;  // so that nothing overflows that is added to it
+// Of group offers and reports.
+constexpr std::size_t at_group_number = 8, at_member = 12;
+constexpr std::size_t at_group_address = 16, at_offered_channel = 20, at_ahead = 24, at_heard = 16;
 
 template <std::unsigned_integral T>
 void store(T value, std::byte* out) noexcept {
@@ -81,13 +82,22 @@ std::optional<Datagram> parse_described(DatagramKind kind, std::uint8_t allowed,
                        load<std::uint64_t>(&bytes[at + 8])};
     if (d.first.channel.ordinal == 0 || d.first.channel.ordinal > ordinal_max) return {};
   }
+  if ((flags & group_follows) != 0) {
+    const std::size_t at = d.first.at_group();
+    d.first.group = {load<std::uint32_t>(&bytes[at]), load<std::uint32_t>(&bytes[at + 4]),
+                     load<std::uint64_t>(&bytes[at + 8])};
+    if (d.first.group.ordinal == 0 || d.first.group.ordinal > ordinal_max) return {};
+  }
   d.payload = bytes.subspan(d.first.bytes());
   return d;
 }
 
 std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
-  constexpr std::uint8_t allowed = mask_words_follow | rate_follows | history_follows | channel_follows;
-  return parse_described(DatagramKind::first, allowed, bytes);
+  constexpr std::uint8_t not_in_groups = rate_follows | history_follows | channel_follows;
+  constexpr std::uint8_t allowed = mask_words_follow | not_in_groups | group_follows | merged_masks;
+  const std::optional<Datagram> d = parse_described(DatagramKind::first, allowed, bytes);
+  const bool of_group = d && (d->first.flags & group_follows) != 0;
+  return of_group && (d->first.flags & not_in_groups) != 0 ? std::nullopt : d;
 }
 
 std::optional<Datagram> parse_packed(std::span<const std::byte> bytes) noexcept {
@@ -121,6 +131,11 @@ void encode(const FirstHeader& header, std::byte* out) noexcept {
     store(header.channel.channel, out + header.at_channel());
     store(header.channel.sequence_high, out + header.at_channel() + 4);
     store(header.channel.ordinal, out + header.at_channel() + 8);
+  }
+  if ((header.flags & group_follows) != 0) {
+    store(header.group.group, out + header.at_group());
+    store(header.group.sequence_high, out + header.at_group() + 4);
+    store(header.group.ordinal, out + header.at_group() + 8);
   }
 }
 
@@ -200,17 +215,54 @@ std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept {
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
   if (version_and_kind >> 4 != wire_version) return {};
   const auto kind = static_cast<DatagramKind>(version_and_kind & 0xf);
-  switch (kind) {
-    case DatagramKind::first:
-    case DatagramKind::following:
-    case DatagramKind::heartbeat:
-    case DatagramKind::ack:
-    case DatagramKind::packed:
-    case DatagramKind::mark:
-    case DatagramKind::report:
-      return kind;
-  }
-  return {};
+  if (kind < DatagramKind::first || kind > DatagramKind::report) return {};
+  return kind;
+}
+
+void encode(const GroupOffer& offer, std::byte* out) noexcept {
+  store_kind(DatagramKind::group_offer, 0, out);
+  store(offer.port, out + at_port);
+  store(offer.writer, out + at_writer);
+  store(offer.group, out + at_group_number);
+  store(offer.member, out + at_member);
+  store(offer.address, out + at_group_address);
+  store(offer.channel, out + at_offered_channel);
+  store(static_cast<std::uint64_t>(offer.ahead), out + at_ahead);
+}
+
+void encode(const GroupReport& report, std::byte* out) noexcept {
+  store_kind(DatagramKind::group_report, 0, out);
+  store(std::uint16_t{0}, out + at_port);
+  store(report.writer, out + at_writer);
+  store(report.group, out + at_group_number);
+  store(report.member, out + at_member);
+  store(report.heard, out + at_heard);
+}
+
+std::optional<GroupOffer> parse_group_offer(std::span<const std::byte> bytes) noexcept {
+  if (kind_of(bytes) != DatagramKind::group_offer || bytes.size() != group_offer_bytes) return {};
+  if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
+  const GroupOffer offer{.writer = load<std::uint32_t>(&bytes[at_writer]),
+                         .group = load<std::uint32_t>(&bytes[at_group_number]),
+                         .member = load<std::uint32_t>(&bytes[at_member]),
+                         .port = load<std::uint16_t>(&bytes[at_port]),
+                         .address = load<std::uint32_t>(&bytes[at_group_address]),
+                         .channel = load<std::uint32_t>(&bytes[at_offered_channel]),
+                         .ahead = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_ahead]))};
+  const auto ahead = static_cast<std::int64_t>(ordinal_max);
+  const bool is_private = offer.address == 0 || offer.address >> 16 == private_groups >> 16;
+  const bool sound = offer.port != 0 && is_private && offer.ahead >= -ahead && offer.ahead <= ahead;
+  return sound ? std::optional(offer) : std::nullopt;
+}
+
+std::optional<GroupReport> parse_group_report(std::span<const std::byte> bytes) noexcept {
+  if (kind_of(bytes) != DatagramKind::group_report || bytes.size() != group_report_bytes) return {};
+  if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
+  const GroupReport report{.writer = load<std::uint32_t>(&bytes[at_writer]),
+                           .group = load<std::uint32_t>(&bytes[at_group_number]),
+                           .member = load<std::uint32_t>(&bytes[at_member]),
+                           .heard = load<std::uint64_t>(&bytes[at_heard])};
+  return report.heard <= ordinal_max ? std::optional(report) : std::nullopt;
 }
 
 std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexcept {

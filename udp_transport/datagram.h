@@ -16,13 +16,15 @@ inline constexpr std::size_t datagram_bytes_max = 65507;  ///< of a UDP payload 
 inline constexpr std::size_t datagram_bytes_min = 548;    ///< what every IPv4 path takes
 
 enum class DatagramKind : std::uint8_t {
-  first = 1,      ///< begins a sample
-  following = 2,  ///< a later part of its body
-  heartbeat = 3,  ///< of a channel: what its writer has sent, and still has
-  ack = 4,        ///< of a channel, the other way: what has come, and what is missing
-  packed = 5,     ///< whole small samples, whose sequences and ordinals follow one another
-  mark = 8,       ///< between samples: how much was sent to a socket up to here
-  report = 9,     ///< the other way: the mark has come, and how much may be under way
+  first = 1,         ///< begins a sample
+  following = 2,     ///< a later part of its body
+  heartbeat = 3,     ///< of a channel: what its writer has sent, and still has
+  ack = 4,           ///< of a channel, the other way: what has come, and what is missing
+  packed = 5,        ///< whole small samples, whose sequences and ordinals follow one another
+  group_offer = 6,   ///< to a process: in which multicast group it is sent the same
+  group_report = 7,  ///< the other way: what has come there
+  mark = 8,          ///< between samples: how much was sent to a socket up to here
+  report = 9,        ///< the other way: the mark has come, and how much may be under way
 };
 
 /// Flags of a first datagram. Its mask field is a hash, and the mask's words stand right before the payload.
@@ -36,6 +38,17 @@ inline constexpr std::size_t history_bytes = 16;
 /// The sample travels in a channel, reliably: `channel` stands behind that.
 inline constexpr std::uint8_t channel_follows = 8;
 inline constexpr std::size_t channel_bytes = 16;
+/// The sample is sent to a multicast group: `group` stands behind that.
+inline constexpr std::uint8_t group_follows = 64;
+inline constexpr std::size_t group_bytes = 16;
+/// The mask is the union of those of several readers: it is for each whose mask it contains.
+inline constexpr std::uint8_t merged_masks = 128;
+/// Groups are of the range that RFC 2365 leaves to everybody, 239.255.0.0/16, and datagrams to them go to one
+/// port, that DDS takes in no domain.
+inline constexpr std::uint32_t private_groups = 0xEFFF0000;
+inline constexpr std::uint16_t group_port = 22155;
+inline constexpr std::size_t group_offer_bytes = 32;
+inline constexpr std::size_t group_report_bytes = 24;
 /// Of a packed datagram: before each sample stands how long it is; else all are equally long.
 inline constexpr std::uint8_t lengths_follow = 16;
 inline constexpr std::size_t length_bytes = 2;
@@ -47,6 +60,9 @@ inline constexpr std::size_t mark_bytes = 40;
 inline constexpr std::size_t report_bytes = 40;  ///< no more than what it answers
 /// As many as fit into a datagram that every path takes.
 inline constexpr std::size_t missing_max = (datagram_bytes_min - ack_header_bytes) / missing_bytes;
+
+/// So that nothing overflows that is added to it.
+inline constexpr std::uint64_t ordinal_max = std::uint64_t{1} << 62;
 
 /// Names one encoding of one sample. Equal in all its datagrams, and different in all others for a long time.
 struct SampleLabel {
@@ -78,6 +94,14 @@ struct ChannelMark {
   friend bool operator==(const ChannelMark&, const ChannelMark&) = default;
 };
 
+/// The place of a sample among those that were sent to a group.
+struct GroupMark {
+  std::uint32_t group = 0;          ///< the writer's number for it
+  std::uint32_t sequence_high = 0;  ///< high half of the sample's sequence
+  std::uint64_t ordinal = 0;        ///< counts the samples sent to it, from 1
+  friend bool operator==(const GroupMark&, const GroupMark&) = default;
+};
+
 struct FirstHeader {
   SampleLabel label;
   std::uint8_t flags = 0;
@@ -87,9 +111,11 @@ struct FirstHeader {
   RateMark rate{};            ///< where the flag says so
   HistoryMark history{};      ///< likewise
   ChannelMark channel{};      ///< likewise
+  GroupMark group{};          ///< likewise
 
   /// With what the flags say follows it, but for the mask's words.
-  std::size_t bytes() const { return at_channel() + ((flags & channel_follows) != 0 ? channel_bytes : 0); }
+  std::size_t bytes() const { return at_group() + ((flags & group_follows) != 0 ? group_bytes : 0); }
+  std::size_t at_group() const { return at_channel() + ((flags & channel_follows) != 0 ? channel_bytes : 0); }
   std::size_t at_history() const {
     return first_header_bytes + ((flags & rate_follows) != 0 ? rate_bytes : 0);
   }
@@ -168,6 +194,31 @@ struct FlowReport {
   friend bool operator==(const FlowReport&, const FlowReport&) = default;
 };
 
+/// To one member of a group. Its samples are those of a channel, too: their ordinals there are `ahead` of
+/// those in the group.
+struct GroupOffer {
+  std::uint32_t writer = 0;
+  std::uint32_t group = 0;    ///< the writer's number for it
+  std::uint32_t member = 0;   ///< to be named in reports
+  std::uint16_t port = 0;     ///< where reports go, at the address that it comes from
+  std::uint32_t address = 0;  ///< of the group, IPv4; 0: the member is in it no more
+  std::uint32_t channel = 0;  ///< 0: in none, it is sent by best effort
+  std::int64_t ahead = 0;
+  friend bool operator==(const GroupOffer&, const GroupOffer&) = default;
+};
+
+struct GroupReport {
+  std::uint32_t writer = 0;
+  std::uint32_t group = 0;
+  std::uint32_t member = 0;
+  std::uint64_t heard = 0;  ///< ordinal: the last that has come
+  friend bool operator==(const GroupReport&, const GroupReport&) = default;
+};
+
+void encode(const GroupOffer& offer, std::byte* out) noexcept;    ///< group_offer_bytes
+void encode(const GroupReport& report, std::byte* out) noexcept;  ///< group_report_bytes
+std::optional<GroupOffer> parse_group_offer(std::span<const std::byte> bytes) noexcept;
+std::optional<GroupReport> parse_group_report(std::span<const std::byte> bytes) noexcept;
 void encode(const Heartbeat& heartbeat, std::byte* out) noexcept;  ///< heartbeat_bytes
 void encode(const Ack& ack, std::byte* out) noexcept;              ///< ack.bytes()
 void encode(const FlowMark& mark, std::byte* out) noexcept;        ///< mark_bytes

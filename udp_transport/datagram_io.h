@@ -112,6 +112,8 @@ class DatagramSender {
 
   /// Any thread. The connection may outlive the sender, but not be waited for then.
   virtual std::unique_ptr<Connection> connect(const SocketAddress& to) = 0;
+  /// To a multicast group, on the link where this host has the address `own`.
+  virtual std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) = 0;
 
   /// Waits until a connection has the room that it waits for, the deadline has passed or wake() was called.
   /// Used by one thread; the connections that wait live on meanwhile.

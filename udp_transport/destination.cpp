@@ -45,6 +45,7 @@ std::size_t Destination::datagrams_per_call() const {
 }
 
 void Destination::set_receive_buffer(std::uint32_t bytes) {
+  receive_buffer_bytes_.store(bytes, std::memory_order_relaxed);
   const std::scoped_lock lock(window_mutex_);
   window_.announce(bytes);
 }
@@ -129,6 +130,7 @@ void Destination::mark(Time now) {
 
 /// One that does not leave is made up for by a later one.
 void Destination::send(FlowMark mark) {
+  if (limits_.report_port == 0) return;
   mark.port = limits_.report_port;
   std::array<std::byte, mark_bytes> encoded;
   encode(mark, encoded.data());

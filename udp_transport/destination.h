@@ -21,7 +21,7 @@ namespace sft::udp {
 
 struct DestinationLimits {
   std::size_t datagram_bytes = datagram_bytes_max;
-  std::uint16_t report_port = 0;  ///< where receivers report to
+  std::uint16_t report_port = 0;  ///< where receivers report to; 0: they are not asked
   FlowLimits flow{};
 };
 
@@ -45,6 +45,8 @@ class Destination {
 
   std::size_t datagram_bytes() const { return datagram_bytes_.load(std::memory_order_relaxed); }
   std::size_t datagrams_per_call() const;
+  /// What its socket holds, as announced; 0: nothing was.
+  std::uint32_t receive_buffer_bytes() const { return receive_buffer_bytes_.load(std::memory_order_relaxed); }
   void set_receive_buffer(std::uint32_t bytes);
 
   // How much may be under way: FlowWindow says what these mean. Any thread.
@@ -108,6 +110,7 @@ class Destination {
   std::atomic<bool> length_in_doubt_{false};
   std::atomic<std::uint32_t> moves_{0};
   std::atomic<std::size_t> datagram_bytes_;
+  std::atomic<std::uint32_t> receive_buffer_bytes_{0};
   std::atomic<bool> one_at_a_time_{false};
   const std::unique_ptr<Connection> connection_;
   std::unique_ptr<Connection> bulk_;  ///< of the sending thread, which makes it

@@ -32,6 +32,7 @@ Lane::Posted Lane::post(JobHandle job) {
   if (!has_room_for(*job)) {
     oldest = pop_oldest();
     count_lost(*oldest);
+    done_with(oldest, true);
   }
   queued_bytes_ += bytes_held(*job);
   if (oldest_ == 0) oldest_ = job->sequence;
@@ -39,6 +40,16 @@ Lane::Posted Lane::post(JobHandle job) {
   busy_.store(true, std::memory_order_relaxed);
   return {.was_idle = !held_ && !std::exchange(scheduled_, true),
           .dropped_oldest = static_cast<bool>(oldest)};
+}
+
+bool Lane::has_room() {
+  const std::scoped_lock lock(mutex_);
+  return queue_.size() < depth_ && !closed();
+}
+
+void Lane::done_with(const JobHandle& job, bool lost) const {
+  if (const std::shared_ptr<LaneListener> listener = listener_.lock(); listener && job)
+    listener->left(*job, lost);
 }
 
 bool Lane::has_room_for(const Job& job) const {
@@ -56,6 +67,7 @@ JobHandle Lane::pop_oldest() {
 
 void Lane::lose_current() {
   tally_->dropped.fetch_add(current_->samples(), std::memory_order_relaxed);
+  is_lost_ = true;
   if (!is_retained_) count_lost(*current_);
 }
 
@@ -84,6 +96,7 @@ bool Lane::begin(std::vector<JobHandle> history) {
 }
 
 const Job* Lane::next() {
+  done_with(current_, std::exchange(is_lost_, false));
   current_ = {};
   const std::scoped_lock lock(mutex_);
   is_retained_ = !history_.empty();
@@ -108,6 +121,7 @@ void Lane::close() {
   dropped.swap(queue_);
   queued_bytes_ = 0;
   dropped_history.swap(history_);
+  for (const JobHandle& job : dropped) done_with(job, true);
 }
 
 }  // namespace sft::udp

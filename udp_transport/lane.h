@@ -27,6 +27,14 @@ struct WriterTally {
   std::atomic<std::uint64_t> dropped{0};  ///< taken from a lane, and then not sent
 };
 
+/// Told of each job of a lane once that is done with it. Calls nothing of the lane.
+class LaneListener {
+ public:
+  virtual ~LaneListener() = default;
+  /// Any thread. `lost`: it was not sent, or not all of it.
+  virtual void left(const Job& job, bool lost) noexcept = 0;
+};
+
 class Lane {
  public:
   enum class Start : std::uint8_t { open, held };
@@ -35,6 +43,9 @@ class Lane {
   /// falls behind there, only the history has to go first.
   Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
        Start start = Start::open, std::shared_ptr<Channel> channel = {});
+
+  /// Before anything else.
+  void tell(std::weak_ptr<LaneListener> listener) { listener_ = std::move(listener); }
 
   // Any thread.
 
@@ -62,6 +73,8 @@ class Lane {
     bool dropped_oldest = false;  ///< the queue was full
   };
   Posted post(JobHandle job);
+  /// One more can be queued and nothing has to go for it.
+  bool has_room();
 
   /// For a job that is sent here without being queued: which one was the first.
   void mark(Job& job);
@@ -86,6 +99,7 @@ class Lane {
 
  private:
   void count_lost(const Job& job) const;
+  void done_with(const JobHandle& job, bool lost) const;
   bool has_room_for(const Job& job) const;
   JobHandle pop_oldest();
 
@@ -94,12 +108,14 @@ class Lane {
   const bool late_;  ///< began as held
   const std::shared_ptr<Channel> channel_;
   const std::shared_ptr<WriterTally> tally_;
+  std::weak_ptr<LaneListener> listener_;
   const std::shared_ptr<core::LossTally> losses_ = std::make_shared<core::LossTally>();
   std::atomic<bool> busy_;  ///< scheduled_ or held_, as the publisher sees it
   std::atomic<bool> closed_{false};
   std::atomic<std::uint64_t> behind_{0};
   JobHandle current_;         ///< the sending thread's
   bool is_retained_ = false;  ///< likewise: what is current is no live sample
+  bool is_lost_ = false;      ///< likewise: what is current did not leave
   std::mutex mutex_;
   bool scheduled_ = false;  ///< the sending thread knows of it
   bool held_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sft/typesupport/walk.h"
+#include "udp_transport/offered_groups.h"
 
 namespace sft::udp {
 
@@ -49,6 +50,13 @@ void for_each_missing(std::uint32_t ordinal, const UnfinishedSample* sample, con
   if (at < sample->first().total) ask(Missing{ordinal, at, sample->first().total});
 }
 
+std::uint64_t sequence_of(const FirstHeader& first, std::uint64_t newest) {
+  const auto with = [&](std::uint32_t high) { return std::uint64_t{high} << 32 | first.label.sequence; };
+  if ((first.flags & channel_follows) != 0) return with(first.channel.sequence_high);
+  if ((first.flags & group_follows) != 0) return with(first.group.sequence_high);
+  return widen_sequence(newest, first.label.sequence);
+}
+
 bool equals(const FieldMask& mask, std::span<const std::byte> words) {
   for (std::size_t i = 0; i < mask.words(); ++i) {
     if (mask.word(i) != load_word(&words[i * sizeof(std::uint64_t)])) return false;
@@ -75,6 +83,9 @@ struct Reassembly::Incoming {
   RecentLabels finished;
   std::unique_ptr<ArrivalWindow> window;    ///< null unless it is wanted reliably
   std::optional<SocketAddress> acks_go_to;  ///< as its last heartbeat said
+  OfferedGroups groups;
+  RecentLabels elsewhere;         ///< of groups that were not offered: these come otherwise
+  std::vector<FieldMask> merged;  ///< unions that were met lately, each of something that is wanted
 
   /// Searched from the end: datagrams of the newest are the most likely.
   UnfinishedSample* find(const SampleLabel& label) const {
@@ -84,7 +95,7 @@ struct Reassembly::Incoming {
   }
 
   /// The wanted mask that a datagram names, if any. Takes the words off the payload.
-  Named named_mask(Datagram& d) const {
+  Named named_mask(Datagram& d) {
     std::span<const std::byte> words;
     if ((d.first.flags & mask_words_follow) != 0) {
       const std::size_t bytes = (type->leaves() + 63) / 64 * sizeof(std::uint64_t);
@@ -92,11 +103,31 @@ struct Reassembly::Incoming {
       words = d.payload.first(bytes);
       d.payload = d.payload.subspan(bytes);
     }
+    if ((d.first.flags & merged_masks) != 0) return merged_mask(d, words);
     const auto found = std::find_if(wanted.begin(), wanted.end(), [&](const Wanted& w) {
       return w.hash == d.first.mask && (words.empty() || equals(w.mask, words));
     });
     return {.mask = found == wanted.end() ? nullptr : &found->mask};
   }
+
+  /// The union that it names, if it contains some wanted mask.
+  Named merged_mask(const Datagram& d, std::span<const std::byte> words) {
+    const auto known = std::ranges::find_if(merged, [&](const FieldMask& mask) {
+      return mask.hash() == d.first.mask && (words.empty() || equals(mask, words));
+    });
+    if (known != merged.end()) return {.mask = &*known};
+    if (words.empty() != (type->leaves() <= 64)) return {.malformed = true};
+    std::vector<std::uint64_t> bits{d.first.mask};
+    if (!words.empty()) bits.resize(words.size() / sizeof(std::uint64_t));
+    for (std::size_t i = 0; i < words.size() / sizeof(std::uint64_t); ++i)
+      bits[i] = load_word(&words[i * sizeof(std::uint64_t)]);
+    FieldMask mask = FieldMask::from_words(type->leaves(), bits);
+    if (mask.hash() != d.first.mask || type->closed(mask) != mask) return {.malformed = true};
+    if (std::ranges::none_of(wanted, [&](const Wanted& w) { return mask.contains(w.mask); })) return {};
+    if (merged.size() == merged_max) merged.erase(merged.begin());
+    return {.mask = &merged.emplace_back(std::move(mask))};
+  }
+  static constexpr std::size_t merged_max = 8;
 };
 
 Reassembly::Reassembly(const ReassemblyLimits& limits, std::shared_ptr<core::BufferPool> pool)
@@ -127,6 +158,7 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
     in->place = place;
     in->sample_bytes = std::min(announced, limits_.sample_bytes);
     in->wanted.clear();
+    in->merged.clear();
     for (const FieldMask& mask : stream.masks) in->wanted.push_back({mask, mask.hash()});
     if (!stream.reliable) close_window(*in);
     if (stream.reliable && in->window == nullptr) open_window(*in);
@@ -172,6 +204,7 @@ Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, Arrival
     return {};
   }
   if (following) return accept_following(*in, *following, now);
+  if ((d->first.flags & group_follows) != 0 && !place(*in, *d, now.steady)) return {};
   const Named named = in->named_mask(*d);
   return d->kind == DatagramKind::first ? accept_first(*in, *d, named, now)
                                         : accept_packed(*in, *d, named, now);
@@ -243,6 +276,43 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, co
   return proceed(in, *sample, sample->unpark(now.steady), now);
 }
 
+/// False if it is of a group that is not known here, or is not meant for those who read here now.
+bool Reassembly::place(Incoming& in, Datagram& d, Time now) {
+  if (!in.groups.place(d.first, now)) {
+    in.elsewhere.add(d.label());
+    return false;
+  }
+  reports_due_ = reports_due_ || in.groups.due();
+  if (in.window != nullptr && (d.first.flags & channel_follows) != 0) in.window->spread_asking();
+  return true;
+}
+
+std::optional<GroupOffer> Reassembly::accept_offer(std::span<const std::byte> bytes, SocketAddress from) {
+  const std::optional<GroupOffer> offer = parse_group_offer(bytes);
+  if (!offer) {
+    ++counters_.malformed;
+    return {};
+  }
+  const auto found = incoming_.find(offer->writer);
+  if (found == incoming_.end()) {
+    ++counters_.unknown;
+    return {};
+  }
+  found->second->groups.hear(*offer, from);
+  return offer;
+}
+
+std::vector<std::uint32_t> Reassembly::groups() const {
+  std::vector<std::uint32_t> groups;
+  for (const Incoming* in : by_stream_) in->groups.addresses(groups);
+  return groups;
+}
+
+void Reassembly::report(const SendReport& send) {
+  if (!std::exchange(reports_due_, false)) return;
+  for (Incoming* in : by_stream_) in->groups.report(send);
+}
+
 /// What was sent reliably, and there is no memory for as yet, will come again.
 Reassembly::Arrival Reassembly::refuse(Incoming& in, const Datagram& d, std::uint64_t place, Refusal why) {
   const Arrival nothing{{}, in.place, place != 0};
@@ -261,7 +331,7 @@ Reassembly::Arrival Reassembly::refuse(Incoming& in, const Datagram& d, std::uin
 Reassembly::Arrival Reassembly::accept_following(Incoming& in, const Following& d, ArrivalTime now) {
   UnfinishedSample* sample = in.find(d.label);
   if (sample == nullptr) {
-    if (in.finished.contains(d.label)) return {};
+    if (in.finished.contains(d.label) || in.elsewhere.contains(d.label)) return {};
     sample = &begin(in, d.label, 0, now.steady);
   }
   if (!sample->described()) {
@@ -305,9 +375,7 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
   SampleHeader& header = sample->header();
   header.slots = static_cast<std::uint32_t>(in.type->slots());
   header.writer = in.writer;
-  header.sequence = (first.flags & channel_follows) != 0
-                        ? std::uint64_t{first.channel.sequence_high} << 32 | first.label.sequence
-                        : widen_sequence(in.newest, first.label.sequence);
+  header.sequence = sequence_of(first, in.newest);
   header.source_stamp_ns = first.stamp_ns;
   header.type_hash = in.type->hash();
   header.body_offset = static_cast<std::uint32_t>(layout.body_offset);
@@ -352,6 +420,7 @@ Reassembly::Refusal Reassembly::describe(Incoming& in, const Datagram& d, const 
   buffer->ordinal = d.first.rate.ordinal;
   buffer->addressee = d.first.history.reader;
   buffer->oldest_retained = d.first.history.oldest;
+  buffer->merged = (d.first.flags & merged_masks) != 0;
   return Refusal::none;
 }
 

@@ -67,6 +67,14 @@ class Reassembly {
 
   Arrival accept_heartbeat(std::span<const std::byte> datagram, SocketAddress from, ArrivalTime now);
 
+  /// Empty if it is of nobody who is wanted here. Else groups() may be others than before.
+  std::optional<GroupOffer> accept_offer(std::span<const std::byte> datagram, SocketAddress from);
+  /// Those that were offered to who is wanted here, IPv4.
+  std::vector<std::uint32_t> groups() const;
+  using SendReport = std::function<void(const SocketAddress&, const GroupReport&)>;
+  /// What writers are to be told of their groups. After accept().
+  void report(const SendReport& send);
+
   /// Of a stream that is reliable; else null. Valid until set_streams().
   ArrivalWindow* window(std::size_t stream);
   /// Sends what is to be acknowledged or asked for by now. After accept(), and by next_answer().
@@ -91,6 +99,7 @@ class Reassembly {
   Incoming* find(std::uint32_t writer);
   Arrival accept_first(Incoming& in, const Datagram& d, const Named& named, ArrivalTime now);
   Arrival accept_packed(Incoming& in, const Datagram& d, const Named& named, ArrivalTime now);
+  bool place(Incoming& in, Datagram& d, Time now);
   Arrival accept_following(Incoming& in, const Following& d, ArrivalTime now);
   Arrival proceed(Incoming& in, UnfinishedSample& sample, bool well_formed, ArrivalTime now);
   Arrival complete(Incoming& in, core::SampleHandle sample, const FirstHeader& first, std::uint64_t place,
@@ -128,6 +137,7 @@ class Reassembly {
   std::vector<core::SampleHandle> ahead_;                 ///< for the rest of a packed datagram
   std::size_t unfinished_ = 0;
   std::size_t parked_bytes_ = 0;
+  bool reports_due_ = false;
   std::optional<Time> next_expiry_;
   Counters counters_;
 };

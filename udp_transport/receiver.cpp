@@ -32,9 +32,11 @@ void read_away(int fd) noexcept {
 }  // namespace
 
 Receiver::Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
-                   std::size_t receive_buffer_bytes, std::shared_ptr<core::BufferPool> pool, Acks acks)
+                   std::size_t receive_buffer_bytes, std::shared_ptr<core::BufferPool> pool, Acks acks,
+                   Groups groups)
     : io_(std::move(io)),
       acks_(std::move(acks)),
+      groups_(std::move(groups)),
       shares_(receive_buffer_bytes),
       reassembly_(limits, std::move(pool)) {}
 
@@ -229,6 +231,7 @@ Receiver::Time Receiver::next_deadline() const {
 
 void Receiver::answer(Time now) noexcept try {
   reassembly_.answer(now, acks_.send);
+  reassembly_.report(groups_.send);
 } catch (const std::bad_alloc&) {  // it is asked for later
 }
 
@@ -242,6 +245,8 @@ void Receiver::datagram(std::span<const std::byte> bytes, SocketAddress from) no
   if (kind == DatagramKind::ack) return hear_ack(bytes);
   if (kind == DatagramKind::report) return hear_report(bytes);
   if (kind == DatagramKind::mark) return report(bytes, from);
+  if (kind == DatagramKind::group_offer) return hear_offer(bytes, from);
+  if (kind == DatagramKind::group_report) return hear_group_report(bytes);
   shares_.count(from);
   Reassembly::Arrival arrival =
       kind == DatagramKind::heartbeat ? accept_heartbeat(bytes, from) : accept(bytes);
@@ -256,7 +261,7 @@ void Receiver::datagram(std::span<const std::byte> bytes, SocketAddress from) no
 void Receiver::hear_ack(std::span<const std::byte> bytes) noexcept try {
   const std::optional<Ack> ack = parse_ack(bytes);
   if (!ack) {
-    ++malformed_acks_;
+    ++malformed_answers_;
   } else {
     acks_.hear(*ack);
   }
@@ -265,18 +270,36 @@ void Receiver::hear_ack(std::span<const std::byte> bytes) noexcept try {
 
 void Receiver::hear_report(std::span<const std::byte> bytes) noexcept {
   const std::optional<FlowReport> report = parse_report(bytes);
-  report ? acks_.hear_report(*report, now_.steady) : void(++malformed_acks_);
+  report ? acks_.hear_report(*report, now_.steady) : void(++malformed_answers_);
 }
 
 /// At once: all that was sent before it has left the socket.
 void Receiver::report(std::span<const std::byte> bytes, SocketAddress from) noexcept try {
   const std::optional<FlowMark> mark = parse_mark(bytes);
   if (!mark) {
-    ++malformed_acks_;
+    ++malformed_answers_;
   } else {
     acks_.report({from.ip, mark->port}, shares_.answer(*mark, from, now_.steady));
   }
 } catch (const std::bad_alloc&) {  // it will be marked again
+}
+
+void Receiver::hear_offer(std::span<const std::byte> bytes, SocketAddress from) noexcept try {
+  const std::optional<GroupOffer> offer = reassembly_.accept_offer(bytes, from);
+  if (!offer) return;
+  groups_.joins->keep_to(reassembly_.groups());
+  if (offer->address != 0) groups_.joins->join(offer->address, from);
+} catch (const std::bad_alloc&) {  // another one will come
+}
+
+void Receiver::hear_group_report(std::span<const std::byte> bytes) noexcept try {
+  const std::optional<GroupReport> report = parse_group_report(bytes);
+  if (!report) {
+    ++malformed_answers_;
+  } else {
+    groups_.hear(*report);
+  }
+} catch (const std::bad_alloc&) {  // another one will come
 }
 
 Reassembly::Arrival Receiver::accept_heartbeat(std::span<const std::byte> bytes, SocketAddress from) noexcept
@@ -303,6 +326,7 @@ void Receiver::enter() {
   if (latest == wanted_) return;
   wanted_ = std::move(latest);
   reassembly_.set_streams(wanted_->streams);
+  groups_.joins->keep_to(reassembly_.groups());
   for (std::size_t i = 0; i < wanted_->streams.size(); ++i) {
     ArrivalWindow* window = reassembly_.window(i);
     if (window == nullptr) continue;
@@ -374,7 +398,7 @@ bool Receiver::deliver_next(core::EndpointId writer) {
 
 void Receiver::publish_counters() noexcept {
   const Reassembly::Counters& counters = reassembly_.counters();
-  malformed_.store(counters.malformed + malformed_acks_, std::memory_order_relaxed);
+  malformed_.store(counters.malformed + malformed_answers_, std::memory_order_relaxed);
   unknown_.store(counters.unknown, std::memory_order_relaxed);
   incomplete_.store(counters.incomplete, std::memory_order_relaxed);
   over_limit_.store(counters.over_limit, std::memory_order_relaxed);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "udp_transport/datagram_io.h"
+#include "udp_transport/group_socket.h"
 #include "udp_transport/reassembly.h"
 #include "udp_transport/receive_shares.h"
 #include "udp_transport/receiving_role.h"
@@ -31,9 +32,15 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
     std::function<void(const FlowReport&, std::chrono::steady_clock::time_point)> hear_report;
     std::function<void(const SocketAddress&, const FlowReport&)> report;
   };
+  /// And what multicast groups need.
+  struct Groups {
+    std::function<void(const GroupReport&)> hear;
+    Reassembly::SendReport send;
+    std::shared_ptr<GroupJoins> joins;
+  };
   /// `receive_buffer_bytes` of the socket are shared by all who send to it.
   Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
-           std::size_t receive_buffer_bytes, std::shared_ptr<core::BufferPool> pool, Acks acks);
+           std::size_t receive_buffer_bytes, std::shared_ptr<core::BufferPool> pool, Acks acks, Groups groups);
 
   Result<void> start(const std::string& thread_name);
   /// Afterwards nothing is received. Called by a listener, it takes effect once that has returned.
@@ -75,6 +82,8 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   void hear_ack(std::span<const std::byte> bytes) noexcept;
   void hear_report(std::span<const std::byte> bytes) noexcept;
   void report(std::span<const std::byte> mark, SocketAddress from) noexcept;
+  void hear_offer(std::span<const std::byte> bytes, SocketAddress from) noexcept;
+  void hear_group_report(std::span<const std::byte> bytes) noexcept;
   Reassembly::Arrival accept_heartbeat(std::span<const std::byte> bytes, SocketAddress from) noexcept;
   void deliver(Reassembly::Arrival& arrival);
   void deliver_in_order(core::EndpointId writer);
@@ -99,7 +108,8 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
 
   // Of the receiving thread alone.
   const Acks acks_;
-  std::uint64_t malformed_acks_ = 0;
+  const Groups groups_;
+  std::uint64_t malformed_answers_ = 0;
   ReceiveShares shares_;
   Reassembly reassembly_;
   std::shared_ptr<const Subscriptions> wanted_;

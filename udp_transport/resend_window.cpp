@@ -22,7 +22,7 @@ ResendWindow::ResendWindow(std::uint32_t writer, std::uint32_t channel, const Re
   repairs_.reserve(repairs_max);
 }
 
-ResendWindow::Kept ResendWindow::keep(JobHandle job, FirstHeader first) {
+ResendWindow::Kept ResendWindow::keep(JobHandle job, FirstHeader first, bool elsewhere) {
   Kept kept{.ordinal = kept_.end()};
   first.flags |= channel_follows;
   first.channel = {.channel = channel_,
@@ -31,6 +31,11 @@ ResendWindow::Kept ResendWindow::keep(JobHandle job, FirstHeader first) {
   push(job, first);
   make_room(kept);
   kept.ordinal = std::max(kept.ordinal, kept_.begin());
+  kept.elsewhere = elsewhere && !keeps_more_than(limits_.samples / 2, limits_.bytes / 2);
+  if (kept.elsewhere) {
+    kept_[kept.ordinal].elsewhere = true;
+    start(kept_[kept.ordinal]);
+  }
   return kept;
 }
 
@@ -40,6 +45,20 @@ void ResendWindow::push(const JobHandle& job, const FirstHeader& first) {
     kept_bytes_ += job->held_bytes(part);
     kept_.push_back({.first = header_behind(first, part, job->body_bytes(part)), .job = job, .part = part});
   }
+}
+
+JobHandle ResendWindow::sent_elsewhere(std::uint64_t ordinal) const {
+  if (!kept_.contains(ordinal)) return {};
+  const Entry& entry = kept_[ordinal];
+  return entry.elsewhere && entry.state == State::sent ? entry.job : JobHandle{};
+}
+
+void ResendWindow::left(std::uint64_t ordinal, Time now) {
+  if (!kept_.contains(ordinal) || !kept_[ordinal].elsewhere) return;
+  sent_at_ = now;
+  kept_[ordinal].state = State::sent;
+  sent_ = sent_end();
+  if (unanswered_ == 0) plan_heartbeat(now);
 }
 
 bool ResendWindow::keeps_more_than(std::size_t samples, std::size_t bytes) const {

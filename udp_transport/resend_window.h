@@ -58,10 +58,14 @@ class ResendWindow {
     std::size_t dropped = 0;
     std::uint64_t dropped_bytes = 0;
     std::uint64_t dropped_whole_bytes = 0;
+    bool elsewhere = false;  ///< as was asked for
   };
   /// Gives a sample, or each one of a pack, its place in the channel; the ordinal is the first of those that
-  /// are kept. The job does not change any more. `first` is its header.
-  Kept keep(JobHandle job, FirstHeader first);
+  /// are kept. The job does not change any more. `first` is its header. `elsewhere`, not of packs: if there
+  /// is room, it is being sent by a group and only repaired by this; else by this.
+  Kept keep(JobHandle job, FirstHeader first, bool elsewhere = false);
+  /// One that was sent elsewhere has left.
+  void left(std::uint64_t ordinal, Time now);
 
   /// What may be sent now; it counts as being sent until finished() or put_back() is called.
   std::optional<Piece> next(Size size, Time now);
@@ -69,6 +73,9 @@ class ResendWindow {
   std::optional<Piece> take(std::uint64_t ordinal);
   void finished(const Piece& piece, Time now);
   void put_back(const Piece& piece);
+
+  /// Of one that has left elsewhere: the job, whose own header is the one of there. Else none.
+  JobHandle sent_elsewhere(std::uint64_t ordinal) const;
 
   /// What the other end says. Nonsense is ignored.
   void hear(const Ack& ack, Time now);
@@ -112,6 +119,7 @@ class ResendWindow {
     std::uint32_t part = 0;  ///< its number in the pack that the job is
     State state = State::waiting;
     bool begun = false;  ///< once, if only a part of it was sent
+    bool elsewhere = false;
     std::size_t held_bytes() const { return job->held_bytes(part); }
   };
   struct Repair {

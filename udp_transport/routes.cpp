@@ -21,40 +21,6 @@ std::shared_ptr<const WireMask> make_wire_mask(const FieldMask& mask, std::uint1
   return std::make_shared<WireMask>(WireMask{number, mask.hash(), words_to_send(mask)});
 }
 
-struct Gathered {
-  core::Wanted wanted;
-  core::EndpointId late_reader;
-  bool spare;
-  std::shared_ptr<const core::RateGate> gate;
-  std::vector<std::shared_ptr<Destination>> destinations;
-  std::vector<std::pair<core::EndpointId, const Destination*>> readers;
-  ReliableReaders reliable{};  ///< of these
-};
-
-/// Readers with equal masks and limits share an encoding, and those behind one socket a copy of it.
-std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDirectory& directory) {
-  std::vector<Gathered> groups;
-  for (const core::Route& route : routes) {
-    const auto* address = std::get_if<core::UdpAddress>(&route.destination);
-    if (address == nullptr) continue;
-    const core::Wanted wanted{route.mask, route.gate == nullptr ? 0 : route.gate->min_period_us()};
-    const core::EndpointId late_reader = route.history == 0 ? 0 : route.reader;
-    auto group = std::find_if(groups.begin(), groups.end(), [&](const Gathered& g) {
-      return g.wanted == wanted && g.late_reader == late_reader && g.spare == route.spare;
-    });
-    if (group == groups.end())
-      group = groups.insert(groups.end(), {wanted, late_reader, route.spare, route.gate, {}, {}});
-    auto destination = directory.find(*address);
-    group->readers.emplace_back(route.reader, destination.get());
-    if (route.reliable) group->reliable[destination.get()].insert(route.reader);
-    auto& known = group->destinations;
-    if (std::find(known.begin(), known.end(), destination) == known.end())
-      known.push_back(std::move(destination));
-  }
-  std::stable_partition(groups.begin(), groups.end(), [](const Gathered& group) { return !group.spare; });
-  return groups;
-}
-
 /// What a gate withholds from those on spare routes is counted where they are served.
 void write_page(const Gathered& gathered, const Group& group, core::DeliveryBook::Page& page) {
   for (const auto& [reader, destination] : gathered.readers) {
@@ -66,6 +32,12 @@ void write_page(const Gathered& gathered, const Group& group, core::DeliveryBook
                      .gate = group.spare ? nullptr : group.gate,
                      .diverted = group.spare}});
   }
+}
+
+std::vector<MulticastGroup::Member> members_of(const Group& group) {
+  std::vector<MulticastGroup::Member> members;
+  for (std::size_t i = 0; i < group.lanes.size(); ++i) members.push_back({group.lanes[i], group.channels[i]});
+  return members;
 }
 
 ReliableReaders reliable_readers(const std::vector<Gathered>& groups) {
@@ -195,13 +167,14 @@ static void allow_packs(RouteTable& table) {
 std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                    std::span<const core::Route> routes,
                                                    VariantDirectory& variants,
-                                                   DestinationDirectory& destinations) {
+                                                   DestinationDirectory& destinations, GroupKeeper* keeper) {
   auto table = std::make_shared<RouteTable>();
   std::set<const Destination*> served;
   std::set<core::EndpointId> late_readers;
   variants.next_round();
   std::vector<Gathered> groups = gather(routes, destinations);
   const ReliableReaders reliable = reliable_readers(groups);
+  if (keeper != nullptr) keeper->merge(groups, std::chrono::steady_clock::now());
   for (Gathered& gathered : groups) {
     VariantDirectory::Variant& variant = variants.find(gathered.wanted, gathered.late_reader);
     Group& group = table->groups.emplace_back(Group{ProjectionPlan(type, std::move(gathered.wanted.mask)),
@@ -216,6 +189,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
       group.lanes.push_back(variants.lane(variant, to, group.channels.back()));
       served.insert(to.get());
     }
+    if (gathered.multicast) group.multicast = keeper->find(*gathered.multicast, members_of(group));
     if (gathered.late_reader != 0) late_readers.insert(gathered.late_reader);
     write_page(gathered, group, table->page);
     if (gathered.spare) {
@@ -227,6 +201,10 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
   allow_packs(*table);
   variants.keep_lanes_to(served, late_readers);
   variants.keep_channels_to(reliable);
+  if (keeper != nullptr) {
+    keeper->merged();
+    table->sizes = keeper->sizes();
+  }
   return table;
 }
 

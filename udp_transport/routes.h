@@ -12,6 +12,7 @@
 #include "sft/typesupport/project.h"
 #include "udp_transport/channel_directory.h"
 #include "udp_transport/destination.h"
+#include "udp_transport/group_keeper.h"
 #include "udp_transport/lane.h"
 
 namespace sft::udp {
@@ -27,6 +28,8 @@ struct Group {
   std::vector<std::shared_ptr<Lane>> lanes;
   std::vector<std::shared_ptr<Channel>>
       channels{};  ///< of each lane: not null where a reader is served reliably
+  /// Not null: it sends to all of them, and lanes only to those that do not hear it. Members are as lanes.
+  std::shared_ptr<MulticastGroup> multicast{};
   std::shared_ptr<core::DeliveryTally> tally = std::make_shared<core::DeliveryTally>();
   /// Small samples that are published together may share datagrams: all of them leave before the first one of
   /// another mask. Where a destination is sent several masks, a reader that changes from one to the other
@@ -42,7 +45,8 @@ struct RouteTable {
   std::vector<Group> groups;      ///< spare ones last
   core::DeliveryBook::Page page;  ///< which tallies are whose
 
-  std::size_t usual = 0;  ///< groups that are not spare
+  std::size_t usual = 0;               ///< groups that are not spare
+  std::shared_ptr<BodySizes> sizes{};  ///< to be measured; null: nobody asks
 
   /// Whom a sample may be for.
   std::span<const Group> reached(bool with_spares) const {
@@ -110,10 +114,12 @@ class VariantDirectory {
 };
 
 /// Of a writer of `type`, which outlives the table. Routes to readers elsewhere than behind a UDP address are
-/// left out. Lanes to destinations that no route leads to any more are closed.
+/// left out. Lanes to destinations that no route leads to any more are closed. Without a keeper everybody is
+/// served alone.
 std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                    std::span<const core::Route> routes,
                                                    VariantDirectory& variants,
-                                                   DestinationDirectory& destinations);
+                                                   DestinationDirectory& destinations,
+                                                   GroupKeeper* keeper = nullptr);
 
 }  // namespace sft::udp

@@ -48,6 +48,9 @@ class Sender {
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) { return io_->connect(to); }
   RateLimit& limit() { return limit_; }
+  std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) {
+    return io_->connect_group(group, own);
+  }
   /// A lane that was idle has something to send.
   void schedule(std::shared_ptr<Lane> lane);
   /// A channel that was at rest has something to look after.

@@ -29,7 +29,7 @@ class SocketReceiver final : public DatagramReceiver {
     const auto over = [&] { return trains_.read(sink) || woken_.load(std::memory_order_relaxed); };
     if (spin.count() > 0 && core::spin(std::min(deadline, Clock::now() + spin), over))
       deadline = {};  // once around, for what else there is
-    std::array<pollfd, 2> ready{{{.fd = socket_->fd.get(), .events = POLLIN, .revents = 0},
+    std::array<pollfd, 2> ready{{{.fd = socket_->readable(), .events = POLLIN, .revents = 0},
                                  {.fd = wake_event_.get(), .events = POLLIN, .revents = 0}}};
     if (!poll_until(ready, deadline)) return true;
     if (ready[1].revents != 0) {
@@ -48,7 +48,7 @@ class SocketReceiver final : public DatagramReceiver {
   }
   void finish() noexcept override {}
   bool receive_now(DatagramSink& sink) noexcept override { return trains_.read(sink); }
-  Descriptors descriptors() const noexcept override { return {socket_->fd.get(), wake_event_.get()}; }
+  Descriptors descriptors() const noexcept override { return {socket_->readable(), wake_event_.get()}; }
 
  private:
   const std::shared_ptr<const UdpSocket> socket_;

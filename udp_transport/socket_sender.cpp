@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "udp_transport/group_socket.h"
+
 namespace sft::udp {
 
 namespace {
@@ -33,6 +35,13 @@ class SocketConnection final : public Connection {
     if (shared_->own_sockets.fetch_add(1, std::memory_order_relaxed) < sending_sockets_max)
       own_ = open_sending_socket(shared_->socket->options, family_.load());
     if (!own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
+    connect();
+  }
+  SocketConnection(const SocketAddress& group, const SocketAddress& own, std::shared_ptr<Shared> shared)
+      : shared_(std::move(shared)), family_(SystemAddress(group).family()), to_(group) {
+    own_ = open_sending_socket(shared_->socket->options, family_.load());
+    shared_->own_sockets.fetch_add(own_ ? 1 : 0, std::memory_order_relaxed);
+    if (own_) send_to_groups_by(own_.get(), own);
     connect();
   }
   ~SocketConnection() override {
@@ -126,6 +135,10 @@ class SocketSender final : public DatagramSender {
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) override {
     return std::make_unique<SocketConnection>(to, shared_);
+  }
+
+  std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) override {
+    return std::make_unique<SocketConnection>(group, own, shared_);
   }
 
   void await(Clock::time_point deadline) noexcept override {

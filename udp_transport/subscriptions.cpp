@@ -33,6 +33,7 @@ bool Subscriber::accepts(const core::SampleBuffer& sample) const {
   const bool for_one = sample.addressee != 0;
   if (for_one && sample.addressee != reader) return false;
   return std::any_of(wanted.begin(), wanted.end(), [&](const core::Wanted& w) {
+    if (sample.merged) return w.min_period_us == 0 && sample.mask.contains(w.mask);
     return (for_one || w.min_period_us == sample.min_period_us) && w.mask == sample.mask;
   });
 }

@@ -19,6 +19,8 @@ class TrainReader {
   bool read(DatagramSink& sink) noexcept;
 
  private:
+  bool read_from(int fd, DatagramSink& sink) noexcept;
+
   const std::shared_ptr<const UdpSocket> socket_;
   std::vector<std::byte> train_;
   alignas(cmsghdr) std::byte control_[train_control_bytes];

@@ -12,6 +12,8 @@
 #include <thread>
 #include <utility>
 
+#include "udp_transport/group_socket.h"
+
 namespace sft::udp {
 
 namespace {
@@ -59,10 +61,6 @@ int get_int(int fd, int level, int name) {
   int value = 0;
   socklen_t size = sizeof value;
   return ::getsockopt(fd, level, name, &value, &size) == 0 ? value : 0;
-}
-
-bool set_int(int fd, int level, int name, int value) {
-  return ::setsockopt(fd, level, name, &value, sizeof value) == 0;
 }
 
 /// The kernel doubles what it is asked for, and grants more than its limit only to the privileged.
@@ -154,6 +152,12 @@ ArrivalTime arrival_time() noexcept {
 
 }  // namespace
 
+bool set_int(int fd, int level, int name, int value) {
+  return ::setsockopt(fd, level, name, &value, sizeof value) == 0;
+}
+
+void set_receive_buffer(int fd, std::size_t bytes) { set_buffer(fd, SO_RCVBUFFORCE, SO_RCVBUF, bytes); }
+
 Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& options) {
   auto socket = std::make_shared<UdpSocket>();
   OpenSocket open = open_socket_for(options.bind.ip);
@@ -164,13 +168,14 @@ Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& op
   if (const int error = bind_patiently(fd, options.bind, open.family); error != 0) {
     return bind_error(error, options.bind);
   }
-  set_buffer(fd, SO_RCVBUFFORCE, SO_RCVBUF, options.receive_buffer_bytes);
+  set_receive_buffer(fd, options.receive_buffer_bytes);
   set_buffer(fd, SO_SNDBUFFORCE, SO_SNDBUF, options.send_buffer_bytes);
   refuse_fragments(fd, open.family);
   socket->options = options;
   socket->receives_trains = set_int(fd, SOL_UDP, UDP_GRO, 1);
   socket->receive_buffer_bytes = static_cast<std::uint32_t>(get_int(fd, SOL_SOCKET, SO_RCVBUF));
   socket->port = bound_port(fd);
+  if (options.hears_groups) open_group_socket(*socket);
   return socket;
 }
 

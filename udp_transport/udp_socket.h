@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,7 @@ struct SocketOptions {
   SocketAddress bind;                    ///< address 0: all, of both families; port 0: any
   std::size_t receive_buffer_bytes = 0;  ///< wanted, as the kernel counts
   std::size_t send_buffer_bytes = 0;     ///< 0: the system's default
+  bool hears_groups = false;
 };
 
 /// Not bound to an address it takes both families, IPv4 as IPv4-mapped, unless the system has no IPv6.
@@ -36,10 +38,21 @@ struct UdpSocket {
   std::uint16_t port = 0;
   std::uint32_t receive_buffer_bytes = 0;  ///< granted, as the kernel counts
   bool receives_trains = false;            ///< UDP_GRO is on
+  // Multicast groups (group_socket.h); invalid where there can be none.
+  FileDescriptor group_fd{};   ///< what they get
+  FileDescriptor either_fd{};  ///< readable if one of both is
+  mutable std::atomic<bool> in_groups{false};
+
+  /// Becomes readable when something has come.
+  int readable() const noexcept { return either_fd ? either_fd.get() : fd.get(); }
 };
 
 /// A port that a process just left can stay in use for some 50 ms; this waits for it.
 Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& options);
+
+bool set_int(int fd, int level, int name, int value);
+/// As many as the system grants.
+void set_receive_buffer(int fd, std::size_t bytes);
 
 /// One that sends only, to addresses of one family, from any free port and with a send buffer of its own; not
 /// connected yet. Where a device has a choice, what it sends goes first. Invalid where the process may not

@@ -1,6 +1,7 @@
 #include "udp_transport/udp_transport.h"
 
 #include <algorithm>
+#include <random>
 #include <utility>
 
 #include "udp_transport/ack_sender.h"
@@ -52,6 +53,7 @@ class UdpTransport final : public core::Transport {
   std::size_t max_sample_bytes() const noexcept override { return max_sample_bytes_; }
 
   core::Availability poll(std::chrono::steady_clock::time_point now) override {
+    send_side_->writers.tend(now);
     const bool anew = std::exchange(network_has_changed_, false);
     if (anew || now - destinations_looked_after_at_ >= PathMtu::search_pause) {
       destinations_looked_after_at_ = now;
@@ -136,29 +138,50 @@ std::shared_ptr<SendSide> make_send_side(const UdpOptions& options, const UdpSoc
   side->max_sample_bytes = options.max_sample_bytes;
   side->queue_depth = options.send_queue_depth;
   side->ack_port = socket.port;
+  side->multicast = options.multicast;
   return side;
 }
 
-std::shared_ptr<Receiver> make_receiver(const UdpOptions& options, const UdpSocket& socket,
+/// What several members of a group ask for.
+void hand_repairs_to_group(SendSide& side, Ack& ack) {
+  const GroupRoster::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
+  if (in.group == nullptr) return;
+  if (in.group->take_over_repairs(in.member, ack, std::chrono::steady_clock::now()))
+    side.sender.schedule(in.group->lane());
+}
+
+std::shared_ptr<Receiver> make_receiver(const UdpOptions& options,
+                                        const std::shared_ptr<const UdpSocket>& socket,
                                         std::shared_ptr<core::BufferPool> pool,
                                         std::unique_ptr<DatagramReceiver> io,
                                         const std::shared_ptr<SendSide>& send_side) {
   ReassemblyLimits limits = options.reassembly;
   limits.sample_bytes = options.max_sample_bytes;
+  limits.channel.seed = std::random_device()();
+  const auto answers = std::make_shared<AckSender>(send_side);
   Receiver::Acks acks;
   acks.hear = [send_side](const Ack& ack) {
     const std::shared_ptr<Channel> channel = send_side->channels.find(ack.writer, ack.channel);
-    if (channel != nullptr && channel->hear(ack)) send_side->sender.look_again();
+    if (channel == nullptr) return;
+    Ack alone = ack;
+    if (ack.missing_count > 0) hand_repairs_to_group(*send_side, alone);
+    if (channel->hear(alone)) send_side->sender.look_again();
   };
-  const auto post = std::make_shared<AckSender>(send_side);
-  acks.send = [post](const SocketAddress& to, const Ack& ack) { post->send(to, ack); };
+  acks.send = [answers](const SocketAddress& to, const Ack& ack) { answers->send(to, ack); };
   acks.hear_report = [send_side](const FlowReport& report, std::chrono::steady_clock::time_point now) {
     const std::shared_ptr<Destination> to = send_side->destinations.of_flow(report.flow);
     if (to != nullptr && to->hear(report, now)) send_side->sender.look_again();
   };
-  acks.report = [post](const SocketAddress& to, const FlowReport& report) { post->send(to, report); };
-  return std::make_shared<Receiver>(std::move(io), limits, socket.receive_buffer_bytes, std::move(pool),
-                                    std::move(acks));
+  acks.report = [answers](const SocketAddress& to, const FlowReport& report) { answers->send(to, report); };
+  Receiver::Groups groups;
+  groups.hear = [send_side](const GroupReport& report) {
+    if (const auto group = send_side->groups.find(report.writer, report.group))
+      group->hear(report, std::chrono::steady_clock::now());
+  };
+  groups.send = [answers](const SocketAddress& to, const GroupReport& report) { answers->send(to, report); };
+  groups.joins = std::make_shared<GroupJoins>(socket);
+  return std::make_shared<Receiver>(std::move(io), limits, socket->receive_buffer_bytes,
+                                    std::move(pool), std::move(acks), std::move(groups));
 }
 
 }  // namespace
@@ -171,14 +194,15 @@ Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& op
   Result<std::shared_ptr<const UdpSocket>> socket =
       open_udp_socket({.bind = {options.bind_address, options.port},
                        .receive_buffer_bytes = options.receive_buffer_bytes,
-                       .send_buffer_bytes = options.send_buffer_bytes});
+                       .send_buffer_bytes = options.send_buffer_bytes,
+                       .hears_groups = options.multicast != Multicast::off});
   if (!socket) return forward(socket.error());
   Result<DatagramIo> io = open_io(options.backend, *socket);
   if (!io) return forward(io.error());
   if (decorate) *io = decorate(std::move(*io));
 
   const auto send_side = make_send_side(options, **socket, std::move(io->sender));
-  const auto receiver = make_receiver(options, **socket, std::move(pool), std::move(io->receiver), send_side);
+  const auto receiver = make_receiver(options, *socket, std::move(pool), std::move(io->receiver), send_side);
   auto transport =
       std::make_unique<UdpTransport>(options, **socket, std::move(io->description), receiver, send_side);
   if (Result<void> started = receiver->start(options.receive_thread_name); !started)

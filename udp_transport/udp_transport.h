@@ -13,6 +13,7 @@
 #include "core/transport.h"
 #include "udp_transport/datagram.h"
 #include "udp_transport/datagram_io.h"
+#include "udp_transport/multicast_links.h"
 #include "udp_transport/reassembly.h"
 
 namespace sft::udp {
@@ -38,6 +39,7 @@ struct UdpOptions {
 
   std::size_t max_datagram_bytes = datagram_bytes_max;  ///< sent, with our header; the path may take less
   std::uint64_t max_bytes_per_s = 0;                    ///< of all that is sent; 0: no limit
+  Multicast multicast = Multicast::automatic;
   std::size_t send_queue_depth = 4;  ///< of a writer, under a mask, to an address: the newest wait
   ReassemblyLimits reassembly{};     ///< its sample_bytes is set from max_sample_bytes
 

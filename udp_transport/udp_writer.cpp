@@ -11,6 +11,29 @@ namespace {
 /// Masks under which the publisher's thread sends a sample itself: with many it would be held up, and more so
 /// with what has just made it wait, since a large sample has taken the caches.
 constexpr std::size_t small_variants_max = 4, large_variants_max = 1;
+
+GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
+                             std::shared_ptr<WriterTally> tally) {
+  GroupKeeper::Setup setup;
+  setup.writer = static_cast<std::uint32_t>(spec.id);
+  setup.type = &spec.type->type();
+  setup.use = side.multicast;
+  setup.report_port = side.ack_port;
+  setup.queue_depth = side.queue_depth;
+  setup.tally = std::move(tally);
+  setup.roster = &side.groups;
+  setup.connect = [&side](std::uint32_t group, std::uint32_t own, std::size_t datagram_bytes) {
+    DestinationLimits limits = side.limits;
+    limits.datagram_bytes = datagram_bytes;
+    limits.report_port = 0;  // its members report what they are sent alone
+    const SocketAddress to{core::IpAddress(group), group_port};
+    return std::make_shared<Destination>(to, limits, 0, [&side, own](const SocketAddress& address) {
+      return side.sender.connect_group(address, {core::IpAddress(own), 0});
+    });
+  };
+  return setup;
+}
+
 }  // namespace
 
 UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> side)
@@ -21,12 +44,17 @@ UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> sid
       jobs_(JobPool::make()),
       channels_(static_cast<std::uint32_t>(spec.id), tally_, side_->channels, side_->ack_port),
       variants_(side_->queue_depth, tally_, &channels_),
+      keeper_(groups_of(spec, *side_, tally_)),
       sender_(spec, side_, tally_, jobs_),
       left_(std::make_shared<FanOut>(spec, side_, tally_, jobs_)) {
   routes_.store(std::make_shared<RouteTable>());
+  side_->writers.add(*this);
 }
 
-UdpWriter::~UdpWriter() { left_->finish(); }
+UdpWriter::~UdpWriter() {
+  side_->writers.remove(*this);
+  left_->finish();
+}
 
 std::uint64_t UdpWriter::bytes_sent() const noexcept {
   return tally_->bytes_sent.load(std::memory_order_relaxed);
@@ -39,7 +67,17 @@ bool UdpWriter::history_sent(core::EndpointId reader) noexcept {
 }
 
 void UdpWriter::set_routes(std::vector<core::Route> routes) {
-  auto table = make_route_table(type_.type(), routes, variants_, side_->destinations);
+  asked_for_ = std::move(routes);
+  make_table();
+}
+
+void UdpWriter::tend(std::chrono::steady_clock::time_point now) {
+  if (keeper_.replan(now)) make_table();
+  keeper_.tend(now);
+}
+
+void UdpWriter::make_table() {
+  auto table = make_route_table(type_.type(), asked_for_, variants_, side_->destinations, &keeper_);
   if (book_ != nullptr) book_->enter(table->page);
   routes_.store(std::move(table));
   side_->sender.look_again();
@@ -94,6 +132,8 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
     count_missed(groups);
     return core::SendStatus::lost_port;
   }
+  if (BodySizes* sizes = in_use_->sizes.get())
+    sizes->measure(core::state_of(*sample, type_.slots()), std::chrono::steady_clock::now(), holds_);
   if (!holds_) sender_.be_patient(max_blocking_);
   std::size_t missed = 0;
   std::size_t own = own_variants(*sample);

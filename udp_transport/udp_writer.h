@@ -2,10 +2,12 @@
 // small and there are few.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/snapshot.h"
@@ -17,7 +19,7 @@
 
 namespace sft::udp {
 
-class UdpWriter final : public core::WriterPort {
+class UdpWriter final : public core::WriterPort, private Tended {
  public:
   UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> side);
   ~UdpWriter() override;
@@ -33,10 +35,13 @@ class UdpWriter final : public core::WriterPort {
   void set_routes(std::vector<core::Route> routes) override;
   void send_history(const core::Route& to, std::vector<core::SampleHandle> samples) override;
   bool history_sent(core::EndpointId reader) noexcept override;
+  std::string multicast(core::EndpointId reader) const override { return keeper_.why(reader); }
   std::uint64_t bytes_sent() const noexcept override;
   std::uint64_t dropped() const noexcept override;
 
  private:
+  void tend(std::chrono::steady_clock::time_point now) override;
+  void make_table();
   std::size_t own_variants(const core::SampleBuffer& sample) const noexcept;
   std::size_t hold_or_send(const Group& group, const core::SampleHandle& sample) noexcept;
   void send_held() noexcept { missed_ += sender_.flush(); }
@@ -51,8 +56,10 @@ class UdpWriter final : public core::WriterPort {
   const std::shared_ptr<WriterTally> tally_;
   const std::shared_ptr<JobPool> jobs_;
 
-  ChannelDirectory channels_;  ///< of the agent's thread
-  VariantDirectory variants_;  ///< likewise
+  ChannelDirectory channels_;           ///< of the agent's thread
+  VariantDirectory variants_;           ///< likewise
+  GroupKeeper keeper_;                  ///< likewise
+  std::vector<core::Route> asked_for_;  ///< likewise: as they were set
   core::Snapshot<RouteTable> routes_;
   std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 

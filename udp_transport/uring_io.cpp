@@ -185,8 +185,7 @@ class UringReceiver final : public DatagramReceiver {
 
   int open() noexcept {
     if (const int error = ring_.open(8, 2 * BufferRing::buffers); error != 0) return error;
-    if (const int error = ring_.register_files(std::array{socket_->fd.get(), wake_event_.get()}); error != 0)
-      return error;
+    if (const int error = register_files(); error != 0) return error;
     return buffers_.open(ring_.get());
   }
 
@@ -204,15 +203,15 @@ class UringReceiver final : public DatagramReceiver {
 
   /// What is armed stays so: a ring whose thread is elsewhere takes nothing from the socket.
   bool receive_now(DatagramSink& sink) noexcept override { return trains_.read(sink); }
-  Descriptors descriptors() const noexcept override { return {socket_->fd.get(), wake_event_.get()}; }
+  Descriptors descriptors() const noexcept override { return {socket_->readable(), wake_event_.get()}; }
 
   /// Closing an armed ring would keep the port in use for some time.
   void finish() noexcept override {
-    if (ring_.enabled() && (receive_armed_ || wake_armed_)) {
+    if (ring_.enabled() && armed()) {
       io_uring_sqe* s = ring_.next_submission();
       io_uring_prep_cancel64(s, 0, IORING_ASYNC_CANCEL_ANY | IORING_ASYNC_CANCEL_ALL);
       s->user_data = 0;
-      while ((receive_armed_ || wake_armed_) && ring_.wait(1, Clock::time_point::max())) {
+      while (armed() && ring_.wait(1, Clock::time_point::max())) {
         ring_.for_each_completion([this](const io_uring_cqe& completion) { complete(completion, nullptr); });
       }
     }
@@ -227,20 +226,24 @@ class UringReceiver final : public DatagramReceiver {
   // The registered files.
   static constexpr int socket_place = 0;
   static constexpr int wake_place = 1;
+  static constexpr int group_place = 2;
 
   static constexpr std::uint64_t receive_tag = 1;
   static constexpr std::uint64_t wake_tag = 2;
+  static constexpr std::uint64_t group_tag = 3;
+
+  int register_files() noexcept {
+    const int datagrams = socket_->fd.get(), wake = wake_event_.get();
+    if (!socket_->group_fd) return ring_.register_files(std::array{datagrams, wake});
+    return ring_.register_files(std::array{datagrams, wake, socket_->group_fd.get()});
+  }
+
+  bool armed() const { return receive_armed_ || group_armed_ || wake_armed_; }
 
   /// A multishot receive ends when it finds no free buffer, and on errors; nothing is lost meanwhile.
   void arm() noexcept {
-    if (!receive_armed_) {
-      io_uring_sqe* s = ring_.next_submission();
-      io_uring_prep_recvmsg_multishot(s, socket_place, &layout_, 0);
-      s->flags |= IOSQE_BUFFER_SELECT | IOSQE_FIXED_FILE;
-      s->buf_group = BufferRing::group;
-      s->user_data = receive_tag;
-      receive_armed_ = true;
-    }
+    if (!receive_armed_) arm_receive(socket_place, receive_tag, receive_armed_);
+    if (!group_armed_ && socket_->group_fd) arm_receive(group_place, group_tag, group_armed_);
     if (!wake_armed_) {
       io_uring_sqe* s = ring_.next_submission();
       io_uring_prep_poll_add(s, wake_place, POLLIN);
@@ -250,6 +253,15 @@ class UringReceiver final : public DatagramReceiver {
     }
   }
 
+  void arm_receive(int place, std::uint64_t tag, bool& is_armed) noexcept {
+    io_uring_sqe* s = ring_.next_submission();
+    io_uring_prep_recvmsg_multishot(s, place, &layout_, 0);
+    s->flags |= IOSQE_BUFFER_SELECT | IOSQE_FIXED_FILE;
+    s->buf_group = BufferRing::group;
+    s->user_data = tag;
+    is_armed = true;
+  }
+
   /// Without a sink the train is thrown away.
   void complete(const io_uring_cqe& completion, DatagramSink* sink) noexcept {
     if (completion.user_data == wake_tag) {
@@ -257,8 +269,9 @@ class UringReceiver final : public DatagramReceiver {
       ::eventfd_read(wake_event_.get(), &ignored);
       wake_armed_ = false;
     }
-    if (completion.user_data != receive_tag) return;
-    if ((completion.flags & IORING_CQE_F_MORE) == 0) receive_armed_ = false;
+    if (completion.user_data != receive_tag && completion.user_data != group_tag) return;
+    if ((completion.flags & IORING_CQE_F_MORE) == 0)
+      (completion.user_data == group_tag ? group_armed_ : receive_armed_) = false;
     // Other errors are of single datagrams (an ICMP answer) or pass (no free buffer).
     if (completion.res == -EINVAL || completion.res == -EOPNOTSUPP || completion.res == -EBADF)
       broken_ = true;
@@ -285,6 +298,7 @@ class UringReceiver final : public DatagramReceiver {
   BufferRing buffers_;
   Ring ring_;  // closed before the buffers go
   bool receive_armed_ = false;
+  bool group_armed_ = false;
   bool wake_armed_ = false;
   bool broken_ = false;
 };

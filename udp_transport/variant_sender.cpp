@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <chrono>
 #include <iterator>
 #include <new>
 #include <utility>
@@ -39,7 +40,7 @@ std::size_t VariantSender::send(const Group& group, const core::SampleHandle& sa
     job.first.flags |= rate_follows;
     job.first.rate = {group.gate->min_period_us(), group.gate->ordinal()};
   }
-  return distribute(group, sample);
+  return group.multicast == nullptr ? distribute(group, sample) : send_together(group, sample);
 } catch (const std::bad_alloc&) {  // buffers grow with the samples that they have seen
   group.tally->dropped();
   blank_ = {};
@@ -47,31 +48,108 @@ std::size_t VariantSender::send(const Group& group, const core::SampleHandle& sa
   return group.lanes.size();
 }
 
-/// The blank job. Where it is a pack there is no sample: it keeps all by itself.
+/// For what is sent later. A channel that has the job counts what it holds: it has a copy of the body. Where
+/// it is a pack there is no sample: it keeps all by itself.
+void VariantSender::keep_for_later(const core::SampleHandle& sample) {
+  if (!blank_->sample && !blank_kept_) blank_->sample = sample;
+  blank_kept_ = blank_kept_ || blank_->is_pack();
+}
+
+void VariantSender::release_blank() {
+  if (std::exchange(blank_kept_, false) || blank_->sample) blank_ = {};
+}
+
+/// The blank job.
 std::size_t VariantSender::distribute(const Group& group, const core::SampleHandle& sample) {
+  cut_for_ = 0;
+  std::size_t missed = 0;
+  for (std::size_t i = 0; i < group.lanes.size(); ++i) missed += send_alone(group, i, sample);
+  group.tally->sent(blank_->first.total, blank_->whole_bytes, blank_->samples());
+  release_blank();
+  return missed;
+}
+
+std::size_t VariantSender::send_alone(const Group& group, std::size_t place,
+                                      const core::SampleHandle& sample) {
   Job& job = *blank_;
-  const std::size_t samples = job.samples();
+  const std::shared_ptr<Lane>& lane = group.lanes[place];
+  if (group.channels[place] != nullptr) return send_reliably(lane, group.channels[place], sample);
+  const SendOutcome outcome = lane->idle() ? try_send(*lane, job) : SendOutcome::would_wait;
+  if (outcome == SendOutcome::sent) return 0;
+  if (outcome == SendOutcome::would_wait) {
+    keep_for_later(sample);
+    return enqueue(lane) ? 0 : job.samples();
+  }
+  lane->losses()->lost(job.first.total, job.whole_bytes, job.samples());
+  return job.samples();
+}
+
+/// The blank job. Each reliable member keeps it in its channel, for repairs, or to send it itself while the
+/// member does not hear the group or has no room. Copies for others of those that do not hear it have no mark
+/// of the group.
+std::size_t VariantSender::send_together(const Group& group, const core::SampleHandle& sample) {
+  MulticastGroup& together = *group.multicast;
+  const std::uint64_t ordinal = together.next_ordinal(std::chrono::steady_clock::now());
+  const bool is_small = blank_->first.total <= direct_bytes_max;
+  const bool has_room = together.lane()->has_room() && !together.broken();
+  cut_for_ = 0;
+  group.tally->sent(blank_->first.total, blank_->whole_bytes, 1);
+  std::size_t missed = 0;
+  if (!is_small) keep_for_later(sample);
+  for (std::size_t i = 0; i < group.lanes.size(); ++i) {
+    if (group.channels[i] == nullptr) continue;
+    if (is_small && !std::exchange(blank_kept_, true)) blank_->copy_body();
+    missed += keep_together(group, i, ordinal, has_room);
+  }
+  const MulticastGroup::BestEffort others = together.best_effort();
+  if (has_room || others.some_hear) {
+    // The job is shared by now, and what it says of itself is for the group alone.
+    blank_->first.flags |= group_follows;
+    blank_->first.group = {together.name().number, static_cast<std::uint32_t>(sample->sequence >> 32),
+                           ordinal};
+    missed += send_to_group(group, sample) ? 0 : 1;
+  }
+  release_blank();
+  return others.some_do_not ? missed + send_to_the_deaf(group, sample) : missed;
+}
+
+std::size_t VariantSender::send_to_the_deaf(const Group& group, const core::SampleHandle& sample) {
+  if (!blank_) blank_ = jobs_->take();
+  if (!encode(group, *sample, *blank_)) return 0;
   cut_for_ = 0;
   std::size_t missed = 0;
   for (std::size_t i = 0; i < group.lanes.size(); ++i) {
-    const std::shared_ptr<Lane>& lane = group.lanes[i];
-    if (group.channels[i] != nullptr) {
-      missed += send_reliably(lane, group.channels[i], sample);
-      continue;
-    }
-    const SendOutcome outcome = lane->idle() ? try_send(*lane, job) : SendOutcome::would_wait;
-    if (outcome == SendOutcome::would_wait) {
-      if (!job.sample) job.sample = sample;
-      missed += enqueue(lane) ? 0 : samples;
-      blank_kept_ = blank_kept_ || job.is_pack();
-    } else if (outcome != SendOutcome::sent) {
-      lane->losses()->lost(job.first.total, job.whole_bytes, samples);
-      missed += samples;
-    }
+    if (group.channels[i] == nullptr && !group.multicast->hears(i)) missed += send_alone(group, i, sample);
   }
-  group.tally->sent(job.first.total, job.whole_bytes, samples);
-  if (job.sample || std::exchange(blank_kept_, false)) blank_ = {};
+  release_blank();
   return missed;
+}
+
+std::size_t VariantSender::keep_together(const Group& group, std::size_t place, std::uint64_t ordinal,
+                                         bool has_room) {
+  MulticastGroup& together = *group.multicast;
+  const std::shared_ptr<Channel>& channel = group.channels[place];
+  const bool elsewhere = has_room && together.hears(place);
+  const Channel::Posted posted = channel->post_shared(blank_, blank_->first, elsewhere);
+  together.placed(place, ordinal, posted.kept.ordinal);
+  return note(posted, channel, *group.lanes[place], 1);
+}
+
+bool VariantSender::send_to_group(const Group& group, const core::SampleHandle& sample) {
+  MulticastGroup& together = *group.multicast;
+  const std::shared_ptr<Lane>& lane = together.lane();
+  Job& job = *blank_;
+  if (together.broken()) {
+    together.left(job, false);  // those who would have heard it ask for it
+    return true;
+  }
+  const SendOutcome outcome = lane->idle() ? try_send(*lane, job) : SendOutcome::would_wait;
+  if (outcome == SendOutcome::would_wait) {
+    keep_for_later(sample);
+    return enqueue(lane);
+  }
+  together.left(job, outcome != SendOutcome::sent);
+  return outcome == SendOutcome::sent;
 }
 
 bool VariantSender::Held::follows(const core::SampleBuffer& sample, std::size_t bytes) const {
@@ -97,7 +175,7 @@ VariantSender::Held& VariantSender::held_for(const Group& group) {
 }
 
 VariantSender::Hold VariantSender::hold(const Group& group, const core::SampleHandle& sample) noexcept try {
-  if (!group.packs) return Hold::unfit;
+  if (!group.packs || group.multicast != nullptr) return Hold::unfit;
   if (!projected_) projected_ = jobs_->take();
   Projection& body = projected_->projection;
   if (!body.project(core::state_of(*sample, type_.slots()), group.plan)) return Hold::unfit;
@@ -146,16 +224,22 @@ std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane,
   const std::size_t job_samples = job.samples();
   const bool is_small = job.is_pack() || job.first.total <= direct_bytes_max;
   if (lane->is_late() && !lane->idle()) {
-    if (!job.sample) job.sample = sample;
+    keep_for_later(sample);
     return enqueue(lane) ? 0 : 1;
   }
   if (lane->is_late()) lane->mark(job);
   if (is_small && !std::exchange(blank_kept_, true) && !job.is_pack()) job.copy_body();
-  if (!is_small) job.sample = sample;
+  if (!is_small) keep_for_later(sample);
   const bool at_once = is_small && may_send_now(channel->destination(), Clock::now());
   const Channel::Posted posted =
       channel->post(blank_, job.first, at_once, patience_.count() == 0 ? nullptr : &patience_);
   if (posted.piece) send_now(*channel, *posted.piece);
+  return note(posted, channel, *lane, job_samples);
+}
+
+/// Wakes who has to look after it. Returns how many older samples had to go for it, of as many as it is.
+std::size_t VariantSender::note(const Channel::Posted& posted, const std::shared_ptr<Channel>& channel,
+                                Lane& lane, std::size_t job_samples) {
   if (posted.was_at_rest) {
     side_->sender.schedule(channel);
   } else if (posted.waits) {
@@ -163,7 +247,7 @@ std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane,
   }
   const ResendWindow::Kept& kept = posted.kept;
   for (std::size_t i = 0; i < kept.dropped; ++i)
-    lane->losses()->lost(i == 0 ? kept.dropped_bytes : 0, i == 0 ? kept.dropped_whole_bytes : 0);
+    lane.losses()->lost(i == 0 ? kept.dropped_bytes : 0, i == 0 ? kept.dropped_whole_bytes : 0);
   side_->over_limit.fetch_add(kept.dropped, std::memory_order_relaxed);
   return std::min(kept.dropped, job_samples);
 }
@@ -209,6 +293,7 @@ void VariantSender::describe(const Group& group, const core::SampleBuffer& sampl
   job.whole_bytes = sample.whole_bytes;
   job.first.label = {writer_, static_cast<std::uint32_t>(sample.sequence), group.wire->variant};
   job.first.flags = group.wire->words.empty() ? std::uint8_t{0} : mask_words_follow;
+  if (group.multicast != nullptr) job.first.flags |= merged_masks;
   if (group.late_reader != 0) job.first.flags |= history_follows;
   job.first.history.reader = group.late_reader;
   job.first.mask = group.wire->mask;

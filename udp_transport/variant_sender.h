@@ -52,7 +52,16 @@ class VariantSender {
   };
   Held& held_for(const Group& group);
   std::size_t send_pack(const Held& held) noexcept;
+  void keep_for_later(const core::SampleHandle& sample);
+  void release_blank();
   std::size_t distribute(const Group& group, const core::SampleHandle& sample);
+  std::size_t send_alone(const Group& group, std::size_t place, const core::SampleHandle& sample);
+  std::size_t send_together(const Group& group, const core::SampleHandle& sample);
+  std::size_t send_to_the_deaf(const Group& group, const core::SampleHandle& sample);
+  std::size_t keep_together(const Group& group, std::size_t place, std::uint64_t ordinal, bool has_room);
+  bool send_to_group(const Group& group, const core::SampleHandle& sample);
+  std::size_t note(const Channel::Posted& posted, const std::shared_ptr<Channel>& channel, Lane& lane,
+                   std::size_t job_samples);
   std::size_t send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
                             const core::SampleHandle& sample);
   bool may_send_now(Destination& to, std::chrono::steady_clock::time_point now);

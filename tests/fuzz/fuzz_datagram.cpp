@@ -130,6 +130,11 @@ void read_reliably(udp::Reassembly& reassembly, udp::Reassembly::Time now) {
     encode(ack, bytes.data());
     if (!udp::parse_ack(bytes)) std::abort();
   });
+  reassembly.report([](const udp::SocketAddress&, const udp::GroupReport& report) {
+    std::vector<std::byte> bytes(udp::group_report_bytes);
+    encode(report, bytes.data());
+    if (!udp::parse_group_report(bytes)) std::abort();
+  });
 }
 
 /// Both ends of a flow, of which one always sends what it may.
@@ -175,6 +180,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       make_plausible(action, datagram, wanted);
     static_cast<void>(udp::parse_ack(datagram));
     flow.meet(datagram, now);
+    static_cast<void>(udp::parse_group_report(datagram));
+    if (udp::kind_of(datagram) == udp::DatagramKind::group_offer) reassembly.accept_offer(datagram, {});
     const bool is_heartbeat = udp::kind_of(datagram) == udp::DatagramKind::heartbeat;
     const auto arrival = is_heartbeat ? reassembly.accept_heartbeat(datagram, {}, {now, 1})
                                       : reassembly.accept(datagram, {now, 1});

@@ -47,6 +47,7 @@ Scenario::Scenario(Random& random) {
   tight_reader = happens(random, 0.2);
   crashes = happens(random, 0.15);
   change = happens(random, 0.5) ? 0.1 : 0;
+  regroup = happens(random, 0.5) ? 0.15 : 0;
   span = happens(random, 0.3) ? 0.2 : 0;
   resend.repair_bytes_per_s = 20'000'000;
   reassembly.channel.ack_bytes = from_to(random, 5'000, 125'000);
@@ -67,7 +68,9 @@ const std::vector<FieldMask>& World::masks() {
 }
 
 bool World::Reader::accepts(const core::SampleBuffer& sample) const {
-  return std::ranges::any_of(accepted, [&](Mask mask) { return masks()[mask] == sample.mask; });
+  return std::ranges::any_of(accepted, [&](Mask mask) {
+    return sample.merged ? sample.mask.contains(masks()[mask]) : masks()[mask] == sample.mask;
+  });
 }
 
 World::World(std::uint64_t seed)
@@ -118,14 +121,18 @@ void World::crash() {
 void World::publish() {
   std::set<Mask> served;
   for (const Reader& reader : readers_) served.insert(reader.served);
-  const bool is_span = served.size() == 1 && happens(random_, scenario_.span);
+  const bool is_span = served.size() == 1 && !group_ && happens(random_, scenario_.span);
   const double bytes_max = is_span ? 200 : static_cast<double>(scenario_.sample_bytes_max);
   std::vector<Image> images;
   for (std::size_t left = is_span ? from_to(random_, 2, 40) : 1; left > 0; --left) {
     const auto seed = static_cast<std::uint32_t>((sequence_ + images.size()) * 7);
     images.push_back(udp::test::make_image(log_uniform(random_, bytes_max), seed));
   }
-  for (const Mask mask : served) keep(encode(images, mask));
+  if (group_) {
+    publish_to_group(images.front());
+  } else {
+    for (const Mask mask : served) keep(encode(images, masks()[mask], static_cast<std::uint16_t>(mask)));
+  }
   for (Image& image : images) {
     for (Reader& reader : readers_) reader.to_get.push_back(sequence_);
     images_.emplace(sequence_++, std::move(image));
@@ -134,24 +141,91 @@ void World::publish() {
   publish_at_ = is_last ? Time::max() : now_ + std::chrono::microseconds(log_uniform(random_, 20'000));
   send_at_ = std::min(send_at_, now_);
   if (happens(random_, scenario_.change)) change_a_mask();
+  if (happens(random_, scenario_.regroup)) regroup();
 }
 
-void World::keep(const udp::JobHandle& job) {
-  window_->keep(job, job->first);
+/// Once, under all masks of the process.
+void World::publish_to_group(const Image& image) {
+  std::size_t served = 0;
+  FieldMask all = image_type().none();
+  for (const Reader& reader : readers_) {
+    all |= masks()[reader.served];
+    served |= std::size_t{1} << reader.served;
+  }
+  if (served == 0) return;
+  udp::JobHandle job = encode({&image, 1}, all, static_cast<std::uint16_t>(100 + served));
+  job->first.flags |= udp::merged_masks;
+  const udp::ResendWindow::Kept kept = keep(job, group_->membership.hears());
+  const std::uint64_t ordinal = ++group_->last_ordinal;
+  if (!group_->ahead) group_->ahead = static_cast<std::int64_t>(kept.ordinal - ordinal);
+  group_->membership.sent(now_);
+  job->first.flags |= udp::group_follows;
+  job->first.group = {group_->number, static_cast<std::uint32_t>(sequence_ >> 32), ordinal};
+  send_to_group(job);
+  if (kept.elsewhere) window_->left(kept.ordinal, now_);
+}
+
+void World::send_to_group(const udp::JobHandle& job) {
+  udp::Fragmenter fragments(job->body(), scenario_.datagram_bytes);
+  std::vector<Bytes> datagrams;
+  while (!fragments.done()) {
+    udp::Batch batch;
+    fragments.next(batch, udp::batch_bytes_max, 1);
+    udp::test::append_datagrams(batch, datagrams);
+  }
+  for (Bytes& datagram : datagrams) {
+    if (!group_->deaf) network_.send(Network::Side::reader, std::move(datagram), now_);
+  }
+}
+
+/// Another one, none, or what it was loses its way.
+void World::regroup() {
+  if (group_ && happens(random_, 0.3)) {
+    group_->deaf = !group_->deaf;
+  } else if (group_ && happens(random_, 0.3)) {
+    group_.reset();
+  } else {
+    group_.emplace(Group{.number = ++last_group_, .deaf = happens(random_, 0.1)});
+  }
+}
+
+void World::offer_group() {
+  if (!group_ || !group_->ahead) return;
+  group_->membership.look(now_);
+  if (!group_->membership.offer_due(now_)) return;
+  const udp::GroupOffer offer{.writer = static_cast<std::uint32_t>(writer_id),
+                              .group = group_->number,
+                              .port = writer_port,
+                              .address = udp::private_groups + 1,
+                              .channel = channel_,
+                              .ahead = *group_->ahead};
+  Bytes bytes(udp::group_offer_bytes);
+  udp::encode(offer, bytes.data());
+  network_.send(Network::Side::reader, std::move(bytes), now_);
+}
+
+void World::hear_report(const udp::GroupReport& report) {
+  if (!group_ || report.group != group_->number) return;
+  if (report.heard > group_->last_ordinal) return fail("a report of what was never sent");
+  group_->membership.reported(now_);
+}
+
+udp::ResendWindow::Kept World::keep(const udp::JobHandle& job, bool elsewhere) {
+  const udp::ResendWindow::Kept kept = window_->keep(job, job->first, elsewhere);
   const std::uint64_t end = window_->parting().end;
   for (std::uint64_t i = 0; i < job->samples(); ++i)
     sequences_.emplace(end - job->samples() + i, job->sequence + i);
   const std::uint64_t oldest = end - window_->kept();
   for (std::uint64_t i = oldest_kept_; i < oldest; ++i) not_kept_.insert(sequences_.at(i));
   oldest_kept_ = oldest;
+  return kept;
 }
 
 /// Several are a pack.
-udp::JobHandle World::encode(std::span<const Image> images, Mask mask) {
+udp::JobHandle World::encode(std::span<const Image> images, const FieldMask& mask, std::uint16_t variant) {
   const FieldMask all = image_type().full();
   udp::JobHandle job = jobs_->take();
-  const auto variant = static_cast<std::uint16_t>(mask);
-  job->mask = std::make_shared<udp::WireMask>(udp::WireMask{variant, masks()[mask].hash(), {}});
+  job->mask = std::make_shared<udp::WireMask>(udp::WireMask{variant, mask.hash(), {}});
   job->sequence = sequence_;
   job->first.label = {static_cast<std::uint32_t>(writer_id), static_cast<std::uint32_t>(sequence_), variant};
   job->first.flags = 0;
@@ -165,8 +239,8 @@ udp::JobHandle World::encode(std::span<const Image> images, Mask mask) {
   return job;
 }
 
-void World::project(udp::Job& job, const core::SampleHandle& sample, Mask mask, bool packed) {
-  job.projection.project(core::state_of(*sample, image_type().slots()), image_type().type(), masks()[mask]);
+void World::project(udp::Job& job, const core::SampleHandle& sample, const FieldMask& mask, bool packed) {
+  job.projection.project(core::state_of(*sample, image_type().slots()), image_type().type(), mask);
   if (packed) return job.pack(job.projection.segments());
   job.first.total = static_cast<std::uint32_t>(job.projection.bytes());
   if (happens(random_, 0.5)) {
@@ -247,6 +321,8 @@ void World::hear(const Bytes& bytes) {
     oldest_kept_ = window_->parting().first - window_->kept();
   } else if (const auto report = udp::parse_report(bytes)) {
     if (!flow_->hear(*report, now_)) return;
+  } else if (const auto group_report = udp::parse_group_report(bytes)) {
+    return hear_report(*group_report);
   }
   send_at_ = std::min(send_at_, now_);
 }
@@ -264,6 +340,8 @@ void World::receive(const Bytes& bytes) {
   if (reassembly_ == nullptr) return;
   const udp::ArrivalTime now{now_, 1};
   if (udp::kind_of(bytes) == udp::DatagramKind::mark) return report(bytes);
+  if (udp::kind_of(bytes) == udp::DatagramKind::group_offer)
+    return static_cast<void>(reassembly_->accept_offer(bytes, {}));
   shares_->count({});
   if (udp::kind_of(bytes) == udp::DatagramKind::heartbeat) {
     reassembly_->accept_heartbeat(bytes, {}, now);
@@ -295,6 +373,11 @@ void World::answer() {
     if (to.port != writer_port) fail("an ack goes elsewhere");
     Bytes bytes(ack.bytes());
     udp::encode(ack, bytes.data());
+    network_.send(Network::Side::writer, std::move(bytes), now_);
+  });
+  reassembly_->report([&](const udp::SocketAddress&, const udp::GroupReport& report) {
+    Bytes bytes(udp::group_report_bytes);
+    udp::encode(report, bytes.data());
     network_.send(Network::Side::writer, std::move(bytes), now_);
   });
   reassembly_->expire(now_);
@@ -353,10 +436,12 @@ bool World::step() {
     open_channel();
     for (auto& sending : sending_) sending.reset();
     start_process();
+    if (group_) group_.emplace(Group{.number = ++last_group_});
   }
   learn_of_masks();
   if (publish_at_ <= now_) publish();
   if (send_at_ <= now_ || window_->next_look(now_) <= now_) send_some();
+  offer_group();
   if (reassembly_ != nullptr) answer();
   check_limits();
   return failure_.empty();

@@ -16,6 +16,7 @@
 #include "network.h"
 #include "tests/udp/messages.h"
 #include "udp_transport/flow_window.h"
+#include "udp_transport/group_membership.h"
 #include "udp_transport/reassembly.h"
 #include "udp_transport/receive_shares.h"
 #include "udp_transport/resend_window.h"
@@ -35,7 +36,8 @@ struct Scenario {
   bool crashes = false;  ///< the process of the readers, and comes back
   double change = 0;     ///< of a mask, for each sample
   std::size_t receive_buffer_bytes = 212'992;
-  double span = 0;  ///< several samples instead of one
+  double regroup = 0;    ///< of the multicast group that the process is in, for each sample
+  double span = 0;       ///< several samples instead of one
   udp::ResendLimits resend{};
   udp::ReassemblyLimits reassembly{};
 
@@ -69,12 +71,27 @@ class World {
     udp::Fragmenter fragments;
   };
 
+  /// A multicast group that the process is in, with others that are not looked at.
+  struct Group {
+    std::uint32_t number = 0;
+    bool deaf = false;  ///< nothing of it comes to the process
+    std::uint64_t last_ordinal = 0;
+    std::optional<std::int64_t> ahead{};  ///< of these are the channel's
+    udp::GroupMembership membership{};
+  };
+
   // The writer.
   void open_channel();
   void publish();
-  void keep(const udp::JobHandle& job);
-  udp::JobHandle encode(std::span<const udp::test::Image> images, Mask mask);
-  void project(udp::Job& job, const core::SampleHandle& sample, Mask mask, bool packed);
+  void publish_to_group(const udp::test::Image& image);
+  void send_to_group(const udp::JobHandle& job);
+  void regroup();
+  void offer_group();
+  void hear_report(const udp::GroupReport& report);
+  udp::ResendWindow::Kept keep(const udp::JobHandle& job, bool elsewhere = false);
+  udp::JobHandle encode(std::span<const udp::test::Image> images, const FieldMask& mask,
+                        std::uint16_t variant);
+  void project(udp::Job& job, const core::SampleHandle& sample, const FieldMask& mask, bool packed);
   void send_some();
   void send_some(udp::ResendWindow::Size size);
   bool may_send(udp::ResendWindow::Size size);
@@ -112,6 +129,8 @@ class World {
   std::unique_ptr<udp::FlowWindow> flow_;
   std::uint64_t oldest_kept_ = 1;
   std::uint32_t channel_ = 0;
+  std::optional<Group> group_;
+  std::uint32_t last_group_ = 0;
   std::optional<Sending> sending_[2];
   Time send_at_;
   std::uint64_t sequence_;

@@ -256,5 +256,72 @@ TEST(WidenSequence, FollowsACounterThroughManyTurns) {
   }
 }
 
+TEST(Datagram, CarriesThePlaceInAGroup) {
+  FirstHeader header{.label = label, .flags = group_follows | merged_masks, .total = 3, .mask = 5};
+  header.group = {.group = 0x44434241, .sequence_high = 0x54535251, .ordinal = 0x0867666564636261};
+  std::array<std::byte, first_header_bytes + group_bytes + 3> bytes{};
+  encode(header, bytes.data());
+  EXPECT_EQ(bytes[first_header_bytes], std::byte{0x41});
+  EXPECT_EQ(bytes[first_header_bytes + 15], std::byte{0x08});
+  const auto d = parse(bytes);
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->first.group, header.group);
+  EXPECT_EQ(d->first.flags, header.flags);
+  EXPECT_EQ(d->payload.size(), 3U);
+  for (const std::uint8_t other : {rate_follows, history_follows, channel_follows}) {
+    header.flags = group_follows | other;
+    header.rate = {1, 1};
+    header.history = {1, 1};
+    header.channel.ordinal = 1;
+    std::array<std::byte, 128> both{};
+    encode(header, both.data());
+    EXPECT_FALSE(parse(both)) << int{other};
+  }
+  header.flags = group_follows;
+  header.group.ordinal = 0;
+  encode(header, bytes.data());
+  EXPECT_FALSE(parse(bytes));
+}
+
+TEST(Datagram, CarriesOffersOfGroupsAndReports) {
+  const GroupOffer offer{.writer = 1,
+                         .group = 2,
+                         .member = 3,
+                         .port = 4,
+                         .address = private_groups | 5,
+                         .channel = 6,
+                         .ahead = -7};
+  std::array<std::byte, group_offer_bytes> bytes{};
+  encode(offer, bytes.data());
+  EXPECT_EQ(kind_of(bytes), DatagramKind::group_offer);
+  EXPECT_EQ(parse_group_offer(bytes), offer);
+  EXPECT_FALSE(parse(bytes));
+  const GroupReport report{.writer = 1, .group = 2, .member = 3, .heard = 4};
+  std::array<std::byte, group_report_bytes> answer{};
+  encode(report, answer.data());
+  EXPECT_EQ(parse_group_report(answer), report);
+  EXPECT_FALSE(parse_group_report(bytes));
+  EXPECT_FALSE(parse_group_offer(std::span(bytes).first(group_offer_bytes - 1)));
+}
+
+TEST(Datagram, RefusesOffersOfGroupsThatAreNotPrivate) {
+  std::array<std::byte, group_offer_bytes> bytes{};
+  const auto accepted = [&](GroupOffer offer) {
+    encode(offer, bytes.data());
+    return parse_group_offer(bytes).has_value();
+  };
+  GroupOffer offer{.writer = 1, .group = 2, .member = 3, .port = 4, .address = 0, .channel = 6, .ahead = 0};
+  EXPECT_TRUE(accepted(offer)) << "it takes a group back";
+  for (const std::uint32_t address : {0xE0000001U, 0xEFFE0001U, 0x0A000001U, UINT32_MAX}) {
+    offer.address = address;
+    EXPECT_FALSE(accepted(offer)) << address;
+  }
+  offer = {.writer = 1, .group = 2, .member = 3, .port = 0, .address = 0, .channel = 6, .ahead = 0};
+  EXPECT_FALSE(accepted(offer)) << "nobody could answer";
+  offer.port = 4;
+  offer.ahead = INT64_MIN;
+  EXPECT_FALSE(accepted(offer));
+}
+
 }  // namespace
 }  // namespace sft::udp

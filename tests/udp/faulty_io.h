@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "udp_transport/datagram.h"
 #include "udp_transport/datagram_io.h"
 
 namespace sft::udp::test {
@@ -62,6 +63,38 @@ class FaultyReceiver final : public DatagramReceiver, private DatagramSink {
   DatagramSink* sink_ = nullptr;
 };
 
+/// While it is deaf it hears nothing that was sent to a group.
+class DeafReceiver final : public DatagramReceiver, private DatagramSink {
+ public:
+  DeafReceiver(std::unique_ptr<DatagramReceiver> inner, const std::atomic<bool>& deaf)
+      : inner_(std::move(inner)), deaf_(deaf) {}
+
+  bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
+    sink_ = &sink;
+    return inner_->receive(*this, deadline, spin);
+  }
+  bool receive_now(DatagramSink& sink) noexcept override {
+    sink_ = &sink;
+    return inner_->receive_now(*this);
+  }
+  Descriptors descriptors() const noexcept override { return inner_->descriptors(); }
+  void wake() noexcept override { inner_->wake(); }
+  void finish() noexcept override { inner_->finish(); }
+
+ private:
+  void begin(ArrivalTime now) noexcept override { sink_->begin(now); }
+  void end() noexcept override { sink_->end(); }
+  void datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept override {
+    const auto d = parse(bytes);
+    const bool of_group = d && d->kind == DatagramKind::first && (d->first.flags & group_follows) != 0;
+    if (!deaf_ || !of_group) sink_->datagram(bytes, from);
+  }
+
+  std::unique_ptr<DatagramReceiver> inner_;
+  const std::atomic<bool>& deaf_;
+  DatagramSink* sink_ = nullptr;
+};
+
 /// Passes everything on; the base of connections with faults.
 class Connected : public Connection {
  public:
@@ -88,6 +121,9 @@ class DecoratedSender final : public DatagramSender {
       : inner_(std::move(inner)), decorate_(std::move(decorate)) {}
   std::unique_ptr<Connection> connect(const SocketAddress& to) override {
     return decorate_(to, inner_->connect(to));
+  }
+  std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) override {
+    return decorate_(group, inner_->connect_group(group, own));
   }
   void await(std::chrono::steady_clock::time_point deadline) noexcept override { inner_->await(deadline); }
   void wake() noexcept override { inner_->wake(); }

@@ -340,5 +340,34 @@ TEST_F(ResendWindowTest, CountsBeyond32Bits) {
   EXPECT_EQ(far.next(Size::small, now)->ordinal, 0x1'0000'0001U);
 }
 
+TEST_F(ResendWindowTest, RepairsWhatWasSentElsewhereOnceThatHasLeft) {
+  const JobHandle sample = job(100);
+  const auto kept = window.keep(sample, sample->first, true);
+  EXPECT_TRUE(kept.elsewhere);
+  EXPECT_EQ(send(), numbers(1, 0)) << "nothing of it is sent here";
+  ack(1, {{1, 0, 0}});
+  EXPECT_EQ(send(), numbers(1, 0)) << "it is still under way there";
+  EXPECT_FALSE(window.sent_elsewhere(1));
+  window.left(1, now);
+  EXPECT_TRUE(window.sent_elsewhere(1));
+  ack(1, {{1, 0, 0}});
+  EXPECT_EQ(send(), numbers(1, 1));
+  ack(2);
+  EXPECT_TRUE(window.settled());
+}
+
+TEST_F(ResendWindowTest, SendsItselfWhatItHasNoRoomForElsewhere) {
+  ack(1);  // 100,000 bytes
+  for (int i = 1; i <= 4; ++i) {
+    const JobHandle sample = job(30'000);
+    EXPECT_EQ(window.keep(sample, sample->first, true).elsewhere, i < 4) << i;
+  }
+  window.left(4, now);  // it is not there
+  EXPECT_EQ(send(), numbers(1, 0));
+  for (std::uint64_t i = 1; i <= 3; ++i) window.left(i, now);
+  ack(4);
+  EXPECT_EQ(send(), numbers(4, 4));
+}
+
 }  // namespace
 }  // namespace sft::udp

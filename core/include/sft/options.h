@@ -30,6 +30,10 @@ enum class LogLevel : std::uint8_t { debug, info, warning, error };
 /// left out.
 using LogSink = std::function<void(LogLevel, std::string_view)>;
 
+/// Whether samples may be sent once for several hosts. `automatic`: where that puts fewer bytes on the wire,
+/// and not on wireless interfaces (udp_transport/multicast.md).
+enum class MulticastUse : std::uint8_t { automatic, off };
+
 struct UdpSettings {
   std::uint16_t port = 0;                               ///< 0: any free one
   std::size_t receive_buffer_bytes = 32 * 1024 * 1024;  ///< asked of the kernel, which may grant less
@@ -38,6 +42,7 @@ struct UdpSettings {
   /// Of all that the node sends by UDP, headers of SFT included; 0: no limit. Small samples go first. What a
   /// queue cannot hold meanwhile is dropped, the oldest first, and counted.
   std::uint64_t max_bytes_per_s = 0;
+  MulticastUse multicast = MulticastUse::automatic;
 };
 
 struct ShmSettings {

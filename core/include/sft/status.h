@@ -33,6 +33,8 @@ struct ReaderStatus {
   bool served = false;  ///< false: `reason` says why nothing is sent
   TransportKind transport{};
   std::string reason{};  ///< for the transport, or for not being served
+  /// Of one that is served by UDP: with whom it shares a multicast group, or why with nobody.
+  std::string multicast{};
   bool incompatible_type = false;
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all

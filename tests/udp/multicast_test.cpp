@@ -1,0 +1,248 @@
+// Readers that are served by a multicast group, over loopback.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <random>
+#include <span>
+#include <string>
+
+#include "faulty_io.h"
+#include "tests/support/test_seed.h"
+#include "transport_fixture.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using test::eventually;
+using test::make_image;
+using test::Publisher;
+using test::Subscriber;
+
+class MulticastTest : public TransportTest {
+ protected:
+  struct Process {
+    std::unique_ptr<core::Transport> transport;
+    std::unique_ptr<Subscriber> subscriber;
+    std::string mask;
+    bool reliable = false;
+    std::uint32_t since = 0;  ///< so many were published before it came
+  };
+
+  static UdpOptions everywhere() { return {.multicast = Multicast::everywhere}; }
+
+  void SetUp() override {
+    TransportTest::SetUp();
+    if (IsSkipped()) return;
+    writer_ = open(everywhere());
+    publisher_ = std::make_unique<Publisher>(*writer_);
+  }
+
+  void add(const std::string& mask, bool reliable, const DecorateIo& decorate = {}) {
+    Process process{open(everywhere(), decorate), nullptr, mask, reliable, published_};
+    process.subscriber =
+        std::make_unique<Subscriber>(*process.transport, std::vector{mask}, 100'000, processes_.size() + 1);
+    if (reliable) process.subscriber->listen_reliably_to(publisher_->id());
+    if (!reliable) process.subscriber->listen_to(publisher_->id());
+    processes_.push_back(std::move(process));
+  }
+  void serve() { serve(processes_.size()); }
+  void serve(std::size_t first) {
+    std::vector<Publisher::Reader> readers;
+    for (const Process& process : std::span(processes_).first(first))
+      readers.push_back({test::loopback_address(*process.transport), process.mask, process.reliable});
+    publisher_->serve(readers);
+  }
+  void publish(std::size_t bytes = 100) {
+    publisher_->publish(make_image(bytes, ++published_));
+    writer_->poll(std::chrono::steady_clock::now());
+  }
+  std::string state_of(core::EndpointId reader) { return publisher_->port().multicast(reader); }
+  bool hears(core::EndpointId reader) {
+    const std::string state = state_of(reader);
+    return state.starts_with("group ") && !state.ends_with("any more") && !state.ends_with("no more");
+  }
+  bool all_hear() {
+    for (std::size_t reader = 1; reader <= processes_.size(); ++reader) {
+      if (!hears(reader)) return false;
+    }
+    return true;
+  }
+  /// One more, once all have those before: nobody keeps what a free run would leave behind.
+  void publish_in_turn() {
+    for (const Process& process : processes_) process.subscriber->await(published_ - process.since);
+    publish();
+  }
+  /// Publishes until everybody is served by a group.
+  bool come_together() {
+    return eventually([this] {
+      publish_in_turn();
+      return all_hear();
+    });
+  }
+  /// What one more sample puts on the wire.
+  std::uint64_t bytes_of_one() {
+    const std::uint64_t before = publisher_->port().bytes_sent();
+    publish();
+    return publisher_->port().bytes_sent() - before;
+  }
+  void expect_all_of(std::size_t process) {
+    const std::size_t count = published_ - processes_[process].since;
+    const auto sequences = processes_[process].subscriber->await_sequences(count);
+    ASSERT_EQ(sequences.size(), count) << "process " << process;
+    for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(sequences[i], processes_[process].since + 1 + i);
+  }
+
+  std::unique_ptr<core::Transport> writer_;
+  std::unique_ptr<Publisher> publisher_;
+  std::vector<Process> processes_;
+  std::uint32_t published_ = 0;
+};
+
+INSTANTIATE_TEST_SUITE_P(Backends, MulticastTest, testing::Values(Backend::io_uring, Backend::sockets),
+                         [](const auto& param) {
+                           return param.param == Backend::io_uring ? "IoUring" : "Sockets";
+                         });
+
+TEST_P(MulticastTest, SendsOnceWhatSeveralAskFor) {
+  for (int i = 0; i < 4; ++i) add("*", false);
+  serve();
+  EXPECT_EQ(state_of(1), "alone: a group would put hardly fewer bytes on the wire");
+  const std::uint64_t alone = bytes_of_one();
+  ASSERT_TRUE(come_together()) << state_of(1);
+  EXPECT_LT(bytes_of_one(), alone / 3);
+  for (std::size_t i = 0; i < 4; ++i) expect_all_of(i);
+}
+
+TEST_P(MulticastTest, SendsReliablyToo) {
+  for (int i = 0; i < 4; ++i) add("*", true);
+  serve();
+  ASSERT_TRUE(come_together()) << state_of(1);
+  for (const std::size_t bytes : {0, 5'000, 200'000, 1'000'000, 3}) publish(bytes);
+  for (std::size_t i = 0; i < 4; ++i) expect_all_of(i);
+}
+
+TEST_P(MulticastTest, MergesMasksThatCostLessTogetherAndEachReaderTakesWhatContainsItsOwn) {
+  add("height", false);
+  add("width", true);
+  add("height, stamp", true);
+  serve();
+  ASSERT_TRUE(come_together()) << state_of(1);
+  publish();
+  for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
+  const auto samples = processes_[0].subscriber->await(published_);
+  EXPECT_EQ(samples.front()->mask, test::fields<test::Image>("height"));
+  EXPECT_EQ(samples.back()->mask, test::fields<test::Image>("height, width, stamp"));
+}
+
+TEST_P(MulticastTest, TakesInWhoComesLaterAndGoesOnWithoutWhoLeaves) {
+  add("*", true);
+  add("*", false);
+  serve();
+  ASSERT_TRUE(come_together());
+  add("*", true);
+  serve();
+  ASSERT_TRUE(come_together()) << state_of(3);
+  for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
+  std::swap(processes_[0], processes_[2]);
+  processes_.pop_back();  // the first
+  serve();
+  ASSERT_TRUE(come_together());
+  expect_all_of(0);
+  expect_all_of(1);
+}
+
+TEST_P(MulticastTest, FollowsMasksThatChange) {
+  for (int i = 0; i < 3; ++i) add("*", i != 0);
+  serve();
+  ASSERT_TRUE(come_together());
+  for (const char* mask : {"height", "*", "stamp, data"}) {
+    processes_[0].subscriber->port().accept({{test::fields<test::Image>("*")},
+                                             {test::fields<test::Image>(mask)},
+                                             {test::fields<test::Image>("height")}});
+    processes_[0].mask = mask;
+    serve();
+    for (int n = 0; n < 20; ++n) publish(20);
+  }
+  for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
+}
+
+/// It is as if its switch had forgotten it.
+TEST_P(MulticastTest, ServesAloneAgainWhoHearsNothingMore) {
+  std::atomic<bool> deaf{false};
+  add("*", true);
+  add("*", true, [&](DatagramIo io) {
+    io.receiver = std::make_unique<test::DeafReceiver>(std::move(io.receiver), deaf);
+    return io;
+  });
+  serve();
+  ASSERT_TRUE(come_together());
+  deaf = true;
+  ASSERT_TRUE(eventually([this] {
+    publish_in_turn();
+    return !hears(2);
+  }));
+  EXPECT_TRUE(hears(1));
+  expect_all_of(0);
+  expect_all_of(1);
+  deaf = false;
+  EXPECT_TRUE(come_together());
+  expect_all_of(1);
+}
+
+TEST_P(MulticastTest, LosesNothingThatIsReliableOnABadNetworkWhileOneComesAndGoes) {
+  const auto seed = static_cast<unsigned>(sft::test::test_seed());
+  SCOPED_TRACE(sft::test::how_to_repeat());
+  for (unsigned i = 0; i < 4; ++i) {
+    add("*", true, [seed, i](DatagramIo io) {
+      const test::Faults faults{.loss = 0.05, .repetition = 0.02, .swap = 0.02};
+      io.receiver = std::make_unique<test::FaultyReceiver>(std::move(io.receiver), faults, seed + i);
+      return io;
+    });
+  }
+  serve();
+  ASSERT_TRUE(come_together());
+  std::mt19937 random(seed);
+  for (int n = 0; n < 300; ++n) {
+    publish(random() % 8 == 0 ? random() % 100'000 : random() % 2000);
+    if (n % 60 != 59) continue;
+    serve(n % 120 == 59 ? 3 : 4);  // the last is not served for a while
+  }
+  for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
+}
+
+TEST_P(MulticastTest, IsOffWhereItWasSwitchedOff) {
+  writer_ = nullptr;
+  publisher_ = nullptr;
+  writer_ = open({.multicast = Multicast::off});
+  publisher_ = std::make_unique<Publisher>(*writer_);
+  add("*", false);
+  add("*", false);
+  serve();
+  publish();
+  EXPECT_EQ(state_of(1), "alone: multicast is off by option");
+}
+
+TEST_P(MulticastTest, IsNotForReadersOfThisHost) {
+  publisher_ = nullptr;
+  writer_ = open();
+  publisher_ = std::make_unique<Publisher>(*writer_);
+  add("*", false);
+  add("*", false);
+  serve();
+  publish();
+  EXPECT_EQ(state_of(2), "alone: it is on this host");
+}
+
+TEST(MulticastLinks, KnowsWirelessInterfaces) {
+  EXPECT_FALSE(is_wireless("lo"));
+  for (const MulticastLink& link : multicast_links(Multicast::automatic)) {
+    if (link.interface == "lo") {
+      EXPECT_EQ(link.refusal, "it is on this host");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,149 @@
+#include "udp_transport/offered_groups.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "udp_transport/group_membership.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using Time = OfferedGroups::Time;
+
+constexpr Time start = Time(1h);
+constexpr std::uint32_t address = private_groups | 0x1001;
+const SocketAddress writer_at{0x0a000001, 1};
+
+class OfferedGroupsTest : public testing::Test {
+ protected:
+  void offer(std::uint32_t group, std::uint32_t channel = 0, std::int64_t ahead = 0) {
+    groups_.hear({.writer = 1,
+                  .group = group,
+                  .member = 3,
+                  .port = 77,
+                  .address = address,
+                  .channel = channel,
+                  .ahead = ahead},
+                 writer_at);
+  }
+  bool place(std::uint32_t group, std::uint64_t ordinal, Time now = start) {
+    first_ = {};
+    first_.flags = group_follows;
+    first_.group = {group, 0, ordinal};
+    return groups_.place(first_, now);
+  }
+  std::vector<GroupReport> reports() {
+    std::vector<GroupReport> sent;
+    groups_.report([&](const SocketAddress& to, const GroupReport& report) {
+      EXPECT_EQ(to, (SocketAddress{writer_at.ip, 77}));
+      sent.push_back(report);
+    });
+    return sent;
+  }
+
+  OfferedGroups groups_;
+  FirstHeader first_;
+};
+
+TEST_F(OfferedGroupsTest, IgnoreWhatIsOfAGroupThatWasNotOffered) {
+  EXPECT_FALSE(place(1, 1));
+  offer(2);
+  EXPECT_FALSE(place(1, 1));
+  EXPECT_TRUE(reports().empty());
+}
+
+TEST_F(OfferedGroupsTest, GiveASampleItsPlaceInTheChannel) {
+  offer(1, 9, 40);
+  ASSERT_TRUE(place(1, 2));
+  EXPECT_EQ(first_.flags, group_follows | channel_follows);
+  EXPECT_EQ(first_.channel, (ChannelMark{9, 0, 42}));
+  offer(2, 9, -40);
+  EXPECT_FALSE(place(2, 40)) << "there is no ordinal 0";
+  ASSERT_TRUE(place(2, 41));
+  EXPECT_EQ(first_.channel.ordinal, 1U);
+  ASSERT_TRUE(place(1, 3)) << "something of the group before is under way";
+  EXPECT_EQ(first_.channel.ordinal, 43U);
+}
+
+TEST_F(OfferedGroupsTest, LeaveASampleAloneThatIsSentByBestEffort) {
+  offer(1);
+  ASSERT_TRUE(place(1, 2));
+  EXPECT_EQ(first_.flags, group_follows);
+}
+
+TEST_F(OfferedGroupsTest, ReportTheFirstSampleAtOnceAndThenNowAndAgain) {
+  offer(1);
+  place(1, 5);
+  EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 5}}));
+  place(1, 6, start + group_report_pause - 1ms);
+  EXPECT_TRUE(reports().empty());
+  place(1, 7, start + group_report_pause);
+  EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 7}}));
+  offer(1);  // the report got lost
+  place(1, 8, start + group_report_pause);
+  EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 8}}));
+}
+
+TEST_F(OfferedGroupsTest, EndWithAnOfferWithoutAnAddressAsDoThoseBefore) {
+  offer(1);
+  offer(2);
+  offer(3);
+  groups_.hear({.writer = 1, .group = 2, .member = 3, .port = 77}, writer_at);
+  EXPECT_FALSE(place(1, 1));
+  EXPECT_FALSE(place(2, 1));
+  EXPECT_TRUE(place(3, 1));
+  std::vector<std::uint32_t> joined;
+  groups_.addresses(joined);
+  EXPECT_EQ(joined, std::vector<std::uint32_t>{address});
+}
+
+TEST_F(OfferedGroupsTest, AreNeverMany) {
+  for (std::uint32_t group = 1; group <= 1000; ++group) offer(group);
+  std::vector<std::uint32_t> joined;
+  groups_.addresses(joined);
+  EXPECT_LE(joined.size(), 4U);
+  EXPECT_TRUE(place(1000, 1));
+}
+
+TEST(GroupMembership, IsOfferedUntilAReportComesButNotWhileNothingIsSent) {
+  GroupMembership member;
+  EXPECT_TRUE(member.offer_due(start));
+  EXPECT_FALSE(member.offer_due(start + 10s)) << "it could not have heard anything";
+  member.sent(start + 10s);
+  EXPECT_TRUE(member.offer_due(start + 10s));
+  EXPECT_FALSE(member.hears());
+  member.sent(start + 20s);
+  member.reported(start + 20s);
+  EXPECT_TRUE(member.hears());
+  EXPECT_FALSE(member.offer_due(start + 20s));
+}
+
+TEST(GroupMembership, EndsWhenSamplesThatAreSentAreNotReportedAnyMore) {
+  GroupMembership member;
+  member.reported(start);
+  member.look(start + 1h);
+  EXPECT_TRUE(member.hears()) << "nothing was sent";
+  member.sent(start + 1h);
+  member.look(start + 1h + 400ms);
+  EXPECT_TRUE(member.hears());
+  member.look(start + 1h + 500ms);
+  EXPECT_FALSE(member.hears());
+  EXPECT_TRUE(member.offer_due(start + 1h + 500ms));
+  member.reported(start + 2h);
+  EXPECT_TRUE(member.hears());
+}
+
+TEST(GroupMembership, StaysWhileReportsComeEveryNowAndThen) {
+  GroupMembership member;
+  for (Time now = start; now < start + 10s; now += 10ms) {
+    if ((now - start) % 1000ms == 0ms) member.reported(now);
+    member.sent(now);
+    member.look(now);
+    ASSERT_TRUE(member.hears());
+  }
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,75 @@
+// What a writer knows of one member of a multicast group: whether what is sent there comes to it. Pure: calls
+// and times in, answers out.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+
+namespace sft::udp {
+
+/// While it hears samples of a group, a member reports so often.
+inline constexpr std::chrono::milliseconds group_report_pause{900};
+
+class GroupMembership {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// It has reported, and lately enough: it needs no copy of its own.
+  bool hears() const { return hears_; }
+
+  /// A sample was sent to the group.
+  void sent(Time now) {
+    sent_since_offer_ = true;
+    if (hears_ && owed_since_ == never && now - reported_at_ >= report_expected) owed_since_ = now;
+  }
+
+  void reported(Time now) {
+    hears_ = true;
+    reported_at_ = now;
+    owed_since_ = never;
+    pause_ = offer_pause_least;
+    unanswered_ = 0;
+  }
+
+  /// It was offered so often that it seems not to be reached by multicast at all.
+  bool given_up() const { return unanswered_ >= offers_max; }
+
+  /// Notices what did not come.
+  void look(Time now) {
+    if (owed_since_ == never || now - owed_since_ < patience) return;
+    hears_ = false;
+    owed_since_ = never;
+    offer_at_ = now;
+    sent_since_offer_ = true;
+  }
+
+  /// Whether the group is to be offered to it now; counts as done. Not again before something was sent that
+  /// it could have heard.
+  bool offer_due(Time now) {
+    if (hears_ || !sent_since_offer_ || now < offer_at_) return false;
+    sent_since_offer_ = false;
+    ++unanswered_;
+    offer_at_ = now + pause_;
+    pause_ = std::min(2 * pause_, offer_pause_longest);
+    return true;
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds report_expected{1000};
+  static constexpr std::chrono::milliseconds patience{500};
+  static constexpr std::chrono::milliseconds offer_pause_least{20};
+  static constexpr std::chrono::milliseconds offer_pause_longest{2000};
+
+  static constexpr int offers_max = 9;  ///< some 5 s, if samples are sent meanwhile
+  static constexpr Time never = Time::max();
+
+  bool hears_ = false;
+  bool sent_since_offer_ = true;
+  Time offer_at_{};
+  std::chrono::milliseconds pause_ = offer_pause_least;
+  int unanswered_ = 0;
+  Time reported_at_{};
+  Time owed_since_ = never;  ///< a sample was sent that it should have reported
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,29 @@
+// The links of this host, and which of them carry multicast well.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sft::udp {
+
+enum class Multicast : std::uint8_t {
+  automatic,  ///< where it puts fewer bytes on the wire, and not on wireless interfaces
+  off,
+  everywhere,  ///< on loopback and wireless interfaces, too: for tests
+};
+
+struct MulticastLink {
+  std::string interface;
+  std::uint32_t own = 0;  ///< our address there, IPv4, host byte order
+  std::uint32_t netmask = 0;
+  std::string refusal{};  ///< why not by this one; empty: it may be used
+};
+
+/// Those that are up.
+std::vector<MulticastLink> multicast_links(Multicast use);
+
+/// Stations of a wireless network get multicast at the lowest rate, unacknowledged, and many drop it.
+bool is_wireless(const std::string& interface);
+
+}  // namespace sft::udp

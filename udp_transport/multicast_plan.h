@@ -1,0 +1,54 @@
+// Which readers of a writer are sent one copy together: the cost model (multicast.md). Pure: sizes in, a
+// partition out; no I/O, no clock.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace sft::udp {
+
+/// Some of the writer's distinct masks, each a bit; as a mask of its own: their union.
+using MaskSet = std::uint32_t;
+
+/// Bytes of a body that has the fields of all these masks.
+using BodyBytes = std::function<double(MaskSet)>;
+
+/// A process that may be in a group.
+struct PlanDestination {
+  MaskSet masks = 0;               ///< one copy each goes there, unless it is in a group
+  std::size_t link = 0;            ///< a group is behind one link
+  std::size_t datagram_bytes = 0;  ///< that its path takes
+  bool reliable = false;
+};
+
+struct PlannedGroup {
+  MaskSet masks = 0;                 ///< sent to it: all those of its members
+  std::vector<std::size_t> members;  ///< ascending; places of destinations
+  friend bool operator==(const PlannedGroup&, const PlannedGroup&) = default;
+};
+/// In the order of their first members. Who is in none is served alone.
+using MulticastPlan = std::vector<PlannedGroup>;
+
+struct PlanLimits {
+  double unwanted_weight = 0.25;   ///< of a byte that a member gets and has not asked for
+  double gain_min = 0.15;          ///< of the present cost: less is no reason to change anything
+  double gain_bytes_per_s = 4096;  ///< likewise
+  std::size_t groups_max = 4;
+  std::size_t kinds_max = 7;  ///< of destinations, by masks; the rarest of more are served alone
+};
+
+/// Bytes on the wire of one sample with such a body: our headers and those of Ethernet, IP and UDP.
+double wire_bytes(double body_bytes, std::size_t datagram_bytes, bool reliable);
+
+/// What one sample costs under a plan.
+double plan_cost(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
+                 const MulticastPlan& plan, const PlanLimits& limits);
+
+/// The best plan; or the present one, if there is too little to gain.
+MulticastPlan plan_multicast(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
+                             double samples_per_s, const MulticastPlan& present, const PlanLimits& limits);
+
+}  // namespace sft::udp

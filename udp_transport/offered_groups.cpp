@@ -1,0 +1,52 @@
+#include "udp_transport/offered_groups.h"
+
+#include <algorithm>
+
+#include "udp_transport/group_membership.h"
+
+namespace sft::udp {
+
+void OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from) {
+  const auto known =
+      std::ranges::find_if(groups_, [&](const Offered& group) { return group.offer.group == offer.group; });
+  if (offer.address == 0) {
+    std::erase_if(groups_, [&](const Offered& group) {
+      return static_cast<std::int32_t>(group.offer.group - offer.group) <= 0;
+    });
+    return;
+  }
+  SocketAddress report_to = from;
+  report_to.port = offer.port;
+  if (known != groups_.end()) {
+    known->offer = offer;
+    known->report_to = report_to;
+    known->reported_at = {};  // who offers again has not heard
+    return;
+  }
+  if (groups_.size() == groups_max) groups_.erase(groups_.begin());
+  groups_.push_back({offer, report_to});
+}
+
+bool OfferedGroups::place(FirstHeader& first, Time now) {
+  const auto known = std::ranges::find_if(
+      groups_, [&](const Offered& group) { return group.offer.group == first.group.group; });
+  if (known == groups_.end()) return false;
+  if (known->offer.channel != 0) {
+    const std::uint64_t ordinal = first.group.ordinal + static_cast<std::uint64_t>(known->offer.ahead);
+    if (ordinal == 0 || ordinal > ordinal_max) return false;
+    first.flags |= channel_follows;
+    first.channel = {known->offer.channel, first.group.sequence_high, ordinal};
+  }
+  known->heard = std::max(known->heard, first.group.ordinal);
+  if (known->reported_at == Time{} || now - known->reported_at >= group_report_pause) {
+    known->reported_at = now;
+    known->due = due_ = true;
+  }
+  return true;
+}
+
+void OfferedGroups::addresses(std::vector<std::uint32_t>& to) const {
+  for (const Offered& group : groups_) to.push_back(group.offer.address);
+}
+
+}  // namespace sft::udp

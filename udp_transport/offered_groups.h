@@ -1,0 +1,59 @@
+// The multicast groups of one writer that this process was offered (multicast.md): where the samples of a
+// group belong in its channel, and what to report. Pure: calls and times in, answers out.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "udp_transport/datagram.h"
+#include "udp_transport/datagram_io.h"
+
+namespace sft::udp {
+
+class OfferedGroups {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// A newer offer of a group replaces the one before. One without an address takes that group back and those
+  /// with lower numbers.
+  void hear(const GroupOffer& offer, const SocketAddress& from);
+
+  /// A first datagram came by a group: gives it its place in the channel, if it has one there. False if that
+  /// group was not offered: nothing can be said of it then, and it comes otherwise.
+  bool place(FirstHeader& first, Time now);
+
+  /// Calls `send(address, report)` for each that is due. After place().
+  template <class Send>
+  void report(const Send& send) {
+    if (!due_) return;
+    due_ = false;
+    for (Offered& group : groups_) {
+      if (!group.due) continue;
+      group.due = false;
+      send(group.report_to,
+           GroupReport{group.offer.writer, group.offer.group, group.offer.member, group.heard});
+    }
+  }
+
+  bool due() const { return due_; }
+  bool empty() const { return groups_.empty(); }
+  /// Adds those that are to be joined.
+  void addresses(std::vector<std::uint32_t>& to) const;
+
+ private:
+  struct Offered {
+    GroupOffer offer;
+    SocketAddress report_to;
+    std::uint64_t heard = 0;
+    Time reported_at{};
+    bool due = false;
+  };
+  /// The present one, and those of which something may still be under way.
+  static constexpr std::size_t groups_max = 4;
+  std::vector<Offered> groups_;  ///< the newest last
+  bool due_ = false;
+};
+
+}  // namespace sft::udp
