@@ -60,12 +60,33 @@ SampleHandle BufferPool::take(std::size_t bytes, std::size_t leave_bytes) noexce
     lent_bytes_ -= capacity;
     return {};
   }
-  new (buffer->data) SampleHeader{};
-  buffer->receive_stamp_ns = 0;
-  buffer->min_period_us = buffer->ordinal = 0;
-  buffer->addressee = buffer->oldest_retained = 0;
-  buffer->owner = shared_from_this();
-  return SampleHandle(*buffer);
+  return hand_out(*buffer, shared_from_this());
+}
+
+SampleHandle BufferPool::hand_out(SampleBuffer& buffer, std::shared_ptr<BufferOwner> self) noexcept {
+  new (buffer.data) SampleHeader{};
+  buffer.receive_stamp_ns = 0;
+  buffer.min_period_us = buffer.ordinal = 0;
+  buffer.addressee = buffer.oldest_retained = 0;
+  buffer.owner = std::move(self);
+  return SampleHandle(buffer);
+}
+
+void BufferPool::take_kept(std::size_t bytes, std::size_t leave_bytes, std::size_t count,
+                           std::vector<SampleHandle>& buffers) {
+  const std::size_t size_class = class_for(bytes);
+  if (size_class >= classes) return;
+  const std::size_t capacity = capacity_of(size_class);
+  const std::shared_ptr<BufferOwner> self = shared_from_this();
+  buffers.reserve(buffers.size() + count);
+  const std::scoped_lock lock(mutex_);
+  auto& list = free_[size_class];
+  for (; count > 0 && !list.empty(); --count) {
+    if (lent_bytes_ + capacity + leave_bytes > limit_bytes_) return;
+    lent_bytes_ += capacity;
+    buffers.push_back(hand_out(*list.back(), self));
+    list.pop_back();
+  }
 }
 
 SampleBuffer* BufferPool::make_buffer(std::size_t capacity) noexcept {

@@ -24,6 +24,10 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   /// `leave_bytes` of the limit would remain for others. Any thread.
   SampleHandle take(std::size_t bytes, std::size_t leave_bytes = 0) noexcept;
 
+  /// As many such buffers as are kept at present, but at most `count`, behind those in `buffers`. Any thread.
+  void take_kept(std::size_t bytes, std::size_t leave_bytes, std::size_t count,
+                 std::vector<SampleHandle>& buffers);
+
   std::size_t limit_bytes() const { return limit_bytes_; }
 
   void recycle(SampleBuffer& buffer) noexcept override;
@@ -31,6 +35,7 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
  private:
   static constexpr std::size_t classes = 18;
   explicit BufferPool(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
+  SampleHandle hand_out(SampleBuffer& buffer, std::shared_ptr<BufferOwner> self) noexcept;
   SampleBuffer* make_buffer(std::size_t capacity) noexcept;
   void shrink(std::size_t needed) noexcept;
 

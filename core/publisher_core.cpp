@@ -213,9 +213,8 @@ PublishedSpan PublisherCore::publish_some(const std::byte* values, std::size_t c
   PublishedSpan done;
   if (udp_ != nullptr) udp_->hold();
   for (std::size_t i = 0; i < count; ++i) {
-    const PublishStatus status = admit(outlets, stamp_ns)
-                                     ? encode_and_send(outlets, values + i * stride, stamp_ns)
-                                     : withhold();
+    const PublishStatus status =
+        admit(outlets, stamp_ns) ? encode_and_send(outlets, values + i * stride, stamp_ns) : withhold();
     done.published += status == PublishStatus::ok ? 1 : 0;
     if (done.status == PublishStatus::ok) done.status = status;
   }

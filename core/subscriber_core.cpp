@@ -38,29 +38,26 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
 }
 
 void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> port) {
-  {
-    const std::scoped_lock lock(mutex_);
-    inlets_[static_cast<std::size_t>(kind)].port.swap(
-        port);  // the old one dies with the argument, behind the lock
-    if (port != nullptr) {
-      gone_.lost += port->lost_unnoticed();
-      discarded_before_ += port->discarded();
-      held_too_many_before_ += port->held_too_many();
-    }
-  }
-  if (port != nullptr) port->interrupt();
-  ring();  // who waits may have to wait elsewhere
+  const std::shared_ptr<ReaderPort> udp = udp_port();
+  if (kind == TransportKind::shm && port != nullptr && udp != nullptr) udp->share_reader();
+  const std::scoped_lock lock(mutex_);
+  inlets_[static_cast<std::size_t>(kind)].port.swap(
+      port);  // the old one dies with the argument, behind the lock
+  if (port == nullptr) return;
+  gone_.lost += port->lost_unnoticed();
+  discarded_before_ += port->discarded();
+  held_too_many_before_ += port->held_too_many();
+}
+
+std::shared_ptr<ReaderPort> SubscriberCore::udp_port() {
+  const std::scoped_lock lock(mutex_);
+  return inlets_[static_cast<std::size_t>(TransportKind::udp)].port;
 }
 
 /// Whoever waits, wherever.
 void SubscriberCore::ring() {
   bell_.ring();
-  std::shared_ptr<ReaderPort> udp;
-  {
-    const std::scoped_lock lock(mutex_);
-    udp = inlets_[static_cast<std::size_t>(TransportKind::udp)].port;
-  }
-  if (udp != nullptr) udp->interrupt();
+  if (const std::shared_ptr<ReaderPort> udp = udp_port()) udp->interrupt();
 }
 
 void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
@@ -388,20 +385,11 @@ bool SubscriberCore::wait_until(std::chrono::steady_clock::time_point deadline) 
       if (found || spin_until < deadline) spins_.store(found, std::memory_order_relaxed);
       return found;
     }
-    const std::shared_ptr<ReaderPort> port = only_port();
-    if (port != nullptr && port->receive({bell_, seen, deadline, spin_until})) continue;
+    const std::shared_ptr<ReaderPort> udp = udp_port();
+    if (udp != nullptr && udp->receive({bell_, seen, deadline, spin_until})) continue;
     if (spec_.poll_handle == nullptr && bell_.spin(seen, spin_until)) continue;
     sleep_until(deadline);
   }
-}
-
-/// The one that all samples come by, and whose transport tells of nothing but by the doorbell; null if there
-/// are others, which ring it from other processes.
-std::shared_ptr<ReaderPort> SubscriberCore::only_port() {
-  if (has_callback() || spec_.poll_handle != nullptr) return nullptr;
-  const std::scoped_lock lock(mutex_);
-  const bool shm = inlets_[static_cast<std::size_t>(TransportKind::shm)].port != nullptr;
-  return shm ? nullptr : inlets_[static_cast<std::size_t>(TransportKind::udp)].port;
 }
 
 void SubscriberCore::sleep_until(std::chrono::steady_clock::time_point deadline) {

@@ -159,7 +159,7 @@ class SubscriberCore final : public ArrivalListener {
   bool wait_until(std::chrono::steady_clock::time_point deadline);
   void sleep_until(std::chrono::steady_clock::time_point deadline);
   void ring();
-  std::shared_ptr<ReaderPort> only_port();
+  std::shared_ptr<ReaderPort> udp_port();
   bool as_remote(Next& next);
   untyped::Sample wrap(Next next);
   void dispatch(Caller caller);

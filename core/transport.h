@@ -279,6 +279,9 @@ class ReaderPort {
   }
   /// After somebody else than the transport rang the bell: whoever is in receive() looks at it. Any thread.
   virtual void interrupt() noexcept {}
+  /// It has samples by another transport from now on, too, which those of this one must not be behind: the
+  /// transport's own thread receives, always.
+  virtual void share_reader() {}
 
   /// Accepts no more of them; what has arrived can still be taken.
   virtual void disconnect(EndpointId writer) noexcept = 0;

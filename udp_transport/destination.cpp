@@ -61,6 +61,7 @@ void Destination::move_to(const SocketAddress& address) noexcept {
   }
   connection_->redirect(address);
   if (Connection* const bulk = bulk_in_use_.load(std::memory_order_acquire)) bulk->redirect(address);
+  one_at_a_time_.store(false, std::memory_order_relaxed);
   const PathMtu path = path_to(address);
   const std::scoped_lock lock(mutex_);
   path_ = path;
@@ -152,9 +153,10 @@ std::uint64_t Destination::position() {
 }
 
 void Destination::learn_from_kernel() noexcept {
-  const std::size_t says = ask_kernel(address());
+  const SocketAddress asked = address();
+  const std::size_t says = ask_kernel(asked);
   const std::scoped_lock lock(mutex_);
-  path_.kernel_says(says);
+  if (asked == address_) path_.kernel_says(says);
   publish_length();
 }
 

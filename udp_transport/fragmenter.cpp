@@ -129,7 +129,8 @@ void Fragmenter::append_packed(Batch& batch) {
     if (sample.bytes > 0) std::memcpy(batch.stage(sample.bytes), sample.data, sample.bytes);
   }
   segment_ += pack.samples;
-  if (batch.datagrams_++ == 0 && bytes_each_ != 0) batch.segment_bytes_ = static_cast<std::uint16_t>(pack.bytes);
+  if (batch.datagrams_++ == 0 && bytes_each_ != 0)
+    batch.segment_bytes_ = static_cast<std::uint16_t>(pack.bytes);
 }
 
 void Fragmenter::append_payload(Batch& batch, std::size_t bytes) {

@@ -75,9 +75,7 @@ class Fragmenter {
 
   std::size_t bytes() const { return body_.first.total; }  ///< of the body
   bool begun() const { return begun_; }
-  bool done() const {
-    return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_;
-  }
+  bool done() const { return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_; }
 
   /// What is left is cut into datagrams of that length.
   void set_datagram_bytes(std::size_t bytes) { datagram_bytes_ = std::min(bytes, datagram_bytes_max); }

@@ -158,6 +158,7 @@ void Reassembly::close_window(Incoming& in) {
 
 Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, ArrivalTime now) {
   packed_.clear();
+  ahead_.clear();
   const bool is_following = kind_of(bytes) == DatagramKind::following;
   std::optional<Datagram> d = is_following ? std::nullopt : parse(bytes);
   const std::optional<Following> following = is_following ? parse_following(bytes) : std::nullopt;
@@ -191,6 +192,10 @@ Reassembly::Arrival Reassembly::accept_packed(Incoming& in, const Datagram& pack
     ++counters_.malformed;
     return {};
   }
+  if (packed.bytes_each != 0 && named.mask != nullptr && packed.bytes_each <= in.sample_bytes) {
+    const std::size_t bytes = SampleLayout(in.type->slots()).bytes(packed.bytes_each);
+    pool_->take_kept(bytes, pool_->limit_bytes() / 4, packed.samples, ahead_);
+  }
   Arrival arrival{{}, in.place};
   Datagram d;
   d.kind = DatagramKind::first;
@@ -201,6 +206,7 @@ Reassembly::Arrival Reassembly::accept_packed(Incoming& in, const Datagram& pack
     arrival.in_channel |= one.in_channel;
     if (one.sample) packed_.push_back(std::move(one.sample));
   }
+  ahead_.clear();
   arrival.packed = packed_;
   return arrival;
 }
@@ -334,7 +340,12 @@ Reassembly::Refusal Reassembly::describe(Incoming& in, const Datagram& d, const 
   if (named.mask == nullptr) return Refusal::unwanted;
   if (d.payload.size() > d.first.total) return Refusal::malformed;
   if (d.first.total > in.sample_bytes) return Refusal::over_limit;
-  buffer = place == 0 ? take_buffer(in, d) : take_reliable_buffer(in, d);
+  if (!ahead_.empty()) {
+    buffer = std::move(ahead_.back());
+    ahead_.pop_back();
+  } else {
+    buffer = place == 0 ? take_buffer(in, d) : take_reliable_buffer(in, d);
+  }
   if (!buffer) return Refusal::over_limit;
   buffer->mask = *named.mask;
   buffer->min_period_us = d.first.rate.min_period_us;

@@ -125,6 +125,7 @@ class Reassembly {
   std::size_t windows_ = 0;                               ///< streams that are reliable
   std::vector<std::unique_ptr<UnfinishedSample>> spare_;  ///< kept for the memory that they hold
   std::vector<core::SampleHandle> packed_;                ///< of the last packed datagram
+  std::vector<core::SampleHandle> ahead_;                 ///< for the rest of a packed datagram
   std::size_t unfinished_ = 0;
   std::size_t parked_bytes_ = 0;
   std::optional<Time> next_expiry_;

@@ -178,6 +178,20 @@ void VariantDirectory::next_round() {
   }
 }
 
+/// What passes a gate, and what is for one late reader, always leaves by itself.
+static void allow_packs(RouteTable& table) {
+  const auto may_pack = [](const Group& group) { return group.gate == nullptr && group.late_reader == 0; };
+  std::map<const Destination*, int> masks;
+  for (const Group& group : table.groups) {
+    for (const auto& lane : group.lanes) masks[&lane->destination()] += may_pack(group) ? 1 : 0;
+  }
+  for (Group& group : table.groups) {
+    group.packs = may_pack(group) && std::ranges::all_of(group.lanes, [&](const auto& lane) {
+                    return masks[&lane->destination()] == 1;
+                  });
+  }
+}
+
 std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                    std::span<const core::Route> routes,
                                                    VariantDirectory& variants,
@@ -210,6 +224,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
       table->usual = table->groups.size();
     }
   }
+  allow_packs(*table);
   variants.keep_lanes_to(served, late_readers);
   variants.keep_channels_to(reliable);
   return table;

@@ -28,6 +28,10 @@ struct Group {
   std::vector<std::shared_ptr<Channel>>
       channels{};  ///< of each lane: not null where a reader is served reliably
   std::shared_ptr<core::DeliveryTally> tally = std::make_shared<core::DeliveryTally>();
+  /// Small samples that are published together may share datagrams: all of them leave before the first one of
+  /// another mask. Where a destination is sent several masks, a reader that changes from one to the other
+  /// would miss some.
+  bool packs = false;
 
   /// The publisher's thread: the one at hand.
   bool wants_sample() const { return gate == nullptr || gate->passes(); }

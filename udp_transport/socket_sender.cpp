@@ -39,11 +39,18 @@ class SocketConnection final : public Connection {
     if (own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
   }
 
+  /// With the address where it is not connected, or was not for a moment, while another thread did it anew.
   Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
-    if (connected_.load(std::memory_order_relaxed)) return send_at_once(fd(), batches, nullptr);
+    Sent sent{};
+    if (connected_.load(std::memory_order_relaxed)) {
+      sent = send_at_once(fd(), batches, nullptr);
+      if (sent.outcome != SendOutcome::failed) return sent;
+    }
     const SystemAddress to =
         own_ ? SystemAddress(address()) : SystemAddress::for_socket(address(), shared_->socket->family);
-    return send_at_once(fd(), batches, &to);
+    Sent rest = send_at_once(fd(), batches.subspan(sent.batches), &to);
+    rest.batches += sent.batches;
+    return rest;
   }
 
   void carry_bulk() noexcept override {

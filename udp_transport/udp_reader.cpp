@@ -18,6 +18,12 @@ UdpReader::~UdpReader() {
   receiver_->remove(spec_);
 }
 
+void UdpReader::share_reader() {
+  if (!spec_.only_waited_for) return;
+  spec_.only_waited_for = false;
+  receiver_->add(spec_);
+}
+
 Result<void> UdpReader::connect(const core::Source& source) {
   Result<void> connected = receiver_->subscriptions().connect(*inbox_, source);
   if (connected) inbox_->connect(source);

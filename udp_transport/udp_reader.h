@@ -26,12 +26,13 @@ class UdpReader final : public core::ReaderPort {
   void disconnect(core::EndpointId writer) noexcept override;
   bool receive(const core::Waiting& waiting) noexcept override { return receiver_->receive(this, waiting); }
   void interrupt() noexcept override { receiver_->interrupt(this); }
+  void share_reader() override;
   void accept(std::vector<core::Wanted> wanted) override;
   std::uint64_t discarded() const noexcept override { return inbox_->discarded(); }
   std::uint64_t lost_unnoticed() const noexcept override { return inbox_->lost_unnoticed(); }
 
  private:
-  const core::ReaderSpec spec_;
+  core::ReaderSpec spec_;
   const std::shared_ptr<Receiver> receiver_;
   const std::shared_ptr<Inbox> inbox_;
 };

@@ -63,8 +63,8 @@ class UdpWriter final : public core::WriterPort {
   bool with_spares_ = false;                      ///< of these, too, is the present one
   core::DeliveryBook::LateCounts late_counts_{};  ///< of what was left on the page before
   VariantSender sender_;
-  bool holds_ = false;         ///< until flush()
-  std::size_t missed_ = 0;     ///< of what was held
+  bool holds_ = false;                          ///< until flush()
+  std::size_t missed_ = 0;                      ///< of what was held
   std::shared_ptr<const RouteTable> held_for_;  ///< keeps the groups of what is held
   const std::shared_ptr<FanOut> left_;
 };

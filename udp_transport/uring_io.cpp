@@ -179,7 +179,7 @@ class UringReceiver final : public DatagramReceiver {
  public:
   UringReceiver(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event)
       : socket_(socket), wake_event_(std::move(wake_event)), trains_(std::move(socket)) {
-    layout_.msg_namelen = sizeof(sockaddr_in6);  // of either family
+    layout_.msg_namelen = sender_address_bytes;
     layout_.msg_controllen = train_control_bytes;
   }
 
@@ -220,6 +220,10 @@ class UringReceiver final : public DatagramReceiver {
   }
 
  private:
+  /// Of either family; what follows it is aligned.
+  static constexpr socklen_t sender_address_bytes = 32;
+  static_assert(sender_address_bytes >= sizeof(sockaddr_in6) && sender_address_bytes % alignof(cmsghdr) == 0);
+
   // The registered files.
   static constexpr int socket_place = 0;
   static constexpr int wake_place = 1;

@@ -97,7 +97,7 @@ VariantSender::Held& VariantSender::held_for(const Group& group) {
 }
 
 VariantSender::Hold VariantSender::hold(const Group& group, const core::SampleHandle& sample) noexcept try {
-  if (group.gate != nullptr || group.late_reader != 0) return Hold::unfit;
+  if (!group.packs) return Hold::unfit;
   if (!projected_) projected_ = jobs_->take();
   Projection& body = projected_->projection;
   if (!body.project(core::state_of(*sample, type_.slots()), group.plan)) return Hold::unfit;

@@ -28,7 +28,7 @@ class VariantSender {
   enum class Hold : std::uint8_t {
     held,
     full,   ///< it has to wait for flush()
-    unfit,  ///< it is not small, or for one late reader or maximum rate: flush(), and then send() it
+    unfit,  ///< it is not small, or must not be: flush(), and then send() it
   };
   /// Copies a small sample, to be sent by flush() in datagrams that it shares with others. The group lives
   /// until then.

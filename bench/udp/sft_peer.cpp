@@ -24,19 +24,16 @@ Reliability reliability(const Topic& topic) {
   return topic.reliable ? Reliability::reliable : Reliability::best_effort;
 }
 
-/// As others do, it waits for a reader that does not keep up, if it can.
-template <class Options>
-Options publisher_options(const Topic& topic) {
-  Options options{.reliability = reliability(topic)};
-  if constexpr (requires { options.max_blocking; }) options.max_blocking = std::chrono::seconds(1);
-  return options;
+/// As those of others do, it waits for a reader that does not keep up.
+PublisherOptions publisher_options(const Topic& topic) {
+  return {.reliability = reliability(topic), .max_blocking = std::chrono::seconds(1)};
 }
 
 template <class T>
 class SftWriter : public Writer {
  public:
   SftWriter(Node& node, const Topic& topic)
-      : publisher_(node.publisher<T>(topic.name, publisher_options<PublisherOptions>(topic)).value()),
+      : publisher_(node.publisher<T>(topic.name, publisher_options(topic)).value()),
         message_(message(topic, static_cast<const T*>(nullptr))) {}
 
   std::size_t readers() const override {
@@ -48,13 +45,9 @@ class SftWriter : public Writer {
     publisher_.publish(message_);
   }
   void write_together(std::uint64_t first, std::uint64_t count) override {
-    if constexpr (requires { publisher_.publish(std::span<const T>(together_)); }) {
-      together_.resize(count, message_);
-      for (T& m : together_) m.number = first++;
-      publisher_.publish(std::span<const T>(together_));
-    } else {
-      Writer::write_together(first, count);
-    }
+    together_.resize(count, message_);
+    for (T& m : together_) m.number = first++;
+    publisher_.publish(std::span<const T>(together_));
   }
 
  private:

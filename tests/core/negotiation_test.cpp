@@ -115,6 +115,29 @@ TEST_F(NegotiationTest, AReaderInTheSameNetworkStackIsReachedThroughLoopback) {
   EXPECT_EQ(std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ip, 0x7f000001U);
 }
 
+TEST_F(NegotiationTest, AReaderInTheSameNetworkStackThatHasOnlyIPv6IsReachedThroughThatLoopback) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7, here, 3);
+  reader.addresses = {{parse_ip_address("fd00::7").value(), 7000, 1 << 20}};
+  negotiation.endpoint_seen(reader);
+  EXPECT_EQ(std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ip, loopback_ipv6);
+}
+
+TEST_F(NegotiationTest, AReaderThatGetsAnotherAddressIsStillTheSame) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.node_id = 70;
+  negotiation.endpoint_seen(reader);
+  const Serving before = negotiation.serving(100);
+  reader.addresses = {{parse_ip_address("fd00::7").value(), 7000, 1 << 20}};
+  negotiation.endpoint_seen(reader);
+  const Serving after = negotiation.serving(100);
+  UdpAddress moved = std::get<UdpAddress>(before.udp.at(0).destination);
+  EXPECT_EQ(moved.node, reader.node_id);
+  moved.ip = reader.addresses[0].ip;
+  EXPECT_EQ(std::get<UdpAddress>(after.udp.at(0).destination), moved);
+}
+
 TEST_F(NegotiationTest, AReaderThatSharesMemoryIsServedByUdpUntilItIsAttachedAndThenByMemoryOnly) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));

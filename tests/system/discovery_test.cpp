@@ -170,6 +170,13 @@ class DiscoveryTest : public ::testing::Test {
     return done ? true : (ADD_FAILURE() << done.error().message, false);
   }
 
+  /// Between eth1 of both hosts, in 10.78.0.0/24.
+  void plug_in_another_cable() const {
+    ASSERT_TRUE(run_on(0, "ip link add eth1 type veth peer name eth1 netns " + host(1).path() +
+                              "; ip address add 10.78.0.1/24 dev eth1; ip link set dev eth1 up"));
+    ASSERT_TRUE(run_on(1, "ip address add 10.78.0.2/24 dev eth1; ip link set dev eth1 up"));
+  }
+
   /// By a program for the kernel that returns 2 for what is to be dropped; skips the test where that is not
   /// possible.
   bool filter_what_is_sent(std::size_t number, const std::string& program) const {
@@ -327,9 +334,7 @@ TEST_F(DiscoveryTest, AHostWithTwoNetworksIsSentSamplesInTheOneThatLeadsThere) {
 
 /// On each of them are nodes that the others do not reach.
 TEST_F(DiscoveryTest, NodesAreFoundOnAllInterfacesThatAreListed) {
-  ASSERT_TRUE(run_on(0, "ip link add eth1 type veth peer name eth1 netns " + host(1).path() +
-                            "; ip address add 10.78.0.1/24 dev eth1; ip link set dev eth1 up"));
-  ASSERT_TRUE(run_on(1, "ip address add 10.78.0.2/24 dev eth1; ip link set dev eth1 up"));
+  plug_in_another_cable();
   const NodeProcess publisher(host(0), options({.interfaces = {"eth0", "10.78.0.1"}}), publish);
   const NodeProcess on_first(host(1), options({.interfaces = {"eth0"}}), subscribe);
   const NodeProcess on_second(host(1), options({.interfaces = {"eth1", "eth9", "fd09::/64"}}), subscribe);
@@ -351,11 +356,34 @@ TEST_F(DiscoveryTest, HostsThatHaveOnlyIPv6AreServedByThat) {
   EXPECT_TRUE(publisher.matches(2));
 }
 
-/// The other host sees no change of its own: there is a switch in between.
-TEST_F(DiscoveryTest, AReliableStreamGoesOnByAnotherInterfaceWithoutALoss) {
-  ASSERT_TRUE(run_on(0, "ip link add eth1 type veth peer name eth1 netns " + host(1).path() +
-                            "; ip address add 10.78.0.1/24 dev eth1; ip link set dev eth1 up"));
-  ASSERT_TRUE(run_on(1, "ip address add 10.78.0.2/24 dev eth1; ip link set dev eth1 up"));
+class FailoverTest : public DiscoveryTest, public testing::WithParamInterface<std::size_t> {};
+
+INSTANTIATE_TEST_SUITE_P(Of, FailoverTest, testing::Values(0, 1), [](const auto& param) {
+  return param.param == 0 ? "ThePublishersHost" : "TheSubscribersHost";
+});
+
+/// The subscriber's host is best reached by the second cable, while discovery goes by the first.
+TEST_P(FailoverTest, AReliableStreamGoesOnByAnotherInterfaceWithoutALoss) {
+  plug_in_another_cable();
+  ASSERT_TRUE(run_on(1, "ip route add default via 10.78.0.1"));
+  const NodeProcess publisher(host(0), options(), publish_reliably);
+  const NodeProcess subscriber(host(1), options(), subscribe_reliably);
+  ASSERT_TRUE(subscriber.takes_samples());
+  const auto goes_that_way = [&] {
+    return host(0).run({"awk", R"($1 == "eth1:" {exit $10 < 200000})", "/proc/net/dev"}).has_value();
+  };
+  ASSERT_TRUE(eventually(goes_that_way, 5s)) << "the kernel takes a second to tell of a carrier";
+  for (const char* change : {"down", "up"}) {
+    ASSERT_TRUE(run_on(GetParam(), std::string("ip link set dev eth1 ") + change));
+    EXPECT_TRUE(subscriber.takes_samples(2s)) << change;
+  }
+  EXPECT_EQ(subscriber.report().out_of_order, 0U);
+  EXPECT_EQ(publisher.report().matched, 1U);
+}
+
+/// The subscriber's host sees no change of its own: there is a switch in between.
+TEST_F(DiscoveryTest, AReliableStreamOutlivesTheInterfaceOfThePublishersDiscovery) {
+  plug_in_another_cable();
   const DiscoverySettings both{.interfaces = {"eth0", "eth1"}};
   const NodeProcess publisher(host(0), options(both), publish_reliably);
   const NodeProcess subscriber(host(1), options(both), subscribe_reliably);

@@ -82,6 +82,29 @@ TEST_P(PubSubTest, EachSubscriberGetsTheFieldsItDeclared) {
   }
 }
 
+TEST_P(PubSubTest, MessagesThatArePublishedTogetherAreSamplesLikeOthers) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points", {.reliability = reliable, .max_blocking = 100ms}).value();
+  auto sub = b.subscriber<PointCloud2>("points", {.reliability = reliable, .depth = 30}).value();
+  expect_served(pub, 1);
+  std::vector<PointCloud2> clouds;
+  for (std::uint32_t i = 0; i < 20; ++i) clouds.push_back(cloud(i, i == 10 ? 5000 : 20));
+  clouds[5].header.frame_id = std::string("\0", 1);
+  const PublishedSpan done = pub.publish(clouds);
+  EXPECT_EQ(done.published, 19U);
+  EXPECT_EQ(done.status, PublishStatus::invalid);
+  clouds.erase(clouds.begin() + 5);
+  for (std::uint64_t sequence = 1; const PointCloud2& sent : clouds) {
+    ASSERT_TRUE(sub.wait(5s));
+    const auto sample = sub.take();
+    EXPECT_EQ(sample.to_owned(), sent);
+    EXPECT_EQ(sample.info().sequence, sequence++);
+    EXPECT_EQ(sample.info().lost_before, 0U);
+  }
+  EXPECT_EQ(pub.status().readers.at(0).sent, 19U);
+}
+
 TEST_P(PubSubTest, WithoutReadersNothingIsSent) {
   Node a = open("a");
   auto pub = a.publisher<PointCloud2>("points").value();

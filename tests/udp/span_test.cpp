@@ -50,12 +50,12 @@ INSTANTIATE_TEST_SUITE_P(Backends, SpanTest, testing::Values(Backend::io_uring, 
                          });
 
 TEST_P(SpanTest, SharesDatagramsAndGivesEachReaderItsFields) {
-  const auto there = open(), here = open();
-  Subscriber bytes(*here, {"data"}, 1000, 1), all(*here, {"*"}, 1000, 2);
+  const auto there = open(), here = open(), elsewhere = open();
+  Subscriber bytes(*here, {"data"}, 1000, 1), all(*elsewhere, {"*"}, 1000, 2);
   Publisher publisher(*there);
   bytes.listen_to(publisher.id());
   all.listen_reliably_to(publisher.id());
-  publisher.serve({{loopback_address(*here), "data"}, {loopback_address(*here), "*", true}});
+  publisher.serve({{loopback_address(*here), "data"}, {loopback_address(*elsewhere), "*", true}});
   publish(publisher, std::vector<std::size_t>(300, 40));
   EXPECT_EQ(all.await_sequences(300), first_numbers(300));
   EXPECT_EQ(bytes.await_sequences(300), first_numbers(300));
@@ -72,6 +72,18 @@ TEST_P(SpanTest, KeepsTheOrderWhereSomeSamplesAreLarge) {
   publisher.serve({{loopback_address(*here), "*", true}});
   publish(publisher, {10, 20, 5000, 0, 30, 100'000, 300, 900, 7});
   EXPECT_EQ(subscriber.await_sequences(9), first_numbers(9));
+}
+
+TEST_P(SpanTest, KeepsTheOrderOfSamplesForAProcessThatIsSentSeveralMasks) {
+  const auto there = open(), here = open();
+  Subscriber both(*here, {"data", "*"}, 1000, 1), other(*here, {"*"}, 1000, 2);
+  Publisher publisher(*there);
+  both.listen_reliably_to(publisher.id());
+  other.listen_reliably_to(publisher.id());
+  publisher.serve({{loopback_address(*here), "data", true}, {loopback_address(*here), "*", true}});
+  publish(publisher, std::vector<std::size_t>(100, 40));
+  EXPECT_EQ(both.await_sequences(100), first_numbers(100));
+  EXPECT_EQ(other.await_sequences(100), first_numbers(100));
 }
 
 TEST_P(SpanTest, LosesNothingOverABadLink) {
@@ -96,19 +108,18 @@ TEST_P(SpanTest, LosesNothingToAReaderThatTakesAtOnceHoweverFewMayWait) {
   EXPECT_EQ(subscriber.port().discarded(), 0U);
 }
 
-/// One that acknowledges nothing for some time.
 TEST_P(SpanTest, WaitsForAReaderThatDoesNotKeepUpAsLongAsItMay) {
   const auto there = open(), here = open();
-  Subscriber subscriber(*here, {"*"}, 20'000);
+  Subscriber subscriber(*here, {"*"}, 10'000);
   const auto port =
-      there->open_writer({7, &test::type_support<Image>(), true, std::chrono::nanoseconds(200ms)}).value();
+      there->open_writer({7, &test::type_support<Image>(), true, std::chrono::nanoseconds(50ms)}).value();
   subscriber.listen_reliably_to(7);
   core::Route route{1, loopback_address(*here), fields<Image>("*")};
   route.reliable = true;
   port->set_routes({route});
   const auto pool = test::make_pool();
   const Image image = make_image(20);
-  for (std::uint64_t sequence = 1; sequence <= 20'000;) {
+  for (std::uint64_t sequence = 1; sequence <= 10'000;) {
     port->hold();
     for (int i = 0; i < 1000; ++i, ++sequence) {
       const core::SampleHandle sample = pool->take(test::sample_bytes(image, fields<Image>("*")));
@@ -118,17 +129,17 @@ TEST_P(SpanTest, WaitsForAReaderThatDoesNotKeepUpAsLongAsItMay) {
     }
     ASSERT_EQ(port->flush(), 0U);
   }
-  EXPECT_EQ(subscriber.await_sequences(20'000), first_numbers(20'000));
+  EXPECT_EQ(subscriber.await_sequences(10'000), first_numbers(10'000));
 
   route.destination = core::UdpAddress{0x7f000001, 9, 0};  // nobody there
   port->set_routes({route});
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < 4100; ++i) {
     const core::SampleHandle sample = pool->take(test::sample_bytes(image, fields<Image>("*")));
-    test::fill(*sample, image, fields<Image>("*"), 7, 20'001 + i);
+    test::fill(*sample, image, fields<Image>("*"), 7, 10'001 + i);
     if (port->send(sample) == core::SendStatus::dropped) break;
   }
-  EXPECT_GE(std::chrono::steady_clock::now() - begin, 200ms);
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, 50ms);
 }
 
 }  // namespace

@@ -61,6 +61,7 @@ class Waited final : private core::ArrivalListener {
     bell_.ring();
     port_->interrupt();
   }
+  void share() { port_->share_reader(); }
   int received() const { return received_; }
   int received_itself() const { return received_itself_; }
 
@@ -191,6 +192,17 @@ TEST_P(WaitingThread, DoesNotCallTheListenersOfReadersThatAreNotOnlyWaitedFor) {
     EXPECT_NE(called_back.by.load(), waiting_thread);
   }
   publisher->publish(make_image(10));
+}
+
+/// A vacancy of the role could let its samples fall behind those that come by the other way.
+TEST_P(WaitingThread, DoesNotReceiveForAReaderWithAnotherWay) {
+  Waited reader(*here);
+  reader.listen_to(*publisher);
+  std::jthread waiting([&] { EXPECT_EQ(reader.next_sequence(), 1U); });
+  reader.share();
+  publisher->publish(make_image(10));
+  waiting.join();
+  EXPECT_EQ(reader.received_itself(), 0);
 }
 
 /// Its listener answers each sample by asking for the next.

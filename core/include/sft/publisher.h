@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -120,11 +121,14 @@ class Publisher {
   /// Without a reader it costs a few nanoseconds.
   PublishStatus publish(const T& message) { return publisher_.publish(&message); }
 
-  /// The same as to publish one after the other, each a sample of its own, but much cheaper where they are
-  /// small and readers elsewhere: over UDP small ones share datagrams, and these system calls. All are stamped
-  /// with the time of this call. publish() of a single message never waits for others to share anything with.
-  PublishedSpan publish(std::span<const T> messages) {
-    return publisher_.publish(messages.data(), messages.size(), sizeof(T));
+  /// A span, vector or array of them: the same as to publish one after the other, each a sample of its own,
+  /// but much cheaper where they are small and readers elsewhere: over UDP small ones share datagrams, and
+  /// these system calls. All are stamped with the time of this call. publish() of a single message never
+  /// waits for others to share anything with.
+  template <std::convertible_to<std::span<const T>> Messages>
+  requires(!std::convertible_to<Messages, const T&>) PublishedSpan publish(const Messages& messages) {
+    const std::span<const T> all = messages;
+    return publisher_.publish(all.data(), all.size(), sizeof(T));
   }
 
   /// A payload that is already encoded (4 bytes of encapsulation and a body), as in ROS 2 bags: XCDR1 and

@@ -19,8 +19,8 @@ enum class Reliability : std::uint8_t {
   best_effort,
   /// Nothing is lost but beyond the subscriber's depth, and in order. Over UDP what was lost on the way is
   /// sent again, as long as the publisher keeps it: the last 64 MB or 4096 samples that were not
-  /// acknowledged. A publisher that is faster than a subscriber loses it the oldest of these, or waits for it:
-  /// PublisherOptions::max_blocking.
+  /// acknowledged. A publisher that is faster than a subscriber loses it the oldest of these, or waits for
+  /// it: PublisherOptions::max_blocking.
   reliable,
 };
 enum class Durability : std::uint8_t {

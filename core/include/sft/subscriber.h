@@ -36,8 +36,8 @@ class Subscriber {
   /// publisher; of others, with the next sample of these that is taken.
   [[nodiscard]] Sample<T, R> take_latest() { return Sample<T, R>(subscriber_.take_latest()); }
   /// Until there is something to take or the time is over; tells which. Looks for SubscriberOptions::spin,
-  /// then sleeps. Where all of its samples come by UDP, and its node has neither callbacks nor file
-  /// descriptors for others, the thread does the node's receiving meanwhile: nobody has to wake it.
+  /// then sleeps. Where the subscribers of its node are only waited for, and hear nobody on this host in
+  /// shared memory, the thread does the node's receiving meanwhile: nobody has to wake it.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
   /// For an event loop (epoll, poll, asio), in any trigger mode: readable while there is something to take,
   /// no longer once the last sample was taken. Another thread that takes, or a sample that expires, can leave

@@ -76,7 +76,11 @@ class Sample {
   /// Takes over one reference to `buffer`, and `record` (null unless the reader records).
   Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
          core::RecordedSample* record);
-  Sample(Sample&& other) noexcept { swap(other); }
+  Sample(Sample&& other) noexcept
+      : state_(other.state_),
+        info_(other.info_),
+        buffer_(std::exchange(other.buffer_, nullptr)),
+        record_(std::exchange(other.record_, nullptr)) {}
   Sample& operator=(Sample&& other) noexcept {
     Sample gone(std::move(other));
     swap(gone);
