@@ -192,13 +192,13 @@ FileDescriptor open_sending_socket(const SocketOptions& options, int family) noe
   return socket;
 }
 
+void give_way(int fd) noexcept { set_int(fd, SOL_SOCKET, SO_PRIORITY, priority_bulk); }
+
 /// Which takes the kernel less time, without a description of it all.
 static bool is_single(std::span<const OutgoingBatch> batches, const SystemAddress* to) noexcept {
   return to == nullptr && batches.size() == 1 && batches[0].segment_bytes == 0 &&
          batches[0].parts.size() == 1;
 }
-
-void give_way(int fd) noexcept { set_int(fd, SOL_SOCKET, SO_PRIORITY, priority_bulk); }
 
 Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
                               const SystemAddress* to) noexcept {
