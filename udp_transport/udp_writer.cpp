@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -11,6 +12,9 @@ namespace {
 /// Masks under which the publisher's thread sends a sample itself: with many it would be held up, and more so
 /// with what has just made it wait, since a large sample has taken the caches.
 constexpr std::size_t small_variants_max = 4, large_variants_max = 1;
+
+/// At most, and less where a member's buffer is small; as the receiving kernel counts.
+constexpr std::uint64_t group_bytes_per_s = 2'000'000'000;
 
 GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
                              std::shared_ptr<WriterTally> tally) {
@@ -25,7 +29,9 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
   setup.connect = [&side](std::uint32_t group, std::uint32_t own, std::size_t datagram_bytes) {
     DestinationLimits limits = side.limits;
     limits.datagram_bytes = datagram_bytes;
-    limits.report_port = 0;  // its members report what they are sent alone
+    limits.report_port = 0;  // its members report what they are sent alone, so here their buffers have to do
+    limits.flow.first_bytes = std::numeric_limits<std::size_t>::max();
+    limits.flow.unheard_bytes_per_s = group_bytes_per_s;
     const SocketAddress to{core::IpAddress(group), group_port};
     return std::make_shared<Destination>(to, limits, 0, [&side, own](const SocketAddress& address) {
       return side.sender.connect_group(address, {core::IpAddress(own), 0});

@@ -58,6 +58,7 @@ class Wire {
       } while (n < 0 && errno == EINTR);  // with a time-out, the kernel does not go on by itself
       if (n <= 0) return {};
       bytes.resize(static_cast<std::size_t>(n));
+      if (parse_mark(bytes)) continue;  // how much was sent: nobody answers
       const auto datagram = parse(bytes);
       if (!datagram) return {};
       if (datagram->kind == DatagramKind::first) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <numeric>
+#include <ostream>
 #include <vector>
 
 #include "endpoints.h"
@@ -19,6 +20,10 @@ struct Way {
   operator Backend() const {
     return backend;
   }  // NOLINT(google-explicit-constructor): most tests need no more
+  friend std::ostream& operator<<(std::ostream& out, const Way& way) {
+    return out << (way.backend == Backend::io_uring ? "io_uring" : "sockets")
+               << (way.loopback.is_ipv4() ? "" : " over IPv6");
+  }
 };
 
 class TransportTest : public testing::TestWithParam<Way> {
