@@ -202,6 +202,7 @@ TEST_P(MulticastTest, LosesNothingThatIsReliableOnABadNetworkWhileOneComesAndGoe
     });
   }
   serve();
+  ASSERT_TRUE(come_together());
   std::mt19937 random(seed);
   for (int n = 0; n < 300; ++n) {
     publish(random() % 8 == 0 ? random() % 100'000 : random() % 2000);
