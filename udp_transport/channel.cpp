@@ -10,6 +10,13 @@ bool Channel::has_room_for(const Job& job) const {
   return closed_ || ended_at_ || window_.can_keep(job.samples(), job.held_bytes_in_all());
 }
 
+/// With the mutex held. Whether the sending thread has to be told.
+bool Channel::attend() {
+  if (std::exchange(attended_, true)) return false;
+  looks_at_ = {};  // at once
+  return true;
+}
+
 Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_once,
                               std::chrono::nanoseconds* patience) {
   std::unique_lock lock(mutex_);
@@ -24,7 +31,7 @@ Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_o
   const std::size_t samples = job->samples();
   posted.kept = window_.keep(std::move(job), first);
   if (at_once) posted.piece = window_.take(posted.kept.ordinal);
-  posted.was_at_rest = !std::exchange(attended_, true);
+  posted.was_at_rest = attend();
   const bool some_left = !posted.piece || posted.piece->samples < samples;
   posted.waits = some_left && !std::exchange(woken_, true);
   return posted;
@@ -34,7 +41,7 @@ Channel::Posted Channel::post_shared(JobHandle job, const FirstHeader& first, bo
   const std::scoped_lock lock(mutex_);
   Posted posted;
   posted.kept = window_.keep(std::move(job), first, elsewhere);
-  posted.was_at_rest = !std::exchange(attended_, true);
+  posted.was_at_rest = attend();
   posted.waits = !posted.kept.elsewhere && !std::exchange(woken_, true);
   return posted;
 }
@@ -44,10 +51,13 @@ JobHandle Channel::sent_elsewhere(std::uint64_t ordinal) {
   return window_.sent_elsewhere(ordinal);
 }
 
-void Channel::left(std::uint64_t ordinal) {
+bool Channel::left(std::uint64_t ordinal) {
   const Time time = now();
   const std::scoped_lock lock(mutex_);
   window_.left(ordinal, time);
+  if (!attended_ || window_.next_look(time) >= looks_at_) return false;
+  looks_at_ = time;
+  return true;
 }
 
 void Channel::finished(const Piece& piece) {
@@ -136,6 +146,7 @@ Channel::Care Channel::look_after() {
   care.next_look = window_.next_look(time);
   if (ended_at_)
     care.next_look = std::min(care.next_look, *ended_at_ + linger + std::chrono::milliseconds(1));
+  looks_at_ = care.next_look;
   return care;
 }
 

@@ -51,8 +51,8 @@ class Channel {
               std::chrono::nanoseconds* patience = nullptr);
   /// The same, of a sample that a group sends, too: if it is not `kept.elsewhere`, it waits here as well.
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
-  /// It has left there.
-  void left(std::uint64_t ordinal);
+  /// It has left there. Whether the sending thread has to be woken, to ask for acks in time.
+  [[nodiscard]] bool left(std::uint64_t ordinal);
   /// What has; else none.
   JobHandle sent_elsewhere(std::uint64_t ordinal);
   void finished(const Piece& piece);
@@ -92,14 +92,16 @@ class Channel {
   const std::shared_ptr<WriterTally> tally_;
   const std::uint16_t port_;
   bool has_room_for(const Job& job) const;
+  bool attend();
 
   std::mutex mutex_;
   ResendWindow window_;
   const Job* awaits_room_ = nullptr;  ///< the publisher, for that
   std::condition_variable room_;
-  bool attended_ = false;  ///< the sending thread knows of it
-  bool woken_ = false;     ///< and will look at it
-  bool closed_ = false;    ///< it has parted
+  bool attended_ = false;        ///< the sending thread knows of it
+  bool woken_ = false;           ///< and will look at it
+  Time looks_at_ = Time::max();  ///< then it does in any case
+  bool closed_ = false;          ///< it has parted
   std::optional<Time> ended_at_;
   std::size_t length_ = 0;              ///< of datagrams, when an ack came last
   std::uint64_t sent_so_from_ = 0;      ///< the first ordinal that was surely sent in such, and not judged

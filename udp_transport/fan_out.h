@@ -8,10 +8,10 @@
 #include <mutex>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "core/sample_buffer.h"
 #include "core/transport.h"
+#include "udp_transport/ordinal_ring.h"
 #include "udp_transport/routes.h"
 #include "udp_transport/send_side.h"
 #include "udp_transport/variant_sender.h"
@@ -49,19 +49,22 @@ class FanOut final : public LeftWork {
 
  private:
   static bool is_large(const Rest& rest) { return rest.sample->capacity > direct_bytes_max; }
-  std::vector<Rest>::iterator surplus_before(const Rest& newcomer) noexcept;
+  std::optional<Rest> take_surplus_before(const Rest& newcomer) noexcept;
+  Rest pop_oldest() noexcept;
   std::optional<Rest> take() noexcept;
   static std::span<const Group> of(const Rest& rest) {
     return std::span(rest.routes->groups).subspan(rest.first, rest.end - rest.first);
   }
+  static bool is_reliable(const Rest& rest);
   static void count_dropped(const Rest& rest) noexcept;
 
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
   std::atomic<bool> done_{true};
   std::mutex mutex_;
-  std::vector<Rest> queue_;  ///< the oldest first; never grows
-  VariantSender sender_;     ///< of the sending thread
+  OrdinalRing<Rest> queue_{1};    ///< the oldest first
+  std::size_t queued_bytes_ = 0;  ///< of memory that these hold
+  VariantSender sender_;          ///< of the sending thread
 };
 
 }  // namespace sft::udp

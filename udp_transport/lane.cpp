@@ -28,7 +28,10 @@ Lane::Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<W
 Lane::Posted Lane::post(JobHandle job) {
   JobHandle oldest;  // goes outside the lock
   const std::scoped_lock lock(mutex_);
-  if (closed()) return {};
+  if (closed()) {
+    done_with(job, true);
+    return {};
+  }
   if (!has_room_for(*job)) {
     oldest = pop_oldest();
     count_lost(*oldest);

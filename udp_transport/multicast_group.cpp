@@ -40,11 +40,18 @@ std::uint64_t MulticastGroup::next_ordinal(Time now) noexcept {
 /// a late reader's history can do that.
 void MulticastGroup::placed(std::size_t member, std::uint64_t ordinal, std::uint64_t in_channel) noexcept {
   const auto ahead = static_cast<std::int64_t>(in_channel - ordinal);
-  const std::scoped_lock lock(mutex_);
-  if (!ahead_[member]) ahead_[member] = ahead;
-  if (*ahead_[member] == ahead) return;
-  broken_.store(true, std::memory_order_relaxed);
-  for (std::size_t i = 0; i < members_.size(); ++i) hears_[i].store(false, std::memory_order_relaxed);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!ahead_[member]) ahead_[member] = ahead;
+    if (*ahead_[member] == ahead) return;
+    broken_.store(true, std::memory_order_relaxed);
+    for (std::size_t i = 0; i < members_.size(); ++i) hears_[i].store(false, std::memory_order_relaxed);
+  }
+  static_cast<void>(members_[member].channel->left(in_channel));  // has_left() does not find it
+}
+
+std::shared_ptr<Lane> MulticastGroup::lane_of(const std::shared_ptr<MulticastGroup>& group) {
+  return {group, group->lane_.get()};
 }
 
 MulticastGroup::BestEffort MulticastGroup::best_effort() const noexcept {
@@ -55,7 +62,8 @@ MulticastGroup::BestEffort MulticastGroup::best_effort() const noexcept {
   return result;
 }
 
-void MulticastGroup::left(const Job& job, bool lost) noexcept {
+bool MulticastGroup::has_left(const Job& job, bool lost) noexcept {
+  bool tell = false;
   const std::uint64_t ordinal = job.first.group.ordinal;
   for (std::size_t i = 0; i < members_.size(); ++i) {
     const Member& member = members_[i];
@@ -68,8 +76,9 @@ void MulticastGroup::left(const Job& job, bool lost) noexcept {
       const std::scoped_lock lock(mutex_);
       ahead = ahead_[i];
     }
-    if (ahead) member.channel->left(ordinal + static_cast<std::uint64_t>(*ahead));
+    if (ahead) tell = member.channel->left(ordinal + static_cast<std::uint64_t>(*ahead)) || tell;
   }
+  return tell;
 }
 
 void MulticastGroup::hear(const GroupReport& report, Time now) {
@@ -98,7 +107,7 @@ bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel,
     const std::scoped_lock lock(mutex_);
     ahead = ahead_[member];
   }
-  if (!ahead || broken()) return false;
+  if (!ahead || broken() || !hears(member)) return false;
   const std::uint64_t ordinal = in_channel - static_cast<std::uint64_t>(*ahead);
   const auto asked = std::ranges::find_if(asked_, [&](const Asked& one) {
     return one.ordinal == ordinal && now - one.at < asked_together && one.ordinal != 0;
@@ -114,7 +123,8 @@ bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel,
 
 bool MulticastGroup::send_again(std::size_t member, std::uint64_t in_channel, bool& tell) {
   JobHandle job = members_[member].channel->sent_elsewhere(in_channel);
-  if (!job || job->first.total > sent_again_bytes_max || !lane_->has_room()) return false;
+  const bool is_ours = job && job->first.group.group == name_.number;
+  if (!is_ours || job->first.total > sent_again_bytes_max || !lane_->has_room()) return false;
   tell = lane_->post(std::move(job)).was_idle || tell;
   return true;
 }

@@ -44,6 +44,8 @@ class MulticastGroup final : public LaneListener {
   const Name& name() const { return name_; }
   const std::vector<Member>& members() const { return members_; }
   const std::shared_ptr<Lane>& lane() const { return lane_; }
+  /// Keeps the group, too, for who sends what waits there: it has to be told what has left.
+  static std::shared_ptr<Lane> lane_of(const std::shared_ptr<MulticastGroup>& group);
 
   // Who sends: the publisher's thread, or the sending one in its place.
 
@@ -62,8 +64,10 @@ class MulticastGroup final : public LaneListener {
   };
   BestEffort best_effort() const noexcept;
 
-  /// Any thread. What was sent elsewhere has left, or is lost.
-  void left(const Job& job, bool lost) noexcept override;
+  /// Any thread. What was sent elsewhere has left, or is lost. Whether the sending thread has to be woken.
+  [[nodiscard]] bool has_left(const Job& job, bool lost) noexcept;
+  /// In the lane, which the sending thread looks after.
+  void left(const Job& job, bool lost) noexcept override { static_cast<void>(has_left(job, lost)); }
   void hear(const GroupReport& report, Time now);
   std::string state_of(std::size_t member) const;
   /// The thread that receives: a member asks for parts of samples in its channel. Takes those out that are

@@ -55,8 +55,9 @@ JobHandle ResendWindow::sent_elsewhere(std::uint64_t ordinal) const {
 
 void ResendWindow::left(std::uint64_t ordinal, Time now) {
   if (!kept_.contains(ordinal) || !kept_[ordinal].elsewhere) return;
+  const bool first_time = std::exchange(kept_[ordinal].state, State::sent) == State::under_way;
+  if (first_time && sent_at_ != Time{}) learn_pause(now - sent_at_);
   sent_at_ = now;
-  kept_[ordinal].state = State::sent;
   sent_ = sent_end();
   if (unanswered_ == 0) plan_heartbeat(now);
 }

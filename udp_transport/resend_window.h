@@ -61,8 +61,9 @@ class ResendWindow {
     bool elsewhere = false;  ///< as was asked for
   };
   /// Gives a sample, or each one of a pack, its place in the channel; the ordinal is the first of those that
-  /// are kept. The job does not change any more. `first` is its header. `elsewhere`, not of packs: if there
-  /// is room, it is being sent by a group and only repaired by this; else by this.
+  /// are kept. The job does not change any more. `first` is its header. `elsewhere`, not of packs: it is
+  /// being sent by a group and only repaired by this, as long as at most half of what may be kept is; else it
+  /// is sent by this.
   Kept keep(JobHandle job, FirstHeader first, bool elsewhere = false);
   /// One that was sent elsewhere has left.
   void left(std::uint64_t ordinal, Time now);

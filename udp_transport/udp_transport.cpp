@@ -147,7 +147,7 @@ void hand_repairs_to_group(SendSide& side, Ack& ack) {
   const GroupRoster::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
   if (in.group == nullptr) return;
   if (in.group->take_over_repairs(in.member, ack, std::chrono::steady_clock::now()))
-    side.sender.schedule(in.group->lane());
+    side.sender.schedule(MulticastGroup::lane_of(in.group));
 }
 
 std::shared_ptr<Receiver> make_receiver(const UdpOptions& options,
@@ -180,8 +180,8 @@ std::shared_ptr<Receiver> make_receiver(const UdpOptions& options,
   };
   groups.send = [answers](const SocketAddress& to, const GroupReport& report) { answers->send(to, report); };
   groups.joins = std::make_shared<GroupJoins>(socket);
-  return std::make_shared<Receiver>(std::move(io), limits, socket->receive_buffer_bytes,
-                                    std::move(pool), std::move(acks), std::move(groups));
+  return std::make_shared<Receiver>(std::move(io), limits, socket->receive_buffer_bytes, std::move(pool),
+                                    std::move(acks), std::move(groups));
 }
 
 }  // namespace

@@ -140,15 +140,15 @@ bool VariantSender::send_to_group(const Group& group, const core::SampleHandle& 
   const std::shared_ptr<Lane>& lane = together.lane();
   Job& job = *blank_;
   if (together.broken()) {
-    together.left(job, false);  // those who would have heard it ask for it
+    if (together.has_left(job, false)) side_->sender.look_again();  // who would have heard it asks for it
     return true;
   }
   const SendOutcome outcome = lane->idle() ? try_send(*lane, job) : SendOutcome::would_wait;
   if (outcome == SendOutcome::would_wait) {
     keep_for_later(sample);
-    return enqueue(lane);
+    return enqueue(MulticastGroup::lane_of(group.multicast));
   }
-  together.left(job, outcome != SendOutcome::sent);
+  if (together.has_left(job, outcome != SendOutcome::sent)) side_->sender.look_again();
   return outcome == SendOutcome::sent;
 }
 

@@ -92,6 +92,7 @@ void World::open_channel() {
   window_ = std::make_unique<udp::ResendWindow>(static_cast<std::uint32_t>(writer_id), ++channel_,
                                                 scenario_.resend, first);
   flow_ = std::make_unique<udp::FlowWindow>(channel_, udp::FlowLimits{});
+  leaving_.clear();
 }
 
 void World::start_process() {
@@ -161,8 +162,21 @@ void World::publish_to_group(const Image& image) {
   group_->membership.sent(now_);
   job->first.flags |= udp::group_follows;
   job->first.group = {group_->number, static_cast<std::uint32_t>(sequence_ >> 32), ordinal};
-  send_to_group(job);
-  if (kept.elsewhere) window_->left(kept.ordinal, now_);
+  const Time at_once = leaving_.empty() ? now_ : leaving_.back().at;
+  const std::chrono::microseconds waits(happens(random_, 0.5) ? 0 : log_uniform(random_, 20'000));
+  const bool lost = group_->deaf || happens(random_, 0.02);
+  leaving_.push_back({std::max(at_once, now_ + waits), job, kept.elsewhere ? kept.ordinal : 0, lost});
+  send_to_group();
+}
+
+/// What has waited long enough. The rest of its samples may go to another group by then, or to none.
+void World::send_to_group() {
+  while (!leaving_.empty() && leaving_.front().at <= now_) {
+    const Leaving leaving = std::move(leaving_.front());
+    leaving_.pop_front();
+    if (!leaving.lost) send_to_group(leaving.job);
+    if (leaving.in_channel != 0) window_->left(leaving.in_channel, now_);
+  }
 }
 
 void World::send_to_group(const udp::JobHandle& job) {
@@ -173,9 +187,7 @@ void World::send_to_group(const udp::JobHandle& job) {
     fragments.next(batch, udp::batch_bytes_max, 1);
     udp::test::append_datagrams(batch, datagrams);
   }
-  for (Bytes& datagram : datagrams) {
-    if (!group_->deaf) network_.send(Network::Side::reader, std::move(datagram), now_);
-  }
+  for (Bytes& datagram : datagrams) network_.send(Network::Side::reader, std::move(datagram), now_);
 }
 
 /// Another one, none, or what it was loses its way.
@@ -413,6 +425,7 @@ void World::get(Reader& reader, const core::SampleBuffer& sample) {
 Time World::next_event() const {
   Time next =
       std::min({network_.next(), publish_at_, crash_at_, back_at_, send_at_, window_->next_look(now_)});
+  if (!leaving_.empty()) next = std::min(next, leaving_.front().at);
   for (const Reader& reader : readers_) next = std::min(next, reader.served_at);
   if (reassembly_ == nullptr) return next;
   return std::min({next, reassembly_->next_answer(), reassembly_->next_expiry().value_or(Time::max())});
@@ -439,6 +452,7 @@ bool World::step() {
     if (group_) group_.emplace(Group{.number = ++last_group_});
   }
   learn_of_masks();
+  send_to_group();
   if (publish_at_ <= now_) publish();
   if (send_at_ <= now_ || window_->next_look(now_) <= now_) send_some();
   offer_group();

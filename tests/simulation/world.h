@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -36,8 +37,8 @@ struct Scenario {
   bool crashes = false;  ///< the process of the readers, and comes back
   double change = 0;     ///< of a mask, for each sample
   std::size_t receive_buffer_bytes = 212'992;
-  double regroup = 0;    ///< of the multicast group that the process is in, for each sample
-  double span = 0;       ///< several samples instead of one
+  double regroup = 0;  ///< of the multicast group that the process is in, for each sample
+  double span = 0;     ///< several samples instead of one
   udp::ResendLimits resend{};
   udp::ReassemblyLimits reassembly{};
 
@@ -79,11 +80,19 @@ class World {
     std::optional<std::int64_t> ahead{};  ///< of these are the channel's
     udp::GroupMembership membership{};
   };
+  /// What waits to be sent to a group, whether that is the present one or not.
+  struct Leaving {
+    Time at;
+    udp::JobHandle job;
+    std::uint64_t in_channel = 0;
+    bool lost = false;
+  };
 
   // The writer.
   void open_channel();
   void publish();
   void publish_to_group(const udp::test::Image& image);
+  void send_to_group();
   void send_to_group(const udp::JobHandle& job);
   void regroup();
   void offer_group();
@@ -131,6 +140,7 @@ class World {
   std::uint32_t channel_ = 0;
   std::optional<Group> group_;
   std::uint32_t last_group_ = 0;
+  std::deque<Leaving> leaving_;  ///< the oldest first
   std::optional<Sending> sending_[2];
   Time send_at_;
   std::uint64_t sequence_;

@@ -49,15 +49,20 @@ class MulticastGroupTest : public testing::Test {
   static std::uint64_t keep(Channel& channel, const JobHandle& job, bool elsewhere) {
     return channel.post_shared(job, job->first, elsewhere).kept.ordinal;
   }
-  /// Returns the ordinal in the group.
-  std::uint64_t send(std::size_t bytes = 8) {
+  /// It has not left yet.
+  JobHandle place(std::size_t bytes = 8) {
     const JobHandle sent = job(bytes);
     const std::uint64_t ordinal = group->next_ordinal(now);
     for (std::size_t i = 0; i < 3; ++i)
       group->placed(i, ordinal, keep(*group->members()[i].channel, sent, group->hears(i)));
-    sent->first.group.ordinal = ordinal;
+    sent->first.group = {number, 0, ordinal};
+    return sent;
+  }
+  /// Returns the ordinal in the group.
+  std::uint64_t send(std::size_t bytes = 8) {
+    const JobHandle sent = place(bytes);
     group->left(*sent, false);
-    return ordinal;
+    return sent->first.group.ordinal;
   }
   void report(std::uint32_t member, std::uint64_t heard) {
     group->hear({writer, number, member, heard}, now);
@@ -130,8 +135,40 @@ TEST_F(MulticastGroupTest, IsOverWhenSomethingElseTookAPlaceInAChannel) {
   send();
   EXPECT_TRUE(group->broken());
   for (std::size_t i = 0; i < 4; ++i) EXPECT_FALSE(group->hears(i)) << i;
+  EXPECT_TRUE(group->members()[1].channel->sent_elsewhere(4)) << "and can be asked for";
   now += 1min;
   EXPECT_TRUE(group->offers(now).empty());
+}
+
+TEST_F(MulticastGroupTest, TellsOfWhatLeavesOnceTheSendingThreadHasLooked) {
+  all_report();
+  Channel& channel = *group->members()[0].channel;
+  channel.finished(channel.next(ResendWindow::Size::small).value());
+  ASSERT_TRUE(channel.look_after().heartbeat);
+  static_cast<void>(channel.hear({.writer = writer, .channel = 1, .next = 2}));
+  ASSERT_TRUE(channel.look_after().at_rest);
+  const JobHandle sent = place();
+  EXPECT_EQ(channel.look_after().next_look, Channel::Time::max());
+  EXPECT_TRUE(group->has_left(*sent, false));
+  EXPECT_FALSE(group->has_left(*sent, false)) << "that was told";
+}
+
+TEST_F(MulticastGroupTest, IsThereAsLongAsSomethingWaitsInItsLane) {
+  all_report();
+  const std::shared_ptr<Channel> channel = group->members()[0].channel;
+  const std::shared_ptr<Lane> lane = MulticastGroup::lane_of(group);
+  lane->post(place());
+  group = nullptr;
+  ASSERT_NE(lane->next(), nullptr);
+  EXPECT_FALSE(channel->sent_elsewhere(2));
+  EXPECT_EQ(lane->next(), nullptr);
+  EXPECT_TRUE(channel->sent_elsewhere(2));
+}
+
+TEST_F(MulticastGroupTest, AnswersAloneWhoDoesNotHearIt) {
+  const std::uint64_t lost = send();
+  report(0, lost);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(ask(i, lost), 1U);
 }
 
 TEST_F(MulticastGroupTest, SendsAgainToAllWhatASecondOneAsksForAndAnswersOthersNoMore) {

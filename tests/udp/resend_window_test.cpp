@@ -356,17 +356,18 @@ TEST_F(ResendWindowTest, RepairsWhatWasSentElsewhereOnceThatHasLeft) {
   EXPECT_TRUE(window.settled());
 }
 
-TEST_F(ResendWindowTest, SendsItselfWhatItHasNoRoomForElsewhere) {
-  ack(1);  // 100,000 bytes
-  for (int i = 1; i <= 4; ++i) {
-    const JobHandle sample = job(30'000);
-    EXPECT_EQ(window.keep(sample, sample->first, true).elsewhere, i < 4) << i;
+TEST_F(ResendWindowTest, SendsItselfWhatComesWhileMoreThanHalfOfWhatMayBeKeptIs) {
+  for (int i = 1; i <= 6; ++i) {
+    const JobHandle sample = job(1000);
+    EXPECT_EQ(window.keep(sample, sample->first, true).elsewhere, i <= 5) << i;
   }
-  window.left(4, now);  // it is not there
-  EXPECT_EQ(send(), numbers(1, 0));
-  for (std::uint64_t i = 1; i <= 3; ++i) window.left(i, now);
-  ack(4);
-  EXPECT_EQ(send(), numbers(4, 4));
+  window.left(6, now);  // it is not there
+  EXPECT_EQ(send(), numbers(6, 6));
+  for (std::uint64_t i = 1; i <= 5; ++i) window.left(i, now);
+  ack(7);
+  const JobHandle small = job(1000), large = job(600'000);
+  EXPECT_TRUE(window.keep(small, small->first, true).elsewhere);
+  EXPECT_FALSE(window.keep(large, large->first, true).elsewhere);
 }
 
 }  // namespace

@@ -66,6 +66,14 @@ def packed(bodies, each, flags=0, marks=b"", padding=b""):
             data + padding)
 
 
+def group_offer(address=0xEFFF1002, ahead=-5):
+    return header(6, at_2=5000, at_8=2) + struct.pack("<IIIq", 1, address, 4, ahead)
+
+
+def group_report(heard=70):
+    return header(7, at_2=0, at_8=2) + struct.pack("<IQ", 1, heard)
+
+
 def rate(period=100_000, ordinal=7):
     return struct.pack("<II", period, ordinal)
 
@@ -76,3 +84,7 @@ def history(reader=0x1_0000_0002, oldest=5):
 
 def channel(ordinal=12):
     return struct.pack("<IIQ", 1, 0, ordinal)
+
+
+def group(ordinal=12):
+    return struct.pack("<IIQ", 2, 0, ordinal)

@@ -6,7 +6,8 @@ import tempfile
 import unittest
 
 import captures
-from captures import ack, channel, first, following, header, heartbeat, history, mark, packed, rate, report
+from captures import (ack, channel, first, following, group, group_offer, group_report, header, heartbeat, history,
+                      mark, packed, rate, report)
 
 
 class DissectorTest(unittest.TestCase):
@@ -32,6 +33,15 @@ class DissectorTest(unittest.TestCase):
               "sft.history.oldest": "5", "sft.channel": "1", "sft.ordinal": "12", "sft.payload": b"body".hex()}),
             (first(flags=0x01, marks=words), {"sft.mask_word": "0x0000000000000005,0x0000000000000001",
                                               "sft.payload": b"body".hex()}),
+            (first(flags=0xC0, marks=group()),
+             {"sft.flags.group": "1", "sft.flags.merged": "1", "sft.group": "2", "sft.group.ordinal": "12",
+              "sft.payload": b"body".hex()}),
+            (first(flags=0xC1, marks=group() + words), {"sft.group.ordinal": "12", "sft.payload": b"body".hex(),
+                                                        "sft.mask_word": "0x0000000000000005,0x0000000000000001"}),
+            (group_offer(), {"sft.kind": "6", "sft.group.port": "5000", "sft.group": "2", "sft.group.member": "1",
+                             "sft.group.address": "239.255.16.2", "sft.channel": "4", "sft.group.ahead": "-5"}),
+            (group_offer(address=0), {"sft.kind": "6", "sft.group.address": "0.0.0.0"}),
+            (group_report(), {"sft.kind": "7", "sft.group": "2", "sft.group.member": "1", "sft.group.heard": "70"}),
             (following(), {"sft.kind": "2", "sft.offset": "1440", "sft.sequence": "9", "sft.payload": b"more".hex()}),
             (heartbeat(), {"sft.kind": "3", "sft.heartbeat.port": "5000", "sft.channel": "9",
                            "sft.heartbeat.first": "4", "sft.heartbeat.end": "9"}),
@@ -66,11 +76,19 @@ class DissectorTest(unittest.TestCase):
             first(total=2),
             first(flags=0x02, marks=rate(period=0)),
             first(flags=0x08, marks=channel(ordinal=0)),
+            first(flags=0x40, marks=group(ordinal=0)),
+            first(flags=0x48, marks=channel() + group()),
+            first(flags=0x40)[:32],
             following(body=b""),
             heartbeat(begin=9, end=4),
             heartbeat() + b"?",
             ack([(6, 5, 1)]),
             ack([(6, 0, 0)])[:-4],
+            group_offer(address=0xE0000001),
+            group_offer()[:-1],
+            group_report(heard=0),
+            group_report() + b"?",
+            packed([b"abcd"], each=4, flags=0x40),
             packed([], each=4),
             packed([b"abcd"], each=4)[:-1],
             packed([b"abcd"], each=4, padding=b"?"),
@@ -88,6 +106,7 @@ class DissectorTest(unittest.TestCase):
         rng = random.Random(1)
         strangers = [rng.randbytes(rng.randrange(0, 300)) for _ in range(200)]
         strangers += [b"\x21" + first()[1:], first(flags=0x10), heartbeat() + b"?", packed([], each=4)]
+        strangers += [group_offer(address=0xE0000001), group_report() + b"?", first(flags=0x48, marks=channel() + group())]
         rows = self.read(strangers, ["sft.kind"])
         taken = [row for row in rows if row["sft.kind"]]
         self.assertLessEqual(len(taken), 2)  # of which the first 16 bytes happen to be right

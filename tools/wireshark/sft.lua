@@ -30,6 +30,13 @@ local f = {
   channel = ProtoField.uint32("sft.channel", "Channel"),
   sequence_high = ProtoField.uint32("sft.sequence_high", "Sequence (high half)"),
   ordinal = ProtoField.uint64("sft.ordinal", "Ordinal"),
+  group = ProtoField.uint32("sft.group", "Multicast group"),
+  group_ordinal = ProtoField.uint64("sft.group.ordinal", "Ordinal in the group"),
+  member = ProtoField.uint32("sft.group.member", "Member"),
+  group_port = ProtoField.uint16("sft.group.port", "Reports go to port"),
+  group_address = ProtoField.ipv4("sft.group.address", "Address of the group"),
+  ahead = ProtoField.int64("sft.group.ahead", "Ordinals of the channel are ahead by"),
+  heard = ProtoField.uint64("sft.group.heard", "Last ordinal that came"),
   mask_word = ProtoField.uint64("sft.mask_word", "Mask word", base.HEX),
   payload = ProtoField.bytes("sft.payload", "Payload"),
   port = ProtoField.uint16("sft.heartbeat.port", "Acks go to port"),
@@ -63,6 +70,8 @@ local flags = {
   { bit = 0x04, name = "history", text = "A history mark follows" },
   { bit = 0x08, name = "channel", text = "A place in a channel follows" },
   { bit = 0x10, name = "lengths", text = "Each sample has its own length" },
+  { bit = 0x40, name = "group", text = "A place in a multicast group follows" },
+  { bit = 0x80, name = "merged", text = "The mask is the union of several" },
 }
 for _, flag in ipairs(flags) do
   flag.field = ProtoField.bool("sft.flags." .. flag.name, flag.text, 8, nil, flag.bit)
@@ -131,8 +140,19 @@ function Cursor:rest(field)
   self.tree:add(field, self:take(self:left()))
 end
 
+-- A sample that is sent to a group has no other mark: each member knows its place in the member's channel.
+local function read_group_mark(c, set)
+  if has(set, 0x02) or has(set, 0x04) or has(set, 0x08) then c:fail("With a place in a group no other mark follows") end
+  local group = c:number(f.group, 4)
+  c:number(f.sequence_high, 4)
+  local ordinal = c:number(f.group_ordinal, 8)
+  if ordinal == UInt64(0) then c:fail("Ordinals count from 1") end
+  return { group = group, group_ordinal = ordinal }
+end
+
 -- What the flags say follows a header, but for the mask's words.
 local function read_marks(c, set)
+  if has(set, 0x40) then return read_group_mark(c, set) end
   if has(set, 0x02) then
     if c:number(f.rate_period, 4) == 0 then c:fail("The period of a gate is not 0") end
     c:number(f.rate_ordinal, 4)
@@ -170,6 +190,7 @@ local function read_mask(c, set)
 end
 
 local function place_text(place)
+  if place.group_ordinal then return string.format(" group=%u ordinal=%s", place.group, tostring(place.group_ordinal)) end
   return place.ordinal and " ordinal=" .. tostring(place.ordinal) or ""
 end
 
@@ -288,14 +309,54 @@ end
 local function read_mark(c) return read_flow(c, false) end
 local function read_report(c) return read_flow(c, true) end
 
+-- Addresses are numbers here like all others: the lowest byte first.
+local function read_address(c)
+  local range = c:take(4)
+  if range == nil then return nil end
+  local number = range:le_uint()
+  local item = c.tree:add_le(f.group_address, range)
+  if number == 0 then
+    item:append_text(" (it is in that group no more)")
+  elseif math.floor(number / 65536) ~= 0xefff then
+    c:fail("Groups are in 239.255.0.0/16")
+  end
+  return number
+end
+
+local function read_group_offer(c)
+  local group = c:number(f.group, 4)
+  local member = c:number(f.member, 4)
+  local address = read_address(c)
+  local channel = c:number(f.channel, 4)
+  local range = c:take(8)
+  if range == nil then return "" end
+  local ahead = range:le_int64()
+  c.tree:add_le(f.ahead, range)
+  if c:left() > 0 then c:fail("A group offer has 32 bytes") end
+  if address == 0 then return string.format("group=%u member=%u no more", group, member) end
+  return string.format("group=%u member=%u channel=%u ahead=%s", group, member, channel, tostring(ahead))
+end
+
+local function read_group_report(c)
+  local group = c:number(f.group, 4)
+  local member = c:number(f.member, 4)
+  local heard = c:number(f.heard, 8)
+  if c.failed then return "" end
+  if heard == UInt64(0) then c:fail("Ordinals count from 1") end
+  if c:left() > 0 then c:fail("A group report has 24 bytes") end
+  return string.format("group=%u member=%u heard=%s", group, member, tostring(heard))
+end
+
 -- By number: what stands at offset 2, which flags may be set, the least bytes, and what reads all behind the writer
 -- (or what stands at offset 4 instead).
 local kinds = {
-  [1] = { name = "first", at_2 = f.variant, flags = 0x0f, bytes = 32, read = read_first },
+  [1] = { name = "first", at_2 = f.variant, flags = 0xcf, bytes = 32, read = read_first },
   [2] = { name = "following", at_2 = f.variant, flags = 0, bytes = 17, read = read_following },
   [3] = { name = "heartbeat", at_2 = f.port, flags = 0, bytes = 32, read = read_heartbeat },
   [4] = { name = "ack", at_2 = f.parts, flags = 0, bytes = 24, read = read_ack },
   [5] = { name = "packed", at_2 = f.variant, flags = 0x19, bytes = 33, read = read_packed },
+  [6] = { name = "group offer", at_2 = f.group_port, flags = 0, bytes = 32, read = read_group_offer },
+  [7] = { name = "group report", at_2 = f.reserved_short, flags = 0, bytes = 24, read = read_group_report },
   [8] = { name = "mark", at_2 = f.port, at_4 = f.flow, flags = 0, bytes = 40, read = read_mark },
   [9] = { name = "report", at_2 = f.reserved_short, at_4 = f.flow, flags = 0, bytes = 40, read = read_report },
 }
@@ -339,12 +400,21 @@ function sft.dissector(buffer, pinfo, root)
   return buffer:len()
 end
 
+-- Of a first datagram.
+local function plausible_flags(set, bytes)
+  if has(set, 0x40) then return bytes >= 48 and not (has(set, 0x02) or has(set, 0x04) or has(set, 0x08)) end
+  return bytes >= 48 or not has(set, 0x08)
+end
+local function plausible_address(address) return address == 0 or math.floor(address / 65536) == 0xefff end
+
 -- What else a datagram would have to be, beside its first bytes, to be taken for one of ours.
 local function plausible(buffer, number)
-  if number == 1 then return (buffer:len() >= 48 or not has(buffer(1, 1):uint(), 0x08)) end
+  if number == 1 then return plausible_flags(buffer(1, 1):uint(), buffer:len()) end
   if number == 3 then return buffer:len() == 32 and buffer(12, 4):le_uint() == 0 end
   if number == 4 then return buffer:len() == 24 + 12 * buffer(2, 2):le_uint() end
   if number == 5 then return buffer(12, 2):le_uint() >= 1 and buffer(12, 2):le_uint() <= 256 end
+  if number == 6 then return buffer:len() == 32 and plausible_address(buffer(16, 4):le_uint()) end
+  if number == 7 then return buffer:len() == 24 end
   if number == 8 or number == 9 then return buffer:len() == 40 end
   return true
 end
