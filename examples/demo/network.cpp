@@ -60,14 +60,12 @@ std::string read_all(int descriptor) {
   return text;
 }
 
-/// A bridge that passes on what the hosts send, multicast only to those that have joined the group, as a managed
-/// switch does: so it has to ask who has, now and then. It adds nothing else: no spanning tree, no IPv6
+/// A bridge that passes on what the hosts send and adds nothing: no spanning tree, no queries, no IPv6
 /// announcements.
 Result<void> switch_on(const NetworkNamespace& network_switch) {
   return network_switch
       .run({"ip", "-batch", "-"},
-           "link add name switch type bridge stp_state 0 mcast_snooping 1 mcast_querier 1 "
-           "mcast_query_response_interval 100\n"
+           "link add name switch type bridge stp_state 0 mcast_snooping 0\n"
            "link set dev switch addrgenmode none\n"
            "link set dev switch up\n")
       // Where the kernel has bridges ask the firewall, that costs more than all the rest.

@@ -13,6 +13,8 @@ Result<std::unique_ptr<RoleNode>> RoleNode::open(const NodePlan& plan) {
       .name = plan.name,
       .domain = plan.domain,
       .transport = plan.transport,
+      // What a subscriber costs is to be seen at its host, and the switch passes multicast on to all of them.
+      .udp = {.multicast = MulticastUse::off},
       // The user's own configuration names interfaces of this machine, which other hosts do not have.
       .cyclonedds_config = "",
       .log = [self = role.get()](LogLevel level, std::string_view text) { self->note(level, text); },

@@ -196,7 +196,7 @@ TEST_F(RandomKill, OfDaemonsNeitherHangsNorHarmsWhoIsInATightLoop) {
     ASSERT_EQ(publisher.line(), "publishing");
     Process subscriber = start_peer({"subscribe", "2"});
     ASSERT_EQ(subscriber.line(), "subscribed");
-    std::atomic<bool> done{false};
+    std::atomic<bool> done{false}, taking{false};
     std::thread writing([&] {
       while (!done) writer.send_frame();
     });
@@ -209,8 +209,10 @@ TEST_F(RandomKill, OfDaemonsNeitherHangsNorHarmsWhoIsInATightLoop) {
         EXPECT_GT(sequence_of(sample), last);
         last = sequence_of(sample);
         held = std::move(sample);
+        taking = true;
       }
     });
+    EXPECT_TRUE(eventually([&] { return taking.load(); }));
     poll(nullptr, 0, static_cast<int>(below(30)));
     ::kill(daemon_pid(), SIGKILL);
     EXPECT_TRUE(eventually([&] { return (*node_).poll() != core::Availability::ready; }));

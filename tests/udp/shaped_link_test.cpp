@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "another_host.h"
@@ -39,15 +40,16 @@ class SmallTopic {
     published_at_.push_back(realtime_ns());
     publisher_.publish(make_image(100));
   }
-  /// Of all that were published since it was asked last; those that were lost took forever.
+  /// Of all that were published since it was asked last, if nearly all came. What two CPUs take off the link,
+  /// the kernel may pass on in another order, and best effort drops what comes behind a newer one.
   std::chrono::nanoseconds p99() {
     std::vector<std::int64_t> times;
     for (const auto& sample : subscriber_.await(published_at_.size(), 1s)) {
       const std::uint64_t number = sample->header().sequence - 1;
       if (number >= done_) times.push_back(sample->receive_stamp_ns - published_at_[number]);
     }
-    times.resize(published_at_.size() - done_, INT64_MAX);
-    done_ = published_at_.size();
+    const std::size_t published = published_at_.size() - std::exchange(done_, published_at_.size());
+    if (times.empty() || (published - times.size()) * 20 > published) return std::chrono::nanoseconds::max();
     std::ranges::sort(times);
     return std::chrono::nanoseconds(times[times.size() * 99 / 100]);
   }
