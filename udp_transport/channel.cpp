@@ -19,15 +19,16 @@ bool Channel::attend() {
 
 Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_once,
                               std::chrono::nanoseconds* patience) {
+  Posted posted;
   std::unique_lock lock(mutex_);
   if (patience != nullptr && !has_room_for(*job)) [[unlikely]] {
     const Time begin = now();
     awaits_room_ = &*job;
     room_.wait_until(lock, begin + *patience, [&] { return has_room_for(*job); });
     awaits_room_ = nullptr;
+    posted.waited = true;
     *patience = std::max(*patience - (now() - begin), std::chrono::nanoseconds{0});
   }
-  Posted posted;
   const std::size_t samples = job->samples();
   posted.kept = window_.keep(std::move(job), first);
   if (at_once) posted.piece = window_.take(posted.kept.ordinal);
@@ -60,10 +61,9 @@ bool Channel::left(std::uint64_t ordinal) {
   return true;
 }
 
-void Channel::finished(const Piece& piece) {
-  const Time time = now();
+void Channel::finished(const Piece& piece, Time now) {
   const std::scoped_lock lock(mutex_);
-  window_.finished(piece, time);
+  window_.finished(piece, now);
 }
 
 void Channel::put_back(const Piece& piece) {

@@ -43,6 +43,7 @@ class Channel {
     std::optional<Piece> piece{};  ///< to be sent by the caller, who then says finished() or put_back()
     bool was_at_rest = false;      ///< the sending thread has to be told of this channel
     bool waits = false;            ///< the sending thread has to be woken
+    bool waited = false;           ///< for room: it is later by now
     ResendWindow::Kept kept{};
   };
   /// `at_once`: the caller would send it. Waits as long as `patience` lasts, which it uses up, until nothing
@@ -55,7 +56,8 @@ class Channel {
   [[nodiscard]] bool left(std::uint64_t ordinal);
   /// What has; else none.
   JobHandle sent_elsewhere(std::uint64_t ordinal);
-  void finished(const Piece& piece);
+  /// It left about `now`.
+  void finished(const Piece& piece, Time now);
   void put_back(const Piece& piece);
   /// Whether the sending thread has to be woken.
   [[nodiscard]] bool hear(const Ack& ack);

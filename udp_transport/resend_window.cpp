@@ -174,8 +174,10 @@ void ResendWindow::finished(const Piece& piece, Time now) {
   if (unanswered_ == 0) plan_heartbeat(now);
 }
 
-/// One that is much longer, as behind a burst, hardly counts.
+/// One that is much longer, as behind a burst, hardly counts. Of two threads that send at the same time one
+/// may have begun before the other and be noted behind it.
 void ResendWindow::learn_pause(Time::duration pause) {
+  pause = std::max(pause, Time::duration{});
   if (usual_pause_ == Time::duration{}) {
     usual_pause_ = pause;
   } else if (pause > usual_pause_) {

@@ -198,7 +198,7 @@ void Sender::advance_channel(Flow& flow) {
       flow.fragments.emplace(flow.piece->body(), flow.destination().datagram_bytes(), flow.piece->range);
     }
     if (send_some(flow) == Progress::some) return;
-    flow.channel->finished(*flow.piece);  // or it is lost, and will be asked for
+    flow.channel->finished(*flow.piece, Clock::now());  // or it is lost, and will be asked for
     flow.piece.reset();
     flow.fragments.reset();
     if (flow.size == Size::large) break;

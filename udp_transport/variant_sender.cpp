@@ -230,10 +230,11 @@ std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane,
   if (lane->is_late()) lane->mark(job);
   if (is_small && !std::exchange(blank_kept_, true) && !job.is_pack()) job.copy_body();
   if (!is_small) keep_for_later(sample);
-  const bool at_once = is_small && may_send_now(channel->destination(), Clock::now());
+  const Clock::time_point now = Clock::now();
+  const bool at_once = is_small && may_send_now(channel->destination(), now);
   const Channel::Posted posted =
       channel->post(blank_, job.first, at_once, patience_.count() == 0 ? nullptr : &patience_);
-  if (posted.piece) send_now(*channel, *posted.piece);
+  if (posted.piece) send_now(*channel, *posted.piece, posted.waited ? Clock::now() : now);
   return note(posted, channel, *lane, job_samples);
 }
 
@@ -253,22 +254,24 @@ std::size_t VariantSender::note(const Channel::Posted& posted, const std::shared
 }
 
 /// One call for a small body; a pack may take some. `would_wait` where the sending thread has to do it.
-SendOutcome VariantSender::send_at_once(const EncodedBody& body, Destination& to, Connection& by) {
+SendOutcome VariantSender::send_at_once(const EncodedBody& body, Destination& to, Connection& by,
+                                        Clock::time_point now) {
   Fragmenter fragments(body, to.datagram_bytes());
   do {
     fragments.next(batch_, batch_bytes_max, body.packed ? to.datagrams_per_call() : batch_datagrams_max);
     if (!body.packed && (!fragments.done() || batch_.datagrams() > to.datagrams_per_call()))
       return SendOutcome::would_wait;
-    if (const auto outcome = send_batch(to, by, Clock::now()); outcome != SendOutcome::sent) return outcome;
+    if (const auto outcome = send_batch(to, by, now); outcome != SendOutcome::sent) return outcome;
   } while (!fragments.done());
   return SendOutcome::sent;
 }
 
 /// What cannot leave at once is for the sending thread.
-void VariantSender::send_now(Channel& channel, const Channel::Piece& piece) {
+void VariantSender::send_now(Channel& channel, const Channel::Piece& piece, Clock::time_point now) {
   Destination& to = channel.destination();
   cut_for_ = 0;
-  if (send_at_once(piece.body(), to, to.connection()) == SendOutcome::sent) return channel.finished(piece);
+  if (send_at_once(piece.body(), to, to.connection(), now) == SendOutcome::sent)
+    return channel.finished(piece, now);
   channel.put_back(piece);
   side_->sender.look_again();
 }
@@ -305,7 +308,7 @@ SendOutcome VariantSender::try_send(Lane& lane, Job& job) {
   Destination& to = lane.destination();
   const Clock::time_point now = Clock::now();
   if (job.is_pack()) {
-    return may_send_now(to, now) ? send_at_once(job.body(), to, to.connection_after(lane.behind()))
+    return may_send_now(to, now) ? send_at_once(job.body(), to, to.connection_after(lane.behind()), now)
                                  : SendOutcome::would_wait;
   }
   if (job.first.total > direct_bytes_max) return SendOutcome::would_wait;

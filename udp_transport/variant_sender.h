@@ -66,9 +66,10 @@ class VariantSender {
                             const core::SampleHandle& sample);
   bool may_send_now(Destination& to, std::chrono::steady_clock::time_point now);
   SendOutcome send_batch(Destination& to, Connection& by, std::chrono::steady_clock::time_point now);
-  void send_now(Channel& channel, const Channel::Piece& piece);
+  void send_now(Channel& channel, const Channel::Piece& piece, std::chrono::steady_clock::time_point now);
   SendOutcome try_send(Lane& lane, Job& job);
-  SendOutcome send_at_once(const EncodedBody& body, Destination& to, Connection& by);
+  SendOutcome send_at_once(const EncodedBody& body, Destination& to, Connection& by,
+                           std::chrono::steady_clock::time_point now);
   void describe(const Group& group, const core::SampleBuffer& sample, Job& job) const;
   bool enqueue(const std::shared_ptr<Lane>& lane);
 

@@ -51,9 +51,11 @@ using Contender = std::unique_ptr<Peer> (*)();
 std::unique_ptr<Peer> sft_peer();
 std::unique_ptr<Peer> cyclone_peer();
 std::unique_ptr<Peer> fast_dds_peer();
-// For bulk samples and called readers only, from the first of two hosts to the second one:
-/// Trains of datagrams by UDP GSO and GRO, and one acknowledgement for each sample, which write() waits for.
+// For called readers only, from the first of two hosts to the second one:
+/// Bulk samples: trains of datagrams by UDP GSO and GRO, and one acknowledgement for each sample, which
+/// write() waits for. Small ones: a datagram each, and what the receiver has no room for is lost.
 std::unique_ptr<Peer> raw_udp_peer();
+/// Bulk samples only.
 std::unique_ptr<Peer> raw_tcp_peer();
 
 }  // namespace sft::bench

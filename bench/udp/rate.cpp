@@ -28,9 +28,10 @@ std::vector<Figure> rate(const Scale& scale) {
   Load spans = single;
   spans.topic.batching = true;
   spans.together = together;
-  StreamRounds ours, cyclone, fast_dds, ours_span, cyclone_batches;
+  StreamRounds ours, raw, cyclone, fast_dds, ours_span, cyclone_batches;
   for (int round = 0; round < scale.rounds; ++round) {
     ours.run(sft_peer, single, hosts);
+    raw.run(raw_udp_peer, single, hosts);
     cyclone.run(cyclone_peer, single, hosts);
     fast_dds.run(fast_dds_peer, single, hosts);
     ours_span.run(sft_peer, spans, hosts);
@@ -38,6 +39,7 @@ std::vector<Figure> rate(const Scale& scale) {
   }
   return {rate_figure("rate_64B", ours, cyclone, "Cyclone DDS", 2),
           rate_figure("rate_64B_vs_fast_dds", ours, fast_dds, "Fast DDS", 1),
+          rate_figure("rate_64B_vs_raw", ours, raw, "a system call for each datagram", {}),
           {"rate_64B_lost", ours.lost(), "", {}, "of all samples published", 0},
           rate_figure("rate_64B_span", ours_span, cyclone_batches, "Cyclone DDS, write batching", 3000, true),
           {"rate_64B_span_lost", ours_span.lost(), "", {}, "of all samples published", 0}};

@@ -1,12 +1,14 @@
-// The least that a transfer by UDP takes: each system call hands over a train of datagrams, which the kernel
-// cuts (GSO) and puts together again (GRO), straight from and into the sample's memory. Whoever sends waits
-// for the acknowledgement of a sample, so that none is lost to a full buffer.
+// The least that a transfer by UDP takes. Large samples: each system call hands over a train of datagrams,
+// which the kernel cuts (GSO) and puts together again (GRO), straight from and into the sample's memory.
+// Whoever sends waits for the acknowledgement of a sample, so that none is lost to a full buffer. Small ones:
+// a datagram and a system call for each at either end, and nobody waits for anything.
 #include <arpa/inet.h>
 #include <netinet/udp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
@@ -23,6 +25,7 @@ namespace {
 constexpr std::uint16_t port = 45'901;
 constexpr int segment_bytes = 1472;  // an MTU of 1500 without the headers of IPv4 and UDP
 constexpr std::size_t train_bytes = 44 * segment_bytes;
+constexpr std::size_t small_datagram_bytes = 112;  // as with our headers
 constexpr std::size_t received_bytes_max = 65'536;
 constexpr int buffer_bytes = 16 << 20;
 constexpr std::uint64_t again = 0;  // instead of a number: begin the sample from the start
@@ -39,16 +42,20 @@ int udp_socket(std::uint16_t local_port) {
   return fd;
 }
 
+void connect_to_receiver(int fd) {
+  sockaddr_in peer{};
+  peer.sin_family = AF_INET;
+  peer.sin_port = htons(port);
+  peer.sin_addr.s_addr = TwoHosts::receiver_address();
+  if (connect(fd, reinterpret_cast<const sockaddr*>(&peer), sizeof peer) != 0) std::abort();
+}
+
 /// Without an acknowledgement it says that it begins again.
 class RawUdpWriter : public Writer {
  public:
   explicit RawUdpWriter(const Topic& topic) : sample_(topic.bulk_bytes, std::byte{1}) {
-    sockaddr_in peer{};
-    peer.sin_family = AF_INET;
-    peer.sin_port = htons(port);
-    peer.sin_addr.s_addr = TwoHosts::receiver_address();
     setsockopt(socket_, SOL_UDP, UDP_SEGMENT, &segment_bytes, sizeof segment_bytes);
-    if (connect(socket_, reinterpret_cast<const sockaddr*>(&peer), sizeof peer) != 0) std::abort();
+    connect_to_receiver(socket_);
   }
   ~RawUdpWriter() override { close(socket_); }
   RawUdpWriter(const RawUdpWriter&) = delete;
@@ -121,12 +128,62 @@ class RawUdpReader : public Reader {
   std::thread thread_;
 };
 
+class RawDatagramWriter : public Writer {
+ public:
+  RawDatagramWriter() { connect_to_receiver(socket_); }
+  ~RawDatagramWriter() override { close(socket_); }
+  RawDatagramWriter(const RawDatagramWriter&) = delete;
+  RawDatagramWriter& operator=(const RawDatagramWriter&) = delete;
+
+  std::size_t readers() const override { return 1; }
+  void write(std::uint64_t number) override {
+    std::memcpy(datagram_.data(), &number, sizeof number);
+    send(socket_, datagram_.data(), datagram_.size(), 0);
+  }
+
+ private:
+  const int socket_ = udp_socket(0);
+  std::array<std::byte, small_datagram_bytes> datagram_{};
+};
+
+class RawDatagramReader : public Reader {
+ public:
+  explicit RawDatagramReader(Arrived arrived) : arrived_(std::move(arrived)) {}
+  ~RawDatagramReader() override {
+    over_ = true;
+    thread_.join();
+    close(socket_);
+  }
+  RawDatagramReader(const RawDatagramReader&) = delete;
+  RawDatagramReader& operator=(const RawDatagramReader&) = delete;
+
+  std::size_t writers() const override { return 1; }
+
+ private:
+  void receive() {
+    while (!over_) {
+      std::array<std::byte, small_datagram_bytes> datagram;
+      if (recv(socket_, datagram.data(), datagram.size(), 0) <= 0) continue;
+      std::uint64_t number = 0;
+      std::memcpy(&number, datagram.data(), sizeof number);
+      arrived_(number);
+    }
+  }
+
+  const int socket_ = udp_socket(port);
+  const Arrived arrived_;
+  std::atomic<bool> over_{false};
+  std::thread thread_{[this] { receive(); }};
+};
+
 class RawUdpPeer : public Peer {
  public:
   std::unique_ptr<Writer> writer(const Topic& topic) override {
+    if (topic.bulk_bytes == 0) return std::make_unique<RawDatagramWriter>();
     return std::make_unique<RawUdpWriter>(topic);
   }
   std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
+    if (topic.bulk_bytes == 0) return std::make_unique<RawDatagramReader>(std::move(arrived));
     return std::make_unique<RawUdpReader>(topic, std::move(arrived));
   }
 };

@@ -61,7 +61,8 @@ class FanOutTest : public testing::Test {
   /// Sends what waits in the channel.
   Heartbeat heartbeat() {
     for (const auto size : {ResendWindow::Size::small, ResendWindow::Size::large}) {
-      while (const auto piece = channel_->next(size)) channel_->finished(*piece);
+      while (const auto piece = channel_->next(size))
+        channel_->finished(*piece, std::chrono::steady_clock::now());
     }
     return channel_->look_after().heartbeat.value();
   }

@@ -143,7 +143,7 @@ TEST_F(MulticastGroupTest, IsOverWhenSomethingElseTookAPlaceInAChannel) {
 TEST_F(MulticastGroupTest, TellsOfWhatLeavesOnceTheSendingThreadHasLooked) {
   all_report();
   Channel& channel = *group->members()[0].channel;
-  channel.finished(channel.next(ResendWindow::Size::small).value());
+  channel.finished(channel.next(ResendWindow::Size::small).value(), std::chrono::steady_clock::now());
   ASSERT_TRUE(channel.look_after().heartbeat);
   static_cast<void>(channel.hear({.writer = writer, .channel = 1, .next = 2}));
   ASSERT_TRUE(channel.look_after().at_rest);
