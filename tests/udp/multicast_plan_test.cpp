@@ -13,7 +13,7 @@
 namespace sft::udp {
 namespace {
 
-constexpr MaskSet A = 1, B = 2, C = 4;
+constexpr MaskSet A = 1, B = 2;
 constexpr double often = 1e6;  // samples per second: whatever is saved is worth it
 
 /// Bodies whose masks have nothing in common.
