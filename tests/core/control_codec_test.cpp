@@ -98,7 +98,8 @@ TEST(ControlCodecTest, SamplesThatNameNothingAreRefused) {
 TEST(ControlCodecTest, PoliciesThatDoNotExistAreRefused) {
   const auto refused = [](auto spoil) {
     ControlStorage storage;
-    sft_control_Endpoint sample = to_dds(endpoint(), storage);
+    const Endpoint e = endpoint();  // the sample refers to it
+    sft_control_Endpoint sample = to_dds(e, storage);
     spoil(sample.qos);
     return !from_dds(sample);
   };
@@ -120,9 +121,10 @@ TEST(ControlCodecTest, AddressesWithoutPortAreLeftOut) {
 TEST(ControlCodecTest, AddressesOfUnknownFamiliesAndOfNoSocketAreLeftOut) {
   const auto left_out = [](auto spoil) {
     ControlStorage storage;
-    sft_control_Endpoint sample = to_dds(endpoint(), storage);
+    const Endpoint e = endpoint();  // the sample refers to it
+    sft_control_Endpoint sample = to_dds(e, storage);
     spoil(storage.addresses[0]);
-    return from_dds(sample)->addresses == std::vector(1, endpoint().addresses[1]);
+    return from_dds(sample)->addresses == std::vector(1, e.addresses[1]);
   };
   EXPECT_TRUE(left_out([](auto& locator) { locator.family = 5; }));
   EXPECT_TRUE(left_out([](auto& locator) { locator.family = 6; })) << "it is one of IPv4";

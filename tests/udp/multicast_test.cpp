@@ -99,6 +99,7 @@ class MulticastTest : public TransportTest {
     for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(sequences[i], processes_[process].since + 1 + i);
   }
 
+  std::atomic<bool> deaf_{false};  ///< outlives the transport that looks at it
   std::unique_ptr<core::Transport> writer_;
   std::unique_ptr<Publisher> publisher_;
   std::vector<Process> processes_;
@@ -175,15 +176,14 @@ TEST_P(MulticastTest, FollowsMasksThatChange) {
 
 /// It is as if its switch had forgotten it.
 TEST_P(MulticastTest, ServesAloneAgainWhoHearsNothingMore) {
-  std::atomic<bool> deaf{false};
   add("*", true);
-  add("*", true, [&](DatagramIo io) {
-    io.receiver = std::make_unique<test::DeafReceiver>(std::move(io.receiver), deaf);
+  add("*", true, [this](DatagramIo io) {
+    io.receiver = std::make_unique<test::DeafReceiver>(std::move(io.receiver), deaf_);
     return io;
   });
   serve();
   ASSERT_TRUE(come_together());
-  deaf = true;
+  deaf_ = true;
   ASSERT_TRUE(eventually([this] {
     publish_in_turn();
     return !hears(2);
@@ -191,7 +191,7 @@ TEST_P(MulticastTest, ServesAloneAgainWhoHearsNothingMore) {
   EXPECT_TRUE(hears(1));
   expect_all_of(0);
   expect_all_of(1);
-  deaf = false;
+  deaf_ = false;
   EXPECT_TRUE(come_together());
   expect_all_of(1);
 }
