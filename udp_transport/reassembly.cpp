@@ -1,37 +1,16 @@
 #include "udp_transport/reassembly.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <utility>
 
 #include "sft/typesupport/walk.h"
 #include "udp_transport/offered_groups.h"
+#include "udp_transport/recent_labels.h"
 
 namespace sft::udp {
 
 namespace {
-
-/// Labels of the samples that were finished last, one way or the other: what still comes of them is no news.
-class RecentLabels {
- public:
-  RecentLabels() { keys_.fill(no_key); }
-  bool contains(const SampleLabel& label) const {
-    return std::find(keys_.begin(), keys_.end(), key(label)) != keys_.end();
-  }
-  void add(const SampleLabel& label) {
-    keys_[next_] = key(label);
-    next_ = (next_ + 1) % keys_.size();
-  }
-
- private:
-  static constexpr std::uint64_t no_key = UINT64_MAX;
-  static std::uint64_t key(const SampleLabel& label) {
-    return std::uint64_t{label.sequence} << 16 | label.variant;
-  }
-  std::array<std::uint64_t, 64> keys_;
-  std::size_t next_ = 0;
-};
 
 constexpr std::size_t left_writers_max = 256;
 
@@ -57,26 +36,14 @@ std::uint64_t sequence_of(const FirstHeader& first, std::uint64_t newest) {
   return widen_sequence(newest, first.label.sequence);
 }
 
-bool equals(const FieldMask& mask, std::span<const std::byte> words) {
-  for (std::size_t i = 0; i < mask.words(); ++i) {
-    if (mask.word(i) != load_word(&words[i * sizeof(std::uint64_t)])) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 struct Reassembly::Incoming {
-  struct Wanted {
-    FieldMask mask;
-    std::uint64_t hash;
-  };
-
   core::EndpointId writer = 0;
   const TypeSupport* type = nullptr;
   std::size_t place = 0;         ///< in set_streams()
   std::size_t sample_bytes = 0;  ///< most that a body may have
-  std::vector<Wanted> wanted;
+  WantedMasks wanted;
   std::uint64_t newest = 0;                                   ///< sequence completed
   std::vector<std::unique_ptr<UnfinishedSample>> unfinished;  ///< in the order in which they began
   std::size_t unfinished_bytes = 0;                           ///< of those that are described
@@ -84,8 +51,7 @@ struct Reassembly::Incoming {
   std::unique_ptr<ArrivalWindow> window;    ///< null unless it is wanted reliably
   std::optional<SocketAddress> acks_go_to;  ///< as its last heartbeat said
   OfferedGroups groups;
-  RecentLabels elsewhere;         ///< of groups that were not offered: these come otherwise
-  std::vector<FieldMask> merged;  ///< unions that were met lately, each of something that is wanted
+  RecentLabels elsewhere;  ///< of groups that were not offered: these come otherwise
 
   /// Searched from the end: datagrams of the newest are the most likely.
   UnfinishedSample* find(const SampleLabel& label) const {
@@ -93,41 +59,6 @@ struct Reassembly::Incoming {
                                     [&](const auto& sample) { return sample->label() == label; });
     return found == unfinished.rend() ? nullptr : found->get();
   }
-
-  /// The wanted mask that a datagram names, if any. Takes the words off the payload.
-  Named named_mask(Datagram& d) {
-    std::span<const std::byte> words;
-    if ((d.first.flags & mask_words_follow) != 0) {
-      const std::size_t bytes = (type->leaves() + 63) / 64 * sizeof(std::uint64_t);
-      if (type->leaves() <= 64 || d.payload.size() < bytes) return {.malformed = true};
-      words = d.payload.first(bytes);
-      d.payload = d.payload.subspan(bytes);
-    }
-    if ((d.first.flags & merged_masks) != 0) return merged_mask(d, words);
-    const auto found = std::find_if(wanted.begin(), wanted.end(), [&](const Wanted& w) {
-      return w.hash == d.first.mask && (words.empty() || equals(w.mask, words));
-    });
-    return {.mask = found == wanted.end() ? nullptr : &found->mask};
-  }
-
-  /// The union that it names, if it contains some wanted mask.
-  Named merged_mask(const Datagram& d, std::span<const std::byte> words) {
-    const auto known = std::ranges::find_if(merged, [&](const FieldMask& mask) {
-      return mask.hash() == d.first.mask && (words.empty() || equals(mask, words));
-    });
-    if (known != merged.end()) return {.mask = &*known};
-    if (words.empty() != (type->leaves() <= 64)) return {.malformed = true};
-    std::vector<std::uint64_t> bits{d.first.mask};
-    if (!words.empty()) bits.resize(words.size() / sizeof(std::uint64_t));
-    for (std::size_t i = 0; i < words.size() / sizeof(std::uint64_t); ++i)
-      bits[i] = load_word(&words[i * sizeof(std::uint64_t)]);
-    FieldMask mask = FieldMask::from_words(type->leaves(), bits);
-    if (mask.hash() != d.first.mask || type->closed(mask) != mask) return {.malformed = true};
-    if (std::ranges::none_of(wanted, [&](const Wanted& w) { return mask.contains(w.mask); })) return {};
-    if (merged.size() == merged_max) merged.erase(merged.begin());
-    return {.mask = &merged.emplace_back(std::move(mask))};
-  }
-  static constexpr std::size_t merged_max = 8;
 };
 
 Reassembly::Reassembly(const ReassemblyLimits& limits, std::shared_ptr<core::BufferPool> pool)
@@ -157,9 +88,7 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
     in->type = stream.type;
     in->place = place;
     in->sample_bytes = std::min(announced, limits_.sample_bytes);
-    in->wanted.clear();
-    in->merged.clear();
-    for (const FieldMask& mask : stream.masks) in->wanted.push_back({mask, mask.hash()});
+    in->wanted.set(*stream.type, stream.masks);
     if (!stream.reliable) close_window(*in);
     if (stream.reliable && in->window == nullptr) open_window(*in);
     windows_ += stream.reliable ? 1 : 0;
@@ -205,7 +134,7 @@ Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, Arrival
   }
   if (following) return accept_following(*in, *following, now);
   if ((d->first.flags & group_follows) != 0 && !place(*in, *d, now.steady)) return {};
-  const Named named = in->named_mask(*d);
+  const WantedMasks::Named named = in->wanted.named_by(*d);
   return d->kind == DatagramKind::first ? accept_first(*in, *d, named, now)
                                         : accept_packed(*in, *d, named, now);
 }
@@ -218,8 +147,8 @@ Reassembly::Incoming* Reassembly::find(std::uint32_t writer) {
 }
 
 /// As if each sample had come by itself.
-Reassembly::Arrival Reassembly::accept_packed(Incoming& in, const Datagram& packed, const Named& named,
-                                              ArrivalTime now) {
+Reassembly::Arrival Reassembly::accept_packed(Incoming& in, const Datagram& packed,
+                                              const WantedMasks::Named& named, ArrivalTime now) {
   PackedBodies bodies(packed);
   if (named.malformed || !bodies.sound()) {
     ++counters_.malformed;
@@ -244,7 +173,7 @@ Reassembly::Arrival Reassembly::accept_packed(Incoming& in, const Datagram& pack
   return arrival;
 }
 
-Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, const Named& named,
+Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, const WantedMasks::Named& named,
                                              ArrivalTime now) {
   ArrivalWindow::Met met{ArrivalWindow::Standing::wanted, 0};
   if (in.window != nullptr && (d.first.flags & channel_follows) != 0) {
@@ -402,7 +331,7 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
 }
 
 /// Checks what a first datagram claims, before anything is allocated, and takes the memory for it.
-Reassembly::Refusal Reassembly::describe(Incoming& in, const Datagram& d, const Named& named,
+Reassembly::Refusal Reassembly::describe(Incoming& in, const Datagram& d, const WantedMasks::Named& named,
                                          std::uint64_t place, core::SampleHandle& buffer) {
   if (named.malformed) return Refusal::malformed;
   if (named.mask == nullptr) return Refusal::unwanted;

@@ -19,6 +19,7 @@
 #include "udp_transport/datagram.h"
 #include "udp_transport/datagram_io.h"
 #include "udp_transport/unfinished_sample.h"
+#include "udp_transport/wanted_masks.h"
 
 namespace sft::udp {
 
@@ -92,13 +93,9 @@ class Reassembly {
   struct Incoming;  ///< what is known of one writer
   enum class Refusal : std::uint8_t { none, malformed, unwanted, over_limit };
 
-  struct Named {                      ///< by a datagram
-    const FieldMask* mask = nullptr;  ///< null: one that nobody wants
-    bool malformed = false;
-  };
   Incoming* find(std::uint32_t writer);
-  Arrival accept_first(Incoming& in, const Datagram& d, const Named& named, ArrivalTime now);
-  Arrival accept_packed(Incoming& in, const Datagram& d, const Named& named, ArrivalTime now);
+  Arrival accept_first(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now);
+  Arrival accept_packed(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now);
   bool place(Incoming& in, Datagram& d, Time now);
   Arrival accept_following(Incoming& in, const Following& d, ArrivalTime now);
   Arrival proceed(Incoming& in, UnfinishedSample& sample, bool well_formed, ArrivalTime now);
@@ -113,7 +110,7 @@ class Reassembly {
   void open_window(Incoming& in);
   void close_window(Incoming& in);
 
-  Refusal describe(Incoming& in, const Datagram& d, const Named& named, std::uint64_t place,
+  Refusal describe(Incoming& in, const Datagram& d, const WantedMasks::Named& named, std::uint64_t place,
                    core::SampleHandle& buffer);
   core::SampleHandle take_buffer(Incoming& in, const Datagram& d);
   core::SampleHandle take_reliable_buffer(Incoming& in, const Datagram& d);

@@ -23,10 +23,10 @@ struct Faults {
   double swap = 0;  ///< with the datagram after it
 };
 
-class FaultyReceiver final : public DatagramReceiver, private DatagramSink {
+/// Passes everything on; the base of receivers that look at what comes, or lose some of it.
+class PassingReceiver : public DatagramReceiver, private DatagramSink {
  public:
-  FaultyReceiver(std::unique_ptr<DatagramReceiver> inner, const Faults& faults, unsigned seed)
-      : inner_(std::move(inner)), faults_(faults), random_(seed) {}
+  explicit PassingReceiver(std::unique_ptr<DatagramReceiver> inner) : inner_(std::move(inner)) {}
 
   bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
     sink_ = &sink;
@@ -40,59 +40,55 @@ class FaultyReceiver final : public DatagramReceiver, private DatagramSink {
   void wake() noexcept override { inner_->wake(); }
   void finish() noexcept override { inner_->finish(); }
 
+ protected:
+  void pass_on(std::span<const std::byte> bytes, const SocketAddress& from) { sink_->datagram(bytes, from); }
+
+ private:
+  void begin(ArrivalTime now) noexcept override { sink_->begin(now); }
+  void end() noexcept override { sink_->end(); }
+
+  std::unique_ptr<DatagramReceiver> inner_;
+  DatagramSink* sink_ = nullptr;
+};
+
+class FaultyReceiver final : public PassingReceiver {
+ public:
+  FaultyReceiver(std::unique_ptr<DatagramReceiver> inner, const Faults& faults, unsigned seed)
+      : PassingReceiver(std::move(inner)), faults_(faults), random_(seed) {}
+
  private:
   bool happens(double probability) { return std::uniform_real_distribution<>()(random_) < probability; }
 
-  void begin(ArrivalTime now) noexcept override { sink_->begin(now); }
-  void end() noexcept override { sink_->end(); }
   void datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept override {
     if (happens(faults_.loss)) return;
     if (!held_ && happens(faults_.swap)) {
       held_.emplace(bytes.begin(), bytes.end());
       return;
     }
-    sink_->datagram(bytes, from);
-    if (happens(faults_.repetition)) sink_->datagram(bytes, from);
-    if (held_) sink_->datagram(*std::exchange(held_, {}), from);
+    pass_on(bytes, from);
+    if (happens(faults_.repetition)) pass_on(bytes, from);
+    if (held_) pass_on(*std::exchange(held_, {}), from);
   }
 
-  std::unique_ptr<DatagramReceiver> inner_;
   Faults faults_;
   std::mt19937 random_;
   std::optional<std::vector<std::byte>> held_;
-  DatagramSink* sink_ = nullptr;
 };
 
 /// While it is deaf it hears nothing that was sent to a group.
-class DeafReceiver final : public DatagramReceiver, private DatagramSink {
+class DeafReceiver final : public PassingReceiver {
  public:
   DeafReceiver(std::unique_ptr<DatagramReceiver> inner, const std::atomic<bool>& deaf)
-      : inner_(std::move(inner)), deaf_(deaf) {}
-
-  bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
-    sink_ = &sink;
-    return inner_->receive(*this, deadline, spin);
-  }
-  bool receive_now(DatagramSink& sink) noexcept override {
-    sink_ = &sink;
-    return inner_->receive_now(*this);
-  }
-  Descriptors descriptors() const noexcept override { return inner_->descriptors(); }
-  void wake() noexcept override { inner_->wake(); }
-  void finish() noexcept override { inner_->finish(); }
+      : PassingReceiver(std::move(inner)), deaf_(deaf) {}
 
  private:
-  void begin(ArrivalTime now) noexcept override { sink_->begin(now); }
-  void end() noexcept override { sink_->end(); }
   void datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept override {
     const auto d = parse(bytes);
     const bool of_group = d && d->kind == DatagramKind::first && (d->first.flags & group_follows) != 0;
-    if (!deaf_ || !of_group) sink_->datagram(bytes, from);
+    if (!deaf_ || !of_group) pass_on(bytes, from);
   }
 
-  std::unique_ptr<DatagramReceiver> inner_;
   const std::atomic<bool>& deaf_;
-  DatagramSink* sink_ = nullptr;
 };
 
 /// Passes everything on; the base of connections with faults.

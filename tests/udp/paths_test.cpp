@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "endpoints.h"
+#include "faulty_io.h"
 #include "tests/support/isolated_host.h"
 #include "udp_transport/interfaces.h"
 #include "udp_transport/udp_transport.h"
@@ -29,33 +30,18 @@ void run(const std::string& commands) {
 }
 
 /// Notes how long the longest datagram is that comes.
-class LengthWatch final : public DatagramReceiver, private DatagramSink {
+class LengthWatch final : public test::PassingReceiver {
  public:
   LengthWatch(std::unique_ptr<DatagramReceiver> inner, std::atomic<std::size_t>& longest)
-      : inner_(std::move(inner)), longest_(longest) {}
-  bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
-    sink_ = &sink;
-    return inner_->receive(*this, deadline, spin);
-  }
-  bool receive_now(DatagramSink& sink) noexcept override {
-    sink_ = &sink;
-    return inner_->receive_now(*this);
-  }
-  Descriptors descriptors() const noexcept override { return inner_->descriptors(); }
-  void wake() noexcept override { inner_->wake(); }
-  void finish() noexcept override { inner_->finish(); }
+      : PassingReceiver(std::move(inner)), longest_(longest) {}
 
  private:
-  void begin(ArrivalTime now) noexcept override { sink_->begin(now); }
   void datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept override {
     longest_ = std::max(longest_.load(), bytes.size());
-    sink_->datagram(bytes, from);
+    pass_on(bytes, from);
   }
-  void end() noexcept override { sink_->end(); }
 
-  std::unique_ptr<DatagramReceiver> inner_;
   std::atomic<std::size_t>& longest_;
-  DatagramSink* sink_ = nullptr;
 };
 
 /// Addresses are in use at once: nobody looks for others that have them.
