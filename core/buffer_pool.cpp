@@ -1,5 +1,7 @@
 #include "core/buffer_pool.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <bit>
 #include <new>
@@ -24,8 +26,26 @@ constexpr std::size_t class_for(std::size_t bytes) {
   return bytes <= capacity_of(below) ? below : below + 1;
 }
 
+constexpr std::size_t huge_page_bytes = std::size_t{2} << 20;
+
+constexpr std::align_val_t alignment_of(std::size_t capacity) {
+  return std::align_val_t{capacity < huge_page_bytes ? 64 : huge_page_bytes};
+}
+
+/// Large ones lie in huge pages, where the system has them: copying from and to cold memory is faster there.
+std::byte* allocate(std::size_t capacity) noexcept {
+  auto* data = static_cast<std::byte*>(::operator new(capacity, alignment_of(capacity), std::nothrow));
+  if (data != nullptr && capacity >= huge_page_bytes)
+    ::madvise(data, capacity / huge_page_bytes * huge_page_bytes, MADV_HUGEPAGE);
+  return data;
+}
+
+void release(std::byte* data, std::size_t capacity) noexcept {
+  ::operator delete(data, alignment_of(capacity));
+}
+
 void destroy(SampleBuffer* buffer) noexcept {
-  ::operator delete (buffer->data, std::align_val_t{64});
+  release(buffer->data, buffer->capacity);
   delete buffer;
 }
 
@@ -98,9 +118,9 @@ SampleBuffer* BufferPool::make_buffer(std::size_t capacity) noexcept {
     held_bytes_ += capacity;
   }
   auto* buffer = new (std::nothrow) SampleBuffer;
-  auto* data = static_cast<std::byte*>(::operator new (capacity, std::align_val_t{64}, std::nothrow));
+  std::byte* const data = allocate(capacity);
   if (buffer == nullptr || data == nullptr) {
-    ::operator delete (data, std::align_val_t{64});
+    release(data, capacity);
     delete buffer;
     const std::scoped_lock lock(mutex_);
     held_bytes_ -= capacity;

@@ -62,6 +62,7 @@ struct Endpoint {
   std::vector<UdpAddress> addresses;
   DoorbellAddress doorbell;
   std::uint64_t max_sample_bytes = 0;
+  bool waits = false;
   Qos qos;
   Request request;
   friend bool operator==(const Endpoint&, const Endpoint&) = default;

@@ -124,6 +124,7 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.doorbell_page = endpoint.doorbell.page;
   out.doorbell_slot = endpoint.doorbell.slot;
   out.max_sample_bytes = endpoint.max_sample_bytes;
+  out.waits = endpoint.waits;
   out.qos = to_dds(endpoint.qos);
   out.request = to_dds(endpoint.request);
   return out;
@@ -181,6 +182,7 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   }
   out.doorbell = {in.doorbell_page, in.doorbell_slot};
   out.max_sample_bytes = in.max_sample_bytes;
+  out.waits = in.waits;
   out.qos = *qos;
   out.request = {.reader = in.id,
                  .sequence = in.request.request_sequence,

@@ -179,6 +179,7 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   Endpoint endpoint = new_endpoint(Role::writer, topic, type, options.transport);
   endpoint.qos = *qos;
   endpoint.max_sample_bytes = options.max_sample_bytes;
+  endpoint.waits = options.max_blocking.count() > 0;
   if (auto fits = keep_ways_for(endpoint); !fits) return tl::unexpected(fits.error());
   std::shared_ptr<WriterPort> udp;
   if (endpoint.may_use_udp) {
@@ -272,7 +273,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
       return tl::unexpected(port.error());
     }
     reader.udp = std::move(*port);
-    reader.udp->accept({{requirement.mask, endpoint.request.min_period_us}});
+    reader.udp->accept({{.wanted = {requirement.mask, endpoint.request.min_period_us}}});
     reader.core->set_port(TransportKind::udp, reader.udp);
   }
   const std::shared_ptr<SubscriberCore> core = reader.core;

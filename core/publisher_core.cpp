@@ -190,9 +190,11 @@ PublishStatus PublisherCore::publish(const void* value) {
 PublishedSpan PublisherCore::publish(const void* values, std::size_t count, std::size_t stride) {
   const auto* value = static_cast<const std::byte*>(values);
   PublishedSpan all;
+  bool goes_on = false;
   while (count > 0) {
     const std::size_t some = std::min(count, span_at_once);
-    const PublishedSpan published = publish_some(value, some, stride);
+    const PublishedSpan published = publish_some(value, some, stride, goes_on);
+    goes_on = true;
     all.published += published.published;
     if (all.status == PublishStatus::ok) all.status = published.status;
     value += some * stride;
@@ -202,7 +204,8 @@ PublishedSpan PublisherCore::publish(const void* values, std::size_t count, std:
 }
 
 /// In one call, as far as whoever changes the outlets can tell.
-PublishedSpan PublisherCore::publish_some(const std::byte* values, std::size_t count, std::size_t stride) {
+PublishedSpan PublisherCore::publish_some(const std::byte* values, std::size_t count, std::size_t stride,
+                                          bool goes_on) {
   const CallCount::Call call(calls_);
   const Outlets& outlets = this->outlets();
   if (!outlets.is_wanted) {
@@ -211,7 +214,7 @@ PublishedSpan PublisherCore::publish_some(const std::byte* values, std::size_t c
   }
   const std::int64_t stamp_ns = realtime_ns();
   PublishedSpan done;
-  if (udp_ != nullptr) udp_->hold();
+  if (udp_ != nullptr) udp_->hold(goes_on);
   for (std::size_t i = 0; i < count; ++i) {
     const PublishStatus status =
         admit(outlets, stamp_ns) ? encode_and_send(outlets, values + i * stride, stamp_ns) : withhold();

@@ -103,7 +103,7 @@ class PublisherCore {
   std::uint32_t whole_bytes(const void* value, std::uint32_t encoded_bytes, std::int64_t stamp_ns) noexcept;
   bool admit(const Outlets& outlets, std::int64_t stamp_ns) const noexcept;
   std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;
-  PublishedSpan publish_some(const std::byte* values, std::size_t count, std::size_t stride);
+  PublishedSpan publish_some(const std::byte* values, std::size_t count, std::size_t stride, bool goes_on);
   PublishStatus encode_and_send(const Outlets& outlets, const void* value, std::int64_t stamp_ns);
   PublishStatus no_memory(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void count_refusal(const Outlets& outlets, std::uint32_t body_bytes) noexcept;

@@ -9,8 +9,6 @@ namespace sft::core {
 
 namespace {
 
-constexpr std::size_t accepted_max = 16;
-constexpr std::chrono::seconds in_flight_max{2};  // what was sent longer ago does not come any more
 constexpr std::chrono::milliseconds tick_quiet{50};
 constexpr std::chrono::milliseconds look_at_addresses_every{200};  // costs one call while all stays
 constexpr std::chrono::milliseconds tick_while_attaching{1};
@@ -89,7 +87,9 @@ void Reconciler::add_reader(const Endpoint& endpoint, NewReader reader) {
   added.recorder = std::move(reader.recorder);
   added.udp = std::move(reader.udp);
   added.requested = endpoint.qos;
-  added.accepted = {{{added.core->spec().requirement.mask, endpoint.request.min_period_us}}};
+  added.accepted = AcceptedRequests({added.core->spec().requirement.mask, endpoint.request.min_period_us},
+                                    endpoint.qos.reliability == Reliability::reliable);
+  accept(added);
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
   announce(endpoint.id);
@@ -129,7 +129,7 @@ void Reconciler::requirement_changed(EndpointId id) {
   const TypeSupport& type = reader->second.core->type();
   const FieldMask mask = type.closed(reader->second.recorder->required());
   if (!negotiation_.requirement_changed(id, mask)) return;
-  asks_for(reader->second, {mask, reader->second.accepted.back().wanted.min_period_us});
+  asks_for(reader->second, {mask, reader->second.accepted.latest().min_period_us});
   request_changed(id);
 }
 
@@ -139,31 +139,22 @@ void Reconciler::rate_changed(EndpointId id) {
   reader->second.has_news = true;  // status() says it already
   const std::uint32_t min_period_us = reader->second.core->min_period_us();
   if (!negotiation_.rate_changed(id, min_period_us)) return;
-  asks_for(reader->second, {reader->second.accepted.back().wanted.mask, min_period_us});
+  asks_for(reader->second, {reader->second.accepted.latest().mask, min_period_us});
   request_changed(id);
 }
 
-/// From now on, and no longer for what it asked for before, once that cannot be in flight any more.
 void Reconciler::asks_for(Reader& reader, const Wanted& wanted) {
   dirty_ = true;
-  std::vector<Accepted>& accepted = reader.accepted;
-  accepted.back().replaced_at = std::chrono::steady_clock::now();
-  std::erase_if(accepted, [&](const Accepted& a) { return a.wanted == wanted; });
-  accepted.push_back({wanted});
-  if (accepted.size() > accepted_max) accepted.erase(accepted.begin());
+  reader.accepted.asks_for(wanted, std::chrono::steady_clock::now());
   accept(reader);
 }
 
-/// Samples under what was asked for before, and of writers that went, may be in flight. For long such a mask
-/// must not be accepted: another reader in this process may ask for just that, and its samples would be taken
-/// for ours.
+/// Samples under what was asked for before, and of writers that went, may be in flight.
 void Reconciler::forget_what_was_in_flight(Now now) {
-  const auto is_over = [&](Now since) { return since != Now::max() && now - since > in_flight_max; };
   for (auto& [id, reader] : readers_) {
-    const auto is_old = [&](const Accepted& a) { return is_over(a.replaced_at); };
-    if (std::erase_if(reader.accepted, is_old) != 0) accept(reader);
+    if (reader.accepted.look(now)) accept(reader);
     std::erase_if(reader.departed, [&](const auto& departed) {
-      if (!is_over(departed.second)) return false;
+      if (now - departed.second <= AcceptedRequests::in_flight_max) return false;
       reader.udp->disconnect(departed.first);
       return true;
     });
@@ -171,10 +162,7 @@ void Reconciler::forget_what_was_in_flight(Now now) {
 }
 
 void Reconciler::accept(Reader& reader) {
-  if (reader.udp == nullptr) return;
-  std::vector<Wanted> wanted;
-  for (const Accepted& accepted : reader.accepted) wanted.push_back(accepted.wanted);
-  reader.udp->accept(std::move(wanted));
+  if (reader.udp != nullptr) reader.udp->accept(reader.accepted.all());
 }
 
 void Reconciler::request_changed(EndpointId id) {

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "core/accepted_requests.h"
 #include "core/discovery.h"
 #include "core/dispatcher.h"
 #include "core/greetings.h"
@@ -86,10 +87,6 @@ class Reconciler {
     PublisherStatus told;                 ///< the state up to which its events were told
     bool has_news = false;                ///< since then it may have changed
   };
-  struct Accepted {
-    Wanted wanted;
-    Now replaced_at = Now::max();  ///< when something else was asked for
-  };
   struct Connecting {
     Retry shm;
     Retry udp;
@@ -103,7 +100,7 @@ class Reconciler {
     std::map<EndpointId, Connecting> connecting;  ///< to these
     std::map<EndpointId, RequestWatch> watched;   ///< of these
     Qos requested;
-    std::vector<Accepted> accepted;      ///< newest last
+    AcceptedRequests accepted;
     std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
     SubscriberStatus told;
     bool has_news = false;

@@ -197,10 +197,12 @@ bool SubscriberCore::waits(const Inlet& inlet) {
   const SampleBuffer& buffer = *inlet.next;
   const Numbered diverted{.sequence = buffer.diverted_sequence, .stamp_ns = buffer.diverted_stamp_ns};
   const Heard& from = heard(buffer.writer);
-  if (diverted.sequence >= buffer.sequence || diverted.stamp_ns < from.since_ns ||
-      !from.account.is_new(diverted) || !from.account.allows(diverted))
-    return false;
-  const std::int64_t age_ns = realtime_ns() - diverted.stamp_ns;
+  const bool was_diverted = diverted.sequence < buffer.sequence && diverted.stamp_ns >= from.since_ns &&
+                            from.account.is_new(diverted) && from.account.allows(diverted);
+  // Where others were served in shared memory all the time, nothing tells that those before it went to us by
+  // UDP, but that so did the last that came.
+  if (!was_diverted && !from.by_udp) return false;
+  const std::int64_t age_ns = realtime_ns() - (was_diverted ? diverted.stamp_ns : buffer.source_stamp_ns);
   if (age_ns < 0 || age_ns >= spec_.diverted_patience.count()) return false;
   const Inlet& udp = inlets_[static_cast<std::size_t>(TransportKind::udp)];
   if (udp.next && udp.next->writer == buffer.writer) return false;
@@ -226,12 +228,13 @@ Numbered SubscriberCore::numbered(const Inlet& inlet) const {
           .oldest_retained = buffer.oldest_retained};
 }
 
-void SubscriberCore::enter(Heard& from, const Numbered& sample) {
+void SubscriberCore::enter(Heard& from, const Numbered& sample, TransportKind by) {
   const SequenceAccount::Missing missing = from.account.enter(sample);
   from.lost += missing.lost;
   from.lost_untold += missing.lost;
   losses_.fetch_add(missing.lost, std::memory_order_relaxed);
   from.withheld += missing.withheld;
+  from.by_udp = by == TransportKind::udp;
 }
 
 bool SubscriberCore::is_expired(const Heard& from, const Numbered& sample) {
@@ -251,7 +254,7 @@ SubscriberCore::Inlet* SubscriberCore::find_next() {
     const bool is_ours = is_new && from.account.allows(sample);
     const bool expired = is_ours && is_expired(from, sample);
     if (is_ours && !expired) return next;
-    if (is_new) enter(from, sample);
+    if (is_new) enter(from, sample, transport_of(inlet));
     if (expired) ++from.expired;
     inlet.next.reset();
   }
@@ -265,7 +268,7 @@ SubscriberCore::Next SubscriberCore::next() {
   Inlet& inlet = *found;
   const Numbered sample = numbered(inlet);
   Heard& from = heard(inlet.next->writer);
-  enter(from, sample);
+  enter(from, sample, transport_of(inlet));
   using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
   const SampleInfo info{.sequence = sample.sequence,
                         .writer = from.writer,

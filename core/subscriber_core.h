@@ -109,6 +109,7 @@ class SubscriberCore final : public ArrivalListener {
   struct Heard {  ///< per writer
     EndpointId writer = 0;
     SequenceAccount account;
+    bool by_udp = false;  ///< the last that was entered came so
     std::uint64_t received = 0;
     std::uint64_t lost = 0;
     std::uint64_t withheld = 0;
@@ -140,7 +141,7 @@ class SubscriberCore final : public ArrivalListener {
   bool fill_inlets();
   Inlet* find_next();
   Numbered numbered(const Inlet& inlet) const;
-  void enter(Heard& from, const Numbered& sample);
+  void enter(Heard& from, const Numbered& sample, TransportKind by);
   static bool is_expired(const Heard& from, const Numbered& sample);
   Inlet* oldest_inlet();
   Inlet* next_inlet();

@@ -98,6 +98,7 @@ struct Source {
   std::size_t max_sample_bytes = 0;
   bool history_first = false;  ///< nothing of it is for the reader until something for it alone has come
   bool reliable = false;       ///< in order, and what gets lost on the way is asked for
+  bool waits = false;          ///< its publisher does, for readers that do not keep up
   friend bool operator==(const Source&, const Source&) = default;
 };
 
@@ -106,6 +107,15 @@ struct Wanted {
   FieldMask mask;  ///< closed
   std::uint32_t min_period_us = 0;
   friend bool operator==(const Wanted&, const Wanted&) = default;
+};
+
+/// What a reader asks its writers for, or has asked for while samples may be under way under that.
+struct Accepted {
+  Wanted wanted;
+  /// Counts up, for readers that get samples in order: once a writer has told how far it was when it knew of
+  /// a request, what comes behind that is under no earlier one. 0: nobody relies on that.
+  std::uint64_t request = 0;
+  bool heard = false;  ///< each writer that was asked knows of it by now
 };
 
 enum class SendStatus : std::uint8_t {
@@ -134,8 +144,9 @@ class WriterPort {
   /// mask must be a subset of sample->mask.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
-  /// Until flush() the samples that are sent need not leave at once, so that small ones share datagrams.
-  virtual void hold() noexcept {}
+  /// Until flush() the samples that are sent need not leave at once, so that small ones share datagrams. All
+  /// of them together wait for readers as long as one may; if it `goes_on`, with those of before.
+  virtual void hold([[maybe_unused]] bool goes_on) noexcept {}
   /// Sends what was held. Returns how many of these samples did not get to each route.
   virtual std::size_t flush() noexcept { return 0; }
 
@@ -293,9 +304,9 @@ class ReaderPort {
   /// Accepts no more of them; what has arrived can still be taken.
   virtual void disconnect(EndpointId writer) noexcept = 0;
 
-  /// Which samples are for this reader: what it requests now, and what it requested before while such
-  /// samples may be in flight. Only meaningful where variants share a destination (UDP).
-  virtual void accept(std::vector<Wanted> wanted) = 0;
+  /// Which samples are for this reader: what it requests now, as the last, and what it requested before while
+  /// such samples may be under way. Only meaningful where variants share a destination (UDP).
+  virtual void accept(std::vector<Accepted> accepted) = 0;
 
   /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
   virtual std::uint64_t discarded() const noexcept = 0;

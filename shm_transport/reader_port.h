@@ -109,7 +109,7 @@ class ShmReaderPort final : public core::ReaderPort {
   core::HistoryProgress history(core::EndpointId writer) const noexcept override;
   std::uint64_t arrivals(core::EndpointId writer) noexcept override;
   void disconnect(core::EndpointId writer) noexcept override;
-  void accept(std::vector<core::Wanted>) override {}  // there is one variant in shared memory: all of it
+  void accept(std::vector<core::Accepted>) override {}  // there is one variant in shared memory: all of it
   std::uint64_t discarded() const noexcept override;
   std::uint64_t held_too_many() const noexcept override;
   std::uint64_t lost_unnoticed() const noexcept override;

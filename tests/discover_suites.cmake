@@ -1,5 +1,6 @@
 # cmake -D PROGRAM=file -D LABELS=label -D OUTPUT=file -P discover_suites.cmake
 # Writes, for CTest, one test for each suite of a GoogleTest program: most tests take less time than a process.
+# None of them may be skipped: a suite could not tell.
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "(^|\n)[^ \n]+\\.( |\n)" suites "${listed}") # their tests are indented
@@ -8,6 +9,7 @@ set(tests "")
 foreach(suite IN LISTS suites)
   string(REGEX REPLACE "[ \n]|\\.[ \n]*$" "" suite "${suite}")
   string(APPEND tests "add_test([[${suite}]] [[${PROGRAM}]] [[--gtest_filter=${suite}.*]])\n"
-                      "set_tests_properties([[${suite}]] PROPERTIES LABELS ${LABELS})\n")
+                      "set_tests_properties([[${suite}]] PROPERTIES LABELS ${LABELS} "
+                      "FAIL_REGULAR_EXPRESSION [=[\\[  SKIPPED \\]]=])\n")
 endforeach()
 file(WRITE ${OUTPUT} "${tests}")

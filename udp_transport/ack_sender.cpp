@@ -1,5 +1,6 @@
 #include "udp_transport/ack_sender.h"
 
+#include <algorithm>
 #include <array>
 
 namespace sft::udp {
@@ -23,12 +24,19 @@ void AckSender::send(const SocketAddress& to, const GroupReport& report) {
 }
 
 void AckSender::send(const SocketAddress& to, std::span<const std::byte> bytes) {
-  if (known_.size() >= known_max && !known_.contains(to)) known_.clear();
-  std::shared_ptr<Destination>& destination = known_[to];
-  if (destination == nullptr) destination = side_->destinations.find({.ip = to.ip, .port = to.port});
-  const iovec part{const_cast<std::byte*>(bytes.data()), bytes.size()};  // it is only read
-  const OutgoingBatch batch{{&part, 1}, 0};
-  destination->note(destination->connection().try_send({&batch, 1}).outcome);
+  Known& known = known_[to];
+  known.used_at = ++sent_;
+  if (known.destination == nullptr) {
+    forget_one_too_many();
+    known.destination = side_->destinations.find({.ip = to.ip, .port = to.port});
+  }
+  known.destination->note(send_one(known.destination->connection(), bytes));
+}
+
+/// Who invents addresses drives out no other that is in use.
+void AckSender::forget_one_too_many() {
+  if (known_.size() <= known_max) return;
+  known_.erase(std::ranges::min_element(known_, {}, [](const auto& item) { return item.second.used_at; }));
 }
 
 }  // namespace sft::udp

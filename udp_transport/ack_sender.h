@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <span>
@@ -25,8 +26,14 @@ class AckSender {
   void send(const SocketAddress& to, std::span<const std::byte> bytes);
 
   static constexpr std::size_t known_max = 256;  ///< others come anew
+  struct Known {
+    std::shared_ptr<Destination> destination;
+    std::uint64_t used_at = 0;  ///< by what was sent_ then
+  };
+  void forget_one_too_many();
   const std::shared_ptr<SendSide> side_;
-  std::map<SocketAddress, std::shared_ptr<Destination>> known_;
+  std::map<SocketAddress, Known> known_;
+  std::uint64_t sent_ = 0;
 };
 
 }  // namespace sft::udp

@@ -18,7 +18,7 @@ void ArrivalWindow::join(const Mark& left) {
   channel_ = left.channel;
   slots_.begin_at(left.end);
   next_ = end_ = skip_to_ = left.end;
-  for (auto& [reader, place] : readers_) place = left.end;
+  for (Reader& reader : readers_) reader.place = left.end;
   joining_ = true;
 }
 
@@ -29,10 +29,12 @@ void ArrivalWindow::begin_with(Place place) {
   next_ = end_ = skip_to_ = place;
 }
 
-/// False for a channel of before. What is missing of that one will not come any more.
+/// False for a channel of before. What is missing of that one will not come any more. And where places would
+/// not fit into their type: only lies bring it there.
 bool ArrivalWindow::turn_to(std::uint32_t channel) {
   if (channel_ == channel) return true;
   if (channel_ && static_cast<std::int32_t>(channel - *channel_) < 0) return false;
+  if (end_ > ordinal_max) return false;
   channel_ = channel;
   joining_ = false;
   lose_before(end_);
@@ -46,8 +48,11 @@ ArrivalWindow::Met ArrivalWindow::meet(const ChannelMark& mark, Time now) {
   const Place place = base_ + mark.ordinal;
   if (place < slots_.begin()) return {Standing::known, 0};
   if (joining_) begin_with(place);
-  if (place - slots_.begin() >= limits_.samples) return {Standing::beyond, 0};
-  if (!reach(place + 1, now)) return {Standing::beyond, 0};
+  if (place - slots_.begin() >= limits_.samples) {
+    overtakes_ = holds_back();
+    return {Standing::beyond, 0};
+  }
+  if (!reach(place + 1, now) || !slots_.contains(place)) return {Standing::beyond, 0};
   const State state = slots_[place].state;
   if (state != State::missing) came_again(place);
   return {state == State::missing ? Standing::wanted : Standing::known, place};
@@ -84,7 +89,9 @@ void ArrivalWindow::begun(Place place, const SampleLabel& label, core::SampleHan
 
 void ArrivalWindow::whole(Place place, core::SampleHandle sample) {
   if (!slots_.contains(place)) return;
+  const bool readers_lag = holds_back();
   Slot& slot = slots_[place];
+  if (slot.state == State::passed) return;  // it was given up
   held_bytes_ += sample->capacity;
   unacked_bytes_ += sample->header().body_bytes;
   ++unacked_;
@@ -93,7 +100,11 @@ void ArrivalWindow::whole(Place place, core::SampleHandle sample) {
   if (slot.parts > 0)  // it was asked for, and not too early
     delay_ = std::max<Time::duration>(limits_.ask_after, delay_ - delay_ / 8);
   advance();
-  while (held_bytes_ > limits_.held_bytes && next_ < slots_.end()) give_up_oldest();
+  if (readers_lag) {
+    overtakes_ = overtakes_ || held_bytes_ > limits_.awaited_bytes;
+  } else {
+    hold_no_more_than_allowed();
+  }
 }
 
 void ArrivalWindow::pass(Place place) {
@@ -101,13 +112,6 @@ void ArrivalWindow::pass(Place place) {
   settle(slots_[place], State::passed);
   ++unacked_;
   advance();
-}
-
-void ArrivalWindow::forget(Place place) {
-  if (!slots_.contains(place) || slots_[place].state != State::begun) return;
-  slots_[place].state = State::missing;
-  slots_[place].sample.reset();
-  look_at(slots_[place].ask_at);
 }
 
 void ArrivalWindow::asked_for(Place place, std::uint32_t parts) {
@@ -132,7 +136,9 @@ void ArrivalWindow::advance() {
     return slot.state == State::whole || slot.state == State::passed;
   };
   next_ = std::max(next_, slots_.begin());
-  while (next_ < slots_.end() && settled(slots_[next_])) ++next_;
+  for (; next_ < slots_.end() && settled(slots_[next_]); ++next_) {
+    if (slots_[next_].state == State::whole) ready_bytes_ += slots_[next_].sample->capacity;
+  }
   if (next_ == slots_.end()) look_at_ = Time::max();  // nothing is missing
 }
 
@@ -142,10 +148,13 @@ void ArrivalWindow::lose(Slot& slot) {
   ++lost_;
 }
 
-/// What is held back behind it is too much.
-void ArrivalWindow::give_up_oldest() {
-  lose(slots_[next_]);
-  advance();
+/// Gives up the oldest that are missing where what is held back behind them is too much. What nothing is
+/// missing before goes to the readers now.
+void ArrivalWindow::hold_no_more_than_allowed() {
+  while (held_bytes_ - ready_bytes_ > limits_.held_bytes) {
+    lose(slots_[next_]);
+    advance();
+  }
 }
 
 /// What was never heard of before the first word of a writer was not for us.
@@ -168,24 +177,51 @@ void ArrivalWindow::hear(const Heartbeat& heartbeat, Time now) {
   lose_before(base_ + heartbeat.first);
   reach(std::max(end_, base_ + heartbeat.end), now);
   if (next_ < slots_.end()) look_at(now + delay_);
+  end_requests(base_ + heartbeat.end + heartbeat.waiting);
 }
 
 void ArrivalWindow::set_readers(const std::vector<core::EndpointId>& readers) {
-  auto before = std::exchange(readers_, {});
+  const auto before = std::exchange(readers_, {});
   for (const core::EndpointId reader : readers) {
-    const auto known = std::ranges::find_if(before, [&](const auto& r) { return r.first == reader; });
-    readers_.emplace_back(reader, known == before.end() ? next_ : known->second);
+    const auto known = std::ranges::find(before, reader, &Reader::id);
+    readers_.push_back(known == before.end() ? Reader{.id = reader, .place = next_} : *known);
   }
 }
 
+void ArrivalWindow::heard(core::EndpointId id, std::uint64_t request) {
+  const auto reader = std::ranges::find(readers_, id, &Reader::id);
+  if (reader != readers_.end()) reader->heard = std::max(reader->heard, request);
+}
+
+/// One after the other: each is waited for until it is reached.
+void ArrivalWindow::end_requests(Place published) {
+  for (Reader& reader : readers_) {
+    reader.turn();
+    if (reader.heard <= reader.request || reader.next_from != no_place) continue;
+    reader.next_request = reader.heard;
+    reader.next_from = published;
+  }
+}
+
+ArrivalWindow::Place ArrivalWindow::first_not_taken() const {
+  Place first = next_;
+  for (const Reader& reader : readers_) first = std::min(first, reader.place);
+  return first;
+}
+
 void ArrivalWindow::release() {
-  Place taken = next_;
-  for (const auto& [reader, place] : readers_) taken = std::min(taken, place);
+  const Place taken = first_not_taken();
+  if (slots_.begin() < taken) overtakes_ = false;
+  if (!acked_all_ && acked_ < taken) ack_wanted_ = true;
   while (!slots_.empty() && slots_.begin() < taken) {
     const Slot& slot = slots_[slots_.begin()];
-    if (slot.state == State::whole) held_bytes_ -= slot.sample->capacity;
+    if (slot.state == State::whole) {
+      held_bytes_ -= slot.sample->capacity;
+      ready_bytes_ -= slot.sample->capacity;
+    }
     slots_.pop_front();
   }
+  if (!holds_back()) hold_no_more_than_allowed();
   if (slots_.end() < end_ || slots_.end() < skip_to_) reach(std::max(end_, skip_to_), heard_at_);
 }
 
@@ -193,8 +229,10 @@ Ack ArrivalWindow::ack(std::uint32_t writer) {
   ack_wanted_ = false;
   unacked_bytes_ = 0;
   unacked_ = 0;
+  acked_ = awaited_ ? first_not_taken() : next_;
+  acked_all_ = acked_ == next_;
   return {
-      .writer = writer, .channel = channel_.value_or(0), .next = std::max<Place>(next_, base_ + 1) - base_};
+      .writer = writer, .channel = channel_.value_or(0), .next = std::max<Place>(acked_, base_ + 1) - base_};
 }
 
 }  // namespace sft::udp

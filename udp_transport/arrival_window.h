@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <random>
 #include <utility>
@@ -21,10 +22,11 @@
 namespace sft::udp {
 
 struct ArrivalLimits {
-  std::size_t samples = 4096;                      ///< from the first missing one on
-  std::size_t held_bytes = std::size_t{64} << 20;  ///< of whole samples behind one that is missing
-  std::size_t ack_bytes = std::size_t{1} << 20;    ///< so many are acknowledged unasked
-  std::chrono::milliseconds ask_after{2};          ///< something was noticed to be missing; at the least
+  std::size_t samples = 4096;                          ///< from the first missing one on
+  std::size_t held_bytes = std::size_t{64} << 20;      ///< of whole samples behind one that is missing
+  std::size_t awaited_bytes = std::size_t{128} << 20;  ///< of those that readers have no room for
+  std::size_t ack_bytes = std::size_t{1} << 20;        ///< so many are acknowledged unasked
+  std::chrono::milliseconds ask_after{2};              ///< something was noticed to be missing; at the least
   std::chrono::milliseconds ask_again_longest{250};
   std::chrono::seconds forget_after{5};  ///< without a word from the writer nothing is asked for any more
   std::chrono::milliseconds spread{8};   ///< of what many may miss: later by up to so much, at random
@@ -68,23 +70,33 @@ class ArrivalWindow {
   void whole(Place place, core::SampleHandle sample);
   /// It will not come, or is for nobody here.
   void pass(Place place);
-  /// What had come of it was let go of.
-  void forget(Place place);
   /// Some of it came once more.
   void came_again(Place place);
 
   void hear(const Heartbeat& heartbeat, Time now);
   /// Samples that had begun, and will not become whole: what came of them may be let go of. Since last asked.
   std::vector<SampleLabel> take_abandoned() { return std::exchange(abandoned_, {}); }
+  bool has_abandoned() const { return !abandoned_.empty(); }
 
-  /// The next sample for that reader, in order; empty if there is none as yet. `accepts(buffer)` tells
-  /// whether one is for it, once anything of it has come.
+  /// The next sample for that reader, in order; empty if there is none as yet. `accepts(buffer, request)`
+  /// tells whether one is for it, once anything of it has come; those of its requests before `request` are
+  /// over.
   template <class Accepts>
   core::SampleHandle next(core::EndpointId reader, const Accepts& accepts);
   /// Who reads from now on: those that are new begin with the first sample that has not come yet.
   void set_readers(const std::vector<core::EndpointId>& readers);
-  /// Lets go of what all of them have. After next() has said for each that there is none.
+  /// What the writer sends by now is for that reader under that request, or a later one. What was published
+  /// before may be under way for ever so long: up to where the next heartbeat says that the writer was.
+  void heard(core::EndpointId reader, std::uint64_t request);
+  /// Lets go of what all of them have.
   void release();
+
+  /// The writer waits for readers: what they have not got is not acknowledged, though it has come.
+  void set_awaited(bool awaited) { awaited_ = awaited; }
+  /// Something is there that not all of them have, after release().
+  bool holds_back() const { return slots_.begin() < next_; }
+  /// It goes on without them, or there is too much of that: they have to be given some.
+  bool overtakes() const { return overtakes_; }
 
   // Asking.
 
@@ -94,7 +106,7 @@ class ArrivalWindow {
     std::optional<SampleLabel> label{};  ///< empty: nothing of it has come
   };
   /// What has been missing for so long that it is to be asked for now. `came_at(label)` tells when something
-  /// of a sample came last.
+  /// of a sample came last. No more than `gaps_max` are asked for at a time: others as these come.
   template <class CameAt>
   std::vector<Gap> due_gaps(Time now, const CameAt& came_at, std::size_t gaps_max);
 
@@ -137,15 +149,18 @@ class ArrivalWindow {
                : Time::duration(std::uniform_int_distribution<Time::rep>(0, spread_.count())(random_));
   }
   static constexpr std::size_t acked_at_once = 1024;
+  static constexpr Place no_place = std::numeric_limits<Place>::max();
 
   bool turn_to(std::uint32_t channel);
   bool reach(Place end, Time now);
   void settle(Slot& slot, State state);
   void advance();
-  void give_up_oldest();
+  void hold_no_more_than_allowed();
   void begin_with(Place place);
+  void end_requests(Place published);
   void lose_before(Place end);
   void lose(Slot& slot);
+  Place first_not_taken() const;
   void look_at(Time time) { look_at_ = std::min(look_at_, time); }
 
   const ArrivalLimits limits_;
@@ -156,8 +171,26 @@ class ArrivalWindow {
   Place next_ = 1;     ///< the first that is missing or not whole
   Place end_ = 1;      ///< behind the last one that is known of
   Place skip_to_ = 1;  ///< those before are lost
-  std::vector<std::pair<core::EndpointId, Place>> readers_;
+  struct Reader {
+    core::EndpointId id = 0;
+    Place place = 0;                 ///< the next that it has not got
+    std::uint64_t request = 0;       ///< earlier ones are over
+    std::uint64_t heard = 0;         ///< the writer knows of this one
+    std::uint64_t next_request = 0;  ///< begins at
+    Place next_from = no_place;      ///< that place
+    void turn() {
+      if (place < next_from) return;
+      request = next_request;
+      next_from = no_place;
+    }
+  };
+  std::vector<Reader> readers_;
   std::size_t held_bytes_ = 0;
+  std::size_t ready_bytes_ = 0;  ///< of these, before the first that is missing
+  bool awaited_ = false;
+  bool overtakes_ = false;
+  Place acked_ = 1;
+  bool acked_all_ = true;
   std::uint64_t lost_ = 0;
   std::vector<SampleLabel> abandoned_;
 
@@ -173,15 +206,15 @@ class ArrivalWindow {
 
 template <class Accepts>
 core::SampleHandle ArrivalWindow::next(core::EndpointId reader, const Accepts& accepts) {
-  auto cursor =
-      std::find_if(readers_.begin(), readers_.end(), [&](const auto& r) { return r.first == reader; });
+  const auto cursor = std::ranges::find(readers_, reader, &Reader::id);
   if (cursor == readers_.end()) return {};
-  Place& place = cursor->second;
+  Place& place = cursor->place;
   place = std::max(place, slots_.begin());
   while (slots_.contains(place)) {
     const Slot& slot = slots_[place];
     if (slot.state == State::missing) return {};
-    const bool is_for_it = slot.sample && accepts(*slot.sample);
+    cursor->turn();
+    const bool is_for_it = slot.sample && accepts(*slot.sample, cursor->request);
     if (slot.state == State::begun && is_for_it) return {};
     ++place;
     if (is_for_it) return slot.sample;
@@ -193,6 +226,7 @@ template <class CameAt>
 std::vector<ArrivalWindow::Gap> ArrivalWindow::due_gaps(Time now, const CameAt& came_at,
                                                         std::size_t gaps_max) {
   std::vector<Gap> gaps;
+  std::size_t awaited = 0;  // asked for, and it is too early to ask again
   look_at_ = Time::max();
   if (now - heard_at_ > limits_.forget_after) return gaps;
   const Place end = slots_.end();
@@ -202,7 +236,11 @@ std::vector<ArrivalWindow::Gap> ArrivalWindow::due_gaps(Time now, const CameAt& 
     const Time came = slot.state == State::begun ? came_at(slot.label) : Time{};
     if (came > slot.asked_at) slot.asked = 0;
     Time due = slot.state == State::begun ? std::max(slot.ask_at, came + delay_ + slot.apart) : slot.ask_at;
-    if (due <= now && gaps.size() < gaps_max) {
+    if (due > now) {
+      awaited += slot.asked > 0 ? 1 : 0;
+    } else if (gaps.size() + awaited >= gaps_max) {
+      due = now + delay_;
+    } else {
       gaps.push_back({place - base_, place, {}});
       if (slot.state == State::begun) gaps.back().label = slot.label;
       const auto pause = delay_ * (2 << std::min<int>(slot.asked, 8));

@@ -5,9 +5,37 @@
 
 namespace sft::udp {
 
+namespace {
+/// What is kept and stays in the caches, more or less; with fewer samples than that sending would pause.
+constexpr std::size_t cached_bytes_max = std::size_t{8} << 20, cached_samples_min = 2;
+/// On a fast link a large sample leaves within that. On a slow one, or where an ack was lost, it is no use.
+constexpr std::chrono::milliseconds moment{10};
+}  // namespace
+
 /// Or nobody needs it any more.
 bool Channel::has_room_for(const Job& job) const {
   return closed_ || ended_at_ || window_.can_keep(job.samples(), job.held_bytes_in_all());
+}
+
+bool Channel::runs_ahead_with(const Job& job) const {
+  if (!has_room_for(job)) return true;
+  if (closed_ || ended_at_ || window_.kept() < cached_samples_min) return false;
+  return window_.kept_bytes() + job.held_bytes_in_all() > cached_bytes_max;
+}
+
+/// With the mutex held, but not while it waits. False if there was no need to.
+bool Channel::wait_for_room(const Job& job, std::chrono::nanoseconds& patience,
+                            std::unique_lock<std::mutex>& lock) {
+  if (!runs_ahead_with(job)) [[likely]]
+    return false;
+  const Time begin = now();
+  awaits_room_ = true;
+  room_.wait_until(lock, begin + std::min<std::chrono::nanoseconds>(patience, moment),
+                   [&] { return !runs_ahead_with(job); });
+  room_.wait_until(lock, begin + patience, [&] { return has_room_for(job); });
+  awaits_room_ = false;
+  patience = std::max(patience - (now() - begin), std::chrono::nanoseconds{0});
+  return true;
 }
 
 /// With the mutex held. Whether the sending thread has to be told.
@@ -20,15 +48,9 @@ bool Channel::attend() {
 Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_once,
                               std::chrono::nanoseconds* patience) {
   Posted posted;
+  job->keep();
   std::unique_lock lock(mutex_);
-  if (patience != nullptr && !has_room_for(*job)) [[unlikely]] {
-    const Time begin = now();
-    awaits_room_ = &*job;
-    room_.wait_until(lock, begin + *patience, [&] { return has_room_for(*job); });
-    awaits_room_ = nullptr;
-    posted.waited = true;
-    *patience = std::max(*patience - (now() - begin), std::chrono::nanoseconds{0});
-  }
+  posted.waited = patience != nullptr && wait_for_room(*job, *patience, lock);
   const std::size_t samples = job->samples();
   posted.kept = window_.keep(std::move(job), first);
   if (at_once) posted.piece = window_.take(posted.kept.ordinal);
@@ -39,6 +61,7 @@ Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_o
 }
 
 Channel::Posted Channel::post_shared(JobHandle job, const FirstHeader& first, bool elsewhere) {
+  job->keep();
   const std::scoped_lock lock(mutex_);
   Posted posted;
   posted.kept = window_.keep(std::move(job), first, elsewhere);
@@ -56,14 +79,20 @@ bool Channel::left(std::uint64_t ordinal) {
   const Time time = now();
   const std::scoped_lock lock(mutex_);
   window_.left(ordinal, time);
-  if (!attended_ || window_.next_look(time) >= looks_at_) return false;
-  looks_at_ = time;
+  return attended_ && looks_sooner(time);
+}
+
+/// With the mutex held: whether the sending thread has to look at it before it would, and it is told so now.
+bool Channel::looks_sooner(Time now) {
+  if (window_.next_look(now) >= looks_at_) return false;
+  looks_at_ = now;
   return true;
 }
 
-void Channel::finished(const Piece& piece, Time now) {
+bool Channel::finished(const Piece& piece, Time now) {
   const std::scoped_lock lock(mutex_);
   window_.finished(piece, now);
+  return attended_ && looks_sooner(now);
 }
 
 void Channel::put_back(const Piece& piece) {
@@ -76,8 +105,10 @@ bool Channel::hear(const Ack& ack) {
   const std::scoped_lock lock(mutex_);
   judge_length(ack, time);
   window_.hear(ack, time);
-  if (awaits_room_ != nullptr && has_room_for(*awaits_room_)) room_.notify_one();
-  return attended_ && window_.has_work() && !std::exchange(woken_, true);
+  if (awaits_room_) room_.notify_one();
+  if (!attended_) return false;
+  const bool is_due_sooner = looks_sooner(time);
+  return (window_.has_work() && !std::exchange(woken_, true)) || is_due_sooner;
 }
 
 /// By the samples that do not fit into one datagram: whether their long ones arrive, or are all asked for,

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "udp_transport/destination.h"
 #include "udp_transport/lane.h"
@@ -24,13 +25,14 @@ class Channel {
 
   /// `port` is where acks come in.
   Channel(std::uint32_t writer, std::uint32_t number, std::shared_ptr<Destination> to,
-          std::shared_ptr<WriterTally> tally, std::uint16_t port)
+          std::shared_ptr<WriterTally> tally, std::uint16_t port,
+          std::shared_ptr<const KeptMemory> memory = {})
       : writer_(writer),
         number_(number),
         to_(std::move(to)),
         tally_(std::move(tally)),
         port_(port),
-        window_(writer, number, ResendLimits{}) {}
+        window_(writer, number, ResendLimits{}, 1, std::move(memory)) {}
 
   // Any thread.
 
@@ -47,7 +49,8 @@ class Channel {
     ResendWindow::Kept kept{};
   };
   /// `at_once`: the caller would send it. Waits as long as `patience` lasts, which it uses up, until nothing
-  /// has to go for the sample; not at all without.
+  /// has to go for the sample; not at all without. A moment of it also where more is kept than stays in a
+  /// processor's caches: who publishes faster than is sent would encode into memory that has left them.
   Posted post(JobHandle job, const FirstHeader& first, bool at_once,
               std::chrono::nanoseconds* patience = nullptr);
   /// The same, of a sample that a group sends, too: if it is not `kept.elsewhere`, it waits here as well.
@@ -56,8 +59,9 @@ class Channel {
   [[nodiscard]] bool left(std::uint64_t ordinal);
   /// What has; else none.
   JobHandle sent_elsewhere(std::uint64_t ordinal);
-  /// It left about `now`.
-  void finished(const Piece& piece, Time now);
+  /// It left about `now`. Whether the sending thread has to be woken, to ask for acks in time: it may have
+  /// looked while nothing had left yet.
+  [[nodiscard]] bool finished(const Piece& piece, Time now);
   void put_back(const Piece& piece);
   /// Whether the sending thread has to be woken.
   [[nodiscard]] bool hear(const Ack& ack);
@@ -94,11 +98,14 @@ class Channel {
   const std::shared_ptr<WriterTally> tally_;
   const std::uint16_t port_;
   bool has_room_for(const Job& job) const;
+  bool runs_ahead_with(const Job& job) const;
+  bool wait_for_room(const Job& job, std::chrono::nanoseconds& patience, std::unique_lock<std::mutex>& lock);
   bool attend();
+  bool looks_sooner(Time now);
 
   std::mutex mutex_;
   ResendWindow window_;
-  const Job* awaits_room_ = nullptr;  ///< the publisher, for that
+  bool awaits_room_ = false;  ///< the publisher
   std::condition_variable room_;
   bool attended_ = false;        ///< the sending thread knows of it
   bool woken_ = false;           ///< and will look at it

@@ -26,7 +26,7 @@ std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destinatio
   known.readers = readers;
   if (channel != nullptr && some_stay && !channel->closed()) return channel;
   if (channel != nullptr) channel->close();
-  channel = std::make_shared<Channel>(writer_, ++last_number_, to, tally_, ack_port_);
+  channel = std::make_shared<Channel>(writer_, ++last_number_, to, tally_, ack_port_, memory_);
   roster_.add(channel);
   known.channel = channel;
   return channel;

@@ -32,8 +32,12 @@ using ReliableReaders = std::map<const Destination*, std::set<core::EndpointId>>
 class ChannelDirectory {
  public:
   ChannelDirectory(std::uint32_t writer, std::shared_ptr<WriterTally> tally, ChannelRoster& roster,
-                   std::uint16_t ack_port)
-      : writer_(writer), tally_(std::move(tally)), roster_(roster), ack_port_(ack_port) {}
+                   std::uint16_t ack_port, std::shared_ptr<const KeptMemory> memory = {})
+      : writer_(writer),
+        tally_(std::move(tally)),
+        roster_(roster),
+        ack_port_(ack_port),
+        memory_(std::move(memory)) {}
   ~ChannelDirectory() { keep_to({}); }
   ChannelDirectory(const ChannelDirectory&) = delete;
   ChannelDirectory& operator=(const ChannelDirectory&) = delete;
@@ -49,6 +53,7 @@ class ChannelDirectory {
   const std::shared_ptr<WriterTally> tally_;
   ChannelRoster& roster_;
   const std::uint16_t ack_port_;
+  const std::shared_ptr<const KeptMemory> memory_;
   std::uint32_t last_number_ = 0;
   /// By destination, which it keeps alive. Routes and the sending thread hold them.
   struct Known {

@@ -6,14 +6,19 @@ namespace sft::udp {
 
 namespace {
 
-// Offsets of the fields that both kinds share, and of those behind them.
+// Offsets of the fields that all kinds of samples share, and of those behind them.
 constexpr std::size_t at_kind = 0, at_flags = 1, at_variant = 2, at_writer = 4, at_sequence = 8;
 constexpr std::size_t at_total = 12, at_mask = 16, at_stamp = 24;
 constexpr std::size_t at_offset = 12;
 constexpr std::size_t at_samples = 12, at_bytes_each = 14;
+constexpr std::size_t at_short_ordinal = 12;
+// Bits of the first 32 of a whole datagram.
+constexpr unsigned words_bit = 8, merged_bit = 9, short_variant_bit = 10, short_channel_bit = 21;
+static_assert(whole_numbers_end == 1U << (short_channel_bit - short_variant_bit) &&
+              whole_numbers_end == 1U << (32 - short_channel_bit));
 constexpr std::size_t at_period = first_header_bytes, at_ordinal = at_period + 4;
 // Of heartbeats and acks, which name the writer like all others.
-constexpr std::size_t at_port = 2, at_channel_number = 8, at_first = 16, at_end = 24;
+constexpr std::size_t at_port = 2, at_channel_number = 8, at_waiting = 12, at_first = 16, at_end = 24;
 constexpr std::size_t at_count = 2, at_reserved = 12, at_next = 16;
 // Of marks and reports.
 constexpr std::size_t at_flow = 4, at_position = 8, at_window = 16, at_datagrams = 20, at_came = 24;
@@ -112,13 +117,37 @@ std::optional<Datagram> parse_packed(std::span<const std::byte> bytes) noexcept 
   return d;
 }
 
+/// What it does not say is 0, or told by how long it is.
+std::optional<Datagram> parse_whole(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() < first_header_bytes) return {};
+  const auto bits = load<std::uint32_t>(bytes.data());
+  const auto flag = [bits](unsigned bit, std::uint8_t meant) { return (bits >> bit & 1) != 0 ? meant : 0; };
+  Datagram d;
+  d.kind = DatagramKind::whole;
+  d.first = {.label = load_label(bytes.data()),
+             .flags = static_cast<std::uint8_t>(channel_follows | flag(words_bit, mask_words_follow) |
+                                                flag(merged_bit, merged_masks)),
+             .total = static_cast<std::uint32_t>(bytes.size() - first_header_bytes),
+             .mask = load<std::uint64_t>(&bytes[at_mask]),
+             .stamp_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_stamp])),
+             .channel = {.channel = bits >> short_channel_bit,
+                         .ordinal = load<std::uint32_t>(&bytes[at_short_ordinal])}};
+  d.first.label.variant = static_cast<std::uint16_t>(bits >> short_variant_bit) % whole_numbers_end;
+  d.payload = bytes.subspan(first_header_bytes);
+  return d.first.channel.ordinal == 0 ? std::nullopt : std::optional(d);
+}
+
+void store_mask_and_stamp(const FirstHeader& header, std::byte* out) noexcept {
+  store(header.mask, out + at_mask);
+  store(static_cast<std::uint64_t>(header.stamp_ns), out + at_stamp);
+}
+
 }  // namespace
 
 void encode(const FirstHeader& header, std::byte* out) noexcept {
   store_common(DatagramKind::first, header.flags, header.label, out);
   store(header.total, out + at_total);
-  store(header.mask, out + at_mask);
-  store(static_cast<std::uint64_t>(header.stamp_ns), out + at_stamp);
+  store_mask_and_stamp(header, out);
   if ((header.flags & rate_follows) != 0) {
     store(header.rate.min_period_us, out + at_period);
     store(header.rate.ordinal, out + at_ordinal);
@@ -137,6 +166,26 @@ void encode(const FirstHeader& header, std::byte* out) noexcept {
     store(header.group.sequence_high, out + header.at_group() + 4);
     store(header.group.ordinal, out + header.at_group() + 8);
   }
+}
+
+bool fits_in_short(const FirstHeader& header) noexcept {
+  const unsigned others = header.flags & ~unsigned{mask_words_follow | merged_masks};
+  return others == channel_follows && header.channel.sequence_high == 0 &&
+         header.channel.ordinal <= UINT32_MAX && header.channel.channel < whole_numbers_end &&
+         header.label.variant < whole_numbers_end;
+}
+
+void encode_in_short(const FirstHeader& header, std::byte* out) noexcept {
+  const auto bit_of = [&](std::uint8_t flag, unsigned bit) {
+    return (header.flags & flag) != 0 ? 1U << bit : 0U;
+  };
+  store_common(DatagramKind::whole, 0, header.label, out);
+  store(load<std::uint8_t>(out) | bit_of(mask_words_follow, words_bit) | bit_of(merged_masks, merged_bit) |
+            std::uint32_t{header.label.variant} << short_variant_bit |
+            header.channel.channel << short_channel_bit,
+        out);
+  store(static_cast<std::uint32_t>(header.channel.ordinal), out + at_short_ordinal);
+  store_mask_and_stamp(header, out);
 }
 
 void encode(const FollowingHeader& header, std::byte* out) noexcept {
@@ -166,7 +215,7 @@ void encode(const Heartbeat& heartbeat, std::byte* out) noexcept {
   store(heartbeat.port, out + at_port);
   store(heartbeat.writer, out + at_writer);
   store(heartbeat.channel, out + at_channel_number);
-  store(std::uint32_t{0}, out + at_reserved);
+  store(heartbeat.waiting, out + at_waiting);
   store(heartbeat.first, out + at_first);
   store(heartbeat.end, out + at_end);
 }
@@ -215,7 +264,7 @@ std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept {
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
   if (version_and_kind >> 4 != wire_version) return {};
   const auto kind = static_cast<DatagramKind>(version_and_kind & 0xf);
-  if (kind < DatagramKind::first || kind > DatagramKind::report) return {};
+  if (kind < DatagramKind::first || kind > DatagramKind::whole) return {};
   return kind;
 }
 
@@ -272,7 +321,8 @@ std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexc
                             .channel = load<std::uint32_t>(&bytes[at_channel_number]),
                             .port = load<std::uint16_t>(&bytes[at_port]),
                             .first = load<std::uint64_t>(&bytes[at_first]),
-                            .end = load<std::uint64_t>(&bytes[at_end])};
+                            .end = load<std::uint64_t>(&bytes[at_end]),
+                            .waiting = load<std::uint32_t>(&bytes[at_waiting])};
   const bool sound = heartbeat.port != 0 && heartbeat.first != 0 && heartbeat.first <= heartbeat.end &&
                      heartbeat.end <= ordinal_max;
   return sound ? std::optional(heartbeat) : std::nullopt;
@@ -333,6 +383,7 @@ std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept {
   const std::optional<DatagramKind> kind = kind_of(bytes);
   if (kind == DatagramKind::first) return parse_first(bytes);
   if (kind == DatagramKind::packed) return parse_packed(bytes);
+  if (kind == DatagramKind::whole) return parse_whole(bytes);
   if (kind != DatagramKind::following) return {};
   const std::optional<Following> following = parse_following(bytes);
   if (!following) return {};

@@ -25,6 +25,7 @@ enum class DatagramKind : std::uint8_t {
   group_report = 7,  ///< the other way: what has come there
   mark = 8,          ///< between samples: how much was sent to a socket up to here
   report = 9,        ///< the other way: the mark has come, and how much may be under way
+  whole = 10,        ///< a sample in a channel that needs no other, in short
 };
 
 /// Flags of a first datagram. Its mask field is a hash, and the mask's words stand right before the payload.
@@ -38,6 +39,8 @@ inline constexpr std::size_t history_bytes = 16;
 /// The sample travels in a channel, reliably: `channel` stands behind that.
 inline constexpr std::uint8_t channel_follows = 8;
 inline constexpr std::size_t channel_bytes = 16;
+/// A whole datagram has room for channels and variants below this, and for 32 bits of sequence and ordinal.
+inline constexpr std::uint32_t whole_numbers_end = 2048;
 /// The sample is sent to a multicast group: `group` stands behind that.
 inline constexpr std::uint8_t group_follows = 64;
 inline constexpr std::size_t group_bytes = 16;
@@ -140,6 +143,10 @@ void encode(const FirstHeader& header, std::byte* out) noexcept;      ///< heade
 void encode(const FollowingHeader& header, std::byte* out) noexcept;  ///< following_header_bytes
 void encode(const PackedHeader& header, std::byte* out) noexcept;     ///< header.first.bytes()
 
+/// A whole datagram can say all that this does, if it also has the body as a whole.
+bool fits_in_short(const FirstHeader& header) noexcept;
+void encode_in_short(const FirstHeader& header, std::byte* out) noexcept;  ///< first_header_bytes
+
 /// Of the sample so many behind the first one, where their sequences and ordinals follow one another.
 FirstHeader header_behind(const FirstHeader& first, std::uint32_t samples, std::uint32_t total) noexcept;
 
@@ -150,6 +157,7 @@ struct Heartbeat {
   std::uint16_t port = 0;  ///< where acks go, at the address that it comes from
   std::uint64_t first = 0;
   std::uint64_t end = 0;
+  std::uint32_t waiting = 0;  ///< behind `end`: were published, and will be sent
   friend bool operator==(const Heartbeat&, const Heartbeat&) = default;
 };
 
@@ -233,7 +241,9 @@ std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept;
 /// A received datagram of a sample whose header is sound. What it says of the sample is only claimed.
 struct Datagram {
   DatagramKind kind{};
-  FirstHeader first;                   ///< of a following datagram only the label is set
+  /// Of a following datagram only the label is set; a whole one reads as if a first one had said the same,
+  /// but that the mask's words count in its total.
+  FirstHeader first;
   std::uint32_t offset = 0;            ///< of the payload in the body; 0 in a first datagram
   std::uint16_t samples = 0;           ///< of a packed datagram, as in its header
   std::uint16_t bytes_each = 0;        ///< likewise

@@ -33,7 +33,7 @@ class DatagramSink {
   /// Datagrams follow that came in one receive call, at one time.
   virtual void begin(ArrivalTime now) noexcept = 0;
   /// The bytes are the receiver's and valid during the call.
-  virtual void datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept = 0;
+  virtual void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept = 0;
   virtual void end() noexcept = 0;
 
  protected:
@@ -106,6 +106,12 @@ class Connection {
   virtual bool full() const noexcept = 0;
 };
 
+inline SendOutcome send_one(Connection& by, std::span<const std::byte> datagram) noexcept {
+  const iovec part{const_cast<std::byte*>(datagram.data()), datagram.size()};  // it is only read
+  const OutgoingBatch batch{{&part, 1}, 0};
+  return by.try_send({&batch, 1}).outcome;
+}
+
 class DatagramSender {
  public:
   virtual ~DatagramSender() = default;
@@ -115,7 +121,15 @@ class DatagramSender {
   /// To a multicast group, on the link where this host has the address `own`.
   virtual std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) = 0;
 
-  /// Waits until a connection has the room that it waits for, the deadline has passed or wake() was called.
+  /// The port of a socket for what comes back from those who are sent to; 0: there is none, and it has to go
+  /// where this process receives.
+  virtual std::uint16_t answer_port() const noexcept { return 0; }
+  /// Takes what came there next, without waiting; the bytes of it, 0 if there is nothing. Used by the thread
+  /// that calls await().
+  virtual std::size_t take_answer([[maybe_unused]] std::span<std::byte> to) noexcept { return 0; }
+
+  /// Waits until a connection has the room that it waits for, an answer has come, the deadline has passed or
+  /// wake() was called.
   /// Used by one thread; the connections that wait live on meanwhile.
   virtual void await(std::chrono::steady_clock::time_point deadline) noexcept = 0;
   /// Makes the present await() return, or the next one. Any thread.

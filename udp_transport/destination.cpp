@@ -134,9 +134,7 @@ void Destination::send(FlowMark mark) {
   mark.port = limits_.report_port;
   std::array<std::byte, mark_bytes> encoded;
   encode(mark, encoded.data());
-  const iovec part{encoded.data(), encoded.size()};
-  const OutgoingBatch batch{{&part, 1}, 0};
-  last_in_line().try_send({&batch, 1});
+  send_one(last_in_line(), encoded);
 }
 
 bool Destination::hear(const FlowReport& report, Time now) {

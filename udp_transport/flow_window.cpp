@@ -20,16 +20,16 @@ void FlowWindow::announce(std::size_t receive_buffer_bytes) {
 }
 
 /// At which what was sent is believed to pass without a report: not while one is waited for.
-double FlowWindow::unasked_rate() const {
-  if (!heard_)
-    return static_cast<double>(std::min(limits_.unheard_bytes_per_s, share_ * receiver_pauses_per_s));
-  return answer_is_due() ? 0 : expansion_ * static_cast<double>(limits_.unasked_bytes_per_s);
+double FlowWindow::unasked_rate(Time now) const {
+  if (answer_is_due() && (heard_ || now < report_expected_until())) return 0;
+  if (heard_) return expansion_ * static_cast<double>(limits_.unasked_bytes_per_s);
+  return static_cast<double>(std::min(limits_.unheard_bytes_per_s, share_ * receiver_pauses_per_s));
 }
 
 void FlowWindow::pass_time(Time now) {
   if (now - passed_at_ < std::chrono::microseconds(1)) return;
   const std::chrono::duration<double> since = now - std::exchange(passed_at_, now);
-  const double bytes = std::min(since.count() * unasked_rate(), 1e15);
+  const double bytes = std::min(since.count() * unasked_rate(now), 1e15);
   passed_ = std::min(sent_, passed_ + static_cast<std::uint64_t>(bytes));
   if (under_way() == 0) heard_at_ = now;
   if (now - heard_at_ > limits_.silence) {  // its reports get lost, or it is kept from running
@@ -60,10 +60,11 @@ void FlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now, bool a
   if (!aside) datagrams_ += static_cast<std::uint32_t>(datagrams);
 }
 
-/// Several in a window, but none for what is seldom and small.
+/// Several in a window, of which a small one is soon full; but none for what is seldom and small.
 std::size_t FlowWindow::mark_spacing() const {
   const std::size_t seldom = std::min(window() / 2, limits_.mark_spacing_min);
-  return std::max(seldom, std::min(window() / 4, limits_.mark_spacing_max));
+  const std::size_t part = window() / (window() < limits_.first_bytes ? 4 : 2);
+  return std::max(seldom, std::min(part, limits_.mark_spacing_max));
 }
 
 FlowWindow::Time FlowWindow::next_retry() const {
@@ -80,6 +81,7 @@ bool FlowWindow::mark_is_due(Time now) const {
 std::optional<FlowMark> FlowWindow::mark(Time now) {
   if (!mark_is_due(now)) return {};
   unanswered_ = marked_ == sent_ ? unanswered_ + 1 : 0;
+  if (marked_ == 0) first_marked_at_ = now;
   marked_ = sent_;
   marked_at_ = now;
   return FlowMark{.flow = flow_,
@@ -103,8 +105,9 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
 }
 
 FlowWindow::Time FlowWindow::next_ready(Time now) const {
-  if (heard_ && answer_is_due()) return std::max(now, std::min(next_retry(), heard_at_ + limits_.silence));
-  const double seconds = static_cast<double>(window() / 4) / unasked_rate();
+  if (answer_is_due() && (heard_ || now < report_expected_until()))
+    return std::max(now, std::min(next_retry(), report_expected_until()));
+  const double seconds = static_cast<double>(window() / 4) / unasked_rate(now);
   return now + std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
 }
 

@@ -31,12 +31,13 @@ struct FlowLimits {
   std::size_t first_bytes = std::size_t{1} << 20;   ///< under way, before anything is known of the way
   std::size_t least_bytes = 32 * 1024;              ///< under way, however bad it is
   std::size_t mark_spacing_min = 24 * 1024;
-  std::size_t mark_spacing_max = 256 * 1024;
+  std::size_t mark_spacing_max = 3072 * 1024;
   std::chrono::milliseconds queueing{4};    ///< more than the shortest time there and back
   std::chrono::milliseconds mark_again{2};  ///< after twice the time there and back, but not before
   std::chrono::milliseconds mark_again_unheard{10};
   std::chrono::milliseconds mark_again_longest{50};
-  std::chrono::milliseconds silence{1000};  ///< after which what was sent is no longer waited for
+  std::chrono::milliseconds first_report{50};  ///< from the first mark on it is waited for so long
+  std::chrono::milliseconds silence{1000};     ///< after which what was sent is no longer waited for
 };
 
 class FlowWindow {
@@ -74,8 +75,12 @@ class FlowWindow {
 
  private:
   void pass_time(Time now);
-  double unasked_rate() const;
+  double unasked_rate(Time now) const;
   bool answer_is_due() const { return marked_ > reported_; }
+  /// Without one it is not waited for any more where none ever comes.
+  Time report_expected_until() const {
+    return heard_ ? heard_at_ + limits_.silence : first_marked_at_ + limits_.first_report;
+  }
   std::size_t mark_spacing() const;
   bool mark_is_due(Time now) const;
   Time next_retry() const;
@@ -95,6 +100,7 @@ class FlowWindow {
   double expansion_ = 1;  ///< socket bytes for each byte of late
   Time passed_at_{};      ///< when passed_ was brought up to date
   Time marked_at_{};
+  Time first_marked_at_{};
   Time heard_at_{};
   int unanswered_ = 0;  ///< marks that were sent again
   bool heard_ = false;

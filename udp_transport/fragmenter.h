@@ -20,8 +20,8 @@ inline constexpr std::size_t batch_bytes_max = datagram_bytes_max;
 inline constexpr std::size_t batch_datagrams_max = 64;
 
 /// Runs of a body shorter than this are copied next to the header
-/// before them: cheaper than an iovec of their own.
-inline constexpr std::size_t copy_bytes_max = 1024;
+/// before them: cheaper than iovecs of their own for both.
+inline constexpr std::size_t copy_bytes_max = 2048;
 
 /// Datagrams for one call. Refers to the body that they were cut
 /// from, and holds headers and short runs itself.

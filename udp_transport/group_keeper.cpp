@@ -275,9 +275,7 @@ void GroupKeeper::tend(Time now) {
 void GroupKeeper::send(Destination& to, const GroupOffer& offer) {
   std::array<std::byte, group_offer_bytes> bytes;
   encode(offer, bytes.data());
-  const iovec part{bytes.data(), bytes.size()};
-  const OutgoingBatch batch{{&part, 1}, 0};
-  to.note(to.connection().try_send({&batch, 1}).outcome);
+  to.note(send_one(to.connection(), bytes));
 }
 
 void GroupKeeper::explain(const std::vector<Gathered>& routes) {

@@ -69,12 +69,14 @@ void GroupJoins::set(int option, const Joined& joined) noexcept {
   ::setsockopt(socket_->group_fd.get(), IPPROTO_IP, option, &request, sizeof request);
 }
 
-void GroupJoins::join(std::uint32_t group, const SocketAddress& towards) noexcept {
+void GroupJoins::join(std::uint32_t group, const SocketAddress& towards, bool anew) noexcept {
   const core::IpAddress own = own_address_towards(towards);
   if (!own.is_ipv4()) return;
   const Joined wanted{group, own.ipv4()};
   if (const auto known = std::ranges::find(joined_, wanted); known != joined_.end()) {
     std::rotate(known, known + 1, joined_.end());
+    if (anew) set(IP_DROP_MEMBERSHIP, wanted);
+    if (anew) set(IP_ADD_MEMBERSHIP, wanted);
     return;
   }
   if (joined_.size() == joins_max) {

@@ -40,6 +40,12 @@ void Inbox::call() noexcept {
   if (awaited) called_.notify_all();
 }
 
+std::size_t Inbox::room(core::EndpointId id) const noexcept {
+  const std::scoped_lock lock(mutex_);
+  const Writer* writer = find(id);
+  return writer == nullptr ? depth_ : depth_ - std::min(depth_, writer->queue.size());
+}
+
 /// As many as can wait.
 Inbox::Enqueued Inbox::enqueue_some(std::span<core::SampleHandle> samples) noexcept {
   Enqueued enqueued;

@@ -26,6 +26,9 @@ class Inbox {
   /// for all, but for no more than can wait: what it takes at once none of them pushes out.
   void deliver(std::span<core::SampleHandle> samples) noexcept;
 
+  /// How many more samples of the writer can wait. None is refused: more push out the oldest.
+  std::size_t room(core::EndpointId writer) const noexcept;
+
   core::SampleHandle take() noexcept;
 
   void connect(const core::Source& source);

@@ -81,12 +81,6 @@ std::set<IpAddress::Bytes> ipv6_addresses_to_avoid() {
   return avoid;
 }
 
-bool is_wireless(const std::string& interface) {
-  const std::string path = "/sys/class/net/" + interface;
-  return ::access((path + "/phy80211").c_str(), F_OK) == 0 ||
-         ::access((path + "/wireless").c_str(), F_OK) == 0;
-}
-
 bool is_chosen(std::string_view name, const core::Link& link, const std::vector<std::string>& chosen) {
   return std::ranges::any_of(chosen, [&](const std::string& one) {
     const auto network = core::parse_ip_network(one);
@@ -162,6 +156,13 @@ Result<void> check_interfaces(const std::vector<std::string>& chosen) {
     }
   }
   return {};
+}
+
+/// The first is what drivers of today have, the second those of before.
+bool is_wireless(const std::string& interface, const std::string& interfaces) {
+  const std::string folder = interfaces + "/" + interface;
+  return ::access((folder + "/phy80211").c_str(), F_OK) == 0 ||
+         ::access((folder + "/wireless").c_str(), F_OK) == 0;
 }
 
 std::vector<core::Link> own_links(const std::vector<std::string>& chosen) {

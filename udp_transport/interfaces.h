@@ -49,6 +49,9 @@ Result<void> check_interfaces(const std::vector<std::string>& chosen);
 /// where there is no other. If `chosen` is not empty, of these interfaces only.
 std::vector<core::Link> own_links(const std::vector<std::string>& chosen = {});
 
+/// As the system says in the folder of that interface.
+bool is_wireless(const std::string& interface, const std::string& interfaces = "/sys/class/net");
+
 /// What IP and UDP put before a datagram.
 constexpr std::size_t headers_before_datagram(const core::IpAddress& to) { return to.is_ipv4() ? 28 : 48; }
 

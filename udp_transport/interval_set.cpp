@@ -31,4 +31,10 @@ std::uint32_t IntervalSet::add(std::uint32_t begin, std::uint32_t end) {
   return added;
 }
 
+bool IntervalSet::stands_alone(std::uint32_t begin, std::uint32_t end) const {
+  const auto next = std::lower_bound(intervals_.begin(), intervals_.end(), begin,
+                                     [](const Interval& i, std::uint32_t value) { return i.end < value; });
+  return next == intervals_.end() || next->begin > end;
+}
+
 }  // namespace sft::udp

@@ -17,6 +17,9 @@ class IntervalSet {
   /// Returns how many bytes of [begin, end) were not in the set before. begin < end.
   std::uint32_t add(std::uint32_t begin, std::uint32_t end);
 
+  /// Whether adding that makes one interval more.
+  bool stands_alone(std::uint32_t begin, std::uint32_t end) const;
+
   std::uint32_t covered() const { return covered_; }
   const std::vector<Interval>& intervals() const { return intervals_; }
 

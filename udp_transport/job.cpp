@@ -18,6 +18,25 @@ void Job::copy_body() {
   copied_ = {copy_.data(), copy_.size()};
 }
 
+void Job::copy_body(core::SampleHandle to) {
+  std::byte* at = to->data;
+  for (const Segment& segment : projection.segments()) at = std::copy_n(segment.data, segment.bytes, at);
+  copied_ = {to->data, projection.bytes()};
+  sample = std::move(to);
+}
+
+void Job::borrow() {
+  borrowed_bytes_ = sample->capacity;
+  pool_->borrowed_samples_.fetch_add(1, std::memory_order_relaxed);
+  pool_->borrowed_bytes_.fetch_add(borrowed_bytes_, std::memory_order_relaxed);
+}
+
+void Job::keep() {
+  if (kept_bytes_ != 0) return;
+  kept_bytes_ = held_bytes_in_all();
+  pool_->memory_->add(kept_bytes_);
+}
+
 void Job::pack(std::span<const Segment> body) {
   std::size_t bytes = 0;
   for (const Segment& segment : body) bytes += segment.bytes;
@@ -58,6 +77,13 @@ void JobPool::recycle(std::unique_ptr<Job> job) noexcept {
   job->sample.reset();
   job->mask.reset();
   job->copy_.clear();
+  if (job->copy_.capacity() > spare_copy_bytes_max) job->copy_.shrink_to_fit();
+  job->copied_ = {};
+  memory_->remove(std::exchange(job->kept_bytes_, 0));
+  if (const std::size_t bytes = std::exchange(job->borrowed_bytes_, 0); bytes != 0) {
+    borrowed_samples_.fetch_sub(1, std::memory_order_relaxed);
+    borrowed_bytes_.fetch_sub(bytes, std::memory_order_relaxed);
+  }
   job->packed_.clear();
   job->packed_bytes_ = 0;
   const std::scoped_lock lock(mutex_);

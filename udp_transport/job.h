@@ -12,6 +12,7 @@
 #include "core/sample_buffer.h"
 #include "sft/typesupport/project.h"
 #include "udp_transport/fragmenter.h"
+#include "udp_transport/kept_memory.h"
 
 namespace sft::udp {
 
@@ -40,7 +41,7 @@ struct Job {
   /// With another header.
   EncodedBody body(const FirstHeader& header) const {
     if (is_pack()) return {header, mask->words, packed_, true};
-    return {header, mask->words, copy_.empty() ? projection.segments() : std::span(&copied_, 1)};
+    return {header, mask->words, copied_.data == nullptr ? projection.segments() : std::span(&copied_, 1)};
   }
   /// Of a pack only these; one alone is a sample like any other.
   EncodedBody body(const FirstHeader& header, std::size_t part, std::size_t samples) const {
@@ -57,6 +58,13 @@ struct Job {
 
   /// Makes the job independent of the sample that it was encoded from.
   void copy_body();
+  /// The same, with memory of somebody else's for the copy, which is at least as large as the body.
+  void copy_body(core::SampleHandle to);
+  /// Its sample lies in borrowed memory, of which there is little.
+  void borrow();
+  /// A channel keeps it from now on: it counts until nobody has it any more. Of the one thread that gives it
+  /// to channels.
+  void keep();
   /// Adds a sample to a pack, or begins one. It can be sent, and not be added to any more, after seal().
   void pack(std::span<const Segment> body);
   void pack(std::span<const std::byte> body) {
@@ -76,7 +84,9 @@ struct Job {
   friend class JobHandle;
   friend class JobPool;
   std::vector<std::byte> copy_;  ///< of the body; empty if there is none
-  Segment copied_{};
+  Segment copied_{};             ///< the copy, wherever it lies
+  std::size_t borrowed_bytes_ = 0;
+  std::size_t kept_bytes_ = 0;
   std::vector<Segment> packed_;  ///< a pack's samples in the copy; until seal() only how long they are
   std::size_t packed_bytes_ = 0;
   std::shared_ptr<JobPool> pool_;  ///< while it is out
@@ -110,18 +120,36 @@ class JobHandle {
 /// The jobs of one writer, kept for the memory that their projections have grown to. Any thread.
 class JobPool : public std::enable_shared_from_this<JobPool> {
  public:
-  static std::shared_ptr<JobPool> make() { return std::shared_ptr<JobPool>(new JobPool); }
+  /// `memory` counts what channels keep.
+  static std::shared_ptr<JobPool> make(std::shared_ptr<KeptMemory> memory = std::make_shared<KeptMemory>()) {
+    return std::shared_ptr<JobPool>(new JobPool(std::move(memory)));
+  }
 
   /// Without a sample.
   JobHandle take();
 
+  /// Whether one more sample of so much borrowed memory may be held.
+  bool may_borrow(std::size_t bytes) const {
+    const std::size_t samples = borrowed_samples_.load(std::memory_order_relaxed);
+    const std::size_t in_all = borrowed_bytes_.load(std::memory_order_relaxed) + bytes;
+    return samples == 0 || (samples < borrowed_samples_max && in_all <= borrowed_bytes_max);
+  }
+
  private:
   friend class JobHandle;
-  JobPool() = default;
+  friend struct Job;
+  explicit JobPool(std::shared_ptr<KeptMemory> memory) : memory_(std::move(memory)) {}
   void recycle(std::unique_ptr<Job> job) noexcept;
 
   /// Many masks, a few samples each, or what a process acknowledges at a time.
   static constexpr std::size_t spare_max = 2048;
+  /// Longer copies are not kept for the next job.
+  static constexpr std::size_t spare_copy_bytes_max = 64 * 1024;
+  /// What may be on its way to readers that keep up, and a few more; others on this host need the rest.
+  static constexpr std::size_t borrowed_samples_max = 8;
+  static constexpr std::size_t borrowed_bytes_max = std::size_t{24} << 20;
+  const std::shared_ptr<KeptMemory> memory_;
+  std::atomic<std::size_t> borrowed_samples_{0}, borrowed_bytes_{0};
   std::mutex mutex_;
   std::vector<std::unique_ptr<Job>> spare_;  ///< with room for all that there are
   std::size_t jobs_ = 0;                     ///< that are out or spare

@@ -26,20 +26,24 @@ Lane::Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<W
 }
 
 Lane::Posted Lane::post(JobHandle job) {
-  JobHandle oldest;  // goes outside the lock
+  JobHandle oldest;
+  const Posted posted = queue_up(job, oldest);
+  if (oldest) count_lost(*oldest);
+  done_with(oldest, true);
+  done_with(job, true);
+  return posted;
+}
+
+/// Leaves in `job` what was not queued, and in `oldest` what had to go for it: these are told of without the
+/// lock.
+Lane::Posted Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   const std::scoped_lock lock(mutex_);
-  if (closed()) {
-    done_with(job, true);
-    return {};
-  }
-  if (!has_room_for(*job)) {
-    oldest = pop_oldest();
-    count_lost(*oldest);
-    done_with(oldest, true);
-  }
-  queued_bytes_ += bytes_held(*job);
+  if (closed()) return {};
+  if (!has_room_for(*job)) oldest = pop_oldest();
+  const std::size_t bytes = bytes_held(*job);
   if (oldest_ == 0) oldest_ = job->sequence;
   queue_.push_back(std::move(job));
+  queued_bytes_ += bytes;
   busy_.store(true, std::memory_order_relaxed);
   return {.was_idle = !held_ && !std::exchange(scheduled_, true),
           .dropped_oldest = static_cast<bool>(oldest)};
@@ -119,11 +123,13 @@ const Job* Lane::next() {
 
 void Lane::close() {
   std::vector<JobHandle> dropped, dropped_history;  // go outside the lock
-  const std::scoped_lock lock(mutex_);
-  closed_.store(true, std::memory_order_release);
-  dropped.swap(queue_);
-  queued_bytes_ = 0;
-  dropped_history.swap(history_);
+  {
+    const std::scoped_lock lock(mutex_);
+    closed_.store(true, std::memory_order_release);
+    dropped.swap(queue_);
+    queued_bytes_ = 0;
+    dropped_history.swap(history_);
+  }
   for (const JobHandle& job : dropped) done_with(job, true);
 }
 

@@ -100,6 +100,7 @@ class Lane {
  private:
   void count_lost(const Job& job) const;
   void done_with(const JobHandle& job, bool lost) const;
+  Posted queue_up(JobHandle& job, JobHandle& oldest);
   bool has_room_for(const Job& job) const;
   JobHandle pop_oldest();
 

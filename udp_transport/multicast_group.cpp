@@ -100,7 +100,8 @@ bool MulticastGroup::take_over_repairs(std::size_t member, Ack& ack, Time now) {
   return tell;
 }
 
-/// The first that asks is answered alone, and so is who asks once more.
+/// The first that asks is answered alone, and so is who asks once more: what was sent again may be lost
+/// again.
 bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel, Time now, bool& tell) {
   std::optional<std::int64_t> ahead;
   {
@@ -109,14 +110,15 @@ bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel,
   }
   if (!ahead || broken() || !hears(member)) return false;
   const std::uint64_t ordinal = in_channel - static_cast<std::uint64_t>(*ahead);
+  const std::uint64_t bit = std::uint64_t{1} << member % 64;
   const auto asked = std::ranges::find_if(asked_, [&](const Asked& one) {
     return one.ordinal == ordinal && now - one.at < asked_together && one.ordinal != 0;
   });
   if (asked == asked_.end()) {
-    asked_[next_asked_++ % asked_.size()] = {ordinal, member, false, now};
+    asked_[next_asked_++ % asked_.size()] = {ordinal, bit, false, now};
     return false;
   }
-  if (asked->member == member) return false;
+  if ((std::exchange(asked->by, asked->by | bit) & bit) != 0) return false;
   if (!asked->sent_again) asked->sent_again = send_again(member, in_channel, tell);
   return asked->sent_again;
 }

@@ -95,7 +95,7 @@ class MulticastGroup final : public LaneListener {
   /// A sample that was asked for lately.
   struct Asked {
     std::uint64_t ordinal = 0;
-    std::size_t member = 0;  ///< who asked first
+    std::uint64_t by = 0;  ///< a bit for each member; of more than 64, some share one
     bool sent_again = false;
     Time at{};
   };

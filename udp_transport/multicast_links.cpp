@@ -3,29 +3,19 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <netinet/in.h>
-#include <unistd.h>
+
+#include "udp_transport/interfaces.h"
 
 namespace sft::udp {
 
-namespace {
-
-std::string refusal(const ifaddrs& entry, Multicast use) {
-  const std::string name = entry.ifa_name;
+std::string why_no_multicast(const std::string& interface, unsigned flags, bool wireless, Multicast use) {
   if (use == Multicast::everywhere) return "";
   if (use == Multicast::off) return "multicast is off by option";
-  if ((entry.ifa_flags & IFF_LOOPBACK) != 0) return "it is on this host";
-  if ((entry.ifa_flags & IFF_MULTICAST) == 0) return "interface " + name + " has no multicast";
-  if ((entry.ifa_flags & IFF_POINTOPOINT) != 0) return "interface " + name + " leads to one host only";
-  if (is_wireless(name)) return "interface " + name + " is wireless";
+  if ((flags & IFF_LOOPBACK) != 0) return "it is on this host";
+  if ((flags & IFF_MULTICAST) == 0) return "interface " + interface + " has no multicast";
+  if ((flags & IFF_POINTOPOINT) != 0) return "interface " + interface + " leads to one host only";
+  if (wireless) return "interface " + interface + " is wireless";
   return "";
-}
-
-}  // namespace
-
-bool is_wireless(const std::string& interface) {
-  const std::string folder = "/sys/class/net/" + interface;
-  return ::access((folder + "/wireless").c_str(), F_OK) == 0 ||
-         ::access((folder + "/phy80211").c_str(), F_OK) == 0;
 }
 
 std::vector<MulticastLink> multicast_links(Multicast use) {
@@ -39,7 +29,9 @@ std::vector<MulticastLink> multicast_links(Multicast use) {
     const auto ipv4 = [](const sockaddr& a) {
       return ntohl(reinterpret_cast<const sockaddr_in&>(a).sin_addr.s_addr);
     };
-    links.push_back({i->ifa_name, ipv4(*i->ifa_addr), ipv4(*i->ifa_netmask), refusal(*i, use)});
+    const std::string name = i->ifa_name;
+    links.push_back({name, ipv4(*i->ifa_addr), ipv4(*i->ifa_netmask),
+                     why_no_multicast(name, i->ifa_flags, is_wireless(name), use)});
   }
   ::freeifaddrs(list);
   return links;

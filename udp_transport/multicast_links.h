@@ -23,7 +23,8 @@ struct MulticastLink {
 /// Those that are up.
 std::vector<MulticastLink> multicast_links(Multicast use);
 
-/// Stations of a wireless network get multicast at the lowest rate, unacknowledged, and many drop it.
-bool is_wireless(const std::string& interface);
+/// Why not by an interface with these flags (netdevice(7)); empty: it may be used. Stations of a wireless
+/// network get multicast at the lowest rate, unacknowledged, and many drop it.
+std::string why_no_multicast(const std::string& interface, unsigned flags, bool wireless, Multicast use);
 
 }  // namespace sft::udp

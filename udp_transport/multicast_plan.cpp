@@ -15,9 +15,10 @@ namespace {
 constexpr double lower_header_bytes = 14 + 20 + 8;  // Ethernet, IPv4, UDP: what interfaces count
 
 double alone_cost(const PlanDestination& to, const BodyBytes& body_bytes) {
+  const PlaceMark place = to.reliable ? PlaceMark::in_channel : PlaceMark::none;
   double cost = 0;
   for (MaskSet left = to.masks; left != 0; left &= left - 1)
-    cost += wire_bytes(body_bytes(left & -left), to.datagram_bytes, to.reliable);
+    cost += wire_bytes(body_bytes(left & -left), to.datagram_bytes, place);
   return cost;
 }
 
@@ -35,7 +36,7 @@ double cost_of(std::span<const PlanDestination> destinations, const std::vector<
     std::size_t datagram_bytes = SIZE_MAX;
     for (const std::size_t member : group.members)
       datagram_bytes = std::min(datagram_bytes, destinations[member].datagram_bytes);
-    const double together = wire_bytes(body_bytes(group.masks), datagram_bytes, true);
+    const double together = wire_bytes(body_bytes(group.masks), datagram_bytes, PlaceMark::in_group);
     cost += together;
     for (const std::size_t member : group.members)
       cost += limits.unwanted_weight * std::max(0.0, together - alone[member]) - alone[member];
@@ -43,7 +44,8 @@ double cost_of(std::span<const PlanDestination> destinations, const std::vector<
   return cost;
 }
 
-/// Destinations with the same masks behind the same link: in the best plan they are together.
+/// Destinations with the same masks behind the same link, which are treated alike. (To split them would only ever
+/// pay where one of them gives a group its second member, so that another one gets its several masks at once.)
 struct Kind {
   MaskSet masks = 0;
   std::size_t link = 0;
@@ -121,8 +123,10 @@ class Search {
 
 }  // namespace
 
-double wire_bytes(double body_bytes, std::size_t datagram_bytes, bool reliable) {
-  const double mark = reliable ? channel_bytes : 0;
+double wire_bytes(double body_bytes, std::size_t datagram_bytes, PlaceMark place) {
+  const bool is_whole = body_bytes + first_header_bytes <= static_cast<double>(datagram_bytes);
+  const bool has_mark = place == PlaceMark::in_group || (place == PlaceMark::in_channel && !is_whole);
+  const double mark = has_mark ? group_bytes : 0;
   const double all = body_bytes + static_cast<double>(first_header_bytes - following_header_bytes) + mark;
   const auto room = static_cast<double>(datagram_bytes - following_header_bytes);
   const double datagrams = std::max(1.0, std::ceil(all / room));

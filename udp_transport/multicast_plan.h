@@ -40,8 +40,12 @@ struct PlanLimits {
   std::size_t kinds_max = 7;  ///< of destinations, by masks; the rarest of more are served alone
 };
 
+/// What a sample says of its place where it is sent. In a channel that takes bytes of its own only if it does
+/// not fit into one datagram.
+enum class PlaceMark : std::uint8_t { none, in_channel, in_group };
+
 /// Bytes on the wire of one sample with such a body: our headers and those of Ethernet, IP and UDP.
-double wire_bytes(double body_bytes, std::size_t datagram_bytes, bool reliable);
+double wire_bytes(double body_bytes, std::size_t datagram_bytes, PlaceMark place);
 
 /// What one sample costs under a plan.
 double plan_cost(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,

@@ -6,14 +6,14 @@
 
 namespace sft::udp {
 
-void OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from) {
+bool OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from, Time now) {
   const auto known =
       std::ranges::find_if(groups_, [&](const Offered& group) { return group.offer.group == offer.group; });
   if (offer.address == 0) {
     std::erase_if(groups_, [&](const Offered& group) {
       return static_cast<std::int32_t>(group.offer.group - offer.group) <= 0;
     });
-    return;
+    return false;
   }
   SocketAddress report_to = from;
   report_to.port = offer.port;
@@ -21,10 +21,13 @@ void OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from) {
     known->offer = offer;
     known->report_to = report_to;
     known->reported_at = {};  // who offers again has not heard
-    return;
+    if (now - known->alive_at < silence_max) return false;
+    known->alive_at = now;
+    return true;
   }
   if (groups_.size() == groups_max) groups_.erase(groups_.begin());
-  groups_.push_back({offer, report_to});
+  groups_.push_back({offer, report_to, now});
+  return false;
 }
 
 bool OfferedGroups::place(FirstHeader& first, Time now) {
@@ -37,6 +40,7 @@ bool OfferedGroups::place(FirstHeader& first, Time now) {
     first.flags |= channel_follows;
     first.channel = {known->offer.channel, first.group.sequence_high, ordinal};
   }
+  known->alive_at = now;
   known->heard = std::max(known->heard, first.group.ordinal);
   if (known->reported_at == Time{} || now - known->reported_at >= group_report_pause) {
     known->reported_at = now;

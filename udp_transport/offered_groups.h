@@ -17,8 +17,9 @@ class OfferedGroups {
   using Time = std::chrono::steady_clock::time_point;
 
   /// A newer offer of a group replaces the one before. One without an address takes that group back and those
-  /// with lower numbers.
-  void hear(const GroupOffer& offer, const SocketAddress& from);
+  /// with lower numbers. True if the address is to be joined anew: nothing of that group has come for so long
+  /// that a switch may not know of the membership, or not any more.
+  bool hear(const GroupOffer& offer, const SocketAddress& from, Time now);
 
   /// A first datagram came by a group: gives it its place in the channel, if it has one there. False if that
   /// group was not offered: nothing can be said of it then, and it comes otherwise.
@@ -46,12 +47,15 @@ class OfferedGroups {
   struct Offered {
     GroupOffer offer;
     SocketAddress report_to;
+    Time alive_at;  ///< joined, or heard
     std::uint64_t heard = 0;
     Time reported_at{};
     bool due = false;
   };
   /// The present one, and those of which something may still be under way.
   static constexpr std::size_t groups_max = 4;
+  /// A switch knows of who joins sooner.
+  static constexpr std::chrono::milliseconds silence_max{250};
   std::vector<Offered> groups_;  ///< the newest last
   bool due_ = false;
 };

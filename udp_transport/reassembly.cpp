@@ -91,6 +91,7 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
     in->wanted.set(*stream.type, stream.masks);
     if (!stream.reliable) close_window(*in);
     if (stream.reliable && in->window == nullptr) open_window(*in);
+    if (in->window != nullptr) in->window->set_awaited(stream.waits);
     windows_ += stream.reliable ? 1 : 0;
     by_stream_.push_back(in.get());
   }
@@ -109,7 +110,10 @@ void Reassembly::open_window(Incoming& in) {
 }
 
 void Reassembly::close_window(Incoming& in) {
-  const auto mark = in.window == nullptr ? std::nullopt : in.window->mark();
+  if (in.window == nullptr) return;
+  for (const auto& sample : in.unfinished) sample->set_place(0);
+  if (!in.unfinished.empty()) next_expiry_ = Time{};  // these can expire from now on
+  const auto mark = in.window->mark();
   in.window.reset();
   in.acks_go_to.reset();
   if (!mark) return;
@@ -135,8 +139,8 @@ Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, Arrival
   if (following) return accept_following(*in, *following, now);
   if ((d->first.flags & group_follows) != 0 && !place(*in, *d, now.steady)) return {};
   const WantedMasks::Named named = in->wanted.named_by(*d);
-  return d->kind == DatagramKind::first ? accept_first(*in, *d, named, now)
-                                        : accept_packed(*in, *d, named, now);
+  return d->kind == DatagramKind::packed ? accept_packed(*in, *d, named, now)
+                                         : accept_first(*in, *d, named, now);
 }
 
 Reassembly::Incoming* Reassembly::find(std::uint32_t writer) {
@@ -156,7 +160,8 @@ Reassembly::Arrival Reassembly::accept_packed(Incoming& in, const Datagram& pack
   }
   if (packed.bytes_each != 0 && named.mask != nullptr && packed.bytes_each <= in.sample_bytes) {
     const std::size_t bytes = SampleLayout(in.type->slots()).bytes(packed.bytes_each);
-    pool_->take_kept(bytes, pool_->limit_bytes() / 4, packed.samples, ahead_);
+    const std::size_t left = in.window == nullptr ? 0 : left_for_first_missing(in);
+    pool_->take_kept(bytes, pool_->limit_bytes() / 4 + left, packed.samples, ahead_);
   }
   Arrival arrival{{}, in.place};
   Datagram d;
@@ -184,7 +189,9 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, co
   const bool repeated =
       sample != nullptr ? sample->described() : met.place == 0 && in.finished.contains(d.label());
   const Arrival nothing{{}, in.place, met.place != 0};
-  if (repeated || met.standing != ArrivalWindow::Standing::wanted) return nothing;
+  const bool is_wanted = met.standing == ArrivalWindow::Standing::wanted;
+  if (is_wanted && met.place != 0 && repeated) join_channel(in, *sample, met.place);
+  if (repeated || !is_wanted) return nothing;
 
   core::SampleHandle buffer;
   if (const Refusal why = describe(in, d, named, met.place, buffer); why != Refusal::none)
@@ -201,8 +208,16 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, co
   sample->describe(d.first, body_offset, std::move(buffer));
   in.unfinished_bytes += d.first.total;
   parked_bytes_ -= sample->parked_bytes();
-  sample->add(0, d.payload, now.steady);
-  return proceed(in, *sample, sample->unpark(now.steady), now);
+  sample->add(0, d.payload, limits_.gaps, now.steady);
+  Arrival arrival = proceed(in, *sample, sample->unpark(limits_.gaps, now.steady), now);
+  arrival.in_channel = met.place != 0;  // those before it may have turned out to be lost
+  return arrival;
+}
+
+/// It had begun before it was wanted reliably.
+void Reassembly::join_channel(Incoming& in, UnfinishedSample& sample, std::uint64_t place) {
+  sample.set_place(place);
+  in.window->begun(place, sample.label(), sample.buffer());
 }
 
 /// False if it is of a group that is not known here, or is not meant for those who read here now.
@@ -216,7 +231,8 @@ bool Reassembly::place(Incoming& in, Datagram& d, Time now) {
   return true;
 }
 
-std::optional<GroupOffer> Reassembly::accept_offer(std::span<const std::byte> bytes, SocketAddress from) {
+std::optional<Reassembly::Joining> Reassembly::accept_offer(std::span<const std::byte> bytes,
+                                                            SocketAddress from, ArrivalTime now) {
   const std::optional<GroupOffer> offer = parse_group_offer(bytes);
   if (!offer) {
     ++counters_.malformed;
@@ -227,8 +243,8 @@ std::optional<GroupOffer> Reassembly::accept_offer(std::span<const std::byte> by
     ++counters_.unknown;
     return {};
   }
-  found->second->groups.hear(*offer, from);
-  return offer;
+  const bool anew = found->second->groups.hear(*offer, from, now.steady);
+  return Joining{offer->address, anew};
 }
 
 std::vector<std::uint32_t> Reassembly::groups() const {
@@ -258,6 +274,7 @@ Reassembly::Arrival Reassembly::refuse(Incoming& in, const Datagram& d, std::uin
 }
 
 Reassembly::Arrival Reassembly::accept_following(Incoming& in, const Following& d, ArrivalTime now) {
+  drop_abandoned(in);  // when readers took something, too
   UnfinishedSample* sample = in.find(d.label);
   if (sample == nullptr) {
     if (in.finished.contains(d.label) || in.elsewhere.contains(d.label)) return {};
@@ -268,27 +285,30 @@ Reassembly::Arrival Reassembly::accept_following(Incoming& in, const Following& 
     return {};
   }
   const std::uint32_t had = sample->received().covered();
-  if (!sample->add(d.offset, d.payload, now.steady)) {
+  const auto added = sample->add(d.offset, d.payload, limits_.gaps, now.steady);
+  if (added == UnfinishedSample::Added::beyond_body) {
     ++counters_.malformed;  // the sample may be honest
     return {};
   }
-  if (sample->place() != 0 && sample->received().covered() == had) in.window->came_again(sample->place());
-  return proceed(in, *sample, true, now);
+  const bool again = added == UnfinishedSample::Added::yes && sample->received().covered() == had;
+  if (again && sample->place() != 0) in.window->came_again(sample->place());
+  return proceed(in, *sample, added, now);
 }
 
-/// After something was added to a described sample.
-Reassembly::Arrival Reassembly::proceed(Incoming& in, UnfinishedSample& sample, bool well_formed,
+/// After something was added to a described sample, or refused. What is reliable can come again.
+Reassembly::Arrival Reassembly::proceed(Incoming& in, UnfinishedSample& sample, UnfinishedSample::Added added,
                                         ArrivalTime now) {
-  const Arrival nothing{{}, in.place, sample.place() != 0};
-  if (!well_formed) {
-    drop(in, SampleLabel(sample.label()), counters_.malformed);
-    return nothing;
+  using Added = UnfinishedSample::Added;
+  const bool in_channel = sample.place() != 0;
+  if (added != Added::yes) [[unlikely]] {
+    std::uint64_t& counter = added == Added::beyond_body ? counters_.malformed : counters_.over_limit;
+    if (!in_channel) {
+      drop(in, SampleLabel(sample.label()), counter);
+      return {{}, in.place, false};
+    }
+    ++counter;
   }
-  if (sample.gaps() > limits_.gaps) {
-    drop(in, SampleLabel(sample.label()), counters_.over_limit);
-    return nothing;
-  }
-  if (!sample.whole()) return nothing;
+  if (!sample.whole()) return {{}, in.place, false};
   const FirstHeader first = sample.first();
   const std::uint64_t place = sample.place();
   std::unique_ptr<UnfinishedSample> whole = remove(in, first.label);
@@ -341,7 +361,7 @@ Reassembly::Refusal Reassembly::describe(Incoming& in, const Datagram& d, const 
     buffer = std::move(ahead_.back());
     ahead_.pop_back();
   } else {
-    buffer = place == 0 ? take_buffer(in, d) : take_reliable_buffer(in, d);
+    buffer = place == 0 ? take_buffer(in, d) : take_reliable_buffer(in, d, place);
   }
   if (!buffer) return Refusal::over_limit;
   buffer->mask = *named.mask;
@@ -367,11 +387,17 @@ core::SampleHandle Reassembly::take_buffer(Incoming& in, const Datagram& d) {
   return buffer;
 }
 
-/// Nothing makes room for it: it can come again later.
-core::SampleHandle Reassembly::take_reliable_buffer(Incoming& in, const Datagram& d) {
+/// Nothing makes room for it: it can come again later. Those behind the first that is missing leave room for
+/// that one: without it none of them is ever let go of.
+core::SampleHandle Reassembly::take_reliable_buffer(Incoming& in, const Datagram& d, std::uint64_t place) {
   const std::size_t total = d.first.total;
   if (in.unfinished_bytes > 0 && in.unfinished_bytes + total > limits_.unfinished_bytes) return {};
-  return pool_->take(SampleLayout(in.type->slots()).bytes(total), pool_->limit_bytes() / 4);
+  const std::size_t left = place == in.window->next_place() ? 0 : left_for_first_missing(in);
+  return pool_->take(SampleLayout(in.type->slots()).bytes(total), pool_->limit_bytes() / 4 + left);
+}
+
+std::size_t Reassembly::left_for_first_missing(const Incoming& in) const {
+  return std::min(SampleLayout(in.type->slots()).bytes(in.sample_bytes), pool_->limit_bytes() / 4);
 }
 
 void Reassembly::park(Incoming& in, UnfinishedSample& sample, const Following& d, Time now) {
@@ -434,9 +460,8 @@ void Reassembly::drop(Incoming& in, const SampleLabel& label, std::uint64_t& cou
 
 /// What its writer does not have any more.
 void Reassembly::drop_abandoned(Incoming& in) {
-  for (const SampleLabel& label :
-       in.window == nullptr ? std::vector<SampleLabel>{} : in.window->take_abandoned())
-    drop(in, label, counters_.incomplete);
+  if (in.window == nullptr || !in.window->has_abandoned()) return;
+  for (const SampleLabel& label : in.window->take_abandoned()) drop(in, label, counters_.incomplete);
 }
 
 void Reassembly::keep_spare(std::unique_ptr<UnfinishedSample> sample) {

@@ -41,6 +41,7 @@ struct Stream {
   std::size_t max_sample_bytes = 0;   ///< announced by the writer; 0: not known
   std::vector<FieldMask> masks;
   bool reliable = false;  ///< some reader wants it to be
+  bool waits = false;     ///< its publisher does, for these
 };
 
 class Reassembly {
@@ -68,8 +69,14 @@ class Reassembly {
 
   Arrival accept_heartbeat(std::span<const std::byte> datagram, SocketAddress from, ArrivalTime now);
 
+  /// What an offer asks for.
+  struct Joining {
+    std::uint32_t group = 0;  ///< IPv4; 0: none, it was taken back
+    bool anew = false;        ///< also if it was joined before
+  };
   /// Empty if it is of nobody who is wanted here. Else groups() may be others than before.
-  std::optional<GroupOffer> accept_offer(std::span<const std::byte> datagram, SocketAddress from);
+  std::optional<Joining> accept_offer(std::span<const std::byte> datagram, SocketAddress from,
+                                      ArrivalTime now);
   /// Those that were offered to who is wanted here, IPv4.
   std::vector<std::uint32_t> groups() const;
   using SendReport = std::function<void(const SocketAddress&, const GroupReport&)>;
@@ -96,9 +103,10 @@ class Reassembly {
   Incoming* find(std::uint32_t writer);
   Arrival accept_first(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now);
   Arrival accept_packed(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now);
+  void join_channel(Incoming& in, UnfinishedSample& sample, std::uint64_t place);
   bool place(Incoming& in, Datagram& d, Time now);
   Arrival accept_following(Incoming& in, const Following& d, ArrivalTime now);
-  Arrival proceed(Incoming& in, UnfinishedSample& sample, bool well_formed, ArrivalTime now);
+  Arrival proceed(Incoming& in, UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now);
   Arrival complete(Incoming& in, core::SampleHandle sample, const FirstHeader& first, std::uint64_t place,
                    ArrivalTime now);
   void park(Incoming& in, UnfinishedSample& sample, const Following& d, Time now);
@@ -113,7 +121,8 @@ class Reassembly {
   Refusal describe(Incoming& in, const Datagram& d, const WantedMasks::Named& named, std::uint64_t place,
                    core::SampleHandle& buffer);
   core::SampleHandle take_buffer(Incoming& in, const Datagram& d);
-  core::SampleHandle take_reliable_buffer(Incoming& in, const Datagram& d);
+  core::SampleHandle take_reliable_buffer(Incoming& in, const Datagram& d, std::uint64_t place);
+  std::size_t left_for_first_missing(const Incoming& in) const;
 
   UnfinishedSample& begin(Incoming& in, const SampleLabel& label, std::uint64_t place, Time now);
   bool drop_oldest(Incoming& in, const SampleLabel& same_variant_first);

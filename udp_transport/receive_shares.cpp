@@ -18,13 +18,25 @@ void ReceiveShares::find_and_count(const SocketAddress& from) {
   last_ = static_cast<std::size_t>(found - senders_.begin());
 }
 
+auto ReceiveShares::of_address(const core::IpAddress& ip) const {
+  return std::ranges::equal_range(senders_, ip, {}, [](const Sender& sender) { return sender.from.ip; });
+}
+
+std::size_t ReceiveShares::addresses() const {
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < senders_.size(); ++i)
+    n += i == 0 || senders_[i].from.ip != senders_[i - 1].from.ip ? 1 : 0;
+  return n;
+}
+
 /// One that marks from another port has changed its way: what came before does not count with it.
 ReceiveShares::Sender* ReceiveShares::known_or_new(std::uint32_t flow, const SocketAddress& from) {
   const auto found = std::ranges::find_if(
       senders_, [&](const Sender& known) { return known.flow == flow && known.from.ip == from.ip; });
   if (found == senders_.end()) {
-    if (senders_.size() == senders_max) return nullptr;
-    return &senders_.emplace_back(Sender{.from = from, .flow = flow});
+    const auto neighbours = of_address(from.ip);
+    if (senders_.size() == senders_max || neighbours.size() == of_one_address_max) return nullptr;
+    return &*senders_.insert(neighbours.end(), Sender{.from = from, .flow = flow});
   }
   if (found->from != from) *found = {.from = from, .flow = flow, .granted = found->granted};
   return &*found;
@@ -32,7 +44,7 @@ ReceiveShares::Sender* ReceiveShares::known_or_new(std::uint32_t flow, const Soc
 
 /// Its share, but while others have not been told of it yet, what they leave.
 std::size_t ReceiveShares::grant(Sender& sender) const {
-  const std::size_t share = usable_bytes_ / senders_.size();
+  const std::size_t share = usable_bytes_ / addresses() / of_address(sender.from.ip).size();
   std::size_t left = usable_bytes_;
   for (const Sender& other : senders_) {
     if (&other != &sender) left -= std::min(left, other.granted);

@@ -1,5 +1,5 @@
 // Who sends to our socket at present, and what each of them may have under way: together no more than its
-// buffer holds. Pure.
+// buffer holds. All addresses get the same, whatever says to be behind each. Pure.
 #pragma once
 
 #include <chrono>
@@ -19,6 +19,7 @@ class ReceiveShares {
   static constexpr std::size_t senders_max = 256;
   /// Whoever has not marked anything for so long needs no share.
   static constexpr std::chrono::milliseconds at_rest_after{500};
+  static constexpr std::size_t of_one_address_max = 64;
 
   explicit ReceiveShares(std::size_t receive_buffer_bytes);
 
@@ -45,11 +46,13 @@ class ReceiveShares {
   };
   void find_and_count(const SocketAddress& from);
   std::size_t grant(Sender& sender) const;
+  auto of_address(const core::IpAddress& ip) const;
+  std::size_t addresses() const;
   Sender* known_or_new(std::uint32_t flow, const SocketAddress& from);
 
   const std::size_t usable_bytes_;
-  std::vector<Sender> senders_;
-  std::size_t last_ = 0;  ///< whose datagram came last
+  std::vector<Sender> senders_;  ///< by address
+  std::size_t last_ = 0;         ///< whose datagram came last
 };
 
 }  // namespace sft::udp

@@ -15,6 +15,7 @@
 #include "core/doorbell.h"
 #include "core/spin.h"
 #include "core/thread.h"
+#include "udp_transport/answers.h"
 
 namespace sft::udp {
 
@@ -174,6 +175,7 @@ void Receiver::wait_behind(const core::Waiting& waiting) noexcept {
 }
 
 void Receiver::wait_in_role(const core::Waiting& waiting) noexcept {
+  if (readers_lag_.load(std::memory_order_relaxed)) deliver_to_laggards();
   while (!waiting.bell.rung(waiting.seen) && !role_.lost()) {
     const Time now = Clock::now();
     if (now >= waiting.deadline) return;
@@ -183,6 +185,15 @@ void Receiver::wait_in_role(const core::Waiting& waiting) noexcept {
       core::pause_core(), ::sched_yield();
     }
   }
+}
+
+/// Whoever waits has taken what it had, and may have room.
+void Receiver::deliver_to_laggards() noexcept {
+  if (!role_.begin()) return;
+  const Time now = Clock::now();
+  look_after_readers(now);
+  answer(now);
+  role_.end(next_deadline());
 }
 
 /// One train, so that whoever waits for a sample that it brings need not wait for others. True if there was
@@ -220,13 +231,15 @@ void Receiver::leave_role() noexcept {
 void Receiver::look_after_time() noexcept {
   if (next_deadline() == Time::max()) return;
   const Time now = Clock::now();
+  if (now >= lag_watch_.next_look()) look_after_readers(now);
   answer(now);
   reassembly_.expire(now);
   publish_counters();
 }
 
 Receiver::Time Receiver::next_deadline() const {
-  return std::min(reassembly_.next_answer(), reassembly_.next_expiry().value_or(Clock::time_point::max()));
+  return std::min({reassembly_.next_answer(), reassembly_.next_expiry().value_or(Clock::time_point::max()),
+                   lag_watch_.next_look()});
 }
 
 void Receiver::answer(Time now) noexcept try {
@@ -240,13 +253,11 @@ void Receiver::begin(ArrivalTime now) noexcept {
   enter();
 }
 
-void Receiver::datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept {
+void Receiver::datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept {
   const std::optional<DatagramKind> kind = kind_of(bytes);
-  if (kind == DatagramKind::ack) return hear_ack(bytes);
-  if (kind == DatagramKind::report) return hear_report(bytes);
+  if (is_answer(kind)) return acks_.hear(bytes, now_.steady);
   if (kind == DatagramKind::mark) return report(bytes, from);
   if (kind == DatagramKind::group_offer) return hear_offer(bytes, from);
-  if (kind == DatagramKind::group_report) return hear_group_report(bytes);
   shares_.count(from);
   Reassembly::Arrival arrival =
       kind == DatagramKind::heartbeat ? accept_heartbeat(bytes, from) : accept(bytes);
@@ -258,26 +269,11 @@ void Receiver::datagram(std::span<const std::byte> bytes, SocketAddress from) no
   if (in_channel) deliver_in_order(writer);
 }
 
-void Receiver::hear_ack(std::span<const std::byte> bytes) noexcept try {
-  const std::optional<Ack> ack = parse_ack(bytes);
-  if (!ack) {
-    ++malformed_answers_;
-  } else {
-    acks_.hear(*ack);
-  }
-} catch (const std::bad_alloc&) {  // another one will come
-}
-
-void Receiver::hear_report(std::span<const std::byte> bytes) noexcept {
-  const std::optional<FlowReport> report = parse_report(bytes);
-  report ? acks_.hear_report(*report, now_.steady) : void(++malformed_answers_);
-}
-
 /// At once: all that was sent before it has left the socket.
 void Receiver::report(std::span<const std::byte> bytes, SocketAddress from) noexcept try {
   const std::optional<FlowMark> mark = parse_mark(bytes);
   if (!mark) {
-    ++malformed_answers_;
+    ++malformed_marks_;
   } else {
     acks_.report({from.ip, mark->port}, shares_.answer(*mark, from, now_.steady));
   }
@@ -285,20 +281,10 @@ void Receiver::report(std::span<const std::byte> bytes, SocketAddress from) noex
 }
 
 void Receiver::hear_offer(std::span<const std::byte> bytes, SocketAddress from) noexcept try {
-  const std::optional<GroupOffer> offer = reassembly_.accept_offer(bytes, from);
-  if (!offer) return;
+  const std::optional<Reassembly::Joining> joining = reassembly_.accept_offer(bytes, from, now_);
+  if (!joining) return;
   groups_.joins->keep_to(reassembly_.groups());
-  if (offer->address != 0) groups_.joins->join(offer->address, from);
-} catch (const std::bad_alloc&) {  // another one will come
-}
-
-void Receiver::hear_group_report(std::span<const std::byte> bytes) noexcept try {
-  const std::optional<GroupReport> report = parse_group_report(bytes);
-  if (!report) {
-    ++malformed_answers_;
-  } else {
-    groups_.hear(*report);
-  }
+  if (joining->group != 0) groups_.joins->join(joining->group, from, joining->anew);
 } catch (const std::bad_alloc&) {  // another one will come
 }
 
@@ -335,6 +321,8 @@ void Receiver::enter() {
       if (subscriber.reliable) readers.push_back(subscriber.reader);
     }
     window->set_readers(readers);
+    for (const Subscriber& subscriber : wanted_->subscribers[i])
+      window->heard(subscriber.reader, subscriber.heard_request());
   }
 }
 
@@ -359,12 +347,15 @@ void Receiver::deliver(Reassembly::Arrival& arrival) {
   enter();
 }
 
-void Receiver::deliver_in_order(core::EndpointId writer) {
-  while (deliver_next(writer)) {
-  }
+/// Whether there was something that somebody had room for.
+bool Receiver::deliver_in_order(core::EndpointId writer) {
+  bool any = false;
+  while (deliver_next(writer)) any = true;
+  return any;
 }
 
-/// To one reader what it can get now, up to a limit. False if nobody has anything to get.
+/// To one reader what it can get now, up to a limit. False if nobody has anything to get. What a publisher
+/// that waits for its readers has sent is not pushed out by what comes next, as long as it does wait.
 bool Receiver::deliver_next(core::EndpointId writer) {
   const std::vector<Stream>& streams = wanted_->streams;
   const auto stream =
@@ -375,15 +366,20 @@ bool Receiver::deliver_next(core::EndpointId writer) {
   if (window == nullptr) return false;
   for (const Subscriber& subscriber : wanted_->subscribers[place]) {
     if (!subscriber.reliable) continue;
-    const auto accepts = [&](const core::SampleBuffer& s) { return subscriber.accepts(s); };
+    const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t request) {
+      return subscriber.accepts(s, request);
+    };
+    const bool room_counts = streams[place].waits && !window->overtakes();
+    const std::size_t room = room_counts ? subscriber.inbox->room(writer) : delivered_at_once;
     batch_.clear();
-    while (batch_.size() < delivered_at_once) {
+    while (batch_.size() < std::min(room, delivered_at_once)) {
       batch_.push_back(window->next(subscriber.reader, accepts));
       if (batch_.back()) continue;
       batch_.pop_back();
       break;
     }
     if (batch_.empty()) continue;
+    window->release();
     const std::shared_ptr<Inbox> inbox = subscriber.inbox;
     const std::shared_ptr<const Subscriptions> subscriptions = wanted_;
     subscriptions_.leave();
@@ -393,12 +389,33 @@ bool Receiver::deliver_next(core::EndpointId writer) {
     return true;
   }
   window->release();
+  if (window->holds_back()) {
+    lag_watch_.begin(now_.steady);
+    readers_lag_.store(true, std::memory_order_relaxed);
+  }
   return false;
+}
+
+void Receiver::look_after_readers(Time now) {
+  enter();
+  bool some_was_taken = false;
+  bool some_is_left = false;
+  const std::shared_ptr<const Subscriptions> subscriptions = wanted_;
+  for (const Stream& stream : subscriptions->streams) {
+    if (stream.waits) some_was_taken = deliver_in_order(stream.writer) || some_was_taken;
+  }
+  for (std::size_t i = 0; i < wanted_->streams.size(); ++i) {
+    const ArrivalWindow* window = reassembly_.window(i);
+    some_is_left = some_is_left || (window != nullptr && window->holds_back());
+  }
+  subscriptions_.leave();
+  lag_watch_.looked(now, some_was_taken, some_is_left);
+  readers_lag_.store(some_is_left, std::memory_order_relaxed);
 }
 
 void Receiver::publish_counters() noexcept {
   const Reassembly::Counters& counters = reassembly_.counters();
-  malformed_.store(counters.malformed + malformed_answers_, std::memory_order_relaxed);
+  malformed_.store(counters.malformed + malformed_marks_, std::memory_order_relaxed);
   unknown_.store(counters.unknown, std::memory_order_relaxed);
   incomplete_.store(counters.incomplete, std::memory_order_relaxed);
   over_limit_.store(counters.over_limit, std::memory_order_relaxed);

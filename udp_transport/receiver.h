@@ -12,6 +12,7 @@
 
 #include "udp_transport/datagram_io.h"
 #include "udp_transport/group_socket.h"
+#include "udp_transport/lag_watch.h"
 #include "udp_transport/reassembly.h"
 #include "udp_transport/receive_shares.h"
 #include "udp_transport/receiving_role.h"
@@ -25,22 +26,21 @@ namespace sft::udp {
 /// thread" is whichever has the role.
 class Receiver final : private DatagramSink, public std::enable_shared_from_this<Receiver> {
  public:
-  /// What this half says to the one that sends, and hears for it. Called by the receiving thread.
+  /// What this half says to those who send, and hears for its own other half. Called by the receiving thread.
   struct Acks {
-    std::function<void(const Ack&)> hear;
+    std::function<void(std::span<const std::byte> answer, std::chrono::steady_clock::time_point)> hear;
     Reassembly::SendAck send;
-    std::function<void(const FlowReport&, std::chrono::steady_clock::time_point)> hear_report;
     std::function<void(const SocketAddress&, const FlowReport&)> report;
   };
   /// And what multicast groups need.
   struct Groups {
-    std::function<void(const GroupReport&)> hear;
     Reassembly::SendReport send;
     std::shared_ptr<GroupJoins> joins;
   };
   /// `receive_buffer_bytes` of the socket are shared by all who send to it.
   Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
-           std::size_t receive_buffer_bytes, std::shared_ptr<core::BufferPool> pool, Acks acks, Groups groups);
+           std::size_t receive_buffer_bytes, std::shared_ptr<core::BufferPool> pool, Acks acks,
+           Groups groups);
 
   Result<void> start(const std::string& thread_name);
   /// Afterwards nothing is received. Called by a listener, it takes effect once that has returned.
@@ -69,25 +69,24 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   void note_alarm();
   void wait_in_role(const core::Waiting& waiting) noexcept;
   void wait_behind(const core::Waiting& waiting) noexcept;
+  void deliver_to_laggards() noexcept;
   bool receive_turn() noexcept;
   void sleep_in_role(Time until) noexcept;
   void look_after_time() noexcept;
   void leave_role() noexcept;
   bool readable() const noexcept;
   void begin(ArrivalTime now) noexcept override;
-  void datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept override;
+  void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override;
   void end() noexcept override;
   Reassembly::Arrival accept(std::span<const std::byte> bytes) noexcept;
   void enter();
-  void hear_ack(std::span<const std::byte> bytes) noexcept;
-  void hear_report(std::span<const std::byte> bytes) noexcept;
   void report(std::span<const std::byte> mark, SocketAddress from) noexcept;
   void hear_offer(std::span<const std::byte> bytes, SocketAddress from) noexcept;
-  void hear_group_report(std::span<const std::byte> bytes) noexcept;
   Reassembly::Arrival accept_heartbeat(std::span<const std::byte> bytes, SocketAddress from) noexcept;
   void deliver(Reassembly::Arrival& arrival);
-  void deliver_in_order(core::EndpointId writer);
+  bool deliver_in_order(core::EndpointId writer);
   bool deliver_next(core::EndpointId writer);
+  void look_after_readers(Time now);
   void answer(Time now) noexcept;
   Time next_deadline() const;
   void publish_counters() noexcept;
@@ -101,6 +100,7 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   std::atomic<const void*> waiter_{nullptr};  ///< its reader
   SpinLimits spins_;
   std::atomic<bool> broken_{false};
+  std::atomic<bool> readers_lag_{false};  ///< some had no room for what is there
   std::atomic<std::uint64_t> malformed_{0}, unknown_{0}, incomplete_{0}, over_limit_{0};
 
   // Of the own thread.
@@ -109,11 +109,12 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   // Of the receiving thread alone.
   const Acks acks_;
   const Groups groups_;
-  std::uint64_t malformed_answers_ = 0;
+  std::uint64_t malformed_marks_ = 0;
   ReceiveShares shares_;
   Reassembly reassembly_;
   std::shared_ptr<const Subscriptions> wanted_;
   ArrivalTime now_;
+  LagWatch lag_watch_;
   std::vector<core::SampleHandle> batch_;  ///< on its way to one inbox
 };
 

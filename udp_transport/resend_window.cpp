@@ -11,10 +11,11 @@ constexpr std::size_t repair_burst_bytes = std::size_t{1} << 20;
 }  // namespace
 
 ResendWindow::ResendWindow(std::uint32_t writer, std::uint32_t channel, const ResendLimits& limits,
-                           std::uint64_t first_ordinal)
+                           std::uint64_t first_ordinal, std::shared_ptr<const KeptMemory> memory)
     : writer_(writer),
       channel_(channel),
       limits_(limits),
+      memory_(std::move(memory)),
       kept_(first_ordinal),
       waiting_{first_ordinal, first_ordinal},
       sent_(first_ordinal),
@@ -28,8 +29,9 @@ ResendWindow::Kept ResendWindow::keep(JobHandle job, FirstHeader first, bool els
   first.channel = {.channel = channel_,
                    .sequence_high = static_cast<std::uint32_t>(job->sequence >> 32),
                    .ordinal = kept.ordinal};
+  const std::size_t before = kept_bytes_;
   push(job, first);
-  make_room(kept);
+  make_room(kept, kept_bytes_ - before);
   kept.ordinal = std::max(kept.ordinal, kept_.begin());
   kept.elsewhere = elsewhere && !keeps_more_than(limits_.samples / 2, limits_.bytes / 2);
   if (kept.elsewhere) {
@@ -66,12 +68,27 @@ bool ResendWindow::keeps_more_than(std::size_t samples, std::size_t bytes) const
   return kept_.size() > samples || kept_bytes_ > bytes;
 }
 
+bool ResendWindow::can_keep(std::size_t samples, std::size_t bytes) const {
+  if (kept_.empty()) return true;
+  samples += kept_.size();
+  const std::size_t in_all = kept_bytes_ + bytes;
+  return samples <= limits_.samples && in_all <= limits_.bytes &&
+         (memory_ == nullptr || !memory_->wants_some_of(in_all, bytes));
+}
+
+/// With so much more. Where all channels together keep too much, twice as much goes, as long as it has to.
+std::size_t ResendWindow::bytes_max(std::size_t added) const {
+  if (memory_ == nullptr || !memory_->wants_some_of(kept_bytes_)) return limits_.bytes;
+  return std::min(limits_.bytes, std::max(added, kept_bytes_ - std::min(kept_bytes_, 2 * added)));
+}
+
 /// The newest stays, however large it is. Where a large one is cut short by that, more goes: else the next
 /// one would be cut short as well, and nothing would ever come whole.
-void ResendWindow::make_room(Kept& kept) {
+void ResendWindow::make_room(Kept& kept, std::size_t added) {
+  const std::size_t bytes_max = this->bytes_max(added);
   bool cut_short = false;
-  while (kept_.size() > 1 && (keeps_more_than(limits_.samples, limits_.bytes) ||
-                              (cut_short && keeps_more_than(limits_.samples / 2, limits_.bytes / 2)))) {
+  while (kept_.size() > 1 && (keeps_more_than(limits_.samples, bytes_max) ||
+                              (cut_short && keeps_more_than(limits_.samples / 2, bytes_max / 2)))) {
     const Entry& oldest = kept_[kept_.begin()];
     cut_short = cut_short || (oldest.state == State::under_way && size_of(oldest.first.total) == Size::large);
     if (!oldest.begun) {
@@ -275,7 +292,12 @@ std::optional<Heartbeat> ResendWindow::heartbeat(Time now) {
   heartbeats_paid_until_ = std::max(heartbeats_paid_until_, now) + limits_.heartbeat_pause;
   const auto doubled = limits_.heartbeat_delay * (1 << std::min(++unanswered_, 10));
   heartbeat_at_ = now + std::min<Time::duration>(doubled, limits_.heartbeat_longest);
-  return Heartbeat{.writer = writer_, .channel = channel_, .first = kept_.begin(), .end = sent_end()};
+  const std::uint64_t end = sent_end();
+  return Heartbeat{.writer = writer_,
+                   .channel = channel_,
+                   .first = kept_.begin(),
+                   .end = end,
+                   .waiting = static_cast<std::uint32_t>(kept_.end() - end)};
 }
 
 Heartbeat ResendWindow::parting() const {

@@ -6,12 +6,14 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "udp_transport/datagram.h"
 #include "udp_transport/fragmenter.h"
 #include "udp_transport/job.h"
+#include "udp_transport/kept_memory.h"
 #include "udp_transport/ordinal_ring.h"
 #include "udp_transport/pacer.h"
 
@@ -49,8 +51,9 @@ class ResendWindow {
     EncodedBody body() const { return job->body(first, part, samples); }
   };
 
+  /// `memory` is what all channels keep.
   ResendWindow(std::uint32_t writer, std::uint32_t channel, const ResendLimits& limits,
-               std::uint64_t first_ordinal = 1);
+               std::uint64_t first_ordinal = 1, std::shared_ptr<const KeptMemory> memory = {});
 
   struct Kept {
     std::uint64_t ordinal = 0;
@@ -92,10 +95,7 @@ class ResendWindow {
   /// When to look again, if nothing is kept, heard and taken until then.
   Time next_look(Time now) const;
   /// Whether so much more can be kept, and nothing has to go for it.
-  bool can_keep(std::size_t samples, std::size_t bytes) const {
-    return kept_.empty() ||
-           (kept_.size() + samples <= limits_.samples && kept_bytes_ + bytes <= limits_.bytes);
-  }
+  bool can_keep(std::size_t samples, std::size_t bytes) const;
   /// Nothing is left to be sent or acknowledged.
   bool settled() const { return kept_.empty(); }
 
@@ -136,7 +136,8 @@ class ResendWindow {
   std::uint64_t first_waiting(Size size);
   Piece begin(std::uint64_t ordinal);
   bool keeps_more_than(std::size_t samples, std::size_t bytes) const;
-  void make_room(Kept& kept);
+  std::size_t bytes_max(std::size_t added) const;
+  void make_room(Kept& kept, std::size_t added);
   void release_oldest();
   std::uint64_t sent_end() const;
   void release_before(std::uint64_t next);
@@ -148,6 +149,7 @@ class ResendWindow {
   const std::uint32_t writer_;
   const std::uint32_t channel_;
   const ResendLimits limits_;
+  const std::shared_ptr<const KeptMemory> memory_;
   OrdinalRing<Entry> kept_;
   std::uint64_t waiting_[2];  ///< by Size: no entry of that size before this one waits
   std::uint64_t sent_;        ///< each before this one was sent

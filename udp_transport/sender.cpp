@@ -16,6 +16,7 @@ constexpr unsigned long timer_slack_ns = 1000;  // the default would add 50 us t
 /// receiver that had a part of it has given up.
 constexpr std::chrono::seconds patience{2};
 constexpr std::size_t small_samples_per_turn = 64;
+constexpr std::size_t answers_at_once = 64;  // strangers may send more than can be heard
 }  // namespace
 
 /// What is small goes past what is large, unless it has to arrive behind it.
@@ -29,7 +30,8 @@ Sender::Sender(std::unique_ptr<DatagramSender> io, std::uint64_t max_bytes_per_s
 
 Sender::~Sender() { stop(); }
 
-Result<void> Sender::start(const std::string& thread_name) {
+Result<void> Sender::start(const std::string& thread_name, Hear hear) {
+  hear_ = std::move(hear);
   Result<std::thread> started = core::start_thread(thread_name, [this] { run(); });
   if (!started) return tl::unexpected<Error>(std::move(started.error()));
   thread_ = std::move(*started);
@@ -79,15 +81,26 @@ void Sender::run() {
   ::prctl(PR_SET_TIMERSLACK, timer_slack_ns);
   while (!stopped()) {
     wake_at_ = Time::max();
+    hear_answers();
     carry_out_left();
     take_over_scheduled();
     send_small();
     send_large();
-    forget_finished();
     io_->await(wake_at_);
+    forget_finished();  // not before: a connection of theirs may have been waited for
   }
   flows_.clear();
   attended_.clear();
+}
+
+/// Also between the calls for a large sample: it goes on without waiting as long as the answers come in time.
+void Sender::hear_answers() {
+  std::array<std::byte, datagram_bytes_min> answer;
+  for (std::size_t i = 0; i < answers_at_once; ++i) {
+    const std::size_t bytes = io_->take_answer(answer);
+    if (bytes == 0) return;
+    if (hear_ && hear_(std::span(answer).first(bytes), Clock::now())) wake_at_ = {};
+  }
 }
 
 void Sender::send_small() {
@@ -185,7 +198,9 @@ void Sender::look_after(Attended& attended) {
   const Channel::Care care = attended.channel->look_after();
   if (care.heartbeat) send(*care.heartbeat, attended);
   wake_at_ = std::min(wake_at_, care.next_look);
-  if (care.at_rest) attended.channel.reset();
+  if (!care.at_rest) return;
+  attended.channel.reset();
+  wake_at_ = {};  // what it keeps is let go of
 }
 
 /// Small samples go on until there are none, or no room; large ones take turns.
@@ -197,8 +212,8 @@ void Sender::advance_channel(Flow& flow) {
       flow.full_since.reset();
       flow.fragments.emplace(flow.piece->body(), flow.destination().datagram_bytes(), flow.piece->range);
     }
-    if (send_some(flow) == Progress::some) return;
-    flow.channel->finished(*flow.piece, Clock::now());  // or it is lost, and will be asked for
+    if (is_under_way(send_some(flow))) return;
+    static_cast<void>(flow.channel->finished(*flow.piece, Clock::now()));  // or lost, and will be asked for
     flow.piece.reset();
     flow.fragments.reset();
     if (flow.size == Size::large) break;
@@ -210,10 +225,8 @@ void Sender::advance_channel(Flow& flow) {
 void Sender::send(const Heartbeat& heartbeat, const Attended& attended) {
   std::array<std::byte, heartbeat_bytes> bytes;
   encode(heartbeat, bytes.data());
-  const iovec part{bytes.data(), bytes.size()};
-  const OutgoingBatch batch{{&part, 1}, 0};
   Destination& to = attended.channel->destination();
-  const SendOutcome outcome = to.connection_after(attended.large.behind).try_send({&batch, 1}).outcome;
+  const SendOutcome outcome = send_one(to.connection_after(attended.large.behind), bytes);
   if (outcome == SendOutcome::sent) {
     attended.channel->tally().bytes_sent.fetch_add(bytes.size(), std::memory_order_relaxed);
   } else {
@@ -225,7 +238,7 @@ void Sender::send(const Heartbeat& heartbeat, const Attended& attended) {
 void Sender::advance(Flow& flow) {
   if (must_wait(flow)) return;
   const Progress progress = send_some(flow);
-  if (progress == Progress::some) return;
+  if (is_under_way(progress)) return;
   if (progress == Progress::lost) flow.lane->lose_current();
   if (flow.size == Size::large) flow.lane->stay_behind(flow.behind);
   wake_at_ = {};
@@ -242,13 +255,24 @@ bool Sender::must_wait(const Flow& flow) const {
   });
 }
 
+/// For one turn.
 Sender::Progress Sender::send_some(Flow& flow) {
+  Progress progress = Progress::some;
+  for (int calls = 0; progress == Progress::some && calls < calls_per_turn; ++calls) {
+    if (calls > 0) hear_answers();
+    progress = send_a_few(flow);
+  }
+  if (progress == Progress::some) wake_at_ = {};
+  return progress;
+}
+
+Sender::Progress Sender::send_a_few(Flow& flow) {
   Destination& to = flow.destination();
   Connection& by = flow.connection();
   const Time now = Clock::now();
   if (by.full()) return wait_for_room(flow, by, now);
   const std::size_t cut = cut_batches(flow, now);
-  if (cut == 0) return Progress::some;
+  if (cut == 0) return Progress::none;
   const Connection::Sent sent = by.try_send({outgoing_.data(), cut});
   if (sent.batches > 0) {
     account_for(flow, by, sent.batches, now);
@@ -261,12 +285,9 @@ Sender::Progress Sender::send_some(Flow& flow) {
     to.note(sent.outcome);
     if (sent.outcome != SendOutcome::too_long || to.datagram_bytes() >= refused) return Progress::lost;
     flow.fragments->set_datagram_bytes(to.datagram_bytes());
-    wake_at_ = {};
     return Progress::some;
   }
-  if (flow.fragments->done()) return Progress::whole;
-  wake_at_ = {};
-  return Progress::some;
+  return flow.fragments->done() ? Progress::whole : Progress::some;
 }
 
 void Sender::account_for(Flow& flow, Connection& by, std::size_t batches, Time now) {
@@ -305,8 +326,9 @@ std::size_t Sender::cut_batches(Flow& flow, Time now) {
   Fragmenter fragments = *flow.fragments;
   const std::size_t allowed = allowance(flow, now);
   const std::size_t bytes_max = std::min(allowed, to.batch_bytes());
+  const std::size_t call_bytes = std::min(allowed, bytes_per_call);
   std::size_t n = 0;
-  for (std::size_t cut = 0; n < batches_per_call && !fragments.done() && cut < allowed; ++n) {
+  for (std::size_t cut = 0; n < batches_per_call && !fragments.done() && cut < call_bytes; ++n) {
     fragments.next(batches_[n], bytes_max, to.datagrams_per_call());
     cut += socket_bytes(batches_[n].bytes(), batches_[n].datagrams());
     outgoing_[n] = {batches_[n].parts(), batches_[n].segment_bytes()};
@@ -321,7 +343,7 @@ Sender::Progress Sender::wait_for_room(Flow& flow, Connection& by, Time now) {
   if (now >= at_most) return Progress::lost;
   by.wait_for_room();
   wake_at_ = std::min(wake_at_, at_most);
-  return Progress::some;
+  return Progress::none;
 }
 
 }  // namespace sft::udp

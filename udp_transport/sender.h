@@ -6,9 +6,13 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -39,7 +43,10 @@ class Sender {
   Sender(const Sender&) = delete;
   Sender& operator=(const Sender&) = delete;
 
-  Result<void> start(const std::string& thread_name);
+  /// Hears what comes back to answer_port(), on the sending thread: as hear_answer().
+  using Hear =
+      std::function<bool(std::span<const std::byte> datagram, std::chrono::steady_clock::time_point)>;
+  Result<void> start(const std::string& thread_name, Hear hear = {});
   /// What is queued is not sent any more. Not from the sending thread.
   void stop();
   bool stopped() const { return stopped_.load(std::memory_order_acquire); }
@@ -48,6 +55,8 @@ class Sender {
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) { return io_->connect(to); }
   RateLimit& limit() { return limit_; }
+  /// 0: there is none.
+  std::uint16_t answer_port() const { return io_->answer_port(); }
   std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) {
     return io_->connect_group(group, own);
   }
@@ -79,9 +88,18 @@ class Sender {
     std::shared_ptr<Channel> channel;
     Flow small, large;
   };
-  enum class Progress : std::uint8_t { some, whole, lost };
+  enum class Progress : std::uint8_t {
+    none,   ///< it has to wait
+    some,   ///< and there is more
+    whole,  ///< all has left
+    lost,
+  };
+  static bool is_under_way(Progress progress) {
+    return progress == Progress::none || progress == Progress::some;
+  }
 
   void run();
+  void hear_answers();
   void carry_out_left();
   void take_over_scheduled();
   void send_small();
@@ -95,15 +113,21 @@ class Sender {
   void send(const Heartbeat& heartbeat, const Attended& attended);
   bool must_wait(const Flow& flow) const;
   Progress send_some(Flow& flow);
+  Progress send_a_few(Flow& flow);
   std::size_t cut_batches(Flow& flow, Time now);
   std::size_t allowance(Flow& flow, Time now);
   void account_for(Flow& flow, Connection& by, std::size_t batches, Time now);
   Progress wait_for_room(Flow& flow, Connection& by, Time now);
 
-  static constexpr std::size_t batches_per_call = 8;  ///< of one flow, then it is the next one's turn
+  static constexpr int calls_per_turn = 8;  ///< of one flow, then it is the next one's turn
+  static constexpr std::size_t batches_per_call = 8;
+  /// Socket bytes: what was cut is still in the nearest caches when the kernel copies it, and a receiver that
+  /// sleeps is woken by the first.
+  static constexpr std::size_t bytes_per_call = batch_bytes_max;
 
   std::unique_ptr<DatagramSender> io_;
   RateLimit limit_;
+  Hear hear_;
   std::thread thread_;
   std::atomic<bool> stopped_{false};
 

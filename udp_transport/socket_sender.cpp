@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -128,9 +129,19 @@ class SocketConnection final : public Connection {
 
 class SocketSender final : public DatagramSender {
  public:
-  SocketSender(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event)
-      : shared_(std::make_shared<Shared>()), wake_event_(std::move(wake_event)) {
+  SocketSender(std::shared_ptr<const UdpSocket> socket, std::shared_ptr<const UdpSocket> answers,
+               FileDescriptor wake_event)
+      : shared_(std::make_shared<Shared>()),
+        answers_(std::move(answers)),
+        wake_event_(std::move(wake_event)) {
     shared_->socket = std::move(socket);
+  }
+
+  std::uint16_t answer_port() const noexcept override { return answers_ == nullptr ? 0 : answers_->port; }
+  std::size_t take_answer(std::span<std::byte> to) noexcept override {
+    if (answers_ == nullptr) return 0;
+    const ssize_t bytes = ::recv(answers_->fd.get(), to.data(), to.size(), MSG_DONTWAIT);
+    return bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
   }
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) override {
@@ -143,12 +154,15 @@ class SocketSender final : public DatagramSender {
 
   void await(Clock::time_point deadline) noexcept override {
     std::vector<SocketConnection*>& waiting = shared_->waiting;
-    polled_.assign(1, {.fd = wake_event_.get(), .events = POLLIN, .revents = 0});
+    const int answers = answers_ == nullptr ? -1 : answers_->fd.get();  // which poll() passes over
+    polled_.assign({{.fd = wake_event_.get(), .events = POLLIN, .revents = 0},
+                    {.fd = answers, .events = POLLIN, .revents = 0}});
+    const std::size_t others = polled_.size();
     for (const SocketConnection* connection : waiting)
       polled_.push_back({.fd = connection->fd(), .events = POLLOUT, .revents = 0});
     if (poll_until(polled_, deadline)) {
       for (std::size_t i = 0; i < waiting.size(); ++i) {
-        if (polled_[i + 1].revents != 0) waiting[i]->has_room();
+        if (polled_[others + i].revents != 0) waiting[i]->has_room();
       }
       eventfd_t ignored = 0;
       if (polled_[0].revents != 0) ::eventfd_read(wake_event_.get(), &ignored);
@@ -160,9 +174,21 @@ class SocketSender final : public DatagramSender {
 
  private:
   const std::shared_ptr<Shared> shared_;
+  const std::shared_ptr<const UdpSocket> answers_;  ///< may be null
   const FileDescriptor wake_event_;
   std::vector<pollfd> polled_;
 };
+
+constexpr std::size_t answers_buffer_bytes = 256 * 1024;
+
+/// What comes back has a socket of its own, which the sending thread reads as it goes: nobody has to be woken
+/// for it. Not where a user has chosen the port: firewalls, and whoever translates addresses, know that one.
+std::shared_ptr<const UdpSocket> open_answers(const SocketOptions& options) {
+  if (options.bind.port != 0) return nullptr;
+  Result<std::shared_ptr<const UdpSocket>> socket =
+      open_udp_socket({.bind = options.bind, .receive_buffer_bytes = answers_buffer_bytes});
+  return socket ? std::move(*socket) : nullptr;
+}
 
 }  // namespace
 
@@ -170,7 +196,8 @@ Result<std::unique_ptr<DatagramSender>> open_socket_sender(std::shared_ptr<const
   FileDescriptor wake_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!wake_event)
     return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
-  return std::make_unique<SocketSender>(std::move(socket), std::move(wake_event));
+  std::shared_ptr<const UdpSocket> answers = open_answers(socket->options);
+  return std::make_unique<SocketSender>(std::move(socket), std::move(answers), std::move(wake_event));
 }
 
 }  // namespace sft::udp

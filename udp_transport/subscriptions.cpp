@@ -17,25 +17,35 @@ bool holds(const Container& container, const Value& value) {
 
 /// Puts the wishes of all readers of one writer together.
 void join(Stream& stream, const TypeSupport* type, const core::Source& source,
-          const std::vector<core::Wanted>& wanted) {
+          const std::vector<core::Accepted>& accepted) {
   stream.writer = source.writer;
   stream.type = type;
   stream.reliable = stream.reliable || source.reliable;
+  stream.waits = source.waits;
   stream.max_sample_bytes = std::max(stream.max_sample_bytes, source.max_sample_bytes);
-  for (const core::Wanted& w : wanted) {
-    if (!holds(stream.masks, w.mask)) stream.masks.push_back(w.mask);
+  for (const core::Accepted& a : accepted) {
+    if (!holds(stream.masks, a.wanted.mask)) stream.masks.push_back(a.wanted.mask);
   }
 }
 
 }  // namespace
 
-bool Subscriber::accepts(const core::SampleBuffer& sample) const {
+/// What is for it alone has waited behind its history, and may come late.
+bool Subscriber::accepts(const core::SampleBuffer& sample, std::uint64_t first_request) const {
   const bool for_one = sample.addressee != 0;
   if (for_one && sample.addressee != reader) return false;
-  return std::any_of(wanted.begin(), wanted.end(), [&](const core::Wanted& w) {
+  return std::ranges::any_of(accepted, [&](const core::Accepted& a) {
+    const core::Wanted& w = a.wanted;
+    if (!for_one && a.request < first_request) return false;
     if (sample.merged) return w.min_period_us == 0 && sample.mask.contains(w.mask);
     return (for_one || w.min_period_us == sample.min_period_us) && w.mask == sample.mask;
   });
+}
+
+std::uint64_t Subscriber::heard_request() const {
+  std::uint64_t last = 0;
+  for (const core::Accepted& a : accepted) last = a.heard ? a.request : last;
+  return last;
 }
 
 void SubscriptionDirectory::add(core::EndpointId reader, const std::shared_ptr<Inbox>& inbox,
@@ -80,9 +90,9 @@ void SubscriptionDirectory::disconnect(const Inbox& inbox, core::EndpointId writ
   publish();
 }
 
-void SubscriptionDirectory::accept(const Inbox& inbox, std::vector<core::Wanted> wanted) {
+void SubscriptionDirectory::accept(const Inbox& inbox, std::vector<core::Accepted> accepted) {
   const std::scoped_lock lock(mutex_);
-  find(inbox).wanted = std::move(wanted);
+  find(inbox).accepted = std::move(accepted);
   publish();
 }
 
@@ -134,8 +144,8 @@ void SubscriptionDirectory::publish() {
         next->streams.emplace_back();
         next->subscribers.emplace_back();
       }
-      join(next->streams[place->second], reader.type, source, reader.wanted);
-      next->subscribers[place->second].push_back({reader.id, reader.inbox, reader.wanted, source.reliable});
+      join(next->streams[place->second], reader.type, source, reader.accepted);
+      next->subscribers[place->second].push_back({reader.id, reader.inbox, reader.accepted, source.reliable});
     }
   }
   latest_ = std::move(next);

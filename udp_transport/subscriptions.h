@@ -17,9 +17,13 @@ namespace sft::udp {
 struct Subscriber {
   core::EndpointId reader = 0;
   std::shared_ptr<Inbox> inbox;
-  std::vector<core::Wanted> wanted;
+  std::vector<core::Accepted> accepted;  ///< the latest is the last
   bool reliable = false;
-  bool accepts(const core::SampleBuffer& sample) const;
+
+  /// `first_request`: earlier ones are over.
+  bool accepts(const core::SampleBuffer& sample, std::uint64_t first_request = 0) const;
+  /// Of the requests that the writer knows of, the last.
+  std::uint64_t heard_request() const;
 };
 
 /// What all readers of a transport want, by writer.
@@ -36,7 +40,7 @@ class SubscriptionDirectory {
   void add(core::EndpointId reader, const std::shared_ptr<Inbox>& inbox, const TypeSupport& type);
   Result<void> connect(const Inbox& reader, const core::Source& source);
   void disconnect(const Inbox& reader, core::EndpointId writer);
-  void accept(const Inbox& reader, std::vector<core::Wanted> wanted);
+  void accept(const Inbox& reader, std::vector<core::Accepted> accepted);
   /// When it returns, the reader's type is not used any more.
   void remove(const Inbox& reader);
 
@@ -51,7 +55,7 @@ class SubscriptionDirectory {
     core::EndpointId id;
     std::shared_ptr<Inbox> inbox;
     const TypeSupport* type;
-    std::vector<core::Wanted> wanted;
+    std::vector<core::Accepted> accepted;
     std::vector<core::Source> sources;
   };
   Reader& find(const Inbox& reader);

@@ -25,8 +25,9 @@ void UdpReader::share_reader() {
 }
 
 Result<void> UdpReader::connect(const core::Source& source) {
+  inbox_->connect(source);  // first: a reliable sample comes but once
   Result<void> connected = receiver_->subscriptions().connect(*inbox_, source);
-  if (connected) inbox_->connect(source);
+  if (!connected) inbox_->disconnect(source.writer);
   return connected;
 }
 
@@ -35,8 +36,8 @@ void UdpReader::disconnect(core::EndpointId writer) noexcept {
   receiver_->subscriptions().disconnect(*inbox_, writer);
 }
 
-void UdpReader::accept(std::vector<core::Wanted> wanted) {
-  receiver_->subscriptions().accept(*inbox_, std::move(wanted));
+void UdpReader::accept(std::vector<core::Accepted> accepted) {
+  receiver_->subscriptions().accept(*inbox_, std::move(accepted));
 }
 
 }  // namespace sft::udp

@@ -27,7 +27,7 @@ class UdpReader final : public core::ReaderPort {
   bool receive(const core::Waiting& waiting) noexcept override { return receiver_->receive(this, waiting); }
   void interrupt() noexcept override { receiver_->interrupt(this); }
   void share_reader() override;
-  void accept(std::vector<core::Wanted> wanted) override;
+  void accept(std::vector<core::Accepted> accepted) override;
   std::uint64_t discarded() const noexcept override { return inbox_->discarded(); }
   std::uint64_t lost_unnoticed() const noexcept override { return inbox_->lost_unnoticed(); }
 

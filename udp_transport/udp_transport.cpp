@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "udp_transport/ack_sender.h"
+#include "udp_transport/answers.h"
 #include "udp_transport/interfaces.h"
 #include "udp_transport/network_watch.h"
 #include "udp_transport/receiver.h"
@@ -103,6 +104,7 @@ class UdpTransport final : public core::Transport {
   Counters counters() const noexcept override {
     Counters counters = receiver_->counters();
     counters.over_limit += send_side_->over_limit.load(std::memory_order_relaxed);
+    counters.malformed += send_side_->malformed_answers.load(std::memory_order_relaxed);
     return counters;
   }
 
@@ -132,22 +134,18 @@ Result<DatagramIo> open_io(Backend backend, const std::shared_ptr<const UdpSocke
 }
 
 std::shared_ptr<SendSide> make_send_side(const UdpOptions& options, const UdpSocket& socket,
-                                         std::unique_ptr<DatagramSender> io) {
-  const DestinationLimits limits{.datagram_bytes = options.max_datagram_bytes, .report_port = socket.port};
+                                         std::unique_ptr<DatagramSender> io,
+                                         std::shared_ptr<core::BufferPool> pool) {
+  const std::uint16_t answer_port = io->answer_port() != 0 ? io->answer_port() : socket.port;
+  const DestinationLimits limits{.datagram_bytes = options.max_datagram_bytes, .report_port = answer_port};
   auto side = std::make_shared<SendSide>(std::move(io), limits, options.max_bytes_per_s);
   side->max_sample_bytes = options.max_sample_bytes;
   side->queue_depth = options.send_queue_depth;
-  side->ack_port = socket.port;
+  side->answer_port = answer_port;
   side->multicast = options.multicast;
+  side->kept = std::make_shared<KeptMemory>(pool->limit_bytes() / 2);
+  side->pool = std::move(pool);
   return side;
-}
-
-/// What several members of a group ask for.
-void hand_repairs_to_group(SendSide& side, Ack& ack) {
-  const GroupRoster::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
-  if (in.group == nullptr) return;
-  if (in.group->take_over_repairs(in.member, ack, std::chrono::steady_clock::now()))
-    side.sender.schedule(MulticastGroup::lane_of(in.group));
 }
 
 std::shared_ptr<Receiver> make_receiver(const UdpOptions& options,
@@ -158,27 +156,19 @@ std::shared_ptr<Receiver> make_receiver(const UdpOptions& options,
   ReassemblyLimits limits = options.reassembly;
   limits.sample_bytes = options.max_sample_bytes;
   limits.channel.seed = std::random_device()();
-  const auto answers = std::make_shared<AckSender>(send_side);
+  const auto ack_sender = std::make_shared<AckSender>(send_side);
   Receiver::Acks acks;
-  acks.hear = [send_side](const Ack& ack) {
-    const std::shared_ptr<Channel> channel = send_side->channels.find(ack.writer, ack.channel);
-    if (channel == nullptr) return;
-    Ack alone = ack;
-    if (ack.missing_count > 0) hand_repairs_to_group(*send_side, alone);
-    if (channel->hear(alone)) send_side->sender.look_again();
+  acks.hear = [send_side](std::span<const std::byte> answer, std::chrono::steady_clock::time_point now) {
+    if (hear_answer(*send_side, answer, now)) send_side->sender.look_again();
   };
-  acks.send = [answers](const SocketAddress& to, const Ack& ack) { answers->send(to, ack); };
-  acks.hear_report = [send_side](const FlowReport& report, std::chrono::steady_clock::time_point now) {
-    const std::shared_ptr<Destination> to = send_side->destinations.of_flow(report.flow);
-    if (to != nullptr && to->hear(report, now)) send_side->sender.look_again();
+  acks.send = [ack_sender](const SocketAddress& to, const Ack& ack) { ack_sender->send(to, ack); };
+  acks.report = [ack_sender](const SocketAddress& to, const FlowReport& report) {
+    ack_sender->send(to, report);
   };
-  acks.report = [answers](const SocketAddress& to, const FlowReport& report) { answers->send(to, report); };
   Receiver::Groups groups;
-  groups.hear = [send_side](const GroupReport& report) {
-    if (const auto group = send_side->groups.find(report.writer, report.group))
-      group->hear(report, std::chrono::steady_clock::now());
+  groups.send = [ack_sender](const SocketAddress& to, const GroupReport& report) {
+    ack_sender->send(to, report);
   };
-  groups.send = [answers](const SocketAddress& to, const GroupReport& report) { answers->send(to, report); };
   groups.joins = std::make_shared<GroupJoins>(socket);
   return std::make_shared<Receiver>(std::move(io), limits, socket->receive_buffer_bytes, std::move(pool),
                                     std::move(acks), std::move(groups));
@@ -201,13 +191,17 @@ Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& op
   if (!io) return forward(io.error());
   if (decorate) *io = decorate(std::move(*io));
 
-  const auto send_side = make_send_side(options, **socket, std::move(io->sender));
+  const auto send_side = make_send_side(options, **socket, std::move(io->sender), pool);
   const auto receiver = make_receiver(options, *socket, std::move(pool), std::move(io->receiver), send_side);
   auto transport =
       std::make_unique<UdpTransport>(options, **socket, std::move(io->description), receiver, send_side);
   if (Result<void> started = receiver->start(options.receive_thread_name); !started)
     return forward(started.error());
-  if (Result<void> started = send_side->sender.start(options.send_thread_name); !started)
+  SendSide& side = *send_side;  // whose sender that is
+  const auto hear = [&side](std::span<const std::byte> answer, std::chrono::steady_clock::time_point now) {
+    return hear_answer(side, answer, now);
+  };
+  if (Result<void> started = side.sender.start(options.send_thread_name, hear); !started)
     return forward(started.error());
   return transport;
 }

@@ -22,7 +22,7 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
   setup.writer = static_cast<std::uint32_t>(spec.id);
   setup.type = &spec.type->type();
   setup.use = side.multicast;
-  setup.report_port = side.ack_port;
+  setup.report_port = side.answer_port;
   setup.queue_depth = side.queue_depth;
   setup.tally = std::move(tally);
   setup.roster = &side.groups;
@@ -47,8 +47,9 @@ UdpWriter::UdpWriter(const core::WriterSpec& spec, std::shared_ptr<SendSide> sid
       max_blocking_(spec.max_blocking),
       side_(std::move(side)),
       tally_(std::make_shared<WriterTally>(spec.max_bytes_per_s)),
-      jobs_(JobPool::make()),
-      channels_(static_cast<std::uint32_t>(spec.id), tally_, side_->channels, side_->ack_port),
+      jobs_(JobPool::make(side_->kept)),
+      channels_(static_cast<std::uint32_t>(spec.id), tally_, side_->channels, side_->answer_port,
+                side_->kept),
       variants_(side_->queue_depth, tally_, &channels_),
       keeper_(groups_of(spec, *side_, tally_)),
       sender_(spec, side_, tally_, jobs_),
@@ -179,9 +180,9 @@ std::size_t UdpWriter::hold_or_send(const Group& group, const core::SampleHandle
   return sender_.send(group, sample);
 }
 
-void UdpWriter::hold() noexcept {
+void UdpWriter::hold(bool goes_on) noexcept {
   holds_ = true;
-  sender_.be_patient(max_blocking_);
+  if (!goes_on) sender_.be_patient(max_blocking_);
   missed_ = 0;
   held_for_ = routes_.loaded();
 }

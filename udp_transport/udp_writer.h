@@ -25,7 +25,7 @@ class UdpWriter final : public core::WriterPort, private Tended {
   ~UdpWriter() override;
 
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
-  void hold() noexcept override;
+  void hold(bool goes_on) noexcept override;
   std::size_t flush() noexcept override;
   void begin() noexcept override;
   void rest() noexcept override;

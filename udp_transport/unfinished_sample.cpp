@@ -19,14 +19,17 @@ void UnfinishedSample::describe(const FirstHeader& first, std::size_t body_offse
   buffer_ = std::move(buffer);
 }
 
-bool UnfinishedSample::add(std::uint32_t offset, std::span<const std::byte> payload, Time now) {
-  if (offset > first_.total || payload.size() > first_.total - offset) return false;
-  if (payload.empty()) return true;
-  if (received_.add(offset, offset + static_cast<std::uint32_t>(payload.size())) == 0)
-    return true;  // repeated
+UnfinishedSample::Added UnfinishedSample::add(std::uint32_t offset, std::span<const std::byte> payload,
+                                              std::size_t gaps_max, Time now) {
+  if (offset > first_.total || payload.size() > first_.total - offset) return Added::beyond_body;
+  if (payload.empty()) return Added::yes;
+  const std::uint32_t end = offset + static_cast<std::uint32_t>(payload.size());
+  if (received_.intervals().size() >= gaps_max && received_.stands_alone(offset, end))
+    return Added::too_many_gaps;
+  if (received_.add(offset, end) == 0) return Added::yes;  // repeated
   std::memcpy(body_ + offset, payload.data(), payload.size());
   last_progress_ = now;
-  return true;
+  return Added::yes;
 }
 
 void UnfinishedSample::park(std::uint32_t offset, std::span<const std::byte> payload, Time now) {
@@ -38,17 +41,18 @@ void UnfinishedSample::park(std::uint32_t offset, std::span<const std::byte> pay
   last_progress_ = now;
 }
 
-bool UnfinishedSample::unpark(Time now) {
-  bool all_fit = true;
+UnfinishedSample::Added UnfinishedSample::unpark(std::size_t gaps_max, Time now) {
+  Added all = Added::yes;
   for (std::size_t at = 0; at < parked_.size();) {
     Parked parked;
     std::memcpy(&parked, &parked_[at], sizeof parked);
     at += sizeof parked;
-    all_fit = add(parked.offset, std::span(parked_).subspan(at, parked.bytes), now) && all_fit;
+    const Added one = add(parked.offset, std::span(parked_).subspan(at, parked.bytes), gaps_max, now);
+    if (one != Added::yes) all = one;
     at += parked.bytes;
   }
   parked_ = {};
-  return all_fit;
+  return all;
 }
 
 void UnfinishedSample::clear() {

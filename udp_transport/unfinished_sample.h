@@ -23,7 +23,6 @@ class UnfinishedSample {
 
   const SampleLabel& label() const { return first_.label; }
   Time last_progress() const { return last_progress_; }
-  std::size_t gaps() const { return received_.intervals().size(); }
 
   /// In its channel; 0: in none.
   std::uint64_t place() const { return place_; }
@@ -34,8 +33,13 @@ class UnfinishedSample {
   /// The buffer's body has room for first.total bytes.
   void describe(const FirstHeader& first, std::size_t body_offset, core::SampleHandle buffer);
 
-  /// Once described. False, and nothing happens, if the bytes would lie beyond the body.
-  bool add(std::uint32_t offset, std::span<const std::byte> payload, Time now);
+  enum class Added : std::uint8_t {
+    yes,
+    beyond_body,    ///< nothing happened
+    too_many_gaps,  ///< likewise: it would make one more
+  };
+  /// Once described.
+  Added add(std::uint32_t offset, std::span<const std::byte> payload, std::size_t gaps_max, Time now);
   bool whole() const { return described() && received_.covered() == first_.total; }
   core::SampleHandle take_buffer() { return std::move(buffer_); }
   const core::SampleHandle& buffer() const { return buffer_; }
@@ -47,8 +51,8 @@ class UnfinishedSample {
   static std::size_t bytes_to_park(std::span<const std::byte> payload) {
     return sizeof(Parked) + payload.size();
   }
-  /// Adds what was parked; false if some of it lies beyond the body. Afterwards nothing is parked.
-  bool unpark(Time now);
+  /// Adds what was parked; if not all of it, says why. Afterwards nothing is parked.
+  Added unpark(std::size_t gaps_max, Time now);
 
   /// Gives the sample's memory back, but for small vectors.
   void clear();

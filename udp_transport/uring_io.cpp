@@ -144,7 +144,7 @@ class Pages {
 /// Buffers that the kernel picks from as trains arrive; each holds one train and what recvmsg tells of it.
 class BufferRing {
  public:
-  static constexpr unsigned buffers = 32;  // so few that they stay in the cache
+  static constexpr unsigned buffers = 4;  // so few that they stay in the nearest cache until they are read
   static constexpr std::size_t buffer_bytes = 65536 + 256;
   static constexpr std::uint16_t group = 0;
 

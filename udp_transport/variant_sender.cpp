@@ -19,6 +19,8 @@ constexpr std::size_t pack_datagrams = 30;
 constexpr std::size_t pack_samples_max = 1024;
 /// In a datagram there is room for so many at least: with fewer, sharing it gains little.
 constexpr std::size_t samples_per_datagram_min = 4;
+
+bool is_small(const Job& job) { return job.is_pack() || job.first.total <= direct_bytes_max; }
 }  // namespace
 
 VariantSender::VariantSender(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
@@ -55,15 +57,34 @@ void VariantSender::keep_for_later(const core::SampleHandle& sample) {
   blank_kept_ = blank_kept_ || blank_->is_pack();
 }
 
+/// A large one. Where it lies in borrowed memory, as much as is needed while readers keep up may be held
+/// there, since others that take samples from there are not to miss any; beyond that it is copied.
+void VariantSender::keep_in_channels(const core::SampleHandle& sample) {
+  if (side_->pool == nullptr || sample->owner == side_->pool) return keep_for_later(sample);
+  if (jobs_->may_borrow(sample->capacity)) {
+    keep_for_later(sample);
+    return blank_->borrow();
+  }
+  core::SampleHandle copy = side_->pool->take(std::max(blank_->projection.bytes(), sizeof(SampleHeader)),
+                                              side_->pool->limit_bytes() / 4);
+  copy ? blank_->copy_body(std::move(copy)) : blank_->copy_body();
+  blank_kept_ = true;
+}
+
 void VariantSender::release_blank() {
   if (std::exchange(blank_kept_, false) || blank_->sample) blank_ = {};
 }
 
-/// The blank job.
+/// The blank job. What a pack's destinations miss is the same, as a rule.
 std::size_t VariantSender::distribute(const Group& group, const core::SampleHandle& sample) {
   cut_for_ = 0;
   std::size_t missed = 0;
-  for (std::size_t i = 0; i < group.lanes.size(); ++i) missed += send_alone(group, i, sample);
+  const bool is_reliable = std::ranges::any_of(group.channels, [](const auto& c) { return c != nullptr; });
+  if (is_reliable && !is_small(*blank_)) keep_in_channels(sample);
+  for (std::size_t i = 0; i < group.lanes.size(); ++i) {
+    const std::size_t here = send_alone(group, i, sample);
+    missed = blank_->is_pack() ? std::max(missed, here) : missed + here;
+  }
   group.tally->sent(blank_->first.total, blank_->whole_bytes, blank_->samples());
   release_blank();
   return missed;
@@ -90,15 +111,15 @@ std::size_t VariantSender::send_alone(const Group& group, std::size_t place,
 std::size_t VariantSender::send_together(const Group& group, const core::SampleHandle& sample) {
   MulticastGroup& together = *group.multicast;
   const std::uint64_t ordinal = together.next_ordinal(std::chrono::steady_clock::now());
-  const bool is_small = blank_->first.total <= direct_bytes_max;
+  const bool small = is_small(*blank_);
   const bool has_room = together.lane()->has_room() && !together.broken();
   cut_for_ = 0;
   group.tally->sent(blank_->first.total, blank_->whole_bytes, 1);
   std::size_t missed = 0;
-  if (!is_small) keep_for_later(sample);
+  if (!small) keep_in_channels(sample);
   for (std::size_t i = 0; i < group.lanes.size(); ++i) {
     if (group.channels[i] == nullptr) continue;
-    if (is_small && !std::exchange(blank_kept_, true)) blank_->copy_body();
+    if (small && !std::exchange(blank_kept_, true)) blank_->copy_body();
     missed += keep_together(group, i, ordinal, has_room);
   }
   const MulticastGroup::BestEffort others = together.best_effort();
@@ -196,7 +217,7 @@ VariantSender::Hold VariantSender::hold(const Group& group, const core::SampleHa
 std::size_t VariantSender::flush() noexcept {
   std::size_t missed = 0;
   for (const Held& held : held_) {
-    if (held.pack->is_pack()) missed += send_pack(held);
+    if (held.pack->is_pack()) missed = std::max(missed, send_pack(held));
   }
   held_.clear();
   return missed;
@@ -222,16 +243,15 @@ std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane,
                                          const core::SampleHandle& sample) {
   Job& job = *blank_;
   const std::size_t job_samples = job.samples();
-  const bool is_small = job.is_pack() || job.first.total <= direct_bytes_max;
+  const bool small = is_small(job);
   if (lane->is_late() && !lane->idle()) {
     keep_for_later(sample);
     return enqueue(lane) ? 0 : 1;
   }
   if (lane->is_late()) lane->mark(job);
-  if (is_small && !std::exchange(blank_kept_, true) && !job.is_pack()) job.copy_body();
-  if (!is_small) keep_for_later(sample);
+  if (small && !std::exchange(blank_kept_, true) && !job.is_pack()) job.copy_body();
   const Clock::time_point now = Clock::now();
-  const bool at_once = is_small && may_send_now(channel->destination(), now);
+  const bool at_once = small && may_send_now(channel->destination(), now);
   const Channel::Posted posted =
       channel->post(blank_, job.first, at_once, patience_.count() == 0 ? nullptr : &patience_);
   if (posted.piece) send_now(*channel, *posted.piece, posted.waited ? Clock::now() : now);
@@ -256,12 +276,14 @@ std::size_t VariantSender::note(const Channel::Posted& posted, const std::shared
 /// One call for a small body; a pack may take some. `would_wait` where the sending thread has to do it.
 SendOutcome VariantSender::send_at_once(const EncodedBody& body, Destination& to, Connection& by,
                                         Clock::time_point now) {
-  Fragmenter fragments(body, to.datagram_bytes());
+  const std::size_t datagram_bytes = to.datagram_bytes();
+  Fragmenter fragments(body, datagram_bytes);
   do {
     fragments.next(batch_, batch_bytes_max, body.packed ? to.datagrams_per_call() : batch_datagrams_max);
     if (!body.packed && (!fragments.done() || batch_.datagrams() > to.datagrams_per_call()))
       return SendOutcome::would_wait;
-    if (const auto outcome = send_batch(to, by, now); outcome != SendOutcome::sent) return outcome;
+    if (const auto outcome = send_batch(to, by, datagram_bytes, now); outcome != SendOutcome::sent)
+      return outcome;
   } while (!fragments.done());
   return SendOutcome::sent;
 }
@@ -270,10 +292,13 @@ SendOutcome VariantSender::send_at_once(const EncodedBody& body, Destination& to
 void VariantSender::send_now(Channel& channel, const Channel::Piece& piece, Clock::time_point now) {
   Destination& to = channel.destination();
   cut_for_ = 0;
-  if (send_at_once(piece.body(), to, to.connection(), now) == SendOutcome::sent)
-    return channel.finished(piece, now);
-  channel.put_back(piece);
-  side_->sender.look_again();
+  bool must_look = true;
+  if (send_at_once(piece.body(), to, to.connection(), now) == SendOutcome::sent) {
+    must_look = channel.finished(piece, now);
+  } else {
+    channel.put_back(piece);
+  }
+  if (must_look) side_->sender.look_again();
 }
 
 bool VariantSender::encode(const Group& group, const core::SampleBuffer& sample, Job& job) const {
@@ -322,7 +347,7 @@ SendOutcome VariantSender::try_send(Lane& lane, Job& job) {
     if (!fragments.done()) return SendOutcome::would_wait;
   }
   if (batch_.datagrams() > to.datagrams_per_call()) return SendOutcome::would_wait;
-  return send_batch(to, to.connection_after(lane.behind()), now);
+  return send_batch(to, to.connection_after(lane.behind()), cut_for_, now);
 }
 
 /// There is room for more, as it were; otherwise the sending thread goes on when there is.
@@ -331,7 +356,9 @@ bool VariantSender::may_send_now(Destination& to, Clock::time_point now) {
          to.room(Destination::Size::small, now) > 0;
 }
 
-SendOutcome VariantSender::send_batch(Destination& to, Connection& by, Clock::time_point now) {
+/// `would_wait`, too, where it has to be cut again.
+SendOutcome VariantSender::send_batch(Destination& to, Connection& by, std::size_t cut_for,
+                                      Clock::time_point now) {
   const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
   const SendOutcome outcome = by.try_send({&batch, 1}).outcome;
   if (outcome == SendOutcome::sent) {
@@ -341,7 +368,7 @@ SendOutcome VariantSender::send_batch(Destination& to, Connection& by, Clock::ti
     to.sent(by, batch_.bytes(), batch_.datagrams(), now);
   } else if (outcome != SendOutcome::would_wait) {
     to.note(outcome);
-    if (outcome == SendOutcome::too_long && to.datagram_bytes() < cut_for_) return SendOutcome::would_wait;
+    if (outcome == SendOutcome::too_long && to.datagram_bytes() < cut_for) return SendOutcome::would_wait;
   }
   return outcome;
 }

@@ -33,7 +33,8 @@ class VariantSender {
   /// Copies a small sample, to be sent by flush() in datagrams that it shares with others. The group lives
   /// until then.
   Hold hold(const Group& group, const core::SampleHandle& sample) noexcept;
-  /// Returns how many samples do not get to some destination, or cost it an older one.
+  /// Returns how many samples do not get to some destination, or cost it an older one: each counts once,
+  /// for what is held is held for all.
   std::size_t flush() noexcept;
 
   /// So long, in all, it may wait from now on until what is sent reliably costs nobody an older sample.
@@ -53,6 +54,7 @@ class VariantSender {
   Held& held_for(const Group& group);
   std::size_t send_pack(const Held& held) noexcept;
   void keep_for_later(const core::SampleHandle& sample);
+  void keep_in_channels(const core::SampleHandle& sample);
   void release_blank();
   std::size_t distribute(const Group& group, const core::SampleHandle& sample);
   std::size_t send_alone(const Group& group, std::size_t place, const core::SampleHandle& sample);
@@ -65,7 +67,8 @@ class VariantSender {
   std::size_t send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
                             const core::SampleHandle& sample);
   bool may_send_now(Destination& to, std::chrono::steady_clock::time_point now);
-  SendOutcome send_batch(Destination& to, Connection& by, std::chrono::steady_clock::time_point now);
+  SendOutcome send_batch(Destination& to, Connection& by, std::size_t cut_for,
+                         std::chrono::steady_clock::time_point now);
   void send_now(Channel& channel, const Channel::Piece& piece, std::chrono::steady_clock::time_point now);
   SendOutcome try_send(Lane& lane, Job& job);
   SendOutcome send_at_once(const EncodedBody& body, Destination& to, Connection& by,

@@ -30,6 +30,7 @@ WantedMasks::Named WantedMasks::named_by(Datagram& d) {
     if (type_->leaves() <= 64 || d.payload.size() < bytes) return {.malformed = true};
     words = d.payload.first(bytes);
     d.payload = d.payload.subspan(bytes);
+    if (d.kind == DatagramKind::whole) d.first.total = static_cast<std::uint32_t>(d.payload.size());
   }
   if ((d.first.flags & merged_masks) != 0) return merged(d, words);
   const auto found = std::ranges::find_if(wanted_, [&](const Wanted& w) {

@@ -24,7 +24,7 @@ class WantedMasks {
     const FieldMask* mask = nullptr;  ///< null: one that nobody wants; valid until the next call
     bool malformed = false;
   };
-  /// A first or packed datagram. Takes the mask's words off its payload.
+  /// A first, whole or packed datagram. Takes the mask's words off its payload.
   Named named_by(Datagram& d);
 
  private:

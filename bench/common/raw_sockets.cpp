@@ -38,15 +38,17 @@ ssize_t receive(int fd, std::vector<std::uint8_t>& message, Reading reading, soc
   }
 }
 
-void ping(Exchange& exchange, std::uint64_t messages, std::size_t bytes, Reading reading) {
+void ping(Exchange& exchange, std::uint64_t messages, std::size_t bytes, Reading reading,
+          std::int64_t pause_us) {
   const int fd = bound_socket();
   sockaddr_in peer{};
   peer.sin_family = AF_INET;
   peer.sin_port = htons(port);
   peer.sin_addr.s_addr = TwoHosts::receiver_address();
   std::vector<std::uint8_t> message(bytes);
-  while (!exchange.ready.load()) pause_us(100);
+  while (!exchange.ready.load()) sleep_us(100);
   for (std::uint64_t i = 0; i < messages; ++i) {
+    if (pause_us > 0) sleep_us(pause_us);
     const std::int64_t sent_at = now_ns();
     sendto(fd, message.data(), bytes, 0, reinterpret_cast<sockaddr*>(&peer), sizeof peer);
     if (receive(fd, message, reading) > 0) exchange.received_at[i] = (now_ns() - sent_at) / 2;
@@ -71,8 +73,8 @@ void echo(Exchange& exchange, std::uint64_t messages, std::size_t bytes, Reading
 }  // namespace
 
 std::vector<double> raw_socket_ping_pong(std::uint64_t messages, std::size_t bytes, Reading reading,
-                                         const TwoHosts& hosts) {
-  return run_pair(hosts.sides([=](Exchange& e) { ping(e, messages, bytes, reading); },
+                                         const TwoHosts& hosts, std::int64_t pause_us) {
+  return run_pair(hosts.sides([=](Exchange& e) { ping(e, messages, bytes, reading, pause_us); },
                               [=](Exchange& e) { echo(e, messages, bytes, reading); }),
                   messages);
 }

@@ -11,7 +11,8 @@
 namespace sft::bench {
 
 /// Half round trips in microseconds, with blocking sockets, or with both sides asking theirs again and again.
+/// So long after one has come back the next one goes.
 std::vector<double> raw_socket_ping_pong(std::uint64_t messages, std::size_t bytes, Reading reading,
-                                         const TwoHosts& hosts);
+                                         const TwoHosts& hosts, std::int64_t pause_us = 0);
 
 }  // namespace sft::bench

@@ -9,7 +9,7 @@
 namespace sft::bench {
 
 void print_table(const std::vector<Figure>& figures) {
-  fmt::print("{:<32} {:>12} {:<6} {:>12} {:<34} {:>7} {:>14}\n", "figure", "value", "unit", "reference", "of",
+  fmt::print("{:<36} {:>12} {:<6} {:>12} {:<34} {:>7} {:>14}\n", "figure", "value", "unit", "reference", "of",
              "ratio", "bound");
   for (const Figure& f : figures) {
     const std::string reference = f.reference ? fmt::format("{:.3f}", *f.reference) : "";
@@ -17,7 +17,7 @@ void print_table(const std::vector<Figure>& figures) {
     const std::string bound = f.bound ? fmt::format("{}{} {:.4g}", f.within_bound() ? "" : "MISSES ",
                                                     f.at_least ? ">=" : "<=", *f.bound)
                                       : "";
-    fmt::print("{:<32} {:>12.3f} {:<6} {:>12} {:<34} {:>7} {:>14}\n", f.name, f.value, f.unit, reference,
+    fmt::print("{:<36} {:>12.3f} {:<6} {:>12} {:<34} {:>7} {:>14}\n", f.name, f.value, f.unit, reference,
                f.reference_name, ratio, bound);
   }
   std::fflush(stdout);

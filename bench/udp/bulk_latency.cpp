@@ -35,7 +35,7 @@ void receive(Exchange& exchange, Contender contender, const Topic& topic, std::u
 struct Size {
   const char* name;
   std::uint32_t bytes;
-  Rounds ours{}, cyclone{}, fast_dds{}, tcp{};
+  Rounds ours{}, loaned{}, cyclone{}, fast_dds{}, tcp{}, copying_tcp{};
 
   void run(const Scale& scale, const TwoHosts& hosts) {
     const Topic topic{.bulk_bytes = bytes};
@@ -46,16 +46,24 @@ struct Size {
                       messages);
     };
     ours.add(times(sft_peer));
+    loaned.add(times(sft_loan_peer));
     cyclone.add(times(cyclone_peer));
     fast_dds.add(times(fast_dds_peer));
     tcp.add(times(raw_tcp_peer));
+    copying_tcp.add(times(raw_tcp_copying_peer));
   }
   void figures(std::vector<Figure>& to) const {
     const std::string figure = std::string("bulk_latency_") + name;
-    to.push_back({figure, ours.p50() / 1000, "ms", cyclone.p50() / 1000, "Cyclone DDS", 1. / 3});
-    to.push_back(
-        {figure + "_vs_fast_dds", ours.p50() / 1000, "ms", fast_dds.p50() / 1000, "Fast DDS", 1. / 3});
-    to.push_back({figure + "_vs_tcp", ours.p50() / 1000, "ms", tcp.p50() / 1000, "raw TCP", 1});
+    figures(figure, ours, to);
+    to.push_back({figure + "_vs_copying_tcp", ours.p50() / 1000, "ms", copying_tcp.p50() / 1000,
+                  "raw TCP after a memcpy"});
+    figures(figure + "_loan", loaned, to);
+  }
+  void figures(const std::string& figure, const Rounds& of, std::vector<Figure>& to) const {
+    const double ms = of.p50() / 1000;
+    to.push_back({figure, ms, "ms", cyclone.p50() / 1000, "Cyclone DDS", 1. / 3});
+    to.push_back({figure + "_vs_fast_dds", ms, "ms", fast_dds.p50() / 1000, "Fast DDS", 1. / 3});
+    to.push_back({figure + "_vs_tcp", ms, "ms", tcp.p50() / 1000, "raw TCP", 1});
   }
 };
 

@@ -49,13 +49,20 @@ class Peer {
 
 using Contender = std::unique_ptr<Peer> (*)();
 std::unique_ptr<Peer> sft_peer();
+/// Bulk samples only: loaned from the publisher, and sent without a copy of them.
+std::unique_ptr<Peer> sft_loan_peer();
 std::unique_ptr<Peer> cyclone_peer();
 std::unique_ptr<Peer> fast_dds_peer();
 // For called readers only, from the first of two hosts to the second one:
 /// Bulk samples: trains of datagrams by UDP GSO and GRO, and one acknowledgement for each sample, which
 /// write() waits for. Small ones: a datagram each, and what the receiver has no room for is lost.
 std::unique_ptr<Peer> raw_udp_peer();
+/// The same, and each bulk sample is copied first: what is reliable, and its writer may write to again, is
+/// kept so.
+std::unique_ptr<Peer> raw_udp_copying_peer();
 /// Bulk samples only.
 std::unique_ptr<Peer> raw_tcp_peer();
+/// The same, and each is copied first.
+std::unique_ptr<Peer> raw_tcp_copying_peer();
 
 }  // namespace sft::bench

@@ -33,21 +33,23 @@ constexpr std::uint32_t version_bits = 0xf0;
 constexpr std::uint32_t first = version_1 | 1;
 constexpr std::uint32_t following = version_1 | 2;
 constexpr std::uint32_t packed = version_1 | 5;
+constexpr std::uint32_t whole = version_1 | 10;
 
 /// Accepts what is of SFT and no part of a sample. The last two figures of a jump are how many lines to skip
 /// if the condition holds and if not.
 constexpr std::array control_only{
     sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ether_type),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ETH_P_IP, 0, 12),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ETH_P_IP, 0, 13),
     sock_filter BPF_STMT(BPF_LD | BPF_B | BPF_ABS, ip_protocol),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, IPPROTO_UDP, 0, 10),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, IPPROTO_UDP, 0, 11),
     sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ip_fragment),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, 0x1fff, 8, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, 0x1fff, 9, 0),
     sock_filter BPF_STMT(BPF_LDX | BPF_B | BPF_MSH, ip_header),  // X = length of the IP header
     sock_filter BPF_STMT(BPF_LD | BPF_B | BPF_IND, udp_payload),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, first, 5, 0),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, following, 4, 0),
-    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, packed, 3, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, first, 6, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, following, 5, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, packed, 4, 0),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, whole, 3, 0),
     sock_filter BPF_STMT(BPF_ALU | BPF_AND | BPF_K, version_bits),
     sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, version_1, 0, 1),
     sock_filter BPF_STMT(BPF_RET | BPF_K, 0xffffffff),
@@ -82,7 +84,12 @@ ControlTraffic ControlCounter::read() const {
     traffic.bytes += bytes;
     ++traffic.datagrams;
   }
-  return traffic;
+  tpacket_stats statistics{};
+  socklen_t length = sizeof statistics;
+  getsockopt(packets_.get(), SOL_PACKET, PACKET_STATISTICS, &statistics, &length);
+  if (statistics.tp_drops == 0) return traffic;
+  std::fprintf(stderr, "%u datagrams of the control traffic could not be counted\n", statistics.tp_drops);
+  std::exit(1);
 }
 
 }  // namespace sft::bench

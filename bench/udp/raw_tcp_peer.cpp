@@ -31,7 +31,8 @@ sockaddr_in receiver(std::uint32_t address) {
 
 class RawTcpWriter : public Writer {
  public:
-  explicit RawTcpWriter(const Topic& topic) : sample_(topic.bulk_bytes, std::byte{1}) {
+  RawTcpWriter(const Topic& topic, bool copies)
+      : sample_(topic.bulk_bytes, std::byte{1}), kept_(copies ? topic.bulk_bytes : 0) {
     const sockaddr_in peer = receiver(TwoHosts::receiver_address());
     const auto connects = [&] {
       return connect(socket_, reinterpret_cast<const sockaddr*>(&peer), sizeof peer) == 0;
@@ -47,8 +48,10 @@ class RawTcpWriter : public Writer {
   std::size_t readers() const override { return 1; }
   void write(std::uint64_t number) override {
     std::memcpy(sample_.data(), &number, sizeof number);
-    for (std::size_t at = 0; at < sample_.size();) {
-      const ssize_t sent = send(socket_, sample_.data() + at, sample_.size() - at, MSG_NOSIGNAL);
+    if (!kept_.empty()) kept_ = sample_;
+    const std::vector<std::byte>& from = kept_.empty() ? sample_ : kept_;
+    for (std::size_t at = 0; at < from.size();) {
+      const ssize_t sent = send(socket_, from.data() + at, from.size() - at, MSG_NOSIGNAL);
       if (sent <= 0) std::abort();
       at += static_cast<std::size_t>(sent);
     }
@@ -57,6 +60,7 @@ class RawTcpWriter : public Writer {
  private:
   const int socket_ = tcp_socket();
   std::vector<std::byte> sample_;
+  std::vector<std::byte> kept_;  ///< a copy, where one is made
 };
 
 /// Of the first who connects.
@@ -102,16 +106,22 @@ class RawTcpReader : public Reader {
 
 class RawTcpPeer : public Peer {
  public:
+  explicit RawTcpPeer(bool copies) : copies_(copies) {}
+
   std::unique_ptr<Writer> writer(const Topic& topic) override {
-    return std::make_unique<RawTcpWriter>(topic);
+    return std::make_unique<RawTcpWriter>(topic, copies_);
   }
   std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
     return std::make_unique<RawTcpReader>(topic, std::move(arrived));
   }
+
+ private:
+  const bool copies_;
 };
 
 }  // namespace
 
-std::unique_ptr<Peer> raw_tcp_peer() { return std::make_unique<RawTcpPeer>(); }
+std::unique_ptr<Peer> raw_tcp_peer() { return std::make_unique<RawTcpPeer>(false); }
+std::unique_ptr<Peer> raw_tcp_copying_peer() { return std::make_unique<RawTcpPeer>(true); }
 
 }  // namespace sft::bench

@@ -1,7 +1,8 @@
 // The least that a transfer by UDP takes. Large samples: each system call hands over a train of datagrams,
 // which the kernel cuts (GSO) and puts together again (GRO), straight from and into the sample's memory.
-// Whoever sends waits for the acknowledgement of a sample, so that none is lost to a full buffer. Small ones:
-// a datagram and a system call for each at either end, and nobody waits for anything.
+// Whoever sends is at most one sample ahead of what was acknowledged, so that none is lost to a full buffer
+// and nobody sleeps between samples. Small ones: a datagram and a system call for each at either end, and
+// nobody waits for anything.
 #include <arpa/inet.h>
 #include <netinet/udp.h>
 #include <sys/socket.h>
@@ -50,10 +51,11 @@ void connect_to_receiver(int fd) {
   if (connect(fd, reinterpret_cast<const sockaddr*>(&peer), sizeof peer) != 0) std::abort();
 }
 
-/// Without an acknowledgement it says that it begins again.
+/// Without an acknowledgement it says that it begins again, with the sample before.
 class RawUdpWriter : public Writer {
  public:
-  explicit RawUdpWriter(const Topic& topic) : sample_(topic.bulk_bytes, std::byte{1}) {
+  RawUdpWriter(const Topic& topic, bool copies)
+      : message_(topic.bulk_bytes, std::byte{1}), kept_(copies ? 2 : 0, message_) {
     setsockopt(socket_, SOL_UDP, UDP_SEGMENT, &segment_bytes, sizeof segment_bytes);
     connect_to_receiver(socket_);
   }
@@ -63,25 +65,35 @@ class RawUdpWriter : public Writer {
 
   std::size_t readers() const override { return 1; }
   void write(std::uint64_t number) override {
-    std::memcpy(sample_.data(), &number, sizeof number);
-    for (send_sample(); !acknowledged(number); send_sample()) send(socket_, &again, sizeof again, 0);
+    std::memcpy(message_.data(), &number, sizeof number);
+    if (!kept_.empty()) kept(number) = message_;
+    send_sample(number);
+    while (!acknowledged(number - 1)) {
+      send(socket_, &again, sizeof again, 0);
+      send_sample(number - 1);
+      send_sample(number);
+    }
   }
 
  private:
-  void send_sample() const {
-    for (std::size_t at = 0; at < sample_.size(); at += train_bytes)
-      send(socket_, sample_.data() + at, std::min(train_bytes, sample_.size() - at), 0);
+  std::vector<std::byte>& kept(std::uint64_t number) { return kept_[number % kept_.size()]; }
+  void send_sample(std::uint64_t number) {
+    std::vector<std::byte>& sample = kept_.empty() ? message_ : kept(number);
+    std::memcpy(sample.data(), &number, sizeof number);
+    for (std::size_t at = 0; at < sample.size(); at += train_bytes)
+      send(socket_, sample.data() + at, std::min(train_bytes, sample.size() - at), 0);
   }
-  bool acknowledged(std::uint64_t number) const {
-    std::uint64_t acknowledgement = 0;
-    while (recv(socket_, &acknowledgement, sizeof acknowledgement, 0) > 0) {
-      if (acknowledgement == number) return true;
+  bool acknowledged(std::uint64_t number) {
+    while (acknowledged_ < number) {
+      if (recv(socket_, &acknowledged_, sizeof acknowledged_, 0) <= 0) return false;
     }
-    return false;
+    return true;
   }
 
   const int socket_ = udp_socket(0);
-  std::vector<std::byte> sample_;
+  std::vector<std::byte> message_;
+  std::vector<std::vector<std::byte>> kept_;  ///< copies of the last two, where these are made
+  std::uint64_t acknowledged_ = 0;
 };
 
 class RawUdpReader : public Reader {
@@ -178,18 +190,23 @@ class RawDatagramReader : public Reader {
 
 class RawUdpPeer : public Peer {
  public:
+  explicit RawUdpPeer(bool copies) : copies_(copies) {}
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     if (topic.bulk_bytes == 0) return std::make_unique<RawDatagramWriter>();
-    return std::make_unique<RawUdpWriter>(topic);
+    return std::make_unique<RawUdpWriter>(topic, copies_);
   }
   std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
     if (topic.bulk_bytes == 0) return std::make_unique<RawDatagramReader>(std::move(arrived));
     return std::make_unique<RawUdpReader>(topic, std::move(arrived));
   }
+
+ private:
+  const bool copies_;
 };
 
 }  // namespace
 
-std::unique_ptr<Peer> raw_udp_peer() { return std::make_unique<RawUdpPeer>(); }
+std::unique_ptr<Peer> raw_udp_peer() { return std::make_unique<RawUdpPeer>(false); }
+std::unique_ptr<Peer> raw_udp_copying_peer() { return std::make_unique<RawUdpPeer>(true); }
 
 }  // namespace sft::bench

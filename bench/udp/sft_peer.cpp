@@ -30,16 +30,19 @@ PublisherOptions publisher_options(const Topic& topic) {
 }
 
 template <class T>
+std::size_t served_by(const Publisher<T>& publisher) {
+  const std::vector<ReaderStatus> readers = publisher.status().readers;
+  return static_cast<std::size_t>(std::ranges::count_if(readers, &ReaderStatus::served));
+}
+
+template <class T>
 class SftWriter : public Writer {
  public:
   SftWriter(Node& node, const Topic& topic)
       : publisher_(node.publisher<T>(topic.name, publisher_options(topic)).value()),
         message_(message(topic, static_cast<const T*>(nullptr))) {}
 
-  std::size_t readers() const override {
-    const std::vector<ReaderStatus> readers = publisher_.status().readers;
-    return static_cast<std::size_t>(std::ranges::count_if(readers, &ReaderStatus::served));
-  }
+  std::size_t readers() const override { return served_by(publisher_); }
   void write(std::uint64_t number) override {
     message_.number = number;
     publisher_.publish(message_);
@@ -54,6 +57,30 @@ class SftWriter : public Writer {
   Publisher<T> publisher_;
   T message_;
   std::vector<T> together_;
+};
+
+/// Samples are made where they are sent from. Only the number is written each time: a driver has the rest put
+/// there by its device.
+class SftLoanWriter : public Writer {
+ public:
+  SftLoanWriter(Node& node, const Topic& topic)
+      : publisher_(node.publisher<Bulk>(topic.name, publisher_options(topic)).value()),
+        data_bytes_(topic.bulk_bytes) {}
+
+  std::size_t readers() const override { return served_by(publisher_); }
+  void write(std::uint64_t number) override {
+    prototype_.number = number;
+    auto loan = publisher_.loan_for_overwrite(prototype_, {.data = data_bytes_}).value();
+    const auto data = loan->data();
+    if (data.back() != written) std::ranges::fill(data, written);  // for the first time
+    std::move(loan).publish();
+  }
+
+ private:
+  static constexpr std::uint8_t written = 1;
+  Publisher<Bulk> publisher_;
+  Bulk prototype_;
+  const std::uint32_t data_bytes_;
 };
 
 SubscriberOptions subscriber_options(const Topic& topic) {
@@ -91,7 +118,10 @@ class SftReader : public Reader {
 
 class SftPeer : public Peer {
  public:
+  explicit SftPeer(bool loans = false) : loans_(loans) {}
+
   std::unique_ptr<Writer> writer(const Topic& topic) override {
+    if (loans_) return std::make_unique<SftLoanWriter>(node_, topic);
     if (topic.bulk_bytes > 0) return std::make_unique<SftWriter<Bulk>>(node_, topic);
     return std::make_unique<SftWriter<Small>>(node_, topic);
   }
@@ -101,11 +131,13 @@ class SftPeer : public Peer {
   }
 
  private:
+  const bool loans_;
   Node node_ = Node::open({.name = "bench", .transport = TransportChoice::udp}).value();
 };
 
 }  // namespace
 
 std::unique_ptr<Peer> sft_peer() { return std::make_unique<SftPeer>(); }
+std::unique_ptr<Peer> sft_loan_peer() { return std::make_unique<SftPeer>(true); }
 
 }  // namespace sft::bench

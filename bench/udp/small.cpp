@@ -1,5 +1,9 @@
 // 64 bytes from a program to one on another host and back: half of what that takes. Both do the same with
-// what comes: a callback answers, or a thread waits for it, takes it and answers.
+// what comes: a callback answers, or a thread waits for it, takes it and answers. The next one goes at once,
+// when those that look for a while before they sleep are awake, or later, when everybody sleeps.
+#include <atomic>
+#include <utility>
+
 #include "bench/common/raw_sockets.h"
 #include "bench/common/statistics.h"
 #include "bench/udp/contender.h"
@@ -11,16 +15,23 @@ namespace {
 
 constexpr std::size_t sample_bytes = 64;
 
+constexpr std::int64_t asleep_after_us = 300;
+
 enum class Way { callback, wait, spin };
 
-Topic topic(const char* name, Way way) {
-  return {.name = name, .reliable = false, .spinning = way == Way::spin};
-}
+struct Game {
+  Way way{};
+  std::int64_t pause_us = 0;  ///< before each but the first
+  Topic topic(const char* name) const {
+    return {.name = name, .reliable = false, .spinning = way == Way::spin};
+  }
+};
 
 /// Of the side that begins; the same number comes back.
 class Rally {
  public:
-  Rally(Exchange& exchange, std::uint64_t messages) : exchange_(exchange), messages_(messages) {}
+  Rally(Exchange& exchange, std::uint64_t messages, bool answers_at_once)
+      : exchange_(exchange), messages_(messages), answers_at_once_(answers_at_once) {}
 
   bool over() const { return exchange_.received.load() >= messages_ || exchange_.failed.load(); }
   std::uint64_t rounds() const { return exchange_.received.load(); }
@@ -34,57 +45,69 @@ class Rally {
     if (number != rounds() + 1 || over()) return;
     exchange_.received_at[number - 1] = (now - sent_at_ns_) / 2;  // and sent_at 0
     exchange_.received = number;
-    if (number < messages_) serve(writer);
+    if (number < messages_ && answers_at_once_) serve(writer);
   }
 
  private:
   Exchange& exchange_;
   const std::uint64_t messages_;
-  std::int64_t sent_at_ns_ = 0;
+  const bool answers_at_once_;
+  std::atomic<std::int64_t> sent_at_ns_{0};
 };
 
-/// Serves again after a second in which nothing came: a datagram was lost.
-void wait_for_callbacks(Exchange& exchange, Rally& rally, Writer& writer) {
-  for (std::uint64_t before = 0; !rally.over(); before = rally.rounds()) {
-    for (int i = 0; i < 100 && !rally.over(); ++i) sleep_us(10'000);
-    if (rally.over() || rally.rounds() != before) continue;
-    exchange.failed = rally.rounds() == 0;
+/// Between calls. Serves where that is due, and again after a second in which nothing came: a datagram was
+/// lost.
+void wait_for_callbacks(Exchange& exchange, Rally& rally, Writer& writer, std::int64_t pause_us) {
+  std::uint64_t before = rally.rounds();
+  for (std::int64_t served_at_ns = now_ns(); !rally.over();) {
+    sleep_us(pause_us > 0 ? pause_us : 10'000);
+    const bool came = rally.rounds() != std::exchange(before, rally.rounds());
+    const bool lost = !came && now_ns() - served_at_ns > 1'000'000'000;
+    if (lost) exchange.failed = rally.rounds() == 0;
+    if (came) served_at_ns = now_ns();
+    if (rally.over() || (!lost && !(came && pause_us > 0))) continue;
+    served_at_ns = now_ns();
     rally.serve(writer);
   }
 }
 
-void ping(Exchange& exchange, Contender contender, Way way, std::uint64_t messages) {
-  Rally rally(exchange, messages);
-  const auto peer = contender();
-  const auto writer = peer->writer(topic("ping", way));
-  Arrived arrived;
-  if (way == Way::callback) arrived = [&](std::uint64_t number) { rally.return_of(number, *writer); };
-  const auto reader = peer->reader(topic("pong", way), arrived);
-  exchange.failed =
-      !wait_until([&] { return exchange.ready.load() && writer->readers() == 1 && reader->writers() == 1; });
-  rally.serve(*writer);
-  if (way == Way::callback) return wait_for_callbacks(exchange, rally, *writer);
-  while (!rally.over()) {
-    reader->wait();
-    if (const std::uint64_t number = reader->take()) {
-      rally.return_of(number, *writer);
-    } else {
-      rally.serve(*writer);
-    }
+void take_each(Rally& rally, Reader& reader, Writer& writer, std::int64_t pause_us) {
+  for (std::int64_t served_at_ns = now_ns(); !rally.over();) {
+    reader.wait();
+    const std::uint64_t number = reader.take();
+    const bool lost = number == 0 && now_ns() - served_at_ns > 1'000'000'000;
+    if (number != 0) rally.return_of(number, writer);
+    if (number != 0 && pause_us > 0) sleep_us(pause_us);
+    if (lost || (number != 0 && pause_us > 0)) rally.serve(writer);
+    if (lost || number != 0) served_at_ns = now_ns();
   }
 }
 
-void pong(Exchange& exchange, Contender contender, Way way, std::uint64_t messages) {
+void ping(Exchange& exchange, Contender contender, const Game& game, std::uint64_t messages) {
+  Rally rally(exchange, messages, game.pause_us == 0);
   const auto peer = contender();
-  const auto writer = peer->writer(topic("pong", way));
+  const auto writer = peer->writer(game.topic("ping"));
   Arrived arrived;
-  if (way == Way::callback) arrived = [&](std::uint64_t number) { writer->write(number); };
-  const auto reader = peer->reader(topic("ping", way), arrived);
+  if (game.way == Way::callback) arrived = [&](std::uint64_t number) { rally.return_of(number, *writer); };
+  const auto reader = peer->reader(game.topic("pong"), arrived);
+  exchange.failed =
+      !wait_until([&] { return exchange.ready.load() && writer->readers() == 1 && reader->writers() == 1; });
+  rally.serve(*writer);
+  if (game.way == Way::callback) return wait_for_callbacks(exchange, rally, *writer, game.pause_us);
+  take_each(rally, *reader, *writer, game.pause_us);
+}
+
+void pong(Exchange& exchange, Contender contender, const Game& game, std::uint64_t messages) {
+  const auto peer = contender();
+  const auto writer = peer->writer(game.topic("pong"));
+  Arrived arrived;
+  if (game.way == Way::callback) arrived = [&](std::uint64_t number) { writer->write(number); };
+  const auto reader = peer->reader(game.topic("ping"), arrived);
   exchange.failed = !wait_until([&] { return writer->readers() == 1 && reader->writers() == 1; });
   exchange.ready = true;
-  const Rally rally(exchange, messages);
-  while (!rally.over()) {
-    if (way == Way::callback) {
+  const auto over = [&] { return exchange.received.load() >= messages || exchange.failed.load(); };
+  while (!over()) {
+    if (game.way == Way::callback) {
       sleep_us(10'000);
       continue;
     }
@@ -93,25 +116,29 @@ void pong(Exchange& exchange, Contender contender, Way way, std::uint64_t messag
   }
 }
 
-std::vector<double> times(Contender contender, Way way, const Scale& scale, const TwoHosts& hosts) {
-  return run_pair(hosts.sides([&](Exchange& e) { ping(e, contender, way, scale.messages); },
-                              [&](Exchange& e) { pong(e, contender, way, scale.messages); }),
+std::vector<double> times(Contender contender, const Game& game, const Scale& scale, const TwoHosts& hosts) {
+  return run_pair(hosts.sides([&](Exchange& e) { ping(e, contender, game, scale.messages); },
+                              [&](Exchange& e) { pong(e, contender, game, scale.messages); }),
                   scale.messages);
 }
 
-/// Our side and the others by one way to wait.
+/// Our side and the others in one game.
 struct Contest {
-  Way way;
-  Rounds ours{}, cyclone{}, fast_dds{};
+  Game game;
+  const char* raw_name = "blocking sockets";
+  double bound = 1.3;
+  Rounds ours{}, raw{}, cyclone{}, fast_dds{};
 
   void run(const Scale& scale, const TwoHosts& hosts) {
-    ours.add(times(sft_peer, way, scale, hosts));
-    cyclone.add(times(cyclone_peer, way, scale, hosts));
-    fast_dds.add(times(fast_dds_peer, way, scale, hosts));
+    const Reading reading = game.way == Way::spin ? Reading::spinning : Reading::sleeping;
+    ours.add(times(sft_peer, game, scale, hosts));
+    raw.add(raw_socket_ping_pong(scale.messages, sample_bytes, reading, hosts, game.pause_us));
+    cyclone.add(times(cyclone_peer, game, scale, hosts));
+    fast_dds.add(times(fast_dds_peer, game, scale, hosts));
   }
-  void figures(const std::string& name, const Rounds& raw, std::vector<Figure>& to) const {
-    to.push_back({name, ours.p50(), "us", raw.p50(), "blocking sockets", 1.3});
-    to.push_back({name + "_p99", ours.p99(), "us", raw.p99(), "blocking sockets"});
+  void figures(const std::string& name, std::vector<Figure>& to) const {
+    to.push_back({name, ours.p50(), "us", raw.p50(), raw_name, bound});
+    to.push_back({name + "_p99", ours.p99(), "us", raw.p99(), raw_name});
     to.push_back({name + "_vs_cyclone", ours.p50(), "us", cyclone.p50(), "Cyclone DDS", 1});
     to.push_back({name + "_vs_fast_dds", ours.p50(), "us", fast_dds.p50(), "Fast DDS", 1});
   }
@@ -121,20 +148,18 @@ struct Contest {
 
 std::vector<Figure> small(const Scale& scale) {
   const TwoHosts hosts(Trains::whole);
-  Contest callback{Way::callback}, wait{Way::wait};
-  Rounds spin, raw, raw_spin;
+  Contest callback{{Way::callback}}, wait{{Way::wait}}, spin{{Way::spin}, "sockets, spinning", 2};
+  Contest callback_asleep{{Way::callback, asleep_after_us}}, wait_asleep{{Way::wait, asleep_after_us}};
   for (int round = 0; round < scale.rounds; ++round) {
-    raw.add(raw_socket_ping_pong(scale.messages, sample_bytes, Reading::sleeping, hosts));
-    callback.run(scale, hosts);
-    wait.run(scale, hosts);
-    raw_spin.add(raw_socket_ping_pong(scale.messages, sample_bytes, Reading::spinning, hosts));
-    spin.add(times(sft_peer, Way::spin, scale, hosts));
+    for (Contest* contest : {&callback, &wait, &spin, &callback_asleep, &wait_asleep})
+      contest->run(scale, hosts);
   }
   std::vector<Figure> figures;
-  callback.figures("small_callback", raw, figures);
-  wait.figures("small_wait", raw, figures);
-  figures.push_back({"small_spin", spin.p50(), "us", raw_spin.p50(), "sockets, spinning", 2});
-  figures.push_back({"small_spin_p99", spin.p99(), "us", raw_spin.p99(), "sockets, spinning"});
+  callback.figures("small_callback", figures);
+  wait.figures("small_wait", figures);
+  spin.figures("small_spin", figures);
+  callback_asleep.figures("small_callback_asleep", figures);
+  wait_asleep.figures("small_wait_asleep", figures);
   return figures;
 }
 

@@ -51,7 +51,8 @@ Figure percentage(const char* name, const Flow& flow, const TwoHosts& hosts) {
 std::vector<Figure> wire_overhead(const Scale&) {
   const TwoHosts hosts(Trains::cut);
   std::vector<Figure> figures;
-  for (const Size& size : {Size{"1.1KB", 1100, 2000}, {"64KB", 65'536, 100}, {"4MiB", 4 << 20, 10}}) {
+  for (const Size& size :
+       {Size{"1.1KB", 1100, 2000}, {"2.2KB", 2200, 1000}, {"64KB", 65'536, 100}, {"4MiB", 4 << 20, 10}}) {
     for (const bool reliable : {false, true}) figures.push_back(overhead(size, reliable, hosts));
   }
   return figures;

@@ -24,6 +24,7 @@ Endpoint endpoint() {
   e.addresses = {{0x0a000001, 4000, 1 << 20}, {loopback_ipv6, 4000, 1 << 20, true}};
   e.doorbell = {77, 3};
   e.max_sample_bytes = 1 << 24;
+  e.waits = true;
   e.qos = {.reliability = reliable,
            .durability = transient_local,
            .deadline = std::chrono::milliseconds(5),

@@ -220,6 +220,8 @@ class PatientPathSwitch : public PathSwitch {
     serving.spare = {spare(serving.shm.front())};
     publisher.serve(serving, shm_writer);
   }
+
+  void expect_in_place(const Serving& by_udp, const Serving& by_shm);
 };
 
 // In shared memory a sample is there once it is published; datagrams are under way for a while.
@@ -249,10 +251,8 @@ TEST_F(PatientPathSwitch, WhatSharedMemoryRefusesComesByUdpInItsPlaceHoweverLate
   EXPECT_EQ(sent.diverted.exhausted, sent.diverted.total());
 }
 
-TEST_F(PatientPathSwitch, WhatIsStillUnderWayByUdpWhenTheReaderIsAttachedComesInItsPlace) {
-  Serving by_udp, by_shm;
-  by_udp.udp = {{reader_id, UdpAddress{}, type.full()}};
-  by_shm.shm = {{reader_id, DoorbellAddress{}, type.full()}};
+/// Served by UDP the reader is attached while samples are under way.
+void PatientPathSwitch::expect_in_place(const Serving& by_udp, const Serving& by_shm) {
   for (int round = 0; round < 100; ++round) {
     publisher.serve(by_udp, shm_writer);
     publish();
@@ -270,6 +270,22 @@ TEST_F(PatientPathSwitch, WhatIsStillUnderWayByUdpWhenTheReaderIsAttachedComesIn
     ASSERT_EQ(last, published);
     ASSERT_EQ(subscriber.status().lost, lost);
   }
+}
+
+TEST_F(PatientPathSwitch, WhatIsStillUnderWayByUdpWhenTheReaderIsAttachedComesInItsPlace) {
+  Serving by_udp, by_shm;
+  by_udp.udp = {{reader_id, UdpAddress{}, type.full()}};
+  by_shm.shm = {{reader_id, DoorbellAddress{}, type.full()}};
+  expect_in_place(by_udp, by_shm);
+}
+
+TEST_F(PatientPathSwitch, WhatIsStillUnderWayByUdpComesInItsPlaceAlsoWhereOthersWereAttachedBefore) {
+  const Route neighbour{neighbour_id, DoorbellAddress{}, type.full()};
+  Serving by_udp, by_shm;
+  by_udp.udp = {{reader_id, UdpAddress{}, type.full()}};
+  by_udp.shm = {neighbour};
+  by_shm.shm = {{reader_id, DoorbellAddress{}, type.full()}, neighbour};
+  expect_in_place(by_udp, by_shm);
 }
 
 TEST_F(PathSwitch, FromUdpToSharedMemoryNoSampleFallsBetweenThePorts) {

@@ -32,7 +32,7 @@ class QueuePort final : public ReaderPort {
   bool connected(EndpointId) const noexcept override { return true; }
   std::uint64_t arrivals(EndpointId) noexcept override { return samples.size(); }
   void disconnect(EndpointId) noexcept override {}
-  void accept(std::vector<Wanted>) override {}
+  void accept(std::vector<Accepted>) override {}
   std::uint64_t discarded() const noexcept override { return 0; }
   std::uint64_t lost_unnoticed() const noexcept override { return unnoticed; }
 
@@ -55,7 +55,7 @@ class SharedPort final : public ReaderPort {
   bool connected(EndpointId) const noexcept override { return true; }
   std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
   void disconnect(EndpointId) noexcept override {}
-  void accept(std::vector<Wanted>) override {}
+  void accept(std::vector<Accepted>) override {}
   std::uint64_t discarded() const noexcept override { return 0; }
 
  private:

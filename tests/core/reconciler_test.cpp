@@ -52,7 +52,7 @@ class TestReaderPort final : public ReaderPort {
   bool connected(EndpointId writer) const noexcept override { return connections_.writers.contains(writer); }
   std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
   void disconnect(EndpointId writer) noexcept override { connections_.writers.erase(writer); }
-  void accept(std::vector<Wanted>) override {}
+  void accept(std::vector<Accepted>) override {}
   std::uint64_t discarded() const noexcept override { return ++connections_.looks, 0; }
 
  private:

@@ -34,8 +34,16 @@ std::vector<udp::Stream> streams() {
           {wide_writer, &type_support<Wide>(), 400, {fields<Wide>("*"), fields<Wide>("first, seventh")}}};
 }
 
-/// Bits of the byte before each datagram; the upper half is time.
-constexpr std::uint8_t plausible = 1, first = 2, of_wide_writer = 4, forget_streams = 8, time_shift = 4;
+/// Bits of the byte before each datagram; the upper half is time. Streams change: with of_wide_writer,
+/// whether the first one is reliable, and without, all are forgotten for a moment.
+constexpr std::uint8_t plausible = 1, first = 2, of_wide_writer = 4, change_streams = 8, time_shift = 4;
+
+constexpr std::uint32_t channels = 8;
+
+/// A few that meet, and those at the end of what there can be.
+std::uint64_t ordinal_of(std::uint8_t number, std::uint8_t which) {
+  return which % 4 == 3 ? udp::ordinal_max - number % 64U : 1U + number % 64U;
+}
 
 std::vector<std::byte> to_bytes(std::span<const std::uint8_t> bytes) {
   std::vector<std::byte> d(bytes.size());
@@ -47,7 +55,7 @@ std::vector<std::byte> to_bytes(std::span<const std::uint8_t> bytes) {
 /// Of some samples, with all the bytes that there are.
 void make_packed(udp::FirstHeader header, const FieldMask& mask, std::vector<std::byte>& d) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::size_t>(d[i]); };
-  header.flags &= udp::mask_words_follow | udp::channel_follows;
+  header.flags &= udp::mask_words_follow | udp::channel_follows | udp::group_follows | udp::merged_masks;
   const bool words = (header.flags & udp::mask_words_follow) != 0;
   const std::size_t head = header.bytes() + (words ? mask.words() * sizeof(std::uint64_t) : 0);
   if (d.size() <= head) return;
@@ -64,6 +72,50 @@ void make_packed(udp::FirstHeader header, const FieldMask& mask, std::vector<std
     udp::store_word(mask.word(i), &d[header.bytes() + 8 * i]);
 }
 
+/// Into one of those that go between samples, of few channels and groups.
+bool make_plausible_control(std::uint32_t writer, std::vector<std::byte>& d) {
+  const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
+  const std::uint32_t number = (byte(12) | byte(13) << 8) % 1024U;
+  const auto become = [&](std::size_t bytes, const auto& what) {
+    if (d.size() < bytes) return false;
+    d.resize(bytes);
+    encode(what, d.data());
+    return true;
+  };
+  if (d.size() < udp::heartbeat_bytes) return false;
+  const std::uint64_t begin = ordinal_of(byte(16), byte(17));
+  const std::uint32_t channel = byte(8) % (channels + 1), group = 1U + byte(9) % 3U;
+  switch (byte(0) % 8) {
+    case 0:
+      return become(udp::heartbeat_bytes, udp::Heartbeat{writer, 1U + byte(8) % channels, 7, begin,
+                                                         std::min(begin + byte(24) % 64U, udp::ordinal_max)});
+    case 1:
+      return become(udp::report_bytes,
+                    udp::FlowReport{0, number * 1000U, byte(16) * 1000U, byte(20), byte(24), byte(31)});
+    case 2:
+      return become(udp::group_offer_bytes,
+                    udp::GroupOffer{writer, group, 1, 7, byte(10) == 0 ? 0 : udp::private_groups + group,
+                                    channel, byte(16) % 32 - 8});
+    case 3:
+      return become(udp::mark_bytes,
+                    udp::FlowMark{byte(8) % 4U, 7, number * 1000U, byte(16), byte(24) * 1000});
+    default:
+      return false;
+  }
+}
+
+/// In a channel, in a group, which may be in one, or in neither.
+void put_in_place(udp::FirstHeader& header, const std::vector<std::byte>& d) {
+  const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
+  if (byte(1) >= 128) {
+    header.flags |= udp::channel_follows;
+    header.channel = {1U + byte(3) % channels, 0, ordinal_of(byte(9), byte(10))};
+  } else if (byte(1) >= 64) {
+    header.flags |= udp::group_follows;
+    header.group = {1U + byte(3) % 3U, 0, ordinal_of(byte(9), byte(10))};
+  }
+}
+
 /// Turns what it found in the place of a header into one of few samples, so that datagrams meet.
 void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::vector<udp::Stream>& wanted) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
@@ -71,35 +123,31 @@ void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::v
   const udp::SampleLabel label{static_cast<std::uint32_t>(stream.writer), byte(8) % 8U,
                                static_cast<std::uint16_t>(byte(2) % 2)};
   const std::uint32_t number = (byte(12) | byte(13) << 8) % 1024U;
-  if ((action & first) != 0 && byte(0) % 8 == 0 && d.size() >= udp::heartbeat_bytes) {
-    d.resize(udp::heartbeat_bytes);
-    const std::uint64_t begin = 1U + byte(16) % 64U;
-    encode(udp::Heartbeat{label.writer, 1U + byte(8) % 2U, 7, begin, begin + byte(24) % 64U}, d.data());
-    return;
-  }
-  if ((action & first) != 0 && byte(0) % 8 == 1 && d.size() >= udp::report_bytes) {
-    d.resize(udp::report_bytes);
-    encode(udp::FlowReport{0, number * 1000U, byte(16) * 1000U, byte(20), byte(24), byte(32)}, d.data());
-    return;
-  }
-  if ((action & first) == 0 || d.size() < udp::first_header_bytes + udp::rate_bytes) {
+  if ((action & first) != 0 && make_plausible_control(label.writer, d)) return;
+  if ((action & first) == 0 ||
+      d.size() < udp::first_header_bytes + udp::rate_bytes + udp::channel_bytes + udp::group_bytes) {
     udp::encode(udp::FollowingHeader{label, number}, d.data());
     return;
   }
-  const FieldMask& mask = stream.masks[byte(16) % stream.masks.size()];
-  udp::FirstHeader header{label, static_cast<std::uint8_t>(byte(1) % 4), 0, mask.hash(), 0, {1, number}};
-  if (byte(1) >= 128 && d.size() >= udp::first_header_bytes + udp::rate_bytes + udp::channel_bytes) {
-    header.flags |= udp::channel_follows;
-    header.channel = {1U + byte(3) % 2U, 0, 1U + byte(9) % 64U};
+  FieldMask mask = stream.masks[byte(16) % stream.masks.size()];
+  udp::FirstHeader header{label, static_cast<std::uint8_t>(byte(1) % 4), 0, 0, 0, {1, number}};
+  if (byte(17) % 4 == 0) {
+    header.flags |= udp::merged_masks;
+    for (const FieldMask& other : stream.masks) mask |= other;
+    if (byte(18) % 2 == 0) mask = stream.type->closed(mask & stream.masks.back());
   }
+  header.mask = mask.hash();
+  put_in_place(header, d);
   const bool words = (header.flags & udp::mask_words_follow) != 0;
   const std::size_t head = header.bytes() + (words ? mask.words() * sizeof(std::uint64_t) : 0);
   const bool whole = byte(14) % 2 == 0 && d.size() >= head;
   if (byte(15) % 4 == 0) return make_packed(header, mask, d);
   header.total = whole ? static_cast<std::uint32_t>(d.size() - head) : number;
-  udp::encode(header, d.data());
-  for (std::size_t i = 0; words && i < mask.words() && header.bytes() + 8 * i + 8 <= d.size(); ++i) {
-    udp::store_word(mask.word(i), &d[header.bytes() + 8 * i]);
+  const bool in_short = byte(13) % 2 == 0 && udp::fits_in_short(header);
+  const std::size_t at_words = in_short ? udp::first_header_bytes : header.bytes();
+  in_short ? udp::encode_in_short(header, d.data()) : udp::encode(header, d.data());
+  for (std::size_t i = 0; words && i < mask.words() && at_words + 8 * i + 8 <= d.size(); ++i) {
+    udp::store_word(mask.word(i), &d[at_words + 8 * i]);
   }
 }
 
@@ -115,16 +163,18 @@ void decode_all(const core::SampleBuffer& sample) {
   if (decode(state, TypeTable<T>::type, &value) != WalkStatus::ok) std::abort();  // it was validated
 }
 
-/// What two readers of the first stream get in order, of which one takes but one mask; and what is asked for.
-void read_reliably(udp::Reassembly& reassembly, udp::Reassembly::Time now) {
-  udp::ArrivalWindow& window = *reassembly.window(0);
+/// What two readers of the first stream get, of which one takes but one mask.
+void read_in_order(udp::ArrivalWindow& window) {
   window.set_readers({1, 2});
   const FieldMask all = fields<Image>("*");
   for (const core::EndpointId reader : {1U, 2U}) {
-    const auto accepts = [&](const core::SampleBuffer& s) { return reader == 1 || s.mask == all; };
+    const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t) { return reader == 1 || s.mask == all; };
     while (const core::SampleHandle sample = window.next(reader, accepts)) decode_all<Image>(*sample);
   }
   window.release();
+}
+
+void answer(udp::Reassembly& reassembly, udp::Reassembly::Time now) {
   reassembly.answer(now, [](const udp::SocketAddress&, const udp::Ack& ack) {
     std::vector<std::byte> bytes(ack.bytes());
     encode(ack, bytes.data());
@@ -161,7 +211,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const udp::ReassemblyLimits limits{
       .sample_bytes = 64 << 10, .unfinished_bytes = 256 << 10, .parked_bytes = 16 << 10, .gaps = 64};
   udp::Reassembly reassembly(limits, core::BufferPool::make(1 << 20));
-  const std::vector<udp::Stream> wanted = streams();
+  std::vector<udp::Stream> wanted = streams();
   reassembly.set_streams(wanted);
   udp::Reassembly::Time now{};
   Flow flow;
@@ -170,8 +220,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::uint8_t action = input[0];
     const std::size_t bytes = std::min<std::size_t>(input[1] | input[2] << 8, input.size() - 3);
     now += std::chrono::milliseconds(10 * (action >> time_shift));
-    if ((action & forget_streams) != 0) {
-      reassembly.set_streams({});
+    if ((action & change_streams) != 0) {
+      if ((action & of_wide_writer) != 0) {
+        wanted[0].reliable = !wanted[0].reliable;
+      } else {
+        reassembly.set_streams({});
+      }
       reassembly.set_streams(wanted);
     }
     reassembly.expire(now);
@@ -181,7 +235,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static_cast<void>(udp::parse_ack(datagram));
     flow.meet(datagram, now);
     static_cast<void>(udp::parse_group_report(datagram));
-    if (udp::kind_of(datagram) == udp::DatagramKind::group_offer) reassembly.accept_offer(datagram, {});
+    if (udp::kind_of(datagram) == udp::DatagramKind::group_offer) {
+      reassembly.accept_offer(datagram, {}, {now, 1});
+      if (reassembly.groups().size() > 4 * wanted.size()) std::abort();
+    }
     const bool is_heartbeat = udp::kind_of(datagram) == udp::DatagramKind::heartbeat;
     const auto arrival = is_heartbeat ? reassembly.accept_heartbeat(datagram, {}, {now, 1})
                                       : reassembly.accept(datagram, {now, 1});
@@ -189,7 +246,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (arrival.sample) samples.push_back(arrival.sample);
     for (const core::SampleHandle& sample : samples)
       arrival.stream == 0 ? decode_all<Image>(*sample) : decode_all<Wide>(*sample);
-    read_reliably(reassembly, now);
+    if (udp::ArrivalWindow* window = reassembly.window(0)) read_in_order(*window);
+    answer(reassembly, now);
     input = input.subspan(3 + bytes);
   }
   return 0;

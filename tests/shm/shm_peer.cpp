@@ -18,6 +18,9 @@
 
 namespace {
 
+/// A little longer than a daemon may take to start (ShmOptions::start_deadline), on however busy a machine.
+constexpr std::chrono::seconds patience{25};
+
 using namespace sft::test;
 using sft::core::Availability;
 using sft::core::SampleHandle;
@@ -183,7 +186,7 @@ int main(int argc, char** argv) {
   if (task == tasks.end() && wanted != "knock") return 2;
   Node node;
   if (wanted == "knock") return knock(node);
-  if (!node.becomes(Availability::ready, std::chrono::seconds(15))) {
+  if (!node.becomes(Availability::ready, patience)) {
     say("not ready: " + node->description());
     return 1;
   }

@@ -12,8 +12,10 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "core/accepted_requests.h"
 #include "network.h"
 #include "tests/udp/messages.h"
 #include "udp_transport/flow_window.h"
@@ -21,8 +23,11 @@
 #include "udp_transport/reassembly.h"
 #include "udp_transport/receive_shares.h"
 #include "udp_transport/resend_window.h"
+#include "udp_transport/subscriptions.h"
 
 namespace sft::simulation {
+
+inline constexpr core::EndpointId writer_id = 0x7'0000'0001;
 
 /// What a seed decides.
 struct Scenario {
@@ -37,8 +42,11 @@ struct Scenario {
   bool crashes = false;  ///< the process of the readers, and comes back
   double change = 0;     ///< of a mask, for each sample
   std::size_t receive_buffer_bytes = 212'992;
-  double regroup = 0;  ///< of the multicast group that the process is in, for each sample
-  double span = 0;     ///< several samples instead of one
+  double regroup = 0;        ///< of the multicast group that the process is in, for each sample
+  double span = 0;           ///< several samples instead of one
+  bool readers_lag = false;  ///< they take a few samples now and then, and the writer waits for them
+  double detour = 0;         ///< by a path that takes datagrams of another length, for each sample
+  Time stalled_from = Time::max(), stalled_until{};  ///< then nothing of the writer leaves but heartbeats
   udp::ResendLimits resend{};
   udp::ReassemblyLimits reassembly{};
 
@@ -56,15 +64,30 @@ class World {
   using Mask = std::size_t;  ///< its place in masks()
   static const std::vector<FieldMask>& masks();
 
+  /// One encoding of a sample.
+  struct Variant {
+    std::uint64_t sequence = 0;
+    std::uint64_t mask = 0;  ///< its hash
+    friend auto operator<=>(const Variant&, const Variant&) = default;
+  };
   struct Reader {
     core::EndpointId id = 0;
-    std::vector<Mask> accepted;           ///< what it takes; the last is what it asks for
-    Mask served = 0;                      ///< what the writer knows of that
-    Time served_at = Time::max();         ///< when it will know the latest
-    std::uint64_t last = 0;               ///< sequence that it got
-    std::vector<std::uint64_t> to_get{};  ///< sequences that were sent to it
-    std::set<std::uint64_t> got{};        ///< of these, those that came
-    bool accepts(const core::SampleBuffer& sample) const;
+    std::shared_ptr<udp::Inbox> inbox;  ///< as which it is known; nothing is queued
+    core::AcceptedRequests requests;
+    Mask served = 0;                                ///< what the writer knows of these
+    std::deque<std::pair<Time, Mask>> under_way{};  ///< and when it will know others
+    std::uint64_t last = 0;                         ///< sequence that it got
+    std::set<std::uint64_t> last_masks{};
+    bool took_others = false;       ///< masks, too, when it got that
+    std::vector<Variant> to_get{};  ///< what was sent to it
+    std::set<std::uint64_t> got{};  ///< sequences that came
+  };
+  /// What was sent in a channel, and what the process knows of it.
+  struct Channel {
+    std::map<std::uint64_t, Variant> sent{};    ///< by ordinal
+    std::optional<std::uint64_t> known_from{};  ///< the ordinal that the process began with
+    std::uint64_t gone_before = 0;              ///< none before it will come, as the process was told
+    std::uint64_t base = 0;                     ///< place of ordinal 0
   };
   /// A sample, or a part of it, that is being cut into datagrams.
   struct Sending {
@@ -91,7 +114,7 @@ class World {
   // The writer.
   void open_channel();
   void publish();
-  void publish_to_group(const udp::test::Image& image);
+  void publish_to_group(const udp::test::Image& image, const FieldMask& all);
   void send_to_group();
   void send_to_group(const udp::JobHandle& job);
   void regroup();
@@ -112,18 +135,27 @@ class World {
 
   // The process of the readers.
   void start_process();
+  void follow();
   void crash();
   void receive(const Bytes& bytes);
+  void note_channel(const std::optional<udp::ArrivalWindow::Mark>& before,
+                    const std::optional<udp::Heartbeat>& heartbeat);
   void report(const Bytes& mark);
   void answer();
   void take_at_once(const core::SampleBuffer& sample);
+  void note_unwanted(const Bytes& bytes);
   void hand_over();
+  std::size_t room_now();
   void get(Reader& reader, const core::SampleBuffer& sample);
+  bool is_sound(const core::SampleBuffer& sample, const std::string& which);
 
   Time next_event() const;
   bool step();
   void check_limits();
+  void check_losses();
+  std::uint64_t missing_of(const Channel& channel, std::uint64_t end) const;
   void check_end();
+  void check_end(const Reader& reader);
   void fail(const std::string& what);
 
   Random random_;
@@ -145,15 +177,21 @@ class World {
   Time send_at_;
   std::uint64_t sequence_;
   std::size_t published_ = 0;
+  std::size_t datagram_bytes_;  ///< that the path takes by now
   Time publish_at_;
   std::map<std::uint64_t, udp::test::Image> images_;
-  std::map<std::uint64_t, std::uint64_t> sequences_;  ///< by ordinal, of the present channel
-  std::set<std::uint64_t> not_kept_;                  ///< sequences that had to go for others
+  std::map<std::uint32_t, Channel> channels_;  ///< by number
+  std::set<std::uint64_t> not_kept_;           ///< sequences that had to go for others
 
+  std::unique_ptr<udp::SubscriptionDirectory> directory_;
+  std::shared_ptr<const udp::Subscriptions> subscriptions_;
   std::unique_ptr<udp::Reassembly> reassembly_;
   std::unique_ptr<udp::ReceiveShares> shares_;
   std::vector<Reader> readers_;
-  std::set<std::pair<std::uint64_t, std::uint64_t>> came_at_once_;  ///< sequences and masks
+  std::set<Variant> came_at_once_;
+  std::set<Variant> unwanted_;        ///< that came, and nobody in the process had asked for
+  std::uint64_t lost_ = 0;            ///< as the process was told
+  Time look_again_at_ = Time::max();  ///< whether readers that had no room have some
   Time crash_at_ = Time::max();
   Time back_at_ = Time::max();
 };

@@ -1,23 +1,19 @@
 // Nodes on hosts of their own find each other: by multicast, by a list of peers, over links that lose a fifth
 // of all packets, on hosts with several networks.
 #include <gtest/gtest.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <sft/sft.h>
 #include <algorithm>
 #include <atomic>
-#include <csignal>
-#include <functional>
 #include <memory>
-#include <new>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "examples/demo/network.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
+#include "tests/system/node_process.h"
 
 namespace sft::test {
 namespace {
@@ -33,33 +29,13 @@ struct Report {
   std::atomic<std::uint64_t> taken{0};
   std::atomic<std::uint64_t> liveliness_lost{0};
   std::atomic<std::uint64_t> out_of_order{0};  ///< samples that did not follow the one before
+  std::atomic<double> share_of_a_core{1};      ///< that it took while it waited
 };
 
-/// A node in a process of its own, on a host; killed at the end of its life.
-class NodeProcess {
+class NodeProcess : public NodeProcessWith<Report> {
  public:
-  using Role = std::function<void(Node& node, Report& report)>;
+  using NodeProcessWith::NodeProcessWith;
 
-  NodeProcess(const demo::NetworkNamespace& host, const NodeOptions& options, const Role& role) {
-    void* memory = mmap(nullptr, sizeof(Report), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    report_ = new (memory) Report;
-    process_ = fork();
-    if (process_ == 0) run(host, options, role);
-  }
-  ~NodeProcess() {
-    kill_now();
-    munmap(report_, sizeof(Report));
-  }
-  NodeProcess(const NodeProcess&) = delete;
-  NodeProcess& operator=(const NodeProcess&) = delete;
-
-  void kill_now() {
-    if (process_ <= 0) return;
-    kill(process_, SIGKILL);
-    waitpid(process_, nullptr, 0);
-    process_ = -1;
-  }
-  const Report& report() const { return *report_; }
   bool matches(std::size_t others, std::chrono::milliseconds within = 5s) const {
     return eventually([&] { return report().matched == others; }, within);
   }
@@ -67,21 +43,6 @@ class NodeProcess {
     const std::uint64_t before = report().taken;
     return eventually([&] { return report().taken > before + 10; }, within);
   }
-
- private:
-  [[noreturn]] void run(const demo::NetworkNamespace& host, const NodeOptions& options, const Role& role) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    auto node = host.enter() ? Node::open(options) : fail(Errc::system, "the host cannot be entered");
-    if (node) {
-      for (;;) role(*node, *report_);
-    }
-    std::fprintf(stderr, "%s\n", node.error().message.c_str());
-    report_->failed = true;
-    for (;;) pause();
-  }
-
-  Report* report_ = nullptr;
-  pid_t process_ = -1;
 };
 
 void publish(Node& node, Report& report) {
@@ -126,7 +87,34 @@ void expect_life(Node& node, Report& report) {
   }
 }
 
-/// Numbers its samples, without a pause that would let repairs catch up unnoticed.
+void publish_nothing(Node& node, Report& report) {
+  const auto publisher = node.publisher<PointCloud2>("points").value();
+  for (;; poll(nullptr, 0, 50)) report.matched = publisher.status().readers.size();
+}
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& time) { return time.tv_sec + time.tv_usec / 1e6; };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+void wait_in_vain(Node& node, Report& report) {
+  auto subscriber = node.subscriber<PointCloud2, F::height>("points").value();
+  const auto hears_one = [&] {
+    const auto writers = subscriber.status().writers;
+    return writers.size() == 1 && writers[0].connected;
+  };
+  while (!hears_one()) subscriber.wait(20ms);
+  subscriber.wait(2s);  // while discovery comes to rest
+  const double before = cpu_seconds();
+  subscriber.wait(4s);
+  report.share_of_a_core = (cpu_seconds() - before) / 4;
+  report.matched = 1;
+  for (;;) pause();
+}
+
+/// Numbers its samples.
 void publish_reliably(Node& node, Report& report) {
   auto publisher = node.publisher<PointCloud2>("points", {.reliability = reliable}).value();
   std::vector<std::uint8_t> data(20'000);
@@ -250,6 +238,13 @@ TEST_F(DiscoveryTest, TheLifeOfAnIdlePublisherThatHasPeersIsHeardOfByASubscriber
   const NodeProcess subscriber(host(1), options(), expect_life);
   ASSERT_TRUE(subscriber.matches(1));
   EXPECT_FALSE(eventually([&] { return subscriber.report().liveliness_lost != 0; }, 4s));
+}
+
+TEST_F(DiscoveryTest, ANodeThatWaitsForAPublisherElsewhereThatIsSilentIsIdle) {
+  const NodeProcess publisher(host(0), options(), publish_nothing);
+  const NodeProcess subscriber(host(1), options(), wait_in_vain);
+  ASSERT_TRUE(subscriber.matches(1, 20s));
+  EXPECT_LT(subscriber.report().share_of_a_core, 0.005);
 }
 
 TEST_F(DiscoveryTest, WithoutMulticastNodesOfOneHostFindEachOther) {

@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <sft/sft.h>
 #include <algorithm>
@@ -177,6 +178,43 @@ TEST_F(FallbackTest, WhatIsPublishedWhileNoChunkIsFreeComesByUdpInItsPlaceAndThe
   EXPECT_GT(publisher.status().diverted.exhausted, 3U * chunks);
   EXPECT_EQ(publisher.status().diverted.total(), reader_of(publisher).diverted);
   EXPECT_TRUE(eventually([&] { return logged("no chunk of that size is free") >= 1; })) << log_;
+}
+
+TEST_F(FallbackTest, AReliableReaderElsewhereThatStandsStillCostsReadersInMemoryNothing) {
+  const SmallDaemon daemon("[[pool]]\nsize_kib = 128\ncount = 40\n");
+  const pid_t remote = fork();
+  ASSERT_GE(remote, 0);
+  if (remote == 0) {
+    NodeOptions udp{.name = "remote"};
+    udp.transport = TransportChoice::udp;
+    Node node = Node::open(udp).value();
+    const auto subscriber =
+        node.subscriber<PointCloud2, F::height | F::data>("points", {.reliability = reliable}).value();
+    for (;;) pause();
+  }
+  Node a = Node::open(options("a")).value();
+  Node b = Node::open(options("b")).value();
+  auto publisher = a.publisher<PointCloud2>("points", {.reliability = reliable}).value();
+  auto subscriber =
+      b.subscriber<PointCloud2, F::height | F::data>("points", {.reliability = reliable, .depth = 4}).value();
+  const auto served = [&](TransportKind transport) {
+    return std::ranges::count_if(publisher.status().readers, [&](const ReaderStatus& reader) {
+      return reader.served && reader.transport == transport;
+    });
+  };
+  EXPECT_TRUE(eventually([&] { return served(TransportKind::shm) == 1 && served(TransportKind::udp) == 1; }));
+  kill(remote, SIGSTOP);
+  for (std::uint32_t number = 1; number <= 300; ++number) {
+    ASSERT_EQ(publisher.publish(cloud(number, 100'000)), PublishStatus::ok);
+    ASSERT_TRUE(subscriber.wait(5s)) << number;
+    const auto sample = subscriber.take();
+    ASSERT_EQ(sample->height(), number);
+    ASSERT_EQ(sample.info().transport, TransportKind::shm);
+  }
+  EXPECT_EQ(publisher.status().diverted, Diverted{});
+  EXPECT_EQ(subscriber.status().lost, 0U);
+  kill(remote, SIGKILL);
+  waitpid(remote, nullptr, 0);
 }
 
 TEST_F(FallbackTest, ALoanIsLentAllTheSameAndArrives) {

@@ -409,5 +409,37 @@ TEST(HistoryTest, LiveSamplesForOthersInSharedMemoryDoNotOvertakeIt) {
 INSTANTIATE_TEST_SUITE_P(Ways, RateTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
 INSTANTIATE_TEST_SUITE_P(Ways, QosTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
 
+/// Three megabytes at ten a second.
+void expect_paced(const NodeOptions& sending, const PublisherOptions& published) {
+  Node a = Node::open(sending).value();
+  Node b = Node::open(node_options(Way::udp, "b")).value();
+  auto publisher = a.publisher<PointCloud2>("points", published).value();
+  auto subscriber = b.subscriber<PointCloud2>("points", {.reliability = reliable, .depth = 100}).value();
+  ASSERT_TRUE(eventually([&] {
+    const auto readers = publisher.status().readers;
+    return readers.size() == 1 && readers[0].served;
+  }));
+  PointCloud2 cloud;
+  cloud.data.resize(100'000);
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 30; ++i) EXPECT_EQ(publisher.publish(cloud), PublishStatus::ok);
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_TRUE(subscriber.wait(10s)) << i;
+    ASSERT_TRUE(subscriber.take());
+  }
+  EXPECT_GT(std::chrono::steady_clock::now() - begin, 250ms);
+  EXPECT_EQ(subscriber.status().lost, 0U);
+}
+
+TEST(Rates, OfANodeAreKept) {
+  NodeOptions sending = node_options(Way::udp, "a");
+  sending.udp.max_bytes_per_s = 10'000'000;
+  expect_paced(sending, {.reliability = reliable});
+}
+
+TEST(Rates, OfAPublisherAreKept) {
+  expect_paced(node_options(Way::udp, "a"), {.reliability = reliable, .max_bytes_per_s = 10'000'000});
+}
+
 }  // namespace
 }  // namespace sft::test

@@ -23,11 +23,12 @@ Reader::Reader(Stage& stage, const ReaderOptions& options)
   spec.listener = this;
   spec.only_waited_for = true;
   port_ = stage.here->open_reader(spec).value();
-  std::vector<core::Wanted> wanted;
-  for (const std::string& mask : options.masks) wanted.push_back({fields<Image>(mask)});
-  route_ = {.reader = id, .destination = stage.medium->locator(*stage.here, bell), .mask = wanted[0].mask};
+  std::vector<core::Accepted> accepted;
+  for (const std::string& mask : options.masks) accepted.push_back({.wanted = {fields<Image>(mask)}});
+  route_ = {
+      .reader = id, .destination = stage.medium->locator(*stage.here, bell), .mask = accepted[0].wanted.mask};
   route_.reliable = reliable_;
-  port_->accept(std::move(wanted));
+  port_->accept(std::move(accepted));
 }
 
 void Reader::hear(const Writer& writer) {

@@ -32,8 +32,8 @@ bool FakeInbox::put(SampleHandle sample) {
 bool FakeInbox::wants(const SampleBuffer& sample) const {
   const bool for_one = sample.addressee != 0;
   if (for_one && sample.addressee != id_) return false;
-  return std::ranges::any_of(wanted_, [&](const core::Wanted& w) {
-    return (for_one || w.min_period_us == sample.min_period_us) && w.mask == sample.mask;
+  return std::ranges::any_of(accepted_, [&](const core::Accepted& a) {
+    return (for_one || a.wanted.min_period_us == sample.min_period_us) && a.wanted.mask == sample.mask;
   });
 }
 
@@ -114,9 +114,9 @@ void FakeInbox::disconnect(EndpointId id) {
   forget_the_finished();
 }
 
-void FakeInbox::accept(std::vector<core::Wanted> wanted) {
+void FakeInbox::accept(std::vector<core::Accepted> accepted) {
   const std::scoped_lock lock(mutex_);
-  wanted_ = std::move(wanted);
+  accepted_ = std::move(accepted);
 }
 
 bool FakeInbox::connected(EndpointId id) const {

@@ -27,7 +27,7 @@ class FakeInbox {
   core::SampleHandle take();
   void connect(const core::Source& source);
   void disconnect(core::EndpointId writer);
-  void accept(std::vector<core::Wanted> wanted);
+  void accept(std::vector<core::Accepted> accepted);
 
   bool connected(core::EndpointId writer) const;
   core::HistoryProgress history(core::EndpointId writer) const;
@@ -56,7 +56,7 @@ class FakeInbox {
   const std::size_t depth_;
 
   mutable std::mutex mutex_;  // guards what follows
-  std::vector<core::Wanted> wanted_;
+  std::vector<core::Accepted> accepted_;
   std::vector<Writer> writers_;
   std::deque<core::SampleHandle> queue_;  ///< of all writers, as they came
   std::uint64_t discarded_ = 0;

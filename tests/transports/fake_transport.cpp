@@ -195,7 +195,7 @@ class FakeReader final : public core::ReaderPort {
   HistoryProgress history(EndpointId writer) const noexcept override { return inbox_->history(writer); }
   std::uint64_t arrivals(EndpointId writer) noexcept override { return inbox_->arrivals(writer); }
   void disconnect(EndpointId writer) noexcept override { inbox_->disconnect(writer); }
-  void accept(std::vector<core::Wanted> wanted) override { inbox_->accept(std::move(wanted)); }
+  void accept(std::vector<core::Accepted> accepted) override { inbox_->accept(std::move(accepted)); }
   std::uint64_t discarded() const noexcept override { return inbox_->discarded(); }
   std::uint64_t lost_unnoticed() const noexcept override { return inbox_->lost_unnoticed(); }
 

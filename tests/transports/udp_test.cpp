@@ -2,6 +2,7 @@
 // loses, repeats and swaps datagrams.
 #include "conformance.h"
 #include "tests/support/test_seed.h"
+#include "tests/udp/backends.h"
 #include "tests/udp/endpoints.h"
 #include "tests/udp/faulty_io.h"
 #include "udp_transport/udp_transport.h"
@@ -17,29 +18,25 @@ class UdpMedium final : public Medium {
 
   std::string refusal() override {
     if (!loopback_.is_ipv4() && !udp::test::has_ipv6_loopback()) return "there is no IPv6 here";
-    const auto one = open_one(), other = open_one();
-    if (one && other) return {};
-    return "io_uring is refused here: " + (one ? other : one).error().message;
+    return udp::test::refusal_of(backend_);
   }
   Traits traits() const override { return {.reliable = link_ == Link::bad}; }
-  std::unique_ptr<core::Transport> open() override { return open_one().value(); }
+  std::unique_ptr<core::Transport> open() override {
+    return udp::open_udp_transport({.bind_address = loopback_, .backend = backend_}, udp::test::make_pool(),
+                                   [this](udp::DatagramIo io) {
+                                     if (link_ == Link::good) return io;
+                                     const auto seed = static_cast<unsigned>(test::test_seed());
+                                     return udp::test::with_faults(
+                                         std::move(io), {.loss = 0.02, .repetition = 0.01, .swap = 0.01},
+                                         seed);
+                                   })
+        .value();
+  }
   core::Locator locator(const core::Transport& node, const core::DoorbellAddress&) override {
     return udp::test::loopback_address(node);
   }
 
  private:
-  Result<std::unique_ptr<core::Transport>> open_one() {
-    return udp::open_udp_transport(
-        {.bind_address = loopback_, .backend = backend_}, udp::test::make_pool(), [this](udp::DatagramIo io) {
-          if (link_ == Link::good) return io;
-          const auto seed = static_cast<unsigned>(test::test_seed());
-          io.receiver = std::make_unique<udp::test::FaultyReceiver>(
-              std::move(io.receiver), udp::test::Faults{.loss = 0.02, .repetition = 0.01, .swap = 0.01},
-              seed);
-          return io;
-        });
-  }
-
   const udp::Backend backend_;
   const Link link_;
   const core::IpAddress loopback_;

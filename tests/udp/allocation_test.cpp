@@ -54,7 +54,7 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
                                            .doorbell = {}})
                             .value();
     listener.reader = reader.get();
-    reader->accept({{fields<Image>("*")}, {fields<Image>("data")}});
+    reader->accept({{.wanted = {fields<Image>("*")}}, {.wanted = {fields<Image>("data")}}});
     const auto writer = transport->open_writer({7, &test::type_support<Image>()}).value();
     ASSERT_TRUE(reader->connect({.writer = 7, .reliable = GetParam().reliable}));
     core::Route route{1, test::loopback_address(*transport), fields<Image>("data")};

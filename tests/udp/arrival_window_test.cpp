@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
+#include <random>
 #include <vector>
 
 #include "core/buffer_pool.h"
@@ -43,16 +45,16 @@ class ArrivalWindowTest : public testing::Test {
   /// What that reader gets now; samples are for all, or name one.
   Numbers take(core::EndpointId reader = 1) {
     Numbers sequences;
-    const auto accepts = [&](const core::SampleBuffer& s) {
+    const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t) {
       return s.addressee == 0 || s.addressee == reader;
     };
     while (const core::SampleHandle next = window.next(reader, accepts)) sequences.push_back(next->sequence);
     return sequences;
   }
-  Numbers asks() {
+  Numbers asks(std::size_t at_once_max = 100) {
     Numbers ordinals;
     for (const auto& gap : window.due_gaps(
-             now, [&](const SampleLabel&) { return came_at; }, 100))
+             now, [&](const SampleLabel&) { return came_at; }, at_once_max))
       ordinals.push_back(gap.ordinal);
     return ordinals;
   }
@@ -60,7 +62,7 @@ class ArrivalWindowTest : public testing::Test {
   std::shared_ptr<core::BufferPool> memory = core::BufferPool::make(std::size_t{64} << 20);
   ArrivalWindow::Time now{1h};
   ArrivalWindow::Time came_at = now;
-  ArrivalWindow window{{.samples = 100, .held_bytes = 100'000, .ack_bytes = 1'000}};
+  ArrivalWindow window{{.samples = 100, .held_bytes = 100'000, .awaited_bytes = 300'000, .ack_bytes = 1'000}};
 };
 
 TEST_F(ArrivalWindowTest, HandsOverWhatComesInOrderAtOnce) {
@@ -196,6 +198,17 @@ TEST_F(ArrivalWindowTest, WaitsLongerWhereWhatItAskedForComesTwice) {
   EXPECT_EQ(asks(), (Numbers{3}));
 }
 
+TEST_F(ArrivalWindowTest, AsksForMoreOnlyAsWhatItAskedForComes) {
+  hear(1, 101);
+  now += 2ms;
+  EXPECT_EQ(asks(40).size(), 40U);
+  EXPECT_GT(window.next_look(), now);
+  now = window.next_look();
+  EXPECT_EQ(asks(40), Numbers{});
+  for (std::uint64_t ordinal = 1; ordinal <= 3; ++ordinal) come(ordinal);
+  EXPECT_EQ(asks(40), (Numbers{41, 42, 43}));
+}
+
 TEST_F(ArrivalWindowTest, FallsSilentWhenTheWriterDoes) {
   come(2);
   now += 6s;
@@ -229,15 +242,54 @@ TEST_F(ArrivalWindowTest, GivesTheOldestUpWhereTooMuchIsHeldBack) {
   EXPECT_EQ(window.ack(1).next, 7U);
 }
 
-TEST_F(ArrivalWindowTest, AsksAgainForWhatItHadToLetGoOf) {
+TEST_F(ArrivalWindowTest, GivesNoMoreUpThanThat) {
+  for (const std::uint64_t ordinal : {2U, 3U, 5U, 6U}) come(ordinal, 0, 30'000);
+  EXPECT_EQ(take(), (Numbers{20, 30})) << "4 need not be given up";
+  come(4, 0, 30'000);
+  EXPECT_EQ(take(), (Numbers{40, 50, 60}));
+  EXPECT_EQ(window.lost(), 1U);
+}
+
+TEST_F(ArrivalWindowTest, GivesNothingUpForWhatItCanHandOver) {
+  for (const std::uint64_t ordinal : {2U, 3U}) come(ordinal, 0, 30'000);
+  begin(4);
+  come(1, 0, 40'000);
+  EXPECT_EQ(window.lost(), 0U);
+  EXPECT_EQ(take(), (Numbers{10, 20, 30}));
+}
+
+TEST_F(ArrivalWindowTest, HandsNothingOverThatItHasGivenUp) {
   begin(1);
-  window.forget(1);
-  now += 2ms;
-  const auto gaps = window.due_gaps(
-      now, [&](const SampleLabel&) { return now; }, 100);
-  ASSERT_EQ(gaps.size(), 1U);
-  EXPECT_FALSE(gaps[0].label);
-  EXPECT_EQ(meet(1), Standing::wanted);
+  for (std::uint64_t ordinal = 2; ordinal <= 5; ++ordinal) come(ordinal, 0, 30'000);
+  EXPECT_EQ(window.lost(), 1U);
+  window.whole(1, sample(10));
+  EXPECT_EQ(take(), (Numbers{20, 30, 40, 50}));
+}
+
+/// Of many processes that miss the same, how long after they noticed.
+std::vector<ArrivalWindow::Time::duration> times_of_asking(bool spread) {
+  std::vector<ArrivalWindow::Time::duration> times;
+  const ArrivalWindow::Time now{1h};
+  std::mt19937 seeds(1);
+  for (int i = 0; i < 100; ++i) {
+    ArrivalWindow window({.ask_after = 2ms, .spread = 8ms, .seed = static_cast<std::uint32_t>(seeds())});
+    if (spread) window.spread_asking();
+    window.meet({1, 0, 2}, now);
+    times.push_back(window.next_look() - now);
+  }
+  std::ranges::sort(times);
+  return times;
+}
+
+TEST(ArrivalWindowsTest, AskAtTimesOfTheirOwnWhereManyMayMissTheSame) {
+  EXPECT_EQ(times_of_asking(false), (std::vector<ArrivalWindow::Time::duration>(100, 2ms)));
+  const auto times = times_of_asking(true);
+  EXPECT_GE(times.front(), 2ms);
+  EXPECT_LT(times.front(), 3ms);
+  EXPECT_GT(times[50], 4ms);
+  EXPECT_LT(times[50], 8ms);
+  EXPECT_GT(times.back(), 9ms);
+  EXPECT_LE(times.back(), 10ms);
 }
 
 TEST_F(ArrivalWindowTest, LetsGoOfASampleOnlyWhenAllReadersHaveIt) {
@@ -254,6 +306,51 @@ TEST_F(ArrivalWindowTest, LetsGoOfASampleOnlyWhenAllReadersHaveIt) {
   window.set_readers({1});
   window.release();
   EXPECT_EQ(window.size(), 0U);
+}
+
+TEST_F(ArrivalWindowTest, AcknowledgesWhatAllReadersHaveWhereTheWriterWaitsForThem) {
+  window.set_awaited(true);
+  come(1);
+  come(2);
+  take(1);
+  window.release();
+  EXPECT_TRUE(window.holds_back());
+  EXPECT_EQ(window.ack(9).next, 1U);
+  take(2);
+  window.release();
+  EXPECT_FALSE(window.holds_back());
+  EXPECT_TRUE(window.ack_due()) << "the writer may wait for nothing else";
+  EXPECT_EQ(window.ack(9).next, 3U);
+  EXPECT_FALSE(window.ack_due());
+}
+
+TEST_F(ArrivalWindowTest, KeepsWhatReadersDoNotHaveUntilTheWriterGoesOnWithoutThem) {
+  window.set_awaited(true);
+  for (std::uint64_t ordinal = 1; ordinal <= 100; ++ordinal) come(ordinal);
+  window.release();
+  EXPECT_FALSE(window.overtakes());
+  EXPECT_EQ(meet(101), Standing::beyond);
+  EXPECT_TRUE(window.overtakes());
+  EXPECT_EQ(take(1).size(), 100U);
+  window.release();
+  EXPECT_TRUE(window.overtakes()) << "one of them has nothing yet";
+  EXPECT_EQ(take(2).size(), 100U);
+  window.release();
+  EXPECT_FALSE(window.overtakes());
+  EXPECT_EQ(meet(101), Standing::wanted);
+  EXPECT_EQ(window.lost(), 0U);
+}
+
+TEST_F(ArrivalWindowTest, KeepsNoMoreThanItMayForReadersThatDoNotTakeIt) {
+  window.set_awaited(true);
+  for (std::uint64_t ordinal = 1; ordinal <= 4; ++ordinal) {
+    come(ordinal, 0, 40'000);
+    window.release();
+    EXPECT_FALSE(window.overtakes()) << "but there is more than may be held back behind a gap";
+  }
+  come(5, 0, 40'000);
+  EXPECT_TRUE(window.overtakes());
+  EXPECT_EQ(window.lost(), 0U);
 }
 
 TEST_F(ArrivalWindowTest, BeginsForAReaderThatComesLaterWithWhatHasNotComeYet) {
@@ -275,7 +372,7 @@ TEST_F(ArrivalWindowTest, BeginsAnewWithWhatItHearsFirstWhereItLeftAndJoinsAgain
   EXPECT_EQ(met.standing, Standing::wanted);
   again.whole(met.place, sample(50));
   EXPECT_EQ(again.ack(1).next, 6U) << "what was sent meanwhile is not asked for";
-  EXPECT_EQ(again.next(1, [](const auto&) { return true; })->sequence, 50U);
+  EXPECT_EQ(again.next(1, [](const auto&, std::uint64_t) { return true; })->sequence, 50U);
 }
 
 TEST_F(ArrivalWindowTest, BeginsWithTheFirstOfANewChannelWhereItJoinsAgain) {
@@ -284,6 +381,63 @@ TEST_F(ArrivalWindowTest, BeginsWithTheFirstOfANewChannelWhereItJoinsAgain) {
   again.join(*window.mark());
   EXPECT_EQ(again.meet({2, 0, 2}, now).standing, Standing::wanted);
   EXPECT_EQ(again.ack(1).next, 1U);
+}
+
+/// A reader that has asked twice; what comes is under the first request unless it is said.
+class ChangingReaderTest : public ArrivalWindowTest {
+ protected:
+  ChangingReaderTest() { window.set_readers({1}); }
+  void come_under(std::uint64_t request, std::uint64_t ordinal) { come(ordinal, request); }
+  Numbers take_under_requests() {
+    Numbers sequences;
+    const auto accepts = [](const core::SampleBuffer& s, std::uint64_t request) {
+      return s.addressee >= request;
+    };
+    while (const core::SampleHandle next = window.next(1, accepts)) sequences.push_back(next->sequence);
+    return sequences;
+  }
+  void hear_of(std::uint64_t end, std::uint32_t waiting) {
+    window.hear({.writer = 1, .channel = 1, .port = 1, .first = 1, .end = end, .waiting = waiting}, now);
+  }
+};
+
+TEST_F(ChangingReaderTest, GetsWhatWasPublishedBeforeUnderTheEarlierRequestHoweverLateItComes) {
+  come_under(1, 1);
+  window.heard(1, 2);
+  hear_of(3, 2);  // 3 and 4 have not left
+  for (const std::uint64_t ordinal : {2, 3, 4}) {
+    come_under(1, ordinal);
+    EXPECT_EQ(take_under_requests().back(), 10 * ordinal);
+  }
+}
+
+TEST_F(ChangingReaderTest, GetsNothingUnderTheEarlierRequestBehindThat) {
+  window.heard(1, 2);
+  hear_of(3, 2);
+  for (std::uint64_t ordinal = 1; ordinal < 5; ++ordinal) come_under(1, ordinal);
+  come_under(1, 5);
+  come_under(2, 6);
+  EXPECT_EQ(take_under_requests(), (Numbers{10, 20, 30, 40, 60}));
+}
+
+TEST_F(ChangingReaderTest, IsNotToldByAHeartbeatOfBefore) {
+  hear_of(2, 0);
+  window.heard(1, 2);
+  for (std::uint64_t ordinal = 1; ordinal < 10; ++ordinal) come_under(1, ordinal);
+  EXPECT_EQ(take_under_requests().size(), 9U);
+}
+
+TEST_F(ChangingReaderTest, EndsOneRequestAfterTheOtherAsItChangesOftenAndComesBack) {
+  window.heard(1, 2);
+  hear_of(3, 0);
+  window.heard(1, 3);  // not before what is known of the second is reached
+  hear_of(5, 0);
+  for (std::uint64_t ordinal = 1; ordinal < 3; ++ordinal) come_under(1, ordinal);
+  for (std::uint64_t ordinal = 3; ordinal < 6; ++ordinal) come_under(2, ordinal);
+  EXPECT_EQ(take_under_requests().size(), 5U);
+  hear_of(8, 0);
+  for (std::uint64_t ordinal = 6; ordinal < 10; ++ordinal) come_under(2, ordinal);
+  EXPECT_EQ(take_under_requests(), (Numbers{60, 70}));
 }
 
 }  // namespace

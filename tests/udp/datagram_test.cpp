@@ -104,9 +104,121 @@ TEST(Datagram, CarriesItsPlaceInAChannelBehindAllOthers) {
   EXPECT_FALSE(parse(bytes)) << "ordinals count from 1";
 }
 
+/// Of a sample that a whole datagram has room for.
+FirstHeader whole_header() {
+  return {.label = {.writer = 0x04030201, .sequence = 0x14131211, .variant = 0x155},
+          .flags = channel_follows,
+          .total = 3,
+          .mask = 0x3837363534333231,
+          .stamp_ns = -2,
+          .channel = {.channel = 0x2aa, .ordinal = 0x24232221}};
+}
+
+TEST(WholeDatagram, IsLaidOutAsDocumented) {
+  std::array<std::byte, first_header_bytes> bytes;
+  encode_in_short(whole_header(), bytes.data());
+  EXPECT_EQ(numbers(bytes),
+            (std::vector<unsigned>{0x1a, 0x54, 0x45, 0x55, 0x01, 0x02, 0x03, 0x04, 0x11, 0x12, 0x13,
+                                   0x14, 0x21, 0x22, 0x23, 0x24, 0x31, 0x32, 0x33, 0x34, 0x35, 0x36,
+                                   0x37, 0x38, 0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff}));
+  FirstHeader flagged = whole_header();
+  flagged.flags |= mask_words_follow;
+  encode_in_short(flagged, bytes.data());
+  EXPECT_EQ(bytes[1], std::byte{0x55});
+  flagged.flags = channel_follows | merged_masks;
+  encode_in_short(flagged, bytes.data());
+  EXPECT_EQ(bytes[1], std::byte{0x56});
+}
+
+void expect_equal(const FirstHeader& read, const FirstHeader& sent) {
+  EXPECT_EQ(read.label, sent.label);
+  EXPECT_EQ(read.flags, sent.flags);
+  EXPECT_EQ(read.total, sent.total);
+  EXPECT_EQ(read.mask, sent.mask);
+  EXPECT_EQ(read.stamp_ns, sent.stamp_ns);
+  EXPECT_EQ(read.rate, sent.rate);
+  EXPECT_EQ(read.history, sent.history);
+  EXPECT_EQ(read.channel, sent.channel);
+  EXPECT_EQ(read.group, sent.group);
+}
+
+TEST(WholeDatagram, SaysWhatAFirstOneWouldSay) {
+  constexpr std::uint16_t end = whole_numbers_end - 1;
+  for (const std::uint8_t flags : {0, 1, 128, 129}) {
+    for (const std::uint16_t variant : {std::uint16_t{0}, std::uint16_t{1}, end}) {
+      for (const std::uint32_t channel : {std::uint32_t{0}, std::uint32_t{1}, std::uint32_t{end}}) {
+        for (const std::uint64_t ordinal : {1ULL, 0xffff'ffffULL}) {
+          FirstHeader sent = whole_header();
+          sent.flags |= flags;
+          sent.label.variant = variant;
+          sent.channel = {.channel = channel, .ordinal = ordinal};
+          ASSERT_TRUE(fits_in_short(sent));
+          std::array<std::byte, first_header_bytes + 3> in_short{};
+          encode_in_short(sent, in_short.data());
+          std::array<std::byte, first_header_bytes + channel_bytes + 3> at_length{};
+          encode(sent, at_length.data());
+          const auto d = parse(in_short);
+          const auto long_form = parse(at_length);
+          ASSERT_TRUE(d && long_form);
+          EXPECT_EQ(d->kind, DatagramKind::whole);
+          expect_equal(d->first, sent);
+          expect_equal(long_form->first, sent);
+          EXPECT_EQ(d->payload.data(), &in_short[first_header_bytes]);
+          EXPECT_EQ(d->payload.size(), 3U);
+        }
+      }
+    }
+  }
+}
+
+TEST(WholeDatagram, HasNoRoomForWhatOnlyAFirstOneCanSay) {
+  EXPECT_TRUE(fits_in_short(whole_header()));
+  const auto fits = [](auto change) {
+    FirstHeader header = whole_header();
+    change(header);
+    return fits_in_short(header);
+  };
+  EXPECT_FALSE(fits([](FirstHeader& h) { h.flags = 0; })) << "it is in no channel";
+  EXPECT_FALSE(fits([](FirstHeader& h) { h.flags = merged_masks; }));
+  EXPECT_FALSE(fits([](FirstHeader& h) { h.flags |= rate_follows; }));
+  EXPECT_FALSE(fits([](FirstHeader& h) { h.flags |= history_follows; }));
+  EXPECT_FALSE(fits([](FirstHeader& h) { h.flags |= group_follows; }));
+  EXPECT_FALSE(fits([](FirstHeader& h) { h.flags |= lengths_follow; }));
+  EXPECT_FALSE(fits([](FirstHeader& h) { h.label.variant = whole_numbers_end; }));
+  EXPECT_FALSE(fits([](FirstHeader& h) { h.channel.channel = whole_numbers_end; }));
+  EXPECT_FALSE(fits([](FirstHeader& h) { h.channel.sequence_high = 1; }));
+  EXPECT_FALSE(fits([](FirstHeader& h) { h.channel.ordinal = 0x1'0000'0000; }));
+}
+
+TEST(WholeDatagram, MayHaveNoPayload) {
+  std::array<std::byte, first_header_bytes> bytes;
+  encode_in_short(whole_header(), bytes.data());
+  const auto d = parse(bytes);
+  ASSERT_TRUE(d);
+  EXPECT_EQ(d->first.total, 0U);
+  EXPECT_TRUE(d->payload.empty());
+}
+
+TEST(WholeDatagram, IsRefusedWhenItCannotBeTrue) {
+  std::vector<std::byte> bytes(datagram_bytes_max + 1);
+  FirstHeader header = whole_header();
+  encode_in_short(header, bytes.data());
+  for (std::size_t n = 0; n < first_header_bytes; ++n) EXPECT_FALSE(parse(std::span(bytes).first(n))) << n;
+  EXPECT_TRUE(parse(std::span(bytes).first(datagram_bytes_max)));
+  EXPECT_FALSE(parse(bytes)) << "longer than UDP allows";
+  header.channel.ordinal = 0;
+  encode_in_short(header, bytes.data());
+  EXPECT_FALSE(parse(std::span(bytes).first(first_header_bytes))) << "ordinals count from 1";
+}
+
 TEST(Heartbeat, CarriesWholeOrdinals) {
   std::array<std::byte, heartbeat_bytes> bytes{};
-  const Heartbeat sent{.writer = 1, .channel = 2, .port = 3, .first = 0x1'0000'0004, .end = 0x2'0000'0005};
+  const Heartbeat sent{.writer = 1,
+                       .channel = 2,
+                       .port = 3,
+                       .first = 0x1'0000'0004,
+                       .end = 0x2'0000'0005,
+                       .waiting = 0xfedc'ba98};
   encode(sent, bytes.data());
   EXPECT_EQ(kind_of(bytes), DatagramKind::heartbeat);
   EXPECT_EQ(parse_heartbeat(bytes), sent);

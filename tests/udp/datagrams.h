@@ -4,12 +4,16 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/transport.h"
 #include "messages.h"
 #include "udp_transport/fragmenter.h"
 
 namespace sft::udp::test {
 
 using Bytes = std::vector<std::byte>;
+
+/// Whose samples they are, where a test has one writer.
+inline constexpr core::EndpointId writer = 0xaaaa'bbbb'0000'0001;
 
 inline void append_datagrams(const Batch& batch, std::vector<Bytes>& out) {
   Bytes all;

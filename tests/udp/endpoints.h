@@ -63,8 +63,8 @@ class Subscriber final : private core::ArrivalListener {
             .open_reader(
                 {.id = id, .type = &type_support<Image>(), .depth = depth, .listener = this, .doorbell = {}})
             .value();
-    std::vector<core::Wanted> accepted;
-    for (const std::string& mask : masks) accepted.push_back({fields<Image>(mask)});
+    std::vector<core::Accepted> accepted;
+    for (const std::string& mask : masks) accepted.push_back({.wanted = {fields<Image>(mask)}});
     port_->accept(accepted);
   }
 

@@ -51,6 +51,13 @@ TEST(Fallback, UsesPlainSocketsWhereIoUringIsForbiddenAndSaysWhy) {
   });
 }
 
+TEST(Fallback, IsNotTakenWhereTheKernelGrantsIoUring) {
+  if (const auto ring = open_udp_transport({.backend = Backend::io_uring}, test::make_pool()); !ring)
+    GTEST_SKIP() << "io_uring is refused here: " << ring.error().message;
+  const auto transport = open_udp_transport({}, test::make_pool()).value();
+  EXPECT_TRUE(transport->description().starts_with("io_uring with ")) << transport->description();
+}
+
 TEST(Fallback, UsesPlainSocketsForEveryOtherRefusal) {
   for (const int error : {ENOSYS, ENOMEM, EINVAL, EMFILE}) {
     without_io_uring(error, [] {

@@ -58,12 +58,19 @@ class FanOutTest : public testing::Test {
     }
     return dropped;
   }
-  /// Sends what waits in the channel.
-  Heartbeat heartbeat() {
+  /// Sends what waits in the channel: sequences.
+  std::vector<std::uint32_t> send() {
+    std::vector<std::uint32_t> sent;
     for (const auto size : {ResendWindow::Size::small, ResendWindow::Size::large}) {
-      while (const auto piece = channel_->next(size))
-        channel_->finished(*piece, std::chrono::steady_clock::now());
+      while (const auto piece = channel_->next(size)) {
+        sent.push_back(piece->first.label.sequence);
+        static_cast<void>(channel_->finished(*piece, std::chrono::steady_clock::now()));
+      }
     }
+    return sent;
+  }
+  Heartbeat heartbeat() {
+    send();
     return channel_->look_after().heartbeat.value();
   }
 
@@ -97,7 +104,14 @@ TEST_F(FanOutTest, KeepsOfWhatIsReliableAsMuchAsChannelsDo) {
 }
 
 TEST_F(FanOutTest, DropsTheOldestOfWhatIsReliableOnceItIsMoreThanChannelsKeep) {
-  EXPECT_GT(leave(100, 1'000'000, routes(true)), 0U);
+  const std::size_t dropped = leave(100, 1'000'000, routes(true));
+  EXPECT_GT(dropped, 0U);
+  fan_out().carry_out();
+  EXPECT_TRUE(fan_out().done());
+  const std::vector<std::uint32_t> sent = send();
+  ASSERT_FALSE(sent.empty());
+  for (std::size_t i = 0; i < sent.size(); ++i) EXPECT_EQ(sent[i], 101 - sent.size() + i);
+  EXPECT_EQ(sent.size(), 100 - dropped);
 }
 
 }  // namespace

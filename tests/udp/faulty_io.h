@@ -59,7 +59,7 @@ class FaultyReceiver final : public PassingReceiver {
  private:
   bool happens(double probability) { return std::uniform_real_distribution<>()(random_) < probability; }
 
-  void datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept override {
+  void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override {
     if (happens(faults_.loss)) return;
     if (!held_ && happens(faults_.swap)) {
       held_.emplace(bytes.begin(), bytes.end());
@@ -82,7 +82,7 @@ class DeafReceiver final : public PassingReceiver {
       : PassingReceiver(std::move(inner)), deaf_(deaf) {}
 
  private:
-  void datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept override {
+  void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override {
     const auto d = parse(bytes);
     const bool of_group = d && d->kind == DatagramKind::first && (d->first.flags & group_follows) != 0;
     if (!deaf_ || !of_group) pass_on(bytes, from);
@@ -111,23 +111,72 @@ class Connected : public Connection {
 using DecorateConnection =
     std::function<std::unique_ptr<Connection>(const SocketAddress&, std::unique_ptr<Connection>)>;
 
-class DecoratedSender final : public DatagramSender {
+/// Passes everything on; the base of senders with faults.
+class PassingSender : public DatagramSender {
  public:
-  DecoratedSender(std::unique_ptr<DatagramSender> inner, DecorateConnection decorate)
-      : inner_(std::move(inner)), decorate_(std::move(decorate)) {}
-  std::unique_ptr<Connection> connect(const SocketAddress& to) override {
-    return decorate_(to, inner_->connect(to));
-  }
+  explicit PassingSender(std::unique_ptr<DatagramSender> inner) : inner_(std::move(inner)) {}
+
+  std::unique_ptr<Connection> connect(const SocketAddress& to) override { return inner_->connect(to); }
   std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) override {
-    return decorate_(group, inner_->connect_group(group, own));
+    return inner_->connect_group(group, own);
   }
+  std::uint16_t answer_port() const noexcept override { return inner_->answer_port(); }
+  std::size_t take_answer(std::span<std::byte> to) noexcept override { return inner_->take_answer(to); }
   void await(std::chrono::steady_clock::time_point deadline) noexcept override { inner_->await(deadline); }
   void wake() noexcept override { inner_->wake(); }
 
  private:
   std::unique_ptr<DatagramSender> inner_;
+};
+
+class DecoratedSender final : public PassingSender {
+ public:
+  DecoratedSender(std::unique_ptr<DatagramSender> inner, DecorateConnection decorate)
+      : PassingSender(std::move(inner)), decorate_(std::move(decorate)) {}
+  std::unique_ptr<Connection> connect(const SocketAddress& to) override {
+    return decorate_(to, PassingSender::connect(to));
+  }
+  std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) override {
+    return decorate_(group, PassingSender::connect_group(group, own));
+  }
+
+ private:
   DecorateConnection decorate_;
 };
+
+/// What comes back gets lost, and some of it comes twice.
+class SenderOfBadLink final : public PassingSender {
+ public:
+  SenderOfBadLink(std::unique_ptr<DatagramSender> inner, const Faults& faults, unsigned seed)
+      : PassingSender(std::move(inner)), faults_(faults), random_(seed) {}
+
+  std::size_t take_answer(std::span<std::byte> to) noexcept override {
+    if (!again_.empty()) {
+      const std::vector<std::byte> same = std::exchange(again_, {});
+      std::ranges::copy(same, to.begin());
+      return same.size();
+    }
+    std::size_t bytes = PassingSender::take_answer(to);
+    while (bytes > 0 && happens(faults_.loss)) bytes = PassingSender::take_answer(to);
+    if (happens(faults_.repetition))
+      again_.assign(to.begin(), to.begin() + static_cast<std::ptrdiff_t>(bytes));
+    return bytes;
+  }
+
+ private:
+  bool happens(double probability) { return std::uniform_real_distribution<>()(random_) < probability; }
+
+  Faults faults_;
+  std::mt19937 random_;
+  std::vector<std::byte> again_;
+};
+
+/// All that comes has faults: samples, and answers to those that are sent.
+inline DatagramIo with_faults(DatagramIo io, const Faults& faults, unsigned seed) {
+  io.receiver = std::make_unique<FaultyReceiver>(std::move(io.receiver), faults, seed);
+  io.sender = std::make_unique<SenderOfBadLink>(std::move(io.sender), faults, ~seed);
+  return io;
+}
 
 /// The send buffer of one address: full until it is opened.
 class Gate {

@@ -70,6 +70,19 @@ TEST_F(InboxTest, LeavesTheQueuesOfConnectedWritersAlone) {
 
 /// A subscriber counts the gaps in a writer's sequences; it sees none behind the last sample, nor before the
 /// first.
+TEST_F(InboxTest, TellsHowManyMoreSamplesOfAWriterCanWait) {
+  inbox_.connect({.writer = 7});
+  inbox_.connect({.writer = 8});
+  EXPECT_EQ(inbox_.room(7), 3U);
+  deliver(7, 1, 2);
+  EXPECT_EQ(inbox_.room(7), 1U);
+  EXPECT_EQ(inbox_.room(8), 3U);
+  deliver(7, 3, 5);
+  EXPECT_EQ(inbox_.room(7), 0U);
+  take_all();
+  EXPECT_EQ(inbox_.room(7), 3U);
+}
+
 TEST_F(InboxTest, CountsLossesThatNoSequenceShows) {
   inbox_.connect({1});
   deliver(1, 1, 3);

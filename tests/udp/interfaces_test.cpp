@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <set>
+#include <string>
+#include <vector>
 
 namespace sft::udp {
 namespace {
@@ -76,6 +80,19 @@ TEST(Interfaces, AddressesComeBackFromTheSystemAsTheyWere) {
       EXPECT_EQ(to_address(filled_in), (SocketAddress{ip, 7000})) << core::format(ip);
     }
   }
+}
+
+TEST(Interfaces, AreWirelessWhereTheirFolderSaysSo) {
+  std::string folder = testing::TempDir() + "sft_interfaces_XXXXXX";
+  ASSERT_NE(::mkdtemp(folder.data()), nullptr);
+  for (const char* inside : {"eth0/statistics", "wlan0/phy80211", "wlan1/wireless"})
+    std::filesystem::create_directories(folder + "/" + inside);
+  EXPECT_FALSE(is_wireless("eth0", folder));
+  EXPECT_TRUE(is_wireless("wlan0", folder));
+  EXPECT_TRUE(is_wireless("wlan1", folder));
+  EXPECT_FALSE(is_wireless("wlan2", folder)) << "it is not there";
+  EXPECT_FALSE(is_wireless("lo"));
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

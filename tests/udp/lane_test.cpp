@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <future>
 #include <vector>
 
 #include "connections.h"
@@ -179,6 +181,30 @@ TEST_F(LaneTest, UsesJobsAgain) {
   const Job* first = &*job(1);
   EXPECT_EQ(&*job(2), first);
   EXPECT_EQ(job(3)->first.label.sequence, 3U);
+}
+
+/// Notes whether others can use the lane meanwhile.
+struct Onlooker final : LaneListener {
+  explicit Onlooker(Lane& one) : lane(one) {}
+  void left(const Job& job, bool lost) noexcept override {
+    lost_ones.push_back(lost ? job.first.label.sequence : 0);
+    uses.push_back(std::async(std::launch::async, [this] { return lane.has_room(); }));
+    was_free = uses.back().wait_for(std::chrono::seconds(5)) == std::future_status::ready && was_free;
+  }
+  Lane& lane;
+  std::vector<std::uint32_t> lost_ones;
+  bool was_free = true;
+  std::vector<std::future<bool>> uses;
+};
+
+TEST_F(LaneTest, TellsWhatItLostWithoutKeepingOthersOut) {
+  const auto listener = std::make_shared<Onlooker>(one_);
+  one_.tell(listener);
+  for (std::uint32_t n = 1; n <= 4; ++n) one_.post(job(n));
+  one_.close();
+  one_.post(job(5));
+  EXPECT_EQ(listener->lost_ones, (Numbers{1, 2, 3, 4, 5}));
+  EXPECT_TRUE(listener->was_free);
 }
 
 }  // namespace

@@ -4,15 +4,16 @@
 #include <netinet/in.h>
 
 #include <chrono>
-#include <cmath>
 #include <string>
 #include <vector>
 
 #include "another_host.h"
+#include "backends.h"
 #include "endpoints.h"
 #include "faulty_io.h"
 #include "tests/support/isolated_host.h"
 #include "tests/support/test_seed.h"
+#include "transfers.h"
 #include "udp_transport/network_watch.h"
 #include "udp_transport/udp_transport.h"
 
@@ -33,8 +34,7 @@ class NetworkTest : public testing::TestWithParam<Backend> {
  protected:
   void SetUp() override {
     if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
-    if (const auto one = open_udp_transport({.backend = GetParam()}, test::make_pool()); !one)
-      GTEST_SKIP() << "io_uring is refused here: " << one.error().message;
+    if (const std::string why = test::refusal_of(GetParam()); !why.empty()) GTEST_SKIP() << why;
     run("ip link add near type veth peer name far 2> /dev/null");
     if (!run("ip address replace 10.9.0.1/24 dev near && ip link set near up && ip link set far up"))
       GTEST_SKIP() << "no pair of virtual network devices can be made here";
@@ -58,10 +58,7 @@ TEST(NetworkWatchTest, NoticesAnAddressThatComesAndGoesAndNothingElse) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, NetworkTest, testing::Values(Backend::io_uring, Backend::sockets),
-                         [](const auto& param) {
-                           return param.param == Backend::io_uring ? "IoUring" : "Sockets";
-                         });
+INSTANTIATE_TEST_SUITE_P(Backends, NetworkTest, test::both_backends, test::backend_name);
 
 /// What waits for the answer of the dead host takes some 3 s until the kernel gives up on it.
 TEST_P(NetworkTest, ServesOthersWhileOneAddressCannotBeReached) {
@@ -122,10 +119,8 @@ TEST_P(NetworkTest, TransfersAThousandSamplesOfAllSizesReliablyWhereDatagramsGet
     const auto seed = static_cast<unsigned>(random());
     return open_udp_transport({.backend = GetParam()}, test::make_pool(),
                               [&](DatagramIo io) {
-                                io.receiver = std::make_unique<test::FaultyReceiver>(
-                                    std::move(io.receiver),
-                                    test::Faults{.loss = 0.05, .repetition = 0.01, .swap = 0.01}, seed);
-                                return io;
+                                return test::with_faults(
+                                    std::move(io), {.loss = 0.05, .repetition = 0.01, .swap = 0.01}, seed);
                               })
         .value();
   };
@@ -140,26 +135,7 @@ TEST_P(NetworkTest, TransfersAThousandSamplesOfAllSizesReliablyWhereDatagramsGet
   Publisher publisher(*near);
   subscriber.listen_reliably_to(publisher.id());
   publisher.serve({{address, "*", true}});
-
-  constexpr std::size_t samples = 1000, outstanding_max = 8;
-  std::uniform_real_distribution<> exponent(0, std::log(6.3e6));
-  std::vector<std::size_t> sizes;
-  std::size_t checked = 0;
-  const auto check_up_to = [&](std::size_t count) {
-    for (const auto& sample : subscriber.await_new(count - checked)) {
-      ASSERT_EQ(sample->sequence, ++checked);
-      const auto seed = static_cast<std::uint32_t>(checked);
-      ASSERT_EQ(test::body_of(*sample),
-                test::encoded_body(make_image(sizes[checked - 1], seed), sample->mask));
-    }
-    ASSERT_GE(checked, count) << "the others did not come";
-  };
-  while (sizes.size() < samples && !HasFatalFailure()) {
-    sizes.push_back(static_cast<std::size_t>(std::exp(exponent(random))));
-    publisher.publish(make_image(sizes.back(), static_cast<std::uint32_t>(sizes.size())));
-    if (sizes.size() > outstanding_max + checked) check_up_to(sizes.size() - outstanding_max);
-  }
-  if (!HasFatalFailure()) check_up_to(samples);
+  test::transfer_all_sizes(publisher, subscriber, random);
 }
 
 TEST_P(NetworkTest, GoesOnWhenThePathTakesShorterDatagrams) {

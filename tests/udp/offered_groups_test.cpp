@@ -18,16 +18,18 @@ const SocketAddress writer_at{0x0a000001, 1};
 
 class OfferedGroupsTest : public testing::Test {
  protected:
-  void offer(std::uint32_t group, std::uint32_t channel = 0, std::int64_t ahead = 0) {
-    groups_.hear({.writer = 1,
-                  .group = group,
-                  .member = 3,
-                  .port = 77,
-                  .address = address,
-                  .channel = channel,
-                  .ahead = ahead},
-                 writer_at);
+  /// Returns whether it is to be joined anew.
+  bool offer(std::uint32_t group, std::uint32_t channel = 0, std::int64_t ahead = 0, Time now = start) {
+    return groups_.hear({.writer = 1,
+                         .group = group,
+                         .member = 3,
+                         .port = 77,
+                         .address = address,
+                         .channel = channel,
+                         .ahead = ahead},
+                        writer_at, now);
   }
+  bool offer_at(Time now) { return offer(1, 0, 0, now); }
   bool place(std::uint32_t group, std::uint64_t ordinal, Time now = start) {
     first_ = {};
     first_.flags = group_follows;
@@ -90,13 +92,28 @@ TEST_F(OfferedGroupsTest, EndWithAnOfferWithoutAnAddressAsDoThoseBefore) {
   offer(1);
   offer(2);
   offer(3);
-  groups_.hear({.writer = 1, .group = 2, .member = 3, .port = 77}, writer_at);
+  EXPECT_FALSE(groups_.hear({.writer = 1, .group = 2, .member = 3, .port = 77}, writer_at, start + 1h));
   EXPECT_FALSE(place(1, 1));
   EXPECT_FALSE(place(2, 1));
   EXPECT_TRUE(place(3, 1));
   std::vector<std::uint32_t> joined;
   groups_.addresses(joined);
   EXPECT_EQ(joined, std::vector<std::uint32_t>{address});
+}
+
+TEST_F(OfferedGroupsTest, AreJoinedAnewIfNothingOfThemComesButNotForEachOffer) {
+  EXPECT_FALSE(offer_at(start));
+  EXPECT_FALSE(offer_at(start + 249ms)) << "a switch may learn of it yet";
+  EXPECT_TRUE(offer_at(start + 250ms));
+  EXPECT_FALSE(offer_at(start + 499ms)) << "since it was joined anew";
+  EXPECT_TRUE(offer_at(start + 500ms));
+}
+
+TEST_F(OfferedGroupsTest, AreNotJoinedAnewWhileTheyAreHeard) {
+  EXPECT_FALSE(offer_at(start));
+  place(1, 1, start + 1h);
+  EXPECT_FALSE(offer_at(start + 1h + 249ms)) << "the report got lost";
+  EXPECT_TRUE(offer_at(start + 1h + 250ms));
 }
 
 TEST_F(OfferedGroupsTest, AreNeverMany) {

@@ -36,7 +36,7 @@ class LengthWatch final : public test::PassingReceiver {
       : PassingReceiver(std::move(inner)), longest_(longest) {}
 
  private:
-  void datagram(std::span<const std::byte> bytes, SocketAddress from) noexcept override {
+  void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override {
     longest_ = std::max(longest_.load(), bytes.size());
     pass_on(bytes, from);
   }
@@ -254,6 +254,28 @@ TEST_P(PathsTest, FindsOutReliablyWhatAPathTakesThatDropsLongerOnesSilently) {
     longest = far.longest();
   }
   EXPECT_EQ(longest, payload(1450));
+}
+
+/// By best effort, where nothing is asked for again.
+TEST_P(PathsTest, LosesNoneOfManySmallSamplesWhereALinkTakesLessFromNowOn) {
+  Host far;
+  plug_in(far, 1, 9000);
+  Subscriber subscriber(far.open_transport(Backend::io_uring), {"*"}, 1000);
+  const auto near = open();
+  Publisher publisher(*near);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{far.at(ip(1, 2)), "*"}});
+  for (std::size_t n = 1; n <= 3; ++n) {
+    if (n == 2) run("ip link set out1 mtu 1300");
+    publisher.port().hold(false);
+    for (int i = 0; i < 100; ++i) {
+      const core::SampleHandle sample = publisher.make(make_image(40));
+      sample->source_stamp_ns = 7;
+      publisher.port().send(sample);
+    }
+    EXPECT_EQ(publisher.port().flush(), 0U);
+    EXPECT_EQ(subscriber.await(100 * n).size(), 100 * n);
+  }
 }
 
 }  // namespace

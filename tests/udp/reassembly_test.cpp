@@ -20,8 +20,7 @@ using test::fields;
 using test::Image;
 using test::make_image;
 using test::Wide;
-
-constexpr core::EndpointId writer = 0xaaaa'bbbb'0000'0001;
+using test::writer;
 
 /// Speaks of images of one writer: sent() makes their datagrams,
 /// receive() takes them, taken() tells what came out.

@@ -4,15 +4,16 @@
 #include <netinet/in.h>
 
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <numeric>
 #include <string>
 #include <vector>
 
+#include "backends.h"
 #include "endpoints.h"
 #include "faulty_io.h"
 #include "tests/support/test_seed.h"
+#include "transfers.h"
 #include "udp_transport/udp_transport.h"
 
 namespace sft::udp {
@@ -28,8 +29,7 @@ constexpr test::Faults bad_link{.loss = 0.05, .repetition = 0.01, .swap = 0.02};
 class ReliableTest : public testing::TestWithParam<Backend> {
  protected:
   void SetUp() override {
-    if (const auto one = open_udp_transport({.backend = GetParam()}, test::make_pool()); !one)
-      GTEST_SKIP() << "io_uring is refused here: " << one.error().message;
+    if (const std::string why = test::refusal_of(GetParam()); !why.empty()) GTEST_SKIP() << why;
   }
 
   /// Datagrams of 1,400 bytes, so that large samples have many.
@@ -39,11 +39,7 @@ class ReliableTest : public testing::TestWithParam<Backend> {
     if (options.max_datagram_bytes == datagram_bytes_max) options.max_datagram_bytes = 1400;
     const auto seed = static_cast<unsigned>(sft::test::test_seed());
     return open_udp_transport(options, test::make_pool(),
-                              [&](DatagramIo io) {
-                                io.receiver = std::make_unique<test::FaultyReceiver>(std::move(io.receiver),
-                                                                                     faults, seed);
-                                return io;
-                              })
+                              [&](DatagramIo io) { return test::with_faults(std::move(io), faults, seed); })
         .value();
   }
 
@@ -60,10 +56,7 @@ class ReliableTest : public testing::TestWithParam<Backend> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Backends, ReliableTest, testing::Values(Backend::io_uring, Backend::sockets),
-                         [](const auto& param) {
-                           return param.param == Backend::io_uring ? "IoUring" : "Sockets";
-                         });
+INSTANTIATE_TEST_SUITE_P(Backends, ReliableTest, test::both_backends, test::backend_name);
 
 TEST_P(ReliableTest, DeliversEverythingInOrderOverABadLink) {
   SCOPED_TRACE(sft::test::how_to_repeat());
@@ -139,30 +132,11 @@ TEST_P(ReliableTest, FallsSilentOnceAllHasCome) {
 TEST_P(ReliableTest, TransfersAThousandSamplesOfAllSizesBitExactOverABadLink) {
   SCOPED_TRACE(sft::test::how_to_repeat());
   sft::test::Random random{sft::test::test_seed()};
-  constexpr std::size_t samples = 1000, outstanding_max = 8;
   const auto there = open(bad_link), here = open(bad_link);
-  Subscriber subscriber(*here, {"*"}, samples);
+  Subscriber subscriber(*here, {"*"});
   Publisher publisher(*there);
   join(publisher, subscriber, *here);
-  std::vector<std::size_t> sizes;
-  std::size_t checked = 0;
-  const auto check_up_to = [&](std::size_t count) {
-    for (auto& sample : subscriber.await_new(count - checked)) {
-      ASSERT_EQ(sample->sequence, ++checked);
-      const auto seed = static_cast<std::uint32_t>(checked);
-      ASSERT_EQ(test::body_of(*sample),
-                test::encoded_body(make_image(sizes[checked - 1], seed), sample->mask));
-    }
-    ASSERT_GE(checked, count) << "the others did not come";
-  };
-  std::uniform_real_distribution<> exponent(0, std::log(6.3e6));
-  while (sizes.size() < samples && !HasFatalFailure()) {
-    sizes.push_back(static_cast<std::size_t>(std::exp(exponent(random))));
-    publisher.publish(make_image(sizes.back(), static_cast<std::uint32_t>(sizes.size())));
-    if (sizes.size() > outstanding_max + checked) check_up_to(sizes.size() - outstanding_max);
-  }
-  check_up_to(samples);
-  EXPECT_EQ(checked, samples);
+  test::transfer_all_sizes(publisher, subscriber, random);
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "messages.h"
@@ -368,6 +370,141 @@ TEST_F(ResendWindowTest, SendsItselfWhatComesWhileMoreThanHalfOfWhatMayBeKeptIs)
   const JobHandle small = job(1000), large = job(600'000);
   EXPECT_TRUE(window.keep(small, small->first, true).elsewhere);
   EXPECT_FALSE(window.keep(large, large->first, true).elsewhere);
+}
+
+TEST_F(ResendWindowTest, TellsHowManyWereKeptAndHaveNotLeft) {
+  keep(5), keep(5), keep(5), keep(5);
+  const auto first = window.next(Size::small, now);
+  window.finished(*first, now);
+  const auto second = window.next(Size::small, now);
+  const auto heartbeat = window.heartbeat(now);
+  ASSERT_TRUE(heartbeat && second);
+  EXPECT_EQ(heartbeat->end, 2U);
+  EXPECT_EQ(heartbeat->waiting, 3U);
+}
+
+/// Windows that share memory, and each could have as much as there is.
+class SharedMemoryTest : public ResendWindowTest {
+ protected:
+  static constexpr std::size_t limit = 1'600'000, bytes = 50'000;
+  struct Window {
+    ResendWindow window;
+    std::uint64_t sequence = 0;
+  };
+  Window open() { return {{writer, channel, {}, 1, shared}}; }
+  ResendWindow::Kept keep_in(Window& one) {
+    const JobHandle kept = job(bytes, ++one.sequence);
+    kept->keep();
+    return one.window.keep(kept, kept->first);
+  }
+  void keep_in(Window& one, int samples) {
+    while (samples-- > 0) keep_in(one);
+  }
+  std::shared_ptr<KeptMemory> shared = std::make_shared<KeptMemory>(limit);
+  SharedMemoryTest() { jobs = JobPool::make(shared); }
+};
+
+TEST_F(SharedMemoryTest, IsKeptByOneAloneUpToAHalf) {
+  Window one = open();
+  keep_in(one, 1000);
+  EXPECT_LE(shared->used(), limit / 2);
+  EXPECT_GT(shared->used(), limit * 4 / 10);
+}
+
+TEST_F(SharedMemoryTest, IsSharedByThoseThatKeepMuchAndOneShareIsFree) {
+  Window first = open(), second = open();
+  keep_in(first, 100);
+  for (int i = 0; i < 100; ++i) keep_in(first), keep_in(second);
+  for (const Window* one : {&first, &second}) {
+    EXPECT_LE(one->window.kept_bytes(), limit / 3);
+    EXPECT_GT(one->window.kept_bytes(), limit / 5);
+  }
+}
+
+TEST_F(SharedMemoryTest, IsNotOverdrawnByManyAndEachKeepsItsNewest) {
+  std::vector<Window> all;
+  for (int i = 0; i < 20; ++i) all.push_back(open());
+  for (Window& one : all) keep_in(one, 100);
+  EXPECT_LE(shared->used(), 2 * limit);
+  for (int i = 0; i < 100; ++i) {
+    for (Window& one : all) keep_in(one);
+  }
+  EXPECT_LE(shared->used(), limit);
+  for (Window& one : all) EXPECT_GE(one.window.kept(), 1U);
+}
+
+TEST_F(SharedMemoryTest, IsLeftToThoseThatKeepLittle) {
+  Window much = open(), little = open();
+  keep_in(much, 30);
+  for (int i = 0; i < 100; ++i) {
+    keep_in(much);
+    EXPECT_EQ(keep_in(little).dropped, 0U);
+    const auto sent = little.window.next(Size::small, now);
+    little.window.finished(*sent, now);
+    little.window.hear({.writer = writer, .channel = channel, .next = sent->ordinal}, now);
+    EXPECT_EQ(little.window.kept(), 1U);
+  }
+}
+
+TEST_F(SharedMemoryTest, CountsASampleOnceThatSeveralKeep) {
+  const JobHandle kept = job(bytes);
+  kept->keep();
+  const std::size_t once = shared->used();
+  kept->keep();
+  EXPECT_EQ(shared->used(), once);
+  EXPECT_GE(once, bytes);
+}
+
+TEST_F(SharedMemoryTest, ComesBackWhenNobodyHasASampleAnyMore) {
+  {
+    Window one = open();
+    keep_in(one, 10);
+    EXPECT_GT(shared->used(), 10 * bytes);
+  }
+  EXPECT_EQ(shared->used(), 0U);
+}
+
+TEST_F(SharedMemoryTest, LetsAPublisherWaitWhereSomethingWouldHaveToGo) {
+  Window one = open();
+  keep_in(one, 40);
+  EXPECT_FALSE(one.window.can_keep(1, 3 * 66'000));
+}
+
+TEST(BorrowedMemory, IsHeldOfAFewSamplesOnly) {
+  const auto jobs = JobPool::make();
+  const auto memory = core::BufferPool::make(std::size_t{256} << 20);
+  std::vector<JobHandle> held;
+  const auto borrow = [&](std::size_t bytes) {
+    if (!jobs->may_borrow(bytes)) return false;
+    held.push_back(jobs->take());
+    held.back()->sample = memory->take(bytes);
+    held.back()->borrow();
+    return true;
+  };
+  for (int i = 0; i < 8; ++i) EXPECT_TRUE(borrow(100'000));
+  EXPECT_FALSE(borrow(100'000));
+  held.clear();
+  EXPECT_TRUE(borrow(std::size_t{30} << 20)) << "one, however large";
+  EXPECT_FALSE(borrow(100'000));
+}
+
+TEST(BorrowedMemory, IsNotNeededForACopy) {
+  const auto pool = core::BufferPool::make(std::size_t{1} << 20);
+  const JobHandle job = JobPool::make()->take();
+  const FieldMask all = test::fields<Image>("*");
+  const Image image = test::make_image(30'000);
+  core::SampleHandle sample = pool->take(test::sample_bytes(image, all));
+  test::fill(*sample, image, all, writer, 1);
+  const TypeSupport& type = test::type_support<Image>();
+  job->projection.project(core::state_of(*sample, type.slots()), type.type(), all);
+  job->mask = std::make_shared<WireMask>();
+  const std::size_t bytes = job->projection.bytes();
+  job->copy_body(pool->take(bytes));
+  std::fill_n(sample->data, sample->capacity, std::byte{0});
+  const auto body = job->body().segments;
+  ASSERT_EQ(body.size(), 1U);
+  const std::span<const std::byte> copied(body[0].data, body[0].bytes);
+  EXPECT_TRUE(std::ranges::equal(copied, test::encoded_body(image, all)));
 }
 
 }  // namespace

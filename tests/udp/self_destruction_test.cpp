@@ -40,7 +40,7 @@ TEST(SelfDestruction, OfATransportIsPossibleWithinItsListener) {
                                            .listener = &listener,
                                            .doorbell = {}})
                             .value();
-      listener.reader->accept({{test::fields<test::Image>("*")}});
+      listener.reader->accept({{.wanted = {test::fields<test::Image>("*")}}});
       ASSERT_TRUE(listener.reader->connect({publisher.id(), 0}));
       listener.transport = std::move(transport);
       publisher.publish(test::make_image(10));

@@ -27,14 +27,11 @@ class SpanTest : public TransportTest {
   /// Datagrams as on an Ethernet.
   std::unique_ptr<core::Transport> open(double loss = 0) {
     return TransportTest::open({.max_datagram_bytes = 1472}, [&](DatagramIo io) {
-      const test::Faults faults{.loss = loss};
-      const auto seed = static_cast<unsigned>(sft::test::test_seed());
-      io.receiver = std::make_unique<test::FaultyReceiver>(std::move(io.receiver), faults, seed);
-      return io;
+      return test::with_faults(std::move(io), {.loss = loss}, static_cast<unsigned>(sft::test::test_seed()));
     });
   }
   static void publish(Publisher& publisher, const std::vector<std::size_t>& data_bytes) {
-    publisher.port().hold();
+    publisher.port().hold(false);
     for (const std::size_t bytes : data_bytes) {
       core::SampleHandle sample = publisher.make(make_image(bytes));
       sample->source_stamp_ns = 7;  // of the span
@@ -44,10 +41,7 @@ class SpanTest : public TransportTest {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Backends, SpanTest, testing::Values(Backend::io_uring, Backend::sockets),
-                         [](const auto& param) {
-                           return param.param == Backend::io_uring ? "IoUring" : "Sockets";
-                         });
+INSTANTIATE_TEST_SUITE_P(Backends, SpanTest, test::both_backends, test::backend_name);
 
 TEST_P(SpanTest, SharesDatagramsAndGivesEachReaderItsFields) {
   const auto there = open(), here = open(), elsewhere = open();
@@ -120,7 +114,7 @@ TEST_P(SpanTest, WaitsForAReaderThatDoesNotKeepUpAsLongAsItMay) {
   const auto pool = test::make_pool();
   const Image image = make_image(20);
   for (std::uint64_t sequence = 1; sequence <= 10'000;) {
-    port->hold();
+    port->hold(false);
     for (int i = 0; i < 1000; ++i, ++sequence) {
       const core::SampleHandle sample = pool->take(test::sample_bytes(image, fields<Image>("*")));
       test::fill(*sample, image, fields<Image>("*"), 7, sequence);
@@ -140,6 +134,66 @@ TEST_P(SpanTest, WaitsForAReaderThatDoesNotKeepUpAsLongAsItMay) {
     if (port->send(sample) == core::SendStatus::dropped) break;
   }
   EXPECT_GE(std::chrono::steady_clock::now() - begin, 50ms);
+}
+
+/// Samples for processes that are not there, until each new one costs the oldest.
+class FullSpanTest : public SpanTest {
+ protected:
+  static constexpr auto max_blocking = std::chrono::milliseconds(200);
+
+  void open_to(const std::vector<std::uint16_t>& ports, std::uint64_t max_bytes_per_s = 0) {
+    port_ = there_
+                ->open_writer({.id = 7,
+                               .type = &test::type_support<Image>(),
+                               .max_blocking = max_blocking,
+                               .max_bytes_per_s = max_bytes_per_s})
+                .value();
+    std::vector<core::Route> routes;
+    for (const std::uint16_t port : ports) {
+      routes.push_back({port, core::UdpAddress{0x7f000001, port, 0}, fields<Image>("*")});
+      routes.back().reliable = true;
+    }
+    port_->set_routes(routes);
+    for (int i = 0; i < 4; ++i) EXPECT_EQ(send(1024, false), 0U);
+  }
+  /// Returns how many were missed.
+  std::size_t send(std::size_t samples, bool goes_on) {
+    port_->hold(goes_on);
+    for (; samples > 0; --samples) {
+      const core::SampleHandle sample = pool_->take(test::sample_bytes(image_, fields<Image>("*")));
+      test::fill(*sample, image_, fields<Image>("*"), 7, ++sequence_);
+      sample->source_stamp_ns = 7;
+      port_->send(sample);
+    }
+    return port_->flush();
+  }
+
+  const std::unique_ptr<core::Transport> there_ = open();
+  std::unique_ptr<core::WriterPort> port_;
+  const std::shared_ptr<core::BufferPool> pool_ = test::make_pool();
+  const Image image_ = make_image(20);
+  std::uint64_t sequence_ = 0;
+};
+
+INSTANTIATE_TEST_SUITE_P(Backends, FullSpanTest, testing::Values(Backend::io_uring, Backend::sockets),
+                         [](const auto& param) {
+                           return param.param == Backend::io_uring ? "IoUring" : "Sockets";
+                         });
+
+TEST_P(FullSpanTest, WaitsForItsPartsTogetherNoLongerThanForOne) {
+  open_to({9});
+  const auto begin = std::chrono::steady_clock::now();
+  send(1024, false);
+  for (int i = 0; i < 9; ++i) send(1024, true);
+  const auto took = std::chrono::steady_clock::now() - begin;
+  EXPECT_GE(took, max_blocking);
+  EXPECT_LT(took, 5 * max_blocking);
+}
+
+TEST_P(FullSpanTest, CountsASampleOnceThatSeveralMiss) {
+  open_to({9, 10}, 1);  // so that hardly anything leaves
+  for (int i = 0; i < 2; ++i) send(1024, false);
+  EXPECT_EQ(send(10, false), 10U);
 }
 
 }  // namespace

@@ -7,8 +7,10 @@
 #include <memory>
 #include <numeric>
 #include <ostream>
+#include <string>
 #include <vector>
 
+#include "backends.h"
 #include "endpoints.h"
 #include "udp_transport/udp_transport.h"
 
@@ -26,13 +28,19 @@ struct Way {
   }
 };
 
+inline const auto all_ways = testing::Values(Way{Backend::io_uring}, Way{Backend::sockets},
+                                             Way{Backend::sockets, core::loopback_ipv6});
+
+/// For GoogleTest.
+inline constexpr auto way_name = [](const testing::TestParamInfo<Way>& info) {
+  return test::backend_name(info) + (info.param.loopback.is_ipv4() ? "" : "IPv6");
+};
+
 class TransportTest : public testing::TestWithParam<Way> {
  protected:
   void SetUp() override {
     if (!GetParam().loopback.is_ipv4() && !test::has_ipv6_loopback()) GTEST_SKIP() << "there is no IPv6 here";
-    const auto one = open_udp_transport({.backend = GetParam()}, test::make_pool());
-    const auto other = open_udp_transport({.backend = GetParam()}, test::make_pool());
-    if (!one || !other) GTEST_SKIP() << "io_uring is refused here: " << (one ? other : one).error().message;
+    if (const std::string why = test::refusal_of(GetParam()); !why.empty()) GTEST_SKIP() << why;
   }
 
   std::unique_ptr<core::Transport> open(UdpOptions options = {}, const DecorateIo& decorate = {}) {

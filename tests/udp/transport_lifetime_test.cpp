@@ -80,7 +80,7 @@ TEST_P(TransportTest, CallsNoListenerAfterItsReaderWent) {
                                        .listener = &listener,
                                        .doorbell = {}})
                         .value();
-      reader->accept({{fields<Image>("*")}});
+      reader->accept({{.wanted = {fields<Image>("*")}}});
       ASSERT_TRUE(reader->connect({flood.id(), 0}));
       ASSERT_TRUE(eventually([&] { return listener.calls > 0; }));
       reader.reset();
@@ -109,7 +109,7 @@ TEST_P(TransportTest, LetsAListenerDestroyItsReader) {
                                          .listener = &listener,
                                          .doorbell = {}})
                           .value();
-    listener.reader->accept({{fields<Image>("*")}});
+    listener.reader->accept({{.wanted = {fields<Image>("*")}}});
     Publisher publisher(*there);
     ASSERT_TRUE(listener.reader->connect({publisher.id(), 0}));
     publisher.serve({{loopback_address(*here)}});

@@ -100,20 +100,14 @@ TEST_P(TransportTest, SendsUnderAllMasksAfterThePublisherWent) {
   audience.expect_sequences(first_numbers(3));
 }
 
-/// Where the kernel grants little memory to a socket, some may get lost.
 TEST_P(TransportTest, SendsLargeSamplesOfOneWriterOneAfterAnother) {
   const auto there = open();
   const auto here = open({.reassembly = {.unfinished_per_writer = 2}});
   Publisher publisher(*there);
   Audience audience(*here);
   audience.ask(publisher);
-  EXPECT_TRUE(eventually([&] {
-    publisher.publish(make_image(1'000'000));
-    bool all = true;
-    for (std::size_t i = 0; i < audience.masks().size(); ++i)
-      all &= !audience.subscriber(i).await(1, std::chrono::seconds(2)).empty();
-    return all;
-  }));
+  for (int i = 0; i < 3; ++i) publisher.publish(make_image(1'000'000));
+  audience.expect_sequences(first_numbers(3));
 }
 
 TEST_P(TransportTest, SendsReadersOfOneProcessOneCopy) {

@@ -184,7 +184,7 @@ TEST_P(TransportTest, KeepsTheNewestUntilTheyAreTaken) {
                                          .doorbell = {}})
                           .value();
   Publisher publisher(*there);
-  reader->accept({{fields<Image>("*")}});
+  reader->accept({{.wanted = {fields<Image>("*")}}});
   ASSERT_TRUE(reader->connect({publisher.id(), 0}));
   publisher.serve({{loopback_address(*here)}});
   for (int i = 0; i < 10; ++i) publisher.publish(make_image(10));

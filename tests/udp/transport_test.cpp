@@ -34,14 +34,7 @@ void send_bytes(const core::UdpAddress& to, const std::vector<std::byte>& bytes)
   ::close(fd);
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, TransportTest,
-                         testing::Values(Way{Backend::io_uring}, Way{Backend::sockets},
-                                         Way{Backend::sockets, core::loopback_ipv6}),
-                         [](const auto& param) {
-                           const Way& way = param.param;
-                           return std::string(way.backend == Backend::io_uring ? "IoUring" : "Sockets") +
-                                  (way.loopback.is_ipv4() ? "" : "IPv6");
-                         });
+INSTANTIATE_TEST_SUITE_P(Backends, TransportTest, all_ways, way_name);
 
 TEST_P(TransportTest, SaysHowItWorks) {
   const auto transport = open();
@@ -200,9 +193,8 @@ TEST_P(TransportTest, DeliversEachSampleOnceOrCountsIt) {
   SCOPED_TRACE(sft::test::how_to_repeat());
   const auto there = open({.max_datagram_bytes = 1472});
   const auto here = open({.reassembly = {.patience = std::chrono::milliseconds(20)}}, [&](DatagramIo io) {
-    io.receiver = std::make_unique<test::FaultyReceiver>(
-        std::move(io.receiver), test::Faults{.loss = 0.0005, .repetition = 0.1, .swap = 0.1}, seed);
-    return io;
+    return test::with_faults(std::move(io), {.loss = 0.0005, .repetition = 0.1, .swap = 0.1},
+                             static_cast<unsigned>(seed));
   });
   Subscriber subscriber(*here, {"*"});
   Publisher publisher(*there);
@@ -220,6 +212,22 @@ TEST_P(TransportTest, DeliversEachSampleOnceOrCountsIt) {
   const auto sequences = subscriber.await_sequences(0);
   EXPECT_TRUE(std::is_sorted(sequences.begin(), sequences.end()));
   EXPECT_EQ(std::adjacent_find(sequences.begin(), sequences.end()), sequences.end());
+}
+
+/// It does not wait for others to share its datagram, nor for another thread.
+TEST_P(TransportTest, HandsASingleSampleToTheSystemBeforeItReturns) {
+  const auto there = open(), here = open();
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{loopback_address(*here)}});
+  const std::size_t body = encoded_body(make_image(10), fields<Image>("*")).size();
+  for (std::size_t n = 1; n <= 100; ++n) {
+    const std::uint64_t before = publisher.port().bytes_sent();
+    publisher.publish(make_image(10));
+    ASSERT_GE(publisher.port().bytes_sent() - before, first_header_bytes + body) << n;
+    ASSERT_EQ(subscriber.await(n).size(), n);
+  }
 }
 
 }  // namespace

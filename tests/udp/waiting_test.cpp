@@ -1,13 +1,17 @@
-// Threads that wait for samples where these come in. Of what these tests wait for, nothing is polled: a
-// thread that is not woken is a failed test.
+// Threads that wait for samples where these come in. Nothing that a thread waits for is polled: one that is
+// not woken is a failed test.
 #include <gtest/gtest.h>
 #include <pthread.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <csignal>
 #include <memory>
+#include <mutex>
 #include <thread>
+#include <vector>
 
 #include "core/doorbell.h"
 #include "endpoints.h"
@@ -34,7 +38,7 @@ class Waited final : private core::ArrivalListener {
         .id = id, .type = &test::type_support<Image>(), .depth = 1000, .listener = this, .doorbell = {}};
     spec.only_waited_for = true;
     port_ = transport.open_reader(spec).value();
-    port_->accept({{fields<Image>("*")}});
+    port_->accept({{.wanted = {fields<Image>("*")}}});
   }
   void listen_to(const Publisher& publisher) { EXPECT_TRUE(port_->connect({publisher.id(), 0})); }
 
@@ -47,7 +51,9 @@ class Waited final : private core::ArrivalListener {
       core::SampleHandle sample = port_->take();
       if (sample || Clock::now() > deadline) return sample;
       listener_called_by_ = std::thread::id{};
+      waits_ = true;
       const bool received = port_->receive({bell_, seen, deadline, Clock::now() + spin});
+      waits_ = false;
       if (received) ++received_;
       if (received && listener_called_by_.load() == std::this_thread::get_id()) ++received_itself_;
       if (!received) bell_.wait(deadline, [&] { return bell_.rung(seen); });
@@ -64,15 +70,29 @@ class Waited final : private core::ArrivalListener {
   void share() { port_->share_reader(); }
   int received() const { return received_; }
   int received_itself() const { return received_itself_; }
+  /// Its thread is in receive(), or about to be.
+  bool waits() const { return waits_; }
+  /// So many samples that thread received for it.
+  int received_by(std::thread::id thread) const {
+    const std::scoped_lock lock(mutex_);
+    return static_cast<int>(std::ranges::count(called_by_, thread));
+  }
 
  private:
   void arrived() noexcept override {
     listener_called_by_ = std::this_thread::get_id();
+    {
+      const std::scoped_lock lock(mutex_);
+      called_by_.push_back(std::this_thread::get_id());
+    }
     bell_.ring();
   }
   core::Doorbell bell_;
   std::atomic<std::thread::id> listener_called_by_{};
   std::atomic<int> received_{0}, received_itself_{0};
+  std::atomic<bool> waits_{false};
+  mutable std::mutex mutex_;
+  std::vector<std::thread::id> called_by_;
   std::unique_ptr<core::ReaderPort> port_;  // goes first: then nobody calls any more
 };
 
@@ -91,18 +111,27 @@ class WaitingThread : public TransportTest {
   std::unique_ptr<Publisher> publisher;
 };
 
+/// A thread that is held up before it waits may miss its turn; most of the time it is not.
 TEST_P(WaitingThread, GetsWhatComesWithoutAnotherThreadBetween) {
+  constexpr std::uint64_t samples = 200;
   Waited reader(*here);
   reader.listen_to(*publisher);
-  for (std::uint64_t n = 1; n <= 100; ++n) {
-    publisher->publish(make_image(10));
-    ASSERT_EQ(reader.next_sequence(), n);
-  }
-  EXPECT_FALSE(reader.next(100ms)) << "and now it certainly has the role";
-  const int before = reader.received_itself();
-  std::jthread later([&] { publisher->publish(make_image(100'000)); });
-  EXPECT_EQ(reader.next_sequence(), 101U);
-  EXPECT_EQ(reader.received_itself(), before + 1);
+  std::atomic<std::uint64_t> taken{0};
+  std::jthread publishing([&] {
+    for (std::uint64_t n = 1; n <= samples; ++n) {
+      ASSERT_TRUE(eventually([&] { return taken == n - 1 && reader.waits(); }));
+      publisher->publish(make_image(n % 5 == 0 ? 100'000 : 10));
+    }
+  });
+  for (std::uint64_t n = 1; n <= samples; ++n, ++taken) ASSERT_EQ(reader.next_sequence(), n);
+  EXPECT_GT(reader.received_itself(), static_cast<int>(samples / 2));
+}
+
+/// How often this thread has slept.
+long times_asleep() {
+  rusage usage{};
+  ::getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_nvcsw;
 }
 
 TEST_P(WaitingThread, CanKeepTheCoreBusyInstead) {
@@ -116,6 +145,12 @@ TEST_P(WaitingThread, CanKeepTheCoreBusyInstead) {
     }
   });
   for (std::uint64_t n = 1; n <= 200; ++n, ++taken) ASSERT_TRUE(reader.next(test::patience, 10ms)) << n;
+  publishing.join();
+  const long before = times_asleep();
+  EXPECT_FALSE(reader.next(20ms, 20ms));
+  EXPECT_EQ(times_asleep(), before);
+  EXPECT_FALSE(reader.next(20ms));
+  EXPECT_GT(times_asleep(), before) << "else that says nothing";
 }
 
 TEST_P(WaitingThread, ReceivesForOthersThatWait) {
@@ -138,6 +173,12 @@ TEST_P(WaitingThread, ReceivesForOthersThatWait) {
       ASSERT_TRUE(eventually([&] { return taken[i] == n; })) << n << " of reader " << i;
     }
   }
+  int for_others = 0;
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    for (std::size_t other = 0; other < readers.size(); ++other)
+      for_others += other == i ? 0 : readers[i].received_by(threads[other].get_id());
+  }
+  EXPECT_GT(for_others, 50) << "of 100, while one receives and two wait";
 }
 
 TEST_P(WaitingThread, LeavesTheReceivingToOthersWhenItDoesNotComeBack) {
@@ -183,7 +224,7 @@ TEST_P(WaitingThread, DoesNotCallTheListenersOfReadersThatAreNotOnlyWaitedFor) {
                                    .listener = &called_back,
                                    .doorbell = {}})
                     .value();
-  tended->accept({{fields<Image>("*")}});
+  tended->accept({{.wanted = {fields<Image>("*")}}});
   ASSERT_TRUE(tended->connect({second.id(), 0}));
   for (int i = 0; i < 20; ++i) {
     called_back.by = std::thread::id{};
@@ -224,9 +265,12 @@ TEST_P(WaitingThread, IsNotNeededForLookingBeforeSleeping) {
   auto reader = here->open_reader(spec).value();
   called_back.reader = reader.get();
   called_back.publisher = publisher.get();
-  reader->accept({{fields<Image>("*")}});
+  reader->accept({{.wanted = {fields<Image>("*")}}});
   ASSERT_TRUE(reader->connect({publisher->id(), 0}));
-  publisher->publish(make_image(10));
+  Publisher first(*there, 7);  // the other one is the listener's, perhaps before this thread is back
+  first.serve({{loopback_address(*here)}});
+  ASSERT_TRUE(reader->connect({first.id(), 0}));
+  first.publish(make_image(10));
   EXPECT_TRUE(eventually([&] { return called_back.taken == 300; }));
   reader.reset();
   here.reset();  // within the hour
@@ -291,10 +335,7 @@ TEST_P(WaitingThread, GoesOnWhileReadersComeAndGo) {
   over = true;
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, WaitingThread, testing::Values(Backend::io_uring, Backend::sockets),
-                         [](const auto& backend) {
-                           return backend.param == Backend::io_uring ? "IoUring" : "Sockets";
-                         });
+INSTANTIATE_TEST_SUITE_P(Backends, WaitingThread, test::both_backends, test::backend_name);
 
 }  // namespace
 }  // namespace sft::udp

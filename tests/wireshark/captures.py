@@ -39,6 +39,11 @@ def first(body=b"body", flags=0, total=None, mask=0x87, marks=b""):
     return header(1, flags=flags) + struct.pack("<IQq", total, mask, 1_500_000_000_000_000_001) + marks + body
 
 
+def whole(body=b"body", flags=0, variant=3, channel=5, ordinal=12, stamp=1_500_000_000_000_000_001):
+    place = 0x1A | flags << 8 | variant << 10 | channel << 21
+    return struct.pack("<IIIIQq", place, 0x04030201, 9, ordinal, 0x87, stamp) + body
+
+
 def following(body=b"more", offset=1440):
     return header(2) + struct.pack("<I", offset) + body
 

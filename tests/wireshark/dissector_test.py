@@ -7,7 +7,7 @@ import unittest
 
 import captures
 from captures import (ack, channel, first, following, group, group_offer, group_report, header, heartbeat, history,
-                      mark, packed, rate, report)
+                      mark, packed, rate, report, whole)
 
 
 class DissectorTest(unittest.TestCase):
@@ -55,6 +55,14 @@ class DissectorTest(unittest.TestCase):
              {"sft.kind": "5", "sft.packed.samples": "2", "sft.packed.bytes_each": "4", "sft.leaves": "0-1",
               "sft.payload": b"abcd".hex() + "," + b"efgh".hex(), "sft.sample.bytes": "4,4",
               "sft.ordinal": "12,12,13"}),
+            (whole(variant=0x155, channel=0x2AA),
+             {"sft.kind": "10", "sft.writer": "0x04030201", "sft.variant": str(0x155), "sft.channel": str(0x2AA),
+              "sft.sequence": "9", "sft.ordinal": "12", "sft.total": "4", "sft.leaves": "0-2, 7", "sft.flags": "0x00",
+              "sft.payload": b"body".hex()}),
+            (whole(body=b"", flags=2, variant=2047, channel=2047, ordinal=0xFFFFFFFF),
+             {"sft.flags.merged": "1", "sft.flags.mask_words": "0", "sft.variant": "2047", "sft.channel": "2047",
+              "sft.ordinal": str(0xFFFFFFFF), "sft.total": "0"}),
+            (whole(flags=1), {"sft.flags.mask_words": "1", "sft.flags.merged": "0", "sft.leaves": "", "sft.total": ""}),
             (packed([b"abc", b"", b"d"], each=0, flags=0x10, padding=bytes(5)),
              {"sft.packed.samples": "3", "sft.sample.bytes": "3,0,1", "sft.padding": "0000000000"}),
         ]
@@ -72,6 +80,10 @@ class DissectorTest(unittest.TestCase):
             header(1)[:12] + bytes(10),
             b"\x21" + first()[1:],
             header(9) + bytes(20),
+            header(11) + bytes(20),
+            b"\x2a" + whole()[1:],
+            whole(ordinal=0),
+            whole()[:31],
             first(flags=0x10),
             first(total=2),
             first(flags=0x02, marks=rate(period=0)),
@@ -95,17 +107,19 @@ class DissectorTest(unittest.TestCase):
             packed([b"abcd"], each=4, flags=0x10),
             packed([b"abcd"], each=0, flags=0x10)[:-1],
         ]
-        rows = self.read(wrong, ["sft.malformed", "_ws.col.Protocol"], decode_as=True)
+        rows = self.read(wrong, ["sft.malformed", "_ws.lua.error", "_ws.col.Protocol"], decode_as=True)
         self.assertEqual(len(rows), len(wrong))
         for row, payload in zip(rows, wrong):
             with self.subTest(payload=payload.hex()):
                 self.assertEqual(row["_ws.col.Protocol"], "SFT")
                 self.assertNotEqual(row["sft.malformed"], "")
+                self.assertEqual(row["_ws.lua.error"], "")
 
     def test_leaves_the_datagrams_of_others_alone(self):
         rng = random.Random(1)
         strangers = [rng.randbytes(rng.randrange(0, 300)) for _ in range(200)]
         strangers += [b"\x21" + first()[1:], first(flags=0x10), heartbeat() + b"?", packed([], each=4)]
+        strangers += [whole(ordinal=0), whole()[:31], whole(stamp=-1), whole(stamp=5_000_000_000_000_000_000)]
         strangers += [group_offer(address=0xE0000001), group_report() + b"?", first(flags=0x48, marks=channel() + group())]
         rows = self.read(strangers, ["sft.kind"])
         taken = [row for row in rows if row["sft.kind"]]

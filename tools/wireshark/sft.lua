@@ -42,6 +42,7 @@ local f = {
   port = ProtoField.uint16("sft.heartbeat.port", "Acks go to port"),
   first = ProtoField.uint64("sft.heartbeat.first", "First that can be sent again"),
   end_ = ProtoField.uint64("sft.heartbeat.end", "End of what was sent"),
+  waiting = ProtoField.uint32("sft.heartbeat.waiting", "Behind that, to be sent yet"),
   reserved = ProtoField.uint32("sft.reserved", "Reserved"),
   reserved_short = ProtoField.uint16("sft.reserved_short", "Reserved"),
   parts = ProtoField.uint16("sft.ack.parts", "Missing parts"),
@@ -208,6 +209,35 @@ local function read_first(c, set)
   return string.format("seq=%u %u bytes%s", sequence, total, part) .. place_text(place)
 end
 
+-- What stands behind the kind of a whole datagram: 24 bits of flags, variant and channel.
+local function read_short_place(c)
+  local range = c:take(3)
+  local bits = range:le_uint()
+  local set = (has(bits, 0x1) and 0x01 or 0) + (has(bits, 0x2) and 0x80 or 0)
+  local item = c.tree:add(f.flags, range, set)
+  for _, flag in ipairs(flags) do item:add(flag.field, range, set) end
+  c.tree:add(f.variant, range, math.floor(bits / 4) % 2048)
+  c.tree:add(f.channel, range, math.floor(bits / 8192))
+  return set
+end
+
+local function read_whole(c, set)
+  local sequence = c:number(f.sequence, 4)
+  local ordinal = c:number(f.ordinal, 4)
+  if ordinal == 0 then c:fail("Ordinals count from 1") end
+  read_mask(c, set)
+  c:stamp(f.stamp)
+  if c.failed then return "" end
+  local bytes = c:left()
+  if has(set, 0x01) then
+    c:rest(f.payload)  -- where the words end only the type tells
+    return string.format("seq=%u ordinal=%u", sequence, ordinal)
+  end
+  c.tree:add(f.total, bytes):set_generated()
+  c:rest(f.payload)
+  return string.format("seq=%u %u bytes ordinal=%u", sequence, bytes, ordinal)
+end
+
 local function read_following(c)
   local sequence = c:number(f.sequence, 4)
   local offset = c:number(f.offset, 4)
@@ -220,7 +250,7 @@ end
 
 local function read_heartbeat(c)
   local channel = c:number(f.channel, 4)
-  c:number(f.reserved, 4)
+  c:number(f.waiting, 4)
   local first = c:number(f.first, 8)
   local end_ = c:number(f.end_, 8)
   if c.failed then return "" end
@@ -289,7 +319,8 @@ local function read_packed(c, set)
   else
     read_samples(c, sequence, place, samples, each)
   end
-  if not c.failed and c:left() > 0 and not lengths then c:fail("There is more than the samples that it says") end
+  if c.failed then return "" end
+  if c:left() > 0 and not lengths then c:fail("There is more than the samples that it says") end
   c:rest(f.padding)
   return string.format("seq=%u and %u more", sequence, samples - 1) .. place_text(place)
 end
@@ -347,7 +378,7 @@ local function read_group_report(c)
   return string.format("group=%u member=%u heard=%s", group, member, tostring(heard))
 end
 
--- By number: what stands at offset 2, which flags may be set, the least bytes, and what reads all behind the writer
+-- By number: what stands at offset 2 (or what reads the 3 bytes from offset 1 on), which flags may be set, the least bytes, and what reads all behind the writer
 -- (or what stands at offset 4 instead).
 local kinds = {
   [1] = { name = "first", at_2 = f.variant, flags = 0xcf, bytes = 32, read = read_first },
@@ -359,6 +390,7 @@ local kinds = {
   [7] = { name = "group report", at_2 = f.reserved_short, flags = 0, bytes = 24, read = read_group_report },
   [8] = { name = "mark", at_2 = f.port, at_4 = f.flow, flags = 0, bytes = 40, read = read_mark },
   [9] = { name = "report", at_2 = f.reserved_short, at_4 = f.flow, flags = 0, bytes = 40, read = read_report },
+  [10] = { name = "whole", from_1 = read_short_place, flags = 0xff, bytes = 32, read = read_whole },
 }
 
 local function add_flags(c, kind)
@@ -367,7 +399,7 @@ local function add_flags(c, kind)
   local item = c.tree:add(f.flags, range)
   for _, flag in ipairs(flags) do item:add(flag.field, range) end
   for bit = 0, 7 do
-    if kind and has(set, 2 ^ bit) and not has(kind.flags, 2 ^ bit) then
+    if has(set, 2 ^ bit) and not has(kind.flags, 2 ^ bit) then
       c:fail("Flag bit " .. bit .. " is not one of a " .. kind.name .. " datagram")
     end
   end
@@ -389,9 +421,10 @@ function sft.dissector(buffer, pinfo, root)
   tree:add(f.kind, first_byte):append_text(kind and " (" .. kind.name .. ")" or "")
   if first_byte:bitfield(0, 4) ~= wire_version then c:fail("Another version than " .. wire_version) end
   if kind == nil then c:fail("No kind that there is") end
-  local set = add_flags(c, kind)
   if c.failed then return buffer:len() end
-  local at_2 = c:number(kind.at_2, 2)
+  local set = (kind.from_1 or add_flags)(c, kind)
+  if c.failed then return buffer:len() end
+  local at_2 = kind.at_2 and c:number(kind.at_2, 2)
   local writer = c:number(kind.at_4 or f.writer, 4)
   local what = kind.read(c, set, at_2)
   local text = string.format("%s %s=%08x %s", kind.name, kind.at_4 and "flow" or "writer", writer, what) .. (c.failed and " [malformed]" or "")
@@ -405,6 +438,8 @@ local function plausible_flags(set, bytes)
   if has(set, 0x40) then return bytes >= 48 and not (has(set, 0x02) or has(set, 0x04) or has(set, 0x08)) end
   return bytes >= 48 or not has(set, 0x08)
 end
+-- Of a whole one, whose flags may be any: an ordinal, and a stamp from 1970 to 2100.
+local function plausible_whole(buffer) return buffer(12, 4):le_uint() ~= 0 and buffer(28, 4):le_uint() < 0x39000000 end
 local function plausible_address(address) return address == 0 or math.floor(address / 65536) == 0xefff end
 
 -- What else a datagram would have to be, beside its first bytes, to be taken for one of ours.
@@ -416,6 +451,7 @@ local function plausible(buffer, number)
   if number == 6 then return buffer:len() == 32 and plausible_address(buffer(16, 4):le_uint()) end
   if number == 7 then return buffer:len() == 24 end
   if number == 8 or number == 9 then return buffer:len() == 40 end
+  if number == 10 then return plausible_whole(buffer) end
   return true
 end
 

@@ -31,12 +31,13 @@ enum class LogLevel : std::uint8_t { debug, info, warning, error };
 using LogSink = std::function<void(LogLevel, std::string_view)>;
 
 /// Whether samples may be sent once for several hosts. `automatic`: where that puts fewer bytes on the wire,
-/// and not on wireless interfaces (udp_transport/multicast.md). A switch without IGMP snooping passes it on to
-/// all hosts, which their cables have to bear: there, off.
+/// and not on wireless interfaces (udp_transport/multicast.md). A switch without IGMP snooping passes it on
+/// to all hosts, which their cables have to bear: there, off.
 enum class MulticastUse : std::uint8_t { automatic, off };
 
 struct UdpSettings {
-  std::uint16_t port = 0;                               ///< 0: any free one
+  /// 0: any free one, and another for what answers to samples that are sent. One that is chosen has it all.
+  std::uint16_t port = 0;
   std::size_t receive_buffer_bytes = 32 * 1024 * 1024;  ///< asked of the kernel, which may grant less
   std::size_t memory_limit_bytes = 256 * 1024 * 1024;   ///< of all samples outside of shared memory
   bool use_io_uring = true;                             ///< false: plain sockets
@@ -104,8 +105,9 @@ struct PublisherOptions {
   Liveliness liveliness = Liveliness::automatic;
   std::chrono::nanoseconds liveliness_lease{0};  ///< promises a sign of life at least so often
   /// So long, up to 1 s, publish() may wait for reliable subscribers elsewhere that do not keep up, before it
-  /// costs them their oldest sample (DDS calls it max_blocking_time). None by default: a subscriber that
-  /// hangs would hold up the program, each time that it publishes, and with it all other subscribers.
+  /// costs them their oldest sample (DDS calls it max_blocking_time); at most 10 ms of that also where it
+  /// runs ahead of the network by more than 8 MB. None by default: a subscriber that hangs would hold up the
+  /// program, each time that it publishes, and with it all other subscribers.
   std::chrono::nanoseconds max_blocking{0};
   /// Announced: readers set memory aside for no more. Up to 32 MiB, and 16 MiB without UDP. A sample that is
   /// larger than the largest chunk of shared memory, 16 MiB unless the daemon was set up otherwise, goes by

@@ -19,8 +19,9 @@ enum class Reliability : std::uint8_t {
   best_effort,
   /// Nothing is lost but beyond the subscriber's depth, and in order. Over UDP what was lost on the way is
   /// sent again, as long as the publisher keeps it: the last 64 MB or 4096 samples that were not
-  /// acknowledged. A publisher that is faster than a subscriber loses it the oldest of these, or waits for
-  /// it: PublisherOptions::max_blocking.
+  /// acknowledged; less where many subscribers lag, for all of which the node keeps at most half of its
+  /// memory. A publisher that is faster than a subscriber loses it the oldest of these, or waits for it
+  /// (PublisherOptions::max_blocking): then nothing is lost beyond the depth either, as long as it waits.
   reliable,
 };
 enum class Durability : std::uint8_t {

@@ -1,0 +1,78 @@
+// A node in a process of its own, on a host.
+#pragma once
+
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <sft/sft.h>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <functional>
+#include <new>
+
+#include "examples/demo/network.h"
+
+namespace sft::test {
+
+/// A T that processes share which are forked while it lives. Its members are atomic.
+template <class T>
+class SharedWithChildren {
+ public:
+  SharedWithChildren()
+      : value_(new (mmap(nullptr, sizeof(T), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) T) {}
+  ~SharedWithChildren() { munmap(value_, sizeof(T)); }
+  SharedWithChildren(const SharedWithChildren&) = delete;
+  SharedWithChildren& operator=(const SharedWithChildren&) = delete;
+
+  T& operator*() const { return *value_; }
+  T* operator->() const { return value_; }
+
+ private:
+  T* value_;
+};
+
+/// Killed at the end of its life. Its role is played again and again, and tells how it goes in a report.
+template <class Report>
+class NodeProcessWith {
+ public:
+  using Role = std::function<void(Node& node, Report& report)>;
+
+  NodeProcessWith(const demo::NetworkNamespace& host, const NodeOptions& options, const Role& role) {
+    process_ = fork();
+    if (process_ == 0) run(host, options, role);
+  }
+  ~NodeProcessWith() { kill_now(); }
+  NodeProcessWith(const NodeProcessWith&) = delete;
+  NodeProcessWith& operator=(const NodeProcessWith&) = delete;
+
+  void kill_now() {
+    if (process_ <= 0) return;
+    kill(process_, SIGKILL);
+    waitpid(process_, nullptr, 0);
+    process_ = -1;
+  }
+  /// As a debugger does, or a machine that has no time for it.
+  void hold_up() const { kill(process_, SIGSTOP); }
+  void let_go() const { kill(process_, SIGCONT); }
+  Report& report() const { return *report_; }
+
+ private:
+  [[noreturn]] void run(const demo::NetworkNamespace& host, const NodeOptions& options, const Role& role) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    auto node = host.enter() ? Node::open(options) : fail(Errc::system, "the host cannot be entered");
+    if (node) {
+      for (;;) role(*node, *report_);
+    }
+    std::fprintf(stderr, "%s\n", node.error().message.c_str());
+    report_->failed = true;
+    for (;;) pause();
+  }
+
+  SharedWithChildren<Report> report_;
+  pid_t process_ = -1;
+};
+
+}  // namespace sft::test

@@ -1,0 +1,110 @@
+// Two reliable subscribers on another host, of which one is held up for longer than a publisher can keep for
+// it what it misses.
+#include <gtest/gtest.h>
+
+#include <sft/sft.h>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <vector>
+
+#include "tests/support/eventually.h"
+#include "tests/support/isolated_host.h"
+#include "tests/support/pace.h"
+#include "tests/system/node_process.h"
+
+namespace sft::test {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+using namespace std::chrono_literals;
+
+constexpr std::size_t sample_bytes = 200'000;
+constexpr std::uint32_t samples = 600;  // of which a publisher keeps 64 MiB
+constexpr std::uint32_t kept = 240;     // at least
+
+struct Published {
+  std::atomic<bool> failed{false};
+  std::atomic<std::size_t> served{0};
+  std::atomic<std::uint32_t> wanted{0};  ///< so many are to be published
+  std::atomic<std::uint32_t> count{0};
+  std::atomic<std::int64_t> longest_ms{0};  ///< that publishing took
+};
+
+struct Taken {
+  std::atomic<bool> failed{false};
+  std::atomic<bool> out_of_order{false};
+  std::atomic<std::uint32_t> last{0};
+  std::atomic<std::uint64_t> count{0}, told{0};
+  std::atomic<std::uint32_t> in_a_row{0};  ///< the last ones
+};
+
+void publish(Node& node, Published& published) {
+  auto publisher = node.publisher<PointCloud2>("points", {.reliability = reliable}).value();
+  const std::vector<std::uint8_t> data(sample_bytes);
+  for (Pace pace(2ms);; pace.await_turn()) {
+    const PublisherStatus status = publisher.status();
+    published.served = static_cast<std::size_t>(std::ranges::count_if(status.readers, &ReaderStatus::served));
+    if (published.count >= published.wanted) continue;
+    const auto begin = std::chrono::steady_clock::now();
+    publisher.publish({.height = published.count + 1, .data = data});
+    const std::int64_t took_ms = (std::chrono::steady_clock::now() - begin) / 1ms;
+    published.longest_ms = std::max<std::int64_t>(published.longest_ms, took_ms);
+    ++published.count;
+  }
+}
+
+void subscribe(Node& node, Taken& taken) {
+  auto subscriber = node.subscriber<PointCloud2, F::height | F::data>(
+                            "points", {.reliability = reliable, .depth = 2 * samples})
+                        .value();
+  for (;;) {
+    subscriber.wait(5ms);
+    while (const auto sample = subscriber.take()) {
+      if (sample->height() <= taken.last) taken.out_of_order = true;
+      taken.told += sample.info().lost_before;
+      if (sample.info().lost_before != 0) taken.in_a_row = 0;
+      ++taken.in_a_row;
+      ++taken.count;
+      taken.last = sample->height();
+    }
+  }
+}
+
+TEST(StalledReader, LosesTheOldestAndKnowsItWhileAnotherGetsAllInTime) {
+  if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+  const auto network = demo::EmulatedNetwork::create(2);
+  if (!network) GTEST_SKIP() << network.error().message;
+  const NodeOptions options{.transport = TransportChoice::udp};
+  const NodeProcessWith<Published> publisher(network->host(0), options, publish);
+  const NodeProcessWith<Taken> good(network->host(1), options, subscribe);
+  const NodeProcessWith<Taken> stalled(network->host(1), options, subscribe);
+  Published& published = publisher.report();
+  const auto has = [](const NodeProcessWith<Taken>& subscriber, std::uint32_t last) {
+    return eventually([&] { return subscriber.report().last == last; });
+  };
+  ASSERT_TRUE(eventually([&] { return published.served == 2; }));
+  published.wanted = 1;
+  ASSERT_TRUE(has(good, 1));
+  ASSERT_TRUE(has(stalled, 1));
+
+  stalled.hold_up();
+  published.wanted = samples;
+  ASSERT_TRUE(has(good, samples)) << "while the other one is held up";
+  EXPECT_EQ(good.report().told, 0U);
+  EXPECT_EQ(good.report().count, samples);
+  EXPECT_LT(published.longest_ms, 1000) << "nobody was waited for";
+  stalled.let_go();
+  ASSERT_TRUE(has(stalled, samples)) << stalled.report().last;
+  const Taken& taken = stalled.report();
+  EXPECT_FALSE(taken.out_of_order);
+  EXPECT_GT(taken.told, 0U);
+  EXPECT_EQ(taken.count + taken.told, samples);
+  EXPECT_GE(taken.in_a_row, kept) << "what the publisher still had";
+  EXPECT_EQ(published.served, 2U);
+}
+
+}  // namespace
+}  // namespace sft::test

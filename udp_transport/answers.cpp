@@ -1,0 +1,55 @@
+#include "udp_transport/answers.h"
+
+#include <memory>
+#include <new>
+
+namespace sft::udp {
+
+namespace {
+
+using Time = std::chrono::steady_clock::time_point;
+
+/// What several members of a group ask for.
+void hand_repairs_to_group(SendSide& side, Ack& ack, Time now) {
+  const GroupRoster::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
+  if (in.group != nullptr && in.group->take_over_repairs(in.member, ack, now))
+    side.sender.schedule(MulticastGroup::lane_of(in.group));
+}
+
+bool hear(SendSide& side, const Ack& ack, Time now) {
+  const std::shared_ptr<Channel> channel = side.channels.find(ack.writer, ack.channel);
+  if (channel == nullptr) return false;
+  Ack alone = ack;
+  if (ack.missing_count > 0) hand_repairs_to_group(side, alone, now);
+  return channel->hear(alone);
+}
+
+bool hear(SendSide& side, const FlowReport& report, Time now) {
+  const std::shared_ptr<Destination> to = side.destinations.of_flow(report.flow);
+  return to != nullptr && to->hear(report, now);
+}
+
+bool hear(SendSide& side, const GroupReport& report, Time now) {
+  if (const auto group = side.groups.find(report.writer, report.group)) group->hear(report, now);
+  return false;
+}
+
+template <class Answer>
+bool hear_if_sound(SendSide& side, const std::optional<Answer>& answer, Time now) {
+  if (answer) return hear(side, *answer, now);
+  side.malformed_answers.fetch_add(1, std::memory_order_relaxed);
+  return false;
+}
+
+}  // namespace
+
+bool hear_answer(SendSide& side, std::span<const std::byte> datagram, Time now) noexcept try {
+  const std::optional<DatagramKind> kind = kind_of(datagram);
+  if (kind == DatagramKind::report) return hear_if_sound(side, parse_report(datagram), now);
+  if (kind == DatagramKind::group_report) return hear_if_sound(side, parse_group_report(datagram), now);
+  return hear_if_sound(side, kind == DatagramKind::ack ? parse_ack(datagram) : std::nullopt, now);
+} catch (const std::bad_alloc&) {  // another one will come
+  return false;
+}
+
+}  // namespace sft::udp

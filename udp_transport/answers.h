@@ -1,0 +1,23 @@
+// What comes back to those who send: acks, and reports of receivers and of members of groups.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "udp_transport/datagram.h"
+#include "udp_transport/send_side.h"
+
+namespace sft::udp {
+
+constexpr bool is_answer(std::optional<DatagramKind> kind) {
+  return kind == DatagramKind::ack || kind == DatagramKind::report || kind == DatagramKind::group_report;
+}
+
+/// True if somebody who waits may go on: the sending thread has to look. Counts what is malformed, and what
+/// is no answer as that. Any thread.
+[[nodiscard]] bool hear_answer(SendSide& side, std::span<const std::byte> datagram,
+                               std::chrono::steady_clock::time_point now) noexcept;
+
+}  // namespace sft::udp

@@ -1,0 +1,34 @@
+// What the channels of a transport keep for repairs, all together: so that a few readers that do not keep up
+// do not take the memory of all publishers of the node.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <limits>
+
+namespace sft::udp {
+
+/// Any thread.
+class KeptMemory {
+ public:
+  explicit KeptMemory(std::size_t limit_bytes = std::numeric_limits<std::size_t>::max() / 2)
+      : limit_(limit_bytes) {}
+
+  void add(std::size_t bytes) { used_.fetch_add(bytes, std::memory_order_relaxed); }
+  void remove(std::size_t bytes) { used_.fetch_sub(bytes, std::memory_order_relaxed); }
+  std::size_t used() const { return used_.load(std::memory_order_relaxed); }
+
+  /// Whether a channel that keeps so much has to give some of it up, once so many bytes more are added: no
+  /// channel may keep more than is left to all. So one alone has a half, several that keep much come to have
+  /// equal shares, and as much as such a share is free for those that keep little.
+  bool wants_some_of(std::size_t bytes, std::size_t more_bytes = 0) const {
+    const std::size_t used = this->used() + more_bytes;
+    return used > limit_ || bytes > limit_ - used;
+  }
+
+ private:
+  const std::size_t limit_;
+  std::atomic<std::size_t> used_{0};
+};
+
+}  // namespace sft::udp
