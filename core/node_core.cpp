@@ -1,6 +1,7 @@
 #include "core/node_core.h"
 
 #include <algorithm>
+#include <functional>
 #include <future>
 #include <numeric>
 #include <utility>

@@ -15,7 +15,7 @@ std::string print(const Type& type) {
   return text;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
     const bool is_special = static_cast<unsigned char>(c) < 0x20 || c == 0x7F || c == '#';
@@ -27,7 +27,7 @@ std::string quoted(std::string_view text) {
 
 std::string print(const Value& value) {
   if (const auto* boolean = std::get_if<bool>(&value)) return *boolean ? "true" : "false";
-  if (const auto* text = std::get_if<std::string>(&value)) return quoted(*text);
+  if (const auto* text = std::get_if<std::string>(&value)) return in_quotes(*text);
   if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::to_string(*integer);
   if (const auto* natural = std::get_if<std::uint64_t>(&value)) return fmt::to_string(*natural);
   return fmt::to_string(std::get<double>(value));

@@ -115,8 +115,7 @@ std::vector<std::string> daemons() {
 }
 
 TEST_F(Sftd, IsOneWhenThirtyNodesStartItAtOnce) {
-  const ShmOfSize small(
-      "128m");  // it is zeroed first, and where the host has to find that memory it takes long
+  const ShmOfSize small("128m");  // which each that starts would zero
   std::vector<Process> peers;
   for (int i = 0; i < 30; ++i) peers.push_back(start_peer({"attend"}));
   for (Process& peer : peers) EXPECT_EQ(peer.line(40s), "ready");

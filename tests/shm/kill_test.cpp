@@ -17,7 +17,10 @@ using core::SendStatus;
 
 constexpr std::uint32_t megabyte = 1'000'000;
 
-class Kill : public ShmNodeTest {};
+class Kill : public ShmNodeTest {
+ protected:
+  Kill() : ShmNodeTest("1g") {}  // what the dead had is missed until they are buried
+};
 
 TEST_F(Kill, OfAWriterInATightLoopWedgesNobody) {
   constexpr int rounds = 20;

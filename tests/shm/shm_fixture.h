@@ -8,6 +8,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -139,13 +140,20 @@ std::vector<std::string> names_in(const char* directory, const std::string& pref
 /// Skips where there is no machine of its own, and ends the daemon that a test left.
 class ShmTest : public ::testing::Test {
  protected:
+  /// With a /dev/shm of another size than usual.
+  explicit ShmTest(const char* shm_size = nullptr) : shm_size_(shm_size) {}
   void SetUp() override;
   void TearDown() override;
+
+ private:
+  const char* const shm_size_;
+  std::optional<ShmOfSize> shm_;
 };
 
 /// With a node that is ready.
 class ShmNodeTest : public ShmTest {
  protected:
+  using ShmTest::ShmTest;
   void SetUp() override;
   void TearDown() override;
   Node& node() { return *node_; }

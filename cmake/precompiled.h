@@ -1,10 +1,8 @@
-// For tests/precompiled.cmake: no test relies on it, each includes what it uses.
+// For precompiled.cmake: no source relies on it, each includes what it uses.
 #pragma once
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -20,6 +18,10 @@
 #include <span>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <tl/expected.hpp>
+#include <tuple>
+#include <utility>
 #include <variant>
 #include <vector>
