@@ -255,9 +255,17 @@ PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void*
   if (!sample) return no_memory(outlets, size.bytes);
   fill_header(*sample, outlets.mask, size.bytes);
   if (!outlets.whole) sample->whole_bytes = whole_bytes(value, size.bytes, stamp_ns);
+  // Readers in shared memory and late ones get this very sample.
+  const bool may_postpone =
+      outlets.to_udp && !outlets.to_shm && history_ == nullptr && udp_->takes_postponed();
   encode(type, value, outlets.mask, {sample->data + layout_.body_offset, size.bytes},
-         {sample->index(), spec_.type->slots()});
-  return send(outlets, sample, stamp_ns);
+         {sample->index(), spec_.type->slots()}, {}, may_postpone ? &postponed_ : nullptr);
+  if (postponed_.empty()) return send(outlets, sample, stamp_ns);
+  sample->postponed = &postponed_;
+  const PublishStatus status = send(outlets, sample, stamp_ns);
+  if (sample->postponed != nullptr) sample->postponed = nullptr;  // else others may have it, and look
+  postponed_.clear();
+  return status;
 }
 
 /// What the body would have if all fields were encoded, as far as that is measured.

@@ -152,6 +152,7 @@ class PublisherCore {
   // Of the publisher's thread.
   const Outlets* counted_ = nullptr;  ///< whose page is open
   SampleHandle spare_;                ///< from the heap; the next sample's, if nobody else has it by then
+  PostponedCopies postponed_;         ///< of the present sample
   std::uint32_t measured_bytes_ = 0;  ///< of a sample with all its fields, and when it was published
   std::int64_t measured_at_ns_ = 0;
   std::uint64_t diverted_sequence_ = 0;  ///< the last one sent by UDP alone, and when it was published

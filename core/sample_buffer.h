@@ -12,6 +12,7 @@
 
 #include "sft/typesupport/element_index.h"
 #include "sft/typesupport/field_mask.h"
+#include "sft/typesupport/postponed_copies.h"
 #include "sft/typesupport/sample_format.h"
 #include "sft/typesupport/walk.h"
 
@@ -50,6 +51,9 @@ struct SampleBuffer {
   std::uint64_t oldest_retained = 0;
   /// Likewise: its mask is the union of those of several readers.
   bool merged = false;
+  /// On the sending side, while publish() runs: what of the body is still in the program's own memory; null:
+  /// nothing.
+  PostponedCopies* postponed = nullptr;
   std::shared_ptr<BufferOwner> owner;
   void* owner_data = nullptr;  ///< the owner's own
   std::atomic<std::uint32_t> references{0};
@@ -62,6 +66,10 @@ struct SampleBuffer {
     source_stamp_ns = header().source_stamp_ns;
     diverted_sequence = header().diverted_sequence;
     diverted_stamp_ns = header().diverted_stamp_ns;
+  }
+  /// Before anybody else sees the body, or publish() returns.
+  void complete() noexcept {
+    if (PostponedCopies* const copies = std::exchange(postponed, nullptr)) copies->make_all();
   }
   std::uint32_t* index() const { return reinterpret_cast<std::uint32_t*>(data + sizeof(SampleHeader)); }
 };

@@ -144,6 +144,11 @@ class WriterPort {
   /// mask must be a subset of sample->mask.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
+  /// Whether send() takes samples of which copies are postponed (SampleBuffer::postponed). What it gives to
+  /// other threads it completes; of the rest some may never be copied, so that such a sample is of no use to
+  /// others.
+  virtual bool takes_postponed() const noexcept { return false; }
+
   /// Until flush() the samples that are sent need not leave at once, so that small ones share datagrams. All
   /// of them together wait for readers as long as one may; if it `goes_on`, with those of before.
   virtual void hold([[maybe_unused]] bool goes_on) noexcept {}

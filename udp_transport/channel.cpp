@@ -48,9 +48,9 @@ bool Channel::attend() {
 Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_once,
                               std::chrono::nanoseconds* patience) {
   Posted posted;
-  job->keep();
   std::unique_lock lock(mutex_);
   posted.waited = patience != nullptr && wait_for_room(*job, *patience, lock);
+  job->keep();
   const std::size_t samples = job->samples();
   posted.kept = window_.keep(std::move(job), first);
   if (at_once) posted.piece = window_.take(posted.kept.ordinal);
@@ -58,6 +58,24 @@ Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_o
   const bool some_left = !posted.piece || posted.piece->samples < samples;
   posted.waits = some_left && !std::exchange(woken_, true);
   return posted;
+}
+
+std::optional<Channel::Posted> Channel::post_ahead(const JobHandle& job, const FirstHeader& first,
+                                                   std::chrono::nanoseconds* patience) {
+  Posted posted;
+  std::unique_lock lock(mutex_);
+  posted.waited = patience != nullptr && wait_for_room(*job, *patience, lock);
+  if (!window_.all_sent()) return {};
+  job->keep();
+  posted.kept = window_.keep(job, first);
+  posted.piece = window_.take(posted.kept.ordinal);
+  posted.was_at_rest = attend();
+  return posted;
+}
+
+bool Channel::keeps(std::uint64_t ordinal) {
+  const std::scoped_lock lock(mutex_);
+  return window_.keeps(ordinal);
 }
 
 Channel::Posted Channel::post_shared(JobHandle job, const FirstHeader& first, bool elsewhere) {

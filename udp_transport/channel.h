@@ -2,6 +2,7 @@
 // receive acks. The lock is held for a few instructions, never over a system call.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -53,7 +54,14 @@ class Channel {
   /// processor's caches: who publishes faster than is sent would encode into memory that has left them.
   Posted post(JobHandle job, const FirstHeader& first, bool at_once,
               std::chrono::nanoseconds* patience = nullptr);
-  /// The same, of a sample that a group sends, too: if it is not `kept.elsewhere`, it waits here as well.
+  /// Only where nothing else is still to be sent, and then the caller sends it, whose job is not read by
+  /// others until it says finished() or put_back().
+  std::optional<Posted> post_ahead(const JobHandle& job, const FirstHeader& first,
+                                   std::chrono::nanoseconds* patience = nullptr);
+  /// It has not been acknowledged yet, nor had to go.
+  bool keeps(std::uint64_t ordinal);
+  /// The same as post(), of a sample that a group sends, too: if it is not `kept.elsewhere`, it waits here as
+  /// well.
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
   /// It has left there. Whether the sending thread has to be woken, to ask for acks in time.
   [[nodiscard]] bool left(std::uint64_t ordinal);
@@ -63,6 +71,9 @@ class Channel {
   /// looked while nothing had left yet.
   [[nodiscard]] bool finished(const Piece& piece, Time now);
   void put_back(const Piece& piece);
+  /// What its publisher has sent of a large one: heartbeats must not overtake it.
+  void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
+  std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
   /// Whether the sending thread has to be woken.
   [[nodiscard]] bool hear(const Ack& ack);
 
@@ -103,6 +114,7 @@ class Channel {
   bool attend();
   bool looks_sooner(Time now);
 
+  std::atomic<std::uint64_t> behind_{0};
   std::mutex mutex_;
   ResendWindow window_;
   bool awaits_room_ = false;  ///< the publisher

@@ -64,6 +64,8 @@ class Destination {
 
   /// The sending thread: for large samples.
   Connection& bulk();
+  /// The same, any thread; null before the first.
+  Connection* bulk_in_use() { return bulk_in_use_.load(std::memory_order_acquire); }
 
   SocketAddress address() const;
   /// To another address of the same socket: what is on its way there goes on. Any thread.

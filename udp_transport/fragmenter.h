@@ -75,6 +75,8 @@ class Fragmenter {
 
   std::size_t bytes() const { return body_.first.total; }  ///< of the body
   bool begun() const { return begun_; }
+  /// Of what has been cut, in the body.
+  std::uint32_t offset() const { return offset_; }
   bool done() const { return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_; }
 
   /// What is left is cut into datagrams of that length.

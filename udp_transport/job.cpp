@@ -79,6 +79,7 @@ void JobPool::recycle(std::unique_ptr<Job> job) noexcept {
   job->copy_.clear();
   if (job->copy_.capacity() > spare_copy_bytes_max) job->copy_.shrink_to_fit();
   job->copied_ = {};
+  job->sent_bytes = 0;
   memory_->remove(std::exchange(job->kept_bytes_, 0));
   if (const std::size_t bytes = std::exchange(job->borrowed_bytes_, 0); bytes != 0) {
     borrowed_samples_.fetch_sub(1, std::memory_order_relaxed);

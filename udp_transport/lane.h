@@ -78,6 +78,9 @@ class Lane {
 
   /// For a job that is sent here without being queued: which one was the first.
   void mark(Job& job);
+  /// Nothing behind what has left may overtake it: the destination's position is that. The sending thread,
+  /// too.
+  void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
 
   // The agent's thread.
 
@@ -94,8 +97,6 @@ class Lane {
   WriterTally& tally() const { return *tally_; }
   /// The job that next() gave did not leave.
   void lose_current();
-  /// It has, and nothing behind it may overtake it: the destination's position is that.
-  void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
 
  private:
   void count_lost(const Job& job) const;

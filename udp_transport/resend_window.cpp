@@ -172,7 +172,7 @@ void ResendWindow::start(Entry& entry) {
 ResendWindow::Piece ResendWindow::begin(std::uint64_t ordinal) {
   Entry& entry = kept_[ordinal];
   start(entry);
-  Piece piece{entry.first, entry.job, {}, ordinal, false, entry.part};
+  Piece piece{entry.first, entry.job, {.begin = entry.sent_bytes}, ordinal, false, entry.part};
   const std::uint64_t end = std::min(kept_.end(), ordinal + entry.job->samples() - entry.part);
   for (++ordinal; ordinal < end; ++ordinal, ++piece.samples) {
     if (kept_[ordinal].state != State::waiting) break;
@@ -209,6 +209,7 @@ void ResendWindow::put_back(const Piece& piece) {
     if (piece.is_repair || !kept_.contains(ordinal)) continue;
     Entry& entry = kept_[ordinal];
     entry.state = State::waiting;
+    entry.sent_bytes = piece.range.begin;
     std::uint64_t& waiting = waiting_[static_cast<std::size_t>(size_of(entry.first.total))];
     waiting = std::min(waiting, ordinal);
   }

@@ -76,7 +76,11 @@ class ResendWindow {
   /// Takes that very sample, if it is its turn.
   std::optional<Piece> take(std::uint64_t ordinal);
   void finished(const Piece& piece, Time now);
+  /// What is left of it, from where its range begins, is sent later.
   void put_back(const Piece& piece);
+  /// Nothing waits or is under way for the first time.
+  bool all_sent() const { return sent_end() == kept_.end(); }
+  bool keeps(std::uint64_t ordinal) const { return kept_.contains(ordinal); }
 
   /// Of one that has left elsewhere: the job, whose own header is the one of there. Else none.
   JobHandle sent_elsewhere(std::uint64_t ordinal) const;
@@ -117,7 +121,8 @@ class ResendWindow {
   struct Entry {
     FirstHeader first;
     JobHandle job;
-    std::uint32_t part = 0;  ///< its number in the pack that the job is
+    std::uint32_t part = 0;        ///< its number in the pack that the job is
+    std::uint32_t sent_bytes = 0;  ///< of its body, before it was put back
     State state = State::waiting;
     bool begun = false;  ///< once, if only a part of it was sent
     bool elsewhere = false;

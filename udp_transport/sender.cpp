@@ -178,7 +178,7 @@ bool Sender::begin(Flow& flow) {
   const Job* job = flow.lane->next();
   if (job == nullptr) return false;
   flow.size = ResendWindow::size_of(job->first.total);
-  flow.fragments.emplace(job->body(), flow.lane->destination().datagram_bytes());
+  flow.fragments.emplace(job->body(), flow.lane->destination().datagram_bytes(), BodyRange{job->sent_bytes});
   return true;
 }
 
@@ -226,7 +226,8 @@ void Sender::send(const Heartbeat& heartbeat, const Attended& attended) {
   std::array<std::byte, heartbeat_bytes> bytes;
   encode(heartbeat, bytes.data());
   Destination& to = attended.channel->destination();
-  const SendOutcome outcome = send_one(to.connection_after(attended.large.behind), bytes);
+  const SendOutcome outcome =
+      send_one(to.connection_after(std::max(attended.large.behind, attended.channel->behind())), bytes);
   if (outcome == SendOutcome::sent) {
     attended.channel->tally().bytes_sent.fetch_add(bytes.size(), std::memory_order_relaxed);
   } else {
@@ -272,7 +273,7 @@ Sender::Progress Sender::send_a_few(Flow& flow) {
   const Time now = Clock::now();
   if (by.full()) return wait_for_room(flow, by, now);
   const std::size_t cut = cut_batches(flow, now);
-  if (cut == 0) return Progress::none;
+  if (cut == 0) return flow.fragments->done() ? Progress::whole : Progress::none;
   const Connection::Sent sent = by.try_send({outgoing_.data(), cut});
   if (sent.batches > 0) {
     account_for(flow, by, sent.batches, now);
@@ -303,28 +304,31 @@ void Sender::account_for(Flow& flow, Connection& by, std::size_t batches, Time n
   if (flow.size == Size::large) flow.behind = flow.destination().position();
 }
 
-/// Socket bytes that may go now. Where that is nothing, the flow is looked at again once it is more.
-std::size_t Sender::allowance(Flow& flow, Time now) {
+std::size_t Sender::allowance(Destination& to, RateLimit& of_writer, Size size, Time now) {
+  const bool small = size == Size::small;
+  if (!of_writer.ready(small, now) || !limit_.ready(small, now)) return 0;
+  const std::size_t room = to.room(small ? Destination::Size::small : Destination::Size::large, now);
+  return std::min({room, of_writer.batch_bytes(), limit_.batch_bytes()});
+}
+
+/// The flow has none: it is looked at again once it has.
+void Sender::wait_for_allowance(Flow& flow, Time now) {
   const bool small = flow.size == Size::small;
   for (RateLimit* limit : {&flow.tally().limit, &limit_}) {
     if (limit->ready(small, now)) continue;
     wake_at_ = std::min(wake_at_, limit->next_ready(small, now));
-    return 0;
+    return;
   }
-  Destination& to = flow.destination();
-  const std::size_t room = to.room(small ? Destination::Size::small : Destination::Size::large, now);
-  if (room == 0) {
-    to.mark(now);
-    wake_at_ = std::min(wake_at_, to.next_ready(now));
-  }
-  return std::min({room, flow.tally().limit.batch_bytes(), limit_.batch_bytes()});
+  flow.destination().mark(now);
+  wake_at_ = std::min(wake_at_, flow.destination().next_ready(now));
 }
 
 /// As many as may go now.
 std::size_t Sender::cut_batches(Flow& flow, Time now) {
   Destination& to = flow.destination();
   Fragmenter fragments = *flow.fragments;
-  const std::size_t allowed = allowance(flow, now);
+  const std::size_t allowed = allowance(to, flow.tally().limit, flow.size, now);
+  if (allowed == 0) wait_for_allowance(flow, now);
   const std::size_t bytes_max = std::min(allowed, to.batch_bytes());
   const std::size_t call_bytes = std::min(allowed, bytes_per_call);
   std::size_t n = 0;

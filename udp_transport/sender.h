@@ -55,6 +55,9 @@ class Sender {
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) { return io_->connect(to); }
   RateLimit& limit() { return limit_; }
+  /// Socket bytes of one sample that may go now, there and by the limits of its writer and of all.
+  std::size_t allowance(Destination& to, RateLimit& of_writer, ResendWindow::Size size,
+                        std::chrono::steady_clock::time_point now);
   /// 0: there is none.
   std::uint16_t answer_port() const { return io_->answer_port(); }
   std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) {
@@ -115,7 +118,7 @@ class Sender {
   Progress send_some(Flow& flow);
   Progress send_a_few(Flow& flow);
   std::size_t cut_batches(Flow& flow, Time now);
-  std::size_t allowance(Flow& flow, Time now);
+  void wait_for_allowance(Flow& flow, Time now);
   void account_for(Flow& flow, Connection& by, std::size_t batches, Time now);
   Progress wait_for_room(Flow& flow, Connection& by, Time now);
 

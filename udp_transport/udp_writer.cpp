@@ -32,6 +32,7 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
     limits.report_port = 0;  // its members report what they are sent alone, so here their buffers have to do
     limits.flow.first_bytes = std::numeric_limits<std::size_t>::max();
     limits.flow.unheard_bytes_per_s = group_bytes_per_s;
+    limits.flow.first_report = {};  // and nothing waits for one
     const SocketAddress to{core::IpAddress(group), group_port};
     return std::make_shared<Destination>(to, limits, 0, [&side, own](const SocketAddress& address) {
       return side.sender.connect_group(address, {core::IpAddress(own), 0});
@@ -142,6 +143,7 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
   if (BodySizes* sizes = in_use_->sizes.get())
     sizes->measure(core::state_of(*sample, type_.slots()), std::chrono::steady_clock::now(), holds_);
   if (!holds_) sender_.be_patient(max_blocking_);
+  if (groups.size() > 1) sample->complete();  // so that none waits for another one's large body to leave
   std::size_t missed = 0;
   std::size_t own = own_variants(*sample);
   std::size_t first_left = 0;
@@ -211,6 +213,7 @@ bool UdpWriter::leave(const core::SampleHandle& sample, std::size_t first, std::
   const auto rest = std::span(routes_.loaded()->groups).subspan(first, end - first);
   if (std::ranges::all_of(rest, [](const Group& group) { return group.gate != nullptr; })) return true;
   send_held();
+  sample->complete();
   const FanOut::Posted posted = left_->post({sample, routes_.loaded(), first, end});
   if (posted.was_idle) side_->sender.schedule(left_);
   if (posted.dropped_oldest) side_->over_limit.fetch_add(1, std::memory_order_relaxed);

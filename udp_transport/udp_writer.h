@@ -25,6 +25,7 @@ class UdpWriter final : public core::WriterPort, private Tended {
   ~UdpWriter() override;
 
   core::SendStatus send(const core::SampleHandle& sample) noexcept override;
+  bool takes_postponed() const noexcept override { return true; }
   void hold(bool goes_on) noexcept override;
   std::size_t flush() noexcept override;
   void begin() noexcept override;

@@ -20,6 +20,9 @@ constexpr std::size_t pack_samples_max = 1024;
 /// In a datagram there is room for so many at least: with fewer, sharing it gains little.
 constexpr std::size_t samples_per_datagram_min = 4;
 
+/// Of what was postponed: looked at in between whether it is still needed.
+constexpr std::size_t copied_at_a_time = 128 * 1024;
+
 bool is_small(const Job& job) { return job.is_pack() || job.first.total <= direct_bytes_max; }
 }  // namespace
 
@@ -41,6 +44,10 @@ std::size_t VariantSender::send(const Group& group, const core::SampleHandle& sa
   if (group.gate != nullptr) {
     job.first.flags |= rate_follows;
     job.first.rate = {group.gate->min_period_us(), group.gate->ordinal()};
+  }
+  if (sample->postponed != nullptr && !is_small(job)) {
+    if (goes_ahead(group)) return send_ahead(group, sample);
+    sample->complete();
   }
   return group.multicast == nullptr ? distribute(group, sample) : send_together(group, sample);
 } catch (const std::bad_alloc&) {  // buffers grow with the samples that they have seen
@@ -88,6 +95,84 @@ std::size_t VariantSender::distribute(const Group& group, const core::SampleHand
   group.tally->sent(blank_->first.total, blank_->whole_bytes, blank_->samples());
   release_blank();
   return missed;
+}
+
+/// A large body that is still in the program's memory can be sent from there, ahead of being copied: nothing
+/// has to go before it, and there is a connection for it.
+bool VariantSender::goes_ahead(const Group& group) const {
+  if (group.multicast != nullptr || group.late_reader != 0 || group.lanes.size() != 1) return false;
+  Lane& lane = *group.lanes.front();
+  return !lane.is_late() && lane.idle() && lane.destination().bulk_in_use() != nullptr;
+}
+
+/// The blank job, by the only lane.
+std::size_t VariantSender::send_ahead(const Group& group, const core::SampleHandle& sample) {
+  located_.clear();
+  sample->postponed->locate(blank_->projection.segments(), located_);
+  const std::shared_ptr<Lane>& lane = group.lanes.front();
+  const std::shared_ptr<Channel>& channel = group.channels.front();
+  const std::optional<std::size_t> missed =
+      channel == nullptr ? send_ahead_once(lane, sample) : send_ahead_reliably(*lane, channel, sample);
+  if (!missed) {
+    sample->complete();
+    return distribute(group, sample);
+  }
+  group.tally->sent(blank_->first.total, blank_->whole_bytes, 1);
+  release_blank();
+  return *missed;
+}
+
+/// What the sending thread has to go on with is copied for it.
+std::size_t VariantSender::send_ahead_once(const std::shared_ptr<Lane>& lane,
+                                           const core::SampleHandle& sample) {
+  Job& job = *blank_;
+  const std::uint32_t sent = send_located(job.first, lane->destination());
+  lane->stay_behind(lane->destination().position());
+  if (sent == job.first.total) return 0;
+  job.sent_bytes = sent;
+  sample->complete();
+  keep_for_later(sample);
+  return enqueue(lane) ? 0 : 1;
+}
+
+/// What may have to be sent again is copied: not what has been acknowledged by then. None if something else
+/// has to be sent before.
+std::optional<std::size_t> VariantSender::send_ahead_reliably(Lane& lane,
+                                                              const std::shared_ptr<Channel>& channel,
+                                                              const core::SampleHandle& sample) {
+  keep_for_later(sample);
+  std::optional<Channel::Posted> posted =
+      channel->post_ahead(blank_, blank_->first, patience_.count() == 0 ? nullptr : &patience_);
+  if (!posted) return {};
+  Channel::Piece& piece = *posted->piece;
+  piece.range.begin = send_located(piece.first, channel->destination());
+  channel->stay_behind(channel->destination().position());
+  while (!sample->postponed->empty() && channel->keeps(piece.ordinal))
+    sample->postponed->make(copied_at_a_time);
+  if (piece.range.begin == piece.first.total) {
+    posted->waits = channel->finished(piece, Clock::now());
+  } else {
+    channel->put_back(piece);
+    posted->waits = true;
+  }
+  return note(*posted, channel, lane, 1);
+}
+
+/// As far as it may go now. Returns how many bytes of the body have left.
+std::uint32_t VariantSender::send_located(const FirstHeader& first, Destination& to) {
+  Connection& by = *to.bulk_in_use();
+  const std::size_t cut_for = to.datagram_bytes();
+  Fragmenter fragments({first, blank_->mask->words, located_}, cut_for);
+  while (!fragments.done()) {
+    const Clock::time_point now = Clock::now();
+    const std::size_t allowed = side_->sender.allowance(to, tally_->limit, ResendWindow::Size::large, now);
+    if (allowed == 0) break;
+    Fragmenter next = fragments;
+    next.next(batch_, std::min(allowed, to.batch_bytes()), to.datagrams_per_call());
+    if (send_batch(to, by, cut_for, now) != SendOutcome::sent) break;
+    fragments = next;
+  }
+  return fragments.offset();
 }
 
 std::size_t VariantSender::send_alone(const Group& group, std::size_t place,

@@ -1,10 +1,12 @@
-// Sends a writer's samples under one mask after the other: small ones at once, the rest through lanes.
+// Sends a writer's samples under one mask after the other: small ones at once, large ones too where that
+// saves a copy, the rest through lanes.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/transport.h"
@@ -13,7 +15,8 @@
 
 namespace sft::udp {
 
-/// Larger bodies are sent by the sending thread: the publisher goes on after a few datagrams.
+/// Larger bodies are sent by the sending thread: the publisher goes on after a few datagrams. But for those
+/// that it would have to copy, and can send from where they are.
 inline constexpr std::size_t direct_bytes_max = 16 * 1024;
 
 /// Of one thread.
@@ -57,6 +60,12 @@ class VariantSender {
   void keep_in_channels(const core::SampleHandle& sample);
   void release_blank();
   std::size_t distribute(const Group& group, const core::SampleHandle& sample);
+  bool goes_ahead(const Group& group) const;
+  std::size_t send_ahead(const Group& group, const core::SampleHandle& sample);
+  std::size_t send_ahead_once(const std::shared_ptr<Lane>& lane, const core::SampleHandle& sample);
+  std::optional<std::size_t> send_ahead_reliably(Lane& lane, const std::shared_ptr<Channel>& channel,
+                                                 const core::SampleHandle& sample);
+  std::uint32_t send_located(const FirstHeader& first, Destination& to);
   std::size_t send_alone(const Group& group, std::size_t place, const core::SampleHandle& sample);
   std::size_t send_together(const Group& group, const core::SampleHandle& sample);
   std::size_t send_to_the_deaf(const Group& group, const core::SampleHandle& sample);
@@ -87,7 +96,8 @@ class VariantSender {
   Batch batch_;              ///< of the present sample
   std::size_t cut_for_ = 0;  ///< bytes of the datagrams in the batch; 0: none of the present sample
   std::chrono::nanoseconds patience_{0};
-  JobHandle projected_;  ///< what is to be held next
+  std::vector<Segment> located_;  ///< where the present body is
+  JobHandle projected_;           ///< what is to be held next
   std::vector<Held> held_;
 };
 

@@ -210,7 +210,7 @@ void World::send_to_group(const udp::JobHandle& job) {
   while (!fragments.done()) {
     udp::Batch batch;
     fragments.next(batch, udp::batch_bytes_max, 1);
-    udp::test::append_datagrams(batch, datagrams);
+    udp::test::append_datagrams(batch.parts(), batch.segment_bytes(), datagrams);
   }
   for (Bytes& datagram : datagrams) network_.send(Network::Side::reader, std::move(datagram), now_);
 }
@@ -338,12 +338,18 @@ void World::send_some(Size size) {
     udp::Batch batch;
     std::vector<Bytes> datagrams;
     sending->fragments.next(batch, udp::batch_bytes_max, 1);
-    udp::test::append_datagrams(batch, datagrams);
+    udp::test::append_datagrams(batch.parts(), batch.segment_bytes(), datagrams);
     network_.send(Network::Side::reader, std::move(datagrams.front()), now_);
     flow_->sent(batch.bytes(), 1, now_);
     send_mark();
     if (!sending->fragments.done()) continue;
-    happens(random_, 0.02) ? window_->put_back(sending->piece) : window_->finished(sending->piece, now_);
+    if (happens(random_, 0.02)) {  // from anywhere, since all of it has left
+      if (sending->piece.job->samples() == 1)
+        sending->piece.range.begin = random_() % sending->piece.first.total;
+      window_->put_back(sending->piece);
+    } else {
+      window_->finished(sending->piece, now_);
+    }
     sending.reset();
   }
   send_at_ = now_ + send_pause;

@@ -122,7 +122,7 @@ testing::AssertionResult is_image(const SampleHandle& sample, std::size_t data_b
   const Image image = make_image(data_bytes, static_cast<std::uint32_t>(sample->sequence));
   const SampleHeader& header = sample->header();
   const std::span<const std::byte> body(sample->data + header.body_offset, header.body_bytes);
-  if (std::ranges::equal(body, encoded_body(image, sample->mask))) return testing::AssertionSuccess();
+  if (udp::test::same_bytes(body, encoded_body(image, sample->mask))) return testing::AssertionSuccess();
   return testing::AssertionFailure() << "sample " << sample->sequence << " has other bytes";
 }
 

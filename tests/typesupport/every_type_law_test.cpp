@@ -90,6 +90,8 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     projections_are_the_sample(full, sample);
     projections_are_the_sample(Encoded(type, value.get(), mask | compiled.closed(random_mask())), sample);
 
+    postponed_copies_are_made_later(value, sample);
+
     OwnedValue expected = GetParam().make();
     reference::project(value, mask, expected);
     walks_find_the_index(sample);
@@ -104,6 +106,25 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
       ASSERT_EQ(bytes_of(projection), sample.bytes())
           << "from '" << compiled.format_mask(*source.state().mask) << "'";
     }
+  }
+
+  /// Until then their bytes are found in the value.
+  void postponed_copies_are_made_later(const OwnedValue& value, const Encoded& sample) {
+    std::vector<std::uint64_t> memory(sample.bytes().size() / 8 + 1, 0x5a5a5a5a5a5a5a5a);
+    const std::span body(reinterpret_cast<std::byte*>(memory.data()), sample.bytes().size());
+    std::vector<std::uint32_t> index(sample.slots());
+    PostponedCopies copies(1 + random() % 16);
+    encode(type, value.get(), *sample.state().mask, body, index, {}, &copies);
+    for (;; copies.make(1 + random() % 64)) {
+      const Segment whole{body.data(), body.size()};
+      std::vector<Segment> located;
+      copies.locate({&whole, 1}, located);
+      std::vector<std::byte> bytes;
+      for (const Segment& s : located) bytes.insert(bytes.end(), s.data, s.data + s.bytes);
+      ASSERT_EQ(bytes, sample.bytes());
+      if (copies.empty()) break;
+    }
+    ASSERT_TRUE(std::ranges::equal(body, sample.bytes()));
   }
 
   void walks_find_the_index(const Encoded& sample) {

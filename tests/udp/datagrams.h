@@ -15,13 +15,14 @@ using Bytes = std::vector<std::byte>;
 /// Whose samples they are, where a test has one writer.
 inline constexpr core::EndpointId writer = 0xaaaa'bbbb'0000'0001;
 
-inline void append_datagrams(const Batch& batch, std::vector<Bytes>& out) {
+inline void append_datagrams(std::span<const iovec> parts, std::size_t segment_bytes,
+                             std::vector<Bytes>& out) {
   Bytes all;
-  for (const iovec& part : batch.parts()) {
+  for (const iovec& part : parts) {
     const auto* data = static_cast<const std::byte*>(part.iov_base);
     all.insert(all.end(), data, data + part.iov_len);
   }
-  const std::size_t segment = batch.segment_bytes() == 0 ? all.size() : batch.segment_bytes();
+  const std::size_t segment = segment_bytes == 0 ? all.size() : segment_bytes;
   for (std::size_t at = 0; at < all.size(); at += segment) {
     const std::size_t end = std::min(at + segment, all.size());
     out.emplace_back(all.begin() + static_cast<std::ptrdiff_t>(at),
@@ -35,7 +36,7 @@ inline std::vector<Bytes> cut(const EncodedBody& body, std::size_t datagram_byte
   Fragmenter fragments(body, datagram_bytes);
   while (!fragments.done()) {
     fragments.next(batch);
-    append_datagrams(batch, datagrams);
+    append_datagrams(batch.parts(), batch.segment_bytes(), datagrams);
   }
   return datagrams;
 }

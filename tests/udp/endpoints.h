@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -136,17 +137,27 @@ class Publisher {
     port_->set_routes(std::move(routes));
   }
 
-  core::SendStatus publish(const Image& image) { return publish(image, *pool_); }
+  /// As a program's: the image is another one as soon as this returns.
+  core::SendStatus publish(Image image) {
+    PostponedCopies postponed;
+    const core::SampleHandle sample = make(image, *pool_, &postponed);
+    if (!sample) return core::SendStatus::dropped;
+    if (!postponed.empty()) sample->postponed = &postponed;
+    const core::SendStatus status = port_->send(sample);
+    if (sample->postponed != nullptr) sample->postponed = nullptr;
+    std::memset(image.data.data(), 0xee, image.data.size());
+    return status;
+  }
   core::SendStatus publish(const Image& image, core::BufferPool& pool) {
     const core::SampleHandle sample = make(image, pool);
     return sample ? port_->send(sample) : core::SendStatus::dropped;
   }
   /// The next sample, not sent.
   core::SampleHandle make(const Image& image) { return make(image, *pool_); }
-  core::SampleHandle make(const Image& image, core::BufferPool& pool) {
+  core::SampleHandle make(const Image& image, core::BufferPool& pool, PostponedCopies* postponed = nullptr) {
     const FieldMask all = fields<Image>("*");
     core::SampleHandle sample = pool.take(sample_bytes(image, all));
-    if (sample) fill(*sample, image, all, id_, ++sequence_);
+    if (sample) fill(*sample, image, all, id_, ++sequence_, postponed);
     return sample;
   }
 

@@ -14,19 +14,6 @@ namespace {
 
 using test::Image;
 
-class Nowhere final : public DatagramSender {
- public:
-  std::unique_ptr<Connection> connect(const SocketAddress& to) override { return connections_.connect()(to); }
-  std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress&) override {
-    return connect(group);
-  }
-  void await(std::chrono::steady_clock::time_point) noexcept override {}
-  void wake() noexcept override {}
-
- private:
-  test::Connections connections_;
-};
-
 /// What was left is carried out when a test says so.
 class FanOutTest : public testing::Test {
  protected:
@@ -80,8 +67,9 @@ class FanOutTest : public testing::Test {
   const TypeSupport& type_ = test::type_support<Image>();
   const FieldMask all_ = test::fields<Image>("*");
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{256} << 20);
+  test::Connections connections_;
   std::shared_ptr<SendSide> side_ =
-      std::make_shared<SendSide>(std::make_unique<Nowhere>(), DestinationLimits{});
+      std::make_shared<SendSide>(std::make_unique<test::NoSender>(connections_), DestinationLimits{});
   std::shared_ptr<WriterTally> tally_ = std::make_shared<WriterTally>();
   FanOut fan_out_{{.id = 7, .type = &type_}, side_, tally_, JobPool::make()};
   std::shared_ptr<Channel> channel_;

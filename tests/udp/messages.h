@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -122,7 +123,7 @@ std::size_t sample_bytes(const T& value, const FieldMask& mask) {
 
 template <class T>
 void fill(core::SampleBuffer& buffer, const T& value, const FieldMask& mask, std::uint64_t writer,
-          std::uint64_t sequence) {
+          std::uint64_t sequence, PostponedCopies* postponed = nullptr) {
   const TypeSupport& type = type_support<T>();
   const SampleLayout layout(type.slots());
   const std::uint32_t bytes = encoded_size(type.type(), &value, mask).bytes;
@@ -136,8 +137,13 @@ void fill(core::SampleBuffer& buffer, const T& value, const FieldMask& mask, std
   header.body_bytes = bytes;
   buffer.trust_header();
   buffer.mask = mask;
-  encode(type.type(), &value, mask, {buffer.data + layout.body_offset, bytes},
-         {buffer.index(), type.slots()});
+  encode(type.type(), &value, mask, {buffer.data + layout.body_offset, bytes}, {buffer.index(), type.slots()},
+         {}, postponed);
+}
+
+/// Quickly, although nothing here is optimised.
+inline bool same_bytes(std::span<const std::byte> a, std::span<const std::byte> b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size()) == 0);
 }
 
 inline std::vector<std::byte> body_of(const core::SampleBuffer& sample) {
@@ -153,8 +159,11 @@ inline Image make_image(std::size_t data_bytes, std::uint32_t seed = 1) {
               .width = 2,
               .data = {}};
   image.data.resize(data_bytes);
-  for (std::size_t i = 0; i < data_bytes; ++i)
+  constexpr std::size_t period = 1 << 16;  // copied, since these loops are not optimised
+  for (std::size_t i = 0; i < std::min(data_bytes, period); ++i)
     image.data[i] = static_cast<std::uint8_t>(i * 31 + (i >> 8) + seed);
+  for (std::size_t at = period; at < data_bytes; at += period)
+    std::memcpy(&image.data[at], image.data.data(), std::min(data_bytes - at, period));
   return image;
 }
 

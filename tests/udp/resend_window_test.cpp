@@ -150,6 +150,24 @@ TEST_F(ResendWindowTest, BelievesAnAckOfWhatWasPutBackButHadLeft) {
   EXPECT_TRUE(window.settled());
 }
 
+TEST_F(ResendWindowTest, GoesOnWithWhatIsLeftOfASampleThatWasPutBack) {
+  keep(500'000);
+  auto piece = window.take(1);
+  ASSERT_TRUE(piece);
+  EXPECT_EQ(piece->range, BodyRange{});
+  piece->range.begin = 300'000;
+  window.put_back(*piece);
+  EXPECT_FALSE(window.all_sent());
+  const auto rest = window.next(Size::large, now);
+  ASSERT_TRUE(rest);
+  EXPECT_EQ(rest->range, (BodyRange{.begin = 300'000}));
+  window.finished(*rest, now);
+  EXPECT_TRUE(window.all_sent());
+  ack(1, {{1, 100'000, 200'000}});
+  EXPECT_EQ(window.next(Size::large, now)->range, (BodyRange{100'000, 200'000}))
+      << "what had left before, too";
+}
+
 TEST_F(ResendWindowTest, SendsOnceMoreWhatIsAskedForUnderTheHeaderThatItWasSentWith) {
   keep(3000);
   send();

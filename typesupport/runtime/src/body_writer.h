@@ -9,6 +9,7 @@
 #include <cstring>
 #include <span>
 
+#include "sft/typesupport/postponed_copies.h"
 #include "sft/typesupport/walk.h"
 
 namespace sft {
@@ -17,15 +18,17 @@ class BodyCounter {
  public:
   std::uint64_t align(std::uint64_t at, std::size_t alignment) const { return align_up(at, alignment); }
   std::uint64_t put(std::uint64_t at, const void*, std::size_t bytes) const { return at + bytes; }
+  std::uint64_t put_run(std::uint64_t at, const std::byte*, std::size_t bytes) const { return at + bytes; }
   std::uint64_t put_swapped(std::uint64_t at, const void*, std::size_t count, std::size_t size) const {
     return at + count * size;
   }
 };
 
-/// What is put must fit. Padding is zero.
+/// What is put must fit. Padding is zero. `postponed`: gets runs that are long; null: they are written.
 class BodyWriter {
  public:
-  explicit BodyWriter(std::span<std::byte> body) : body_(body) {}
+  explicit BodyWriter(std::span<std::byte> body, PostponedCopies* postponed = nullptr)
+      : body_(body), postponed_(postponed) {}
 
   std::uint64_t align(std::uint64_t at, std::size_t alignment) const {
     const std::uint64_t aligned = align_up(at, alignment);
@@ -59,6 +62,13 @@ class BodyWriter {
       default:
         std::memcpy(to, data, bytes);
     }
+    return at + bytes;
+  }
+
+  /// Primitives that nothing reads again while the body is made or projected.
+  std::uint64_t put_run(std::uint64_t at, const std::byte* data, std::size_t bytes) const {
+    if (postponed_ == nullptr || !postponed_->add(body_.data() + at, data, bytes))
+      return put(at, data, bytes);
     return at + bytes;
   }
 
@@ -99,6 +109,7 @@ class BodyWriter {
   }
 
   std::span<std::byte> body_;
+  PostponedCopies* postponed_;
 };
 
 }  // namespace sft

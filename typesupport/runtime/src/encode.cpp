@@ -118,7 +118,7 @@ class Encoder {
       return at;
     }
     if (is_counting && m.kind == Kind::boolean) check_booleans(first, n);
-    return out_.put(out_.align(at, size_of(m.kind)), first, n * size_of(m.kind));
+    return out_.put_run(out_.align(at, size_of(m.kind)), first, n * size_of(m.kind));
   }
 
   std::uint64_t structures(const Member& m, const std::byte* first, std::size_t n, std::size_t leaf,
@@ -170,8 +170,9 @@ EncodedSize encoded_size(const StructType& type, const void* value, const FieldM
 }
 
 void encode(const StructType& type, const void* value, const FieldMask& mask, std::span<std::byte> body,
-            std::span<std::uint32_t> index, std::span<const Reservation> reservations) noexcept {
-  Encoder encoder(BodyWriter(body), mask, reservations, index.data());
+            std::span<std::uint32_t> index, std::span<const Reservation> reservations,
+            PostponedCopies* postponed) noexcept {
+  Encoder encoder(BodyWriter(body, postponed), mask, reservations, index.data());
   [[maybe_unused]] const std::uint64_t bytes =
       encoder.structure(type, static_cast<const std::byte*>(value), 0, true, 0);
   assert(bytes == body.size());

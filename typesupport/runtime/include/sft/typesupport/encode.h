@@ -7,6 +7,7 @@
 
 #include "sft/typesupport/field_mask.h"
 #include "sft/typesupport/loan_view.h"
+#include "sft/typesupport/postponed_copies.h"
 #include "sft/typesupport/type_table.h"
 
 namespace sft {
@@ -31,7 +32,9 @@ EncodedSize encoded_size(const StructType& type, const void* value, const FieldM
 /// Writes the body of the type projected to `mask` to `body` (8-aligned, exactly encoded_size() bytes) and
 /// the offset of every slot to `index` (slot_count(type) entries; no_offset where absent). Padding is zero.
 /// The elements of reserved sequences are left as they are, their length is the reserved one.
+/// `postponed`: is empty, and gets long runs, which are not written; null: all is written.
 void encode(const StructType& type, const void* value, const FieldMask& mask, std::span<std::byte> body,
-            std::span<std::uint32_t> index, std::span<const Reservation> reservations = {}) noexcept;
+            std::span<std::uint32_t> index, std::span<const Reservation> reservations = {},
+            PostponedCopies* postponed = nullptr) noexcept;
 
 }  // namespace sft

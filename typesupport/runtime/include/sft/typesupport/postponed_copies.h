@@ -1,0 +1,53 @@
+// What encode() may leave where it lies in the value: long runs of primitives. Whoever sends a body at once
+// can send these from there, and copy them afterwards, or not at all where nobody needs the body any more.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "sft/typesupport/project.h"
+
+namespace sft {
+
+/// Of one body; valid as long as the value is, and does not change. Allocates nothing.
+class PostponedCopies {
+ public:
+  /// Shorter runs are copied at once.
+  static constexpr std::size_t usual_bytes_min = 64 * 1024;
+
+  explicit PostponedCopies(std::size_t bytes_min = usual_bytes_min) : bytes_min_(bytes_min) {}
+
+  /// In the order in which they lie in the body. False if it has to be copied now: it is short, or there are
+  /// too many.
+  bool add(std::byte* to, const std::byte* from, std::size_t bytes) noexcept {
+    if (bytes < bytes_min_ || count_ == copies_.size()) return false;
+    copies_[count_++] = {to, from, bytes};
+    return true;
+  }
+
+  bool empty() const noexcept { return first_ == count_; }
+  void clear() noexcept { first_ = count_ = 0; }
+
+  /// Makes the next ones, of at most so many bytes.
+  void make(std::size_t bytes_max) noexcept;
+  void make_all() noexcept { make(static_cast<std::size_t>(-1)); }
+
+  /// Appends where the bytes of these segments, which may refer to the body, are at present.
+  void locate(std::span<const Segment> segments, std::vector<Segment>& located) const;
+
+ private:
+  struct Copy {
+    std::byte* to = nullptr;
+    const std::byte* from = nullptr;
+    std::size_t bytes = 0;
+  };
+  const std::size_t bytes_min_;
+  std::array<Copy, 8> copies_;
+  std::size_t first_ = 0;  ///< that is not made
+  std::size_t count_ = 0;
+};
+
+}  // namespace sft

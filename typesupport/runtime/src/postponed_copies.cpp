@@ -1,0 +1,40 @@
+#include "sft/typesupport/postponed_copies.h"
+
+#include <cstring>
+#include <functional>
+
+namespace sft {
+
+void PostponedCopies::make(std::size_t bytes_max) noexcept {
+  for (; first_ < count_ && bytes_max > 0; ++first_) {
+    Copy& copy = copies_[first_];
+    const std::size_t bytes = std::min(copy.bytes, bytes_max);
+    std::memcpy(copy.to, copy.from, bytes);
+    bytes_max -= bytes;
+    copy = {copy.to + bytes, copy.from + bytes, copy.bytes - bytes};
+    if (copy.bytes > 0) return;
+  }
+}
+
+void PostponedCopies::locate(std::span<const Segment> segments, std::vector<Segment>& located) const {
+  const std::span<const Copy> copies = std::span(copies_).subspan(first_, count_ - first_);
+  const auto is_before = std::less<const std::byte*>();  // segments may lie elsewhere, too
+  for (Segment segment : segments) {
+    const auto take = [&](const std::byte* data, std::size_t bytes) {
+      if (bytes > 0) located.push_back({data, bytes});
+      segment = {segment.data + bytes, segment.bytes - bytes};
+    };
+    for (const Copy& copy : copies) {
+      const std::byte* const end = copy.to + copy.bytes;
+      const bool apart = !is_before(segment.data, end) || !is_before(copy.to, segment.data + segment.bytes);
+      if (apart) continue;
+      if (is_before(segment.data, copy.to))
+        take(segment.data, static_cast<std::size_t>(copy.to - segment.data));
+      const auto within = static_cast<std::size_t>(segment.data - copy.to);
+      take(copy.from + within, std::min(segment.bytes, copy.bytes - within));
+    }
+    take(segment.data, segment.bytes);
+  }
+}
+
+}  // namespace sft
