@@ -20,7 +20,7 @@ void FlowWindow::announce(std::size_t receive_buffer_bytes) {
 }
 
 /// At which what was sent is believed to pass without a report: not while one is waited for.
-double FlowWindow::unasked_rate(Time now) const {
+double FlowWindow::believed_rate(Time now) const {
   if (answer_is_due() && (heard_ || now < report_expected_until())) return 0;
   if (heard_) return expansion_ * static_cast<double>(limits_.unasked_bytes_per_s);
   return static_cast<double>(std::min(limits_.unheard_bytes_per_s, share_ * receiver_pauses_per_s));
@@ -29,8 +29,12 @@ double FlowWindow::unasked_rate(Time now) const {
 void FlowWindow::pass_time(Time now) {
   if (now - passed_at_ < std::chrono::microseconds(1)) return;
   const std::chrono::duration<double> since = now - std::exchange(passed_at_, now);
-  const double bytes = std::min(since.count() * unasked_rate(now), 1e15);
-  passed_ = std::min(sent_, passed_ + static_cast<std::uint64_t>(bytes));
+  const auto passes = [&](std::uint64_t& position, double bytes_per_s) {
+    const double bytes = std::min(since.count() * bytes_per_s, 1e15);
+    position = std::min(sent_, position + static_cast<std::uint64_t>(bytes));
+  };
+  passes(passed_, believed_rate(now));
+  if (!heard_) passes(surely_passed_, expansion_ * static_cast<double>(limits_.unasked_bytes_per_s));
   if (under_way() == 0) heard_at_ = now;
   if (now - heard_at_ > limits_.silence) {  // its reports get lost, or it is kept from running
     passed_ = sent_;
@@ -74,7 +78,7 @@ FlowWindow::Time FlowWindow::next_retry() const {
 }
 
 bool FlowWindow::mark_is_due(Time now) const {
-  if (sent_ - std::max(marked_, passed_) > mark_spacing()) return true;
+  if (sent_ - std::max(marked_, heard_ ? passed_ : surely_passed_) > mark_spacing()) return true;
   return waiting_ && under_way() > 0 && now >= next_retry();
 }
 
@@ -107,7 +111,7 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
 FlowWindow::Time FlowWindow::next_ready(Time now) const {
   if (answer_is_due() && (heard_ || now < report_expected_until()))
     return std::max(now, std::min(next_retry(), report_expected_until()));
-  const double seconds = static_cast<double>(window() / 4) / unasked_rate(now);
+  const double seconds = static_cast<double>(window() / 4) / believed_rate(now);
   return now + std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
 }
 

@@ -75,7 +75,7 @@ class FlowWindow {
 
  private:
   void pass_time(Time now);
-  double unasked_rate(Time now) const;
+  double believed_rate(Time now) const;
   bool answer_is_due() const { return marked_ > reported_; }
   /// Without one it is not waited for any more where none ever comes.
   Time report_expected_until() const {
@@ -93,8 +93,9 @@ class FlowWindow {
   std::size_t share_;        ///< of the receiver's buffer
   std::size_t sustainable_;  ///< what the way carries without a long queue
   std::uint64_t sent_ = 0;
-  std::uint64_t passed_ = 0;    ///< reported, or believed to have passed
-  std::uint64_t reported_ = 0;  ///< the last report was of that
+  std::uint64_t passed_ = 0;         ///< reported, or believed to have passed
+  std::uint64_t surely_passed_ = 0;  ///< before the first report: what any receiver has taken
+  std::uint64_t reported_ = 0;       ///< the last report was of that
   std::uint64_t marked_ = 0;
   std::uint32_t datagrams_ = 0;
   double expansion_ = 1;  ///< socket bytes for each byte of late
