@@ -16,7 +16,8 @@ constexpr bool is_answer(std::optional<DatagramKind> kind) {
 }
 
 /// True if somebody who waits may go on: the sending thread has to look. Counts what is malformed, and what
-/// is no answer as that. Any thread.
+/// is no answer as that. Of one thread: the one that sends, or where there is no port for answers the one
+/// that receives.
 [[nodiscard]] bool hear_answer(SendSide& side, std::span<const std::byte> datagram,
                                std::chrono::steady_clock::time_point now) noexcept;
 

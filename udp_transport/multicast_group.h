@@ -70,9 +70,9 @@ class MulticastGroup final : public LaneListener {
   void left(const Job& job, bool lost) noexcept override { static_cast<void>(has_left(job, lost)); }
   void hear(const GroupReport& report, Time now);
   std::string state_of(std::size_t member) const;
-  /// The thread that receives: a member asks for parts of samples in its channel. Takes those out that are
-  /// sent to the group again, since others asked for the same. Whether the sending thread has to be told of
-  /// the lane.
+  /// The thread that hears answers: a member asks for parts of samples in its channel. Takes those out that
+  /// are sent to the group again, since others asked for the same. Whether the sending thread has to be told
+  /// of the lane.
   [[nodiscard]] bool take_over_repairs(std::size_t member, Ack& ack, Time now);
 
   // The agent's thread.
@@ -114,7 +114,7 @@ class MulticastGroup final : public LaneListener {
   std::vector<std::optional<std::int64_t>> ahead_;
   std::uint64_t last_ordinal_ = 0;
   std::atomic<bool> broken_{false};
-  std::array<Asked, 64> asked_{};  ///< of the thread that receives
+  std::array<Asked, 64> asked_{};  ///< of the thread that hears answers
   std::size_t next_asked_ = 0;
 };
 

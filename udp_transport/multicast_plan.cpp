@@ -44,8 +44,9 @@ double cost_of(std::span<const PlanDestination> destinations, const std::vector<
   return cost;
 }
 
-/// Destinations with the same masks behind the same link, which are treated alike. (To split them would only ever
-/// pay where one of them gives a group its second member, so that another one gets its several masks at once.)
+/// Destinations with the same masks behind the same link, which are treated alike. (To split them would only
+/// ever pay where one of them gives a group its second member, so that another one gets its several masks at
+/// once.)
 struct Kind {
   MaskSet masks = 0;
   std::size_t link = 0;

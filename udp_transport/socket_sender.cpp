@@ -140,8 +140,10 @@ class SocketSender final : public DatagramSender {
   std::uint16_t answer_port() const noexcept override { return answers_ == nullptr ? 0 : answers_->port; }
   std::size_t take_answer(std::span<std::byte> to) noexcept override {
     if (answers_ == nullptr) return 0;
-    const ssize_t bytes = ::recv(answers_->fd.get(), to.data(), to.size(), MSG_DONTWAIT);
-    return bytes > 0 ? static_cast<std::size_t>(bytes) : 0;
+    for (;;) {  // an empty one is not the last
+      const ssize_t bytes = ::recv(answers_->fd.get(), to.data(), to.size(), MSG_DONTWAIT);
+      if (bytes != 0) return static_cast<std::size_t>(std::max<ssize_t>(bytes, 0));
+    }
   }
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) override {

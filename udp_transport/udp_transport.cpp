@@ -159,7 +159,11 @@ std::shared_ptr<Receiver> make_receiver(const UdpOptions& options,
   const auto ack_sender = std::make_shared<AckSender>(send_side);
   Receiver::Acks acks;
   acks.hear = [send_side](std::span<const std::byte> answer, std::chrono::steady_clock::time_point now) {
-    if (hear_answer(*send_side, answer, now)) send_side->sender.look_again();
+    if (send_side->sender.answer_port() != 0) {  // whoever answers us sends there
+      send_side->malformed_answers.fetch_add(1, std::memory_order_relaxed);
+    } else if (hear_answer(*send_side, answer, now)) {
+      send_side->sender.look_again();
+    }
   };
   acks.send = [ack_sender](const SocketAddress& to, const Ack& ack) { ack_sender->send(to, ack); };
   acks.report = [ack_sender](const SocketAddress& to, const FlowReport& report) {

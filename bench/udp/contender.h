@@ -54,8 +54,9 @@ std::unique_ptr<Peer> sft_loan_peer();
 std::unique_ptr<Peer> cyclone_peer();
 std::unique_ptr<Peer> fast_dds_peer();
 // For called readers only, from the first of two hosts to the second one:
-/// Bulk samples: trains of datagrams by UDP GSO and GRO, and one acknowledgement for each sample, which
-/// write() waits for. Small ones: a datagram each, and what the receiver has no room for is lost.
+/// Bulk samples: trains of datagrams by UDP GSO and GRO, and one acknowledgement for each sample; write()
+/// waits for that of the one before. Small ones: a datagram each, and what the receiver has no room for is
+/// lost.
 std::unique_ptr<Peer> raw_udp_peer();
 /// The same, and each bulk sample is copied first: what is reliable, and its writer may write to again, is
 /// kept so.

@@ -55,7 +55,9 @@ std::vector<std::byte> to_bytes(std::span<const std::uint8_t> bytes) {
 /// Of some samples, with all the bytes that there are.
 void make_packed(udp::FirstHeader header, const FieldMask& mask, std::vector<std::byte>& d) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::size_t>(d[i]); };
-  header.flags &= udp::mask_words_follow | udp::channel_follows | udp::group_follows | udp::merged_masks;
+  const bool forbidden = byte(14) % 16 == 0;  // packed ones go to no groups
+  header.flags &= udp::mask_words_follow | udp::channel_follows |
+                  (forbidden ? udp::group_follows | udp::merged_masks : 0);
   const bool words = (header.flags & udp::mask_words_follow) != 0;
   const std::size_t head = header.bytes() + (words ? mask.words() * sizeof(std::uint64_t) : 0);
   if (d.size() <= head) return;
@@ -168,7 +170,9 @@ void read_in_order(udp::ArrivalWindow& window) {
   window.set_readers({1, 2});
   const FieldMask all = fields<Image>("*");
   for (const core::EndpointId reader : {1U, 2U}) {
-    const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t) { return reader == 1 || s.mask == all; };
+    const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t) {
+      return reader == 1 || s.mask == all;
+    };
     while (const core::SampleHandle sample = window.next(reader, accepts)) decode_all<Image>(*sample);
   }
   window.release();

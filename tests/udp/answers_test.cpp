@@ -5,11 +5,14 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "endpoints.h"
 #include "faulty_io.h"
 #include "transport_fixture.h"
+#include "udp_transport/socket_sender.h"
+#include "udp_transport/udp_socket.h"
 
 namespace sft::udp {
 namespace {
@@ -79,6 +82,20 @@ TEST_P(AnswersTest, ComeToThePortThatWasChosenWhereOneWas) {
   transfer(*there, *here);
   EXPECT_EQ(seen_here_.port, port);
   EXPECT_GT(seen_there_.here, 0U);
+}
+
+TEST_P(AnswersTest, AreCountedAndNotHeardAtThePortForSamples) {
+  const auto there = open(seen_there_);
+  const auto before = there->counters().malformed;
+  std::array<std::byte, 256> bytes{};
+  const Ack ack{.writer = 1, .channel = 1, .next = 1};
+  encode(ack, bytes.data());
+  const core::UdpAddress address = loopback_address(*there);
+  const auto socket = open_udp_socket({.bind = {address.ip, 0}}).value();
+  const auto sender = open_socket_sender(socket).value();
+  const auto connection = sender->connect({address.ip, address.port});
+  ASSERT_EQ(send_one(*connection, std::span(bytes).first(ack.bytes())), SendOutcome::sent);
+  EXPECT_TRUE(eventually([&] { return there->counters().malformed == before + 1; }));
 }
 
 TEST_P(AnswersTest, AreCountedWhereTheyMakeNoSense) {

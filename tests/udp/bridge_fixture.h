@@ -4,24 +4,20 @@
 #include <gtest/gtest.h>
 #include <ifaddrs.h>
 #include <linux/if_link.h>
-#include <sched.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <cstdlib>
+#include <functional>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "another_host.h"
 #include "endpoints.h"
 #include "tests/support/isolated_host.h"
 #include "udp_transport/udp_transport.h"
 
 namespace sft::udp::test {
-
-inline bool run(const std::string& command) { return std::system(command.c_str()) == 0; }
 
 /// What an interface of this host has sent, and what has come to it: bytes that wrap around.
 struct Traffic {
@@ -74,23 +70,14 @@ class BridgeTest : public testing::Test {
     return run("ip link add " + port + " type veth peer name " + end + " && ip link set " + port +
                " master bridge up");
   }
+  static std::string address_of(unsigned number) { return "10.20.0." + std::to_string(number) + "/24"; }
   static bool switch_on(unsigned number, const std::string& end) {
-    return run("ip address add 10.20.0." + std::to_string(number) + "/24 dev " + end + " && ip link set " +
-               end + " up");
+    return run("ip address add " + address_of(number) + " dev " + end + " && ip link set " + end + " up");
   }
   /// Makes something on another host, which stays there. False if there can be none.
-  template <class Make>
-  bool on_host(unsigned number, const Make& make) {
+  bool on_host(unsigned number, const std::function<void()>& make) {
     const std::string end = "end" + std::to_string(number);
-    bool made = plug_in(number, end);
-    std::thread([&] {
-      made = made && ::unshare(CLONE_NEWNET) == 0 &&
-             run("nsenter -t " + std::to_string(::getpid()) + " -n ip link set " + end + " netns " +
-                 std::to_string(::gettid())) &&
-             switch_on(number, end);
-      if (made) make();
-    }).join();
-    return made;
+    return plug_in(number, end) && on_host_behind(end, address_of(number), make);
   }
   /// A reader on a host of its own.
   bool add_reader(unsigned number, const std::string& mask, bool reliable) {

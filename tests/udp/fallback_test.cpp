@@ -10,6 +10,7 @@
 #include <optional>
 #include <thread>
 
+#include "backends.h"
 #include "endpoints.h"
 #include "udp_transport/udp_transport.h"
 
@@ -52,8 +53,7 @@ TEST(Fallback, UsesPlainSocketsWhereIoUringIsForbiddenAndSaysWhy) {
 }
 
 TEST(Fallback, IsNotTakenWhereTheKernelGrantsIoUring) {
-  if (const auto ring = open_udp_transport({.backend = Backend::io_uring}, test::make_pool()); !ring)
-    GTEST_SKIP() << "io_uring is refused here: " << ring.error().message;
+  if (const std::string why = test::refusal_of(Backend::io_uring); !why.empty()) GTEST_SKIP() << why;
   const auto transport = open_udp_transport({}, test::make_pool()).value();
   EXPECT_TRUE(transport->description().starts_with("io_uring with ")) << transport->description();
 }

@@ -68,8 +68,6 @@ TEST_F(InboxTest, LeavesTheQueuesOfConnectedWritersAlone) {
   EXPECT_EQ(take_all(), (Taken{{1, 1}, {1, 2}, {1, 3}, {10, 1}, {10, 2}, {10, 3}}));
 }
 
-/// A subscriber counts the gaps in a writer's sequences; it sees none behind the last sample, nor before the
-/// first.
 TEST_F(InboxTest, TellsHowManyMoreSamplesOfAWriterCanWait) {
   inbox_.connect({.writer = 7});
   inbox_.connect({.writer = 8});
@@ -83,6 +81,8 @@ TEST_F(InboxTest, TellsHowManyMoreSamplesOfAWriterCanWait) {
   EXPECT_EQ(inbox_.room(7), 3U);
 }
 
+/// A subscriber counts the gaps in a writer's sequences; it sees none behind the last sample, nor before the
+/// first.
 TEST_F(InboxTest, CountsLossesThatNoSequenceShows) {
   inbox_.connect({1});
   deliver(1, 1, 3);

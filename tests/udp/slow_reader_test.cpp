@@ -38,7 +38,7 @@ class SlowSubscriber final : private core::ArrivalListener {
     port_->accept({{.wanted = {fields<Image>("*")}}});
     EXPECT_TRUE(port_->connect(source));
   }
-  /// Until that one has come, or nothing does any more.
+  /// Until that one has come; fewer after a while.
   std::vector<std::uint64_t> take_until(std::uint64_t last) {
     std::vector<std::uint64_t> sequences;
     eventually([&] {
@@ -90,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(Backends, SlowReaderTest, test::both_backends, test::ba
 
 TEST_P(SlowReaderTest, LosesNothingOfAPublisherThatWaitsForIt) {
   SlowSubscriber subscriber(*here_, {.writer = writer, .reliable = true, .waits = true});
-  std::thread publisher([&] { publish(10'000, 1s); });
+  std::thread publisher([&] { publish(10'000, 60s); });
   EXPECT_TRUE(eventually([&] { return published_ == depth + under_way_max; })) << "then it waits";
   EXPECT_EQ(subscriber.take_until(10'000), first_numbers(10'000));
   EXPECT_EQ(subscriber.discarded(), 0U);
@@ -105,7 +105,7 @@ TEST_P(SlowReaderTest, LosesTheOldestOfAPublisherThatHasWaitedLongEnough) {
   EXPECT_TRUE(eventually([&] { return published_ == samples; }));
   const std::vector<std::uint64_t> got = subscriber.take_until(samples);
   EXPECT_TRUE(std::ranges::is_sorted(got));
-  EXPECT_EQ(got.back(), samples);
+  EXPECT_EQ(got.empty() ? 0 : got.back(), samples);
   EXPECT_GT(subscriber.discarded(), 0U);
   EXPECT_GT(got.size(), samples / 2) << "no more than had to go";
   over_ = true;
