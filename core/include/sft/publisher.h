@@ -118,7 +118,9 @@ class Publisher {
   explicit Publisher(untyped::Publisher publisher) : publisher_(std::move(publisher)) {}
 
   /// Encodes once and sends: readers on this host get one full sample, remote ones the fields they asked for.
-  /// Without a reader it costs a few nanoseconds.
+  /// Without a reader it costs a few nanoseconds. A large message that goes to one process elsewhere alone is
+  /// sent by the calling thread, from where it is, as far as the receiver has room, and copied only then; what
+  /// is sent of loans, and to several, is left to a thread of the node's.
   PublishStatus publish(const T& message) { return publisher_.publish(&message); }
 
   /// A span, vector or array of them: the same as to publish one after the other, each a sample of its own,
