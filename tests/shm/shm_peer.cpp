@@ -19,7 +19,7 @@
 namespace {
 
 /// A little longer than a daemon may take to start (ShmOptions::start_deadline), on however busy a machine.
-constexpr std::chrono::seconds patience{25};
+constexpr std::chrono::seconds patience{60};  // a disk that reads programs may stand still
 
 using namespace sft::test;
 using sft::core::Availability;

@@ -27,7 +27,7 @@ using udp::test::fields;
 using udp::test::Image;
 using udp::test::make_image;
 
-inline constexpr std::chrono::seconds patience{20};  ///< for what must happen
+inline constexpr std::chrono::seconds patience{60};  ///< for what must happen
 
 /// Two nodes on one medium.
 struct Stage {

@@ -27,8 +27,14 @@
 #include "tests/support/message_types.h"
 #include "tests/support/random_value.h"
 
+#ifndef SFT_TEST_ROUNDS
+#define SFT_TEST_ROUNDS 1000
+#endif
+
 namespace sft {
 namespace {
+
+constexpr int rounds = SFT_TEST_ROUNDS;  // per type and encoding
 
 using test::CStruct;
 using test::ForeignEncoding;
@@ -88,7 +94,7 @@ TEST_P(ForeignDifferential, WhatCycloneWritesIsWhatTheReferenceWrites) {
 }
 
 TEST_P(ForeignDifferential, WhatCycloneWritesIsConvertedToOurBytes) {
-  for (int round = 0; round < 1000; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const OwnedValue value = random_value();
     const auto payload = test::foreign_payload(their_bytes(value), encoding());
     const Payload parsed = parse_payload(payload).value();
@@ -184,7 +190,7 @@ class EnumeratedDifferential : public test::RandomTest,
 // Enumerations are no primitives in XCDR2: collections of them have a delimiter.
 TEST_P(EnumeratedDifferential, WhatCycloneWritesIsConvertedToOurBytes) {
   constexpr const StructType& type = TypeTable<foreign::Enumerated>::type;
-  for (int round = 0; round < 1000; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const foreign::Enumerated value = random_value();
     const auto theirs = test::cyclone_serialize(foreign_Enumerated_desc, EnumeratedC(value).get(),
                                                 GetParam().is_xcdr2, GetParam().byte_order);

@@ -16,8 +16,14 @@
 #include "tests/support/random_value.h"
 #include "tests/support/reference.h"
 
+#ifndef SFT_TEST_ROUNDS
+#define SFT_TEST_ROUNDS 200
+#endif
+
 namespace sft {
 namespace {
+
+constexpr int rounds = SFT_TEST_ROUNDS;  // per type and encoding
 
 using test::ForeignEncoding;
 using test::MessageType;
@@ -116,7 +122,7 @@ class Conversion : public test::RandomTest,
 };
 
 TEST_P(Conversion, GivesTheCdrOfTheValue) {
-  for (int round = 0; round < 200; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const OwnedValue value = random_value();
     const auto payload = test::foreign_payload(test::foreign_cdr(value, encoding()), encoding());
     const Converted result = converted(payload);
@@ -126,7 +132,7 @@ TEST_P(Conversion, GivesTheCdrOfTheValue) {
 }
 
 TEST_P(Conversion, OfATruncatedPayloadIsRefused) {
-  for (int round = 0; round < 50; ++round) {
+  for (int round = 0; round < rounds / 4; ++round) {
     std::vector<std::byte> body = test::foreign_cdr(random_value(), encoding());
     body.resize(values.up_to(body.size() - 1));
     const WalkStatus status = converted(test::foreign_payload(body, encoding())).status;
@@ -135,7 +141,7 @@ TEST_P(Conversion, OfATruncatedPayloadIsRefused) {
 }
 
 TEST_P(Conversion, OfADamagedPayloadGivesAValidBodyOrNone) {
-  for (int round = 0; round < 200; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     std::vector<std::byte> payload = random_payload();
     for (int i = 0; i < 3 && payload.size() > 4; ++i)
       payload[4 + values.up_to(payload.size() - 5)] = static_cast<std::byte>(random() % 8);

@@ -49,7 +49,7 @@ target_link_libraries(sft_every_type
 add_executable(every_type_law_test every_type_law_test.cpp)
 target_link_libraries(every_type_law_test PRIVATE sft_every_type GTest::gtest_main sft_warnings)
 if(SFT_SANITIZE)
-  target_compile_definitions(every_type_law_test PRIVATE SFT_TEST_TRIPLES=20000)
+  target_compile_definitions(every_type_law_test PRIVATE SFT_TEST_TRIPLES=10000)
 endif()
 add_dependencies(unit_tests every_type_law_test)
 sft_add_shards(every_type_law_test 2)
