@@ -428,7 +428,7 @@ TEST_F(NodeWithoutDaemon, NamesAnSftdThatHasAnotherSharedMemory) {
   ASSERT_TRUE(first.becomes_ready()) << first->description();
   Process peer = [] {
     const ShmOfSize other("200m");
-    Process started = start_peer({"attend"});
+    Process started = start_peer({"attend", "5"});
     EXPECT_TRUE(contains(started.line(), "another /dev/shm"));
     return started;
   }();

@@ -18,8 +18,9 @@
 
 namespace {
 
-/// A little longer than a daemon may take to start (ShmOptions::start_deadline), on however busy a machine.
-constexpr std::chrono::seconds patience{60};  // a disk that reads programs may stand still
+/// Longer than a daemon may take to start (ShmOptions::start_deadline), where the disk that programs are read
+/// from stands still for a while.
+constexpr std::chrono::seconds usual_patience{60};
 
 using namespace sft::test;
 using sft::core::Availability;
@@ -186,6 +187,8 @@ int main(int argc, char** argv) {
   if (task == tasks.end() && wanted != "knock") return 2;
   Node node;
   if (wanted == "knock") return knock(node);
+  const bool own = wanted == "attend" && argc > 2;
+  const auto patience = own ? std::chrono::seconds(std::strtol(argv[2], nullptr, 10)) : usual_patience;
   if (!node.becomes(Availability::ready, patience)) {
     say("not ready: " + node->description());
     return 1;
