@@ -6,9 +6,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
-#include <cstring>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -145,7 +145,7 @@ class Publisher {
     if (!postponed.empty()) sample->postponed = &postponed;
     const core::SendStatus status = port_->send(sample);
     if (sample->postponed != nullptr) sample->postponed = nullptr;
-    std::memset(image.data.data(), 0xee, image.data.size());
+    std::fill(image.data.begin(), image.data.end(), std::uint8_t{0xee});
     return status;
   }
   core::SendStatus publish(const Image& image, core::BufferPool& pool) {
