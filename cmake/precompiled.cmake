@@ -1,7 +1,7 @@
 # The headers that nearly every source includes, compiled once for all targets that are compiled alike. A compiler cache
-# does better than that, and would not know what to do with it. One preset does without, so that each source is seen to
-# include what it uses.
-if(CMAKE_CXX_COMPILER_LAUNCHER OR CMAKE_DISABLE_PRECOMPILE_HEADERS)
+# does better than that, and would not know what to do with it: builds with one show that each source includes what it
+# uses.
+if(CMAKE_CXX_COMPILER_LAUNCHER)
   return()
 endif()
 
