@@ -206,6 +206,24 @@ TEST_F(ReassemblyTest, LimitsTheMemoryOfWhatHasBegun) {
   EXPECT_EQ(counted().incomplete, 1U);
 }
 
+TEST_F(ReassemblyTest, MakesRoomWithTheOldestOfTheSameVariantFirst) {
+  restart({.unfinished_bytes = 130'000});
+  const Image image = make_image(40'000);
+  const auto other = sent(11, image, "*", 7), older = sent(1, image), newer = sent(2, image);
+  for (const auto* datagrams : {&other, &older, &newer}) receive(datagrams->front());
+  receive(sent(3, image));
+  for (const auto* datagrams : {&other, &older, &newer}) receive_without_first(*datagrams);
+  EXPECT_EQ(taken(), (Sequences{3, 11, 2})) << "the first one of the same variant went";
+  EXPECT_EQ(counted().incomplete, 1U);
+  ASSERT_EQ(taken_.size(), 3U);
+  restart({.unfinished_bytes = 130'000});
+  taken_.clear();
+  for (const auto* datagrams : {&other, &older, &newer}) receive(datagrams->front());
+  receive(sent(3, image, "*", 9));
+  for (const auto* datagrams : {&other, &older, &newer}) receive_without_first(*datagrams);
+  EXPECT_EQ(taken(), (Sequences{3, 1, 2})) << "else the oldest of all goes";
+}
+
 TEST_F(ReassemblyTest, MakesRoomInAFullPoolByDroppingTheWritersOldest) {
   restart({}, 400'000);
   for (std::uint32_t sequence = 1; sequence <= 2; ++sequence) receive(sent(sequence, make_image(100'000))[0]);

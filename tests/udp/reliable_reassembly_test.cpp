@@ -1,6 +1,7 @@
 // What comes in channels: samples of one writer that somebody wants reliably.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -58,7 +59,8 @@ class ReliableReassemblyTest : public testing::Test {
     const Reassembly::Arrival arrival = reassembly_->accept(datagram, {now_, 1});
     if (arrival.sample && !arrival.in_channel) at_once_.push_back(arrival.sample->sequence);
     if (reassembly_->window(0) == nullptr) return;
-    while (const core::SampleHandle sample = window().next(1, [](const auto&, std::uint64_t) { return true; })) {
+    while (const core::SampleHandle sample =
+               window().next(1, [](const auto&, std::uint64_t) { return true; })) {
       EXPECT_EQ(test::body_of(*sample), test::encoded_body(make_image(bytes_of(*sample)), sample->mask));
       taken_.push_back(sample->sequence);
     }
@@ -159,14 +161,73 @@ TEST_F(ReliableReassemblyTest, HasMemoryForTheFirstMissingSampleThoughThoseBehin
   restart({}, std::size_t{4} << 20);
   read(true, 500'000);
   Sequences all = {1};
-  for (std::uint64_t ordinal = 2; counted().over_limit == 0; ++ordinal) {
+  std::uint64_t refused = 0;
+  for (std::uint64_t ordinal = 2; refused == 0; ++ordinal) {
     receive(sent(ordinal, 400'000));
-    if (counted().over_limit == 0) all.push_back(ordinal);
+    counted().over_limit == 0 ? all.push_back(ordinal) : void(refused = ordinal);
   }
   EXPECT_GE(all.size(), 4U);
   EXPECT_EQ(taken_, Sequences{});
   receive(sent(1, 400'000));
   EXPECT_EQ(taken_, all);
+  receive(sent(refused, 400'000));
+  all.push_back(refused);
+  EXPECT_EQ(taken_, all) << "the one that there was no memory for comes later, and is not lost";
+}
+
+/// One sample of which every second datagram was lost has more gaps than one answer may ask for.
+TEST_F(ReliableReassemblyTest, AsksForNoMoreThanEightAcksCanHoldAtOnce) {
+  constexpr std::size_t parts_max = 8 * missing_max;
+  const std::vector<Bytes> datagrams = sent(1, 3 * parts_max * 1456);
+  hear(1, 2);
+  for (std::size_t i = 0; i < datagrams.size(); i += 2) receive(datagrams[i]);
+  now_ = std::max(now_ + 2ms, reassembly_->next_answer());
+  std::size_t acks = 0, parts = 0;
+  reassembly_->answer(now_, [&](const SocketAddress&, const Ack& ack) {
+    ++acks;
+    parts += ack.missing_count;
+  });
+  EXPECT_EQ(parts, parts_max);
+  EXPECT_EQ(acks, 8U);
+}
+
+/// Two parts are asked for; both come twice, so asking was too early. The next gap is asked for later.
+TEST_F(ReliableReassemblyTest, WaitsLongerWhereThePartsThatItAskedForComeTwice) {
+  const std::vector<Bytes> datagrams = sent(1, 20'000);
+  hear(1, 2);
+  for (std::size_t i = 0; i < datagrams.size(); ++i) {
+    if (i != 3 && i != 5 && i != 7) receive(datagrams[i]);
+  }
+  now_ += 2ms;
+  reassembly_->answer(now_, [](const SocketAddress&, const Ack& ack) { EXPECT_EQ(ack.missing_count, 3U); });
+  for (int i = 0; i < 4; ++i) receive(datagrams[3]);
+  const auto noticed = now_ += 1s;
+  receive(sent(3, 100));
+  now_ = noticed + 3ms;
+  std::vector<std::uint32_t> asked;
+  const auto note = [&](const SocketAddress&, const Ack& ack) {
+    for (const Missing& part : ack.parts()) asked.push_back(part.ordinal);
+  };
+  reassembly_->answer(now_, note);
+  EXPECT_EQ(std::ranges::count(asked, 2U), 0);
+  now_ = noticed + 4ms;
+  reassembly_->answer(now_, note);
+  EXPECT_EQ(std::ranges::count(asked, 2U), 1);
+}
+
+TEST_F(ReliableReassemblyTest, TakesNoPartsOfASampleOfAGroupThatItWasNotOffered) {
+  FirstHeader first{};
+  first.label = {static_cast<std::uint32_t>(writer), 5, 0};
+  first.flags = group_follows;
+  first.mask = fields<Image>("*").hash();
+  first.group = {3, 0, 1};
+  const Bytes body = test::encoded_body(make_image(10'000), fields<Image>("*"));
+  const Segment whole{body.data(), body.size()};
+  first.total = static_cast<std::uint32_t>(body.size());
+  receive(test::cut({first, {}, {&whole, 1}}, 1472));
+  EXPECT_FALSE(reassembly_->next_expiry()) << "something of it is kept";
+  reassembly_->expire(now_ + 10s);
+  EXPECT_EQ(counted().incomplete, 0U);
 }
 
 }  // namespace
