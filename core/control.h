@@ -17,12 +17,16 @@ inline constexpr std::size_t mask_words_max = 64;
 inline constexpr std::size_t writers_per_reader_max = 1024;
 inline constexpr std::size_t addresses_max = 16;
 inline constexpr std::size_t assertions_max = 1024;
+inline constexpr std::size_t progress_max = 64;
 inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 8192;
 
 using NodeId = std::uint64_t;  ///< random per incarnation, never 0
 
 enum class Role : std::uint8_t { writer, reader };
+
+/// An opaque number of the DDS participant that wrote a control sample; 0: unknown. A node may have several.
+using AnnouncerId = std::uint64_t;
 
 /// A selective transmission request (STR).
 struct Request {
@@ -33,13 +37,22 @@ struct Request {
   std::vector<EndpointId> listening;  ///< writers of which the reader takes datagrams
   std::vector<EndpointId> attached;   ///< writers that the reader hears through shared memory
   std::vector<EndpointId> begun;      ///< durable writers of which samples for this reader alone have come
+  AnnouncerId announcer = 0;          ///< who said it; does not travel
   friend bool operator==(const Request&, const Request&) = default;
 };
 
-/// That a node lives, and these of its writers.
+/// How far one writer is.
+struct Progress {
+  EndpointId writer = 0;
+  std::uint64_t samples = 0;  ///< that it has sent to its readers so far
+  friend bool operator==(const Progress&, const Progress&) = default;
+};
+
+/// That a node lives, and these of its writers; and how far those are that have sent something lately.
 struct Assertion {
   NodeId node = 0;
   std::vector<EndpointId> writers;
+  std::vector<Progress> progress{};
   friend bool operator==(const Assertion&, const Assertion&) = default;
 };
 
@@ -65,6 +78,8 @@ struct Endpoint {
   bool waits = false;
   Qos qos;
   Request request;
+  std::uint64_t revision = 0;  ///< counts the announcements of this endpoint
+  AnnouncerId announcer = 0;   ///< who said it; does not travel
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 

@@ -127,21 +127,30 @@ sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage) {
   out.waits = endpoint.waits;
   out.qos = to_dds(endpoint.qos);
   out.request = to_dds(endpoint.request);
+  out.revision = endpoint.revision;
   return out;
 }
 
-sft_control_Assertion to_dds(const Assertion& assertion) {
+sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage) {
   sft_control_Assertion out{};
   out.node = assertion.node;
   out.version = sft_control_protocol_version;
   out.writers = borrow(assertion.writers, assertions_max);
+  for (const Progress& p : assertion.progress) {
+    if (storage.progress.size() < progress_max) storage.progress.push_back({p.writer, p.samples});
+  }
+  const auto progress = static_cast<std::uint32_t>(storage.progress.size());
+  out.progress = {progress, progress, storage.progress.data(), false};
   return out;
 }
 
 Result<Assertion> from_dds(const sft_control_Assertion& in) {
   if (in.version != sft_control_protocol_version) return wrong_version(in.version);
   if (in.node == 0) return fail(Errc::malformed, "an assertion of no node");
-  return Assertion{in.node, copy(in.writers)};
+  Assertion out{in.node, copy(in.writers)};
+  for (std::uint32_t i = 0; i < in.progress._length; ++i)
+    out.progress.push_back({in.progress._buffer[i].writer, in.progress._buffer[i].samples});
+  return out;
 }
 
 Result<Request> from_dds(const sft_control_Request& request) {
@@ -191,6 +200,7 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
                  .listening = copy(in.request.listening),
                  .attached = copy(in.request.attached),
                  .begun = copy(in.request.begun)};
+  out.revision = in.revision;
   return out;
 }
 

@@ -10,14 +10,15 @@
 
 namespace sft::core {
 
-/// Views into `endpoint` and `storage`, valid as long as these; nothing is to be freed.
+/// Views into what is given and `storage`, valid as long as these; nothing is to be freed.
 struct ControlStorage {
   std::vector<sft_control_UdpLocator> addresses;
+  std::vector<sft_control_Progress> progress;
 };
 sft_control_Request to_dds(const Request& request);
 sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage);
 
-sft_control_Assertion to_dds(const Assertion& assertion);
+sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage);
 
 Result<Assertion> from_dds(const sft_control_Assertion& assertion);
 Result<Request> from_dds(const sft_control_Request& request);

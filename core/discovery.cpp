@@ -138,7 +138,8 @@ class CycloneDiscovery final : public Discovery {
   }
 
   void assert_liveliness(const Assertion& assertion) override {
-    const sft_control_Assertion sample = to_dds(assertion);
+    ControlStorage storage;
+    const sft_control_Assertion sample = to_dds(assertion, storage);
     dds_write(assertion_writer_, &sample);
   }
 

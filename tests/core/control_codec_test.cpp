@@ -39,6 +39,7 @@ Endpoint endpoint() {
                .listening = {6},
                .attached = {8, 9},
                .begun = {9}};
+  e.revision = 11;
   return e;
 }
 
@@ -46,8 +47,9 @@ TEST(ControlCodecTest, EndpointsAndRequestsComeBackAsTheyWere) {
   ControlStorage storage;
   EXPECT_EQ(from_dds(to_dds(endpoint(), storage)), endpoint());
   EXPECT_EQ(from_dds(to_dds(endpoint().request)), endpoint().request);
-  const Assertion living{8, {3, 4}};
-  EXPECT_EQ(from_dds(to_dds(living)), living);
+  const Assertion living{8, {3, 4}, {{3, 12}, {5, 1}}};
+  ControlStorage of_living;
+  EXPECT_EQ(from_dds(to_dds(living, of_living)), living);
 }
 
 TEST(ControlCodecTest, WhatIsLongerThanTheTopicAllowsIsCutAndNotWrittenBeyond) {
