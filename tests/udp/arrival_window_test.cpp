@@ -198,6 +198,66 @@ TEST_F(ArrivalWindowTest, WaitsLongerWhereWhatItAskedForComesTwice) {
   EXPECT_EQ(asks(), (Numbers{3}));
 }
 
+TEST_F(ArrivalWindowTest, DoublesThePauseBetweenTwoRequestsUpToAQuarterOfASecond) {
+  begin(1);
+  came_at = {};
+  std::vector<std::chrono::milliseconds::rep> pauses;
+  for (int i = 0; i < 9; ++i) {
+    const auto before = now;
+    now = window.next_look();
+    EXPECT_EQ(asks(), (Numbers{1}));
+    pauses.push_back(std::chrono::duration_cast<std::chrono::milliseconds>(now - before).count());
+  }
+  EXPECT_EQ(pauses, (std::vector<std::chrono::milliseconds::rep>{2, 4, 8, 16, 32, 64, 128, 250, 250}));
+}
+
+TEST_F(ArrivalWindowTest, AsksSoonAgainForASampleOfWhichSomethingCameMeanwhile) {
+  begin(1);
+  came_at = {};
+  for (int i = 0; i < 9; ++i) {
+    now = window.next_look();
+    asks();
+  }
+  EXPECT_EQ(window.next_look(), now + 250ms);
+  came_at = now += 250ms;
+  EXPECT_EQ(asks(), (Numbers{})) << "more of it may be on its way";
+  now += 2ms;
+  EXPECT_EQ(asks(), (Numbers{1}));
+  EXPECT_EQ(window.next_look(), now + 4ms) << "as if it was asked for the first time";
+}
+
+/// A network that delays what it sends for a while, and later does not any more.
+class RepairDelayTest : public ArrivalWindowTest {
+ protected:
+  /// One sample is missing. It comes so often as soon as it is asked for. Returns how long that took.
+  ArrivalWindow::Time::duration lose_one(int times_that_it_comes) {
+    const auto noticed = now;
+    come(ordinal_ + 1);
+    now = window.next_look();
+    EXPECT_EQ(asks(), (Numbers{ordinal_}));
+    for (int i = 0; i < times_that_it_comes; ++i) come(ordinal_);
+    EXPECT_EQ(take(1), (Numbers{10 * ordinal_, 10 * ordinal_ + 10}));
+    take(2);
+    window.release();
+    ordinal_ += 2;
+    return now - noticed;
+  }
+
+ private:
+  std::uint64_t ordinal_ = 1;
+};
+
+TEST_F(RepairDelayTest, GrowsToNoMoreThanATenthOfASecond) {
+  for (int i = 0; i < 20; ++i) lose_one(2);
+  EXPECT_EQ(lose_one(2), 100ms);
+}
+
+TEST_F(RepairDelayTest, IsShortAgainAfterFortyRepairsThatCameOnce) {
+  for (int i = 0; i < 20; ++i) lose_one(2);
+  for (int i = 0; i < 40; ++i) lose_one(1);
+  EXPECT_EQ(lose_one(1), 2ms);
+}
+
 TEST_F(ArrivalWindowTest, AsksForMoreOnlyAsWhatItAskedForComes) {
   hear(1, 101);
   now += 2ms;
@@ -373,6 +433,18 @@ TEST_F(ArrivalWindowTest, BeginsAnewWithWhatItHearsFirstWhereItLeftAndJoinsAgain
   again.whole(met.place, sample(50));
   EXPECT_EQ(again.ack(1).next, 6U) << "what was sent meanwhile is not asked for";
   EXPECT_EQ(again.next(1, [](const auto&, std::uint64_t) { return true; })->sequence, 50U);
+}
+
+TEST_F(ArrivalWindowTest, MarksWhereItLeftByTheOrdinalsOfTheChannelThatItWasIn) {
+  for (std::uint64_t ordinal = 1; ordinal <= 5; ++ordinal) come(ordinal);
+  hear(1, 3, 2);
+  const auto mark = window.mark();
+  ASSERT_TRUE(mark);
+  EXPECT_EQ(mark->channel, 2U);
+  EXPECT_EQ(mark->end, 3U);
+  hear(7, 7, 2);
+  EXPECT_EQ(window.mark()->end, 7U);
+  EXPECT_FALSE(ArrivalWindow({}).mark()) << "a window that heard nothing was in no channel";
 }
 
 TEST_F(ArrivalWindowTest, BeginsWithTheFirstOfANewChannelWhereItJoinsAgain) {

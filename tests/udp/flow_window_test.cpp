@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "udp_transport/receive_shares.h"
 
 namespace sft::udp {
@@ -102,7 +104,8 @@ TEST_F(FlowWindowTest, MarksNothingOfWhatIsLessThanAMegabytePerSecond) {
 TEST_F(FlowWindowTest, AsksWhoHasNeverReportedHoweverFastItMayTakeWhatIsSent) {
   window.announce(8 << 20);
   std::size_t sent = 0;
-  for (; !window.mark(now) && sent < 2'000'000; now += 1ms) {  // slower than such a buffer is believed to be read
+  for (; !window.mark(now) && sent < 2'000'000;
+       now += 1ms) {  // slower than such a buffer is believed to be read
     window.sent(100'000, 1, now);
     sent += 100'000;
   }
@@ -207,6 +210,102 @@ TEST_F(FlowWindowTest, SendsLessWhereMuchGetsLost) {
     }
   }
   EXPECT_LT(window.window(), before / 4);
+}
+
+/// What is left of the window after twenty reports of the same loss.
+std::size_t window_where_gets_lost(double share) {
+  FlowWindow window{flow, FlowLimits{}};
+  FlowWindow::Time now{1h};
+  for (int reports = 0; reports < 20;) {
+    while (window.room(Size::large, now) > 0) window.sent(batch_bytes, batch_datagrams, now);
+    const auto mark = window.mark(now);
+    now += 100us;
+    if (!mark) continue;
+    const auto came = static_cast<std::uint32_t>(mark->datagrams * (1 - share));
+    (void)window.hear({flow, mark->position, 24'000'000, mark->datagrams, came, mark->sent_at_ns}, now);
+    ++reports;
+  }
+  return window.window();
+}
+
+TEST(FlowWindowsTest, TakeMoreThanATenthForMuch) {
+  constexpr std::size_t first = FlowLimits{}.first_bytes;
+  EXPECT_GT(window_where_gets_lost(0), 4 * first);
+  EXPECT_GT(window_where_gets_lost(0.05), 4 * first);
+  EXPECT_LT(window_where_gets_lost(0.15), first / 4);
+  EXPECT_LT(window_where_gets_lost(0.3), first / 4);
+}
+
+TEST_F(FlowWindowTest, BecomesSmallerOnceForWhatWasLostTogether) {
+  std::uint32_t came = 0;
+  std::size_t before = 0, reports = 0;
+  for (int round = 0; round < 6; ++round) {  // a small window is marked several times
+    before = window.window();
+    send_while_there_is_room();
+    reports = marks.size();
+    now += 100us;
+    for (const FlowMark& mark : std::exchange(marks, {})) {
+      FlowReport hardly_any = report(mark, 24'000'000);
+      hardly_any.came = ++came;
+      (void)window.hear(hardly_any, now);
+    }
+  }
+  ASSERT_GE(reports, 2U);
+  EXPECT_EQ(window.window(), before / 10 * 7);
+}
+
+TEST_F(FlowWindowTest, GrowsLittleWhereThereIsAShortQueueOnTheWay) {
+  send_while_there_is_room();
+  answer(24'000'000);
+  const std::size_t before = window.window();
+  for (int i = 0; i < 5; ++i) {
+    send_while_there_is_room();
+    answer(24'000'000, 2100us);
+  }
+  EXPECT_GT(window.window(), before);
+  EXPECT_LT(window.window(), 2 * before) << "without the queue it would have grown tenfold";
+}
+
+TEST_F(FlowWindowTest, GrowsToTheReceiversShareWithinTenTimesThereAndBack) {
+  int rounds = 0;
+  for (; window.window() < 20'000'000 && rounds < 20; ++rounds) {
+    send_while_there_is_room();
+    answer(20'000'000);
+  }
+  EXPECT_LE(rounds, 10);
+}
+
+TEST_F(FlowWindowTest, EmptiesTheWayEveryTenSecondsToSeeHowShortItIs) {
+  std::size_t before = 0, least = SIZE_MAX;
+  const auto go_on_until = [&](FlowWindow::Time end) {
+    for (; now < end; now += 9900us) {
+      send_while_there_is_room();
+      answer(4'000'000);
+      least = std::min(least, window.window());
+    }
+  };
+  const auto start = now;
+  go_on_until(start + 9s);
+  before = window.window();
+  EXPECT_EQ(before, 4'000'000U);
+  least = SIZE_MAX;
+  go_on_until(start + 9900ms);
+  EXPECT_EQ(least, before);
+  go_on_until(start + 11s);
+  EXPECT_LT(least, before * 4 / 5);
+  EXPECT_EQ(window.window(), before) << "it grows again at once";
+}
+
+TEST_F(FlowWindowTest, BelievesNoReportThatALaterOneOvertook) {
+  send_while_there_is_room();
+  ASSERT_GE(marks.size(), 1U);
+  const FlowMark old = marks.front();
+  answer(200'000);
+  send_while_there_is_room();
+  answer(200'000);
+  const std::size_t window_bytes = window.window();
+  EXPECT_FALSE(window.hear(report(old, 1), now));
+  EXPECT_EQ(window.window(), window_bytes);
 }
 
 TEST_F(FlowWindowTest, IgnoresReportsOfWhatWasNeverSentAndOfOthers) {

@@ -48,6 +48,8 @@ TEST(IntervalSet, AgreesWithABitmapOnRandomRanges) {
       const std::uint32_t end = begin + 1 + random() % std::min<std::uint32_t>(40, 300 - begin - 1);
       const auto first = bitmap.begin() + begin;
       const auto fresh = static_cast<std::uint32_t>(std::count(first, bitmap.begin() + end, false));
+      const auto beside = bitmap.begin() + (begin == 0 ? 0 : begin - 1);
+      ASSERT_EQ(set.stands_alone(begin, end), std::count(beside, bitmap.begin() + end + 1, true) == 0);
       std::fill(first, bitmap.begin() + end, true);
       ASSERT_EQ(set.add(begin, end), fresh);
       ASSERT_EQ(set.covered(), static_cast<std::uint32_t>(std::count(bitmap.begin(), bitmap.end(), true)));

@@ -188,6 +188,31 @@ TEST_F(MulticastGroupTest, SendsAgainToAllWhatASecondOneAsksForAndAnswersOthersN
   EXPECT_EQ(ask(2, lost), 1U) << "that did not help it";
 }
 
+TEST_F(MulticastGroupTest, TakesWhatIsAskedForWithinATenthOfASecondForLostTogether) {
+  all_report();
+  const std::uint64_t first = send(), second = send();
+  EXPECT_EQ(ask(0, first), 1U);
+  now += 99ms;
+  EXPECT_EQ(ask(1, first), 0U);
+  EXPECT_EQ(ask(0, second), 1U);
+  now += 100ms;
+  EXPECT_EQ(ask(1, second), 1U);
+  EXPECT_EQ(sent_again(), 1U);
+}
+
+/// Each channel has places from before the group.
+TEST_F(MulticastGroupTest, AnswersEachAloneOfASampleThatAnotherGroupWasSent) {
+  all_report();
+  JobHandle sent = job(8);
+  const std::uint64_t ordinal = group->next_ordinal(now);
+  for (std::size_t i = 0; i < 3; ++i)
+    group->placed(i, ordinal, keep(*group->members()[i].channel, sent, group->hears(i)));
+  sent->first.group = {number + 1, 0, ordinal};
+  group->left(*sent, false);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(ask(i, ordinal), 1U);
+  EXPECT_EQ(sent_again(), 0U);
+}
+
 TEST_F(MulticastGroupTest, AnswersEachAloneOfALargeSample) {
   all_report();
   const std::uint64_t lost = send(20'000);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "jobs.h"
 #include "messages.h"
 
 namespace sft::udp {
@@ -109,6 +110,27 @@ TEST_F(ResendWindowTest, LetsGoOfWhatHasLeftWhereTheOtherEndHasGivenUpOnMore) {
   ack(6);
   EXPECT_EQ(window.kept(), 3U);
   EXPECT_EQ(send(), numbers(4, 6));
+}
+
+TEST(ResendWindowsTest, RepairNoMoreThanFiveHundredAndTwelvePartsThatAreAskedForTogether) {
+  ResendWindow window{writer, channel, {.samples = 1000}};
+  const auto jobs = JobPool::make();
+  const JobHandle one = test::make_job(*jobs, 1);
+  const auto send = [&window] {
+    std::size_t sent = 0;
+    for (; const auto piece = window.next(Size::small, ResendWindow::Time{1h}); ++sent)
+      window.finished(*piece, ResendWindow::Time{1h});
+    return sent;
+  };
+  for (int i = 0; i < 600; ++i) window.keep(one, one->first);
+  EXPECT_EQ(send(), 600U);
+  for (std::uint32_t ordinal = 1; ordinal <= 600; ++ordinal) {
+    Ack ack{.writer = writer, .channel = channel, .next = 1};
+    ack.missing[ack.missing_count++] = {ordinal, 0, 0};
+    window.hear(ack, ResendWindow::Time{1h});
+  }
+  EXPECT_EQ(send(), 512U);
+  EXPECT_EQ(window.repairs(), 512U);
 }
 
 TEST_F(ResendWindowTest, LetsSmallSamplesOvertakeLargeOnes) {
