@@ -260,6 +260,20 @@ TEST(HostileElements, JumpsBehindTheLastOneThatIsThereGiveEmptyValues) {
   EXPECT_TRUE(sample.state().is_malformed());
 }
 
+TEST(HostileElements, GoingForwardEndsBehindTheLastOneThatIsThere) {
+  Sample sample(cloud_with_fields(10));
+  put_u32(sample, fields_slot, 60);
+  const auto fields = sample.view<PointCloud2>().fields();
+  std::size_t steps = 0;
+  for (auto field = fields.begin(); field != fields.end(); ++field) {
+    EXPECT_FALSE(sample.state().is_malformed()) << steps;
+    ++steps;
+  }
+  EXPECT_GE(steps, 10U);
+  EXPECT_LT(steps, 60U);
+  EXPECT_TRUE(sample.state().is_malformed());
+}
+
 TEST(HostileElements, BytesThatChangeAfterTheFirstJumpHarmNobody) {
   Sample sample(cloud_with_fields(100));
   const auto fields = sample.view<PointCloud2>().fields();

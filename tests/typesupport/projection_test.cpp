@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <ctime>
 #include <nav_msgs/msg/Odometry.hpp>
 #include <numeric>
 #include <proof.hpp>
@@ -146,6 +147,28 @@ TEST(ProjectionTest, ElementsOfWhichTheDistanceChangesAreCopiedOneByOne) {
   const Projected projected(message, F::pairs.each.b | F::last);
   EXPECT_EQ(projected.referenced_bytes(), 0U);
   EXPECT_EQ(projected.decoded().pairs[999].b, 499.5);
+}
+
+/// Only a type that somebody made by hand has these. All four billion of them would take a minute.
+TEST(ProjectionTest, AHugeCountOfElementsWithoutBytesCostsNothing) {
+  const std::vector<Member> nothing{{.name = "a", .kind = Kind::uint8, .shape = Shape::array, .count = 0},
+                                    {.name = "b", .kind = Kind::uint8, .shape = Shape::array, .count = 0}};
+  const StructType element("test::Nothing", nothing);
+  const std::vector<Member> members{
+      {.name = "elements", .kind = Kind::structure, .shape = Shape::sequence, .type = &element}};
+  const StructType type("test::Several", members);
+  const TypeSupport support(type);
+  const std::uint32_t count = 0xFFFFFFFF, index = 0;
+  alignas(8) std::byte body[4];
+  std::memcpy(body, &count, sizeof count);
+  const FieldMask full = support.full();
+  const SampleState source{.body = body, .body_bytes = sizeof body, .index = &index, .mask = &full};
+  Projection projection;
+  const std::clock_t before = std::clock();
+  EXPECT_TRUE(
+      projection.project(source, ProjectionPlan(type, *support.parse_mask("elements.size elements[].a"))));
+  EXPECT_LT(std::clock() - before, CLOCKS_PER_SEC);
+  EXPECT_EQ(projection.bytes(), sizeof count);
 }
 
 TEST(ProjectionTest, OfASequenceInAnElementTheLengthAloneMayBeAskedFor) {

@@ -6,7 +6,12 @@
 
 #include <proof.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
+#include <set>
+#include <string>
+#include <string_view>
 #include <torture.hpp>
+#include <utility>
+#include <vector>
 
 #include "sft/typesupport/dynamic_type.h"
 #include "tests/support/message_types.h"
@@ -71,8 +76,28 @@ class FirstDifference : public ::testing::Test {
  protected:
   using Members = std::vector<Member>;
 
+  /// Wherever there is one, the hashes differ, too.
   static std::string between(const Members& here, const Members& there) {
-    return first_difference(StructType("T", here), StructType("T", there));
+    const StructType a("T", here), b("T", there);
+    const std::string difference = first_difference(a, b);
+    EXPECT_EQ(difference.empty(), structure_hash(a) == structure_hash(b)) << difference;
+    return difference;
+  }
+  /// Those that differ from this one in a single thing, and what that is.
+  static std::vector<std::pair<Member, std::string_view>> neighbours_of(const Member& original) {
+    std::vector<std::pair<Member, std::string_view>> all;
+    const auto add = [&](std::string_view what, const auto& change) {
+      change(all.emplace_back(original, what).first);
+    };
+    add("key", [](Member& m) { m.key = !m.key; });
+    add("name", [](Member& m) { m.name = "another"; });
+    if (original.shape == Shape::single) add("shape", [](Member& m) { m.shape = Shape::sequence; });
+    if (original.shape == Shape::sequence) add("bound", [](Member& m) { m.bound += 7; });
+    if (original.shape == Shape::array) add("count", [](Member& m) { m.count += 1; });
+    if (original.kind == Kind::string) add("length of strings", [](Member& m) { m.string_bound += 7; });
+    if (original.kind == Kind::uint8) add("kind", [](Member& m) { m.kind = Kind::int8; });
+    if (original.kind == Kind::float64) add("kind", [](Member& m) { m.kind = Kind::int64; });
+    return all;
   }
   static Member one(std::string_view name, Kind kind = Kind::uint32) { return {.name = name, .kind = kind}; }
   static Member of(std::string_view name, Shape shape, const StructType& type) {
@@ -175,6 +200,22 @@ TEST_F(FirstDifference, IsFoundExactlyWhereTheHashesDiffer) {
           << a.support->name() << " and " << b.support->name();
     }
   }
+}
+
+TEST_F(FirstDifference, IsFoundInEachMemberThatIsNotQuiteTheSame) {
+  std::set<std::string_view> tried;
+  for (const test::MessageType& type : test::all_types()) {
+    const Members here(type.type().members.begin(), type.type().members.end());
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      for (const auto& [neighbour, what] : neighbours_of(here[i])) {
+        Members there = here;
+        there[i] = neighbour;
+        EXPECT_NE(between(here, there), "") << type.support->name() << ", " << here[i].name << ": " << what;
+        tried.insert(what);
+      }
+    }
+  }
+  EXPECT_EQ(tried.size(), 7U) << "each kind of difference was there";
 }
 
 }  // namespace
