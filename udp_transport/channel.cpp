@@ -73,6 +73,18 @@ std::optional<Channel::Posted> Channel::post_ahead(const JobHandle& job, const F
   return posted;
 }
 
+bool Channel::has_room(const Job& job) {
+  const std::scoped_lock lock(mutex_);
+  return has_room_for(job);
+}
+
+bool Channel::has_room_or_tells(const Job& job) {
+  const std::scoped_lock lock(mutex_);
+  const bool has_room = has_room_for(job);
+  tells_of_room_ = !has_room;
+  return has_room;
+}
+
 bool Channel::keeps(std::uint64_t ordinal) {
   const std::scoped_lock lock(mutex_);
   return window_.keeps(ordinal);
@@ -124,9 +136,10 @@ bool Channel::hear(const Ack& ack) {
   judge_length(ack, time);
   window_.hear(ack, time);
   if (awaits_room_) room_.notify_one();
-  if (!attended_) return false;
+  const bool made_room = std::exchange(tells_of_room_, false);
+  if (!attended_) return made_room;
   const bool is_due_sooner = looks_sooner(time);
-  return (window_.has_work() && !std::exchange(woken_, true)) || is_due_sooner;
+  return (window_.has_work() && !std::exchange(woken_, true)) || is_due_sooner || made_room;
 }
 
 /// By the samples that do not fit into one datagram: whether their long ones arrive, or are all asked for,

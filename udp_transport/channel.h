@@ -33,7 +33,8 @@ class Channel {
         to_(std::move(to)),
         tally_(std::move(tally)),
         port_(port),
-        window_(writer, number, ResendLimits{}, 1, std::move(memory)) {}
+        memory_(std::move(memory)),
+        window_(writer, number, ResendLimits{}, 1, memory_) {}
 
   // Any thread.
 
@@ -60,6 +61,14 @@ class Channel {
                                    std::chrono::nanoseconds* patience = nullptr);
   /// It has not been acknowledged yet, nor had to go.
   bool keeps(std::uint64_t ordinal);
+  /// Whether the job can be posted and nothing has to go for it.
+  bool has_room(const Job& job);
+  /// The same, for the sending thread: where there is no room, hear() tells when to look again.
+  bool has_room_or_tells(const Job& job);
+  /// Whether all channels of the node together keep so much that one that keeps `bytes` has to give some up.
+  bool must_give_up_some_of(std::size_t bytes) const {
+    return memory_ != nullptr && memory_->wants_some_of(bytes);
+  }
   /// The same as post(), of a sample that a group sends, too: if it is not `kept.elsewhere`, it waits here as
   /// well.
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
@@ -108,6 +117,7 @@ class Channel {
   const std::shared_ptr<Destination> to_;
   const std::shared_ptr<WriterTally> tally_;
   const std::uint16_t port_;
+  const std::shared_ptr<const KeptMemory> memory_;
   bool has_room_for(const Job& job) const;
   bool runs_ahead_with(const Job& job) const;
   bool wait_for_room(const Job& job, std::chrono::nanoseconds& patience, std::unique_lock<std::mutex>& lock);
@@ -117,7 +127,8 @@ class Channel {
   std::atomic<std::uint64_t> behind_{0};
   std::mutex mutex_;
   ResendWindow window_;
-  bool awaits_room_ = false;  ///< the publisher
+  bool awaits_room_ = false;    ///< the publisher
+  bool tells_of_room_ = false;  ///< the sending thread has something that waits for room here
   std::condition_variable room_;
   bool attended_ = false;        ///< the sending thread knows of it
   bool woken_ = false;           ///< and will look at it

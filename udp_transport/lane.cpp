@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <utility>
 
+#include "udp_transport/channel.h"
+
 namespace sft::udp {
 
 namespace {
-// Of a late lane:
+// What may wait in a late lane without a channel:
 constexpr std::size_t late_jobs_max = 256;
 constexpr std::size_t late_bytes_max = std::size_t{1} << 20;
+// And with one: as much as that may keep.
+constexpr ResendLimits channel_limits;
 
-std::size_t bytes_held(const Job& job) { return job.sample ? job.sample->capacity : 0; }
+std::size_t bytes_held(const Job& job) { return job.held_bytes_in_all(); }
 }  // namespace
 
 Lane::Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
@@ -41,6 +45,7 @@ Lane::Posted Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   if (closed()) return {};
   if (!has_room_for(*job)) oldest = pop_oldest();
   const std::size_t bytes = bytes_held(*job);
+  if (late_ && channel_ != nullptr) job->keep();
   if (oldest_ == 0) oldest_ = job->sequence;
   queue_.push_back(std::move(job));
   queued_bytes_ += bytes;
@@ -61,7 +66,20 @@ void Lane::done_with(const JobHandle& job, bool lost) const {
 
 bool Lane::has_room_for(const Job& job) const {
   if (queue_.size() < depth_) return true;
-  return late_ && queue_.size() < late_jobs_max && queued_bytes_ + bytes_held(job) <= late_bytes_max;
+  if (!late_) return false;
+  const std::size_t bytes = queued_bytes_ + bytes_held(job);
+  if (channel_ == nullptr) return queue_.size() < late_jobs_max && bytes <= late_bytes_max;
+  return queue_.size() < channel_limits.samples && bytes <= channel_limits.bytes &&
+         !channel_->must_give_up_some_of(bytes);
+}
+
+void Lane::await_room(const Job& job, std::chrono::nanoseconds& patience) {
+  using Clock = std::chrono::steady_clock;
+  std::unique_lock lock(mutex_);
+  if (closed() || has_room_for(job)) return;
+  const Clock::time_point begin = Clock::now();
+  room_.wait_until(lock, begin + patience, [&] { return closed() || has_room_for(job); });
+  patience = std::max<std::chrono::nanoseconds>(patience - (Clock::now() - begin), {});
 }
 
 /// With the mutex held; there is one.
@@ -102,6 +120,16 @@ bool Lane::begin(std::vector<JobHandle> history) {
   return scheduled_;
 }
 
+bool Lane::history_has_left() const {
+  if (!idle()) return false;
+  const std::uint64_t last = last_retained_.load(std::memory_order_acquire);
+  return last == 0 || channel_ == nullptr || channel_->closed() || !channel_->keeps(last);
+}
+
+void Lane::passed_on(std::uint64_t ordinal) {
+  if (is_retained_) last_retained_.store(ordinal, std::memory_order_release);
+}
+
 const Job* Lane::next() {
   done_with(current_, std::exchange(is_lost_, false));
   current_ = {};
@@ -112,6 +140,7 @@ const Job* Lane::next() {
     history_.pop_back();
   } else if (!queue_.empty()) {
     current_ = pop_oldest();
+    room_.notify_one();
   } else {
     scheduled_ = false;
     busy_.store(false, std::memory_order_release);
@@ -126,6 +155,7 @@ void Lane::close() {
   {
     const std::scoped_lock lock(mutex_);
     closed_.store(true, std::memory_order_release);
+    room_.notify_one();
     dropped.swap(queue_);
     queued_bytes_ = 0;
     dropped_history.swap(history_);

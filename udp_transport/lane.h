@@ -4,6 +4,8 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -39,8 +41,9 @@ class Lane {
  public:
   enum class Start : std::uint8_t { open, held };
 
-  /// Held: what is posted waits for begin(), and more may wait than `depth`, as long as it is small: nobody
-  /// falls behind there, only the history has to go first.
+  /// A held lane keeps what is posted until begin() gave it the history, which has to go first. Meanwhile
+  /// more may wait there than `depth`: 256 small samples, or with a channel as much as that may keep
+  /// (ResendLimits).
   Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
        Start start = Start::open, std::shared_ptr<Channel> channel = {});
 
@@ -75,6 +78,9 @@ class Lane {
   Posted post(JobHandle job);
   /// One more can be queued and nothing has to go for it.
   bool has_room();
+  /// Waits until the job can be queued and nothing has to go for it, as long as `patience` lasts, which it
+  /// uses up.
+  void await_room(const Job& job, std::chrono::nanoseconds& patience);
 
   /// For a job that is sent here without being queued: which one was the first.
   void mark(Job& job);
@@ -87,6 +93,9 @@ class Lane {
   /// Of a held lane: goes on, with retained samples, however many, before all that was posted; once. Whether
   /// the sending thread has to be told of this lane.
   [[nodiscard]] bool begin(std::vector<JobHandle> history);
+  /// Nothing is queued, and the reader has acknowledged what was retained, where it does that: from now on
+  /// nothing that is published can push that out.
+  bool history_has_left() const;
 
   // The sending thread.
 
@@ -97,6 +106,8 @@ class Lane {
   WriterTally& tally() const { return *tally_; }
   /// The job that next() gave did not leave.
   void lose_current();
+  /// The channel keeps the job that next() gave, under that ordinal.
+  void passed_on(std::uint64_t ordinal);
 
  private:
   void count_lost(const Job& job) const;
@@ -115,11 +126,13 @@ class Lane {
   std::atomic<bool> busy_;  ///< scheduled_ or held_, as the publisher sees it
   std::atomic<bool> closed_{false};
   std::atomic<std::uint64_t> behind_{0};
-  JobHandle current_;         ///< the sending thread's
-  bool is_retained_ = false;  ///< likewise: what is current is no live sample
-  bool is_lost_ = false;      ///< likewise: what is current did not leave
+  std::atomic<std::uint64_t> last_retained_{0};  ///< its ordinal in the channel; 0: none was passed on
+  JobHandle current_;                            ///< the sending thread's
+  bool is_retained_ = false;                     ///< likewise: what is current is no live sample
+  bool is_lost_ = false;                         ///< likewise: what is current did not leave
   std::mutex mutex_;
-  bool scheduled_ = false;  ///< the sending thread knows of it
+  std::condition_variable room_;  ///< the queue has become shorter
+  bool scheduled_ = false;        ///< the sending thread knows of it
   bool held_;
   std::uint64_t oldest_ = 0;        ///< sequence of the first sample, once there is one
   std::vector<JobHandle> history_;  ///< goes first, the newest first

@@ -127,7 +127,7 @@ void VariantDirectory::keep_lanes_to(const std::set<const Destination*>& served,
 
 bool VariantDirectory::late_lane_idle(core::EndpointId reader) const {
   const auto lane = late_lanes_.find(reader);
-  return lane == late_lanes_.end() || lane->second->idle();
+  return lane == late_lanes_.end() || lane->second->history_has_left();
 }
 
 std::uint16_t VariantDirectory::unused_number() {

@@ -107,7 +107,7 @@ void Sender::send_small() {
   for (Flow& flow : flows_) {
     if (flow.lane->closed()) flow.fragments.reset();
     if (!flow.fragments && !begin(flow)) flow.lane.reset();
-    if (flow.lane && flow.size == Size::small) advance(flow);
+    if (flow.lane && flow.fragments && flow.size == Size::small) advance(flow);
   }
   for (Attended& attended : attended_) {
     advance_channel(attended.small);
@@ -174,7 +174,7 @@ void Sender::take_over_scheduled() {
 bool Sender::begin(Flow& flow) {
   flow.fragments.reset();
   flow.full_since.reset();
-  if (flow.lane->channel() != nullptr) return pass_on(*flow.lane);
+  if (flow.lane->channel() != nullptr) return pass_on(flow);
   const Job* job = flow.lane->next();
   if (job == nullptr) return false;
   flow.size = ResendWindow::size_of(job->first.total);
@@ -182,11 +182,17 @@ bool Sender::begin(Flow& flow) {
   return true;
 }
 
-/// What waited for the history of a late reader, and that itself, goes on reliably. False: nothing is left.
-bool Sender::pass_on(Lane& lane) {
-  while (lane.next() != nullptr) {
+/// What waited for the history of a late reader, and that itself, goes on reliably, as far as the channel has
+/// room for it: nothing has to go there for samples that can wait here. False: nothing is left.
+bool Sender::pass_on(Flow& flow) {
+  Lane& lane = *flow.lane;
+  if (lane.closed()) flow.waits_for_room = false;
+  while (flow.waits_for_room || lane.next() != nullptr) {
     const JobHandle& job = lane.current();
+    flow.waits_for_room = !lane.channel()->has_room_or_tells(*job);
+    if (flow.waits_for_room) return true;
     const Channel::Posted posted = lane.channel()->post(job, job->first, false);
+    lane.passed_on(posted.kept.ordinal);
     if (posted.was_at_rest) schedule(lane.shared_channel());
     wake_at_ = {};
     for (std::size_t i = 0; i < posted.kept.dropped; ++i) lane.losses()->lost(0, 0);

@@ -80,6 +80,7 @@ class Sender {
     std::optional<Fragmenter> fragments{};
     std::optional<Time> full_since{};  ///< its connection, without anything sent since
     std::shared_ptr<Channel> channel{};
+    bool waits_for_room = false;  ///< the lane's current job, in the lane's channel
     Size size{};
     std::uint64_t behind = 0;  ///< the destination's position after what was sent last of a large sample
     std::optional<Channel::Piece> piece{};  ///< keeps what the fragments refer to
@@ -110,7 +111,7 @@ class Sender {
   void forget_finished();
   bool begin(Flow& flow);
   void advance(Flow& flow);
-  bool pass_on(Lane& lane);
+  bool pass_on(Flow& flow);
   void look_after(Attended& attended);
   void advance_channel(Flow& flow);
   void send(const Heartbeat& heartbeat, const Attended& attended);

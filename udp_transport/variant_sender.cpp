@@ -179,7 +179,7 @@ std::size_t VariantSender::send_alone(const Group& group, std::size_t place,
                                       const core::SampleHandle& sample) {
   Job& job = *blank_;
   const std::shared_ptr<Lane>& lane = group.lanes[place];
-  if (group.channels[place] != nullptr) return send_reliably(lane, group.channels[place], sample);
+  if (group.channels[place] != nullptr) return send_reliably(lane, group.channels[place]);
   const SendOutcome outcome = lane->idle() ? try_send(*lane, job) : SendOutcome::would_wait;
   if (outcome == SendOutcome::sent) return 0;
   if (outcome == SendOutcome::would_wait) {
@@ -321,18 +321,21 @@ std::size_t VariantSender::send_pack(const Held& held) noexcept try {
   return held.pack->samples();
 }
 
-/// A late reader's lane holds it back while its history goes first. Returns how many older samples had to go
-/// for it.
+/// The blank job waits in the lane of a late reader: its history goes first, and has to go for nothing.
+/// Returns how many older samples had to go for it.
+std::size_t VariantSender::send_after_history(const std::shared_ptr<Lane>& lane) {
+  if (is_small(*blank_) && !std::exchange(blank_kept_, true)) blank_->copy_body();
+  if (patience_.count() > 0) lane->await_room(*blank_, patience_);
+  return enqueue(lane) ? 0 : 1;
+}
+
+/// Returns how many older samples had to go for it.
 std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane,
-                                         const std::shared_ptr<Channel>& channel,
-                                         const core::SampleHandle& sample) {
+                                         const std::shared_ptr<Channel>& channel) {
   Job& job = *blank_;
   const std::size_t job_samples = job.samples();
   const bool small = is_small(job);
-  if (lane->is_late() && !lane->idle()) {
-    keep_for_later(sample);
-    return enqueue(lane) ? 0 : 1;
-  }
+  if (lane->is_late() && (!lane->idle() || !channel->has_room(job))) return send_after_history(lane);
   if (lane->is_late()) lane->mark(job);
   if (small && !std::exchange(blank_kept_, true) && !job.is_pack()) job.copy_body();
   const Clock::time_point now = Clock::now();

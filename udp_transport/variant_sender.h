@@ -73,8 +73,8 @@ class VariantSender {
   bool send_to_group(const Group& group, const core::SampleHandle& sample);
   std::size_t note(const Channel::Posted& posted, const std::shared_ptr<Channel>& channel, Lane& lane,
                    std::size_t job_samples);
-  std::size_t send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel,
-                            const core::SampleHandle& sample);
+  std::size_t send_after_history(const std::shared_ptr<Lane>& lane);
+  std::size_t send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel);
   bool may_send_now(Destination& to, std::chrono::steady_clock::time_point now);
   SendOutcome send_batch(Destination& to, Connection& by, std::size_t cut_for,
                          std::chrono::steady_clock::time_point now);

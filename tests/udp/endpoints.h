@@ -73,7 +73,9 @@ class Subscriber final : private core::ArrivalListener {
     listen({.writer = writer, .max_sample_bytes = max_sample_bytes});
   }
   void listen_reliably_to(core::EndpointId writer) { listen({.writer = writer, .reliable = true}); }
-  void listen_late_to(core::EndpointId writer) { listen({.writer = writer, .history_first = true}); }
+  void listen_late_to(core::EndpointId writer, bool reliable = false) {
+    listen({.writer = writer, .history_first = true, .reliable = reliable});
+  }
 
   core::ReaderPort& port() { return *port_; }
 

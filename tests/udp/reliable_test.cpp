@@ -129,6 +129,53 @@ TEST_P(ReliableTest, FallsSilentOnceAllHasCome) {
   EXPECT_TRUE(test::eventually(rests));
 }
 
+/// A publisher that has retained samples, and a reader that comes then.
+class LateReaderTest : public ReliableTest {
+ protected:
+  /// The numbers of what the reader gets where so many samples of so many bytes are retained, and `live` ones
+  /// follow. As on a reliable topic the publisher keeps what it retains.
+  std::vector<std::uint64_t> numbers_of(std::size_t retained, std::size_t bytes, std::size_t live = 0) {
+    const auto there = open({}, full_length), here = open({}, full_length);
+    const auto pool = core::BufferPool::make(std::size_t{512} << 20);
+    Subscriber late(*here, {"*"}, 1000);
+    Publisher publisher(*there);
+    late.listen_late_to(publisher.id(), true);
+    core::Route route{1, test::loopback_address(*here), test::fields<test::Image>("*")};
+    route.reliable = true;
+    route.history = static_cast<std::uint32_t>(retained);
+    publisher.port().set_routes({route});
+    std::vector<core::SampleHandle> samples;
+    for (std::size_t i = 0; i < retained; ++i) samples.push_back(publisher.make(make_image(bytes), *pool));
+    publisher.port().send_history(route, samples);
+    for (std::size_t i = 0; i < live; ++i) publisher.port().send(publisher.make(make_image(bytes), *pool));
+    std::vector<std::uint64_t> numbers;
+    while (numbers.size() < retained + live) {
+      const auto came = late.await_new(1);
+      if (came.empty()) break;
+      for (const core::SampleHandle& sample : came) numbers.push_back(sample->sequence);
+    }
+    return numbers;
+  }
+  static inline const UdpOptions full_length{.max_datagram_bytes = 65'000};
+};
+
+INSTANTIATE_TEST_SUITE_P(Backends, LateReaderTest, test::both_backends, test::backend_name);
+
+TEST_P(LateReaderTest, GetsAllThatIsRetainedAlthoughAChannelCannotKeepItAllAtATime) {
+  EXPECT_EQ(numbers_of(16, 6'000'000), up_to(16));
+}
+
+TEST_P(LateReaderTest, GetsAllThatIsRetainedWhateverItsSize) {
+  EXPECT_EQ(numbers_of(6, 16'000'000), up_to(6));
+  EXPECT_EQ(numbers_of(20, 3'000'000), up_to(20));
+  EXPECT_EQ(numbers_of(60, 1'100'000), up_to(60));
+  EXPECT_EQ(numbers_of(128, 600'000), up_to(128));
+}
+
+TEST_P(LateReaderTest, GetsWhatIsPublishedMeanwhileBehindWhatIsRetained) {
+  EXPECT_EQ(numbers_of(16, 6'000'000, 4), up_to(20));
+}
+
 TEST_P(ReliableTest, TransfersAThousandSamplesOfAllSizesBitExactOverABadLink) {
   SCOPED_TRACE(sft::test::how_to_repeat());
   sft::test::Random random{sft::test::test_seed()};

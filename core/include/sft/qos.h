@@ -19,15 +19,19 @@ enum class Reliability : std::uint8_t {
   best_effort,
   /// Nothing is lost but beyond the subscriber's depth, and in order. Over UDP what was lost on the way is
   /// sent again, as long as the publisher keeps it: the last 64 MB or 4096 samples that were not
-  /// acknowledged; less where many subscribers lag, for all of which the node keeps at most half of its
-  /// memory. A publisher that is faster than a subscriber loses it the oldest of these, or waits for it
-  /// (PublisherOptions::max_blocking): then nothing is lost beyond the depth either, as long as it waits.
+  /// acknowledged (ResendLimits); less where many subscribers lag, for all of which the node keeps at most
+  /// half of its memory (UdpSettings::memory_limit_bytes). A publisher that is faster than a subscriber loses
+  /// it the oldest of these, or waits for it (PublisherOptions::max_blocking): then nothing is lost beyond
+  /// the depth either, as long as it waits.
   reliable,
 };
 enum class Durability : std::uint8_t {
   volatile_,  ///< a subscriber gets what is published from when it is served
-  /// And before that the last samples of each publisher, as many as both sides keep, which come by UDP. As of
-  /// now a pair that rules UDP out gets none of them, which its status() says; it counts them as lost.
+  /// And before that the last samples of each publisher, as many as both sides keep
+  /// (PublisherOptions::history_depth, SubscriberOptions::depth). They come by UDP, within a host too, or in
+  /// shared memory where the pair rules UDP out. A reliable subscriber gets all of them, whatever their size:
+  /// they leave as it acknowledges them, and what is published meanwhile follows. Until they have left they
+  /// stay in memory, although the publisher may retain newer ones by then.
   transient_local,
 };
 enum class Liveliness : std::uint8_t {
