@@ -38,7 +38,7 @@ void GroupKeeper::merge(std::vector<Gathered>& routes, Time now) {
 
 void GroupKeeper::look_at(const std::vector<Gathered>& routes, Time now) {
   candidates_.clear();
-  links_ = setup_.use == Multicast::off ? std::vector<MulticastLink>{} : multicast_links(setup_.use);
+  links_ = setup_.use == Multicast::off ? std::vector<MulticastLink>{} : setup_.links(setup_.use);
   for (const Gathered& gathered : routes) {
     for (const std::shared_ptr<Destination>& to : gathered.destinations) {
       const auto [known, is_new] = candidates_.try_emplace(to.get());
@@ -175,8 +175,7 @@ std::shared_ptr<MulticastGroup> GroupKeeper::find(std::size_t place,
   return found_.emplace_back(std::move(group));
 }
 
-void GroupKeeper::merged() {
-  const Time now = std::chrono::steady_clock::now();
+void GroupKeeper::merged(Time now) {
   for (const auto& group : groups_) {
     if (!holds(found_, group)) retired_.push_back({group, now});
   }

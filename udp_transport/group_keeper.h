@@ -37,6 +37,8 @@ class GroupKeeper {
     GroupRoster* roster = nullptr;  ///< outlives it
     Connect connect;
     PlanLimits limits{};
+    /// The links that this host has at present.
+    std::function<std::vector<MulticastLink>(Multicast)> links = multicast_links;
   };
   explicit GroupKeeper(Setup setup);
 
@@ -46,7 +48,7 @@ class GroupKeeper {
   void merge(std::vector<Gathered>& routes, Time now);
   /// The group at that place with these members, known or new.
   std::shared_ptr<MulticastGroup> find(std::size_t place, std::vector<MulticastGroup::Member> members);
-  void merged();
+  void merged(Time now);
 
   /// What is to be measured; null where nobody can be in a group.
   const std::shared_ptr<BodySizes>& sizes() const { return sizes_; }

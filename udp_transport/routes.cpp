@@ -174,7 +174,8 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
   variants.next_round();
   std::vector<Gathered> groups = gather(routes, destinations);
   const ReliableReaders reliable = reliable_readers(groups);
-  if (keeper != nullptr) keeper->merge(groups, std::chrono::steady_clock::now());
+  const auto now = std::chrono::steady_clock::now();
+  if (keeper != nullptr) keeper->merge(groups, now);
   for (Gathered& gathered : groups) {
     VariantDirectory::Variant& variant = variants.find(gathered.wanted, gathered.late_reader);
     Group& group = table->groups.emplace_back(Group{ProjectionPlan(type, std::move(gathered.wanted.mask)),
@@ -202,7 +203,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
   variants.keep_lanes_to(served, late_readers);
   variants.keep_channels_to(reliable);
   if (keeper != nullptr) {
-    keeper->merged();
+    keeper->merged(now);
     table->sizes = keeper->sizes();
   }
   return table;
