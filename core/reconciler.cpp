@@ -176,8 +176,7 @@ void Reconciler::request_changed(EndpointId id) {
   }
 }
 
-std::chrono::milliseconds Reconciler::tick() {
-  const auto now = std::chrono::steady_clock::now();
+std::chrono::milliseconds Reconciler::tick(Now now) {
   look_after_shm();
   look_after_udp(now);
   forget_what_was_in_flight(now);

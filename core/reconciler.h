@@ -67,7 +67,7 @@ class Reconciler {
   std::vector<const Endpoint*> endpoints() const { return negotiation_.present(); }
 
   /// Looks after transports and time; returns when to be called again.
-  std::chrono::milliseconds tick();
+  std::chrono::milliseconds tick(Now now = std::chrono::steady_clock::now());
   /// After any of the above: makes what has changed come true.
   void reconcile();
 

@@ -104,6 +104,18 @@ TEST_F(DeliveryTest, WhatWentByASpareRouteIsToldApart) {
   EXPECT_EQ(book.of(reader).diverted, 3U);
 }
 
+TEST_F(DeliveryTest, WhatWasLostOnASpareRouteWasNotDiverted) {
+  const Tally spare = tally();
+  const auto queue = std::make_shared<LossTally>();
+  turn_to({{reader, {.tally = spare, .losses = queue, .diverted = true}}});
+  for (int i = 0; i < 3; ++i) spare->sent(10, 15);
+  queue->lost(10, 15);
+  EXPECT_EQ(book.of(reader),
+            (Delivered{.sent = 2, .dropped = 1, .diverted = 2, .bytes = 20, .bytes_saved = 10}));
+  for (int i = 0; i < 5; ++i) queue->lost(10, 15);
+  EXPECT_EQ(book.of(reader), (Delivered{.dropped = 3}));
+}
+
 TEST_F(DeliveryTest, WhatWasLostOfOthersThatWereThereBeforeIsNotCounted) {
   const Tally group = tally();
   const auto queue = std::make_shared<LossTally>();

@@ -102,6 +102,42 @@ TEST_F(NegotiationTest, OurReaderIsAttachedOnlyOnceTheHistoryHasCome) {
   EXPECT_TRUE(negotiation.hearing(200).at(0).shm);
 }
 
+class OurLateReaderTest : public NegotiationTest {
+ protected:
+  OurLateReaderTest() {
+    Endpoint reader = endpoint(Role::reader, 200);
+    reader.qos.durability = transient_local;
+    negotiation.local_added(reader, type);
+    Endpoint writer = endpoint(Role::writer, 7, here, 1);
+    writer.qos.durability = transient_local;
+    negotiation.endpoint_seen(writer);
+  }
+  void changed(TransportKind path, bool connected) {
+    negotiation.connection_changed(200, 7, path, connected);
+  }
+  bool has_begun() const { return !negotiation.local(200)->request.begun.empty(); }
+};
+
+TEST_F(OurLateReaderTest, IsOwedTheHistoryAgainOnceThePathIsGoneThatItCameBy) {
+  changed(TransportKind::udp, true);
+  negotiation.history_began(200, 7);
+  negotiation.history_came(200, 7);
+  changed(TransportKind::shm, true);
+  changed(TransportKind::shm, false);
+  EXPECT_TRUE(has_begun()) << "it came by UDP, which is there still";
+  EXPECT_TRUE(negotiation.hearing(200).at(0).shm);
+  changed(TransportKind::udp, false);
+  EXPECT_FALSE(has_begun());
+  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
+}
+
+TEST_F(OurLateReaderTest, IsOwedTheHistoryAgainOnceSharedMemoryIsGoneThatItCameBy) {
+  changed(TransportKind::shm, true);
+  negotiation.history_began(200, 7);
+  changed(TransportKind::shm, false);
+  EXPECT_FALSE(has_begun());
+}
+
 TEST_F(NegotiationTest, OurReaderTakesNothingOfADurableWriterBeforeWhatThatRetained) {
   Endpoint reader = endpoint(Role::reader, 200);
   reader.qos.durability = transient_local;

@@ -43,6 +43,32 @@ TEST_F(NegotiationTest, NothingIsSentToAReaderBeforeItSaysThatItListens) {
   EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
 }
 
+TEST_F(NegotiationTest, WhatAReaderAskedForWhileItsNodeWasSilentHoldsOnceThatIsHeardAgain) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.node_id = 66;
+  negotiation.endpoint_seen(reader);
+  negotiation.node_lost(66);
+  EXPECT_FALSE(negotiation.request_received(request(7, 2, F::data)));
+  EXPECT_TRUE(negotiation.node_returned(66));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, WhatALostReaderAskedForIsKeptUntilItIsSeenAgainHoweverLong) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.node_id = 66;
+  negotiation.endpoint_seen(reader);
+  negotiation.endpoint_lost(7, Now{});
+  negotiation.node_lost(66);
+  negotiation.request_received(request(7, 2, F::data));
+  negotiation.node_returned(66);  // discovery has not found it again
+  EXPECT_TRUE(negotiation.serving(100).udp.empty());
+  EXPECT_TRUE(negotiation.tick(Now{} + 60s)) << "the reader is forgotten, but not its request";
+  negotiation.endpoint_seen(reader);
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
 TEST_F(NegotiationTest, AReaderIsReachedInANetworkThatWeAreInToo) {
   our_writer();
   Endpoint reader = endpoint(Role::reader, 7);

@@ -113,6 +113,42 @@ TEST_F(PublisherServingTest, OnceClosedItTellsTheProgramOfNoReaders) {
   EXPECT_EQ(told, 1);
 }
 
+/// Notes to which addresses it is given what was retained.
+class HistoryPort final : public WriterPort {
+ public:
+  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
+  void set_routes(std::vector<Route>) override {}
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+  void send_history(const Route& to, std::vector<SampleHandle> samples) override {
+    given.emplace_back(std::get<UdpAddress>(to.destination).port, samples.size());
+  }
+
+  std::vector<std::pair<int, std::size_t>> given;  ///< to that port, so many samples
+};
+
+TEST_F(PublisherServingTest, ALateReaderIsGivenTheHistoryOnceAndAgainWhereItHasMoved) {
+  PublisherCore::Spec spec{1, "points", &type, 1 << 16};
+  spec.qos = {.durability = transient_local, .history_depth = 3};
+  const auto network = std::make_shared<HistoryPort>();
+  PublisherCore durable(std::move(spec), BufferPool::make(1 << 20), network);
+  for (int i = 0; i < 4; ++i) durable.publish(&cloud);
+  const auto serve_at = [&](std::uint16_t socket, std::uint32_t history) {
+    Serving serving = to_one(type.full());
+    serving.udp[0].destination = UdpAddress{0x7f000001, socket};
+    serving.udp[0].history = history;
+    durable.serve(serving, nullptr);
+  };
+  using Given = decltype(network->given);
+  serve_at(5000, 2);
+  serve_at(5000, 2);
+  EXPECT_EQ(network->given, (Given{{5000, 2}}));
+  serve_at(6000, 2);
+  EXPECT_EQ(network->given, (Given{{5000, 2}, {6000, 2}}));
+  serve_at(7000, 0);
+  serve_at(7000, 2);
+  EXPECT_EQ(network->given, (Given{{5000, 2}, {6000, 2}, {7000, 2}}));
+}
+
 /// In memory of its own, where a late reader waits that a sample is held back from while somebody looks what
 /// is retained, as often as is said.
 class MemoryPort final : public WriterPort {

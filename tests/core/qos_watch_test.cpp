@@ -103,6 +103,22 @@ TEST(OfferWatchTest, AnAutomaticWriterIsAssertedThreeTimesInALease) {
   EXPECT_EQ(sent, 30);
 }
 
+TEST(OfferWatchTest, ALeaseIsLookedAtSixTimesAndADeadlineTwiceInAPeriod) {
+  EXPECT_EQ(OfferWatch({.liveliness_lease = 90ms}, start).pace(), 15ms);
+  EXPECT_EQ(OfferWatch({.liveliness = manual_by_topic, .liveliness_lease = 90ms}, start).pace(), 15ms);
+  EXPECT_EQ(OfferWatch({.deadline = 20ms, .liveliness_lease = 90ms}, start).pace(), 10ms);
+  EXPECT_EQ(OfferWatch({.deadline = 80ms, .liveliness_lease = 90ms}, start).pace(), 15ms);
+}
+
+// Looked at at its pace an assertion is never later than that, and so never too late.
+TEST(OfferWatchTest, AnAssertionOfTheProgramIsToldWithinHalfALeaseThoughAnotherWasJustTold) {
+  OfferWatch watch({.liveliness = manual_by_topic, .liveliness_lease = 90ms}, start);
+  ASSERT_TRUE(watch.assertion_due({.asserted = 1}, true, start));
+  Now now = start + 1ms;  // the program asserts again
+  while (!watch.assertion_due({.asserted = 2}, true, now)) now += *watch.pace();
+  EXPECT_LE(now, start + 46ms);
+}
+
 TEST(OfferWatchTest, SamplesSpareAssertionsWhereEveryReaderGetsThem) {
   OfferWatch watch({.liveliness_lease = 90ms}, start);
   int told = 0, not_told = 0;

@@ -29,13 +29,14 @@ class QueuePort final : public ReaderPort {
     return sample;
   }
   Result<void> connect(const Source&) override { return {}; }
-  bool connected(EndpointId) const noexcept override { return true; }
+  bool connected(EndpointId) const noexcept override { return is_connected; }
   std::uint64_t arrivals(EndpointId) noexcept override { return samples.size(); }
   void disconnect(EndpointId) noexcept override {}
   void accept(std::vector<Accepted>) override {}
   std::uint64_t discarded() const noexcept override { return 0; }
   std::uint64_t lost_unnoticed() const noexcept override { return unnoticed; }
 
+  bool is_connected = true;
   std::uint64_t unnoticed = 0;
   std::deque<SampleHandle> samples;
 };

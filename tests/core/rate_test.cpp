@@ -1,6 +1,7 @@
 // Maximum rates: what passes, and how a reader tells what was withheld from what was lost.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -204,6 +205,27 @@ TEST_F(SequenceAccountTest, WhereTheLimitChangesWhatIsMissingIsJudgedByTheSlower
   enter(by_udp(25, 100'000, 9));  // and comes again
   EXPECT_EQ(lost, 0U);
   EXPECT_EQ(withheld, 20U);
+}
+
+// A period that was saved can still be used, so what was pushed out in it is not lost.
+TEST_F(SequenceAccountTest, UnderOneLimitWhatIsSavedOfItIsReckonedWith) {
+  std::mt19937_64 random(test::test_seed());
+  SCOPED_TRACE(test::how_to_repeat());
+  account.ask(100'000);
+  RateBudget budget(100'000);
+  std::uint64_t sequence = 1;
+  enter(by_memory(sequence));
+  budget.take(stamp(sequence));
+  for (int i = 0; i < 1000; ++i) {
+    const std::uint64_t gap = random() % 60;
+    sequence += gap + 1;
+    const std::uint64_t before = lost;
+    const std::uint64_t forfeited = gap == 0 ? 0 : std::min(gap, budget.forfeited(stamp(sequence)));
+    enter(by_memory(sequence));
+    budget.take(stamp(sequence));
+    ASSERT_EQ(lost - before, forfeited) << "behind a gap of " << gap;
+  }
+  EXPECT_GT(lost, 0U);
 }
 
 TEST_F(SequenceAccountTest, AnotherPathUnderTheSameLimitLosesNothing) {

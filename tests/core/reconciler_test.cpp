@@ -24,8 +24,11 @@ class TestWriterPort final : public WriterPort {
     routes = std::move(set);
     ++changes;
   }
+  void send_history(const Route&, std::vector<SampleHandle>) override {}
+  bool history_sent(EndpointId) noexcept override { return history_left; }
   std::uint64_t bytes_sent() const noexcept override { return ++looks, 0; }
   std::vector<Route> routes;
+  bool history_left = true;
   int changes = 0;
   mutable int looks = 0;  ///< at the state of its publisher
 };
@@ -199,6 +202,28 @@ TEST_F(ReconcilerTest, WhatIsStillInFlightOfAWriterThatWentIsTaken) {
   EXPECT_THAT(connections.writers, ElementsAre(7));
 }
 
+TEST_F(ReconcilerTest, AWriterThatWentIsDisconnectedOnceNothingOfItCanBeInFlightAnyMore) {
+  our_reader(200);
+  writer_seen(7);
+  writer_seen(8);
+  writer_departed(7);
+  const Now went = std::chrono::steady_clock::now();
+  reconciler.tick(went + AcceptedRequests::in_flight_max - std::chrono::seconds(1));
+  EXPECT_THAT(connections.writers, ElementsAre(7, 8));
+  reconciler.tick(went + AcceptedRequests::in_flight_max + std::chrono::milliseconds(1));
+  EXPECT_THAT(connections.writers, ElementsAre(8));
+}
+
+TEST_F(ReconcilerTest, AWriterThatCameBackAtOnceIsListenedToForLong) {
+  our_reader(200);
+  writer_seen(7);
+  writer_departed(7);
+  writer_seen(7);
+  reconciler.tick(std::chrono::steady_clock::now() + 2 * AcceptedRequests::in_flight_max);
+  EXPECT_THAT(connections.writers, ElementsAre(7));
+  EXPECT_THAT(discovery.sent.back().listening, ElementsAre(7));
+}
+
 // Another writer may have the same short id, until it goes.
 TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainByItself) {
   connections.refusal = "the same short id";
@@ -335,6 +360,33 @@ TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
   EXPECT_EQ(connections.ports_gone, 1);
 }
 
+// Only from a tick after it has left on may another path overtake what is still under way.
+TEST_F(ReconcilerTest, ALateReaderIsGivenTheHistoryATickAfterThatHasLeft) {
+  const auto port = std::make_shared<TestWriterPort>();
+  PublisherCore::Spec spec{7, "points", &type, 1 << 16};
+  spec.qos.durability = transient_local;
+  const auto core = std::make_shared<PublisherCore>(std::move(spec), BufferPool::make(1 << 20), port);
+  Endpoint writer = endpoint(Role::writer, 7);
+  writer.qos = {.durability = transient_local, .history_depth = 3};
+  reconciler.add_writer(writer, core);
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.qos = writer.qos;
+  reader.request.listening = reader.request.begun = {7};
+  reconciler.endpoint_seen(reader);
+  reconciler.reconcile();
+  const auto owed = [&] { return port->routes.at(0).history; };
+  EXPECT_EQ(owed(), 3U);
+  reconciler.tick();
+  EXPECT_EQ(owed(), 3U) << "it is known to have left since now";
+  port->history_left = false;
+  reconciler.tick();
+  port->history_left = true;
+  reconciler.tick();
+  EXPECT_EQ(owed(), 3U) << "more of it was sent meanwhile";
+  reconciler.tick();
+  EXPECT_EQ(owed(), 0U);
+}
+
 TEST_F(ReconcilerTest, AnAddressThatComesOrGoesIsAnnounced) {
   our_reader(200);
   reconciler.tick();
@@ -356,6 +408,118 @@ TEST_F(ReconcilerTest, ANodeSaysThatItLivesEveryNowAndThenAndToANewcomerAtOnce) 
   writer_seen(7);
   reconciler.tick();
   EXPECT_EQ(discovery.asserted.size(), 2U);
+}
+
+/// Ports in the memory of one daemon or another, as far as they come and go.
+class TestMemory final : public Transport {
+ public:
+  class Writer final : public WriterPort {
+   public:
+    explicit Writer(TestMemory& memory) : memory_(memory) { ++memory_.writers; }
+    ~Writer() override { --memory_.writers; }
+    SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
+    void set_routes(std::vector<Route>) override {}
+    std::uint64_t bytes_sent() const noexcept override { return 0; }
+
+   private:
+    TestMemory& memory_;
+  };
+  class Reader final : public ReaderPort {
+   public:
+    explicit Reader(TestMemory& memory) : memory_(memory) {}
+    SampleHandle take() noexcept override { return {}; }
+    Result<void> connect(const Source&) override { return {}; }
+    bool connected(EndpointId) const noexcept override { return memory_.attaches; }
+    HistoryProgress history(EndpointId) const noexcept override { return memory_.progress; }
+    std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
+    void disconnect(EndpointId) noexcept override {}
+    void accept(std::vector<Accepted>) override {}
+    std::uint64_t discarded() const noexcept override { return 0; }
+
+   private:
+    TestMemory& memory_;
+  };
+
+  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
+  Availability poll(Now) override { return Availability::ready; }
+  std::string description() const override { return "test"; }
+  HostToken host_token() const override {
+    HostToken token;
+    token.bytes.fill(daemon);
+    return token;
+  }
+  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override {
+    if (is_full) return fail(Errc::unavailable, "no port is left");
+    return std::make_unique<Writer>(*this);
+  }
+  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override {
+    return std::make_unique<Reader>(*this);
+  }
+
+  std::uint8_t daemon = 1;
+  bool is_full = false;
+  bool attaches = true;
+  HistoryProgress progress = HistoryProgress::awaited;
+  int writers = 0;
+};
+
+/// One node whose endpoints use shared memory only.
+class ReconcilerInMemoryTest : public ReconcilerTest {
+ protected:
+  Endpoint here(Role role, EndpointId id) const {
+    Endpoint e = endpoint(role, id);
+    e.network = 1;
+    e.may_use_udp = false;
+    e.may_use_shm = true;
+    e.addresses.clear();
+    e.host = memory.host_token();
+    e.qos = {.durability = transient_local, .history_depth = 3};
+    return e;
+  }
+  void open_reader(EndpointId id) {
+    auto core = std::make_shared<SubscriberCore>(SubscriberCore::Spec{.id = id,
+                                                                      .topic = "points",
+                                                                      .type = &type,
+                                                                      .requirement = {mask, false},
+                                                                      .options = {},
+                                                                      .callback = nullptr,
+                                                                      .rate_changed = [] {}},
+                                                 bells->at(1), nullptr);
+    node.add_reader(here(Role::reader, id), {core, nullptr, nullptr});
+    node.tick();
+  }
+  void open_writer(EndpointId id) {
+    auto core = std::make_shared<PublisherCore>(PublisherCore::Spec{id, "points", &type, 1 << 16},
+                                                BufferPool::make(1 << 20), nullptr);
+    node.add_writer(here(Role::writer, id), core);
+    node.tick();
+  }
+
+  TestMemory memory;
+  Reconciler node{our_node, 1, &memory, nullptr, discovery, dispatcher, log};
+};
+
+TEST_F(ReconcilerInMemoryTest, AReaderSaysThatTheHistoryHasBegunOnceItComesThroughMemory) {
+  open_reader(200);
+  node.endpoint_seen(here(Role::writer, 7));
+  node.tick();
+  EXPECT_THAT(discovery.sent.back().attached, ElementsAre(7));
+  EXPECT_THAT(discovery.sent.back().begun, IsEmpty());
+  memory.progress = HistoryProgress::came;
+  node.tick();
+  EXPECT_THAT(discovery.sent.back().begun, ElementsAre(7));
+}
+
+TEST_F(ReconcilerInMemoryTest, AWriterLetsGoOfItsPortWhenTheDaemonIsAnotherOne) {
+  memory.attaches = false;
+  node.tick();
+  open_reader(200);
+  open_writer(7);
+  EXPECT_EQ(memory.writers, 1);
+  memory.daemon = 2;
+  memory.is_full = true;
+  node.tick();
+  EXPECT_EQ(memory.writers, 0) << "although nothing else is to be served than before";
 }
 
 }  // namespace

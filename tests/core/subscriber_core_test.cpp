@@ -104,6 +104,16 @@ TEST_F(SubscriberCoreTest, WhatWentByUdpBeforeItsWriterWasLookedForIsNotWaitedFo
   EXPECT_EQ(taken(), (Sequences{2}));
 }
 
+TEST_F(SubscriberCoreTest, WhatWentByUdpToOthersIsNotWaitedForWhereNobodyListensThere) {
+  udp->is_connected = false;
+  arrives(*shm, 1);
+  arrives_after_diverted(3, 2, realtime_ns());
+  EXPECT_EQ(taken(), (Sequences{1, 3}));
+  subscriber->set_port(TransportKind::udp, nullptr);
+  arrives_after_diverted(5, 4, realtime_ns());
+  EXPECT_EQ(taken(), (Sequences{5}));
+}
+
 TEST_F(SubscriberCoreTest, OneThatWaitsInVainIsLookedAtAgain) {
   arrives_after_diverted(2, 1, realtime_ns());
   EXPECT_FALSE(subscriber->wait({}));
