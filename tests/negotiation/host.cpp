@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
+#include <grp.h>
 #include <net/if.h>
 #include <sched.h>
 #include <signal.h>
@@ -19,7 +20,6 @@
 #include <utility>
 
 #include "tests/support/eventually.h"
-#include "tests/support/isolated_host.h"
 
 namespace sft::test {
 
@@ -54,6 +54,11 @@ void set_address(int control, unsigned long what, std::uint32_t ipv4) {
   address.sin_addr.s_addr = htonl(ipv4);
   std::memcpy(&request.ifr_addr, &address, sizeof address);
   checked(ioctl(control, what, &request), "the address of eth0");
+}
+
+/// Without any other group than its own.
+bool become(uid_t user) noexcept {
+  return user == 0 || (setgroups(0, nullptr) == 0 && setgid(user) == 0 && setuid(user) == 0);
 }
 
 void mounted(bool done) {
@@ -123,16 +128,17 @@ bool Host::enter() const noexcept {
 
 /// Between fork() and exec only what is safe while other threads of this process hold locks.
 Process::Process(const Host& host, const std::string& program, const std::vector<std::string>& arguments,
-                 int input) {
-  const std::string path = program_directory() + "/" + program;
+                 int input, const Account& account) {
+  const std::string path = account.programs + "/" + program;
   std::vector<char*> words{const_cast<char*>(path.c_str())};
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
   pid_ = fork();
   if (pid_ != 0) return;
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (input >= 0) dup2(input, STDIN_FILENO);
-  if (host.enter()) execv(words[0], words.data());
+  const bool ready = host.enter() && become(account.user);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a change of the user would undo it
+  if (ready) execv(words[0], words.data());
   _exit(127);
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/negotiation/network.h"
+#include "tests/support/isolated_host.h"
 
 namespace sft::test {
 
@@ -48,12 +49,18 @@ class Host {
   int control_ = -1;  ///< a socket of that network, to set its interfaces
 };
 
+/// Who runs a program, and which directory the program lies in. The account must be able to reach that one.
+struct Account {
+  uid_t user = 0;  ///< also the number of its only group; 0: whoever runs the test
+  std::string programs = program_directory();
+};
+
 /// A program of the project, running on a host; killed with this at the latest.
 class Process {
  public:
   /// `input` becomes its standard input.
   Process(const Host& host, const std::string& program, const std::vector<std::string>& arguments,
-          int input = -1);
+          int input = -1, const Account& account = {});
   ~Process() { kill_now(); }
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -62,6 +69,7 @@ class Process {
   void signal(int number) const;
   /// kill -9; returns when it is gone.
   void kill_now();
+  pid_t pid() const { return pid_; }
   /// Waits for its end. Its exit code, or minus the signal that ended it; or minus SIGALRM if it does not
   /// end.
   int wait_for_end();

@@ -17,13 +17,15 @@ constexpr int patience_ms = 20'000;
 constexpr std::size_t answer_bytes_max = 256 * 1024;
 }  // namespace
 
-Peer::Peer(const Host& host, std::string name, json options) : name_(std::move(name)) {
+Peer::Peer(const Host& host, std::string name, json options, const Account& account)
+    : name_(std::move(name)) {
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
     throw std::system_error(errno, std::generic_category(), "socketpair");
   socket_ = ends[0];
   options["name"] = name_;
-  process_ = std::make_unique<Process>(host, "negotiation_peer", std::vector{options.dump()}, ends[1]);
+  process_ =
+      std::make_unique<Process>(host, "negotiation_peer", std::vector{options.dump()}, ends[1], account);
   close(ends[1]);
 }
 

@@ -15,7 +15,7 @@ using nlohmann::json;
 class Peer {
  public:
   /// Options: cyclonedds, port, start_daemon (peer_main.cpp).
-  Peer(const Host& host, std::string name, json options = json::object());
+  Peer(const Host& host, std::string name, json options = json::object(), const Account& account = {});
   ~Peer();
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
@@ -44,6 +44,10 @@ class Peer {
   void repeat_control() { ask({{"do", "repeat"}}); }
 
   json status() { return ask({{"do", "status"}}); }
+  /// What it says of the nodes of that name alone: "reader" and "writer" are entries of such nodes, rather of
+  /// one that is served; "taken" is what was taken of that writer.
+  json look_at(const std::string& node) { return ask({{"do", "look"}, {"node", node}}); }
+  pid_t pid() const { return process_->pid(); }
 
   /// SIGSTOP, SIGCONT
   void signal(int number) { process_->signal(number); }

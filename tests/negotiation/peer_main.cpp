@@ -19,6 +19,19 @@ namespace {
 
 using nlohmann::json;
 
+bool is_up(const ReaderStatus& reader) { return reader.served; }
+bool is_up(const WriterStatus& writer) { return writer.matched && writer.alive; }
+
+/// The entry of that node, rather one that is up; null if there is none.
+template <class Entries>
+json entry_of(const Entries& entries, const std::string& node) {
+  json found;
+  for (const auto& entry : entries) {
+    if (entry.node == node && (found.is_null() || is_up(entry))) found = to_json(entry);
+  }
+  return found;
+}
+
 constexpr const char* topic = "points";
 constexpr std::size_t message_bytes_max = 256 * 1024;
 
@@ -40,6 +53,7 @@ class Peer {
   json obey(const json& command) {
     const std::string what = command.at("do");
     if (what == "status") return status();
+    if (what == "look") return look_at(command.at("node"));
     static const std::map<std::string, void (Peer::*)(const json&)> verbs{
         {"publisher", &Peer::open_publisher},
         {"subscriber", &Peer::open_subscriber},
@@ -95,6 +109,21 @@ class Peer {
       all["taken"] = subscribing_->taken();
     }
     return all;
+  }
+
+  /// Short, however many endpoints there are.
+  json look_at(const std::string& node) const {
+    json seen{{"shm", node_.status().shm}};
+    if (publishing_) {
+      seen["reader"] = entry_of(publishing_->status().readers, node);
+    }
+    if (subscribing_) {
+      seen["writer"] = entry_of(subscribing_->status().writers, node);
+      for (const json& taken : subscribing_->taken()) {
+        if (!seen["writer"].is_null() && taken["writer"] == seen["writer"]["id"]) seen["taken"] = taken;
+      }
+    }
+    return seen;
   }
 
   EventList offered_;

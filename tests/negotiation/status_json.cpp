@@ -22,15 +22,28 @@ json peer_json(const Peer& peer) {
 
 }  // namespace
 
+json to_json(const ReaderStatus& reader) {
+  json entry = peer_json(reader);
+  entry.update({{"served", reader.served},
+                {"mask", to_string<PointCloud2>(reader.mask)},
+                {"max_rate_hz", reader.max_rate_hz},
+                {"request", reader.request_sequence}});
+  return entry;
+}
+
+json to_json(const WriterStatus& writer) {
+  json entry = peer_json(writer);
+  entry.update({{"matched", writer.matched},
+                {"alive", writer.alive},
+                {"received", writer.received},
+                {"lost", writer.lost},
+                {"expired", writer.expired}});
+  return entry;
+}
+
 json to_json(const PublisherStatus& status) {
   json readers = json::array();
-  for (const ReaderStatus& r : status.readers) {
-    readers.push_back(peer_json(r));
-    readers.back().update({{"served", r.served},
-                           {"mask", to_string<PointCloud2>(r.mask)},
-                           {"max_rate_hz", r.max_rate_hz},
-                           {"request", r.request_sequence}});
-  }
+  for (const ReaderStatus& reader : status.readers) readers.push_back(to_json(reader));
   return {{"published", status.published},
           {"dropped", status.dropped},
           {"bytes_sent", status.bytes_sent},
@@ -39,14 +52,7 @@ json to_json(const PublisherStatus& status) {
 
 json to_json(const SubscriberStatus& status) {
   json writers = json::array();
-  for (const WriterStatus& w : status.writers) {
-    writers.push_back(peer_json(w));
-    writers.back().update({{"matched", w.matched},
-                           {"alive", w.alive},
-                           {"received", w.received},
-                           {"lost", w.lost},
-                           {"expired", w.expired}});
-  }
+  for (const WriterStatus& writer : status.writers) writers.push_back(to_json(writer));
   return {{"received", status.received}, {"lost", status.lost},
           {"withheld", status.withheld}, {"mask", to_string<PointCloud2>(status.mask)},
           {"requests", status.requests}, {"writers", std::move(writers)}};
