@@ -1,0 +1,61 @@
+// What hostile programs and mishaps do to honest programs. An act begins, goes on for a while and ends. Each
+// act is a function that returns its three parts, and has a line in the table of acts.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <functional>
+#include <random>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace sft::hostile {
+
+using Random = std::mt19937_64;
+
+/// Parts of an act that are empty do nothing.
+struct Act {
+  std::function<void()> begin{};
+  /// Called every 10 ms while the act lasts.
+  std::function<void()> go_on{};
+  /// Takes back what would go on by itself. What was broken stays broken.
+  std::function<void()> end{};
+  /// What the act got that nobody may get: a sentence, or nothing.
+  std::function<std::string()> loot{};
+};
+
+/// What an act knows of the programs that it is directed against.
+struct Target {
+  uid_t account = 0;  ///< that runs the honest programs and their daemon
+  Random random{};
+};
+
+enum class Attacker : std::uint8_t {
+  stranger,   ///< another account of the publisher's host, without any rights
+  owner,      ///< the account of the honest programs: what it does to itself by mistake
+  neighbour,  ///< root of another host of the network
+};
+
+/// What the honest programs are spared while the act lasts.
+enum class Harm : std::uint8_t {
+  none,       ///< all pairs are served
+  floods,     ///< the act takes so much of the network or the processor that samples may fail to come
+  stops_near  ///< the act stops the subscriber on the publisher's host
+};
+
+struct Entry {
+  std::string_view name;
+  std::string_view sentence;  ///< what the attacker does
+  Attacker attacker;
+  Harm harm;
+  Act (*make)(Target& target);
+};
+
+/// All acts, in the order of the reader's interest: files, shared memory, mishaps, control, datagrams.
+std::span<const Entry> acts();
+/// Null if there is no act of that name.
+const Entry* find_act(std::string_view name);
+
+}  // namespace sft::hostile

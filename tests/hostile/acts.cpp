@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <array>
+
+#include "tests/hostile/act.h"
+#include "tests/hostile/control_acts.h"
+#include "tests/hostile/daemon_acts.h"
+#include "tests/hostile/datagram_acts.h"
+#include "tests/hostile/file_acts.h"
+
+namespace sft::hostile {
+
+namespace {
+
+using enum Attacker;
+constexpr Harm none = Harm::none;
+constexpr Harm floods = Harm::floods;
+
+constexpr std::array all_acts{
+    // Files of another account
+    Entry{"fifos", "Makes a FIFO at each name of sftd's that is free.", stranger, none, fifos},
+    Entry{"directories", "Makes a directory, which is not empty, at each such name.", stranger, none,
+          directories},
+    Entry{"dangling_links", "Makes a symbolic link to nothing at each such name.", stranger, none,
+          dangling_links},
+    Entry{"links_elsewhere", "Makes a symbolic link to a program at each such name.", stranger, none,
+          links_to_files_of_the_honest},
+    Entry{"closed_files", "Makes a file that only it may read at each such name.", stranger, none,
+          closed_files},
+    Entry{"open_files", "Makes a file that all may write at each such name.", stranger, none, open_files},
+    Entry{"hard_links", "Makes a file with two names at each such name.", stranger, none, hard_links},
+    Entry{"sockets", "Binds a socket that answers nobody at each such name.", stranger, none, sockets},
+    Entry{"snatched_names", "Makes FIFOs the moment that a name becomes free.", stranger, none,
+          snatched_names},
+    Entry{"read_locks", "Holds a read lock on each file that it can read.", stranger, none, read_locks},
+    Entry{"waiting_read_locks", "Waits for such locks, to get them when their holder dies.", stranger, none,
+          waiting_read_locks},
+    Entry{"full_shared_memory", "Fills /dev/shm.", stranger, none, full_shared_memory},
+    Entry{"full_tmp", "Fills /tmp.", stranger, none, full_tmp},
+    Entry{"no_file_numbers", "Makes 20,000 files in /dev/shm.", stranger, none, no_file_numbers},
+
+    // Daemons and doorbells of another account
+    Entry{"own_daemon", "Runs an sftd of its own.", stranger, none, own_daemon},
+    Entry{"own_daemon_open_to_all", "Runs an sftd and lets everybody in.", stranger, none,
+          own_daemon_open_to_all},
+    Entry{"own_daemon_that_shrinks", "Does that and truncates the memory.", stranger, none,
+          own_daemon_that_shrinks},
+    Entry{"own_daemon_that_is_killed", "Runs an sftd and kills it, so that its files stay.", stranger, none,
+          own_daemon_that_is_killed},
+    Entry{"shrinking_doorbell", "Announces a reader in shared memory and truncates its doorbells.", stranger,
+          none, shrinking_doorbell},
+    Entry{"doorbell_fifo", "Announces one whose doorbells are a FIFO.", stranger, none, doorbell_fifo},
+    Entry{"doorbell_of_nobody", "Announces one that has no doorbells and is not attached.", stranger, none,
+          doorbell_of_nobody},
+    Entry{"doorbells_of_the_honest", "Announces one whose doorbells are links to those of others.", stranger,
+          none, doorbells_of_the_honest},
+
+    // Mishaps
+    Entry{"removed_doorbells", "Removes the doorbells from /dev/shm.", owner, none, removed_doorbells},
+    Entry{"removed_shared_memory", "Removes all names from /dev/shm.", owner, none, removed_shared_memory},
+    Entry{"removed_tmp", "Removes all names from /tmp.", owner, none, removed_tmp},
+    Entry{"killed_daemon", "Kills sftd with kill -9.", owner, none, killed_daemon},
+    Entry{"daemon_killed_often", "Does that every 150 ms.", owner, none, daemon_killed_often},
+    Entry{"stopped_daemon", "Stops sftd with SIGSTOP.", owner, none, stopped_daemon},
+    Entry{"ended_daemon", "Ends sftd with SIGTERM.", owner, none, ended_daemon},
+    Entry{"stopped_near_reader", "Stops the subscriber in shared memory with SIGSTOP.", owner,
+          Harm::stops_near, stopped_near_reader},
+    Entry{"no_descriptors", "Leaves the publisher no descriptor more.", owner, none, no_descriptors},
+
+    // The control topics
+    Entry{"forged_disposals", "Disposes of all endpoints of others.", neighbour, none, forged_disposals},
+    Entry{"forged_deaths", "Disposes of the signs of life of others.", neighbour, none, forged_deaths},
+    Entry{"requests_with_the_last_number", "Requests nothing in others' names, with sequence 2^64-1.",
+          neighbour, none, requests_with_the_last_number},
+    Entry{"requests_to_nobody", "Requests nothing in others' names, 100 sequences ahead.", neighbour, none,
+          requests_to_nobody},
+    Entry{"altered_announcements", "Announces others' endpoints at other addresses.", neighbour, none,
+          altered_announcements},
+    Entry{"repeated_announcements", "Repeats what others announced first.", neighbour, none,
+          repeated_announcements},
+    Entry{"ten_thousand_readers", "Announces 10,000 subscribers.", neighbour, none, ten_thousand_readers},
+    Entry{"a_thousand_masks", "Announces 1,000 subscribers with as many masks.", neighbour, none,
+          a_thousand_masks},
+    Entry{"too_many_writers", "Announces 1,100 publishers.", neighbour, none, too_many_writers},
+    Entry{"two_thousand_definitions", "Announces 2,000 definitions of the type.", neighbour, none,
+          two_thousand_definitions},
+    Entry{"worst_definitions", "Announces 2,000 definitions of 4,096 leaves.", neighbour, none,
+          worst_definitions},
+    Entry{"names_with_control_characters",
+          "Announces nodes and topics with control characters in their names.", neighbour, none,
+          names_with_control_characters},
+    Entry{"senseless_announcements", "Announces endpoints with senseless fields.", neighbour, none,
+          senseless_announcements},
+    Entry{"twin_writers", "Announces publishers with the short ids of others.", neighbour, none,
+          twin_writers},
+    Entry{"reflection", "Announces a subscriber at an address that never answers.", neighbour, none,
+          reflection},
+    Entry{"reflection_to_the_own_host", "Does that, as if it were on the publisher's own host.", neighbour,
+          none, reflection_to_the_own_host},
+    Entry{"false_life", "Says that others live, with publishers that they do not have.", neighbour, none,
+          false_life},
+    Entry{"false_progress", "Says that others have sent more than anybody received.", neighbour, none,
+          false_progress},
+
+    // Datagrams
+    Entry{"sequence_jumps", "Sends a sample of a sequence far ahead.", neighbour, none, sequence_jumps},
+    Entry{"sequence_jumps_confirmed", "Sends three such samples in a row.", neighbour, none,
+          sequence_jumps_confirmed},
+    Entry{"heartbeats_from_the_far_future", "Sends heartbeats of 2^62 to 16 channels.", neighbour, none,
+          heartbeats_from_the_far_future},
+    Entry{"heartbeats_a_little_ahead", "Sends heartbeats 100,000 ahead, in the true channels.", neighbour,
+          floods, heartbeats_a_little_ahead},
+    Entry{"samples_of_sixteen_megabytes", "Begins 40 samples that claim 16 MB.", neighbour, none,
+          samples_of_sixteen_megabytes},
+    Entry{"begun_samples", "Begins 4,096 samples of a channel.", neighbour, none, begun_samples},
+    Entry{"swept_acks", "Acknowledges all ordinals of the first channels, one after the other.", neighbour,
+          none, swept_acks},
+    Entry{"overheard_acks", "Acknowledges a million ordinals ahead in the true channels.", neighbour, floods,
+          overheard_acks},
+    Entry{"forged_nacks", "Asks for 43 samples again for each heartbeat.", neighbour, floods, forged_nacks},
+    Entry{"forged_reports", "Reports that receivers have no room.", neighbour, floods, forged_reports},
+    Entry{"marks_of_made_up_senders", "Sends marks of 300 hosts that do not exist.", neighbour, none,
+          marks_of_made_up_senders},
+    Entry{"marks_for_many_ports", "Sends marks that each name another port.", neighbour, none,
+          marks_for_many_ports},
+    Entry{"heartbeats_that_name_another_host", "Sends heartbeats so that acks go to another host.", neighbour,
+          none, heartbeats_that_name_another_host},
+    Entry{"group_offers", "Offers multicast groups to subscribers.", neighbour, none, group_offers},
+    Entry{"group_reports", "Reports to publishers what came in groups that do not exist.", neighbour, none,
+          group_reports},
+    Entry{"replayed_datagrams", "Sends each datagram three times more.", neighbour, none, replayed_datagrams},
+    Entry{"replayed_datagrams_of_long_ago", "Sends the first 100 datagrams again and again.", neighbour, none,
+          replayed_datagrams_of_long_ago},
+    Entry{"mutated_datagrams", "Sends 10,000 mutated datagrams a second.", neighbour, floods,
+          mutated_datagrams},
+    Entry{"mutated_samples", "Does that with samples and what goes with them.", neighbour, floods,
+          mutated_samples},
+    Entry{"mutated_answers", "Does that with acks and reports.", neighbour, floods, mutated_answers},
+    Entry{"bit_flips", "Sends datagrams in which one bit is wrong.", neighbour, floods, bit_flips},
+    Entry{"largest_numbers", "Sends datagrams in which one number is notable.", neighbour, floods,
+          largest_numbers},
+    Entry{"truncated_datagrams", "Sends datagrams that are cut off.", neighbour, floods, truncated_datagrams},
+    Entry{"garbage", "Sends garbage to all ports of nodes.", neighbour, floods, garbage},
+    Entry{"garbage_for_discovery", "Sends garbage to the ports of DDS.", neighbour, none,
+          garbage_for_discovery},
+};
+
+}  // namespace
+
+std::span<const Entry> acts() { return all_acts; }
+
+const Entry* find_act(std::string_view name) {
+  const auto found = std::ranges::find(all_acts, name, &Entry::name);
+  return found == all_acts.end() ? nullptr : &*found;
+}
+
+}  // namespace sft::hostile

@@ -1,0 +1,291 @@
+#include "tests/hostile/control_acts.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <set>
+
+#include "sft/typesupport/dynamic_type.h"
+#include "tests/hostile/control_voice.h"
+#include "tests/hostile/wire.h"
+
+namespace sft::hostile {
+
+namespace {
+
+using core::Endpoint;
+using core::Role;
+
+constexpr std::uint64_t last_number = std::numeric_limits<std::uint64_t>::max();
+
+/// Calls `say` for every honest endpoint of that role, every time.
+Act to_each(Role role, std::function<void(ControlVoice&, const Endpoint&)> say) {
+  const auto voice = std::make_shared<ControlVoice>();
+  return {.begin = {}, .go_on = [voice, role, say = std::move(say)] {
+            for (const Endpoint& endpoint : voice->heard(role)) say(*voice, endpoint);
+          }};
+}
+
+/// A node that is made up, with so many endpoints for each honest one of that role. It says so many of these
+/// at a time, and that it lives.
+Act crowd(Target& target, Role role, std::size_t count,
+          std::function<Endpoint(const Endpoint& honest, std::uint64_t node, std::uint64_t number)> make) {
+  struct State {
+    explicit State(std::uint64_t id) : node(id) {}
+    ControlVoice voice;
+    std::uint64_t node;
+    std::size_t said = 0;
+  };
+  const auto state = std::make_shared<State>(target.random());
+  constexpr std::size_t at_a_time = 200;
+  return {.begin = {}, .go_on = [state, role, count, make = std::move(make)] {
+            state->voice.assert_life(state->node);
+            const auto honest = state->voice.heard(role);
+            if (honest.empty()) return;
+            for (std::size_t i = 0; i < at_a_time && state->said < count; ++i)
+              state->voice.announce(make(honest[0], state->node, ++state->said));
+          }};
+}
+
+/// Where nobody listens: the port "discard".
+std::vector<core::UdpAddress> nobody() { return {own_address(9)}; }
+
+std::uint64_t id_of(std::uint64_t node, std::uint64_t number) { return node + (number << 20) + number; }
+
+/// A name as a type description has it.
+std::string described(const std::string& name) {
+  return std::string(1, static_cast<char>(name.size())) + name;
+}
+
+/// Of a type of that name with 4096 leaves, in some 200 bytes: twelve structs of two members, each of which
+/// is the struct before. `number` is part of each leaf's name.
+std::vector<std::byte> deep_description(const std::string& type_name, std::uint64_t number) {
+  constexpr int structs = 12;
+  constexpr char uint8 = 4;
+  constexpr char nested = 14;
+  std::string text{'\x01', '\0', static_cast<char>(structs)};
+  const std::string leaf = "l" + std::to_string(number);
+  for (int depth = 0; depth < structs; ++depth) {
+    text += described(depth + 1 == structs ? type_name : "s" + std::to_string(depth)) + '\2';
+    for (const char* member : {"x", "y"}) {
+      text += depth == 0 ? uint8 : nested;
+      text += described(depth == 0 ? leaf + member : member);
+      if (depth > 0) text += static_cast<char>(depth - 1);
+    }
+  }
+  const auto* first = reinterpret_cast<const std::byte*>(text.data());
+  return {first, first + text.size()};
+}
+
+/// Of the honest type, but that one member has another name.
+std::vector<std::byte> renamed_description(std::vector<std::byte> description, std::uint64_t number) {
+  constexpr std::string_view member = "is_bigendian";
+  auto* text = reinterpret_cast<char*>(description.data());
+  auto* found = std::search(text, text + description.size(), member.begin(), member.end());
+  for (std::size_t i = 0; found != text + description.size() && i < 4; ++i, number /= 26)
+    found[i] = static_cast<char>('a' + number % 26);
+  return description;
+}
+
+Endpoint with_description(Endpoint reader, std::vector<std::byte> description) {
+  if (const auto type = DynamicType::parse(description)) reader.type_hash = type->hash();
+  reader.type_description = std::move(description);
+  return reader;
+}
+
+Endpoint numbered_reader(const Endpoint& writer, std::uint64_t node, std::uint64_t number) {
+  Endpoint reader = made_up_reader(writer, id_of(node, number), node, nobody());
+  reader.type_description.clear();
+  return reader;
+}
+
+/// A reader at an address that never answers. What comes there is counted.
+Act reflection_to(Target& target, bool own_host_of_the_writer) {
+  struct State {
+    explicit State(std::uint64_t id) : node(id) {}
+    ControlVoice voice;
+    Drain drain;
+    std::uint64_t node;
+    std::set<core::EndpointId> known;
+  };
+  const auto state = std::make_shared<State>(target.random());
+  return {.begin = {},
+          .go_on =
+              [=] {
+                state->voice.assert_life(state->node);
+                state->drain.count();
+                for (const Endpoint& writer : state->voice.heard(Role::writer)) {
+                  if (writer.addresses.empty() || !state->known.insert(writer.id).second) continue;
+                  Endpoint reader = made_up_reader(writer, id_of(state->node, 1), state->node,
+                                                   {own_address(state->drain.port())});
+                  reader.addresses[0].receive_buffer_bytes = 1U << 31;
+                  if (own_host_of_the_writer) reader.network = writer.network;
+                  state->voice.announce(reader);
+                }
+              },
+          .end = {},
+          .loot = [=]() -> std::string {
+            constexpr std::uint64_t a_few_datagrams = 64 * 1024;
+            if (state->drain.count() <= a_few_datagrams) return {};
+            return "A host that never answered was sent " + std::to_string(state->drain.count()) + " bytes.";
+          }};
+}
+
+}  // namespace
+
+Act forged_disposals(Target&) {
+  const auto voice = std::make_shared<ControlVoice>();
+  return {.begin = {}, .go_on = [voice] {
+            for (const Endpoint& endpoint : voice->heard()) voice->dispose(endpoint.id);
+          }};
+}
+
+Act forged_deaths(Target&) {
+  const auto voice = std::make_shared<ControlVoice>();
+  return {.begin = {}, .go_on = [voice] {
+            for (const Endpoint& endpoint : voice->heard()) voice->dispose_life(endpoint.node_id);
+          }};
+}
+
+Act requests_with_the_last_number(Target&) {
+  return to_each(Role::reader, [](ControlVoice& voice, const Endpoint& reader) {
+    core::Request request = reader.request;
+    request.sequence = last_number;
+    request.listening.clear();
+    request.attached.clear();
+    voice.request(request);
+  });
+}
+
+Act requests_to_nobody(Target&) {
+  return to_each(Role::reader, [](ControlVoice& voice, const Endpoint& reader) {
+    core::Request request = reader.request;
+    request.sequence += 100;
+    request.mask_words = {1};
+    request.listening.clear();
+    request.attached.clear();
+    voice.request(request);
+  });
+}
+
+Act altered_announcements(Target& target) {
+  const std::uint64_t node = target.random();
+  return to_each(Role::reader, [node](ControlVoice& voice, const Endpoint& reader) {
+    Endpoint altered = made_up_reader(reader, reader.id, node, nobody());
+    altered.request.sequence = reader.request.sequence + 1000;
+    altered.revision = reader.revision + 1000;
+    voice.announce(altered);
+  });
+}
+
+/// As a cache or a network may do with what was said.
+Act repeated_announcements(Target&) {
+  const auto voice = std::make_shared<ControlVoice>();
+  const auto first = std::make_shared<std::vector<Endpoint>>();
+  return {.begin = {}, .go_on = [=] {
+            const auto now = voice->heard();
+            if (first->size() < now.size()) *first = now;
+            for (const Endpoint& endpoint : *first) voice->announce(endpoint);
+          }};
+}
+
+Act ten_thousand_readers(Target& target) { return crowd(target, Role::writer, 10'000, numbered_reader); }
+
+Act a_thousand_masks(Target& target) {
+  return crowd(target, Role::writer, 1000,
+               [](const Endpoint& writer, std::uint64_t node, std::uint64_t number) {
+                 Endpoint reader = numbered_reader(writer, node, number);
+                 reader.request.mask_words = {number};
+                 return reader;
+               });
+}
+
+Act too_many_writers(Target& target) {
+  return crowd(target, Role::reader, 1100,
+               [](const Endpoint& reader, std::uint64_t node, std::uint64_t number) {
+                 Endpoint writer = made_up_writer(reader, id_of(node, number), node);
+                 writer.type_description.clear();
+                 return writer;
+               });
+}
+
+Act two_thousand_definitions(Target& target) {
+  return crowd(target, Role::writer, 2000,
+               [](const Endpoint& writer, std::uint64_t node, std::uint64_t number) {
+                 return with_description(numbered_reader(writer, node, number),
+                                         renamed_description(writer.type_description, number));
+               });
+}
+
+Act worst_definitions(Target& target) {
+  return crowd(target, Role::writer, 2000,
+               [](const Endpoint& writer, std::uint64_t node, std::uint64_t number) {
+                 return with_description(numbered_reader(writer, node, number),
+                                         deep_description(writer.type_name, number));
+               });
+}
+
+Act names_with_control_characters(Target& target) {
+  return crowd(
+      target, Role::writer, 20, [](const Endpoint& writer, std::uint64_t node, std::uint64_t number) {
+        Endpoint reader = numbered_reader(writer, node, number);
+        reader.node = number % 2 == 0 ? "x\n  [error] forged\x1b[2J" : std::string("\xff\xfe\xc0\x80", 4);
+        if (number % 3 == 0) reader.topic = "points\n";
+        return reader;
+      });
+}
+
+/// Bytes of the announcement that are nothing in particular.
+Act senseless_announcements(Target& target) {
+  return to_each(Role::writer, [&random = target.random](ControlVoice& voice, const Endpoint& writer) {
+    const Endpoint reader = made_up_reader(writer, random(), random(), nobody());
+    core::ControlStorage storage;
+    sft_control_Endpoint raw = core::to_dds(reader, storage);
+    auto* bytes = reinterpret_cast<unsigned char*>(&raw.host);
+    for (std::size_t i = 0; i < sizeof raw.host; ++i) bytes[i] = static_cast<unsigned char>(random());
+    raw.version = static_cast<std::uint8_t>(random() % 2 == 0 ? raw.version : random());
+    raw.role = static_cast<std::uint8_t>(random() % 4);
+    raw.type_hash = random();
+    raw.max_sample_bytes = last_number;
+    raw.request.request_sequence = random();
+    raw.request.min_period_us = static_cast<std::uint32_t>(random());
+    raw.qos.reliability = static_cast<std::uint8_t>(random());
+    raw.qos.deadline = random();
+    voice.announce_raw(raw);
+  });
+}
+
+/// Writers of which the short id is that of an honest one, and the whole one is smaller.
+Act twin_writers(Target& target) {
+  const std::uint64_t node = target.random();
+  return to_each(Role::writer, [node](ControlVoice& voice, const Endpoint& writer) {
+    voice.assert_life(node);
+    Endpoint twin = made_up_writer(writer, writer.id & 0xffff'ffff, node);
+    twin.addresses = nobody();
+    voice.announce(twin);
+  });
+}
+
+Act reflection(Target& target) { return reflection_to(target, false); }
+
+Act reflection_to_the_own_host(Target& target) { return reflection_to(target, true); }
+
+/// In the honest nodes' names, with writers that they do not have.
+Act false_life(Target& target) {
+  const auto voice = std::make_shared<ControlVoice>();
+  return {.begin = {}, .go_on = [voice, &random = target.random] {
+            for (const Endpoint& endpoint : voice->heard())
+              voice->assert_life(endpoint.node_id, {random(), random()});
+          }};
+}
+
+/// In the names of publishers: that they have sent far more than anybody has received.
+Act false_progress(Target&) {
+  const auto sent = std::make_shared<std::uint64_t>(1'000'000);
+  return to_each(Role::writer, [sent](ControlVoice& voice, const Endpoint& writer) {
+    voice.assert_life(writer.node_id, {}, {{writer.id, *sent += 1000}});
+  });
+}
+
+}  // namespace sft::hostile

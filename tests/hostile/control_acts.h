@@ -1,0 +1,27 @@
+// Acts on the control topics: what is said in others' names, and too much of it.
+#pragma once
+
+#include "tests/hostile/act.h"
+
+namespace sft::hostile {
+
+Act forged_disposals(Target& target);
+Act forged_deaths(Target& target);
+Act requests_with_the_last_number(Target& target);
+Act requests_to_nobody(Target& target);
+Act altered_announcements(Target& target);
+Act repeated_announcements(Target& target);
+Act ten_thousand_readers(Target& target);
+Act a_thousand_masks(Target& target);
+Act too_many_writers(Target& target);
+Act two_thousand_definitions(Target& target);
+Act worst_definitions(Target& target);
+Act names_with_control_characters(Target& target);
+Act senseless_announcements(Target& target);
+Act twin_writers(Target& target);
+Act reflection(Target& target);
+Act reflection_to_the_own_host(Target& target);
+Act false_life(Target& target);
+Act false_progress(Target& target);
+
+}  // namespace sft::hostile

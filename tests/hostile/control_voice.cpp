@@ -1,0 +1,185 @@
+#include "tests/hostile/control_voice.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <stdexcept>
+
+namespace sft::hostile {
+
+namespace {
+
+constexpr std::uint32_t domain = 0;
+
+struct QosDeleter {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
+
+/// Those that match what nodes use (core/negotiation.md).
+Qos lasting() {
+  Qos qos(dds_create_qos());
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_SECS(1));
+  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
+  dds_qset_writer_data_lifecycle(qos.get(), false);
+  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
+  return qos;
+}
+
+Qos passing() {
+  Qos qos(dds_create_qos());
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 16);
+  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, DDS_SECS(5));
+  dds_qset_writer_data_lifecycle(qos.get(), false);
+  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
+  return qos;
+}
+
+dds_entity_t sound(dds_entity_t entity) {
+  if (entity < 0) throw std::runtime_error(std::string("Cyclone DDS: ") + dds_strretcode(entity));
+  return entity;
+}
+
+template <class Sample, class Use>
+void take_all(dds_entity_t reader, Use use) {
+  std::array<void*, 1> sample{};
+  dds_sample_info_t info{};
+  while (dds_take(reader, sample.data(), &info, 1, 1) == 1) {
+    use(*static_cast<const Sample*>(sample[0]), info);
+    dds_return_loan(reader, sample.data(), 1);
+    sample[0] = nullptr;
+  }
+}
+
+}  // namespace
+
+ControlVoice::ControlVoice() {
+  participant_ = sound(dds_create_participant(domain, nullptr, nullptr));
+  const Qos control = lasting();
+  const Qos life = passing();
+  const auto topic = [&](const dds_topic_descriptor_t& type, const char* name, const Qos& qos) {
+    return sound(dds_create_topic(participant_, &type, name, qos.get(), nullptr));
+  };
+  const dds_entity_t endpoints = topic(sft_control_Endpoint_desc, "sft_endpoint", control);
+  const dds_entity_t requests = topic(sft_control_Request_desc, "sft_request", control);
+  const dds_entity_t lives = topic(sft_control_Assertion_desc, "sft_liveliness", life);
+  endpoint_reader_ = sound(dds_create_reader(participant_, endpoints, control.get(), nullptr));
+  request_reader_ = sound(dds_create_reader(participant_, requests, control.get(), nullptr));
+  endpoint_writer_ = sound(dds_create_writer(participant_, endpoints, control.get(), nullptr));
+  request_writer_ = sound(dds_create_writer(participant_, requests, control.get(), nullptr));
+  life_writer_ = sound(dds_create_writer(participant_, lives, life.get(), nullptr));
+}
+
+ControlVoice::~ControlVoice() { dds_delete(participant_); }
+
+void ControlVoice::listen() {
+  take_all<sft_control_Endpoint>(endpoint_reader_,
+                                 [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
+                                   if (!info.valid_data) return;
+                                   if (auto endpoint = core::from_dds(sample))
+                                     heard_[sample.id] = std::move(*endpoint);
+                                 });
+  take_all<sft_control_Request>(request_reader_,
+                                [&](const sft_control_Request& sample, const dds_sample_info_t& info) {
+                                  const auto reader = heard_.find(sample.reader);
+                                  if (!info.valid_data || reader == heard_.end()) return;
+                                  if (auto request = core::from_dds(sample))
+                                    reader->second.request = std::move(*request);
+                                });
+}
+
+std::vector<core::Endpoint> ControlVoice::heard() {
+  listen();
+  std::vector<core::Endpoint> all;
+  for (const auto& [id, endpoint] : heard_) all.push_back(endpoint);
+  return all;
+}
+
+std::vector<core::Endpoint> ControlVoice::heard(core::Role role) {
+  std::vector<core::Endpoint> found = heard();
+  std::erase_if(found, [&](const core::Endpoint& endpoint) { return endpoint.role != role; });
+  return found;
+}
+
+void ControlVoice::announce(const core::Endpoint& endpoint) {
+  core::ControlStorage storage;
+  announce_raw(core::to_dds(endpoint, storage));
+}
+
+void ControlVoice::announce_raw(const sft_control_Endpoint& endpoint) {
+  dds_write(endpoint_writer_, &endpoint);
+}
+
+void ControlVoice::request(const core::Request& request) {
+  const sft_control_Request sample = core::to_dds(request);
+  dds_write(request_writer_, &sample);
+}
+
+void ControlVoice::dispose(core::EndpointId endpoint) {
+  sft_control_Endpoint key{};
+  key.id = endpoint;
+  dds_dispose(endpoint_writer_, &key);
+}
+
+void ControlVoice::unregister(core::EndpointId endpoint) {
+  sft_control_Endpoint key{};
+  key.id = endpoint;
+  dds_unregister_instance(endpoint_writer_, &key);
+}
+
+void ControlVoice::assert_life(core::NodeId node, const std::vector<core::EndpointId>& writers,
+                               const std::vector<core::Progress>& progress) {
+  core::ControlStorage storage;
+  const core::Assertion assertion{node, writers, progress};
+  const sft_control_Assertion sample = core::to_dds(assertion, storage);
+  dds_write(life_writer_, &sample);
+}
+
+void ControlVoice::dispose_life(core::NodeId node) {
+  sft_control_Assertion key{};
+  key.node = node;
+  dds_dispose(life_writer_, &key);
+}
+
+core::Endpoint made_up_reader(const core::Endpoint& writer, std::uint64_t id, std::uint64_t node,
+                              std::vector<core::UdpAddress> addresses) {
+  core::Endpoint reader = writer;
+  reader.id = id;
+  reader.role = core::Role::reader;
+  reader.node_id = node;
+  reader.node = made_up;
+  reader.revision = 1;
+  reader.life_lease = std::chrono::minutes(10);
+  reader.host = {};
+  reader.network = node;
+  reader.may_use_shm = false;
+  reader.addresses = std::move(addresses);
+  reader.qos = {};
+  reader.request = {};
+  reader.request.reader = id;
+  reader.request.sequence = 1;
+  reader.request.mask_words = {~std::uint64_t{0}};
+  reader.request.listening = {writer.id};
+  return reader;
+}
+
+core::Endpoint made_up_writer(const core::Endpoint& reader, std::uint64_t id, std::uint64_t node) {
+  core::Endpoint writer = reader;
+  writer.id = id;
+  writer.role = core::Role::writer;
+  writer.node_id = node;
+  writer.node = made_up;
+  writer.revision = 1;
+  writer.life_lease = std::chrono::minutes(10);
+  writer.host = {};
+  writer.network = node;
+  writer.may_use_shm = false;
+  writer.addresses.clear();
+  writer.max_sample_bytes = 1000;
+  writer.request = {};
+  return writer;
+}
+
+}  // namespace sft::hostile

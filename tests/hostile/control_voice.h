@@ -1,0 +1,63 @@
+// A participant of the control topics that says whatever it likes. Hears what the honest nodes announce.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/control.h"
+#include "core/control_codec.h"
+
+namespace sft::hostile {
+
+class ControlVoice {
+ public:
+  /// In the domain that the honest nodes use. Throws if there is no network.
+  ControlVoice();
+  ~ControlVoice();
+  ControlVoice(const ControlVoice&) = delete;
+  ControlVoice& operator=(const ControlVoice&) = delete;
+
+  /// Everything that honest nodes announced, with the newest request of each reader.
+  std::vector<core::Endpoint> heard();
+  std::vector<core::Endpoint> heard(core::Role role);
+
+  // All of these may be said in anybody's name.
+
+  void announce(const core::Endpoint& endpoint);
+  /// As the control topics have it: lengths, versions and names are not checked.
+  void announce_raw(const sft_control_Endpoint& endpoint);
+  void request(const core::Request& request);
+  void dispose(core::EndpointId endpoint);
+  /// Takes an endpoint of one's own back without a word of disposal.
+  void unregister(core::EndpointId endpoint);
+  void assert_life(core::NodeId node, const std::vector<core::EndpointId>& writers = {},
+                   const std::vector<core::Progress>& progress = {});
+  void dispose_life(core::NodeId node);
+
+ private:
+  void listen();
+
+  dds_entity_t participant_ = 0;
+  dds_entity_t endpoint_reader_ = 0;
+  dds_entity_t request_reader_ = 0;
+  dds_entity_t endpoint_writer_ = 0;
+  dds_entity_t request_writer_ = 0;
+  dds_entity_t life_writer_ = 0;
+  std::map<core::EndpointId, core::Endpoint> heard_;
+};
+
+/// The name of nodes that attackers make up.
+inline constexpr const char* made_up = "made up";
+
+/// A reader that would fit this writer, at an address, as another node would announce it. It asks for all
+/// fields and listens to the writer.
+core::Endpoint made_up_reader(const core::Endpoint& writer, std::uint64_t id, std::uint64_t node,
+                              std::vector<core::UdpAddress> addresses);
+/// A writer that would fit this reader.
+core::Endpoint made_up_writer(const core::Endpoint& reader, std::uint64_t id, std::uint64_t node);
+
+}  // namespace sft::hostile

@@ -1,0 +1,54 @@
+// Whatever is done to honest programs, it costs them no more than the act's own time: each act of the table,
+// begun before, while or after they start.
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "tests/hostile/stage.h"
+#include "tests/support/test_seed.h"
+
+namespace sft::hostile {
+
+/// For GoogleTest, which looks for it here.
+void PrintTo(const Entry& entry, std::ostream* out) { *out << entry.name; }
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Ms length_of_an_act = 800ms;
+constexpr Ms recovery_max = 1000ms;
+
+class Hostile : public test::RandomTest, public ::testing::WithParamInterface<Entry> {
+ protected:
+  void SetUp() override {
+    if (const std::string refusal = Stage::refusal(); !refusal.empty()) GTEST_SKIP() << refusal;
+  }
+
+  void expect_that_all_works_again(Moment moment) {
+    SCOPED_TRACE(std::string(GetParam().sentence) + " It begins " + std::string(to_string(moment)) + ".");
+    Stage stage(random());
+    const Outcome outcome = stage.perform(GetParam(), moment, length_of_an_act);
+    for (const std::string& complaint : outcome.complaints) ADD_FAILURE() << complaint;
+    if (outcome.recovery) {
+      EXPECT_LE(*outcome.recovery, recovery_max) << "ms until all pairs were served as before";
+    }
+    for (const std::string& complaint : stage.end()) ADD_FAILURE() << complaint;
+  }
+};
+
+constexpr std::array moments{Moment::before_they_start, Moment::while_they_start, Moment::after_they_started};
+
+/// At one of the three moments; or, with SFT_TEST_TIMES=3 or more, at all of them in turns.
+TEST_P(Hostile, ActsCostNoMoreThanTheirTime) {
+  const std::uint64_t first = random();
+  for (std::uint64_t i = 0; i < test::test_rounds(1); ++i)
+    expect_that_all_works_again(moments[(first + i) % moments.size()]);
+}
+
+std::string name_of(const ::testing::TestParamInfo<Entry>& info) { return std::string(info.param.name); }
+
+INSTANTIATE_TEST_SUITE_P(Acts, Hostile, ::testing::ValuesIn(acts().begin(), acts().end()), name_of);
+
+}  // namespace
+}  // namespace sft::hostile

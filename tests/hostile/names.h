@@ -1,0 +1,22 @@
+// The names at which sftd and programs keep files and sockets, and obstacles that can lie there.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+namespace sft::hostile {
+
+/// Of sftd and programs of that account.
+std::vector<std::string> names_of(uid_t account);
+
+/// Files in /dev/shm whose names begin so.
+std::vector<std::string> shared_files(const std::string& prefix);
+
+/// Process ids of programs that run, by the name of the program's file.
+std::vector<pid_t> processes(const std::string& program);
+/// Of the honest program of that name: "near".
+std::vector<pid_t> honest_program(const std::string& name);
+
+}  // namespace sft::hostile

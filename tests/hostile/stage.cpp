@@ -1,0 +1,318 @@
+#include "tests/hostile/stage.h"
+
+#include <poll.h>
+#include <sys/mount.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <fstream>
+#include <stdexcept>
+#include <system_error>
+
+#include "tests/support/eventually.h"
+#include "tests/support/isolated_host.h"
+
+namespace sft::hostile {
+
+using namespace std::chrono_literals;
+using test::json;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+constexpr uid_t honest_user = 1;  // "daemon" in every /etc/group: sftd needs the name of its group
+constexpr uid_t stranger_user = 65534;
+constexpr const char* programs = "/mnt";  // where accounts find them that may not enter the checkout
+constexpr std::chrono::microseconds publishing_period = 5ms;
+constexpr Ms patience_at_start = 15s;
+constexpr Ms patience_while_setting_up = 2s;
+constexpr Ms patience_in_an_act = 5s;
+constexpr Ms patience_after_an_act = 20s;
+constexpr int patience_with_an_actor_ms = 20'000;
+
+/// In this process's own mount namespace, which all hosts are copies of.
+test::Account account(uid_t user) {
+  if (access((std::string(programs) + "/sftd").c_str(), X_OK) != 0 &&
+      mount(test::program_directory().c_str(), programs, nullptr, MS_BIND, nullptr) != 0)
+    throw std::system_error(errno, std::generic_category(), programs);
+  return {user, programs};
+}
+
+json honest_policies(bool is_reliable) { return {{"reliable", is_reliable}}; }
+
+/// One end of a pair, in short.
+std::string describe(const json& entry) {
+  if (entry.is_null()) return "knows nothing of it";
+  const bool is_up = entry.value("served", entry.value("matched", false) && entry.value("alive", false));
+  return (is_up ? "served by " + entry["transport"].get<std::string>() : std::string("not served")) + " (" +
+         entry["reason"].get<std::string>() + ")";
+}
+std::string describe(const std::string& name, const json& reader, const json& seen) {
+  std::string text = "'" + name + "': the publisher: " + describe(reader) +
+                     "; the subscriber: " + describe(seen["writer"]) +
+                     ", shared memory: " + seen["shm"].get<std::string>();
+  if (seen.contains("taken")) text += ", taken: " + seen["taken"].dump();
+  return text;
+}
+
+bool runs_as_root_of_many_accounts() {
+  unsigned first = 0, outside = 0;
+  unsigned long count = 0;
+  std::string line;
+  std::getline(std::ifstream("/proc/self/uid_map"), line);
+  return geteuid() == 0 && std::sscanf(line.c_str(), "%u %u %lu", &first, &outside, &count) == 3 &&
+         count > stranger_user;
+}
+
+}  // namespace
+
+std::string_view to_string(Moment moment) {
+  switch (moment) {
+    case Moment::before_they_start:
+      return "before they start";
+    case Moment::while_they_start:
+      return "while they start";
+    case Moment::after_they_started:
+      return "after they started";
+  }
+  return "";
+}
+
+/// A subscriber, and what it gets of the publisher.
+struct Stage::Pair {
+  std::string name;
+  const test::Host& host;
+  std::string transport;  ///< that serves it when nothing is wrong
+  bool is_reliable;
+  std::unique_ptr<test::Peer> subscriber{};
+  std::uint64_t received = 0;     ///< by any path, when it was looked at last
+  std::uint64_t received_by = 0;  ///< by that transport
+  std::string state{};
+
+  /// Whether so many more came since the numbers were noted.
+  struct Noted {
+    std::uint64_t received, received_by;
+  };
+  Noted note() const { return {received, received_by}; }
+};
+
+/// A hostile_actor while it acts.
+class Stage::Actor {
+ public:
+  Actor(const Stage& stage, const Entry& entry) : name_(entry.name) {
+    int ends[2];
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
+      throw std::system_error(errno, std::generic_category(), "socketpair");
+    socket_ = ends[0];
+    const test::Host& host = entry.attacker == Attacker::neighbour ? stage.elsewhere_ : stage.here_;
+    const uid_t user = entry.attacker == Attacker::stranger ? stranger_user
+                       : entry.attacker == Attacker::owner  ? honest_user
+                                                            : 0;
+    process_.emplace(
+        host, "hostile_actor",
+        std::vector<std::string>{name_, std::to_string(honest_user), std::to_string(stage.seed_)}, ends[1],
+        account(user));
+    close(ends[1]);
+  }
+  ~Actor() {
+    if (socket_ >= 0) close(socket_);
+  }
+  Actor(const Actor&) = delete;
+  Actor& operator=(const Actor&) = delete;
+
+  void await_begin() {
+    if (hear() != "begun") throw std::runtime_error("act " + name_ + " does not begin");
+  }
+  /// What it got.
+  std::string end() {
+    (void)!send(socket_, "end", 3, MSG_NOSIGNAL);
+    const std::string last_words = hear();
+    if (!last_words.starts_with("ended")) throw std::runtime_error("act " + name_ + " does not end");
+    process_->wait_for_end();
+    return last_words.size() > 7 ? last_words.substr(7) : "";
+  }
+
+ private:
+  std::string hear() {
+    pollfd readable{.fd = socket_, .events = POLLIN, .revents = 0};
+    char text[1000];
+    if (poll(&readable, 1, patience_with_an_actor_ms) <= 0) return {};
+    const ssize_t bytes = recv(socket_, text, sizeof text, 0);
+    return {text, static_cast<std::size_t>(std::max<ssize_t>(bytes, 0))};
+  }
+
+  std::string name_;
+  int socket_ = -1;
+  std::optional<test::Process> process_;
+};
+
+std::string Stage::refusal() {
+  if (!test::isolation_refusal().empty()) return test::isolation_refusal();
+  if (!runs_as_root_of_many_accounts()) return "needs root, to start programs of other accounts";
+  return test::Network::refusal();
+}
+
+Stage::Stage(std::uint64_t seed)
+    : seed_(seed),
+      honest_(account(honest_user)),
+      network_(seed),
+      here_(network_),
+      there_(network_),
+      elsewhere_(network_) {
+  const auto pair = [this](const char* name, const test::Host& host, const char* transport,
+                           bool is_reliable) {
+    pairs_.push_back(std::make_unique<Pair>(Pair{name, host, transport, is_reliable}));
+  };
+  pair("near", here_, "shm", false);
+  pair("far", there_, "udp", false);
+  pair("far and reliable", there_, "udp", true);
+}
+
+Stage::~Stage() = default;
+
+void Stage::launch() {
+  if (!publisher_) {
+    publisher_ = std::make_unique<test::Peer>(here_, "publisher", json{{"start_daemon", true}}, honest_);
+    publisher_->advertise(honest_policies(true));
+    publisher_->start_publishing(publishing_period);
+  }
+  for (const auto& pair : pairs_) {
+    if (pair->subscriber) continue;
+    pair->subscriber = std::make_unique<test::Peer>(
+        pair->host, pair->name, json{{"start_daemon", pair->transport == "shm"}}, honest_);
+    pair->subscriber->subscribe("height, width", honest_policies(pair->is_reliable));
+    pair->received = pair->received_by = 0;
+  }
+}
+
+/// Whether both sides say that it is served by the transport that is meant for it.
+bool Stage::look(Pair& pair) {
+  const json reader = publisher_->look_at(pair.name)["reader"];
+  const json seen = pair.subscriber->look_at("publisher");
+  const json& writer = seen["writer"];
+  pair.state = describe(pair.name, reader, seen);
+  if (seen.contains("taken")) {
+    const std::uint64_t by_shm = seen["taken"]["by_shm"];
+    pair.received = seen["taken"]["received"];
+    pair.received_by = pair.transport == "shm" ? by_shm : pair.received - by_shm;
+  }
+  return !reader.is_null() && !writer.is_null() && reader["served"] && writer["matched"] && writer["alive"] &&
+         reader["transport"] == pair.transport && writer["transport"] == pair.transport;
+}
+
+/// Samples that were under way do not count, so two more have to come than were there at the last look.
+bool Stage::all_served() {
+  bool all = true;
+  for (const auto& pair : pairs_) all = look(*pair) && all;
+  return all;
+}
+
+std::string Stage::state() {
+  std::string text;
+  for (const auto& pair : pairs_) text += "\n  " + pair->state;
+  return text;
+}
+
+bool Stage::start() {
+  launch();
+  return test::eventually(
+      [&] {
+        return all_served() && std::ranges::all_of(pairs_, [](const auto& p) { return p->received_by > 2; });
+      },
+      patience_at_start, 10ms);
+}
+
+/// By whatever path. A pair that is being set up gets a moment for that.
+void Stage::expect_samples(const Entry& entry, Outcome& outcome) {
+  std::vector<Pair::Noted> noted;
+  all_served();
+  for (const auto& pair : pairs_) noted.push_back(pair->note());
+  const auto comes = [&](std::size_t i) {
+    return (entry.harm == Harm::stops_near && pairs_[i]->transport == "shm") ||
+           (look(*pairs_[i]), pairs_[i]->received > noted[i].received + 2);
+  };
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    if (!test::eventually([&] { return comes(i); }, patience_in_an_act, 10ms))
+      outcome.complaints.push_back("While the act lasts nothing comes: " + pairs_[i]->state);
+  }
+}
+
+void Stage::await_recovery(Outcome& outcome) {
+  std::vector<Pair::Noted> noted;
+  const auto begin = Clock::now();
+  all_served();
+  for (const auto& pair : pairs_) noted.push_back(pair->note());
+  const auto recovered = [&] {
+    bool all = all_served();
+    for (std::size_t i = 0; i < pairs_.size(); ++i)
+      all = all && pairs_[i]->received_by > noted[i].received_by + 2;
+    return all;
+  };
+  if (test::eventually(recovered, patience_after_an_act, 5ms)) {
+    outcome.recovery = std::chrono::duration_cast<Ms>(Clock::now() - begin);
+  } else {
+    outcome.complaints.push_back("After the act not all are served again:" + state());
+  }
+}
+
+/// The daemon's own command must answer, too.
+void Stage::check_command_line(Outcome& outcome) {
+  test::Process status(here_, "hostile_actor", {"--sftd-status"}, -1, honest_);
+  if (const int code = status.wait_for_end(); code != 0)
+    outcome.complaints.push_back("After the act `sftd status` ends with " + std::to_string(code));
+}
+
+Outcome Stage::perform(const Entry& entry, Moment moment, Ms length) {
+  Outcome outcome;
+  try {
+    if (moment == Moment::after_they_started && !start()) {
+      outcome.complaints.push_back("Before the act not all are served:" + state());
+      return outcome;
+    }
+    Actor actor(*this, entry);
+    if (moment == Moment::while_they_start) launch();
+    actor.await_begin();
+    launch();
+    const auto begin = Clock::now();
+    // What can be set up during the act is not to count as recovery from it.
+    if (moment != Moment::after_they_started)
+      test::eventually([&] { return all_served(); }, patience_while_setting_up, 20ms);
+    if (entry.harm != Harm::floods) expect_samples(entry, outcome);
+    const auto left = std::chrono::duration_cast<Ms>(begin + length - Clock::now());
+    poll(nullptr, 0, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
+    if (entry.harm != Harm::floods) expect_samples(entry, outcome);
+    if (const std::string loot = actor.end(); !loot.empty()) outcome.complaints.push_back(loot);
+    await_recovery(outcome);
+    check_command_line(outcome);
+  } catch (const std::exception& error) {
+    outcome.complaints.push_back(error.what());
+  }
+  return outcome;
+}
+
+std::optional<Ms> Stage::restart_publisher() {
+  publisher_->kill_now();
+  publisher_.reset();
+  for (const auto& pair : pairs_) pair->received_by = 0;
+  const auto begin = Clock::now();
+  if (!start()) return std::nullopt;
+  return std::chrono::duration_cast<Ms>(Clock::now() - begin);
+}
+
+std::vector<std::string> Stage::end() {
+  std::vector<std::string> complaints;
+  const auto quit = [&](std::unique_ptr<test::Peer>& peer) {
+    if (!peer) return;
+    if (const int code = peer->quit(); code != 0)
+      complaints.push_back("'" + peer->name() + "' ends with " + std::to_string(code));
+    peer.reset();
+  };
+  for (const auto& pair : pairs_) quit(pair->subscriber);
+  quit(publisher_);
+  return complaints;
+}
+
+}  // namespace sft::hostile

@@ -1,0 +1,78 @@
+// Two hosts with honest programs, a third one for whoever attacks from the network, and what is demanded of
+// the honest ones: that they live, that samples come while an act lasts, and that all is as before soon
+// after.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tests/hostile/act.h"
+#include "tests/negotiation/host.h"
+#include "tests/negotiation/network.h"
+#include "tests/negotiation/peer.h"
+
+namespace sft::hostile {
+
+using Ms = std::chrono::milliseconds;
+
+/// When the act begins, seen from the honest programs.
+enum class Moment : std::uint8_t { before_they_start, while_they_start, after_they_started };
+std::string_view to_string(Moment moment);
+
+/// How an act went for the honest programs.
+struct Outcome {
+  std::vector<std::string> complaints{};  ///< sentences; empty if all was well
+  /// From the end of the act until each pair was served as before; nothing if that did not come true.
+  std::optional<Ms> recovery{};
+};
+
+/// A publisher with a subscriber in shared memory and two by UDP on another host: one with reliable, one with
+/// best-effort delivery.
+class Stage {
+ public:
+  /// Why there can be none; empty if there can. REQUIRES: the program is isolated (isolated_host.h).
+  static std::string refusal();
+
+  explicit Stage(std::uint64_t seed);
+  ~Stage();
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  /// Starts the honest programs that do not run. False if they are not all served in time.
+  bool start();
+  /// Performs an act. Moments before the start begin with new programs. The act lasts `length` from the
+  /// moment that all honest programs run.
+  Outcome perform(const Entry& entry, Moment moment, Ms length);
+  /// Ends the honest programs. Says which of them crashed or hung.
+  std::vector<std::string> end();
+
+  /// kill -9 of the publisher and its start: how long until all pairs are served. The floor of all
+  /// recoveries.
+  std::optional<Ms> restart_publisher();
+
+ private:
+  struct Pair;
+  class Actor;
+
+  void launch();
+  bool look(Pair& pair);
+  bool all_served();
+  void expect_samples(const Entry& entry, Outcome& outcome);
+  void await_recovery(Outcome& outcome);
+  void check_command_line(Outcome& outcome);
+  std::string state();
+
+  std::uint64_t seed_;
+  test::Account honest_;  // before the hosts, which are copies of what it mounts
+  test::Network network_;
+  test::Host here_;
+  test::Host there_;
+  test::Host elsewhere_;
+  std::unique_ptr<test::Peer> publisher_;
+  std::vector<std::unique_ptr<Pair>> pairs_;
+};
+
+}  // namespace sft::hostile

@@ -1,0 +1,90 @@
+// Datagrams from an attacker's host: sent, sent in another host's name, and overheard.
+#pragma once
+
+#include <netinet/in.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/control.h"
+
+namespace sft::hostile {
+
+using Bytes = std::vector<std::byte>;
+
+/// Of this host, as an endpoint's announcement has it.
+core::UdpAddress own_address(std::uint16_t port);
+
+/// IPv4 only: the hosts of these tests have nothing else.
+sockaddr_in to_sockaddr(const core::UdpAddress& address);
+/// Where an endpoint receives. Empty if it does not say.
+std::vector<sockaddr_in> addresses_of(const core::Endpoint& endpoint);
+
+/// A socket of this host.
+class Sender {
+ public:
+  Sender();
+  ~Sender();
+  Sender(const Sender&) = delete;
+  Sender& operator=(const Sender&) = delete;
+  void send(std::span<const std::byte> datagram, const sockaddr_in& to) const;
+  std::uint16_t port() const;
+
+ private:
+  int socket_;
+};
+
+/// Datagrams that claim to come from somewhere else. Needs CAP_NET_RAW.
+class Spoofer {
+ public:
+  Spoofer();
+  ~Spoofer();
+  Spoofer(const Spoofer&) = delete;
+  Spoofer& operator=(const Spoofer&) = delete;
+  void send(std::span<const std::byte> payload, const sockaddr_in& from, const sockaddr_in& to) const;
+
+ private:
+  int socket_;
+};
+
+/// A socket that never answers.
+class Drain {
+ public:
+  Drain();
+  ~Drain();
+  Drain(const Drain&) = delete;
+  Drain& operator=(const Drain&) = delete;
+  std::uint16_t port() const { return port_; }
+  /// Bytes that have come so far.
+  std::uint64_t count();
+
+ private:
+  int socket_;
+  std::uint16_t port_ = 0;
+  std::uint64_t bytes_ = 0;
+};
+
+struct Overheard {
+  sockaddr_in from{};
+  sockaddr_in to{};
+  Bytes payload{};
+};
+
+/// What other hosts of this network send each other, as on a network without switches. Only datagrams that
+/// look like SFT's.
+class Ear {
+ public:
+  Ear();
+  ~Ear();
+  Ear(const Ear&) = delete;
+  Ear& operator=(const Ear&) = delete;
+  /// What came since the last call.
+  std::vector<Overheard> listen();
+
+ private:
+  int socket_;
+};
+
+}  // namespace sft::hostile
