@@ -1,0 +1,95 @@
+#include "bench/recovery/recovery.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "bench/common/statistics.h"
+#include "tests/hostile/stage.h"
+
+namespace sft::bench {
+
+namespace {
+
+using hostile::Entry;
+using hostile::Moment;
+using hostile::Stage;
+using Times = std::vector<double>;
+
+constexpr double worst_ms_max = 1000;
+constexpr double never = std::numeric_limits<double>::quiet_NaN();
+
+/// Honest programs that live on from act to act, until one of them does not.
+class Lives {
+ public:
+  explicit Lives(unsigned long seed) : seed_(seed) {}
+
+  /// Milliseconds; not a number if not all pairs were served again.
+  double recovery(const Entry& entry, std::chrono::milliseconds length) {
+    const hostile::Outcome outcome = stage().perform(entry, Moment::after_they_started, length);
+    for (const std::string& complaint : outcome.complaints)
+      std::fprintf(stderr, "%s: %s\n", std::string(entry.name).c_str(), complaint.c_str());
+    if (!outcome.recovery || !outcome.complaints.empty()) stage_.reset();
+    return outcome.recovery ? static_cast<double>(outcome.recovery->count()) : never;
+  }
+
+  double restart() {
+    if (!stage().start()) return never;
+    const auto time = stage_->restart_publisher();
+    return time ? static_cast<double>(time->count()) : never;
+  }
+
+ private:
+  Stage& stage() {
+    if (!stage_) stage_ = std::make_unique<Stage>(seed_++);
+    return *stage_;
+  }
+
+  unsigned long seed_;
+  std::unique_ptr<Stage> stage_;
+};
+
+/// A round without an end is the worst there is.
+double worst_of(const Times& times) {
+  const bool all_ended = std::ranges::none_of(times, [](double time) { return time != time; });
+  return all_ended ? *std::ranges::max_element(times) : never;
+}
+
+double middle_of(Times times) {
+  std::erase_if(times, [](double time) { return time != time; });
+  return times.empty() ? never : quantile(times, 0.5);
+}
+
+void report(std::vector<Figure>& figures, const std::string& name, const Times& times, const Times& floor) {
+  const char* reference = "publisher killed and started";
+  figures.push_back({name + "_p50", middle_of(times), "ms", middle_of(floor), reference, {}});
+  figures.push_back({name + "_worst", worst_of(times), "ms", worst_of(floor), reference, worst_ms_max, true});
+}
+
+bool is_wanted(const Entry& entry, const RecoveryScale& scale) {
+  return scale.act.empty() || entry.name == scale.act;
+}
+
+}  // namespace
+
+std::vector<Figure> recovery_after_each_act(const RecoveryScale& scale) {
+  if (const std::string refusal = Stage::refusal(); !refusal.empty()) {
+    std::fprintf(stderr, "bench recovery: %s\n", refusal.c_str());
+    return {{"recovery_ms", never, "ms", {}, {}, worst_ms_max}};
+  }
+  Lives lives(scale.seed);
+  Times floor;
+  for (int round = 0; round < scale.rounds; ++round) floor.push_back(lives.restart());
+  std::vector<Figure> figures;
+  for (const Entry& entry : hostile::acts()) {
+    if (!is_wanted(entry, scale)) continue;
+    Times times;
+    for (int round = 0; round < scale.rounds; ++round) times.push_back(lives.recovery(entry, scale.length));
+    report(figures, "recovery_ms_" + std::string(entry.name), times, floor);
+  }
+  return figures;
+}
+
+}  // namespace sft::bench
