@@ -248,5 +248,19 @@ TEST(Summary, SaysPlainlyThatThereWereNoHosts) {
                                          Not(HasSubstr("crossed the network"))));
 }
 
+TEST(Refusals, AreSaidWithTheirReasonsAndNothingIsSaidWhereThereAreNone) {
+  PublisherReport publisher;
+  publisher.udp = "io_uring with GRO and GSO, port 7";
+  publisher.shm_ready = true;
+  EXPECT_THAT(format_refusals(publisher), testing::IsEmpty());
+  publisher.udp = "plain sockets with GSO (io_uring cannot be used: it is forbidden here)";
+  publisher.shm_ready = false;
+  publisher.shm = "/dev/shm is too small";
+  EXPECT_THAT(
+      format_refusals(publisher),
+      ElementsAre(AllOf(HasSubstr("io_uring is not in use"), HasSubstr("it is forbidden here")),
+                  AllOf(HasSubstr("Shared memory is not in use"), HasSubstr("/dev/shm is too small"))));
+}
+
 }  // namespace
 }  // namespace sft::demo
