@@ -16,38 +16,51 @@ void hand_repairs_to_group(SendSide& side, Ack& ack, Time now) {
     side.sender.schedule(MulticastGroup::lane_of(in.group));
 }
 
-bool hear(SendSide& side, const Ack& ack, Time now) {
+bool disbelieve(SendSide& side) {
+  side.answers_disbelieved.fetch_add(1, std::memory_order_relaxed);
+  return false;
+}
+
+bool hear(SendSide& side, const Ack& ack, const SocketAddress& from, Time now) {
   const std::shared_ptr<Channel> channel = side.channels.find(ack.writer, ack.channel);
-  if (channel == nullptr) return false;
+  if (channel == nullptr || !channel->destination().is_at(from.ip)) return disbelieve(side);
+  channel->destination().lives(now);
   Ack alone = ack;
   if (ack.missing_count > 0) hand_repairs_to_group(side, alone, now);
   return channel->hear(alone);
 }
 
-bool hear(SendSide& side, const FlowReport& report, Time now) {
+bool hear(SendSide& side, const FlowReport& report, const SocketAddress& from, Time now) {
   const std::shared_ptr<Destination> to = side.destinations.of_flow(report.flow);
-  return to != nullptr && to->hear(report, now);
+  if (to == nullptr) return disbelieve(side);
+  const Destination::Heard heard = to->hear(report, from.ip, now);
+  return heard.believed ? heard.goes_on : disbelieve(side);
 }
 
-bool hear(SendSide& side, const GroupReport& report, Time now) {
-  if (const auto group = side.groups.find(report.writer, report.group)) group->hear(report, now);
+bool hear(SendSide& side, const GroupReport& report, const SocketAddress& from, Time now) {
+  const std::shared_ptr<MulticastGroup> group = side.groups.find(report.writer, report.group);
+  const bool is_of_member = group != nullptr && report.member < group->members().size() &&
+                            group->members()[report.member].lane->destination().is_at(from.ip);
+  if (!is_of_member) return disbelieve(side);
+  group->hear(report, now);
   return false;
 }
 
 template <class Answer>
-bool hear_if_sound(SendSide& side, const std::optional<Answer>& answer, Time now) {
-  if (answer) return hear(side, *answer, now);
+bool hear_if_sound(SendSide& side, const std::optional<Answer>& answer, const SocketAddress& from, Time now) {
+  if (answer) return hear(side, *answer, from, now);
   side.malformed_answers.fetch_add(1, std::memory_order_relaxed);
   return false;
 }
 
 }  // namespace
 
-bool hear_answer(SendSide& side, std::span<const std::byte> datagram, Time now) noexcept try {
+bool hear_answer(SendSide& side, std::span<const std::byte> datagram, const SocketAddress& from,
+                 Time now) noexcept try {
   const std::optional<DatagramKind> kind = kind_of(datagram);
-  if (kind == DatagramKind::report) return hear_if_sound(side, parse_report(datagram), now);
-  if (kind == DatagramKind::group_report) return hear_if_sound(side, parse_group_report(datagram), now);
-  return hear_if_sound(side, kind == DatagramKind::ack ? parse_ack(datagram) : std::nullopt, now);
+  if (kind == DatagramKind::report) return hear_if_sound(side, parse_report(datagram), from, now);
+  if (kind == DatagramKind::group_report) return hear_if_sound(side, parse_group_report(datagram), from, now);
+  return hear_if_sound(side, kind == DatagramKind::ack ? parse_ack(datagram) : std::nullopt, from, now);
 } catch (const std::bad_alloc&) {  // another one will come
   return false;
 }

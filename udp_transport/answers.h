@@ -16,9 +16,10 @@ constexpr bool is_answer(std::optional<DatagramKind> kind) {
 }
 
 /// True if somebody who waits may go on: the sending thread has to look. Counts what is malformed, and what
-/// is no answer as that. Of one thread: the one that sends, or where there is no port for answers the one
-/// that receives.
-[[nodiscard]] bool hear_answer(SendSide& side, std::span<const std::byte> datagram,
+/// is no answer as that; and what is not believed: an answer of nothing that we sent, or from an address that
+/// is none of whom we sent it to. Of one thread: the one that sends, or where there is no port for answers
+/// the one that receives.
+[[nodiscard]] bool hear_answer(SendSide& side, std::span<const std::byte> datagram, const SocketAddress& from,
                                std::chrono::steady_clock::time_point now) noexcept;
 
 }  // namespace sft::udp

@@ -88,6 +88,9 @@ class Connection {
   struct Sent {
     std::size_t batches = 0;                  ///< the first ones
     SendOutcome outcome = SendOutcome::sent;  ///< of the one after these, if there is one
+    /// Of an earlier one the host there has said that nobody has that port, or a router that there is no such
+    /// host.
+    bool refused = false;
   };
   /// Sends each batch as a whole, up to the first that cannot be sent. Never waits. Any thread.
   virtual Sent try_send(std::span<const OutgoingBatch> batches) noexcept = 0;
@@ -124,9 +127,12 @@ class DatagramSender {
   /// The port of a socket for what comes back from those who are sent to; 0: there is none, and it has to go
   /// where this process receives.
   virtual std::uint16_t answer_port() const noexcept { return 0; }
-  /// Takes what came there next, without waiting; the bytes of it, 0 if there is nothing. Used by the thread
-  /// that calls await().
-  virtual std::size_t take_answer([[maybe_unused]] std::span<std::byte> to) noexcept { return 0; }
+  struct Answer {
+    std::size_t bytes = 0;  ///< 0: nothing has come
+    SocketAddress from{};
+  };
+  /// Takes what came there next, without waiting. Used by the thread that calls await().
+  virtual Answer take_answer([[maybe_unused]] std::span<std::byte> to) noexcept { return {}; }
 
   /// Waits until a connection has the room that it waits for, an answer has come, the deadline has passed or
   /// wake() was called.

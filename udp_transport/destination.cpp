@@ -13,6 +13,19 @@
 
 namespace sft::udp {
 
+namespace {
+std::uint64_t random_secret() {
+  std::random_device random;
+  return std::uint64_t{random()} << 32 | random();
+}
+
+FlowLimits flow_limits(const DestinationLimits& limits) {
+  FlowLimits flow = limits.flow;
+  flow.asks = limits.report_port != 0;
+  return flow;
+}
+}  // namespace
+
 Destination::Destination(const SocketAddress& address, const DestinationLimits& limits, std::uint32_t flow,
                          Connect connect)
     : limits_(limits),
@@ -22,7 +35,8 @@ Destination::Destination(const SocketAddress& address, const DestinationLimits& 
       path_(path_to(address)),
       datagram_bytes_(path_.datagram_bytes()),
       connection_(connect_(address)),
-      window_(flow, limits.flow) {}
+      window_(flow, flow_limits(limits), random_secret()),
+      answers_(limits.report_port == 0) {}
 
 std::size_t Destination::ask_kernel(const SocketAddress& address) const noexcept {
   return std::min<std::size_t>(datagram_bytes_to(address),
@@ -59,6 +73,12 @@ void Destination::move_to(const SocketAddress& address) noexcept {
   {
     const std::scoped_lock lock(mutex_);
     if (address == std::exchange(address_, address)) return;
+    also_at_.clear();
+  }
+  {
+    const std::scoped_lock lock(window_mutex_);
+    window_.move(random_secret());
+    answers_.store(limits_.report_port == 0, std::memory_order_relaxed);
   }
   connection_->redirect(address);
   one_at_a_time_.store(false, std::memory_order_relaxed);
@@ -101,7 +121,24 @@ Connection& Destination::connection_after(std::uint64_t position) {
 
 std::size_t Destination::room(Size size, Time now) {
   const std::scoped_lock lock(window_mutex_);
-  return window_.room(size, now);
+  const std::size_t room = window_.room(size, now);
+  if (room == 0) note_answers(now);
+  return room;
+}
+
+/// With the mutex of the window held.
+void Destination::note_answers(Time now) { answers_.store(window_.answers(now), std::memory_order_relaxed); }
+
+bool Destination::takes_control(Time now) {
+  const std::scoped_lock lock(window_mutex_);
+  const bool takes = window_.takes_control(now);
+  control_withheld_ = control_withheld_ || !takes;
+  return takes;
+}
+
+bool Destination::is_mute(Time now) {
+  const std::scoped_lock lock(window_mutex_);
+  return window_.is_mute(now);
 }
 
 std::size_t Destination::batch_bytes() {
@@ -116,30 +153,64 @@ void Destination::sent(const Connection& by, std::size_t bytes, std::size_t data
     window_.sent(bytes, datagrams, now, &by != &last_in_line());
     due = window_.mark(now);
   }
-  if (due) send(*due);
+  if (due) send(*due, now);
 }
 
 void Destination::mark(Time now) {
   std::optional<FlowMark> due;
   {
     const std::scoped_lock lock(window_mutex_);
+    window_.await_room();
     due = window_.mark(now);
   }
-  if (due) send(*due);
+  if (due) send(*due, now);
+}
+
+void Destination::refused(Time now) {
+  const std::scoped_lock lock(window_mutex_);
+  window_.refused(now);
+  note_answers(now);
 }
 
 /// One that does not leave is made up for by a later one.
-void Destination::send(FlowMark mark) {
-  if (limits_.report_port == 0) return;
+void Destination::send(FlowMark mark, Time now) {
   mark.port = limits_.report_port;
   std::array<std::byte, mark_bytes> encoded;
   encode(mark, encoded.data());
-  send_one(last_in_line(), encoded);
+  const iovec part{encoded.data(), encoded.size()};
+  const OutgoingBatch batch{{&part, 1}, 0};
+  if (last_in_line().try_send({&batch, 1}).refused) refused(now);
 }
 
-bool Destination::hear(const FlowReport& report, Time now) {
+Destination::Heard Destination::hear(const FlowReport& report, const core::IpAddress& from, Time now) {
+  Heard heard;
+  {
+    const std::scoped_lock lock(window_mutex_);
+    heard.believed = window_.answers_a_mark(report);
+    if (!heard.believed) return heard;
+    heard.goes_on = window_.hear(report, now);
+    note_answers(now);
+    if (std::exchange(control_withheld_, false)) moves_.fetch_add(1, std::memory_order_relaxed);
+  }
+  if (!is_at(from)) learn(from);
+  return heard;
+}
+
+void Destination::lives(Time now) {
   const std::scoped_lock lock(window_mutex_);
-  return window_.hear(report, now);
+  window_.lives(now);
+}
+
+bool Destination::is_at(const core::IpAddress& ip) const {
+  const std::scoped_lock lock(mutex_);
+  return ip == address_.ip || std::ranges::find(also_at_, ip) != also_at_.end();
+}
+
+/// Its host has several addresses, or somebody on the way translates them.
+void Destination::learn(const core::IpAddress& from) {
+  const std::scoped_lock lock(mutex_);
+  if (also_at_.size() == also_at_max) also_at_.pop_front();
+  also_at_.push_back(from);
 }
 
 Destination::Time Destination::next_ready(Time now) {
@@ -184,7 +255,7 @@ void Destination::look_after(PathMtu::Time now, bool anew) noexcept {
 }
 
 DestinationDirectory::DestinationDirectory(const DestinationLimits& limits, Connect connect)
-    : limits_(limits), connect_(std::move(connect)), next_flow_(std::random_device{}()) {}
+    : limits_(limits), connect_(std::move(connect)) {}
 
 DestinationDirectory::Key DestinationDirectory::key_of(const core::UdpAddress& address) {
   return {address.node, {address.node == 0 ? address.ip : core::IpAddress{}, address.port}};
@@ -210,7 +281,7 @@ std::shared_ptr<Destination> DestinationDirectory::find(const core::UdpAddress& 
   {
     const std::scoped_lock lock(mutex_);
     destination = known(address);
-    flow = next_flow_++;
+    flow = destination == nullptr ? unused_flow() : 0;
   }
   if (destination == nullptr) {
     auto fresh = std::make_shared<Destination>(to, limits_, flow, connect_);
@@ -221,6 +292,19 @@ std::shared_ptr<Destination> DestinationDirectory::find(const core::UdpAddress& 
   if (address.node != 0) destination->move_to(to);
   if (address.receive_buffer_bytes != 0) destination->set_receive_buffer(address.receive_buffer_bytes);
   return destination;
+}
+
+/// Nobody else can guess it. With the mutex held.
+std::uint32_t DestinationDirectory::unused_flow() {
+  std::random_device random;
+  for (;;) {
+    const std::uint32_t flow = random();
+    const auto has_it = [flow](const auto& entry) {
+      const std::shared_ptr<Destination> destination = entry.second.lock();
+      return destination != nullptr && destination->flow() == flow;
+    };
+    if (std::ranges::none_of(known_, has_it)) return flow;
+  }
 }
 
 std::shared_ptr<Destination> DestinationDirectory::of_flow(std::uint32_t flow) {

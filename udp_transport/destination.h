@@ -1,10 +1,12 @@
 // A socket of somebody's that samples are sent to, shared by all writers that serve readers behind it, and
-// the ways there, which can change: a socket has several addresses.
+// the ways there, which can change: a socket has several addresses. At each it has to answer before it is
+// sent more than a few datagrams (flow_window.h).
 #pragma once
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -21,7 +23,7 @@ namespace sft::udp {
 
 struct DestinationLimits {
   std::size_t datagram_bytes = datagram_bytes_max;
-  std::uint16_t report_port = 0;  ///< where receivers report to; 0: they are not asked
+  std::uint16_t report_port = 0;  ///< where receivers report to; 0: they are not asked, and need not answer
   FlowLimits flow{};
 };
 
@@ -32,7 +34,8 @@ class Destination {
   using Time = FlowWindow::Time;
   using Size = FlowWindow::Size;
 
-  /// `flow` is what its receiver will call us by; `connect` is called again for the first large sample.
+  /// `flow` is what its receiver will call us by, and nobody else can guess; `connect` is called again for
+  /// the first large sample.
   Destination(const SocketAddress& address, const DestinationLimits& limits, std::uint32_t flow,
               Connect connect);
 
@@ -52,15 +55,32 @@ class Destination {
   // How much may be under way: FlowWindow says what these mean. Any thread.
 
   std::size_t room(Size size, Time now);
+  bool takes_control(Time now);
   std::size_t batch_bytes();
   /// What was sent through one of the connections. Tells the receiver, if it is time to.
   void sent(const Connection& by, std::size_t bytes, std::size_t datagrams, Time now);
-  /// Asks a receiver again that does not report.
+  /// The host there says that nobody has that port.
+  void refused(Time now);
+  /// Somebody waits for room: asks a receiver again that does not report.
   void mark(Time now);
-  [[nodiscard]] bool hear(const FlowReport& report, Time now);
+  struct Heard {
+    bool believed = false;
+    bool goes_on = false;  ///< somebody waited who may go on now
+  };
+  /// A report that repeats one of our marks shows that the receiver is at the address that it comes from.
+  [[nodiscard]] Heard hear(const FlowReport& report, const core::IpAddress& from, Time now);
+  /// An ack of one of its channels came.
+  void lives(Time now);
   Time next_ready(Time now);
   std::uint64_t position();
   std::uint32_t flow() const { return flow_; }
+  /// Whether what comes from that address can be the receiver's word: we send there, or it has reported from
+  /// there.
+  bool is_at(const core::IpAddress& ip) const;
+  /// It has reported, and was not silent when somebody last looked.
+  bool answers() const { return answers_.load(std::memory_order_relaxed); }
+  /// It was asked for a second and does not answer.
+  bool is_mute(Time now);
 
   /// The sending thread: for large samples.
   Connection& bulk();
@@ -70,7 +90,8 @@ class Destination {
   SocketAddress address() const;
   /// To another address of the same socket: what is on its way there goes on. Any thread.
   void move_to(const SocketAddress& address) noexcept;
-  /// Counts these moves.
+  /// Counts these moves, and the returns of a receiver that was silent: what it is told again, it is told at
+  /// once.
   std::uint32_t moves() const { return moves_.load(std::memory_order_relaxed); }
 
   /// Learns from a send that was refused; the next one fits, and takes the way as it is now. Any thread.
@@ -95,7 +116,7 @@ class Destination {
   /// With the mutex held.
   void publish_length() noexcept;
   void reconnect() noexcept;
-  void send(FlowMark mark);
+  void send(FlowMark mark, Time now);
   /// Behind all that was sent.
   Connection& last_in_line() {
     Connection* const bulk = bulk_in_use_.load(std::memory_order_acquire);
@@ -105,8 +126,9 @@ class Destination {
   const DestinationLimits limits_;
   const std::uint32_t flow_;
   const Connect connect_;
-  mutable std::mutex mutex_;  ///< of these two
+  mutable std::mutex mutex_;  ///< of these three
   SocketAddress address_;
+  std::deque<core::IpAddress> also_at_;  ///< reports have come from there
   PathMtu path_;
   PathMtu::Time kernel_asked_at_{};  ///< of the thread that looks after it
   std::atomic<bool> length_in_doubt_{false};
@@ -117,8 +139,14 @@ class Destination {
   const std::unique_ptr<Connection> connection_;
   std::unique_ptr<Connection> bulk_;  ///< of the sending thread, which makes it
   std::atomic<Connection*> bulk_in_use_{nullptr};
-  std::mutex window_mutex_;
+  static constexpr std::size_t also_at_max = 4;
+  void note_answers(Time now);
+  void learn(const core::IpAddress& from);
+
+  std::mutex window_mutex_;  ///< of these two
   FlowWindow window_;
+  bool control_withheld_ = false;
+  std::atomic<bool> answers_;
 };
 
 class DestinationDirectory {
@@ -139,11 +167,11 @@ class DestinationDirectory {
   const DestinationLimits limits_;
   const Connect connect_;
   std::mutex mutex_;
-  std::uint32_t next_flow_;
   /// One that has several addresses is known by its node and port, any other by its address.
   using Key = std::pair<std::uint64_t, SocketAddress>;
   static Key key_of(const core::UdpAddress& address);
   std::shared_ptr<Destination> known(const core::UdpAddress& address);
+  std::uint32_t unused_flow();
   std::map<Key, std::weak_ptr<Destination>> known_;
 };
 

@@ -8,7 +8,7 @@
 namespace sft::udp {
 
 namespace {
-// What may wait in a late lane without a channel:
+// What may wait without a channel in a late lane, or for the first report of a receiver:
 constexpr std::size_t late_jobs_max = 256;
 constexpr std::size_t late_bytes_max = std::size_t{1} << 20;
 // And with one: as much as that may keep.
@@ -30,28 +30,35 @@ Lane::Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<W
 }
 
 Lane::Posted Lane::post(JobHandle job) {
-  JobHandle oldest;
-  const Posted posted = queue_up(job, oldest);
-  if (oldest) count_lost(*oldest);
-  done_with(oldest, true);
+  std::optional<Posted> posted;
+  for (bool dropped = false; !posted;) {
+    JobHandle oldest;
+    posted = queue_up(job, oldest);
+    dropped = dropped || oldest;
+    if (oldest) count_lost(*oldest);
+    done_with(oldest, true);
+    if (posted) posted->dropped_oldest = dropped;
+  }
   done_with(job, true);
-  return posted;
+  return *posted;
 }
 
 /// Leaves in `job` what was not queued, and in `oldest` what had to go for it: these are told of without the
-/// lock.
-Lane::Posted Lane::queue_up(JobHandle& job, JobHandle& oldest) {
+/// lock. Empty if more has to go.
+std::optional<Lane::Posted> Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   const std::scoped_lock lock(mutex_);
-  if (closed()) return {};
-  if (!has_room_for(*job)) oldest = pop_oldest();
+  if (closed()) return Posted{};
+  if (!has_room_for(*job)) {
+    oldest = pop_oldest();
+    if (!has_room_for(*job)) return {};
+  }
   const std::size_t bytes = bytes_held(*job);
   if (late_ && channel_ != nullptr) job->keep();
   if (oldest_ == 0) oldest_ = job->sequence;
   queue_.push_back(std::move(job));
   queued_bytes_ += bytes;
   busy_.store(true, std::memory_order_relaxed);
-  return {.was_idle = !held_ && !std::exchange(scheduled_, true),
-          .dropped_oldest = static_cast<bool>(oldest)};
+  return Posted{.was_idle = !held_ && !std::exchange(scheduled_, true)};
 }
 
 bool Lane::has_room() {
@@ -66,7 +73,8 @@ void Lane::done_with(const JobHandle& job, bool lost) const {
 
 bool Lane::has_room_for(const Job& job) const {
   if (queue_.size() < depth_) return true;
-  if (!late_) return false;
+  const bool waits_for_report = !to_->answers() && !to_->is_mute(std::chrono::steady_clock::now());
+  if (!late_ && !waits_for_report) return false;
   const std::size_t bytes = queued_bytes_ + bytes_held(job);
   if (channel_ == nullptr) return queue_.size() < late_jobs_max && bytes <= late_bytes_max;
   return queue_.size() < channel_limits.samples && bytes <= channel_limits.bytes &&

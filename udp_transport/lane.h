@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "core/delivery.h"
@@ -43,7 +44,8 @@ class Lane {
 
   /// A held lane keeps what is posted until begin() gave it the history, which has to go first. Meanwhile
   /// more may wait there than `depth`: 256 small samples, or with a channel as much as that may keep
-  /// (ResendLimits).
+  /// (ResendLimits). So many small samples may wait in an open lane, too, while its receiver is asked to
+  /// report for the first time.
   Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
        Start start = Start::open, std::shared_ptr<Channel> channel = {});
 
@@ -112,7 +114,7 @@ class Lane {
  private:
   void count_lost(const Job& job) const;
   void done_with(const JobHandle& job, bool lost) const;
-  Posted queue_up(JobHandle& job, JobHandle& oldest);
+  std::optional<Posted> queue_up(JobHandle& job, JobHandle& oldest);
   bool has_room_for(const Job& job) const;
   JobHandle pop_oldest();
 

@@ -255,7 +255,7 @@ void Receiver::begin(ArrivalTime now) noexcept {
 
 void Receiver::datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept {
   const std::optional<DatagramKind> kind = kind_of(bytes);
-  if (is_answer(kind)) return acks_.hear(bytes, now_.steady);
+  if (is_answer(kind)) return acks_.hear(bytes, from, now_.steady);
   if (kind == DatagramKind::mark) return report(bytes, from);
   if (kind == DatagramKind::group_offer) return hear_offer(bytes, from);
   shares_.count(from);

@@ -28,7 +28,9 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
  public:
   /// What this half says to those who send, and hears for its own other half. Called by the receiving thread.
   struct Acks {
-    std::function<void(std::span<const std::byte> answer, std::chrono::steady_clock::time_point)> hear;
+    std::function<void(std::span<const std::byte> answer, const SocketAddress& from,
+                       std::chrono::steady_clock::time_point)>
+        hear;
     Reassembly::SendAck send;
     std::function<void(const SocketAddress&, const FlowReport&)> report;
   };

@@ -95,7 +95,7 @@ struct SendSide {
   /// The node's own: what lies elsewhere is borrowed. May be null.
   std::shared_ptr<core::BufferPool> pool;
   std::shared_ptr<KeptMemory> kept = std::make_shared<KeptMemory>();
-  std::atomic<std::uint64_t> over_limit{0}, malformed_answers{0};
+  std::atomic<std::uint64_t> over_limit{0}, malformed_answers{0}, answers_disbelieved{0};
 };
 
 }  // namespace sft::udp

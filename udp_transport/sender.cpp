@@ -97,9 +97,9 @@ void Sender::run() {
 void Sender::hear_answers() {
   std::array<std::byte, datagram_bytes_min> answer;
   for (std::size_t i = 0; i < answers_at_once; ++i) {
-    const std::size_t bytes = io_->take_answer(answer);
-    if (bytes == 0) return;
-    if (hear_ && hear_(std::span(answer).first(bytes), Clock::now())) wake_at_ = {};
+    const DatagramSender::Answer came = io_->take_answer(answer);
+    if (came.bytes == 0) return;
+    if (hear_ && hear_(std::span(answer).first(came.bytes), came.from, Clock::now())) wake_at_ = {};
   }
 }
 
@@ -232,6 +232,7 @@ void Sender::send(const Heartbeat& heartbeat, const Attended& attended) {
   std::array<std::byte, heartbeat_bytes> bytes;
   encode(heartbeat, bytes.data());
   Destination& to = attended.channel->destination();
+  if (!to.takes_control(Clock::now())) return;
   const SendOutcome outcome =
       send_one(to.connection_after(std::max(attended.large.behind, attended.channel->behind())), bytes);
   if (outcome == SendOutcome::sent) {
@@ -281,6 +282,7 @@ Sender::Progress Sender::send_a_few(Flow& flow) {
   const std::size_t cut = cut_batches(flow, now);
   if (cut == 0) return flow.fragments->done() ? Progress::whole : Progress::none;
   const Connection::Sent sent = by.try_send({outgoing_.data(), cut});
+  if (sent.refused) to.refused(now);
   if (sent.batches > 0) {
     account_for(flow, by, sent.batches, now);
     flow.fragments = rest_[sent.batches - 1];
@@ -340,6 +342,10 @@ std::size_t Sender::cut_batches(Flow& flow, Time now) {
   std::size_t n = 0;
   for (std::size_t cut = 0; n < batches_per_call && !fragments.done() && cut < call_bytes; ++n) {
     fragments.next(batches_[n], bytes_max, to.datagrams_per_call());
+    if (batches_[n].bytes() > allowed && !to.answers()) {  // not even one datagram of it
+      wait_for_allowance(flow, now);
+      break;
+    }
     cut += socket_bytes(batches_[n].bytes(), batches_[n].datagrams());
     outgoing_[n] = {batches_[n].parts(), batches_[n].segment_bytes()};
     rest_[n] = fragments;

@@ -44,8 +44,8 @@ class Sender {
   Sender& operator=(const Sender&) = delete;
 
   /// Hears what comes back to answer_port(), on the sending thread: as hear_answer().
-  using Hear =
-      std::function<bool(std::span<const std::byte> datagram, std::chrono::steady_clock::time_point)>;
+  using Hear = std::function<bool(std::span<const std::byte> datagram, const SocketAddress& from,
+                                  std::chrono::steady_clock::time_point)>;
   Result<void> start(const std::string& thread_name, Hear hear = {});
   /// What is queued is not sent any more. Not from the sending thread.
   void stop();

@@ -60,6 +60,7 @@ class SocketConnection final : public Connection {
         own_ ? SystemAddress(address()) : SystemAddress::for_socket(address(), shared_->socket->family);
     Sent rest = send_at_once(fd(), batches.subspan(sent.batches), &to);
     rest.batches += sent.batches;
+    rest.refused = rest.refused || sent.refused;
     return rest;
   }
 
@@ -138,11 +139,15 @@ class SocketSender final : public DatagramSender {
   }
 
   std::uint16_t answer_port() const noexcept override { return answers_ == nullptr ? 0 : answers_->port; }
-  std::size_t take_answer(std::span<std::byte> to) noexcept override {
-    if (answers_ == nullptr) return 0;
+  Answer take_answer(std::span<std::byte> to) noexcept override {
+    if (answers_ == nullptr) return {};
     for (;;) {  // an empty one is not the last
-      const ssize_t bytes = ::recv(answers_->fd.get(), to.data(), to.size(), MSG_DONTWAIT);
-      if (bytes != 0) return static_cast<std::size_t>(std::max<ssize_t>(bytes, 0));
+      sockaddr_in6 from{};
+      socklen_t from_bytes = sizeof from;
+      const ssize_t bytes = ::recvfrom(answers_->fd.get(), to.data(), to.size(), MSG_DONTWAIT,
+                                       reinterpret_cast<sockaddr*>(&from), &from_bytes);
+      if (bytes < 0) return {};
+      if (bytes > 0) return {static_cast<std::size_t>(bytes), to_address(from)};
     }
   }
 

@@ -202,25 +202,30 @@ static bool is_single(std::span<const OutgoingBatch> batches, const SystemAddres
 
 Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
                               const SystemAddress* to) noexcept {
+  Connection::Sent sent{};
+  const auto is_refusal = [](int error) { return error == ECONNREFUSED || error == EHOSTUNREACH; };
   if (is_single(batches, to)) {
     const iovec& all = batches[0].parts[0];
     if (::send(fd, all.iov_base, all.iov_len, MSG_DONTWAIT) >= 0) return {1};
+    sent.refused = is_refusal(errno);
   }
   std::array<OutgoingMessage, messages_per_call> messages;
   std::array<mmsghdr, messages_per_call> headers;
-  std::size_t sent = 0;
   bool again = false;
-  while (sent < batches.size()) {
-    const auto left = batches.subspan(sent, std::min(batches.size() - sent, messages_per_call));
+  while (sent.batches < batches.size()) {
+    const auto left =
+        batches.subspan(sent.batches, std::min(batches.size() - sent.batches, messages_per_call));
     for (std::size_t i = 0; i < left.size(); ++i) headers[i].msg_hdr = messages[i].set(left[i], to);
     const int n = ::sendmmsg(fd, headers.data(), static_cast<unsigned>(left.size()), MSG_DONTWAIT);
-    if (n > 0) sent += static_cast<std::size_t>(n);
+    if (n > 0) sent.batches += static_cast<std::size_t>(n);
     if (n > 0 || errno == EINTR) continue;
     // A connected socket says once what became of an earlier datagram, instead of sending the present one.
-    if (errno == EAGAIN || std::exchange(again, true))
-      return {sent, outcome_of(errno, left[0].segment_bytes != 0)};
+    sent.refused = sent.refused || is_refusal(errno);
+    sent.outcome = outcome_of(errno, left[0].segment_bytes != 0);
+    if (errno == EAGAIN || std::exchange(again, true)) return sent;
   }
-  return {sent};
+  sent.outcome = SendOutcome::sent;
+  return sent;
 }
 
 SendOutcome outcome_of(int error, bool segmented) noexcept {

@@ -105,6 +105,7 @@ class UdpTransport final : public core::Transport {
     Counters counters = receiver_->counters();
     counters.over_limit += send_side_->over_limit.load(std::memory_order_relaxed);
     counters.malformed += send_side_->malformed_answers.load(std::memory_order_relaxed);
+    counters.disbelieved = send_side_->answers_disbelieved.load(std::memory_order_relaxed);
     return counters;
   }
 
@@ -158,10 +159,11 @@ std::shared_ptr<Receiver> make_receiver(const UdpOptions& options,
   limits.channel.seed = std::random_device()();
   const auto ack_sender = std::make_shared<AckSender>(send_side);
   Receiver::Acks acks;
-  acks.hear = [send_side](std::span<const std::byte> answer, std::chrono::steady_clock::time_point now) {
+  acks.hear = [send_side](std::span<const std::byte> answer, const SocketAddress& from,
+                          std::chrono::steady_clock::time_point now) {
     if (send_side->sender.answer_port() != 0) {  // whoever answers us sends there
       send_side->malformed_answers.fetch_add(1, std::memory_order_relaxed);
-    } else if (hear_answer(*send_side, answer, now)) {
+    } else if (hear_answer(*send_side, answer, from, now)) {
       send_side->sender.look_again();
     }
   };
@@ -202,8 +204,9 @@ Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& op
   if (Result<void> started = receiver->start(options.receive_thread_name); !started)
     return forward(started.error());
   SendSide& side = *send_side;  // whose sender that is
-  const auto hear = [&side](std::span<const std::byte> answer, std::chrono::steady_clock::time_point now) {
-    return hear_answer(side, answer, now);
+  const auto hear = [&side](std::span<const std::byte> answer, const SocketAddress& from,
+                            std::chrono::steady_clock::time_point now) {
+    return hear_answer(side, answer, from, now);
   };
   if (Result<void> started = side.sender.start(options.send_thread_name, hear); !started)
     return forward(started.error());

@@ -32,7 +32,6 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
     limits.report_port = 0;  // its members report what they are sent alone, so here their buffers have to do
     limits.flow.first_bytes = std::numeric_limits<std::size_t>::max();
     limits.flow.unheard_bytes_per_s = group_bytes_per_s;
-    limits.flow.first_report = {};  // and nothing waits for one
     const SocketAddress to{core::IpAddress(group), group_port};
     return std::make_shared<Destination>(to, limits, 0, [&side, own](const SocketAddress& address) {
       return side.sender.connect_group(address, {core::IpAddress(own), 0});

@@ -339,7 +339,7 @@ std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane,
   if (lane->is_late()) lane->mark(job);
   if (small && !std::exchange(blank_kept_, true) && !job.is_pack()) job.copy_body();
   const Clock::time_point now = Clock::now();
-  const bool at_once = small && may_send_now(channel->destination(), now);
+  const bool at_once = small && may_send_now(channel->destination(), job, now);
   const Channel::Posted posted =
       channel->post(blank_, job.first, at_once, patience_.count() == 0 ? nullptr : &patience_);
   if (posted.piece) send_now(*channel, *posted.piece, posted.waited ? Clock::now() : now);
@@ -421,12 +421,12 @@ SendOutcome VariantSender::try_send(Lane& lane, Job& job) {
   Destination& to = lane.destination();
   const Clock::time_point now = Clock::now();
   if (job.is_pack()) {
-    return may_send_now(to, now) ? send_at_once(job.body(), to, to.connection_after(lane.behind()), now)
-                                 : SendOutcome::would_wait;
+    return may_send_now(to, job, now) ? send_at_once(job.body(), to, to.connection_after(lane.behind()), now)
+                                      : SendOutcome::would_wait;
   }
   if (job.first.total > direct_bytes_max) return SendOutcome::would_wait;
   if ((job.first.flags & history_follows) != 0) lane.mark(job);
-  if (!may_send_now(to, now)) return SendOutcome::would_wait;
+  if (!may_send_now(to, job, now)) return SendOutcome::would_wait;
   // Most destinations take datagrams of the same length: they are cut once.
   if (const std::size_t datagram_bytes = to.datagram_bytes(); datagram_bytes != cut_for_) {
     Fragmenter fragments(job.body(), datagram_bytes);
@@ -438,17 +438,21 @@ SendOutcome VariantSender::try_send(Lane& lane, Job& job) {
   return send_batch(to, to.connection_after(lane.behind()), cut_for_, now);
 }
 
-/// There is room for more, as it were; otherwise the sending thread goes on when there is.
-bool VariantSender::may_send_now(Destination& to, Clock::time_point now) {
-  return tally_->limit.ready(true, now) && side_->sender.limit().ready(true, now) &&
-         to.room(Destination::Size::small, now) > 0;
+/// There is room for more, as it were; otherwise the sending thread goes on when there is. What is sent
+/// before the first report has to fit as a whole.
+bool VariantSender::may_send_now(Destination& to, const Job& job, Clock::time_point now) {
+  if (!tally_->limit.ready(true, now) || !side_->sender.limit().ready(true, now)) return false;
+  const std::size_t room = to.room(Destination::Size::small, now);
+  if (room == 0 || to.answers()) return room > 0;
+  return job.first.bytes() + (job.is_pack() ? job.packed_bytes() : job.first.total) <= room;
 }
 
 /// `would_wait`, too, where it has to be cut again.
 SendOutcome VariantSender::send_batch(Destination& to, Connection& by, std::size_t cut_for,
                                       Clock::time_point now) {
   const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
-  const SendOutcome outcome = by.try_send({&batch, 1}).outcome;
+  const auto [batches, outcome, refused] = by.try_send({&batch, 1});
+  if (refused) to.refused(now);
   if (outcome == SendOutcome::sent) {
     tally_->bytes_sent.fetch_add(batch_.bytes(), std::memory_order_relaxed);
     tally_->limit.spend(batch_.bytes());

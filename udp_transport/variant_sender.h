@@ -75,7 +75,7 @@ class VariantSender {
                    std::size_t job_samples);
   std::size_t send_after_history(const std::shared_ptr<Lane>& lane);
   std::size_t send_reliably(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel);
-  bool may_send_now(Destination& to, std::chrono::steady_clock::time_point now);
+  bool may_send_now(Destination& to, const Job& job, std::chrono::steady_clock::time_point now);
   SendOutcome send_batch(Destination& to, Connection& by, std::size_t cut_for,
                          std::chrono::steady_clock::time_point now);
   void send_now(Channel& channel, const Channel::Piece& piece, std::chrono::steady_clock::time_point now);

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <optional>
+
 #include "connections.h"
 
 namespace sft::udp {
@@ -14,6 +17,21 @@ class DestinationTest : public testing::Test {
   std::shared_ptr<Destination> find(std::uint32_t receive_buffer_bytes) {
     return directory_.find({0x7F000001, 5000, receive_buffer_bytes});
   }
+  /// What a receiver says to the last mark that was sent.
+  FlowReport answer_to_mark(std::uint32_t window_bytes = 1'000'000) const {
+    std::optional<FlowMark> last;
+    for (const test::Bytes& bytes : connections_.sent()) {
+      if (const auto mark = parse_mark(bytes)) last = mark;
+    }
+    if (!last) return {};
+    return {.flow = last->flow,
+            .position = last->position,
+            .window_bytes = window_bytes,
+            .datagrams = last->datagrams,
+            .came = last->datagrams,
+            .sent_at_ns = last->sent_at_ns};
+  }
+  const core::IpAddress there_{0x7F000001U}, elsewhere_{0x0A090003U};
   const Destination::Time now_ = Destination::Time{} + 1h;
   test::Connections connections_;
   DestinationDirectory directory_{{.report_port = 7}, connections_.connect()};
@@ -29,13 +47,61 @@ TEST_F(DestinationTest, HasAConnectionForWhatIsSmallAndAnotherForWhatIsLarge) {
 
 TEST_F(DestinationTest, SendsWhatMustNotOvertakeBehindIt) {
   const auto to = find(0);
-  FlowReport report{.flow = to->flow(), .window_bytes = 1'000'000};
-  ASSERT_FALSE(to->hear(report, now_));
+  to->sent(to->connection(), 100, 1, now_);
+  ASSERT_TRUE(to->hear(answer_to_mark(200'000), there_, now_).believed);
   to->sent(to->bulk(), 100'000, 70, now_);
   EXPECT_EQ(&to->connection_after(to->position()), &to->bulk());
-  report.position = to->position();
-  ASSERT_FALSE(to->hear(report, now_ + 1ms));
+  ASSERT_TRUE(to->hear(answer_to_mark(), there_, now_ + 1ms).believed);
   EXPECT_EQ(&to->connection_after(to->position()), &to->connection()) << "it has arrived";
+}
+
+TEST_F(DestinationTest, BelievesAReportThatRepeatsItsMarkAndLearnsWhereTheReceiverIs) {
+  const auto to = find(0);
+  EXPECT_FALSE(to->answers());
+  to->sent(to->connection(), 100, 1, now_);
+  FlowReport guess = answer_to_mark();
+  guess.sent_at_ns = now_.time_since_epoch().count();
+  EXPECT_FALSE(to->hear(guess, there_, now_).believed) << "only who got the mark knows the time in it";
+  EXPECT_FALSE(to->hear(guess, elsewhere_, now_).believed);
+  EXPECT_FALSE(to->is_at(elsewhere_));
+  EXPECT_FALSE(to->answers());
+  EXPECT_TRUE(to->is_at(there_));
+  EXPECT_TRUE(to->hear(answer_to_mark(), elsewhere_, now_).believed);
+  EXPECT_TRUE(to->is_at(elsewhere_)) << "it has another address, too";
+  EXPECT_TRUE(to->answers());
+}
+
+TEST_F(DestinationTest, HasToAnswerAnewWhereItHasMovedTo) {
+  const auto to = directory_.find({.ip = there_, .port = 5000, .node = 7});
+  to->sent(to->connection(), 100, 1, now_);
+  const FlowReport before = answer_to_mark();
+  ASSERT_TRUE(to->hear(before, there_, now_).believed);
+  directory_.find({.ip = elsewhere_, .port = 5000, .node = 7});
+  EXPECT_FALSE(to->answers());
+  EXPECT_FALSE(to->is_at(there_));
+  EXPECT_FALSE(to->hear(before, there_, now_).believed);
+  EXPECT_EQ(to->room(Destination::Size::large, now_), 0U);
+  to->mark(now_);
+  EXPECT_TRUE(to->hear(answer_to_mark(), elsewhere_, now_).believed);
+  EXPECT_GT(to->room(Destination::Size::large, now_), 0U);
+}
+
+TEST_F(DestinationTest, SendsNoHeartbeatsToWhoDoesNotAnswerAndThenOneAtOnce) {
+  const auto to = find(0);
+  int few = 0;
+  for (; few < 100 && to->takes_control(now_); ++few) {
+  }
+  EXPECT_EQ(few, 16);
+  EXPECT_EQ(to->moves(), 0U);
+  to->sent(to->connection(), 100, 1, now_);
+  ASSERT_TRUE(to->hear(answer_to_mark(), there_, now_).believed);
+  EXPECT_EQ(to->moves(), 1U) << "channels ask again at once";
+  EXPECT_TRUE(to->takes_control(now_));
+}
+
+TEST_F(DestinationTest, HasANumberThatNobodyGuesses) {
+  const auto one = directory_.find({there_, 1}), two = directory_.find({there_, 2});
+  EXPECT_GT(std::max(one->flow() - two->flow(), two->flow() - one->flow()), 1000U);
 }
 
 TEST_F(DestinationTest, IsFoundByTheNumberThatItsReceiverKnows) {

@@ -121,7 +121,7 @@ class PassingSender : public DatagramSender {
     return inner_->connect_group(group, own);
   }
   std::uint16_t answer_port() const noexcept override { return inner_->answer_port(); }
-  std::size_t take_answer(std::span<std::byte> to) noexcept override { return inner_->take_answer(to); }
+  Answer take_answer(std::span<std::byte> to) noexcept override { return inner_->take_answer(to); }
   void await(std::chrono::steady_clock::time_point deadline) noexcept override { inner_->await(deadline); }
   void wake() noexcept override { inner_->wake(); }
 
@@ -150,17 +150,19 @@ class SenderOfBadLink final : public PassingSender {
   SenderOfBadLink(std::unique_ptr<DatagramSender> inner, const Faults& faults, unsigned seed)
       : PassingSender(std::move(inner)), faults_(faults), random_(seed) {}
 
-  std::size_t take_answer(std::span<std::byte> to) noexcept override {
+  Answer take_answer(std::span<std::byte> to) noexcept override {
     if (!again_.empty()) {
       const std::vector<std::byte> same = std::exchange(again_, {});
       std::ranges::copy(same, to.begin());
-      return same.size();
+      return {same.size(), again_from_};
     }
-    std::size_t bytes = PassingSender::take_answer(to);
-    while (bytes > 0 && happens(faults_.loss)) bytes = PassingSender::take_answer(to);
-    if (happens(faults_.repetition))
-      again_.assign(to.begin(), to.begin() + static_cast<std::ptrdiff_t>(bytes));
-    return bytes;
+    Answer answer = PassingSender::take_answer(to);
+    while (answer.bytes > 0 && happens(faults_.loss)) answer = PassingSender::take_answer(to);
+    if (happens(faults_.repetition)) {
+      again_.assign(to.begin(), to.begin() + static_cast<std::ptrdiff_t>(answer.bytes));
+      again_from_ = answer.from;
+    }
+    return answer;
   }
 
  private:
@@ -169,6 +171,7 @@ class SenderOfBadLink final : public PassingSender {
   Faults faults_;
   std::mt19937 random_;
   std::vector<std::byte> again_;
+  SocketAddress again_from_;
 };
 
 /// All that comes has faults: samples, and answers to those that are sent.
