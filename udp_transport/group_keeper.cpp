@@ -261,17 +261,18 @@ std::uint32_t GroupKeeper::address(std::size_t place) const {
 void GroupKeeper::tend(Time now) {
   for (const auto& group : groups_) {
     for (const MulticastGroup::Offer& offer : group->offers(now))
-      send(group->members()[offer.member].lane->destination(), offer.offer);
+      send(group->members()[offer.member].lane->destination(), offer.offer, now);
   }
   std::erase_if(retired_, [&](const Retired& retired) {
     if (now - retired.at < farewell_after) return false;
     for (std::size_t i = 0; i < retired.group->members().size(); ++i)
-      send(retired.group->members()[i].lane->destination(), retired.group->farewell(i));
+      send(retired.group->members()[i].lane->destination(), retired.group->farewell(i), now);
     return true;
   });
 }
 
-void GroupKeeper::send(Destination& to, const GroupOffer& offer) {
+void GroupKeeper::send(Destination& to, const GroupOffer& offer, Time now) {
+  if (!to.takes_control(now)) return;
   std::array<std::byte, group_offer_bytes> bytes;
   encode(offer, bytes.data());
   to.note(send_one(to.connection(), bytes));

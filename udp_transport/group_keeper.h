@@ -86,7 +86,7 @@ class GroupKeeper {
   void merge(const Planned& planned, std::vector<Gathered>& routes) const;
   std::vector<PlanDestination> plan_destinations(std::vector<const Destination*>& places) const;
   std::uint32_t address(std::size_t place) const;
-  static void send(Destination& to, const GroupOffer& offer);
+  static void send(Destination& to, const GroupOffer& offer, Time now);
   void explain(const std::vector<Gathered>& routes);
 
   static constexpr std::chrono::milliseconds settling{100};  ///< routes come in bunches

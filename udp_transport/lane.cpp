@@ -8,8 +8,8 @@
 namespace sft::udp {
 
 namespace {
-// What may wait without a channel in a late lane, or for the first report of a receiver:
-constexpr std::size_t late_jobs_max = 256;
+// What may wait without a channel in a late lane, or in another one for the first report of its receiver:
+constexpr std::size_t late_jobs_max = 256, unproven_jobs_max = 64;
 constexpr std::size_t late_bytes_max = std::size_t{1} << 20;
 // And with one: as much as that may keep.
 constexpr ResendLimits channel_limits;
@@ -76,7 +76,8 @@ bool Lane::has_room_for(const Job& job) const {
   const bool waits_for_report = !to_->answers() && !to_->is_mute(std::chrono::steady_clock::now());
   if (!late_ && !waits_for_report) return false;
   const std::size_t bytes = queued_bytes_ + bytes_held(job);
-  if (channel_ == nullptr) return queue_.size() < late_jobs_max && bytes <= late_bytes_max;
+  const std::size_t jobs_max = late_ ? late_jobs_max : unproven_jobs_max;
+  if (channel_ == nullptr) return queue_.size() < jobs_max && bytes <= late_bytes_max;
   return queue_.size() < channel_limits.samples && bytes <= channel_limits.bytes &&
          !channel_->must_give_up_some_of(bytes);
 }

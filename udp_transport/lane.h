@@ -44,7 +44,7 @@ class Lane {
 
   /// A held lane keeps what is posted until begin() gave it the history, which has to go first. Meanwhile
   /// more may wait there than `depth`: 256 small samples, or with a channel as much as that may keep
-  /// (ResendLimits). So many small samples may wait in an open lane, too, while its receiver is asked to
+  /// (ResendLimits). 64 small samples may wait in an open lane, too, while its receiver is asked to
   /// report for the first time.
   Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
        Start start = Start::open, std::shared_ptr<Channel> channel = {});

@@ -54,6 +54,11 @@ std::shared_ptr<Lane> MulticastGroup::lane_of(const std::shared_ptr<MulticastGro
   return {group, group->lane_.get()};
 }
 
+bool MulticastGroup::is_answered() const noexcept {
+  return std::ranges::any_of(members_,
+                             [](const Member& member) { return member.lane->destination().answers(); });
+}
+
 MulticastGroup::BestEffort MulticastGroup::best_effort() const noexcept {
   BestEffort result;
   for (std::size_t i = 0; i < members_.size(); ++i) {

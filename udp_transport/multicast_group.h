@@ -55,6 +55,8 @@ class MulticastGroup final : public LaneListener {
   bool hears(std::size_t member) const noexcept { return hears_[member].load(std::memory_order_relaxed); }
   /// Where that sample is in the member's channel.
   void placed(std::size_t member, std::uint64_t ordinal, std::uint64_t in_channel) noexcept;
+  /// A member's own socket has answered, and is not silent: somebody wants what is sent.
+  bool is_answered() const noexcept;
   /// Nothing may be sent to it any more.
   bool broken() const noexcept { return broken_.load(std::memory_order_relaxed); }
   /// Of those without a channel: whether one hears, and whether one does not.

@@ -197,7 +197,7 @@ std::size_t VariantSender::send_together(const Group& group, const core::SampleH
   MulticastGroup& together = *group.multicast;
   const std::uint64_t ordinal = together.next_ordinal(std::chrono::steady_clock::now());
   const bool small = is_small(*blank_);
-  const bool has_room = together.lane()->has_room() && !together.broken();
+  const bool has_room = together.is_answered() && together.lane()->has_room() && !together.broken();
   cut_for_ = 0;
   group.tally->sent(blank_->first.total, blank_->whole_bytes, 1);
   std::size_t missed = 0;
@@ -245,6 +245,10 @@ bool VariantSender::send_to_group(const Group& group, const core::SampleHandle& 
   MulticastGroup& together = *group.multicast;
   const std::shared_ptr<Lane>& lane = together.lane();
   Job& job = *blank_;
+  if (!together.is_answered()) {  // those that heard it are silent
+    if (together.has_left(job, true)) side_->sender.look_again();
+    return false;
+  }
   if (together.broken()) {
     if (together.has_left(job, false)) side_->sender.look_again();  // who would have heard it asks for it
     return true;
