@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 
 namespace sft::core {
 namespace {
@@ -79,9 +80,15 @@ TEST(BufferPoolTest, AnImpossibleSizeIsRefused) {
 }
 
 TEST(BufferPoolTest, AHandleKeepsItsPoolAlive) {
-  SampleHandle buffer = BufferPool::make(1 << 20)->take(64);
-  buffer->data[70] = std::byte{1};
+  std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 20);
+  const std::weak_ptr<BufferPool> watched = pool;
+  SampleHandle buffer = pool->take(64);
+  pool.reset();
+  EXPECT_FALSE(watched.expired());
+  buffer->data[63] = std::byte{1};
+  EXPECT_EQ(buffer->data[63], std::byte{1});
   buffer.reset();
+  EXPECT_TRUE(watched.expired());
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdio>
+#include <string>
 #include <thread>
 
 namespace sft::core {
@@ -70,6 +72,21 @@ TEST(DoorbellTest, AnUnknownPageIsAnErrorThatNamesTheFile) {
   const auto page = DoorbellPage::open(0x1234);
   ASSERT_FALSE(page);
   EXPECT_NE(page.error().message.find("sft_bell_0000000000001234"), std::string::npos);
+}
+
+// Every ring of it would be a SIGBUS.
+TEST(DoorbellTest, APageThatWasCutShortIsAnErrorThatNamesTheFile) {
+  const auto page = DoorbellPage::create();
+  if (page->id() == 0) GTEST_SKIP() << "/dev/shm cannot be used here";
+  ASSERT_TRUE(DoorbellPage::open(page->id()));
+  std::string path(64, ' ');
+  std::snprintf(path.data(), path.size(), "/dev/shm/sft_bell_%016llx",
+                static_cast<unsigned long long>(page->id()));
+  path.resize(path.find('\0'));
+  ASSERT_EQ(truncate(path.c_str(), static_cast<off_t>(DoorbellPage::slots * sizeof(Doorbell) - 1)), 0);
+  const auto cut = DoorbellPage::open(page->id());
+  ASSERT_FALSE(cut);
+  EXPECT_NE(cut.error().message.find(path), std::string::npos) << cut.error().message;
 }
 
 TEST(DoorbellTest, SweepingRemovesThePagesOfKilledProcessesAndNoOthers) {

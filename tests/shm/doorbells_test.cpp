@@ -61,6 +61,12 @@ class SeveralSleepers : public RandomTest {
   std::array<std::atomic<std::uint64_t>, count> woken_{};
 };
 
+TEST_F(SeveralSleepers, AreNotWokenWhereNobodySleeps) {
+  EXPECT_EQ(bells_->announce(), 0U);
+  for (std::uint32_t slot = 0; slot < count; ++slot)
+    EXPECT_EQ(page_->at(slot).rings, 1U) << "who looks next sees that it was rung";
+}
+
 TEST_F(SeveralSleepers, AreNeverForgotten) {
   const std::uint64_t rounds = test_rounds(40'000 / SFT_TEST_SHARE);
   std::vector<std::thread> sleepers;

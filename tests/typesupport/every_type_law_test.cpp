@@ -90,7 +90,7 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     projections_are_the_sample(full, sample);
     projections_are_the_sample(Encoded(type, value.get(), mask | compiled.closed(random_mask())), sample);
 
-    if (random() % 16 == 0) postponed_copies_are_made_later(value, sample);
+    if (random() % 4 == 0) postponed_copies_are_made_later(value, sample);
 
     OwnedValue expected = GetParam().make();
     reference::project(value, mask, expected);
