@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "examples/demo/measurement.h"
+#include "examples/demo/report.h"
 
 namespace sft::demo {
 
@@ -16,8 +17,8 @@ using std::chrono::seconds;
 constexpr seconds patience_for_matching{20};
 constexpr seconds patience_for_shared_memory{8};
 constexpr seconds patience_for_arrival{2};
-// For about so long after they met, DDS participants repeat their introductions, and daemons that the hosts had to
-// start become ready, which their nodes announce.
+// For about so long after they met, DDS participants repeat their introductions, and daemons that the hosts
+// had to start become ready, which their nodes announce.
 constexpr milliseconds settling{5'000};
 // Then each says about every so often that it is still there (80 % of the lease that the library gives). Over
 // any whole number of such periods the control traffic is the same, over others it depends on luck.
@@ -93,6 +94,7 @@ Result<void> Demo::await_readiness() {
     if (ready) {
       display_.say(fmt::format("All {} subscribers found the publisher within {:.1f} s.",
                                now->subscribers.size(), std::chrono::duration<double>(waited).count()));
+      for (const std::string& line : format_refusals(now->publisher)) display_.say(line);
       return {};
     }
     if (waited > patience_for_matching) return tl::unexpected(not_ready(*now));

@@ -49,6 +49,9 @@ struct PublisherReport {
   std::uint64_t full_bytes = 0;  ///< of all that was published: encapsulation and body of the whole messages
   bool finished = false;         ///< all that was ordered is published
   std::vector<ReaderReport> readers;
+  std::string udp;  ///< how UDP works on its host, as the library says it
+  std::string shm;  ///< likewise
+  bool shm_ready = false;
   std::string warning;  ///< the last one that the library gave
   Traffic traffic;
 };
@@ -80,8 +83,8 @@ struct SubscriberReport {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Order, kind, hz, samples)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Traffic, at_ns, received, sent, control_received, control_sent)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ReaderReport, node, served, transport, reason)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PublisherReport, published, dropped, full_bytes, finished, readers,
-                                   warning, traffic)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PublisherReport, published, dropped, full_bytes, finished, readers, udp,
+                                   shm, shm_ready, warning, traffic)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LearningReport, received, payload_bytes, traffic)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SubscriberReport, matched, transport, reason, fields, other_fields,
                                    received, lost, incomplete, payload_bytes, latency_p50_us, latency_p99_us,

@@ -68,6 +68,10 @@ class LidarRole {
     for (const ReaderStatus& reader : publisher_.status().readers) {
       report.readers.push_back({reader.node, reader.served, to_string(reader.transport), reader.reason});
     }
+    const NodeStatus status = node_->node().status();
+    report.udp = status.udp;
+    report.shm = status.shm;
+    report.shm_ready = status.shm_ready;
     report.warning = node_->last_warning();
     report.traffic = node_->traffic();
     return report;

@@ -147,6 +147,15 @@ std::string format_progress(const RunFigures& run, double elapsed_s) {
                      received, lost);
 }
 
+std::vector<std::string> format_refusals(const PublisherReport& publisher) {
+  std::vector<std::string> lines;
+  if (!publisher.udp.starts_with("io_uring"))
+    lines.push_back("io_uring is not in use, so UDP is slower than it could be: " + publisher.udp + ".");
+  if (!publisher.shm_ready)
+    lines.push_back("Shared memory is not in use, so the viewer is served by UDP: " + publisher.shm + ".");
+  return lines;
+}
+
 std::string format_summary(const RunFigures& run) {
   std::string text = fmt::format(
       "The lidar published {} point clouds ({}, {} on average) at {:g} Hz from: {}.\n",
