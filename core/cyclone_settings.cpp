@@ -93,6 +93,7 @@ class CycloneSettingsReader {
 
   void close() {
     open_.pop_back();
+    if (kept_.size() > open_.size()) kept_.resize(open_.size());
     if (open_.size() < skipped_from_) skipped_from_ = nothing_skipped;
   }
 
@@ -113,10 +114,33 @@ class CycloneSettingsReader {
     if (setting.path.empty()) return;
     const bool is_id =
         setting.path.size() == 1 && (equals(setting.path[0], "@Id") || equals(setting.path[0], "Id"));
+    settings_.depends_on_domain_ |= setting.value != value;
     if (in_domain && is_id) return take_id(setting.value, outer);
     if (outer < open_.size()) {  // and not a name space, say
+      keep(setting, outer);
       bring_up_to_date(setting.path);
       settings_.settings_.push_back(std::move(setting));
+    }
+  }
+
+  /// Puts a setting into the tree, at the elements that are open.
+  void keep(const CycloneSettings::Setting& setting, std::size_t outer) {
+    std::vector<CycloneSettings::Element>* among = &settings_.elements_;
+    CycloneSettings::Element* element = nullptr;
+    for (std::size_t depth = outer; depth < open_.size(); ++depth) {
+      if (depth >= kept_.size() || kept_[depth] == not_kept || kept_[depth] >= among->size()) {
+        kept_.resize(std::max(kept_.size(), depth + 1), not_kept);
+        kept_[depth] = among->size();
+        among->push_back({.name = open_[depth], .may_be_short = may_be_short_});
+      }
+      element = &(*among)[kept_[depth]];
+      among = &element->elements;
+    }
+    const std::string& last = setting.path.back();
+    if (last.starts_with('@')) {
+      element->attributes.emplace_back(last.substr(1), setting.value);
+    } else {
+      element->value += setting.value;
     }
   }
 
@@ -124,17 +148,21 @@ class CycloneSettingsReader {
     std::uint32_t number = 0;
     const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), number);
     const bool is_number = error == std::errc{} && end == id.data() + id.size();
+    settings_.depends_on_domain_ |= is_number;
     if (equals(id, "any") || !is_number || number == domain_) return;  // what is neither, Cyclone refuses
     settings_.for_others_ = true;
+    settings_.depends_on_domain_ = true;
     skipped_from_ = domain_depth;
   }
 
   static constexpr std::size_t nothing_skipped = SIZE_MAX;
+  static constexpr std::size_t not_kept = SIZE_MAX;
 
   CycloneSettings& settings_;
   const std::uint32_t domain_;
   const bool may_be_short_;
   std::vector<std::string> open_;
+  std::vector<std::size_t> kept_;               ///< for each open element: its place in the tree
   std::size_t skipped_from_ = nothing_skipped;  ///< while so many elements are open
   std::string error_;
 };
@@ -211,6 +239,56 @@ std::vector<std::string> CycloneSettings::values(std::string_view path) const {
 std::optional<std::string> CycloneSettings::value(std::string_view path) const {
   const std::vector<std::string> all = values(path);
   return all.empty() ? std::nullopt : std::optional(all.back());
+}
+
+namespace {
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+}  // namespace
+
+void CycloneSettings::write(const Element& element, std::vector<std::string>& path,
+                            const std::vector<std::string_view>& left_out, std::string& text) {
+  path.push_back(element.name);
+  Setting here{path, {}, element.may_be_short};
+  bring_up_to_date(here.path);
+  const bool is_left_out = std::ranges::any_of(left_out, [&](std::string_view one) {
+    return static_cast<std::size_t>(std::ranges::count(one, '/')) + 1 == path.size() && is_at(here, one);
+  });
+  if (!is_left_out) {
+    text += "<" + element.name;
+    for (const auto& [name, value] : element.attributes) text += " " + name + "=\"" + escaped(value) + "\"";
+    text += ">" + escaped(element.value);
+    for (const Element& inner : element.elements) write(inner, path, left_out, text);
+    text += "</" + element.name + ">";
+  }
+  path.pop_back();
+}
+
+std::string CycloneSettings::for_any_domain(const std::vector<std::string_view>& left_out) const {
+  std::string text = "<CycloneDDS><Domain id=\"any\">";
+  std::vector<std::string> path;
+  for (const Element& element : elements_) write(element, path, left_out, text);
+  return text + "</Domain></CycloneDDS>";
 }
 
 bool CycloneSettings::sets(std::string_view path) const {

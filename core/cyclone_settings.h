@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sft/typesupport/result.h"
@@ -34,6 +35,13 @@ class CycloneSettings {
   /// There are settings, and all of them are for other domains.
   bool only_for_others() const { return settings_.empty() && for_others_; }
 
+  /// The configuration once more, for a Cyclone domain that has another number inside of the process: for any
+  /// domain, with variables replaced, and without what is set at or below the paths of `left_out`.
+  std::string for_any_domain(const std::vector<std::string_view>& left_out) const;
+  /// False if Cyclone would understand the user's own text as for_any_domain({}) does. That text is better
+  /// then, since messages name the lines of it.
+  bool depends_on_domain() const { return depends_on_domain_; }
+
  private:
   friend class CycloneSettingsReader;
   struct Setting {
@@ -41,10 +49,22 @@ class CycloneSettings {
     std::string value;
     bool may_be_short = false;  ///< names in its path may be
   };
+  /// An element of the configuration below <Domain>.
+  struct Element {
+    std::string name;
+    std::vector<std::pair<std::string, std::string>> attributes{};
+    std::string value{};
+    std::vector<Element> elements{};
+    bool may_be_short = false;
+  };
   static bool is_at(const Setting& setting, std::string_view path);
+  static void write(const Element& element, std::vector<std::string>& path,
+                    const std::vector<std::string_view>& left_out, std::string& text);
 
   std::vector<Setting> settings_;
+  std::vector<Element> elements_;
   bool for_others_ = false;
+  bool depends_on_domain_ = false;
 };
 
 }  // namespace sft::core

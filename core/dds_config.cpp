@@ -77,6 +77,12 @@ constexpr std::array demands{
            "nodes could not be reached"},
 };
 
+constexpr std::string_view own_domain_number = "Discovery/ExternalDomainId";
+
+// Where the ports of nodes begin that look for each other without multicast on the loopback: beside those of
+// the other links, which would else take the first ones, of which there are few.
+constexpr int loopback_port_offset = 120;
+
 constexpr Demand predictable_port{
     "Discovery", "ParticipantIndex", [](const std::string& v) { return equals(v, "none"); }, "auto",
     "without multicast, nodes are looked for at the ports that DDS derives from the index"};
@@ -93,13 +99,20 @@ class Composition {
         user_(user),
         multicast_(user.value("General/AllowMulticast").value_or(multicast_by_ours())) {}
 
-  DdsConfig result(const std::string& user_config) const {
-    DdsConfig config{{}, !finds_by_peers_only() && !equals(multicast_, "spdp"), summary(), {}};
+  DdsConfig result(std::uint32_t domain, const std::string& user_config) const {
+    DdsConfig config;
+    config.domain_on_wire = user_.value(own_domain_number).value_or("default");
+    if (equals(config.domain_on_wire, "default")) config.domain_on_wire = std::to_string(domain);
+    config.multicast = !finds_by_peers_only() && !equals(multicast_, "spdp");
+    config.found_by_multicast = !finds_by_peers_only();
+    config.peers = settings_.peers;
+    config.user_peers = user_.values("Discovery/Peers/Peer/@Address");
     std::string insisted;
     for (const Demand& demand : demands) insisted += insist_on(demand, config.warnings);
     if (finds_by_peers_only()) insisted += insist_on(predictable_port, config.warnings);
     // What comes later wins.
-    config.text = ours() + "," + (user_config.empty() ? "" : user_config + ",") + document(insisted);
+    const std::string users = of_user(user_config);
+    config.text = ours() + "," + (users.empty() ? "" : users + ",") + document(insisted);
     add_remarks(config.warnings);
     return config;
   }
@@ -115,50 +128,33 @@ class Composition {
   bool user_chose_interfaces() const {
     return user_.sets("General/Interfaces") || user_.sets("General/NetworkInterfaceAddress");
   }
+  /// Each link has its interface, and all have the domain number of the network: the user's choice of these
+  /// is applied to the links, and taken out here.
+  std::string of_user(const std::string& user_config) const {
+    const bool as_it_is =
+        !user_chose_interfaces() && !user_.sets(own_domain_number) && !user_.depends_on_domain();
+    if (as_it_is) return user_config;
+    return user_.for_any_domain({"General/Interfaces", "General/NetworkInterfaceAddress", own_domain_number});
+  }
 
   /// Acknowledgements that do not wait and heartbeats that come at once make a newcomer's first request
   /// arrive within milliseconds, and soon where datagrams get lost; what repeats while nothing happens is
-  /// kept rare.
+  /// kept rare. A link whose address is gone must not wait for acknowledgements when it is deleted.
   std::string ours() const {
-    return document(element("General", general()) + element("Discovery", discovery()) +
+    return document(element("General", element("AllowMulticast", multicast_by_ours())) +
+                    element("Discovery", discovery()) +
                     element("Internal", element("PreEmptiveAckDelay", "0 ms") + element("NackDelay", "1 ms") +
                                             "<HeartbeatInterval max=\"2 s\">20 ms</HeartbeatInterval>" +
-                                            element("MultipleReceiveThreads", "false")));
-  }
-
-  std::string general() const {
-    const std::string text = element("AllowMulticast", multicast_by_ours());
-    if (settings_.interfaces.empty() || user_chose_interfaces()) return text;
-    std::string interfaces;
-    for (const std::string& name : settings_.interfaces) {
-      // Of a network, too, Cyclone wants an address, and takes the bits of the interface.
-      const std::optional<IpNetwork> network = parse_ip_network(name);
-      interfaces += std::string("<NetworkInterface ") + (network ? "address" : "name") + "=\"" +
-                    (network ? format(network->ip) : name) + "\" presence_required=\"false\"/>";
-    }
-    return text + element("Interfaces", interfaces);
+                                            element("MultipleReceiveThreads", "false") +
+                                            element("WriterLingerDuration", "0 s")));
   }
 
   /// A peer is asked at every port that a node of it may have, each time: that has to be rare, and they few.
   std::string discovery() const {
     if (!finds_by_peers_only() && !has_peers())
       return element("SPDPInterval", "10 s") + element("LeaseDuration", "20 s");
-    std::string peers;
-    if (finds_by_peers_only()) peers += "<Peer Address=\"localhost\"/>";
-    for (const std::string& peer : settings_.peers) peers += "<Peer Address=\"" + peer + "\"/>";
     return element("SPDPInterval", "120 s") + element("LeaseDuration", "150 s") +
-           element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20") +
-           element("Peers", peers);
-  }
-
-  std::string summary() const {
-    std::vector<std::string> peers = settings_.peers;
-    for (std::string& peer : user_.values("Discovery/Peers/Peer/@Address")) peers.push_back(std::move(peer));
-    std::string text = finds_by_peers_only() ? "on this host" : "by multicast";
-    if (!peers.empty()) text += ", and on the peers " + list(peers);
-    if (!settings_.interfaces.empty() && !user_chose_interfaces())
-      text += ", by " + list(settings_.interfaces);
-    return text;
+           element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20");
   }
 
   /// Also where the user sets nothing, or nothing that could be found. Empty where the user's value will do.
@@ -222,6 +218,24 @@ Result<void> check_partitions(const CycloneSettings& user) {
   return {};
 }
 
+/// Where Cyclone is to choose by itself, no interface is excluded.
+std::vector<std::string> chosen_interfaces(const CycloneSettings& user, const DiscoverySettings& settings) {
+  std::vector<std::string> names;
+  for (const char* attribute : {"@name", "@address"}) {
+    for (std::string& name : user.values(std::string("General/Interfaces/NetworkInterface/") + attribute))
+      names.push_back(std::move(name));
+  }
+  if (const auto deprecated = user.value("General/NetworkInterfaceAddress")) {
+    for (const auto name : std::views::split(*deprecated, ',')) names.emplace_back(name.begin(), name.end());
+  }
+  const std::vector<std::string> any = user.values("General/Interfaces/NetworkInterface/@autodetermine");
+  if (std::ranges::any_of(any, [](const std::string& value) { return equals(value, "true"); })) return {};
+  std::erase_if(names, [](const std::string& name) { return equals(name, "auto") || name.empty(); });
+  return user.sets("General/Interfaces") || user.sets("General/NetworkInterfaceAddress")
+             ? names
+             : settings.interfaces;
+}
+
 }  // namespace
 
 Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& settings,
@@ -231,22 +245,48 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   const Result<CycloneSettings> user = CycloneSettings::read(user_config, domain);
   if (!user) return tl::unexpected(user.error());
   if (const auto ok = check_partitions(*user); !ok) return tl::unexpected(ok.error());
-  return Composition(settings, *user).result(user_config);
+  DdsConfig config = Composition(settings, *user).result(domain, user_config);
+  config.interfaces = chosen_interfaces(*user, settings);
+  return config;
+}
+
+std::string DdsConfig::summary(std::span<const LinkSpec> links) const {
+  std::vector<std::string> asked = peers;
+  asked.insert(asked.end(), user_peers.begin(), user_peers.end());
+  const std::string on_peers = asked.empty() ? "" : ", and on the peers " + list(asked);
+  return found_by_multicast ? "by multicast on " + describe(links) + on_peers
+                            : "on this host" + on_peers + ", by " + describe(links);
+}
+
+/// What is heard on a port of this host may come from any interface: without DontRoute each link would talk
+/// to addresses that are not of its network, too. Peers may be behind a router. Nodes of one host meet on the
+/// loopback, and would do so once more on every other link if its multicasts came back.
+std::string DdsConfig::text_for(const LinkSpec& link) const {
+  const std::string which = link.ip.is_any() ? "name=\"" + link.interface : "address=\"" + format(link.ip);
+  std::string general = element(
+      "Interfaces", "<NetworkInterface " + which + (link.loopback ? "\" multicast=\"true\"/>" : "\"/>"));
+  if (link.ip.is_any()) general += element("Transport", "udp6");
+  if (!rules().peers) general += element("DontRoute", "true");
+  if (!link.reaches_own_host) general += element("EnableMulticastLoopback", "false");
+  std::string discovery = element("ExternalDomainId", domain_on_wire);
+  std::string asked;
+  if (!found_by_multicast && link.reaches_own_host) asked += "<Peer Address=\"localhost\"/>";
+  if (!link.loopback) {
+    for (const std::string& peer : peers) asked += "<Peer Address=\"" + peer + "\"/>";
+  }
+  if (!asked.empty()) discovery += element("Peers", asked);
+  if (link.loopback && (!found_by_multicast || rules().peers)) {
+    discovery += element("Ports", element("UnicastMetaOffset", std::to_string(loopback_port_offset)) +
+                                      element("UnicastDataOffset", std::to_string(loopback_port_offset + 1)));
+  }
+  return text + "," + document(element("General", general) + element("Discovery", discovery));
 }
 
 Result<std::vector<std::string>> discovery_interfaces(std::uint32_t domain, const DiscoverySettings& settings,
                                                       const std::string& user_config) {
-  const Result<CycloneSettings> user = CycloneSettings::read(user_config, domain);
-  if (!user) return tl::unexpected(user.error());
-  std::vector<std::string> names;
-  for (const char* attribute : {"@name", "@address"}) {
-    for (std::string& name : user->values(std::string("General/Interfaces/NetworkInterface/") + attribute))
-      names.push_back(std::move(name));
-  }
-  if (const auto deprecated = user->value("General/NetworkInterfaceAddress")) {
-    for (const auto name : std::views::split(*deprecated, ',')) names.emplace_back(name.begin(), name.end());
-  }
-  return user->sets("General/Interfaces") || !names.empty() ? names : settings.interfaces;
+  return CycloneSettings::read(user_config, domain).map([&](const CycloneSettings& user) {
+    return chosen_interfaces(user, settings);
+  });
 }
 
 }  // namespace sft::core

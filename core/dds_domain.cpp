@@ -1,51 +1,37 @@
 #include "core/dds_domain.h"
 
 #include <dds/ddsrt/log.h>
-#include <ifaddrs.h>
-#include <net/if.h>
-#include <sys/socket.h>
+#include <fcntl.h>
 
 #include <map>
-#include <memory>
 #include <mutex>
+
+#include "core/file_descriptor.h"
 
 namespace sft::core {
 
 namespace {
 thread_local CycloneMessages* listening = nullptr;
 
-/// Cyclone tells that a domain exists, but not how it is configured. So this has to be remembered where
-/// Cyclone keeps the domain itself, which is the process.
+constexpr std::uint32_t first_domain = 1000;  // DDS domains on a network are below 233
+constexpr std::size_t descriptors_of_a_domain = 16;
+
+/// The domains of this process, kept where Cyclone keeps them.
 struct OpenDomains {
   std::mutex mutex;
-  std::map<std::uint32_t, std::string> configurations;  ///< empty: not opened by SFT
+  std::map<std::string, std::weak_ptr<const CycloneDomain>> by_config;
+  std::uint32_t made = 0;
 };
 OpenDomains open_domains;
 
-struct IfaddrsDeleter {
-  void operator()(ifaddrs* list) const { ::freeifaddrs(list); }
-};
-
-/// Cyclone uses one family for all, IPv4 unless it is told otherwise.
-bool host_has_only_ipv6() {
-  ifaddrs* first = nullptr;
-  ::getifaddrs(&first);
-  const std::unique_ptr<ifaddrs, IfaddrsDeleter> list(first);
-  bool has_ipv6 = false;
-  for (const ifaddrs* i = list.get(); i != nullptr; i = i->ifa_next) {
-    const bool usable =
-        i->ifa_addr != nullptr && (i->ifa_flags & IFF_UP) != 0 && (i->ifa_flags & IFF_LOOPBACK) == 0;
-    if (usable && i->ifa_addr->sa_family == AF_INET) return false;
-    has_ipv6 |= usable && i->ifa_addr->sa_family == AF_INET6;
+/// Cyclone does not survive a lack of descriptors while it makes a domain.
+bool has_descriptors_left() {
+  std::vector<FileDescriptor> spare;
+  for (std::size_t i = 0; i < descriptors_of_a_domain; ++i) {
+    spare.emplace_back(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+    if (!spare.back()) return false;
   }
-  return has_ipv6;
-}
-
-/// Not part of what is compared: that the host's addresses change is nobody's mistake.
-std::string for_this_host(const std::string& config) {
-  constexpr const char* ipv6 =
-      "<CycloneDDS><Domain id=\"any\"><General><Transport>udp6</Transport></General></Domain></CycloneDDS>,";
-  return (host_has_only_ipv6() ? ipv6 : "") + config;
+  return true;
 }
 
 }  // namespace
@@ -73,36 +59,29 @@ std::string CycloneMessages::text() const {
   return text.empty() ? "it does not say why" : text;
 }
 
-Result<void> open_dds_domain(std::uint32_t domain, DdsConfig& config) {
-  const std::scoped_lock lock(open_domains.mutex);
+Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const std::string& config,
+                                                            std::vector<std::string>& complaints) {
+  const std::scoped_lock lock(open_domains.mutex);  // so that two nodes do not make the same one
+  std::erase_if(open_domains.by_config, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<const CycloneDomain>& known = open_domains.by_config[config];
+  if (auto domain = known.lock()) return domain;
+  if (!has_descriptors_left())
+    return fail(Errc::limit_exceeded,
+                "the process has no file descriptors left: raise its limit (ulimit -n)");
   const CycloneMessages messages;
-  if (const auto known = open_domains.configurations.find(domain);
-      known != open_domains.configurations.end()) {
-    if (known->second == config.text) return {};
-    if (!known->second.empty()) {
-      return fail(Errc::invalid_argument,
-                  "DDS domain " + std::to_string(domain) +
-                      " has been opened in this process with other discovery settings or another "
-                      "cyclonedds_config; a "
-                      "process can configure it only once: give all its nodes the same");
-    }
-  } else {
-    const dds_entity_t created = dds_create_domain(domain, for_this_host(config.text).c_str());
-    if (created < 0 && created != DDS_RETCODE_PRECONDITION_NOT_MET) {
-      return fail(Errc::invalid_argument, "Cyclone DDS refuses its configuration (" + messages.text() +
-                                              "); check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");
-    }
-    open_domains.configurations[domain] = created < 0 ? "" : config.text;
-    if (created >= 0) {
-      config.warnings.insert(config.warnings.end(), messages.errors().begin(), messages.errors().end());
-      return {};
-    }
-  }
-  config.summary = "as the program itself configured DDS domain " + std::to_string(domain);
-  config.warnings = {
-      "the program opened DDS domain " + std::to_string(domain) +
-      " before its first node: neither discovery settings nor CYCLONEDDS_URI are applied by SFT"};
-  return {};
+  const std::uint32_t id = first_domain + open_domains.made++;
+  const dds_entity_t entity = dds_create_domain(id, config.c_str());
+  if (entity < 0) return fail(Errc::invalid_argument, messages.text());
+  complaints.insert(complaints.end(), messages.errors().begin(), messages.errors().end());
+  auto domain = std::make_shared<const CycloneDomain>(id, entity);
+  known = domain;
+  return domain;
+}
+
+/// Cyclone looks whether the domain exists before it reads the configuration, and refuses this one.
+bool program_has_opened(std::uint32_t domain) {
+  const CycloneMessages messages;
+  return dds_create_domain(domain, "<") == DDS_RETCODE_PRECONDITION_NOT_MET;
 }
 
 }  // namespace sft::core

@@ -1,14 +1,14 @@
-// What Cyclone DDS has once in a process, though several nodes live in it: a configuration for each domain,
-// and a destination of what it logs.
+// What Cyclone DDS has once in a process, though several nodes live in it: domains, and a destination of what
+// it logs.
 #pragma once
 
 #include <dds/dds.h>
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "core/dds_config.h"
 #include "sft/typesupport/result.h"
 
 namespace sft::core {
@@ -34,10 +34,29 @@ class CycloneMessages {
   std::vector<std::string> warnings_;
 };
 
-/// Makes sure that the domain exists with this configuration. It stays until the process ends: Cyclone cannot
-/// be told to end a domain without ending what the program itself may have made in it. So it is an error if
-/// another node of this process opened it with another configuration, and a warning is added to `config` if
-/// it was not SFT that opened it.
-Result<void> open_dds_domain(std::uint32_t domain, DdsConfig& config);
+/// A Cyclone domain for one link, under a number inside of this process that nobody else uses. It ends with
+/// its last owner, which must have deleted its own participant, and waits for Cyclone's threads: not to be
+/// let go of under a lock or in a listener.
+class CycloneDomain {
+ public:
+  CycloneDomain(std::uint32_t id, dds_entity_t entity) : id_(id), entity_(entity) {}
+  ~CycloneDomain() { dds_delete(entity_); }
+  CycloneDomain(const CycloneDomain&) = delete;
+  CycloneDomain& operator=(const CycloneDomain&) = delete;
+
+  std::uint32_t id() const { return id_; }
+
+ private:
+  const std::uint32_t id_;
+  const dds_entity_t entity_;
+};
+
+/// The nodes of a process that ask with the same configuration share one domain. What Cyclone complains of is
+/// added to `complaints`.
+Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const std::string& config,
+                                                            std::vector<std::string>& complaints);
+
+/// Whether the program itself uses that domain in this process.
+bool program_has_opened(std::uint32_t domain);
 
 }  // namespace sft::core

@@ -1,226 +1,327 @@
 #include "core/discovery.h"
 
-#include <dds/dds.h>
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <utility>
 
-#include <array>
-
-#include "core/control_codec.h"
+#include "core/dds_config.h"
 #include "core/dds_domain.h"
 #include "core/described_type.h"
+#include "core/discovery_link.h"
+#include "core/greetings.h"
+#include "core/link_merge.h"
+#include "core/network_watch.h"
+#include "sft_control.h"
 
 namespace sft::core {
 
 namespace {
 
-struct QosDeleter {
-  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
-};
-struct ListenerDeleter {
-  void operator()(dds_listener_t* listener) const { dds_delete_listener(listener); }
-};
-using DdsQos = std::unique_ptr<dds_qos_t, QosDeleter>;
-using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
+using Now = std::chrono::steady_clock::time_point;
+using namespace std::chrono_literals;
 
-DdsQos control_qos() {
-  DdsQos qos(dds_create_qos());
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
-  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
-  // A killed node's endpoints must end as "no writers", not as "disposed": only withdrawing disposes of them.
-  dds_qset_writer_data_lifecycle(qos.get(), false);
-  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
-  return qos;
-}
+constexpr std::chrono::seconds look_at_interfaces_every{1};  // although netlink tells
+constexpr std::chrono::milliseconds merge_every{100};
+constexpr std::chrono::seconds farewell_max{1};
 
-/// For what is said again and again. Its lease is Cyclone's to watch, and covers all that is written.
-DdsQos assertion_qos(const LifeSigns& signs) {
-  DdsQos qos(dds_create_qos());
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 16);
-  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, DDS_MSECS(signs.lease.count()));
-  dds_qset_writer_data_lifecycle(qos.get(), false);
-  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
-  return qos;
-}
-
-/// Requests nothing of the lease, or a node would not hear of those whose own is longer. It is each writer's
-/// own lease that Cyclone watches.
-DdsQos hearing_qos(const dds_qos_t* written) {
-  DdsQos qos(dds_create_qos());
-  dds_copy_qos(qos.get(), written);
-  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, DDS_INFINITY);
-  return qos;
-}
-
-/// Others can tell our participants from vanilla ones by it. What changes in it is told to everybody, which
-/// is all that `greeting` is for.
-DdsQos participant_qos(unsigned greeting) {
-  const std::array<char, 6> mark{'s', 'f', 't', '/', '1', static_cast<char>('0' + greeting % 10)};
-  DdsQos qos(dds_create_qos());
-  dds_qset_userdata(qos.get(), mark.data(), mark.size());
-  return qos;
-}
-
-/// Takes all that a reader has, in batches, and calls `use(sample, info)`.
-template <class Sample, class Use>
-void take_all(dds_entity_t reader, Use use) {
-  constexpr std::size_t batch = 16;
-  std::array<void*, batch> samples{};
-  std::array<dds_sample_info_t, batch> infos{};
-  for (;;) {
-    const dds_return_t n = dds_take(reader, samples.data(), infos.data(), batch, batch);
-    if (n <= 0) return;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
-      use(*static_cast<const Sample*>(samples[i]), infos[i]);
-    }
-    dds_return_loan(reader, samples.data(), n);
-    samples[0] = nullptr;
-  }
-}
-
-class CycloneDiscovery final : public Discovery {
+/// Gives news to the listener in their order, one at a time and under no lock, whatever thread they come
+/// from.
+class NewsDesk {
  public:
-  explicit CycloneDiscovery(DiscoveryListener& listener) : listener_(listener) {}
+  explicit NewsDesk(DiscoveryListener& listener) : listener_(listener) {}
 
-  ~CycloneDiscovery() override {
-    if (participant_ > 0) dds_delete(participant_);  // waits for listeners that run
+  /// The calling thread delivers what it finds, unless another one is at it, which then delivers this, too.
+  /// `take` is called under the lock that gives news their order.
+  template <class Take>
+  void deliver(std::mutex& mutex, Take take) {
+    std::unique_lock lock(mutex);
+    for (News& news : take()) queue_.push_back(std::move(news));
+    if (delivering_) return;
+    delivering_ = true;
+    while (!queue_.empty()) {
+      const std::vector<News> batch = std::exchange(queue_, {});
+      lock.unlock();
+      for (const News& news : batch) std::visit([&](const auto& one) { tell(one); }, news);
+      lock.lock();
+    }
+    delivering_ = false;
+  }
+
+ private:
+  /// A description that cannot be used costs the endpoint its description and nothing more: programs that
+  /// were compiled with the type do not need it.
+  void tell(const EndpointSeen& seen) {
+    Endpoint endpoint = *seen.endpoint;
+    if (!endpoint.type_description.empty()) {
+      if (const auto type = described_type(endpoint); !type) {
+        listener_.control_malformed(type.error().message);
+        endpoint.type_description.clear();
+      }
+    }
+    listener_.endpoint_seen(std::move(endpoint));
+  }
+  void tell(const EndpointDeparted& departed) { listener_.endpoint_departed(departed.id); }
+  void tell(const EndpointLost& lost) { listener_.endpoint_lost(lost.id); }
+  void tell(const NodeLost& lost) { listener_.node_lost(lost.id); }
+  void tell(const Request& request) { listener_.request_received(request); }
+  void tell(const Assertion& assertion) { listener_.liveliness_asserted(assertion); }
+  void tell(const Refused& refused) { listener_.control_malformed(refused.why); }
+
+  DiscoveryListener& listener_;
+  std::vector<News> queue_;
+  bool delivering_ = false;
+};
+
+class LinkedDiscovery final : public Discovery, private LinkListener {
+ public:
+  explicit LinkedDiscovery(DiscoveryListener& listener) : listener_(listener), desk_(listener) {}
+
+  ~LinkedDiscovery() override {
+    for (const auto& [spec, link] : links_) link.link->flush(farewell_max / static_cast<int>(links_.size()));
+    links_.clear();
   }
 
   Result<void> open(const DiscoveryOptions& options) {
     Result<DdsConfig> config = dds_config(options.domain, options.settings, options.user_config);
     if (!config) return tl::unexpected(config.error());
-    if (const auto opened = open_dds_domain(options.domain, *config); !opened) return opened;
-    configuration_ = {std::move(config->summary), std::move(config->warnings),
-                      config->multicast ? life_signs_to_all : life_signs_to_each};
-    const CycloneMessages messages;
-    participant_ = dds_create_participant(options.domain, participant_qos(greetings_).get(), nullptr);
-    if (participant_ < 0) {
-      return fail(Errc::unavailable, "DDS domain " + std::to_string(options.domain) +
-                                         " cannot be joined: " + messages.text() +
-                                         "; check the network interfaces and CYCLONEDDS_URI");
-    }
-    const DdsQos qos = control_qos();
-    auto endpoints = make_topic(&sft_control_Endpoint_desc, "sft_endpoint", qos.get(), &on_endpoints);
-    if (!endpoints) return tl::unexpected(endpoints.error());
-    auto requests = make_topic(&sft_control_Request_desc, "sft_request", qos.get(), &on_requests);
-    if (!requests) return tl::unexpected(requests.error());
-    const DdsQos unreliable = assertion_qos(configuration_.life_signs);
-    auto assertions =
-        make_topic(&sft_control_Assertion_desc, "sft_liveliness", unreliable.get(), &on_assertions);
-    if (!assertions) return tl::unexpected(assertions.error());
-    endpoint_writer_ = *endpoints;
-    request_writer_ = *requests;
-    assertion_writer_ = *assertions;
-    return {};
+    config_ = std::move(*config);
+    warnings_ = config_.warnings;
+    life_signs_ = config_.multicast ? life_signs_to_all : life_signs_to_each;
+    if (program_has_opened(options.domain)) return join_the_program(options.domain);
+    const Now now = std::chrono::steady_clock::now();
+    interfaces_ = interfaces_of_interest();
+    const Result<void> made = take_into_use(desired_links(interfaces_, config_.rules(), {}), now);
+    for (const std::string& remark : remarks_) warnings_.push_back(remark);
+    describe_links();
+    if (!links_.empty()) return {};
+    if (!made) return made;
+    return fail(Errc::unavailable, "no network interface is up, not even the loopback (ip link set lo up)");
   }
 
-  const Configuration& configuration() const override { return configuration_; }
+  LifeSigns life_signs() const override { return life_signs_; }
+  Configuration configuration() const override {
+    const std::scoped_lock lock(mutex_);
+    return configuration_;
+  }
 
   Result<void> announce(const Endpoint& endpoint) override {
-    ControlStorage storage;
-    const sft_control_Endpoint sample = to_dds(endpoint, storage);
-    return written(dds_write(endpoint_writer_, &sample));
+    Own& own = own_[endpoint.id];
+    const std::uint64_t revision = own.endpoint.revision + 1;
+    own.endpoint = endpoint;
+    own.endpoint.revision = revision;
+    {
+      const std::scoped_lock lock(mutex_);
+      merge_.owns(endpoint.id);
+    }
+    return on_all([&](DiscoveryLink& link) { return link.write(own.endpoint); });
   }
 
   void withdraw(EndpointId id) override {
-    sft_control_Endpoint key{};
-    key.id = id;
-    dds_dispose(endpoint_writer_, &key);
-    dds_unregister_instance(endpoint_writer_, &key);
-    sft_control_Request request_key{};
-    request_key.reader = id;
-    dds_unregister_instance(request_writer_, &request_key);
+    own_.erase(id);
+    for (const auto& [spec, link] : links_) link.link->dispose(id);
+    const std::scoped_lock lock(mutex_);
+    merge_.disowns(id);
   }
 
   Result<void> send(const Request& request) override {
-    const sft_control_Request sample = to_dds(request);
-    return written(dds_write(request_writer_, &sample));
+    if (const auto own = own_.find(request.reader); own != own_.end()) own->second.request = request;
+    return on_all([&](DiscoveryLink& link) { return link.write(request); });
   }
 
   void assert_liveliness(const Assertion& assertion) override {
-    ControlStorage storage;
-    const sft_control_Assertion sample = to_dds(assertion, storage);
-    dds_write(assertion_writer_, &sample);
+    for (const auto& [spec, link] : links_) link.link->write(assertion);
   }
 
-  void greet() override { dds_set_qos(participant_, participant_qos(++greetings_).get()); }
+  void look_after(Now now, bool somebody_is_missing) override {
+    if (watches_ && (watch_.changed() || now >= next_look_)) look_at_interfaces(now);
+    if (newcomer_.exchange(false)) greetings_.newcomer(now);
+    if (greetings_.due(now, somebody_is_missing)) {
+      for (const auto& [spec, link] : links_) link.link->greet();
+    }
+    if (now < next_merge_) return;
+    next_merge_ = now + merge_every;
+    news([&] { merge_.tick(now); });
+  }
 
  private:
-  Result<dds_entity_t> make_topic(const dds_topic_descriptor_t* type, const char* name, const dds_qos_t* qos,
-                                  dds_on_data_available_fn on_data) {
-    const dds_entity_t topic = dds_create_topic(participant_, type, name, qos, nullptr);
-    Listener listener(dds_create_listener(this));
-    dds_lset_data_available(listener.get(), on_data);
-    const dds_entity_t reader =
-        topic < 0 ? topic : dds_create_reader(participant_, topic, hearing_qos(qos).get(), listener.get());
-    const dds_entity_t writer = reader < 0 ? reader : dds_create_writer(participant_, topic, qos, nullptr);
-    if (writer < 0) {
-      return fail(Errc::system, std::string("control topic ") + name + ": " + dds_strretcode(writer));
-    }
-    return writer;
+  struct OpenLink {
+    LinkId id = 0;
+    std::unique_ptr<DiscoveryLink> link;
+  };
+  /// What is in force of one of our endpoints, for links that come later.
+  struct Own {
+    Endpoint endpoint;
+    std::optional<Request> request{};
+  };
+
+  /// Where the program itself uses the domain, its configuration holds, and its choice of interfaces.
+  Result<void> join_the_program(std::uint32_t domain) {
+    watches_ = false;
+    auto link = DiscoveryLink::open({.link = ++links_made_, .domain = nullptr, .number = domain}, life_signs_,
+                                    participants_, *this);
+    if (!link) return tl::unexpected(link.error());
+    links_[LinkSpec{}] = {links_made_, std::move(*link)};
+    configuration_.summary = "as the program itself configured DDS domain " + std::to_string(domain);
+    configuration_.warnings = {
+        "the program opened DDS domain " + std::to_string(domain) +
+        " before its first node: neither discovery settings nor CYCLONEDDS_URI are applied by SFT"};
+    return {};
   }
 
-  static Result<void> written(dds_return_t status) {
-    if (status == DDS_RETCODE_OK) return {};
-    return fail(Errc::system, std::string("a control sample was not written: ") + dds_strretcode(status));
+  /// Containers come and go, which is no reason to greet anybody.
+  std::vector<HostInterface> interfaces_of_interest() const {
+    std::vector<HostInterface> interfaces = host_interfaces();
+    if (config_.interfaces.empty())
+      std::erase_if(interfaces, [](const HostInterface& i) { return belongs_to_containers(i.name); });
+    return interfaces;
   }
 
-  static void on_endpoints(dds_entity_t reader, void* self) {
-    DiscoveryListener& listener = static_cast<CycloneDiscovery*>(self)->listener_;
-    take_all<sft_control_Endpoint>(reader,
-                                   [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
-                                     if (info.valid_data && info.instance_state == DDS_IST_ALIVE) {
-                                       endpoint_came(from_dds(sample), listener);
-                                     } else if (info.instance_state == DDS_IST_NOT_ALIVE_DISPOSED) {
-                                       listener.endpoint_departed(sample.id);
-                                     } else if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS) {
-                                       listener.endpoint_lost(sample.id);
-                                     }
-                                   });
+  void look_at_interfaces(Now now) {
+    next_look_ = now + look_at_interfaces_every;
+    std::vector<HostInterface> interfaces = interfaces_of_interest();
+    const bool changed = interfaces != interfaces_;
+    if (!changed && failed_.empty()) return;
+    interfaces_ = std::move(interfaces);
+    if (changed) greetings_.begin(now);
+    std::vector<LinkSpec> in_force;
+    for (const auto& [spec, link] : links_) in_force.push_back(spec);
+    (void)take_into_use(desired_links(interfaces_, config_.rules(), in_force), now);
+    const std::string before = configuration().summary;
+    describe_links();
+    if (const std::string after = configuration().summary; after != before) listener_.links_changed(after);
   }
 
-  /// A description that cannot be used costs the endpoint its description and nothing more: programs that
-  /// were compiled with the type do not need it.
-  static void endpoint_came(Result<Endpoint> endpoint, DiscoveryListener& listener) {
-    if (!endpoint) return listener.control_malformed(endpoint.error().message);
-    if (!endpoint->type_description.empty()) {
-      if (const auto type = described_type(*endpoint); !type) {
-        listener.control_malformed(type.error().message);
-        endpoint->type_description.clear();
+  /// Makes the new ones before the old ones go. The error is of the first one that could not be made; that is
+  /// tried again.
+  Result<void> take_into_use(const DesiredLinks& desired, Now now) {
+    Result<void> result;
+    failed_.clear();
+    remarks_ = desired.remarks;
+    waits_for_network_ = desired.waits_for_network;
+    for (const LinkSpec& spec : desired.links) {
+      if (links_.contains(spec)) continue;
+      if (const Result<void> made = make_link(spec); !made) {
+        failed_.push_back(spec.interface + ": " + made.error().message);
+        if (result) result = made;
       }
     }
-    listener.endpoint_seen(std::move(*endpoint));
+    for (auto link = links_.begin(); link != links_.end();) {
+      if (std::ranges::find(desired.links, link->first) == desired.links.end()) {
+        const LinkId id = link->second.id;
+        link = links_.erase(link);
+        news([&] { merge_.link_dropped(id, now); });
+      } else {
+        ++link;
+      }
+    }
+    return result;
   }
 
-  static void on_requests(dds_entity_t reader, void* self) {
-    DiscoveryListener& listener = static_cast<CycloneDiscovery*>(self)->listener_;
-    take_all<sft_control_Request>(reader,
-                                  [&](const sft_control_Request& sample, const dds_sample_info_t& info) {
-                                    if (!info.valid_data) return;  // the reader's endpoint tells of its end
-                                    Result<Request> request = from_dds(sample);
-                                    request ? listener.request_received(std::move(*request))
-                                            : listener.control_malformed(request.error().message);
-                                  });
+  Result<void> make_link(const LinkSpec& spec) {
+    std::vector<std::string> complaints;
+    auto domain = cyclone_domain(config_.text_for(spec), complaints);
+    if (!domain) {
+      return fail(domain.error().code, "Cyclone DDS refuses its configuration (" + domain.error().message +
+                                           "); check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");
+    }
+    auto link = DiscoveryLink::open({.link = ++links_made_, .domain = *domain, .number = 0}, life_signs_,
+                                    participants_, *this);
+    if (!link) return tl::unexpected(link.error());
+    for (std::string& complaint : complaints) {
+      if (std::ranges::find(warnings_, complaint) == warnings_.end())
+        warnings_.push_back(std::move(complaint));
+    }
+    for (const auto& [id, own] : own_) {
+      (void)(*link)->write(own.endpoint);
+      if (own.request && own.request->sequence > own.endpoint.request.sequence)
+        (void)(*link)->write(*own.request);
+    }
+    links_[spec] = {links_made_, std::move(*link)};
+    return {};
   }
 
-  static void on_assertions(dds_entity_t reader, void* self) {
-    DiscoveryListener& listener = static_cast<CycloneDiscovery*>(self)->listener_;
-    take_all<sft_control_Assertion>(reader,
-                                    [&](const sft_control_Assertion& sample, const dds_sample_info_t& info) {
-                                      if (!info.valid_data) return listener.node_lost(sample.node);
-                                      Result<Assertion> assertion = from_dds(sample);
-                                      assertion ? listener.liveliness_asserted(std::move(*assertion))
-                                                : listener.control_malformed(assertion.error().message);
-                                    });
+  void describe_links() {
+    std::vector<LinkSpec> specs;
+    for (const auto& [spec, link] : links_) specs.push_back(spec);
+    std::ranges::stable_partition(specs, &LinkSpec::loopback);
+    std::string summary = config_.summary(specs);
+    for (const std::string& remark : remarks_) summary += "; " + remark;
+    for (const std::string& failure : failed_) summary += "; " + failure;
+    if (waits_for_network_)
+      summary += "; no network yet: other hosts are looked for as soon as an interface is up";
+    const std::scoped_lock lock(mutex_);
+    configuration_ = {std::move(summary), warnings_};
   }
+
+  /// The first error; the others are tried all the same.
+  template <class Write>
+  Result<void> on_all(Write write) {
+    Result<void> result;
+    for (const auto& [spec, link] : links_) {
+      if (Result<void> written = write(*link.link); !written && result) result = std::move(written);
+    }
+    return result;
+  }
+
+  template <class Event>
+  void news(Event event) {
+    desk_.deliver(mutex_, [&] {
+      event();
+      return merge_.take_news();
+    });
+  }
+  static Now time() { return std::chrono::steady_clock::now(); }
+
+  void endpoint_came(const Speaker& speaker, Endpoint endpoint) override {
+    news([&] { merge_.endpoint_came(speaker, std::move(endpoint), time()); });
+  }
+  void endpoint_withdrawn(const Speaker& speaker, EndpointId id) override {
+    news([&] { merge_.endpoint_withdrawn(speaker, id, time()); });
+  }
+  void endpoint_unheard(LinkId link, EndpointId id) override {
+    news([&] { merge_.endpoint_unheard(link, id, time()); });
+  }
+  void request_came(const Speaker& speaker, Request request) override {
+    news([&] { merge_.request_came(speaker, std::move(request), time()); });
+  }
+  void assertion_came(const Speaker& speaker, Assertion assertion) override {
+    news([&] { merge_.assertion_came(speaker, std::move(assertion), time()); });
+  }
+  void node_unheard(LinkId link, NodeId id) override {
+    news([&] { merge_.node_unheard(link, id, time()); });
+  }
+  void participant_came(const Speaker&) override { newcomer_ = true; }
+  void participant_left(const Speaker& speaker) override {
+    news([&] { merge_.participant_left(speaker, time()); });
+  }
+  void sample_malformed(std::string why) override { listener_.control_malformed(std::move(why)); }
 
   DiscoveryListener& listener_;
+  DdsConfig config_;
+  LifeSigns life_signs_ = life_signs_to_all;
+  bool watches_ = true;
+  NetworkWatch watch_;
+  Greetings greetings_{time()};
+  Now next_look_{};
+  Now next_merge_{};
+  std::vector<HostInterface> interfaces_;
+  std::map<EndpointId, Own> own_;
+  std::vector<std::string> warnings_;
+  std::vector<std::string> remarks_;
+  std::vector<std::string> failed_;  ///< links that could not be made, and why
+  bool waits_for_network_ = false;
+  LinkId links_made_ = 0;
+  std::atomic<bool> newcomer_{false};  ///< somebody was heard for the first time
+  Participants participants_;
+
+  mutable std::mutex mutex_;  ///< of what follows; Cyclone's threads come here, too
   Configuration configuration_;
-  unsigned greetings_ = 0;
-  dds_entity_t participant_ = 0;
-  dds_entity_t endpoint_writer_ = 0;
-  dds_entity_t request_writer_ = 0;
-  dds_entity_t assertion_writer_ = 0;
+  LinkMerge merge_;
+  NewsDesk desk_;
+
+  std::map<LinkSpec, OpenLink> links_;  ///< goes first: its threads use the rest
 };
 
 }  // namespace
@@ -229,7 +330,7 @@ std::uint32_t control_protocol_version() { return sft_control_protocol_version; 
 
 Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options,
                                                    DiscoveryListener& listener) {
-  auto discovery = std::make_unique<CycloneDiscovery>(listener);
+  auto discovery = std::make_unique<LinkedDiscovery>(listener);
   if (Result<void> opened = discovery->open(options); !opened) return tl::unexpected(opened.error());
   return discovery;
 }

@@ -1,5 +1,5 @@
-// The control topics on Cyclone DDS: announces our endpoints and requests, reports everybody else's. The
-// only part of the core that sees Cyclone, which is behind the .cpp.
+// Announces our endpoints and requests on all links of this host, and reports everybody else's: the control
+// topics of Cyclone DDS, once for each address of the host (discovery.md).
 #pragma once
 
 #include <chrono>
@@ -32,7 +32,8 @@ inline constexpr LifeSigns life_signs_to_all{std::chrono::milliseconds(650), std
 inline constexpr LifeSigns life_signs_to_each{std::chrono::milliseconds(1950),
                                               std::chrono::milliseconds(14'000)};
 
-/// Told what others announced. Called on Cyclone's threads, which must not be held up: post it and return.
+/// Told what others announced, each thing once, however many links it comes by. Called on Cyclone's threads,
+/// which must not be held up: post it and return. One call at a time.
 class DiscoveryListener {
  public:
   virtual void endpoint_seen(Endpoint endpoint) = 0;
@@ -46,6 +47,8 @@ class DiscoveryListener {
   virtual void node_lost(NodeId id) = 0;
   /// A control sample, or the type description in one, was refused.
   virtual void control_malformed(std::string why) = 0;
+  /// Other interfaces are used now. On the thread that calls look_after().
+  virtual void links_changed(const std::string& /*summary*/) {}
 
  protected:
   ~DiscoveryListener() = default;
@@ -61,12 +64,15 @@ class Discovery {
                                                  DiscoveryListener& listener);
   virtual ~Discovery() = default;
 
+  virtual LifeSigns life_signs() const = 0;
   struct Configuration {
-    std::string summary{};                ///< for people: how nodes are found
+    std::string summary{};                ///< for people: how and where nodes are found
     std::vector<std::string> warnings{};  ///< for people: which of the user's settings do not hold, and why
-    LifeSigns life_signs = life_signs_to_all;
   };
-  virtual const Configuration& configuration() const = 0;
+  /// As it is at present. Any thread.
+  virtual Configuration configuration() const = 0;
+
+  // All that follows: one thread at a time.
 
   /// Announces an endpoint of ours, or that it has changed.
   virtual Result<void> announce(const Endpoint& endpoint) = 0;
@@ -75,9 +81,9 @@ class Discovery {
   /// Of this node, and of writers of ours. May get lost; to be called at least after each pause of the life
   /// signs.
   virtual void assert_liveliness(const Assertion& assertion) = 0;
-  /// Lets nodes that have not heard of us, or have lost us, find us at once. Cyclone does it by itself every
-  /// now and then.
-  virtual void greet() = 0;
+  /// To be called often: takes interfaces into use and out of use, and lets nodes that have not heard of us,
+  /// or have lost us, find us. Cyclone does that by itself every now and then.
+  virtual void look_after(std::chrono::steady_clock::time_point now, bool somebody_is_missing) = 0;
 };
 
 }  // namespace sft::core

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 
 namespace sft::core {
 
@@ -14,11 +15,16 @@ class Greetings {
 
   /// As at the start: others may reach us now that could not before.
   void begin(Now now);
+  /// Somebody is heard for the first time, and may not have got what we answered: after a change of network
+  /// it may not know yet where we are. In a crowd of newcomers one greeting is for many.
+  void newcomer(Now now);
   /// Whether to greet now, which then counts as done. Asked often.
   bool due(Now now, bool somebody_is_missing);
 
  private:
   Now next_{};
+  Now last_{};
+  std::optional<Now> for_newcomer_{};
   std::chrono::milliseconds pause_{};
 };
 

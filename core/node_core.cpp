@@ -37,7 +37,8 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   auto opened = Discovery::open(discovery, *node);
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
-  for (const std::string& warning : node->discovery_->configuration().warnings)
+  const Discovery::Configuration configuration = node->discovery_->configuration();
+  for (const std::string& warning : configuration.warnings)
     node->log_.write(LogLevel::warning, "discovery: " + warning);
   node->reconciler_ =
       std::make_unique<Reconciler>(node->id_, node->network_, node->shm_.get(), node->udp_.get(),
@@ -140,7 +141,7 @@ Endpoint NodeCore::new_endpoint(Role role, std::string_view topic, const TypeSup
   endpoint.id = random_id();
   endpoint.role = role;
   endpoint.node_id = id_;
-  endpoint.life_lease = discovery_->configuration().life_signs.lease;
+  endpoint.life_lease = discovery_->life_signs().lease;
   endpoint.node = options_.name.substr(0, name_bytes_max);
   endpoint.topic = topic;
   endpoint.type_name = type.name();
@@ -329,6 +330,10 @@ void NodeCore::node_lost(NodeId id) {
   agent_.post([this, id] { reconciler_->node_lost(id); });
 }
 
+void NodeCore::links_changed(const std::string& summary) {
+  log_.write(LogLevel::info, "discovery: " + summary);
+}
+
 void NodeCore::control_malformed(std::string why) {
   const std::uint64_t refused = control_malformed_.fetch_add(1, std::memory_order_relaxed) + 1;
   // Whoever floods us must not fill the agent's queue: one complaint in a while is enough.
@@ -369,8 +374,9 @@ std::vector<TopicInfo> NodeCore::topics() {
 
 NodeStatus NodeCore::status() const {
   NodeStatus status;
-  status.discovery = discovery_->configuration().summary;
-  for (const std::string& warning : discovery_->configuration().warnings) status.discovery += "; " + warning;
+  const Discovery::Configuration discovery = discovery_->configuration();
+  status.discovery = discovery.summary;
+  for (const std::string& warning : discovery.warnings) status.discovery += "; " + warning;
   status.udp = udp_ == nullptr ? "the node rules it out" : udp_->description();
   status.shm = reconciler_->shm_state();
   status.shm_ready = reconciler_->shm_ready();

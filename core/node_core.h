@@ -69,6 +69,7 @@ class NodeCore final : private DiscoveryListener {
   void liveliness_asserted(Assertion assertion) override;
   void node_lost(NodeId id) override;
   void control_malformed(std::string why) override;
+  void links_changed(const std::string& summary) override;  // by the agent itself
 
   /// Calls `question` on the agent's thread, which alone may look at the reconciler, and returns its answer.
   template <class Question>

@@ -190,7 +190,7 @@ std::chrono::milliseconds Reconciler::tick(Now now) {
   settle();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
-  greet(now);
+  discovery_.look_after(now, negotiation_.misses_somebody());
   reconcile();
   const bool hurry = hurried_ticks_ > 0 && hurried_ticks_ <= hurried_ticks_max;
   return hurry ? tick_while_attaching : pace();
@@ -222,16 +222,12 @@ void Reconciler::look_after_histories() {
   }
 }
 
-void Reconciler::greet(Now now) {
-  if (greetings_.due(now, negotiation_.misses_somebody())) discovery_.greet();
-}
-
 void Reconciler::watch_promises(Now now) {
   std::vector<EndpointId> living;
   for (auto& [id, writer] : writers_) {
     if (watch_offer(writer, now)) living.push_back(id);
   }
-  if (!living.empty() || now - told_of_life_at_ >= discovery_.configuration().life_signs.pause)
+  if (!living.empty() || now - told_of_life_at_ >= discovery_.life_signs().pause)
     tell_of_life(std::move(living), now);
   for (auto& [id, reader] : readers_) {
     for (auto& [writer, watch] : reader.watched) {
@@ -330,7 +326,6 @@ void Reconciler::look_after_addresses(Now now) {
   addresses_ = std::move(addresses);
   links_ = std::move(links);
   if (!moved) return;
-  greetings_.begin(now);
   for (const auto& [id, writer] : writers_) announce(id);
   for (const auto& [id, reader] : readers_) announce(id);
 }

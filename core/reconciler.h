@@ -18,7 +18,6 @@
 #include "core/accepted_requests.h"
 #include "core/discovery.h"
 #include "core/dispatcher.h"
-#include "core/greetings.h"
 #include "core/negotiation.h"
 #include "core/node_log.h"
 #include "core/publisher_core.h"
@@ -113,7 +112,6 @@ class Reconciler {
   void look_after_histories();
   bool look_after_history(EndpointId reader, const ReaderPort& port, EndpointId writer);
   void tell_of_life(std::vector<EndpointId> writers, Now now);
-  void greet(Now now);
   static void watch(Reader& reader);
   std::chrono::milliseconds pace() const;
   void look_after_shm();
@@ -161,7 +159,6 @@ class Reconciler {
   std::vector<UdpAddress> addresses_;  ///< as they were announced
   std::vector<Link> links_;
   Now next_look_at_addresses_{};
-  Greetings greetings_{std::chrono::steady_clock::now()};
   Now told_of_life_at_{};
   bool dirty_ = false;  ///< something changed that reconcile() has not seen
   Retry asking_daemon_;

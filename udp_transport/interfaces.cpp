@@ -1,23 +1,14 @@
 #include "udp_transport/interfaces.h"
 
 #include <arpa/inet.h>
-#include <ifaddrs.h>
-#include <linux/if_addr.h>
 #include <net/if.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <charconv>
 #include <cstring>
-#include <fstream>
-#include <memory>
-#include <optional>
-#include <set>
-#include <string_view>
 #include <tuple>
 
+#include "core/host_interfaces.h"
 #include "udp_transport/udp_socket.h"
 
 namespace sft::udp {
@@ -43,70 +34,6 @@ IpAddress address_towards(const IpAddress& elsewhere) {
 constexpr IpAddress elsewhere_ipv4{0xC0000201};
 constexpr IpAddress elsewhere_ipv6{
     IpAddress::Bytes{0x20, 0x01, 0x0d, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}};
-
-SocketAddress address_in(const sockaddr& address) noexcept {
-  sockaddr_in6 copy{};
-  std::memcpy(&copy, &address, address.sa_family == AF_INET6 ? sizeof copy : sizeof(sockaddr_in));
-  return to_address(copy);
-}
-
-/// Set bits, since it is a mask. (Its family may be left out.)
-std::uint8_t prefix_bits(const sockaddr& netmask, int family) noexcept {
-  std::array<std::uint8_t, sizeof(sockaddr_in6)> bytes{};
-  const std::size_t begin =
-      family == AF_INET ? offsetof(sockaddr_in, sin_addr) : offsetof(sockaddr_in6, sin6_addr);
-  const std::size_t end = begin + (family == AF_INET ? sizeof(in_addr) : sizeof(in6_addr));
-  std::memcpy(bytes.data(), &netmask, end);
-  int bits = 0;
-  for (std::size_t i = begin; i < end; ++i) bits += std::popcount(bytes[i]);
-  return static_cast<std::uint8_t>(bits);
-}
-
-/// IPv6 addresses that are not to be announced: temporary ones, of which there is a lasting one too, and such
-/// as are not yet or no more in use. As the system lists them (proc(5)), which getifaddrs() does not tell.
-std::set<IpAddress::Bytes> ipv6_addresses_to_avoid() {
-  constexpr unsigned unfit = IFA_F_TEMPORARY | IFA_F_TENTATIVE | IFA_F_DADFAILED | IFA_F_DEPRECATED;
-  std::set<IpAddress::Bytes> avoid;
-  std::ifstream list("/proc/thread-self/net/if_inet6");
-  std::string address, index, bits, scope, flags, name;
-  while (list >> address >> index >> bits >> scope >> flags >> name) {
-    unsigned value = 0;
-    std::from_chars(flags.data(), flags.data() + flags.size(), value, 16);
-    if ((value & unfit) == 0 || (value & IFA_F_OPTIMISTIC) != 0 || address.size() != 32) continue;
-    IpAddress::Bytes bytes{};
-    for (std::size_t i = 0; i < bytes.size(); ++i)
-      std::from_chars(&address[2 * i], &address[2 * i] + 2, bytes[i], 16);
-    avoid.insert(bytes);
-  }
-  return avoid;
-}
-
-bool is_chosen(std::string_view name, const core::Link& link, const std::vector<std::string>& chosen) {
-  return std::ranges::any_of(chosen, [&](const std::string& one) {
-    const auto network = core::parse_ip_network(one);
-    if (!network) return one == name;
-    if (network->prefix_bits) return core::in_one_network(network->ip, link.ip, *network->prefix_bits);
-    // Its own address, or its network's, of which all other bits are 0.
-    if (network->ip.bytes == link.ip.bytes) return true;
-    return core::in_one_network(network->ip, link.ip, link.prefix_bits) &&
-           core::network_of(network->ip, link.prefix_bits) == network->ip;
-  });
-}
-
-struct IfaddrsDeleter {
-  void operator()(ifaddrs* list) const { ::freeifaddrs(list); }
-};
-
-/// Empty where it has no address that others could use.
-std::optional<core::Link> link_of(const ifaddrs& entry, const std::set<IpAddress::Bytes>& avoid) {
-  if ((entry.ifa_flags & IFF_UP) == 0 || entry.ifa_addr == nullptr || entry.ifa_netmask == nullptr) return {};
-  const int family = entry.ifa_addr->sa_family;
-  if (family != AF_INET && family != AF_INET6) return {};
-  const IpAddress ip = address_in(*entry.ifa_addr).ip;
-  if (avoid.contains(ip.bytes)) return {};
-  return core::Link{ip, prefix_bits(*entry.ifa_netmask, family), (entry.ifa_flags & IFF_RUNNING) != 0,
-                    is_wireless(entry.ifa_name)};
-}
 
 }  // namespace
 
@@ -166,17 +93,15 @@ bool is_wireless(const std::string& interface, const std::string& interfaces) {
 }
 
 std::vector<core::Link> own_links(const std::vector<std::string>& chosen) {
-  ifaddrs* first = nullptr;
-  ::getifaddrs(&first);
-  const std::unique_ptr<ifaddrs, IfaddrsDeleter> list(first);
-  const std::set<IpAddress::Bytes> avoid = ipv6_addresses_to_avoid();
   std::vector<core::Link> links;
-  for (const ifaddrs* i = list.get(); i != nullptr; i = i->ifa_next) {
-    const std::optional<core::Link> link = link_of(*i, avoid);
-    if (!link) continue;
+  for (const core::HostInterface& interface : core::host_interfaces()) {
+    if (!interface.up || interface.ip.is_any()) continue;
     const bool usable =
-        chosen.empty() ? (i->ifa_flags & IFF_LOOPBACK) == 0 : is_chosen(i->ifa_name, *link, chosen);
-    if (usable) links.push_back(*link);
+        chosen.empty() ? !interface.loopback : std::ranges::any_of(chosen, [&](const std::string& one) {
+          return core::is_named(interface, one);
+        });
+    if (usable)
+      links.push_back({interface.ip, interface.prefix_bits, interface.running, is_wireless(interface.name)});
   }
   const IpAddress preferred[] = {address_towards(elsewhere_ipv4), address_towards(elsewhere_ipv6)};
   std::ranges::stable_sort(links, {}, [&](const core::Link& link) {

@@ -4,10 +4,10 @@
 #include <random>
 #include <utility>
 
+#include "core/network_watch.h"
 #include "udp_transport/ack_sender.h"
 #include "udp_transport/answers.h"
 #include "udp_transport/interfaces.h"
-#include "udp_transport/network_watch.h"
 #include "udp_transport/receiver.h"
 #include "udp_transport/socket_io.h"
 #include "udp_transport/udp_reader.h"
@@ -115,7 +115,7 @@ class UdpTransport final : public core::Transport {
   const core::IpAddress bound_to_;
   const std::vector<core::IpAddress> advertised_;
   const std::vector<std::string> interfaces_;
-  NetworkWatch network_watch_;
+  core::NetworkWatch network_watch_;
   bool network_has_changed_ = false;
   std::chrono::steady_clock::time_point destinations_looked_after_at_{};
   const std::uint16_t port_;

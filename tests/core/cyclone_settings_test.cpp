@@ -108,5 +108,24 @@ TEST(CycloneSettings, HoldTheValuesOfVariables) {
               Optional(std::string("7 B")));
 }
 
+TEST(CycloneSettings, CanBeWrittenOnceMoreForAnyDomainWithoutSomeOfThem) {
+  setenv("SFT_TEST_FRAGMENT", "7 B", 1);
+  const auto once = read(
+      "<General><FragmentSize>${SFT_TEST_FRAGMENT}</><Interfaces><NetworkInterface name='a&amp;\"b'/></></>"
+      "<Discovery><Peers><Peer Address='p'/><Peer Address='q'/></></>,<Domain Id='5'><Internal><NackDelay>5 "
+      "ms</>"
+      "</></>,<Domain Id='6'><Internal><NackDelay>6 ms</></></>");
+  EXPECT_TRUE(once.depends_on_domain());
+  const auto all = CycloneSettings::read(once.for_any_domain({}), 1000).value();
+  EXPECT_THAT(all.value("General/FragmentSize"), Optional(std::string("7 B")));
+  EXPECT_THAT(all.value("Internal/NackDelay"), Optional(std::string("5 ms")));
+  EXPECT_THAT(all.values("Discovery/Peers/Peer/@Address"), testing::ElementsAre("p", "q"));
+  EXPECT_THAT(all.values("General/Interfaces/NetworkInterface/@name"), testing::ElementsAre("a&\"b"));
+  const auto less = CycloneSettings::read(once.for_any_domain({"General/Interfaces"}), 1000).value();
+  EXPECT_FALSE(less.sets("General/Interfaces"));
+  EXPECT_TRUE(less.sets("General/FragmentSize"));
+  EXPECT_FALSE(read("<General><FragmentSize>4 B</></>").depends_on_domain());
+}
+
 }  // namespace
 }  // namespace sft::core

@@ -19,9 +19,16 @@ DdsConfig config(const std::string& user, const DiscoverySettings& settings = {}
   return dds_config(0, settings, user).value();
 }
 
-/// What Cyclone gets to hear in the end.
-std::optional<std::string> in_force(const DdsConfig& config, std::string_view path) {
-  return CycloneSettings::read(config.text, 0).value().value(path);
+const LinkSpec lo{"lo", loopback_ipv4, true, true};
+const LinkSpec eth0{"eth0", IpAddress(0x0A000005), false, false};
+
+/// What Cyclone gets to hear in the end, for the loopback unless it is said otherwise.
+CycloneSettings heard(const DdsConfig& config, const LinkSpec& link = lo) {
+  return CycloneSettings::read(config.text_for(link), 0).value();
+}
+std::optional<std::string> in_force(const DdsConfig& config, std::string_view path,
+                                    const LinkSpec& link = lo) {
+  return heard(config, link).value(path);
 }
 auto is(const char* value) { return Optional(std::string(value)); }
 
@@ -97,11 +104,14 @@ TEST(DdsConfig, ThatWouldSilenceTheControlTopicsIsAnError) {
 TEST(DdsConfig, WithPeersPutsNodesAtPortsThatCanBeGuessed) {
   const auto c = config("", {.peers = {"10.0.0.7", "robot.local"}});
   EXPECT_THAT(in_force(c, "Discovery/ParticipantIndex"), is("auto"));
-  EXPECT_THAT(CycloneSettings::read(c.text, 0).value().values("Discovery/Peers/Peer/@Address"),
-              ElementsAre("10.0.0.7", "robot.local"));
+  EXPECT_THAT(heard(c, eth0).values("Discovery/Peers/Peer/@Address"), ElementsAre("10.0.0.7", "robot.local"));
+  EXPECT_THAT(heard(c, lo).values("Discovery/Peers/Peer/@Address"), IsEmpty()) << "nobody is reached by it";
+  EXPECT_EQ(in_force(c, "General/DontRoute", eth0), std::nullopt) << "they may be behind a router";
+  EXPECT_THAT(in_force(config(""), "General/DontRoute", eth0), is("true"));
   EXPECT_THAT(in_force(c, "General/AllowMulticast"), is("spdp")) << "what follows might not reach them";
   EXPECT_FALSE(c.multicast);
-  EXPECT_EQ(c.summary, "by multicast, and on the peers 10.0.0.7, robot.local");
+  EXPECT_EQ(c.summary(std::vector{lo, eth0}),
+            "by multicast on lo, eth0 (10.0.0.5), and on the peers 10.0.0.7, robot.local");
   EXPECT_EQ(in_force(config(""), "Discovery/ParticipantIndex"), std::nullopt)
       << "that limits how many there can be";
   EXPECT_THAT(in_force(config("<Discovery><Peers><Peer Address='a'/></></>"), "Discovery/ParticipantIndex"),
@@ -112,29 +122,54 @@ TEST(DdsConfig, WithoutMulticastFindsNodesOfThisHostAllTheSame) {
   for (const auto& c :
        {config("", {.peers = {"a"}, .multicast = false}),
         config("<General><AllowMulticast>false</></><Discovery><Peers><Peer Address='a'/></></>")}) {
-    EXPECT_THAT(CycloneSettings::read(c.text, 0).value().values("Discovery/Peers/Peer/@Address"),
-                ElementsAre("localhost", "a"));
+    EXPECT_THAT(heard(c, lo).values("Discovery/Peers/Peer/@Address"), testing::Contains("localhost"));
+    EXPECT_THAT(heard(c, eth0).values("Discovery/Peers/Peer/@Address"), ElementsAre("a"));
     EXPECT_THAT(in_force(c, "General/AllowMulticast"), is("false"));
     EXPECT_FALSE(c.multicast);
     EXPECT_THAT(in_force(c, "Discovery/ParticipantIndex"), is("auto"));
     EXPECT_THAT(c.warnings, IsEmpty());
-    EXPECT_EQ(c.summary, "on this host, and on the peers a");
+    EXPECT_EQ(c.summary(std::vector{lo}), "on this host, and on the peers a, by lo");
   }
   EXPECT_THAT(config("", {.multicast = false}).warnings, ElementsAre(HasSubstr("only nodes of this host")));
 }
 
-TEST(DdsConfig, NamesInterfacesUnlessTheUserDoes) {
+TEST(DdsConfig, GivesEachLinkItsAddressAndTheUsersOfThemNone) {
   const DiscoverySettings settings{.interfaces = {"eth1", "10.0.0.1", "10.1.0.0/16"}};
-  const auto ours = CycloneSettings::read(config("", settings).text, 0).value();
-  EXPECT_THAT(ours.values("General/Interfaces/NetworkInterface/@name"), ElementsAre("eth1"));
-  EXPECT_THAT(ours.values("General/Interfaces/NetworkInterface/@address"),
-              ElementsAre("10.0.0.1", "10.1.0.0"));
-  const char* user = "<General><Interfaces><NetworkInterface name='wlan0'/></></>";
+  const char* user =
+      "<General><Interfaces><NetworkInterface name='wlan0' priority='2'/></><FragmentSize>2 kB</></>";
+  EXPECT_THAT(config("", settings).interfaces, ElementsAre("eth1", "10.0.0.1", "10.1.0.0/16"));
   const auto theirs = config(user, settings);
-  EXPECT_THAT(
-      CycloneSettings::read(theirs.text, 0).value().values("General/Interfaces/NetworkInterface/@name"),
-      ElementsAre("wlan0"));
+  EXPECT_THAT(theirs.interfaces, ElementsAre("wlan0"));
   EXPECT_THAT(theirs.warnings, ElementsAre(HasSubstr("CYCLONEDDS_URI chooses the network interfaces")));
+  const CycloneSettings in_the_end = heard(theirs, eth0);
+  EXPECT_THAT(in_the_end.values("General/Interfaces/NetworkInterface/@name"), IsEmpty());
+  EXPECT_THAT(in_the_end.values("General/Interfaces/NetworkInterface/@address"), ElementsAre("10.0.0.5"));
+  EXPECT_THAT(in_the_end.value("General/FragmentSize"), is("2 kB"));
+  EXPECT_THAT(heard(theirs, {"eth0", {}, false, false}).values("General/Interfaces/NetworkInterface/@name"),
+              ElementsAre("eth0"));
+}
+
+TEST(DdsConfig, TakesInterfacesThatCycloneIsToChooseForAll) {
+  EXPECT_THAT(config("<General><Interfaces><NetworkInterface autodetermine='true'/></></>").interfaces,
+              IsEmpty());
+  EXPECT_THAT(config("<General><NetworkInterfaceAddress>auto</></>").interfaces, IsEmpty());
+}
+
+TEST(DdsConfig, OfADomainHoldsForItsLinksWhateverTheirNumbersInTheProcess) {
+  const auto c = dds_config(5, {},
+                            "<Domain Id='5'><Discovery><LeaseDuration>77 s</></></><Domain "
+                            "Id='6'><Internal><NackDelay>6 s</></></>");
+  const auto in_the_end = CycloneSettings::read(c->text_for(eth0), 1001).value();
+  EXPECT_THAT(in_the_end.value("Discovery/LeaseDuration"), is("77 s"));
+  EXPECT_THAT(in_the_end.value("Internal/NackDelay"), is("1 ms"));
+  EXPECT_THAT(in_the_end.value("Discovery/ExternalDomainId"), is("5"));
+}
+
+TEST(DdsConfig, LetsNodesOfOneHostMeetOnTheLoopbackAlone) {
+  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", lo), is("true"));
+  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", eth0), is("false"));
+  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", {"eth0", eth0.ip, false, true}),
+              is("true"));
 }
 
 TEST(DdsConfig, TellsTheInterfacesForSamplesToo) {

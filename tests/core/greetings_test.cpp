@@ -30,10 +30,24 @@ TEST_F(GreetingsTest, AreManyAtFirstAndNoneLater) {
   EXPECT_THAT(within(100s), ElementsAre(50, 150, 350, 750, 1550, 3150));
 }
 
-TEST_F(GreetingsTest, GoOnWhileSomebodyIsMissing) {
+TEST_F(GreetingsTest, GoOnEachSecondWhileSomebodyIsMissing) {
   within(100s);
-  EXPECT_EQ(within(32s, true).size(), 10U);
+  EXPECT_EQ(within(32s, true).size(), 32U);
   EXPECT_TRUE(within(32s, false).empty());
+}
+
+TEST_F(GreetingsTest, FollowANewcomerSoonAndACrowdOfThemOnceASecond) {
+  within(100s);
+  greetings.newcomer(now);
+  EXPECT_THAT(within(10s), ElementsAre(100'100));
+  std::size_t greeted = 0;
+  for (int i = 0; i < 100; ++i) {
+    greetings.newcomer(now);
+    greeted += within(50ms).size();
+  }
+  greeted += within(10s).size();
+  EXPECT_GE(greeted, 5U);
+  EXPECT_LE(greeted, 6U);
 }
 
 TEST_F(GreetingsTest, BeginAnewWhenOthersMayBeReached) {

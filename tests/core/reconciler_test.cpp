@@ -64,7 +64,8 @@ class TestReaderPort final : public ReaderPort {
 
 class TestDiscovery final : public Discovery {
  public:
-  const Configuration& configuration() const override { return configuration_; }
+  LifeSigns life_signs() const override { return life_signs_to_all; }
+  Configuration configuration() const override { return {}; }
   Result<void> announce(const Endpoint& endpoint) override {
     announced.push_back(endpoint);
     return {};
@@ -75,14 +76,10 @@ class TestDiscovery final : public Discovery {
     return {};
   }
   void assert_liveliness(const Assertion& assertion) override { asserted.push_back(assertion); }
-  void greet() override { ++greetings; }
+  void look_after(std::chrono::steady_clock::time_point, bool) override {}
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
   std::vector<Assertion> asserted;
-  int greetings = 0;
-
- private:
-  const Configuration configuration_;
 };
 
 /// A transport as far as it has addresses.

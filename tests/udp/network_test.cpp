@@ -9,12 +9,12 @@
 
 #include "another_host.h"
 #include "backends.h"
+#include "core/network_watch.h"
 #include "endpoints.h"
 #include "faulty_io.h"
 #include "tests/support/isolated_host.h"
 #include "tests/support/test_seed.h"
 #include "transfers.h"
-#include "udp_transport/network_watch.h"
 #include "udp_transport/udp_transport.h"
 
 namespace sft::udp {
@@ -49,7 +49,7 @@ class NetworkTest : public testing::TestWithParam<Backend> {
 
 TEST(NetworkWatchTest, NoticesAnAddressThatComesAndGoesAndNothingElse) {
   if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
-  NetworkWatch watch;
+  core::NetworkWatch watch;
   EXPECT_FALSE(watch.changed());
   for (const char* change : {"add", "delete"}) {
     ASSERT_TRUE(run(("ip address " + std::string(change) + " 10.8.0.1/24 dev lo").c_str()));

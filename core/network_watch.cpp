@@ -1,11 +1,11 @@
-#include "udp_transport/network_watch.h"
+#include "core/network_watch.h"
 
 #include <linux/rtnetlink.h>
 #include <sys/socket.h>
 
 #include <cerrno>
 
-namespace sft::udp {
+namespace sft::core {
 
 NetworkWatch::NetworkWatch()
     : netlink_(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, NETLINK_ROUTE)) {
@@ -26,4 +26,4 @@ bool NetworkWatch::changed() noexcept {
   }
 }
 
-}  // namespace sft::udp
+}  // namespace sft::core

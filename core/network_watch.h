@@ -4,7 +4,7 @@
 
 #include "core/file_descriptor.h"
 
-namespace sft::udp {
+namespace sft::core {
 
 class NetworkWatch {
  public:
@@ -15,7 +15,7 @@ class NetworkWatch {
   bool changed() noexcept;
 
  private:
-  core::FileDescriptor netlink_;
+  FileDescriptor netlink_;
 };
 
-}  // namespace sft::udp
+}  // namespace sft::core

@@ -1,0 +1,142 @@
+// What is heard on all links, made into one: duplicates are dropped, an endpoint lives while any link has it
+// alive, and the ids of endpoints, readers and nodes are bound to the participants that announced them first.
+// Pure: (event, now) goes in, news come out. discovery.md has the rules.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/control.h"
+#include "core/speakers.h"
+
+namespace sft::core {
+
+struct EndpointSeen {
+  std::shared_ptr<const Endpoint> endpoint;
+};
+struct EndpointDeparted {
+  EndpointId id;
+};
+struct EndpointLost {
+  EndpointId id;
+};
+struct NodeLost {
+  NodeId id;
+};
+/// Somebody spoke in the name of somebody else, or too much.
+struct Refused {
+  std::string why;
+};
+using News =
+    std::variant<EndpointSeen, EndpointDeparted, EndpointLost, Request, Assertion, NodeLost, Refused>;
+
+class LinkMerge {
+ public:
+  using Now = Speakers::Now;
+
+  struct Limits {
+    std::size_t share = 256;     ///< announcements that each participant may have in any case
+    std::size_t crowded = 8192;  ///< from so many announcements on a participant gets its share and no more
+    std::size_t endpoints = 32'768;
+    std::size_t early_requests = 1024;
+    std::chrono::seconds forget_after{60};
+  };
+
+  LinkMerge() : LinkMerge(Limits{}) {}
+  explicit LinkMerge(const Limits& limits) : limits_(limits) {}
+
+  /// What others say of these ids is passed on as it is: the node answers it.
+  void owns(EndpointId id) { own_.insert(id); }
+  void disowns(EndpointId id) { own_.erase(id); }
+
+  void endpoint_came(const Speaker& speaker, Endpoint endpoint, Now now);
+  void endpoint_withdrawn(const Speaker& speaker, EndpointId id, Now now);
+  /// Nobody on that link keeps the endpoint alive any more.
+  void endpoint_unheard(LinkId link, EndpointId id, Now now);
+  void request_came(const Speaker& speaker, Request request, Now now);
+  void assertion_came(const Speaker& speaker, Assertion assertion, Now now);
+  void node_unheard(LinkId link, NodeId id, Now now);
+  void participant_left(const Speaker& speaker, Now now);
+  void link_dropped(LinkId link, Now now);
+  void tick(Now now);
+
+  /// In the order in which they happened.
+  std::vector<News> take_news() { return std::exchange(news_, {}); }
+
+ private:
+  /// What one speaker says of an endpoint.
+  struct Claim {
+    Speaker speaker;
+    std::shared_ptr<const Endpoint> endpoint;
+    std::optional<Request> request{};  ///< the newest of its own
+    bool alive = true;
+    Now ended{};                           ///< when it was alive last, if it is not
+    std::optional<Now> contested_since{};  ///< it says something else than the one that is believed
+    bool refused = false;
+  };
+  struct Known {
+    std::vector<Claim> claims;             ///< the first one first
+    std::shared_ptr<const Endpoint> told;  ///< what was passed on last
+    std::uint64_t told_request = 0;        ///< sequence
+    std::optional<Now> lost_at{};          ///< nobody keeps it alive
+    bool lost = false;                     ///< and that was told
+  };
+  struct Departed {
+    std::uint64_t revision;
+    Now at;
+  };
+  struct EarlyRequest {
+    Speaker speaker;
+    Request request;
+    Now at;
+  };
+  struct NodeClaim {
+    Speaker speaker;
+    bool alive = true;
+  };
+  struct KnownNode {
+    std::vector<NodeClaim> claims;
+    std::optional<Now> lost_at{};
+    bool lost = false;
+  };
+
+  static std::chrono::milliseconds lease_of(const Known& known);
+  std::chrono::milliseconds lease_of(NodeId node) const;
+  bool has_room_for(const Speaker& speaker);
+  Claim* claim_of(Known& known, const Speaker& speaker) const;
+  Claim* believed(Known& known, Now now) const;
+  bool may_be_believed(const Known& known, const Claim& claim, Now now) const;
+  void hear_claim(Known& known, const Speaker& speaker, std::shared_ptr<const Endpoint> endpoint, Now now);
+  void adopt_early_request(Claim& claim);
+  void compare_claims(Known& known, Now now);
+  void refuse_contested(Known& known, Now now);
+  void end_claim(Claim& claim, Now now);
+  void settle(EndpointId id, Known& known, Now now);
+  void settle_node(NodeId id, KnownNode& node, Now now);
+  void tell(Known& known, const Claim& claim);
+  void depart(EndpointId id, Now now);
+  void refuse(const std::string& why) { news_.emplace_back(Refused{why}); }
+  void forget_old(Now now);
+  void drop_claims(Known& known, LinkId link);
+
+  const Limits limits_;
+  std::set<EndpointId> own_;
+  std::map<EndpointId, Known> endpoints_;
+  std::map<EndpointId, Departed> departed_;
+  std::vector<EarlyRequest> early_requests_;
+  std::map<NodeId, KnownNode> nodes_;
+  std::map<AnnouncerId, std::size_t> shares_;  ///< claims of each participant
+  std::size_t claims_ = 0;
+  Speakers speakers_;
+  std::vector<News> news_;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,306 @@
+// What is heard on several links is told once, and ids are bound to those who announced them first.
+#include "core/link_merge.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr LinkId lan = 1, radio = 2;
+constexpr NodeId node = 77;
+// The honest node has a participant on each link; the other two are somebody else's.
+constexpr Speaker by_lan{lan, 11}, by_radio{radio, 12}, stranger{lan, 13}, far_stranger{radio, 14};
+
+class LinkMergeTest : public ::testing::Test {
+ protected:
+  static Endpoint endpoint(std::uint64_t revision, const std::string& name = "honest", EndpointId id = 5) {
+    Endpoint e;
+    e.id = id;
+    e.role = Role::reader;
+    e.node_id = node;
+    e.node = name;
+    e.topic = "points";
+    e.revision = revision;
+    e.request.reader = id;
+    e.request.sequence = 1;
+    return e;
+  }
+  static Request request(std::uint64_t sequence, EndpointId reader = 5) {
+    Request r;
+    r.reader = reader;
+    r.sequence = sequence;
+    return r;
+  }
+
+  void announces(const Speaker& speaker, std::uint64_t revision, const std::string& name = "honest") {
+    merge.endpoint_came(speaker, endpoint(revision, name), now);
+  }
+  void asks(const Speaker& speaker, std::uint64_t sequence) {
+    merge.request_came(speaker, request(sequence), now);
+  }
+  /// Time passes, in which these say that they live.
+  void passes(std::chrono::milliseconds duration, const std::vector<Speaker>& speaking = {}) {
+    for (const auto end = now + duration; now < end;) {
+      now += 100ms;
+      if ((now - start) / 100ms % 6 == 0) {
+        for (const Speaker& speaker : speaking)
+          merge.assertion_came(speaker, {.node = node, .writers = {}}, now);
+      }
+      merge.tick(now);
+    }
+  }
+
+  /// What was told since it was asked last, without signs of life.
+  std::vector<std::string> told() {
+    std::vector<std::string> all;
+    for (const News& news : merge.take_news()) {
+      if (const auto* seen = std::get_if<EndpointSeen>(&news)) {
+        all.push_back(seen->endpoint->node + " " + std::to_string(seen->endpoint->revision) + " by " +
+                      std::to_string(seen->endpoint->announcer));
+      } else if (const auto* asked = std::get_if<Request>(&news)) {
+        all.push_back("request " + std::to_string(asked->sequence) + " by " +
+                      std::to_string(asked->announcer));
+      } else if (std::holds_alternative<EndpointDeparted>(news)) {
+        all.push_back("departed");
+      } else if (std::holds_alternative<EndpointLost>(news)) {
+        all.push_back("lost");
+      } else if (std::holds_alternative<NodeLost>(news)) {
+        all.push_back("node lost");
+      } else if (const auto* refused = std::get_if<Refused>(&news)) {
+        all.push_back("refused: " + refused->why);
+      }
+    }
+    return all;
+  }
+  std::size_t signs_of_life() {
+    std::size_t count = 0;
+    for (const News& news : merge.take_news()) count += std::holds_alternative<Assertion>(news) ? 1 : 0;
+    return count;
+  }
+
+  const LinkMerge::Now start{};
+  LinkMerge::Now now = start + 1h;
+  LinkMerge merge;
+};
+
+TEST_F(LinkMergeTest, TellsOnceWhatComesByTwoLinks) {
+  announces(by_lan, 1);
+  announces(by_radio, 1);
+  asks(by_lan, 2);
+  asks(by_radio, 2);
+  announces(by_radio, 2);
+  announces(by_lan, 2);
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 11", "request 2 by 11", "honest 2 by 11"));
+  passes(5s, {by_lan, by_radio});
+  EXPECT_THAT(told(), IsEmpty());
+}
+
+TEST_F(LinkMergeTest, TakesNoOlderAnnouncementBack) {
+  announces(by_lan, 3);
+  announces(by_lan, 2);
+  EXPECT_THAT(told(), ElementsAre("honest 3 by 11"));
+}
+
+TEST_F(LinkMergeTest, KeepsAnEndpointWhileAnyLinkHasIt) {
+  announces(by_lan, 1);
+  announces(by_radio, 1);
+  passes(1s, {by_lan, by_radio});
+  told();
+  merge.endpoint_unheard(lan, 5, now);
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 12"));
+  passes(1s);
+  merge.endpoint_unheard(radio, 5, now);
+  passes(10s);
+  EXPECT_THAT(told(), ElementsAre("lost"));
+  announces(by_radio, 1);
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 12"));
+}
+
+TEST_F(LinkMergeTest, LosesAtOnceWhoWasSilentAndGivesItsLeaseToWhoSpokeAMomentAgo) {
+  announces(by_lan, 1);
+  passes(2s);
+  told();
+  merge.participant_left(by_lan, now);
+  EXPECT_THAT(told(), ElementsAre("lost"));
+  announces(by_lan, 1);
+  told();
+  merge.link_dropped(lan, now);  // an address of ours has changed
+  passes(4900ms);
+  EXPECT_THAT(told(), IsEmpty());
+  announces({3, 11}, 1);  // by the new link
+  EXPECT_THAT(told(), IsEmpty()) << "nothing has changed";
+  passes(10s, {{3, 11}});
+  EXPECT_THAT(told(), IsEmpty());
+}
+
+TEST_F(LinkMergeTest, LosesAfterItsLeaseWhoDoesNotReturnByAnotherLink) {
+  announces(by_lan, 1);
+  told();
+  merge.link_dropped(lan, now);
+  passes(4900ms);
+  EXPECT_THAT(told(), IsEmpty());
+  passes(200ms);
+  EXPECT_THAT(told(), ElementsAre("lost"));
+}
+
+TEST_F(LinkMergeTest, LetsNoIdComeBackThatHasDepartedUnlessItIsAnnouncedAnew) {
+  announces(by_lan, 4);
+  announces(by_radio, 3);
+  merge.endpoint_withdrawn(by_lan, 5, now);
+  announces(by_radio, 4);
+  EXPECT_THAT(told(), ElementsAre("honest 4 by 11", "departed"));
+  announces(by_lan, 5);
+  EXPECT_THAT(told(), ElementsAre("honest 5 by 11"));
+}
+
+TEST_F(LinkMergeTest, BelievesTheOneThatCameFirstWhileItSpeaks) {
+  announces(by_lan, 1);
+  announces(stranger, 9, "forged");
+  announces(far_stranger, 9, "forged");
+  told();
+  passes(10s, {by_lan, stranger, far_stranger});
+  EXPECT_THAT(told(), ElementsAre(HasSubstr("refused: another participant announces"),
+                                  HasSubstr("refused: another participant announces")));
+  announces(by_lan, 2);
+  EXPECT_THAT(told(), ElementsAre("honest 2 by 11"));
+}
+
+TEST_F(LinkMergeTest, RefusesWhatSomebodyElseSaysUnderTheSameRevision) {
+  announces(by_lan, 1);
+  announces(stranger, 1, "forged");
+  passes(4s, {by_lan, stranger});
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 11", HasSubstr("refused")));
+}
+
+TEST_F(LinkMergeTest, RefusesWithdrawalsByOthers) {
+  announces(by_lan, 1);
+  told();
+  merge.endpoint_withdrawn(stranger, 5, now);
+  EXPECT_THAT(told(), ElementsAre(HasSubstr("refused: a participant withdraws an endpoint")));
+  announces(stranger, 2, "forged");
+  merge.endpoint_withdrawn(stranger, 5, now);
+  EXPECT_THAT(told(), IsEmpty()) << "that was its own word";
+}
+
+TEST_F(LinkMergeTest, RefusesRequestsByOthers) {
+  announces(by_lan, 1);
+  asks(stranger, UINT64_MAX);
+  passes(2s, {by_lan, stranger});
+  asks(by_lan, 2);
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 11", HasSubstr("refused: a participant makes requests"),
+                                  "request 2 by 11"));
+}
+
+TEST_F(LinkMergeTest, RefusesIdsOfAnotherNode) {
+  announces(by_lan, 1);
+  Endpoint forged = endpoint(2);
+  forged.node_id = node + 1;
+  merge.endpoint_came(stranger, forged, now);
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 11", HasSubstr("refused: another node announces")));
+}
+
+/// Its address has changed: it says farewell to nobody, and has another participant.
+TEST_F(LinkMergeTest, BelievesANewParticipantOnceTheOldOneIsSilent) {
+  announces(by_lan, 1);
+  passes(3s, {by_lan});
+  told();
+  const Speaker anew{lan, 20};
+  announces(anew, 2);
+  asks(anew, 7);
+  EXPECT_THAT(told(), IsEmpty());
+  passes(1700ms, {anew});
+  EXPECT_THAT(told(), ElementsAre("honest 2 by 20", "request 7 by 20"));
+  announces(anew, 3);
+  EXPECT_THAT(told(), ElementsAre("honest 3 by 20"));
+}
+
+/// The cable of the first link is cut where nobody sees it.
+TEST_F(LinkMergeTest, FollowsTheOtherLinkWhereTheFirstOneFallsSilentAndReturnsToIt) {
+  announces(by_lan, 1);
+  announces(by_radio, 1);
+  passes(3s, {by_lan, by_radio});
+  told();
+  announces(by_radio, 2);
+  asks(by_radio, 5);
+  passes(1700ms, {by_radio});
+  EXPECT_THAT(told(), ElementsAre("honest 2 by 12", "request 5 by 12"));
+  passes(700ms, {by_lan, by_radio});
+  EXPECT_THAT(told(), IsEmpty()) << "it is behind yet";
+  announces(by_lan, 2);
+  EXPECT_THAT(told(), ElementsAre("honest 2 by 11"));
+}
+
+/// A stranger that used the silence of the honest one is not believed any longer when that one speaks again.
+TEST_F(LinkMergeTest, ReturnsToTheFirstOneWhateverWasSaidWhileItWasSilent) {
+  announces(by_lan, 1);
+  passes(2s);
+  announces(stranger, 1'000'000, "forged");
+  told();
+  passes(2s, {by_lan, stranger});
+  EXPECT_THAT(told(), testing::Contains("honest 1 by 11"));
+}
+
+TEST_F(LinkMergeTest, PassesOnWhatOthersSayOfOurOwnIds) {
+  merge.owns(5);
+  announces(stranger, 3, "forged");
+  asks(stranger, 9);
+  merge.endpoint_withdrawn(stranger, 5, now);
+  EXPECT_THAT(told(), ElementsAre("forged 3 by 13", "request 9 by 13", "departed"));
+}
+
+TEST_F(LinkMergeTest, KeepsARequestThatComesBeforeItsReader) {
+  asks(by_lan, 4);
+  asks(stranger, 99);
+  announces(by_lan, 1);
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 11", "request 4 by 11"));
+}
+
+TEST_F(LinkMergeTest, TakesSignsOfLifeOfTheFirstOneOnEachLink) {
+  merge.assertion_came(by_lan, {.node = node, .writers = {}}, now);
+  merge.assertion_came(by_radio, {.node = node, .writers = {}}, now);
+  EXPECT_EQ(signs_of_life(), 2U);
+  merge.assertion_came(stranger, {.node = node, .writers = {}}, now);
+  EXPECT_EQ(signs_of_life(), 0U);
+  now += 2s;
+  merge.assertion_came(stranger, {.node = node, .writers = {}}, now);
+  EXPECT_EQ(signs_of_life(), 1U) << "the first one is silent";
+}
+
+TEST_F(LinkMergeTest, LosesANodeOnceNoLinkHearsIt) {
+  passes(2s, {by_lan, by_radio});
+  told();
+  now += 5s;
+  merge.node_unheard(lan, node, now);
+  EXPECT_THAT(told(), IsEmpty());
+  merge.node_unheard(radio, node, now);
+  EXPECT_THAT(told(), ElementsAre("node lost"));
+}
+
+TEST_F(LinkMergeTest, GivesEveryParticipantAShareWhateverOneOfThemAnnounces) {
+  LinkMerge small({.share = 4, .crowded = 10, .endpoints = 40});
+  for (EndpointId id = 1; id <= 100; ++id) small.endpoint_came(stranger, endpoint(1, "flood", id), now);
+  small.take_news();
+  for (EndpointId id = 1001; id <= 1004; ++id) small.endpoint_came(by_lan, endpoint(1, "honest", id), now);
+  for (const News& news : small.take_news()) EXPECT_TRUE(std::holds_alternative<EndpointSeen>(news));
+}
+
+TEST_F(LinkMergeTest, ForgetsWhoIsLostForLong) {
+  LinkMerge small({.share = 1, .crowded = 1, .endpoints = 1});
+  small.endpoint_came(by_lan, endpoint(1), now);
+  now += 2s;
+  small.participant_left(by_lan, now);
+  now += 61s;
+  small.tick(now);
+  small.take_news();
+  small.endpoint_came(by_radio, endpoint(1, "other", 6), now);
+  EXPECT_TRUE(std::holds_alternative<EndpointSeen>(small.take_news().at(0))) << "there is room again";
+}
+
+}  // namespace
+}  // namespace sft::core

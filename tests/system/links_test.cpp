@@ -1,0 +1,305 @@
+// Nodes on robots: network interfaces come late, change their addresses, lose their cables, are replaced; and
+// users list them rightly, wrongly, or not at all.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <sft/sft.h>
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "examples/demo/network.h"
+#include "tests/support/eventually.h"
+#include "tests/support/isolated_host.h"
+#include "tests/system/node_process.h"
+
+namespace sft::test {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+using namespace std::chrono_literals;
+
+constexpr std::chrono::seconds patience{15};  // the machine may be slow; 2 s are promised, and printed
+
+/// What a process tells of itself while it runs.
+struct Report {
+  std::atomic<bool> failed{false};
+  std::atomic<bool> opened{false};
+  std::atomic<std::size_t> matched{0};
+  std::atomic<std::uint64_t> taken{0};
+  std::array<std::atomic<char>, 400> discovery{};  ///< the text of its status
+
+  void tell(const std::string& text) {
+    for (std::size_t i = 0; i < discovery.size(); ++i) discovery[i] = i < text.size() ? text[i] : '\0';
+    opened = true;
+  }
+  std::string told() const {
+    std::string text;
+    for (const auto& letter : discovery) {
+      if (letter == '\0') break;
+      text += letter;
+    }
+    return text;
+  }
+};
+
+class NodeProcess : public NodeProcessWith<Report> {
+ public:
+  using NodeProcessWith::NodeProcessWith;
+
+  bool is_open() const {
+    return eventually([&] { return report().opened.load(); }, patience);
+  }
+  bool takes_samples() const {
+    const std::uint64_t before = report().taken;
+    return eventually([&] { return report().taken > before + 10; }, patience);
+  }
+  bool says(const std::string& text) const {
+    return eventually([&] { return report().told().find(text) != std::string::npos; }, patience);
+  }
+};
+
+void publish(Node& node, Report& report) {
+  auto publisher = node.publisher<PointCloud2>("points").value();
+  for (std::uint32_t i = 1;; ++i) {
+    std::size_t served = 0;
+    for (const auto& reader : publisher.status().readers) served += reader.served ? 1 : 0;
+    report.matched = served;
+    report.tell(node.status().discovery);
+    publisher.publish({.height = i});
+    poll(nullptr, 0, 5);
+  }
+}
+
+void subscribe(Node& node, Report& report) {
+  auto subscriber = node.subscriber<PointCloud2, F::height | F::width>("points").value();
+  for (;;) {
+    std::size_t matched = 0;
+    for (const auto& writer : subscriber.status().writers) matched += writer.matched && writer.alive ? 1 : 0;
+    report.matched = matched;
+    report.tell(node.status().discovery);
+    if (subscriber.wait(5ms) && subscriber.take()) ++report.taken;
+  }
+}
+
+/// Two hosts with nothing but a loopback, and a room with switches.
+class LinksTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+    for (int i = 0; i < 3; ++i) {
+      auto made = demo::NetworkNamespace::create();
+      if (!made) GTEST_SKIP() << made.error().message;
+      spaces_.push_back(std::move(*made));
+    }
+    for (const std::size_t host : {robot, desk}) ASSERT_TRUE(run(host, "ip link set lo up"));
+    for (const char* name : {"first", "second", "third"}) {
+      ASSERT_TRUE(run(room, "ip link add " + std::string(name) +
+                                " type bridge stp_state 0 mcast_snooping 0 && ip link set " + name + " up"));
+    }
+  }
+
+  static constexpr std::size_t robot = 0, desk = 1, room = 2;
+
+  const demo::NetworkNamespace& host(std::size_t number) const { return spaces_[number]; }
+  bool run(std::size_t where, const std::string& commands) const {
+    const Result<void> done = host(where).run({"sh", "-ec", commands});
+    return done ? true : (ADD_FAILURE() << done.error().message, false);
+  }
+  /// Gives a host an interface on a switch of the room. At the switch it is "<interface>_<host>".
+  void plug_in(std::size_t where, const std::string& interface, const std::string& address,
+               const std::string& network_switch = "first") const {
+    const std::string port = interface + "_" + std::to_string(where);
+    ASSERT_TRUE(run(room, "ip link add " + port + " type veth peer name " + interface + " netns " +
+                              host(where).path() + " && ip link set " + port + " master " + network_switch +
+                              " up"));
+    ASSERT_TRUE(run(where, "ip address add " + address + "/24 dev " + interface + " && ip link set " +
+                               interface + " up"));
+  }
+
+  static NodeOptions options(std::vector<std::string> interfaces = {}) {
+    return {.discovery = {.interfaces = std::move(interfaces)}, .transport = TransportChoice::udp};
+  }
+
+  /// Prints how long it took until samples came (again).
+  static testing::AssertionResult comes_soon(const NodeProcess& subscriber) {
+    const auto begin = std::chrono::steady_clock::now();
+    const bool came = subscriber.takes_samples();
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    std::printf("samples came after %.2f s\n", took.count());
+    return came ? testing::AssertionSuccess() : testing::AssertionFailure() << subscriber.report().told();
+  }
+  /// What is under way has come.
+  static bool falls_silent(const NodeProcess& subscriber) {
+    return eventually(
+        [&, last = std::uint64_t{0}]() mutable {
+          const std::uint64_t before = std::exchange(last, subscriber.report().taken.load());
+          poll(nullptr, 0, 100);
+          return before == subscriber.report().taken;
+        },
+        patience);
+  }
+
+ private:
+  std::vector<demo::NetworkNamespace> spaces_;
+};
+
+/// A robot with these interfaces, of which "huc" leads to the desk, and what its user lists.
+struct Cell {
+  const char* name;
+  std::vector<std::string> listed;
+  bool has_another_network = false;
+};
+
+class RobotsInterfaces : public LinksTest, public testing::WithParamInterface<std::tuple<Cell, bool>> {};
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, RobotsInterfaces,
+    testing::Combine(testing::Values(Cell{"NothingListed", {}}, Cell{"Listed", {"huc"}},
+                                     Cell{"ListedWithLo", {"lo", "huc"}},
+                                     Cell{"ListedBeforeLo", {"huc", "lo"}},
+                                     Cell{"BesideAnotherNetwork", {}, true},
+                                     Cell{"ListedWithAnotherNetwork", {"lan0", "huc"}, true},
+                                     Cell{"ListedBesideATypo", {"dumm0", "huc"}}),
+                     testing::Bool()),
+    [](const auto& param) {
+      return std::string(std::get<0>(param.param).name) + (std::get<1>(param.param) ? "Late" : "AtStart");
+    });
+
+TEST_P(RobotsInterfaces, AreUsedWhetherTheyAreThereOrComeLate) {
+  const auto& [cell, late] = GetParam();
+  if (cell.has_another_network) plug_in(robot, "lan0", "10.1.0.1", "second");
+  plug_in(desk, "huc", "10.0.0.2");
+  if (!late) plug_in(robot, "huc", "10.0.0.1");
+  const NodeProcess publisher(host(robot), options(cell.listed), publish);
+  ASSERT_TRUE(publisher.is_open());
+  const NodeProcess subscriber(host(desk), options(), subscribe);
+  if (late) {
+    ASSERT_TRUE(subscriber.is_open());
+    if (!cell.has_another_network) {
+      EXPECT_TRUE(publisher.says("no network yet: other hosts are looked for as soon as an interface is up"));
+    }
+    EXPECT_TRUE(cell.listed.empty() || publisher.says("huc is not there"));
+    plug_in(robot, "huc", "10.0.0.1");
+  }
+  EXPECT_TRUE(comes_soon(subscriber));
+  EXPECT_TRUE(publisher.says("huc (10.0.0.1)")) << publisher.report().told();
+  EXPECT_EQ(publisher.report().told().find("huc is not there"), std::string::npos);
+  if (cell.listed == std::vector<std::string>{"dumm0", "huc"}) {
+    EXPECT_TRUE(publisher.says("dumm0 is not there"));
+  }
+}
+
+/// Both ways, since either side may be the one that learns of it late.
+class ChangesOfNetwork : public LinksTest {
+ protected:
+  void SetUp() override {
+    LinksTest::SetUp();
+    if (IsSkipped()) return;
+    plug_in(robot, "lan0", "10.0.0.1");
+    plug_in(desk, "lan0", "10.0.0.2");
+    publisher_ = std::make_unique<NodeProcess>(host(robot), options(), publish);
+    subscriber_ = std::make_unique<NodeProcess>(host(desk), options(), subscribe);
+    ASSERT_TRUE(subscriber().takes_samples());
+  }
+  NodeProcess& publisher() { return *publisher_; }
+  NodeProcess& subscriber() { return *subscriber_; }
+  void take_address(std::size_t where, const std::string& before, const std::string& after) const {
+    ASSERT_TRUE(
+        run(where, "ip address del " + before + "/24 dev lan0; ip address add " + after + "/24 dev lan0"));
+  }
+
+ private:
+  std::unique_ptr<NodeProcess> publisher_;
+  std::unique_ptr<NodeProcess> subscriber_;
+};
+
+TEST_F(ChangesOfNetwork, OfBothAddressesByDhcp) {
+  take_address(robot, "10.0.0.1", "10.7.0.11");
+  take_address(desk, "10.0.0.2", "10.7.0.12");
+  EXPECT_TRUE(comes_soon(subscriber()));
+  EXPECT_TRUE(publisher().says("lan0 (10.7.0.11)"));
+}
+
+TEST_F(ChangesOfNetwork, OfTheAddressOfThePublisher) {
+  take_address(robot, "10.0.0.1", "10.0.0.11");
+  EXPECT_TRUE(comes_soon(subscriber()));
+}
+
+TEST_F(ChangesOfNetwork, OfTheAddressOfTheSubscriber) {
+  take_address(desk, "10.0.0.2", "10.0.0.12");
+  EXPECT_TRUE(falls_silent(subscriber()));
+  EXPECT_TRUE(comes_soon(subscriber()));
+}
+
+TEST_F(ChangesOfNetwork, OfTheCardByAnotherOne) {
+  ASSERT_TRUE(run(robot, "ip link delete lan0"));
+  EXPECT_TRUE(falls_silent(subscriber()));
+  plug_in(robot, "lan0", "10.0.0.1");  // with another hardware address
+  EXPECT_TRUE(comes_soon(subscriber()));
+}
+
+TEST_F(ChangesOfNetwork, ByACableThatIsPulledAndPluggedInAgain) {
+  ASSERT_TRUE(run(room, "ip link set lan0_0 down"));
+  EXPECT_TRUE(falls_silent(subscriber()));
+  ASSERT_TRUE(run(room, "ip link set lan0_0 up"));
+  EXPECT_TRUE(comes_soon(subscriber()));
+}
+
+TEST_F(ChangesOfNetwork, ByASwitchThatReboots) {
+  ASSERT_TRUE(run(room, "ip link set first down"));
+  EXPECT_TRUE(eventually([&] { return publisher().report().matched == 0; }, patience));
+  ASSERT_TRUE(run(room, "ip link set first up"));
+  EXPECT_TRUE(comes_soon(subscriber()));
+}
+
+TEST_F(ChangesOfNetwork, ByASecondNetworkThatOutlivesTheFirst) {
+  plug_in(robot, "lan1", "10.1.0.1", "second");
+  plug_in(desk, "lan1", "10.1.0.2", "second");
+  EXPECT_TRUE(publisher().says("lan1 (10.1.0.1)"));
+  EXPECT_TRUE(subscriber().says("lan1 (10.1.0.2)"));
+  ASSERT_TRUE(run(robot, "ip link set lan0 down"));
+  EXPECT_TRUE(falls_silent(subscriber()) || subscriber().report().taken > 0);
+  EXPECT_TRUE(comes_soon(subscriber()));
+}
+
+TEST_F(LinksTest, AVpnThatComesUpIsUsed) {
+  plug_in(robot, "lan0", "10.0.0.1", "first");
+  plug_in(desk, "lan0", "10.1.0.2", "second");
+  const NodeProcess publisher(host(robot), options(), publish);
+  const NodeProcess subscriber(host(desk), options(), subscribe);
+  ASSERT_TRUE(publisher.is_open());
+  ASSERT_TRUE(subscriber.is_open());
+  EXPECT_EQ(subscriber.report().matched, 0U);
+  plug_in(robot, "vpn", "10.8.0.1", "third");
+  plug_in(desk, "vpn", "10.8.0.2", "third");
+  EXPECT_TRUE(comes_soon(subscriber));
+}
+
+TEST_F(LinksTest, NodesOfOneHostFindEachOtherWhateverItsNetworkDoes) {
+  const NodeProcess publisher(host(robot), options({"huc"}), publish);
+  const NodeProcess subscriber(host(robot), options(), subscribe);
+  EXPECT_TRUE(comes_soon(subscriber));
+  plug_in(robot, "huc", "10.0.0.1");
+  EXPECT_TRUE(publisher.says("huc (10.0.0.1)"));
+  ASSERT_TRUE(run(robot, "ip link delete huc"));
+  EXPECT_TRUE(publisher.says("huc is not there"));
+  EXPECT_TRUE(comes_soon(subscriber));
+  EXPECT_EQ(publisher.report().matched, 1U);
+}
+
+TEST_F(LinksTest, WithoutAnyInterfaceANodeSaysSo) {
+  ASSERT_TRUE(run(robot, "ip link set lo down"));
+  const NodeProcess::Role none = [](Node&, Report&) { pause(); };
+  testing::internal::CaptureStderr();
+  const NodeProcess node(host(robot), options(), none);
+  ASSERT_TRUE(eventually([&] { return node.report().failed.load(); }, patience));
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("no network interface is up"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sft::test
