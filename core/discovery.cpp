@@ -93,7 +93,6 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     const Now now = std::chrono::steady_clock::now();
     interfaces_ = interfaces_of_interest();
     const Result<void> made = take_into_use(desired_links(interfaces_, config_.rules(), {}), now);
-    for (const std::string& remark : remarks_) warnings_.push_back(remark);
     describe_links();
     if (!links_.empty()) return {};
     if (!made) return made;
@@ -252,7 +251,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     if (waits_for_network_)
       summary += "; no network yet: other hosts are looked for as soon as an interface is up";
     const std::scoped_lock lock(mutex_);
-    configuration_ = {std::move(summary), warnings_};
+    configuration_ = {std::move(summary), warnings_, remarks_};
   }
 
   /// The first error; the others are tried all the same.

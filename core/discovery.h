@@ -68,6 +68,7 @@ class Discovery {
   struct Configuration {
     std::string summary{};                ///< for people: how and where nodes are found
     std::vector<std::string> warnings{};  ///< for people: which of the user's settings do not hold, and why
+    std::vector<std::string> remarks{};   ///< parts of the summary: interfaces that are not there, or not yet
   };
   /// As it is at present. Any thread.
   virtual Configuration configuration() const = 0;

@@ -38,8 +38,9 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
   const Discovery::Configuration configuration = node->discovery_->configuration();
-  for (const std::string& warning : configuration.warnings)
-    node->log_.write(LogLevel::warning, "discovery: " + warning);
+  for (const auto* texts : {&configuration.warnings, &configuration.remarks}) {
+    for (const std::string& text : *texts) node->log_.write(LogLevel::warning, "discovery: " + text);
+  }
   node->reconciler_ =
       std::make_unique<Reconciler>(node->id_, node->network_, node->shm_.get(), node->udp_.get(),
                                    *node->discovery_, node->dispatcher_, node->log_);
