@@ -54,18 +54,19 @@ struct ShmSettings {
       0};  ///< a daemon started so ends after so long without clients; 0: never
 };
 
-/// How nodes find each other. What a process sets for a domain first, holds for it as long as it lives, since
-/// Cyclone DDS can be configured only once: the next node with other settings, or another cyclonedds_config,
-/// fails to open.
+/// How nodes find each other. Nodes of one process may have different settings; those with equal ones, and an
+/// equal cyclonedds_config, share Cyclone DDS's threads.
 struct DiscoverySettings {
   /// Hosts to look for nodes on, besides those that multicast reaches: "10.0.0.7", "robot.local", or with the
   /// port of one process, "10.0.0.7:7410". Both sides have to name each other. On each, the first 20 nodes
-  /// are found.
+  /// are found, or their share of that where hosts have several interfaces.
   std::vector<std::string> peers{};
   /// By name ("eth0"), one of their addresses ("10.0.0.5", "fe80::1%eth0") or their network ("10.0.0.0/24",
-  /// "fd00::/64"): nodes are looked for and samples received on these only, whether they are there already or
-  /// come later. Empty: nodes are looked for on the one that seems best, and samples received on all. Those
-  /// that CYCLONEDDS_URI names go before these.
+  /// "fd00::/64"): nodes are looked for and samples received on these only. Empty: on all that are up, but
+  /// for bridges and cables of container engines (docker*, veth*, virbr*, br-* and the like) and interfaces
+  /// that cannot multicast. Interfaces that come later or get other addresses are used within 2 s, listed or
+  /// not; NodeStatus::discovery names those in use and those that are not there. Nodes of this host find each
+  /// other in any case. Those that CYCLONEDDS_URI names go before these.
   std::vector<std::string> interfaces{};
   /// False: nodes on other hosts are found by `peers` only, those on this host in any case.
   bool multicast = true;
