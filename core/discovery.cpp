@@ -13,6 +13,7 @@
 #include "core/greetings.h"
 #include "core/link_merge.h"
 #include "core/network_watch.h"
+#include "core/ordered_delivery.h"
 #include "sft_control.h"
 
 namespace sft::core {
@@ -26,33 +27,14 @@ constexpr std::chrono::seconds look_at_interfaces_every{1};  // although netlink
 constexpr std::chrono::milliseconds merge_every{100};
 constexpr std::chrono::seconds farewell_max{1};
 
-/// Gives news to the listener in their order, one at a time and under no lock, whatever thread they come
-/// from.
+/// Gives news to the listener.
 class NewsDesk {
  public:
   explicit NewsDesk(DiscoveryListener& listener) : listener_(listener) {}
 
-  /// The calling thread delivers what it finds, unless another one is at it, which then delivers this, too.
-  /// `take` is called under the lock that gives news their order.
-  template <class Take>
-  void deliver(std::mutex& mutex, Take take) {
-    std::unique_lock lock(mutex);
-    for (News& news : take()) queue_.push_back(std::move(news));
-    if (delivering_) return;
-    delivering_ = true;
-    while (!queue_.empty()) {
-      const std::vector<News> batch = std::exchange(queue_, {});
-      lock.unlock();
-      for (const News& news : batch) std::visit([&](const auto& one) { tell(one); }, news);
-      lock.lock();
-    }
-    delivering_ = false;
-  }
-
- private:
   /// A description that cannot be used costs the endpoint its description and nothing more: programs that
   /// were compiled with the type do not need it.
-  void tell(const EndpointSeen& seen) {
+  void operator()(const EndpointSeen& seen) const {
     Endpoint endpoint = *seen.endpoint;
     if (!endpoint.type_description.empty()) {
       if (const auto type = described_type(endpoint); !type) {
@@ -62,21 +44,20 @@ class NewsDesk {
     }
     listener_.endpoint_seen(std::move(endpoint));
   }
-  void tell(const EndpointDeparted& departed) { listener_.endpoint_departed(departed.id); }
-  void tell(const EndpointLost& lost) { listener_.endpoint_lost(lost.id); }
-  void tell(const NodeLost& lost) { listener_.node_lost(lost.id); }
-  void tell(const Request& request) { listener_.request_received(request); }
-  void tell(const Assertion& assertion) { listener_.liveliness_asserted(assertion); }
-  void tell(const Refused& refused) { listener_.control_malformed(refused.why); }
+  void operator()(const EndpointDeparted& departed) const { listener_.endpoint_departed(departed.id); }
+  void operator()(const EndpointLost& lost) const { listener_.endpoint_lost(lost.id); }
+  void operator()(const NodeLost& lost) const { listener_.node_lost(lost.id); }
+  void operator()(const Request& request) const { listener_.request_received(request); }
+  void operator()(const Assertion& assertion) const { listener_.liveliness_asserted(assertion); }
+  void operator()(const Refused& refused) const { listener_.control_malformed(refused.why); }
 
+ private:
   DiscoveryListener& listener_;
-  std::vector<News> queue_;
-  bool delivering_ = false;
 };
 
 class LinkedDiscovery final : public Discovery, private LinkListener {
  public:
-  explicit LinkedDiscovery(DiscoveryListener& listener) : listener_(listener), desk_(listener) {}
+  explicit LinkedDiscovery(DiscoveryListener& listener) : listener_(listener) {}
 
   ~LinkedDiscovery() override {
     for (const auto& [spec, link] : links_) link.link->flush(farewell_max / static_cast<int>(links_.size()));
@@ -266,10 +247,11 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
 
   template <class Event>
   void news(Event event) {
-    desk_.deliver(mutex_, [&] {
+    const auto take = [&] {
       event();
       return merge_.take_news();
-    });
+    };
+    delivery_.deliver(mutex_, take, [this](const News& one) { std::visit(NewsDesk(listener_), one); });
   }
   static Now time() { return std::chrono::steady_clock::now(); }
 
@@ -318,7 +300,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   mutable std::mutex mutex_;  ///< of what follows; Cyclone's threads come here, too
   Configuration configuration_;
   LinkMerge merge_;
-  NewsDesk desk_;
+  OrderedDelivery<News> delivery_;
 
   std::map<LinkSpec, OpenLink> links_;  ///< goes first: its threads use the rest
 };

@@ -93,6 +93,8 @@ Participants::Guid to_guid(const dds_guid_t& guid) {
   return bytes;
 }
 
+constexpr std::size_t writers_known_max = 4096;
+
 class CycloneLink final : public DiscoveryLink {
  public:
   CycloneLink(const Place& place, Participants& participants, LinkListener& listener)
@@ -199,6 +201,7 @@ class CycloneLink final : public DiscoveryLink {
       const Participants::Guid guid = to_guid(writer->participant_key);
       participant = participants_.is_own(guid) ? 0 : participants_.number_of(guid);
       const std::scoped_lock lock(writers_mutex_);
+      if (writers_.size() == writers_known_max) writers_.clear();  // they are asked for again
       writers_.emplace(info.publication_handle, *participant);
     }
     if (*participant == 0) return std::nullopt;
