@@ -88,6 +88,7 @@ SampleHandle BufferPool::hand_out(SampleBuffer& buffer, std::shared_ptr<BufferOw
   buffer.receive_stamp_ns = 0;
   buffer.min_period_us = buffer.ordinal = 0;
   buffer.addressee = buffer.oldest_retained = 0;
+  buffer.numbering = 0;
   buffer.merged = false;
   buffer.owner = std::move(self);
   return SampleHandle(buffer);

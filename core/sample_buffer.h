@@ -49,6 +49,8 @@ struct SampleBuffer {
   /// Likewise: the only reader that it is for (0: all), and the first sequence that was sent to that.
   std::uint64_t addressee = 0;
   std::uint64_t oldest_retained = 0;
+  /// Likewise: counts how often the sequences of its writer began anew, since those before made no sense.
+  std::uint32_t numbering = 0;
   /// Likewise: its mask is the union of those of several readers.
   bool merged = false;
   /// On the sending side, while publish() runs: what of the body is still in the program's own memory; null:

@@ -21,15 +21,20 @@ SequenceAccount::Missing SequenceAccount::enter(const Numbered& sample) {
   ordinal_.reset();
   if (sample.gated && limit != 0) ordinal_ = sample.ordinal;
   last_ = sample.sequence;
+  numbering_ = std::max(numbering_, sample.numbering);
   stamp_ns_ = sample.stamp_ns;
   return missing;
 }
 
 /// Before the first sample that came nothing is missing, but what had been retained.
+/// Where sequences begin anew nobody knows what the wrong ones hid.
 std::uint64_t SequenceAccount::gap_before(const Numbered& sample) const {
-  if (last_ != 0) return sample.sequence - last_ - 1;
+  if (last_ != 0) {
+    const std::uint64_t gap = sample.sequence - last_ - 1;
+    return begins_anew(sample) && gap >= gap_max ? 0 : gap;
+  }
   if (sample.oldest_retained == 0) return std::min<std::uint64_t>(owed_, sample.sequence - 1);
-  return sample.sequence - std::min(sample.oldest_retained, sample.sequence);
+  return std::min(gap_max, sample.sequence - std::min(sample.oldest_retained, sample.sequence));
 }
 
 /// Of the `gap` samples between the last one and this. Where the limit has changed, the slower one counts.

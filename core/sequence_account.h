@@ -28,6 +28,7 @@ struct Numbered {
   std::uint32_t min_period_us = 0;    ///< of the gate that it passed; 0: none
   std::uint32_t ordinal = 0;          ///< among those that passed it
   std::uint64_t oldest_retained = 0;  ///< the first that was sent of what its writer had retained; 0: unknown
+  std::uint32_t numbering = 0;        ///< greater: sequences began anew, those before made no sense
 };
 
 class SequenceAccount {
@@ -38,9 +39,9 @@ class SequenceAccount {
   void owe(std::uint32_t samples) { owed_ = samples; }
 
   /// Not one that came before, or after which others were taken already.
-  bool is_new(const Numbered& sample) const { return sample.sequence > last_; }
+  bool is_new(const Numbered& sample) const { return sample.sequence > last_ || begins_anew(sample); }
   /// Whether it comes next, as far as the numbers tell.
-  bool follows(const Numbered& sample) const { return sample.sequence == last_ + 1; }
+  bool follows(const Numbered& sample) const { return sample.sequence == last_ + 1 || begins_anew(sample); }
   /// Whether a new sample is for the reader, or to be skipped.
   bool allows(const Numbered& sample) const;
 
@@ -52,6 +53,10 @@ class SequenceAccount {
   Missing enter(const Numbered& sample);
 
  private:
+  /// Nothing that is larger is believed to be missing where sequences begin anew, or of what was retained.
+  static constexpr std::uint64_t gap_max = std::uint64_t{1} << 16;
+
+  bool begins_anew(const Numbered& sample) const { return sample.numbering > numbering_; }
   std::uint32_t limit_of(const Numbered& sample) const {
     return sample.gated ? sample.min_period_us : asked_;
   }
@@ -65,6 +70,7 @@ class SequenceAccount {
   std::int64_t stamp_ns_ = 0;
   RateBudget budget_;  ///< of the limit under which it came
   std::optional<std::uint32_t> ordinal_;
+  std::uint32_t numbering_ = 0;
 };
 
 }  // namespace sft::core

@@ -225,7 +225,8 @@ Numbered SubscriberCore::numbered(const Inlet& inlet) const {
           .gated = transport_of(inlet) == TransportKind::udp,
           .min_period_us = buffer.min_period_us,
           .ordinal = buffer.ordinal,
-          .oldest_retained = buffer.oldest_retained};
+          .oldest_retained = buffer.oldest_retained,
+          .numbering = buffer.numbering};
 }
 
 void SubscriberCore::enter(Heard& from, const Numbered& sample, TransportKind by) {

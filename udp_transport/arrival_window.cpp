@@ -10,14 +10,16 @@ constexpr std::chrono::milliseconds delay_longest{100};
 }
 
 std::optional<ArrivalWindow::Mark> ArrivalWindow::mark() const {
-  if (!channel_) return {};
-  return Mark{*channel_, std::max(end_, skip_to_) - base_};
+  if (!channels_.present()) return {};
+  return Mark{*channels_.present(), ordinal_of(std::max(end_, skip_to_))};
 }
 
 void ArrivalWindow::join(const Mark& left) {
-  channel_ = left.channel;
+  channels_.turn(left.channel, 0);
+  fresh_ = false;
   slots_.begin_at(left.end);
   next_ = end_ = skip_to_ = left.end;
+  not_told_before_ = left.end;
   for (Reader& reader : readers_) reader.place = left.end;
   joining_ = true;
 }
@@ -27,35 +29,81 @@ void ArrivalWindow::begin_with(Place place) {
   if (place < next_ || !slots_.empty()) return;
   slots_.begin_at(place);
   next_ = end_ = skip_to_ = place;
+  not_told_before_ = ordinal_of(place);
 }
 
-/// False for a channel of before. What is missing of that one will not come any more. And where places would
-/// not fit into their type: only lies bring it there.
-bool ArrivalWindow::turn_to(std::uint32_t channel) {
-  if (channel_ == channel) return true;
-  if (channel_ && static_cast<std::int32_t>(channel - *channel_) < 0) return false;
-  if (end_ > ordinal_max) return false;
-  channel_ = channel;
+/// False for a channel that does not count. What is missing of the one before will not come any more.
+bool ArrivalWindow::turn_to(const ChannelWatch::Claim& claim, Time now) {
+  switch (channels_.judge(claim, now)) {
+    case ChannelWatch::Verdict::present:
+      return true;
+    case ChannelWatch::Verdict::ignore:
+      return false;
+    case ChannelWatch::Verdict::turn:
+      break;
+  }
+  const std::uint64_t begin = channels_.turn(claim.channel, ordinal_of(next_));
   joining_ = false;
-  lose_before(end_);
-  base_ = end_ - 1;  // its first ordinal is 1
+  ordinals_ = {};
+  begin_channel(begin);
+  not_told_before_ = begin;
+  fresh_ = begin == 1;
   return true;
 }
 
-ArrivalWindow::Met ArrivalWindow::meet(const ChannelMark& mark, Time now) {
-  if (!turn_to(mark.channel)) return {Standing::beyond, 0};
+/// The present channel goes on with that ordinal: places count on.
+void ArrivalWindow::begin_channel(std::uint64_t ordinal) {
+  lose_before(end_);
+  base_ = end_ - ordinal;
+  first_ordinal_ = ordinal;
+}
+
+/// That and what follows was passed over, and should not have been.
+void ArrivalWindow::go_back_to(std::uint64_t ordinal, Time now) {
+  begin_channel(ordinal);
+  ordinals_.go_on_with(ordinal, now);
+  not_told_before_ = std::min(not_told_before_, ordinal);
+  ack_wanted_ = true;
+}
+
+ArrivalWindow::Met ArrivalWindow::meet(const ChannelMark& mark, Time now, bool same_datagram) {
+  if (!turn_to({mark.channel, mark.ordinal, mark.ordinal, same_datagram}, now)) return {Standing::beyond, 0};
   heard_at_ = now;
-  const Place place = base_ + mark.ordinal;
-  if (place < slots_.begin()) return {Standing::known, 0};
+  Place place = place_of(mark.ordinal);
+  if (mark.ordinal < first_ordinal_ || place < slots_.begin())
+    return meet_passed_over(mark, now, same_datagram);
   if (joining_) begin_with(place);
   if (place - slots_.begin() >= limits_.samples) {
+    if (place > end_ && !ordinals_.confirmed(mark.ordinal, same_datagram, now)) return {Standing::beyond, 0};
     overtakes_ = holds_back();
+    ask_for_next(now);
     return {Standing::beyond, 0};
   }
   if (!reach(place + 1, now) || !slots_.contains(place)) return {Standing::beyond, 0};
   const State state = slots_[place].state;
+  if (state == State::passed) return meet_passed_over(mark, now, same_datagram);
+  if (state == State::begun) look_at(now + delay_);
   if (state != State::missing) came_again(place);
-  return {state == State::missing ? Standing::wanted : Standing::known, place};
+  if (state != State::missing) return {Standing::known, place};
+  fresh_ = false;
+  ordinals_.advanced(now);
+  return {Standing::wanted, place};
+}
+
+ArrivalWindow::Met ArrivalWindow::meet_passed_over(const ChannelMark& mark, Time now, bool same_datagram) {
+  const Place place = place_of(mark.ordinal);
+  const bool has_slot = mark.ordinal >= first_ordinal_ && slots_.contains(place);
+  if (has_slot) came_again(place);
+  const auto back = ordinals_.passed_over(mark.ordinal, same_datagram, now);
+  if (!back) return {Standing::known, has_slot ? place : 0};
+  go_back_to(*back, now);
+  return meet(mark, now, same_datagram);
+}
+
+/// The writer is far ahead: it tells how far once it is asked for what it does not have any more.
+void ArrivalWindow::ask_for_next(Time now) {
+  if (!fresh_) reach(next_ + 1, now);
+  ack_wanted_ = true;
 }
 
 /// Makes room for all places before `end`. False if that would be too many: those that fit are there then.
@@ -92,6 +140,7 @@ void ArrivalWindow::whole(Place place, core::SampleHandle sample) {
   const bool readers_lag = holds_back();
   Slot& slot = slots_[place];
   if (slot.state == State::passed) return;  // it was given up
+  ordinals_.came(ordinal_of(place));
   held_bytes_ += sample->capacity;
   unacked_bytes_ += sample->header().body_bytes;
   ++unacked_;
@@ -109,9 +158,55 @@ void ArrivalWindow::whole(Place place, core::SampleHandle sample) {
 
 void ArrivalWindow::pass(Place place) {
   if (!slots_.contains(place)) return;
+  ordinals_.came(ordinal_of(place));
   settle(slots_[place], State::passed);
   ++unacked_;
   advance();
+}
+
+void ArrivalWindow::refuse(Place place) {
+  if (!slots_.contains(place)) return;
+  Slot& slot = slots_[place];
+  if (slot.state != State::begun && slot.state != State::missing) return;
+  slot.state = State::missing;
+  slot.sample.reset();
+  slot.ask_at = heard_at_ + delay_ + slot.apart;
+  look_at(slot.ask_at);
+}
+
+void ArrivalWindow::refuse_or_pass(Place place) {
+  if (!slots_.contains(place)) return;
+  if (std::exchange(slots_[place].refused, true)) return pass(place);
+  refuse(place);
+}
+
+/// Those before the first missing one were acknowledged: they do not come again.
+void ArrivalWindow::distrust_above(std::uint64_t sequence) {
+  for (Place place = slots_.begin(); place < slots_.end(); ++place) {
+    Slot& slot = slots_[place];
+    if (slot.state != State::whole || slot.sample->sequence <= sequence) continue;
+    held_bytes_ -= slot.sample->capacity;
+    if (place < next_) ready_bytes_ -= slot.sample->capacity;
+    slot.state = place < next_ ? State::passed : State::missing;
+    slot.sample.reset();
+    slot.asked = 0;
+    slot.ask_at = heard_at_ + delay_ + slot.apart;
+    if (place >= next_) look_at(slot.ask_at);
+  }
+}
+
+bool ArrivalWindow::is_stuck(Time head_came, Time now) {
+  if (std::exchange(looked_at_next_, next_) != next_) next_since_ = now;
+  const Time since = std::max(next_since_, head_came);
+  return now - since >= limits_.claim_patience && heard_at_ - since >= limits_.claim_patience / 2;
+}
+
+void ArrivalWindow::give_back(Slot& slot, Time now) {
+  given_back_.push_back(slot.label);
+  slot.state = State::missing;
+  slot.sample.reset();
+  slot.asked = 0;
+  slot.ask_at = now;
 }
 
 void ArrivalWindow::asked_for(Place place, std::uint32_t parts) {
@@ -164,20 +259,49 @@ void ArrivalWindow::lose_before(Place end) {
     if (slot.state != State::whole && slot.state != State::passed) lose(slot);
   }
   const Place unseen = std::max(slots_.end(), skip_to_);
-  if (end > unseen && end_ > base_ + 1) lost_ += end - unseen;
+  if (end > unseen && !fresh_) lost_ += end - unseen;
   skip_to_ = std::max(skip_to_, end);
+  end_ = std::max(end_, end);
   advance();
 }
 
 void ArrivalWindow::hear(const Heartbeat& heartbeat, Time now) {
-  if (!turn_to(heartbeat.channel)) return;
-  heard_at_ = now;
+  if (heartbeat.end - heartbeat.first > kept_max || heartbeat.waiting > kept_max) return;
+  if (!turn_to({heartbeat.channel, heartbeat.first, heartbeat.end}, now)) return;
+  const Time heard_before = std::exchange(heard_at_, now);
   ack_wanted_ = true;
-  if (joining_) begin_with(base_ + heartbeat.end);
-  lose_before(base_ + heartbeat.first);
-  reach(std::max(end_, base_ + heartbeat.end), now);
+  if (joining_) begin_with(place_of(heartbeat.end));
+  if (contradicts(heartbeat, now)) go_back_to(heartbeat.first, now);
+  if (!follow(heartbeat, heard_before, now)) return ask_for_next(now);
+  fresh_ = false;
+  reach(std::max(end_, std::min(place_of(heartbeat.end), std::max(next_, skip_to_) + kept_max)), now);
   if (next_ < slots_.end()) look_at(now + delay_);
-  end_requests(base_ + heartbeat.end + heartbeat.waiting);
+  end_requests(place_of(heartbeat.end) + heartbeat.waiting);
+}
+
+/// What the writer does not have any more is lost. False if that is further ahead than is believed.
+bool ArrivalWindow::follow(const Heartbeat& heartbeat, Time heard_before, Time now) {
+  constexpr double sent_per_s_max = 1 << 22;
+  const std::uint64_t known_end = ordinal_of(std::max(end_, slots_.end()));
+  const std::uint64_t ahead = heartbeat.first - std::min(heartbeat.first, known_end);
+  if (!fresh_ && ahead > kept_max) {
+    if (!ordinals_.confirmed(heartbeat.first, false, now)) return false;
+    const double silent_s = std::chrono::duration<double>(now - heard_before).count();
+    if (static_cast<double>(ahead) > (1 << 16) + silent_s * sent_per_s_max) {
+      begin_channel(heartbeat.first);
+      return true;
+    }
+  }
+  lose_before(place_of(heartbeat.first));
+  return true;
+}
+
+/// Whether all that the writer has sent was passed over, and some of it has not come.
+bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
+  if (heartbeat.end == heartbeat.first || heartbeat.end <= not_told_before_) return false;
+  if (!fresh_ && place_of(heartbeat.end) <= next_ && heartbeat.end < ordinal_of(next_))
+    return ordinals_.passed_over(heartbeat.end - 1, false, now).has_value();
+  return false;
 }
 
 void ArrivalWindow::set_readers(const std::vector<core::EndpointId>& readers) {
@@ -231,8 +355,9 @@ Ack ArrivalWindow::ack(std::uint32_t writer) {
   unacked_ = 0;
   acked_ = awaited_ ? first_not_taken() : next_;
   acked_all_ = acked_ == next_;
-  return {
-      .writer = writer, .channel = channel_.value_or(0), .next = std::max<Place>(acked_, base_ + 1) - base_};
+  return {.writer = writer,
+          .channel = channels_.present().value_or(0),
+          .next = ordinal_of(std::max(acked_, place_of(first_ordinal_)))};
 }
 
 }  // namespace sft::udp

@@ -16,8 +16,10 @@
 #include <vector>
 
 #include "core/transport.h"
+#include "udp_transport/channel_watch.h"
 #include "udp_transport/datagram.h"
 #include "udp_transport/ordinal_ring.h"
+#include "udp_transport/ordinal_watch.h"
 
 namespace sft::udp {
 
@@ -28,6 +30,9 @@ struct ArrivalLimits {
   std::size_t ack_bytes = std::size_t{1} << 20;        ///< so many are acknowledged unasked
   std::chrono::milliseconds ask_after{2};              ///< something was noticed to be missing; at the least
   std::chrono::milliseconds ask_again_longest{250};
+  /// A sample that has begun is given up, and begun anew, if neither it nor the first missing one gets any
+  /// further for so long, although the writer is heard: what began it may not have been true.
+  std::chrono::milliseconds claim_patience{300};
   std::chrono::seconds forget_after{5};  ///< without a word from the writer nothing is asked for any more
   std::chrono::milliseconds spread{8};   ///< of what many may miss: later by up to so much, at random
   std::uint32_t seed = 1;                ///< of that
@@ -61,7 +66,8 @@ class ArrivalWindow {
     Standing standing{};
     Place place = 0;
   };
-  Met meet(const ChannelMark& mark, Time now);
+  /// `same_datagram`: the last one that was met came in the same datagram.
+  Met meet(const ChannelMark& mark, Time now, bool same_datagram = false);
 
   // Of a place that was met.
 
@@ -70,6 +76,12 @@ class ArrivalWindow {
   void whole(Place place, core::SampleHandle sample);
   /// It will not come, or is for nobody here.
   void pass(Place place);
+  /// What came of it makes no sense. It is asked for again.
+  void refuse(Place place);
+  /// The same, of a sample of which each datagram made sense: after the second time it is passed over.
+  void refuse_or_pass(Place place);
+  /// Samples with a greater sequence have a wrong one, and have to come again.
+  void distrust_above(std::uint64_t sequence);
   /// Some of it came once more.
   void came_again(Place place);
 
@@ -77,6 +89,9 @@ class ArrivalWindow {
   /// Samples that had begun, and will not become whole: what came of them may be let go of. Since last asked.
   std::vector<SampleLabel> take_abandoned() { return std::exchange(abandoned_, {}); }
   bool has_abandoned() const { return !abandoned_.empty(); }
+  /// Samples that had begun, and begin anew: what came of them may be let go of. Since last asked.
+  std::vector<SampleLabel> take_given_back() { return std::exchange(given_back_, {}); }
+  bool has_given_back() const { return !given_back_.empty(); }
 
   /// The next sample for that reader, in order; empty if there is none as yet. `accepts(buffer, request)`
   /// tells whether one is for it, once anything of it has come; those of its requests before `request` are
@@ -125,7 +140,7 @@ class ArrivalWindow {
   /// When due_gaps() may find something; Time::max() if never.
   Time next_look() const { return look_at_; }
 
-  bool knows_channel() const { return channel_.has_value(); }
+  bool knows_channel() const { return channels_.present().has_value(); }
   Place next_place() const { return next_; }
   std::size_t held_bytes() const { return held_bytes_; }
   std::size_t size() const { return slots_.size(); }
@@ -138,6 +153,7 @@ class ArrivalWindow {
     SampleLabel label{};
     core::SampleHandle sample{};  ///< begun: as far as it has come
     std::uint8_t asked = 0;       ///< times, since something of it came
+    bool refused = false;         ///< once
     std::uint32_t parts = 0;  ///< of it that were asked for last, less those of which something came again
     Time asked_at{};
     Time ask_at{};
@@ -151,7 +167,20 @@ class ArrivalWindow {
   static constexpr std::size_t acked_at_once = 1024;
   static constexpr Place no_place = std::numeric_limits<Place>::max();
 
-  bool turn_to(std::uint32_t channel);
+  /// No writer keeps more samples than this, so no heartbeat spans more.
+  static constexpr std::uint64_t kept_max = OrdinalWatch::remembered;
+
+  bool turn_to(const ChannelWatch::Claim& claim, Time now);
+  void begin_channel(std::uint64_t ordinal);
+  void go_back_to(std::uint64_t ordinal, Time now);
+  Place place_of(std::uint64_t ordinal) const { return base_ + std::max(ordinal, first_ordinal_); }
+  std::uint64_t ordinal_of(Place place) const { return place - base_; }
+  Met meet_passed_over(const ChannelMark& mark, Time now, bool same_datagram);
+  bool follow(const Heartbeat& heartbeat, Time heard_before, Time now);
+  bool contradicts(const Heartbeat& heartbeat, Time now);
+  void ask_for_next(Time now);
+  void give_back(Slot& slot, Time now);
+  bool is_stuck(Time head_came, Time now);
   bool reach(Place end, Time now);
   void settle(Slot& slot, State state);
   void advance();
@@ -161,12 +190,21 @@ class ArrivalWindow {
   void lose_before(Place end);
   void lose(Slot& slot);
   Place first_not_taken() const;
-  void look_at(Time time) { look_at_ = std::min(look_at_, time); }
+  /// Where much is to be looked at, that is not done too often.
+  void look_at(Time time) {
+    constexpr std::size_t few = 256;
+    constexpr std::chrono::microseconds pause{500};
+    look_at_ = std::min(look_at_, slots_.size() <= few ? time : std::max(time, looked_at_ + pause));
+  }
 
   const ArrivalLimits limits_;
-  std::optional<std::uint32_t> channel_;
-  bool joining_ = false;  ///< nothing was heard yet since join()
-  Place base_ = 0;        ///< place of ordinal 0 of the channel
+  ChannelWatch channels_;
+  OrdinalWatch ordinals_;
+  bool joining_ = false;               ///< nothing was heard yet since join()
+  bool fresh_ = true;                  ///< no ordinal of the channel is known yet
+  Place base_ = 0;                     ///< place of ordinal 0 of the channel, modulo 2^64
+  std::uint64_t first_ordinal_ = 1;    ///< of the channel, as far as it is followed
+  std::uint64_t not_told_before_ = 0;  ///< what heartbeats say of ordinals before this one is no news
   OrdinalRing<Slot> slots_{1};
   Place next_ = 1;     ///< the first that is missing or not whole
   Place end_ = 1;      ///< behind the last one that is known of
@@ -192,7 +230,10 @@ class ArrivalWindow {
   Place acked_ = 1;
   bool acked_all_ = true;
   std::uint64_t lost_ = 0;
-  std::vector<SampleLabel> abandoned_;
+  std::vector<SampleLabel> abandoned_, given_back_;
+  Place looked_at_next_ = 0;  ///< next_ when it was looked at last
+  Time next_since_{};         ///< the time from which on it was the same
+  Time looked_at_{};
 
   Time heard_at_{};
   Time look_at_ = Time::max();
@@ -228,12 +269,19 @@ std::vector<ArrivalWindow::Gap> ArrivalWindow::due_gaps(Time now, const CameAt& 
   std::vector<Gap> gaps;
   std::size_t awaited = 0;  // asked for, and it is too early to ask again
   look_at_ = Time::max();
+  looked_at_ = now;
   if (now - heard_at_ > limits_.forget_after) return gaps;
   const Place end = slots_.end();
+  const bool head_has_begun = next_ < end && slots_[next_].state == State::begun;
+  const bool stuck = is_stuck(head_has_begun ? came_at(slots_[next_].label) : Time{}, now);
   for (Place place = next_; place < end; ++place) {
     Slot& slot = slots_[place];
     if (slot.state == State::whole || slot.state == State::passed) continue;
-    const Time came = slot.state == State::begun ? came_at(slot.label) : Time{};
+    Time came = slot.state == State::begun ? came_at(slot.label) : Time{};
+    if (stuck && slot.state == State::begun && now - came >= limits_.claim_patience) {
+      give_back(slot, now);
+      came = Time{};
+    }
     if (came > slot.asked_at) slot.asked = 0;
     Time due = slot.state == State::begun ? std::max(slot.ask_at, came + delay_ + slot.apart) : slot.ask_at;
     if (due > now) {
@@ -241,7 +289,7 @@ std::vector<ArrivalWindow::Gap> ArrivalWindow::due_gaps(Time now, const CameAt& 
     } else if (gaps.size() + awaited >= gaps_max) {
       due = now + delay_;
     } else {
-      gaps.push_back({place - base_, place, {}});
+      gaps.push_back({ordinal_of(place), place, {}});
       if (slot.state == State::begun) gaps.back().label = slot.label;
       const auto pause = delay_ * (2 << std::min<int>(slot.asked, 8));
       due = slot.ask_at = now + std::min<Time::duration>(pause, limits_.ask_again_longest);

@@ -61,7 +61,11 @@ bool Inbox::enqueue(core::SampleHandle& sample) noexcept {
   if (writer->filter.is_late() && !writer->filter.takes(*sample, std::chrono::steady_clock::now()))
     return false;  // of those that are for others, or it will come again in its turn
   ++writer->arrivals;
-  switch (writer->queue.put(sample, ++arrivals_)) {
+  const KeepLastQueue::Put put = writer->queue.put(sample, ++arrivals_);
+  const std::size_t dropped = writer->queue.take_dropped();
+  discarded_ += dropped;
+  writer->dropped += dropped;
+  switch (put) {
     case KeepLastQueue::Put::kept:
       return true;
     case KeepLastQueue::Put::pushed_out:

@@ -7,6 +7,7 @@ namespace sft::udp {
 
 KeepLastQueue::Put KeepLastQueue::put(core::SampleHandle& sample, std::uint64_t arrival) {
   const std::uint64_t number = sample->header().sequence;
+  if (sample->numbering > numbering_) begin_anew(*sample);
   if (number <= gone_) return Put::late;
   std::size_t place = size_;
   while (place > 0 && sequence(place - 1) > number) --place;
@@ -27,6 +28,17 @@ KeepLastQueue::Put KeepLastQueue::put(core::SampleHandle& sample, std::uint64_t 
   ++size_;
   sample = std::move(oldest);
   return sample ? Put::pushed_out : Put::kept;
+}
+
+/// Sequences that are not below the sample's were wrong.
+void KeepLastQueue::begin_anew(const core::SampleBuffer& sample) {
+  const std::uint64_t number = sample.header().sequence;
+  numbering_ = sample.numbering;
+  gone_ = std::min(gone_, number - 1);
+  while (size_ > 0 && sequence(size_ - 1) >= number) {
+    at(--size_).sample.reset();
+    ++dropped_;
+  }
 }
 
 core::SampleHandle KeepLastQueue::pop() {

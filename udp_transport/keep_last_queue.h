@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/sample_buffer.h"
@@ -22,6 +23,9 @@ class KeepLastQueue {
   /// `arrival` counts up over all writers of a reader.
   Put put(core::SampleHandle& sample, std::uint64_t arrival);
 
+  /// Samples that were dropped since this was asked last, because their sequences turned out to be wrong.
+  std::size_t take_dropped() { return std::exchange(dropped_, 0); }
+
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
   /// Of the oldest; not empty.
@@ -36,12 +40,15 @@ class KeepLastQueue {
   Entry& at(std::size_t i) { return entries_[(head_ + i) % entries_.size()]; }
   std::uint64_t sequence(std::size_t i) { return at(i).sample->header().sequence; }
   void grow();
+  void begin_anew(const core::SampleBuffer& sample);
 
   std::size_t depth_;
   std::vector<Entry> entries_;  ///< a ring, as large as was needed so far
   std::size_t head_ = 0;
   std::size_t size_ = 0;
   std::uint64_t gone_ = 0;  ///< newest sequence that was taken or pushed out
+  std::uint32_t numbering_ = 0;
+  std::size_t dropped_ = 0;
 };
 
 }  // namespace sft::udp

@@ -1,5 +1,7 @@
 #include "udp_transport/late_filter.h"
 
+#include <algorithm>
+
 namespace sft::udp {
 
 bool LateFilter::takes(const core::SampleBuffer& sample, Now now) {
@@ -10,7 +12,9 @@ bool LateFilter::takes(const core::SampleBuffer& sample, Now now) {
     alone_at_ = now;
   }
   if (!alone && (waits_ || (now - alone_at_ < settling && !follows(sample)))) return false;
-  if (sample.sequence <= sequence_) return true;  // known or late: the queue tells
+  const bool anew = sample.numbering > numbering_;
+  if (sample.sequence <= sequence_ && !anew) return true;  // known or late: the queue tells
+  numbering_ = std::max(numbering_, sample.numbering);
   sequence_ = sample.sequence;
   min_period_us_ = sample.min_period_us;
   ordinal_ = sample.ordinal;
@@ -19,7 +23,7 @@ bool LateFilter::takes(const core::SampleBuffer& sample, Now now) {
 
 /// Nothing is missing in between, but what was withheld.
 bool LateFilter::follows(const core::SampleBuffer& sample) const {
-  if (sample.sequence <= sequence_ + 1) return true;
+  if (sample.sequence <= sequence_ + 1 || sample.numbering > numbering_) return true;
   return sample.min_period_us != 0 && sample.min_period_us == min_period_us_ &&
          sample.ordinal == ordinal_ + 1;
 }

@@ -1,23 +1,24 @@
 #include "udp_transport/offered_groups.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "udp_transport/group_membership.h"
 
 namespace sft::udp {
 
 bool OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from, Time now) {
-  const auto known =
-      std::ranges::find_if(groups_, [&](const Offered& group) { return group.offer.group == offer.group; });
-  if (offer.address == 0) {
-    std::erase_if(groups_, [&](const Offered& group) {
-      return static_cast<std::int32_t>(group.offer.group - offer.group) <= 0;
-    });
-    return false;
-  }
+  if (offer.address == 0) return take_back(offer, now), false;
   SocketAddress report_to = from;
   report_to.port = offer.port;
+  const auto known =
+      std::ranges::find_if(groups_, [&](const Offered& group) { return group.offer.group == offer.group; });
   if (known != groups_.end()) {
+    if (known->offer != offer && !comes_again(offer)) {
+      known->is_doubted = true;
+      return false;
+    }
+    known->is_doubted = false;
     known->offer = offer;
     known->report_to = report_to;
     known->reported_at = {};  // who offers again has not heard
@@ -25,10 +26,28 @@ bool OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from, Tim
     known->alive_at = now;
     return true;
   }
-  if (groups_.size() == groups_max) groups_.erase(groups_.begin());
+  if (groups_.size() == groups_max) {
+    const auto unused = std::ranges::find_if(
+        groups_, [&](const Offered& group) { return group.heard == 0 || now - group.alive_at >= in_use; });
+    if (unused == groups_.end()) return false;
+    groups_.erase(unused);
+  }
   groups_.push_back({offer, report_to, now});
   return false;
 }
+
+void OfferedGroups::take_back(const GroupOffer& offer, Time now) {
+  const auto is_meant = [&](const Offered& group) {
+    return static_cast<std::int32_t>(group.offer.group - offer.group) <= 0;
+  };
+  const bool used = std::ranges::any_of(groups_, [&](const Offered& group) {
+    return is_meant(group) && group.heard != 0 && now - group.alive_at < in_use;
+  });
+  if (used && !comes_again(offer)) return;
+  std::erase_if(groups_, is_meant);
+}
+
+bool OfferedGroups::comes_again(const GroupOffer& offer) { return offer == std::exchange(doubted_, offer); }
 
 bool OfferedGroups::place(FirstHeader& first, Time now) {
   const auto known = std::ranges::find_if(
@@ -42,6 +61,8 @@ bool OfferedGroups::place(FirstHeader& first, Time now) {
   }
   known->alive_at = now;
   known->heard = std::max(known->heard, first.group.ordinal);
+  // Who is not told that its offer was heard repeats it.
+  if (known->is_doubted) return true;
   if (known->reported_at == Time{} || now - known->reported_at >= group_report_pause) {
     known->reported_at = now;
     known->due = due_ = true;

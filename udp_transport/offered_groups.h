@@ -16,9 +16,10 @@ class OfferedGroups {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// A newer offer of a group replaces the one before. One without an address takes that group back and those
-  /// with lower numbers. True if the address is to be joined anew: nothing of that group has come for so long
-  /// that a switch may not know of the membership, or not any more.
+  /// An offer of a group that is known already, but says something else, replaces the one before when it
+  /// comes twice. One without an address takes that group back and those with lower numbers, if nothing of
+  /// these was heard lately, or when it comes twice. True if the address is to be joined anew: nothing of
+  /// that group has come for so long that a switch may not know of the membership, or not any more.
   bool hear(const GroupOffer& offer, const SocketAddress& from, Time now);
 
   /// A first datagram came by a group: gives it its place in the channel, if it has one there. False if that
@@ -44,6 +45,10 @@ class OfferedGroups {
   void addresses(std::vector<std::uint32_t>& to) const;
 
  private:
+  /// Whether an offer that contradicts what is known came before.
+  bool comes_again(const GroupOffer& offer);
+  void take_back(const GroupOffer& offer, Time now);
+
   struct Offered {
     GroupOffer offer;
     SocketAddress report_to;
@@ -51,12 +56,16 @@ class OfferedGroups {
     std::uint64_t heard = 0;
     Time reported_at{};
     bool due = false;
+    bool is_doubted = false;  ///< an offer that says something else came last
   };
   /// The present one, and those of which something may still be under way.
   static constexpr std::size_t groups_max = 4;
   /// A switch knows of who joins sooner.
   static constexpr std::chrono::milliseconds silence_max{250};
+  /// A group that was heard within that time does not make room for another one.
+  static constexpr std::chrono::milliseconds in_use{500};
   std::vector<Offered> groups_;  ///< the newest last
+  GroupOffer doubted_;           ///< an offer that contradicts what is known
   bool due_ = false;
 };
 

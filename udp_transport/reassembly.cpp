@@ -29,11 +29,11 @@ void for_each_missing(std::uint32_t ordinal, const UnfinishedSample* sample, con
   if (at < sample->first().total) ask(Missing{ordinal, at, sample->first().total});
 }
 
-std::uint64_t sequence_of(const FirstHeader& first, std::uint64_t newest) {
+std::uint64_t sequence_of(const FirstHeader& first, const SequenceWatch& sequences) {
   const auto with = [&](std::uint32_t high) { return std::uint64_t{high} << 32 | first.label.sequence; };
   if ((first.flags & channel_follows) != 0) return with(first.channel.sequence_high);
   if ((first.flags & group_follows) != 0) return with(first.group.sequence_high);
-  return widen_sequence(newest, first.label.sequence);
+  return sequences.widen(first.label.sequence);
 }
 
 }  // namespace
@@ -44,21 +44,14 @@ struct Reassembly::Incoming {
   std::size_t place = 0;         ///< in set_streams()
   std::size_t sample_bytes = 0;  ///< most that a body may have
   WantedMasks wanted;
-  std::uint64_t newest = 0;                                   ///< sequence completed
-  std::vector<std::unique_ptr<UnfinishedSample>> unfinished;  ///< in the order in which they began
-  std::size_t unfinished_bytes = 0;                           ///< of those that are described
+  SequenceWatch sequences;  ///< of what was completed
+  UnfinishedSamples unfinished;
+  std::size_t unfinished_bytes = 0;  ///< of those that are described
   RecentLabels finished;
   std::unique_ptr<ArrivalWindow> window;    ///< null unless it is wanted reliably
   std::optional<SocketAddress> acks_go_to;  ///< as its last heartbeat said
   OfferedGroups groups;
   RecentLabels elsewhere;  ///< of groups that were not offered: these come otherwise
-
-  /// Searched from the end: datagrams of the newest are the most likely.
-  UnfinishedSample* find(const SampleLabel& label) const {
-    const auto found = std::find_if(unfinished.rbegin(), unfinished.rend(),
-                                    [&](const auto& sample) { return sample->label() == label; });
-    return found == unfinished.rend() ? nullptr : found->get();
-  }
 };
 
 Reassembly::Reassembly(const ReassemblyLimits& limits, std::shared_ptr<core::BufferPool> pool)
@@ -96,8 +89,8 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
     by_stream_.push_back(in.get());
   }
   for (auto& [low, in] : before) {
-    while (!in->unfinished.empty()) remove(*in, in->unfinished.back()->label());
     close_window(*in);
+    while (!in->unfinished.empty()) remove(*in, SampleLabel(in->unfinished.loose().back()->label()));
   }
 }
 
@@ -111,7 +104,7 @@ void Reassembly::open_window(Incoming& in) {
 
 void Reassembly::close_window(Incoming& in) {
   if (in.window == nullptr) return;
-  for (const auto& sample : in.unfinished) sample->set_place(0);
+  in.unfinished.forget_places();
   if (!in.unfinished.empty()) next_expiry_ = Time{};  // these can expire from now on
   const auto mark = in.window->mark();
   in.window.reset();
@@ -124,6 +117,7 @@ void Reassembly::close_window(Incoming& in) {
 Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, ArrivalTime now) {
   packed_.clear();
   ahead_.clear();
+  ++datagrams_;
   const bool is_following = kind_of(bytes) == DatagramKind::following;
   std::optional<Datagram> d = is_following ? std::nullopt : parse(bytes);
   const std::optional<Following> following = is_following ? parse_following(bytes) : std::nullopt;
@@ -169,7 +163,7 @@ Reassembly::Arrival Reassembly::accept_packed(Incoming& in, const Datagram& pack
   for (std::uint32_t i = 0; i < packed.samples; ++i) {
     d.payload = bodies.next();
     d.first = header_behind(packed.first, i, static_cast<std::uint32_t>(d.payload.size()));
-    Arrival one = accept_first(in, d, named, now);
+    Arrival one = accept_first(in, d, named, now, i > 0);
     arrival.in_channel |= one.in_channel;
     if (one.sample) packed_.push_back(std::move(one.sample));
   }
@@ -179,13 +173,13 @@ Reassembly::Arrival Reassembly::accept_packed(Incoming& in, const Datagram& pack
 }
 
 Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, const WantedMasks::Named& named,
-                                             ArrivalTime now) {
+                                             ArrivalTime now, bool same_datagram) {
   ArrivalWindow::Met met{ArrivalWindow::Standing::wanted, 0};
   if (in.window != nullptr && (d.first.flags & channel_follows) != 0) {
-    met = in.window->meet(d.first.channel, now.steady);
+    met = in.window->meet(d.first.channel, now.steady, same_datagram);
     drop_abandoned(in);
   }
-  UnfinishedSample* sample = in.find(d.label());
+  UnfinishedSample* sample = in.unfinished.find(d.label());
   const bool repeated =
       sample != nullptr ? sample->described() : met.place == 0 && in.finished.contains(d.label());
   const Arrival nothing{{}, in.place, met.place != 0};
@@ -204,7 +198,7 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, co
   }
   if (met.place != 0) in.window->begun(met.place, d.label(), buffer);
   if (sample == nullptr) sample = &begin(in, d.label(), met.place, now.steady);
-  sample->set_place(met.place);
+  in.unfinished.set_place(*sample, met.place);
   sample->describe(d.first, body_offset, std::move(buffer));
   in.unfinished_bytes += d.first.total;
   parked_bytes_ -= sample->parked_bytes();
@@ -216,7 +210,7 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, co
 
 /// It had begun before it was wanted reliably.
 void Reassembly::join_channel(Incoming& in, UnfinishedSample& sample, std::uint64_t place) {
-  sample.set_place(place);
+  in.unfinished.set_place(sample, place);
   in.window->begun(place, sample.label(), sample.buffer());
 }
 
@@ -265,6 +259,11 @@ Reassembly::Arrival Reassembly::refuse(Incoming& in, const Datagram& d, std::uin
     ++counters_.over_limit;
     return nothing;
   }
+  if (place != 0 && why == Refusal::malformed) {
+    ++counters_.malformed;
+    in.window->refuse_or_pass(place);
+    return nothing;
+  }
   if (place != 0) in.window->pass(place);
   drop(in, d.label(),
        why == Refusal::malformed  ? counters_.malformed
@@ -275,7 +274,7 @@ Reassembly::Arrival Reassembly::refuse(Incoming& in, const Datagram& d, std::uin
 
 Reassembly::Arrival Reassembly::accept_following(Incoming& in, const Following& d, ArrivalTime now) {
   drop_abandoned(in);  // when readers took something, too
-  UnfinishedSample* sample = in.find(d.label);
+  UnfinishedSample* sample = in.unfinished.find(d.label);
   if (sample == nullptr) {
     if (in.finished.contains(d.label) || in.elsewhere.contains(d.label)) return {};
     sample = &begin(in, d.label, 0, now.steady);
@@ -324,7 +323,7 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
   SampleHeader& header = sample->header();
   header.slots = static_cast<std::uint32_t>(in.type->slots());
   header.writer = in.writer;
-  header.sequence = sequence_of(first, in.newest);
+  header.sequence = sequence_of(first, in.sequences);
   header.source_stamp_ns = first.stamp_ns;
   header.type_hash = in.type->hash();
   header.body_offset = static_cast<std::uint32_t>(layout.body_offset);
@@ -341,13 +340,26 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
   const WalkStatus status = build_index(state, in.type->type(), {sample->index(), in.type->slots()});
   if (status != WalkStatus::ok || header.sequence == 0) {
     ++counters_.malformed;
-    if (place != 0) in.window->pass(place);
+    if (place != 0) in.window->refuse_or_pass(place);
     return {{}, in.place, place != 0};
   }
-  in.newest = std::max(in.newest, header.sequence);
+  if (!believes(in, header.sequence, place, now.steady)) {
+    ++counters_.malformed;
+    if (place != 0) in.window->refuse(place);
+    return {{}, in.place, place != 0};
+  }
+  sample->numbering = in.sequences.numbering();
   if (place != 0) in.window->whole(place, sample);
   drop_abandoned(in);
   return {std::move(sample), in.place, place != 0};
+}
+
+/// What waits under a sequence that turns out to be wrong has to come again.
+bool Reassembly::believes(Incoming& in, std::uint64_t sequence, std::uint64_t place, Time now) {
+  const std::uint32_t numbering = in.sequences.numbering();
+  const bool believed = in.sequences.believes({sequence, place, datagrams_}, now);
+  if (in.window != nullptr && in.sequences.numbering() != numbering) in.window->distrust_above(sequence);
+  return believed;
 }
 
 /// Checks what a first datagram claims, before anything is allocated, and takes the memory for it.
@@ -415,31 +427,31 @@ void Reassembly::park(Incoming& in, UnfinishedSample& sample, const Following& d
 }
 
 UnfinishedSample& Reassembly::begin(Incoming& in, const SampleLabel& label, std::uint64_t place, Time now) {
+  const auto& loose = in.unfinished.loose();
   const auto of_variant = [&] {
-    return static_cast<std::size_t>(
-        std::count_if(in.unfinished.begin(), in.unfinished.end(),
-                      [&](const auto& sample) { return sample->label().variant == label.variant; }));
+    return static_cast<std::size_t>(std::ranges::count_if(
+        loose, [&](const auto& sample) { return sample->label().variant == label.variant; }));
   };
   const auto full = [&] {
-    return in.unfinished.size() >= limits_.unfinished_per_writer ||
-           of_variant() >= limits_.unfinished_per_variant;
+    return loose.size() >= limits_.unfinished_per_writer || of_variant() >= limits_.unfinished_per_variant;
   };
   while (place == 0 && full() && drop_oldest(in, label)) {
   }
   if (spare_.empty()) spare_.push_back(std::make_unique<UnfinishedSample>());
-  in.unfinished.push_back(std::move(spare_.back()));
+  std::unique_ptr<UnfinishedSample> sample = std::move(spare_.back());
   spare_.pop_back();
-  in.unfinished.back()->begin(label, now);
+  sample->begin(label, now);
+  sample->set_place(place);
   ++unfinished_;
   if (!next_expiry_) next_expiry_ = now + limits_.patience;
-  return *in.unfinished.back();
+  return in.unfinished.add(std::move(sample));
 }
 
 /// Never the sample of the label itself, nor one that is sent reliably. False if there is no other.
 bool Reassembly::drop_oldest(Incoming& in, const SampleLabel& same_variant_first) {
   const UnfinishedSample* oldest = nullptr;
-  for (const auto& sample : in.unfinished) {
-    if (sample->label() == same_variant_first || sample->place() != 0) continue;
+  for (const auto& sample : in.unfinished.loose()) {
+    if (sample->label() == same_variant_first) continue;
     const bool same_variant = sample->label().variant == same_variant_first.variant;
     if (oldest == nullptr || same_variant) oldest = sample.get();
     if (same_variant) break;
@@ -458,10 +470,18 @@ void Reassembly::drop(Incoming& in, const SampleLabel& label, std::uint64_t& cou
   keep_spare(std::move(sample));
 }
 
-/// What its writer does not have any more.
+/// What its writer does not have any more, and what begins anew.
 void Reassembly::drop_abandoned(Incoming& in) {
-  if (in.window == nullptr || !in.window->has_abandoned()) return;
-  for (const SampleLabel& label : in.window->take_abandoned()) drop(in, label, counters_.incomplete);
+  if (in.window == nullptr) return;
+  if (in.window->has_abandoned()) [[unlikely]] {
+    for (const SampleLabel& label : in.window->take_abandoned()) drop(in, label, counters_.incomplete);
+  }
+  if (in.window->has_given_back()) [[unlikely]] {
+    for (const SampleLabel& label : in.window->take_given_back()) {
+      ++counters_.incomplete;
+      if (auto sample = remove(in, label)) keep_spare(std::move(sample));
+    }
+  }
 }
 
 void Reassembly::keep_spare(std::unique_ptr<UnfinishedSample> sample) {
@@ -470,28 +490,24 @@ void Reassembly::keep_spare(std::unique_ptr<UnfinishedSample> sample) {
 }
 
 std::unique_ptr<UnfinishedSample> Reassembly::remove(Incoming& in, const SampleLabel& label) {
-  const auto found = std::find_if(in.unfinished.begin(), in.unfinished.end(),
-                                  [&](const auto& sample) { return sample->label() == label; });
-  if (found == in.unfinished.end()) return nullptr;
-  std::unique_ptr<UnfinishedSample> sample = std::move(*found);
-  in.unfinished.erase(found);
+  std::unique_ptr<UnfinishedSample> sample = in.unfinished.remove(label);
+  if (sample == nullptr) return nullptr;
   if (sample->described()) in.unfinished_bytes -= sample->first().total;
   parked_bytes_ -= sample->parked_bytes();
   if (--unfinished_ == 0) next_expiry_.reset();
   return sample;
 }
 
+/// What has a place in a channel can come again: its window decides.
 void Reassembly::expire(Time now) {
   if (!next_expiry_ || now < *next_expiry_) return;
   std::optional<Time> next;
   for (auto& [low, in] : incoming_) {
-    for (std::size_t i = 0; i < in->unfinished.size();) {
-      const bool can_come_again = in->unfinished[i]->place() != 0;
-      const Time expiry = in->unfinished[i]->last_progress() + limits_.patience;
-      if (can_come_again) {
-        ++i;
-      } else if (expiry <= now) {
-        drop(*in, SampleLabel(in->unfinished[i]->label()), counters_.incomplete);
+    const auto& loose = in->unfinished.loose();
+    for (std::size_t i = 0; i < loose.size();) {
+      const Time expiry = loose[i]->last_progress() + limits_.patience;
+      if (expiry <= now) {
+        drop(*in, SampleLabel(loose[i]->label()), counters_.incomplete);
       } else {
         next = next ? std::min(*next, expiry) : expiry;
         ++i;
@@ -543,11 +559,12 @@ Reassembly::Time Reassembly::next_answer() const {
 void Reassembly::answer(Incoming& in, Time now, const SendAck& send) {
   ArrivalWindow& window = *in.window;
   const auto came_at = [&](const SampleLabel& label) {
-    const UnfinishedSample* sample = in.find(label);
+    const UnfinishedSample* sample = in.unfinished.find(label);
     return sample == nullptr ? Time{} : sample->last_progress();
   };
   std::vector<ArrivalWindow::Gap> gaps;
   if (now >= window.next_look()) gaps = window.due_gaps(now, came_at, asked_at_once_max);
+  drop_abandoned(in);
   if (gaps.empty() && !window.ack_due()) return;
   Ack ack = window.ack(static_cast<std::uint32_t>(in.writer));
   std::size_t asked = 0;
@@ -560,7 +577,7 @@ void Reassembly::answer(Incoming& in, Time now, const SendAck& send) {
     ack.missing[ack.missing_count++] = part;
   };
   for (const ArrivalWindow::Gap& gap : gaps) {
-    const UnfinishedSample* sample = gap.label ? in.find(*gap.label) : nullptr;
+    const UnfinishedSample* sample = gap.label ? in.unfinished.find(*gap.label) : nullptr;
     const std::size_t before = asked;
     for_each_missing(static_cast<std::uint32_t>(gap.ordinal), sample, ask);
     window.asked_for(gap.place, static_cast<std::uint32_t>(asked - before));

@@ -18,7 +18,8 @@
 #include "udp_transport/arrival_window.h"
 #include "udp_transport/datagram.h"
 #include "udp_transport/datagram_io.h"
-#include "udp_transport/unfinished_sample.h"
+#include "udp_transport/sequence_watch.h"
+#include "udp_transport/unfinished_samples.h"
 #include "udp_transport/wanted_masks.h"
 
 namespace sft::udp {
@@ -101,7 +102,8 @@ class Reassembly {
   enum class Refusal : std::uint8_t { none, malformed, unwanted, over_limit };
 
   Incoming* find(std::uint32_t writer);
-  Arrival accept_first(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now);
+  Arrival accept_first(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now,
+                       bool same_datagram = false);
   Arrival accept_packed(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now);
   void join_channel(Incoming& in, UnfinishedSample& sample, std::uint64_t place);
   bool place(Incoming& in, Datagram& d, Time now);
@@ -109,6 +111,7 @@ class Reassembly {
   Arrival proceed(Incoming& in, UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now);
   Arrival complete(Incoming& in, core::SampleHandle sample, const FirstHeader& first, std::uint64_t place,
                    ArrivalTime now);
+  bool believes(Incoming& in, std::uint64_t sequence, std::uint64_t place, Time now);
   void park(Incoming& in, UnfinishedSample& sample, const Following& d, Time now);
 
   Arrival refuse(Incoming& in, const Datagram& d, std::uint64_t place, Refusal why);
@@ -141,6 +144,7 @@ class Reassembly {
   std::vector<std::unique_ptr<UnfinishedSample>> spare_;  ///< kept for the memory that they hold
   std::vector<core::SampleHandle> packed_;                ///< of the last packed datagram
   std::vector<core::SampleHandle> ahead_;                 ///< for the rest of a packed datagram
+  std::uint64_t datagrams_ = 0;                           ///< that came
   std::size_t unfinished_ = 0;
   std::size_t parked_bytes_ = 0;
   bool reports_due_ = false;

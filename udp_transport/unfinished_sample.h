@@ -58,6 +58,7 @@ class UnfinishedSample {
   void clear();
 
  private:
+  friend class UnfinishedSamples;
   struct Parked {
     std::uint32_t offset;
     std::uint32_t bytes;
@@ -70,6 +71,8 @@ class UnfinishedSample {
   IntervalSet received_;
   std::vector<std::byte> parked_;  ///< Parked and payload, in turns
   Time last_progress_;
+  std::size_t index_ = 0;  ///< where it is among the others (unfinished_samples.h)
+  UnfinishedSample* next_in_bucket_ = nullptr;
 };
 
 }  // namespace sft::udp

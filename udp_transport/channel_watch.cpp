@@ -1,0 +1,49 @@
+#include "udp_transport/channel_watch.h"
+
+#include <algorithm>
+
+namespace sft::udp {
+
+ChannelWatch::Verdict ChannelWatch::judge(const Claim& claim, Time now) {
+  if (!present_) {
+    heard_at_ = now;
+    return Verdict::turn;
+  }
+  if (claim.channel == *present_) {
+    heard_at_ = now;
+    claims_ = 0;
+    return Verdict::present;
+  }
+  const Former* const known = former(claim.channel);
+  if (known != nullptr && claim.last < known->next) return Verdict::ignore;
+  const bool follows_on = known == nullptr && !precedes(claim.channel);
+  const bool begins = follows_on && claim.first <= beginning_max;
+  if (claim.channel != doubted_) claims_ = 0;
+  doubted_ = claim.channel;
+  if (!claim.same_datagram) ++claims_;
+  const bool present_is_silent = now - heard_at_ >= present_doubted_after;
+  const bool confirmed = claims_ >= 2 && (follows_on || present_is_silent);
+  if (!begins && !confirmed && claims_ < in_a_row) return Verdict::ignore;
+  heard_at_ = now;
+  return Verdict::turn;
+}
+
+std::uint64_t ChannelWatch::turn(std::uint32_t channel, std::uint64_t next) {
+  std::uint64_t begin = 1;
+  if (const Former* const known = former(channel)) begin = known->next;
+  std::erase_if(former_, [&](const Former& one) { return one.channel == channel; });
+  if (present_) {
+    if (former_.size() == former_max) former_.erase(former_.begin());
+    former_.push_back({*present_, next});
+  }
+  present_ = channel;
+  claims_ = 0;
+  return begin;
+}
+
+const ChannelWatch::Former* ChannelWatch::former(std::uint32_t channel) const {
+  const auto known = std::ranges::find(former_, channel, &Former::channel);
+  return known == former_.end() ? nullptr : &*known;
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,65 @@
+// Decides which channel of a writer counts. One wrong channel number must not make a reader deaf to the
+// channel that the writer uses. Pure: numbers and times in, answers out.
+//
+// A channel that begins is followed at once. A channel that was followed before, or whose numbers do not look
+// like a beginning, needs several datagrams: those of a former channel may only be late.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace sft::udp {
+
+class ChannelWatch {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// A channel whose ordinals are not above this looks like one that begins.
+  static constexpr std::uint64_t beginning_max = 64;
+  /// After so many datagrams in a row a former channel is followed again.
+  static constexpr std::uint32_t in_a_row = 64;
+  /// Two are enough if the present channel was silent for so long.
+  static constexpr std::chrono::milliseconds present_doubted_after{250};
+
+  /// What a datagram says: the ordinal of a sample twice, or the range of a heartbeat.
+  struct Claim {
+    std::uint32_t channel = 0;
+    std::uint64_t first = 0;
+    std::uint64_t last = 0;
+    bool same_datagram = false;  ///< as the claim before
+  };
+  enum class Verdict : std::uint8_t {
+    present,  ///< of the channel that is followed
+    turn,     ///< that channel is to be followed from now on: call turn()
+    ignore,
+  };
+  Verdict judge(const Claim& claim, Time now);
+  /// Follows that channel. `next` is the ordinal that the one before would have gone on with. Returns the
+  /// ordinal that the new one goes on with: 1, but of a former channel where it was left.
+  std::uint64_t turn(std::uint32_t channel, std::uint64_t next);
+
+  const std::optional<std::uint32_t>& present() const { return present_; }
+
+ private:
+  struct Former {
+    std::uint32_t channel = 0;
+    std::uint64_t next = 0;
+  };
+  static constexpr std::size_t former_max = 8;
+  /// Channels are counted up: numbers so close below the present one are former ones, too.
+  static constexpr std::uint32_t just_before = 64;
+
+  const Former* former(std::uint32_t channel) const;
+  bool precedes(std::uint32_t channel) const { return *present_ - channel <= just_before; }
+
+  std::optional<std::uint32_t> present_;
+  Time heard_at_{};
+  std::vector<Former> former_;  ///< the newest last
+  std::uint32_t doubted_ = 0;   ///< a channel that may have to be followed
+  std::uint32_t claims_ = 0;    ///< datagrams of it since the present one was heard
+};
+
+}  // namespace sft::udp

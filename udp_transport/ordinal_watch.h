@@ -1,0 +1,56 @@
+// Decides which ordinals of a channel are believed, where they contradict what is known. One wrong number
+// must not make a reader deaf to the samples that the writer sends. Pure: numbers and times in, answers out.
+#pragma once
+
+#include <bitset>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace sft::udp {
+
+class OrdinalWatch {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// So many samples of a channel are remembered, and no writer keeps more.
+  static constexpr std::size_t remembered = 8192;
+  /// After so many datagrams in a row of samples that were passed over, and had not come, the reader goes
+  /// back.
+  static constexpr std::uint32_t passed_over_in_a_row = 64;
+  /// Two are enough if nothing new has come for so long.
+  static constexpr std::chrono::milliseconds doubted_after{250};
+  /// A repetition of the same ordinal confirms it if it comes so much later: the writer sent it twice.
+  static constexpr std::chrono::milliseconds repeated_after{10};
+
+  /// Something of that sample has come, and it needs not come again.
+  void came(std::uint64_t ordinal);
+  bool has_come(std::uint64_t ordinal) const;
+  /// Something came that was expected.
+  void advanced(Time now) {
+    advanced_at_ = now;
+    passed_over_ = 0;
+    doubted_ = 0;
+  }
+
+  /// A sample came that was passed over. Returns the ordinal to go back to, if it was wrong to do that.
+  std::optional<std::uint64_t> passed_over(std::uint64_t ordinal, bool same_datagram, Time now);
+  /// Whether a datagram before has claimed an ordinal near this one, out of reach as well.
+  bool confirmed(std::uint64_t ordinal, bool same_datagram, Time now);
+
+  /// From now on that ordinal comes next.
+  void go_on_with(std::uint64_t ordinal, Time now);
+
+ private:
+  std::bitset<remembered> came_;
+  std::uint64_t came_end_ = 0;  ///< none from here on has come
+  Time advanced_at_{};
+  std::uint32_t passed_over_ = 0;  ///< datagrams in a row
+  std::uint64_t first_passed_over_ = 0;
+  std::uint64_t last_passed_over_ = 0;
+  std::uint64_t doubted_ = 0;  ///< an ordinal that waits to be confirmed; 0: none
+  Time doubted_at_{};
+};
+
+}  // namespace sft::udp
