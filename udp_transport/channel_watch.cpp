@@ -41,6 +41,15 @@ std::uint64_t ChannelWatch::turn(std::uint32_t channel, std::uint64_t next) {
   return begin;
 }
 
+std::optional<std::uint32_t> ChannelWatch::widen(std::uint32_t low, std::uint32_t end) const {
+  if (!present_ || *present_ % end == low) return present_;
+  const auto known = std::find_if(former_.rbegin(), former_.rend(),
+                                  [&](const Former& one) { return one.channel % end == low; });
+  if (known != former_.rend()) return known->channel;
+  const std::uint32_t least = *present_ - end / 2;
+  return least + (low - least) % end;
+}
+
 const ChannelWatch::Former* ChannelWatch::former(std::uint32_t channel) const {
   const auto known = std::ranges::find(former_, channel, &Former::channel);
   return known == former_.end() ? nullptr : &*known;
