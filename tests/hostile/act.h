@@ -38,11 +38,14 @@ enum class Attacker : std::uint8_t {
   neighbour,  ///< root of another host of the network
 };
 
-/// What the honest programs are spared while the act lasts.
+/// What the honest programs cannot be spared.
 enum class Harm : std::uint8_t {
-  none,       ///< all pairs are served
-  floods,     ///< the act takes so much of the network or the processor that samples may fail to come
-  stops_near  ///< the act stops the subscriber on the publisher's host
+  none,        ///< nothing: all pairs are served
+  floods,      ///< the act takes so much of the network or the processor that samples may fail to come
+  stops_near,  ///< the act stops the subscriber on the publisher's host
+  /// Files of another account stay for good, which only that one or root can remove. Until then UDP will do
+  /// in place of shared memory, if the status names one of them.
+  leaves_files
 };
 
 struct Entry {

@@ -6,6 +6,7 @@
 #include "tests/hostile/daemon_acts.h"
 #include "tests/hostile/datagram_acts.h"
 #include "tests/hostile/file_acts.h"
+#include "tests/hostile/overheard_acts.h"
 
 namespace sft::hostile {
 
@@ -44,8 +45,8 @@ constexpr std::array all_acts{
           own_daemon_open_to_all},
     Entry{"own_daemon_that_shrinks", "Does that and truncates the memory.", stranger, none,
           own_daemon_that_shrinks},
-    Entry{"own_daemon_that_is_killed", "Runs an sftd and kills it, so that its files stay.", stranger, none,
-          own_daemon_that_is_killed},
+    Entry{"own_daemon_that_is_killed", "Runs an sftd and kills it, so that its files stay.", stranger,
+          Harm::leaves_files, own_daemon_that_is_killed},
     Entry{"shrinking_doorbell", "Announces a reader in shared memory and truncates its doorbells.", stranger,
           none, shrinking_doorbell},
     Entry{"doorbell_fifo", "Announces one whose doorbells are a FIFO.", stranger, none, doorbell_fifo},

@@ -62,6 +62,12 @@ void for_each_own_file(const std::function<void(const std::string&)>& use) {
   }
 }
 
+void remove_own_files() {
+  std::vector<std::string> files;
+  for_each_own_file([&](const std::string& path) { files.push_back(path); });
+  for (const std::string& path : files) unlink(path.c_str());
+}
+
 Act daemon_that(std::function<void()> also, int end_signal) {
   const auto daemon = std::make_shared<OwnDaemon>();
   return {.begin = {},
@@ -182,7 +188,12 @@ Act own_daemon_that_shrinks(Target&) {
     if (++ticks < ticks_to_be_found) return;
     for_each_own_file([](const std::string& path) { (void)!truncate(path.c_str(), 0); });
   };
-  return daemon_that(shrink, SIGKILL);
+  Act act = daemon_that(shrink, SIGKILL);
+  act.end = [end = act.end] {
+    end();
+    remove_own_files();
+  };
+  return act;
 }
 
 Act own_daemon_that_is_killed(Target&) { return daemon_that({}, SIGKILL); }

@@ -1,4 +1,4 @@
-// Acts with datagrams, made up from what the control topics tell, or from what was overheard.
+// Acts with datagrams, made up from what the control topics tell.
 #pragma once
 
 #include "tests/hostile/act.h"
@@ -8,26 +8,13 @@ namespace sft::hostile {
 Act sequence_jumps(Target& target);
 Act sequence_jumps_confirmed(Target& target);
 Act heartbeats_from_the_far_future(Target& target);
-Act heartbeats_a_little_ahead(Target& target);
 Act samples_of_sixteen_megabytes(Target& target);
 Act begun_samples(Target& target);
 Act swept_acks(Target& target);
-Act overheard_acks(Target& target);
-Act forged_nacks(Target& target);
-Act forged_reports(Target& target);
 Act marks_of_made_up_senders(Target& target);
 Act marks_for_many_ports(Target& target);
-Act heartbeats_that_name_another_host(Target& target);
 Act group_offers(Target& target);
 Act group_reports(Target& target);
-Act replayed_datagrams(Target& target);
-Act replayed_datagrams_of_long_ago(Target& target);
-Act mutated_datagrams(Target& target);
-Act mutated_samples(Target& target);
-Act mutated_answers(Target& target);
-Act bit_flips(Target& target);
-Act largest_numbers(Target& target);
-Act truncated_datagrams(Target& target);
 Act garbage(Target& target);
 Act garbage_for_discovery(Target& target);
 

@@ -27,22 +27,15 @@ std::string group_name(gid_t group) {
 }  // namespace
 
 std::vector<std::string> names_of(uid_t account) {
-  const std::string number = std::to_string(account);
-  std::vector<std::string> names{"/dev/shm/sft_host",
-                                 "/dev/shm/sft_status",
-                                 "/dev/shm/sft_status.next",
-                                 "/dev/shm/iceoryx_mgmt",
-                                 "/dev/shm/" + group_name(account),
-                                 "/dev/shm/sft",
-                                 "/dev/shm/sft-" + number,
-                                 "/dev/shm/sft_" + number,
-                                 "/tmp/sftd.lock",
-                                 "/tmp/roudi",
-                                 "/tmp/roudi.lock",
-                                 "/tmp/iox-unique-roudi.lock",
-                                 "/tmp/sft-" + number,
-                                 "/tmp/sft_" + number};
-  return names;
+  return {"/dev/shm/sft_host",
+          "/dev/shm/sft_status",
+          "/dev/shm/sft_status.next",
+          "/dev/shm/iceoryx_mgmt",
+          "/dev/shm/" + group_name(account),
+          "/tmp/sftd.lock",
+          "/tmp/roudi",
+          "/tmp/roudi.lock",
+          "/tmp/iox-unique-roudi.lock"};
 }
 
 std::vector<std::string> shared_files(const std::string& prefix) {

@@ -59,9 +59,9 @@ class Stage {
 
   void launch();
   bool look(Pair& pair);
-  bool all_served();
+  bool all_served(Harm harm = Harm::none);
   void expect_samples(const Entry& entry, Outcome& outcome);
-  void await_recovery(Outcome& outcome);
+  void await_recovery(const Entry& entry, Outcome& outcome);
   void check_command_line(Outcome& outcome);
   std::string state();
 

@@ -98,6 +98,14 @@ sockaddr_in to_sockaddr(const core::UdpAddress& address) {
   return out;
 }
 
+sockaddr_in to_port(std::uint32_t address, std::uint16_t port) {
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_addr.s_addr = address;
+  to.sin_port = htons(port);
+  return to;
+}
+
 std::vector<sockaddr_in> addresses_of(const core::Endpoint& endpoint) {
   std::vector<sockaddr_in> found;
   for (const core::UdpAddress& address : endpoint.addresses) {

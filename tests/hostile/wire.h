@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/control.h"
+#include "udp_transport/datagram.h"
 
 namespace sft::hostile {
 
@@ -17,10 +18,20 @@ using Bytes = std::vector<std::byte>;
 /// Of this host, as an endpoint's announcement has it.
 core::UdpAddress own_address(std::uint16_t port);
 
-/// IPv4 only: the hosts of these tests have nothing else.
+/// Addresses in network byte order. IPv4 only: the hosts of these tests have nothing else.
 sockaddr_in to_sockaddr(const core::UdpAddress& address);
 /// Where an endpoint receives. Empty if it does not say.
 std::vector<sockaddr_in> addresses_of(const core::Endpoint& endpoint);
+
+sockaddr_in to_port(std::uint32_t address, std::uint16_t port);
+
+/// A datagram that is nothing but this header.
+template <class Header>
+Bytes encoded(const Header& header, std::size_t bytes) {
+  Bytes datagram(bytes);
+  udp::encode(header, datagram.data());
+  return datagram;
+}
 
 /// A socket of this host.
 class Sender {
