@@ -1,15 +1,16 @@
 #include "tests/hostile/control_voice.h"
 
+#include <dds/dds.h>
+
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 
 namespace sft::hostile {
 
 namespace {
-
-constexpr std::uint32_t domain = 0;
 
 struct QosDeleter {
   void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
@@ -55,43 +56,69 @@ void take_all(dds_entity_t reader, Use use) {
 
 }  // namespace
 
+/// One interface, in a Cyclone domain of its own that is domain 0 on the wire.
+class ControlVoice::Link {
+ public:
+  Link(dds_domainid_t domain, const std::string& interface) {
+    const std::string config =
+        "<CycloneDDS><Domain id=\"any\"><General><Interfaces><NetworkInterface name=\"" + interface +
+        "\" multicast=\"true\"/></Interfaces></General><Discovery>"
+        "<ExternalDomainId>0</ExternalDomainId></Discovery></Domain></CycloneDDS>";
+    domain_ = sound(dds_create_domain(domain, config.c_str()));
+    const dds_entity_t participant = sound(dds_create_participant(domain, nullptr, nullptr));
+    const Qos control = lasting();
+    const Qos life = passing();
+    const auto topic = [&](const dds_topic_descriptor_t& type, const char* name, const Qos& qos) {
+      return sound(dds_create_topic(participant, &type, name, qos.get(), nullptr));
+    };
+    const dds_entity_t endpoints = topic(sft_control_Endpoint_desc, "sft_endpoint", control);
+    const dds_entity_t requests = topic(sft_control_Request_desc, "sft_request", control);
+    const dds_entity_t lives = topic(sft_control_Assertion_desc, "sft_liveliness", life);
+    endpoint_reader = sound(dds_create_reader(participant, endpoints, control.get(), nullptr));
+    request_reader = sound(dds_create_reader(participant, requests, control.get(), nullptr));
+    endpoint_writer = sound(dds_create_writer(participant, endpoints, control.get(), nullptr));
+    request_writer = sound(dds_create_writer(participant, requests, control.get(), nullptr));
+    life_writer = sound(dds_create_writer(participant, lives, life.get(), nullptr));
+  }
+  ~Link() { dds_delete(domain_); }
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+
+  void listen(std::map<core::EndpointId, core::Endpoint>& heard) const {
+    take_all<sft_control_Endpoint>(endpoint_reader,
+                                   [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
+                                     if (!info.valid_data) return;
+                                     if (auto endpoint = core::from_dds(sample))
+                                       heard[sample.id] = std::move(*endpoint);
+                                   });
+    take_all<sft_control_Request>(request_reader,
+                                  [&](const sft_control_Request& sample, const dds_sample_info_t& info) {
+                                    const auto reader = heard.find(sample.reader);
+                                    if (!info.valid_data || reader == heard.end()) return;
+                                    if (auto request = core::from_dds(sample))
+                                      reader->second.request = std::move(*request);
+                                  });
+  }
+
+  dds_entity_t endpoint_reader = 0;
+  dds_entity_t request_reader = 0;
+  dds_entity_t endpoint_writer = 0;
+  dds_entity_t request_writer = 0;
+  dds_entity_t life_writer = 0;
+
+ private:
+  dds_entity_t domain_ = 0;
+};
+
 ControlVoice::ControlVoice() {
-  participant_ = sound(dds_create_participant(domain, nullptr, nullptr));
-  const Qos control = lasting();
-  const Qos life = passing();
-  const auto topic = [&](const dds_topic_descriptor_t& type, const char* name, const Qos& qos) {
-    return sound(dds_create_topic(participant_, &type, name, qos.get(), nullptr));
-  };
-  const dds_entity_t endpoints = topic(sft_control_Endpoint_desc, "sft_endpoint", control);
-  const dds_entity_t requests = topic(sft_control_Request_desc, "sft_request", control);
-  const dds_entity_t lives = topic(sft_control_Assertion_desc, "sft_liveliness", life);
-  endpoint_reader_ = sound(dds_create_reader(participant_, endpoints, control.get(), nullptr));
-  request_reader_ = sound(dds_create_reader(participant_, requests, control.get(), nullptr));
-  endpoint_writer_ = sound(dds_create_writer(participant_, endpoints, control.get(), nullptr));
-  request_writer_ = sound(dds_create_writer(participant_, requests, control.get(), nullptr));
-  life_writer_ = sound(dds_create_writer(participant_, lives, life.get(), nullptr));
+  dds_domainid_t domain = 1;
+  for (const char* interface : {"lo", "eth0"}) links_.push_back(std::make_unique<Link>(domain++, interface));
 }
 
-ControlVoice::~ControlVoice() { dds_delete(participant_); }
-
-void ControlVoice::listen() {
-  take_all<sft_control_Endpoint>(endpoint_reader_,
-                                 [&](const sft_control_Endpoint& sample, const dds_sample_info_t& info) {
-                                   if (!info.valid_data) return;
-                                   if (auto endpoint = core::from_dds(sample))
-                                     heard_[sample.id] = std::move(*endpoint);
-                                 });
-  take_all<sft_control_Request>(request_reader_,
-                                [&](const sft_control_Request& sample, const dds_sample_info_t& info) {
-                                  const auto reader = heard_.find(sample.reader);
-                                  if (!info.valid_data || reader == heard_.end()) return;
-                                  if (auto request = core::from_dds(sample))
-                                    reader->second.request = std::move(*request);
-                                });
-}
+ControlVoice::~ControlVoice() = default;
 
 std::vector<core::Endpoint> ControlVoice::heard() {
-  listen();
+  for (const auto& link : links_) link->listen(heard_);
   std::vector<core::Endpoint> all;
   for (const auto& [id, endpoint] : heard_) all.push_back(endpoint);
   return all;
@@ -109,24 +136,24 @@ void ControlVoice::announce(const core::Endpoint& endpoint) {
 }
 
 void ControlVoice::announce_raw(const sft_control_Endpoint& endpoint) {
-  dds_write(endpoint_writer_, &endpoint);
+  for (const auto& link : links_) dds_write(link->endpoint_writer, &endpoint);
 }
 
 void ControlVoice::request(const core::Request& request) {
   const sft_control_Request sample = core::to_dds(request);
-  dds_write(request_writer_, &sample);
+  for (const auto& link : links_) dds_write(link->request_writer, &sample);
 }
 
 void ControlVoice::dispose(core::EndpointId endpoint) {
   sft_control_Endpoint key{};
   key.id = endpoint;
-  dds_dispose(endpoint_writer_, &key);
+  for (const auto& link : links_) dds_dispose(link->endpoint_writer, &key);
 }
 
 void ControlVoice::unregister(core::EndpointId endpoint) {
   sft_control_Endpoint key{};
   key.id = endpoint;
-  dds_unregister_instance(endpoint_writer_, &key);
+  for (const auto& link : links_) dds_unregister_instance(link->endpoint_writer, &key);
 }
 
 void ControlVoice::assert_life(core::NodeId node, const std::vector<core::EndpointId>& writers,
@@ -134,13 +161,13 @@ void ControlVoice::assert_life(core::NodeId node, const std::vector<core::Endpoi
   core::ControlStorage storage;
   const core::Assertion assertion{node, writers, progress};
   const sft_control_Assertion sample = core::to_dds(assertion, storage);
-  dds_write(life_writer_, &sample);
+  for (const auto& link : links_) dds_write(link->life_writer, &sample);
 }
 
 void ControlVoice::dispose_life(core::NodeId node) {
   sft_control_Assertion key{};
   key.node = node;
-  dds_dispose(life_writer_, &key);
+  for (const auto& link : links_) dds_dispose(link->life_writer, &key);
 }
 
 core::Endpoint made_up_reader(const core::Endpoint& writer, std::uint64_t id, std::uint64_t node,

@@ -1,10 +1,10 @@
-// A participant of the control topics that says whatever it likes. Hears what the honest nodes announce.
+// Participants of the control topics that say whatever they like, on the network and, for nodes of their own
+// host, on the loopback. They hear what the honest nodes announce.
 #pragma once
-
-#include <dds/dds.h>
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -39,14 +39,8 @@ class ControlVoice {
   void dispose_life(core::NodeId node);
 
  private:
-  void listen();
-
-  dds_entity_t participant_ = 0;
-  dds_entity_t endpoint_reader_ = 0;
-  dds_entity_t request_reader_ = 0;
-  dds_entity_t endpoint_writer_ = 0;
-  dds_entity_t request_writer_ = 0;
-  dds_entity_t life_writer_ = 0;
+  class Link;
+  std::vector<std::unique_ptr<Link>> links_;
   std::map<core::EndpointId, core::Endpoint> heard_;
 };
 
