@@ -60,7 +60,8 @@ class Choice {
 
   void pick_loopback() {
     for (const HostInterface& i : interfaces_) {
-      if (i.loopback && i.ip.is_ipv4() && result_.links.empty()) pick(i, {i.name, i.ip, true, true});
+      if (i.loopback && i.ip.is_ipv4() && result_.links.empty())
+        pick(i, {i.name, i.ip, i.prefix_bits, true, true});
     }
   }
 
@@ -71,7 +72,9 @@ class Choice {
     for (const HostInterface& i : interfaces_) {
       if (!i.loopback && i.ip.is_ipv4() && fits(i)) candidates.push_back(&i);
     }
-    const auto spec = [&](const HostInterface& i) { return LinkSpec{i.name, i.ip, false, reaches_own_host}; };
+    const auto spec = [&](const HostInterface& i) {
+      return LinkSpec{i.name, i.ip, i.prefix_bits, false, reaches_own_host};
+    };
     std::ranges::stable_partition(candidates, [&](const auto* i) { return is_in_force(spec(*i)); });
     for (const HostInterface* i : candidates) {
       const bool twice = std::ranges::any_of(result_.links, [&](const LinkSpec& link) {
@@ -85,7 +88,7 @@ class Choice {
     for (const HostInterface& i : interfaces_) {
       if (i.loopback || i.ip.is_any() || i.ip.is_ipv4() || !fits(i)) continue;
       if (std::ranges::find(result_.links, i.name, &LinkSpec::interface) == result_.links.end())
-        pick(i, {i.name, {}, false, reaches_own_host});
+        pick(i, {i.name, {}, 0, false, reaches_own_host});
     }
   }
 
@@ -118,6 +121,10 @@ class Choice {
 DesiredLinks desired_links(std::span<const HostInterface> interfaces, const LinkRules& rules,
                            std::span<const LinkSpec> in_force) {
   return Choice(interfaces, rules, in_force).made();
+}
+
+bool leads_to(const LinkSpec& link, const IpAddress& address) {
+  return !link.ip.is_any() && in_one_network(link.ip, address, link.prefix_bits);
 }
 
 std::string describe(std::span<const LinkSpec> links) {

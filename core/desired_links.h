@@ -5,6 +5,7 @@
 
 #include <compare>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@ inline constexpr std::size_t links_max = 8;
 struct LinkSpec {
   std::string interface;
   IpAddress ip{};  ///< IPv4; none on a host that has only IPv6: the link is then the interface by its name
+  std::uint8_t prefix_bits = 0;
   bool loopback = false;
   /// Multicasts of the link come back to this host. They need to only where there is no loopback link by
   /// which nodes of one host find each other.
@@ -44,6 +46,9 @@ struct DesiredLinks {
 /// down, since the kernel keeps what sockets have joined there.
 DesiredLinks desired_links(std::span<const HostInterface> interfaces, const LinkRules& rules,
                            std::span<const LinkSpec> in_force);
+
+/// Whether the address is in the network of the link.
+bool leads_to(const LinkSpec& link, const IpAddress& address);
 
 /// For people: "lo, wlan0 (10.0.0.5)".
 std::string describe(std::span<const LinkSpec> links);

@@ -30,7 +30,8 @@ constexpr std::chrono::seconds farewell_max{1};
 /// Gives news to the listener.
 class NewsDesk {
  public:
-  explicit NewsDesk(DiscoveryListener& listener) : listener_(listener) {}
+  using Links = std::map<LinkId, LinkSpec>;
+  NewsDesk(DiscoveryListener& listener, const Links& links) : listener_(listener), links_(links) {}
 
   /// A description that cannot be used costs the endpoint its description and nothing more: programs that
   /// were compiled with the type do not need it.
@@ -42,6 +43,7 @@ class NewsDesk {
         endpoint.type_description.clear();
       }
     }
+    leave_out_what_is_cut(endpoint, seen.silent);
     listener_.endpoint_seen(std::move(endpoint));
   }
   void operator()(const EndpointDeparted& departed) const { listener_.endpoint_departed(departed.id); }
@@ -52,7 +54,20 @@ class NewsDesk {
   void operator()(const Refused& refused) const { listener_.control_malformed(refused.why); }
 
  private:
+  /// As long as another address is left.
+  void leave_out_what_is_cut(Endpoint& endpoint, const std::vector<LinkId>& silent) const {
+    const auto is_cut = [&](const UdpAddress& address) {
+      return std::ranges::any_of(silent, [&](LinkId id) {
+        const auto link = links_.find(id);
+        return link != links_.end() && leads_to(link->second, address.ip);
+      });
+    };
+    if (std::ranges::all_of(endpoint.addresses, is_cut)) return;
+    std::erase_if(endpoint.addresses, is_cut);
+  }
+
   DiscoveryListener& listener_;
+  const Links& links_;
 };
 
 class LinkedDiscovery final : public Discovery, private LinkListener {
@@ -191,7 +206,10 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
       if (std::ranges::find(desired.links, link->first) == desired.links.end()) {
         const LinkId id = link->second.id;
         link = links_.erase(link);
-        news([&] { merge_.link_dropped(id, now); });
+        news([&] {
+          specs_.erase(id);
+          merge_.link_dropped(id, now);
+        });
       } else {
         ++link;
       }
@@ -206,19 +224,24 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
       return fail(domain.error().code, "Cyclone DDS refuses its configuration (" + domain.error().message +
                                            "); check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");
     }
-    auto link = DiscoveryLink::open({.link = ++links_made_, .domain = *domain, .number = 0}, life_signs_,
-                                    participants_, *this);
+    const LinkId id = ++links_made_;
+    {
+      const std::scoped_lock lock(mutex_);
+      specs_[id] = spec;
+    }
+    auto link =
+        DiscoveryLink::open({.link = id, .domain = *domain, .number = 0}, life_signs_, participants_, *this);
     if (!link) return tl::unexpected(link.error());
     for (std::string& complaint : complaints) {
       if (std::ranges::find(warnings_, complaint) == warnings_.end())
         warnings_.push_back(std::move(complaint));
     }
-    for (const auto& [id, own] : own_) {
+    for (const auto& [endpoint, own] : own_) {
       (void)(*link)->write(own.endpoint);
       if (own.request && own.request->sequence > own.endpoint.request.sequence)
         (void)(*link)->write(*own.request);
     }
-    links_[spec] = {links_made_, std::move(*link)};
+    links_[spec] = {id, std::move(*link)};
     return {};
   }
 
@@ -251,7 +274,18 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
       event();
       return merge_.take_news();
     };
-    delivery_.deliver(mutex_, take, [this](const News& one) { std::visit(NewsDesk(listener_), one); });
+    delivery_.deliver(mutex_, take, [this](const News& one) {
+      const NewsDesk::Links links = has_silent_links(one) ? copy_of_specs() : NewsDesk::Links{};
+      std::visit(NewsDesk(listener_, links), one);
+    });
+  }
+  static bool has_silent_links(const News& news) {
+    const auto* const seen = std::get_if<EndpointSeen>(&news);
+    return seen != nullptr && !seen->silent.empty();
+  }
+  NewsDesk::Links copy_of_specs() const {
+    const std::scoped_lock lock(mutex_);
+    return specs_;
   }
   static Now time() { return std::chrono::steady_clock::now(); }
 
@@ -300,6 +334,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   mutable std::mutex mutex_;  ///< of what follows; Cyclone's threads come here, too
   Configuration configuration_;
   LinkMerge merge_;
+  NewsDesk::Links specs_;  ///< of the links
   OrderedDelivery<News> delivery_;
 
   std::map<LinkSpec, OpenLink> links_;  ///< goes first: its threads use the rest

@@ -79,7 +79,7 @@ void LinkMerge::endpoint_came(const Speaker& speaker, Endpoint endpoint, Now now
   endpoint.request.announcer = speaker.participant;
   const auto sample = std::make_shared<const Endpoint>(std::move(endpoint));
   if (own_.contains(id)) {
-    news_.emplace_back(EndpointSeen{sample});
+    news_.emplace_back(EndpointSeen{sample, {}});
     return;
   }
   if (const auto departed = departed_.find(id); departed != departed_.end()) {
@@ -305,7 +305,10 @@ void LinkMerge::settle(EndpointId id, Known& known, Now now) {
     const bool is_told = known.told != nullptr && !known.lost &&
                          known.told->announcer == claim->endpoint->announcer &&
                          known.told->revision == claim->endpoint->revision;
-    if (!is_told) tell(known, *claim);
+    std::vector<LinkId> silent = silent_links(known, *claim, now);
+    if (is_told && silent == known.told_silent) return;
+    known.told_silent = std::move(silent);
+    tell(known, *claim);
     return;
   }
   if (known.lost || known.told == nullptr) return;
@@ -320,11 +323,30 @@ void LinkMerge::settle(EndpointId id, Known& known, Now now) {
   news_.emplace_back(EndpointLost{id});
 }
 
+/// None while the believed one is silent itself: then all of the node is.
+std::vector<LinkId> LinkMerge::silent_links(const Known& known, const Claim& believed, Now now) const {
+  const milliseconds silence = silence_in(lease_of(known));
+  const auto speaks = [&](const Claim& claim) {
+    return claim.alive && !claim.refused && speakers_.speaks(claim.speaker, silence, now);
+  };
+  std::vector<LinkId> silent;
+  if (!speaks(believed)) return silent;
+  for (const Claim& claim : known.claims) {
+    if (claim.refused) continue;
+    const LinkId link = claim.speaker.link;
+    const bool is_heard = std::ranges::any_of(
+        known.claims, [&](const Claim& other) { return other.speaker.link == link && speaks(other); });
+    if (!is_heard && std::ranges::find(silent, link) == silent.end()) silent.push_back(link);
+  }
+  std::ranges::sort(silent);
+  return silent;
+}
+
 void LinkMerge::tell(Known& known, const Claim& claim) {
   const bool is_same_speaker = known.told != nullptr && known.told->announcer == claim.endpoint->announcer;
   known.told = claim.endpoint;
   known.lost = false;
-  news_.emplace_back(EndpointSeen{claim.endpoint});
+  news_.emplace_back(EndpointSeen{claim.endpoint, known.told_silent});
   const bool is_told = is_same_speaker && claim.request && claim.request->sequence <= known.told_request;
   if (!claim.request || is_told || claim.request->sequence <= claim.endpoint->request.sequence) return;
   known.told_request = claim.request->sequence;

@@ -21,6 +21,9 @@ namespace sft::core {
 
 struct EndpointSeen {
   std::shared_ptr<const Endpoint> endpoint;
+  /// Links by which its node was heard and is not any more, although it is by another one: the way there is
+  /// cut, and samples would not arrive that way either.
+  std::vector<LinkId> silent{};
 };
 struct EndpointDeparted {
   EndpointId id;
@@ -84,6 +87,7 @@ class LinkMerge {
   };
   struct Known {
     std::vector<Claim> claims;             ///< the first one first
+    std::vector<LinkId> told_silent;       ///< with it
     std::shared_ptr<const Endpoint> told;  ///< what was passed on last
     std::uint64_t told_request = 0;        ///< sequence
     std::optional<Now> lost_at{};          ///< nobody keeps it alive
@@ -121,6 +125,7 @@ class LinkMerge {
   void end_claim(Claim& claim, Now now);
   void settle(EndpointId id, Known& known, Now now);
   void settle_node(NodeId id, KnownNode& node, Now now);
+  std::vector<LinkId> silent_links(const Known& known, const Claim& believed, Now now) const;
   void tell(Known& known, const Claim& claim);
   void depart(EndpointId id, Now now);
   void refuse(const std::string& why) { news_.emplace_back(Refused{why}); }

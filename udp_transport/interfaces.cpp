@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <string_view>
 #include <tuple>
 
 #include "core/host_interfaces.h"
@@ -71,12 +72,26 @@ SocketAddress to_address(const sockaddr_in6& of_either_family) noexcept {
   return address;
 }
 
+namespace {
+
+bool may_be_a_name(std::string_view text) {
+  return !text.empty() && text.size() < IF_NAMESIZE && text.find_first_of("/% ") == text.npos &&
+         std::ranges::count(text, ':') < 2 && text.find_first_not_of("0123456789.") != text.npos;
+}
+
+/// "fe80::1%eth0", also where eth0 is not there yet.
+bool may_be_link_local(std::string_view text) {
+  const std::size_t percent = text.find('%');
+  if (percent == text.npos || !may_be_a_name(text.substr(percent + 1))) return false;
+  const auto address = core::parse_ip_address(text.substr(0, percent));
+  return address && address->is_link_local();
+}
+
+}  // namespace
+
 Result<void> check_interfaces(const std::vector<std::string>& chosen) {
   for (const std::string& one : chosen) {
-    if (core::parse_ip_network(one)) continue;
-    const bool is_name = !one.empty() && one.size() < IF_NAMESIZE && one.find_first_of("/% ") == one.npos &&
-                         std::ranges::count(one, ':') < 2 && one.find_first_not_of("0123456789.") != one.npos;
-    if (!is_name) {
+    if (!core::parse_ip_network(one) && !may_be_a_name(one) && !may_be_link_local(one)) {
       return fail(Errc::invalid_argument,
                   "'" + one + "' names no interface: give a name (eth0), an address of it (10.0.0.5, " +
                       "fe80::1%eth0), or its network (10.0.0.0/24, fd00::/64)");

@@ -76,6 +76,8 @@ class UdpTransport final : public core::Transport {
     if (!addresses.empty()) return addresses;
     for (const core::Link& link : links())
       addresses.push_back({link.ip, port_, receive_buffer_bytes_, link.wireless});
+    // While none of the interfaces is there that were chosen, nodes of this host reach us all the same.
+    if (addresses.empty()) addresses.push_back({core::loopback_ipv4, port_, receive_buffer_bytes_});
     return addresses;
   }
 

@@ -19,8 +19,8 @@ DdsConfig config(const std::string& user, const DiscoverySettings& settings = {}
   return dds_config(0, settings, user).value();
 }
 
-const LinkSpec lo{"lo", loopback_ipv4, true, true};
-const LinkSpec eth0{"eth0", IpAddress(0x0A000005), false, false};
+const LinkSpec lo{"lo", loopback_ipv4, 8, true, true};
+const LinkSpec eth0{"eth0", IpAddress(0x0A000005), 24, false, false};
 
 /// What Cyclone gets to hear in the end, for the loopback unless it is said otherwise.
 CycloneSettings heard(const DdsConfig& config, const LinkSpec& link = lo) {
@@ -145,8 +145,9 @@ TEST(DdsConfig, GivesEachLinkItsAddressAndTheUsersOfThemNone) {
   EXPECT_THAT(in_the_end.values("General/Interfaces/NetworkInterface/@name"), IsEmpty());
   EXPECT_THAT(in_the_end.values("General/Interfaces/NetworkInterface/@address"), ElementsAre("10.0.0.5"));
   EXPECT_THAT(in_the_end.value("General/FragmentSize"), is("2 kB"));
-  EXPECT_THAT(heard(theirs, {"eth0", {}, false, false}).values("General/Interfaces/NetworkInterface/@name"),
-              ElementsAre("eth0"));
+  EXPECT_THAT(
+      heard(theirs, {"eth0", {}, 0, false, false}).values("General/Interfaces/NetworkInterface/@name"),
+      ElementsAre("eth0"));
 }
 
 TEST(DdsConfig, TakesInterfacesThatCycloneIsToChooseForAll) {
@@ -168,7 +169,7 @@ TEST(DdsConfig, OfADomainHoldsForItsLinksWhateverTheirNumbersInTheProcess) {
 TEST(DdsConfig, LetsNodesOfOneHostMeetOnTheLoopbackAlone) {
   EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", lo), is("true"));
   EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", eth0), is("false"));
-  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", {"eth0", eth0.ip, false, true}),
+  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", {"eth0", eth0.ip, 24, false, true}),
               is("true"));
 }
 

@@ -145,7 +145,7 @@ TEST(DesiredLinks, AreNotMoreThanTheLimitAndThoseInUseStay) {
   const DesiredLinks desired = desired_links(host, {}, {});
   EXPECT_EQ(desired.links.size(), links_max);
   EXPECT_THAT(desired.remarks, ElementsAre(HasSubstr("eth7 is left out"), HasSubstr("eth8 is left out")));
-  const std::vector<LinkSpec> in_force{desired.links[0], {"eth8", host[9].ip, false, false}};
+  const std::vector<LinkSpec> in_force{desired.links[0], {"eth8", host[9].ip, 24, false, false}};
   EXPECT_THAT(describe(desired_links(host, {}, in_force).links), HasSubstr("eth8 (10.0.8.5)"));
 }
 

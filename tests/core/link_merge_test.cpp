@@ -63,6 +63,7 @@ class LinkMergeTest : public ::testing::Test {
       if (const auto* seen = std::get_if<EndpointSeen>(&news)) {
         all.push_back(seen->endpoint->node + " " + std::to_string(seen->endpoint->revision) + " by " +
                       std::to_string(seen->endpoint->announcer));
+        for (const LinkId link : seen->silent) all.back() += ", silent on " + std::to_string(link);
       } else if (const auto* asked = std::get_if<Request>(&news)) {
         all.push_back("request " + std::to_string(asked->sequence) + " by " +
                       std::to_string(asked->announcer));
@@ -113,13 +114,13 @@ TEST_F(LinkMergeTest, KeepsAnEndpointWhileAnyLinkHasIt) {
   passes(1s, {by_lan, by_radio});
   told();
   merge.endpoint_unheard(lan, 5, now);
-  EXPECT_THAT(told(), ElementsAre("honest 1 by 12"));
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 12, silent on 1"));
   passes(1s);
   merge.endpoint_unheard(radio, 5, now);
   passes(10s);
   EXPECT_THAT(told(), ElementsAre("lost"));
   announces(by_radio, 1);
-  EXPECT_THAT(told(), ElementsAre("honest 1 by 12"));
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 12, silent on 1"));
 }
 
 TEST_F(LinkMergeTest, LosesAtOnceWhoWasSilentAndGivesItsLeaseToWhoSpokeAMomentAgo) {
@@ -229,11 +230,24 @@ TEST_F(LinkMergeTest, FollowsTheOtherLinkWhereTheFirstOneFallsSilentAndReturnsTo
   announces(by_radio, 2);
   asks(by_radio, 5);
   passes(1700ms, {by_radio});
-  EXPECT_THAT(told(), ElementsAre("honest 2 by 12", "request 5 by 12"));
+  EXPECT_THAT(told(), ElementsAre("honest 2 by 12, silent on 1", "request 5 by 12"));
   passes(700ms, {by_lan, by_radio});
-  EXPECT_THAT(told(), IsEmpty()) << "it is behind yet";
+  EXPECT_THAT(told(), ElementsAre("honest 2 by 12")) << "the first link is heard, but is behind yet";
   announces(by_lan, 2);
   EXPECT_THAT(told(), ElementsAre("honest 2 by 11"));
+}
+
+TEST_F(LinkMergeTest, TellsByWhichLinkANodeIsHeardNoMoreAndWhenItIsAgain) {
+  announces(by_radio, 1);
+  announces(by_lan, 1);
+  passes(3s, {by_lan, by_radio});
+  told();
+  passes(3s, {by_radio});
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 12, silent on 1"));
+  passes(3s, {by_lan, by_radio});
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 12"));
+  passes(4s);
+  EXPECT_THAT(told(), IsEmpty()) << "all of the node is silent";
 }
 
 /// A stranger that used the silence of the honest one is not believed any longer when that one speaks again.

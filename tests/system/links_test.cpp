@@ -208,6 +208,15 @@ class ChangesOfNetwork : public LinksTest {
   }
   NodeProcess& publisher() { return *publisher_; }
   NodeProcess& subscriber() { return *subscriber_; }
+  /// Whether the robot sends 20 packets more by it within 0.3 s.
+  bool goes_by(const std::string& interface) const {
+    return host(robot)
+        .run({"sh", "-ec",
+              "sent() { awk '$1 == \"" + interface +
+                  ":\" {print $11}' /proc/net/dev; }\n"
+                  "before=$(sent); sleep 0.3; [ $(($(sent) - before)) -gt 20 ]"})
+        .has_value();
+  }
   void take_address(std::size_t where, const std::string& before, const std::string& after) const {
     ASSERT_TRUE(
         run(where, "ip address del " + before + "/24 dev lan0; ip address add " + after + "/24 dev lan0"));
@@ -267,6 +276,21 @@ TEST_F(ChangesOfNetwork, ByASecondNetworkThatOutlivesTheFirst) {
   EXPECT_TRUE(comes_soon(subscriber()));
 }
 
+/// Neither host sees that, and the node is alive by the other network all the time: so samples have to go
+/// there, too.
+TEST_F(ChangesOfNetwork, ByACutThatNobodySeesBesideAnotherNetwork) {
+  plug_in(robot, "lan1", "10.1.0.1", "second");
+  plug_in(desk, "lan1", "10.1.0.2", "second");
+  EXPECT_TRUE(publisher().says("lan1 (10.1.0.1)"));
+  EXPECT_TRUE(subscriber().says("lan1 (10.1.0.2)"));
+  ASSERT_TRUE(subscriber().takes_samples());
+  const std::string cut = goes_by("lan0") ? "first" : "second";
+  ASSERT_TRUE(run(room, "ip link set " + cut + " down"));
+  EXPECT_TRUE(falls_silent(subscriber()));
+  EXPECT_TRUE(comes_soon(subscriber()));
+  EXPECT_EQ(publisher().report().matched, 1U);
+}
+
 TEST_F(LinksTest, AVpnThatComesUpIsUsed) {
   plug_in(robot, "lan0", "10.0.0.1", "first");
   plug_in(desk, "lan0", "10.1.0.2", "second");
@@ -282,7 +306,7 @@ TEST_F(LinksTest, AVpnThatComesUpIsUsed) {
 
 TEST_F(LinksTest, NodesOfOneHostFindEachOtherWhateverItsNetworkDoes) {
   const NodeProcess publisher(host(robot), options({"huc"}), publish);
-  const NodeProcess subscriber(host(robot), options(), subscribe);
+  const NodeProcess subscriber(host(robot), options({"huc"}), subscribe);
   EXPECT_TRUE(comes_soon(subscriber));
   plug_in(robot, "huc", "10.0.0.1");
   EXPECT_TRUE(publisher.says("huc (10.0.0.1)"));

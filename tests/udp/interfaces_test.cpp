@@ -47,10 +47,11 @@ TEST(Interfaces, AreThoseThatWereChosenByNameAddressOrNetwork) {
 }
 
 TEST(Interfaces, AreChosenByWhatCanBeOne) {
-  for (const char* chosen : {"eth0", "eth0.100", "eth0:1", "10.0.0.5", "10.0.0.0/24", "fd00::5", "fd00::/64"})
+  for (const char* chosen :
+       {"eth0", "eth0.100", "eth0:1", "10.0.0.5", "10.0.0.0/24", "fd00::5", "fd00::/64", "fe80::1%eth99"})
     EXPECT_TRUE(check_interfaces({chosen})) << chosen;
   for (const char* chosen : {"", "10.0.0", "10.0.0.0/33", "fd00::/x", "fd00::12345", "a name", "eth0/24",
-                             "fe80::1%eth99", "an-interface-with-a-long-name"}) {
+                             "fe80::1%", "fd00::1%eth99", "an-interface-with-a-long-name"}) {
     const Result<void> checked = check_interfaces({"eth0", chosen});
     ASSERT_FALSE(checked) << chosen;
     EXPECT_NE(checked.error().message.find("'" + std::string(chosen) + "'"), std::string::npos);
