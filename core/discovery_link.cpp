@@ -247,6 +247,7 @@ class CycloneLink final : public DiscoveryLink {
                                   });
   }
 
+  /// Nodes unregister their signs of life, if they can. Who disposes of them is somebody else.
   static void on_assertions(dds_entity_t reader, void* self) {
     CycloneLink& link = *static_cast<CycloneLink*>(self);
     take_all<sft_control_Assertion>(reader,
@@ -254,7 +255,7 @@ class CycloneLink final : public DiscoveryLink {
                                       const std::optional<Speaker> speaker = link.speaker_of(reader, info);
                                       if (info.valid_data && speaker)
                                         link.assertion_came(*speaker, from_dds(sample));
-                                      if (info.instance_state != DDS_IST_ALIVE)
+                                      if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS)
                                         link.listener_.node_unheard(link.place_.link, sample.node);
                                     });
   }

@@ -366,12 +366,25 @@ void LinkMerge::settle_node(NodeId id, KnownNode& node, Now now) {
   news_.emplace_back(NodeLost{id});
 }
 
+/// Cyclone tells of the end of a lease, unless somebody else has disposed of the signs of life.
+void LinkMerge::end_silent_claims(NodeId id, KnownNode& node, Now now) const {
+  constexpr std::chrono::seconds slack{1};
+  for (NodeClaim& claim : node.claims) {
+    const auto silent_for = now - speakers_.last_heard(claim.speaker);
+    if (claim.alive && silent_for > lease_default + slack && silent_for > lease_of(id) + slack)
+      claim.alive = false;
+  }
+}
+
 void LinkMerge::tick(Now now) {
   for (auto& [id, known] : endpoints_) {
     if (known.claims.size() > 1) refuse_contested(known, now);
     if (known.claims.size() != 1 || !known.claims.front().alive) settle(id, known, now);
   }
-  for (auto& [id, node] : nodes_) settle_node(id, node, now);
+  for (auto& [id, node] : nodes_) {
+    end_silent_claims(id, node, now);
+    settle_node(id, node, now);
+  }
   std::erase_if(early_requests_, [&](const EarlyRequest& early) {
     const auto known = endpoints_.find(early.request.reader);
     if (known == endpoints_.end()) return now - early.at > limits_.forget_after;

@@ -125,6 +125,7 @@ class LinkMerge {
   void end_claim(Claim& claim, Now now);
   void settle(EndpointId id, Known& known, Now now);
   void settle_node(NodeId id, KnownNode& node, Now now);
+  void end_silent_claims(NodeId id, KnownNode& node, Now now) const;
   std::vector<LinkId> silent_links(const Known& known, const Claim& believed, Now now) const;
   void tell(Known& known, const Claim& claim);
   void depart(EndpointId id, Now now);

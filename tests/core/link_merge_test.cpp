@@ -118,7 +118,7 @@ TEST_F(LinkMergeTest, KeepsAnEndpointWhileAnyLinkHasIt) {
   passes(1s);
   merge.endpoint_unheard(radio, 5, now);
   passes(10s);
-  EXPECT_THAT(told(), ElementsAre("lost"));
+  EXPECT_THAT(told(), ElementsAre("lost", "node lost"));
   announces(by_radio, 1);
   EXPECT_THAT(told(), ElementsAre("honest 1 by 12, silent on 1"));
 }
@@ -293,6 +293,15 @@ TEST_F(LinkMergeTest, LosesANodeOnceNoLinkHearsIt) {
   merge.node_unheard(lan, node, now);
   EXPECT_THAT(told(), IsEmpty());
   merge.node_unheard(radio, node, now);
+  EXPECT_THAT(told(), ElementsAre("node lost"));
+}
+
+TEST_F(LinkMergeTest, LosesANodeOfWhichNothingComesAlsoIfNobodyTellsOfItsEnd) {
+  passes(2s, {by_lan});
+  told();
+  passes(5s);
+  EXPECT_THAT(told(), IsEmpty());
+  passes(2s);
   EXPECT_THAT(told(), ElementsAre("node lost"));
 }
 
