@@ -165,7 +165,9 @@ void LinkMerge::endpoint_withdrawn(const Speaker& speaker, EndpointId id, Now no
   }
   const Claim* const leader = believed(known->second, now);
   if (leader == nullptr || leader == claim || claim == &known->second.claims.front()) return depart(id, now);
-  end_claim(*claim, now);
+  --claims_;
+  --shares_[speaker.participant];
+  known->second.claims.erase(known->second.claims.begin() + (claim - known->second.claims.data()));
   settle(id, known->second, now);
 }
 

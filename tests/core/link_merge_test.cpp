@@ -179,6 +179,15 @@ TEST_F(LinkMergeTest, RefusesWhatSomebodyElseSaysUnderTheSameRevision) {
   EXPECT_THAT(told(), ElementsAre("honest 1 by 11", HasSubstr("refused")));
 }
 
+TEST_F(LinkMergeTest, TellsOnceOfADepartureByTwoLinks) {
+  announces(by_lan, 1);
+  announces(by_radio, 1);
+  told();
+  merge.endpoint_withdrawn(by_radio, 5, now);
+  merge.endpoint_withdrawn(by_lan, 5, now);
+  EXPECT_THAT(told(), ElementsAre("departed"));
+}
+
 TEST_F(LinkMergeTest, RefusesWithdrawalsByOthers) {
   announces(by_lan, 1);
   told();
