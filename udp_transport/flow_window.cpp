@@ -100,7 +100,9 @@ std::size_t FlowWindow::mark_spacing() const {
   return std::max(seldom, std::min(part, limits_.mark_spacing_max));
 }
 
-/// Who does not answer is asked ever more seldom.
+/// Who does not answer is asked ever more seldom. On a short way the pause stays short for as long as the
+/// receiver is not taken for silent: there an answer that does not come was lost, and a longer pause would
+/// only make the window stand still for longer.
 FlowWindow::Time::duration FlowWindow::retry_pause() const {
   if (is_mute(marked_at_)) {
     const Time::duration longest = heard_ ? limits_.mark_silent_longest : limits_.mark_unproven_longest;
@@ -108,7 +110,10 @@ FlowWindow::Time::duration FlowWindow::retry_pause() const {
   }
   const auto first = std::clamp<Time::duration>(2 * latest_, limits_.mark_again, limits_.mark_again_unheard);
   const auto after = [first](int marks) { return first * (1 << std::min(marks, 6)); };
-  return heard_ ? std::min<Time::duration>(after(unanswered_), limits_.mark_again_longest)
+  const auto longest =
+      std::clamp<Time::duration>(8 * std::min<Time::duration>(shortest_, limits_.mark_again_longest),
+                                 limits_.mark_again_unheard, limits_.mark_again_longest);
+  return heard_ ? std::min(after(unanswered_), longest)
                 : std::min<Time::duration>(after(asked_ - 1), limits_.mark_silent);
 }
 

@@ -207,6 +207,29 @@ TEST_F(FlowWindowTest, MarksAgainWhereReportsGetLost) {
   EXPECT_EQ(window.under_way(), 0U);
 }
 
+class MarkPauseTest : public FlowWindowTest {
+ protected:
+  /// The longest of the pauses between eight marks that nobody answers, in milliseconds.
+  std::chrono::milliseconds::rep longest_pause(std::chrono::microseconds there_and_back) {
+    send_while_there_is_room();
+    answer(200'000, there_and_back);
+    send_while_there_is_room();
+    std::chrono::milliseconds::rep longest = 0;
+    for (int i = 0; i < 8; ++i) {
+      const auto before = now;
+      while (!window.mark(now)) now += 1ms;
+      longest = std::max<std::chrono::milliseconds::rep>(longest, (now - before) / 1ms);
+    }
+    return longest;
+  }
+};
+
+TEST_F(MarkPauseTest, IsTenMillisecondsAtMostOnAShortWay) { EXPECT_EQ(longest_pause(1ms), 10); }
+
+TEST_F(MarkPauseTest, IsEightTimesThereAndBackAtMostOnALongerWay) { EXPECT_EQ(longest_pause(4ms), 32); }
+
+TEST_F(MarkPauseTest, IsFiftyMillisecondsAtMostOnALongWay) { EXPECT_EQ(longest_pause(40ms), 50); }
+
 TEST_F(FlowWindowTest, SendsNothingButSomeMarksToAReceiverThatFellSilent) {
   get_to_know(200'000);
   EXPECT_LE(send_until(now + 1s), 200'000U);
