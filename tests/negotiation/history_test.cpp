@@ -66,14 +66,15 @@ TEST_F(LateReaders, WithoutUdpMissNothingAndTakeNothingTwiceWherePublishingGoesO
   Peer early(here(), "early");
   publisher.advertise(in_memory(retaining));
   early.subscribe("data");
-  publisher.start_publishing(200us);
+  // A reader's queue has 256 places: one that is kept from running for half a second still loses nothing.
+  publisher.start_publishing(2ms);
   ASSERT_TRUE(comes_true([&] { return is_served_by(publisher, early, "shm"); }));
-  for (int round = 0; round < 5; ++round) {
+  for (int round = 0; round < 10; ++round) {
     Peer reader(here(), "reader " + std::to_string(round));
     reader.subscribe("data", in_memory(asking));
     ASSERT_TRUE(comes_true([&] {
       const json taken = taken_of(publisher, reader);
-      return !taken.is_null() && taken["received"] > 500;
+      return !taken.is_null() && taken["received"] > 50;
     })) << reader.status();
     const json status = reader.status();
     EXPECT_EQ(status["subscriber"]["lost"], 0) << status;

@@ -53,22 +53,31 @@ TEST_F(HeldLock, CostsAWriterTheSampleAndAFewMilliseconds) {
   }
 }
 
+// Each send begins while the lock is held. Only where its holder was kept from running for longer than any
+// writer waits may the sample be dropped.
 TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
-  constexpr int samples = 2000;
-  std::atomic<int> begun{0};
-  std::thread other([&] {
-    for (int seen = 0; seen < samples; ++seen) {
-      begun.wait(seen);
+  constexpr auto shortest_wait = 1ms;
+  int waited = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::atomic<bool> held{false};
+    Clock::duration held_for{};
+    std::thread other([&] {
       publisher_->m_chunkSenderData.lock();
+      const auto begin = Clock::now();
+      held = true;
+      held.notify_one();
+      while (Clock::now() < begin + 100us) continue;
       publisher_->m_chunkSenderData.unlock();
-    }
-  });
-  for (int i = 0; i < samples; ++i) {
-    ++begun;
-    begun.notify_one();
-    EXPECT_EQ(send(), SendStatus::sent);
+      held_for = Clock::now() - begin;
+    });
+    held.wait(false);
+    const SendStatus status = send();
+    other.join();
+    if (held_for >= shortest_wait) continue;
+    EXPECT_EQ(status, SendStatus::sent) << "it was held for " << held_for / 1us << " us";
+    ++waited;
   }
-  other.join();
+  EXPECT_GT(waited, 30);
 }
 
 TEST_F(HeldLock, IsLookedAtButNeverTakenByAReaderThatGivesItsPortBack) {

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/rate_gate.h"
 #include "core/transport.h"
 #include "messages.h"
 
@@ -129,12 +130,15 @@ class Publisher {
     core::UdpAddress address;
     std::string mask = "*";
     bool reliable = false;
+    std::shared_ptr<const core::RateGate> gate{};  ///< not null: of a maximum rate
   };
   void serve(const std::vector<Reader>& readers) {
     std::vector<core::Route> routes;
     for (const Reader& reader : readers) {
       routes.push_back({routes.size() + 1, reader.address, fields<Image>(reader.mask)});
       routes.back().reliable = reader.reliable;
+      routes.back().gate = reader.gate;
+      if (reader.gate != nullptr) routes.back().min_period_us = reader.gate->min_period_us();
     }
     port_->set_routes(std::move(routes));
   }

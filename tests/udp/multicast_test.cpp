@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 
+#include "core/rate_gate.h"
 #include "faulty_io.h"
 #include "tests/support/test_seed.h"
 #include "transport_fixture.h"
@@ -31,7 +32,8 @@ class MulticastTest : public TransportTest {
     std::unique_ptr<Subscriber> subscriber;
     std::string mask;
     bool reliable = false;
-    std::uint32_t since = 0;  ///< so many were published before it came
+    std::uint32_t since = 0;                 ///< so many were published before it came
+    std::shared_ptr<core::RateGate> gate{};  ///< of a reader with a maximum rate
   };
 
   static UdpOptions everywhere() { return {.multicast = Multicast::everywhere}; }
@@ -60,7 +62,8 @@ class MulticastTest : public TransportTest {
   void serve(std::size_t first) {
     std::vector<Publisher::Reader> readers;
     for (const Process& process : std::span(processes_).first(first))
-      readers.push_back({test::loopback_address(*process.transport), process.mask, process.reliable});
+      readers.push_back(
+          {test::loopback_address(*process.transport), process.mask, process.reliable, process.gate});
     publisher_->serve(readers);
   }
   void publish(std::size_t bytes = 100) {
@@ -79,9 +82,9 @@ class MulticastTest : public TransportTest {
     return true;
   }
   /// One more, once all have those before: nobody keeps what a free run would leave behind.
-  void publish_in_turn() {
+  void publish_in_turn(std::size_t bytes = 100) {
     await_all();
-    publish();
+    publish(bytes);
   }
   void await_all() {
     for (const Process& process : processes_) process.subscriber->await(published_ - process.since);
@@ -93,13 +96,15 @@ class MulticastTest : public TransportTest {
       return all_hear();
     });
   }
-  /// What one more sample puts on the wire, on average.
+  /// What one more sample puts on the wire, on average. It is large enough that a heartbeat to each member,
+  /// which is due after a pause, does not count: four have 128 bytes.
   std::uint64_t bytes_of_one() {
     constexpr int samples = 3;
-    publish_in_turn();
+    constexpr std::size_t data_bytes = 1000;
+    publish_in_turn(data_bytes);
     await_all();
     const std::uint64_t before = publisher_->port().bytes_sent();
-    for (int i = 0; i < samples; ++i) publish_in_turn();
+    for (int i = 0; i < samples; ++i) publish_in_turn(data_bytes);
     await_all();
     return (publisher_->port().bytes_sent() - before) / samples;
   }
@@ -151,6 +156,28 @@ TEST_P(MulticastTest, MergesMasksThatCostLessTogetherAndEachReaderTakesWhatConta
   const auto samples = processes_[0].subscriber->await(published_);
   EXPECT_EQ(samples.front()->mask, test::fields<test::Image>("height"));
   EXPECT_EQ(samples.back()->mask, test::fields<test::Image>("height, width, stamp"));
+}
+
+/// A group is sent every sample, so that who has a maximum rate can be in none.
+TEST_P(MulticastTest, ServesAReaderWithAMaximumRateAloneAndAtThatRate) {
+  for (int i = 0; i < 3; ++i) add("*", false);
+  constexpr std::uint32_t an_hour_us = 3'600'000'000;
+  processes_[2].gate = std::make_shared<core::RateGate>(an_hour_us);
+  processes_[2].subscriber->port().accept({{.wanted = {test::fields<test::Image>("*"), an_hour_us}}});
+  serve();
+  const auto publish_in_turn_to_others = [this] {
+    for (const Process& process : std::span(processes_).first(2)) process.subscriber->await(published_);
+    processes_[2].gate->consider(published_);  // the first of an hour passes
+    publish();
+  };
+  ASSERT_TRUE(eventually([&] {
+    publish_in_turn_to_others();
+    return hears(1) && hears(2);
+  })) << state_of(1);
+  for (int i = 0; i < 50; ++i) publish_in_turn_to_others();
+  EXPECT_EQ(state_of(3), "alone: a reader there has a maximum rate");
+  for (std::size_t i = 0; i < 2; ++i) expect_all_of(i);
+  EXPECT_EQ(processes_[2].subscriber->await_sequences(1), (std::vector<std::uint64_t>{1}));
 }
 
 TEST_P(MulticastTest, TakesInWhoComesLaterAndGoesOnWithoutWhoLeaves) {

@@ -136,9 +136,17 @@ TEST_P(TransportTest, ClosesWhileItSends) {
     auto there = open();
     Publisher publisher(*there);
     publisher.serve({{loopback_address(*here)}});
-    for (int k = 0; k < 4; ++k) publisher.publish(make_image(4'000'000));
+    for (int k = 0; k < 4; ++k) EXPECT_EQ(publisher.publish(make_image(4'000'000)), core::SendStatus::sent);
     there.reset();
+    EXPECT_NE(publisher.publish(make_image(10)), core::SendStatus::sent) << "nobody sends it any more";
   }
+  const auto there = open();
+  Publisher publisher(*there, 0x77);
+  Subscriber subscriber(*here, {"*"});
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{loopback_address(*here)}});
+  publisher.publish(make_image(1'000'000));
+  EXPECT_EQ(subscriber.await_sequences(1), first_numbers(1)) << "what was cut off does not stand in its way";
 }
 
 }  // namespace
