@@ -57,7 +57,10 @@ void Negotiation::local_removed(EndpointId id) { erase(id); }
 /// A reader that comes back after this is owed the history again.
 void Negotiation::erase(EndpointId id) {
   entries_.erase(id);
-  for (auto& [other, entry] : entries_) entry.history_given.erase(id);
+  for (auto& [other, entry] : entries_) {
+    entry.history_given.erase(id);
+    entry.unreached.erase(id);
+  }
 }
 
 bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
@@ -239,6 +242,14 @@ bool Negotiation::history_given(EndpointId writer, EndpointId reader) {
   return from->second.history_given.insert(reader).second;
 }
 
+bool Negotiation::reach_changed(EndpointId writer, EndpointId reader, const std::string& why_not) {
+  const auto entry = entries_.find(writer);
+  if (entry == entries_.end() || entry->second.type == nullptr) return false;
+  auto& unreached = entry->second.unreached;
+  if (why_not.empty()) return unreached.erase(reader) != 0;
+  return std::exchange(unreached[reader], why_not) != why_not;
+}
+
 bool Negotiation::tick(Now now) {
   std::vector<EndpointId> forgotten;
   for (const auto& [id, entry] : entries_) {
@@ -311,7 +322,11 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
   const bool reliable = r.qos.reliability == Reliability::reliable;
   const bool listens = verdict.udp && holds(r.request.listening, writer.endpoint.id);
   serving.history_owed |= history_first;
-  if (verdict.shm && !history_first && holds(r.request.attached, writer.endpoint.id)) {
+  const bool attached = verdict.shm && !history_first && holds(r.request.attached, writer.endpoint.id);
+  const auto unreached = writer.unreached.find(r.id);
+  const bool unreachable = attached && unreached != writer.unreached.end();
+  if (unreachable) serving.unreached.push_back({r.id, r.doorbell, status.mask, period});
+  if (attached && !unreachable) {
     status.served = true;
     status.transport = TransportKind::shm;
     status.reason = "same host";
@@ -323,16 +338,18 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Servin
     status.served = true;
     status.transport = TransportKind::udp;
     status.reason = !verdict.shm    ? verdict.udp_reason
+                    : unreachable   ? unreached->second
                     : history_first ? "same host, what was published before comes first"
                                     : "same host, shared memory is being attached";
     serving.udp.push_back({r.id, address_of(r), status.mask, period, nullptr, owed, false, reliable});
   } else if (verdict.udp) {
-    status.reason = "the subscriber is not listening yet";
+    status.reason = unreachable ? unreached->second : "the subscriber is not listening yet";
   } else {
-    status.no_path = !verdict.shm;
-    status.no_path_yet = verdict.shm_may_come;
-    status.reason =
-        verdict.shm ? "shared memory is being attached" : "UDP is ruled out, and " + verdict.udp_reason;
+    status.no_path = !verdict.shm || unreachable;
+    status.no_path_yet = verdict.shm_may_come || unreachable;
+    status.reason = unreachable   ? "UDP is ruled out, and " + unreached->second
+                    : verdict.shm ? "shared memory is being attached"
+                                  : "UDP is ruled out, and " + verdict.udp_reason;
   }
   return status;
 }

@@ -27,6 +27,7 @@ struct Serving {
   std::vector<Route> shm;
   std::vector<Route> udp;
   std::vector<Route> spare;  ///< by UDP, to those of `shm` that listen there: for what does not go that way
+  std::vector<Route> unreached;       ///< would be in `shm`, but the port cannot tell these of samples
   std::vector<ReaderStatus> readers;  ///< all of the topic, with reasons
   bool lease_requested = false;       ///< some reader wants to know whether the writer lives
   bool samples_tell = true;           ///< and each of these gets every sample
@@ -88,6 +89,8 @@ class Negotiation {
   /// All that one of our writers has sent to a late reader alone has left. Takes effect once the reader says
   /// that it has begun to come.
   bool history_given(EndpointId writer, EndpointId reader);
+  /// Why the port of one of our writers cannot tell that reader of samples in shared memory; empty: it can.
+  bool reach_changed(EndpointId writer, EndpointId reader, const std::string& why_not);
   bool tick(Now now);
 
   // Desired states, from the table as it is.
@@ -109,11 +112,12 @@ class Negotiation {
  private:
   struct Entry {
     Endpoint endpoint;
-    const TypeSupport* type = nullptr;     ///< of our own endpoints
-    std::optional<Now> lost_since;         ///< by discovery: if it returns, it is seen again
-    bool silent = false;                   ///< its node is not heard of
-    std::set<EndpointId> history_given{};  ///< of our own writers: to these readers
-    std::set<EndpointId> history_came{};   ///< of our own readers: from these writers
+    const TypeSupport* type = nullptr;              ///< of our own endpoints
+    std::optional<Now> lost_since;                  ///< by discovery: if it returns, it is seen again
+    bool silent = false;                            ///< its node is not heard of
+    std::set<EndpointId> history_given{};           ///< of our own writers: to these readers
+    std::set<EndpointId> history_came{};            ///< of our own readers: from these writers
+    std::map<EndpointId, std::string> unreached{};  ///< of our own writers: readers in memory, and why
     bool lost() const { return lost_since || silent; }
   };
   struct EarlyRequest {

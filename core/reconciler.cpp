@@ -13,6 +13,7 @@ constexpr std::chrono::milliseconds tick_quiet{50};
 constexpr std::chrono::milliseconds look_at_addresses_every{200};  // costs one call while all stays
 constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
+constexpr std::chrono::milliseconds reach_again_after{1000};
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
 
 /// Whether it failed for the first time, or for another reason than before.
@@ -185,6 +186,7 @@ std::chrono::milliseconds Reconciler::tick(Now now) {
   dirty_ |= may_try_again(now);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   look_after_histories();
+  look_after_reach(now);
   let_go_of_the_left();
   for (const auto& [id, reader] : readers_) reader.core->look_again();
   settle();
@@ -281,10 +283,12 @@ void Reconciler::liveliness_asserted(const Assertion& assertion) {
 void Reconciler::look_after_shm() {
   if (shm_ == nullptr) return;
   Self self = self_;
-  const bool ready = shm_->poll(std::chrono::steady_clock::now()) == Availability::ready;
+  const Availability availability = shm_->poll(std::chrono::steady_clock::now());
+  const bool ready = availability == Availability::ready;
   self.host = ready ? shm_->host_token() : HostToken{};
   self.shm_state = shm_->description();
   self.may_write_shm = shm_->may_write();
+  tell_why_no_shm(availability, self.shm_state);
   if (self == self_) return;
   const bool new_host = self.host != self_.host;
   self_ = self;
@@ -303,6 +307,14 @@ void Reconciler::look_after_shm() {
     announce(id);
     request_changed(id);
   }
+}
+
+/// Once for each reason, until there is some again: it is tried again and again.
+void Reconciler::tell_why_no_shm(Availability availability, const std::string& why) {
+  if (availability == Availability::ready) shm_complaint_.clear();
+  if (availability != Availability::unavailable || why == shm_complaint_) return;
+  shm_complaint_ = why;
+  log_.write(LogLevel::warning, "no shared memory, samples go by UDP: " + why);
 }
 
 /// A transport that the system has stopped cannot be mended from within; status() says so from here on.
@@ -335,6 +347,8 @@ void Reconciler::drop_shm_ports() {
   asking_daemon_ = {};
   for (auto& [id, writer] : writers_) {
     writer.opening_shm = {};
+    for (const auto& [reader, retry] : std::exchange(writer.reaching, {}))
+      dirty_ |= negotiation_.reach_changed(id, reader, {});
     if (writer.shm == nullptr) continue;
     writer.shm.reset();
     writer.in_force.reset();
@@ -458,7 +472,7 @@ void Reconciler::apply_desired_states() {
 }
 
 void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
-  const Serving wanted = negotiation_.serving(id);
+  Serving wanted = negotiation_.serving(id);
   if (!wanted.shm_port || writer.shm != nullptr) {
     writer.opening_shm = {};
   } else {
@@ -470,11 +484,54 @@ void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
       return {};
     });
   }
+  wanted = reachable(id, writer, std::move(wanted));
   if (writer.in_force == wanted) return;
   const bool as_before = writer.in_force && writer.in_force->serves_like(wanted);
   writer.in_force = wanted;
   writer.has_news = true;
   as_before ? writer.core->show(wanted.readers) : writer.core->serve(wanted, writer.shm);
+}
+
+/// Before a reader is served in shared memory it is made sure that it can be told of samples there.
+Serving Reconciler::reachable(EndpointId id, Writer& writer, Serving wanted) {
+  std::erase_if(writer.reaching, [&](const auto& item) {
+    const auto is_it = [&](const Route& route) { return route.reader == item.first; };
+    if (std::ranges::any_of(wanted.shm, is_it) || std::ranges::any_of(wanted.unreached, is_it)) return false;
+    negotiation_.reach_changed(id, item.first, {});  // it is not attached any more
+    return true;
+  });
+  if (writer.shm == nullptr) return wanted;
+  const auto served_before = [&](const Route& route) {
+    return writer.in_force && std::ranges::any_of(writer.in_force->shm, [&](const Route& before) {
+             return before.reader == route.reader && before.destination == route.destination;
+           });
+  };
+  bool changed = false;
+  for (const Route& route : wanted.shm) {
+    if (served_before(route)) continue;
+    const std::string why_not = writer.shm->why_unreachable(route);
+    if (why_not.empty()) {
+      writer.reaching.erase(route.reader);
+      continue;
+    }
+    changed |= negotiation_.reach_changed(id, route.reader, why_not);
+    if (writer.reaching[route.reader].failed(why_not, std::chrono::steady_clock::now(), reach_again_after)) {
+      const Endpoint* reader = negotiation_.known(route.reader);
+      log_.write(LogLevel::warning, writer.core->spec().topic + ": the subscriber of node '" +
+                                        (reader == nullptr ? "" : reader->node) +
+                                        "' is not served in shared memory: " + why_not);
+    }
+  }
+  return changed ? negotiation_.serving(id) : wanted;
+}
+
+/// A reader that could not be told of samples is asked for again: what stood in the way may be gone.
+void Reconciler::look_after_reach(Now now) {
+  for (auto& [id, writer] : writers_) {
+    for (const auto& [reader, retry] : writer.reaching) {
+      if (retry.due_again(now)) dirty_ |= negotiation_.reach_changed(id, reader, {});
+    }
+  }
 }
 
 void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {

@@ -82,9 +82,10 @@ class Reconciler {
     Retry opening_shm{};
     std::optional<Serving> in_force;
     OfferWatch watch;
-    std::set<EndpointId> history_sent{};  ///< to these late readers, at the last tick: all there was
-    PublisherStatus told;                 ///< the state up to which its events were told
-    bool has_news = false;                ///< since then it may have changed
+    std::set<EndpointId> history_sent{};     ///< to these late readers, at the last tick: all there was
+    PublisherStatus told;                    ///< the state up to which its events were told
+    bool has_news = false;                   ///< since then it may have changed
+    std::map<EndpointId, Retry> reaching{};  ///< readers in memory that could not be told of samples
   };
   struct Connecting {
     Retry shm;
@@ -115,6 +116,7 @@ class Reconciler {
   static void watch(Reader& reader);
   std::chrono::milliseconds pace() const;
   void look_after_shm();
+  void tell_why_no_shm(Availability availability, const std::string& why);
   void look_after_udp(Now now);
   void look_after_addresses(Now now);
   bool look_after_connections();
@@ -124,6 +126,8 @@ class Reconciler {
 
   void apply_desired_states();
   void reconcile_writer(EndpointId id, Writer& writer);
+  Serving reachable(EndpointId id, Writer& writer, Serving wanted);
+  void look_after_reach(Now now);
   void reconcile_reader(EndpointId id, Reader& reader);
   Hearing connect(EndpointId id, Reader& reader, const Hearing& wanted, const Hearing& before);
   Result<void> connect_shm(EndpointId id, Reader& reader, const Source& source);
@@ -155,6 +159,7 @@ class Reconciler {
   std::map<EndpointId, Reader> readers_;
   std::vector<Reader> leaving_;  ///< removed within callbacks that have not returned yet
   Self self_;
+  std::string shm_complaint_;  ///< what was said last of shared memory that is not there
   bool udp_failed_ = false;
   std::vector<UdpAddress> addresses_;  ///< as they were announced
   std::vector<Link> links_;

@@ -20,15 +20,18 @@ class Retry {
   /// Whether it has failed, and may be tried again.
   bool due_again(Now now) const { return pause_.count() != 0 && due(now); }
 
-  /// Returns whether that is news: it did not fail before, or for another reason.
-  bool failed(std::string why, Now now) {
-    pause_ = std::clamp(pause_ * 2, pause_min, pause_max);
+  /// Returns whether that is news: it did not fail before, or for another reason. `longest`: until it may be
+  /// tried again.
+  bool failed(std::string why, Now now, std::chrono::milliseconds longest = pause_max) {
+    pause_ = std::clamp(pause_ * 2, pause_min, longest);
     next_ = now + pause_;
     const bool is_news = why != why_;
     why_ = std::move(why);
     return is_news;
   }
   void succeeded() { *this = {}; }
+  /// Why it failed last.
+  const std::string& reason() const { return why_; }
 
  private:
   Now next_{};

@@ -170,6 +170,14 @@ class WriterPort {
   /// once, before anything else.
   virtual void count_in(std::shared_ptr<DeliveryBook> book) { static_cast<void>(book); }
 
+  /// Why that reader, although it is attached, cannot be told here that a sample has come, and so must be
+  /// served otherwise; empty if it can. To be asked before it gets a route, and again later while there is a
+  /// reason.
+  virtual std::string why_unreachable(const Route& to) {
+    static_cast<void>(to);
+    return {};
+  }
+
   /// A route with `history` is served apart: what is sent to it names its reader, and waits until
   /// send_history() was called for it. It may become one without.
   virtual void set_routes(std::vector<Route> routes) = 0;
