@@ -12,6 +12,8 @@
 #include <charconv>
 #include <cstring>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
 #include <system_error>
 
@@ -32,6 +34,11 @@ Doorbell* map(int fd) {
   return memory == MAP_FAILED ? nullptr : static_cast<Doorbell*>(memory);
 }
 
+bool is_whole(int fd) {
+  struct stat status {};
+  return fstat(fd, &status) == 0 && static_cast<std::size_t>(status.st_size) >= page_bytes;
+}
+
 /// An open, locked file of a page's size, or -1.
 int create_file(const std::string& path) {
   const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0660);
@@ -43,6 +50,29 @@ int create_file(const std::string& path) {
   unlink(path.c_str());
   close(fd);
   return -1;
+}
+
+bool is_number(const char* text) {
+  return *text != '\0' && std::strspn(text, "0123456789") == std::strlen(text);
+}
+
+/// Of a page that this process has open under that link, and that has no name any more: its id.
+std::optional<std::uint64_t> nameless_id(const std::filesystem::path& link) {
+  std::error_code ignored;
+  const std::string target = std::filesystem::read_symlink(link, ignored);
+  const std::string begin = std::string(directory) + "/" + std::string(prefix);
+  if (!target.starts_with(begin) || !target.ends_with(" (deleted)")) return std::nullopt;
+  std::uint64_t id = 0;
+  const auto [end, error] =
+      std::from_chars(target.data() + begin.size(), target.data() + target.size(), id, 16);
+  return error == std::errc{} && *end == ' ' ? std::optional(id) : std::nullopt;
+}
+
+void note_nameless_pages(const std::filesystem::path& process, std::map<std::uint64_t, std::string>& pages) {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(process / "fd", ignored)) {
+    if (const auto id = nameless_id(entry.path())) pages.emplace(*id, entry.path());
+  }
 }
 
 }  // namespace
@@ -84,16 +114,37 @@ std::unique_ptr<DoorbellPage> DoorbellPage::create() {
   return std::unique_ptr<DoorbellPage>(new DoorbellPage(0, bells, -1));
 }
 
-Result<std::unique_ptr<DoorbellPage>> DoorbellPage::open(std::uint64_t id) {
+Result<std::unique_ptr<DoorbellPage>> DoorbellPage::open(std::uint64_t id, const TrustedAccounts& accounts) {
   const std::string path = path_of(id);
-  const int fd = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-  if (fd < 0) return fail(Errc::unavailable, path + ": " + std::strerror(errno));
-  struct stat status {};
+  const auto file = open_trusted_file(path, O_RDWR, accounts);
+  if (!file) return tl::unexpected(file.error());
+  return share(id, *file);
+}
+
+std::map<std::uint64_t, std::string> DoorbellPage::nameless_pages() {
+  std::map<std::uint64_t, std::string> pages;
+  std::error_code ignored;
+  for (const auto& process : std::filesystem::directory_iterator("/proc", ignored)) {
+    struct stat status {};
+    if (!is_number(process.path().filename().c_str()) || stat(process.path().c_str(), &status) != 0) continue;
+    if (status.st_uid == geteuid()) note_nameless_pages(process.path(), pages);
+  }
+  return pages;
+}
+
+Result<std::unique_ptr<DoorbellPage>> DoorbellPage::open_nameless(std::uint64_t id, const std::string& link) {
+  const FileDescriptor file(::open(link.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK));
+  struct stat opened {};
+  const bool is_page = file && nameless_id(link) == id && fstat(file.get(), &opened) == 0 &&
+                       S_ISREG(opened.st_mode) && opened.st_uid == geteuid();
+  if (!is_page) return fail(Errc::unavailable, path_of(id) + " is not open in any process any more");
+  return share(id, file);
+}
+
+Result<std::unique_ptr<DoorbellPage>> DoorbellPage::share(std::uint64_t id, const FileDescriptor& file) {
   // A shorter file would make every ring a SIGBUS.
-  const bool whole = fstat(fd, &status) == 0 && static_cast<std::size_t>(status.st_size) >= page_bytes;
-  Doorbell* bells = whole ? map(fd) : nullptr;
-  close(fd);
-  if (bells == nullptr) return fail(Errc::malformed, path + ": not a doorbell page");
+  Doorbell* bells = is_whole(file.get()) ? map(file.get()) : nullptr;
+  if (bells == nullptr) return fail(Errc::malformed, path_of(id) + ": not a doorbell page");
   return std::unique_ptr<DoorbellPage>(new DoorbellPage(id, bells, -1));
 }
 
@@ -103,13 +154,10 @@ std::size_t DoorbellPage::sweep() noexcept {
   for (const auto& entry : std::filesystem::directory_iterator(directory, ignored)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(prefix)) continue;
-    const int fd = ::open(entry.path().c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    if (fd < 0) continue;
+    const auto file = open_trusted_file(entry.path(), O_RDWR, {.everybody = true});
     // A new page is empty until its owner has locked it: leave those alone.
-    struct stat status {};
-    const bool filled = fstat(fd, &status) == 0 && static_cast<std::size_t>(status.st_size) >= page_bytes;
-    if (filled && flock(fd, LOCK_EX | LOCK_NB) == 0 && unlink(entry.path().c_str()) == 0) ++removed;
-    close(fd);
+    if (!file || !is_whole(file->get())) continue;
+    if (flock(file->get(), LOCK_EX | LOCK_NB) == 0 && unlink(entry.path().c_str()) == 0) ++removed;
   }
   return removed;
 }

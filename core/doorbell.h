@@ -10,9 +10,11 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
+#include "core/trusted_file.h"
 #include "sft/typesupport/result.h"
 
 namespace sft::core {
@@ -64,8 +66,14 @@ class DoorbellPage {
   /// A page of this process under a random id. Where /dev/shm cannot be used it is private memory with id 0:
   /// local readers work, and no other process can ring.
   static std::unique_ptr<DoorbellPage> create();
-  /// A page of another process (or of this one), to ring.
-  static Result<std::unique_ptr<DoorbellPage>> open(std::uint64_t id);
+  /// A page of another process (or of this one), to ring. Only one of these accounts: whoever owns a page can
+  /// make it shorter, which would end whoever rings in it.
+  static Result<std::unique_ptr<DoorbellPage>> open(std::uint64_t id, const TrustedAccounts& accounts = {});
+  /// Somebody may have removed the names of pages: a clean-up script, or a service manager at log-out. Those
+  /// of processes of this account are found among what these have open: links to open them by. Looks through
+  /// all processes, which takes milliseconds.
+  static std::map<std::uint64_t, std::string> nameless_pages();
+  static Result<std::unique_ptr<DoorbellPage>> open_nameless(std::uint64_t id, const std::string& link);
   /// Where a page with that id lies.
   static std::string path_of(std::uint64_t id);
   /// Removes the pages of processes that are gone; returns how many.
@@ -79,6 +87,7 @@ class DoorbellPage {
   Doorbell& at(std::uint32_t slot) { return bells_[slot]; }
 
  private:
+  static Result<std::unique_ptr<DoorbellPage>> share(std::uint64_t id, const FileDescriptor& file);
   DoorbellPage(std::uint64_t id, Doorbell* bells, int fd) : id_(id), bells_(bells), fd_(fd) {}
 
   std::uint64_t id_;

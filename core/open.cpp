@@ -42,6 +42,7 @@ Result<std::unique_ptr<core::Transport>> open_shm(const NodeOptions& options) {
   shm.daemon_path = options.shm.daemon_path;
   shm.start_daemon = options.shm.start_daemon;
   shm.daemon_idle_exit = options.shm.daemon_idle_exit;
+  shm.daemon_users = options.shm.daemon_users;
   return shm::open_shm_transport(shm);
 }
 

@@ -1,11 +1,16 @@
 #include "shm_transport/access.h"
 
+#include <fcntl.h>
 #include <sys/acl.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <memory>
 #include <type_traits>
+
+#include "core/file_descriptor.h"
 
 namespace sft::shm {
 
@@ -42,13 +47,20 @@ acl_entry_t entry_for(acl_t& list, acl_tag_t tag, id_t id) {
 
 Result<void> grant(const std::string& path, acl_tag_t tag, id_t id) {
   static_assert(std::is_same_v<id_t, uid_t> && std::is_same_v<id_t, gid_t>);
-  acl_t list = acl_get_file(path.c_str(), ACL_TYPE_ACCESS);
+  // Somebody else may have put a link there since: the list is that of what was looked at.
+  const core::FileDescriptor place(open(path.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
+  struct stat file {};
+  if (!place || fstat(place.get(), &file) != 0) return fail_on(path);
+  if (file.st_uid != geteuid() || S_ISLNK(file.st_mode))
+    return fail(Errc::no_permission, path + " is no file of this account any more");
+  const std::string opened = "/proc/self/fd/" + std::to_string(place.get());
+  acl_t list = acl_get_file(opened.c_str(), ACL_TYPE_ACCESS);
   if (list == nullptr) return fail_on(path);
   acl_permset_t rights{};
   const acl_entry_t entry = entry_for(list, tag, id);
   const bool granted = entry != nullptr && acl_get_permset(entry, &rights) == 0 &&
                        acl_add_perm(rights, ACL_READ) == 0 && acl_add_perm(rights, ACL_WRITE) == 0 &&
-                       acl_calc_mask(&list) == 0 && acl_set_file(path.c_str(), ACL_TYPE_ACCESS, list) == 0;
+                       acl_calc_mask(&list) == 0 && acl_set_file(opened.c_str(), ACL_TYPE_ACCESS, list) == 0;
   const int error = errno;
   acl_free(list);
   errno = error;

@@ -10,8 +10,8 @@
 
 namespace sft::shm {
 
-/// To read and write, whatever the file's own bits say. The caller owns the file; no link is at that path.
-/// Errc::unavailable where the file system has no such lists.
+/// To read and write, whatever the file's own bits say. The caller owns the file, and no link at that path is
+/// followed. Errc::unavailable where the file system has no such lists.
 Result<void> grant_to_user(const std::string& path, uid_t user);
 Result<void> grant_to_group(const std::string& path, gid_t group);
 

@@ -1,5 +1,6 @@
 #include "shm_transport/daemon_link.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cctype>
@@ -7,12 +8,15 @@
 #include <utility>
 
 #include "core/random_id.h"
+#include "shm_transport/accepted_daemons.h"
 
 namespace sft::shm {
 
 namespace {
 
 using core::Availability;
+
+constexpr std::chrono::milliseconds longest_pause_after_a_start{2'000};
 
 /// sft_<prefix>_<pid>_<random>: unique among the processes that a daemon serves, as it must be.
 std::string make_runtime_name(const std::string& prefix) {
@@ -24,13 +28,23 @@ std::string make_runtime_name(const std::string& prefix) {
   return name + rest;
 }
 
-/// iceoryx's socket answers, but there is no sign of sftd in /dev/shm.
-std::string why_roudi_is_not_ours() {
-  if (is_locked_at(daemon_lock_path)) {
+/// Somebody serves iceoryx's programs in this /tmp, or has the lock of such a daemon.
+bool somebody_serves() {
+  return is_locked_at(daemon_lock_path) || listener_at(roudi_socket_path) == Listener::alive;
+}
+
+/// That somebody, of whom there is no sign in /dev/shm.
+std::string why_nobody_serves_us(const core::TrustedAccounts& accepted) {
+  struct stat socket {};
+  if (const auto daemon = read_daemon_lock()) {
+    if (!accepted.include_user(daemon->user)) return why_not_accepted(daemon->user);
+    if (daemon->serves_this_shm()) return names_are_gone(daemon->pid);
     return "sftd is running with another /dev/shm than this program's; share it (docker run --ipc=host)";
   }
-  return "iceoryx is served by another daemon than sftd (its iox-roudi?); stop that one, and sftd will be "
-         "started";
+  const std::string whose =
+      lstat(roudi_socket_path, &socket) == 0 ? " of " + core::account_name(socket.st_uid) : "";
+  return "iceoryx is served by another daemon than sftd (its iox-roudi?)" + whose +
+         "; stop that one, and sftd will be started";
 }
 
 std::string daemon_name(pid_t pid) { return "sftd (pid " + std::to_string(pid) + ")"; }
@@ -61,19 +75,28 @@ DaemonLink::State DaemonLink::advance(const ShmOptions& options,
 }
 
 void DaemonLink::look(const ShmOptions& options, Clock::time_point now) {
-  HostWatch::Look found = HostWatch::look();
+  const core::TrustedAccounts accepted =
+      accepted_daemons(user_ids(options.daemon_users).value_or(std::vector<uid_t>{}));
+  HostWatch::Look found = HostWatch::look(accepted);
   if (found.finding == HostWatch::Finding::starting) return await_host_file(options, now);
   deadline_.reset();
   if (found.finding == HostWatch::Finding::alive) {
     const auto& token = found.watch->file().token;
     if (std::exchange(registered_with_, token) != token) registering_.succeeded();
     if (registering_.due(now)) begin_registration(options, std::move(*found.watch), now);
-  } else if (listener_at(roudi_socket_path) != Listener::gone) {
-    publish(Availability::unavailable, why_roudi_is_not_ours());
+  } else if (found.finding == HostWatch::Finding::foreign) {
+    publish(Availability::unavailable, why_not_accepted(found.user));
+  } else if (const auto lock = read_daemon_lock();
+             lock && lock->pid == 0 && accepted.include_user(lock->user)) {
+    publish(Availability::starting, "sftd is starting or ending");
+  } else if (somebody_serves()) {
+    publish(Availability::unavailable, why_nobody_serves_us(accepted));
   } else if (!options.start_daemon) {
     publish(Availability::unavailable, "no sftd is running, and starting one is turned off; run sftd");
   } else if (launching_.due(now)) {
     launch(options, now);
+  } else {
+    publish(Availability::unavailable, launching_.reason());
   }
 }
 
@@ -108,7 +131,8 @@ void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) 
   phase_ = Phase::looking;
   deadline_.reset();
   // A daemon that ends as soon as it is ready would be started again and again without this.
-  launching_.failed({}, now);
+  launching_.failed("sftd has ended again after it was started; it is started once more within 2 s", now,
+                    longest_pause_after_a_start);
   look(options, now);
 }
 
@@ -120,7 +144,7 @@ void DaemonLink::begin_registration(const ShmOptions& options, HostWatch watch, 
             " is of another version than this program; end it (sftd stop), and start that of this one",
         now);
   }
-  auto channel = RoudiChannel::open(make_runtime_name(options.runtime_name_prefix));
+  auto channel = RoudiChannel::open(make_runtime_name(options.runtime_name_prefix), watch.user());
   if (!channel) {
     return give_up(registering_,
                    daemon_name(watch.file().pid) + " cannot be reached: " + channel.error().message, now);

@@ -6,6 +6,10 @@
 
 namespace sft::shm {
 
+namespace {
+constexpr std::chrono::milliseconds search_interval{500};
+}
+
 void Doorbells::add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot,
                     std::shared_ptr<const core::RateGate> gate) {
   core::Doorbell* bell = page == nullptr ? nullptr : &page->at(slot);
@@ -49,26 +53,51 @@ void DoorbellPages::ring(const std::shared_ptr<const Doorbells>& bells) noexcept
   if (sleepers == 1 || !waker_.run(bells)) bells->run();
 }
 
-std::shared_ptr<const Doorbells> DoorbellPages::doorbells_of(const std::vector<core::Route>& routes) {
+Result<std::shared_ptr<core::DoorbellPage>> DoorbellPages::page_of(const core::Route& route,
+                                                                   const core::TrustedAccounts& accounts) {
+  const auto* address = std::get_if<core::DoorbellAddress>(&route.destination);
+  if (address == nullptr || address->slot >= core::DoorbellPage::slots)
+    return fail(Errc::malformed, "it has announced no doorbell that there can be");
+  return open(address->page, accounts);
+}
+
+std::shared_ptr<const Doorbells> DoorbellPages::doorbells_of(const std::vector<core::Route>& routes,
+                                                             const core::TrustedAccounts& accounts) {
   auto doorbells = std::make_shared<Doorbells>();
   for (const core::Route& route : routes) {
     const auto* address = std::get_if<core::DoorbellAddress>(&route.destination);
     if (address == nullptr || address->slot >= core::DoorbellPage::slots) continue;
-    doorbells->add(open(address->page), address->slot, route.gate);
+    doorbells->add(open(address->page, accounts).value_or(nullptr), address->slot, route.gate);
   }
   if (doorbells->size() > 1) waker_.start();
   return doorbells;
 }
 
-std::shared_ptr<core::DoorbellPage> DoorbellPages::open(std::uint64_t id) {
+/// Where others announce pages that there are not, processes are not looked through for each of these.
+std::string DoorbellPages::nameless_link(std::uint64_t id) {
+  const auto now = std::chrono::steady_clock::now();
+  if (now >= next_search_) {
+    nameless_ = core::DoorbellPage::nameless_pages();
+    next_search_ = now + search_interval;
+  }
+  const auto found = nameless_.find(id);
+  return found == nameless_.end() ? "" : found->second;
+}
+
+Result<std::shared_ptr<core::DoorbellPage>> DoorbellPages::open(std::uint64_t id,
+                                                                const core::TrustedAccounts& accounts) {
   {
     const std::scoped_lock lock(mutex_);
     if (const auto known = pages_.find(id); known != pages_.end()) {
       if (auto page = known->second.lock()) return page;
     }
   }
-  auto opened = core::DoorbellPage::open(id);
-  if (!opened) return nullptr;
+  auto opened = core::DoorbellPage::open(id, accounts);
+  if (!opened && opened.error().code == Errc::unavailable) {
+    if (const std::string link = nameless_link(id); !link.empty())
+      opened = core::DoorbellPage::open_nameless(id, link);
+  }
+  if (!opened) return tl::unexpected(opened.error());
   std::shared_ptr<core::DoorbellPage> page = std::move(*opened);
   const std::scoped_lock lock(mutex_);
   std::erase_if(pages_, [](const auto& entry) { return entry.second.expired(); });

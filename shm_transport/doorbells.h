@@ -3,11 +3,13 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "core/doorbell.h"
@@ -51,15 +53,26 @@ class Doorbells final : public Errand {
 /// Any thread.
 class DoorbellPages {
  public:
+  /// The page that a reader's doorbell is in, or why it cannot be rung. `accounts`: whose pages may be
+  /// opened.
+  Result<std::shared_ptr<core::DoorbellPage>> page_of(const core::Route& route,
+                                                      const core::TrustedAccounts& accounts);
   /// Doorbells that cannot be opened (their process is gone) are left out.
-  std::shared_ptr<const Doorbells> doorbells_of(const std::vector<core::Route>& routes);
+  std::shared_ptr<const Doorbells> doorbells_of(const std::vector<core::Route>& routes,
+                                                const core::TrustedAccounts& accounts = {});
 
   /// The publisher's thread: rings for the sample at hand. A single sleeper it wakes itself; several it
   /// leaves to a thread of the node.
   void ring(const std::shared_ptr<const Doorbells>& bells) noexcept;
 
  private:
-  std::shared_ptr<core::DoorbellPage> open(std::uint64_t id);
+  Result<std::shared_ptr<core::DoorbellPage>> open(std::uint64_t id, const core::TrustedAccounts& accounts);
+
+  std::string nameless_link(std::uint64_t id);
+
+  // Of the thread that sets routes.
+  std::map<std::uint64_t, std::string> nameless_;  ///< pages whose names somebody removed (core/doorbell.h)
+  std::chrono::steady_clock::time_point next_search_{};
 
   Waker waker_;
   std::mutex mutex_;

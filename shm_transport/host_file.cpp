@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -10,6 +11,7 @@
 #include <charconv>
 #include <cstring>
 #include <fstream>
+#include <sstream>
 
 namespace sft::shm {
 
@@ -44,6 +46,7 @@ bool take_line(HostFile& file, std::string_view key, std::string_view value) {
   if (key == "protocol") return from_decimal(value, file.protocol);
   if (key == "segment_id") return from_decimal(value, file.segment_id);
   if (key == "segment_bytes") return from_decimal(value, file.segment_bytes);
+  if (key == "readers") return from_decimal(value, file.readers.emplace());
   if (key == "segment") {
     file.segment = value;
     return value.find('/') == std::string_view::npos;
@@ -71,6 +74,7 @@ std::string format(const HostFile& file) {
     text += "\nsegment_id " + std::to_string(file.segment_id);
     text += "\nsegment_bytes " + std::to_string(file.segment_bytes);
   }
+  if (file.readers) text += "\nreaders " + std::to_string(*file.readers);
   return text + "\nend\n";
 }
 
@@ -88,14 +92,46 @@ std::optional<HostFile> parse_host_file(std::string_view text) {
   return std::nullopt;
 }
 
-HostWatch::Look HostWatch::look() {
-  Descriptor descriptor(open(host_file_path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  if (!descriptor || !is_locked(descriptor.get())) return {};
+HostWatch::Look HostWatch::look(const core::TrustedAccounts& accepted) {
+  auto descriptor = core::open_trusted_file(host_file_path, O_RDONLY, {.everybody = true});
+  struct stat opened {};
+  if (!descriptor || !is_locked(descriptor->get()) || fstat(descriptor->get(), &opened) != 0) return {};
+  if (!accepted.include_user(opened.st_uid)) return {.finding = Finding::foreign, .user = opened.st_uid};
   char text[1024];
-  const ssize_t bytes = pread(descriptor.get(), text, sizeof text, 0);
+  const ssize_t bytes = pread(descriptor->get(), text, sizeof text, 0);
   const auto file = parse_host_file({text, static_cast<std::size_t>(std::max<ssize_t>(bytes, 0))});
-  if (!file) return {Finding::starting, {}};
-  return {Finding::alive, HostWatch(std::move(descriptor), *file)};
+  if (!file) return {.finding = Finding::starting};
+  return {.finding = Finding::alive, .watch = HostWatch(std::move(*descriptor), *file, opened.st_uid)};
+}
+
+std::string format_lock(const DaemonLock& lock) {
+  return "pid " + std::to_string(lock.pid) + "\nshm_device " + std::to_string(lock.shm_device) + "\n";
+}
+
+bool DaemonLock::serves_this_shm() const {
+  struct stat shm {};
+  return pid != 0 && stat("/dev/shm", &shm) == 0 && shm.st_dev == shm_device;
+}
+
+std::optional<DaemonLock> read_daemon_lock() {
+  const auto file = core::open_trusted_file(daemon_lock_path, O_RDONLY, {.everybody = true});
+  struct stat opened {};
+  if (!file || !is_locked(file->get()) || fstat(file->get(), &opened) != 0) return std::nullopt;
+  char text[256];
+  const ssize_t bytes = pread(file->get(), text, sizeof text, 0);
+  DaemonLock lock{.user = opened.st_uid};
+  std::istringstream words(std::string(text, static_cast<std::size_t>(std::max<ssize_t>(bytes, 0))));
+  for (std::string key; words >> key;) {
+    if (key == "pid") words >> lock.pid;
+    if (key == "shm_device") words >> lock.shm_device;
+  }
+  return lock;
+}
+
+std::string names_are_gone(pid_t daemon) {
+  return "somebody has removed the files of sftd (pid " + std::to_string(daemon) +
+         ") from /dev/shm or /tmp (a clean-up script, or systemd's RemoveIPC= at log-out), and so nobody can "
+         "join it; it begins afresh in a moment";
 }
 
 core::HostToken host_token(const HostFile& file) {

@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "core/transport.h"
+#include "core/trusted_file.h"
 #include "shm_transport/file_lock.h"
 
 namespace sft::shm {
@@ -41,6 +42,7 @@ struct HostFile {
   std::string segment{};               ///< name of the segment with the samples, in /dev/shm
   std::uint64_t segment_id = 0;        ///< in iceoryx's relative pointers
   std::uint64_t segment_bytes = 0;
+  std::optional<gid_t> readers{};  ///< the group that only reads samples, where there is one
 };
 
 std::string format(const HostFile& file);
@@ -49,25 +51,50 @@ std::optional<HostFile> parse_host_file(std::string_view text);
 /// An open host file. Alive as long as the daemon that wrote it.
 class HostWatch {
  public:
-  enum class Finding { absent, starting, alive };
+  enum class Finding {
+    absent,
+    starting,
+    alive,
+    foreign,  ///< of an account that is not accepted: alive, but not to be believed
+  };
   struct Look;
-  static Look look();
+  /// Never waits. `accepted`: whose daemon may be one.
+  static Look look(const core::TrustedAccounts& accepted);
 
   const HostFile& file() const { return file_; }
+  /// The daemon's account.
+  uid_t user() const { return user_; }
   /// One system call, right even if another daemon has replaced the file meanwhile.
   bool daemon_lives() const noexcept { return is_locked(descriptor_.get()); }
 
  private:
-  HostWatch(Descriptor descriptor, HostFile file) : descriptor_(std::move(descriptor)), file_(file) {}
+  HostWatch(Descriptor descriptor, HostFile file, uid_t user)
+      : descriptor_(std::move(descriptor)), file_(std::move(file)), user_(user) {}
 
   Descriptor descriptor_;
   HostFile file_;
+  uid_t user_;
 };
 
 struct HostWatch::Look {
   Finding finding = Finding::absent;
   std::optional<HostWatch> watch{};  ///< where it is alive
+  uid_t user = 0;                    ///< where it is foreign: whose it is
 };
+
+/// What a living daemon's lock in /tmp says, also where its sign in /dev/shm cannot be seen.
+struct DaemonLock {
+  pid_t pid = 0;         ///< 0: it has not said yet
+  dev_t shm_device = 0;  ///< the number of its /dev/shm, which no other one has meanwhile
+  uid_t user = 0;        ///< whose it is
+  /// Whether the daemon has begun, and with this process's /dev/shm.
+  bool serves_this_shm() const;
+};
+std::string format_lock(const DaemonLock& lock);
+/// Nothing where nobody holds the lock.
+std::optional<DaemonLock> read_daemon_lock();
+/// What to say where its sign and its memory were removed from the same /dev/shm.
+std::string names_are_gone(pid_t daemon);
 
 /// boot_id and the daemon's token.
 core::HostToken host_token(const HostFile& file);

@@ -1,5 +1,6 @@
 #include "shm_transport/roudi_channel.h"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -12,6 +13,7 @@
 #include <cstring>
 #include <tuple>
 
+#include "core/trusted_file.h"
 #include "shm_transport/access.h"
 #include "shm_transport/host_file.h"
 
@@ -36,14 +38,13 @@ std::string path_of(const std::string& runtime_name) {
 
 /// The daemon may be another user. Where single users cannot be let in, its group is, if this process is in
 /// it.
-void let_daemon_answer(const std::string& path) {
-  struct stat daemon {};
-  if (stat(roudi_socket_path, &daemon) != 0 || daemon.st_uid == geteuid()) return;
+void let_daemon_answer(const std::string& path, const struct stat& daemon) {
+  if (daemon.st_uid == geteuid()) return;
   if (grant_to_user(path, daemon.st_uid)) return;
   if (chown(path.c_str(), geteuid(), daemon.st_gid) == 0) chmod(path.c_str(), 0660);
 }
 
-Result<Descriptor> listen_at(const std::string& path) {
+Result<Descriptor> listen_at(const std::string& path, const struct stat& daemon) {
   Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const sockaddr_un address = address_of(path);
   if (!socket || bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
@@ -51,13 +52,21 @@ Result<Descriptor> listen_at(const std::string& path) {
                 path + ": " + std::strerror(errno) + "; shared memory needs a writable /tmp");
   }
   chmod(path.c_str(), 0600);
-  let_daemon_answer(path);
+  let_daemon_answer(path, daemon);
   return socket;
 }
 
-Result<Descriptor> connect_to(const char* path) {
-  Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  const sockaddr_un address = address_of(path);
+/// The daemon's end, which is of its account: whoever else has put a socket there would get what is for it.
+/// What was looked at is connected to, whatever the path names by then.
+Result<Descriptor> connect_to(const char* path, uid_t daemon_user, struct stat& daemon) {
+  const Descriptor place(::open(path, O_PATH | O_NOFOLLOW | O_CLOEXEC));
+  const bool there = place && fstat(place.get(), &daemon) == 0;
+  if (there && (!S_ISSOCK(daemon.st_mode) || daemon.st_uid != daemon_user))
+    return fail(Errc::address_in_use, std::string(path) + " is not the daemon's socket, but something of " +
+                                          core::account_name(daemon.st_uid) +
+                                          "; remove it, and end the daemon: sftd stop");
+  Descriptor socket(there ? ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0) : -1);
+  const sockaddr_un address = address_of("/proc/self/fd/" + std::to_string(place.get()));
   if (!socket || connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     if (errno == EACCES) {
       return fail(Errc::no_permission,
@@ -149,10 +158,11 @@ RoudiChannel::RoudiChannel(std::string runtime_name, Descriptor from_daemon, Des
 
 RoudiChannel::~RoudiChannel() { unlink(path_of(runtime_name_).c_str()); }
 
-Result<std::unique_ptr<RoudiChannel>> RoudiChannel::open(const std::string& runtime_name) {
-  auto to_daemon = connect_to(roudi_socket_path);
+Result<std::unique_ptr<RoudiChannel>> RoudiChannel::open(const std::string& runtime_name, uid_t daemon_user) {
+  struct stat daemon {};
+  auto to_daemon = connect_to(roudi_socket_path, daemon_user, daemon);
   if (!to_daemon) return tl::unexpected(to_daemon.error());
-  auto from_daemon = listen_at(path_of(runtime_name));
+  auto from_daemon = listen_at(path_of(runtime_name), daemon);
   if (!from_daemon) return tl::unexpected(from_daemon.error());
   std::unique_ptr<RoudiChannel> channel(
       new RoudiChannel(runtime_name, std::move(*from_daemon), std::move(*to_daemon)));

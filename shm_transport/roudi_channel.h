@@ -41,8 +41,9 @@ class RoudiChannel {
   /// it is not.
   using Claim = std::function<bool(const PortPlace& place, const std::string& label)>;
 
-  /// Asks the daemon to register this process under `runtime_name`; does not wait for the answer.
-  static Result<std::unique_ptr<RoudiChannel>> open(const std::string& runtime_name);
+  /// Asks the daemon, which is of that account, to register this process under `runtime_name`; does not wait
+  /// for the answer.
+  static Result<std::unique_ptr<RoudiChannel>> open(const std::string& runtime_name, uid_t daemon_user);
   ~RoudiChannel();
 
   /// The answer to that, once it is there.

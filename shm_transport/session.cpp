@@ -50,25 +50,24 @@ core::EndpointId late_reader_in(std::string_view label) noexcept {
 
 }  // namespace
 
-Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool writable) {
-  const Descriptor file(shm_open(("/" + name).c_str(), (writable ? O_RDWR : O_RDONLY) | O_CLOEXEC, 0));
-  struct stat status {};
-  if (!file || fstat(file.get(), &status) != 0) {
-    const bool forbidden = errno == EACCES;
-    return fail(forbidden ? Errc::no_permission : Errc::unavailable,
-                "/dev/shm/" + name + ": " + std::strerror(errno) +
+Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool writable, uid_t owner) {
+  const std::string path = "/dev/shm/" + name;
+  const auto file = core::open_trusted_file(path, writable ? O_RDWR : O_RDONLY, {.users = {owner}});
+  if (!file) {
+    const bool forbidden = file.error().code == Errc::no_permission;
+    return fail(file.error().code,
+                file.error().message +
                     (forbidden ? "; run this program as a member of a group that sftd serves" : ""));
   }
-  if (static_cast<std::size_t>(status.st_size) < bytes) {
-    return fail(Errc::malformed, "/dev/shm/" + name + " is shorter than sftd said");
-  }
+  struct stat status {};
+  if (fstat(file->get(), &status) != 0 || static_cast<std::size_t>(status.st_size) < bytes)
+    return fail(Errc::malformed, path + " is shorter than sftd said");
   void* memory =
-      mmap(nullptr, bytes, writable ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, file.get(), 0);
-  if (memory == MAP_FAILED)
-    return fail(Errc::out_of_memory, "/dev/shm/" + name + ": " + std::strerror(errno));
+      mmap(nullptr, bytes, writable ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, file->get(), 0);
+  if (memory == MAP_FAILED) return fail(Errc::out_of_memory, path + ": " + std::strerror(errno));
   // Once its name is gone, the memory would be in every core dump.
   madvise(memory, bytes, MADV_DONTDUMP);
-  return Mapping({static_cast<std::byte*>(memory), bytes});
+  return Mapping({static_cast<std::byte*>(memory), bytes}, status.st_gid);
 }
 
 Mapping::~Mapping() {
@@ -132,7 +131,7 @@ Result<void> Session::add_samples() {
 
 Result<void> Session::add_segment(std::uint64_t id, const std::string& name, std::size_t bytes,
                                   bool writable) {
-  auto mapping = Mapping::open(name, bytes, writable);
+  auto mapping = Mapping::open(name, bytes, writable, watch_.user());
   if (!mapping) return tl::unexpected(mapping.error());
   if (!runtime_->announce_segment(id, mapping->bytes())) {
     return fail(Errc::address_in_use,
@@ -221,9 +220,21 @@ core::EndpointId Session::late_reader_at(const ChunkQueue& queue) const noexcept
 }
 
 void Session::admit_writers(std::uint64_t doorbell_page) const {
-  struct stat management {};
-  if (stat((std::string("/dev/shm/") + iox::roudi::SHM_NAME).c_str(), &management) != 0) return;
-  std::ignore = grant_to_group(core::DoorbellPage::path_of(doorbell_page), management.st_gid);
+  const std::string path = core::DoorbellPage::path_of(doorbell_page);
+  const auto page = core::open_trusted_file(path, O_RDWR);
+  if (!page) return;  // a writer that cannot open it says why
+  const gid_t writers = segments_.front().mapping.group();
+  if (fchown(page->get(), static_cast<uid_t>(-1), writers) == 0) return;
+  // Only members can give a file to a group: who only reads is in the other one.
+  if (const auto readers = watch_.file().readers)
+    std::ignore = fchown(page->get(), static_cast<uid_t>(-1), *readers);
+  std::ignore = grant_to_group(path, writers);
+}
+
+core::TrustedAccounts Session::reader_accounts() const {
+  core::TrustedAccounts accounts{.users = {watch_.user()}, .groups = {segments_.front().mapping.group()}};
+  if (const auto readers = watch_.file().readers) accounts.groups.push_back(*readers);
+  return accounts;
 }
 
 ChunkPools& Session::pools(const iox::mepoo::MemoryManager& pools) {

@@ -40,17 +40,20 @@ class SessionMember {
 /// A segment of shared memory in this process.
 class Mapping {
  public:
-  static Result<Mapping> open(const std::string& name, std::size_t bytes, bool writable);
-  Mapping(Mapping&& other) noexcept : memory_(std::exchange(other.memory_, {})) {}
+  /// Of a segment that belongs to `owner`, the daemon's account: another one could make it shorter.
+  static Result<Mapping> open(const std::string& name, std::size_t bytes, bool writable, uid_t owner);
+  Mapping(Mapping&& other) noexcept : memory_(std::exchange(other.memory_, {})), group_(other.group_) {}
   Mapping& operator=(Mapping&&) = delete;
   ~Mapping();
 
   std::span<std::byte> bytes() const { return memory_; }
+  gid_t group() const { return group_; }  ///< of the file
   bool contains(const void* data, std::size_t size) const;
 
  private:
-  explicit Mapping(std::span<std::byte> memory) : memory_(memory) {}
+  Mapping(std::span<std::byte> memory, gid_t group) : memory_(memory), group_(group) {}
   std::span<std::byte> memory_;
+  gid_t group_;
 };
 
 class Session : public std::enable_shared_from_this<Session> {
@@ -77,8 +80,12 @@ class Session : public std::enable_shared_from_this<Session> {
   /// The reader that a queue was made for in that way; 0 for others. Looks at all queues of the host.
   core::EndpointId late_reader_at(
       const iox::popo::SubscriberPortData::ChunkQueueData_t& queue) const noexcept;
-  /// Lets all that may write samples ring in a page of this process's (core/doorbell.h).
+  /// Lets all that may write samples ring in a page of this process's (core/doorbell.h), and see by its group
+  /// that it is of somebody whom the daemon serves.
   void admit_writers(std::uint64_t doorbell_page) const;
+  /// Whom the daemon serves: whose doorbells may be rung. Each of them could also make the daemon's own
+  /// memory shorter, so that a page of theirs takes no more trust than that does.
+  core::TrustedAccounts reader_accounts() const;
   /// The pools that its writers take from, of which this process sees one set.
   ChunkPools& pools(const iox::mepoo::MemoryManager& pools);
   /// The writer's port that delivers into this port's queue, or null. Looks at all writers of the host.

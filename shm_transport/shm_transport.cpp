@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "shm_transport/accepted_daemons.h"
 #include "shm_transport/doorbells.h"
 #include "shm_transport/iceoryx_runtime.h"
 #include "shm_transport/reader_port.h"
@@ -51,7 +52,8 @@ class ShmTransport final : public core::Transport {
       return tl::unexpected(keeper.error());
     }
     auto chunks = ChunkLender::make(session_, **publisher, **keeper, spec, options_.held_limit);
-    return std::make_unique<ShmWriterPort>(std::move(chunks), pages_, statistics_);
+    return std::make_unique<ShmWriterPort>(std::move(chunks), pages_, statistics_,
+                                           session_->reader_accounts());
   }
 
   Result<std::unique_ptr<core::ReaderPort>> open_reader(const core::ReaderSpec& spec) override {
@@ -82,7 +84,11 @@ class ShmTransport final : public core::Transport {
 }  // namespace
 
 Result<std::unique_ptr<core::Transport>> open_shm_transport(const ShmOptions& options) {
+  const auto users = user_ids(options.daemon_users);
+  if (!users) return tl::unexpected(users.error());
   ShmOptions clamped = options;
+  clamped.daemon_users.clear();  // as numbers: names cost a look into a file, or a question to a server
+  for (const uid_t user : *users) clamped.daemon_users.push_back(std::to_string(user));
   clamped.queue_limit = std::clamp(options.queue_limit, 1U, 256U);
   clamped.held_limit = std::clamp(options.held_limit, 1U, 256U);
   return std::make_unique<ShmTransport>(clamped);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/transport.h"
 #include "sft/typesupport/result.h"
@@ -16,6 +17,10 @@ struct ShmOptions {
   std::string daemon_path{};
   bool start_daemon = true;                  ///< when none runs
   std::chrono::seconds daemon_idle_exit{0};  ///< one started so ends without clients for so long; 0: never
+
+  /// Accounts, by name or number, whose daemon is used besides that of root, of this account, and of the
+  /// owner of /run/sft (accepted_daemons.h). What one node of a process accepts holds for all of them.
+  std::vector<std::string> daemon_users{};
 
   /// Of this process's name with the daemon, for people who look there.
   std::string runtime_name_prefix = "node";
@@ -29,6 +34,7 @@ struct ShmOptions {
 };
 
 /// Does not wait and does not fail for want of a daemon: Transport::poll looks after that.
+/// Errc::invalid_argument names an account in daemon_users that does not exist.
 Result<std::unique_ptr<core::Transport>> open_shm_transport(const ShmOptions& options);
 
 }  // namespace sft::shm

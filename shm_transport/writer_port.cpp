@@ -237,9 +237,16 @@ bool ShmWriterPort::begin_with(const core::Route& to, const std::vector<SampleHa
   if (!chunks_->begin(to.reader, retained, held_back)) return false;
   core::Route whatever_its_rate = to;
   whatever_its_rate.gate = nullptr;
-  const auto bell = pages_->doorbells_of({whatever_its_rate});
+  const auto bell = pages_->doorbells_of({whatever_its_rate}, reader_accounts_);
   if (bell->announce() != 0) bell->run();
   return true;
+}
+
+std::string ShmWriterPort::why_unreachable(const core::Route& to) {
+  auto page = pages_->page_of(to, reader_accounts_);
+  if (!page) return "it cannot be woken in shared memory: " + page.error().message;
+  reached_.push_back(std::move(*page));
+  return {};
 }
 
 void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
@@ -248,7 +255,8 @@ void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
     if (route.history == 0) owed_nothing.insert(route.reader);
   }
   chunks_->owe_nothing(std::move(owed_nothing));
-  doorbells_.store(routes.empty() ? nullptr : pages_->doorbells_of(routes));
+  doorbells_.store(routes.empty() ? nullptr : pages_->doorbells_of(routes, reader_accounts_));
+  reached_.clear();
 }
 
 }  // namespace sft::shm

@@ -94,8 +94,11 @@ class ChunkLender final : public core::BufferOwner,
 class ShmWriterPort final : public core::WriterPort {
  public:
   ShmWriterPort(std::shared_ptr<ChunkLender> chunks, std::shared_ptr<DoorbellPages> pages,
-                std::shared_ptr<Statistics> statistics)
-      : chunks_(std::move(chunks)), pages_(std::move(pages)), statistics_(std::move(statistics)) {}
+                std::shared_ptr<Statistics> statistics, core::TrustedAccounts reader_accounts = {})
+      : chunks_(std::move(chunks)),
+        pages_(std::move(pages)),
+        statistics_(std::move(statistics)),
+        reader_accounts_(std::move(reader_accounts)) {}
 
   core::SampleHandle loan(std::size_t bytes) noexcept override;
   std::size_t largest_loan_bytes() const noexcept override { return chunks_->largest_bytes(); }
@@ -103,6 +106,7 @@ class ShmWriterPort final : public core::WriterPort {
   bool can_send(const core::SampleBuffer& sample) const noexcept override {
     return chunks_->has_lent(sample);
   }
+  std::string why_unreachable(const core::Route& to) override;
   void set_routes(std::vector<core::Route> routes) override;
   bool holds(const core::SampleBuffer& sample) const noexcept override { return chunks_->owns(sample); }
   std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept override {
@@ -118,6 +122,8 @@ class ShmWriterPort final : public core::WriterPort {
   const std::shared_ptr<ChunkLender> chunks_;
   const std::shared_ptr<DoorbellPages> pages_;
   const std::shared_ptr<Statistics> statistics_;
+  const core::TrustedAccounts reader_accounts_;               ///< whose doorbells it rings
+  std::vector<std::shared_ptr<core::DoorbellPage>> reached_;  ///< stay open until the next routes are set
 
   core::Snapshot<Doorbells> doorbells_;  ///< null without routes
 };

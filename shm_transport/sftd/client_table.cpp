@@ -1,8 +1,11 @@
 #include "shm_transport/sftd/client_table.h"
 
 #include <poll.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
+
+#include <cerrno>
 
 #include "shm_transport/host_file.h"
 
@@ -19,9 +22,15 @@ bool has_exited(const Descriptor& process) {
 
 }  // namespace
 
-bool ClientTable::is_dead(const std::string& name, bool process_exited) {
-  const Listener listener = listener_at(("/tmp/" + name).c_str());
-  return listener == Listener::gone || (listener == Listener::unknown && process_exited);
+bool ClientTable::is_dead(const std::string& name, const Process& process, bool exited) {
+  const std::string path = "/tmp/" + name;
+  const Listener listener = listener_at(path.c_str());
+  if (listener != Listener::gone) return listener == Listener::unknown && exited;
+  // Whoever is killed leaves its socket, and whoever goes says goodbye before it removes it: where there is
+  // none, somebody else has removed it.
+  struct stat socket {};
+  const bool removed = lstat(path.c_str(), &socket) != 0 && errno == ENOENT;
+  return !removed || exited || !*process.life;
 }
 
 void ClientTable::add(const std::string& name, pid_t pid) {
@@ -68,7 +77,7 @@ std::vector<std::string> ClientTable::find_dead(Clock::time_point now) {
   auto polled = processes.begin();
   for (const auto& [name, process] : clients) {
     const bool exited = (polled++)->revents != 0;
-    if ((everybody || exited) && is_dead(name, exited)) dead.push_back(name);
+    if ((everybody || exited) && is_dead(name, process, exited)) dead.push_back(name);
   }
   return dead;
 }
@@ -81,7 +90,7 @@ bool ClientTable::is_gone(const std::string& name) const {
     if (client == clients_.end()) return true;
     process = client->second;
   }
-  return is_dead(name, has_exited(*process.life));
+  return is_dead(name, process, has_exited(*process.life));
 }
 
 }  // namespace sft::shm

@@ -2,7 +2,7 @@
 //
 // A process is known by its runtime name, which is also the name of its socket in /tmp. It is dead when
 // nobody listens there any more. Its pid tells when to look, and decides only where this user may not ask the
-// socket: processes of other containers have pids that mean something else here.
+// socket, or somebody has removed it: processes of other containers have pids that mean something else here.
 #pragma once
 
 #include <chrono>
@@ -45,7 +45,7 @@ class ClientTable {
     pid_t pid = 0;
     std::shared_ptr<const Descriptor> life{};
   };
-  static bool is_dead(const std::string& name, bool process_exited);
+  static bool is_dead(const std::string& name, const Process& process, bool exited);
 
   mutable std::mutex mutex_;  // guards the map
   std::map<std::string, Process> clients_;

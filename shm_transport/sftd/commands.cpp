@@ -64,6 +64,7 @@ ExitCode print_status(bool as_json) {
   if (status) fmt::print("{}", as_json ? to_json(*status) : to_table(*status, core::realtime_ns()));
   std::fflush(stdout);
   const std::string reason = why_it_does_not_answer(*daemon, status);
+  if (reason.empty() && !daemon->complaint().empty()) return complain(ExitCode::done, daemon->complaint());
   return reason.empty()
              ? ExitCode::done
              : complain(ExitCode::no_answer, reason + (status ? "; the state above is of then" : ""));

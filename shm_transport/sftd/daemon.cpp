@@ -2,15 +2,19 @@
 
 #include <signal.h>
 #include <sys/random.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <mutex>
 #include <thread>
+#include <tuple>
 
 #include "core/clock.h"
 #include "core/doorbell.h"
+#include "shm_transport/accepted_daemons.h"
 #include "shm_transport/access.h"
 #include "shm_transport/host_file.h"
 #include "shm_transport/sftd/stale_files.h"
@@ -30,6 +34,9 @@ constexpr auto tick = 500ms;
 constexpr auto sweep_interval = 10s;
 // Long enough for a program that crashed to be started again by whoever looks after it.
 constexpr auto renewal_delay = 2s;
+constexpr auto youngest_to_renew = 1s;
+// Nodes look for their daemon each 50 ms; then they let go of its memory.
+constexpr auto time_to_let_go = 200ms;
 
 struct Space {
   std::size_t total = 0;
@@ -80,17 +87,44 @@ ExitCode code_of(const Error& error) {
   return error.code == Errc::invalid_argument ? ExitCode::bad_config : ExitCode::failed;
 }
 
-/// Whatever iceoryx meets later concerns one client, and ends in an answer to it. While it starts, it would
-/// go on with memory that it could not get.
+/// What iceoryx reports to. Whatever it meets later concerns one client, and ends in an answer to it. While
+/// it starts it would go on with memory, files or sockets that it could not get, and crash.
+struct ErrorSink {
+  const Log* log = nullptr;
+  std::mutex mutex;                                     // guards what follows
+  std::function<void(const std::string&)> end_start{};  ///< while the daemon starts
+
+  void report(const iox::Error error, const iox::ErrorLevel level) {
+    const std::string text = std::string("iceoryx reports ") + iox::ErrorHandler::toString(error);
+    const bool moderate = level == iox::ErrorLevel::MODERATE;
+    log->write(moderate ? LogLevel::debug : LogLevel::warning, text);
+    const std::scoped_lock lock(mutex);
+    if (!moderate && end_start) end_start(text);
+  }
+  void begin(std::function<void(const std::string&)> end) {
+    const std::scoped_lock lock(mutex);
+    end_start = std::move(end);
+  }
+};
+
+ErrorSink& error_sink() {
+  static ErrorSink sink;
+  return sink;
+}
+
 iox::cxx::GenericRAII log_errors(const Log& log) {
-  static const Log* sink = nullptr;
-  sink = &log;
+  error_sink().log = &log;
   static const iox::HandlerFunction handler = [](const iox::Error error, const std::function<void()>&,
                                                  const iox::ErrorLevel level) {
-    const auto severity = level == iox::ErrorLevel::MODERATE ? LogLevel::debug : LogLevel::warning;
-    sink->write(severity, std::string("iceoryx reports ") + iox::ErrorHandler::toString(error));
+    error_sink().report(error, level);
   };
   return iox::ErrorHandler::setTemporaryErrorHandler(handler);
+}
+
+DaemonLock own_lock() {
+  struct stat shm {};
+  stat("/dev/shm", &shm);
+  return {.pid = getpid(), .shm_device = shm.st_dev, .user = geteuid()};
 }
 
 template <class Condition>
@@ -102,14 +136,45 @@ bool wait_until(Clock::time_point deadline, Condition condition) {
   return true;
 }
 
-/// Its sign in /dev/shm comes a moment after its lock in /tmp.
+/// Its sign in /dev/shm comes a moment after its lock in /tmp. Another account's daemon serves the programs
+/// of that account, and is not accepted by those of this one.
 tl::unexpected<StartFailure> refuse_beside_another() {
+  const auto other = read_daemon_lock();
+  if (other && !accepted_daemons({}).include_user(other->user)) {
+    return refuse(ExitCode::failed, "an sftd of " + core::account_name(other->user) + " (pid " +
+                                        std::to_string(other->pid) + ") has locked " + daemon_lock_path +
+                                        ", and there can be only one; end it, as that user or as root: sftd "
+                                        "stop, or kill " +
+                                        std::to_string(other->pid));
+  }
   const auto settled = [] {
-    return HostWatch::look().finding != HostWatch::Finding::absent || !is_locked_at(daemon_lock_path);
+    return HostWatch::look({.everybody = true}).finding != HostWatch::Finding::absent ||
+           !is_locked_at(daemon_lock_path);
   };
   if (wait_until(Clock::now() + 1s, settled)) return refuse(ExitCode::done, "already running");
   return refuse(ExitCode::failed,
                 "an sftd with another /dev/shm has the same /tmp; share both with its container, or neither");
+}
+
+/// Nothing where no daemon lives in this /tmp, as far as this account may ask.
+std::optional<StartFailure> refuse_beside_the_living() {
+  if (is_locked_at(daemon_lock_path)) return refuse_beside_another().value();
+  if (listener_at(roudi_socket_path) != Listener::alive) return std::nullopt;
+  struct stat socket {};
+  const bool named = lstat(roudi_socket_path, &socket) == 0;
+  return StartFailure{
+      ExitCode::foreign_daemon,
+      "another iceoryx daemon (iox-roudi) is running" +
+          (named ? ", of " + core::account_name(socket.st_uid) : "") +
+          "; stop it: sftd serves SFT's programs instead, and the two cannot share /tmp/roudi"};
+}
+
+tl::unexpected<StartFailure> refuse_host_file(const Error& error) {
+  if (error.code != Errc::address_in_use) return refuse(ExitCode::failed, error.message);
+  return refuse(ExitCode::failed,
+                error.message +
+                    "; an sftd with another /tmp has the same /dev/shm: share both with its "
+                    "container, or neither");
 }
 
 }  // namespace
@@ -125,38 +190,38 @@ Daemon::Daemon(const DaemonSettings& settings, const Log& log, FileLock only_one
       error_handler_(log_errors(log)) {}
 
 /// The order matters: our locks come before anything of iceoryx, which would abort where it finds a daemon
-/// running.
-Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log) {
+/// running. Locks and sockets tell who lives; whatever else is there is only in the way.
+Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, EndProcess end) {
   auto groups = take_up_groups(settings.access);
   if (!groups) return refuse(code_of(groups.error()), groups.error().message);
+  if (auto living = refuse_beside_the_living()) return tl::unexpected(*living);
+  if (const auto others = files_of_others(daemon_files(groups->writers)); !others.empty())
+    return refuse(ExitCode::failed, in_the_way(others));
   auto only_one = FileLock::take(daemon_lock_path);
   if (!only_one) {
     if (only_one.error().code == Errc::address_in_use) return refuse_beside_another();
-    return refuse(ExitCode::failed,
-                  only_one.error().message + "; another user's sftd may have left it: remove it");
-  }
-  if (listener_at(roudi_socket_path) != Listener::gone) {
-    return refuse(
-        ExitCode::foreign_daemon,
-        "another iceoryx daemon (iox-roudi) is running; stop it: sftd serves SFT's programs instead, and the "
-        "two cannot share /tmp/roudi");
+    return refuse(ExitCode::failed, only_one.error().message);
   }
   remove_segment_of_the_dead();
   auto host_file = FileLock::take(host_file_path);
-  if (!host_file) {
-    return refuse(ExitCode::failed,
-                  host_file.error().message +
-                      "; an sftd with another /tmp has the same /dev/shm: share both with its container, or "
-                      "neither");
-  }
+  if (!host_file) return refuse_host_file(host_file.error());
   std::unique_ptr<Daemon> daemon(
       new Daemon(settings, log, std::move(*only_one), std::move(*host_file), std::move(*groups)));
-  remove_daemon_files(daemon->groups_.writers);
+  if (const auto left = remove_daemon_files(daemon->groups_.writers); !left.empty())
+    return refuse(ExitCode::failed, in_the_way(left));
   remove_dead_sockets();
   core::DoorbellPage::sweep();
   auto plan = choose_pools(settings, daemon->groups_);
   if (!plan) return tl::unexpected(plan.error());
-  if (auto failure = daemon->host(*plan)) return tl::unexpected(*failure);
+  error_sink().begin([&daemon, &end](const std::string& text) {
+    daemon->remove_traces(false);
+    end({ExitCode::failed, "it cannot start: " + text +
+                               "; are /tmp and /dev/shm writable, and is there space left? sftd --foreground "
+                               "--log-level=debug says more"});
+  });
+  auto failure = daemon->host(*plan);
+  error_sink().begin({});
+  if (failure) return tl::unexpected(*failure);
   return daemon;
 }
 
@@ -177,6 +242,7 @@ std::optional<StartFailure> Daemon::host(const PoolPlan& plan) {
     return StartFailure{ExitCode::failed, "iceoryx does not begin to serve; is /tmp writable?"};
   if (const auto admitted = admit_readers(); !admitted)
     return StartFailure{ExitCode::failed, "readers cannot be let in: " + admitted.error().message};
+  note_segments();
   if (!announce()) return StartFailure{ExitCode::failed, "its sign in /dev/shm could not be written"};
   log_.info(description());
   if (!plan.remark.empty()) log_.warning(plan.remark);
@@ -192,11 +258,12 @@ bool Daemon::announce() {
   file.segment = groups_.writers;
   file.segment_id = memory_->samples().id;
   file.segment_bytes = memory_->samples().bytes;
+  file.readers = groups_.reader_id;
   if (getrandom(file.token.data(), file.token.size(), 0) != static_cast<ssize_t>(file.token.size()))
     return false;
   const std::string text = format(file);
   return pwrite(host_file_.descriptor(), text.data(), text.size(), 0) == static_cast<ssize_t>(text.size()) &&
-         dprintf(only_one_.descriptor(), "%d\n", static_cast<int>(getpid())) > 0;
+         dprintf(only_one_.descriptor(), "%s", format_lock(own_lock()).c_str()) > 0;
 }
 
 /// They use what manages the samples as writers do. The samples themselves iceoryx has made readable to them.
@@ -241,6 +308,7 @@ Daemon::End Daemon::serve() {
   auto next_sweep = Clock::now() + sweep_interval;
   for (;;) {
     if (sigtimedwait(&signals, nullptr, &timeout) > 0) return End::stopped;
+    look_after_names();
     tell_status();
     const auto now = Clock::now();
     if (now >= next_sweep) {
@@ -252,6 +320,8 @@ Daemon::End Daemon::serve() {
 }
 
 std::optional<Daemon::End> Daemon::check_idle(Clock::time_point now) {
+  // Not at once after it began: whoever removes its names may do so again and again.
+  if (names_lost_ && now - began_ >= youngest_to_renew) return End::renew;
   if (!roudi_->is_idle()) {
     idle_since_.reset();
     return std::nullopt;
@@ -263,10 +333,46 @@ std::optional<Daemon::End> Daemon::check_idle(Clock::time_point now) {
   return End::renew;
 }
 
-void Daemon::remove_traces() {
+/// Somebody may have removed the names while we ran. Then they can be another daemon's by now.
+void Daemon::remove_traces(bool starts_again) {
+  struct stat other {};
+  const bool names_are_ours =
+      only_one_.is_named() && (host_file_.is_named() || lstat(host_file_path, &other) != 0);
+  std::ignore = ftruncate(only_one_.descriptor(), 0);  // it is no more where it says it is
   host_file_.remove();
-  remove_daemon_files(groups_.writers);
-  only_one_.remove();
+  if (names_are_ours) remove_daemon_files(groups_.writers);
+  // Programs that see its lock do not start another one meanwhile.
+  if (!starts_again) only_one_.remove();
+}
+
+/// Programs find it, and the memory, by these.
+bool Daemon::has_lost_its_names() const {
+  return !only_one_.is_named() || !host_file_.is_named() ||
+         std::ranges::any_of(segments_, [](const auto& segment) {
+           struct stat named {};
+           return lstat(segment.first.c_str(), &named) != 0 || named.st_ino != segment.second;
+         });
+}
+
+void Daemon::note_segments() {
+  for (const std::string& name : {std::string(iox::roudi::SHM_NAME), groups_.writers}) {
+    const std::string path = "/dev/shm/" + name;
+    struct stat made {};
+    if (lstat(path.c_str(), &made) == 0) segments_.emplace_back(path, made.st_ino);
+  }
+}
+
+/// So that the next daemon finds the memory free that programs have of this one.
+void Daemon::await_users() {
+  const bool idle = roudi_->is_idle();
+  host_file_.unlock();
+  if (!idle) std::this_thread::sleep_for(time_to_let_go);
+}
+
+void Daemon::look_after_names() {
+  if (names_lost_ || !has_lost_its_names()) return;
+  names_lost_ = true;
+  log_.warning(names_are_gone(getpid()));
 }
 
 }  // namespace sft::shm

@@ -121,7 +121,11 @@ int run(const Arguments& arguments, const ServiceManager& manager, Starter start
   block_signals();
   umask(022);  // others look for the sign that it runs
 
-  auto daemon = Daemon::start(config->settings, log);
+  const auto give_up = [&starter](const StartFailure& why) {
+    starter.tell(why.code, why.message);
+    _exit(static_cast<int>(why.code));
+  };
+  auto daemon = Daemon::start(config->settings, log, give_up);
   if (!daemon) {
     starter.tell(daemon.error().code, daemon.error().message);
     return static_cast<int>(daemon.error().code);
@@ -130,10 +134,13 @@ int run(const Arguments& arguments, const ServiceManager& manager, Starter start
   manager.ready((*daemon)->description());
   const Daemon::End end = (*daemon)->serve();
   if (end != Daemon::End::renew) manager.stopping();
-  (*daemon)->remove_traces();
+  (*daemon)->remove_traces(end == Daemon::End::renew);
   // Nothing is destroyed: programs may be in the middle of using the ports in shared memory, and iceoryx
   // would take them apart under their hands.
-  if (end == Daemon::End::renew) start_again(arguments);
+  if (end == Daemon::End::renew) {
+    (*daemon)->await_users();
+    start_again(arguments);
+  }
   _exit(static_cast<int>(ExitCode::done));
 }
 

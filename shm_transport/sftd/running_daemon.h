@@ -16,9 +16,10 @@ class RunningDaemon {
   };
   static tl::expected<RunningDaemon, Absence> find();
 
-  pid_t pid() const { return watch_.file().pid; }
+  pid_t pid() const { return pid_; }
   uid_t user() const { return user_; }
-  bool lives() const { return watch_.daemon_lives(); }
+  /// What is wrong with it, and what to do; empty if nothing is.
+  const std::string& complaint() const { return complaint_; }
 
   /// Its process, to signal and to wait for. Its pid may mean another process here than where it wrote it
   /// down: whether this one holds the daemon's lock is checked. Errc::no_permission for another user's.
@@ -27,9 +28,13 @@ class RunningDaemon {
   bool is_stopped() const;
 
  private:
-  RunningDaemon(HostWatch watch, uid_t user) : watch_(std::move(watch)), user_(user) {}
-  HostWatch watch_;
+  RunningDaemon(pid_t pid, uid_t user, const char* lock, std::string complaint = {})
+      : pid_(pid), user_(user), lock_(lock), complaint_(std::move(complaint)) {}
+
+  pid_t pid_;
   uid_t user_;
+  const char* lock_;  ///< a file that it has locked
+  std::string complaint_;
 };
 
 }  // namespace sft::shm

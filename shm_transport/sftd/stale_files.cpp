@@ -6,14 +6,30 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <system_error>
 
+#include "core/random_id.h"
+#include "core/trusted_file.h"
 #include "shm_transport/host_file.h"
 #include "shm_transport/iceoryx.h"
 #include "shm_transport/sftd/status_file.h"
 
 namespace sft::shm {
+
+namespace {
+
+/// Whether nothing is there any more.
+bool remove(const std::string& path) {
+  if (unlink(path.c_str()) == 0 || errno == ENOENT || rmdir(path.c_str()) == 0) return true;
+  const std::string aside = path + "." + core::in_hex(core::random_id());
+  return geteuid() == 0 && rename(path.c_str(), aside.c_str()) == 0;
+}
+
+}  // namespace
 
 bool remove_socket(const std::string& path) {
   struct stat named {};
@@ -31,29 +47,66 @@ std::size_t remove_dead_sockets() {
 }
 
 void remove_segment_of_the_dead() {
-  const Descriptor sign(open(host_file_path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
-  if (!sign || is_locked(sign.get())) return;
+  const auto sign = core::open_trusted_file(host_file_path, O_RDONLY, {.everybody = true});
+  if (!sign || is_locked(sign->get())) return;
   char text[1024];
-  const ssize_t bytes = read(sign.get(), text, sizeof text);
+  const ssize_t bytes = read(sign->get(), text, sizeof text);
   const auto file = parse_host_file({text, static_cast<std::size_t>(std::max<ssize_t>(bytes, 0))});
   if (!file || file->segment.empty() || file->segment.find('/') != std::string::npos) return;
   // Everybody can write into /dev/shm: the sign speaks only for files of its own user.
   struct stat written {};
   struct stat named {};
-  const bool same_user = fstat(sign.get(), &written) == 0 &&
-                         stat(("/dev/shm/" + file->segment).c_str(), &named) == 0 &&
+  const bool same_user = fstat(sign->get(), &written) == 0 &&
+                         lstat(("/dev/shm/" + file->segment).c_str(), &named) == 0 &&
                          written.st_uid == named.st_uid;
   if (same_user) shm_unlink(("/" + file->segment).c_str());
 }
 
-void remove_daemon_files(const std::string& segment_name) {
-  shm_unlink((std::string("/") + iox::roudi::SHM_NAME).c_str());
-  shm_unlink(("/" + segment_name).c_str());
-  const std::string lock_suffix = ".lock";
+std::vector<std::string> daemon_files(const std::string& segment_name) {
+  const std::string roudi = roudi_socket_path;
+  return {daemon_lock_path,
+          host_file_path,
+          roudi,
+          roudi + ".lock",
+          "/tmp/" + std::string(iox::roudi::ROUDI_LOCK_NAME) + ".lock",
+          std::string("/dev/shm/") + iox::roudi::SHM_NAME,
+          "/dev/shm/" + segment_name};
+}
+
+std::vector<std::string> files_of_others(const std::vector<std::string>& files) {
+  std::vector<std::string> others;
+  struct stat there {};
+  std::ranges::copy_if(files, std::back_inserter(others), [&there](const std::string& file) {
+    return geteuid() != 0 && lstat(file.c_str(), &there) == 0 && there.st_uid != geteuid();
+  });
+  return others;
+}
+
+std::vector<std::string> remove_daemon_files(const std::string& segment_name) {
   remove_status_file();
-  unlink(roudi_socket_path);
-  unlink((roudi_socket_path + lock_suffix).c_str());
-  unlink(("/tmp/" + std::string(iox::roudi::ROUDI_LOCK_NAME) + lock_suffix).c_str());
+  std::vector<std::string> left;
+  for (const std::string& file : daemon_files(segment_name)) {
+    const bool is_lock = file == daemon_lock_path || file == host_file_path;
+    if (!is_lock && !remove(file)) left.push_back(file);
+  }
+  return left;
+}
+
+std::string in_the_way(const std::vector<std::string>& files) {
+  std::string list;
+  std::string names;
+  for (const std::string& file : files) {
+    struct stat there {};
+    const bool exists = lstat(file.c_str(), &there) == 0;
+    list +=
+        (list.empty() ? "" : ", ") + file + (exists ? " (of " + core::account_name(there.st_uid) + ")" : "");
+    names += " " + file;
+  }
+  return "these files are in the way, and this account may not remove them: " + list +
+         "; they are those of an sftd that was killed, or of an iox-roudi, or somebody keeps sftd from "
+         "starting; "
+         "as root: rm -r" +
+         names;
 }
 
 }  // namespace sft::shm

@@ -1,9 +1,10 @@
-// What killed processes left behind in /tmp and /dev/shm. Only names that are SFT's, or that iceoryx's daemon
-// would itself replace at its next start.
+// What killed processes left behind in /tmp and /dev/shm, and what other accounts have put there. Only names
+// that are SFT's, or that iceoryx's daemon would itself replace at its next start.
 #pragma once
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace sft::shm {
 
@@ -17,8 +18,19 @@ std::size_t remove_dead_sockets();
 /// The segment of a dead daemon that left its sign: it may have had another name than this one's.
 void remove_segment_of_the_dead();
 
-/// Segments, socket and lock files of a daemon. Called before one starts and when one ends: never while one
-/// lives.
-void remove_daemon_files(const std::string& segment_name);
+/// Where the locks of a daemon, its segments and its socket lie. Their names are fixed, most of them by
+/// iceoryx.
+std::vector<std::string> daemon_files(const std::string& segment_name);
+
+/// Of these, what belongs to another account, and may not be removed by this one. Empty for root.
+std::vector<std::string> files_of_others(const std::vector<std::string>& files);
+
+/// Removes segments, socket and lock files of a daemon, and returns those that could not be removed. Called
+/// before one starts and when one ends: never while one lives. Root moves a directory that is not empty out
+/// of the way.
+std::vector<std::string> remove_daemon_files(const std::string& segment_name);
+
+/// Says what is in the way and whose it is, and how to remove all of it.
+std::string in_the_way(const std::vector<std::string>& files);
 
 }  // namespace sft::shm

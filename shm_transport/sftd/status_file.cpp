@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "core/trusted_file.h"
 #include "shm_transport/file_lock.h"
 
 namespace sft::shm {
@@ -41,12 +42,12 @@ Result<void> write_status_file(const Status& status) {
 }
 
 std::optional<Status> read_status_file(uid_t daemon_user) {
-  const Descriptor file(open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+  const auto file = core::open_trusted_file(path, O_RDONLY, {.users = {daemon_user}});
   struct stat written {};
-  if (!file || fstat(file.get(), &written) != 0 || written.st_uid != daemon_user) return std::nullopt;
+  if (!file || fstat(file->get(), &written) != 0 || written.st_uid != daemon_user) return std::nullopt;
   if (static_cast<std::size_t>(written.st_size) > largest_bytes) return std::nullopt;
   std::string text(static_cast<std::size_t>(written.st_size), '\0');
-  const ssize_t bytes = pread(file.get(), text.data(), text.size(), 0);
+  const ssize_t bytes = pread(file->get(), text.data(), text.size(), 0);
   return bytes == written.st_size ? parse_status(text) : std::nullopt;
 }
 

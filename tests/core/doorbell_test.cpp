@@ -89,6 +89,22 @@ TEST(DoorbellTest, APageThatWasCutShortIsAnErrorThatNamesTheFile) {
   EXPECT_NE(cut.error().message.find(path), std::string::npos) << cut.error().message;
 }
 
+TEST(DoorbellTest, APageWhoseNameSomebodyRemovedIsFoundInItsProcess) {
+  const auto page = DoorbellPage::create();
+  const auto named = DoorbellPage::create();
+  if (page->id() == 0) GTEST_SKIP() << "/dev/shm cannot be used here";
+  ASSERT_EQ(unlink(DoorbellPage::path_of(page->id()).c_str()), 0);
+  EXPECT_FALSE(DoorbellPage::open(page->id()));
+  const auto nameless = DoorbellPage::nameless_pages();
+  ASSERT_TRUE(nameless.contains(page->id()));
+  EXPECT_FALSE(nameless.contains(named->id()));
+  const auto other = DoorbellPage::open_nameless(page->id(), nameless.at(page->id()));
+  ASSERT_TRUE(other) << other.error().message;
+  (*other)->at(5).ring();
+  EXPECT_EQ(page->at(5).rings.load(), 1U);
+  EXPECT_FALSE(DoorbellPage::open_nameless(named->id(), nameless.at(page->id())));
+}
+
 TEST(DoorbellTest, SweepingRemovesThePagesOfKilledProcessesAndNoOthers) {
   const auto mine = DoorbellPage::create();
   if (mine->id() == 0) GTEST_SKIP() << "/dev/shm cannot be used here";

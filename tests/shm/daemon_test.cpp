@@ -368,6 +368,24 @@ TEST_F(Sftd, RemovesNoFileThatAProgramNamesAsItsSocket) {
   EXPECT_TRUE(std::filesystem::exists(shm::daemon_lock_path));
 }
 
+TEST_F(Sftd, WhoseNamesSomebodyRemovedBeginsAfreshWithItsPrograms) {
+  Node node;
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  for (const char* directory : {"/dev/shm", "/tmp"}) {
+    const core::HostToken before = node->host_token();
+    for (const std::string& name : names_in(directory)) {
+      const std::string path = std::string(directory) + "/" + name;
+      if (!std::filesystem::is_directory(path)) unlink(path.c_str());  // the programs may be there
+    }
+    ASSERT_TRUE(eventually([&] {
+      return node.poll() == Availability::ready && !(node->host_token() == before);
+    })) << directory
+        << ": " << node->description();
+    Process newcomer = start_peer({"attend"});
+    EXPECT_EQ(newcomer.line(), "ready") << directory;
+  }
+}
+
 class NodeWithoutDaemon : public ShmTest {};
 
 TEST_F(NodeWithoutDaemon, NamesTooSmallASharedMemory) {

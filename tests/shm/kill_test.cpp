@@ -27,7 +27,7 @@ TEST_F(Kill, OfAWriterInATightLoopWedgesNobody) {
   constexpr std::uint32_t frame = 60'000;
   ChunkCounter chunks(node(), frame);
   const std::size_t before = chunks.free();
-  const std::string token = shm::format(shm::HostWatch::look().watch->file());
+  const std::string token = shm::format(shm::HostWatch::look({.everybody = true}).watch->file());
   for (int round = 1; round <= rounds; ++round) {
     const auto id = static_cast<core::EndpointId>(round);
     Process peer = start_peer({"publish", std::to_string(id), std::to_string(frame)});
@@ -39,7 +39,8 @@ TEST_F(Kill, OfAWriterInATightLoopWedgesNobody) {
     Writer writer(node(), 1000 + id);
     ASSERT_EQ(writer.send_frame(), SendStatus::sent) << round;
   }
-  EXPECT_EQ(shm::format(shm::HostWatch::look().watch->file()), token) << "the daemon did not survive";
+  EXPECT_EQ(shm::format(shm::HostWatch::look({.everybody = true}).watch->file()), token)
+      << "the daemon did not survive";
   EXPECT_TRUE(chunks.comes_to(before));
 }
 
@@ -98,7 +99,7 @@ TEST_F(Kill, RemovesTheSocketOfTheDead) {
 void damage_free_list() {
   const std::string path = std::string("/dev/shm/") + iox::roudi::SHM_NAME;
   const std::size_t bytes = std::filesystem::file_size(path);
-  const shm::Mapping mapping = shm::Mapping::open(iox::roudi::SHM_NAME, bytes, true).value();
+  const shm::Mapping mapping = shm::Mapping::open(iox::roudi::SHM_NAME, bytes, true, geteuid()).value();
   const std::span words(reinterpret_cast<std::uint32_t*>(mapping.bytes().data()), bytes / 4);
   std::size_t longest = 0, length = 0, end = 0;
   for (std::size_t i = 1; i < words.size(); ++i) {
@@ -122,7 +123,7 @@ TEST_F(Kill, MakesTheDaemonStartAfreshOnceItIsIdleWhereItsMemoryIsNotInOrder) {
   leave();
   EXPECT_TRUE(eventually(
       [&] {
-        const auto found = shm::HostWatch::look();
+        const auto found = shm::HostWatch::look({.everybody = true});
         return found.watch && shm::host_token(found.watch->file()) != token;
       },
       30s));

@@ -34,7 +34,7 @@ class Segment {
 TEST(MappingTest, ContainsWhatLiesInItAndNothingThatReachesBeyondItsEnd) {
   const Segment segment(bytes);
   if (!segment.made()) GTEST_SKIP() << "/dev/shm cannot be used here";
-  const auto mapping = Mapping::open(segment.name(), bytes, false);
+  const auto mapping = Mapping::open(segment.name(), bytes, false, geteuid());
   ASSERT_TRUE(mapping) << mapping.error().message;
   const std::byte* const begin = mapping->bytes().data();
   EXPECT_TRUE(mapping->contains(begin, bytes));
@@ -51,7 +51,7 @@ TEST(MappingTest, ContainsWhatLiesInItAndNothingThatReachesBeyondItsEnd) {
 TEST(MappingTest, OfAFileThatIsShorterThanWasSaidIsAnErrorThatNamesIt) {
   const Segment segment(bytes - 1);
   if (!segment.made()) GTEST_SKIP() << "/dev/shm cannot be used here";
-  const auto mapping = Mapping::open(segment.name(), bytes, false);
+  const auto mapping = Mapping::open(segment.name(), bytes, false, geteuid());
   ASSERT_FALSE(mapping);
   EXPECT_EQ(mapping.error().code, Errc::malformed);
   EXPECT_NE(mapping.error().message.find(segment.name()), std::string::npos);

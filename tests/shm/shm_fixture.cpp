@@ -127,7 +127,7 @@ Process start_peer(std::vector<std::string> arguments) {
 }
 
 pid_t daemon_pid() {
-  const auto found = shm::HostWatch::look();
+  const auto found = shm::HostWatch::look({.everybody = true});
   return found.watch ? found.watch->file().pid : 0;
 }
 

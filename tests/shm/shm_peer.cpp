@@ -148,10 +148,15 @@ void listen(Node& node, sft::core::EndpointId, std::uint32_t) {
   stay();
 }
 
-void ring(Node&, sft::core::EndpointId page_id, std::uint32_t) {
-  const auto page = sft::core::DoorbellPage::open(page_id);
-  if (page) (*page)->at(0).ring();
-  say(page ? "rang" : page.error().message);
+/// Sends a sample to a reader with that doorbell, or says why it cannot be woken.
+void ring(Node& node, sft::core::EndpointId page, std::uint32_t) {
+  Writer writer(node, 1);
+  const sft::core::Route route{
+      .reader = 7, .destination = sft::core::DoorbellAddress{page, 0}, .mask = frame_type().full()};
+  const std::string why_not = writer.port().why_unreachable(route);
+  writer.port().set_routes({route});
+  const bool sent = writer.send_frame() == sft::core::SendStatus::sent;
+  say(why_not.empty() && sent ? "rang" : why_not);
 }
 
 /// Says whether the transport can be used, and if not, why, as soon as it knows.

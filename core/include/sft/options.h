@@ -52,6 +52,11 @@ struct ShmSettings {
   std::string daemon_path{};  ///< empty: beside the program, in ../libexec/sft, then in PATH
   std::chrono::seconds daemon_idle_exit{
       0};  ///< a daemon started so ends after so long without clients; 0: never
+  /// Whose sftd is used, by name ("robot") or number, besides that of root, of this program's own account,
+  /// and of the owner of the directory /run/sft. That account can read all samples in shared memory and end
+  /// this program. Another one's daemon is not used: samples go by UDP, and NodeStatus::shm says why. What a
+  /// node accepts holds for all nodes of its process.
+  std::vector<std::string> daemon_users{};
 };
 
 /// How nodes find each other. Nodes of one process may have different settings; those with equal ones, and an
