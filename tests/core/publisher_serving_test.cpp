@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <functional>
 #include <future>
 #include <optional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
@@ -147,6 +148,33 @@ TEST_F(PublisherServingTest, ALateReaderIsGivenTheHistoryOnceAndAgainWhereItHasM
   serve_at(7000, 0);
   serve_at(7000, 2);
   EXPECT_EQ(network->given, (Given{{5000, 2}, {6000, 2}, {7000, 2}}));
+}
+
+/// Counts what it is given, and lets the program publish while its routes change.
+class InterruptedPort final : public WriterPort {
+ public:
+  SampleHandle loan(std::size_t bytes) noexcept override { return memory->take(bytes); }
+  SendStatus send(const SampleHandle&) noexcept override { return ++sent, SendStatus::sent; }
+  void set_routes(std::vector<Route>) override {
+    if (meanwhile) meanwhile();
+  }
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+
+  const std::shared_ptr<BufferPool> memory = BufferPool::make(1 << 20);
+  std::function<void()> meanwhile;
+  int sent = 0;
+};
+
+TEST_F(PublisherServingTest, AReaderThatChangesOverToSharedMemoryIsSentASampleThereThatIsPublishedMeanwhile) {
+  const auto network = std::make_shared<InterruptedPort>(), in_memory = std::make_shared<InterruptedPort>();
+  PublisherCore changing({1, "points", &type, 1 << 16}, BufferPool::make(1 << 20), network);
+  changing.serve(to_one(type.full()), nullptr);
+  network->meanwhile = [&] { changing.publish(&cloud); };
+  Serving in_shm;
+  in_shm.shm_port = true;
+  in_shm.shm = {{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full()}};
+  changing.serve(in_shm, in_memory);
+  EXPECT_EQ(in_memory->sent, 1);
 }
 
 /// In memory of its own, where a late reader waits that a sample is held back from while somebody looks what

@@ -66,22 +66,38 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
     const FieldMask all = fields<Image>("*");
     // What is kept for repair grows to what the other end acknowledges at a time.
     const std::uint64_t warm_up = GetParam().reliable && GetParam().bytes < 100'000 ? 2'500 : 50;
-    const auto exchange = [&](std::uint64_t sequence) {
-      const std::size_t before = listener.samples;
+    const auto send = [&](std::uint64_t sequence) {
       const core::SampleHandle sample = pool->take(test::sample_bytes(image, all));
       test::fill(*sample, image, all, 7, sequence);
       writer->send(sample);
+    };
+    const auto exchange = [&](std::uint64_t sequence) {
+      const std::size_t before = listener.samples;
+      send(sequence);
       const auto deadline =
           std::chrono::steady_clock::now() + std::chrono::seconds(2);  // a lost one may be lost
       while (listener.samples == before && std::chrono::steady_clock::now() < deadline)
         std::this_thread::yield();
     };
-    for (std::uint64_t sequence = 1; sequence <= warm_up; ++sequence) exchange(sequence);
+    std::uint64_t sequence = 0;
+    while (sequence < warm_up) exchange(++sequence);
+    // A thread that has sent or received a sample may be kept from giving back what it took for that. More
+    // than a few are never out at once here, so they are taken now.
+    for (int burst = 0; burst < 5; ++burst) {
+      for (int i = 0; i < 12; ++i) send(++sequence);
+      for (int i = 0; i < 10; ++i) exchange(++sequence);
+    }
+    const std::size_t came = listener.samples;
+    sft::test::note_allocations();
     const std::uint64_t before = sft::test::process_allocations();
-    for (std::uint64_t sequence = warm_up + 1; sequence <= warm_up + 200; ++sequence) exchange(sequence);
-    EXPECT_LT(sft::test::process_allocations() - before,
-              20U);  // a thread may fall further behind than it did before
-    EXPECT_GT(listener.samples, warm_up + 150);
+    for (int i = 0; i < 200; ++i) exchange(++sequence);
+    const std::uint64_t allocations = sft::test::process_allocations() - before;
+    // A large sample that comes slowly, and is sent reliably, may be asked for again: each request has a list
+    // of gaps of its own.
+    const bool may_be_asked_for = GetParam().reliable && GetParam().bytes > 100'000;
+    EXPECT_LE(allocations, may_be_asked_for ? 19U : 0U);
+    if (allocations != 0) sft::test::print_allocations();
+    EXPECT_GE(listener.samples - came, GetParam().reliable ? 200U : 150U);
   }
 }
 

@@ -410,6 +410,16 @@ TEST(ReceiveSharesTest, GivesAnAddressWithManyFlowsNoMoreThanOneWithOne) {
   EXPECT_EQ(share(1, 5), 250'000U) << "who comes later is known as well";
 }
 
+TEST(ReceiveSharesTest, GivesOneThatItCannotRememberNextToNothing) {
+  ReceiveShares shares(212'992);
+  for (std::uint32_t i = 0; i < ReceiveShares::senders_max; ++i)
+    shares.answer({.flow = i, .port = 1}, {.ip = i, .port = 1}, {});
+  const FlowReport report =
+      shares.answer({.flow = 7, .port = 1, .datagrams = 9}, {.ip = 5000U, .port = 1}, {});
+  EXPECT_EQ(report.window_bytes, usable_bytes(212'992) / (4 * ReceiveShares::senders_max));
+  EXPECT_EQ(report.came, 9U);
+}
+
 TEST(ReceiveSharesTest, RemembersNoMoreSendersThanItMay) {
   ReceiveShares shares(212'992);
   for (std::uint32_t i = 0; i < 1000; ++i)

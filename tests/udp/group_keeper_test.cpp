@@ -318,6 +318,19 @@ TEST_F(GroupKeeperTest, GoesOnMeasuringWhereOthersAskForTheSameMasks) {
   EXPECT_NE(keeper_->sizes(), sizes);
 }
 
+TEST_F(GroupKeeperTest, MeasuresSamplesEveryTenthOfASecond) {
+  readers(2);
+  serve();
+  publish(100);
+  const double first = keeper_->sizes()->bytes_of(1);
+  now_ += 99ms;
+  publish(1000);
+  EXPECT_EQ(keeper_->sizes()->bytes_of(1), first);
+  now_ += 1ms;
+  publish(1000);
+  EXPECT_EQ(keeper_->sizes()->bytes_of(1), first + 225) << "a new value counts for a quarter";
+}
+
 TEST_F(GroupKeeperTest, HasNoGroupForTenSecondsAfterSamplesWerePublishedTogether) {
   readers(3);
   serve();

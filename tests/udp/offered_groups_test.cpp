@@ -56,6 +56,15 @@ TEST_F(OfferedGroupsTest, IgnoreWhatIsOfAGroupThatWasNotOffered) {
   EXPECT_TRUE(reports().empty());
 }
 
+TEST_F(OfferedGroupsTest, GiveNoPlaceBeforeOrBehindAllThatAChannelCanHave) {
+  offer(1, 9, static_cast<std::int64_t>(ordinal_max) - 5);
+  EXPECT_TRUE(place(1, 5));
+  EXPECT_FALSE(place(1, 6));
+  offer(2, 9, -5);
+  EXPECT_FALSE(place(2, 5));
+  EXPECT_TRUE(place(2, 6));
+}
+
 TEST_F(OfferedGroupsTest, GiveASampleItsPlaceInTheChannel) {
   offer(1, 9, 40);
   ASSERT_TRUE(place(1, 2));

@@ -170,6 +170,16 @@ TEST_F(ReassemblyTest, WaitsForASampleThatMakesProgress) {
   EXPECT_EQ(counted().incomplete, 0U);
 }
 
+TEST_F(ReassemblyTest, TakesNoRepeatedDatagramForProgress) {
+  const auto datagrams = sent(1, make_image(20'000));
+  receive(datagrams[0]);
+  receive(datagrams[1]);
+  pass(400ms);
+  receive(datagrams[1]);
+  pass(101ms);
+  EXPECT_EQ(counted().incomplete, 1U);
+}
+
 TEST_F(ReassemblyTest, IgnoresWhatStillComesOfASampleThatItGaveUp) {
   auto datagrams = sent(1, make_image(20'000));
   const Bytes last = datagrams.back();
