@@ -384,7 +384,7 @@ NodeStatus NodeCore::status() const {
   if (udp_ != nullptr) {
     const Transport::Counters counters = udp_->counters();
     status.datagrams_malformed = counters.malformed;
-    status.datagrams_unknown = counters.unknown;
+    status.datagrams_unknown = counters.unknown + counters.disbelieved;
     status.samples_incomplete = counters.incomplete;
     status.over_limit = counters.over_limit;
   }

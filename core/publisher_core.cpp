@@ -545,8 +545,11 @@ PublisherStatus PublisherCore::status() const {
     reader.diverted = delivered.diverted;
     reader.bytes_sent = delivered.bytes;
     reader.bytes_saved = delivered.bytes_saved;
-    if (udp_ != nullptr && reader.served && reader.transport == TransportKind::udp)
+    if (udp_ != nullptr && reader.served && reader.transport == TransportKind::udp) {
       reader.multicast = udp_->multicast(reader.id);
+      if (const std::string silence = udp_->silence(reader.id); !silence.empty())
+        reader.reason += (reader.reason.empty() ? "" : "; ") + silence;
+    }
   }
   return status;
 }

@@ -227,6 +227,13 @@ class WriterPort {
     return {};
   }
 
+  /// Why nothing is sent to a reader that is served, for status(): its host does not answer. Empty where that
+  /// is not so. Any thread.
+  virtual std::string silence(EndpointId reader) const {
+    static_cast<void>(reader);
+    return {};
+  }
+
   /// Bytes of payload and headers of ours handed to the operating system so far, over all routes (0 in shared
   /// memory).
   virtual std::uint64_t bytes_sent() const noexcept = 0;

@@ -27,7 +27,9 @@ bool hear(SendSide& side, const Ack& ack, const SocketAddress& from, Time now) {
   channel->destination().lives(now);
   Ack alone = ack;
   if (ack.missing_count > 0) hand_repairs_to_group(side, alone, now);
-  return channel->hear(alone);
+  const bool goes_on = channel->hear(alone);
+  if (channel->went_wrong()) disbelieve(side);
+  return goes_on;
 }
 
 bool hear(SendSide& side, const FlowReport& report, const SocketAddress& from, Time now) {

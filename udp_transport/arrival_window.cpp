@@ -67,7 +67,9 @@ void ArrivalWindow::go_back_to(std::uint64_t ordinal, Time now) {
 }
 
 ArrivalWindow::Met ArrivalWindow::meet(const ChannelMark& mark, Time now, bool same_datagram) {
-  if (!turn_to({mark.channel, mark.ordinal, mark.ordinal, same_datagram}, now)) return {Standing::beyond, 0};
+  const auto channel = mark.in_short ? channels_.widen(mark.channel, whole_numbers_end) : mark.channel;
+  if (!channel) return {Standing::beyond, 0};  // a heartbeat will say which one it is
+  if (!turn_to({*channel, mark.ordinal, mark.ordinal, same_datagram}, now)) return {Standing::beyond, 0};
   heard_at_ = now;
   Place place = place_of(mark.ordinal);
   if (mark.ordinal < first_ordinal_ || place < slots_.begin())

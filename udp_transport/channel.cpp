@@ -132,9 +132,15 @@ void Channel::put_back(const Piece& piece) {
 
 bool Channel::hear(const Ack& ack) {
   const Time time = now();
+  const Time::duration round_trip = ack.missing_count == 0 ? Time::duration{} : to_->round_trip();
   const std::scoped_lock lock(mutex_);
   judge_length(ack, time);
-  window_.hear(ack, time);
+  window_.hear(ack, time, round_trip);
+  if (window_.gone_wrong() && !closed_ && !went_wrong_.exchange(true, std::memory_order_relaxed)) {
+    room_.notify_all();
+    tally_->dropped.fetch_add(window_.kept(), std::memory_order_relaxed);
+    return true;
+  }
   if (awaits_room_) room_.notify_one();
   const bool made_room = std::exchange(tells_of_room_, false);
   if (!attended_) return made_room;
@@ -181,7 +187,7 @@ void Channel::close() {
 
 bool Channel::closed() {
   const std::scoped_lock lock(mutex_);
-  return closed_ || ended_at_;
+  return closed_ || ended_at_ || went_wrong();
 }
 
 std::optional<Channel::Piece> Channel::next(ResendWindow::Size size) {
@@ -194,11 +200,11 @@ std::optional<Channel::Piece> Channel::next(ResendWindow::Size size) {
 Channel::Care Channel::look_after() {
   const Time time = now();
   const std::scoped_lock lock(mutex_);
-  if (window_.settled() || closed_) {
+  if (closed_ || (window_.settled() && !went_wrong())) {
     attended_ = false;
     return {.at_rest = true};
   }
-  if (ended_at_ && time - *ended_at_ > linger) {
+  if (went_wrong() || (ended_at_ && time - *ended_at_ > linger)) {
     closed_ = true;
     return {.heartbeat = addressed(window_.parting()), .at_rest = true};
   }

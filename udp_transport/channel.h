@@ -85,6 +85,8 @@ class Channel {
   std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
   /// Whether the sending thread has to be woken.
   [[nodiscard]] bool hear(const Ack& ack);
+  /// Acks of what was never sent have come: it ends, and another one has to begin.
+  bool went_wrong() const { return went_wrong_.load(std::memory_order_relaxed); }
 
   // The agent's thread.
 
@@ -134,6 +136,7 @@ class Channel {
   bool woken_ = false;           ///< and will look at it
   Time looks_at_ = Time::max();  ///< then it does in any case
   bool closed_ = false;          ///< it has parted
+  std::atomic<bool> went_wrong_{false};
   std::optional<Time> ended_at_;
   std::size_t length_ = 0;              ///< of datagrams, when an ack came last
   std::uint64_t sent_so_from_ = 0;      ///< the first ordinal that was surely sent in such, and not judged

@@ -26,10 +26,25 @@ std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destinatio
   known.readers = readers;
   if (channel != nullptr && some_stay && !channel->closed()) return channel;
   if (channel != nullptr) channel->close();
-  channel = std::make_shared<Channel>(writer_, ++last_number_, to, tally_, ack_port_, memory_);
+  channel = std::make_shared<Channel>(writer_, unused_number(*to), to, tally_, ack_port_, memory_);
   roster_.add(channel);
   known.channel = channel;
   return channel;
+}
+
+/// 0 is no channel; and numbers to different destinations can be equal by chance.
+std::uint32_t ChannelDirectory::unused_number(const Destination& to) {
+  for (;;) {
+    const std::uint32_t number = to.name_of_channel(++last_number_);
+    if (number != 0 && roster_.find(writer_, number) == nullptr) return number;
+  }
+}
+
+bool ChannelDirectory::some_went_wrong() const {
+  return std::ranges::any_of(channels_, [](const auto& item) {
+    const std::shared_ptr<Channel> channel = item.second.channel.lock();
+    return channel != nullptr && channel->went_wrong();
+  });
 }
 
 void ChannelDirectory::keep_to(const ReliableReaders& readers) {

@@ -45,16 +45,20 @@ class ChannelDirectory {
   /// The one to these readers at that destination, known or new: it goes on as long as one of them stays.
   std::shared_ptr<Channel> find(const std::shared_ptr<Destination>& to,
                                 const std::set<core::EndpointId>& readers);
+  /// Of one at least nothing can be relied on any more: find() gives another one for it.
+  bool some_went_wrong() const;
   /// All others end.
   void keep_to(const ReliableReaders& readers);
 
  private:
+  std::uint32_t unused_number(const Destination& to);
+
   const std::uint32_t writer_;
   const std::shared_ptr<WriterTally> tally_;
   ChannelRoster& roster_;
   const std::uint16_t ack_port_;
   const std::shared_ptr<const KeptMemory> memory_;
-  std::uint32_t last_number_ = 0;
+  std::uint32_t last_number_ = 0;  ///< of all to whomever
   /// By destination, which it keeps alive. Routes and the sending thread hold them.
   struct Known {
     std::weak_ptr<Channel> channel;

@@ -131,7 +131,8 @@ std::optional<Datagram> parse_whole(std::span<const std::byte> bytes) noexcept {
              .mask = load<std::uint64_t>(&bytes[at_mask]),
              .stamp_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_stamp])),
              .channel = {.channel = bits >> short_channel_bit,
-                         .ordinal = load<std::uint32_t>(&bytes[at_short_ordinal])}};
+                         .ordinal = load<std::uint32_t>(&bytes[at_short_ordinal]),
+                         .in_short = true}};
   d.first.label.variant = static_cast<std::uint16_t>(bits >> short_variant_bit) % whole_numbers_end;
   d.payload = bytes.subspan(first_header_bytes);
   return d.first.channel.ordinal == 0 ? std::nullopt : std::optional(d);
@@ -171,7 +172,7 @@ void encode(const FirstHeader& header, std::byte* out) noexcept {
 bool fits_in_short(const FirstHeader& header) noexcept {
   const unsigned others = header.flags & ~unsigned{mask_words_follow | merged_masks};
   return others == channel_follows && header.channel.sequence_high == 0 &&
-         header.channel.ordinal <= UINT32_MAX && header.channel.channel < whole_numbers_end &&
+         header.channel.ordinal <= UINT32_MAX && header.channel.in_short &&
          header.label.variant < whole_numbers_end;
 }
 
@@ -182,7 +183,7 @@ void encode_in_short(const FirstHeader& header, std::byte* out) noexcept {
   store_common(DatagramKind::whole, 0, header.label, out);
   store(load<std::uint8_t>(out) | bit_of(mask_words_follow, words_bit) | bit_of(merged_masks, merged_bit) |
             std::uint32_t{header.label.variant} << short_variant_bit |
-            header.channel.channel << short_channel_bit,
+            header.channel.channel % whole_numbers_end << short_channel_bit,
         out);
   store(static_cast<std::uint32_t>(header.channel.ordinal), out + at_short_ordinal);
   store_mask_and_stamp(header, out);

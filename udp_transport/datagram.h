@@ -39,7 +39,8 @@ inline constexpr std::size_t history_bytes = 16;
 /// The sample travels in a channel, reliably: `channel` stands behind that.
 inline constexpr std::uint8_t channel_follows = 8;
 inline constexpr std::size_t channel_bytes = 16;
-/// A whole datagram has room for channels and variants below this, and for 32 bits of sequence and ordinal.
+/// A whole datagram has room for variants below this, for a channel's number modulo this, and for 32 bits of
+/// sequence and ordinal.
 inline constexpr std::uint32_t whole_numbers_end = 2048;
 /// The sample is sent to a multicast group: `group` stands behind that.
 inline constexpr std::uint8_t group_follows = 64;
@@ -94,6 +95,8 @@ struct ChannelMark {
   std::uint32_t channel = 0;        ///< the writer's number for it
   std::uint32_t sequence_high = 0;  ///< high half of the sample's sequence
   std::uint64_t ordinal = 0;        ///< counts the samples in the channel, from 1
+  /// The other end knows the channel: the low bits of its number will do, or are all that came of it.
+  bool in_short = false;
   friend bool operator==(const ChannelMark&, const ChannelMark&) = default;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <random>
@@ -27,9 +28,10 @@ FlowLimits flow_limits(const DestinationLimits& limits) {
 }  // namespace
 
 Destination::Destination(const SocketAddress& address, const DestinationLimits& limits, std::uint32_t flow,
-                         Connect connect)
+                         Connect connect, std::uint32_t channels)
     : limits_(limits),
       flow_(flow),
+      channels_(channels),
       connect_(std::move(connect)),
       address_(address),
       path_(path_to(address)),
@@ -218,6 +220,11 @@ Destination::Time Destination::next_ready(Time now) {
   return window_.next_ready(now);
 }
 
+Destination::Time::duration Destination::round_trip() {
+  const std::scoped_lock lock(window_mutex_);
+  return window_.round_trip();
+}
+
 std::uint64_t Destination::position() {
   const std::scoped_lock lock(window_mutex_);
   return window_.position();
@@ -255,10 +262,18 @@ void Destination::look_after(PathMtu::Time now, bool anew) noexcept {
 }
 
 DestinationDirectory::DestinationDirectory(const DestinationLimits& limits, Connect connect)
-    : limits_(limits), connect_(std::move(connect)) {}
+    : limits_(limits), connect_(std::move(connect)), channel_key_{random_secret(), random_secret()} {}
 
 DestinationDirectory::Key DestinationDirectory::key_of(const core::UdpAddress& address) {
   return {address.node, {address.node == 0 ? address.ip : core::IpAddress{}, address.port}};
+}
+
+/// The same whenever that socket is known again: its process takes channels with greater numbers for newer
+/// ones.
+std::uint32_t DestinationDirectory::first_channel(const Key& key) const {
+  std::array<std::uint64_t, 5> words{key.first, 0, 0, key.second.ip.scope, key.second.port};
+  std::memcpy(&words[1], key.second.ip.bytes.data(), key.second.ip.bytes.size());
+  return static_cast<std::uint32_t>(keyed_hash(channel_key_, words));
 }
 
 /// With the mutex held. Whoever does not know whose an address is may find one that is there at present.
@@ -284,7 +299,7 @@ std::shared_ptr<Destination> DestinationDirectory::find(const core::UdpAddress& 
     flow = destination == nullptr ? unused_flow() : 0;
   }
   if (destination == nullptr) {
-    auto fresh = std::make_shared<Destination>(to, limits_, flow, connect_);
+    auto fresh = std::make_shared<Destination>(to, limits_, flow, connect_, first_channel(key_of(address)));
     const std::scoped_lock lock(mutex_);
     destination = known(address);
     if (destination == nullptr) known_[key_of(address)] = destination = std::move(fresh);

@@ -17,6 +17,7 @@
 #include "udp_transport/datagram.h"
 #include "udp_transport/datagram_io.h"
 #include "udp_transport/flow_window.h"
+#include "udp_transport/keyed_hash.h"
 #include "udp_transport/path_mtu.h"
 
 namespace sft::udp {
@@ -36,8 +37,9 @@ class Destination {
 
   /// `flow` is what its receiver will call us by, and nobody else can guess; `connect` is called again for
   /// the first large sample.
+  /// Channels to it are numbered from `channels` on, which nobody else can guess either.
   Destination(const SocketAddress& address, const DestinationLimits& limits, std::uint32_t flow,
-              Connect connect);
+              Connect connect, std::uint32_t channels = 0);
 
   // Any thread.
 
@@ -74,6 +76,10 @@ class Destination {
   Time next_ready(Time now);
   std::uint64_t position();
   std::uint32_t flow() const { return flow_; }
+  /// The channel of that number, which counts the channels of a writer, is called by this there.
+  std::uint32_t name_of_channel(std::uint32_t number) const { return channels_ + number; }
+  /// The shortest of late; 0: not known.
+  Time::duration round_trip();
   /// Whether what comes from that address can be the receiver's word: we send there, or it has reported from
   /// there.
   bool is_at(const core::IpAddress& ip) const;
@@ -125,6 +131,7 @@ class Destination {
 
   const DestinationLimits limits_;
   const std::uint32_t flow_;
+  const std::uint32_t channels_;
   const Connect connect_;
   mutable std::mutex mutex_;  ///< of these three
   SocketAddress address_;
@@ -166,10 +173,12 @@ class DestinationDirectory {
  private:
   const DestinationLimits limits_;
   const Connect connect_;
+  const HashKey channel_key_;
   std::mutex mutex_;
   /// One that has several addresses is known by its node and port, any other by its address.
   using Key = std::pair<std::uint64_t, SocketAddress>;
   static Key key_of(const core::UdpAddress& address);
+  std::uint32_t first_channel(const Key& key) const;
   std::shared_ptr<Destination> known(const core::UdpAddress& address);
   std::uint32_t unused_flow();
   std::map<Key, std::weak_ptr<Destination>> known_;

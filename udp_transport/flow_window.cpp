@@ -138,7 +138,7 @@ std::optional<FlowMark> FlowWindow::mark(Time now) {
   }
   ++asked_;
   marked_ = sent_;
-  marked_at_ = now;
+  marked_at_ = std::max(marked_at_, now);  // of several threads one may have looked at the clock before
   return FlowMark{
       .flow = flow_, .position = sent_, .datagrams = datagrams_, .sent_at_ns = hidden(ns_of(now))};
 }

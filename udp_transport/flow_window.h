@@ -92,6 +92,10 @@ class FlowWindow {
   Time next_ready(Time now) const;
 
   std::uint64_t position() const { return sent_; }
+  /// The shortest time there and back of late; 0: not known.
+  Time::duration round_trip() const {
+    return shortest_ == Time::duration::max() ? Time::duration{} : shortest_;
+  }
   /// The receiver has reported, and is not silent: nobody else decides that something is sent there.
   bool answers(Time now) const { return !limits_.asks || (heard_ && !silent(now)); }
   /// It was asked for a second, and never answered or does not answer any more.

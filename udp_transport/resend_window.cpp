@@ -146,7 +146,10 @@ std::optional<ResendWindow::Piece> ResendWindow::next_repair(Size size, Time now
   if (repair_is_paced_) return {};
   const Entry& entry = kept_[repair->ordinal];
   Piece piece{entry.first, entry.job, repair->range, repair->ordinal, true, entry.part};
+  piece.first.channel.in_short = heard_;
   repair_pacer_.spend(std::max<std::size_t>(repair->range.end - repair->range.begin, datagram_bytes_min));
+  if (repaired_lately_.size() == repairs_max) repaired_lately_.pop_front();
+  repaired_lately_.push_back({repair->ordinal, repair->range, now});
   repairs_.erase(repair);
   ++repaired_;
   return piece;
@@ -173,6 +176,7 @@ ResendWindow::Piece ResendWindow::begin(std::uint64_t ordinal) {
   Entry& entry = kept_[ordinal];
   start(entry);
   Piece piece{entry.first, entry.job, {.begin = entry.sent_bytes}, ordinal, false, entry.part};
+  piece.first.channel.in_short = heard_;
   const std::uint64_t end = std::min(kept_.end(), ordinal + entry.job->samples() - entry.part);
   for (++ordinal; ordinal < end; ++ordinal, ++piece.samples) {
     if (kept_[ordinal].state != State::waiting) break;
@@ -227,9 +231,16 @@ void ResendWindow::release_before(std::uint64_t next) {
   while (!kept_.empty() && kept_.begin() < next && kept_[kept_.begin()].begun) release_oldest();
 }
 
-void ResendWindow::hear(const Ack& ack, Time now) {
+void ResendWindow::hear(const Ack& ack, Time now, Time::duration round_trip) {
   if (ack.channel != channel_ || ack.writer != writer_) return;
-  if (ack.next > kept_.end()) return;
+  if (ack.next > kept_.end()) {
+    ++impossible_;
+    return;
+  }
+  impossible_ = 0;
+  heard_ = true;
+  while (!repaired_lately_.empty() && now - repaired_lately_.front().at >= round_trip)
+    repaired_lately_.pop_front();
   release_before(ack.next);
   for (const Missing& part : ack.parts()) ask_for(part, ack.next, now);
   unanswered_ = 0;
@@ -248,10 +259,16 @@ void ResendWindow::ask_for(const Missing& part, std::uint64_t next, Time now) {
   if (range.begin > range.end || repairs_.size() >= repairs_max) return;
   if (range.begin != 0 && range.begin == range.end) return;
   const bool asked = std::any_of(repairs_.begin(), repairs_.end(), [&](const Repair& known) {
-    if (known.ordinal != ordinal) return false;
-    return known.range == range || (known.range.begin < range.end && range.begin < known.range.end);
+    return known.ordinal == ordinal && overlap(known.range, range);
   });
-  if (!asked) repairs_.push_back({ordinal, range, size_of(range.end - range.begin)});
+  if (!asked && !is_repaired_just_now(ordinal, range))
+    repairs_.push_back({ordinal, range, size_of(range.end - range.begin)});
+}
+
+bool ResendWindow::is_repaired_just_now(std::uint64_t ordinal, const BodyRange& range) const {
+  return std::ranges::any_of(repaired_lately_, [&](const Repaired& repaired) {
+    return repaired.ordinal == ordinal && overlap(repaired.range, range);
+  });
 }
 
 /// A loss is noticed with the sample after it; so what matters is that no other one comes. That is asked for
@@ -292,6 +309,7 @@ std::optional<Heartbeat> ResendWindow::heartbeat(Time now) {
   heartbeat_sent_at_ = now;
   heartbeats_paid_until_ = std::max(heartbeats_paid_until_, now) + limits_.heartbeat_pause;
   const auto doubled = limits_.heartbeat_delay * (1 << std::min(++unanswered_, 10));
+  if (unanswered_ > 1) heard_ = false;  // it may have taken another channel for ours: samples name it in full
   heartbeat_at_ = now + std::min<Time::duration>(doubled, limits_.heartbeat_longest);
   const std::uint64_t end = sent_end();
   return Heartbeat{.writer = writer_,

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -85,8 +86,12 @@ class ResendWindow {
   /// Of one that has left elsewhere: the job, whose own header is the one of there. Else none.
   JobHandle sent_elsewhere(std::uint64_t ordinal) const;
 
-  /// What the other end says. Nonsense is ignored.
-  void hear(const Ack& ack, Time now);
+  /// What the other end says. Nonsense is ignored. A part that was sent again within `round_trip` is still on
+  /// its way there, and not sent once more.
+  void hear(const Ack& ack, Time now, Time::duration round_trip = {});
+  /// The other end says that it has got what was never sent, as it could not but for a fault: what it says
+  /// of this channel means nothing any more.
+  bool gone_wrong() const { return impossible_ >= impossible_max; }
 
   /// The way there is another one: asks at once, which also tells the other end where acks go now.
   void way_changed(Time now);
@@ -147,6 +152,10 @@ class ResendWindow {
   std::uint64_t sent_end() const;
   void release_before(std::uint64_t next);
   void ask_for(const Missing& part, std::uint64_t next, Time now);
+  bool is_repaired_just_now(std::uint64_t ordinal, const BodyRange& range) const;
+  static bool overlap(const BodyRange& a, const BodyRange& b) {
+    return a == b || (a.begin < b.end && b.begin < a.end);
+  }
   void plan_heartbeat(Time now);
   void learn_pause(Time::duration pause);
   Time end_of_usual_pause() const;
@@ -164,6 +173,17 @@ class ResendWindow {
   Pacer repair_pacer_;
   bool repair_is_paced_ = false;  ///< the last next() had to leave one for later
   std::uint64_t repaired_ = 0;
+  struct Repaired {
+    std::uint64_t ordinal = 0;
+    BodyRange range;
+    Time at{};
+  };
+  std::deque<Repaired> repaired_lately_;  ///< the oldest first: within a round trip, when an ack came last
+
+  /// Acks of what was never sent, one after the other: one can be a flipped bit.
+  static constexpr int impossible_max = 2;
+  int impossible_ = 0;
+  bool heard_ = false;  ///< the other end knows the channel
 
   Time sent_at_{};
   Time::duration usual_pause_{};  ///< between samples

@@ -22,15 +22,16 @@ std::shared_ptr<const WireMask> make_wire_mask(const FieldMask& mask, std::uint1
 }
 
 /// What a gate withholds from those on spare routes is counted where they are served.
-void write_page(const Gathered& gathered, const Group& group, core::DeliveryBook::Page& page) {
+void write_page(const Gathered& gathered, const Group& group, RouteTable& table) {
   for (const auto& [reader, destination] : gathered.readers) {
     const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };
     const auto lane = std::find_if(group.lanes.begin(), group.lanes.end(), leads_there);
-    page.push_back({reader,
-                    {.tally = group.tally,
-                     .losses = (*lane)->losses(),
-                     .gate = group.spare ? nullptr : group.gate,
-                     .diverted = group.spare}});
+    if (!group.spare) table.lanes_of[reader] = *lane;
+    table.page.push_back({reader,
+                          {.tally = group.tally,
+                           .losses = (*lane)->losses(),
+                           .gate = group.spare ? nullptr : group.gate,
+                           .diverted = group.spare}});
   }
 }
 
@@ -192,7 +193,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
     }
     if (gathered.multicast) group.multicast = keeper->find(*gathered.multicast, members_of(group));
     if (gathered.late_reader != 0) late_readers.insert(gathered.late_reader);
-    write_page(gathered, group, table->page);
+    write_page(gathered, group, *table);
     if (gathered.spare) {
       leave_out_the_reached(*table, group);
     } else {

@@ -44,6 +44,8 @@ struct Group {
 struct RouteTable {
   std::vector<Group> groups;      ///< spare ones last
   core::DeliveryBook::Page page;  ///< which tallies are whose
+  /// To whom these lead, but for spare ones.
+  std::map<core::EndpointId, std::shared_ptr<Lane>> lanes_of;
 
   std::size_t usual = 0;               ///< groups that are not spare
   std::shared_ptr<BodySizes> sizes{};  ///< to be measured; null: nobody asks

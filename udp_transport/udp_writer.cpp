@@ -69,6 +69,17 @@ std::uint64_t UdpWriter::bytes_sent() const noexcept {
 
 std::uint64_t UdpWriter::dropped() const noexcept { return tally_->dropped.load(std::memory_order_relaxed); }
 
+std::string UdpWriter::silence(core::EndpointId reader) const {
+  const std::shared_ptr<const RouteTable> table = routes_.share();
+  const auto lane = table->lanes_of.find(reader);
+  if (lane == table->lanes_of.end()) return {};
+  Destination& to = lane->second->destination();
+  if (!to.is_mute(std::chrono::steady_clock::now())) return {};
+  const auto [ip, port] = to.address();
+  return "the host did not answer at " + core::format(ip, port) +
+         ": nothing is sent there until it does; see that its firewall lets UDP in, and ours the answers";
+}
+
 bool UdpWriter::history_sent(core::EndpointId reader) noexcept {
   return side_->sender.stopped() || (left_->done() && variants_.late_lane_idle(reader));
 }
@@ -79,7 +90,7 @@ void UdpWriter::set_routes(std::vector<core::Route> routes) {
 }
 
 void UdpWriter::tend(std::chrono::steady_clock::time_point now) {
-  if (keeper_.replan(now)) make_table();
+  if (keeper_.replan(now) || channels_.some_went_wrong()) make_table();
   keeper_.tend(now);
 }
 

@@ -37,6 +37,7 @@ class UdpWriter final : public core::WriterPort, private Tended {
   void send_history(const core::Route& to, std::vector<core::SampleHandle> samples) override;
   bool history_sent(core::EndpointId reader) noexcept override;
   std::string multicast(core::EndpointId reader) const override { return keeper_.why(reader); }
+  std::string silence(core::EndpointId reader) const override;
   std::uint64_t bytes_sent() const noexcept override;
   std::uint64_t dropped() const noexcept override;
 

@@ -32,8 +32,40 @@ TEST_F(ChannelDirectoryTest, GivesOthersAChannelOfTheirOwnWithAGreaterNumber) {
   const auto channel = channels.find(there, {1});
   const auto next = channels.find(there, {2});
   EXPECT_NE(next, channel);
-  EXPECT_GT(next->number(), channel->number());
+  EXPECT_GT(static_cast<std::int32_t>(next->number() - channel->number()), 0);
   EXPECT_TRUE(channel->closed());
+}
+
+TEST_F(ChannelDirectoryTest, NumbersThemSoThatNobodyElseCanGuessAndTheReceiverCanTellTheNewer) {
+  std::uint32_t before = channels.find(to(1), {1})->number();
+  EXPECT_GT(before - channels.find(to(2), {2})->number() + 1000, 2000U) << "whoever knows one knows no other";
+  for (core::EndpointId reader = 3; reader < 20; ++reader) {  // the destination is forgotten in between
+    channels.keep_to({});
+    const std::uint32_t number = channels.find(to(1), {reader})->number();
+    EXPECT_GT(static_cast<std::int32_t>(number - before), 0);
+    EXPECT_LT(number - before, 1000U);
+    before = number;
+  }
+}
+
+TEST_F(ChannelDirectoryTest, BeginsAnotherOneWhereAcksAreOfWhatWasNeverSent) {
+  const auto there = to(1);
+  const auto channel = channels.find(there, {1});
+  const auto ack = [&](std::uint64_t next) {
+    static_cast<void>(channel->hear({.writer = 7, .channel = channel->number(), .next = next}));
+  };
+  ack(2);
+  ack(1);
+  ack(std::uint64_t{1} << 62);
+  EXPECT_FALSE(channel->closed()) << "one by itself can be a flipped bit";
+  EXPECT_FALSE(channels.some_went_wrong());
+  ack(2);
+  EXPECT_TRUE(channel->closed());
+  EXPECT_TRUE(channels.some_went_wrong());
+  const auto next = channels.find(there, {1});
+  EXPECT_NE(next, channel);
+  EXPECT_FALSE(next->closed());
+  EXPECT_FALSE(channels.some_went_wrong());
 }
 
 TEST_F(ChannelDirectoryTest, EndsChannelsToWhereNobodyIsServedReliablyAnyMore) {

@@ -105,6 +105,20 @@ class ChannelHeartbeatTest : public testing::Test {
   Channel::Time now_ = std::chrono::steady_clock::now();
 };
 
+TEST_F(ChannelHeartbeatTest, PartsWhereAcksAreOfWhatWasNeverSent) {
+  send(1, now_);
+  static_cast<void>(channel_.hear(ack(9)));
+  EXPECT_FALSE(channel_.went_wrong());
+  EXPECT_TRUE(channel_.hear(ack(10))) << "the sending thread has to look";
+  EXPECT_TRUE(channel_.went_wrong());
+  const Channel::Care care = channel_.look_after();
+  ASSERT_TRUE(care.heartbeat);
+  EXPECT_EQ(care.heartbeat->first, care.heartbeat->end) << "nothing is left";
+  EXPECT_TRUE(care.at_rest);
+  EXPECT_EQ(channel_.tally().dropped, 1U);
+  EXPECT_FALSE(channel_.look_after().heartbeat);
+}
+
 TEST_F(ChannelHeartbeatTest, WakesASendingThreadThatLookedWhileNothingHadLeft) {
   send(1, now_);
   static_cast<void>(channel_.hear(ack(2)));

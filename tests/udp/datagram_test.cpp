@@ -111,7 +111,7 @@ FirstHeader whole_header() {
           .total = 3,
           .mask = 0x3837363534333231,
           .stamp_ns = -2,
-          .channel = {.channel = 0x2aa, .ordinal = 0x24232221}};
+          .channel = {.channel = 0x2aa, .ordinal = 0x24232221, .in_short = true}};
 }
 
 TEST(WholeDatagram, IsLaidOutAsDocumented) {
@@ -138,7 +138,9 @@ void expect_equal(const FirstHeader& read, const FirstHeader& sent) {
   EXPECT_EQ(read.stamp_ns, sent.stamp_ns);
   EXPECT_EQ(read.rate, sent.rate);
   EXPECT_EQ(read.history, sent.history);
-  EXPECT_EQ(read.channel, sent.channel);
+  EXPECT_EQ(read.channel.channel, sent.channel.channel);
+  EXPECT_EQ(read.channel.sequence_high, sent.channel.sequence_high);
+  EXPECT_EQ(read.channel.ordinal, sent.channel.ordinal);
   EXPECT_EQ(read.group, sent.group);
 }
 
@@ -151,7 +153,7 @@ TEST(WholeDatagram, SaysWhatAFirstOneWouldSay) {
           FirstHeader sent = whole_header();
           sent.flags |= flags;
           sent.label.variant = variant;
-          sent.channel = {.channel = channel, .ordinal = ordinal};
+          sent.channel = {.channel = channel, .ordinal = ordinal, .in_short = true};
           ASSERT_TRUE(fits_in_short(sent));
           std::array<std::byte, first_header_bytes + 3> in_short{};
           encode_in_short(sent, in_short.data());
@@ -185,7 +187,8 @@ TEST(WholeDatagram, HasNoRoomForWhatOnlyAFirstOneCanSay) {
   EXPECT_FALSE(fits([](FirstHeader& h) { h.flags |= group_follows; }));
   EXPECT_FALSE(fits([](FirstHeader& h) { h.flags |= lengths_follow; }));
   EXPECT_FALSE(fits([](FirstHeader& h) { h.label.variant = whole_numbers_end; }));
-  EXPECT_FALSE(fits([](FirstHeader& h) { h.channel.channel = whole_numbers_end; }));
+  EXPECT_FALSE(fits([](FirstHeader& h) { h.channel.in_short = false; })) << "the channel has to be named";
+  EXPECT_TRUE(fits([](FirstHeader& h) { h.channel.channel = UINT32_MAX; }));
   EXPECT_FALSE(fits([](FirstHeader& h) { h.channel.sequence_high = 1; }));
   EXPECT_FALSE(fits([](FirstHeader& h) { h.channel.ordinal = 0x1'0000'0000; }));
 }

@@ -8,6 +8,7 @@
 
 #include "connections.h"
 #include "core/buffer_pool.h"
+#include "jobs.h"
 
 namespace sft::udp {
 namespace {
@@ -70,6 +71,18 @@ TEST_F(LaneTest, KeepsTheNewest) {
   for (std::uint32_t n = 1; n <= 3; ++n) EXPECT_FALSE(one_.post(job(n)).dropped_oldest);
   EXPECT_TRUE(one_.post(job(4)).dropped_oldest);
   EXPECT_EQ(take_all(one_), (Numbers{2, 3, 4}));
+}
+
+TEST_F(LaneTest, KeepsSixtyFourSmallSamplesForAReceiverThatHasNotReportedYet) {
+  DestinationDirectory asking({.report_port = 7}, connections_.connect());
+  Lane lane(asking.find({.ip = 0x7F000001, .port = 1}), 3, tally_);
+  Numbers posted;
+  for (std::uint32_t n = 1; n <= 64; ++n) {
+    EXPECT_FALSE(lane.post(test::make_job(*jobs_, n)).dropped_oldest) << n;
+    posted.push_back(n + 1);
+  }
+  EXPECT_TRUE(lane.post(test::make_job(*jobs_, 65)).dropped_oldest);
+  EXPECT_EQ(take_all(lane), posted);
 }
 
 TEST_F(LaneTest, SkipsNothingForADestinationThatFallsBehind) {

@@ -2,6 +2,8 @@
 // test's own.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <string>
@@ -13,6 +15,7 @@
 #include "endpoints.h"
 #include "faulty_io.h"
 #include "tests/support/isolated_host.h"
+#include "tests/support/pace.h"
 #include "tests/support/test_seed.h"
 #include "transfers.h"
 #include "udp_transport/udp_transport.h"
@@ -136,6 +139,95 @@ TEST_P(NetworkTest, TransfersAThousandSamplesOfAllSizesReliablyWhereDatagramsGet
   subscriber.listen_reliably_to(publisher.id());
   publisher.serve({{address, "*", true}});
   test::transfer_all_sizes(publisher, subscriber, random);
+}
+
+/// An announcement can name anybody's address.
+TEST_P(NetworkTest, SendsNextToNothingToAHostThatDidNotAskForIt) {
+  int socket = -1;
+  sockaddr_in at{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {}, .sin_zero = {}};
+  const std::uint32_t ip = on_another_host(GetParam() == Backend::io_uring ? 20 : 21, [&] {
+    socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    socklen_t length = sizeof at;
+    ::bind(socket, reinterpret_cast<sockaddr*>(&at), length);
+    ::getsockname(socket, reinterpret_cast<sockaddr*>(&at), &length);
+  });
+  if (ip == 0) GTEST_SKIP() << "a second host cannot be had here";
+  const auto there = open();
+  Publisher large(*there, 1), small(*there, 2);
+  const core::UdpAddress victim{ip, ntohs(at.sin_port), 32 << 20};
+  large.serve({{victim, "*", true}, {victim, "stamp"}});
+  small.serve({{victim, "*", true}, {victim, "*"}});
+  constexpr std::size_t ethernet_and_ip = 42;
+  std::size_t came = 0;
+  std::vector<std::byte> datagram(65'536);
+  sft::test::Pace pace(10ms, sft::test::Keeps::rate);
+  for (const auto end = Clock::now() + 2s; Clock::now() < end; pace.await_turn()) {
+    large.publish(make_image(1'000'000));
+    small.publish(make_image(100));
+    for (ssize_t n; (n = ::recv(socket, datagram.data(), datagram.size(), 0)) >= 0;)
+      came += static_cast<std::size_t>(n) + ethernet_and_ip;
+  }
+  ::close(socket);
+  EXPECT_GT(came, 0U) << "it is asked";
+  EXPECT_LT(came, 40'000U);
+  EXPECT_NE(small.port().silence(1), "");
+}
+
+TEST_P(NetworkTest, SendsNextToNothingToAPortOfThisHostThatNobodyAskedFor) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  sockaddr_in at{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {htonl(INADDR_LOOPBACK)}, .sin_zero = {}};
+  socklen_t length = sizeof at;
+  ASSERT_EQ(::bind(socket, reinterpret_cast<sockaddr*>(&at), length), 0);
+  ASSERT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&at), &length), 0);
+  const auto there = open();
+  Publisher publisher(*there);
+  publisher.serve({{{INADDR_LOOPBACK, ntohs(at.sin_port), 32 << 20}, "*", true}});
+  std::vector<std::byte> datagram(65'536);
+  std::size_t came = 0;
+  for (std::size_t n = 0; n < 200; ++n) publisher.publish(make_image(n % 2 == 0 ? 1'000'000 : 10'000));
+  for (ssize_t n; (n = ::recv(socket, datagram.data(), datagram.size(), 0)) >= 0;)
+    came += static_cast<std::size_t>(n);
+  EXPECT_LE(came, 26'000U);
+  ::close(socket);
+  for (int n = 0; n < 10; ++n) publisher.publish(make_image(10'000));
+  EXPECT_TRUE(test::eventually([&] { return !publisher.port().silence(1).empty(); })) << "the host says so";
+}
+
+TEST_P(NetworkTest, GoesOnWithinASecondAfterAHostThatCouldNotBeReachedIsBack) {
+  const unsigned net = GetParam() == Backend::io_uring ? 22 : 23;
+  std::unique_ptr<core::Transport> far;
+  core::UdpAddress address;
+  address.ip = on_another_host(net, [&] { far = open(); });
+  if (address.ip == 0) GTEST_SKIP() << "a second host cannot be had here";
+  address.port = far->addresses().at(0).port;
+  const auto near = open();
+  Subscriber reliable(*far, {"*"}), best_effort(*far, {"*"});
+  Publisher one(*near, 1), other(*near, 2);
+  reliable.listen_reliably_to(1);
+  best_effort.listen_to(2);
+  one.serve({{address, "*", true}});
+  other.serve({{address}});
+  sft::test::Pace pace(5ms);
+  const auto publish_until = [&](const auto& enough, std::chrono::milliseconds at_most) {
+    for (const auto end = Clock::now() + at_most; Clock::now() < end && !enough(); pace.await_turn()) {
+      one.publish(make_image(20'000));
+      other.publish(make_image(20'000));
+    }
+    return enough();
+  };
+  const auto both_get_more = [&] {
+    return [&, before = reliable.await(0).size(), before_other = best_effort.await(0).size()] {
+      return reliable.await(0).size() > before && best_effort.await(0).size() > before_other;
+    };
+  };
+  ASSERT_TRUE(publish_until(both_get_more(), 20s));
+  const std::string neighbour = "10.9." + std::to_string(net) + ".2", link = "to" + std::to_string(net);
+  ASSERT_TRUE(run("ip neighbour replace " + neighbour + " lladdr 02:00:00:00:00:03 dev " + link));
+  publish_until([] { return false; }, 3s);
+  EXPECT_NE(one.port().silence(1), "");
+  ASSERT_TRUE(run("ip neighbour delete " + neighbour + " dev " + link));
+  EXPECT_TRUE(publish_until(both_get_more(), 1s));
+  EXPECT_EQ(one.port().silence(1), "");
 }
 
 TEST_P(NetworkTest, GoesOnWhenThePathTakesShorterDatagrams) {

@@ -112,6 +112,39 @@ TEST_F(ResendWindowTest, LetsGoOfWhatHasLeftWhereTheOtherEndHasGivenUpOnMore) {
   EXPECT_EQ(send(), numbers(4, 6));
 }
 
+TEST_F(ResendWindowTest, NamesItsChannelInFullUntilTheOtherEndAnswersAndWhereItDoesNotAnyMore) {
+  const auto in_short = [&] {
+    keep(100);
+    const auto piece = window.next(Size::small, now);
+    window.finished(*piece, now);
+    return piece->first.channel.in_short;
+  };
+  EXPECT_FALSE(in_short());
+  ack(2);
+  EXPECT_TRUE(in_short());
+  int asked = 0;
+  for (; asked < 2; now += 1ms) asked += window.heartbeat(now) ? 1 : 0;
+  EXPECT_FALSE(in_short());
+  ack(3);
+  EXPECT_TRUE(in_short());
+}
+
+TEST_F(ResendWindowTest, RepairsAPartOnceInARoundTripHoweverOftenItIsAskedFor) {
+  keep(100, 1);
+  keep(200'000, 2);
+  send();
+  std::size_t repaired = 0;
+  for (const auto end = now + 100ms; now < end; now += 1ms) {
+    Ack asking{.writer = writer, .channel = channel, .next = 1};
+    asking.missing[0] = {1, 0, 0};
+    asking.missing[1] = {2, 50'000, 60'000};
+    asking.missing_count = 2;
+    window.hear(asking, now, 20ms);
+    repaired += send().size();
+  }
+  EXPECT_EQ(repaired, 2U * 5);
+}
+
 TEST(ResendWindowsTest, RepairNoMoreThanFiveHundredAndTwelvePartsThatAreAskedForTogether) {
   ResendWindow window{writer, channel, {.samples = 1000}};
   const auto jobs = JobPool::make();

@@ -27,8 +27,10 @@ FirstHeader in_channel(std::uint64_t ordinal, std::uint64_t sequence, std::uint1
           .flags = channel_follows,
           .mask = 0xff,
           .stamp_ns = 4,
-          .channel = {
-              .channel = 5, .sequence_high = static_cast<std::uint32_t>(sequence >> 32), .ordinal = ordinal}};
+          .channel = {.channel = 5,
+                      .sequence_high = static_cast<std::uint32_t>(sequence >> 32),
+                      .ordinal = ordinal,
+                      .in_short = true}};
 }
 
 class WholeCutTest : public testing::Test {
@@ -95,7 +97,10 @@ TEST_F(WholeCutTest, SaysAtLengthWhatIsBeyond32BitsAndReadsTheSame) {
       const auto d = parse(datagrams[0]);
       ASSERT_TRUE(d);
       EXPECT_EQ(d->kind, in_short ? DatagramKind::whole : DatagramKind::first) << count;
-      EXPECT_EQ(d->first.channel, sent.channel);
+      EXPECT_EQ(d->first.channel.in_short, in_short) << count;
+      ChannelMark read = d->first.channel;
+      read.in_short = true;
+      EXPECT_EQ(read, sent.channel);
       EXPECT_EQ(d->label(), sent.label);
       EXPECT_EQ(d->first.total, 100U);
     };
@@ -104,11 +109,25 @@ TEST_F(WholeCutTest, SaysAtLengthWhatIsBeyond32BitsAndReadsTheSame) {
   }
 }
 
+TEST_F(WholeCutTest, SaysOnlyTheLowBitsOfAChannelThatTheOtherEndKnows) {
+  FirstHeader sent = in_channel(1, 1);
+  sent.channel.channel = 0xfedc'ba98;
+  const auto whole = parse(cut(sent, 100).at(0));
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->kind, DatagramKind::whole);
+  EXPECT_EQ(whole->first.channel.channel, 0xfedc'ba98 % whole_numbers_end);
+  sent.channel.in_short = false;
+  const auto first = parse(cut(sent, 100).at(0));
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->kind, DatagramKind::first);
+  EXPECT_EQ(first->first.channel.channel, 0xfedc'ba98);
+}
+
 TEST_F(WholeCutTest, IsTheFormOfWhatAWindowKeepsUntilItsOrdinalsTurnOver) {
   const std::shared_ptr<JobPool> jobs = JobPool::make();
-  ResendWindow window(1, 5, {}, 0xffff'ffff);
+  ResendWindow window(1, 5, {}, 0xffff'fffe);
   std::vector<DatagramKind> kinds;
-  for (std::uint64_t sequence = 1; sequence <= 2; ++sequence) {
+  for (std::uint64_t sequence = 1; sequence <= 3; ++sequence) {
     JobHandle job = jobs->take();
     job->mask = std::make_shared<WireMask>(WireMask{3, 0xff, {}});
     job->sequence = sequence;
@@ -116,14 +135,19 @@ TEST_F(WholeCutTest, IsTheFormOfWhatAWindowKeepsUntilItsOrdinalsTurnOver) {
     const auto piece = window.take(window.keep(job, job->first).ordinal);
     ASSERT_TRUE(piece);
     kinds.push_back(kind(test::cut(piece->body(), path).at(0)));
+    window.hear({.writer = 1, .channel = 5, .next = 0xffff'fffe}, ResendWindow::Time{1h});
   }
-  EXPECT_EQ(kinds, (std::vector{DatagramKind::whole, DatagramKind::first}));
+  EXPECT_EQ(kinds, (std::vector{DatagramKind::first, DatagramKind::whole, DatagramKind::first}))
+      << "before the first ack the other end may not know the channel";
 }
 
 /// One writer's images, as they come to a process by a channel.
 class WholeTest : public testing::Test {
  protected:
-  WholeTest() { read(true); }
+  WholeTest() {
+    read(true);
+    reassembly_.window(0)->hear({.writer = 1, .channel = 5, .port = 7, .first = 1, .end = 1}, now_);
+  }
 
   void read(bool reliable) {
     Stream stream{writer, &test::type_support<Image>(), 0, {}, reliable};
@@ -197,6 +221,16 @@ TEST_F(WholeTest, ComesAsItWasSent) {
   EXPECT_EQ(taken_[0]->header().source_stamp_ns, 4);
   EXPECT_EQ(taken_[0]->mask, fields<Image>("*"));
   EXPECT_EQ(in_order(), Sequences{9});
+}
+
+TEST_F(WholeTest, ComesAgainWhereItsChannelIsNotKnownAsYet) {
+  Reassembly fresh{{}, core::BufferPool::make(std::size_t{64} << 20)};
+  const Stream stream{writer, &test::type_support<Image>(), 0, {fields<Image>("*")}, true};
+  fresh.set_streams({&stream, 1});
+  const auto datagrams = sent(1, 9, make_image(20));
+  EXPECT_FALSE(fresh.accept(datagrams.at(0), {now_, 77}).sample);
+  fresh.window(0)->hear({.writer = 1, .channel = 2048 + 5, .port = 7, .first = 1, .end = 2}, now_);
+  EXPECT_TRUE(fresh.accept(datagrams.at(0), {now_, 77}).sample);
 }
 
 TEST_F(WholeTest, WaitsForItsTurnAndIsThereOnce) {

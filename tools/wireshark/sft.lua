@@ -217,7 +217,7 @@ local function read_short_place(c)
   local item = c.tree:add(f.flags, range, set)
   for _, flag in ipairs(flags) do item:add(flag.field, range, set) end
   c.tree:add(f.variant, range, math.floor(bits / 4) % 2048)
-  c.tree:add(f.channel, range, math.floor(bits / 8192))
+  c.tree:add(f.channel, range, math.floor(bits / 8192)):append_text(" (the low 11 bits of its number)")
   return set
 end
 

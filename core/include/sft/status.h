@@ -32,7 +32,8 @@ struct ReaderStatus {
   std::string node;
   bool served = false;  ///< false: `reason` says why nothing is sent
   TransportKind transport{};
-  std::string reason{};  ///< for the transport, or for not being served
+  /// For the transport, or for not being served; and that its host does not answer, where that is so.
+  std::string reason{};
   /// Of one that is served by UDP: with whom it shares a multicast group, or why with nobody.
   std::string multicast{};
   bool incompatible_type = false;
@@ -130,7 +131,9 @@ struct NodeStatus {
   std::string shm;
   bool shm_ready = false;
   std::uint64_t datagrams_malformed = 0;
-  std::uint64_t datagrams_unknown = 0;      ///< of writers that nobody here reads
+  /// Of writers that nobody here reads; and answers that are of nothing that was sent, or come from others
+  /// than it was sent to.
+  std::uint64_t datagrams_unknown = 0;
   std::uint64_t samples_incomplete = 0;     ///< of which a part never came
   std::uint64_t over_limit = 0;             ///< by UDP: sent or received, and dropped to stay within a limit
   std::uint64_t shm_samples_malformed = 0;  ///< that are not what they claim to be
