@@ -105,6 +105,7 @@ class Composition {
     if (equals(config.domain_on_wire, "default")) config.domain_on_wire = std::to_string(domain);
     config.multicast = !finds_by_peers_only() && !equals(multicast_, "spdp");
     config.found_by_multicast = !finds_by_peers_only();
+    config.is_secured = user_.sets("Security");
     config.peers = settings_.peers;
     config.user_peers = user_.values("Discovery/Peers/Peer/@Address");
     std::string insisted;

@@ -5,6 +5,7 @@
 
 #include <map>
 #include <mutex>
+#include <utility>
 
 #include "core/file_descriptor.h"
 
@@ -14,6 +15,8 @@ namespace {
 thread_local CycloneMessages* listening = nullptr;
 
 constexpr std::uint32_t first_domain = 1000;  // DDS domains on a network are below 233
+/// A governance document can name no number above this one, and Cyclone looks up the number of this process.
+constexpr std::uint32_t last_secured_domain = 230;
 constexpr std::size_t descriptors_of_a_domain = 16;
 
 /// The domains of this process, kept where Cyclone keeps them.
@@ -32,6 +35,21 @@ bool has_descriptors_left() {
     if (!spare.back()) return false;
   }
   return true;
+}
+
+/// Under a number that is free, from the greatest one down: programs use small ones for themselves.
+std::pair<std::uint32_t, dds_entity_t> make_secured_domain(const std::string& config) {
+  for (std::uint32_t id = last_secured_domain; id > 0; --id) {
+    const dds_entity_t entity = dds_create_domain(id, config.c_str());
+    if (entity != DDS_RETCODE_PRECONDITION_NOT_MET) return {id, entity};
+  }
+  return {0, DDS_RETCODE_OUT_OF_RESOURCES};
+}
+
+std::pair<std::uint32_t, dds_entity_t> make_domain(const std::string& config, bool is_secured) {
+  if (is_secured) return make_secured_domain(config);
+  const std::uint32_t id = first_domain + open_domains.made++;
+  return {id, dds_create_domain(id, config.c_str())};
 }
 
 }  // namespace
@@ -59,7 +77,7 @@ std::string CycloneMessages::text() const {
   return text.empty() ? "it does not say why" : text;
 }
 
-Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const std::string& config,
+Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const std::string& config, bool is_secured,
                                                             std::vector<std::string>& complaints) {
   const std::scoped_lock lock(open_domains.mutex);  // so that two nodes do not make the same one
   std::erase_if(open_domains.by_config, [](const auto& entry) { return entry.second.expired(); });
@@ -69,8 +87,7 @@ Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const std::string& c
     return fail(Errc::limit_exceeded,
                 "the process has no file descriptors left: raise its limit (ulimit -n)");
   const CycloneMessages messages;
-  const std::uint32_t id = first_domain + open_domains.made++;
-  const dds_entity_t entity = dds_create_domain(id, config.c_str());
+  const auto [id, entity] = make_domain(config, is_secured);
   if (entity < 0) return fail(Errc::invalid_argument, messages.text());
   complaints.insert(complaints.end(), messages.errors().begin(), messages.errors().end());
   auto domain = std::make_shared<const CycloneDomain>(id, entity);

@@ -52,8 +52,8 @@ class CycloneDomain {
 };
 
 /// The nodes of a process that ask with the same configuration share one domain. What Cyclone complains of is
-/// added to `complaints`.
-Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const std::string& config,
+/// added to `complaints`. `is_secured`: the configuration has DDS Security, which can name few numbers.
+Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const std::string& config, bool is_secured,
                                                             std::vector<std::string>& complaints);
 
 /// Whether the program itself uses that domain in this process.

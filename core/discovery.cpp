@@ -219,7 +219,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
 
   Result<void> make_link(const LinkSpec& spec) {
     std::vector<std::string> complaints;
-    auto domain = cyclone_domain(config_.text_for(spec), complaints);
+    auto domain = cyclone_domain(config_.text_for(spec), config_.is_secured, complaints);
     if (!domain) {
       return fail(domain.error().code, "Cyclone DDS refuses its configuration (" + domain.error().message +
                                            "); check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");
