@@ -61,7 +61,7 @@ class Choice {
   void pick_loopback() {
     for (const HostInterface& i : interfaces_) {
       if (i.loopback && i.ip.is_ipv4() && result_.links.empty())
-        pick(i, {i.name, i.ip, i.prefix_bits, true, true});
+        pick(i, {i.name, i.ip, i.prefix_bits, true, true, i.index});
     }
   }
 
@@ -73,7 +73,7 @@ class Choice {
       if (!i.loopback && i.ip.is_ipv4() && fits(i)) candidates.push_back(&i);
     }
     const auto spec = [&](const HostInterface& i) {
-      return LinkSpec{i.name, i.ip, i.prefix_bits, false, reaches_own_host};
+      return LinkSpec{i.name, i.ip, i.prefix_bits, false, reaches_own_host, i.index};
     };
     std::ranges::stable_partition(candidates, [&](const auto* i) { return is_in_force(spec(*i)); });
     for (const HostInterface* i : candidates) {
@@ -88,7 +88,7 @@ class Choice {
     for (const HostInterface& i : interfaces_) {
       if (i.loopback || i.ip.is_any() || i.ip.is_ipv4() || !fits(i)) continue;
       if (std::ranges::find(result_.links, i.name, &LinkSpec::interface) == result_.links.end())
-        pick(i, {i.name, {}, 0, false, reaches_own_host});
+        pick(i, {i.name, {}, 0, false, reaches_own_host, i.index});
     }
   }
 

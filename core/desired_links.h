@@ -25,6 +25,7 @@ struct LinkSpec {
   /// Multicasts of the link come back to this host. They need to only where there is no loopback link by
   /// which nodes of one host find each other.
   bool reaches_own_host = false;
+  unsigned index = 0;  ///< of the interface: what sockets have joined goes with it
   friend auto operator<=>(const LinkSpec&, const LinkSpec&) = default;
 };
 

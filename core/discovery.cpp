@@ -225,13 +225,13 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
                                            "); check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");
     }
     const LinkId id = ++links_made_;
+    auto link =
+        DiscoveryLink::open({.link = id, .domain = *domain, .number = 0}, life_signs_, participants_, *this);
+    if (!link) return tl::unexpected(link.error());
     {
       const std::scoped_lock lock(mutex_);
       specs_[id] = spec;
     }
-    auto link =
-        DiscoveryLink::open({.link = id, .domain = *domain, .number = 0}, life_signs_, participants_, *this);
-    if (!link) return tl::unexpected(link.error());
     for (std::string& complaint : complaints) {
       if (std::ranges::find(warnings_, complaint) == warnings_.end())
         warnings_.push_back(std::move(complaint));

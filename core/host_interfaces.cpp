@@ -71,6 +71,7 @@ std::set<IpAddress::Bytes> ipv6_addresses_to_avoid() {
 HostInterface without_address(const ifaddrs& entry) {
   HostInterface interface;
   interface.name = entry.ifa_name;
+  interface.index = ::if_nametoindex(entry.ifa_name);
   interface.up = (entry.ifa_flags & IFF_UP) != 0;
   interface.running = (entry.ifa_flags & IFF_RUNNING) != 0;
   interface.loopback = (entry.ifa_flags & IFF_LOOPBACK) != 0;

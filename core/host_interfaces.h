@@ -12,7 +12,8 @@ namespace sft::core {
 /// One address of one interface. An interface that has no usable address is listed once, with no address.
 struct HostInterface {
   std::string name;
-  IpAddress ip{};  ///< a link-local one with its scope
+  unsigned index = 0;  ///< another one if the interface was replaced by one of the same name
+  IpAddress ip{};      ///< a link-local one with its scope
   std::uint8_t prefix_bits = 0;
   bool up = true;
   bool running = true;  ///< has a carrier

@@ -19,8 +19,8 @@ DdsConfig config(const std::string& user, const DiscoverySettings& settings = {}
   return dds_config(0, settings, user).value();
 }
 
-const LinkSpec lo{"lo", loopback_ipv4, 8, true, true};
-const LinkSpec eth0{"eth0", IpAddress(0x0A000005), 24, false, false};
+const LinkSpec lo{"lo", loopback_ipv4, 8, true, true, 1};
+const LinkSpec eth0{"eth0", IpAddress(0x0A000005), 24, false, false, 2};
 
 /// What Cyclone gets to hear in the end, for the loopback unless it is said otherwise.
 CycloneSettings heard(const DdsConfig& config, const LinkSpec& link = lo) {
@@ -146,7 +146,7 @@ TEST(DdsConfig, GivesEachLinkItsAddressAndTheUsersOfThemNone) {
   EXPECT_THAT(in_the_end.values("General/Interfaces/NetworkInterface/@address"), ElementsAre("10.0.0.5"));
   EXPECT_THAT(in_the_end.value("General/FragmentSize"), is("2 kB"));
   EXPECT_THAT(
-      heard(theirs, {"eth0", {}, 0, false, false}).values("General/Interfaces/NetworkInterface/@name"),
+      heard(theirs, {"eth0", {}, 0, false, false, 2}).values("General/Interfaces/NetworkInterface/@name"),
       ElementsAre("eth0"));
 }
 
@@ -169,7 +169,7 @@ TEST(DdsConfig, OfADomainHoldsForItsLinksWhateverTheirNumbersInTheProcess) {
 TEST(DdsConfig, LetsNodesOfOneHostMeetOnTheLoopbackAlone) {
   EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", lo), is("true"));
   EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", eth0), is("false"));
-  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", {"eth0", eth0.ip, 24, false, true}),
+  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", {"eth0", eth0.ip, 24, false, true, 2}),
               is("true"));
 }
 

@@ -133,6 +133,13 @@ TEST(DesiredLinks, StayWhileTheirInterfaceIsDownAndGoWithTheirAddress) {
             "lo, eth0 (10.0.0.9)");
 }
 
+TEST(DesiredLinks, AreMadeAnewWhereTheInterfaceWasReplacedAndHasItsAddress) {
+  const std::vector<LinkSpec> before = desired_links(std::vector{lo, eth0}, {}, {}).links;
+  HostInterface another = eth0;
+  another.index = 9;
+  EXPECT_NE(desired_links(std::vector{lo, another}, {}, before).links, before);
+}
+
 TEST(DesiredLinks, StayAtTheAddressInUseWhereAnotherOneOfItsNetworkIsListedBeforeIt) {
   const std::vector<LinkSpec> before = desired_links(std::vector{lo, eth0}, {}, {}).links;
   EXPECT_EQ(desired_links(std::vector{lo, at("eth0", "10.0.0.4"), eth0}, {}, before).links, before);
@@ -145,7 +152,7 @@ TEST(DesiredLinks, AreNotMoreThanTheLimitAndThoseInUseStay) {
   const DesiredLinks desired = desired_links(host, {}, {});
   EXPECT_EQ(desired.links.size(), links_max);
   EXPECT_THAT(desired.remarks, ElementsAre(HasSubstr("eth7 is left out"), HasSubstr("eth8 is left out")));
-  const std::vector<LinkSpec> in_force{desired.links[0], {"eth8", host[9].ip, 24, false, false}};
+  const std::vector<LinkSpec> in_force{desired.links[0], {"eth8", host[9].ip, 24, false, false, 0}};
   EXPECT_THAT(describe(desired_links(host, {}, in_force).links), HasSubstr("eth8 (10.0.8.5)"));
 }
 
