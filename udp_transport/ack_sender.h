@@ -1,10 +1,8 @@
-// Sends acks to the writers that are heard reliably, and reports to all who ask for them. Of the receiving
-// thread.
+// Sends acks to the writers that are heard reliably, and reports to all who ask for them. All of them leave
+// through one socket that is there anyway: whoever asks costs neither a descriptor nor memory. Of the
+// receiving thread.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <map>
 #include <memory>
 #include <span>
 
@@ -23,17 +21,7 @@ class AckSender {
   void send(const SocketAddress& to, const GroupReport& report);
 
  private:
-  void send(const SocketAddress& to, std::span<const std::byte> bytes);
-
-  static constexpr std::size_t known_max = 256;  ///< others come anew
-  struct Known {
-    std::shared_ptr<Destination> destination;
-    std::uint64_t used_at = 0;  ///< by what was sent_ then
-  };
-  void forget_one_too_many();
   const std::shared_ptr<SendSide> side_;
-  std::map<SocketAddress, Known> known_;
-  std::uint64_t sent_ = 0;
 };
 
 }  // namespace sft::udp

@@ -124,6 +124,10 @@ class DatagramSender {
   /// To a multicast group, on the link where this host has the address `own`.
   virtual std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) = 0;
 
+  /// Sends one datagram without a connection, through a socket that is there anyway: now or not at all. Any
+  /// thread.
+  virtual void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept = 0;
+
   /// The port of a socket for what comes back from those who are sent to; 0: there is none, and it has to go
   /// where this process receives.
   virtual std::uint16_t answer_port() const noexcept { return 0; }

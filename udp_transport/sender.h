@@ -54,6 +54,10 @@ class Sender {
   // Any thread.
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) { return io_->connect(to); }
+  /// One datagram to whoever, now or not at all.
+  void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept {
+    io_->send_to(to, datagram);
+  }
   RateLimit& limit() { return limit_; }
   /// Socket bytes of one sample that may go now, there and by the limits of its writer and of all.
   std::size_t allowance(Destination& to, RateLimit& of_writer, ResendWindow::Size size,

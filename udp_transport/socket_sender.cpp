@@ -159,6 +159,13 @@ class SocketSender final : public DatagramSender {
     return std::make_unique<SocketConnection>(group, own, shared_);
   }
 
+  void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept override {
+    const SystemAddress address = SystemAddress::for_socket(to, shared_->socket->family);
+    const iovec part{const_cast<std::byte*>(datagram.data()), datagram.size()};  // it is only read
+    const OutgoingBatch batch{{&part, 1}, 0};
+    send_at_once(shared_->socket->fd.get(), {&batch, 1}, &address);
+  }
+
   void await(Clock::time_point deadline) noexcept override {
     std::vector<SocketConnection*>& waiting = shared_->waiting;
     const int answers = answers_ == nullptr ? -1 : answers_->fd.get();  // which poll() passes over

@@ -7,36 +7,55 @@
 namespace sft::udp {
 namespace {
 
-/// Counts how often it is connected to one address.
+/// Counts what is connected to, and what is sent without that.
 class CountingIo final : public DatagramSender {
  public:
-  CountingIo(const SocketAddress& counted, int& count) : counted_(counted), count_(count) {}
+  struct Counts {
+    std::size_t connections = 0;
+    std::size_t datagrams = 0;
+    std::size_t bytes = 0;
+    SocketAddress last{};
+  };
+  explicit CountingIo(Counts& counts) : counts_(counts) {}
   std::unique_ptr<Connection> connect(const SocketAddress& to) override {
-    count_ += to == counted_ ? 1 : 0;
+    ++counts_.connections;
     return nowhere_.connect()(to);
   }
   std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress&) override {
     return connect(group);
+  }
+  void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept override {
+    ++counts_.datagrams;
+    counts_.bytes += datagram.size();
+    counts_.last = to;
   }
   void await(std::chrono::steady_clock::time_point) noexcept override {}
   void wake() noexcept override {}
 
  private:
   test::Connections nowhere_;
-  const SocketAddress counted_;
-  int& count_;
+  Counts& counts_;
 };
 
-TEST(AckSenderTest, ForgetsNoneThatIsInUseForManyThatAreNot) {
-  const SocketAddress honest{0x7F000001, 9};
-  int connected = 0;
-  AckSender sender(
-      std::make_shared<SendSide>(std::make_unique<CountingIo>(honest, connected), DestinationLimits{}));
-  for (std::uint16_t port = 1000; port < 3000; ++port) {
-    sender.send({0x7F000001, port}, FlowReport{});
-    if (port % 100 == 0) sender.send(honest, FlowReport{});
-  }
-  EXPECT_EQ(connected, 1);
+TEST(AckSenderTest, AnswersManyWithoutAConnectionToAnyOfThem) {
+  CountingIo::Counts counts;
+  AckSender sender(std::make_shared<SendSide>(std::make_unique<CountingIo>(counts), DestinationLimits{}));
+  for (std::uint16_t port = 1000; port < 3000; ++port) sender.send({0x7F000001, port}, FlowReport{});
+  EXPECT_EQ(counts.connections, 0U);
+  EXPECT_EQ(counts.datagrams, 2000U);
+  EXPECT_EQ(counts.bytes, 2000 * report_bytes);
+  const SocketAddress last{0x7F000001, 2999};
+  EXPECT_EQ(counts.last, last);
+}
+
+TEST(AckSenderTest, SendsAcksAndReportsOfGroupsAsLongAsTheyAre) {
+  CountingIo::Counts counts;
+  AckSender sender(std::make_shared<SendSide>(std::make_unique<CountingIo>(counts), DestinationLimits{}));
+  Ack ack{.writer = 1, .channel = 1, .next = 2};
+  ack.missing[ack.missing_count++] = {2, 0, 0};
+  sender.send({0x7F000001, 9}, ack);
+  sender.send({0x7F000001, 9}, GroupReport{});
+  EXPECT_EQ(counts.bytes, ack.bytes() + group_report_bytes);
 }
 
 }  // namespace

@@ -69,6 +69,7 @@ class NoSender final : public DatagramSender {
     return connect(group);
   }
   void await(std::chrono::steady_clock::time_point) noexcept override {}
+  void send_to(const SocketAddress&, std::span<const std::byte>) noexcept override {}
   void wake() noexcept override {}
 
  private:

@@ -120,6 +120,9 @@ class PassingSender : public DatagramSender {
   std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) override {
     return inner_->connect_group(group, own);
   }
+  void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept override {
+    inner_->send_to(to, datagram);
+  }
   std::uint16_t answer_port() const noexcept override { return inner_->answer_port(); }
   Answer take_answer(std::span<std::byte> to) noexcept override { return inner_->take_answer(to); }
   void await(std::chrono::steady_clock::time_point deadline) noexcept override { inner_->await(deadline); }

@@ -41,6 +41,7 @@ class FullIo final : public DatagramSender {
     deadline == Clock::time_point::max() ? woken_up_.wait(lock, woken)
                                          : void(woken_up_.wait_until(lock, deadline, woken));
   }
+  void send_to(const SocketAddress&, std::span<const std::byte>) noexcept override {}
   void wake() noexcept override {
     const std::scoped_lock lock(mutex_);
     woken_ = true;
