@@ -411,7 +411,8 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     const bool history_comes = history_first && !entry->second.history_came.contains(w.id);
     const bool awaited = history_first || (owed != 0 && !holds(r.request.begun, w.id));
     const bool reliable = r.qos.reliability == Reliability::reliable;
-    result.push_back({.source = {w.id, w.max_sample_bytes, awaited, reliable, w.waits},
+    const Announced node{true, w.addresses, w.network == self_.network};
+    result.push_back({.source = {w.id, w.max_sample_bytes, awaited, reliable, w.waits, node},
                       .offered = w.qos,
                       .owed = owed,
                       .shm = verdict.shm && !history_comes,

@@ -586,6 +586,8 @@ Hearing Reconciler::connect(EndpointId id, Reader& reader, const Hearing& wanted
     } else {
       now.udp = try_udp(connecting.udp, reader, wanted.source);
     }
+  } else if (wanted.udp && wanted.source.node != before.source.node) {
+    reader.udp->moved(writer, wanted.source.node);
   }
   if (wanted.shm != before.shm) {
     if (!wanted.shm) {

@@ -92,6 +92,14 @@ struct WriterSpec {
   std::uint64_t max_bytes_per_s = 0;  ///< over a network, to all readers together; 0: no limit
 };
 
+/// Where a writer's node can be reached: nobody else is answered in its name.
+struct Announced {
+  bool known = false;  ///< false: nothing is known of it, and it is answered wherever it says
+  std::vector<UdpAddress> addresses{};
+  bool same_network = false;  ///< as this process: it may be reached by loopback, too
+  friend bool operator==(const Announced&, const Announced&) = default;
+};
+
 /// What a reader has to know of a writer whose samples it wants.
 struct Source {
   EndpointId writer = 0;
@@ -99,6 +107,7 @@ struct Source {
   bool history_first = false;  ///< nothing of it is for the reader until something for it alone has come
   bool reliable = false;       ///< in order, and what gets lost on the way is asked for
   bool waits = false;          ///< its publisher does, for readers that do not keep up
+  Announced node{};
   friend bool operator==(const Source&, const Source&) = default;
 };
 
@@ -320,6 +329,11 @@ class ReaderPort {
   /// It has samples by another transport from now on, too, which those of this one must not be behind: the
   /// transport's own thread receives, always.
   virtual void share_reader() {}
+
+  /// A writer that is connected has announced other addresses.
+  virtual void moved(EndpointId writer, const Announced& node) {
+    static_cast<void>(writer), static_cast<void>(node);
+  }
 
   /// Accepts no more of them; what has arrived can still be taken.
   virtual void disconnect(EndpointId writer) noexcept = 0;

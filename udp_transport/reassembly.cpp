@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sft/typesupport/walk.h"
+#include "udp_transport/answer_address.h"
 #include "udp_transport/offered_groups.h"
 #include "udp_transport/recent_labels.h"
 
@@ -50,8 +51,20 @@ struct Reassembly::Incoming {
   RecentLabels finished;
   std::unique_ptr<ArrivalWindow> window;    ///< null unless it is wanted reliably
   std::optional<SocketAddress> acks_go_to;  ///< as its last heartbeat said
+  /// As a heartbeat said that nobody has confirmed yet: acks go there, too.
+  std::optional<SocketAddress> acks_may_go_to;
+  core::Announced node;
+  core::IpAddress came_from;  ///< last
   OfferedGroups groups;
   RecentLabels elsewhere;  ///< of groups that were not offered: these come otherwise
+
+  /// A single heartbeat does not turn acks away from where they went before.
+  void answer_to(const SocketAddress& address) {
+    const bool confirmed = !acks_go_to || acks_may_go_to == address;
+    if (confirmed) acks_go_to = address;
+    acks_may_go_to.reset();
+    if (acks_go_to != address) acks_may_go_to = address;
+  }
 };
 
 Reassembly::Reassembly(const ReassemblyLimits& limits, std::shared_ptr<core::BufferPool> pool)
@@ -80,6 +93,7 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
     in->writer = stream.writer;
     in->type = stream.type;
     in->place = place;
+    in->node = stream.node;
     in->sample_bytes = std::min(announced, limits_.sample_bytes);
     in->wanted.set(*stream.type, stream.masks);
     if (!stream.reliable) close_window(*in);
@@ -109,6 +123,7 @@ void Reassembly::close_window(Incoming& in) {
   const auto mark = in.window->mark();
   in.window.reset();
   in.acks_go_to.reset();
+  in.acks_may_go_to.reset();
   if (!mark) return;
   if (left_.size() == left_writers_max) left_.erase(left_.begin());
   left_.emplace_back(in.writer, *mark);
@@ -237,7 +252,12 @@ std::optional<Reassembly::Joining> Reassembly::accept_offer(std::span<const std:
     ++counters_.unknown;
     return {};
   }
-  const bool anew = found->second->groups.hear(*offer, from, now.steady);
+  const std::optional<SocketAddress> report_to = answer_address(found->second->node, from.ip, offer->port);
+  if (!report_to) {
+    ++counters_.unknown;
+    return {};
+  }
+  const bool anew = found->second->groups.hear(*offer, *report_to, now.steady);
   return Joining{offer->address, anew};
 }
 
@@ -530,10 +550,29 @@ Reassembly::Arrival Reassembly::accept_heartbeat(std::span<const std::byte> byte
     return {};
   }
   Incoming& in = *found->second;
-  in.acks_go_to = SocketAddress{from.ip, heartbeat->port};
+  const std::optional<SocketAddress> answers_to = answer_address(in.node, from.ip, heartbeat->port);
+  if (!answers_to) {
+    ++counters_.unknown;
+    return {};
+  }
+  in.answer_to(*answers_to);
   in.window->hear(*heartbeat, now.steady);
   drop_abandoned(in);
   return {{}, in.place, true};
+}
+
+std::optional<SocketAddress> Reassembly::report_address(const core::IpAddress& from,
+                                                        std::uint16_t port) const {
+  const Incoming* its = nullptr;
+  for (const Incoming* in : by_stream_) {
+    if (is_announced(in->node, from)) return answer_address(in->node, from, port);
+    if (in->came_from == from) its = in;
+  }
+  return its == nullptr ? std::nullopt : answer_address(its->node, from, port);
+}
+
+void Reassembly::came_from(std::size_t stream, const core::IpAddress& ip) {
+  if (stream < by_stream_.size()) by_stream_[stream]->came_from = ip;
 }
 
 ArrivalWindow* Reassembly::window(std::size_t stream) {
@@ -567,11 +606,15 @@ void Reassembly::answer(Incoming& in, Time now, const SendAck& send) {
   drop_abandoned(in);
   if (gaps.empty() && !window.ack_due()) return;
   Ack ack = window.ack(static_cast<std::uint32_t>(in.writer));
+  const auto send_ack = [&](const Ack& part) {
+    send(*in.acks_go_to, part);
+    if (in.acks_may_go_to) send(*in.acks_may_go_to, part);
+  };
   std::size_t asked = 0;
   const auto ask = [&](const Missing& part) {
     if (++asked > asked_at_once_max) return;
     if (ack.missing_count == missing_max) {
-      send(*in.acks_go_to, ack);
+      send_ack(ack);
       ack.missing_count = 0;
     }
     ack.missing[ack.missing_count++] = part;
@@ -582,7 +625,7 @@ void Reassembly::answer(Incoming& in, Time now, const SendAck& send) {
     for_each_missing(static_cast<std::uint32_t>(gap.ordinal), sample, ask);
     window.asked_for(gap.place, static_cast<std::uint32_t>(asked - before));
   }
-  send(*in.acks_go_to, ack);
+  send_ack(ack);
 }
 
 }  // namespace sft::udp

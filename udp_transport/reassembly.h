@@ -41,8 +41,9 @@ struct Stream {
   const TypeSupport* type = nullptr;  ///< outlives the stream
   std::size_t max_sample_bytes = 0;   ///< announced by the writer; 0: not known
   std::vector<FieldMask> masks;
-  bool reliable = false;  ///< some reader wants it to be
-  bool waits = false;     ///< its publisher does, for these
+  bool reliable = false;   ///< some reader wants it to be
+  bool waits = false;      ///< its publisher does, for these
+  core::Announced node{};  ///< where acks and reports may go
 };
 
 class Reassembly {
@@ -89,6 +90,11 @@ class Reassembly {
   /// Sends what is to be acknowledged or asked for by now. After accept(), and by next_answer().
   void answer(Time now, const SendAck& send);
   Time next_answer() const;
+
+  /// Where to report to whoever marks what it sends, if that is a writer that is wanted here.
+  std::optional<SocketAddress> report_address(const core::IpAddress& from, std::uint16_t port) const;
+  /// Something of that stream came from there: it may not be an address that was announced.
+  void came_from(std::size_t stream, const core::IpAddress& ip);
 
   /// Drops what has made no progress for too long.
   void expire(Time now);

@@ -264,6 +264,7 @@ void Receiver::datagram(std::span<const std::byte> bytes, const SocketAddress& f
   const bool in_channel = arrival.in_channel;
   const bool any = arrival.sample || !arrival.packed.empty();
   if (!any && !in_channel) return;
+  if (from.ip != last_from_) reassembly_.came_from(arrival.stream, last_from_ = from.ip);
   const core::EndpointId writer = wanted_->streams[arrival.stream].writer;
   if (any) deliver(arrival);
   if (in_channel) deliver_in_order(writer);
@@ -275,7 +276,9 @@ void Receiver::report(std::span<const std::byte> bytes, SocketAddress from) noex
   if (!mark) {
     ++malformed_marks_;
   } else {
-    acks_.report({from.ip, mark->port}, shares_.answer(*mark, from, now_.steady));
+    const std::optional<SocketAddress> to = reassembly_.report_address(from.ip, mark->port);
+    unknown_marks_ += to ? 0 : 1;
+    if (to) acks_.report(*to, shares_.answer(*mark, from, now_.steady));
   }
 } catch (const std::bad_alloc&) {  // it will be marked again
 }
@@ -416,7 +419,7 @@ void Receiver::look_after_readers(Time now) {
 void Receiver::publish_counters() noexcept {
   const Reassembly::Counters& counters = reassembly_.counters();
   malformed_.store(counters.malformed + malformed_marks_, std::memory_order_relaxed);
-  unknown_.store(counters.unknown, std::memory_order_relaxed);
+  unknown_.store(counters.unknown + unknown_marks_, std::memory_order_relaxed);
   incomplete_.store(counters.incomplete, std::memory_order_relaxed);
   over_limit_.store(counters.over_limit, std::memory_order_relaxed);
 }

@@ -112,6 +112,8 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   const Acks acks_;
   const Groups groups_;
   std::uint64_t malformed_marks_ = 0;
+  std::uint64_t unknown_marks_ = 0;  ///< of nobody who is read here
+  core::IpAddress last_from_;        ///< where the last sample came from
   ReceiveShares shares_;
   Reassembly reassembly_;
   std::shared_ptr<const Subscriptions> wanted_;

@@ -22,6 +22,7 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
   stream.type = type;
   stream.reliable = stream.reliable || source.reliable;
   stream.waits = source.waits;
+  stream.node = source.node;
   stream.max_sample_bytes = std::max(stream.max_sample_bytes, source.max_sample_bytes);
   for (const core::Accepted& a : accepted) {
     if (!holds(stream.masks, a.wanted.mask)) stream.masks.push_back(a.wanted.mask);
@@ -82,6 +83,14 @@ Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Sour
     }
   }
   return {};
+}
+
+void SubscriptionDirectory::moved(const Inbox& inbox, core::EndpointId writer, const core::Announced& node) {
+  const std::scoped_lock lock(mutex_);
+  for (core::Source& source : find(inbox).sources) {
+    if (source.writer == writer) source.node = node;
+  }
+  publish();
 }
 
 void SubscriptionDirectory::disconnect(const Inbox& inbox, core::EndpointId writer) {

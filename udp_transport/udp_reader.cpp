@@ -31,6 +31,10 @@ Result<void> UdpReader::connect(const core::Source& source) {
   return connected;
 }
 
+void UdpReader::moved(core::EndpointId writer, const core::Announced& node) {
+  receiver_->subscriptions().moved(*inbox_, writer, node);
+}
+
 void UdpReader::disconnect(core::EndpointId writer) noexcept {
   inbox_->disconnect(writer);
   receiver_->subscriptions().disconnect(*inbox_, writer);

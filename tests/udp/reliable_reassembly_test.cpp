@@ -231,5 +231,33 @@ TEST_F(ReliableReassemblyTest, TakesNoPartsOfASampleOfAGroupThatItWasNotOffered)
   EXPECT_EQ(counted().incomplete, 0U);
 }
 
+TEST_F(ReliableReassemblyTest, AnswersOnlyWhereTheWritersNodeCanBeReached) {
+  const core::IpAddress its{0x0A630102}, of_a_third{0x0A630109};
+  Stream stream{writer, &test::type_support<Image>(), 0, {fields<Image>("*")}};
+  stream.reliable = true;
+  stream.node = {true, {{its, 7000}}, false};
+  reassembly_->set_streams({&stream, 1});
+  std::vector<SocketAddress> answered;
+  const auto hear_from = [&](const core::IpAddress& ip, std::uint16_t port) {
+    Bytes bytes(heartbeat_bytes);
+    encode(Heartbeat{static_cast<std::uint32_t>(writer), 1, port, 1, 2}, bytes.data());
+    reassembly_->accept_heartbeat(bytes, {ip, 9}, {now_, 1});
+    answered.clear();
+    reassembly_->answer(now_, [&](const SocketAddress& to, const Ack&) { answered.push_back(to); });
+  };
+  hear_from(its, 4000);
+  EXPECT_EQ(answered, (std::vector<SocketAddress>{{its, 4000}}));
+  hear_from(of_a_third, 4000);
+  EXPECT_EQ(answered, (std::vector<SocketAddress>{{its, 4000}}));
+  hear_from(its, 5000);
+  EXPECT_EQ(answered, (std::vector<SocketAddress>{{its, 4000}, {its, 5000}}))
+      << "one word does not turn acks away";
+  hear_from(its, 5000);
+  EXPECT_EQ(answered, (std::vector<SocketAddress>{{its, 5000}}));
+  EXPECT_FALSE(reassembly_->report_address(of_a_third, 4000)) << "nothing of a writer came from there";
+  reassembly_->came_from(0, of_a_third);
+  EXPECT_EQ(reassembly_->report_address(of_a_third, 4000), (SocketAddress{its, 4000}));
+}
+
 }  // namespace
 }  // namespace sft::udp
