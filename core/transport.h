@@ -392,11 +392,12 @@ class Transport {
 
   /// Counted since open: datagrams or samples that were refused, by reason. For tools and tests.
   struct Counters {
-    std::uint64_t malformed = 0;    ///< bytes that are not what they claim to be
-    std::uint64_t unknown = 0;      ///< from writers that nobody here reads
-    std::uint64_t incomplete = 0;   ///< samples of which a part never came
-    std::uint64_t over_limit = 0;   ///< dropped to stay within a limit
-    std::uint64_t disbelieved = 0;  ///< answers of nothing that was sent, or from others than was sent to
+    std::uint64_t malformed = 0;   ///< bytes that are not what they claim to be
+    std::uint64_t unknown = 0;     ///< from writers that nobody here reads
+    std::uint64_t incomplete = 0;  ///< samples of which a part never came
+    std::uint64_t over_limit = 0;  ///< dropped to stay within a limit
+    /// Answers of nothing that was sent, or from others than was sent to; marks of nobody who is read here.
+    std::uint64_t disbelieved = 0;
   };
   virtual Counters counters() const noexcept { return {}; }
 };

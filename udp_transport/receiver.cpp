@@ -419,8 +419,9 @@ void Receiver::look_after_readers(Time now) {
 void Receiver::publish_counters() noexcept {
   const Reassembly::Counters& counters = reassembly_.counters();
   malformed_.store(counters.malformed + malformed_marks_, std::memory_order_relaxed);
-  unknown_.store(counters.unknown + unknown_marks_, std::memory_order_relaxed);
+  unknown_.store(counters.unknown, std::memory_order_relaxed);
   incomplete_.store(counters.incomplete, std::memory_order_relaxed);
+  disbelieved_.store(unknown_marks_, std::memory_order_relaxed);
   over_limit_.store(counters.over_limit, std::memory_order_relaxed);
 }
 
@@ -428,7 +429,8 @@ core::Transport::Counters Receiver::counters() const noexcept {
   return {.malformed = malformed_.load(std::memory_order_relaxed),
           .unknown = unknown_.load(std::memory_order_relaxed),
           .incomplete = incomplete_.load(std::memory_order_relaxed),
-          .over_limit = over_limit_.load(std::memory_order_relaxed)};
+          .over_limit = over_limit_.load(std::memory_order_relaxed),
+          .disbelieved = disbelieved_.load(std::memory_order_relaxed)};
 }
 
 }  // namespace sft::udp

@@ -103,7 +103,7 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   SpinLimits spins_;
   std::atomic<bool> broken_{false};
   std::atomic<bool> readers_lag_{false};  ///< some had no room for what is there
-  std::atomic<std::uint64_t> malformed_{0}, unknown_{0}, incomplete_{0}, over_limit_{0};
+  std::atomic<std::uint64_t> malformed_{0}, unknown_{0}, incomplete_{0}, over_limit_{0}, disbelieved_{0};
 
   // Of the own thread.
   SpinChoice spin_choice_;

@@ -107,7 +107,7 @@ class UdpTransport final : public core::Transport {
     Counters counters = receiver_->counters();
     counters.over_limit += send_side_->over_limit.load(std::memory_order_relaxed);
     counters.malformed += send_side_->malformed_answers.load(std::memory_order_relaxed);
-    counters.disbelieved = send_side_->answers_disbelieved.load(std::memory_order_relaxed);
+    counters.disbelieved += send_side_->answers_disbelieved.load(std::memory_order_relaxed);
     return counters;
   }
 

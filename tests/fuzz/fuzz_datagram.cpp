@@ -1,4 +1,5 @@
-// Hostile datagrams into parser and reassembly; what comes out is decoded as a subscriber would.
+// Hostile datagrams into parser and reassembly; what comes out is decoded as a subscriber would. Then the
+// same datagrams come to honest streams, which have to flow again within a second of simulated time.
 //
 // Input: datagrams, each behind three bytes: what to do, and the datagram's length (u16, little-endian).
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "sft/typesupport/decode.h"
+#include "tests/udp/live_streams.h"
 #include "tests/udp/messages.h"
 #include "udp_transport/flow_window.h"
 #include "udp_transport/reassembly.h"
@@ -209,6 +211,31 @@ class Flow {
   udp::ReceiveShares shares_{212'992};
 };
 
+/// All streams deliver again within a second after these came.
+void check_that_streams_work_again(const std::vector<std::vector<std::byte>>& datagrams) {
+  udp::test::LiveStreams streams;
+  const auto pass = [&](int milliseconds) {
+    for (int i = 0; i < milliseconds; ++i) streams.pass_a_millisecond([] {});
+  };
+  pass(30);
+  for (const std::vector<std::byte>& datagram : datagrams) {
+    streams.receive(datagram);
+    pass(1);
+  }
+  const auto quiet = streams.now();
+  pass(1000);
+  for (const udp::test::StreamKind kind : udp::test::all_stream_kinds) {
+    if (streams.came_since(kind, quiet) == 0) std::abort();
+  }
+}
+
+/// A second takes long, so not every input is followed by one.
+bool is_chosen(std::span<const std::uint8_t> input) {
+  unsigned sum = 0;
+  for (const std::uint8_t byte : input) sum += byte;
+  return sum % 16 == 0;
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -220,6 +247,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   udp::Reassembly::Time now{};
   Flow flow;
   std::span<const std::uint8_t> input(data, size);
+  const bool is_followed = is_chosen(input);
+  std::vector<std::vector<std::byte>> all;
   while (input.size() >= 3) {
     const std::uint8_t action = input[0];
     const std::size_t bytes = std::min<std::size_t>(input[1] | input[2] << 8, input.size() - 3);
@@ -236,6 +265,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::vector<std::byte> datagram = to_bytes(input.subspan(3, bytes));
     if ((action & plausible) != 0 && bytes >= udp::following_header_bytes)
       make_plausible(action, datagram, wanted);
+    if (is_followed) all.push_back(datagram);
     static_cast<void>(udp::parse_ack(datagram));
     flow.meet(datagram, now);
     static_cast<void>(udp::parse_group_report(datagram));
@@ -254,5 +284,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     answer(reassembly, now);
     input = input.subspan(3 + bytes);
   }
+  if (is_followed) check_that_streams_work_again(all);
   return 0;
 }
