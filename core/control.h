@@ -21,6 +21,9 @@ inline constexpr std::size_t progress_max = 64;
 inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 8192;
 
+/// No request has a greater sequence: there is always one that is behind.
+inline constexpr std::uint64_t request_sequence_max = std::uint64_t{1} << 63;
+
 using NodeId = std::uint64_t;  ///< random per incarnation, never 0
 
 enum class Role : std::uint8_t { writer, reader };

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstring>
 #include <optional>
+#include <string_view>
+
+#include "core/names.h"
 
 namespace sft::core {
 
@@ -37,6 +40,24 @@ void put(char (&to)[N], const std::string& text) {
 tl::unexpected<Error> wrong_version(unsigned version) {
   return fail(Errc::malformed, "a control sample of protocol version " + std::to_string(version) +
                                    ", this is " + std::to_string(sft_control_protocol_version));
+}
+
+tl::unexpected<Error> beyond_all(std::uint64_t sequence) {
+  return fail(Errc::malformed,
+              "a request with the sequence " + std::to_string(sequence) + ", which no reader comes to");
+}
+
+Result<void> check_names(const sft_control_Endpoint& in) {
+  const auto check = [](const char* what, std::string_view name, std::string_view fault) -> Result<void> {
+    if (fault.empty()) return {};
+    return fail(Errc::malformed,
+                std::string("an endpoint whose ") + what + " " + in_quotes(name) + " " + std::string(fault));
+  };
+  Result<void> checked = check("topic", in.topic, fault_of_topic(in.topic));
+  if (checked) checked = check("type name", in.type_name, fault_of_name(in.type_name));
+  const bool has_node = in.node[0] != '\0';
+  if (checked && has_node) checked = check("node name", in.node, fault_of_name(in.node));
+  return checked;
 }
 
 sft_control_UdpLocator to_dds(const UdpAddress& address) {
@@ -156,6 +177,7 @@ Result<Assertion> from_dds(const sft_control_Assertion& in) {
 Result<Request> from_dds(const sft_control_Request& request) {
   if (request.version != sft_control_protocol_version) return wrong_version(request.version);
   if (request.reader == 0) return fail(Errc::malformed, "a request of no reader");
+  if (request.request_sequence > request_sequence_max) return beyond_all(request.request_sequence);
   return Request{.reader = request.reader,
                  .sequence = request.request_sequence,
                  .mask_words = copy(request.mask),
@@ -167,9 +189,11 @@ Result<Request> from_dds(const sft_control_Request& request) {
 
 Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   if (in.version != sft_control_protocol_version) return wrong_version(in.version);
-  if (in.id == 0 || in.role > static_cast<std::uint8_t>(Role::reader) || in.topic[0] == '\0') {
-    return fail(Errc::malformed, "an endpoint without id, role or topic");
+  if (in.id == 0 || in.role > static_cast<std::uint8_t>(Role::reader)) {
+    return fail(Errc::malformed, "an endpoint without id or role");
   }
+  if (const Result<void> named = check_names(in); !named) return tl::unexpected(named.error());
+  if (in.request.request_sequence > request_sequence_max) return beyond_all(in.request.request_sequence);
   const std::optional<Qos> qos = from_dds(in.qos);
   if (!qos) return fail(Errc::malformed, "an endpoint of unknown quality of service");
   Endpoint out;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/address_choice.h"
+#include "core/names.h"
 
 namespace sft::core {
 
@@ -11,7 +11,20 @@ namespace {
 bool holds(const std::vector<EndpointId>& writers, EndpointId id) {
   return std::find(writers.begin(), writers.end(), id) != writers.end();
 }
+
+/// Whether others may take what was said in our reader's name for its request, or have it already.
+bool outbids(const Request& said, const Request& ours) {
+  Request copy = said;
+  copy.announcer = ours.announcer;
+  return said.sequence > ours.sequence || (said.sequence == ours.sequence && copy != ours);
+}
 }  // namespace
+
+Negotiation::Negotiation(const Limits& limits)
+    : limits_(limits),
+      shares_(
+          {.entries = limits.endpoints, .of_announcer = limits.of_announcer, .of_topic = limits.of_topic}),
+      early_requests_(limits.endpoints) {}
 
 /// Of our endpoints: a writer that may not write to that memory has none, so that nobody waits for it there.
 HostToken Negotiation::host_of(Role role) const {
@@ -49,14 +62,30 @@ void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type)
   entry.endpoint.host = host_of(endpoint.role);
   entry.endpoint.network = self_.network;
   if (endpoint.may_use_udp && addresses_) entry.endpoint.addresses = *addresses_;
+  erase(endpoint.id);  // somebody else may have used the id
   entries_.insert_or_assign(endpoint.id, std::move(entry));
+  entries_.at(endpoint.id).arrival = ++arrivals_;
+  index(endpoint);
+  look_for_namesakes(endpoint);
 }
 
 void Negotiation::local_removed(EndpointId id) { erase(id); }
 
+void Negotiation::index(const Endpoint& endpoint) { topics_[endpoint.topic].insert(endpoint.id); }
+
+void Negotiation::unindex(const Endpoint& endpoint) {
+  const auto topic = topics_.find(endpoint.topic);
+  topic->second.erase(endpoint.id);
+  if (topic->second.empty()) topics_.erase(topic);
+}
+
 /// A reader that comes back after this is owed the history again.
 void Negotiation::erase(EndpointId id) {
-  entries_.erase(id);
+  const auto gone = entries_.find(id);
+  if (gone == entries_.end()) return;
+  unindex(gone->second.endpoint);
+  entries_.erase(gone);
+  shares_.leave(id);
   for (auto& [other, entry] : entries_) {
     entry.history_given.erase(id);
     entry.unreached.erase(id);
@@ -65,13 +94,23 @@ void Negotiation::erase(EndpointId id) {
 
 bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   const auto known = entries_.find(endpoint.id);
-  if (known != entries_.end() && known->second.type != nullptr) return false;  // an echo of our own
-  if (known == entries_.end() && entries_.size() >= limits_.endpoints) {
-    ++ignored_;
+  const bool is_known = known != entries_.end();
+  if (is_known && known->second.type != nullptr) {
+    hear_of_our_own(known->second, endpoint);
     return false;
   }
+  if (is_known && is_outdated(known->second, endpoint)) return false;
+  if (!is_known && !admit(endpoint)) return false;
+  if (is_known) unindex(known->second.endpoint);
   Entry& entry = entries_[endpoint.id];
+  if (!is_known) entry.arrival = ++arrivals_;
   const Request known_request = std::exchange(entry.endpoint, endpoint).request;
+  entry.endpoint.request.announcer = endpoint.announcer;
+  index(endpoint);
+  const AnnouncerId* const entered_by = shares_.announcer_of(endpoint.id);
+  if (entered_by == nullptr || *entered_by != endpoint.announcer)
+    shares_.enter(endpoint.id, endpoint.announcer, endpoint.topic);
+  if (!is_known) look_for_namesakes(endpoint);
   adopt(entry, known_request);
   entry.lost_since.reset();
   entry.silent = false;
@@ -80,14 +119,83 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   return true;
 }
 
+/// Between ours and those of others.
+void Negotiation::look_for_namesakes(const Endpoint& newcomer) {
+  const auto topic = topics_.find(with_or_without_slash(newcomer.topic));
+  if (topic == topics_.end()) return;
+  const bool is_ours = entries_.at(newcomer.id).type != nullptr;
+  for (const EndpointId id : topic->second) {
+    const Entry& other = entries_.at(id);
+    if (other.endpoint.role == newcomer.role) continue;
+    const bool other_is_ours = other.type != nullptr;
+    if (is_ours) note_namesakes(newcomer, other.endpoint);
+    if (other_is_ours) note_namesakes(other.endpoint, newcomer);
+    if (is_ours || other_is_ours) return;
+  }
+}
+
+void Negotiation::note_namesakes(const Endpoint& ours, const Endpoint& theirs) {
+  if (namesakes_told_.insert(ours.topic).second) namesakes_[ours.topic] = {theirs.topic, theirs.node};
+}
+
+/// Whether there is room for a newcomer, which another one may have to leave for.
+bool Negotiation::admit(const Endpoint& endpoint) {
+  const TableShares::Admission admission = shares_.admit(endpoint.announcer, endpoint.topic);
+  if (!admission.granted) {
+    ++ignored_;
+    ++refusals_[endpoint.node];
+  } else if (admission.instead_of) {
+    ++ignored_;
+    ++refusals_[entries_.at(*admission.instead_of).endpoint.node];
+    erase(*admission.instead_of);
+  }
+  return admission.granted;
+}
+
+/// Whether it is an earlier announcement than the one that is known, come late. A revision that is far ahead
+/// of all others is no reason to refuse those.
+bool Negotiation::is_outdated(const Entry& entry, const Endpoint& endpoint) {
+  const std::uint64_t known = entry.endpoint.revision;
+  return !entry.lost() && endpoint.revision < known && known - endpoint.revision <= jump_max;
+}
+
+/// Somebody else announces an endpoint of ours. A copy of what we said costs nothing.
+void Negotiation::hear_of_our_own(Entry& own, const Endpoint& said) {
+  Endpoint copy = said;
+  copy.request = own.endpoint.request;
+  copy.revision = own.endpoint.revision;
+  copy.announcer = own.endpoint.announcer;
+  const bool is_copy = copy == own.endpoint && said.revision == own.endpoint.revision;
+  const bool is_old = said.revision < own.endpoint.revision;
+  const bool asks_for_more = outbids(said.request, own.endpoint.request);
+  if ((is_copy || is_old) && !asks_for_more) return;
+  if (said.revision - own.endpoint.revision <= jump_max) own.endpoint.revision = said.revision;
+  contest(own, said.request, "is announced by somebody else, who calls the node '" + said.node + "'");
+}
+
+/// It is to be announced anew, with a request behind all that was said in its name.
+void Negotiation::contest(Entry& own, const Request& said, std::string how) {
+  Request& ours = own.endpoint.request;
+  if (own.endpoint.role == Role::reader) {
+    const bool reachable = said.sequence > ours.sequence && said.sequence - ours.sequence <= jump_max;
+    ours.sequence = (reachable ? said.sequence : ours.sequence) + 1;
+  }
+  contested_.push_back({own.endpoint.id, std::move(how)});
+}
+
 void Negotiation::adopt_early_request(Entry& entry) {
-  if (const auto early = early_requests_.extract(entry.endpoint.id)) adopt(entry, early.mapped().request);
+  const Endpoint& reader = entry.endpoint;
+  for (const Request& early : early_requests_.take(reader.id, reader.announcer)) adopt(entry, early);
 }
 
 bool Negotiation::endpoint_departed(EndpointId id) {
-  early_requests_.erase(id);
+  early_requests_.forget(id);
   const auto entry = entries_.find(id);
-  if (entry == entries_.end() || entry->second.type != nullptr) return false;
+  if (entry == entries_.end()) return false;
+  if (entry->second.type != nullptr) {
+    contest(entry->second, {}, "was withdrawn by somebody else");
+    return false;
+  }
   erase(id);
   return true;
 }
@@ -139,10 +247,14 @@ bool Negotiation::misses_somebody() const {
 
 bool Negotiation::request_received(const Request& request) {
   const auto entry = entries_.find(request.reader);
-  if (entry != entries_.end() && entry->second.type != nullptr) return false;
+  if (entry != entries_.end() && entry->second.type != nullptr) {
+    if (outbids(request, entry->second.endpoint.request))
+      contest(entry->second, request, "is asked for something by somebody else");
+    return false;
+  }
   // A lost reader may be forgotten before it is seen again, but its request does not come again.
   if (entry == entries_.end() || entry->second.lost()) {
-    keep_for_later(request);
+    ignored_ += early_requests_.keep(request) ? 1 : 0;
     return false;
   }
   if (!adopt(entry->second, request)) return false;
@@ -158,20 +270,13 @@ void Negotiation::owe_what_has_not_begun(const Endpoint& reader) {
   }
 }
 
-void Negotiation::keep_for_later(const Request& request) {
-  const bool known = early_requests_.contains(request.reader);
-  if (!known && early_requests_.size() >= limits_.endpoints) {
-    ++ignored_;  // the one that has waited longest makes room: its reader is the least likely to come
-    early_requests_.erase(
-        std::min_element(early_requests_.begin(), early_requests_.end(),
-                         [](const auto& a, const auto& b) { return a.second.arrival < b.second.arrival; }));
-  }
-  EarlyRequest& early = early_requests_[request.reader];
-  if (request.sequence > early.request.sequence) early = {request, ++early_arrivals_};
-}
-
+/// Reordered or repeated ones are not; nor is what the reader's node cannot have sent, since nobody asks for
+/// something else so often.
 bool Negotiation::adopt(Entry& entry, const Request& request) {
-  if (request.sequence <= entry.endpoint.request.sequence) return false;  // reordered or repeated
+  const Request& known = entry.endpoint.request;
+  if (request.sequence <= known.sequence || request.sequence > request_sequence_max) return false;
+  const bool is_jump = request.sequence - known.sequence > jump_max;
+  if (is_jump && request.announcer != entry.endpoint.announcer) return false;
   entry.endpoint.request = request;
   return true;
 }
@@ -251,6 +356,7 @@ bool Negotiation::reach_changed(EndpointId writer, EndpointId reader, const std:
 }
 
 bool Negotiation::tick(Now now) {
+  comparisons_.refill();
   std::vector<EndpointId> forgotten;
   for (const auto& [id, entry] : entries_) {
     if (entry.lost_since && now - *entry.lost_since >= limits_.forget_lost_after) forgotten.push_back(id);
@@ -259,180 +365,16 @@ bool Negotiation::tick(Now now) {
   return !forgotten.empty();
 }
 
-/// Retained samples that the reader is still to get.
-std::uint32_t Negotiation::history_owed(const Entry& writer, const Endpoint& reader) {
-  const Qos& offered = writer.endpoint.qos;
-  const bool durable = offered.durability == Durability::transient_local &&
-                       reader.qos.durability == Durability::transient_local;
-  if (!durable || writer.history_given.contains(reader.id)) return 0;
-  return std::min(offered.history_depth, reader.qos.history_depth);
-}
-
-Verdict Negotiation::judge(const Entry& writer, const Entry& reader) const {
-  const bool we_write = writer.type != nullptr;
-  const TypeSupport& type = we_write ? *writer.type : *reader.type;
-  return core::judge({writer.endpoint, reader.endpoint, we_write}, type, self_, comparisons_);
-}
-
-std::vector<const Negotiation::Entry*> Negotiation::others(const Entry& entry) const {
-  std::vector<const Entry*> found;
-  for (const auto& [id, other] : entries_) {
-    if (other.endpoint.role != entry.endpoint.role && other.endpoint.topic == entry.endpoint.topic) {
-      found.push_back(&other);
-    }
-  }
-  return found;
-}
-
-UdpAddress Negotiation::address_of(const Endpoint& reader) const {
-  UdpAddress address;
-  if (reader.network != self_.network) {
-    address = choose_address(reader.addresses, links_);
-  } else {  // one network stack: never leaves the machine
-    address = reader.addresses.front();
-    const bool has_ipv4 = std::ranges::any_of(reader.addresses, [](const auto& a) { return a.ip.is_ipv4(); });
-    address.ip = has_ipv4 ? loopback_ipv4 : loopback_ipv6;
-  }
-  address.node = reader.node_id;
-  return address;
-}
-
-ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, Serving& serving) const {
-  const Endpoint& r = reader.endpoint;
-  const TypeSupport& type = *writer.type;
-  ReaderStatus status{.id = r.id, .node = r.node, .request_sequence = r.request.sequence};
-  const Verdict verdict = judge(writer, reader);
-  if (!verdict.mismatch.empty()) {
-    status.reason = verdict.mismatch;
-    status.mismatch = verdict.definitions;
-    status.incompatible_type = verdict.incompatible_type;
-    status.incompatible_policy = verdict.incompatible_policy;
-    return status;
-  }
-  status.mask = type.closed(FieldMask::from_words(type.leaves(), r.request.mask_words));
-  const std::uint32_t period = r.request.min_period_us;
-  status.max_rate_hz = period == 0 ? 0 : 1e6 / period;
-  if (reader.lost()) {
-    status.reason = "its node does not answer";
-    return status;
-  }
-  serving.shm_port |= verdict.shm;
-  const std::uint32_t owed = history_owed(writer, r);
-  const bool history_first = owed != 0 && verdict.udp;
-  const bool reliable = r.qos.reliability == Reliability::reliable;
-  const bool listens = verdict.udp && holds(r.request.listening, writer.endpoint.id);
-  serving.history_owed |= history_first;
-  const bool attached = verdict.shm && !history_first && holds(r.request.attached, writer.endpoint.id);
-  const auto unreached = writer.unreached.find(r.id);
-  const bool unreachable = attached && unreached != writer.unreached.end();
-  if (unreachable) serving.unreached.push_back({r.id, r.doorbell, status.mask, period});
-  if (attached && !unreachable) {
-    status.served = true;
-    status.transport = TransportKind::shm;
-    status.reason = "same host";
-    const bool begun = holds(r.request.begun, writer.endpoint.id);
-    serving.shm.push_back({r.id, r.doorbell, status.mask, period, nullptr, begun ? 0 : owed});
-    if (listens)
-      serving.spare.push_back({r.id, address_of(r), status.mask, period, nullptr, 0, true, reliable});
-  } else if (listens) {
-    status.served = true;
-    status.transport = TransportKind::udp;
-    status.reason = !verdict.shm    ? verdict.udp_reason
-                    : unreachable   ? unreached->second
-                    : history_first ? "same host, what was published before comes first"
-                                    : "same host, shared memory is being attached";
-    serving.udp.push_back({r.id, address_of(r), status.mask, period, nullptr, owed, false, reliable});
-  } else if (verdict.udp) {
-    status.reason = unreachable ? unreached->second : "the subscriber is not listening yet";
-  } else {
-    status.no_path = !verdict.shm || unreachable;
-    status.no_path_yet = verdict.shm_may_come || unreachable;
-    status.reason = unreachable   ? "UDP is ruled out, and " + unreached->second
-                    : verdict.shm ? "shared memory is being attached"
-                                  : "UDP is ruled out, and " + verdict.udp_reason;
-  }
-  return status;
-}
-
-/// Liveliness is the same for all that match, served at present or not.
-void Negotiation::look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving) {
-  const bool matches = !status.incompatible_type && status.incompatible_policy == QosPolicy::none;
-  if (!matches || reader.qos.liveliness_lease.count() == 0) return;
-  serving.lease_requested = true;
-  serving.samples_tell &= status.served && reader.request.min_period_us == 0;
-}
-
-Serving Negotiation::serving(EndpointId writer) const {
-  Serving serving;
-  const auto entry = entries_.find(writer);
-  if (entry == entries_.end() || entry->second.type == nullptr) return serving;
-  for (const Entry* reader : others(entry->second)) {
-    serving.readers.push_back(serve(entry->second, *reader, serving));
-    look_after_lease(reader->endpoint, serving.readers.back(), serving);
-  }
-  return serving;
-}
-
-WriterStatus Negotiation::status_of(const Entry& writer, const Endpoint& reader, const Verdict& verdict,
-                                    bool history_comes) {
-  const EndpointId id = writer.endpoint.id;
-  const bool attached = verdict.shm && holds(reader.request.attached, id);
-  const bool listening = verdict.udp && holds(reader.request.listening, id);
-  WriterStatus status{.id = id, .node = writer.endpoint.node, .alive = !writer.lost()};
-  status.incompatible_type = verdict.incompatible_type;
-  status.incompatible_policy = verdict.incompatible_policy;
-  status.matched = verdict.shm || verdict.udp;
-  status.connected = !writer.lost() && (attached || listening);
-  status.no_path = !status.matched && verdict.mismatch.empty();
-  status.no_path_yet = verdict.shm_may_come;
-  status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
-  status.mismatch = verdict.definitions;
-  status.reason = !verdict.mismatch.empty()      ? verdict.mismatch
-                  : writer.lost()                ? "its node does not answer"
-                  : attached                     ? "same host"
-                  : verdict.shm && history_comes ? "same host, what was published before comes first"
-                  : verdict.shm                  ? "same host, shared memory is being attached"
-                  : verdict.udp                  ? verdict.udp_reason
-                                                 : "UDP is ruled out, and " + verdict.udp_reason;
-  return status;
-}
-
-std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
-  std::vector<Hearing> result;
-  const auto entry = entries_.find(reader);
-  if (entry == entries_.end() || entry->second.type == nullptr) return result;
-  const Endpoint& r = entry->second.endpoint;
-  for (const Entry* writer : others(entry->second)) {
-    const Endpoint& w = writer->endpoint;
-    const Verdict verdict = judge(*writer, entry->second);
-    const std::uint32_t owed = history_owed(*writer, r);
-    const bool history_first = owed != 0 && verdict.udp;
-    // What others get through shared memory would overtake it.
-    const bool history_comes = history_first && !entry->second.history_came.contains(w.id);
-    const bool awaited = history_first || (owed != 0 && !holds(r.request.begun, w.id));
-    const bool reliable = r.qos.reliability == Reliability::reliable;
-    const Announced node{true, w.addresses, w.network == self_.network};
-    result.push_back({.source = {w.id, w.max_sample_bytes, awaited, reliable, w.waits, node},
-                      .offered = w.qos,
-                      .owed = owed,
-                      .shm = verdict.shm && !history_comes,
-                      .udp = verdict.udp,
-                      .status = status_of(*writer, r, verdict, history_comes)});
-  }
-  return result;
-}
-
-std::vector<const Endpoint*> Negotiation::present() const {
-  std::vector<const Endpoint*> endpoints;
-  for (const auto& [id, entry] : entries_) {
-    if (!entry.lost()) endpoints.push_back(&entry.endpoint);
-  }
-  return endpoints;
-}
-
 const Endpoint* Negotiation::local(EndpointId id) const {
   const auto entry = entries_.find(id);
   return entry == entries_.end() || entry->second.type == nullptr ? nullptr : &entry->second.endpoint;
+}
+
+const Endpoint* Negotiation::next_announcement(EndpointId id) {
+  const auto entry = entries_.find(id);
+  if (entry == entries_.end() || entry->second.type == nullptr) return nullptr;
+  ++entry->second.endpoint.revision;
+  return &entry->second.endpoint;
 }
 
 }  // namespace sft::core

@@ -10,11 +10,14 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/control.h"
+#include "core/early_requests.h"
 #include "core/pair.h"
 #include "core/qos_watch.h"
+#include "core/table_shares.h"
 #include "core/transport.h"
 #include "core/type_comparisons.h"
 #include "sft/status.h"
@@ -52,14 +55,18 @@ struct Hearing {
 
 class Negotiation {
  public:
-  /// Entries of other nodes beyond these are ignored and counted.
+  /// Entries of other nodes beyond these are refused and counted (table_shares.h has the rules).
   struct Limits {
     std::size_t endpoints = 4096;
     std::chrono::seconds forget_lost_after{60};
+    std::size_t of_announcer = 1024;
+    std::size_t of_topic = 64;
   };
+  /// A request that is this much ahead of the last one counts only if the reader's own node sends it.
+  static constexpr std::uint64_t jump_max = std::uint64_t{1} << 32;
 
   Negotiation() : Negotiation(Limits{}) {}
-  explicit Negotiation(const Limits& limits) : limits_(limits) {}
+  explicit Negotiation(const Limits& limits);
 
   // Events. Each returns whether anything may have changed, that is, whether to ask for the desired states
   // again.
@@ -98,7 +105,10 @@ class Negotiation {
   std::vector<Hearing> hearing(EndpointId reader) const;
   /// Our endpoint as it should be announced, with the request in force.
   const Endpoint* local(EndpointId id) const;
+  /// The same for the next time that it is announced, in a revision of its own.
+  const Endpoint* next_announcement(EndpointId id);
   std::size_t endpoints() const { return entries_.size(); }
+  std::uint64_t definitions_compared() const { return comparisons_.compared(); }
   /// All endpoints but the lost ones; ours too. Valid until the next event.
   std::vector<const Endpoint*> present() const;
   /// Whether there is an endpoint of that node.
@@ -107,37 +117,64 @@ class Negotiation {
   const Endpoint* known(EndpointId id) const;
   /// Whether some endpoint is lost.
   bool misses_somebody() const;
+
+  /// Announcements and requests that were refused or dropped, because a table was full.
   std::uint64_t ignored() const { return ignored_; }
+  /// The same by the name of the node that they came from, where one was named, since this was last asked.
+  std::map<std::string, std::uint64_t> take_refusals() { return std::exchange(refusals_, {}); }
+
+  /// An endpoint of ours that somebody else has withdrawn, announced or requested something for.
+  struct Contested {
+    EndpointId id = 0;
+    std::string how;  ///< for people
+  };
+  /// Those since this was last asked. Their revision and the sequence of their request are greater by now
+  /// than what was said in their name: they are to be announced anew.
+  std::vector<Contested> take_contested() { return std::exchange(contested_, {}); }
+
+  /// Somebody else's topic that differs from one of ours by the slash in front only, where one publishes and
+  /// the other subscribes.
+  struct Namesake {
+    std::string topic;
+    std::string node;
+  };
+  /// The first for each topic of ours, since this was last asked.
+  std::map<std::string, Namesake> take_namesakes() { return std::exchange(namesakes_, {}); }
 
  private:
   struct Entry {
     Endpoint endpoint;
-    const TypeSupport* type = nullptr;              ///< of our own endpoints
-    std::optional<Now> lost_since;                  ///< by discovery: if it returns, it is seen again
-    bool silent = false;                            ///< its node is not heard of
-    std::set<EndpointId> history_given{};           ///< of our own writers: to these readers
-    std::set<EndpointId> history_came{};            ///< of our own readers: from these writers
+    const TypeSupport* type = nullptr;     ///< of our own endpoints
+    std::optional<Now> lost_since;         ///< by discovery: if it returns, it is seen again
+    bool silent = false;                   ///< its node is not heard of
+    std::uint64_t arrival = 0;             ///< counts entries
+    std::set<EndpointId> history_given{};  ///< of our own writers: to these readers
+    std::set<EndpointId> history_came{};   ///< of our own readers: from these writers
     std::map<EndpointId, std::string> unreached{};  ///< of our own writers: readers in memory, and why
     bool lost() const { return lost_since || silent; }
   };
-  struct EarlyRequest {
-    Request request;
-    std::uint64_t arrival = 0;  ///< counts them, so that the oldest can make room
-  };
-
   HostToken host_of(Role role) const;
-  Verdict judge(const Entry& writer, const Entry& reader) const;
+  Verdict judge(const Entry& writer, const Entry& reader, int& definitions) const;
   static void look_after_lease(const Endpoint& reader, const ReaderStatus& status, Serving& serving);
-  ReaderStatus serve(const Entry& writer, const Entry& reader, Serving& serving) const;
+  ReaderStatus serve(const Entry& writer, const Entry& reader, const Verdict& verdict,
+                     Serving& serving) const;
+  void hear_no_more_than_possible(std::vector<Hearing>& hearing) const;
   static WriterStatus status_of(const Entry& writer, const Endpoint& reader, const Verdict& verdict,
                                 bool history_comes);
   static std::uint32_t history_owed(const Entry& writer, const Endpoint& reader);
   void erase(EndpointId id);
+  bool admit(const Endpoint& endpoint);
+  void look_for_namesakes(const Endpoint& newcomer);
+  void note_namesakes(const Endpoint& ours, const Endpoint& theirs);
+  void index(const Endpoint& endpoint);
+  void unindex(const Endpoint& endpoint);
+  static bool is_outdated(const Entry& entry, const Endpoint& endpoint);
+  void hear_of_our_own(Entry& own, const Endpoint& said);
+  void contest(Entry& own, const Request& said, std::string how);
   UdpAddress address_of(const Endpoint& reader) const;
   void adopt_early_request(Entry& entry);
   static bool adopt(Entry& entry, const Request& request);
   void owe_what_has_not_begun(const Endpoint& reader);
-  void keep_for_later(const Request& request);
   std::vector<const Entry*> others(const Entry& entry) const;
 
   Limits limits_;
@@ -145,10 +182,16 @@ class Negotiation {
   std::optional<std::vector<UdpAddress>> addresses_;  ///< once they were told
   std::vector<Link> links_;
   std::map<EndpointId, Entry> entries_;
-  std::map<EndpointId, EarlyRequest> early_requests_;  ///< of readers that have yet to be seen, or seen again
-  std::uint64_t early_arrivals_ = 0;
+  std::map<std::string, std::set<EndpointId>, std::less<>> topics_;  ///< of all entries
+  TableShares shares_;                                               ///< of those that are not ours
+  EarlyRequests early_requests_;
+  std::vector<Contested> contested_;
+  std::map<std::string, std::uint64_t> refusals_;
+  std::map<std::string, Namesake> namesakes_;
+  std::set<std::string> namesakes_told_;  ///< topics of ours
   mutable TypeComparisons comparisons_;
   std::uint64_t ignored_ = 0;
+  std::uint64_t arrivals_ = 0;
 };
 
 }  // namespace sft::core

@@ -8,6 +8,7 @@
 
 #include "core/clock.h"
 #include "core/described_type.h"
+#include "core/names.h"
 #include "core/network_id.h"
 #include "core/random_id.h"
 #include "core/thread.h"
@@ -30,6 +31,10 @@ constexpr std::uint32_t shared_slots = 2;
 }  // namespace
 
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
+  const auto fault = options.name.empty() ? std::string_view() : fault_of_name(options.name);
+  if (!fault.empty())
+    return fail(Errc::invalid_argument,
+                "the node's name " + in_quotes(options.name) + " " + std::string(fault));
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
   const DiscoveryOptions discovery{.domain = options.domain.value_or(0),
                                    .settings = options.discovery,
@@ -122,16 +127,16 @@ bool NodeCore::may_use(TransportKind kind, TransportChoice choice) const {
 
 Result<void> NodeCore::check_endpoint(std::string_view topic, const TypeSupport& type,
                                       TransportChoice choice) const {
-  if (topic.empty() || topic.size() > name_bytes_max || type.name().size() > name_bytes_max) {
-    return fail(Errc::invalid_argument,
-                "the name of a topic has 1 to 255 characters: '" + std::string(topic) + "'");
-  }
+  if (const auto fault = fault_of_topic(topic); !fault.empty())
+    return fail(Errc::invalid_argument, "topic " + in_quotes(topic) + " " + std::string(fault));
+  if (const auto fault = fault_of_name(type.name()); !fault.empty())
+    return fail(Errc::invalid_argument, "type name " + in_quotes(type.name()) + " " + std::string(fault));
   if (type.leaves() > mask_words_max * 64) {
     return fail(Errc::limit_exceeded, std::string(type.name()) + " has more than 4096 fields");
   }
   if (!may_use(TransportKind::shm, choice) && !may_use(TransportKind::udp, choice)) {
-    return fail(Errc::invalid_argument, "topic '" + std::string(topic) +
-                                            "': the endpoint's choice of transport contradicts the node's");
+    return fail(Errc::invalid_argument,
+                "topic " + in_quotes(topic) + ": the endpoint's choice of transport contradicts the node's");
   }
   return {};
 }
@@ -143,7 +148,7 @@ Endpoint NodeCore::new_endpoint(Role role, std::string_view topic, const TypeSup
   endpoint.role = role;
   endpoint.node_id = id_;
   endpoint.life_lease = discovery_->life_signs().lease;
-  endpoint.node = options_.name.substr(0, name_bytes_max);
+  endpoint.node = options_.name;
   endpoint.topic = topic;
   endpoint.type_name = type.name();
   endpoint.type_hash = type.hash();

@@ -28,15 +28,18 @@ bool may_come_to_share(const Pair& pair, const Self& self) {
          on_one_machine(pair.peer().network, self.network) && !read_only;
 }
 
-void compare_types(const Pair& pair, const TypeSupport& type, TypeComparisons& comparisons,
+void compare_types(const Pair& pair, const TypeSupport& type, TypeComparisons* comparisons,
                    Verdict& verdict) {
   const auto& [writer, reader, we_write] = pair;
   if (writer.type_name != reader.type_name) {
     verdict.mismatch =
         "type " + writer.type_name + " is published, " + reader.type_name + " is subscribed to";
   } else if (writer.type_hash != reader.type_hash) {
-    verdict.definitions = comparisons.compare(type, pair.peer());
-    const std::string& difference = verdict.definitions->difference;
+    std::string difference;
+    if (comparisons != nullptr) {
+      verdict.definitions = comparisons->compare(type, pair.peer());
+      difference = verdict.definitions->difference;
+    }
     verdict.mismatch = "two different definitions of type " + writer.type_name +
                        (difference.empty() ? "" : ": " + difference);
   }
@@ -45,7 +48,7 @@ void compare_types(const Pair& pair, const TypeSupport& type, TypeComparisons& c
 
 }  // namespace
 
-Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeComparisons& comparisons) {
+Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeComparisons* comparisons) {
   const auto& [writer, reader, we_write] = pair;
   Verdict verdict;
   compare_types(pair, type, comparisons, verdict);

@@ -40,7 +40,8 @@ struct Verdict {
   bool shm_may_come = false;  ///< neither, as yet
 };
 
-/// `type`: of what is ours; of the writer if both are.
-Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeComparisons& comparisons);
+/// `type`: of what is ours; of the writer if both are. Without `comparisons` two definitions of a type are
+/// told apart, and not compared.
+Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeComparisons* comparisons);
 
 }  // namespace sft::core

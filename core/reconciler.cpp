@@ -27,7 +27,14 @@ bool is_new_failure(Retry& retry, const Result<void>& outcome) {
 
 Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transport* udp, Discovery& discovery,
                        Dispatcher& dispatcher, NodeLog& log)
-    : id_(id), shm_(shm), udp_(udp), discovery_(discovery), dispatcher_(dispatcher), log_(log) {
+    : id_(id),
+      shm_(shm),
+      udp_(udp),
+      discovery_(discovery),
+      dispatcher_(dispatcher),
+      log_(log),
+      outbox_(negotiation_, discovery, log),
+      control_watch_(negotiation_, log) {
   self_.network = network;
   self_.shm_state = shm_ == nullptr ? "the node rules it out" : "starting";
   negotiation_.self_changed(self_);
@@ -99,7 +106,7 @@ void Reconciler::add_reader(const Endpoint& endpoint, NewReader reader) {
 void Reconciler::remove(EndpointId id) {
   negotiation_.local_removed(id);
   dirty_ = true;
-  discovery_.withdraw(id);
+  outbox_.withdraw(id);
   writers_.erase(id);
   const auto reader = readers_.find(id);
   if (reader == readers_.end()) return;
@@ -117,11 +124,13 @@ void Reconciler::let_go_of_the_left() {
   std::erase_if(leaving_, [](const Reader& reader) { return !reader.core->is_called_back(); });
 }
 
-void Reconciler::announce(EndpointId id) {
-  const Endpoint* endpoint = negotiation_.local(id);
-  if (endpoint == nullptr) return;
-  if (const Result<void> sent = discovery_.announce(*endpoint); !sent)
-    log_.write(LogLevel::warning, sent.error().message);
+void Reconciler::announce(EndpointId id) { outbox_.announce(id, std::chrono::steady_clock::now()); }
+
+void Reconciler::take_back_what_is_ours(Now now) {
+  for (const EndpointId id : control_watch_.take_contested(now)) {
+    announce(id);
+    if (readers_.contains(id)) request_changed(id);
+  }
 }
 
 void Reconciler::requirement_changed(EndpointId id) {
@@ -172,9 +181,7 @@ void Reconciler::request_changed(EndpointId id) {
   SubscriberCore& core = *reader.core;
   reader.has_news = true;
   core.requests(FieldMask::from_words(core.type().leaves(), request.mask_words), request.sequence);
-  if (const Result<void> sent = discovery_.send(request); !sent) {
-    log_.write(LogLevel::warning, sent.error().message);
-  }
+  outbox_.request(id, std::chrono::steady_clock::now());
 }
 
 std::chrono::milliseconds Reconciler::tick(Now now) {
@@ -185,6 +192,9 @@ std::chrono::milliseconds Reconciler::tick(Now now) {
   for (const NodeId node : silence_.take_lost(now)) dirty_ |= negotiation_.node_lost(node);
   dirty_ |= may_try_again(now);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
+  control_watch_.tell_of_refusals(now);
+  control_watch_.tell_of_namesakes();
+  outbox_.look(now);
   look_after_histories();
   look_after_reach(now);
   let_go_of_the_left();
@@ -288,9 +298,9 @@ void Reconciler::look_after_shm() {
   self.host = ready ? shm_->host_token() : HostToken{};
   self.shm_state = shm_->description();
   self.may_write_shm = shm_->may_write();
-  tell_why_no_shm(availability, self.shm_state);
   if (self == self_) return;
   const bool new_host = self.host != self_.host;
+  const bool new_state = self.shm_state != self_.shm_state;
   self_ = self;
   shm_ready_.store(ready);
   {
@@ -298,10 +308,12 @@ void Reconciler::look_after_shm() {
     shm_state_ = self.shm_state;
   }
   dirty_ |= negotiation_.self_changed(self_);
+  if (new_host) {
+    drop_shm_ports();
+    reconcile();  // first: who was served in memory is served by UDP from here on
+  }
+  if (new_state || new_host) tell_of_shm(availability);
   if (!new_host) return;
-  drop_shm_ports();
-  reconcile();  // first: who was served in memory is served by UDP from here on
-  log_.write(LogLevel::info, "shared memory: " + self_.shm_state);
   for (const auto& [id, writer] : writers_) announce(id);
   for (const auto& [id, reader] : readers_) {
     announce(id);
@@ -309,12 +321,13 @@ void Reconciler::look_after_shm() {
   }
 }
 
-/// Once for each reason, until there is some again: it is tried again and again.
-void Reconciler::tell_why_no_shm(Availability availability, const std::string& why) {
-  if (availability == Availability::ready) shm_complaint_.clear();
-  if (availability != Availability::unavailable || why == shm_complaint_) return;
-  shm_complaint_ = why;
-  log_.write(LogLevel::warning, "no shared memory, samples go by UDP: " + why);
+/// Each attempt after one that failed is no news, only what comes of it.
+void Reconciler::tell_of_shm(Availability availability) {
+  if (availability == Availability::starting && !shm_why_not_.empty()) return;
+  if (availability == Availability::unavailable && self_.shm_state == shm_why_not_) return;
+  shm_why_not_ = availability == Availability::unavailable ? self_.shm_state : "";
+  const bool warns = availability == Availability::unavailable && !std::exchange(shm_warned_, true);
+  log_.write(warns ? LogLevel::warning : LogLevel::info, "shared memory: " + self_.shm_state);
 }
 
 /// A transport that the system has stopped cannot be mended from within; status() says so from here on.
@@ -426,6 +439,7 @@ bool Reconciler::may_try_again(Now now) const {
 }
 
 void Reconciler::reconcile() {
+  take_back_what_is_ours(std::chrono::steady_clock::now());
   settle();
   tell_what_happened();
 }

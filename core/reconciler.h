@@ -16,6 +16,8 @@
 #include <vector>
 
 #include "core/accepted_requests.h"
+#include "core/control_outbox.h"
+#include "core/control_watch.h"
 #include "core/discovery.h"
 #include "core/dispatcher.h"
 #include "core/negotiation.h"
@@ -116,7 +118,7 @@ class Reconciler {
   static void watch(Reader& reader);
   std::chrono::milliseconds pace() const;
   void look_after_shm();
-  void tell_why_no_shm(Availability availability, const std::string& why);
+  void tell_of_shm(Availability availability);
   void look_after_udp(Now now);
   void look_after_addresses(Now now);
   bool look_after_connections();
@@ -143,6 +145,7 @@ class Reconciler {
 
   void announce(EndpointId id);
   void request_changed(EndpointId id);
+  void take_back_what_is_ours(Now now);
   void asks_for(Reader& reader, const Wanted& wanted);
   static void accept(Reader& reader);
 
@@ -154,12 +157,15 @@ class Reconciler {
   NodeLog& log_;
 
   Negotiation negotiation_;
+  ControlOutbox outbox_;
+  ControlWatch control_watch_;
   SilenceWatch silence_;
   std::map<EndpointId, Writer> writers_;
   std::map<EndpointId, Reader> readers_;
   std::vector<Reader> leaving_;  ///< removed within callbacks that have not returned yet
   Self self_;
-  std::string shm_complaint_;  ///< what was said last of shared memory that is not there
+  std::string shm_why_not_;  ///< as it was written to the log last; empty while it may come up
+  bool shm_warned_ = false;
   bool udp_failed_ = false;
   std::vector<UdpAddress> addresses_;  ///< as they were announced
   std::vector<Link> links_;

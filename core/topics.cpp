@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/described_type.h"
+#include "core/names.h"
 #include "sft/typesupport/type_shape.h"
 
 namespace sft::core {
@@ -19,7 +20,7 @@ constexpr std::size_t topics_named_max = 10;
 Error unknown_topic(std::string_view topic, const std::vector<const Endpoint*>& endpoints) {
   std::set<std::string_view> names;
   for (const Endpoint* e : endpoints) names.insert(e->topic);
-  std::string message = "nobody publishes or subscribes to '" + std::string(topic) + "'; ";
+  std::string message = "nobody publishes or subscribes to " + in_quotes(topic) + "; ";
   if (names.empty()) return {Errc::unavailable, message + "no other topics were seen either"};
   message += "topics that were seen: ";
   std::size_t n = 0;

@@ -98,6 +98,36 @@ TEST(ControlCodecTest, SamplesThatNameNothingAreRefused) {
   EXPECT_FALSE(from_dds(to_dds(Request{})));
 }
 
+TEST(ControlCodecTest, NamesThatCouldForgeLinesOfALogAreRefusedAndQuotedSafely) {
+  const auto refusal = [](auto spoil) {
+    ControlStorage storage;
+    Endpoint e = endpoint();
+    spoil(e);
+    const auto decoded = from_dds(to_dds(e, storage));
+    return decoded ? "" : decoded.error().message;
+  };
+  EXPECT_EQ(refusal([](Endpoint& e) { e.node = "x\n[error] disk full"; }),
+            "an endpoint whose node name 'x\\x0a[error] disk full' has a control character in it");
+  EXPECT_EQ(refusal([](Endpoint& e) { e.topic = "a\xff"; }), "an endpoint whose topic 'a\\xff' is not UTF-8");
+  EXPECT_EQ(refusal([](Endpoint& e) { e.topic = "//a"; }),
+            "an endpoint whose topic '//a' has nothing between two slashes");
+  EXPECT_EQ(refusal([](Endpoint& e) { e.type_name = "a\x1b[2J"; }),
+            "an endpoint whose type name 'a\\x1b[2J' has a control character in it");
+  EXPECT_EQ(refusal([](Endpoint& e) { e.node = ""; }), "") << "a node needs no name";
+}
+
+TEST(ControlCodecTest, SequencesThatNoReaderComesToAreRefused) {
+  Request request = endpoint().request;
+  request.sequence = request_sequence_max;
+  EXPECT_TRUE(from_dds(to_dds(request)));
+  request.sequence = request_sequence_max + 1;
+  EXPECT_FALSE(from_dds(to_dds(request)));
+  Endpoint e = endpoint();
+  e.request.sequence = UINT64_MAX;
+  ControlStorage storage;
+  EXPECT_FALSE(from_dds(to_dds(e, storage)));
+}
+
 TEST(ControlCodecTest, PoliciesThatDoNotExistAreRefused) {
   const auto refused = [](auto spoil) {
     ControlStorage storage;

@@ -67,11 +67,13 @@ class TestDiscovery final : public Discovery {
   LifeSigns life_signs() const override { return life_signs_to_all; }
   Configuration configuration() const override { return {}; }
   Result<void> announce(const Endpoint& endpoint) override {
+    if (fails()) return fail(Errc::system, "a control sample was not written: Timeout");
     announced.push_back(endpoint);
     return {};
   }
   void withdraw(EndpointId) override {}
   Result<void> send(const Request& request) override {
+    if (fails()) return fail(Errc::system, "a control sample was not written: Timeout");
     sent.push_back(request);
     return {};
   }
@@ -80,6 +82,10 @@ class TestDiscovery final : public Discovery {
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
   std::vector<Assertion> asserted;
+  int failures = 0;  ///< to come
+
+ private:
+  bool fails() { return failures > 0 && failures-- > 0; }
 };
 
 /// A transport as far as it has addresses.
@@ -92,6 +98,18 @@ class TestTransport final : public Transport {
   Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }
   Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override { return nullptr; }
   std::vector<UdpAddress> addresses_now{{0x0a000001, 7000, 1 << 20}};
+};
+
+/// Shared memory that does not come up.
+class TestMemory final : public Transport {
+ public:
+  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
+  Availability poll(Now) override { return availability; }
+  std::string description() const override { return state; }
+  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }
+  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override { return nullptr; }
+  Availability availability = Availability::starting;
+  std::string state = "starting";
 };
 
 class ReconcilerTest : public ::testing::Test {
@@ -517,6 +535,126 @@ TEST_F(ReconcilerInMemoryTest, AWriterLetsGoOfItsPortWhenTheDaemonIsAnotherOne) 
   memory.is_full = true;
   node.tick();
   EXPECT_EQ(memory.writers, 0) << "although nothing else is to be served than before";
+}
+
+TEST_F(ReconcilerTest, AnAnnouncementThatCannotBeWrittenIsWrittenLaterAsItIsByThen) {
+  discovery.failures = 2;
+  our_reader(200);
+  EXPECT_THAT(discovery.announced, IsEmpty());
+  udp.addresses_now.push_back({0x0b000001, 7000, 1 << 20});
+  ASSERT_TRUE(test::eventually([&] {
+    reconciler.tick();
+    return !discovery.announced.empty();
+  }));
+  EXPECT_EQ(discovery.announced.back().addresses, udp.addresses_now);
+  EXPECT_THAT(
+      logged,
+      ElementsAre("node: a control sample was not written: Timeout; it is tried again until it succeeds"));
+  for (int i = 0; i < 10; ++i) reconciler.tick();
+  EXPECT_EQ(discovery.announced.size(), 1U);
+}
+
+TEST_F(ReconcilerTest, ARequestThatCannotBeWrittenIsWrittenLater) {
+  our_reader(200);
+  discovery.failures = 2;
+  writer_seen(7);
+  EXPECT_THAT(discovery.sent, IsEmpty());
+  writer_seen(8);
+  ASSERT_TRUE(test::eventually([&] {
+    reconciler.tick();
+    return !discovery.sent.empty();
+  }));
+  EXPECT_THAT(discovery.sent.back().listening, ElementsAre(7, 8));
+}
+
+TEST_F(ReconcilerTest, WhatCouldNotBeWrittenOfAnEndpointThatWentIsNotWrittenLater) {
+  discovery.failures = 1;
+  our_reader(200);
+  reconciler.remove(200);
+  const auto later = std::chrono::steady_clock::now() + Retry::pause_min + std::chrono::milliseconds(100);
+  while (std::chrono::steady_clock::now() < later) reconciler.tick();
+  EXPECT_THAT(discovery.announced, IsEmpty());
+}
+
+TEST_F(ReconcilerTest, AnEndpointThatSomebodyElseWithdrawsIsAnnouncedAnewWithAWarning) {
+  our_reader(200);
+  reconciler.endpoint_departed(200);
+  reconciler.reconcile();
+  ASSERT_EQ(discovery.announced.size(), 2U);
+  EXPECT_GT(discovery.announced[1].revision, discovery.announced[0].revision);
+  EXPECT_EQ(discovery.sent.size(), 1U);
+  ASSERT_EQ(logged.size(), 1U);
+  EXPECT_NE(logged[0].find("our subscriber of topic 'points' was withdrawn by somebody else"),
+            std::string::npos)
+      << logged[0];
+}
+
+// Whoever forges a thousand times a second makes us neither as loud nor fill the log.
+TEST_F(ReconcilerTest, ManyForgeriesAreAnsweredAtAPaceAndToldOfOnceASecond) {
+  our_reader(200);
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 1000; ++i) {
+    Request forged = endpoint(Role::reader, 200).request;
+    forged.sequence = 1000U + static_cast<std::uint64_t>(i) * 10;
+    requested(forged);
+  }
+  const auto tenths =
+      static_cast<std::size_t>((std::chrono::steady_clock::now() - begin) / std::chrono::milliseconds(100));
+  EXPECT_LE(discovery.sent.size(), 1 + tenths + 1);
+  EXPECT_LE(logged.size(), 1 + tenths / 10 + 1);
+  ASSERT_TRUE(test::eventually([&] {
+    reconciler.tick();
+    return discovery.sent.back().sequence > 10'990;
+  }));
+}
+
+TEST_F(ReconcilerTest, TopicsThatDifferByASlashInFrontAreHintedAt) {
+  our_reader(200);
+  Endpoint writer = endpoint(Role::writer, 7);
+  writer.topic = "/points";
+  writer.node = "camera";
+  reconciler.endpoint_seen(writer);
+  reconciler.tick();
+  EXPECT_THAT(logged,
+              ElementsAre("node: topics 'points' here and '/points' of node 'camera' are two topics: the "
+                          "names have to be equal, with the slash"));
+}
+
+TEST_F(ReconcilerTest, WhoAnnouncesMoreThanThereIsRoomForIsNamed) {
+  for (EndpointId id = 1000; id < 5200; ++id) {
+    Endpoint made_up = endpoint(Role::writer, id);
+    made_up.topic = "topic " + std::to_string(id);
+    made_up.node = "flooder";
+    reconciler.endpoint_seen(made_up);
+  }
+  reconciler.tick();
+  reconciler.tick();
+  EXPECT_THAT(logged,
+              ElementsAre("node: the table of endpoints has no room for all that is announced; refused: "
+                          "104 of node 'flooder'; NodeStatus::control_ignored counts them"));
+}
+
+TEST_F(ReconcilerTest, TheLogSaysWhySharedMemoryDoesNotComeUp) {
+  TestMemory memory;
+  std::vector<std::string> lines;
+  NodeLog all("node", LogLevel::info, [&](LogLevel level, std::string_view text) {
+    lines.push_back((level == LogLevel::warning ? "warning " : "info ") + std::string(text));
+  });
+  Reconciler own(our_node, 1, &memory, &udp, discovery, dispatcher, all);
+  const auto becomes = [&](Availability availability, const std::string& state) {
+    memory.availability = availability;
+    memory.state = state;
+    own.tick();
+    own.tick();
+  };
+  becomes(Availability::starting, "starts sftd");
+  becomes(Availability::unavailable, "sftd could not be started");
+  becomes(Availability::starting, "starts sftd");
+  becomes(Availability::unavailable, "sftd could not be started");
+  becomes(Availability::unavailable, "/dev/shm is too small");
+  EXPECT_THAT(lines, ElementsAre("info node: shared memory: starts sftd",
+                                 "warning node: shared memory: sftd could not be started",
+                                 "info node: shared memory: /dev/shm is too small"));
 }
 
 }  // namespace

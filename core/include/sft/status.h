@@ -19,7 +19,8 @@ namespace sft {
 enum class TransportKind : std::uint8_t { shm, udp };
 constexpr const char* to_string(TransportKind kind) { return kind == TransportKind::shm ? "shm" : "udp"; }
 
-/// Two definitions of one type, which never match. "Here" is the program whose status this is.
+/// Two definitions of one type, which never match. "Here" is the program whose status this is. All are empty
+/// where so many other definitions were announced that this one was not compared.
 struct TypeMismatch {
   std::string difference;  ///< the first one: "fields[].offset: uint32 here, uint64 there"
   std::string here;        ///< the whole types as IDL
