@@ -48,6 +48,7 @@ struct Request {
 struct Progress {
   EndpointId writer = 0;
   std::uint64_t samples = 0;  ///< that it has sent to its readers so far
+  std::uint64_t bytes = 0;    ///< of their bodies, over the network, for each reader
   friend bool operator==(const Progress&, const Progress&) = default;
 };
 

@@ -158,7 +158,7 @@ sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage
   out.version = sft_control_protocol_version;
   out.writers = borrow(assertion.writers, assertions_max);
   for (const Progress& p : assertion.progress) {
-    if (storage.progress.size() < progress_max) storage.progress.push_back({p.writer, p.samples});
+    if (storage.progress.size() < progress_max) storage.progress.push_back({p.writer, p.samples, p.bytes});
   }
   const auto progress = static_cast<std::uint32_t>(storage.progress.size());
   out.progress = {progress, progress, storage.progress.data(), false};
@@ -169,8 +169,10 @@ Result<Assertion> from_dds(const sft_control_Assertion& in) {
   if (in.version != sft_control_protocol_version) return wrong_version(in.version);
   if (in.node == 0) return fail(Errc::malformed, "an assertion of no node");
   Assertion out{in.node, copy(in.writers)};
-  for (std::uint32_t i = 0; i < in.progress._length; ++i)
-    out.progress.push_back({in.progress._buffer[i].writer, in.progress._buffer[i].samples});
+  for (std::uint32_t i = 0; i < in.progress._length; ++i) {
+    const sft_control_Progress& p = in.progress._buffer[i];
+    out.progress.push_back({p.writer, p.samples, p.bytes});
+  }
   return out;
 }
 

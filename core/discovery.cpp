@@ -103,7 +103,8 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
 
   Result<void> announce(const Endpoint& endpoint) override {
     Own& own = own_[endpoint.id];
-    const std::uint64_t revision = own.endpoint.revision + 1;
+    // Greater than what somebody else has said in its name, if need be.
+    const std::uint64_t revision = std::max(own.endpoint.revision + 1, endpoint.revision);
     own.endpoint = endpoint;
     own.endpoint.revision = revision;
     {

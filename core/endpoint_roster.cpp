@@ -49,6 +49,7 @@ SubscriberSnapshot snapshot_of(SubscriberCore& subscriber) {
           .expired = status.expired,
           .discarded = status.discarded,
           .held_too_many = status.held_too_many,
+          .restarts = status.restarts,
           .writers = std::move(status.writers)};
 }
 

@@ -152,11 +152,11 @@ bool Negotiation::admit(const Endpoint& endpoint) {
   return admission.granted;
 }
 
-/// Whether it is an earlier announcement than the one that is known, come late. A revision that is far ahead
-/// of all others is no reason to refuse those.
+/// Whether it is an earlier announcement of the same announcer than the one that is known, come late. Whom to
+/// believe of several, discovery decides.
 bool Negotiation::is_outdated(const Entry& entry, const Endpoint& endpoint) {
-  const std::uint64_t known = entry.endpoint.revision;
-  return !entry.lost() && endpoint.revision < known && known - endpoint.revision <= jump_max;
+  const Endpoint& known = entry.endpoint;
+  return !entry.lost() && endpoint.announcer == known.announcer && endpoint.revision < known.revision;
 }
 
 /// Somebody else announces an endpoint of ours. A copy of what we said costs nothing.

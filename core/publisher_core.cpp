@@ -507,6 +507,12 @@ OfferWatch::Signs PublisherCore::signs() const {
   return {sequence_.load(std::memory_order_relaxed), asserted_.load(std::memory_order_relaxed)};
 }
 
+Progress PublisherCore::progress() const {
+  const std::uint64_t dropped = dropped_.load(std::memory_order_relaxed);
+  const std::uint64_t published = sequence_.load(std::memory_order_relaxed);
+  return {id(), published - std::min(published, dropped), book_->total().bytes};
+}
+
 bool PublisherCore::keeps_promises(std::uint64_t deadlines_missed, bool alive) {
   const bool is_news = deadlines_missed != deadlines_missed_.load(std::memory_order_relaxed) ||
                        alive != alive_.load(std::memory_order_relaxed);

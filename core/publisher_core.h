@@ -78,6 +78,8 @@ class PublisherCore {
 
   // The agent's: what the program did, and for status() how it keeps its promises.
   OfferWatch::Signs signs() const;
+  /// Of samples that went to all of its routes: a lower bound.
+  Progress progress() const;
   /// From here on the next assertion of the program is told again.
   void listen_for_assertions() { assertion_told_.store(false, std::memory_order_relaxed); }
   /// Whether status() differs by it.

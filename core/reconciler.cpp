@@ -201,6 +201,7 @@ std::chrono::milliseconds Reconciler::tick(Now now) {
   for (const auto& [id, reader] : readers_) reader.core->look_again();
   settle();
   hurried_ticks_ = look_after_connections() ? hurried_ticks_ + 1 : 0;
+  look_for_callbacks_under_way(now);
   watch_promises(now);
   discovery_.look_after(now, negotiation_.misses_somebody());
   reconcile();
@@ -230,62 +231,6 @@ void Reconciler::look_after_histories() {
       if (route.history == 0 || !writer.core->history_sent(route.reader)) continue;
       writer.history_sent.insert(route.reader);
       if (before.contains(route.reader)) dirty_ |= negotiation_.history_given(id, route.reader);
-    }
-  }
-}
-
-void Reconciler::watch_promises(Now now) {
-  std::vector<EndpointId> living;
-  for (auto& [id, writer] : writers_) {
-    if (watch_offer(writer, now)) living.push_back(id);
-  }
-  if (!living.empty() || now - told_of_life_at_ >= discovery_.life_signs().pause)
-    tell_of_life(std::move(living), now);
-  for (auto& [id, reader] : readers_) {
-    for (auto& [writer, watch] : reader.watched) {
-      watch.look(reader.core->arrivals(writer), now);
-      reader.has_news |= reader.core->keeps_promises(writer, watch.deadlines_missed(), watch.alive());
-    }
-  }
-}
-
-/// Whether the writer's readers have to be told that it lives.
-bool Reconciler::watch_offer(Writer& writer, Now now) {
-  const OfferWatch::Signs signs = writer.core->signs();
-  writer.watch.look(signs, now);
-  writer.has_news |= writer.core->keeps_promises(writer.watch.deadlines_missed(), writer.watch.alive());
-  if (!writer.watch.rests(now)) writer.core->listen_for_assertions();
-  return writer.in_force && writer.in_force->lease_requested &&
-         writer.watch.assertion_due(signs, writer.in_force->samples_tell, now);
-}
-
-/// At once, so that what the program does in time is in time for others.
-void Reconciler::program_asserts(EndpointId id) {
-  const auto writer = writers_.find(id);
-  if (writer == writers_.end()) return;
-  const Now now = std::chrono::steady_clock::now();
-  if (watch_offer(writer->second, now)) tell_of_life({id}, now);
-}
-
-/// What tells of a writer tells of the node, too.
-void Reconciler::tell_of_life(std::vector<EndpointId> writers, Now now) {
-  const Assertion assertion{id_, std::move(writers)};
-  told_of_life_at_ = now;
-  discovery_.assert_liveliness(assertion);
-  liveliness_asserted(assertion);  // our own readers
-}
-
-void Reconciler::node_lost(NodeId id) {
-  if (silence_.is_lost(id, std::chrono::steady_clock::now())) dirty_ |= negotiation_.node_lost(id);
-}
-
-void Reconciler::liveliness_asserted(const Assertion& assertion) {
-  silence_.lives(assertion.node);
-  dirty_ |= negotiation_.node_returned(assertion.node);
-  for (auto& [id, reader] : readers_) {
-    for (const EndpointId writer : assertion.writers) {
-      if (const auto watch = reader.watched.find(writer); watch != reader.watched.end())
-        watch->second.asserted();
     }
   }
 }
@@ -321,12 +266,14 @@ void Reconciler::look_after_shm() {
   }
 }
 
-/// Each attempt after one that failed is no news, only what comes of it.
+/// Each attempt after one that failed is no news, only what comes of it. A program that is to start the
+/// daemon and cannot is set up wrongly.
 void Reconciler::tell_of_shm(Availability availability) {
   if (availability == Availability::starting && !shm_why_not_.empty()) return;
   if (availability == Availability::unavailable && self_.shm_state == shm_why_not_) return;
   shm_why_not_ = availability == Availability::unavailable ? self_.shm_state : "";
-  const bool warns = availability == Availability::unavailable && !std::exchange(shm_warned_, true);
+  const bool not_started = shm_why_not_.find("could not be started") != std::string::npos;
+  const bool warns = not_started && !std::exchange(shm_warned_, true);
   log_.write(warns ? LogLevel::warning : LogLevel::info, "shared memory: " + self_.shm_state);
 }
 
@@ -567,23 +514,10 @@ void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
   if (changed) request_changed(id);
   reader.heard = std::move(heard);
   std::erase_if(reader.connecting, [&](const auto& item) { return !reader.heard.contains(item.first); });
+  std::erase_if(reader.watchdogs, [&](const auto& item) { return !reader.heard.contains(item.first); });
   reader.core->hears(wanted);
   reader.has_news = true;
   watch(reader);
-}
-
-/// Those that it matches, if it asked for anything to be watched.
-void Reconciler::watch(Reader& reader) {
-  std::erase_if(reader.watched, [&](const auto& item) {
-    const auto heard = reader.heard.find(item.first);
-    return heard == reader.heard.end() || !heard->second.status.matched;
-  });
-  for (const auto& [writer, hearing] : reader.heard) {
-    if (!hearing.status.matched || reader.watched.contains(writer)) continue;
-    const RequestWatch watch(hearing.offered, reader.requested, reader.core->arrivals(writer),
-                             std::chrono::steady_clock::now());
-    if (watch.pace()) reader.watched.emplace(writer, watch);
-  }
 }
 
 /// Connects to and disconnects from one writer as wanted; returns what is in force then.

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "core/accepted_requests.h"
+#include "core/arrival_watchdog.h"
 #include "core/control_outbox.h"
 #include "core/control_watch.h"
 #include "core/discovery.h"
@@ -58,7 +59,7 @@ class Reconciler {
   void endpoint_departed(EndpointId id);
   void endpoint_lost(EndpointId id);
   void request_received(const Request& request);
-  void liveliness_asserted(const Assertion& assertion);
+  void liveliness_asserted(const Assertion& assertion, Now now = std::chrono::steady_clock::now());
   void node_lost(NodeId id);
 
   /// The program has asserted the liveliness of one of our writers.
@@ -85,6 +86,7 @@ class Reconciler {
     std::optional<Serving> in_force;
     OfferWatch watch;
     std::set<EndpointId> history_sent{};     ///< to these late readers, at the last tick: all there was
+    std::uint64_t progress_told = 0;         ///< samples published when others were told of it last
     PublisherStatus told;                    ///< the state up to which its events were told
     bool has_news = false;                   ///< since then it may have changed
     std::map<EndpointId, Retry> reaching{};  ///< readers in memory that could not be told of samples
@@ -92,6 +94,7 @@ class Reconciler {
   struct Connecting {
     Retry shm;
     Retry udp;
+    std::chrono::seconds udp_preferred{0};  ///< for so long, when shared memory was deaf last
   };
   struct Reader {
     std::shared_ptr<SubscriberCore> core;
@@ -101,6 +104,8 @@ class Reconciler {
     std::map<EndpointId, Hearing> heard;
     std::map<EndpointId, Connecting> connecting;  ///< to these
     std::map<EndpointId, RequestWatch> watched;   ///< of these
+    std::map<EndpointId, ArrivalWatchdog> watchdogs;
+    int looks_in_callback = 0;  ///< at which it was called back, in a row
     Qos requested;
     AcceptedRequests accepted;
     std::map<EndpointId, Now> departed;  ///< writers of which datagrams may still be in flight
@@ -115,6 +120,11 @@ class Reconciler {
   void look_after_histories();
   bool look_after_history(EndpointId reader, const ReaderPort& port, EndpointId writer);
   void tell_of_life(std::vector<EndpointId> writers, Now now);
+  std::vector<Progress> progress_to_tell(Now now);
+  void look_for_callbacks_under_way(Now now);
+  void look_for_the_deaf(const Assertion& assertion, Now now);
+  bool is_deaf(EndpointId id, Reader& reader, const Hearing& hearing, const Assertion& assertion, Now now);
+  void restart(EndpointId id, Reader& reader, Hearing& hearing, Now now);
   static void watch(Reader& reader);
   std::chrono::milliseconds pace() const;
   void look_after_shm();
@@ -171,7 +181,10 @@ class Reconciler {
   std::vector<Link> links_;
   Now next_look_at_addresses_{};
   Now told_of_life_at_{};
-  bool dirty_ = false;  ///< something changed that reconcile() has not seen
+  Now progress_told_at_{};
+  EndpointId last_named_ = 0;  ///< of the writers whose progress was told
+  Now held_up_at_{};           ///< by a callback
+  bool dirty_ = false;         ///< something changed that reconcile() has not seen
   Retry asking_daemon_;
   int hurried_ticks_ = 0;  ///< in a row, because some reader waits for its connection
 

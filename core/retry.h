@@ -32,6 +32,11 @@ class Retry {
   void succeeded() { *this = {}; }
   /// Why it failed last.
   const std::string& reason() const { return why_; }
+  /// Not to be tried before that, although it did not fail.
+  void hold(Now until) {
+    next_ = until;
+    pause_ = std::max(pause_, std::chrono::milliseconds(1));
+  }
 
  private:
   Now next_{};

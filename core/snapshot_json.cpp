@@ -88,7 +88,8 @@ Json writer(const WriterStatus& w) {
           {"lost", w.lost},
           {"withheld", w.withheld},
           {"expired", w.expired},
-          {"deadlines_missed", w.deadlines_missed}};
+          {"deadlines_missed", w.deadlines_missed},
+          {"restarts", w.restarts}};
 }
 
 Json subscriber(const SubscriberSnapshot& s) {
@@ -106,6 +107,7 @@ Json subscriber(const SubscriberSnapshot& s) {
           {"expired", s.expired},
           {"discarded", s.discarded},
           {"held_too_many", s.held_too_many},
+          {"restarts", s.restarts},
           {"writers", list(s.writers, writer)}};
 }
 

@@ -77,6 +77,11 @@ bool SubscriberCore::keeps_promises(EndpointId writer, std::uint64_t deadlines_m
   return is_news;
 }
 
+void SubscriberCore::restarted(EndpointId writer) {
+  const std::scoped_lock lock(mutex_);
+  ++heard(writer).restarts;
+}
+
 std::uint64_t SubscriberCore::arrivals(EndpointId writer) {
   const std::scoped_lock lock(mutex_);
   std::uint64_t sum = 0;
@@ -112,6 +117,7 @@ void SubscriberCore::forget_the_gone() {
     gone_.lost += h.lost;
     gone_.withheld += h.withheld;
     gone_.expired += h.expired;
+    gone_.restarts += h.restarts;
     return true;
   });
 }
@@ -506,6 +512,7 @@ SubscriberStatus SubscriberCore::status() {
                           .mask = requested_,
                           .max_rate_hz = min_period_us_ == 0 ? 0 : 1e6 / min_period_us_,
                           .requests = requests_,
+                          .restarts = gone_.restarts,
                           .writers = writers_};
   for (const Inlet& inlet : inlets_) {
     if (inlet.port == nullptr) continue;
@@ -517,6 +524,7 @@ SubscriberStatus SubscriberCore::status() {
     status.lost += h.lost;
     status.withheld += h.withheld;
     status.expired += h.expired;
+    status.restarts += h.restarts;
     for (WriterStatus& w : status.writers) {
       if (w.id != h.writer) continue;
       w.received = h.received;
@@ -524,6 +532,7 @@ SubscriberStatus SubscriberCore::status() {
       w.withheld = h.withheld;
       w.expired = h.expired;
       w.deadlines_missed = h.deadlines_missed;
+      w.restarts = h.restarts;
       if (h.alive || !w.alive) continue;
       w.alive = false;
       w.reason = "no sign of life within its lease";

@@ -99,6 +99,8 @@ class SubscriberCore final : public ArrivalListener {
   void requests(const FieldMask& mask, std::uint64_t sequence);
   /// Whether status() differs by it.
   bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+  /// The connection to that writer was set up anew, since nothing arrived by it.
+  void restarted(EndpointId writer);
   /// Differs from what it was whenever samples of some writer were lost meanwhile.
   std::uint64_t losses() const { return losses_.load(std::memory_order_relaxed); }
   std::uint64_t held_too_many();
@@ -118,6 +120,7 @@ class SubscriberCore final : public ArrivalListener {
     std::int64_t since_ns = 0;     ///< when it was looked for first
     std::int64_t lifespan_ns = 0;  ///< that the writer gives its samples; 0: no end
     std::uint64_t deadlines_missed = 0;
+    std::uint64_t restarts = 0;
     bool alive = true;
   };
   struct Inlet {

@@ -154,6 +154,7 @@ TEST_F(Contests, ACopyOfWhatWasSaidIsNothingToAnswer) {
 
 TEST_F(Contests, AnOldAnnouncementThatComesLateTakesNothingBack) {
   Endpoint old = *negotiation.local(200);
+  old.announcer = old.request.announcer = honest;
   announce();
   old.addresses.clear();
   EXPECT_FALSE(there.endpoint_seen(old));

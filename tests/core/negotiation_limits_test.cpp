@@ -121,5 +121,58 @@ TEST_F(Limits, ATopicOfOursThatComesLaterThanItsNamesakeIsToldOfToo) {
   EXPECT_EQ(negotiation.take_namesakes().size(), 1U);
 }
 
+TEST_F(Limits, OtherDefinitionsOfOurTypeAreComparedOnceAndOnlyTheFirstOfThem) {
+  our_writer();
+  our_reader();
+  for (EndpointId id = 1000; id < 3000; ++id) {
+    Endpoint other = endpoint(Role::reader, id);
+    other.announcer = id / 50;
+    other.type_hash = id;
+    other.type_description = {std::byte{1}};  // is no description, which is found out by comparing
+    negotiation.endpoint_seen(other);
+    negotiation.tick(Now{});
+    const std::uint64_t before = negotiation.definitions_compared();
+    const Serving serving = negotiation.serving(100);
+    EXPECT_LE(negotiation.definitions_compared() - before, 16U);
+    if (id % 100 == 0) {
+      EXPECT_NE(serving.readers.back().reason.find("two different definitions"), std::string::npos);
+    }
+  }
+  EXPECT_LE(negotiation.definitions_compared(), 32U) << "each was compared once";
+  EXPECT_GE(negotiation.definitions_compared(), 16U);
+}
+
+class Comparisons : public NegotiationTest {
+ protected:
+  Endpoint definition(std::uint64_t n) {
+    Endpoint other = endpoint(Role::reader, 1);
+    other.type_hash = n;
+    other.type_description = {std::byte{1}};
+    return other;
+  }
+  /// Whether it is known already.
+  bool compare(std::uint64_t n) {
+    comparisons.refill();
+    const std::uint64_t before = comparisons.compared();
+    comparisons.compare(type, definition(n));
+    return comparisons.compared() == before;
+  }
+  TypeComparisons comparisons;
+};
+
+TEST_F(Comparisons, TheOldestIsForgottenFirstAndTheOthersAreKept) {
+  for (std::uint64_t n = 1; n <= 257; ++n) EXPECT_FALSE(compare(n));
+  for (std::uint64_t n = 2; n <= 257; ++n) EXPECT_TRUE(compare(n)) << n;
+  EXPECT_FALSE(compare(1));
+}
+
+TEST_F(Comparisons, NoMoreThanAFewAreMadeBetweenTwoRefills) {
+  for (std::uint64_t n = 1; n <= 100; ++n) EXPECT_NE(comparisons.compare(type, definition(n)), nullptr);
+  EXPECT_EQ(comparisons.compared(), 16U);
+  comparisons.refill();
+  EXPECT_NE(comparisons.compare(type, definition(100)), nullptr);
+  EXPECT_EQ(comparisons.compared(), 17U);
+}
+
 }  // namespace
 }  // namespace sft::core

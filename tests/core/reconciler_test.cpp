@@ -101,7 +101,7 @@ class TestTransport final : public Transport {
 };
 
 /// Shared memory that does not come up.
-class TestMemory final : public Transport {
+class AbsentMemory final : public Transport {
  public:
   std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
   Availability poll(Now) override { return availability; }
@@ -554,25 +554,55 @@ TEST_F(ReconcilerTest, AnAnnouncementThatCannotBeWrittenIsWrittenLaterAsItIsByTh
   EXPECT_EQ(discovery.announced.size(), 1U);
 }
 
-TEST_F(ReconcilerTest, ARequestThatCannotBeWrittenIsWrittenLater) {
-  our_reader(200);
-  discovery.failures = 2;
-  writer_seen(7);
+/// Our reader 200, at times that the test chooses.
+class OutboxTest : public ReconcilerTest {
+ protected:
+  OutboxTest() { negotiation.local_added(endpoint(Role::reader, 200), type); }
+  void look_after(std::chrono::milliseconds pause) { outbox.look(now += pause); }
+
+  Now now{std::chrono::hours(1)};
+  Negotiation negotiation;
+  ControlOutbox outbox{negotiation, discovery, log};
+};
+
+TEST_F(OutboxTest, ARequestThatCannotBeWrittenIsWrittenEverMoreSeldomUntilItIsWritten) {
+  discovery.failures = 3;
+  outbox.request(200, now);
+  look_after(Retry::pause_min - std::chrono::milliseconds(1));
+  EXPECT_EQ(discovery.failures, 2) << "not yet";
+  look_after(std::chrono::milliseconds(1));
+  look_after(Retry::pause_min);
+  EXPECT_EQ(discovery.failures, 1) << "not yet again";
+  look_after(Retry::pause_min);
   EXPECT_THAT(discovery.sent, IsEmpty());
-  writer_seen(8);
-  ASSERT_TRUE(test::eventually([&] {
-    reconciler.tick();
-    return !discovery.sent.empty();
-  }));
-  EXPECT_THAT(discovery.sent.back().listening, ElementsAre(7, 8));
+  negotiation.rate_changed(200, 1000);
+  look_after(Retry::pause_min * 4);
+  ASSERT_EQ(discovery.sent.size(), 1U);
+  EXPECT_EQ(discovery.sent[0].min_period_us, 1000U) << "as it is by then";
+  look_after(Retry::pause_max);
+  EXPECT_EQ(discovery.sent.size(), 1U);
+  EXPECT_EQ(logged.size(), 1U) << "the same failure is told once";
 }
 
-TEST_F(ReconcilerTest, WhatCouldNotBeWrittenOfAnEndpointThatWentIsNotWrittenLater) {
-  discovery.failures = 1;
-  our_reader(200);
-  reconciler.remove(200);
-  const auto later = std::chrono::steady_clock::now() + Retry::pause_min + std::chrono::milliseconds(100);
-  while (std::chrono::steady_clock::now() < later) reconciler.tick();
+TEST_F(OutboxTest, ARequestIsNotLostWhereTheAnnouncementFailsBeforeIt) {
+  discovery.failures = 2;
+  outbox.announce(200, now);
+  outbox.request(200, now);
+  EXPECT_THAT(discovery.sent, IsEmpty());
+  look_after(Retry::pause_max);
+  EXPECT_EQ(discovery.announced.size(), 1U);
+  EXPECT_EQ(discovery.sent.size(), 1U);
+}
+
+TEST_F(OutboxTest, WhatCouldNotBeWrittenOfAnEndpointThatWentIsNotWrittenLater) {
+  discovery.failures = 2;
+  outbox.announce(200, now);
+  outbox.withdraw(200);
+  look_after(Retry::pause_max);
+  EXPECT_THAT(discovery.announced, IsEmpty());
+  outbox.announce(200, now);
+  negotiation.local_removed(200);
+  look_after(Retry::pause_max);
   EXPECT_THAT(discovery.announced, IsEmpty());
 }
 
@@ -634,8 +664,59 @@ TEST_F(ReconcilerTest, WhoAnnouncesMoreThanThereIsRoomForIsNamed) {
                           "104 of node 'flooder'; NodeStatus::control_ignored counts them"));
 }
 
+TEST_F(ReconcilerTest, AConnectionByWhichNothingArrivesIsSetUpAnewAndCounted) {
+  const auto core = our_reader(200);
+  Endpoint writer = endpoint(Role::writer, 7);
+  writer.node_id = 66;
+  writer.node = "camera";
+  reconciler.endpoint_seen(writer);
+  reconciler.reconcile();
+  ASSERT_THAT(discovery.sent.back().listening, ElementsAre(7));
+  logged.clear();
+  Now now = std::chrono::steady_clock::now() - std::chrono::minutes(1);
+  std::uint64_t samples = 0;
+  const std::size_t before = discovery.sent.size();
+  for (int i = 0; i < 8 && discovery.sent.size() == before; ++i) {
+    samples += 100;
+    reconciler.liveliness_asserted({66, {}, {{7, samples, 0}}}, now += std::chrono::milliseconds(650));
+  }
+  ASSERT_EQ(discovery.sent.size(), before + 1);
+  EXPECT_THAT(discovery.sent.back().listening, IsEmpty());
+  EXPECT_THAT(connections.writers, IsEmpty());
+  EXPECT_EQ(core->status().restarts, 1U);
+  EXPECT_EQ(core->status().writers.at(0).restarts, 1U);
+  EXPECT_THAT(logged,
+              ElementsAre("node: topic 'points', node 'camera': it sends, but nothing arrives by udp; the "
+                          "connection is set up anew, for the 1. time"));
+  reconciler.tick();  // the pause is over by now
+  EXPECT_THAT(connections.writers, ElementsAre(7));
+  EXPECT_THAT(discovery.sent.back().listening, ElementsAre(7));
+}
+
+TEST_F(ReconcilerTest, ProgressIsToldOfWritersThatSentSomethingAndHaveReaders) {
+  const auto core = our_writer(7, std::make_shared<TestWriterPort>());
+  const auto alone = our_writer(8, std::make_shared<TestWriterPort>());
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.request.listening = {7};
+  reconciler.endpoint_seen(reader);
+  reconciler.reconcile();
+  const PointCloud2 cloud;
+  core->publish(&cloud);
+  alone->publish(&cloud);
+  Now now = std::chrono::steady_clock::now();
+  reconciler.tick(now += std::chrono::seconds(1));
+  ASSERT_FALSE(discovery.asserted.empty());
+  ASSERT_EQ(discovery.asserted.back().progress.size(), 1U);
+  EXPECT_EQ(discovery.asserted.back().progress[0].writer, 7U);
+  EXPECT_EQ(discovery.asserted.back().progress[0].samples, 1U);
+  const std::size_t told = discovery.asserted.size();
+  reconciler.tick(now += std::chrono::seconds(1));
+  ASSERT_GT(discovery.asserted.size(), told);
+  EXPECT_THAT(discovery.asserted.back().progress, IsEmpty()) << "nothing more was sent";
+}
+
 TEST_F(ReconcilerTest, TheLogSaysWhySharedMemoryDoesNotComeUp) {
-  TestMemory memory;
+  AbsentMemory memory;
   std::vector<std::string> lines;
   NodeLog all("node", LogLevel::info, [&](LogLevel level, std::string_view text) {
     lines.push_back((level == LogLevel::warning ? "warning " : "info ") + std::string(text));

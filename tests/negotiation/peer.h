@@ -43,6 +43,12 @@ class Peer {
   void hear_control() { ask({{"do", "hear"}}); }
   void repeat_control() { ask({{"do", "repeat"}}); }
 
+  /// Speaks for others on the control topics (forger.h): "watch", and when it has heard of them "withdraw",
+  /// or "mute" with requests that are so far `ahead`.
+  void forge(const std::string& what, std::uint64_t ahead = 1) {
+    ask({{"do", "forge"}, {"what", what}, {"ahead", ahead}});
+  }
+
   json status() { return ask({{"do", "status"}}); }
   /// What it says of the nodes of that name alone: "reader" and "writer" are entries of such nodes, rather of
   /// one that is served; "taken" is what was taken of that writer.

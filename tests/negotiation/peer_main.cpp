@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/negotiation/echo.h"
+#include "tests/negotiation/forger.h"
 #include "tests/negotiation/peer_roles.h"
 #include "tests/negotiation/status_json.h"
 
@@ -65,7 +66,8 @@ class Peer {
         {"leave", &Peer::leave},
         {"crowd", &Peer::crowd},
         {"hear", &Peer::hear},
-        {"repeat", &Peer::repeat}};
+        {"repeat", &Peer::repeat},
+        {"forge", &Peer::forge}};
     (this->*verbs.at(what))(command);
     return json::object();
   }
@@ -98,6 +100,12 @@ class Peer {
 
   void hear(const json&) { echo_ = std::make_unique<Echo>(); }
   void repeat(const json&) { echo_->repeat(); }
+  void forge(const json& command) {
+    const std::string what = command.at("what");
+    if (what == "watch") forger_ = std::make_unique<Forger>();
+    if (what == "withdraw") forger_->withdraw_all();
+    if (what == "mute") forger_->mute_all(command.at("ahead"));
+  }
 
   json status() const {
     json all{{"node", to_json(node_.status())},
@@ -133,6 +141,7 @@ class Peer {
   std::unique_ptr<Publishing> publishing_;
   std::unique_ptr<Subscribing> subscribing_;
   std::unique_ptr<Echo> echo_;
+  std::unique_ptr<Forger> forger_;
 };
 
 void serve(Peer& peer) {

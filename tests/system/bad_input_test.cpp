@@ -39,6 +39,21 @@ TEST_F(BadInputTest, TopicsHaveNamesAndDomainsAreSmallNumbers) {
   EXPECT_FALSE(Node::open({.domain = 233}));
 }
 
+TEST_F(BadInputTest, NamesAreTextAndRefusalsOfThemAreShort) {
+  Node node = udp_node("a");
+  for (const std::string& topic :
+       {std::string("a\0b", 3), std::string("a\nb"), std::string("\xff"), std::string("//a"),
+        std::string("~/x"), std::string("a "), std::string(10'000, 'x')}) {
+    const auto refused = node.subscriber<PointCloud2>(topic);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Errc::invalid_argument);
+    EXPECT_LT(refused.error().message.size(), 200U);
+    EXPECT_EQ(refused.error().message.find_first_of(std::string("\0\n\xff", 3)), std::string::npos);
+  }
+  EXPECT_FALSE(Node::open({.name = "a\x1b[2J"}));
+  EXPECT_FALSE(Node::open({.name = std::string(10'000, 'n')}));
+}
+
 TEST_F(BadInputTest, AnEndpointCannotChooseWhatItsNodeRulesOut) {
   Node node = udp_node("a");
   EXPECT_FALSE(node.publisher<PointCloud2>("points", {.transport = TransportChoice::shm}));

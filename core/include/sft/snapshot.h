@@ -16,13 +16,14 @@
 //   control       refused {malformed, ignored}
 //   publishers[]  id, topic, type, qos, fields (encoded at present), published, bytes_sent, bytes_saved,
 //                 dropped, diverted {exhausted, too_large, unavailable}, deadlines_missed, alive, readers[]
-//     readers[]   id, node, served, transport, reason, multicast, incompatible_type, incompatible_policy (null: none),
+//     readers[]   id, node, served, transport, reason, multicast, incompatible_type, incompatible_policy
+//     (null: none),
 //                 no_path, fields, max_rate_hz, request, published, sent, withheld, dropped, retained,
 //                 diverted, bytes_sent, bytes_saved
 //   subscribers[] id, topic, type, qos, fields (asked for), recorded, max_rate_hz, requests, received,
-//                 lost, withheld, expired, discarded, held_too_many, writers[]
+//                 lost, withheld, expired, discarded, held_too_many, restarts, writers[]
 //     writers[]   id, node, matched, connected, alive, transport, reason, incompatible_type,
-//                 incompatible_policy, no_path, received, lost, withheld, expired, deadlines_missed
+//                 incompatible_policy, no_path, received, lost, withheld, expired, deadlines_missed, restarts
 //   qos           reliability, durability, history_depth, deadline_ns, lifespan_ns, liveliness,
 //                 liveliness_lease_ns
 #pragma once
@@ -74,6 +75,7 @@ struct SubscriberSnapshot {
   std::uint64_t expired = 0;
   std::uint64_t discarded = 0;
   std::uint64_t held_too_many = 0;
+  std::uint64_t restarts = 0;
   std::vector<WriterStatus> writers;
 };
 

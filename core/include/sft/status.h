@@ -108,6 +108,8 @@ struct WriterStatus {
   std::uint64_t withheld = 0;  ///< samples that did not come, or were skipped, for max_rate_hz
   std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
   std::uint64_t deadlines_missed = 0;
+  /// Times that the connection was set up anew, since it sent and nothing arrived.
+  std::uint64_t restarts = 0;
 };
 
 struct SubscriberStatus {
@@ -123,6 +125,7 @@ struct SubscriberStatus {
   FieldMask mask;              ///< what is asked for at present
   double max_rate_hz = 0;      ///< likewise; 0: all samples
   std::uint64_t requests = 0;  ///< STRs sent
+  std::uint64_t restarts = 0;  ///< of connections by which nothing arrived
   std::vector<WriterStatus> writers;
 };
 
