@@ -158,11 +158,26 @@ void add_diverted(const Diverted& before, const Diverted& after, std::vector<Eve
   add(&Diverted::unavailable, "by UDP within the host: shared memory is not to be had at the moment");
 }
 
-void add_counts(const WriterStatus& before, const WriterStatus& after, std::vector<Event>& events) {
-  if (after.lost > before.lost) {
-    const std::uint64_t lost = after.lost - before.lost;
-    events.push_back(event_of(EventKind::samples_lost, after, std::to_string(lost) + " lost", lost));
-  }
+/// What was lost although the subscriber asked for reliability, and what helps against that.
+std::string reliable_loss_text(const WriterStatus& writer, std::uint64_t lost) {
+  const bool by_shm = writer.transport == TransportKind::shm;
+  return std::to_string(lost) + " lost by " + to_string(writer.transport) +
+         ", although they were to come reliably: " +
+         (by_shm ? "its queue holds " : "the publisher keeps only so many for it, and its queue holds ") +
+         std::to_string(writer.depth) + " samples; take them sooner, raise SubscriberOptions::depth" +
+         (by_shm ? " (up to what shared memory keeps)" : "") +
+         ", or let the publisher wait (PublisherOptions::max_blocking)";
+}
+
+void add_counts(const WriterStatus& before, const WriterStatus& after, Reliability reliability,
+                std::vector<Event>& events) {
+  if (after.lost <= before.lost) return;
+  const std::uint64_t lost = after.lost - before.lost;
+  const bool reliable = reliability == Reliability::reliable;
+  events.push_back(event_of(EventKind::samples_lost, after,
+                            reliable ? reliable_loss_text(after, lost) : std::to_string(lost) + " lost",
+                            lost));
+  events.back().reliable = reliable;
 }
 
 }  // namespace
@@ -181,7 +196,7 @@ std::vector<Event> events_between(const PublisherStatus& before, const Publisher
 }
 
 std::vector<Event> events_between(const SubscriberStatus& before, const SubscriberStatus& after,
-                                  const TypeSupport& type) {
+                                  const TypeSupport& type, Reliability reliability) {
   std::vector<Event> events;
   if (request_changed(before, after)) {
     events.push_back(
@@ -195,7 +210,7 @@ std::vector<Event> events_between(const SubscriberStatus& before, const Subscrib
   compare(before.writers, after.writers, events, [&](const WriterStatus& b, const WriterStatus& a) {
     add_changes(b, a, events);
     add_promises(b, a, events);
-    add_counts(b, a, events);
+    add_counts(b, a, reliability, events);
   });
   return events;
 }

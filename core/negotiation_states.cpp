@@ -88,7 +88,8 @@ ReaderStatus Negotiation::serve(const Entry& writer, const Entry& reader, const 
     status.transport = TransportKind::shm;
     status.reason = "same host";
     const bool begun = holds(r.request.begun, writer.endpoint.id);
-    serving.shm.push_back({r.id, r.doorbell, status.mask, period, nullptr, begun ? 0 : owed});
+    serving.shm.push_back(
+        {r.id, r.doorbell, status.mask, period, nullptr, begun ? 0 : owed, false, reliable});
     if (listens)
       serving.spare.push_back({r.id, address_of(r), status.mask, period, nullptr, 0, true, reliable});
   } else if (listens) {

@@ -204,7 +204,8 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   }
   auto core = std::make_shared<PublisherCore>(
       PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes, *qos,
-                          options.on_readers_changed, options.on_event, std::move(asserted)},
+                          options.on_readers_changed, options.on_event, std::move(asserted),
+                          options.max_blocking},
       heap_, std::move(udp));
   roster_.enter(*core);
   agent_.post([this, endpoint, core] {
@@ -218,6 +219,22 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
     self->agent_.post([node = self.get(), id] { node->reconciler_->remove(id); });
   });
   return untyped::Publisher(std::move(handle));
+}
+
+/// What shared memory keeps of a reader's depth. A reader that asks for more is told so: with a warning if it
+/// relies on that.
+std::uint32_t NodeCore::shm_depth_of(const Endpoint& reader) {
+  const std::uint32_t depth = reader.qos.history_depth;
+  const std::uint32_t most = shm_ == nullptr ? depth : shm_->max_depth();
+  if (!reader.may_use_shm || depth <= most) return depth;
+  const bool reliable = reader.qos.reliability == Reliability::reliable;
+  agent_.post(
+      [this, level = reliable ? LogLevel::warning : LogLevel::info,
+       text = "topic '" + reader.topic + "': SubscriberOptions::depth is " + std::to_string(depth) +
+              ", but shared memory keeps " + std::to_string(most) +
+              " samples of each publisher on this host: take them sooner, or let reliable publishers "
+              "wait for reliable subscribers (PublisherOptions::max_blocking)"] { log_.write(level, text); });
+  return most;
 }
 
 Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self,
@@ -269,7 +286,8 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
           .rate_changed = [this,
                            id = endpoint.id] { agent_.post([this, id] { reconciler_->rate_changed(id); }); },
           .as_remote = as_remote ? heap_ : nullptr,
-          .poll_handle = std::move(*poll_handle)},
+          .poll_handle = std::move(*poll_handle),
+          .shm_depth = shm_depth_of(endpoint)},
       bells_->at(*slot), reader.recorder);
   if (endpoint.may_use_udp) {
     ReaderSpec spec{endpoint.id, &type, options.depth, reader.core.get(), endpoint.doorbell};

@@ -53,6 +53,7 @@ class NodeCore final : private DiscoveryListener {
  private:
   NodeCore(const NodeOptions& options, Parts parts);
   static void dispose(NodeCore* node);
+  std::uint32_t shm_depth_of(const Endpoint& reader);
   Result<std::uint32_t> slot_for(bool has_callback, bool pollable);
   Result<std::uint32_t> take_slot();
   void give_slot_back(std::uint32_t slot);

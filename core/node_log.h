@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -43,20 +44,31 @@ class NodeLog {
   /// Something that the node does or cannot do itself.
   void write(LogLevel level, const std::string& text, Now now = std::chrono::steady_clock::now());
   /// What happened to a pair, or to one of our publishers or subscribers. A warning if it will never work as
-  /// it is set up; what a program asks for changes often, and is for debugging.
+  /// it is set up, or if a promise was broken: a deadline, or samples that were to come reliably, of which a
+  /// pair has at most one line in a second. What a program asks for changes often, and is for debugging.
   void write(const std::string& topic, const Event& event, Now now = std::chrono::steady_clock::now());
   static LogLevel level_of(const Event& event);
+  /// Writes what was left out of losses of reliable pairs, once its time has come. Called now and then.
+  void tick(Now now);
 
  private:
   static constexpr std::size_t event_kinds = static_cast<std::size_t>(EventKind::request_changed) + 1;
   static constexpr std::size_t log_levels = static_cast<std::size_t>(LogLevel::error) + 1;
-  void write(LineBudget& budget, LogLevel level, const std::string& text, Now now);
+  bool write(LineBudget& budget, LogLevel level, const std::string& text, Now now);
+  void write_loss(const std::string& pair, const Event& event, Now now);
 
+  /// Of a reliable pair that has lost samples.
+  struct Losses {
+    Now next_line{};           ///< not before
+    std::uint64_t untold = 0;  ///< samples
+  };
+  static constexpr std::chrono::seconds loss_pause{1};
   const std::string node_;
   const LogLevel threshold_;
   const LogSink sink_;
   std::array<LineBudget, event_kinds> of_events_;
   std::array<LineBudget, log_levels> of_node_;
+  std::map<std::string, Losses> losses_;  ///< by what names the pair; those that lost something lately
 };
 
 }  // namespace sft::core

@@ -29,6 +29,7 @@ void gather_locals(const Serving& serving, Outlets& outlets) {
     auto locals = std::find_if(outlets.locals.begin(), outlets.locals.end(), same);
     if (locals == outlets.locals.end())
       locals = outlets.locals.insert(locals, {route.gate, std::make_shared<DeliveryTally>(), spare});
+    outlets.needs_shm |= route.reliable && !spare;
     outlets.page.push_back({route.reader, {.tally = locals->tally, .gate = route.gate}});
   }
 }

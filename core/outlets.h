@@ -28,9 +28,11 @@ struct Outlets {
   bool to_udp = false;
   bool has_spares = false;                       ///< some of `locals` are spare
   std::vector<std::shared_ptr<RateGate>> gates;  ///< to be asked about each sample
-  bool to_all = false;                           ///< some reader gets every sample
-  FieldMask mask;      ///< to be encoded: everything for shared memory, else the union of what is asked for
-  bool whole = false;  ///< which is all there is
+  /// Some reliable reader in shared memory can be sent nothing by UDP instead.
+  bool needs_shm = false;
+  bool to_all = false;  ///< some reader gets every sample
+  FieldMask mask;       ///< to be encoded: everything for shared memory, else the union of what is asked for
+  bool whole = false;   ///< which is all there is
   std::vector<Locals> locals;
   DeliveryBook::Page page;  ///< of these readers
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <iterator>
 #include <new>
+#include <thread>
 
 #include "core/clock.h"
 #include "sft/typesupport/convert.h"
@@ -183,12 +184,14 @@ PublishStatus PublisherCore::publish(const void* value) {
   const CallCount::Call call(calls_);
   const Outlets& outlets = this->outlets();
   if (!outlets.is_wanted) return withhold();
+  patience_ = spec_.max_blocking;
   const std::int64_t stamp_ns = realtime_ns();
   return admit(outlets, stamp_ns) ? encode_and_send(outlets, value, stamp_ns) : withhold();
 }
 
 PublishedSpan PublisherCore::publish(const void* values, std::size_t count, std::size_t stride) {
   const auto* value = static_cast<const std::byte*>(values);
+  patience_ = spec_.max_blocking;
   PublishedSpan all;
   bool goes_on = false;
   while (count > 0) {
@@ -310,6 +313,7 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
     return fail(Errc::limit_exceeded, "a payload of " + std::to_string(size.bytes) +
                                           " bytes; raise PublisherOptions::max_sample_bytes");
   }
+  patience_ = spec_.max_blocking;
   const std::int64_t stamp_ns = realtime_ns();
   const SampleHandle sample = lend(outlets, size.bytes);
   if (!sample) return admit(outlets, stamp_ns) ? no_memory(outlets, size.bytes) : withhold();
@@ -336,6 +340,7 @@ Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const 
                                           " bytes; raise PublisherOptions::max_sample_bytes");
   }
   const CallCount::Call call(calls_);
+  patience_ = spec_.max_blocking;
   SampleHandle sample = lend(outlets(), size.bytes);
   if (!sample) return fail(Errc::out_of_memory, "no memory free for a loan: readers or loans hold too much");
   fill_header(*sample, full_, size.bytes);
@@ -354,6 +359,7 @@ PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
   const std::int64_t stamp_ns = realtime_ns();
   const CallCount::Call call(calls_);
   const Outlets& outlets = this->outlets();
+  patience_ = spec_.max_blocking;
   return admit(outlets, stamp_ns) ? send(outlets, sample, stamp_ns) : withhold();
 }
 
@@ -383,8 +389,24 @@ SampleHandle PublisherCore::lend(const Outlets& outlets, std::uint32_t body_byte
   const std::size_t bytes = layout_.bytes(body_bytes);
   SampleHandle sample;
   if (outlets.to_shm) sample = outlets.shm->loan(bytes);
+  if (!sample && outlets.needs_shm && patience_.count() > 0) sample = await_chunk(outlets, bytes);
   // Without a chunk it can still go by UDP.
   if (!sample && (!outlets.to_shm || outlets.to_udp || outlets.has_spares)) sample = take_heap(bytes);
+  return sample;
+}
+
+/// Until a reader gives one back, as long as patience lasts.
+SampleHandle PublisherCore::await_chunk(const Outlets& outlets, std::size_t bytes) noexcept {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds pause{1};
+  if (bytes > outlets.shm->largest_loan_bytes()) return {};
+  SampleHandle sample;
+  const Clock::time_point until = Clock::now() + patience_;
+  while (!sample && Clock::now() < until) {
+    std::this_thread::sleep_for(std::min<Clock::duration>(pause, until - Clock::now()));
+    sample = outlets.shm->loan(bytes);
+  }
+  patience_ = std::max<std::chrono::nanoseconds>(until - Clock::now(), {});
   return sample;
 }
 
@@ -437,7 +459,10 @@ PublishStatus PublisherCore::send(const Outlets& before, const SampleHandle& sam
     }
   }
   if (outlets.to_udp && !outlets.to_shm) note_sent_by_udp_alone(*sample);
-  if ((outlets.to_udp || diverted) && udp_->send(sample) != SendStatus::sent) status = PublishStatus::dropped;
+  if (outlets.to_udp || diverted) {
+    if (spec_.max_blocking.count() > 0) udp_->be_patient(patience_);
+    if (udp_->send(sample) != SendStatus::sent) status = PublishStatus::dropped;
+  }
   if (status != PublishStatus::ok) dropped_.fetch_add(1, std::memory_order_relaxed);
   return status;
 }
@@ -446,7 +471,10 @@ PublishStatus PublisherCore::send(const Outlets& before, const SampleHandle& sam
 bool PublisherCore::send_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept {
   const SampleHandle local = outlets.shm->can_send(*sample) ? sample : copy_to_shm(*outlets.shm, sample);
   if (local) {
-    if (outlets.shm->send(local) == SendStatus::sent) return true;
+    if (spec_.max_blocking.count() > 0) outlets.shm->be_patient(patience_);
+    const SendStatus status = outlets.shm->send(local);
+    if (spec_.max_blocking.count() > 0) patience_ = outlets.shm->patience_left();
+    if (status == SendStatus::sent) return true;
     unavailable_.fetch_add(1, std::memory_order_relaxed);
     return false;
   }

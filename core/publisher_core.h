@@ -6,6 +6,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -43,6 +44,7 @@ class PublisherCore {
     EventCallback on_event{};
     /// Called where the program asserts its liveliness: any thread, posts and returns.
     std::function<void()> asserted{};
+    std::chrono::nanoseconds max_blocking{0};
   };
 
   /// `heap` lends memory while nobody reads in shared memory; `udp` is null where the publisher rules it out.
@@ -110,6 +112,7 @@ class PublisherCore {
   PublishStatus no_memory(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void count_refusal(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   tl::unexpected<Error> malformed(WalkStatus why) const;
+  SampleHandle await_chunk(const Outlets& outlets, std::size_t bytes) noexcept;
   SampleHandle take_heap(std::size_t bytes) noexcept;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void fill_header(SampleBuffer& buffer, const FieldMask& mask, std::uint32_t body_bytes) noexcept;
@@ -152,10 +155,11 @@ class PublisherCore {
   FieldMask encoded_;  ///< at present
 
   // Of the publisher's thread.
-  const Outlets* counted_ = nullptr;  ///< whose page is open
-  SampleHandle spare_;                ///< from the heap; the next sample's, if nobody else has it by then
-  PostponedCopies postponed_;         ///< of the present sample
-  std::uint32_t measured_bytes_ = 0;  ///< of a sample with all its fields, and when it was published
+  std::chrono::nanoseconds patience_{0};  ///< for readers, what is left of it in the present call
+  const Outlets* counted_ = nullptr;      ///< whose page is open
+  SampleHandle spare_;                    ///< from the heap; the next sample's, if nobody else has it by then
+  PostponedCopies postponed_;             ///< of the present sample
+  std::uint32_t measured_bytes_ = 0;      ///< of a sample with all its fields, and when it was published
   std::int64_t measured_at_ns_ = 0;
   std::uint64_t diverted_sequence_ = 0;  ///< the last one sent by UDP alone, and when it was published
   std::int64_t diverted_stamp_ns_ = 0;

@@ -9,6 +9,7 @@ namespace {
 using std::chrono::nanoseconds;
 
 constexpr std::uint32_t history_depth_max = 128;  // a writer can hold 256 chunks at a time
+constexpr std::uint32_t depth_max = 1'000'000;    // more is surely a mistake
 
 // What a period in whole microseconds can say well.
 constexpr double slowest_rate_hz = 0.001;
@@ -102,6 +103,10 @@ Result<Qos> qos_of(const SubscriberOptions& options) {
                 .liveliness = options.liveliness,
                 .liveliness_lease = options.liveliness_lease,
                 .history_depth = options.depth};
+  if (options.depth < 1 || options.depth > depth_max) {
+    return fail(Errc::invalid_argument, "SubscriberOptions::depth is 1 to " + std::to_string(depth_max) +
+                                            ", not " + std::to_string(options.depth));
+  }
   const Result<std::uint32_t> period = min_period_us_of(options.max_rate_hz);
   if (!period) return tl::unexpected(period.error());
   if (options.deadline.count() != 0 && options.deadline < std::chrono::microseconds(*period)) {

@@ -205,6 +205,7 @@ std::chrono::milliseconds Reconciler::tick(Now now) {
   watch_promises(now);
   discovery_.look_after(now, negotiation_.misses_somebody());
   reconcile();
+  log_.tick(now);
   const bool hurry = hurried_ticks_ > 0 && hurried_ticks_ <= hurried_ticks_max;
   return hurry ? tick_while_attaching : pace();
 }
@@ -413,13 +414,21 @@ void Reconciler::tell_what_happened() {
   }
 }
 
+std::vector<Event> Reconciler::differences(const Writer& writer, const PublisherStatus& now) {
+  return events_between(writer.told, now, writer.core->type());
+}
+
+std::vector<Event> Reconciler::differences(const Reader& reader, const SubscriberStatus& now) {
+  return events_between(reader.told, now, reader.core->type(), reader.requested.reliability);
+}
+
 /// Events are what differs between the states that users could have polled.
 template <class Member>
 void Reconciler::tell(Member& member) {
   auto& core = *member.core;
   if (!core.events().wanted() && !log_.wants(LogLevel::warning)) return;
   auto now = core.status();
-  const auto events = events_between(member.told, now, core.type());
+  const auto events = differences(member, now);
   member.told = std::move(now);
   for (const Event& event : events) {
     log_.write(core.spec().topic, event);
@@ -438,7 +447,8 @@ void Reconciler::reconcile_writer(EndpointId id, Writer& writer) {
     writer.opening_shm = {};
   } else {
     try_shm(writer.opening_shm, [&]() -> Result<void> {
-      auto port = shm_->open_writer({id, &writer.core->type(), writer.core->retains()});
+      auto port = shm_->open_writer(
+          {id, &writer.core->type(), writer.core->retains(), writer.core->spec().max_blocking});
       if (!port) return tl::unexpected(port.error());
       writer.shm = std::move(*port);
       writer.in_force.reset();

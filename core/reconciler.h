@@ -152,6 +152,8 @@ class Reconciler {
   void tell_what_happened();
   template <class Member>
   void tell(Member& member);
+  static std::vector<Event> differences(const Writer& writer, const PublisherStatus& now);
+  static std::vector<Event> differences(const Reader& reader, const SubscriberStatus& now);
 
   void announce(EndpointId id);
   void request_changed(EndpointId id);

@@ -81,6 +81,7 @@ Json writer(const WriterStatus& w) {
           {"alive", w.alive},
           {"transport", path(w.connected, w.transport)},
           {"reason", w.reason},
+          {"depth", w.depth},
           {"incompatible_type", w.incompatible_type},
           {"incompatible_policy", policy(w.incompatible_policy)},
           {"no_path", w.no_path},

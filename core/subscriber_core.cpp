@@ -49,9 +49,21 @@ void SubscriberCore::set_port(TransportKind kind, std::shared_ptr<ReaderPort> po
   held_too_many_before_ += port->held_too_many();
 }
 
-std::shared_ptr<ReaderPort> SubscriberCore::udp_port() {
+std::shared_ptr<ReaderPort> SubscriberCore::port(TransportKind kind) {
   const std::scoped_lock lock(mutex_);
-  return inlets_[static_cast<std::size_t>(TransportKind::udp)].port;
+  return inlets_[static_cast<std::size_t>(kind)].port;
+}
+
+/// After something may have been taken from the ports, without a lock.
+void SubscriberCore::tell_of_room() {
+  if (!writers_wait_.load(std::memory_order_relaxed)) [[likely]]
+    return;
+  if (const std::shared_ptr<ReaderPort> shm = port(TransportKind::shm)) shm->tell_of_room();
+}
+
+std::uint32_t SubscriberCore::depth_by(TransportKind kind) const {
+  const bool as_asked = kind == TransportKind::udp || spec_.shm_depth == 0;
+  return as_asked ? spec_.options.depth : spec_.shm_depth;
 }
 
 /// Whoever waits, wherever.
@@ -98,8 +110,13 @@ void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
 void SubscriberCore::hear(const std::vector<Hearing>& hearing) {
   const std::scoped_lock lock(mutex_);
   writers_.clear();
+  writers_wait_.store(
+      std::ranges::any_of(hearing,
+                          [](const Hearing& h) { return h.shm && h.source.reliable && h.source.waits; }),
+      std::memory_order_relaxed);
   for (const Hearing& h : hearing) {
     writers_.push_back(h.status);
+    writers_.back().depth = depth_by(h.status.transport);
     Heard& from = heard(h.source.writer);
     if (from.since_ns == 0) from.since_ns = realtime_ns();
     from.lifespan_ns = h.offered.lifespan.count();
@@ -309,6 +326,7 @@ untyped::Sample SubscriberCore::take(Choose choose) {
       const std::scoped_lock lock(mutex_);
       next = choose();
     }
+    tell_of_room();
     if (spec_.poll_handle != nullptr) settle_descriptor();
     if (!next.sample) return {};
     if (next.asked == nullptr || as_remote(next)) return wrap(std::move(next));
@@ -354,8 +372,13 @@ untyped::Sample SubscriberCore::wrap(Next next) {
 }
 
 bool SubscriberCore::available() {
-  const std::scoped_lock lock(mutex_);
-  return find_next() != nullptr;
+  bool found = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    found = find_next() != nullptr;
+  }
+  tell_of_room();
+  return found;
 }
 
 Result<void> SubscriberCore::set_max_rate_hz(double max_rate_hz) {

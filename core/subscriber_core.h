@@ -48,6 +48,7 @@ class SubscriberCore final : public ArrivalListener {
     /// How long a sample in shared memory waits for an earlier one that went by UDP: far longer than that
     /// takes within a host. But it may be lost, and nobody should wait long for that.
     std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(100);
+    std::uint32_t shm_depth = 0;  ///< samples of a writer that shared memory keeps; 0: options.depth
   };
 
   /// `bell` is what is rung when samples arrive; `recorder` is null unless the requirement is recorded.
@@ -163,7 +164,10 @@ class SubscriberCore final : public ArrivalListener {
   bool wait_until(std::chrono::steady_clock::time_point deadline);
   void sleep_until(std::chrono::steady_clock::time_point deadline);
   void ring();
-  std::shared_ptr<ReaderPort> udp_port();
+  std::shared_ptr<ReaderPort> port(TransportKind kind);
+  std::shared_ptr<ReaderPort> udp_port() { return port(TransportKind::udp); }
+  void tell_of_room();
+  std::uint32_t depth_by(TransportKind kind) const;
   bool as_remote(Next& next);
   untyped::Sample wrap(Next next);
   void dispatch(Caller caller);
@@ -184,7 +188,8 @@ class SubscriberCore final : public ArrivalListener {
   Heard gone_;                          ///< sums of writers that were forgotten
   std::uint64_t discarded_before_ = 0;  ///< by ports that are gone
   std::uint64_t held_too_many_before_ = 0;
-  std::atomic<std::uint64_t> losses_{0};  ///< written with the mutex held
+  std::atomic<std::uint64_t> losses_{0};   ///< written with the mutex held
+  std::atomic<bool> writers_wait_{false};  ///< some writer in shared memory waits for room; likewise
   std::vector<WriterStatus> writers_;
   FieldMask requested_;
   std::shared_ptr<const ProjectionPlan> asked_;  ///< the same, where samples are to look as on another host

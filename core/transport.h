@@ -243,6 +243,12 @@ class WriterPort {
     return {};
   }
 
+  /// From now on send() waits no longer than this, and than WriterSpec says. The publisher's thread.
+  virtual void be_patient(std::chrono::nanoseconds at_most) noexcept { static_cast<void>(at_most); }
+  /// What the last send() has left of the time that it might have waited, of ports that carry samples in
+  /// shared memory. The publisher's thread.
+  virtual std::chrono::nanoseconds patience_left() const noexcept { return std::chrono::nanoseconds{0}; }
+
   /// Bytes of payload and headers of ours handed to the operating system so far, over all routes (0 in shared
   /// memory).
   virtual std::uint64_t bytes_sent() const noexcept = 0;
@@ -304,6 +310,10 @@ class ReaderPort {
     static_cast<void>(writer);
     return {};
   }
+
+  /// Wakes writers that wait for room that take() has made since this was called last. After take(), without
+  /// a lock: it may make a system call. Any thread.
+  virtual void tell_of_room() noexcept {}
 
   /// Begins to accept a writer's samples. In shared memory asks the daemon, with a deadline of its own.
   virtual Result<void> connect(const Source& source) = 0;
@@ -368,6 +378,8 @@ class Transport {
   virtual ~Transport() = default;
   /// The largest body that it carries.
   virtual std::size_t max_sample_bytes() const noexcept = 0;
+  /// A reader's port keeps no more samples of a writer, whatever depth it asks for.
+  virtual std::uint32_t max_depth() const noexcept { return std::numeric_limits<std::uint32_t>::max(); }
 
   /// Looks after the transport (starts or finds its daemon, notices its death) and tells its state; called
   /// often, from the agent, and returns at once. When the answer leaves `ready`, ports of before are dead:

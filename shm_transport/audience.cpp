@@ -13,11 +13,31 @@ void Audience::look(const Queues& queues, const Session& session) {
   const std::vector<Listener> before = std::exchange(listeners_, {});
   for (const auto& queue : queues) {
     const auto known = std::ranges::find(before, queue->m_uniqueId, &Listener::queue);
-    listeners_.push_back(known != before.end() ? *known
-                                               : Listener{queue->m_uniqueId, session.late_reader_at(*queue)});
+    listeners_.push_back(known != before.end() ? *known : listener_at(*queue, session));
     if (owed_nothing_.contains(listeners_.back().waits_as)) listeners_.back().waits_as = 0;
   }
   count();
+}
+
+Audience::Listener Audience::listener_at(const Queue& queue, const Session& session) {
+  const auto* port = session.port_of(queue);
+  if (port == nullptr) return {queue.m_uniqueId};
+  const QueueWishes wishes = Session::wishes_of(*port);
+  return {queue.m_uniqueId, wishes.late ? wishes.reader : 0, wishes.awaited ? wishes.reader : 0, port};
+}
+
+const Audience::Listener* Audience::without_room() const {
+  if (awaited_.empty()) return nullptr;
+  const auto found = std::ranges::find_if(listeners_, [this](const Listener& listener) {
+    return listener.awaited != 0 && listener.waits_as == 0 && !has_room(listener) &&
+           awaited_.contains(listener.awaited);
+  });
+  return found == listeners_.end() ? nullptr : &*found;
+}
+
+bool Audience::has_room(const Listener& listener) {
+  auto& queue = const_cast<iox::popo::SubscriberPortData*>(listener.port)->m_chunkReceiverData.m_queue;
+  return queue.size() < queue.capacity();
 }
 
 bool Audience::is_unchanged(const Queues& queues) const {

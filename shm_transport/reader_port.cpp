@@ -4,6 +4,7 @@
 
 #include "core/clock.h"
 #include "shm_transport/chunk_hand.h"
+#include "shm_transport/queue_room.h"
 
 namespace sft::shm {
 
@@ -14,9 +15,9 @@ std::shared_ptr<ChunkBorrower> ChunkBorrower::make(std::shared_ptr<Session> sess
                                                    iox::popo::SubscriberPortData& port,
                                                    core::EndpointId writer, const TypeSupport& type,
                                                    std::shared_ptr<Statistics> statistics,
-                                                   std::uint32_t held_limit, bool retained_first) {
+                                                   std::uint32_t held_limit, const QueueWishes& wishes) {
   std::shared_ptr<ChunkBorrower> borrower(
-      new ChunkBorrower(session, port, writer, type, std::move(statistics), held_limit, retained_first));
+      new ChunkBorrower(session, port, writer, type, std::move(statistics), held_limit, wishes));
   session->enlist(borrower);
   return borrower;
 }
@@ -24,12 +25,13 @@ std::shared_ptr<ChunkBorrower> ChunkBorrower::make(std::shared_ptr<Session> sess
 ChunkBorrower::ChunkBorrower(std::shared_ptr<Session> session, iox::popo::SubscriberPortData& port,
                              core::EndpointId writer, const TypeSupport& type,
                              std::shared_ptr<Statistics> statistics, std::uint32_t held_limit,
-                             bool retained_first)
+                             const QueueWishes& wishes)
     : session_(std::move(session)),
       writer_(writer),
       type_(type),
       statistics_(std::move(statistics)),
-      retained_first_(retained_first),
+      retained_first_(wishes.late),
+      is_awaited_(wishes.awaited),
       data_(port),
       port_(&port),
       slots_(held_limit, type.full()) {}
@@ -60,6 +62,7 @@ bool ChunkBorrower::connected() noexcept {
 SampleHandle ChunkBorrower::take() noexcept {
   while (ChunkSlot* slot = next_chunk()) {
     after_chunk_came();
+    if (is_awaited_ && QueueRoom(data_).is_waited_for()) owes_wake_.store(true, std::memory_order_relaxed);
     SampleBuffer& buffer = slot->buffer;
     if (!check(*slot)) {
       recycle(buffer);
@@ -70,6 +73,10 @@ SampleHandle ChunkBorrower::take() noexcept {
     return SampleHandle(buffer);
   }
   return {};
+}
+
+void ChunkBorrower::wake_writer() noexcept {
+  if (owes_wake_.exchange(false, std::memory_order_relaxed)) QueueRoom(data_).wake();
 }
 
 /// Takes the oldest chunk out of the queue, if a slot is free for it; otherwise it stays there, and the queue
@@ -228,6 +235,19 @@ SampleHandle ShmReaderPort::take_of(core::EndpointId writer) noexcept {
   return found == writers_.end() ? SampleHandle() : (*found)->take();
 }
 
+void ShmReaderPort::tell_of_room() noexcept {
+  for (;;) {
+    std::shared_ptr<ChunkBorrower> due;
+    {
+      const std::scoped_lock lock(mutex_);
+      const auto found = std::ranges::find_if(writers_, [](const auto& w) { return w->owes_wake(); });
+      if (found == writers_.end()) return;
+      due = *found;
+    }
+    due->wake_writer();
+  }
+}
+
 /// With the lock held, as the following.
 SampleHandle ShmReaderPort::take_what_was_left(Writers& drained) noexcept {
   SampleHandle sample;
@@ -263,11 +283,13 @@ ShmReaderPort::Writers ShmReaderPort::forget_drained() noexcept {
 
 Result<void> ShmReaderPort::connect(const core::Source& source) {
   if (find(source.writer) != nullptr) return {};
-  auto port = session_->create_subscriber(source.writer, depth(), Clock::now() + options_.port_deadline,
-                                          source.history_first ? spec_.id : 0);
+  const QueueWishes wishes{
+      .reader = spec_.id, .late = source.history_first, .awaited = source.reliable && source.waits};
+  auto port =
+      session_->create_subscriber(source.writer, depth(), Clock::now() + options_.port_deadline, wishes);
   if (!port) return tl::unexpected(port.error());
-  auto writer = ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_, max_held(),
-                                    source.history_first);
+  auto writer =
+      ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_, max_held(), wishes);
   const std::scoped_lock lock(mutex_);
   writers_.push_back(std::move(writer));
   return {};

@@ -28,7 +28,7 @@ class ChunkBorrower final : public core::BufferOwner,
   static std::shared_ptr<ChunkBorrower> make(std::shared_ptr<Session> session,
                                              iox::popo::SubscriberPortData& port, core::EndpointId writer,
                                              const TypeSupport& type, std::shared_ptr<Statistics> statistics,
-                                             std::uint32_t held_limit, bool retained_first);
+                                             std::uint32_t held_limit, const QueueWishes& wishes);
   ~ChunkBorrower() override;
 
   core::EndpointId writer() const { return writer_; }
@@ -44,6 +44,10 @@ class ChunkBorrower final : public core::BufferOwner,
 
   /// The oldest valid sample; malformed ones are counted and skipped. One thread at a time.
   core::SampleHandle take() noexcept;
+  /// Something was taken while the writer waited for room. Any thread.
+  bool owes_wake() const noexcept { return owes_wake_.load(std::memory_order_relaxed); }
+  /// Wakes the writer, if that is so. Any thread, without a lock.
+  void wake_writer() noexcept;
   /// No more samples than those that have arrived, which can still be taken.
   void close() noexcept;
   /// Of one that is closed: how many these are, and throwing away the oldest.
@@ -59,7 +63,7 @@ class ChunkBorrower final : public core::BufferOwner,
  private:
   ChunkBorrower(std::shared_ptr<Session> session, iox::popo::SubscriberPortData& port,
                 core::EndpointId writer, const TypeSupport& type, std::shared_ptr<Statistics> statistics,
-                std::uint32_t held_limit, bool retained_first);
+                std::uint32_t held_limit, const QueueWishes& wishes);
   ChunkSlot* next_chunk() noexcept;
   bool check(ChunkSlot& slot) noexcept;
   void enter(std::uint64_t sequence) noexcept;
@@ -69,6 +73,8 @@ class ChunkBorrower final : public core::BufferOwner,
   const TypeSupport& type_;
   const std::shared_ptr<Statistics> statistics_;
   const bool retained_first_;
+  const bool is_awaited_;  ///< the writer waits for room in the queue
+  std::atomic<bool> owes_wake_{false};
   std::atomic<std::uint64_t> discarded_{0};
   std::atomic<std::uint64_t> held_too_many_{0};
 
@@ -113,6 +119,7 @@ class ShmReaderPort final : public core::ReaderPort {
   std::uint64_t discarded() const noexcept override;
   std::uint64_t held_too_many() const noexcept override;
   std::uint64_t lost_unnoticed() const noexcept override;
+  void tell_of_room() noexcept override;
 
  private:
   using Writers = std::vector<std::shared_ptr<ChunkBorrower>>;

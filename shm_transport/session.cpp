@@ -37,15 +37,24 @@ bool delivers_to(const PublisherPortData& publisher, const ChunkQueue& queue) {
                      [&queue](const auto& known) { return known.get() == &queue; });
 }
 
-constexpr char late_mark = '@';
+// Between the label of a port and the id of its reader, by what that wishes. (There is room for one id:
+// behind the name lie words of our own, chunk_hand.h and queue_room.h.)
+constexpr char late_mark = '@', awaited_mark = '!', late_and_awaited_mark = '*';
+constexpr std::string_view marks = "@!*";
 
-core::EndpointId late_reader_in(std::string_view label) noexcept {
-  const auto mark = label.rfind(late_mark);
-  if (mark == std::string_view::npos) return 0;
-  const std::string_view digits = label.substr(mark + 1);
-  core::EndpointId reader = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), reader, 16);
-  return error == std::errc{} && end == digits.data() + digits.size() ? reader : 0;
+std::string in_words(const QueueWishes& wishes) {
+  if (!wishes.late && !wishes.awaited) return {};
+  const char mark = !wishes.awaited ? late_mark : !wishes.late ? awaited_mark : late_and_awaited_mark;
+  return mark + core::in_hex(wishes.reader);
+}
+
+QueueWishes wishes_in(std::string_view label) noexcept {
+  const auto at = label.find_last_of(marks);
+  if (at == std::string_view::npos) return {};
+  const std::string_view digits = label.substr(at + 1);
+  QueueWishes wishes{.late = label[at] != awaited_mark, .awaited = label[at] != late_mark};
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), wishes.reader, 16);
+  return error == std::errc{} && end == digits.data() + digits.size() ? wishes : QueueWishes{};
 }
 
 }  // namespace
@@ -192,7 +201,7 @@ Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer, Cl
 
 Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, std::uint32_t depth,
                                                        Clock::time_point deadline,
-                                                       core::EndpointId late_reader) {
+                                                       const QueueWishes& wishes) {
   iox::popo::SubscriberOptions options;
   options.queueCapacity = std::max(depth, 1U);
   options.historyRequest = 0;
@@ -202,21 +211,23 @@ Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, 
     return claim(place, label);
   };
   const auto place =
-      channel_->create_subscriber(service_of(writer), options, claim_port, deadline,
-                                  late_reader == 0 ? "" : late_mark + core::in_hex(late_reader));
+      channel_->create_subscriber(service_of(writer), options, claim_port, deadline, in_words(wishes));
   if (!place) return tl::unexpected(place.error());
   auto* port = static_cast<SubscriberPortData*>(port_at(*place, sizeof(SubscriberPortData)));
   if (port == nullptr) return fail(Errc::malformed, "sftd answered with a port outside its memory");
   return port;
 }
 
-core::EndpointId Session::late_reader_at(const ChunkQueue& queue) const noexcept {
+const SubscriberPortData* Session::port_of(const ChunkQueue& queue) const noexcept {
   auto& table = const_cast<iox::roudi::PortPoolData*>(port_pool())->m_subscriberPortMembers;
   for (const SubscriberPortData* port : table.content()) {
-    if (static_cast<const ChunkQueue*>(&port->m_chunkReceiverData) == &queue)
-      return late_reader_in({port->m_nodeName.c_str(), port->m_nodeName.size()});
+    if (static_cast<const ChunkQueue*>(&port->m_chunkReceiverData) == &queue) return port;
   }
-  return 0;
+  return nullptr;
+}
+
+QueueWishes Session::wishes_of(const SubscriberPortData& port) noexcept {
+  return wishes_in({port.m_nodeName.c_str(), port.m_nodeName.size()});
 }
 
 void Session::admit_writers(std::uint64_t doorbell_page) const {

@@ -37,6 +37,13 @@ class SessionMember {
   ~SessionMember() = default;
 };
 
+/// What a queue's reader asks of the writer, in the name of its port.
+struct QueueWishes {
+  core::EndpointId reader = 0;  ///< 0: it asks for nothing
+  bool late = false;            ///< what is retained comes before all else
+  bool awaited = false;         ///< the writer waits for room in the queue, as long as it may
+};
+
 /// A segment of shared memory in this process.
 class Mapping {
  public:
@@ -72,14 +79,14 @@ class Session : public std::enable_shared_from_this<Session> {
 
   Result<iox::popo::PublisherPortData*> create_publisher(core::EndpointId writer, Clock::time_point deadline);
   /// `depth` 0: not subscribed, only a list of held chunks that the daemon frees when this process dies.
-  /// `late_reader`: not 0: of that reader, and its writer puts what it retains into the queue before all
-  /// else.
+  /// `wishes`: what the writer is to know of the queue's reader.
   Result<iox::popo::SubscriberPortData*> create_subscriber(core::EndpointId writer, std::uint32_t depth,
                                                            Clock::time_point deadline,
-                                                           core::EndpointId late_reader = 0);
-  /// The reader that a queue was made for in that way; 0 for others. Looks at all queues of the host.
-  core::EndpointId late_reader_at(
+                                                           const QueueWishes& wishes = {});
+  /// The port that has this queue, or null. Looks at all queues of the host.
+  const iox::popo::SubscriberPortData* port_of(
       const iox::popo::SubscriberPortData::ChunkQueueData_t& queue) const noexcept;
+  static QueueWishes wishes_of(const iox::popo::SubscriberPortData& port) noexcept;
   /// Lets all that may write samples ring in a page of this process's (core/doorbell.h), and see by its group
   /// that it is of somebody whom the daemon serves.
   void admit_writers(std::uint64_t doorbell_page) const;

@@ -23,6 +23,8 @@ class ShmTransport final : public core::Transport {
 
   std::size_t max_sample_bytes() const noexcept override { return std::size_t{16} << 20; }  // sftd/pools.h
 
+  std::uint32_t max_depth() const noexcept override { return options_.queue_limit; }
+
   Availability poll(Clock::time_point now) override {
     DaemonLink::State state = runtime_->daemon().advance(options_, runtime_, now);
     if (session_ != nullptr && session_ != state.session) {
@@ -52,7 +54,7 @@ class ShmTransport final : public core::Transport {
       return tl::unexpected(keeper.error());
     }
     auto chunks = ChunkLender::make(session_, **publisher, **keeper, spec, options_.held_limit);
-    return std::make_unique<ShmWriterPort>(std::move(chunks), pages_, statistics_,
+    return std::make_unique<ShmWriterPort>(std::move(chunks), pages_, statistics_, spec.max_blocking,
                                            session_->reader_accounts());
   }
 

@@ -1,12 +1,15 @@
 #include "shm_transport/writer_port.h"
 
+#include <algorithm>
 #include <cassert>
 #include <new>
 #include <thread>
 #include <tuple>
 #include <utility>
 
+#include "core/spin.h"
 #include "shm_transport/chunk_hand.h"
+#include "shm_transport/queue_room.h"
 
 namespace sft::shm {
 
@@ -26,6 +29,11 @@ constexpr std::size_t largest_sample_bytes = 1'000'000'000;
 constexpr int lock_attempts = 20;
 constexpr std::chrono::microseconds lock_pause{50};
 
+// How long a writer that waits for room looks for it before it sleeps, and sleeps before it looks whether the
+// reader is still there: nobody wakes it for one that was killed.
+constexpr std::chrono::microseconds room_spin{20};
+constexpr std::chrono::milliseconds room_sleep_longest{10};
+
 }  // namespace
 
 std::shared_ptr<ChunkLender> ChunkLender::make(std::shared_ptr<Session> session,
@@ -43,6 +51,7 @@ ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherP
     : full_mask_(spec.type->full()),
       largest_bytes_(session->pools(*publisher.m_chunkSenderData.m_memoryMgr).largest_bytes()),
       retains_(spec.retains),
+      waits_(spec.max_blocking.count() > 0),
       session_(std::move(session)),
       publisher_(publisher),
       port_(&publisher),
@@ -109,15 +118,19 @@ void ChunkLender::hold(ChunkSlot& slot, ChunkHeader& chunk) noexcept {
   slot.sent = false;
 }
 
-ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers) noexcept {
+ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept {
   const std::scoped_lock lock(mutex_);
   if (lost_) return Commit::lost;
   if (to_readers) {
     // The lock is recursive: with it in hand, sendChunk cannot block on a daemon that was stopped while it
     // had it.
-    if (!publisher_.m_chunkSenderData.tryLock()) return Commit::busy;
-    deliver(slot);
-    publisher_.m_chunkSenderData.unlock();
+    auto& port = publisher_.m_chunkSenderData;
+    if (!port.tryLock()) return Commit::busy;
+    if (retains_ || waits_) audience_.look(port.m_queues, *session_);
+    const bool full = may_wait && audience_.without_room() != nullptr;
+    if (!full) deliver(slot);
+    port.unlock();
+    if (full) return Commit::full;
   }
   slot.sent = true;
   return Commit::done;
@@ -125,7 +138,6 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers) noexce
 
 void ChunkLender::deliver(ChunkSlot& slot) noexcept {
   auto& port = publisher_.m_chunkSenderData;
-  if (retains_) audience_.look(port.m_queues, *session_);
   const ChunkInHand hand(publisher_);
   if (!audience_.somebody_waits()) {
     // On loan again by iceoryx's own account: only such chunks can be sent.
@@ -138,6 +150,36 @@ void ChunkLender::deliver(ChunkSlot& slot) noexcept {
   for (const Audience::Listener& listener : audience_.listeners()) {
     if (listener.waits_as == 0) Audience::deliver(port, listener, slot.name.cloneToSharedChunk());
   }
+}
+
+std::optional<ChunkLender::FullQueue> ChunkLender::full_queue() noexcept {
+  const std::scoped_lock lock(mutex_);
+  auto& port = publisher_.m_chunkSenderData;
+  if (lost_ || !port.tryLock()) return std::nullopt;
+  audience_.look(port.m_queues, *session_);
+  const Audience::Listener* full = audience_.without_room();
+  port.unlock();
+  if (full == nullptr) return std::nullopt;
+  return FullQueue{*full, session_};
+}
+
+/// Without a lock: the port of a reader that goes meanwhile stays mapped, and nothing but its words is used.
+void ChunkLender::await_room(Clock::time_point until) noexcept {
+  const std::optional<FullQueue> full = full_queue();
+  if (!full) return;
+  const auto has_room = [&] { return Audience::has_room(full->listener); };
+  if (core::spin(std::min(until, Clock::now() + room_spin), has_room)) return;
+  QueueRoom room(*full->listener.port);
+  room.begin_waiting();
+  const Clock::duration left = until - Clock::now();
+  if (!has_room() && left.count() > 0)
+    room.sleep(std::min<std::chrono::nanoseconds>(left, room_sleep_longest));
+  room.end_waiting();
+}
+
+void ChunkLender::wait_for(std::set<core::EndpointId> readers) noexcept {
+  const std::scoped_lock lock(mutex_);
+  audience_.wait_for(std::move(readers));
 }
 
 std::optional<std::uint64_t> ChunkLender::held_back(core::EndpointId reader) noexcept {
@@ -216,15 +258,36 @@ SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
   if (!can_send(*sample)) return drop();
   const Doorbells* bells = doorbells_.load();
   const bool wanted = bells != nullptr && bells->wanted();
-  auto committed = chunks_->commit(ChunkSlot::of(*sample), wanted);
-  for (int i = 0; i < lock_attempts && committed == ChunkLender::Commit::busy; ++i) {
-    std::this_thread::sleep_for(lock_pause);
-    committed = chunks_->commit(ChunkSlot::of(*sample), wanted);
-  }
+  ChunkSlot& slot = ChunkSlot::of(*sample);
+  patience_ = std::min(max_blocking_, patience_max_);
+  auto committed = commit(slot, wanted, patience_.count() > 0);
+  if (committed == ChunkLender::Commit::full) [[unlikely]]
+    committed = commit_once_there_is_room(slot);
   if (committed == ChunkLender::Commit::lost) return SendStatus::lost_port;
   if (committed == ChunkLender::Commit::busy) return drop();
   if (wanted) pages_->ring(doorbells_.loaded());
   return SendStatus::sent;
+}
+
+ChunkLender::Commit ShmWriterPort::commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept {
+  auto committed = chunks_->commit(slot, to_readers, may_wait);
+  for (int i = 0; i < lock_attempts && committed == ChunkLender::Commit::busy; ++i) {
+    std::this_thread::sleep_for(lock_pause);
+    committed = chunks_->commit(slot, to_readers, may_wait);
+  }
+  return committed;
+}
+
+/// Or once there is no patience left: then readers without room lose their oldest sample.
+ChunkLender::Commit ShmWriterPort::commit_once_there_is_room(ChunkSlot& slot) noexcept {
+  const Clock::time_point until = Clock::now() + patience_;
+  auto committed = ChunkLender::Commit::full;
+  while (committed == ChunkLender::Commit::full) {
+    chunks_->await_room(until);
+    committed = commit(slot, true, Clock::now() < until);
+  }
+  patience_ = std::max<std::chrono::nanoseconds>(until - Clock::now(), {});
+  return committed;
 }
 
 SendStatus ShmWriterPort::drop() noexcept {
@@ -250,10 +313,12 @@ std::string ShmWriterPort::why_unreachable(const core::Route& to) {
 }
 
 void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
-  std::set<core::EndpointId> owed_nothing;
+  std::set<core::EndpointId> owed_nothing, awaited;
   for (const core::Route& route : routes) {
     if (route.history == 0) owed_nothing.insert(route.reader);
+    if (route.reliable) awaited.insert(route.reader);
   }
+  chunks_->wait_for(std::move(awaited));
   chunks_->owe_nothing(std::move(owed_nothing));
   doorbells_.store(routes.empty() ? nullptr : pages_->doorbells_of(routes, reader_accounts_));
   reached_.clear();

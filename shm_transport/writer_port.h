@@ -10,9 +10,11 @@
 // A chunk that is just being taken, delivered or given back when the process is killed has references that
 // nobody knows of: see chunk_hand.h.
 //
-// Late readers get what is retained before all else (audience.h).
+// Late readers get what is retained before all else (audience.h). A writer with `max_blocking` waits for room
+// in the queues of the reliable readers that it serves (queue_room.h); all others lose their oldest sample.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -48,10 +50,14 @@ class ChunkLender final : public core::BufferOwner,
   /// What the largest chunk holds. Any thread.
   std::size_t largest_bytes() const noexcept { return largest_bytes_; }
 
-  enum class Commit { done, busy, lost };
+  enum class Commit { done, busy, full, lost };
   /// Hands a lent sample to all subscribed readers, or to none. `busy`: the daemon holds the port's lock,
-  /// which it does for microseconds unless it was stopped or killed there.
-  Commit commit(ChunkSlot& slot, bool to_readers) noexcept;
+  /// which it does for microseconds unless it was stopped or killed there. `full`: a reader that is waited
+  /// for has no room, and `may_wait`.
+  Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
+  /// After `full`: sleeps until that reader has room, at most until then, and never long. It is to be tried
+  /// again then.
+  void await_room(Clock::time_point until) noexcept;
 
   /// Whether the sample was lent here and not yet committed: only such ones can be.
   bool has_lent(const core::SampleBuffer& sample) const noexcept;
@@ -64,6 +70,8 @@ class ChunkLender final : public core::BufferOwner,
   bool begin(core::EndpointId reader, const std::vector<core::SampleHandle>& retained,
              std::uint64_t held_back) noexcept;
   void owe_nothing(std::set<core::EndpointId> readers) noexcept;
+  /// commit() waits for these, of those that wish it.
+  void wait_for(std::set<core::EndpointId> readers) noexcept;
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
   void lose() noexcept override;
@@ -74,11 +82,17 @@ class ChunkLender final : public core::BufferOwner,
   iox::mepoo::ChunkHeader* allocate(std::size_t bytes) noexcept;
   void hold(ChunkSlot& slot, iox::mepoo::ChunkHeader& chunk) noexcept;
   void deliver(ChunkSlot& slot) noexcept;
+  struct FullQueue {
+    Audience::Listener listener;
+    std::shared_ptr<Session> session;  ///< keeps it mapped
+  };
+  std::optional<FullQueue> full_queue() noexcept;
   std::shared_ptr<Session> let_go() noexcept;
 
   const FieldMask full_mask_;
   const std::size_t largest_bytes_;
   const bool retains_;
+  const bool waits_;  ///< for readers
 
   mutable std::mutex mutex_;  // guards what follows; never held over a system call
   bool lost_ = false;
@@ -94,10 +108,12 @@ class ChunkLender final : public core::BufferOwner,
 class ShmWriterPort final : public core::WriterPort {
  public:
   ShmWriterPort(std::shared_ptr<ChunkLender> chunks, std::shared_ptr<DoorbellPages> pages,
-                std::shared_ptr<Statistics> statistics, core::TrustedAccounts reader_accounts = {})
+                std::shared_ptr<Statistics> statistics, std::chrono::nanoseconds max_blocking,
+                core::TrustedAccounts reader_accounts = {})
       : chunks_(std::move(chunks)),
         pages_(std::move(pages)),
         statistics_(std::move(statistics)),
+        max_blocking_(max_blocking),
         reader_accounts_(std::move(reader_accounts)) {}
 
   core::SampleHandle loan(std::size_t bytes) noexcept override;
@@ -114,16 +130,25 @@ class ShmWriterPort final : public core::WriterPort {
   }
   bool begin_with(const core::Route& to, const std::vector<core::SampleHandle>& retained,
                   std::uint64_t held_back) override;
+  void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience_max_ = at_most; }
+  std::chrono::nanoseconds patience_left() const noexcept override { return patience_; }
   std::uint64_t bytes_sent() const noexcept override { return 0; }
 
  private:
   core::SendStatus drop() noexcept;
+  ChunkLender::Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
+  ChunkLender::Commit commit_once_there_is_room(ChunkSlot& slot) noexcept;
 
   const std::shared_ptr<ChunkLender> chunks_;
   const std::shared_ptr<DoorbellPages> pages_;
   const std::shared_ptr<Statistics> statistics_;
+  const std::chrono::nanoseconds max_blocking_;
   const core::TrustedAccounts reader_accounts_;               ///< whose doorbells it rings
   std::vector<std::shared_ptr<core::DoorbellPage>> reached_;  ///< stay open until the next routes are set
+
+  // Of the publisher's thread.
+  std::chrono::nanoseconds patience_max_ = std::chrono::nanoseconds::max();
+  std::chrono::nanoseconds patience_{0};  ///< of the present sample
 
   core::Snapshot<Doorbells> doorbells_;  ///< null without routes
 };

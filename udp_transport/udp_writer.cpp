@@ -152,7 +152,7 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
   }
   if (BodySizes* sizes = in_use_->sizes.get())
     sizes->measure(core::state_of(*sample, type_.slots()), std::chrono::steady_clock::now(), holds_);
-  if (!holds_) sender_.be_patient(max_blocking_);
+  if (!holds_) sender_.be_patient(patience());
   if (groups.size() > 1) sample->complete();  // so that none waits for another one's large body to leave
   std::size_t missed = 0;
   std::size_t own = own_variants(*sample);
@@ -200,6 +200,7 @@ void UdpWriter::hold(bool goes_on) noexcept {
 }
 
 std::size_t UdpWriter::flush() noexcept {
+  sender_.be_no_more_patient_than(patience());
   send_held();
   holds_ = false;
   held_for_.reset();

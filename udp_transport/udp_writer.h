@@ -2,6 +2,7 @@
 // small and there are few.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -36,6 +37,7 @@ class UdpWriter final : public core::WriterPort, private Tended {
   void set_routes(std::vector<core::Route> routes) override;
   void send_history(const core::Route& to, std::vector<core::SampleHandle> samples) override;
   bool history_sent(core::EndpointId reader) noexcept override;
+  void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience_max_ = at_most; }
   std::string multicast(core::EndpointId reader) const override { return keeper_.why(reader); }
   std::string silence(core::EndpointId reader) const override;
   std::uint64_t bytes_sent() const noexcept override;
@@ -52,6 +54,8 @@ class UdpWriter final : public core::WriterPort, private Tended {
   static void count_missed(std::span<const Group> groups) noexcept;
   void turn_to(const RouteTable& routes) noexcept;
 
+  std::chrono::nanoseconds patience() const noexcept { return std::min(max_blocking_, patience_max_); }
+
   const TypeSupport& type_;
   const std::chrono::nanoseconds max_blocking_;
   const std::shared_ptr<SendSide> side_;
@@ -66,6 +70,7 @@ class UdpWriter final : public core::WriterPort, private Tended {
   std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
 
   // Of the publisher's thread.
+  std::chrono::nanoseconds patience_max_ = std::chrono::nanoseconds::max();
   const RouteTable nobody_;
   const RouteTable* in_use_ = &nobody_;           ///< of the last sample; whose page is open
   bool begun_ = false;                            ///< they are those of the present one

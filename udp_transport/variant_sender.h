@@ -2,6 +2,7 @@
 // saves a copy, the rest through lanes.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -42,6 +43,9 @@ class VariantSender {
 
   /// So long, in all, it may wait from now on until what is sent reliably costs nobody an older sample.
   void be_patient(std::chrono::nanoseconds patience) { patience_ = patience; }
+  void be_no_more_patient_than(std::chrono::nanoseconds patience) {
+    patience_ = std::min(patience_, patience);
+  }
 
   /// False if there is nothing to send: the sample is malformed, or too large. Any thread.
   bool encode(const Group& group, const core::SampleBuffer& sample, Job& job) const;

@@ -180,6 +180,20 @@ TEST(EventsTest, LossesAreToldWithTheirNumber) {
   EXPECT_EQ(events[0].count, 3U);
 }
 
+TEST(EventsTest, LossesOfAReliablePairNameThePathTheQueueAndWhatHelps) {
+  WriterStatus before = writer(true);
+  before.depth = 256;
+  WriterStatus after = before;
+  after.lost = 5;
+  const auto events =
+      events_between(hearing(before), hearing(after), type_support<PointCloud2>(), Reliability::reliable);
+  ASSERT_THAT(kinds(events), ElementsAre(EventKind::samples_lost));
+  EXPECT_TRUE(events[0].reliable);
+  EXPECT_THAT(events[0].text, testing::StartsWith("5 lost by shm, although they were to come reliably"));
+  EXPECT_THAT(events[0].text, testing::HasSubstr("holds 256 samples"));
+  EXPECT_THAT(events[0].text, testing::HasSubstr("PublisherOptions::max_blocking"));
+}
+
 TEST(EventSinkTest, ClosedFromWithinACallItReturnsAtOnceAndIsTheLast) {
   int calls = 0;
   std::function<void()> close;

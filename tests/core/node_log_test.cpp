@@ -48,7 +48,7 @@ TEST_F(NodeLogTest, AnEventNamesItsTopicItsPeerAndItsReason) {
   log.write("points", {.kind = EventKind::request_changed, .text = "for debugging"}, now);
   EXPECT_EQ(lines,
             (Lines{{LogLevel::info, "node: topic 'points', node 'other': path changed: shm: same host"},
-                   {LogLevel::info, "node: topic 'points': deadline missed: nothing came"},
+                   {LogLevel::warning, "node: topic 'points': deadline missed: nothing came"},
                    {LogLevel::warning, "node: topic 'points': incompatible QoS: deadline"}}));
 }
 
@@ -57,6 +57,45 @@ TEST_F(NodeLogTest, WhatWillNeverMatchIsAWarning) {
   EXPECT_EQ(NodeLog::level_of({.kind = EventKind::incompatible_type}), LogLevel::warning);
   EXPECT_EQ(NodeLog::level_of({.kind = EventKind::no_path}), LogLevel::warning);
   EXPECT_EQ(NodeLog::level_of({.kind = EventKind::no_path, .yet = true}), LogLevel::info);
+}
+
+TEST_F(NodeLogTest, ABrokenPromiseIsAWarning) {
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::deadline_missed}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::samples_lost, .reliable = true}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::samples_lost}), LogLevel::info);
+}
+
+TEST_F(NodeLogTest, OfAReliablePairThatLosesSamplesOneLineIsWrittenInASecondAndNoSampleLeftOut) {
+  NodeLog log = log_from(LogLevel::warning);
+  const Event lost{
+      .kind = EventKind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
+  Event other = lost;
+  other.peer = 8;
+  for (int i = 0; i < 5; ++i) log.write("points", lost, now + i * 1ms);
+  log.write("points", other, now + 5ms);
+  EXPECT_EQ(lines, (Lines{{LogLevel::warning, "node: topic 'points': samples lost: 3 lost"},
+                          {LogLevel::warning, "node: topic 'points': samples lost: 3 lost"}}))
+      << "one of each pair";
+  lines.clear();
+  log.tick(now + 999ms);
+  EXPECT_EQ(lines, Lines{});
+  log.write("points", lost, now + 1s);
+  EXPECT_EQ(lines, (Lines{{LogLevel::warning,
+                           "node: topic 'points': samples lost: 3 lost (12 more were lost before that)"}}));
+}
+
+TEST_F(NodeLogTest, WhatAReliablePairLostBehindItsLastLineIsWrittenASecondAfterThat) {
+  NodeLog log = log_from(LogLevel::warning);
+  const Event lost{
+      .kind = EventKind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
+  for (int i = 0; i < 2; ++i) log.write("points", lost, now);
+  lines.clear();
+  for (const auto after : {500ms, 1000ms, 1500ms, 2000ms, 2500ms}) log.tick(now + after);
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(
+      lines[0].second,
+      "node: topic 'points', publisher 0000000000000007: samples lost: 3 more, although they were to come "
+      "reliably");
 }
 
 TEST_F(NodeLogTest, OfAFloodAFewLinesAreWrittenThenOneNowAndThenThatSaysHowManyWereNot) {

@@ -243,5 +243,88 @@ TEST_F(LateInMemoryTest, AReaderFromWhichSomethingIsHeldBackMeanwhileIsGivenThat
   EXPECT_EQ(memory->given, (std::vector<std::uint64_t>{1, 2}));
 }
 
+/// Shared memory in which a send waits so long for readers, and that has no chunk for a number of loans.
+class FullMemoryPort final : public WriterPort {
+ public:
+  SampleHandle loan(std::size_t bytes) noexcept override {
+    if (refusals == 0) return memory_->take(bytes);
+    --refusals;
+    return {};
+  }
+  SendStatus send(const SampleHandle&) noexcept override {
+    patience_ -= waits;
+    return SendStatus::sent;
+  }
+  void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience_ = at_most; }
+  std::chrono::nanoseconds patience_left() const noexcept override { return patience_; }
+  void set_routes(std::vector<Route>) override {}
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+
+  std::chrono::nanoseconds waits{0};
+  int refusals = 0;
+
+ private:
+  const std::shared_ptr<BufferPool> memory_ = BufferPool::make(1 << 20);
+  std::chrono::nanoseconds patience_{0};
+};
+
+class PatientPort final : public WriterPort {
+ public:
+  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
+  void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience = at_most; }
+  void set_routes(std::vector<Route>) override {}
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+  std::chrono::nanoseconds patience{0};
+};
+
+class WaitingPublisherTest : public PublisherServingTest {
+ protected:
+  PublisherCore::Spec waiting() const {
+    PublisherCore::Spec spec{1, "points", &type, 1 << 16};
+    spec.max_blocking = std::chrono::milliseconds(100);
+    return spec;
+  }
+  Route local(bool reliable) const {
+    Route route{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full()};
+    route.reliable = reliable;
+    return route;
+  }
+  const std::shared_ptr<FullMemoryPort> memory = std::make_shared<FullMemoryPort>();
+};
+
+TEST_F(WaitingPublisherTest, WaitsForReadersByBothPathsNoLongerThanForThoseByOne) {
+  const auto network = std::make_shared<PatientPort>();
+  PublisherCore core(waiting(), BufferPool::make(1 << 20), network);
+  Serving serving;
+  serving.shm = {local(true)};
+  serving.udp = {Route{3, UdpAddress{}, type.full()}};
+  core.serve(serving, memory);
+  memory->waits = std::chrono::milliseconds(30);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(core.publish(&cloud), PublishStatus::ok);
+    EXPECT_EQ(network->patience, std::chrono::milliseconds(70)) << "for each sample anew";
+  }
+}
+
+TEST_F(WaitingPublisherTest, WaitsForAChunkWhereAReliableReaderCanBeSentNothingByUdp) {
+  PublisherCore core(waiting(), BufferPool::make(1 << 20), nullptr);
+  Serving serving;
+  serving.shm = {local(true)};
+  core.serve(serving, memory);
+  memory->refusals = 3;
+  EXPECT_EQ(core.publish(&cloud), PublishStatus::ok);
+  EXPECT_EQ(memory->refusals, 0);
+}
+
+TEST_F(WaitingPublisherTest, WaitsForNoChunkOfBestEffortReaders) {
+  PublisherCore core(waiting(), BufferPool::make(1 << 20), nullptr);
+  Serving serving;
+  serving.shm = {local(false)};
+  core.serve(serving, memory);
+  memory->refusals = 3;
+  EXPECT_EQ(core.publish(&cloud), PublishStatus::no_memory);
+  EXPECT_EQ(memory->refusals, 2);
+}
+
 }  // namespace
 }  // namespace sft::core

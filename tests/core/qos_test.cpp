@@ -103,6 +103,13 @@ TEST(QosOptionsTest, WhatCanNeverWorkIsRefusedByName) {
   EXPECT_FALSE(qos_of(PublisherOptions{.deadline = 999'999ns}));
   EXPECT_FALSE(qos_of(SubscriberOptions{.deadline = 1ns}));
   EXPECT_TRUE(qos_of(PublisherOptions{.deadline = 1ms, .lifespan = 1ns, .liveliness_lease = 1ms}));
+  for (const std::uint32_t depth : {0U, 1'000'001U, 1'000'000'000U}) {
+    const auto refused = qos_of(SubscriberOptions{.depth = depth});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().message,
+              "SubscriberOptions::depth is 1 to 1000000, not " + std::to_string(depth));
+  }
+  EXPECT_TRUE(qos_of(SubscriberOptions{.depth = 1'000'000}));
   EXPECT_FALSE(qos_of(PublisherOptions{.history_depth = 0}));
   EXPECT_FALSE(qos_of(PublisherOptions{.history_depth = 129}));
   EXPECT_FALSE(qos_of(PublisherOptions{.lifespan = -1ns}));

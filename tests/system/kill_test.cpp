@@ -58,6 +58,13 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   for (;;) pause();
 }
 
+/// Wants all there is, and takes nothing.
+[[noreturn]] void stall_forever() {
+  Node node = Node::open({.name = "stalled"}).value();
+  auto subscriber = node.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
+  for (;;) pause();
+}
+
 // ---- the tests' own language ----
 
 class Process {
@@ -252,6 +259,27 @@ TEST_F(KillTest, AKilledNodeIsNoticedAndNoLongerServed) {
       10s));
 }
 
+TEST_F(KillTest, AReaderThatIsWaitedForAndKilledIsSoonWaitedForNoMore) {
+  Node node = Node::open({.name = "publisher"}).value();
+  auto publisher =
+      node.publisher<PointCloud2>("points", {.reliability = reliable, .max_blocking = 1s}).value();
+  Process stalled("stalled");
+  ASSERT_TRUE(eventually([&] {
+    const auto readers = publisher.status().readers;
+    return readers.size() == 1 && readers[0].served && readers[0].transport == TransportKind::shm;
+  }));
+  constexpr int depth = 8, samples = 1000;
+  std::atomic<int> published{0};
+  std::jthread publishing([&] {
+    for (; published < samples; ++published) publisher.publish({});
+  });
+  ASSERT_TRUE(eventually([&] { return published >= depth; }));
+  const auto begin = std::chrono::steady_clock::now();
+  stalled.kill_now();
+  publishing.join();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 20s) << "not for each of its samples";
+}
+
 TEST_F(KillTest, APublisherThatIsStoppedOrKilledLosesItsLiveliness) {
   Node node = Node::open({.name = "reader"}).value();
   std::atomic<int> lost{0}, recovered{0};
@@ -278,6 +306,7 @@ TEST_F(KillTest, APublisherThatIsStoppedOrKilledLosesItsLiveliness) {
 int main(int argc, char** argv) {
   const std::string role = argc == 3 && std::strcmp(argv[1], "--role") == 0 ? argv[2] : "";
   if (role == "publisher") sft::test::publish_forever();
+  if (role == "stalled") sft::test::stall_forever();
   if (role == "living") sft::test::live_forever();
   if (role == "subscriber") sft::test::subscribe_forever();
   ::testing::InitGoogleTest(&argc, argv);

@@ -147,7 +147,28 @@ TEST_P(QosTest, LossesAreTold) {
   EXPECT_EQ(requested.all(EventKind::samples_lost).front().count, 9U);
 }
 
+TEST_P(QosTest, AReliableSubscriberThatComesLateGetsAllThatIsRetainedWhateverItsSize) {
+  constexpr std::uint32_t retained = 16;
+  const std::size_t bytes = in_shared_memory() ? 100'000 : 6'000'000;  // more than a channel keeps at a time
+  auto pub =
+      a.publisher<PointCloud2>(
+           "points", {.reliability = reliable, .durability = transient_local, .history_depth = retained})
+          .value();
+  for (std::uint32_t i = 1; i <= retained; ++i) ASSERT_EQ(pub.publish(cloud(i, bytes)), PublishStatus::ok);
+  auto sub = b.subscriber<PointCloud2>(
+                  "points", {.reliability = reliable, .durability = transient_local, .depth = retained})
+                 .value();
+  for (std::uint32_t i = 1; i <= retained; ++i) {
+    ASSERT_TRUE(sub.wait(20s)) << i;
+    const auto sample = sub.take();
+    EXPECT_EQ(sample->height(), i);
+    EXPECT_EQ(sample->data().size(), bytes);
+  }
+  EXPECT_EQ(sub.status().lost, 0U);
+}
+
 TEST_P(QosTest, BothSidesAreToldOfMissedDeadlines) {
+  warnings_expected = true;
   auto pub = a.publisher<PointCloud2>("points", {.deadline = 30ms, .on_event = offered.callback()}).value();
   auto sub =
       b.subscriber<PointCloud2, F::height>("points", {.deadline = 40ms, .on_event = requested.callback()})

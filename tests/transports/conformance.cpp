@@ -16,7 +16,8 @@ using Clock = std::chrono::steady_clock;
 }  // namespace
 
 Reader::Reader(Stage& stage, const ReaderOptions& options)
-    : bell_(stage.bells->at(stage.readers)), reliable_(stage.medium->traits().reliable) {
+    : bell_(stage.bells->at(stage.readers)),
+      reliable_(stage.medium->traits().reliable && !options.best_effort) {
   const core::DoorbellAddress bell{stage.bells->id(), stage.readers++};
   const core::EndpointId id = 1000 + stage.readers;
   core::ReaderSpec spec{.id = id, .type = &image_type(), .depth = options.depth, .doorbell = bell};
@@ -38,7 +39,7 @@ void Reader::hear(const Writer& writer) {
 }
 
 core::Source Reader::source(const Writer& writer) const {
-  return {.writer = writer.id(), .reliable = reliable_};
+  return {.writer = writer.id(), .reliable = reliable_, .waits = writer.waits()};
 }
 
 core::Route Reader::route(const std::string& mask) const {
@@ -47,9 +48,15 @@ core::Route Reader::route(const std::string& mask) const {
   return route;
 }
 
+SampleHandle Reader::take() {
+  SampleHandle sample = port_->take();
+  port_->tell_of_room();
+  return sample;
+}
+
 SampleHandle Reader::next() {
   SampleHandle sample;
-  const auto came = [&] { return sample || (sample = port_->take()); };
+  const auto came = [&] { return sample || (sample = take()); };
   for (const auto deadline = Clock::now() + patience; Clock::now() < deadline;) {
     const std::uint32_t seen = bell_.rings;
     if (came()) break;
@@ -74,8 +81,10 @@ std::vector<std::uint64_t> Reader::take_sequences() {
   return sequences;
 }
 
-Writer::Writer(Stage& stage, core::EndpointId id)
-    : id_(id), port_(stage.there->open_writer({id, &image_type()}).value()) {}
+Writer::Writer(Stage& stage, core::EndpointId id, std::chrono::nanoseconds max_blocking)
+    : id_(id),
+      waits_(max_blocking.count() > 0),
+      port_(stage.there->open_writer({id, &image_type(), true, max_blocking}).value()) {}
 
 void Writer::serve(Reader& reader) {
   reader.hear(*this);

@@ -43,6 +43,7 @@ struct Stage {
 struct ReaderOptions {
   std::vector<std::string> masks{"*"};  ///< what it accepts; asks for the first
   std::uint32_t depth = 250;
+  bool best_effort = false;  ///< whatever the medium's readers ask for
 };
 
 class Writer;
@@ -58,7 +59,7 @@ class Reader final : private core::ArrivalListener {
   core::Route route() const { return route_; }
   core::Route route(const std::string& mask) const;
 
-  core::SampleHandle take() { return port_->take(); }
+  core::SampleHandle take();
   /// The next sample, as soon as it has come; empty after `patience`.
   core::SampleHandle next();
   /// Of so many samples, fewer where they do not come.
@@ -81,10 +82,12 @@ class Reader final : private core::ArrivalListener {
 /// Its sample number n is an image made of the seed n.
 class Writer {
  public:
-  explicit Writer(Stage& stage, core::EndpointId id = 1);
+  /// Waits for reliable readers for so long.
+  explicit Writer(Stage& stage, core::EndpointId id = 1, std::chrono::nanoseconds max_blocking = {});
 
   core::EndpointId id() const { return id_; }
   std::uint64_t sequence() const { return sequence_; }
+  bool waits() const { return waits_; }
   void serve(std::vector<core::Route> routes) { port_->set_routes(std::move(routes)); }
   /// Makes it hear and be served, alone.
   void serve(Reader& reader);
@@ -100,6 +103,7 @@ class Writer {
 
  private:
   core::EndpointId id_;
+  const bool waits_;
   std::unique_ptr<core::WriterPort> port_;
   std::shared_ptr<core::BufferPool> pool_ = core::BufferPool::make(std::size_t{256} << 20);
   std::uint64_t sequence_ = 0;
@@ -130,6 +134,9 @@ class Conformance : public testing::TestWithParam<MediumChoice> {
 
   Stage stage{GetParam().make()};
 };
+
+/// Of media whose readers ask for reliability.
+class BackPressure : public Conformance {};
 
 /// Of transports that can send one reader something apart from all others.
 class LateReaders : public Conformance {};

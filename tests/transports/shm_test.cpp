@@ -9,10 +9,13 @@ namespace {
 
 class ShmMedium final : public Medium {
  public:
+  explicit ShmMedium(bool reliable = false) : reliable_(reliable) {}
   ~ShmMedium() override { test::end_daemon(); }
 
   std::string refusal() override { return test::isolation_refusal(); }
-  Traits traits() const override { return {.projects = false, .counts_before_first_taken = false}; }
+  Traits traits() const override {
+    return {.projects = false, .counts_before_first_taken = false, .reliable = reliable_};
+  }
   std::unique_ptr<core::Transport> open() override {
     auto transport = shm::open_shm_transport(test::own_daemon()).value();
     const auto ready = [&] {
@@ -22,11 +25,17 @@ class ShmMedium final : public Medium {
     return transport;
   }
   core::Locator locator(const core::Transport&, const core::DoorbellAddress& bell) override { return bell; }
+
+ private:
+  const bool reliable_;
 };
 
-const auto iceoryx = testing::Values(MediumChoice{"Iceoryx", std::make_unique<ShmMedium>});
+const auto iceoryx = testing::Values(MediumChoice{"Iceoryx", [] { return std::make_unique<ShmMedium>(); }});
+const auto reliable_iceoryx =
+    testing::Values(MediumChoice{"Iceoryx", [] { return std::make_unique<ShmMedium>(true); }});
 
 INSTANTIATE_TEST_SUITE_P(Shm, Conformance, iceoryx, name_of);
+INSTANTIATE_TEST_SUITE_P(Shm, BackPressure, reliable_iceoryx, name_of);
 
 // There is one sample, whole, for all of a writer's readers.
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(LateReaders);

@@ -56,6 +56,10 @@ const auto both_backends =
                     with("ReliableSockets", udp::Backend::sockets, UdpMedium::Link::bad));
 
 INSTANTIATE_TEST_SUITE_P(Udp, Conformance, both_backends, name_of);
+INSTANTIATE_TEST_SUITE_P(Udp, BackPressure,
+                         testing::Values(with("IoUring", udp::Backend::io_uring, UdpMedium::Link::bad),
+                                         with("Sockets", udp::Backend::sockets, UdpMedium::Link::bad)),
+                         name_of);
 INSTANTIATE_TEST_SUITE_P(Udp, LateReaders, both_backends, name_of);
 INSTANTIATE_TEST_SUITE_P(Udp, Projection, both_backends, name_of);
 

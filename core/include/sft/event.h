@@ -35,6 +35,7 @@ struct Event {
   QosPolicy policy = QosPolicy::none;
   std::uint64_t count = 1;  ///< of deadlines missed, samples lost or diverted since the last such event
   bool yet = false;         ///< of no_path: shared memory may still come up, here or there
+  bool reliable = false;    ///< of samples_lost: the subscriber asked for reliability
   std::string text{};       ///< for people
   friend bool operator==(const Event&, const Event&) = default;
 };

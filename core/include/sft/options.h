@@ -110,10 +110,13 @@ struct PublisherOptions {
   std::chrono::nanoseconds lifespan{0};
   Liveliness liveliness = Liveliness::automatic;
   std::chrono::nanoseconds liveliness_lease{0};  ///< promises a sign of life at least so often
-  /// So long, up to 1 s, publish() may wait for reliable subscribers elsewhere that do not keep up, before it
-  /// costs them their oldest sample (DDS calls it max_blocking_time); at most 10 ms of that also where it
-  /// runs ahead of the network by more than 8 MB. None by default: a subscriber that hangs would hold up the
-  /// program, each time that it publishes, and with it all other subscribers.
+  /// So long, up to 1 s, publish() may wait for reliable subscribers that do not keep up, on this host and on
+  /// others, before it costs them their oldest sample (DDS calls it max_blocking_time). In shared memory it
+  /// waits for room in their queues, and for a free chunk where a subscriber rules UDP out; over UDP, for
+  /// what it keeps for them to be acknowledged, and at most 10 ms of that also where it runs ahead of the
+  /// network by more than 8 MB. A span waits no longer in all than one sample. Best-effort subscribers are
+  /// never waited for. None by default: a subscriber that hangs would hold up the program, each time that it
+  /// publishes, and with it all other subscribers.
   std::chrono::nanoseconds max_blocking{0};
   /// Announced: readers set memory aside for no more. Up to 32 MiB, and 16 MiB without UDP. A sample that is
   /// larger than the largest chunk of shared memory, 16 MiB unless the daemon was set up otherwise, goes by
@@ -147,8 +150,9 @@ struct SubscriberOptions {
   TransportChoice transport = TransportChoice::automatic;
   Reliability reliability = Reliability::best_effort;
   Durability durability = Durability::volatile_;
-  /// Samples kept until taken, per publisher; then the oldest are lost, and counted. In shared memory 256 at
-  /// most, and of publishers that are gone no more than this in all.
+  /// Samples kept until taken, per publisher, 1 to 1,000,000; then the oldest are lost, and counted. Shared
+  /// memory keeps 256 at most: a subscriber that asks for more, and may use it, is told so in the log, and
+  /// WriterStatus::depth says what is in force. Of publishers that are gone no more than this in all is kept.
   std::uint32_t depth = 8;
   std::chrono::nanoseconds deadline{0};  ///< it expects a sample of each publisher at least so often
   Liveliness liveliness = Liveliness::automatic;

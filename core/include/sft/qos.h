@@ -20,9 +20,10 @@ enum class Reliability : std::uint8_t {
   /// Nothing is lost but beyond the subscriber's depth, and in order. Over UDP what was lost on the way is
   /// sent again, as long as the publisher keeps it: the last 64 MB or 4096 samples that were not
   /// acknowledged (ResendLimits); less where many subscribers lag, for all of which the node keeps at most
-  /// half of its memory (UdpSettings::memory_limit_bytes). A publisher that is faster than a subscriber loses
-  /// it the oldest of these, or waits for it (PublisherOptions::max_blocking): then nothing is lost beyond
-  /// the depth either, as long as it waits.
+  /// half of its memory (UdpSettings::memory_limit_bytes). In shared memory the depth is all there is, up to
+  /// 256 samples. A publisher that is faster than a subscriber loses it the oldest of these, or waits for it,
+  /// on whichever path (PublisherOptions::max_blocking): then nothing is lost beyond the depth either, as
+  /// long as it waits. What is lost nevertheless is counted, and logged as a warning.
   reliable,
 };
 enum class Durability : std::uint8_t {

@@ -22,7 +22,7 @@
 //                 diverted, bytes_sent, bytes_saved
 //   subscribers[] id, topic, type, qos, fields (asked for), recorded, max_rate_hz, requests, received,
 //                 lost, withheld, expired, discarded, held_too_many, restarts, writers[]
-//     writers[]   id, node, matched, connected, alive, transport, reason, incompatible_type,
+//     writers[]   id, node, matched, connected, alive, transport, reason, depth, incompatible_type,
 //                 incompatible_policy, no_path, received, lost, withheld, expired, deadlines_missed, restarts
 //   qos           reliability, durability, history_depth, deadline_ns, lifespan_ns, liveliness,
 //                 liveliness_lease_ns

@@ -98,6 +98,9 @@ struct WriterStatus {
   bool alive = true;       ///< false: its lease or its node's is over, which `reason` says
   TransportKind transport{};
   std::string reason{};
+  /// Samples of it that are kept until they are taken: SubscriberOptions::depth, or as many as shared memory
+  /// keeps.
+  std::uint32_t depth = 0;
   bool incompatible_type = false;
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
