@@ -21,6 +21,7 @@ SequenceAccount::Missing SequenceAccount::enter(const Numbered& sample) {
   ordinal_.reset();
   if (sample.gated && limit != 0) ordinal_ = sample.ordinal;
   last_ = sample.sequence;
+  far_behind_ = 0;
   numbering_ = std::max(numbering_, sample.numbering);
   stamp_ns_ = sample.stamp_ns;
   return missing;

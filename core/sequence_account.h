@@ -40,6 +40,9 @@ class SequenceAccount {
 
   /// Not one that came before, or after which others were taken already.
   bool is_new(const Numbered& sample) const { return sample.sequence > last_ || begins_anew(sample); }
+  /// Notes a sample that is not new. One path is never so far behind another as a forged number can be ahead
+  /// of both: the second sample in a row that is so far behind tells that the account begins anew with it.
+  void refuse(const Numbered& sample) { far_behind_ = is_far_behind(sample) ? sample.sequence : 0; }
   /// Whether it comes next, as far as the numbers tell.
   bool follows(const Numbered& sample) const { return sample.sequence == last_ + 1 || begins_anew(sample); }
   /// Whether a new sample is for the reader, or to be skipped.
@@ -56,7 +59,15 @@ class SequenceAccount {
   /// Nothing that is larger is believed to be missing where sequences begin anew, or of what was retained.
   static constexpr std::uint64_t gap_max = std::uint64_t{1} << 16;
 
-  bool begins_anew(const Numbered& sample) const { return sample.numbering > numbering_; }
+  bool begins_anew(const Numbered& sample) const {
+    return sample.numbering > numbering_ || (is_far_behind(sample) && confirms(sample));
+  }
+  bool is_far_behind(const Numbered& sample) const {
+    return sample.sequence < last_ && last_ - sample.sequence >= gap_max;
+  }
+  bool confirms(const Numbered& sample) const {
+    return far_behind_ != 0 && sample.sequence > far_behind_ && sample.sequence - far_behind_ < gap_max;
+  }
   std::uint32_t limit_of(const Numbered& sample) const {
     return sample.gated ? sample.min_period_us : asked_;
   }
@@ -71,6 +82,7 @@ class SequenceAccount {
   RateBudget budget_;  ///< of the limit under which it came
   std::optional<std::uint32_t> ordinal_;
   std::uint32_t numbering_ = 0;
+  std::uint64_t far_behind_ = 0;  ///< the sample refused last, if it was far behind; 0: none
 };
 
 }  // namespace sft::core

@@ -278,7 +278,7 @@ SubscriberCore::Inlet* SubscriberCore::find_next() {
     const bool is_ours = is_new && from.account.allows(sample);
     const bool expired = is_ours && is_expired(from, sample);
     if (is_ours && !expired) return next;
-    if (is_new) enter(from, sample, transport_of(inlet));
+    is_new ? enter(from, sample, transport_of(inlet)) : from.account.refuse(sample);
     if (expired) ++from.expired;
     inlet.next.reset();
   }

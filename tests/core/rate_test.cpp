@@ -141,6 +141,26 @@ TEST_F(SequenceAccountTest, WhatComesAgainOrTooLateIsNotNew) {
   EXPECT_FALSE(account.is_new(by_memory(4)));
 }
 
+TEST_F(SequenceAccountTest, BeginsAnewWithTheSecondSampleInARowThatIsFarBehindOneThatNobodySent) {
+  enter(by_memory(5));
+  enter(by_udp(0x7000'0000));
+  const std::uint64_t lost_then = lost;
+  EXPECT_FALSE(account.is_new(by_memory(6)));
+  account.refuse(by_memory(6));
+  enter(by_memory(7));
+  enter(by_memory(8));
+  EXPECT_EQ(lost, lost_then) << "nobody knows what the false number hid";
+}
+
+TEST_F(SequenceAccountTest, DoesNotBeginAnewForOneOldSampleOrForOnesThatAnotherPathBringsAgain) {
+  enter(by_udp(200'000));
+  account.refuse(by_memory(7));
+  account.refuse(by_memory(199'990));
+  EXPECT_FALSE(account.is_new(by_memory(8)));
+  account.refuse(by_memory(8));
+  EXPECT_FALSE(account.is_new(by_memory(8))) << "the same sample again confirms nothing";
+}
+
 // Whatever is lost, and whatever pauses the source makes, over UDP the two are told apart exactly.
 TEST_F(SequenceAccountTest, OverUdpLostAndWithheldAreExact) {
   std::mt19937_64 random(test::test_seed());
