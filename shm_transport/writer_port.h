@@ -108,7 +108,7 @@ class ChunkLender final : public core::BufferOwner,
 class ShmWriterPort final : public core::WriterPort {
  public:
   ShmWriterPort(std::shared_ptr<ChunkLender> chunks, std::shared_ptr<DoorbellPages> pages,
-                std::shared_ptr<Statistics> statistics, std::chrono::nanoseconds max_blocking,
+                std::shared_ptr<Statistics> statistics, std::chrono::nanoseconds max_blocking = {},
                 core::TrustedAccounts reader_accounts = {})
       : chunks_(std::move(chunks)),
         pages_(std::move(pages)),
