@@ -16,7 +16,12 @@ namespace {
 
 using core::Availability;
 
-constexpr std::chrono::milliseconds longest_pause_after_a_start{2'000};
+// After a daemon was started, which may be killed, or end by itself, as soon as it is ready. The pause does
+// not grow, because that start had no obstacle.
+constexpr std::chrono::milliseconds pause_after_a_start{500};
+// From a failed start to the next one where an obstacle is gone: whoever makes and removes files again and
+// again causes no more attempts than that.
+constexpr std::chrono::milliseconds shortest_pause_of_launches{200};
 
 /// sft_<prefix>_<pid>_<random>: unique among the processes that a daemon serves, as it must be.
 std::string make_runtime_name(const std::string& prefix) {
@@ -93,7 +98,7 @@ void DaemonLink::look(const ShmOptions& options, Clock::time_point now) {
     publish(Availability::unavailable, why_nobody_serves_us(accepted));
   } else if (!options.start_daemon) {
     publish(Availability::unavailable, "no sftd is running, and starting one is turned off; run sftd");
-  } else if (launching_.due(now)) {
+  } else if (may_launch(now)) {
     launch(options, now);
   } else {
     publish(Availability::unavailable, launching_.reason());
@@ -110,7 +115,17 @@ void DaemonLink::await_host_file(const ShmOptions& options, Clock::time_point no
   }
 }
 
+/// When its time has come, or as soon as something that was in the way of the last attempt is gone.
+bool DaemonLink::may_launch(Clock::time_point now) const {
+  if (launching_.due(now)) return true;
+  return failed_at_ && now >= *failed_at_ + shortest_pause_of_launches &&
+         LaunchObstacles::look(files_of_daemon_).have_eased_since(obstacles_);
+}
+
 void DaemonLink::launch(const ShmOptions& options, Clock::time_point now) {
+  if (files_of_daemon_.empty()) files_of_daemon_ = files_of_own_daemon();
+  obstacles_ = LaunchObstacles::look(files_of_daemon_);
+  failed_at_.reset();
   auto launched = DaemonLaunch::begin(options);
   if (!launched) return give_up(launching_, launched.error().message, now);
   launch_.emplace(std::move(*launched));
@@ -123,17 +138,24 @@ void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) 
   const auto outcome = launch_->poll();
   if (!outcome && now >= *deadline_) {
     launch_.reset();
-    return give_up(launching_, "sftd was started but does not get ready; is the machine overloaded?", now);
+    return give_up_launch("sftd was started but does not get ready; is the machine overloaded?", now);
   }
   if (!outcome) return;
   launch_.reset();
-  if (!outcome->complaint.empty()) return give_up(launching_, outcome->complaint, now);
+  if (!outcome->complaint.empty()) return give_up_launch(outcome->complaint, now);
   phase_ = Phase::looking;
   deadline_.reset();
   // A daemon that ends as soon as it is ready would be started again and again without this.
-  launching_.failed("sftd has ended again after it was started; it is started once more within 2 s", now,
-                    longest_pause_after_a_start);
+  launching_.failed("sftd has ended again after it was started; it is started once more within 1 s", now,
+                    pause_after_a_start);
   look(options, now);
+}
+
+/// Files that came while sftd started count as well: they may be what it met.
+void DaemonLink::give_up_launch(const std::string& reason, Clock::time_point now) {
+  obstacles_.add_files_of(LaunchObstacles::look(files_of_daemon_));
+  failed_at_ = now;
+  give_up(launching_, reason, now);
 }
 
 void DaemonLink::begin_registration(const ShmOptions& options, HostWatch watch, Clock::time_point now) {

@@ -9,10 +9,12 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/retry.h"
 #include "core/transport.h"
 #include "shm_transport/daemon_launch.h"
+#include "shm_transport/launch_obstacles.h"
 #include "shm_transport/session.h"
 #include "shm_transport/shm_transport.h"
 
@@ -38,6 +40,8 @@ class DaemonLink {
 
   void look(const ShmOptions& options, Clock::time_point now);
   void launch(const ShmOptions& options, Clock::time_point now);
+  bool may_launch(Clock::time_point now) const;
+  void give_up_launch(const std::string& reason, Clock::time_point now);
   void await_launch(const ShmOptions& options, Clock::time_point now);
   void await_host_file(const ShmOptions& options, Clock::time_point now);
   void begin_registration(const ShmOptions& options, HostWatch watch, Clock::time_point now);
@@ -58,7 +62,10 @@ class DaemonLink {
   std::unique_ptr<RoudiChannel> channel_;
   std::optional<Clock::time_point> deadline_;  ///< of what the phase waits for
   core::Retry launching_;
-  core::Retry registering_;  ///< with the daemon of this token: another one owes nothing
+  std::vector<std::string> files_of_daemon_;    ///< found out before the first attempt to start one
+  LaunchObstacles obstacles_;                   ///< to the last attempt
+  std::optional<Clock::time_point> failed_at_;  ///< the last attempt, where obstacles may be why
+  core::Retry registering_;                     ///< with the daemon of this token: another one owes nothing
   std::array<std::uint8_t, 16> registered_with_{};
 
   mutable std::mutex mutex_;  // guards what is seen from outside

@@ -17,6 +17,7 @@
 #include "shm_transport/accepted_daemons.h"
 #include "shm_transport/access.h"
 #include "shm_transport/host_file.h"
+#include "shm_transport/launch_obstacles.h"
 #include "shm_transport/sftd/stale_files.h"
 #include "shm_transport/sftd/status_file.h"
 

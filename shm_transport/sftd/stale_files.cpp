@@ -15,7 +15,7 @@
 #include "core/random_id.h"
 #include "core/trusted_file.h"
 #include "shm_transport/host_file.h"
-#include "shm_transport/iceoryx.h"
+#include "shm_transport/launch_obstacles.h"
 #include "shm_transport/sftd/status_file.h"
 
 namespace sft::shm {
@@ -60,17 +60,6 @@ void remove_segment_of_the_dead() {
                          lstat(("/dev/shm/" + file->segment).c_str(), &named) == 0 &&
                          written.st_uid == named.st_uid;
   if (same_user) shm_unlink(("/" + file->segment).c_str());
-}
-
-std::vector<std::string> daemon_files(const std::string& segment_name) {
-  const std::string roudi = roudi_socket_path;
-  return {daemon_lock_path,
-          host_file_path,
-          roudi,
-          roudi + ".lock",
-          "/tmp/" + std::string(iox::roudi::ROUDI_LOCK_NAME) + ".lock",
-          std::string("/dev/shm/") + iox::roudi::SHM_NAME,
-          "/dev/shm/" + segment_name};
 }
 
 std::vector<std::string> files_of_others(const std::vector<std::string>& files) {

@@ -18,11 +18,7 @@ std::size_t remove_dead_sockets();
 /// The segment of a dead daemon that left its sign: it may have had another name than this one's.
 void remove_segment_of_the_dead();
 
-/// Where the locks of a daemon, its segments and its socket lie. Their names are fixed, most of them by
-/// iceoryx.
-std::vector<std::string> daemon_files(const std::string& segment_name);
-
-/// Of these, what belongs to another account, and may not be removed by this one. Empty for root.
+/// Those of these files that belong to another account, and may not be removed by this one. Empty for root.
 std::vector<std::string> files_of_others(const std::vector<std::string>& files);
 
 /// Removes segments, socket and lock files of a daemon, and returns those that could not be removed. Called
