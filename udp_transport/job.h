@@ -25,6 +25,10 @@ struct WireMask {
   std::vector<std::uint64_t> words;  ///< empty where the header says it all
 };
 
+/// Larger bodies are sent by the sending thread: the publisher goes on after a few datagrams. But for those
+/// that it would have to copy, and can send from where they are.
+inline constexpr std::size_t direct_bytes_max = 16 * 1024;
+
 /// Written by the publisher's thread as long as no lane has it.
 ///
 /// A job may also be a pack: copies of small samples, all under one mask and with one stamp, whose sequences
@@ -51,6 +55,7 @@ struct Job {
   }
 
   bool is_pack() const { return !packed_.empty(); }
+  bool is_small() const { return is_pack() || first.total <= direct_bytes_max; }
   std::size_t samples() const { return is_pack() ? packed_.size() : 1; }
   /// Of a sample's body.
   std::uint32_t body_bytes(std::size_t part) const {

@@ -8,8 +8,9 @@
 namespace sft::udp {
 
 namespace {
-// What may wait without a channel in a late lane, or in another one for the first report of its receiver:
-constexpr std::size_t late_jobs_max = 256, unproven_jobs_max = 64;
+// What may wait without a channel in a late lane, or in another one for the first report of its receiver: a
+// round trip, in which a program may publish a burst of small samples.
+constexpr std::size_t late_jobs_max = 256, unproven_jobs_max = 4096;
 constexpr std::size_t late_bytes_max = std::size_t{1} << 20;
 // And with one: as much as that may keep.
 constexpr ResendLimits channel_limits;
@@ -73,7 +74,8 @@ void Lane::done_with(const JobHandle& job, bool lost) const {
 
 bool Lane::has_room_for(const Job& job) const {
   if (queue_.size() < depth_) return true;
-  const bool waits_for_report = !to_->answers() && !to_->is_mute(std::chrono::steady_clock::now());
+  const bool waits_for_report =
+      job.is_small() && !to_->answers() && !to_->is_mute(std::chrono::steady_clock::now());
   if (!late_ && !waits_for_report) return false;
   const std::size_t bytes = queued_bytes_ + bytes_held(job);
   const std::size_t jobs_max = late_ ? late_jobs_max : unproven_jobs_max;
@@ -93,8 +95,8 @@ void Lane::await_room(const Job& job, std::chrono::nanoseconds& patience) {
 
 /// With the mutex held; there is one.
 JobHandle Lane::pop_oldest() {
-  JobHandle oldest = std::move(queue_.front());
-  queue_.erase(queue_.begin());
+  JobHandle oldest = std::move(queue_[queue_.begin()]);
+  queue_.pop_front();
   queued_bytes_ -= bytes_held(*oldest);
   return oldest;
 }
@@ -160,16 +162,18 @@ const Job* Lane::next() {
 }
 
 void Lane::close() {
-  std::vector<JobHandle> dropped, dropped_history;  // go outside the lock
+  // These go outside of the lock.
+  OrdinalRing<JobHandle> dropped{0};
+  std::vector<JobHandle> dropped_history;
   {
     const std::scoped_lock lock(mutex_);
     closed_.store(true, std::memory_order_release);
     room_.notify_one();
-    dropped.swap(queue_);
+    std::swap(dropped, queue_);
     queued_bytes_ = 0;
     dropped_history.swap(history_);
   }
-  for (const JobHandle& job : dropped) done_with(job, true);
+  for (std::uint64_t n = dropped.begin(); n != dropped.end(); ++n) done_with(dropped[n], true);
 }
 
 }  // namespace sft::udp

@@ -16,6 +16,7 @@
 #include "core/delivery.h"
 #include "udp_transport/destination.h"
 #include "udp_transport/job.h"
+#include "udp_transport/ordinal_ring.h"
 #include "udp_transport/rate_limit.h"
 
 namespace sft::udp {
@@ -44,8 +45,8 @@ class Lane {
 
   /// A held lane keeps what is posted until begin() gave it the history, which has to go first. Meanwhile
   /// more may wait there than `depth`: 256 small samples, or with a channel as much as that may keep
-  /// (ResendLimits). 64 small samples may wait in an open lane, too, while its receiver is asked to
-  /// report for the first time.
+  /// (ResendLimits). In an open lane 4,096 small samples of 1 MiB in all may wait while its receiver is asked
+  /// to report for the first time.
   Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
        Start start = Start::open, std::shared_ptr<Channel> channel = {});
 
@@ -136,10 +137,10 @@ class Lane {
   std::condition_variable room_;  ///< the queue has become shorter
   bool scheduled_ = false;        ///< the sending thread knows of it
   bool held_;
-  std::uint64_t oldest_ = 0;        ///< sequence of the first sample, once there is one
-  std::vector<JobHandle> history_;  ///< goes first, the newest first
-  std::vector<JobHandle> queue_;    ///< the oldest first
-  std::size_t queued_bytes_ = 0;    ///< of memory that these hold
+  std::uint64_t oldest_ = 0;         ///< sequence of the first sample, once there is one
+  std::vector<JobHandle> history_;   ///< goes first, the newest first
+  OrdinalRing<JobHandle> queue_{0};  ///< the oldest first
+  std::size_t queued_bytes_ = 0;     ///< of memory that these hold
 };
 
 }  // namespace sft::udp

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -29,6 +30,11 @@ class OrdinalRing {
     return const_cast<OrdinalRing&>(*this)[ordinal];  // NOLINT: looks only
   }
 
+  /// Makes room for so many items, so that these need no allocation. The ring is empty.
+  void reserve(std::size_t items) {
+    assert(empty());
+    items_.resize(std::max(items_.size(), std::bit_ceil(items)));
+  }
   /// Allocates only where there were never as many items before.
   T& push_back(T item) {
     if (size_ == items_.size()) grow();

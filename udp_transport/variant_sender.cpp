@@ -23,7 +23,6 @@ constexpr std::size_t samples_per_datagram_min = 4;
 /// Of what was postponed: looked at in between whether it is still needed.
 constexpr std::size_t copied_at_a_time = 128 * 1024;
 
-bool is_small(const Job& job) { return job.is_pack() || job.first.total <= direct_bytes_max; }
 }  // namespace
 
 VariantSender::VariantSender(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
@@ -45,7 +44,7 @@ std::size_t VariantSender::send(const Group& group, const core::SampleHandle& sa
     job.first.flags |= rate_follows;
     job.first.rate = {group.gate->min_period_us(), group.gate->ordinal()};
   }
-  if (sample->postponed != nullptr && !is_small(job)) {
+  if (sample->postponed != nullptr && !job.is_small()) {
     if (goes_ahead(group)) return send_ahead(group, sample);
     sample->complete();
   }
@@ -87,7 +86,7 @@ std::size_t VariantSender::distribute(const Group& group, const core::SampleHand
   cut_for_ = 0;
   std::size_t missed = 0;
   const bool is_reliable = std::ranges::any_of(group.channels, [](const auto& c) { return c != nullptr; });
-  if (is_reliable && !is_small(*blank_)) keep_in_channels(sample);
+  if (is_reliable && !blank_->is_small()) keep_in_channels(sample);
   for (std::size_t i = 0; i < group.lanes.size(); ++i) {
     const std::size_t here = send_alone(group, i, sample);
     missed = blank_->is_pack() ? std::max(missed, here) : missed + here;
@@ -196,7 +195,7 @@ std::size_t VariantSender::send_alone(const Group& group, std::size_t place,
 std::size_t VariantSender::send_together(const Group& group, const core::SampleHandle& sample) {
   MulticastGroup& together = *group.multicast;
   const std::uint64_t ordinal = together.next_ordinal(std::chrono::steady_clock::now());
-  const bool small = is_small(*blank_);
+  const bool small = blank_->is_small();
   const bool has_room = together.is_answered() && together.lane()->has_room() && !together.broken();
   cut_for_ = 0;
   group.tally->sent(blank_->first.total, blank_->whole_bytes, 1);
@@ -328,7 +327,7 @@ std::size_t VariantSender::send_pack(const Held& held) noexcept try {
 /// The blank job waits in the lane of a late reader: its history goes first, and has to go for nothing.
 /// Returns how many older samples had to go for it.
 std::size_t VariantSender::send_after_history(const std::shared_ptr<Lane>& lane) {
-  if (is_small(*blank_) && !std::exchange(blank_kept_, true)) blank_->copy_body();
+  if (blank_->is_small() && !std::exchange(blank_kept_, true)) blank_->copy_body();
   if (patience_.count() > 0) lane->await_room(*blank_, patience_);
   return enqueue(lane) ? 0 : 1;
 }
@@ -338,7 +337,7 @@ std::size_t VariantSender::send_reliably(const std::shared_ptr<Lane>& lane,
                                          const std::shared_ptr<Channel>& channel) {
   Job& job = *blank_;
   const std::size_t job_samples = job.samples();
-  const bool small = is_small(job);
+  const bool small = job.is_small();
   if (lane->is_late() && (!lane->idle() || !channel->has_room(job))) return send_after_history(lane);
   if (lane->is_late()) lane->mark(job);
   if (small && !std::exchange(blank_kept_, true) && !job.is_pack()) job.copy_body();

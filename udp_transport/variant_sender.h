@@ -11,14 +11,11 @@
 #include <vector>
 
 #include "core/transport.h"
+#include "udp_transport/job.h"
 #include "udp_transport/routes.h"
 #include "udp_transport/send_side.h"
 
 namespace sft::udp {
-
-/// Larger bodies are sent by the sending thread: the publisher goes on after a few datagrams. But for those
-/// that it would have to copy, and can send from where they are.
-inline constexpr std::size_t direct_bytes_max = 16 * 1024;
 
 /// Of one thread.
 class VariantSender {

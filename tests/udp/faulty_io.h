@@ -193,6 +193,7 @@ class Gate {
     open_ = true;
     if (DatagramSender* sender = sender_; sender != nullptr) sender->wake();
   }
+  void close() { open_ = false; }
   bool somebody_waits() const { return waiting_; }
 
   DatagramIo put_around(DatagramIo io) {

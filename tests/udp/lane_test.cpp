@@ -73,15 +73,15 @@ TEST_F(LaneTest, KeepsTheNewest) {
   EXPECT_EQ(take_all(one_), (Numbers{2, 3, 4}));
 }
 
-TEST_F(LaneTest, KeepsSixtyFourSmallSamplesForAReceiverThatHasNotReportedYet) {
+TEST_F(LaneTest, KeepsABurstOfSmallSamplesForAReceiverThatHasNotReportedYet) {
   DestinationDirectory asking({.report_port = 7}, connections_.connect());
   Lane lane(asking.find({.ip = 0x7F000001, .port = 1}), 3, tally_);
   Numbers posted;
-  for (std::uint32_t n = 1; n <= 64; ++n) {
+  for (std::uint32_t n = 1; n <= 4096; ++n) {
     EXPECT_FALSE(lane.post(test::make_job(*jobs_, n)).dropped_oldest) << n;
     posted.push_back(n + 1);
   }
-  EXPECT_TRUE(lane.post(test::make_job(*jobs_, 65)).dropped_oldest);
+  EXPECT_TRUE(lane.post(test::make_job(*jobs_, 4097)).dropped_oldest);
   EXPECT_EQ(take_all(lane), posted);
 }
 

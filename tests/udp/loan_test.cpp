@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cerrno>
 #include <vector>
@@ -53,12 +54,17 @@ class Wire {
     for (std::size_t received = 0; received < body.size();) {
       std::vector<std::byte> bytes(datagram_bytes_max);
       ssize_t n = 0;
+      sockaddr_in from{};
       do {
-        n = ::recv(fd_, bytes.data(), bytes.size(), 0);
+        socklen_t from_bytes = sizeof from;
+        n = ::recvfrom(fd_, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&from), &from_bytes);
       } while (n < 0 && errno == EINTR);  // with a time-out, the kernel does not go on by itself
       if (n <= 0) return {};
       bytes.resize(static_cast<std::size_t>(n));
-      if (parse_mark(bytes)) continue;  // how much was sent: nobody answers
+      if (const auto mark = parse_mark(bytes)) {
+        report_on(*mark, from);
+        continue;
+      }
       const auto datagram = parse(bytes);
       if (!datagram) return {};
       if (datagram->kind == DatagramKind::first) {
@@ -84,6 +90,20 @@ class Wire {
   }
 
  private:
+  /// Without a report nothing large is sent.
+  void report_on(const FlowMark& mark, sockaddr_in to) {
+    std::array<std::byte, report_bytes> report{};
+    encode(FlowReport{.flow = mark.flow,
+                      .position = mark.position,
+                      .window_bytes = 150'000,
+                      .datagrams = mark.datagrams,
+                      .came = mark.datagrams,
+                      .sent_at_ns = mark.sent_at_ns},
+           report.data());
+    to.sin_port = htons(mark.port);
+    ::sendto(fd_, report.data(), report.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  }
+
   int fd_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   std::vector<std::vector<std::byte>> datagrams_;
   std::uint32_t sequence_ = 0;
