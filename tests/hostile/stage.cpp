@@ -62,6 +62,12 @@ bool names_a_file(const std::string& status) {
   return status.find("/tmp/") != std::string::npos || status.find("/dev/shm/") != std::string::npos;
 }
 
+bool is_stopped(pid_t process) {
+  std::string stat;
+  std::getline(std::ifstream("/proc/" + std::to_string(process) + "/stat"), stat);
+  return stat.find(") T ") != std::string::npos;
+}
+
 bool runs_as_root_of_many_accounts() {
   unsigned first = 0, outside = 0;
   unsigned long count = 0;
@@ -96,6 +102,7 @@ struct Stage::Pair {
   std::uint64_t received_by = 0;  ///< by that transport
   std::string state{};
   bool falls_back = false;  ///< served by UDP, while the status of shared memory names the file in its way
+  bool is_stopped = false;  ///< by the present act: the subscriber cannot answer
 
   /// Whether so many more came since the numbers were noted.
   struct Noted {
@@ -122,8 +129,13 @@ class Stage::Actor {
         account(user));
     close(ends[1]);
   }
+  /// An act that was not ended is ended here, so that no honest program stays stopped.
   ~Actor() {
-    if (socket_ >= 0) close(socket_);
+    if (!has_ended_) {
+      (void)!send(socket_, "end", 3, MSG_NOSIGNAL);
+      hear();
+    }
+    close(socket_);
   }
   Actor(const Actor&) = delete;
   Actor& operator=(const Actor&) = delete;
@@ -133,6 +145,7 @@ class Stage::Actor {
   }
   /// What it got.
   std::string end() {
+    has_ended_ = true;
     (void)!send(socket_, "end", 3, MSG_NOSIGNAL);
     const std::string last_words = hear();
     if (!last_words.starts_with("ended")) throw std::runtime_error("act " + name_ + " does not end");
@@ -151,6 +164,7 @@ class Stage::Actor {
 
   std::string name_;
   int socket_ = -1;
+  bool has_ended_ = false;
   std::optional<test::Process> process_;
 };
 
@@ -193,8 +207,10 @@ void Stage::launch() {
   }
 }
 
-/// Whether both sides say that it is served by the transport that is meant for it.
+/// Whether both sides say that it is served by the transport that is meant for it. A subscriber that the act
+/// has stopped is not asked, since it could not answer: nothing is demanded of it until the act ends.
 bool Stage::look(Pair& pair) {
+  if (pair.is_stopped) return true;
   const json reader = publisher_->look_at(pair.name)["reader"];
   const json seen = pair.subscriber->look_at("publisher");
   const json& writer = seen["writer"];
@@ -235,14 +251,24 @@ bool Stage::start() {
       patience_at_start, 10ms);
 }
 
+/// Waits until the subscriber that the act stops has come to a halt: a signal takes effect a little later.
+void Stage::note_stopped(const Entry& entry, Outcome& outcome) {
+  if (entry.harm != Harm::stops_near) return;
+  for (const auto& pair : pairs_) {
+    if (pair->transport != "shm") continue;
+    pair->is_stopped =
+        test::eventually([&] { return is_stopped(pair->subscriber->pid()); }, patience_in_an_act);
+    if (!pair->is_stopped) outcome.complaints.push_back("The act does not stop '" + pair->name + "'");
+  }
+}
+
 /// By whatever path. A pair that is being set up gets a moment for that.
-void Stage::expect_samples(const Entry& entry, Outcome& outcome) {
+void Stage::expect_samples(Outcome& outcome) {
   std::vector<Pair::Noted> noted;
   all_served();
   for (const auto& pair : pairs_) noted.push_back(pair->note());
   const auto comes = [&](std::size_t i) {
-    return (entry.harm == Harm::stops_near && pairs_[i]->transport == "shm") ||
-           (look(*pairs_[i]), pairs_[i]->received > noted[i].received + 2);
+    return pairs_[i]->is_stopped || (look(*pairs_[i]), pairs_[i]->received > noted[i].received + 2);
   };
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     if (!test::eventually([&] { return comes(i); }, patience_in_an_act, 10ms))
@@ -280,24 +306,29 @@ void Stage::check_command_line(Outcome& outcome) {
 
 Outcome Stage::perform(const Entry& entry, Moment moment, Ms length) {
   Outcome outcome;
+  for (const auto& pair : pairs_) pair->is_stopped = false;
   try {
     if (moment == Moment::after_they_started && !start()) {
       outcome.complaints.push_back("Before the act not all are served:" + state());
       return outcome;
     }
+    // A stopped program answers no command, so it has to have subscribed before it is stopped.
+    if (entry.harm == Harm::stops_near) launch();
     Actor actor(*this, entry);
     if (moment == Moment::while_they_start) launch();
     actor.await_begin();
+    note_stopped(entry, outcome);
     launch();
     const auto begin = Clock::now();
     // What can be set up during the act is not to count as recovery from it.
     if (moment != Moment::after_they_started)
       test::eventually([&] { return all_served(); }, patience_while_setting_up, 20ms);
-    if (entry.harm != Harm::floods) expect_samples(entry, outcome);
+    if (entry.harm != Harm::floods) expect_samples(outcome);
     const auto left = std::chrono::duration_cast<Ms>(begin + length - Clock::now());
     poll(nullptr, 0, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
-    if (entry.harm != Harm::floods) expect_samples(entry, outcome);
+    if (entry.harm != Harm::floods) expect_samples(outcome);
     if (const std::string loot = actor.end(); !loot.empty()) outcome.complaints.push_back(loot);
+    for (const auto& pair : pairs_) pair->is_stopped = false;
     await_recovery(entry, outcome);
     if (entry.harm != Harm::leaves_files) check_command_line(outcome);
   } catch (const std::exception& error) {

@@ -60,7 +60,8 @@ class Stage {
   void launch();
   bool look(Pair& pair);
   bool all_served(Harm harm = Harm::none);
-  void expect_samples(const Entry& entry, Outcome& outcome);
+  void note_stopped(const Entry& entry, Outcome& outcome);
+  void expect_samples(Outcome& outcome);
   void await_recovery(const Entry& entry, Outcome& outcome);
   void check_command_line(Outcome& outcome);
   std::string state();
