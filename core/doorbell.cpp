@@ -26,6 +26,7 @@ namespace {
 
 constexpr const char* directory = "/dev/shm";
 constexpr std::string_view prefix = "sft_bell_";
+constexpr std::string_view no_directory = "/memfd:";  // in links to files that never had a path
 constexpr std::size_t page_bytes = DoorbellPage::slots * sizeof(Doorbell);
 
 Doorbell* map(int fd) {
@@ -52,19 +53,30 @@ int create_file(const std::string& path) {
   return -1;
 }
 
+/// The same without a path, so that no space in /dev/shm is needed.
+int create_nameless_file(std::uint64_t id) {
+  const int fd = memfd_create((std::string(prefix) + in_hex(id)).c_str(), MFD_CLOEXEC);
+  if (fd < 0) return -1;
+  if (posix_fallocate(fd, 0, page_bytes) == 0) return fd;
+  close(fd);
+  return -1;
+}
+
 bool is_number(const char* text) {
   return *text != '\0' && std::strspn(text, "0123456789") == std::strlen(text);
 }
 
-/// Of a page that this process has open under that link, and that has no name any more: its id.
+/// The id of a page that this link leads to, if the page has no path, or not any more.
 std::optional<std::uint64_t> nameless_id(const std::filesystem::path& link) {
   std::error_code ignored;
   const std::string target = std::filesystem::read_symlink(link, ignored);
-  const std::string begin = std::string(directory) + "/" + std::string(prefix);
-  if (!target.starts_with(begin) || !target.ends_with(" (deleted)")) return std::nullopt;
+  const std::string named = std::string(directory) + "/" + std::string(prefix);
+  const std::string never_named = std::string(no_directory) + std::string(prefix);
+  const bool is_page = target.starts_with(named) || target.starts_with(never_named);
+  if (!is_page || !target.ends_with(" (deleted)")) return std::nullopt;
+  const char* const digits = target.data() + target.find(prefix) + prefix.size();
   std::uint64_t id = 0;
-  const auto [end, error] =
-      std::from_chars(target.data() + begin.size(), target.data() + target.size(), id, 16);
+  const auto [end, error] = std::from_chars(digits, target.data() + target.size(), id, 16);
   return error == std::errc{} && *end == ' ' ? std::optional(id) : std::nullopt;
 }
 
@@ -104,7 +116,9 @@ std::string DoorbellPage::path_of(std::uint64_t id) {
 std::unique_ptr<DoorbellPage> DoorbellPage::create() {
   const std::uint64_t id = random_id();
   const std::string path = path_of(id);
-  if (const int fd = create_file(path); fd >= 0) {
+  int fd = create_file(path);
+  if (fd < 0) fd = create_nameless_file(id);
+  if (fd >= 0) {
     if (Doorbell* bells = map(fd)) return std::unique_ptr<DoorbellPage>(new DoorbellPage(id, bells, fd));
     unlink(path.c_str());
     close(fd);

@@ -63,15 +63,16 @@ class DoorbellPage {
  public:
   static constexpr std::uint32_t slots = 1024;
 
-  /// A page of this process under a random id. Where /dev/shm cannot be used it is private memory with id 0:
-  /// local readers work, and no other process can ring.
+  /// A page of this process under a random id. Where /dev/shm cannot be used, because it is full for example,
+  /// the page has no path, and processes of this account find it as one of nameless_pages(). Where that fails
+  /// too, it is private memory with id 0: local readers work, and no other process can ring.
   static std::unique_ptr<DoorbellPage> create();
   /// A page of another process (or of this one), to ring. Only one of these accounts: whoever owns a page can
   /// make it shorter, which would end whoever rings in it.
   static Result<std::unique_ptr<DoorbellPage>> open(std::uint64_t id, const TrustedAccounts& accounts = {});
-  /// Somebody may have removed the names of pages: a clean-up script, or a service manager at log-out. Those
-  /// of processes of this account are found among what these have open: links to open them by. Looks through
-  /// all processes, which takes milliseconds.
+  /// A page may have had no path from the beginning, or somebody may have removed it: a clean-up script, or a
+  /// service manager at log-out. Those of processes of this account are found among what these have open:
+  /// links to open them by. Looks through all processes, which takes milliseconds.
   static std::map<std::uint64_t, std::string> nameless_pages();
   static Result<std::unique_ptr<DoorbellPage>> open_nameless(std::uint64_t id, const std::string& link);
   /// Where a page with that id lies.

@@ -71,7 +71,7 @@ class DoorbellPages {
   std::string nameless_link(std::uint64_t id);
 
   // Of the thread that sets routes.
-  std::map<std::uint64_t, std::string> nameless_;  ///< pages whose names somebody removed (core/doorbell.h)
+  std::map<std::uint64_t, std::string> nameless_;  ///< pages without paths (core/doorbell.h)
   std::chrono::steady_clock::time_point next_search_{};
 
   Waker waker_;
