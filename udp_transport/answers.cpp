@@ -21,9 +21,18 @@ bool disbelieve(SendSide& side) {
   return false;
 }
 
+/// The receiver may follow a channel that the writer does not have: its own channels there name themselves.
+bool hear_of_unknown_channel(SendSide& side, const Ack& ack, const SocketAddress& from) {
+  bool goes_on = disbelieve(side);
+  for (const std::shared_ptr<Channel>& channel : side.channels.find_at(ack.writer, from.ip))
+    goes_on = channel->hear(ack) || goes_on;
+  return goes_on;
+}
+
 bool hear(SendSide& side, const Ack& ack, const SocketAddress& from, Time now) {
   const std::shared_ptr<Channel> channel = side.channels.find(ack.writer, ack.channel);
-  if (channel == nullptr || !channel->destination().is_at(from.ip)) return disbelieve(side);
+  if (channel == nullptr) return hear_of_unknown_channel(side, ack, from);
+  if (!channel->destination().is_at(from.ip)) return disbelieve(side);
   channel->destination().lives(now);
   Ack alone = ack;
   if (ack.missing_count > 0) hand_repairs_to_group(side, alone, now);

@@ -134,7 +134,7 @@ bool Channel::hear(const Ack& ack) {
   const Time time = now();
   const Time::duration round_trip = ack.missing_count == 0 ? Time::duration{} : to_->round_trip();
   const std::scoped_lock lock(mutex_);
-  judge_length(ack, time);
+  if (ack.channel == number_) judge_length(ack, time);
   window_.hear(ack, time, round_trip);
   if (window_.gone_wrong() && !closed_ && !went_wrong_.exchange(true, std::memory_order_relaxed)) {
     room_.notify_all();

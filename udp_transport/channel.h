@@ -83,7 +83,7 @@ class Channel {
   /// What its publisher has sent of a large one: heartbeats must not overtake it.
   void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
   std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
-  /// Whether the sending thread has to be woken.
+  /// Whether the sending thread has to be woken. The ack may be of another channel of the writer.
   [[nodiscard]] bool hear(const Ack& ack);
   /// Acks of what was never sent have come: it ends, and another one has to begin.
   bool went_wrong() const { return went_wrong_.load(std::memory_order_relaxed); }

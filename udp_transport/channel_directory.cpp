@@ -16,6 +16,17 @@ std::shared_ptr<Channel> ChannelRoster::find(std::uint32_t writer, std::uint32_t
   return known == known_.end() ? nullptr : known->second.lock();
 }
 
+std::vector<std::shared_ptr<Channel>> ChannelRoster::find_at(std::uint32_t writer,
+                                                             const core::IpAddress& ip) {
+  std::vector<std::shared_ptr<Channel>> found;
+  const std::scoped_lock lock(mutex_);
+  for (auto one = known_.lower_bound({writer, 0}); one != known_.end() && one->first.first == writer; ++one) {
+    std::shared_ptr<Channel> channel = one->second.lock();
+    if (channel != nullptr && channel->destination().is_at(ip)) found.push_back(std::move(channel));
+  }
+  return found;
+}
+
 /// Readers that are new must not get what was sent to others before, so that has to be another channel.
 std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destination>& to,
                                                 const std::set<core::EndpointId>& readers) {

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "udp_transport/channel.h"
 
@@ -19,6 +20,8 @@ class ChannelRoster {
   void add(const std::shared_ptr<Channel>& channel);
   /// Null if there is none, or no more.
   std::shared_ptr<Channel> find(std::uint32_t writer, std::uint32_t number);
+  /// Those of that writer to receivers at that address.
+  std::vector<std::shared_ptr<Channel>> find_at(std::uint32_t writer, const core::IpAddress& ip);
 
  private:
   std::mutex mutex_;

@@ -16,13 +16,14 @@ ChannelWatch::Verdict ChannelWatch::judge(const Claim& claim, Time now) {
   }
   const Former* const known = former(claim.channel);
   if (known != nullptr && claim.last < known->next) return Verdict::ignore;
-  const bool follows_on = known == nullptr && !precedes(claim.channel);
+  const bool is_alike = is_like_present(claim.channel);
+  const bool follows_on = known == nullptr && !precedes(claim.channel) && !is_alike;
   const bool begins = follows_on && claim.first <= beginning_max;
   if (claim.channel != doubted_) claims_ = 0;
   doubted_ = claim.channel;
   if (!claim.same_datagram) ++claims_;
   const bool present_is_silent = now - heard_at_ >= present_doubted_after;
-  const bool confirmed = claims_ >= 2 && (follows_on || present_is_silent);
+  const bool confirmed = claims_ >= (is_alike ? alike_in_a_row : 2) && (follows_on || present_is_silent);
   if (!begins && !confirmed && claims_ < in_a_row) return Verdict::ignore;
   heard_at_ = now;
   return Verdict::turn;

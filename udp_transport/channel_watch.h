@@ -11,6 +11,8 @@
 #include <optional>
 #include <vector>
 
+#include "udp_transport/datagram.h"
+
 namespace sft::udp {
 
 class ChannelWatch {
@@ -23,6 +25,10 @@ class ChannelWatch {
   static constexpr std::uint32_t in_a_row = 64;
   /// Two are enough if the present channel was silent for so long.
   static constexpr std::chrono::milliseconds present_doubted_after{250};
+  /// A channel whose low bits are those of the present one needs that silence, too, and so many datagrams:
+  /// whole datagrams have only low bits, so the reader would take the true channel's for those of a wrong
+  /// one.
+  static constexpr std::uint32_t alike_in_a_row = 4;
 
   /// What a datagram says: the ordinal of a sample twice, or the range of a heartbeat.
   struct Claim {
@@ -57,6 +63,9 @@ class ChannelWatch {
 
   const Former* former(std::uint32_t channel) const;
   bool precedes(std::uint32_t channel) const { return *present_ - channel <= just_before; }
+  bool is_like_present(std::uint32_t channel) const {
+    return channel % whole_numbers_end == *present_ % whole_numbers_end;
+  }
 
   std::optional<std::uint32_t> present_;
   Time heard_at_{};

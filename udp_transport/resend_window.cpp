@@ -232,7 +232,8 @@ void ResendWindow::release_before(std::uint64_t next) {
 }
 
 void ResendWindow::hear(const Ack& ack, Time now, Time::duration round_trip) {
-  if (ack.channel != channel_ || ack.writer != writer_) return;
+  if (ack.writer != writer_) return;
+  if (ack.channel != channel_) return name_channel_in_full(now);
   if (ack.next > kept_.end()) {
     ++impossible_;
     return;
@@ -244,6 +245,12 @@ void ResendWindow::hear(const Ack& ack, Time now, Time::duration round_trip) {
   release_before(ack.next);
   for (const Missing& part : ack.parts()) ask_for(part, ack.next, now);
   unanswered_ = 0;
+  plan_heartbeat(now);
+}
+
+void ResendWindow::name_channel_in_full(Time now) {
+  heard_ = false;
+  answer_wanted_ = true;
   plan_heartbeat(now);
 }
 

@@ -86,8 +86,9 @@ class ResendWindow {
   /// Of one that has left elsewhere: the job, whose own header is the one of there. Else none.
   JobHandle sent_elsewhere(std::uint64_t ordinal) const;
 
-  /// What the other end says. Nonsense is ignored. A part that was sent again within `round_trip` is still on
-  /// its way there, and not sent once more.
+  /// What the other end says. Nonsense is ignored. An ack of another channel of the writer shows that the
+  /// other end may follow a wrong one: samples name this one in full then, and a heartbeat does at once. A
+  /// part that was sent again within `round_trip` is still on its way there, and not sent once more.
   void hear(const Ack& ack, Time now, Time::duration round_trip = {});
   /// The other end says that it has got what was never sent, as it could not but for a fault: what it says
   /// of this channel means nothing any more.
@@ -140,6 +141,7 @@ class ResendWindow {
   };
 
   void push(const JobHandle& job, const FirstHeader& first);
+  void name_channel_in_full(Time now);
   void start(Entry& entry);
   std::optional<Piece> next_repair(Size size, Time now);
   std::optional<Piece> next_sample(Size size);

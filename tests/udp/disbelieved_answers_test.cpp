@@ -76,6 +76,22 @@ TEST_F(DisbelievedAnswersTest, AcksSweptOverChannelsAndOrdinalsLoseNothing) {
   EXPECT_EQ(disbelieved(), swept);
 }
 
+TEST_F(DisbelievedAnswersTest, AnAckOfAWrongChannelMakesSamplesNameTheTrueOneInFull) {
+  const auto next_is_in_short = [&] {
+    const JobHandle job = test::make_job(*jobs_, 2);
+    return channel_->post(job, job->first, true).piece->first.channel.in_short;
+  };
+  const std::uint32_t wrong = channel_->number() + 2048;
+  send(1);
+  hear(Ack{.writer = writer, .channel = channel_->number(), .next = 1}, reader_);
+  EXPECT_TRUE(next_is_in_short());
+  hear(Ack{.writer = writer, .channel = wrong, .next = 2}, stranger_);
+  EXPECT_TRUE(next_is_in_short());
+  hear(Ack{.writer = writer, .channel = wrong, .next = 2}, reader_);
+  EXPECT_FALSE(next_is_in_short());
+  EXPECT_TRUE(channel_->keeps(1));
+}
+
 TEST_F(DisbelievedAnswersTest, ReportsThatRepeatNoMarkOpenNothing) {
   send(1);
   FlowReport guess = true_report();

@@ -129,6 +129,21 @@ TEST_F(ResendWindowTest, NamesItsChannelInFullUntilTheOtherEndAnswersAndWhereItD
   EXPECT_TRUE(in_short());
 }
 
+TEST_F(ResendWindowTest, NamesItsChannelInFullAtOnceWhereTheOtherEndFollowsAnother) {
+  for (int i = 0; i < 3; ++i) keep(100);
+  send();
+  while (!window.heartbeat(now)) now += 1ms;
+  ack(2);
+  now += 30ms;
+  window.hear({.writer = writer, .channel = channel + 2048, .next = 4}, now);
+  EXPECT_EQ(window.kept(), 2U);
+  EXPECT_TRUE(window.heartbeat(now));
+  EXPECT_FALSE(window.heartbeat(now)) << "one for each such ack";
+  keep(100);
+  const auto piece = window.next(Size::small, now);
+  EXPECT_FALSE(piece->first.channel.in_short);
+}
+
 TEST_F(ResendWindowTest, RepairsAPartOnceInARoundTripHoweverOftenItIsAskedFor) {
   keep(100, 1);
   keep(200'000, 2);

@@ -174,6 +174,19 @@ TEST_F(ResyncOfChannels, IgnoreThoseJustBefore) {
   EXPECT_EQ(judge(99, 2), Verdict::ignore);
 }
 
+TEST_F(ResyncOfChannels, DoNotTurnToOneWithTheSameLowBitsWhileThePresentOneIsHeard) {
+  constexpr std::uint32_t alike = 100 + (1U << 24);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(judge(alike, 1), Verdict::ignore);
+    EXPECT_EQ(judge(alike, 2), Verdict::ignore);
+    EXPECT_EQ(judge(100, 5), Verdict::present);
+  }
+  now += 250ms;
+  for (std::uint32_t i = 1; i < ChannelWatch::alike_in_a_row; ++i)
+    EXPECT_EQ(judge(alike, i), Verdict::ignore);
+  EXPECT_EQ(judge(alike, 9), Verdict::turn) << "the writer may have had as many channels";
+}
+
 TEST_F(ResyncOfChannels, WidenLowBitsToAChannelThatIsKnown) {
   watch.turn(1'000'000, 1);
   EXPECT_EQ(watch.widen(1'000'000 % 2048, 2048), 1'000'000U);

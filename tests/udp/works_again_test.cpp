@@ -75,6 +75,22 @@ TEST_F(WorksAgainTest, EveryStreamAfterAFewMutatedDatagrams) {
   }
 }
 
+/// Whole datagrams have only the low 11 bits of a channel's number, so they cannot contradict such a number.
+TEST_F(WorksAgainTest, EveryStreamAfterHeartbeatsWithAWrongBitInTheirChannel) {
+  run_for(500ms);
+  for (const unsigned bit : {0U, 10U, 11U, 24U, 31U}) {
+    for (Bytes datagram : std::vector(streams.captured())) {
+      const auto heartbeat = parse_heartbeat(datagram);
+      if (!heartbeat) continue;
+      const Heartbeat wrong{heartbeat->writer, heartbeat->channel ^ 1U << bit, heartbeat->port, 1, 10, 0};
+      encode(wrong, datagram.data());
+      for (int i = 0; i < 2; ++i) streams.receive(datagram);
+    }
+    expect_that_all_flow_again();
+    if (HasFailure()) FAIL() << "after bit " << bit;
+  }
+}
+
 /// Each value that is at the end of what a field can hold, at each place of each kind, twice: so they confirm
 /// each other.
 TEST_F(WorksAgainTest, EveryStreamAfterLargeNumbersInAnyFieldOfAnyKind) {
