@@ -54,18 +54,28 @@ bool LinkMerge::may_be_believed(const Known& known, const Claim& claim, Now now)
   const milliseconds silence = silence_in(claim.endpoint->life_lease);
   if (!claim.alive || claim.refused || !speakers_.speaks(claim.speaker, silence, now)) return false;
   const bool is_behind = known.told != nullptr && known.told->announcer != claim.speaker.participant &&
+                         known.told->node_id == claim.endpoint->node_id &&
                          claim.endpoint->revision < known.told->revision;
   return !is_behind || speakers_.has_spoken_for(claim.speaker, silence, now);
 }
 
-/// The first one that speaks; while none does, the one that was believed before, as long as it lives.
+/// The node to which the endpoint belongs: that of the first claim that is alive.
+NodeId LinkMerge::node_of(const Known& known) {
+  const auto alive = std::ranges::find_if(known.claims, &Claim::alive);
+  return (alive == known.claims.end() ? known.claims.front() : *alive).endpoint->node_id;
+}
+
+/// The first one of its node that speaks; while none does, the one that was believed before, as long as it
+/// lives.
 LinkMerge::Claim* LinkMerge::believed(Known& known, Now now) const {
+  if (known.claims.empty()) return nullptr;
+  const NodeId node = node_of(known);
   for (Claim& claim : known.claims) {
-    if (may_be_believed(known, claim, now)) return &claim;
+    if (claim.endpoint->node_id == node && may_be_believed(known, claim, now)) return &claim;
   }
   Claim* first = nullptr;
   for (Claim& claim : known.claims) {
-    if (!claim.alive) continue;
+    if (!claim.alive || claim.endpoint->node_id != node) continue;
     if (known.told != nullptr && claim.endpoint->announcer == known.told->announcer) return &claim;
     if (first == nullptr && !claim.refused) first = &claim;
   }
@@ -92,9 +102,11 @@ void LinkMerge::endpoint_came(const Speaker& speaker, Endpoint endpoint, Now now
     return refuse("more endpoints than there is room for: one " + name_of(*sample) + " is not taken");
   }
   Known& entry = known == endpoints_.end() ? endpoints_[id] : known->second;
-  if (!entry.claims.empty() && entry.claims.front().endpoint->node_id != sample->node_id) {
-    return refuse("another node announces the endpoint " + name_of(*entry.claims.front().endpoint) +
-                  ": that is not taken");
+  if (!entry.claims.empty() && node_of(entry) != sample->node_id) {
+    refuse("another node announces the endpoint " + name_of(*entry.claims.front().endpoint) +
+           ": that is not taken");
+    const Claim* const before = claim_of(entry, speaker);
+    if (before != nullptr && before->endpoint->node_id != sample->node_id) return;
   }
   hear_claim(entry, speaker, sample, now);
   settle(id, entry, now);
@@ -129,6 +141,7 @@ void LinkMerge::compare_claims(Known& known, Now now) {
   const Claim* const leader = believed(known, now);
   if (leader == nullptr) return;
   for (Claim& claim : known.claims) {
+    if (claim.endpoint->node_id != leader->endpoint->node_id) continue;  // it was refused when it came
     const bool agrees = &claim == leader || claim.endpoint->revision < leader->endpoint->revision ||
                         (claim.endpoint->revision == leader->endpoint->revision &&
                          say_the_same(*claim.endpoint, *leader->endpoint));
@@ -150,6 +163,37 @@ void LinkMerge::refuse_contested(Known& known, Now now) {
     refuse("another participant announces the endpoint " + name_of(*known.claims.front().endpoint) +
            " otherwise than the first one, which still speaks: that is not taken");
   }
+}
+
+/// Whether its participant says that the node lives to which the claim says that the endpoint belongs. Who
+/// only alters what others announce has no such node.
+bool LinkMerge::is_vouched_for(const Claim& claim) const {
+  const auto node = nodes_.find(claim.endpoint->node_id);
+  if (node == nodes_.end()) return false;
+  const auto speaker = std::ranges::find_if(node->second.claims, [&](const NodeClaim& of_node) {
+    return of_node.alive && of_node.speaker.link == claim.speaker.link;
+  });
+  return speaker != node->second.claims.end() && speaker->speaker == claim.speaker;
+}
+
+/// Who came first may have been quicker than the endpoint's own node. A node says all the time that it lives,
+/// so a claim whose speaker does not say that gives way to one whose speaker does.
+void LinkMerge::prefer_vouched(Known& known, Now now) {
+  const milliseconds silence = silence_in(lease_default);
+  const Claim* const leader = believed(known, now);
+  const auto other = std::ranges::find_if(known.claims, [&](const Claim& claim) {
+    return claim.alive && is_vouched_for(claim) && speakers_.speaks(claim.speaker, silence, now);
+  });
+  if (leader == nullptr || is_vouched_for(*leader) || other == known.claims.end())
+    return known.doubted_since.reset();
+  if (!known.doubted_since) known.doubted_since = now;
+  if (now - *known.doubted_since < silence) return;
+  known.doubted_since.reset();
+  other->refused = false;
+  other->contested_since.reset();
+  std::rotate(known.claims.begin(), other, other + 1);
+  known.told_request = 0;
+  settle(known.claims.front().endpoint->id, known, now);
 }
 
 void LinkMerge::endpoint_withdrawn(const Speaker& speaker, EndpointId id, Now now) {
@@ -328,13 +372,15 @@ void LinkMerge::settle(EndpointId id, Known& known, Now now) {
 /// None while the believed one is silent itself: then all of the node is.
 std::vector<LinkId> LinkMerge::silent_links(const Known& known, const Claim& believed, Now now) const {
   const milliseconds silence = silence_in(lease_of(known));
+  const NodeId node = believed.endpoint->node_id;
   const auto speaks = [&](const Claim& claim) {
-    return claim.alive && !claim.refused && speakers_.speaks(claim.speaker, silence, now);
+    return claim.alive && !claim.refused && claim.endpoint->node_id == node &&
+           speakers_.speaks(claim.speaker, silence, now);
   };
   std::vector<LinkId> silent;
   if (!speaks(believed)) return silent;
   for (const Claim& claim : known.claims) {
-    if (claim.refused) continue;
+    if (claim.refused || claim.endpoint->node_id != node) continue;
     const LinkId link = claim.speaker.link;
     const bool is_heard = std::ranges::any_of(
         known.claims, [&](const Claim& other) { return other.speaker.link == link && speaks(other); });
@@ -346,6 +392,8 @@ std::vector<LinkId> LinkMerge::silent_links(const Known& known, const Claim& bel
 
 void LinkMerge::tell(Known& known, const Claim& claim) {
   const bool is_same_speaker = known.told != nullptr && known.told->announcer == claim.endpoint->announcer;
+  const bool is_same_node = known.told != nullptr && known.told->node_id == claim.endpoint->node_id;
+  if (!is_same_node) known.told_request = 0;  // what another one asked for is not the reader's request
   known.told = claim.endpoint;
   known.lost = false;
   news_.emplace_back(EndpointSeen{claim.endpoint, known.told_silent});
@@ -380,7 +428,10 @@ void LinkMerge::end_silent_claims(NodeId id, KnownNode& node, Now now) const {
 
 void LinkMerge::tick(Now now) {
   for (auto& [id, known] : endpoints_) {
-    if (known.claims.size() > 1) refuse_contested(known, now);
+    if (known.claims.size() > 1) {
+      prefer_vouched(known, now);
+      refuse_contested(known, now);
+    }
     if (known.claims.size() != 1 || !known.claims.front().alive) settle(id, known, now);
   }
   for (auto& [id, node] : nodes_) {

@@ -86,7 +86,9 @@ class LinkMerge {
     bool refused = false;
   };
   struct Known {
-    std::vector<Claim> claims;             ///< the first one first
+    std::vector<Claim> claims;  ///< the first one first
+    /// The believed speaker does not say that its node lives, while another one does.
+    std::optional<Now> doubted_since{};
     std::vector<LinkId> told_silent;       ///< with it
     std::shared_ptr<const Endpoint> told;  ///< what was passed on last
     std::uint64_t told_request = 0;        ///< sequence
@@ -118,10 +120,13 @@ class LinkMerge {
   Claim* claim_of(Known& known, const Speaker& speaker) const;
   Claim* believed(Known& known, Now now) const;
   bool may_be_believed(const Known& known, const Claim& claim, Now now) const;
+  static NodeId node_of(const Known& known);
   void hear_claim(Known& known, const Speaker& speaker, std::shared_ptr<const Endpoint> endpoint, Now now);
   void adopt_early_request(Claim& claim);
   void compare_claims(Known& known, Now now);
   void refuse_contested(Known& known, Now now);
+  bool is_vouched_for(const Claim& claim) const;
+  void prefer_vouched(Known& known, Now now);
   void end_claim(Claim& claim, Now now);
   void settle(EndpointId id, Known& known, Now now);
   void settle_node(NodeId id, KnownNode& node, Now now);

@@ -104,14 +104,15 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   if (is_known) unindex(known->second.endpoint);
   Entry& entry = entries_[endpoint.id];
   if (!is_known) entry.arrival = ++arrivals_;
-  const Request known_request = std::exchange(entry.endpoint, endpoint).request;
+  const Endpoint known_endpoint = std::exchange(entry.endpoint, endpoint);
   entry.endpoint.request.announcer = endpoint.announcer;
   index(endpoint);
   const AnnouncerId* const entered_by = shares_.announcer_of(endpoint.id);
   if (entered_by == nullptr || *entered_by != endpoint.announcer)
     shares_.enter(endpoint.id, endpoint.announcer, endpoint.topic);
   if (!is_known) look_for_namesakes(endpoint);
-  adopt(entry, known_request);
+  // What another node asked for in the reader's name is not its request.
+  if (is_known && known_endpoint.node_id == endpoint.node_id) adopt(entry, known_endpoint.request);
   entry.lost_since.reset();
   entry.silent = false;
   adopt_early_request(entry);

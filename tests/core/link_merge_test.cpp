@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 constexpr LinkId lan = 1, radio = 2;
-constexpr NodeId node = 77;
+constexpr NodeId node = 77, other_node = 99;
 // The honest node has a participant on each link; the other two are somebody else's.
 constexpr Speaker by_lan{lan, 11}, by_radio{radio, 12}, stranger{lan, 13}, far_stranger{radio, 14};
 
@@ -40,6 +40,11 @@ class LinkMergeTest : public ::testing::Test {
 
   void announces(const Speaker& speaker, std::uint64_t revision, const std::string& name = "honest") {
     merge.endpoint_came(speaker, endpoint(revision, name), now);
+  }
+  void announces_as_another_node(std::uint64_t revision) {
+    Endpoint altered = endpoint(revision, "forger");
+    altered.node_id = other_node;
+    merge.endpoint_came(stranger, altered, now);
   }
   void asks(const Speaker& speaker, std::uint64_t sequence) {
     merge.request_came(speaker, request(sequence), now);
@@ -216,6 +221,58 @@ TEST_F(LinkMergeTest, RefusesIdsOfAnotherNode) {
 }
 
 /// Its address has changed: it says farewell to nobody, and has another participant.
+TEST_F(LinkMergeTest, BelievesTheEndpointsOwnNodeSoonAlsoIfAnotherNodeAnnouncedTheEndpointFirst) {
+  announces_as_another_node(1001);
+  announces(by_lan, 1);
+  asks(by_lan, 2);
+  EXPECT_THAT(told(), ElementsAre("forger 1001 by 13", HasSubstr("refused: another node announces")));
+  for (std::uint64_t revision = 1002; revision < 1024; ++revision) {  // the forger goes on, and is heard
+    announces_as_another_node(revision);
+    passes(100ms, {by_lan});
+  }
+  std::vector<std::string> after = told();
+  std::erase_if(after, [](const std::string& news) { return news.starts_with("forger"); });
+  EXPECT_THAT(after, ::testing::IsSupersetOf({"honest 1 by 11", "request 2 by 11"}));
+  announces_as_another_node(2000);
+  announces(by_lan, 2);
+  asks(by_lan, 3);
+  passes(5s, {by_lan});
+  EXPECT_THAT(told(),
+              ElementsAre(HasSubstr("refused: another node announces"), "honest 2 by 11", "request 3 by 11"));
+}
+
+TEST_F(LinkMergeTest, BelievesTheEndpointsOwnNodeSoonAlsoIfAnotherParticipantAnnouncedItFirst) {
+  announces(stranger, 1001, "forged");
+  announces(by_lan, 1);
+  for (std::uint64_t revision = 1002; revision < 1030; ++revision) {
+    announces(stranger, revision, "forged");
+    passes(100ms, {by_lan});
+  }
+  const std::vector<std::string> after = told();
+  ASSERT_FALSE(after.empty());
+  EXPECT_EQ(after.back(), "honest 1 by 11");
+}
+
+TEST_F(LinkMergeTest, BelievesTheEndpointsOwnNodeAtOnceWhenAnotherNodeThatAnnouncedItFirstGoes) {
+  announces_as_another_node(1001);
+  announces(by_lan, 1);
+  told();
+  merge.participant_left(stranger, now);
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 11"));
+}
+
+TEST_F(LinkMergeTest, KeepsBelievingANodeThatSaysThatItLivesWhateverAnotherNodeSays) {
+  announces(by_lan, 1);
+  merge.assertion_came(by_lan, {.node = node, .writers = {}}, now);
+  announces_as_another_node(1001);
+  told();
+  for (int i = 0; i < 50; ++i) {
+    merge.assertion_came(stranger, {.node = other_node, .writers = {}}, now);
+    passes(100ms);  // its signs of life do not come
+  }
+  EXPECT_THAT(told(), IsEmpty());
+}
+
 TEST_F(LinkMergeTest, BelievesANewParticipantOnceTheOldOneIsSilent) {
   announces(by_lan, 1);
   passes(3s, {by_lan});

@@ -113,6 +113,20 @@ TEST_F(Contests, AnEndpointThatIsAnnouncedDifferentlyIsAnnouncedAsItIs) {
   }
 }
 
+TEST_F(Contests, WhatAnotherNodeAskedForDoesNotOutliveItsAnnouncement) {
+  Endpoint forged = *negotiation.local(200);
+  forged.node_id += 1;
+  forged.announcer = forged.request.announcer = forger;
+  forged.request.sequence += 1000;
+  forged.request.mask_words = {1};
+  there.endpoint_seen(forged);
+  EXPECT_FALSE(served_as_asked());
+  Endpoint own = *negotiation.local(200);
+  own.announcer = own.request.announcer = honest;
+  there.endpoint_seen(own);
+  EXPECT_TRUE(served_as_asked());
+}
+
 TEST_F(Contests, ARevisionFarBeyondAllOthersIsNoReasonToRefuseThose) {
   Endpoint forged = *negotiation.local(200);
   forged.topic = "elsewhere";
