@@ -42,6 +42,7 @@ std::uint64_t sequence_of(const FirstHeader& first, const SequenceWatch& sequenc
 struct Reassembly::Incoming {
   core::EndpointId writer = 0;
   const TypeSupport* type = nullptr;
+  Incoming* twin = nullptr;      ///< the next one with the same short id
   std::size_t place = 0;         ///< in set_streams()
   std::size_t sample_bytes = 0;  ///< most that a body may have
   WantedMasks wanted;
@@ -75,14 +76,13 @@ Reassembly::~Reassembly() = default;
 void Reassembly::set_streams(std::span<const Stream> streams) {
   auto before = std::exchange(incoming_, {});
   by_stream_.clear();
+  by_short_id_.clear();
   last_ = nullptr;
   windows_ = 0;
   for (std::size_t place = 0; place < streams.size(); ++place) {
     const Stream& stream = streams[place];
-    const auto low = static_cast<std::uint32_t>(stream.writer);
-    std::unique_ptr<Incoming>& in = incoming_[low];
-    if (const auto known = before.find(low);
-        known != before.end() && known->second->writer == stream.writer) {
+    std::unique_ptr<Incoming>& in = incoming_[stream.writer];
+    if (const auto known = before.find(stream.writer); known != before.end()) {
       in = std::move(known->second);
       before.erase(known);
     } else {
@@ -101,8 +101,12 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
     if (in->window != nullptr) in->window->set_awaited(stream.waits);
     windows_ += stream.reliable ? 1 : 0;
     by_stream_.push_back(in.get());
+    in->twin = nullptr;
+    Incoming** last = &by_short_id_[static_cast<std::uint32_t>(stream.writer)];
+    while (*last != nullptr) last = &(*last)->twin;
+    *last = in.get();
   }
-  for (auto& [low, in] : before) {
+  for (auto& [writer, in] : before) {
     close_window(*in);
     while (!in->unfinished.empty()) remove(*in, SampleLabel(in->unfinished.loose().back()->label()));
   }
@@ -129,7 +133,8 @@ void Reassembly::close_window(Incoming& in) {
   left_.emplace_back(in.writer, *mark);
 }
 
-Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, ArrivalTime now) {
+Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, ArrivalTime now,
+                                       const core::IpAddress& from) {
   packed_.clear();
   ahead_.clear();
   ++datagrams_;
@@ -140,7 +145,7 @@ Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, Arrival
     ++counters_.malformed;
     return {};
   }
-  Incoming* const in = find(d ? d->label().writer : following->label.writer);
+  Incoming* const in = find(d ? d->label().writer : following->label.writer, from);
   if (in == nullptr) {
     ++counters_.unknown;
     return {};
@@ -152,11 +157,17 @@ Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, Arrival
                                          : accept_first(*in, *d, named, now);
 }
 
-Reassembly::Incoming* Reassembly::find(std::uint32_t writer) {
+/// Somebody may announce writers with the short ids of others. Of such twins the datagram is of the one whose
+/// node announced the address that it came from, and of the first one if none did.
+Reassembly::Incoming* Reassembly::find(std::uint32_t writer, const core::IpAddress& from) {
   if (last_ != nullptr && static_cast<std::uint32_t>(last_->writer) == writer) return last_;
-  const auto known = incoming_.find(writer);
-  if (known == incoming_.end()) return nullptr;
-  return last_ = known->second.get();
+  const auto known = by_short_id_.find(writer);
+  if (known == by_short_id_.end()) return nullptr;
+  if (known->second->twin == nullptr) return last_ = known->second;
+  for (Incoming* in = known->second; in != nullptr; in = in->twin) {
+    if (is_announced(in->node, from)) return in;
+  }
+  return known->second;
 }
 
 /// As if each sample had come by itself.
@@ -247,17 +258,17 @@ std::optional<Reassembly::Joining> Reassembly::accept_offer(std::span<const std:
     ++counters_.malformed;
     return {};
   }
-  const auto found = incoming_.find(offer->writer);
-  if (found == incoming_.end()) {
+  Incoming* const in = find(offer->writer, from.ip);
+  if (in == nullptr) {
     ++counters_.unknown;
     return {};
   }
-  const std::optional<SocketAddress> report_to = answer_address(found->second->node, from.ip, offer->port);
+  const std::optional<SocketAddress> report_to = answer_address(in->node, from.ip, offer->port);
   if (!report_to) {
     ++counters_.unknown;
     return {};
   }
-  const bool anew = found->second->groups.hear(*offer, *report_to, now.steady);
+  const bool anew = in->groups.hear(*offer, *report_to, now.steady);
   return Joining{offer->address, anew};
 }
 
@@ -522,7 +533,7 @@ std::unique_ptr<UnfinishedSample> Reassembly::remove(Incoming& in, const SampleL
 void Reassembly::expire(Time now) {
   if (!next_expiry_ || now < *next_expiry_) return;
   std::optional<Time> next;
-  for (auto& [low, in] : incoming_) {
+  for (auto& [writer, in] : incoming_) {
     const auto& loose = in->unfinished.loose();
     for (std::size_t i = 0; i < loose.size();) {
       const Time expiry = loose[i]->last_progress() + limits_.patience;
@@ -544,12 +555,12 @@ Reassembly::Arrival Reassembly::accept_heartbeat(std::span<const std::byte> byte
     ++counters_.malformed;
     return {};
   }
-  const auto found = incoming_.find(heartbeat->writer);
-  if (found == incoming_.end() || found->second->window == nullptr) {
+  Incoming* const found = find(heartbeat->writer, from.ip);
+  if (found == nullptr || found->window == nullptr) {
     ++counters_.unknown;
     return {};
   }
-  Incoming& in = *found->second;
+  Incoming& in = *found;
   const std::optional<SocketAddress> answers_to = answer_address(in.node, from.ip, heartbeat->port);
   if (!answers_to) {
     ++counters_.unknown;

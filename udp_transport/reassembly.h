@@ -63,11 +63,12 @@ class Reassembly {
   Reassembly(const ReassemblyLimits& limits, std::shared_ptr<core::BufferPool> pool);
   ~Reassembly();
 
-  /// What is wanted from now on. Writers differ in the low halves of their ids. What has begun of a writer
-  /// that stays is kept, and of one that goes is dropped.
+  /// What is wanted from now on. What has begun of a writer that stays is kept, and of one that goes is
+  /// dropped. Writers whose short ids are equal are told apart by the addresses that their nodes announced.
   void set_streams(std::span<const Stream> streams);
 
-  Arrival accept(std::span<const std::byte> datagram, ArrivalTime now);
+  /// `from`: where the datagram came from; it matters only where writers have equal short ids.
+  Arrival accept(std::span<const std::byte> datagram, ArrivalTime now, const core::IpAddress& from = {});
 
   Arrival accept_heartbeat(std::span<const std::byte> datagram, SocketAddress from, ArrivalTime now);
 
@@ -107,7 +108,7 @@ class Reassembly {
   struct Incoming;  ///< what is known of one writer
   enum class Refusal : std::uint8_t { none, malformed, unwanted, over_limit };
 
-  Incoming* find(std::uint32_t writer);
+  Incoming* find(std::uint32_t writer, const core::IpAddress& from);
   Arrival accept_first(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now,
                        bool same_datagram = false);
   Arrival accept_packed(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now);
@@ -141,9 +142,10 @@ class Reassembly {
 
   ReassemblyLimits limits_;
   std::shared_ptr<core::BufferPool> pool_;
-  std::unordered_map<std::uint32_t, std::unique_ptr<Incoming>> incoming_;  ///< by the writer's short id
+  std::unordered_map<core::EndpointId, std::unique_ptr<Incoming>> incoming_;
+  std::unordered_map<std::uint32_t, Incoming*> by_short_id_;  ///< the first of those that have it
   std::vector<Incoming*> by_stream_;
-  Incoming* last_ = nullptr;  ///< whose datagram came last
+  Incoming* last_ = nullptr;  ///< whose datagram came last; nobody who shares its short id
   std::vector<std::pair<core::EndpointId, ArrivalWindow::Mark>>
       left_;                                              ///< writers that were, the newest last
   std::size_t windows_ = 0;                               ///< streams that are reliable

@@ -260,7 +260,7 @@ void Receiver::datagram(std::span<const std::byte> bytes, const SocketAddress& f
   if (kind == DatagramKind::group_offer) return hear_offer(bytes, from);
   shares_.count(from);
   Reassembly::Arrival arrival =
-      kind == DatagramKind::heartbeat ? accept_heartbeat(bytes, from) : accept(bytes);
+      kind == DatagramKind::heartbeat ? accept_heartbeat(bytes, from) : accept(bytes, from);
   const bool in_channel = arrival.in_channel;
   const bool any = arrival.sample || !arrival.packed.empty();
   if (!any && !in_channel) return;
@@ -298,8 +298,9 @@ Reassembly::Arrival Receiver::accept_heartbeat(std::span<const std::byte> bytes,
   return {};
 }
 
-Reassembly::Arrival Receiver::accept(std::span<const std::byte> bytes) noexcept try {
-  return reassembly_.accept(bytes, now_);
+Reassembly::Arrival Receiver::accept(std::span<const std::byte> bytes, const SocketAddress& from) noexcept
+    try {
+  return reassembly_.accept(bytes, now_, from.ip);
 } catch (const std::bad_alloc&) {  // as if the datagram had not come
   return {};
 }

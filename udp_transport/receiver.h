@@ -80,7 +80,7 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
   void begin(ArrivalTime now) noexcept override;
   void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override;
   void end() noexcept override;
-  Reassembly::Arrival accept(std::span<const std::byte> bytes) noexcept;
+  Reassembly::Arrival accept(std::span<const std::byte> bytes, const SocketAddress& from) noexcept;
   void enter();
   void report(std::span<const std::byte> mark, SocketAddress from) noexcept;
   void hear_offer(std::span<const std::byte> bytes, SocketAddress from) noexcept;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -9,6 +10,8 @@
 namespace sft::udp {
 
 namespace {
+
+constexpr std::size_t twins_max = 16;  // with one short id
 
 template <class Container, class Value>
 bool holds(const Container& container, const Value& value) {
@@ -65,13 +68,17 @@ Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Sour
   return {};
 }
 
-/// Datagrams carry half of the writer's id, and one writer has one type.
+/// Datagrams carry half of the writer's id, and one writer has one type. A few writers with one short id are
+/// told apart by their addresses.
 Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Source& source) const {
+  std::set<core::EndpointId> twins;
   for (const Reader& other : readers_) {
     for (const core::Source& known : other.sources) {
       if (static_cast<std::uint32_t>(known.writer) != static_cast<std::uint32_t>(source.writer)) continue;
       if (known.writer != source.writer) {
-        return fail(Errc::unavailable, "two writers have the same short id " +
+        twins.insert(known.writer);
+        if (twins.size() < twins_max) continue;
+        return fail(Errc::unavailable, std::to_string(twins_max) + " writers have the same short id " +
                                            std::to_string(static_cast<std::uint32_t>(source.writer)) +
                                            "; open one of them again to give it another");
       }

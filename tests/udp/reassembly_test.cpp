@@ -304,6 +304,31 @@ TEST_F(ReassemblyTest, CountsWritersThatNobodyReads) {
   EXPECT_EQ(counted().unknown, 1U);
 }
 
+TEST_F(ReassemblyTest, TellsWritersWithOneShortIdApartByTheAddressesOfTheirNodes) {
+  const core::IpAddress honest_ip(0x0a000001), forger_ip(0x0a000002), unknown_ip(0x0a000003);
+  const core::EndpointId twin = writer + (core::EndpointId{1} << 32);
+  const auto stream = [](core::EndpointId id, const core::IpAddress& ip) {
+    Stream made{id, &test::type_support<Image>(), 0, {fields<Image>("*")}};
+    made.node = {.known = true, .addresses = {{.ip = ip, .port = 7000}}};
+    return made;
+  };
+  const auto writer_of = [&](std::uint32_t sequence, const core::IpAddress& from) -> core::EndpointId {
+    for (const Bytes& datagram : sent(sequence, make_image(64))) {
+      const Reassembly::Arrival arrival = reassembly_->accept(datagram, {now_, 77}, from);
+      if (arrival.sample) return arrival.sample->header().writer;
+    }
+    return 0;
+  };
+  const std::vector<Stream> both{stream(twin, forger_ip), stream(writer, honest_ip)};
+  reassembly_->set_streams(both);
+  EXPECT_EQ(writer_of(1, honest_ip), writer);
+  EXPECT_EQ(writer_of(1, forger_ip), twin);
+  EXPECT_EQ(writer_of(2, honest_ip), writer);
+  EXPECT_EQ(writer_of(2, unknown_ip), twin) << "the first one, if nobody announced the address";
+  reassembly_->set_streams(std::span(both).last(1));
+  EXPECT_EQ(writer_of(3, unknown_ip), writer) << "who has no twin may come from anywhere";
+}
+
 TEST_F(ReassemblyTest, CountsBytesThatAreNoDatagram) {
   receive(Bytes(5));
   receive(Bytes(100));
