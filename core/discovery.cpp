@@ -167,8 +167,11 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   }
 
   /// Containers come and go, which is no reason to greet anybody.
+  /// Those of before while the system cannot list them.
   std::vector<HostInterface> interfaces_of_interest() const {
-    std::vector<HostInterface> interfaces = host_interfaces();
+    std::optional<std::vector<HostInterface>> listed = host_interfaces();
+    if (!listed) return interfaces_;
+    std::vector<HostInterface> interfaces = std::move(*listed);
     if (config_.interfaces.empty())
       std::erase_if(interfaces, [](const HostInterface& i) { return belongs_to_containers(i.name); });
     return interfaces;

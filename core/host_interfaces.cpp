@@ -94,9 +94,9 @@ std::optional<HostInterface> with_address(const ifaddrs& entry, const std::set<I
 
 }  // namespace
 
-std::vector<HostInterface> host_interfaces() {
+std::optional<std::vector<HostInterface>> host_interfaces() {
   ifaddrs* first = nullptr;
-  ::getifaddrs(&first);
+  if (::getifaddrs(&first) != 0) return {};
   const std::unique_ptr<ifaddrs, IfaddrsDeleter> list(first);
   const std::set<IpAddress::Bytes> avoid = ipv6_addresses_to_avoid();
   std::vector<HostInterface> interfaces;
@@ -108,6 +108,9 @@ std::vector<HostInterface> host_interfaces() {
     if (std::ranges::find(interfaces, name, &HostInterface::name) == interfaces.end())
       interfaces.push_back(without_address(*i));
   }
+  // An index takes a descriptor to ask for. Without one, or where an interface has just gone, the next look
+  // tells.
+  if (std::ranges::find(interfaces, 0U, &HostInterface::index) != interfaces.end()) return {};
   return interfaces;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,8 @@ struct HostInterface {
 };
 
 /// Interfaces that are down are listed, too. IPv6 addresses that are temporary or not ready for use are not.
-std::vector<HostInterface> host_interfaces();
+/// Nothing while the system cannot list them, for want of descriptors: that says nothing of the network.
+std::optional<std::vector<HostInterface>> host_interfaces();
 
 /// True if a user who writes `text` means this interface: its name, its address, or the network that it is
 /// in. "10.0.0.0/24" and "10.0.0.0" are networks; the second is as long as the interface says.

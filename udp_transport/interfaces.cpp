@@ -107,9 +107,11 @@ bool is_wireless(const std::string& interface, const std::string& interfaces) {
          ::access((folder + "/wireless").c_str(), F_OK) == 0;
 }
 
-std::vector<core::Link> own_links(const std::vector<std::string>& chosen) {
+std::optional<std::vector<core::Link>> own_links(const std::vector<std::string>& chosen) {
+  const auto interfaces = core::host_interfaces();
+  if (!interfaces) return {};
   std::vector<core::Link> links;
-  for (const core::HostInterface& interface : core::host_interfaces()) {
+  for (const core::HostInterface& interface : *interfaces) {
     if (!interface.up || interface.ip.is_any()) continue;
     const bool usable =
         chosen.empty() ? !interface.loopback : std::ranges::any_of(chosen, [&](const std::string& one) {

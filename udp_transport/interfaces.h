@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,8 +47,9 @@ Result<void> check_interfaces(const std::vector<std::string>& chosen);
 
 /// Of the interfaces that are up: those of the default routes first, then IPv4 before IPv6, and link-local
 /// ones last of those with a carrier; without temporary ones, and those not ready for use. 127.0.0.1 only
-/// where there is no other. If `chosen` is not empty, of these interfaces only.
-std::vector<core::Link> own_links(const std::vector<std::string>& chosen = {});
+/// where there is no other. If `chosen` is not empty, of these interfaces only. Nothing while the system
+/// cannot list them.
+std::optional<std::vector<core::Link>> own_links(const std::vector<std::string>& chosen = {});
 
 /// As the system says in the folder of that interface.
 bool is_wireless(const std::string& interface, const std::string& interfaces = "/sys/class/net");

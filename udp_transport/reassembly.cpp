@@ -374,7 +374,7 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
     if (place != 0) in.window->refuse_or_pass(place);
     return {{}, in.place, place != 0};
   }
-  if (!believes(in, header.sequence, place, now.steady)) {
+  if (!believes(in, {header.sequence, place, datagrams_, header.source_stamp_ns}, now.steady)) {
     ++counters_.malformed;
     if (place != 0) in.window->refuse(place);
     return {{}, in.place, place != 0};
@@ -386,10 +386,10 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
 }
 
 /// What waits under a sequence that turns out to be wrong has to come again.
-bool Reassembly::believes(Incoming& in, std::uint64_t sequence, std::uint64_t place, Time now) {
+bool Reassembly::believes(Incoming& in, const SequenceWatch::Claim& claim, Time now) {
   const std::uint32_t numbering = in.sequences.numbering();
-  const bool believed = in.sequences.believes({sequence, place, datagrams_}, now);
-  if (in.window != nullptr && in.sequences.numbering() != numbering) in.window->distrust_above(sequence);
+  const bool believed = in.sequences.believes(claim, now);
+  if (in.window != nullptr && in.sequences.numbering() != numbering) in.window->distrust_above(claim.sequence);
   return believed;
 }
 

@@ -118,7 +118,7 @@ class Reassembly {
   Arrival proceed(Incoming& in, UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now);
   Arrival complete(Incoming& in, core::SampleHandle sample, const FirstHeader& first, std::uint64_t place,
                    ArrivalTime now);
-  bool believes(Incoming& in, std::uint64_t sequence, std::uint64_t place, Time now);
+  bool believes(Incoming& in, const SequenceWatch::Claim& claim, Time now);
   void park(Incoming& in, UnfinishedSample& sample, const Following& d, Time now);
 
   Arrival refuse(Incoming& in, const Datagram& d, std::uint64_t place, Refusal why);

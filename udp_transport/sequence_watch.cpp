@@ -50,6 +50,7 @@ void SequenceWatch::advance(const Claim& claim, Time now) {
   }
   newest_ = claim.sequence;
   newest_place_ = claim.place;
+  newest_stamp_ns_ = claim.stamp_ns;
   advanced_at_ = now;
   doubted_ = 0;
   late_ = 0;
@@ -91,7 +92,8 @@ bool SequenceWatch::note_late(const Claim& claim, Time now) {
   last_late_datagram_ = claim.datagram;
   late_ = late_ > 0 && sequence <= last_late_ ? 1 : late_ + 1;
   last_late_ = sequence;
-  return late_ >= late_in_a_row || (late_ >= 2 && now - advanced_at_ >= newest_doubted_after);
+  const bool is_later = claim.stamp_ns > newest_stamp_ns_ || newest_ - sequence > reach;
+  return late_ >= late_in_a_row || (late_ >= 2 && is_later && now - advanced_at_ >= newest_doubted_after);
 }
 
 }  // namespace sft::udp

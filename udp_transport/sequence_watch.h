@@ -23,7 +23,8 @@ class SequenceWatch {
   static constexpr std::uint64_t reach_back = std::uint64_t{1} << 26;
   /// After so many late samples in a row, whose sequences ascend, the numbering begins anew.
   static constexpr std::uint32_t late_in_a_row = 64;
-  /// Two are enough if the newest sequence is so old.
+  /// Two are enough if the newest sequence is so old, and their stamps are later than that of its sample, or
+  /// they are out of its reach: samples that a slow path brings late are older than the newest one.
   static constexpr std::chrono::milliseconds newest_doubted_after{250};
   /// A repetition of the same sequence confirms it if it comes so much later: the writer sent it twice.
   static constexpr std::chrono::milliseconds repeated_after{10};
@@ -34,6 +35,7 @@ class SequenceWatch {
     std::uint64_t place = 0;
     /// Another number for each datagram, and not 0: one datagram does not confirm itself.
     std::uint64_t datagram = 0;
+    std::int64_t stamp_ns = 0;  ///< by the writer's clock
   };
   /// Whether a sample that claims this may be delivered.
   bool believes(const Claim& claim, Time now);
@@ -53,6 +55,7 @@ class SequenceWatch {
 
   std::uint64_t newest_ = 0;  ///< 0: none yet
   std::uint64_t newest_place_ = 0;
+  std::int64_t newest_stamp_ns_ = 0;
   Time advanced_at_{};
   static constexpr std::uint32_t advances_counted_max = 1000;
   static constexpr std::uint64_t small_step = 64;

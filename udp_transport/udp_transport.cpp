@@ -1,8 +1,11 @@
 #include "udp_transport/udp_transport.h"
 
 #include <algorithm>
+#include <mutex>
+#include <optional>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include "core/network_watch.h"
 #include "udp_transport/ack_sender.h"
@@ -82,9 +85,12 @@ class UdpTransport final : public core::Transport {
   }
 
   std::vector<core::Link> links() const override {
-    std::vector<core::Link> links = own_links(interfaces_);
-    if (family_ == AF_INET) std::erase_if(links, [](const core::Link& link) { return !link.ip.is_ipv4(); });
-    return links;
+    std::optional<std::vector<core::Link>> links = own_links(interfaces_);
+    const std::scoped_lock lock(links_mutex_);
+    if (!links) return links_;
+    if (family_ == AF_INET) std::erase_if(*links, [](const core::Link& link) { return !link.ip.is_ipv4(); });
+    links_ = *links;
+    return *links;
   }
   bool network_changed() noexcept override {
     const bool changed = network_watch_.changed();
@@ -119,6 +125,8 @@ class UdpTransport final : public core::Transport {
   const std::vector<std::string> interfaces_;
   core::NetworkWatch network_watch_;
   bool network_has_changed_ = false;
+  mutable std::mutex links_mutex_;
+  mutable std::vector<core::Link> links_;  ///< as the system listed them last: at times it cannot
   std::chrono::steady_clock::time_point destinations_looked_after_at_{};
   const std::uint16_t port_;
   const int family_;  ///< of the socket: one of IPv6 takes both

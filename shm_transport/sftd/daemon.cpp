@@ -346,8 +346,18 @@ void Daemon::remove_traces(bool starts_again) {
   if (!starts_again) only_one_.remove();
 }
 
-/// Programs find it, and the memory, by these.
+namespace {
+/// The file system that /dev/shm is; 0 if nobody can tell.
+dev_t device_of_shared_memory() {
+  struct stat status {};
+  return stat("/dev/shm", &status) == 0 ? status.st_dev : 0;
+}
+}  // namespace
+
+/// Programs find it, and the memory, by these. Where another file system was mounted over /dev/shm nothing
+/// was removed: programs say that they have another one than this daemon, and it serves those that it had.
 bool Daemon::has_lost_its_names() const {
+  if (device_of_shared_memory() != shm_device_) return false;
   return !only_one_.is_named() || !host_file_.is_named() ||
          std::ranges::any_of(segments_, [](const auto& segment) {
            struct stat named {};
@@ -356,6 +366,7 @@ bool Daemon::has_lost_its_names() const {
 }
 
 void Daemon::note_segments() {
+  shm_device_ = device_of_shared_memory();
   for (const std::string& name : {std::string(iox::roudi::SHM_NAME), groups_.writers}) {
     const std::string path = "/dev/shm/" + name;
     struct stat made {};

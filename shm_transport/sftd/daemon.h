@@ -1,6 +1,8 @@
 // sftd as a whole: that there is one, its memory, its sign in /dev/shm, and its end.
 #pragma once
 
+#include <sys/types.h>
+
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -73,6 +75,7 @@ class Daemon {
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   PoolPlan plan_;
   bool status_was_told_ = true;  ///< at the last attempt
+  dev_t shm_device_ = 0;         ///< the file system that these are in
   bool names_lost_ = false;      ///< somebody removed its files: nobody can join any more
   std::vector<std::pair<std::string, ino_t>> segments_;  ///< their names
 

@@ -16,11 +16,12 @@ using namespace std::chrono_literals;
 class ResyncOfSequences : public testing::Test {
  protected:
   bool believes(std::uint64_t sequence, std::uint64_t place = 0) {
-    return watch.believes({sequence, place, ++datagram}, now);
+    return watch.believes({sequence, place, ++datagram, ++stamp_ns}, now);
   }
   SequenceWatch watch;
   SequenceWatch::Time now{1h};
   std::uint64_t datagram = 0;
+  std::int64_t stamp_ns = 0;
 };
 
 TEST_F(ResyncOfSequences, BelievesAnyFirstSequenceAndStepsWithinReach) {
@@ -75,6 +76,17 @@ TEST_F(ResyncOfSequences, BeginsAnewWhereLateSamplesAscendAndNothingNewComes) {
   EXPECT_TRUE(believes(102));
   EXPECT_EQ(watch.numbering(), 1U);
   EXPECT_EQ(watch.newest(), 102U);
+}
+
+TEST_F(ResyncOfSequences, StaysWithTheNewestWhereASlowPathBringsOlderSamplesLate) {
+  believes(100);
+  const std::int64_t before_the_newest = stamp_ns;
+  stamp_ns += 100;
+  believes(129);
+  now += 1s;
+  for (const std::uint64_t late : {108U, 109U, 110U})
+    EXPECT_TRUE(watch.believes({late, 0, ++datagram, before_the_newest}, now)) << late;
+  EXPECT_EQ(watch.numbering(), 0U);
 }
 
 TEST_F(ResyncOfSequences, BeginsAnewAfterManyLateSamplesInARow) {

@@ -179,13 +179,15 @@ TEST_P(TransportTest, NamesAPortThatIsInUse) {
   EXPECT_NE(second.error().message.find(std::to_string(port)), std::string::npos) << second.error().message;
 }
 
-TEST_P(TransportTest, RefusesTwoWritersWithOneShortId) {
+TEST_P(TransportTest, HearsSixteenWritersWithOneShortIdAndRefusesMore) {
   const auto here = open();
   Subscriber subscriber(*here, {"*"});
   subscriber.listen_to(0x1'0000'0007);
-  const Result<void> second = subscriber.port().connect({0x2'0000'0007, 0});
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().code, Errc::unavailable);
+  for (core::EndpointId high = 2; high <= 16; ++high)
+    EXPECT_TRUE(subscriber.port().connect({high << 32 | 7, 0})) << high;
+  const Result<void> one_more = subscriber.port().connect({core::EndpointId{17} << 32 | 7, 0});
+  ASSERT_FALSE(one_more);
+  EXPECT_EQ(one_more.error().code, Errc::unavailable);
 }
 
 TEST_P(TransportTest, DeliversEachSampleOnceOrCountsIt) {
