@@ -59,9 +59,9 @@ void ArrivalWindow::begin_channel(std::uint64_t ordinal) {
 }
 
 /// That and what follows was passed over, and should not have been.
-void ArrivalWindow::go_back_to(std::uint64_t ordinal, Time now) {
+void ArrivalWindow::go_back_to(std::uint64_t ordinal) {
   begin_channel(ordinal);
-  ordinals_.go_on_with(ordinal, now);
+  ordinals_.go_on_with(ordinal);
   not_told_before_ = std::min(not_told_before_, ordinal);
   ack_wanted_ = true;
 }
@@ -88,7 +88,7 @@ ArrivalWindow::Met ArrivalWindow::meet(const ChannelMark& mark, Time now, bool s
   if (state != State::missing) came_again(place);
   if (state != State::missing) return {Standing::known, place};
   fresh_ = false;
-  ordinals_.advanced(now);
+  ordinals_.advanced();
   return {Standing::wanted, place};
 }
 
@@ -98,7 +98,7 @@ ArrivalWindow::Met ArrivalWindow::meet_passed_over(const ChannelMark& mark, Time
   if (has_slot) came_again(place);
   const auto back = ordinals_.passed_over(mark.ordinal, same_datagram, now);
   if (!back) return {Standing::known, has_slot ? place : 0};
-  go_back_to(*back, now);
+  go_back_to(*back);
   return meet(mark, now, same_datagram);
 }
 
@@ -273,7 +273,7 @@ void ArrivalWindow::hear(const Heartbeat& heartbeat, Time now) {
   const Time heard_before = std::exchange(heard_at_, now);
   ack_wanted_ = true;
   if (joining_) begin_with(place_of(heartbeat.end));
-  if (contradicts(heartbeat, now)) go_back_to(heartbeat.first, now);
+  if (contradicts(heartbeat, now)) go_back_to(heartbeat.first);
   if (!follow(heartbeat, heard_before, now)) return ask_for_next(now);
   fresh_ = false;
   reach(std::max(end_, std::min(place_of(heartbeat.end), std::max(next_, skip_to_) + kept_max)), now);

@@ -172,7 +172,7 @@ class ArrivalWindow {
 
   bool turn_to(const ChannelWatch::Claim& claim, Time now);
   void begin_channel(std::uint64_t ordinal);
-  void go_back_to(std::uint64_t ordinal, Time now);
+  void go_back_to(std::uint64_t ordinal);
   Place place_of(std::uint64_t ordinal) const { return base_ + std::max(ordinal, first_ordinal_); }
   std::uint64_t ordinal_of(Place place) const { return place - base_; }
   Met meet_passed_over(const ChannelMark& mark, Time now, bool same_datagram);

@@ -20,11 +20,17 @@ ChannelWatch::Verdict ChannelWatch::judge(const Claim& claim, Time now) {
   const bool follows_on = known == nullptr && !precedes(claim.channel) && !is_alike;
   const bool begins = follows_on && claim.first <= beginning_max;
   if (claim.channel != doubted_) claims_ = 0;
+  if (claims_ == 0) {
+    doubted_since_ = now;
+    ordinals_claimed_ = 0;
+  }
+  if (claims_ == 0 || claim.last != last_claimed_) ++ordinals_claimed_;
+  last_claimed_ = claim.last;
   doubted_ = claim.channel;
   if (!claim.same_datagram) ++claims_;
-  const bool present_is_silent = now - heard_at_ >= present_doubted_after;
+  const bool present_is_silent = now - doubted_since_ >= present_doubted_after;
   const bool confirmed = claims_ >= (is_alike ? alike_in_a_row : 2) && (follows_on || present_is_silent);
-  if (!begins && !confirmed && claims_ < in_a_row) return Verdict::ignore;
+  if (!begins && !confirmed && ordinals_claimed_ < in_a_row) return Verdict::ignore;
   heard_at_ = now;
   return Verdict::turn;
 }

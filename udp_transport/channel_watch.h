@@ -21,9 +21,10 @@ class ChannelWatch {
 
   /// A channel whose ordinals are not above this looks like one that begins.
   static constexpr std::uint64_t beginning_max = 64;
-  /// After so many datagrams in a row a former channel is followed again.
+  /// After so many ordinals in a row a former channel is followed again. (One large sample of it may still be
+  /// under way in many datagrams.)
   static constexpr std::uint32_t in_a_row = 64;
-  /// Two are enough if the present channel was silent for so long.
+  /// Two are enough if they are so far apart and nothing of the present channel came between them.
   static constexpr std::chrono::milliseconds present_doubted_after{250};
   /// A channel whose low bits are those of the present one needs that silence, too, and so many datagrams:
   /// whole datagrams have only low bits, so the reader would take the true channel's for those of a wrong
@@ -69,9 +70,12 @@ class ChannelWatch {
 
   std::optional<std::uint32_t> present_;
   Time heard_at_{};
-  std::vector<Former> former_;  ///< the newest last
-  std::uint32_t doubted_ = 0;   ///< a channel that may have to be followed
-  std::uint32_t claims_ = 0;    ///< datagrams of it since the present one was heard
+  std::vector<Former> former_;          ///< the newest last
+  std::uint32_t doubted_ = 0;           ///< a channel that may have to be followed
+  std::uint32_t claims_ = 0;            ///< datagrams of it since the present one was heard
+  Time doubted_since_{};                ///< when the first of these came
+  std::uint32_t ordinals_claimed_ = 0;  ///< different ones in a row, in these
+  std::uint64_t last_claimed_ = 0;
 };
 
 }  // namespace sft::udp

@@ -23,11 +23,15 @@ bool OrdinalWatch::has_come(std::uint64_t ordinal) const {
 std::optional<std::uint64_t> OrdinalWatch::passed_over(std::uint64_t ordinal, bool same_datagram, Time now) {
   if (has_come(ordinal) || (same_datagram && passed_over_ > 0)) return {};
   const bool ascends = passed_over_ > 0 && ordinal >= last_passed_over_;
-  if (!ascends) first_passed_over_ = ordinal;
+  if (!ascends) {
+    first_passed_over_ = ordinal;
+    passed_over_since_ = now;
+  }
+  samples_passed_over_ = !ascends ? 1 : samples_passed_over_ + (ordinal != last_passed_over_ ? 1 : 0);
   passed_over_ = ascends ? passed_over_ + 1 : 1;
   last_passed_over_ = ordinal;
-  const bool nothing_new = now - advanced_at_ >= doubted_after;
-  if (passed_over_ < passed_over_in_a_row && (passed_over_ < 2 || !nothing_new)) return {};
+  const bool nothing_new = now - passed_over_since_ >= doubted_after;
+  if (samples_passed_over_ < passed_over_in_a_row && (passed_over_ < 2 || !nothing_new)) return {};
   return first_passed_over_;
 }
 
@@ -40,12 +44,12 @@ bool OrdinalWatch::confirmed(std::uint64_t ordinal, bool same_datagram, Time now
   return false;
 }
 
-void OrdinalWatch::go_on_with(std::uint64_t ordinal, Time now) {
+void OrdinalWatch::go_on_with(std::uint64_t ordinal) {
   if (came_end_ > ordinal + remembered) {
     came_.reset();
     came_end_ = 0;
   }
-  advanced(now);
+  advanced();
 }
 
 }  // namespace sft::udp

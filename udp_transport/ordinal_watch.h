@@ -16,10 +16,11 @@ class OrdinalWatch {
 
   /// So many samples of a channel are remembered, and no writer keeps more.
   static constexpr std::size_t remembered = 8192;
-  /// After so many datagrams in a row of samples that were passed over, and had not come, the reader goes
-  /// back.
+  /// After so many samples in a row that were passed over, and had not come, the reader goes back. (One large
+  /// sample that its writer gave up may still be under way in many datagrams.)
   static constexpr std::uint32_t passed_over_in_a_row = 64;
-  /// Two are enough if nothing new has come for so long.
+  /// Two are enough if they are so far apart, and nothing new has come between them. A silence before them
+  /// does not count: after it the first to come may be what was sent before it.
   static constexpr std::chrono::milliseconds doubted_after{250};
   /// A repetition of the same ordinal confirms it if it comes so much later: the writer sent it twice.
   static constexpr std::chrono::milliseconds repeated_after{10};
@@ -28,8 +29,7 @@ class OrdinalWatch {
   void came(std::uint64_t ordinal);
   bool has_come(std::uint64_t ordinal) const;
   /// Something came that was expected.
-  void advanced(Time now) {
-    advanced_at_ = now;
+  void advanced() {
     passed_over_ = 0;
     doubted_ = 0;
   }
@@ -40,13 +40,14 @@ class OrdinalWatch {
   bool confirmed(std::uint64_t ordinal, bool same_datagram, Time now);
 
   /// From now on that ordinal comes next.
-  void go_on_with(std::uint64_t ordinal, Time now);
+  void go_on_with(std::uint64_t ordinal);
 
  private:
   std::bitset<remembered> came_;
   std::uint64_t came_end_ = 0;  ///< none from here on has come
-  Time advanced_at_{};
-  std::uint32_t passed_over_ = 0;  ///< datagrams in a row
+  Time passed_over_since_{};
+  std::uint32_t passed_over_ = 0;          ///< datagrams in a row
+  std::uint32_t samples_passed_over_ = 0;  ///< of these, with different ordinals
   std::uint64_t first_passed_over_ = 0;
   std::uint64_t last_passed_over_ = 0;
   std::uint64_t doubted_ = 0;  ///< an ordinal that waits to be confirmed; 0: none

@@ -91,9 +91,10 @@ bool SequenceWatch::note_late(const Claim& claim, Time now) {
   if (sequence == newest_ || is_repair || claim.datagram == last_late_datagram_) return false;
   last_late_datagram_ = claim.datagram;
   late_ = late_ > 0 && sequence <= last_late_ ? 1 : late_ + 1;
+  if (late_ == 1) late_since_ = now;
   last_late_ = sequence;
   const bool is_later = claim.stamp_ns > newest_stamp_ns_ || newest_ - sequence > reach;
-  return late_ >= late_in_a_row || (late_ >= 2 && is_later && now - advanced_at_ >= newest_doubted_after);
+  return late_ >= late_in_a_row || (late_ >= 2 && is_later && now - late_since_ >= newest_doubted_after);
 }
 
 }  // namespace sft::udp

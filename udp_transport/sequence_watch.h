@@ -23,8 +23,9 @@ class SequenceWatch {
   static constexpr std::uint64_t reach_back = std::uint64_t{1} << 26;
   /// After so many late samples in a row, whose sequences ascend, the numbering begins anew.
   static constexpr std::uint32_t late_in_a_row = 64;
-  /// Two are enough if the newest sequence is so old, and their stamps are later than that of its sample, or
-  /// they are out of its reach: samples that a slow path brings late are older than the newest one.
+  /// Two are enough if they are so far apart with nothing newer between them, and their stamps are later than
+  /// that of its sample, or they are out of its reach: samples that a slow path brings late are older than
+  /// the newest one.
   static constexpr std::chrono::milliseconds newest_doubted_after{250};
   /// A repetition of the same sequence confirms it if it comes so much later: the writer sent it twice.
   static constexpr std::chrono::milliseconds repeated_after{10};
@@ -71,6 +72,7 @@ class SequenceWatch {
   Time doubted_at_{};
   std::uint32_t late_ = 0;  ///< datagrams in a row
   std::uint64_t last_late_ = 0;
+  Time late_since_{};  ///< when the first of these came
   std::uint64_t last_late_datagram_ = 0;
 };
 
