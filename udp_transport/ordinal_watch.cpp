@@ -31,7 +31,7 @@ std::optional<std::uint64_t> OrdinalWatch::passed_over(std::uint64_t ordinal, bo
   passed_over_ = ascends ? passed_over_ + 1 : 1;
   last_passed_over_ = ordinal;
   const bool nothing_new = now - passed_over_since_ >= doubted_after;
-  if (samples_passed_over_ < passed_over_in_a_row && (passed_over_ < 2 || !nothing_new)) return {};
+  if (samples_passed_over_ < passed_over_in_a_row && (passed_over_ < doubted_by || !nothing_new)) return {};
   return first_passed_over_;
 }
 

@@ -19,8 +19,10 @@ class OrdinalWatch {
   /// After so many samples in a row that were passed over, and had not come, the reader goes back. (One large
   /// sample that its writer gave up may still be under way in many datagrams.)
   static constexpr std::uint32_t passed_over_in_a_row = 64;
-  /// Two are enough if they are so far apart, and nothing new has come between them. A silence before them
-  /// does not count: after it the first to come may be what was sent before it.
+  /// So many datagrams are enough if the first and the last are so far apart, and nothing new has come
+  /// between them: fewer may be repairs that come late. A silence before them does not count: after it the
+  /// first to come may be what was sent before it.
+  static constexpr std::uint32_t doubted_by = 8;
   static constexpr std::chrono::milliseconds doubted_after{250};
   /// A repetition of the same ordinal confirms it if it comes so much later: the writer sent it twice.
   static constexpr std::chrono::milliseconds repeated_after{10};
