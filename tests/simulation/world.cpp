@@ -427,8 +427,11 @@ void World::note_channel(const std::optional<udp::ArrivalWindow::Mark>& before,
     last.gone_before = before->end;
     channel.base = last.base + before->end - 1;
   }
-  if (!channel.known_from && mark->end > 1) channel.known_from = heartbeat ? heartbeat->first : 1;
-  if (heartbeat && heartbeat->channel == mark->channel)
+  const bool is_of_channel = heartbeat && heartbeat->channel == mark->channel;
+  // A heartbeat is a word of the channel even before its first sample: what is sent after it can be lost.
+  if (!channel.known_from && (is_of_channel || mark->end > 1))
+    channel.known_from = heartbeat ? heartbeat->first : 1;
+  if (is_of_channel)
     channel.gone_before = std::max(channel.gone_before, heartbeat->first);
 }
 
