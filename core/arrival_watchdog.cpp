@@ -16,14 +16,9 @@ bool ArrivalWatchdog::look(const Progress* progress, std::uint64_t signs, const 
     excuse();
     signs_ = signs;
   }
-  if (progress != nullptr && (!base_ || progress->samples < base_->samples)) {
-    base_ = *progress;
-    base_at_ = now;
-    missed_since_.reset();
-  }
-  if (progress != nullptr) latest_ = *progress;
+  if (progress != nullptr) advance(*progress, pair, now);
   if (!base_) return false;
-  if (!missed_since_ && is_missed(pair, now)) missed_since_ = now;
+  if (!missed_since_ && is_missed(pair)) missed_since_ = now;
   if (!missed_since_ || now - *missed_since_ < time_to_arrive(pair) || now < next_) return false;
   excuse();  // a new connection counts its arrivals anew
   ++restarts_;
@@ -32,11 +27,26 @@ bool ArrivalWatchdog::look(const Progress* progress, std::uint64_t signs, const 
   return true;
 }
 
+void ArrivalWatchdog::advance(const Progress& progress, const Pair& pair, Now now) {
+  if (!base_ || progress.samples < base_->samples) {
+    base_ = latest_ = progress;
+    periods_ = 0;
+    period_at_ = now;
+    missed_since_.reset();
+    return;
+  }
+  if (progress.samples > latest_.samples && now - period_at_ >= std::chrono::microseconds(pair.min_period_us)) {
+    ++periods_;
+    period_at_ = now;
+  }
+  latest_ = progress;
+}
+
 /// Enough to tell that all of it should not be missing.
-bool ArrivalWatchdog::is_missed(const Pair& pair, Now now) const {
+bool ArrivalWatchdog::is_missed(const Pair& pair) const {
   const std::uint64_t enough = pair.reliable ? missing_where_reliable : missing_where_lossy;
-  const auto periods = std::chrono::microseconds(pair.min_period_us) * static_cast<std::int64_t>(enough);
-  return latest_.samples - base_->samples >= enough && now - base_at_ >= periods;
+  const bool was_let_through = pair.min_period_us == 0 || periods_ >= enough;
+  return latest_.samples - base_->samples >= enough && was_let_through;
 }
 
 std::chrono::nanoseconds ArrivalWatchdog::time_to_arrive(const Pair& pair) const {

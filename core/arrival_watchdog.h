@@ -6,7 +6,8 @@
 // - what was sent is counted from the last sign of an arrival, in samples that went out whole to all readers;
 // - where samples may get lost, so many have to be missing that not all of them can have been lost by chance;
 // - what was sent last has time to arrive, and large samples have more;
-// - a maximum rate gives as many periods as samples are wanted.
+// - with a maximum rate only samples count that were told of at least a period apart: what is sent in between
+//   may be withheld, also at the end of a burst that nothing follows.
 #pragma once
 
 #include <chrono>
@@ -48,13 +49,15 @@ class ArrivalWatchdog {
   std::uint64_t restarts() const { return restarts_; }
 
  private:
-  bool is_missed(const Pair& pair, Now now) const;
+  void advance(const Progress& progress, const Pair& pair, Now now);
+  bool is_missed(const Pair& pair) const;
   std::chrono::nanoseconds time_to_arrive(const Pair& pair) const;
 
   std::optional<std::uint64_t> signs_;
   std::optional<Progress> base_;  ///< what was sent when something arrived last, as far as we were told
-  Now base_at_{};
   Progress latest_{};
+  std::uint64_t periods_ = 0;  ///< of the maximum rate, in which something was sent since base_
+  Now period_at_{};            ///< when the last of these ended, or else when we were told of base_
   std::optional<Now> missed_since_;
   std::chrono::nanoseconds pause_{0};
   Now next_{};  ///< not before
