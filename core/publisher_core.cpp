@@ -449,7 +449,9 @@ PublishStatus PublisherCore::send(const Outlets& before, const SampleHandle& sam
   PublishStatus status = PublishStatus::ok;
   bool diverted = false;
   if (outlets.to_shm) {
-    if (send_to_shm(outlets, sample)) {
+    const SendStatus in_shm = send_to_shm(outlets, sample);
+    if (in_shm == SendStatus::displaced) status = PublishStatus::dropped;
+    if (in_shm == SendStatus::sent || in_shm == SendStatus::displaced) {
       for (const Outlets::Locals& locals : outlets.locals) {
         if (locals.want()) locals.tally->sent(0, 0);
       }
@@ -468,18 +470,18 @@ PublishStatus PublisherCore::send(const Outlets& before, const SampleHandle& sam
 }
 
 /// It may have been lent elsewhere, before shared memory came up or while it had no chunk free.
-bool PublisherCore::send_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept {
+SendStatus PublisherCore::send_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept {
   const SampleHandle local = outlets.shm->can_send(*sample) ? sample : copy_to_shm(*outlets.shm, sample);
   if (local) {
     if (spec_.max_blocking.count() > 0) outlets.shm->be_patient(patience_);
     const SendStatus status = outlets.shm->send(local);
     if (spec_.max_blocking.count() > 0) patience_ = outlets.shm->patience_left();
-    if (status == SendStatus::sent) return true;
-    unavailable_.fetch_add(1, std::memory_order_relaxed);
-    return false;
+    if (status != SendStatus::sent && status != SendStatus::displaced)
+      unavailable_.fetch_add(1, std::memory_order_relaxed);
+    return status;
   }
   count_refusal(outlets, sample->header().body_bytes);
-  return false;
+  return SendStatus::dropped;
 }
 
 /// Later ones in shared memory tell their readers that they may have to wait for it: it is under way for

@@ -119,7 +119,7 @@ class PublisherCore {
   PublishStatus send(const Outlets& before, const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
   PublishStatus withhold() noexcept;
   PublishStatus close_gaps(SampleBuffer& sample) noexcept;
-  bool send_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
+  SendStatus send_to_shm(const Outlets& outlets, const SampleHandle& sample) noexcept;
   void note_sent_by_udp_alone(const SampleBuffer& sample) noexcept;
   PublishStatus divert(const Outlets& outlets, const SampleHandle& sample) noexcept;
   SampleHandle copy_to_shm(WriterPort& shm, const SampleHandle& sample) const noexcept;

@@ -129,6 +129,7 @@ struct Accepted {
 
 enum class SendStatus : std::uint8_t {
   sent,       ///< handed over for every route
+  displaced,  ///< the same, but a reader that was waited for had no room in the end, and lost its oldest sample
   dropped,    ///< at least one route did not get it (queue full, socket error); counted by the port
   lost_port,  ///< the transport is gone; the agent has been told through Transport::poll
 };

@@ -121,19 +121,21 @@ void ChunkLender::hold(ChunkSlot& slot, ChunkHeader& chunk) noexcept {
 ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept {
   const std::scoped_lock lock(mutex_);
   if (lost_) return Commit::lost;
+  bool full = false;
   if (to_readers) {
     // The lock is recursive: with it in hand, sendChunk cannot block on a daemon that was stopped while it
     // had it.
     auto& port = publisher_.m_chunkSenderData;
     if (!port.tryLock()) return Commit::busy;
     if (retains_ || waits_) audience_.look(port.m_queues, *session_);
-    const bool full = may_wait && audience_.without_room() != nullptr;
-    if (!full) deliver(slot);
+    full = waits_ && audience_.without_room() != nullptr;
+    const bool waits = full && may_wait;
+    if (!waits) deliver(slot);
     port.unlock();
-    if (full) return Commit::full;
+    if (waits) return Commit::full;
   }
   slot.sent = true;
-  return Commit::done;
+  return full ? Commit::displaced : Commit::done;
 }
 
 void ChunkLender::deliver(ChunkSlot& slot) noexcept {
@@ -266,7 +268,7 @@ SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
   if (committed == ChunkLender::Commit::lost) return SendStatus::lost_port;
   if (committed == ChunkLender::Commit::busy) return drop();
   if (wanted) pages_->ring(doorbells_.loaded());
-  return SendStatus::sent;
+  return committed == ChunkLender::Commit::displaced ? SendStatus::displaced : SendStatus::sent;
 }
 
 ChunkLender::Commit ShmWriterPort::commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept {

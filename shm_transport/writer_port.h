@@ -50,10 +50,10 @@ class ChunkLender final : public core::BufferOwner,
   /// What the largest chunk holds. Any thread.
   std::size_t largest_bytes() const noexcept { return largest_bytes_; }
 
-  enum class Commit { done, busy, full, lost };
+  enum class Commit { done, displaced, busy, full, lost };
   /// Hands a lent sample to all subscribed readers, or to none. `busy`: the daemon holds the port's lock,
   /// which it does for microseconds unless it was stopped or killed there. `full`: a reader that is waited
-  /// for has no room, and `may_wait`.
+  /// for has no room, and `may_wait`; without that it loses its oldest sample, which is `displaced`.
   Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
   /// After `full`: sleeps until that reader has room, at most until then, and never long. It is to be tried
   /// again then.

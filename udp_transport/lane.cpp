@@ -12,6 +12,8 @@ namespace {
 // round trip, in which a program may publish a burst of small samples.
 constexpr std::size_t late_jobs_max = 256, unproven_jobs_max = 4096;
 constexpr std::size_t late_bytes_max = std::size_t{1} << 20;
+// After that report, for so long, what has piled up until then leaves before anything has to go.
+constexpr std::chrono::milliseconds pile_lasts{250};
 // And with one: as much as that may keep.
 constexpr ResendLimits channel_limits;
 
@@ -49,6 +51,7 @@ Lane::Posted Lane::post(JobHandle job) {
 std::optional<Lane::Posted> Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   const std::scoped_lock lock(mutex_);
   if (closed()) return Posted{};
+  note_report();
   if (!has_room_for(*job)) {
     oldest = pop_oldest();
     if (!has_room_for(*job)) return {};
@@ -74,9 +77,7 @@ void Lane::done_with(const JobHandle& job, bool lost) const {
 
 bool Lane::has_room_for(const Job& job) const {
   if (queue_.size() < depth_) return true;
-  const bool waits_for_report =
-      job.is_small() && !to_->answers() && !to_->is_mute(std::chrono::steady_clock::now());
-  if (!late_ && !waits_for_report) return false;
+  if (!late_ && !(job.is_small() && may_pile_up(Clock::now()))) return false;
   const std::size_t bytes = queued_bytes_ + bytes_held(job);
   const std::size_t jobs_max = late_ ? late_jobs_max : unproven_jobs_max;
   if (channel_ == nullptr) return queue_.size() < jobs_max && bytes <= late_bytes_max;
@@ -84,9 +85,23 @@ bool Lane::has_room_for(const Job& job) const {
          !channel_->must_give_up_some_of(bytes);
 }
 
+/// Before the first report of the receiver, and for a moment after it.
+bool Lane::may_pile_up(Clock::time_point now) const {
+  if (!to_->answers()) return !to_->is_mute(now);
+  return reported_at_ && now - *reported_at_ < pile_lasts;
+}
+
+void Lane::note_report() {
+  if (!to_->answers()) {
+    unproven_ = true;
+  } else if (std::exchange(unproven_, false)) {
+    reported_at_ = Clock::now();
+  }
+}
+
 void Lane::await_room(const Job& job, std::chrono::nanoseconds& patience) {
-  using Clock = std::chrono::steady_clock;
   std::unique_lock lock(mutex_);
+  note_report();
   if (closed() || has_room_for(job)) return;
   const Clock::time_point begin = Clock::now();
   room_.wait_until(lock, begin + patience, [&] { return closed() || has_room_for(job); });

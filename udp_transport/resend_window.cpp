@@ -91,7 +91,9 @@ void ResendWindow::make_room(Kept& kept, std::size_t added) {
                               (cut_short && keeps_more_than(limits_.samples / 2, bytes_max / 2)))) {
     const Entry& oldest = kept_[kept_.begin()];
     cut_short = cut_short || (oldest.state == State::under_way && size_of(oldest.first.total) == Size::large);
-    if (!oldest.begun) {
+    if (oldest.begun) {
+      ++kept.unacknowledged;
+    } else {
       ++kept.dropped;
       kept.dropped_bytes += oldest.first.total;
       kept.dropped_whole_bytes += oldest.job->whole_bytes;

@@ -28,6 +28,7 @@ constexpr std::size_t copied_at_a_time = 128 * 1024;
 VariantSender::VariantSender(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
                              std::shared_ptr<WriterTally> tally, std::shared_ptr<JobPool> jobs)
     : writer_(static_cast<std::uint32_t>(spec.id)),
+      waits_for_readers_(spec.max_blocking.count() > 0),
       type_(*spec.type),
       side_(std::move(side)),
       tally_(std::move(tally)),
@@ -361,7 +362,10 @@ std::size_t VariantSender::note(const Channel::Posted& posted, const std::shared
   for (std::size_t i = 0; i < kept.dropped; ++i)
     lane.losses()->lost(i == 0 ? kept.dropped_bytes : 0, i == 0 ? kept.dropped_whole_bytes : 0);
   side_->over_limit.fetch_add(kept.dropped, std::memory_order_relaxed);
-  return std::min(kept.dropped, job_samples);
+  // Who waited for room in vain is told of what may have arrived, too: there was no word of it in all that
+  // time.
+  const std::size_t gone = kept.dropped + (waits_for_readers_ ? kept.unacknowledged : 0);
+  return std::min(gone, job_samples);
 }
 
 /// One call for a small body; a pack may take some. `would_wait` where the sending thread has to do it.

@@ -87,6 +87,7 @@ class VariantSender {
   bool enqueue(const std::shared_ptr<Lane>& lane);
 
   const std::uint32_t writer_;  ///< low half of the id
+  const bool waits_for_readers_;
   const TypeSupport& type_;
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
