@@ -12,7 +12,7 @@ namespace {
 // round trip, in which a program may publish a burst of small samples.
 constexpr std::size_t late_jobs_max = 256, unproven_jobs_max = 4096;
 constexpr std::size_t late_bytes_max = std::size_t{1} << 20;
-// After that report, for so long, what has piled up until then leaves before anything has to go.
+// For so long after that report, too: what has piled up until then leaves before anything has to go for it.
 constexpr std::chrono::milliseconds pile_lasts{250};
 // And with one: as much as that may keep.
 constexpr ResendLimits channel_limits;
@@ -51,7 +51,7 @@ Lane::Posted Lane::post(JobHandle job) {
 std::optional<Lane::Posted> Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   const std::scoped_lock lock(mutex_);
   if (closed()) return Posted{};
-  note_report();
+  note_report(*job);
   if (!has_room_for(*job)) {
     oldest = pop_oldest();
     if (!has_room_for(*job)) return {};
@@ -87,21 +87,25 @@ bool Lane::has_room_for(const Job& job) const {
 
 /// Before the first report of the receiver, and for a moment after it.
 bool Lane::may_pile_up(Clock::time_point now) const {
-  if (!to_->answers()) return !to_->is_mute(now);
+  if (unproven_) return !to_->is_mute(now);
   return reported_at_ && now - *reported_at_ < pile_lasts;
 }
 
-void Lane::note_report() {
-  if (!to_->answers()) {
-    unproven_ = true;
-  } else if (std::exchange(unproven_, false)) {
+/// A small one that came here for want of a report counts, too, where that has arrived by now.
+void Lane::note_report(const Job& job) {
+  const bool is_first = std::exchange(nothing_posted_, false);
+  unproven_ = !to_->answers();
+  if (unproven_) {
+    small_ones_wait_ = small_ones_wait_ || job.is_small();
+    reported_at_.reset();
+  } else if (std::exchange(small_ones_wait_, false) || is_first) {
     reported_at_ = Clock::now();
   }
 }
 
 void Lane::await_room(const Job& job, std::chrono::nanoseconds& patience) {
   std::unique_lock lock(mutex_);
-  note_report();
+  note_report(job);
   if (closed() || has_room_for(job)) return;
   const Clock::time_point begin = Clock::now();
   room_.wait_until(lock, begin + patience, [&] { return closed() || has_room_for(job); });

@@ -46,7 +46,7 @@ class Lane {
   /// A held lane keeps what is posted until begin() gave it the history, which has to go first. Meanwhile
   /// more may wait there than `depth`: 256 small samples, or with a channel as much as that may keep
   /// (ResendLimits). In an open lane 4,096 small samples of 1 MiB in all may wait while its receiver is asked
-  /// to report for the first time, and for a quarter of a second after that.
+  /// to report for the first time, and for 250 ms after that if some have waited.
   Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
        Start start = Start::open, std::shared_ptr<Channel> channel = {});
 
@@ -120,7 +120,7 @@ class Lane {
 
   bool has_room_for(const Job& job) const;
   bool may_pile_up(Clock::time_point now) const;
-  void note_report();
+  void note_report(const Job& job);
   JobHandle pop_oldest();
 
   const std::shared_ptr<Destination> to_;
@@ -144,8 +144,11 @@ class Lane {
   std::uint64_t oldest_ = 0;         ///< sequence of the first sample, once there is one
   std::vector<JobHandle> history_;   ///< goes first, the newest first
   OrdinalRing<JobHandle> queue_{0};  ///< the oldest first
-  bool unproven_ = false;  ///< the receiver had not reported when something was posted last
-  std::optional<Clock::time_point> reported_at_;  ///< and had when something was posted then
+  bool nothing_posted_ = true;       ///< as yet
+  bool unproven_ = false;            ///< the receiver had not reported when something was posted last
+  bool small_ones_wait_ = false;     ///< for that report
+  /// It had when something was posted next, and small ones had waited for that.
+  std::optional<Clock::time_point> reported_at_;
   std::size_t queued_bytes_ = 0;     ///< of memory that these hold
 };
 
