@@ -91,14 +91,12 @@ bool Lane::may_pile_up(Clock::time_point now) const {
   return reported_at_ && now - *reported_at_ < pile_lasts;
 }
 
-/// A small one that came here for want of a report counts, too, where that has arrived by now.
 void Lane::note_report(const Job& job) {
-  const bool is_first = std::exchange(nothing_posted_, false);
   unproven_ = !to_->answers();
   if (unproven_) {
     small_ones_wait_ = small_ones_wait_ || job.is_small();
     reported_at_.reset();
-  } else if (std::exchange(small_ones_wait_, false) || is_first) {
+  } else if (std::exchange(small_ones_wait_, false)) {
     reported_at_ = Clock::now();
   }
 }

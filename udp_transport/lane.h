@@ -144,7 +144,6 @@ class Lane {
   std::uint64_t oldest_ = 0;         ///< sequence of the first sample, once there is one
   std::vector<JobHandle> history_;   ///< goes first, the newest first
   OrdinalRing<JobHandle> queue_{0};  ///< the oldest first
-  bool nothing_posted_ = true;       ///< as yet
   bool unproven_ = false;            ///< the receiver had not reported when something was posted last
   bool small_ones_wait_ = false;     ///< for that report
   /// It had when something was posted next, and small ones had waited for that.

@@ -389,7 +389,9 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
 bool Reassembly::believes(Incoming& in, const SequenceWatch::Claim& claim, Time now) {
   const std::uint32_t numbering = in.sequences.numbering();
   const bool believed = in.sequences.believes(claim, now);
-  if (in.window != nullptr && in.sequences.numbering() != numbering) in.window->distrust_above(claim.sequence);
+  const bool begins_anew = in.sequences.numbering() != numbering;
+  if (in.window != nullptr && begins_anew && in.sequences.newest_was_wrong())
+    in.window->distrust_above(claim.sequence);
   return believed;
 }
 

@@ -33,10 +33,14 @@ bool SequenceWatch::believes(const Claim& claim, Time now) {
       return true;
     }
   } else if (newest_ - sequence <= reach_back) {
-    if (note_late(claim, now)) begin_anew(claim, now);
+    const bool is_repair = claim.place != 0 && claim.place < newest_place_;
+    const bool begins_anew = is_repair ? note_repair(claim, now) : note_late(claim, now);
+    if (begins_anew) begin_anew(claim, now);
+    newest_was_wrong_ = begins_anew && !is_repair;
     return true;
   }
   if (!confirmed(claim, now)) return false;
+  newest_was_wrong_ = sequence < newest_;
   begin_anew(claim, now);
   return true;
 }
@@ -53,7 +57,7 @@ void SequenceWatch::advance(const Claim& claim, Time now) {
   newest_stamp_ns_ = claim.stamp_ns;
   advanced_at_ = now;
   doubted_ = 0;
-  late_ = 0;
+  late_ = repairs_ = 0;
 }
 
 void SequenceWatch::begin_anew(const Claim& claim, Time now) {
@@ -87,14 +91,24 @@ bool SequenceWatch::confirmed(const Claim& claim, Time now) {
 /// True if the newest sequence must have been wrong. The newest one itself, in another variant, is not late.
 bool SequenceWatch::note_late(const Claim& claim, Time now) {
   const std::uint64_t sequence = claim.sequence;
-  const bool is_repair = claim.place != 0 && claim.place < newest_place_;
-  if (sequence == newest_ || is_repair || claim.datagram == last_late_datagram_) return false;
+  if (sequence == newest_ || claim.datagram == last_late_datagram_) return false;
   last_late_datagram_ = claim.datagram;
   late_ = late_ > 0 && sequence <= last_late_ ? 1 : late_ + 1;
   if (late_ == 1) late_since_ = now;
   last_late_ = sequence;
   const bool is_later = claim.stamp_ns > newest_stamp_ns_ || newest_ - sequence > reach;
   return late_ >= late_in_a_row || (late_ >= 2 && is_later && now - late_since_ >= newest_doubted_after);
+}
+
+/// The place of the newest one can be wrong as well: then what looks like repairs goes on and on, and nothing
+/// else comes.
+bool SequenceWatch::note_repair(const Claim& claim, Time now) {
+  if (claim.datagram == last_late_datagram_) return false;
+  last_late_datagram_ = claim.datagram;
+  repairs_ = repairs_ > 0 && claim.sequence <= last_repair_ ? 1 : repairs_ + 1;
+  if (repairs_ == 1) repairs_since_ = now;
+  last_repair_ = claim.sequence;
+  return repairs_ >= late_in_a_row && now - repairs_since_ >= newest_doubted_after;
 }
 
 }  // namespace sft::udp

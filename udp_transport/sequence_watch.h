@@ -45,6 +45,9 @@ class SequenceWatch {
   std::uint64_t widen(std::uint32_t low) const;
 
   std::uint64_t newest() const { return newest_; }
+  /// Of a numbering that has just begun anew: whether what came above it was certainly wrong. Where all that
+  /// came looked like repairs, it may have been right.
+  bool newest_was_wrong() const { return newest_was_wrong_; }
   /// Counts how often the numbering began anew.
   std::uint32_t numbering() const { return numbering_; }
 
@@ -53,6 +56,7 @@ class SequenceWatch {
   void begin_anew(const Claim& claim, Time now);
   bool confirmed(const Claim& claim, Time now);
   bool note_late(const Claim& claim, Time now);
+  bool note_repair(const Claim& claim, Time now);
 
   std::uint64_t newest_ = 0;  ///< 0: none yet
   std::uint64_t newest_place_ = 0;
@@ -74,6 +78,10 @@ class SequenceWatch {
   std::uint64_t last_late_ = 0;
   Time late_since_{};  ///< when the first of these came
   std::uint64_t last_late_datagram_ = 0;
+  std::uint32_t repairs_ = 0;  ///< datagrams in a row that look like repairs
+  std::uint64_t last_repair_ = 0;
+  Time repairs_since_{};  ///< when the first of these came
+  bool newest_was_wrong_ = false;
 };
 
 }  // namespace sft::udp

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -24,6 +25,20 @@ class Connections {
   const std::vector<SocketAddress>& redirected() const { return redirected_; }
   /// Datagrams.
   const std::vector<Bytes>& sent() const { return sent_; }
+  /// What a receiver says to the last mark that was sent.
+  FlowReport answer_to_mark(std::uint32_t window_bytes = 1'000'000) const {
+    std::optional<FlowMark> last;
+    for (const Bytes& bytes : sent_) {
+      if (const auto mark = parse_mark(bytes)) last = mark;
+    }
+    if (!last) return {};
+    return {.flow = last->flow,
+            .position = last->position,
+            .window_bytes = window_bytes,
+            .datagrams = last->datagrams,
+            .came = last->datagrams,
+            .sent_at_ns = last->sent_at_ns};
+  }
   /// Behind so many batches send buffers are full.
   void take_batches(std::size_t count) { batches_left_ = count; }
   /// What is done once a batch has left.

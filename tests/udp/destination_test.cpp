@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <optional>
 
 #include "connections.h"
 
@@ -17,19 +16,8 @@ class DestinationTest : public testing::Test {
   std::shared_ptr<Destination> find(std::uint32_t receive_buffer_bytes) {
     return directory_.find({0x7F000001, 5000, receive_buffer_bytes});
   }
-  /// What a receiver says to the last mark that was sent.
   FlowReport answer_to_mark(std::uint32_t window_bytes = 1'000'000) const {
-    std::optional<FlowMark> last;
-    for (const test::Bytes& bytes : connections_.sent()) {
-      if (const auto mark = parse_mark(bytes)) last = mark;
-    }
-    if (!last) return {};
-    return {.flow = last->flow,
-            .position = last->position,
-            .window_bytes = window_bytes,
-            .datagrams = last->datagrams,
-            .came = last->datagrams,
-            .sent_at_ns = last->sent_at_ns};
+    return connections_.answer_to_mark(window_bytes);
   }
   const core::IpAddress there_{0x7F000001U}, elsewhere_{0x0A090003U};
   const Destination::Time now_ = Destination::Time{} + 1h;

@@ -85,6 +85,19 @@ TEST_F(LaneTest, KeepsABurstOfSmallSamplesForAReceiverThatHasNotReportedYet) {
   EXPECT_EQ(take_all(lane), posted);
 }
 
+TEST_F(LaneTest, KeepsThatBurstWhenTheReportCame) {
+  DestinationDirectory asking({.report_port = 7}, connections_.connect());
+  const auto to = asking.find({.ip = 0x7F000001, .port = 1});
+  Lane lane(to, 3, tally_);
+  const auto post = [&](std::uint32_t n) { return lane.post(test::make_job(*jobs_, n)).dropped_oldest; };
+  for (std::uint32_t n = 1; n <= 10; ++n) EXPECT_FALSE(post(n)) << n;
+  const auto now = std::chrono::steady_clock::now();
+  to->sent(to->connection(), 100, 1, now);
+  ASSERT_TRUE(to->hear(connections_.answer_to_mark(), core::IpAddress{0x7F000001U}, now).believed);
+  for (std::uint32_t n = 11; n <= 20; ++n) EXPECT_FALSE(post(n)) << n;
+  EXPECT_EQ(take_all(lane).size(), 20U);
+}
+
 TEST_F(LaneTest, SkipsNothingForADestinationThatFallsBehind) {
   for (std::uint32_t n = 1; n <= 6; ++n) {
     const JobHandle shared = job(n);

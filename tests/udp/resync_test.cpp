@@ -104,6 +104,16 @@ TEST_F(ResyncOfSequences, DoesNotTakeRepairsForASignOfAWrongSequence) {
   EXPECT_EQ(watch.numbering(), 0U);
 }
 
+TEST_F(ResyncOfSequences, DoesNotTakeTrueSamplesForRepairsForEver) {
+  believes(1'000, 1'000);
+  for (std::uint64_t n = 1; n < SequenceWatch::late_in_a_row; ++n) believes(n, n);
+  now += 250ms;
+  EXPECT_EQ(watch.numbering(), 0U);
+  believes(SequenceWatch::late_in_a_row, SequenceWatch::late_in_a_row);
+  EXPECT_EQ(watch.numbering(), 1U);
+  EXPECT_FALSE(watch.newest_was_wrong()) << "it may be a long repair";
+}
+
 TEST_F(ResyncOfSequences, DoesNotTakeSamplesThatOvertookForOne) {
   believes(1'000);
   for (std::uint64_t i = 1; i < 200; ++i) {
