@@ -141,6 +141,7 @@ class ArrivalWindow {
   Time next_look() const { return look_at_; }
 
   bool knows_channel() const { return channels_.present().has_value(); }
+  const ChannelWatch& channels() const { return channels_; }
   Place next_place() const { return next_; }
   std::size_t held_bytes() const { return held_bytes_; }
   std::size_t size() const { return slots_.size(); }

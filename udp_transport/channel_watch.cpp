@@ -14,10 +14,11 @@ ChannelWatch::Verdict ChannelWatch::judge(const Claim& claim, Time now) {
     claims_ = 0;
     return Verdict::present;
   }
-  const Former* const known = former(claim.channel);
-  if (known != nullptr && claim.last < known->next) return Verdict::ignore;
+  const auto known = std::ranges::find(former_, claim.channel, &Former::channel);
+  const bool is_former = known != former_.end();
+  const bool is_behind = is_former && claim.last < known->next;
   const bool is_alike = is_like_present(claim.channel);
-  const bool follows_on = known == nullptr && !precedes(claim.channel) && !is_alike;
+  const bool follows_on = !is_former && !precedes(claim.channel) && !is_alike;
   const bool begins = follows_on && claim.first <= beginning_max;
   if (claim.channel != doubted_) claims_ = 0;
   if (claims_ == 0) {
@@ -29,8 +30,11 @@ ChannelWatch::Verdict ChannelWatch::judge(const Claim& claim, Time now) {
   doubted_ = claim.channel;
   if (!claim.same_datagram) ++claims_;
   const bool present_is_silent = now - doubted_since_ >= present_doubted_after;
-  const bool confirmed = claims_ >= (is_alike ? alike_in_a_row : 2) && (follows_on || present_is_silent);
-  if (!begins && !confirmed && ordinals_claimed_ < in_a_row) return Verdict::ignore;
+  const std::uint32_t enough = is_behind ? behind_in_a_row : is_alike ? alike_in_a_row : 2;
+  const bool confirmed = claims_ >= enough && (follows_on || present_is_silent);
+  const bool goes_on = !is_behind && ordinals_claimed_ >= in_a_row;
+  if (!begins && !confirmed && !goes_on) return Verdict::ignore;
+  if (is_behind) known->next = claim.first;  // it had been followed too far
   heard_at_ = now;
   return Verdict::turn;
 }

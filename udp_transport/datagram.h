@@ -222,7 +222,7 @@ struct GroupReport {
   std::uint32_t writer = 0;
   std::uint32_t group = 0;
   std::uint32_t member = 0;
-  std::uint64_t heard = 0;  ///< ordinal: the last that has come
+  std::uint64_t heard = 0;  ///< ordinal: the last that has come; 0: the offer is to be repeated
   friend bool operator==(const GroupReport&, const GroupReport&) = default;
 };
 

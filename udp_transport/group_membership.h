@@ -31,16 +31,18 @@ class GroupMembership {
     unanswered_ = 0;
   }
 
+  /// What comes to it has no place where the offer says: it must have got a wrong one.
+  void refused(Time now) {
+    if (!hears_) return;  // it is offered again anyway
+    lose(now);
+  }
+
   /// It was offered so often that it seems not to be reached by multicast at all.
   bool given_up() const { return unanswered_ >= offers_max; }
 
   /// Notices what did not come.
   void look(Time now) {
-    if (owed_since_ == never || now - owed_since_ < patience) return;
-    hears_ = false;
-    owed_since_ = never;
-    offer_at_ = now;
-    sent_since_offer_ = true;
+    if (owed_since_ != never && now - owed_since_ >= patience) lose(now);
   }
 
   /// Whether the group is to be offered to it now; counts as done. Not again before something was sent that
@@ -59,6 +61,13 @@ class GroupMembership {
   static constexpr std::chrono::milliseconds patience{500};
   static constexpr std::chrono::milliseconds offer_pause_least{20};
   static constexpr std::chrono::milliseconds offer_pause_longest{2000};
+
+  void lose(Time now) {
+    hears_ = false;
+    owed_since_ = never;
+    offer_at_ = now;
+    sent_since_offer_ = true;
+  }
 
   static constexpr int offers_max = 9;  ///< some 5 s, if samples are sent meanwhile
   static constexpr Time never = Time::max();

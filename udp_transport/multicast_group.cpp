@@ -88,10 +88,14 @@ bool MulticastGroup::has_left(const Job& job, bool lost) noexcept {
 
 void MulticastGroup::hear(const GroupReport& report, Time now) {
   const std::scoped_lock lock(mutex_);
-  if (report.member >= members_.size() || report.heard == 0 || report.heard > last_ordinal_) return;
-  if (broken()) return;
-  memberships_[report.member].reported(now);
-  hears_[report.member].store(true, std::memory_order_relaxed);
+  if (report.member >= members_.size() || report.heard > last_ordinal_ || broken()) return;
+  GroupMembership& membership = memberships_[report.member];
+  if (report.heard == 0) {
+    membership.refused(now);
+  } else {
+    membership.reported(now);
+  }
+  hears_[report.member].store(membership.hears(), std::memory_order_relaxed);
 }
 
 bool MulticastGroup::take_over_repairs(std::size_t member, Ack& ack, Time now) {

@@ -19,6 +19,7 @@ bool OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from, Tim
       return false;
     }
     known->is_doubted = false;
+    known->misplaced = 0;
     known->offer = offer;
     known->report_to = report_to;
     known->reported_at = {};  // who offers again has not heard
@@ -49,11 +50,15 @@ void OfferedGroups::take_back(const GroupOffer& offer, Time now) {
 
 bool OfferedGroups::comes_again(const GroupOffer& offer) { return offer == std::exchange(doubted_, offer); }
 
-bool OfferedGroups::place(FirstHeader& first, Time now) {
+bool OfferedGroups::place(FirstHeader& first, Time now, const ChannelWatch* channels) {
   const auto known = std::ranges::find_if(
       groups_, [&](const Offered& group) { return group.offer.group == first.group.group; });
   if (known == groups_.end()) return false;
   if (known->offer.channel != 0) {
+    if (channels != nullptr && channels->present() && !channels->knows(known->offer.channel)) {
+      note(*known, true);
+      return false;
+    }
     const std::uint64_t ordinal = first.group.ordinal + static_cast<std::uint64_t>(known->offer.ahead);
     if (ordinal == 0 || ordinal > ordinal_max) return false;
     first.flags |= channel_follows;
@@ -68,6 +73,19 @@ bool OfferedGroups::place(FirstHeader& first, Time now) {
     known->due = due_ = true;
   }
   return true;
+}
+
+void OfferedGroups::note(std::uint32_t group, bool misplaced) {
+  const auto known =
+      std::ranges::find_if(groups_, [&](const Offered& one) { return one.offer.group == group; });
+  if (known != groups_.end()) note(*known, misplaced);
+}
+
+void OfferedGroups::note(Offered& group, bool misplaced) {
+  group.misplaced = misplaced ? group.misplaced + 1 : 0;
+  if (group.misplaced < misplaced_max) return;
+  group.is_doubted = true;
+  if (group.misplaced % misplaced_max == 0) group.due = due_ = true;
 }
 
 void OfferedGroups::addresses(std::vector<std::uint32_t>& to) const {

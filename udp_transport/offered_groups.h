@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "udp_transport/channel_watch.h"
 #include "udp_transport/datagram.h"
 #include "udp_transport/datagram_io.h"
 
@@ -23,8 +24,13 @@ class OfferedGroups {
   bool hear(const GroupOffer& offer, const SocketAddress& from, Time now);
 
   /// A first datagram came by a group: gives it its place in the channel, if it has one there. False if that
-  /// group was not offered: nothing can be said of it then, and it comes otherwise.
-  bool place(FirstHeader& first, Time now);
+  /// group was not offered, or with a channel that is none of those that `channels` knows while it knows
+  /// some: nothing can be said of it then, and it comes otherwise.
+  bool place(FirstHeader& first, Time now, const ChannelWatch* channels = nullptr);
+
+  /// What came by that group has no place in the channel any more, and had never come before; or it has one.
+  /// Where that goes on, the offer was not what its writer sent, and the writer is asked to repeat it.
+  void note(std::uint32_t group, bool misplaced);
 
   /// Calls `send(address, report)` for each that is due. After place().
   template <class Send>
@@ -34,8 +40,8 @@ class OfferedGroups {
     for (Offered& group : groups_) {
       if (!group.due) continue;
       group.due = false;
-      send(group.report_to,
-           GroupReport{group.offer.writer, group.offer.group, group.offer.member, group.heard});
+      const std::uint64_t heard = group.misplaced < misplaced_max ? group.heard : 0;
+      send(group.report_to, GroupReport{group.offer.writer, group.offer.group, group.offer.member, heard});
     }
   }
 
@@ -49,6 +55,9 @@ class OfferedGroups {
   bool comes_again(const GroupOffer& offer);
   void take_back(const GroupOffer& offer, Time now);
 
+  struct Offered;
+  void note(Offered& group, bool misplaced);
+
   struct Offered {
     GroupOffer offer;
     SocketAddress report_to;
@@ -56,8 +65,10 @@ class OfferedGroups {
     std::uint64_t heard = 0;
     Time reported_at{};
     bool due = false;
-    bool is_doubted = false;  ///< an offer that says something else came last
+    bool is_doubted = false;  ///< an offer that says something else came last, or much was misplaced
+    std::uint32_t misplaced = 0;  ///< datagrams in a row
   };
+  static constexpr std::uint32_t misplaced_max = 8;
   /// The present one, and those of which something may still be under way.
   static constexpr std::size_t groups_max = 4;
   /// A switch knows of who joins sooner.

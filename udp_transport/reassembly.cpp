@@ -210,6 +210,10 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, co
       sample != nullptr ? sample->described() : met.place == 0 && in.finished.contains(d.label());
   const Arrival nothing{{}, in.place, met.place != 0};
   const bool is_wanted = met.standing == ArrivalWindow::Standing::wanted;
+  if ((d.first.flags & group_follows) != 0) {
+    const bool is_old = sample != nullptr || in.finished.contains(d.label());
+    if (is_wanted || !is_old) in.groups.note(d.first.group.group, !is_wanted);
+  }
   if (is_wanted && met.place != 0 && repeated) join_channel(in, *sample, met.place);
   if (repeated || !is_wanted) return nothing;
 
@@ -242,8 +246,9 @@ void Reassembly::join_channel(Incoming& in, UnfinishedSample& sample, std::uint6
 
 /// False if it is of a group that is not known here, or is not meant for those who read here now.
 bool Reassembly::place(Incoming& in, Datagram& d, Time now) {
-  if (!in.groups.place(d.first, now)) {
+  if (!in.groups.place(d.first, now, in.window == nullptr ? nullptr : &in.window->channels())) {
     in.elsewhere.add(d.label());
+    reports_due_ = reports_due_ || in.groups.due();
     return false;
   }
   reports_due_ = reports_due_ || in.groups.due();

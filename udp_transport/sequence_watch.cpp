@@ -33,7 +33,7 @@ bool SequenceWatch::believes(const Claim& claim, Time now) {
       return true;
     }
   } else if (newest_ - sequence <= reach_back) {
-    const bool is_repair = claim.place != 0 && claim.place < newest_place_;
+    const bool is_repair = claim.place != 0 && claim.place < newest_place_ && !is_younger(claim);
     const bool begins_anew = is_repair ? note_repair(claim, now) : note_late(claim, now);
     if (begins_anew) begin_anew(claim, now);
     newest_was_wrong_ = begins_anew && !is_repair;
@@ -50,6 +50,8 @@ void SequenceWatch::advance(const Claim& claim, Time now) {
   small_steps_ = is_small ? small_steps_ + 1 : 0;
   if (small_steps_ >= steady_steps) {
     steady_ = claim.sequence;
+    steady_stamp_ns_ = claim.stamp_ns;
+    steady_at_ = now;
     ++advances_;
   }
   newest_ = claim.sequence;
@@ -96,8 +98,16 @@ bool SequenceWatch::note_late(const Claim& claim, Time now) {
   late_ = late_ > 0 && sequence <= last_late_ ? 1 : late_ + 1;
   if (late_ == 1) late_since_ = now;
   last_late_ = sequence;
-  const bool is_later = claim.stamp_ns > newest_stamp_ns_ || newest_ - sequence > reach;
+  const bool is_later = claim.stamp_ns > newest_stamp_ns_ || newest_ - sequence > reach || is_younger(claim);
   return late_ >= late_in_a_row || (late_ >= 2 && is_later && now - late_since_ >= newest_doubted_after);
+}
+
+/// By its stamp it was published after the newest one came, whatever the stamp of that one says.
+bool SequenceWatch::is_younger(const Claim& claim) const {
+  if (steady_ == 0) return false;
+  const auto since_steady = static_cast<std::int64_t>(static_cast<std::uint64_t>(claim.stamp_ns) -
+                                                      static_cast<std::uint64_t>(steady_stamp_ns_));
+  return std::chrono::nanoseconds(since_steady) > advanced_at_ - steady_at_;
 }
 
 /// The place of the newest one can be wrong as well: then what looks like repairs goes on and on, and nothing

@@ -56,6 +56,7 @@ class SequenceWatch {
   void begin_anew(const Claim& claim, Time now);
   bool confirmed(const Claim& claim, Time now);
   bool note_late(const Claim& claim, Time now);
+  bool is_younger(const Claim& claim) const;
   bool note_repair(const Claim& claim, Time now);
 
   std::uint64_t newest_ = 0;  ///< 0: none yet
@@ -67,6 +68,8 @@ class SequenceWatch {
   static constexpr std::uint32_t steady_steps = 4;
   std::uint32_t small_steps_ = 0;  ///< in a row
   std::uint64_t steady_ = 0;       ///< the newest one that was reached by small steps in a row
+  std::int64_t steady_stamp_ns_ = 0;
+  Time steady_at_{};
   std::uint32_t advances_ = 0;     ///< by such steps, since the numbering began anew
   std::uint64_t before_ = 0;       ///< steady_ of the numbering before that lasted longest; 0: there is none
   std::uint32_t before_advances_ = 0;  ///< of that one

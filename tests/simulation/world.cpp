@@ -244,6 +244,7 @@ void World::offer_group() {
 void World::hear_report(const udp::GroupReport& report) {
   if (!group_ || report.group != group_->number) return;
   if (report.heard > group_->last_ordinal) return fail("a report of what was never sent");
+  if (report.heard == 0) return group_->membership.refused(now_);
   group_->membership.reported(now_);
 }
 

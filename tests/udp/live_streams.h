@@ -158,7 +158,8 @@ class LiveStreams {
     job->sequence = one.sequence + 1;
     job->first = {
         .label = {static_cast<std::uint32_t>(one.writer), static_cast<std::uint32_t>(one.sequence + 1), 1},
-        .mask = all().hash()};
+        .mask = all().hash(),
+        .stamp_ns = std::chrono::nanoseconds(now_.time_since_epoch()).count()};
     for (std::size_t left = one.kind == StreamKind::packed ? 5 : 1; left > 0; --left) {
       append(*job, one, make_image(large ? 20'000 : 50, static_cast<std::uint32_t>(++one.sequence)));
     }
@@ -286,7 +287,12 @@ class LiveStreams {
     reassembly_.report([&](const SocketAddress&, const GroupReport& report) {
       for (const std::unique_ptr<One>& one : streams_) {
         const bool is_ours = static_cast<std::uint32_t>(one->writer) == report.writer && report.group == 1;
-        if (is_ours && report.heard <= one->group_ordinal) one->membership.reported(now_);
+        if (!is_ours || report.heard > one->group_ordinal) continue;
+        if (report.heard == 0) {
+          one->membership.refused(now_);
+        } else {
+          one->membership.reported(now_);
+        }
       }
     });
   }

@@ -373,8 +373,8 @@ local function read_group_report(c)
   local member = c:number(f.member, 4)
   local heard = c:number(f.heard, 8)
   if c.failed then return "" end
-  if heard == UInt64(0) then c:fail("Ordinals count from 1") end
   if c:left() > 0 then c:fail("A group report has 24 bytes") end
+  if heard == UInt64(0) then return string.format("group=%u member=%u offer again", group, member) end
   return string.format("group=%u member=%u heard=%s", group, member, tostring(heard))
 end
 
