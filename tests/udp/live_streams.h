@@ -264,7 +264,10 @@ class LiveStreams {
       if (!one.account.is_new(numbered)) continue;
       one.lost += one.account.enter(numbered).lost;
       one.last = sample->sequence;
-      const auto published = one.published.find(sample->sequence);
+      // What has no channel says only the low half of its sequence.
+      const std::uint64_t said =
+          is_reliable(one.kind) ? sample->sequence : static_cast<std::uint32_t>(sample->sequence);
+      const auto published = one.published.find(said);
       const bool sound =
           published != one.published.end() && same_bytes(published->second.body, body_of(*sample));
       if (sound) published->second.came = true;
