@@ -197,6 +197,11 @@ void ArrivalWindow::distrust_above(std::uint64_t sequence) {
   }
 }
 
+std::optional<SampleLabel> ArrivalWindow::begun_at(Place place) const {
+  if (place == 0 || !slots_.contains(place) || slots_[place].state != State::begun) return {};
+  return slots_[place].label;
+}
+
 bool ArrivalWindow::is_stuck(Time head_came, Time now) {
   if (std::exchange(looked_at_next_, next_) != next_) next_since_ = now;
   const Time since = std::max(next_since_, head_came);

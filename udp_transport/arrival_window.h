@@ -82,6 +82,10 @@ class ArrivalWindow {
   void refuse_or_pass(Place place);
   /// Samples with a greater sequence have a wrong one, and have to come again.
   void distrust_above(std::uint64_t sequence);
+  /// The sample that has begun there; empty if none has, or it is whole.
+  std::optional<SampleLabel> begun_at(Place place) const;
+  /// That one begins anew, or another one there.
+  void give_back(Place place, Time now) { give_back(slots_[place], now); }
   /// Some of it came once more.
   void came_again(Place place);
 

@@ -203,6 +203,8 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, co
   ArrivalWindow::Met met{ArrivalWindow::Standing::wanted, 0};
   if (in.window != nullptr && (d.first.flags & channel_follows) != 0) {
     met = in.window->meet(d.first.channel, now.steady, same_datagram);
+    if (met.standing == ArrivalWindow::Standing::known && gives_way(in, met.place, d.label(), now.steady))
+      met = in.window->meet(d.first.channel, now.steady, same_datagram);
     drop_abandoned(in);
   }
   UnfinishedSample* sample = in.unfinished.find(d.label());
@@ -236,6 +238,17 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, co
   Arrival arrival = proceed(in, *sample, sample->unpark(limits_.gaps, now.steady), now);
   arrival.in_channel = met.place != 0;  // those before it may have turned out to be lost
   return arrival;
+}
+
+/// Another sample has begun at that place, and gets no further: what began it may not have been true.
+bool Reassembly::gives_way(Incoming& in, std::uint64_t place, const SampleLabel& label, Time now) {
+  constexpr std::chrono::milliseconds claim_holds{20};
+  const std::optional<SampleLabel> claimed = in.window->begun_at(place);
+  if (!claimed || *claimed == label) return false;
+  const UnfinishedSample* const sample = in.unfinished.find(*claimed);
+  if (sample != nullptr && now - sample->last_progress() < claim_holds) return false;
+  in.window->give_back(place, now);
+  return true;
 }
 
 /// It had begun before it was wanted reliably.

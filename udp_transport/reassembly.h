@@ -112,6 +112,7 @@ class Reassembly {
   Arrival accept_first(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now,
                        bool same_datagram = false);
   Arrival accept_packed(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now);
+  bool gives_way(Incoming& in, std::uint64_t place, const SampleLabel& label, Time now);
   void join_channel(Incoming& in, UnfinishedSample& sample, std::uint64_t place);
   bool place(Incoming& in, Datagram& d, Time now);
   Arrival accept_following(Incoming& in, const Following& d, ArrivalTime now);

@@ -30,11 +30,12 @@ class OfferedGroupsTest : public testing::Test {
                         writer_at, now);
   }
   bool offer_at(Time now) { return offer(1, 0, 0, now); }
-  bool place(std::uint32_t group, std::uint64_t ordinal, Time now = start) {
+  bool place(std::uint32_t group, std::uint64_t ordinal, Time now = start,
+             const ChannelWatch* channels = nullptr) {
     first_ = {};
     first_.flags = group_follows;
     first_.group = {group, 0, ordinal};
-    return groups_.place(first_, now);
+    return groups_.place(first_, now, channels);
   }
   std::vector<GroupReport> reports() {
     std::vector<GroupReport> sent;
@@ -54,6 +55,37 @@ TEST_F(OfferedGroupsTest, IgnoreWhatIsOfAGroupThatWasNotOffered) {
   offer(2);
   EXPECT_FALSE(place(1, 1));
   EXPECT_TRUE(reports().empty());
+}
+
+TEST_F(OfferedGroupsTest, AreToBeOfferedAgainWhereWhatComesHasNoPlace) {
+  offer(1, 9, 5);
+  for (std::uint64_t n = 1; n <= 7; ++n) {
+    EXPECT_TRUE(place(1, n));
+    groups_.note(1, true);
+  }
+  groups_.note(1, false);
+  EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 7}})) << "not in a row";
+  for (std::uint64_t n = 1; n <= 8; ++n) groups_.note(1, true);
+  EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 0}}));
+  EXPECT_TRUE(place(1, 8, start + 1h));
+  EXPECT_TRUE(reports().empty()) << "who reports would not be offered it again";
+  offer(1, 9, 6);
+  offer(1, 9, 6);
+  EXPECT_TRUE(place(1, 9, start + 1h));
+  EXPECT_EQ(first_.channel.ordinal, 15U);
+  EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 9}}));
+}
+
+TEST_F(OfferedGroupsTest, PlaceNothingInAChannelThatIsNotKnownWhileAnotherIs) {
+  ChannelWatch channels;
+  offer(1, 9);
+  EXPECT_TRUE(place(1, 1, start, &channels)) << "none is known";
+  channels.turn(4, 0);
+  EXPECT_FALSE(place(1, 2, start, &channels));
+  channels.turn(9, 0);
+  EXPECT_TRUE(place(1, 3, start, &channels));
+  channels.turn(10, 0);
+  EXPECT_TRUE(place(1, 4, start, &channels)) << "what was sent before may be under way";
 }
 
 TEST_F(OfferedGroupsTest, GiveNoPlaceBeforeOrBehindAllThatAChannelCanHave) {
@@ -159,6 +191,18 @@ TEST(GroupMembership, EndsWhenSamplesThatAreSentAreNotReportedAnyMore) {
   EXPECT_TRUE(member.offer_due(start + 1h + 500ms));
   member.reported(start + 2h);
   EXPECT_TRUE(member.hears());
+}
+
+TEST(GroupMembership, IsOfferedAgainAtOnceWhenItRefusesTheOffer) {
+  GroupMembership member;
+  member.refused(start);
+  EXPECT_TRUE(member.offer_due(start));
+  EXPECT_FALSE(member.offer_due(start)) << "it is offered anyway";
+  member.reported(start);
+  EXPECT_FALSE(member.offer_due(start + 1s));
+  member.refused(start + 1s);
+  EXPECT_FALSE(member.hears());
+  EXPECT_TRUE(member.offer_due(start + 1s));
 }
 
 TEST(GroupMembership, StaysWhileReportsComeEveryNowAndThen) {

@@ -114,6 +114,25 @@ TEST_F(ResyncOfSequences, DoesNotTakeTrueSamplesForRepairsForEver) {
   EXPECT_FALSE(watch.newest_was_wrong()) << "it may be a long repair";
 }
 
+TEST_F(ResyncOfSequences, KnowsByTheirStampsWhatWasPublishedAfterAWrongSequenceCame) {
+  const auto claim = [&](std::uint64_t sequence, SequenceWatch::Time published, std::uint64_t place = 0) {
+    const std::chrono::nanoseconds by_its_clock = published.time_since_epoch() + 7h;
+    return watch.believes({sequence, place, ++datagram, by_its_clock.count()}, now);
+  };
+  for (std::uint64_t n = 1; n <= 10; ++n, now += 10ms) claim(n, now, n);
+  claim(60'000, now + 24h, 1'000);  // its stamp and its place are wrong as well
+  now += 10ms;
+  for (std::uint64_t n = 11; n <= 14; ++n) claim(n, now - 50ms, n);
+  now += 300ms;
+  claim(15, now - 350ms, 15);
+  EXPECT_EQ(watch.numbering(), 0U) << "these were under way before that";
+  claim(16, now, 16);
+  now += 250ms;
+  claim(17, now, 17);
+  EXPECT_EQ(watch.numbering(), 1U);
+  EXPECT_TRUE(watch.newest_was_wrong());
+}
+
 TEST_F(ResyncOfSequences, DoesNotTakeSamplesThatOvertookForOne) {
   believes(1'000);
   for (std::uint64_t i = 1; i < 200; ++i) {
@@ -189,6 +208,26 @@ TEST_F(ResyncOfChannels, TurnBackWhereTheyLeftWhenOnlyTheFormerOneIsHeard) {
   EXPECT_EQ(judge(100, 6), Verdict::ignore) << "that has come";
   EXPECT_EQ(judge(100, 9), Verdict::turn);
   EXPECT_EQ(watch.turn(100, 1), 7U);
+}
+
+TEST_F(ResyncOfChannels, TurnBackToAFormerOneThatWasFollowedTooFar) {
+  watch.turn(101, 1'000'000);
+  judge(101, 1);
+  for (std::uint32_t i = 1; i < ChannelWatch::behind_in_a_row; ++i)
+    EXPECT_EQ(judge(100, 6 + i), Verdict::ignore) << "these may be late";
+  now += 250ms;
+  EXPECT_EQ(judge(100, 20), Verdict::turn);
+  EXPECT_EQ(watch.turn(100, 1), 20U) << "it goes on with what comes";
+}
+
+TEST_F(ResyncOfChannels, DoNotTurnBackForLateOnesWhileThePresentOneIsHeard) {
+  watch.turn(101, 1'000);
+  for (std::uint64_t i = 1; i < 100; ++i) {
+    now += 100ms;
+    EXPECT_EQ(judge(100, i), Verdict::ignore);
+    EXPECT_EQ(judge(100, i), Verdict::ignore);
+    EXPECT_EQ(judge(101, i), Verdict::present);
+  }
 }
 
 TEST_F(ResyncOfChannels, IgnoreThoseJustBefore) {
