@@ -3,8 +3,11 @@
 #include <dds/ddsrt/log.h>
 #include <fcntl.h>
 
+#include <atomic>
 #include <map>
 #include <mutex>
+#include <system_error>
+#include <thread>
 #include <utility>
 
 #include "core/file_descriptor.h"
@@ -18,6 +21,7 @@ constexpr std::uint32_t first_domain = 1000;  // DDS domains on a network are be
 /// A governance document can name no number above this one, and Cyclone looks up the number of this process.
 constexpr std::uint32_t last_secured_domain = 230;
 constexpr std::size_t descriptors_of_a_domain = 16;
+constexpr std::size_t threads_of_a_domain = 8;  // Cyclone's own, and those of the node behind it
 
 /// The domains of this process, kept where Cyclone keeps them.
 struct OpenDomains {
@@ -35,6 +39,22 @@ bool has_descriptors_left() {
     if (!spare.back()) return false;
   }
   return true;
+}
+
+/// Nor a lack of threads.
+bool has_threads_left() {
+  std::atomic<bool> all_began{false};
+  std::vector<std::jthread> spare;
+  bool left = true;
+  try {
+    for (std::size_t i = 0; i < threads_of_a_domain; ++i)
+      spare.emplace_back([&all_began] { all_began.wait(false); });
+  } catch (const std::system_error&) {
+    left = false;
+  }
+  all_began = true;
+  all_began.notify_all();
+  return left;
 }
 
 /// Under a number that is free, from the greatest one down: programs use small ones for themselves.
@@ -86,6 +106,9 @@ Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const std::string& c
   if (!has_descriptors_left())
     return fail(Errc::limit_exceeded,
                 "the process has no file descriptors left: raise its limit (ulimit -n)");
+  if (!has_threads_left())
+    return fail(Errc::limit_exceeded, "no more threads can be started: raise the limits of the user (ulimit -u) "
+                                      "or of the service (TasksMax)");
   const CycloneMessages messages;
   const auto [id, entity] = make_domain(config, is_secured);
   if (entity < 0) return fail(Errc::invalid_argument, messages.text());

@@ -185,16 +185,26 @@ void ArrivalWindow::refuse_or_pass(Place place) {
 /// Those before the first missing one were acknowledged: they do not come again.
 void ArrivalWindow::distrust_above(std::uint64_t sequence) {
   for (Place place = slots_.begin(); place < slots_.end(); ++place) {
-    Slot& slot = slots_[place];
-    if (slot.state != State::whole || slot.sample->sequence <= sequence) continue;
-    held_bytes_ -= slot.sample->capacity;
-    if (place < next_) ready_bytes_ -= slot.sample->capacity;
-    slot.state = place < next_ ? State::passed : State::missing;
-    slot.sample.reset();
-    slot.asked = 0;
-    slot.ask_at = heard_at_ + delay_ + slot.apart;
-    if (place >= next_) look_at(slot.ask_at);
+    const Slot& slot = slots_[place];
+    if (slot.state == State::whole && slot.sample->sequence > sequence) come_again(place);
   }
+}
+
+void ArrivalWindow::doubt(Place place, std::uint32_t sequence) {
+  if (place < next_ || !slots_.contains(place) || slots_[place].state != State::whole) return;
+  if (static_cast<std::uint32_t>(slots_[place].sample->sequence) != sequence) come_again(place);
+}
+
+/// The whole sample there was not the true one.
+void ArrivalWindow::come_again(Place place) {
+  Slot& slot = slots_[place];
+  held_bytes_ -= slot.sample->capacity;
+  if (place < next_) ready_bytes_ -= slot.sample->capacity;
+  slot.state = place < next_ ? State::passed : State::missing;
+  slot.sample.reset();
+  slot.asked = 0;
+  slot.ask_at = heard_at_ + delay_ + slot.apart;
+  if (place >= next_) look_at(slot.ask_at);
 }
 
 std::optional<SampleLabel> ArrivalWindow::begun_at(Place place) const {

@@ -82,6 +82,9 @@ class ArrivalWindow {
   void refuse_or_pass(Place place);
   /// Samples with a greater sequence have a wrong one, and have to come again.
   void distrust_above(std::uint64_t sequence);
+  /// A sample with that low half of a sequence came there. If another one waits there for those before it, one
+  /// of both is wrong: it has to come again.
+  void doubt(Place place, std::uint32_t sequence);
   /// The sample that has begun there; empty if none has, or it is whole.
   std::optional<SampleLabel> begun_at(Place place) const;
   /// That one begins anew, or another one there.
@@ -185,6 +188,7 @@ class ArrivalWindow {
   bool contradicts(const Heartbeat& heartbeat, Time now);
   void ask_for_next(Time now);
   void give_back(Slot& slot, Time now);
+  void come_again(Place place);
   bool is_stuck(Time head_came, Time now);
   bool reach(Place end, Time now);
   void settle(Slot& slot, State state);

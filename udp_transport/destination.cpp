@@ -28,7 +28,7 @@ FlowLimits flow_limits(const DestinationLimits& limits) {
 }  // namespace
 
 Destination::Destination(const SocketAddress& address, const DestinationLimits& limits, std::uint32_t flow,
-                         Connect connect, std::uint32_t channels)
+                         Connect connect, std::uint32_t channels, std::shared_ptr<UnprovenBudget> host)
     : limits_(limits),
       flow_(flow),
       channels_(channels),
@@ -37,7 +37,7 @@ Destination::Destination(const SocketAddress& address, const DestinationLimits& 
       path_(path_to(address)),
       datagram_bytes_(path_.datagram_bytes()),
       connection_(connect_(address)),
-      window_(flow, flow_limits(limits), random_secret()),
+      window_(flow, flow_limits(limits), random_secret(), std::move(host)),
       answers_(limits.report_port == 0) {}
 
 std::size_t Destination::ask_kernel(const SocketAddress& address) const noexcept {
@@ -71,7 +71,7 @@ SocketAddress Destination::address() const {
   return address_;
 }
 
-void Destination::move_to(const SocketAddress& address) noexcept {
+void Destination::move_to(const SocketAddress& address, std::shared_ptr<UnprovenBudget> host) noexcept {
   {
     const std::scoped_lock lock(mutex_);
     if (address == std::exchange(address_, address)) return;
@@ -79,7 +79,7 @@ void Destination::move_to(const SocketAddress& address) noexcept {
   }
   {
     const std::scoped_lock lock(window_mutex_);
-    window_.move(random_secret());
+    window_.move(random_secret(), std::move(host));
     answers_.store(limits_.report_port == 0, std::memory_order_relaxed);
   }
   connection_->redirect(address);
@@ -292,19 +292,22 @@ std::shared_ptr<Destination> DestinationDirectory::known(const core::UdpAddress&
 std::shared_ptr<Destination> DestinationDirectory::find(const core::UdpAddress& address) {
   const SocketAddress to{address.ip, address.port};
   std::shared_ptr<Destination> destination;
+  std::shared_ptr<UnprovenBudget> host;
   std::uint32_t flow = 0;
   {
     const std::scoped_lock lock(mutex_);
+    host = hosts_.of(to.ip, std::chrono::steady_clock::now());
     destination = known(address);
     flow = destination == nullptr ? unused_flow() : 0;
   }
   if (destination == nullptr) {
-    auto fresh = std::make_shared<Destination>(to, limits_, flow, connect_, first_channel(key_of(address)));
+    auto fresh =
+        std::make_shared<Destination>(to, limits_, flow, connect_, first_channel(key_of(address)), host);
     const std::scoped_lock lock(mutex_);
     destination = known(address);
     if (destination == nullptr) known_[key_of(address)] = destination = std::move(fresh);
   }
-  if (address.node != 0) destination->move_to(to);
+  if (address.node != 0) destination->move_to(to, std::move(host));
   if (address.receive_buffer_bytes != 0) destination->set_receive_buffer(address.receive_buffer_bytes);
   return destination;
 }

@@ -37,9 +37,10 @@ class Destination {
 
   /// `flow` is what its receiver will call us by, and nobody else can guess; `connect` is called again for
   /// the first large sample.
-  /// Channels to it are numbered from `channels` on, which nobody else can guess either.
+  /// Channels to it are numbered from `channels` on, which nobody else can guess either. `host`: of the
+  /// address, see FlowWindow.
   Destination(const SocketAddress& address, const DestinationLimits& limits, std::uint32_t flow,
-              Connect connect, std::uint32_t channels = 0);
+              Connect connect, std::uint32_t channels = 0, std::shared_ptr<UnprovenBudget> host = {});
 
   // Any thread.
 
@@ -95,7 +96,7 @@ class Destination {
 
   SocketAddress address() const;
   /// To another address of the same socket: what is on its way there goes on. Any thread.
-  void move_to(const SocketAddress& address) noexcept;
+  void move_to(const SocketAddress& address, std::shared_ptr<UnprovenBudget> host) noexcept;
   /// Counts these moves, and the returns of a receiver that was silent: what it is told again, it is told at
   /// once.
   std::uint32_t moves() const { return moves_.load(std::memory_order_relaxed); }
@@ -182,6 +183,7 @@ class DestinationDirectory {
   std::shared_ptr<Destination> known(const core::UdpAddress& address);
   std::uint32_t unused_flow();
   std::map<Key, std::weak_ptr<Destination>> known_;
+  UnprovenBudgets hosts_;
 };
 
 }  // namespace sft::udp

@@ -1,5 +1,8 @@
 #include "udp_transport/flow_window.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace sft::udp {
 
 namespace {
@@ -14,8 +17,14 @@ constexpr std::chrono::seconds longest_pause_between_marks{3};
 std::int64_t ns_of(FlowWindow::Time time) { return time.time_since_epoch().count(); }
 }  // namespace
 
-FlowWindow::FlowWindow(std::uint32_t flow, const FlowLimits& limits, std::uint64_t secret)
-    : flow_(flow), limits_(limits), secret_(secret), share_(0), sustainable_(limits.first_bytes) {
+FlowWindow::FlowWindow(std::uint32_t flow, const FlowLimits& limits, std::uint64_t secret,
+                       std::shared_ptr<UnprovenBudget> host)
+    : flow_(flow),
+      limits_(limits),
+      secret_(secret),
+      host_(std::move(host)),
+      share_(0),
+      sustainable_(limits.first_bytes) {
   announce(0);
 }
 
@@ -45,13 +54,24 @@ bool FlowWindow::is_mute(Time now) const {
   return refused_ || (asked_ >= marks_of_silence && now - *asked_since_ >= limits_.silence);
 }
 
+std::size_t FlowWindow::unproven_datagrams_left(Time now) const {
+  const std::size_t left =
+      limits_.unproven_datagrams - std::min(limits_.unproven_datagrams, unproven_datagrams_);
+  return left == 0 || host_ == nullptr ? left : std::min(left, host_->left(now));
+}
+
 /// Large samples wait for the report, which opens the whole window a round trip later.
 std::size_t FlowWindow::room_before_report(Size size, Time now) const {
-  if (size == Size::large || is_mute(now) || unproven_bytes_ >= limits_.unproven_bytes ||
-      unproven_datagrams_ >= limits_.unproven_datagrams)
-    return 0;
+  if (size == Size::large || is_mute(now) || unproven_bytes_ >= limits_.unproven_bytes) return 0;
   return std::min(limits_.unproven_bytes - unproven_bytes_,
-                  (limits_.unproven_datagrams - unproven_datagrams_) * datagram_bytes_min);
+                  unproven_datagrams_left(now) * datagram_bytes_min);
+}
+
+void FlowWindow::note_unproven(std::size_t bytes, std::size_t datagrams, Time now) {
+  if (heard_ || !limits_.asks) return;
+  unproven_bytes_ += bytes;
+  unproven_datagrams_ += datagrams;
+  if (host_ != nullptr) host_->spend(datagrams, now);
 }
 
 std::size_t FlowWindow::room(Size size, Time now) {
@@ -73,8 +93,8 @@ std::size_t FlowWindow::room(Size size, Time now) {
 
 bool FlowWindow::takes_control(Time now) {
   if (answers(now)) return true;
-  if (heard_ || is_mute(now) || unproven_datagrams_ >= limits_.unproven_datagrams) return false;
-  ++unproven_datagrams_;
+  if (heard_ || is_mute(now) || unproven_datagrams_left(now) == 0) return false;
+  note_unproven(0, 1, now);
   return true;
 }
 
@@ -84,10 +104,7 @@ void FlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now, bool a
   pass_time(now);
   const std::size_t taken = socket_bytes(bytes, datagrams);
   sent_ += taken;
-  if (!heard_) {
-    unproven_bytes_ += bytes;
-    unproven_datagrams_ += datagrams;
-  }
+  note_unproven(bytes, datagrams, now);
   expansion_ +=
       (static_cast<double>(taken) / static_cast<double>(std::max<std::size_t>(bytes, 1)) - expansion_) / 8;
   if (!aside) datagrams_ += static_cast<std::uint32_t>(datagrams);
@@ -155,6 +172,7 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
   pass_time(now);
   const bool was_awaited = !answers(now);
   learn(report, now);
+  if (!heard_ && host_ != nullptr) host_->give_back(unproven_datagrams_);
   heard_ = true;
   note_life(now);
   unanswered_ = 0;
@@ -183,8 +201,9 @@ void FlowWindow::refused(Time now) {
 }
 
 /// What is under way goes nowhere any more, and what was learnt was of another way.
-void FlowWindow::move(std::uint64_t secret) {
+void FlowWindow::move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host) {
   secret_ = secret;
+  host_ = std::move(host);
   heard_ = false;
   unproven_bytes_ = unproven_datagrams_ = 0;
   passed_ = marked_ = reported_ = sent_;

@@ -11,10 +11,12 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "udp_transport/datagram.h"
+#include "udp_transport/unproven_budget.h"
 
 namespace sft::udp {
 
@@ -42,7 +44,8 @@ struct FlowLimits {
   std::chrono::milliseconds mark_again{2};  ///< after twice the time there and back, but not before
   std::chrono::milliseconds mark_again_unheard{10};
   std::chrono::milliseconds mark_again_longest{50};
-  std::chrono::milliseconds mark_anew{2000};  ///< after the last report, if anything is sent
+  /// After the last report or ack, if anything is sent: later than the ack of a slow reliable flow comes.
+  std::chrono::milliseconds mark_anew{2500};
   std::chrono::milliseconds silence{1000};    ///< after which nothing but marks is sent
   // Between two marks to a receiver that is silent, or has never reported: longer the longer it lasts, but it
   // is served again soon after it has come back.
@@ -58,8 +61,10 @@ class FlowWindow {
   enum class Size : std::uint8_t { small, large };
 
   /// `flow` is what the other end calls it by. `secret` hides the times in marks: only who got a mark can
-  /// repeat what it says.
-  FlowWindow(std::uint32_t flow, const FlowLimits& limits, std::uint64_t secret = 0);
+  /// repeat what it says. `host` is what all to that host may send before they are answered; null: no more
+  /// than one may.
+  FlowWindow(std::uint32_t flow, const FlowLimits& limits, std::uint64_t secret = 0,
+             std::shared_ptr<UnprovenBudget> host = {});
 
   /// Before a report: how large the socket's buffer is.
   void announce(std::size_t receive_buffer_bytes);
@@ -87,7 +92,7 @@ class FlowWindow {
   /// The host there says that nobody has this port. A receiver that has just reported is believed instead.
   void refused(Time now);
   /// What is sent goes to another address from now on, which has to answer first.
-  void move(std::uint64_t secret);
+  void move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host = {});
   /// When to try again, if nothing is heard until then.
   Time next_ready(Time now) const;
 
@@ -110,7 +115,9 @@ class FlowWindow {
   double believed_rate() const;
   bool answer_is_due() const { return marked_ > reported_; }
   bool silent(Time now) const { return heard_ && is_mute(now); }
+  std::size_t unproven_datagrams_left(Time now) const;
   std::size_t room_before_report(Size size, Time now) const;
+  void note_unproven(std::size_t bytes, std::size_t datagrams, Time now);
   Time::duration retry_pause() const;
   std::size_t mark_spacing() const;
   bool mark_is_due(Time now) const;
@@ -127,6 +134,7 @@ class FlowWindow {
   std::uint32_t flow_;
   FlowLimits limits_;
   std::uint64_t secret_;
+  std::shared_ptr<UnprovenBudget> host_;
   std::size_t share_;        ///< of the receiver's buffer
   std::size_t sustainable_;  ///< what the way carries without a long queue
   std::uint64_t sent_ = 0;

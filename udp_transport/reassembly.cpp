@@ -205,6 +205,8 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, co
     met = in.window->meet(d.first.channel, now.steady, same_datagram);
     if (met.standing == ArrivalWindow::Standing::known && gives_way(in, met.place, d.label(), now.steady))
       met = in.window->meet(d.first.channel, now.steady, same_datagram);
+    if (met.standing == ArrivalWindow::Standing::known && met.place != 0)
+      in.window->doubt(met.place, d.label().sequence);
     drop_abandoned(in);
   }
   UnfinishedSample* sample = in.unfinished.find(d.label());

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/udp/mutations.h"
+
 namespace sft::simulation {
 
 using Time = std::chrono::steady_clock::time_point;
@@ -30,6 +32,8 @@ struct Weather {
   std::chrono::microseconds delay{50};
   std::chrono::microseconds jitter{0};  ///< at most, of some: then others overtake
   Time parted_from{}, parted_until{};
+  double forged = 0;  ///< share of which a mutated copy comes as well
+  Time forged_until{};
 };
 
 class Network {
@@ -47,6 +51,11 @@ class Network {
     if (now >= weather_.parted_from && now < weather_.parted_until) return;
     if (happens(random_, weather_.loss)) return;
     if (happens(random_, weather_.repetition)) deliver_later({to, bytes}, now);
+    if (now < weather_.forged_until && happens(random_, weather_.forged)) {
+      Bytes copy = bytes;
+      udp::test::mutate(copy, random_);
+      deliver_later({to, std::move(copy)}, now);
+    }
     deliver_later({to, std::move(bytes)}, now);
   }
   Time next() const { return under_way_.empty() ? Time::max() : under_way_.begin()->first; }

@@ -10,9 +10,9 @@ namespace sft::simulation {
 namespace {
 
 #ifdef SFT_SANITIZED
-constexpr std::uint64_t seeds = 500;
+constexpr std::uint64_t seeds = 500, beset_seeds = 20;
 #else
-constexpr std::uint64_t seeds = 10'000;
+constexpr std::uint64_t seeds = 10'000, beset_seeds = 200;
 #endif
 constexpr int shards = 4;
 
@@ -28,6 +28,18 @@ TEST_P(Simulation, DeliversAllThatHistoryAllowsInOrderAndComesToRest) {
       test::test_seed() + (alone ? 0 : count * static_cast<std::uint64_t>(GetParam()));
   for (std::uint64_t seed = first; seed < first + count; ++seed) {
     const std::string failure = World(seed).run();
+    ASSERT_EQ(failure, "") << "to repeat: SFT_TEST_SEED=" << seed;
+  }
+}
+
+/// Bits flip and fields are forged, in both directions, beside all that networks do.
+TEST_P(Simulation, DeliversAllASecondAfterTheLastForgedDatagram) {
+  const bool alone = std::getenv("SFT_TEST_SEED") != nullptr;
+  const std::uint64_t count = alone ? 1 : test::test_rounds(beset_seeds / shards);
+  const std::uint64_t first =
+      test::test_seed() + (alone ? 0 : count * static_cast<std::uint64_t>(GetParam()));
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    const std::string failure = World(seed, true).run();
     ASSERT_EQ(failure, "") << "to repeat: SFT_TEST_SEED=" << seed;
   }
 }

@@ -33,7 +33,7 @@ const TypeSupport& image_type() { return udp::test::type_support<Image>(); }
 
 }  // namespace
 
-Scenario::Scenario(Random& random) {
+Scenario::Scenario(Random& random, bool forgers) {
   weather.loss = happens(random, 0.2) ? 0 : std::uniform_real_distribution<>(0, 0.3)(random);
   weather.repetition = happens(random, 0.5) ? 0 : 0.1;
   weather.delay = std::chrono::microseconds(log_uniform(random, 20'000));
@@ -59,6 +59,7 @@ Scenario::Scenario(Random& random) {
     stalled_from = Time(std::chrono::hours(1)) + std::chrono::milliseconds(from_to(random, 0, 100));
     stalled_until = stalled_from + std::chrono::milliseconds(log_uniform(random, 10'000));
   }
+  if (forgers) beset(random);
   resend.repair_bytes_per_s = 20'000'000;
   reassembly.channel.ack_bytes = from_to(random, 5'000, 125'000);
   receive_buffer_bytes += log_uniform(random, 8e6);
@@ -72,15 +73,30 @@ Scenario::Scenario(Random& random) {
   reassembly.channel.awaited_bytes = 2 * reassembly.channel.held_bytes;
 }
 
+/// Nothing else keeps a sample from coming, and it goes on for long enough.
+void Scenario::beset(Random& random) {
+  weather.forged = std::uniform_real_distribution<>(0.01, 0.5)(random);
+  weather.forged_until = Time(std::chrono::hours(1)) + 200ms;
+  weather.loss = std::min(weather.loss, 0.1);
+  weather.parted_until = {};
+  stalled_from = Time::max();
+  first_ordinal = 1;
+  change = 0;
+  tight_writer = tight_reader = crashes = readers_lag = false;
+  sample_bytes_max = std::min<std::size_t>(sample_bytes_max, 12'000);
+  samples = 900;
+}
+
 const std::vector<FieldMask>& World::masks() {
   static const std::vector<FieldMask> all = {udp::test::fields<Image>("*"), udp::test::fields<Image>("data"),
                                              udp::test::fields<Image>("stamp, width")};
   return all;
 }
 
-World::World(std::uint64_t seed)
+World::World(std::uint64_t seed, bool forgers)
     : random_(seed),
-      scenario_(random_),
+      forgers_(forgers),
+      scenario_(random_, forgers),
       network_(scenario_.weather, random_),
       send_at_(now_),
       sequence_(scenario_.first_sequence),
@@ -161,6 +177,7 @@ void World::publish() {
   } else {
     for (const Mask mask : served) keep(encode(images, masks()[mask], static_cast<std::uint16_t>(mask)));
   }
+  if (forgers_ && now_ < scenario_.weather.forged_until + 1s) first_owed_ = sequence_ + images.size();
   for (Image& image : images) {
     for (Reader& reader : readers_)
       reader.to_get.push_back({sequence_, (group_ ? all : masks()[reader.served]).hash()});
@@ -243,6 +260,7 @@ void World::offer_group() {
 
 void World::hear_report(const udp::GroupReport& report) {
   if (!group_ || report.group != group_->number) return;
+  if (forgers_ && report.heard > group_->last_ordinal) return;
   if (report.heard > group_->last_ordinal) return fail("a report of what was never sent");
   if (report.heard == 0) return group_->membership.refused(now_);
   group_->membership.reported(now_);
@@ -438,6 +456,7 @@ void World::note_channel(const std::optional<udp::ArrivalWindow::Mark>& before,
 
 void World::report(const Bytes& bytes) {
   const auto mark = udp::parse_mark(bytes);
+  if (!mark && forgers_) return;
   if (!mark) return fail("a mark is malformed");
   Bytes report(udp::report_bytes);
   udp::encode(shares_->answer(*mark, {}, now_), report.data());
@@ -447,12 +466,14 @@ void World::report(const Bytes& bytes) {
 /// As a best-effort reader does.
 void World::take_at_once(const core::SampleBuffer& sample) {
   const std::string which = "sample " + std::to_string(sample.sequence);
+  if (forgers_) return;
   if (is_sound(sample, which) && !came_at_once_.insert({sample.sequence, sample.mask.hash()}).second)
     fail(which + " comes twice");
 }
 
 /// What comes for a process of before.
 void World::note_unwanted(const Bytes& bytes) {
+  if (forgers_) return;
   const auto datagram = udp::parse(bytes);
   if (!datagram) return fail("what makes no sense is taken for unwanted");
   const std::uint64_t sequence = udp::widen_sequence(sequence_, datagram->label().sequence);
@@ -462,6 +483,7 @@ void World::note_unwanted(const Bytes& bytes) {
 
 void World::answer() {
   reassembly_->answer(now_, [&](const udp::SocketAddress& to, const udp::Ack& ack) {
+    if (to.port != writer_port && forgers_) return;
     if (to.port != writer_port) fail("an ack goes elsewhere");
     Bytes bytes(ack.bytes());
     udp::encode(ack, bytes.data());
@@ -503,7 +525,10 @@ void World::hand_over() {
 void World::get(Reader& reader, const core::SampleBuffer& sample) {
   const std::string which =
       "sample " + std::to_string(sample.sequence) + " of reader " + std::to_string(reader.id);
+  if (forgers_ && sample.sequence < first_owed_) return;
+  if (forgers_ && !images_.contains(sample.sequence)) return;
   if (!is_sound(sample, which)) return;
+  if (forgers_) return static_cast<void>(reader.got.insert(sample.sequence));
   if (sample.sequence == reader.last) {
     // While its mask changes, a sample can come under both, for it and for another.
     const bool changes = reader.took_others || reader.requests.all().size() > 1;

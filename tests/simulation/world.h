@@ -50,12 +50,17 @@ struct Scenario {
   udp::ResendLimits resend{};
   udp::ReassemblyLimits reassembly{};
 
-  explicit Scenario(Random& random);
+  Scenario(Random& random, bool forgers);
+
+ private:
+  void beset(Random& random);
 };
 
 class World {
  public:
-  explicit World(std::uint64_t seed);
+  /// `forgers`: in the beginning datagrams are forged, too. A second after the last one all is delivered
+  /// again; what is lost until then nobody counts.
+  explicit World(std::uint64_t seed, bool forgers = false);
 
   /// Runs until nothing happens any more. What went wrong first; empty if nothing did.
   std::string run();
@@ -159,6 +164,8 @@ class World {
   void fail(const std::string& what);
 
   Random random_;
+  const bool forgers_;
+  std::uint64_t first_owed_ = 0;  ///< the first sample that was published a second after the last forgery
   const Scenario scenario_;
   Network network_;
   Time now_ = Time(std::chrono::hours(1));

@@ -1,7 +1,11 @@
 // What is refused, and what the refusal says.
 #include <netinet/in.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include <functional>
 
 #include <nav_msgs/msg/Odometry.hpp>
 
@@ -30,6 +34,49 @@ TEST_F(BadInputTest, ABusyPortIsAnErrorThatNamesIt) {
   EXPECT_EQ(node.error().code, Errc::address_in_use);
   EXPECT_NE(node.error().message.find(std::to_string(options.udp.port)), std::string::npos)
       << node.error().message;
+}
+
+/// What became of Node::open() in a process of its own, which lacks something.
+enum class Opened : std::uint8_t { node, limit_exceeded, other_error, crashed };
+
+Opened opened_by_child(const std::function<void()>& lack) {
+  const pid_t child = fork();
+  if (child == 0) {
+    lack();
+    const auto node = Node::open(node_options(Way::udp, "short of all"));
+    const bool is_limit = !node && node.error().code == Errc::limit_exceeded;
+    _exit(static_cast<int>(node ? Opened::node : is_limit ? Opened::limit_exceeded : Opened::other_error));
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? static_cast<Opened>(WEXITSTATUS(status)) : Opened::crashed;
+}
+
+TEST_F(BadInputTest, WhoHasTooFewThreadsGetsAnErrorThatSaysSo) {
+  constexpr uid_t nobody_else = 61'234;
+  const auto opened_with = [](rlim_t threads) {
+    return opened_by_child([&] {
+      const rlimit limit{threads, threads};
+      setrlimit(RLIMIT_NPROC, &limit);
+      if (getuid() == 0 && setresuid(nobody_else, nobody_else, nobody_else) != 0) _exit(99);
+    });
+  };
+  if (getuid() != 0) GTEST_SKIP() << "the other processes of this user count, too";
+  for (rlim_t threads = 1; threads <= 16; ++threads) EXPECT_NE(opened_with(threads), Opened::crashed) << threads;
+  EXPECT_EQ(opened_with(6), Opened::limit_exceeded) << "Cyclone would end the process";
+  EXPECT_EQ(opened_with(100), Opened::node);
+}
+
+TEST_F(BadInputTest, WhoHasTooFewDescriptorsGetsAnErrorThatSaysSo) {
+  const auto opened_with = [](rlim_t descriptors) {
+    return opened_by_child([&] {
+      const rlimit limit{descriptors, descriptors};
+      setrlimit(RLIMIT_NOFILE, &limit);
+    });
+  };
+  for (rlim_t descriptors = 0; descriptors <= 80; descriptors += 4)
+    EXPECT_NE(opened_with(descriptors), Opened::crashed) << descriptors;
+  EXPECT_EQ(opened_with(200), Opened::node);
 }
 
 TEST_F(BadInputTest, TopicsHaveNamesAndDomainsAreSmallNumbers) {
