@@ -89,6 +89,7 @@ ArrivalWindow::Met ArrivalWindow::meet(const ChannelMark& mark, Time now, bool s
   if (state != State::missing) return {Standing::known, place};
   fresh_ = false;
   ordinals_.advanced();
+  end_said_ = 0;
   return {Standing::wanted, place};
 }
 
@@ -289,6 +290,7 @@ void ArrivalWindow::hear(const Heartbeat& heartbeat, Time now) {
   ack_wanted_ = true;
   if (joining_) begin_with(place_of(heartbeat.end));
   if (contradicts(heartbeat, now)) go_back_to(heartbeat.first);
+  if (was_never_published(heartbeat, now)) go_back_to(heartbeat.end + heartbeat.waiting);
   if (!follow(heartbeat, heard_before, now)) return ask_for_next(now);
   fresh_ = false;
   reach(std::max(end_, std::min(place_of(heartbeat.end), std::max(next_, skip_to_) + kept_max)), now);
@@ -318,6 +320,20 @@ bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
   if (heartbeat.end == heartbeat.first || heartbeat.end <= not_told_before_) return false;
   if (!fresh_ && place_of(heartbeat.end) <= next_ && heartbeat.end < ordinal_of(next_))
     return ordinals_.passed_over(heartbeat.end - 1, false, now).has_value();
+  return false;
+}
+
+/// Whether something came that the writer has not published yet: it says so again after so long, and nothing new has
+/// come meanwhile. What it sends next would take the place of that.
+bool ArrivalWindow::was_never_published(const Heartbeat& heartbeat, Time now) {
+  const std::uint64_t end = heartbeat.end + heartbeat.waiting;
+  if (fresh_ || end >= ordinal_of(next_) || end < first_ordinal_) {
+    end_said_ = 0;
+    return false;
+  }
+  if (std::exchange(end_said_, end) == end)
+    return now - end_said_since_ >= OrdinalWatch::doubted_after;
+  end_said_since_ = now;
   return false;
 }
 

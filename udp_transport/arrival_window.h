@@ -186,6 +186,7 @@ class ArrivalWindow {
   Met meet_passed_over(const ChannelMark& mark, Time now, bool same_datagram);
   bool follow(const Heartbeat& heartbeat, Time heard_before, Time now);
   bool contradicts(const Heartbeat& heartbeat, Time now);
+  bool was_never_published(const Heartbeat& heartbeat, Time now);
   void ask_for_next(Time now);
   void give_back(Slot& slot, Time now);
   void come_again(Place place);
@@ -210,6 +211,8 @@ class ArrivalWindow {
   ChannelWatch channels_;
   OrdinalWatch ordinals_;
   bool joining_ = false;               ///< nothing was heard yet since join()
+  std::uint64_t end_said_ = 0;         ///< by a heartbeat, less than what has come; 0: none was
+  Time end_said_since_{};
   bool fresh_ = true;                  ///< no ordinal of the channel is known yet
   Place base_ = 0;                     ///< place of ordinal 0 of the channel, modulo 2^64
   std::uint64_t first_ordinal_ = 1;    ///< of the channel, as far as it is followed

@@ -161,6 +161,7 @@ class World {
   std::uint64_t missing_of(const Channel& channel, std::uint64_t end) const;
   void check_end();
   void check_end(const Reader& reader);
+  void check_end_after_forgeries(const Reader& reader);
   void fail(const std::string& what);
 
   Random random_;

@@ -71,9 +71,24 @@ void World::check_end() {
   for (const Reader& reader : readers_) check_end(reader);
 }
 
-void World::check_end(const Reader& reader) {
+/// A forged sample that claimed a place in the future has taken it from the true one: nobody can tell them
+/// apart. There are few of these.
+void World::check_end_after_forgeries(const Reader& reader) {
+  std::size_t owed = 0, missing = 0;
   for (const Variant& sample : reader.to_get) {
-    if (reader.got.contains(sample.sequence) || sample.sequence < first_owed_) continue;
+    if (sample.sequence < first_owed_ || not_kept_.contains(sample.sequence)) continue;
+    ++owed;
+    missing += reader.got.contains(sample.sequence) ? 0 : 1;
+  }
+  if (owed < 50) fail("it was not looked at for long enough");
+  if (100 * missing > owed)
+    fail(std::to_string(missing) + " of " + std::to_string(owed) + " samples did not come");
+}
+
+void World::check_end(const Reader& reader) {
+  if (forgers_) return check_end_after_forgeries(reader);
+  for (const Variant& sample : reader.to_get) {
+    if (reader.got.contains(sample.sequence)) continue;
     const std::string which =
         "sample " + std::to_string(sample.sequence) + " of reader " + std::to_string(reader.id);
     if (unwanted_.contains(sample)) return fail(which + " came, and was refused");
