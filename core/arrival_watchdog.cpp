@@ -35,7 +35,8 @@ void ArrivalWatchdog::advance(const Progress& progress, const Pair& pair, Now no
     missed_since_.reset();
     return;
   }
-  if (progress.samples > latest_.samples && now - period_at_ >= std::chrono::microseconds(pair.min_period_us)) {
+  if (progress.samples > latest_.samples &&
+      now - period_at_ >= std::chrono::microseconds(pair.min_period_us)) {
     ++periods_;
     period_at_ = now;
   }

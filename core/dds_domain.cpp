@@ -107,8 +107,9 @@ Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const std::string& c
     return fail(Errc::limit_exceeded,
                 "the process has no file descriptors left: raise its limit (ulimit -n)");
   if (!has_threads_left())
-    return fail(Errc::limit_exceeded, "no more threads can be started: raise the limits of the user (ulimit -u) "
-                                      "or of the service (TasksMax)");
+    return fail(Errc::limit_exceeded,
+                "no more threads can be started: raise the limits of the user (ulimit -u) "
+                "or of the service (TasksMax)");
   const CycloneMessages messages;
   const auto [id, entity] = make_domain(config, is_secured);
   if (entity < 0) return fail(Errc::invalid_argument, messages.text());

@@ -323,16 +323,15 @@ bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
   return false;
 }
 
-/// Whether something came that the writer has not published yet: it says so again after so long, and nothing new has
-/// come meanwhile. What it sends next would take the place of that.
+/// Whether something came that the writer has not published yet: it says so again after so long, and nothing
+/// new has come meanwhile. What it sends next would take the place of that.
 bool ArrivalWindow::was_never_published(const Heartbeat& heartbeat, Time now) {
   const std::uint64_t end = heartbeat.end + heartbeat.waiting;
   if (fresh_ || end >= ordinal_of(next_) || end < first_ordinal_) {
     end_said_ = 0;
     return false;
   }
-  if (std::exchange(end_said_, end) == end)
-    return now - end_said_since_ >= OrdinalWatch::doubted_after;
+  if (std::exchange(end_said_, end) == end) return now - end_said_since_ >= OrdinalWatch::doubted_after;
   end_said_since_ = now;
   return false;
 }

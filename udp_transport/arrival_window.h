@@ -82,8 +82,8 @@ class ArrivalWindow {
   void refuse_or_pass(Place place);
   /// Samples with a greater sequence have a wrong one, and have to come again.
   void distrust_above(std::uint64_t sequence);
-  /// A sample with that low half of a sequence came there. If another one waits there for those before it, one
-  /// of both is wrong: it has to come again.
+  /// A sample with that low half of a sequence came there. If another one waits there for those before it,
+  /// one of both is wrong: it has to come again.
   void doubt(Place place, std::uint32_t sequence);
   /// The sample that has begun there; empty if none has, or it is whole.
   std::optional<SampleLabel> begun_at(Place place) const;
@@ -210,8 +210,8 @@ class ArrivalWindow {
   const ArrivalLimits limits_;
   ChannelWatch channels_;
   OrdinalWatch ordinals_;
-  bool joining_ = false;               ///< nothing was heard yet since join()
-  std::uint64_t end_said_ = 0;         ///< by a heartbeat, less than what has come; 0: none was
+  bool joining_ = false;        ///< nothing was heard yet since join()
+  std::uint64_t end_said_ = 0;  ///< by a heartbeat, less than what has come; 0: none was
   Time end_said_since_{};
   bool fresh_ = true;                  ///< no ordinal of the channel is known yet
   Place base_ = 0;                     ///< place of ordinal 0 of the channel, modulo 2^64

@@ -46,7 +46,7 @@ struct FlowLimits {
   std::chrono::milliseconds mark_again_longest{50};
   /// After the last report or ack, if anything is sent: later than the ack of a slow reliable flow comes.
   std::chrono::milliseconds mark_anew{2500};
-  std::chrono::milliseconds silence{1000};    ///< after which nothing but marks is sent
+  std::chrono::milliseconds silence{1000};  ///< after which nothing but marks is sent
   // Between two marks to a receiver that is silent, or has never reported: longer the longer it lasts, but it
   // is served again soon after it has come back.
   std::chrono::milliseconds mark_silent{250};

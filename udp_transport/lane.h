@@ -148,7 +148,7 @@ class Lane {
   bool small_ones_wait_ = false;     ///< for that report
   /// It had when something was posted next, and small ones had waited for that.
   std::optional<Clock::time_point> reported_at_;
-  std::size_t queued_bytes_ = 0;     ///< of memory that these hold
+  std::size_t queued_bytes_ = 0;  ///< of memory that these hold
 };
 
 }  // namespace sft::udp

@@ -65,7 +65,7 @@ class OfferedGroups {
     std::uint64_t heard = 0;
     Time reported_at{};
     bool due = false;
-    bool is_doubted = false;  ///< an offer that says something else came last, or much was misplaced
+    bool is_doubted = false;      ///< an offer that says something else came last, or much was misplaced
     std::uint32_t misplaced = 0;  ///< datagrams in a row
   };
   static constexpr std::uint32_t misplaced_max = 8;

@@ -63,7 +63,7 @@ class ResendWindow {
     std::uint64_t dropped_bytes = 0;
     std::uint64_t dropped_whole_bytes = 0;
     std::size_t unacknowledged = 0;  ///< that had to go, too, and were sent: they may still arrive
-    bool elsewhere = false;  ///< as was asked for
+    bool elsewhere = false;          ///< as was asked for
   };
   /// Gives a sample, or each one of a pack, its place in the channel; the ordinal is the first of those that
   /// are kept. The job does not change any more. `first` is its header. `elsewhere`, not of packs: it is

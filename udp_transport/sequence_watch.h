@@ -70,8 +70,8 @@ class SequenceWatch {
   std::uint64_t steady_ = 0;       ///< the newest one that was reached by small steps in a row
   std::int64_t steady_stamp_ns_ = 0;
   Time steady_at_{};
-  std::uint32_t advances_ = 0;     ///< by such steps, since the numbering began anew
-  std::uint64_t before_ = 0;       ///< steady_ of the numbering before that lasted longest; 0: there is none
+  std::uint32_t advances_ = 0;  ///< by such steps, since the numbering began anew
+  std::uint64_t before_ = 0;    ///< steady_ of the numbering before that lasted longest; 0: there is none
   std::uint32_t before_advances_ = 0;  ///< of that one
   std::uint32_t numbering_ = 0;
   std::uint64_t doubted_ = 0;  ///< a sequence out of reach that waits to be confirmed; 0: none

@@ -1,5 +1,6 @@
 // What may be sent to one host by all destinations there that have not reported yet. Each may have a few
-// datagrams (FlowLimits); however many of them somebody makes up, the host gets no more than this. Any thread.
+// datagrams (FlowLimits); however many of them somebody makes up, the host gets no more than this. Any
+// thread.
 #pragma once
 
 #include <algorithm>

@@ -450,8 +450,7 @@ void World::note_channel(const std::optional<udp::ArrivalWindow::Mark>& before,
   // A heartbeat is a word of the channel even before its first sample: what is sent after it can be lost.
   if (!channel.known_from && (is_of_channel || mark->end > 1))
     channel.known_from = heartbeat ? heartbeat->first : 1;
-  if (is_of_channel)
-    channel.gone_before = std::max(channel.gone_before, heartbeat->first);
+  if (is_of_channel) channel.gone_before = std::max(channel.gone_before, heartbeat->first);
 }
 
 void World::report(const Bytes& bytes) {

@@ -62,7 +62,8 @@ TEST_F(BadInputTest, WhoHasTooFewThreadsGetsAnErrorThatSaysSo) {
     });
   };
   if (getuid() != 0) GTEST_SKIP() << "the other processes of this user count, too";
-  for (rlim_t threads = 1; threads <= 16; ++threads) EXPECT_NE(opened_with(threads), Opened::crashed) << threads;
+  for (rlim_t threads = 1; threads <= 16; ++threads)
+    EXPECT_NE(opened_with(threads), Opened::crashed) << threads;
   EXPECT_EQ(opened_with(6), Opened::limit_exceeded) << "Cyclone would end the process";
   EXPECT_EQ(opened_with(100), Opened::node);
 }
