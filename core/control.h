@@ -57,6 +57,7 @@ struct Assertion {
   NodeId node = 0;
   std::vector<EndpointId> writers;
   std::vector<Progress> progress{};
+  std::uint32_t digest = 0;  ///< of all that the node has announced (control_digest.h)
   friend bool operator==(const Assertion&, const Assertion&) = default;
 };
 

@@ -156,6 +156,8 @@ sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage
   sft_control_Assertion out{};
   out.node = assertion.node;
   out.version = sft_control_protocol_version;
+  for (std::size_t i = 0; i < std::size(out.digest); ++i)
+    out.digest[i] = static_cast<std::uint8_t>(assertion.digest >> (8 * i));
   out.writers = borrow(assertion.writers, assertions_max);
   for (const Progress& p : assertion.progress) {
     if (storage.progress.size() < progress_max) storage.progress.push_back({p.writer, p.samples, p.bytes});
@@ -168,7 +170,8 @@ sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage
 Result<Assertion> from_dds(const sft_control_Assertion& in) {
   if (in.version != sft_control_protocol_version) return wrong_version(in.version);
   if (in.node == 0) return fail(Errc::malformed, "an assertion of no node");
-  Assertion out{in.node, copy(in.writers)};
+  Assertion out{.node = in.node, .writers = copy(in.writers)};
+  for (std::size_t i = 0; i < std::size(in.digest); ++i) out.digest |= std::uint32_t{in.digest[i]} << (8 * i);
   for (std::uint32_t i = 0; i < in.progress._length; ++i) {
     const sft_control_Progress& p = in.progress._buffer[i];
     out.progress.push_back({p.writer, p.samples, p.bytes});

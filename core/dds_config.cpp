@@ -91,6 +91,9 @@ std::string path_of(const Demand& demand) {
   return std::string(demand.group) + "/" + std::string(demand.name);
 }
 
+// After which a participant is forgotten of which nothing comes, by ours.
+constexpr std::chrono::seconds lease{20}, lease_if_asked_seldom{150};
+
 /// The settings of a domain, put together.
 class Composition {
  public:
@@ -105,6 +108,7 @@ class Composition {
     if (equals(config.domain_on_wire, "default")) config.domain_on_wire = std::to_string(domain);
     config.multicast = !finds_by_peers_only() && !equals(multicast_, "spdp");
     config.found_by_multicast = !finds_by_peers_only();
+    config.participant_lease = asks_seldom() ? lease_if_asked_seldom : lease;
     config.is_secured = user_.sets("Security");
     config.peers = settings_.peers;
     config.user_peers = user_.values("Discovery/Peers/Peer/@Address");
@@ -150,11 +154,14 @@ class Composition {
                                             element("WriterLingerDuration", "0 s")));
   }
 
+  bool asks_seldom() const { return finds_by_peers_only() || has_peers(); }
+
   /// A peer is asked at every port that a node of it may have, each time: that has to be rare, and they few.
   std::string discovery() const {
-    if (!finds_by_peers_only() && !has_peers())
-      return element("SPDPInterval", "10 s") + element("LeaseDuration", "20 s");
-    return element("SPDPInterval", "120 s") + element("LeaseDuration", "150 s") +
+    if (!asks_seldom())
+      return element("SPDPInterval", "10 s") + element("LeaseDuration", std::to_string(lease.count()) + " s");
+    return element("SPDPInterval", "120 s") +
+           element("LeaseDuration", std::to_string(lease_if_asked_seldom.count()) + " s") +
            element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20");
   }
 

@@ -2,6 +2,7 @@
 // what SFT cannot do without.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -18,7 +19,8 @@ struct DdsConfig {
   std::string domain_on_wire;      ///< all links are one DDS domain, whatever their numbers in this process
   bool multicast = true;           ///< one datagram can reach several nodes once they are found
   bool found_by_multicast = true;  ///< else nodes elsewhere are found by peers only
-  bool is_secured = false;         ///< the user's configuration has DDS Security
+  std::chrono::seconds participant_lease{};  ///< after which nodes forget who is silent
+  bool is_secured = false;                   ///< the user's configuration has DDS Security
   std::vector<std::string> peers;  ///< hosts that are looked for nodes, besides those that multicast reaches
   std::vector<std::string> user_peers;  ///< the same, where `text` names them
   std::vector<std::string> interfaces;  ///< that are chosen; empty: all

@@ -98,11 +98,12 @@ std::string CycloneMessages::text() const {
 }
 
 Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const std::string& config, bool is_secured,
+                                                            const CycloneDomain* instead_of,
                                                             std::vector<std::string>& complaints) {
   const std::scoped_lock lock(open_domains.mutex);  // so that two nodes do not make the same one
   std::erase_if(open_domains.by_config, [](const auto& entry) { return entry.second.expired(); });
   std::weak_ptr<const CycloneDomain>& known = open_domains.by_config[config];
-  if (auto domain = known.lock()) return domain;
+  if (auto domain = known.lock(); domain != nullptr && domain.get() != instead_of) return domain;
   if (!has_descriptors_left())
     return fail(Errc::limit_exceeded,
                 "the process has no file descriptors left: raise its limit (ulimit -n)");

@@ -53,7 +53,9 @@ class CycloneDomain {
 
 /// The nodes of a process that ask with the same configuration share one domain. What Cyclone complains of is
 /// added to `complaints`. `is_secured`: the configuration has DDS Security, which can name few numbers.
+/// `instead_of`: one that is not to be used any more, or null.
 Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const std::string& config, bool is_secured,
+                                                            const CycloneDomain* instead_of,
                                                             std::vector<std::string>& complaints);
 
 /// Whether the program itself uses that domain in this process.

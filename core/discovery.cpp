@@ -2,18 +2,22 @@
 
 #include <algorithm>
 #include <atomic>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <utility>
 
+#include "core/control_digest.h"
 #include "core/dds_config.h"
 #include "core/dds_domain.h"
 #include "core/described_type.h"
 #include "core/discovery_link.h"
 #include "core/greetings.h"
+#include "core/hearing_watch.h"
 #include "core/link_merge.h"
 #include "core/network_watch.h"
 #include "core/ordered_delivery.h"
+#include "core/retry.h"
 #include "sft_control.h"
 
 namespace sft::core {
@@ -25,6 +29,10 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::seconds look_at_interfaces_every{1};  // although netlink tells
 constexpr std::chrono::milliseconds merge_every{100};
+constexpr std::chrono::milliseconds listen_every{500};
+/// For others to find us by the new link before the old one goes.
+constexpr std::chrono::seconds retire_after{2};
+constexpr std::chrono::seconds renewal_pause_max{60};
 constexpr std::chrono::seconds farewell_max{1};
 
 /// Gives news to the listener.
@@ -76,6 +84,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
 
   ~LinkedDiscovery() override {
     for (const auto& [spec, link] : links_) link.link->flush(farewell_max / static_cast<int>(links_.size()));
+    retiring_.clear();
     links_.clear();
   }
 
@@ -116,7 +125,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
 
   void withdraw(EndpointId id) override {
     own_.erase(id);
-    for (const auto& [spec, link] : links_) link.link->dispose(id);
+    each_link([&](DiscoveryLink& link) { link.dispose(id); });
     const std::scoped_lock lock(mutex_);
     merge_.disowns(id);
   }
@@ -127,15 +136,19 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   }
 
   void assert_liveliness(const Assertion& assertion) override {
-    for (const auto& [spec, link] : links_) link.link->write(assertion);
+    Assertion complete = assertion;
+    complete.digest = digest();
+    each_link([&](DiscoveryLink& link) { link.write(complete); });
   }
 
   void look_after(Now now, bool somebody_is_missing) override {
     if (watches_ && (watch_.changed() || now >= next_look_)) look_at_interfaces(now);
     if (newcomer_.exchange(false)) greetings_.newcomer(now);
     if (greetings_.due(now, somebody_is_missing)) {
-      for (const auto& [spec, link] : links_) link.link->greet();
+      each_link([](DiscoveryLink& link) { link.greet(); });
     }
+    retire_links(now);
+    if (watches_ && now >= next_listening_) mend_deaf_links(now);
     if (now < next_merge_) return;
     next_merge_ = now + merge_every;
     news([&] { merge_.tick(now); });
@@ -144,7 +157,16 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
  private:
   struct OpenLink {
     LinkId id = 0;
+    std::shared_ptr<const CycloneDomain> domain;
     std::unique_ptr<DiscoveryLink> link;
+  };
+  struct RetiringLink {
+    OpenLink link;
+    Now until;
+  };
+  struct Renewal {
+    Retry retry;
+    Now last{};
   };
   /// What is in force of one of our endpoints, for links that come later.
   struct Own {
@@ -158,7 +180,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     auto link = DiscoveryLink::open({.link = ++links_made_, .domain = nullptr, .number = domain}, life_signs_,
                                     participants_, *this);
     if (!link) return tl::unexpected(link.error());
-    links_[LinkSpec{}] = {links_made_, std::move(*link)};
+    links_[LinkSpec{}] = {links_made_, nullptr, std::move(*link)};
     configuration_.summary = "as the program itself configured DDS domain " + std::to_string(domain);
     configuration_.warnings = {
         "the program opened DDS domain " + std::to_string(domain) +
@@ -201,19 +223,17 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     waits_for_network_ = desired.waits_for_network;
     for (const LinkSpec& spec : desired.links) {
       if (links_.contains(spec)) continue;
-      if (const Result<void> made = make_link(spec); !made) {
+      if (auto made = make_link(spec, nullptr)) {
+        links_[spec] = std::move(*made);
+      } else {
         failed_.push_back(spec.interface + ": " + made.error().message);
-        if (result) result = made;
+        if (result) result = tl::unexpected(made.error());
       }
     }
     for (auto link = links_.begin(); link != links_.end();) {
       if (std::ranges::find(desired.links, link->first) == desired.links.end()) {
-        const LinkId id = link->second.id;
+        drop(std::exchange(link->second, {}), now);
         link = links_.erase(link);
-        news([&] {
-          specs_.erase(id);
-          merge_.link_dropped(id, now);
-        });
       } else {
         ++link;
       }
@@ -221,19 +241,36 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     return result;
   }
 
-  Result<void> make_link(const LinkSpec& spec) {
+  void drop(OpenLink dropped, Now now) {
+    dropped.link.reset();
+    news([&] {
+      specs_.erase(dropped.id);
+      hearing_.link_dropped(dropped.id);
+      merge_.link_dropped(dropped.id, now);
+    });
+  }
+
+  /// `instead_of`: its domain is not to be used any more, or null.
+  Result<OpenLink> make_link(const LinkSpec& spec, const CycloneDomain* instead_of) {
     std::vector<std::string> complaints;
-    auto domain = cyclone_domain(config_.text_for(spec), config_.is_secured, complaints);
+    auto domain = cyclone_domain(config_.text_for(spec), config_.is_secured, instead_of, complaints);
     if (!domain) {
       return fail(domain.error().code, "Cyclone DDS refuses its configuration (" + domain.error().message +
                                            "); check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");
     }
     const LinkId id = ++links_made_;
-    auto link =
-        DiscoveryLink::open({.link = id, .domain = *domain, .number = 0}, life_signs_, participants_, *this);
-    if (!link) return tl::unexpected(link.error());
     {
       const std::scoped_lock lock(mutex_);
+      hearing_.link_made(id);
+    }
+    auto link =
+        DiscoveryLink::open({.link = id, .domain = *domain, .number = 0}, life_signs_, participants_, *this);
+    {
+      const std::scoped_lock lock(mutex_);
+      if (!link) {
+        hearing_.link_dropped(id);
+        return tl::unexpected(link.error());
+      }
       specs_[id] = spec;
     }
     for (std::string& complaint : complaints) {
@@ -245,8 +282,79 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
       if (own.request && own.request->sequence > own.endpoint.request.sequence)
         (void)(*link)->write(*own.request);
     }
-    links_[spec] = {id, std::move(*link)};
-    return {};
+    return OpenLink{id, std::move(*domain), std::move(*link)};
+  }
+
+  /// Links that do not hear somebody who is there.
+  void mend_deaf_links(Now now) {
+    next_listening_ = now + listen_every;
+    std::vector<std::pair<HearingWatch::Deaf, std::string>> deaf;  // and whom
+    {
+      const std::scoped_lock lock(mutex_);
+      for (const HearingWatch::Deaf& one : hearing_.look(merge_.digests(), config_.participant_lease, now))
+        deaf.emplace_back(one, merge_.node_name(one.node));
+    }
+    for (const auto& [one, whom] : deaf) {
+      const auto link =
+          std::ranges::find(links_, one.link, [](const auto& entry) { return entry.second.id; });
+      if (link != links_.end()) renew(link->first, link->second, one, whom, now);
+    }
+  }
+
+  /// The new one comes before the old one goes, so that nobody is lost in between.
+  void renew(const LinkSpec& spec, OpenLink& link, const HearingWatch::Deaf& deaf, const std::string& whom,
+             Now now) {
+    Renewal& renewal = renewals_[spec];
+    if (now - renewal.last > 2 * renewal_pause_max) renewal.retry.succeeded();
+    if (!renewal.retry.due(now)) return;
+    const std::string what = "on " + spec.interface + " " + describe(deaf.missing, whom);
+    renewal.last = now;
+    renewal.retry.failed(what, now, renewal_pause_max);
+    auto made = make_link(spec, link.domain.get());
+    if (!made)
+      return listener_.link_was_deaf(what + "; the link cannot be made anew: " + made.error().message);
+    {
+      const std::scoped_lock lock(mutex_);
+      specs_.erase(link.id);
+      hearing_.link_dropped(link.id);
+      hearing_.tried(deaf.participant);
+      merge_.begin_anew();
+    }
+    retiring_.push_back({std::exchange(link, std::move(*made)), now + retire_after});
+    greetings_.begin(now);
+    listener_.link_was_deaf(what + "; the link is made anew");
+  }
+
+  static std::string describe(HearingWatch::Missing missing, const std::string& whom) {
+    const std::string node = whom.empty() ? "a node" : "node '" + whom + "'";
+    switch (missing) {
+      case HearingWatch::Missing::signs_of_life:
+        return node + " lives, but what it says of that is taken for old";
+      case HearingWatch::Missing::announcements:
+        return node + " has announced something else than what came";
+      case HearingWatch::Missing::everything:
+        return node + " is there, but nothing of it comes";
+    }
+    return node;
+  }
+
+  void retire_links(Now now) {
+    while (!retiring_.empty() && now >= retiring_.front().until) {
+      RetiringLink oldest = std::move(retiring_.front());
+      retiring_.pop_front();
+      drop(std::move(oldest.link), now);
+    }
+  }
+
+  /// Of all that others should know of this node.
+  std::uint32_t digest() const {
+    std::uint32_t digest = 0;
+    for (const auto& [id, own] : own_) {
+      const std::uint64_t asked = own.request ? own.request->sequence : 0;
+      digest = add_to_digest(
+          digest, digest_part(id, own.endpoint.revision, std::max(asked, own.endpoint.request.sequence)));
+    }
+    return digest;
   }
 
   void describe_links() {
@@ -266,10 +374,15 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   template <class Write>
   Result<void> on_all(Write write) {
     Result<void> result;
-    for (const auto& [spec, link] : links_) {
-      if (Result<void> written = write(*link.link); !written && result) result = std::move(written);
-    }
+    each_link([&](DiscoveryLink& link) {
+      if (Result<void> written = write(link); !written && result) result = std::move(written);
+    });
     return result;
+  }
+  template <class Use>
+  void each_link(Use use) {
+    for (const auto& [spec, link] : links_) use(*link.link);
+    for (const RetiringLink& retiring : retiring_) use(*retiring.link.link);
   }
 
   template <class Event>
@@ -294,7 +407,10 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   static Now time() { return std::chrono::steady_clock::now(); }
 
   void endpoint_came(const Speaker& speaker, Endpoint endpoint) override {
-    news([&] { merge_.endpoint_came(speaker, std::move(endpoint), time()); });
+    news([&] {
+      hearing_.heard(speaker, time());
+      merge_.endpoint_came(speaker, std::move(endpoint), time());
+    });
   }
   void endpoint_withdrawn(const Speaker& speaker, EndpointId id) override {
     news([&] { merge_.endpoint_withdrawn(speaker, id, time()); });
@@ -303,17 +419,34 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     news([&] { merge_.endpoint_unheard(link, id, time()); });
   }
   void request_came(const Speaker& speaker, Request request) override {
-    news([&] { merge_.request_came(speaker, std::move(request), time()); });
+    news([&] {
+      hearing_.heard(speaker, time());
+      merge_.request_came(speaker, std::move(request), time());
+    });
   }
   void assertion_came(const Speaker& speaker, Assertion assertion) override {
-    news([&] { merge_.assertion_came(speaker, std::move(assertion), time()); });
+    news([&] {
+      const auto lease = std::max(merge_.lease_of(assertion.node), life_signs_.lease);
+      hearing_.heard_life(speaker, assertion.node, assertion.digest, lease, time());
+      merge_.assertion_came(speaker, std::move(assertion), time());
+    });
   }
   void node_unheard(LinkId link, NodeId id) override {
-    news([&] { merge_.node_unheard(link, id, time()); });
+    news([&] {
+      hearing_.life_ended(link, id);
+      merge_.node_unheard(link, id, time());
+    });
   }
-  void participant_came(const Speaker&) override { newcomer_ = true; }
+  void participant_came(const Speaker& speaker, bool speaks) override {
+    newcomer_ = true;
+    const std::scoped_lock lock(mutex_);
+    hearing_.participant_came(speaker, speaks, time());
+  }
   void participant_left(const Speaker& speaker) override {
-    news([&] { merge_.participant_left(speaker, time()); });
+    news([&] {
+      hearing_.participant_left(speaker);
+      merge_.participant_left(speaker, time());
+    });
   }
   void sample_malformed(std::string why) override { listener_.control_malformed(std::move(why)); }
 
@@ -325,6 +458,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   Greetings greetings_{time()};
   Now next_look_{};
   Now next_merge_{};
+  Now next_listening_{};
   std::vector<HostInterface> interfaces_;
   std::map<EndpointId, Own> own_;
   std::vector<std::string> warnings_;
@@ -338,9 +472,12 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   mutable std::mutex mutex_;  ///< of what follows; Cyclone's threads come here, too
   Configuration configuration_;
   LinkMerge merge_;
+  HearingWatch hearing_;
   NewsDesk::Links specs_;  ///< of the links
   OrderedDelivery<News> delivery_;
 
+  std::map<LinkSpec, Renewal> renewals_;
+  std::deque<RetiringLink> retiring_;   ///< which others still know us by; the oldest first
   std::map<LinkSpec, OpenLink> links_;  ///< goes first: its threads use the rest
 };
 

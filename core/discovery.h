@@ -49,6 +49,9 @@ class DiscoveryListener {
   virtual void control_malformed(std::string why) = 0;
   /// Other interfaces are used now. On the thread that calls look_after().
   virtual void links_changed(const std::string& /*summary*/) {}
+  /// Somebody was not heard any more on one link, though he is there, and so the link was made anew, or could
+  /// not be. Likewise.
+  virtual void link_was_deaf(const std::string& /*what*/) {}
 
  protected:
   ~DiscoveryListener() = default;

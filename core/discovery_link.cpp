@@ -7,6 +7,8 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <string_view>
 
 #include "core/control_codec.h"
 #include "core/dds_domain.h"
@@ -56,13 +58,25 @@ DdsQos hearing_qos(const dds_qos_t* written) {
   return qos;
 }
 
-/// Others can tell our participants from vanilla ones by it. What changes in it is told to everybody, which
-/// is all that `greeting` is for.
+/// In the user data: others can tell our participants from vanilla ones by it, and from those of another
+/// version.
+std::string mark() { return "sft/" + std::to_string(sft_control_protocol_version) + "/"; }
+
+/// What changes in it is told to everybody, which is all that `greeting` is for.
 DdsQos participant_qos(unsigned greeting) {
-  const std::array<char, 6> mark{'s', 'f', 't', '/', '1', static_cast<char>('0' + greeting % 10)};
+  const std::string data = mark() + std::to_string(greeting % 10);
   DdsQos qos(dds_create_qos());
-  dds_qset_userdata(qos.get(), mark.data(), mark.size());
+  dds_qset_userdata(qos.get(), data.data(), data.size());
   return qos;
+}
+
+bool has_mark(const dds_qos_t* qos) {
+  void* data = nullptr;
+  std::size_t bytes = 0;
+  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return false;
+  const bool is_marked = std::string_view(static_cast<const char*>(data), bytes).starts_with(mark());
+  dds_free(data);
+  return is_marked;
 }
 
 /// Takes all that a reader has, in batches, and calls `use(sample, info)`.
@@ -273,7 +287,8 @@ class CycloneLink final : public DiscoveryLink {
           if (link.participants_.is_own(guid)) return;
           const Speaker speaker{link.place_.link, link.participants_.number_of(guid)};
           if (info.instance_state == DDS_IST_ALIVE) {
-            if (info.view_state == DDS_VST_NEW) link.listener_.participant_came(speaker);
+            if (info.view_state == DDS_VST_NEW)
+              link.listener_.participant_came(speaker, info.valid_data && has_mark(sample.qos));
             return;
           }
           link.participants_.gone(guid);

@@ -26,7 +26,8 @@ class LinkListener {
   virtual void request_came(const Speaker& speaker, Request request) = 0;
   virtual void assertion_came(const Speaker& speaker, Assertion assertion) = 0;
   virtual void node_unheard(LinkId link, NodeId id) = 0;
-  virtual void participant_came(const Speaker& speaker) = 0;
+  /// `speaks`: it says that it is a node's, of this version of the control topics.
+  virtual void participant_came(const Speaker& speaker, bool speaks) = 0;
   virtual void participant_left(const Speaker& speaker) = 0;
   virtual void sample_malformed(std::string why) = 0;
 

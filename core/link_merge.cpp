@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/control_digest.h"
+
 namespace sft::core {
 
 namespace {
@@ -38,6 +40,27 @@ milliseconds LinkMerge::lease_of(NodeId node) const {
     return entry.second.told != nullptr && entry.second.told->node_id == node;
   });
   return found == endpoints_.end() ? lease_default : lease_of(found->second);
+}
+
+std::string LinkMerge::node_name(NodeId node) const {
+  for (const auto& [id, known] : endpoints_) {
+    if (known.told != nullptr && known.told->node_id == node) return known.told->node;
+  }
+  return {};
+}
+
+std::map<Speaker, std::uint32_t> LinkMerge::digests() const {
+  std::map<Speaker, std::uint32_t> digests;
+  for (const auto& [id, known] : endpoints_) {
+    for (const Claim& claim : known.claims) {
+      if (!claim.alive) continue;
+      const std::uint64_t asked = claim.request ? claim.request->sequence : 0;
+      std::uint32_t& digest = digests[claim.speaker];
+      digest = add_to_digest(digest, digest_part(id, claim.endpoint->revision,
+                                                 std::max(asked, claim.endpoint->request.sequence)));
+    }
+  }
+  return digests;
 }
 
 bool LinkMerge::has_room_for(const Speaker& speaker) {
@@ -416,9 +439,10 @@ void LinkMerge::settle_node(NodeId id, KnownNode& node, Now now) {
   news_.emplace_back(NodeLost{id});
 }
 
-/// Cyclone tells of the end of a lease, unless somebody else has disposed of the signs of life.
+/// Cyclone tells of the end of a lease, unless somebody else has disposed of the signs of life. There is time
+/// for a link that does not hear them to be made anew (hearing_watch.h).
 void LinkMerge::end_silent_claims(NodeId id, KnownNode& node, Now now) const {
-  constexpr std::chrono::seconds slack{1};
+  constexpr std::chrono::seconds slack{4};
   for (NodeClaim& claim : node.claims) {
     const auto silent_for = now - speakers_.last_heard(claim.speaker);
     if (claim.alive && silent_for > lease_default + slack && silent_for > lease_of(id) + slack)

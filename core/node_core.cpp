@@ -358,6 +358,11 @@ void NodeCore::links_changed(const std::string& summary) {
   log_.write(LogLevel::info, "discovery: " + summary);
 }
 
+void NodeCore::link_was_deaf(const std::string& what) {
+  links_renewed_.fetch_add(1, std::memory_order_relaxed);
+  log_.write(LogLevel::warning, "discovery: " + what);
+}
+
 void NodeCore::control_malformed(std::string why) {
   const std::uint64_t refused = control_malformed_.fetch_add(1, std::memory_order_relaxed) + 1;
   // Whoever floods us must not fill the agent's queue: one complaint in a while is enough.
@@ -417,6 +422,7 @@ NodeStatus NodeCore::status() const {
     status.shm_over_limit = counters.over_limit;
   }
   status.control_malformed = control_malformed_.load(std::memory_order_relaxed);
+  status.links_renewed = links_renewed_.load(std::memory_order_relaxed);
   status.control_ignored = reconciler_->control_ignored();
   return status;
 }

@@ -71,6 +71,7 @@ class NodeCore final : private DiscoveryListener {
   void node_lost(NodeId id) override;
   void control_malformed(std::string why) override;
   void links_changed(const std::string& summary) override;  // by the agent itself
+  void link_was_deaf(const std::string& what) override;     // likewise
 
   /// Calls `question` on the agent's thread, which alone may look at the reconciler, and returns its answer.
   template <class Question>
@@ -88,6 +89,7 @@ class NodeCore final : private DiscoveryListener {
   std::mutex slots_mutex_;
   std::vector<std::uint32_t> free_slots_;  ///< of bells_, beside those of the dispatchers
   std::atomic<std::uint64_t> control_malformed_{0};
+  std::atomic<std::uint64_t> links_renewed_{0};
   std::atomic<std::chrono::steady_clock::time_point> next_complaint_{};  ///< of the malformed
   NodeLog log_;                                                          ///< the agent's
   EventCount endpoints_changed_;

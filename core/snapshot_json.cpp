@@ -136,7 +136,8 @@ Json udp(const NodeStatus& s) {
 }
 
 Json control(const NodeStatus& s) {
-  return {{"refused", {{"malformed", s.control_malformed}, {"ignored", s.control_ignored}}}};
+  return {{"links_renewed", s.links_renewed},
+          {"refused", {{"malformed", s.control_malformed}, {"ignored", s.control_ignored}}}};
 }
 
 }  // namespace

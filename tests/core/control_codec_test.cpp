@@ -47,7 +47,7 @@ TEST(ControlCodecTest, EndpointsAndRequestsComeBackAsTheyWere) {
   ControlStorage storage;
   EXPECT_EQ(from_dds(to_dds(endpoint(), storage)), endpoint());
   EXPECT_EQ(from_dds(to_dds(endpoint().request)), endpoint().request);
-  const Assertion living{8, {3, 4}, {{3, 12, 1000}, {5, 1, 0}}};
+  const Assertion living{8, {3, 4}, {{3, 12, 1000}, {5, 1, 0}}, 0xabcdef};
   ControlStorage of_living;
   EXPECT_EQ(from_dds(to_dds(living, of_living)), living);
 }

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/control_digest.h"
+
 namespace sft::core {
 namespace {
 
@@ -365,10 +367,34 @@ TEST_F(LinkMergeTest, LosesANodeOnceNoLinkHearsIt) {
 TEST_F(LinkMergeTest, LosesANodeOfWhichNothingComesAlsoIfNobodyTellsOfItsEnd) {
   passes(2s, {by_lan});
   told();
-  passes(5s);
-  EXPECT_THAT(told(), IsEmpty());
+  passes(8s);
+  EXPECT_THAT(told(), IsEmpty()) << "maybe the link is deaf, and is made anew";
   passes(2s);
   EXPECT_THAT(told(), ElementsAre("node lost"));
+}
+
+TEST_F(LinkMergeTest, HasADigestOfWhatEachSpeakerHasAnnouncedAndAskedFor) {
+  const auto part = [](EndpointId id, std::uint64_t revision, std::uint64_t asked) {
+    return digest_part(id, revision, asked);
+  };
+  announces(by_lan, 1);
+  merge.endpoint_came(by_lan, endpoint(4, "honest", 6), now);
+  announces(by_radio, 1);
+  asks(by_lan, 7);
+  EXPECT_EQ(merge.digests()[by_lan], add_to_digest(part(5, 1, 7), part(6, 4, 1)));
+  EXPECT_EQ(merge.digests()[by_radio], part(5, 1, 1));
+  merge.endpoint_withdrawn(by_lan, 6, now);
+  announces(by_lan, 2);
+  EXPECT_EQ(merge.digests()[by_lan], part(5, 2, 7));
+}
+
+TEST_F(LinkMergeTest, TakesAWithdrawnEndpointBackFromALinkThatIsMadeAnew) {
+  announces(by_lan, 3);
+  merge.endpoint_withdrawn(by_lan, 5, now);  // in its name
+  told();
+  merge.begin_anew();
+  announces({lan + 7, by_lan.participant}, 3);
+  EXPECT_THAT(told(), ElementsAre("honest 3 by 11"));
 }
 
 TEST_F(LinkMergeTest, GivesEveryParticipantAShareWhateverOneOfThemAnnounces) {

@@ -1,6 +1,13 @@
 #include "tests/negotiation/forger.h"
 
+#include <arpa/inet.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 
@@ -24,6 +31,83 @@ void take_all(dds_entity_t reader, Use use) {
   }
 }
 
+/// RTPS 2.1, little endian.
+class RtpsMessage {
+ public:
+  explicit RtpsMessage(const dds_guid_t& sender) {
+    bytes_ = "RTPS";
+    bytes_.append("\x02\x01\x01\x10", 4);  // version, vendor
+    bytes_.append(reinterpret_cast<const char*>(sender.v), 12);
+    writer_.assign(reinterpret_cast<const char*>(sender.v) + 12, 4);
+  }
+  void add(std::uint16_t number) { add(&number, sizeof number); }
+  void add(std::uint32_t number) { add(&number, sizeof number); }
+  void add_sequence(std::uint64_t number) {
+    add(static_cast<std::uint32_t>(number >> 32));
+    add(static_cast<std::uint32_t>(number));
+  }
+  /// To any reader.
+  void add_entities() { bytes_ += std::string(4, '\0') + writer_; }
+  void add_submessage(char kind, char flags, std::uint16_t length) {
+    bytes_ += {kind, flags};
+    add(length);
+  }
+  /// To whoever listens to the user data of domain 0.
+  void add_text(const std::string& bytes) { bytes_ += bytes; }
+  void send() const {
+    const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(7401);
+    to.sin_addr.s_addr = inet_addr("239.255.0.1");
+    ip_mreqn interface {};
+    interface.imr_ifindex = static_cast<int>(if_nametoindex("eth0"));
+    setsockopt(socket, IPPROTO_IP, IP_MULTICAST_IF, &interface, sizeof interface);
+    const ssize_t sent =
+        sendto(socket, bytes_.data(), bytes_.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+    close(socket);
+    if (sent < 0) throw std::runtime_error(std::string("forger: ") + std::strerror(errno));
+  }
+
+ private:
+  void add(const void* data, std::size_t bytes) { bytes_.append(static_cast<const char*>(data), bytes); }
+
+  std::string bytes_;
+  std::string writer_;
+};
+
+constexpr std::uint64_t far_ahead = std::uint64_t{1} << 40;
+constexpr char data_kind = 0x15, heartbeat_kind = 0x07;
+
+void send_data_far_ahead(const dds_guid_t& writer) {
+  RtpsMessage message(writer);
+  const std::string some_node(
+      "\x00\x01\x00\x00"
+      "\x01\x01\x01\x01\x01\x01\x01\x01",
+      12);
+  const std::uint16_t to_sequence = 16;
+  message.add_submessage(data_kind, 0x05, 0);  // to the end of the message
+  message.add(std::uint16_t{0});
+  message.add(to_sequence);
+  message.add_entities();
+  message.add_sequence(far_ahead);
+  message.add_text(some_node + std::string("\x08\0\0\0"
+                                           "\0\0\0\0"
+                                           "\0\0\0\0",
+                                           12));
+  message.send();
+}
+
+void send_heartbeat_far_ahead(const dds_guid_t& writer) {
+  RtpsMessage message(writer);
+  message.add_submessage(heartbeat_kind, 0x01, 28);
+  message.add_entities();
+  message.add_sequence(far_ahead);
+  message.add_sequence(far_ahead);
+  message.add(std::uint32_t{0x0700'0000});  // how many heartbeats came before
+  message.send();
+}
+
 }  // namespace
 
 Forger::Forger() : participant_(checked(dds_create_participant(0, nullptr, nullptr))) {
@@ -43,6 +127,8 @@ Forger::Forger() : participant_(checked(dds_create_participant(0, nullptr, nullp
   endpoint_writer_ = checked(dds_create_writer(participant_, endpoint, qos, nullptr));
   request_writer_ = checked(dds_create_writer(participant_, request, qos, nullptr));
   dds_delete_qos(qos);
+  publications_ =
+      checked(dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr));
 }
 
 void Forger::look() {
@@ -74,6 +160,34 @@ void Forger::mute_all(std::uint64_t ahead) {
     request.version = sft_control_protocol_version;
     request.request_sequence = sequence + ahead;
     checked(dds_write(request_writer_, &request));
+  }
+}
+
+std::vector<dds_guid_t> Forger::writers_of(const std::string& topic) {
+  dds_guid_t own{};
+  checked(dds_get_guid(participant_, &own));
+  std::vector<dds_guid_t> writers;
+  constexpr std::size_t writers_max = 256;
+  std::vector<void*> samples(writers_max);
+  std::vector<dds_sample_info_t> infos(writers_max);
+  const dds_return_t count = dds_read(publications_, samples.data(), infos.data(), writers_max, writers_max);
+  for (dds_return_t i = 0; i < count; ++i) {
+    const auto& writer =
+        *static_cast<const dds_builtintopic_endpoint_t*>(samples[static_cast<std::size_t>(i)]);
+    const bool is_own = std::memcmp(writer.key.v, own.v, 12) == 0;
+    if (!is_own && writer.topic_name == topic) writers.push_back(writer.key);
+  }
+  if (count > 0) dds_return_loan(publications_, samples.data(), count);
+  return writers;
+}
+
+void Forger::outdate_signs_of_life() {
+  for (const dds_guid_t& writer : writers_of("sft_liveliness")) send_data_far_ahead(writer);
+}
+
+void Forger::outdate_announcements() {
+  for (const char* topic : {"sft_endpoint", "sft_request"}) {
+    for (const dds_guid_t& writer : writers_of(topic)) send_heartbeat_far_ahead(writer);
   }
 }
 

@@ -1,11 +1,13 @@
 // Somebody on the network who speaks for others on the control topics: with Cyclone DDS alone, as any program
-// can.
+// can, and with datagrams of RTPS in their participants' names.
 #pragma once
 
 #include <dds/dds.h>
 
 #include <cstdint>
 #include <map>
+#include <string>
+#include <vector>
 
 #include "sft_control.h"
 
@@ -22,11 +24,19 @@ class Forger {
   void withdraw_all();
   /// Says for all readers that they listen to nobody, in requests that are so far ahead of theirs.
   void mute_all(std::uint64_t ahead);
+  /// Sends one sign of life in the name of each node's own writer of them, with a sequence number so far
+  /// ahead that all that the writer says afterwards is old.
+  void outdate_signs_of_life();
+  /// Says in the name of each writer of announcements and requests that nothing before such a number is left.
+  void outdate_announcements();
 
  private:
   void look();
+  /// Of others, of this topic.
+  std::vector<dds_guid_t> writers_of(const std::string& topic);
 
   dds_entity_t participant_ = 0;
+  dds_entity_t publications_ = 0;              ///< reader
   dds_entity_t endpoints_ = 0, requests_ = 0;  ///< readers
   dds_entity_t endpoint_writer_ = 0, request_writer_ = 0;
   std::map<std::uint64_t, std::uint64_t>

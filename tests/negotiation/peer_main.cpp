@@ -105,6 +105,8 @@ class Peer {
     if (what == "watch") forger_ = std::make_unique<Forger>();
     if (what == "withdraw") forger_->withdraw_all();
     if (what == "mute") forger_->mute_all(command.at("ahead"));
+    if (what == "outdate signs of life") forger_->outdate_signs_of_life();
+    if (what == "outdate announcements") forger_->outdate_announcements();
   }
 
   json status() const {

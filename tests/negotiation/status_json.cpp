@@ -64,6 +64,7 @@ json to_json(const NodeStatus& status) {
           {"datagrams_malformed", status.datagrams_malformed},
           {"datagrams_unknown", status.datagrams_unknown},
           {"control_malformed", status.control_malformed},
+          {"links_renewed", status.links_renewed},
           {"control_ignored", status.control_ignored}};
 }
 

@@ -147,6 +147,8 @@ struct NodeStatus {
   std::uint64_t shm_over_limit = 0;         ///< no memory lent, nothing taken or sent, to stay within a limit
   std::uint64_t control_malformed = 0;      ///< endpoints, type descriptions and requests that were refused
   std::uint64_t control_ignored = 0;        ///< those beyond the limits of the table of endpoints
+  /// Times that discovery was begun anew on one interface, since a node that is there was not heard by it.
+  std::uint64_t links_renewed = 0;
 };
 
 }  // namespace sft

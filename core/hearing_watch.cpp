@@ -1,0 +1,111 @@
+#include "core/hearing_watch.h"
+
+#include <algorithm>
+
+namespace sft::core {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Cyclone notices the end of a lease by itself, but on a thread that may have to wait for a processor.
+constexpr milliseconds slack_of_leases{300};
+constexpr milliseconds confirmed_after{400};
+/// After a longer pause between two looks it is this process that was held up.
+constexpr milliseconds look_pause_max{1200};
+/// Announcements are repeated until they are acknowledged, but while many nodes start they take their time.
+constexpr milliseconds behind_after{5000};
+/// Of one that has never said anything: something else may be wrong with it that a new link does not mend.
+constexpr unsigned tries_for_the_mute = 3;
+
+}  // namespace
+
+void HearingWatch::link_dropped(LinkId link) {
+  links_.erase(link);
+  std::erase_if(ears_, [&](const auto& entry) { return entry.first.link == link; });
+}
+
+HearingWatch::Ear* HearingWatch::ear_of(const Speaker& speaker, Now now) {
+  if (!links_.contains(speaker.link)) return nullptr;
+  const auto known = ears_.find(speaker);
+  if (known != ears_.end()) return &known->second;
+  if (ears_.size() >= speakers_max) return nullptr;
+  return &ears_.emplace(speaker, Ear{.last = now, .agreed = now}).first->second;
+}
+
+void HearingWatch::participant_came(const Speaker& speaker, bool speaks, Now now) {
+  if (const auto link = links_.find(speaker.link); link != links_.end()) link->second = now;
+  if (speaks) (void)ear_of(speaker, now);
+}
+
+void HearingWatch::participant_left(const Speaker& speaker) {
+  ears_.erase(speaker);
+  participants_.erase(speaker.participant);
+}
+
+void HearingWatch::heard(const Speaker& speaker, Now now) {
+  Ear* const ear = ear_of(speaker, now);
+  if (ear == nullptr) return;
+  ear->last = now;
+  participants_[speaker.participant] = {.has_spoken = true, .tries = 0};
+}
+
+void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, milliseconds lease,
+                              Now now) {
+  heard(speaker, now);
+  Ear* const ear = ear_of(speaker, now);
+  if (ear == nullptr) return;
+  ear->node = node;
+  ear->lives = true;
+  ear->last_life = now;
+  ear->lease = lease;
+  ear->told = digest;
+  if (ear->told == ear->known) ear->agreed = now;
+  ear->overdue_since.reset();
+}
+
+void HearingWatch::life_ended(LinkId link, NodeId node) {
+  for (auto& [speaker, ear] : ears_) {
+    if (speaker.link == link && ear.node == node) ear.lives = false;
+  }
+}
+
+std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::uint32_t>& known,
+                                                   milliseconds participant_lease, Now now) {
+  const bool was_held_up = now - looked_ > look_pause_max;
+  looked_ = now;
+  std::vector<Deaf> deaf;
+  for (auto& [speaker, ear] : ears_) {
+    if (was_held_up) ear.overdue_since.reset();
+    const auto digest = known.find(speaker);
+    const std::uint32_t known_now = digest == known.end() ? 0 : digest->second;
+    if (known_now != ear.known || known_now == ear.told) ear.agreed = now;
+    ear.known = known_now;
+    const auto what = missing(speaker, ear, participant_lease, now);
+    if (what && (deaf.empty() || deaf.back().link != speaker.link))
+      deaf.push_back({speaker.link, speaker.participant, ear.node, *what});
+  }
+  return deaf;
+}
+
+std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speaker, Ear& ear,
+                                                           milliseconds participant_lease, Now now) const {
+  if (now - ear.last > participant_lease * 3 / 2) {
+    const auto participant = participants_.find(speaker.participant);
+    const unsigned tries = participant == participants_.end() ? 0 : participant->second.tries;
+    const bool has_spoken = participant != participants_.end() && participant->second.has_spoken;
+    if (has_spoken || tries < tries_for_the_mute) return Missing::everything;
+  }
+  if (!ear.lives) return {};
+  if (now - ear.last_life > ear.lease + slack_of_leases) {
+    if (!ear.overdue_since) ear.overdue_since = now;
+    if (now - *ear.overdue_since >= confirmed_after) return Missing::signs_of_life;
+    return {};
+  }
+  const Now calm_since = std::max(ear.agreed, links_.at(speaker.link));
+  const bool is_heard = now - ear.last_life < ear.lease / 2;
+  if (is_heard && now - calm_since > behind_after) return Missing::announcements;
+  return {};
+}
+
+}  // namespace sft::core
