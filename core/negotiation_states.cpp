@@ -173,7 +173,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     const bool awaited = history_first || (owed != 0 && !holds(r.request.begun, w.id));
     const bool reliable = r.qos.reliability == Reliability::reliable;
     const Announced node{true, w.addresses, w.network == self_.network};
-    result.push_back({.source = {w.id, w.max_sample_bytes, awaited, reliable, w.waits, node},
+    result.push_back({.source = {w.id, w.max_sample_bytes, awaited, reliable, w.waits, node, !writer->lost()},
                       .offered = w.qos,
                       .owed = owed,
                       .shm = verdict.shm && !history_comes,

@@ -530,6 +530,18 @@ void Reconciler::reconcile_reader(EndpointId id, Reader& reader) {
   watch(reader);
 }
 
+namespace {
+
+/// The first announcement of a writer that is heard may be somebody else's.
+bool says_otherwise(Source wanted, const Source& before) {
+  wanted.history_first = before.history_first;  // it counts when a connection begins
+  return wanted != before;
+}
+
+bool is_waited_for(const Source& source) { return source.reliable && source.waits; }
+
+}  // namespace
+
 /// Connects to and disconnects from one writer as wanted; returns what is in force then.
 Hearing Reconciler::connect(EndpointId id, Reader& reader, const Hearing& wanted, const Hearing& before) {
   Hearing now = wanted;
@@ -544,10 +556,13 @@ Hearing Reconciler::connect(EndpointId id, Reader& reader, const Hearing& wanted
     } else {
       now.udp = try_udp(connecting.udp, reader, wanted.source);
     }
-  } else if (wanted.udp && wanted.source.node != before.source.node) {
-    reader.udp->moved(writer, wanted.source.node);
+  } else if (wanted.udp && says_otherwise(wanted.source, before.source)) {
+    reader.udp->announced(wanted.source);
   }
-  if (wanted.shm != before.shm) {
+  if (wanted.shm && before.shm && is_waited_for(wanted.source) != is_waited_for(before.source)) {
+    reader.shm->disconnect(writer);
+    now.shm = try_shm(connecting.shm, [&] { return connect_shm(id, reader, wanted.source); });
+  } else if (wanted.shm != before.shm) {
     if (!wanted.shm) {
       if (reader.shm != nullptr) reader.shm->disconnect(writer);
     } else {

@@ -108,6 +108,7 @@ struct Source {
   bool reliable = false;       ///< in order, and what gets lost on the way is asked for
   bool waits = false;          ///< its publisher does, for readers that do not keep up
   Announced node{};
+  bool alive = true;  ///< its node answers
   friend bool operator==(const Source&, const Source&) = default;
 };
 
@@ -129,7 +130,8 @@ struct Accepted {
 
 enum class SendStatus : std::uint8_t {
   sent,       ///< handed over for every route
-  displaced,  ///< the same, but a reader that was waited for had no room in the end, and lost its oldest sample
+  displaced,  ///< the same, but a reader that was waited for had no room in the end, and lost its oldest
+              ///< sample
   dropped,    ///< at least one route did not get it (queue full, socket error); counted by the port
   lost_port,  ///< the transport is gone; the agent has been told through Transport::poll
 };
@@ -341,10 +343,9 @@ class ReaderPort {
   /// transport's own thread receives, always.
   virtual void share_reader() {}
 
-  /// A writer that is connected has announced other addresses.
-  virtual void moved(EndpointId writer, const Announced& node) {
-    static_cast<void>(writer), static_cast<void>(node);
-  }
+  /// A writer that is connected has announced something else than before, or its node answers, or does not.
+  /// What is to come first is as it was.
+  virtual void announced(const Source& source) { static_cast<void>(source); }
 
   /// Accepts no more of them; what has arrived can still be taken.
   virtual void disconnect(EndpointId writer) noexcept = 0;

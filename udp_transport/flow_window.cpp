@@ -145,8 +145,18 @@ bool FlowWindow::mark_is_due(Time now) const {
   return waiting_ && under_way() > 0 && now >= next_retry();
 }
 
+/// To a receiver that has never reported: it has some of its own, and shares others with its host.
+bool FlowWindow::takes_mark(Time now) {
+  if (heard_ || unproven_marks_++ < limits_.unproven_marks) return true;
+  return host_ == nullptr || host_->takes_mark(now);
+}
+
 std::optional<FlowMark> FlowWindow::mark(Time now) {
   if (!mark_is_due(now)) return {};
+  if (!takes_mark(now)) {
+    marked_at_ = std::max(marked_at_, now);  // as if it were sent: in its turn the next one may go
+    return {};
+  }
   unanswered_ = marked_ == sent_ ? unanswered_ + 1 : 0;
   if (first_marked_at_ == Time{}) first_marked_at_ = now;
   if (!asked_since_ || (!is_mute(now) && now - marked_at_ > longest_pause_between_marks)) {
@@ -172,7 +182,10 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
   pass_time(now);
   const bool was_awaited = !answers(now);
   learn(report, now);
-  if (!heard_ && host_ != nullptr) host_->give_back(unproven_datagrams_);
+  if (host_ != nullptr) {
+    if (!heard_) host_->give_back(unproven_datagrams_);
+    host_->answered(now);
+  }
   heard_ = true;
   note_life(now);
   unanswered_ = 0;
@@ -205,7 +218,7 @@ void FlowWindow::move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host
   secret_ = secret;
   host_ = std::move(host);
   heard_ = false;
-  unproven_bytes_ = unproven_datagrams_ = 0;
+  unproven_bytes_ = unproven_datagrams_ = unproven_marks_ = 0;
   passed_ = marked_ = reported_ = sent_;
   first_marked_at_ = {};
   asked_since_.reset();

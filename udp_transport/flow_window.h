@@ -36,6 +36,7 @@ struct FlowLimits {
   // To a receiver that has not reported yet:
   std::size_t unproven_bytes = 24'000;
   std::size_t unproven_datagrams = 16;
+  std::size_t unproven_marks = 8;                  ///< more of them count as datagrams to the host
   std::size_t first_bytes = std::size_t{1} << 20;  ///< under way, before anything is known of the way
   std::size_t least_bytes = 32 * 1024;             ///< under way, however bad it is
   std::size_t mark_spacing_min = 24 * 1024;
@@ -118,6 +119,7 @@ class FlowWindow {
   std::size_t unproven_datagrams_left(Time now) const;
   std::size_t room_before_report(Size size, Time now) const;
   void note_unproven(std::size_t bytes, std::size_t datagrams, Time now);
+  bool takes_mark(Time now);
   Time::duration retry_pause() const;
   std::size_t mark_spacing() const;
   bool mark_is_due(Time now) const;
@@ -141,6 +143,7 @@ class FlowWindow {
   std::uint64_t passed_ = 0;        ///< reported, or believed to have passed
   std::size_t unproven_bytes_ = 0;  ///< sent before the first report
   std::size_t unproven_datagrams_ = 0;
+  std::size_t unproven_marks_ = 0;
   std::uint64_t reported_ = 0;  ///< the last report was of that
   std::uint64_t marked_ = 0;
   std::uint32_t datagrams_ = 0;

@@ -6,6 +6,7 @@
 
 #include "sft/typesupport/walk.h"
 #include "udp_transport/answer_address.h"
+#include "udp_transport/answer_credit.h"
 #include "udp_transport/offered_groups.h"
 #include "udp_transport/recent_labels.h"
 
@@ -54,10 +55,16 @@ struct Reassembly::Incoming {
   std::optional<SocketAddress> acks_go_to;  ///< as its last heartbeat said
   /// As a heartbeat said that nobody has confirmed yet: acks go there, too.
   std::optional<SocketAddress> acks_may_go_to;
+  AnswerCredit credit;
   core::Announced node;
   core::IpAddress came_from;  ///< last
   OfferedGroups groups;
   RecentLabels elsewhere;  ///< of groups that were not offered: these come otherwise
+
+  bool follows(std::uint32_t channel) const {
+    const auto mark = window == nullptr ? std::nullopt : window->mark();
+    return mark && mark->channel == channel;
+  }
 
   /// A single heartbeat does not turn acks away from where they went before.
   void answer_to(const SocketAddress& address) {
@@ -101,14 +108,24 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
     if (in->window != nullptr) in->window->set_awaited(stream.waits);
     windows_ += stream.reliable ? 1 : 0;
     by_stream_.push_back(in.get());
-    in->twin = nullptr;
-    Incoming** last = &by_short_id_[static_cast<std::uint32_t>(stream.writer)];
-    while (*last != nullptr) last = &(*last)->twin;
-    *last = in.get();
   }
+  note_short_ids(streams);
   for (auto& [writer, in] : before) {
     close_window(*in);
     while (!in->unfinished.empty()) remove(*in, SampleLabel(in->unfinished.loose().back()->label()));
+  }
+}
+
+/// Of those that have the same one, those that live come first.
+void Reassembly::note_short_ids(std::span<const Stream> streams) {
+  for (const bool alive : {true, false}) {
+    for (std::size_t place = 0; place < streams.size(); ++place) {
+      if (streams[place].alive != alive) continue;
+      Incoming** last = &by_short_id_[static_cast<std::uint32_t>(streams[place].writer)];
+      while (*last != nullptr) last = &(*last)->twin;
+      *last = by_stream_[place];
+      by_stream_[place]->twin = nullptr;
+    }
   }
 }
 
@@ -145,11 +162,13 @@ Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, Arrival
     ++counters_.malformed;
     return {};
   }
-  Incoming* const in = find(d ? d->label().writer : following->label.writer, from);
+  Incoming* const in = find(d ? d->label().writer : following->label.writer, from,
+                            [&](Incoming& one) { return fits(one, d, following); });
   if (in == nullptr) {
     ++counters_.unknown;
     return {};
   }
+  in->credit.received(bytes.size());
   if (following) return accept_following(*in, *following, now);
   if ((d->first.flags & group_follows) != 0 && !place(*in, *d, now.steady)) return {};
   const WantedMasks::Named named = in->wanted.named_by(*d);
@@ -157,17 +176,32 @@ Reassembly::Arrival Reassembly::accept(std::span<const std::byte> bytes, Arrival
                                          : accept_first(*in, *d, named, now);
 }
 
-/// Somebody may announce writers with the short ids of others. Of such twins the datagram is of the one whose
-/// node announced the address that it came from, and of the first one if none did.
-Reassembly::Incoming* Reassembly::find(std::uint32_t writer, const core::IpAddress& from) {
+/// Somebody may announce writers with the short ids of others, and the addresses of others, too. Of such
+/// twins the datagram is of one whose node announced the address that it came from and that it fits, or else
+/// of one that at least announced that address, or of the first one.
+template <class Fits>
+Reassembly::Incoming* Reassembly::find(std::uint32_t writer, const core::IpAddress& from, const Fits& fits) {
   if (last_ != nullptr && static_cast<std::uint32_t>(last_->writer) == writer) return last_;
   const auto known = by_short_id_.find(writer);
   if (known == by_short_id_.end()) return nullptr;
   if (known->second->twin == nullptr) return last_ = known->second;
+  Incoming* from_there = nullptr;
   for (Incoming* in = known->second; in != nullptr; in = in->twin) {
-    if (is_announced(in->node, from)) return in;
+    if (!is_announced(in->node, from)) continue;
+    if (fits(*in)) return in;
+    if (from_there == nullptr) from_there = in;
   }
-  return known->second;
+  return from_there == nullptr ? known->second : from_there;
+}
+
+bool Reassembly::fits(Incoming& in, const std::optional<Datagram>& d,
+                      const std::optional<Following>& following) {
+  if (following) return in.unfinished.find(following->label) != nullptr;
+  if ((d->first.flags & channel_follows) != 0 && in.follows(d->first.channel.channel)) return true;
+  Datagram copy = *d;  // words of a mask are taken off
+  const WantedMasks::Named named = in.wanted.named_by(copy);
+  return named.mask != nullptr && !named.malformed &&
+         std::max<std::size_t>(copy.first.total, copy.bytes_each) <= in.sample_bytes;
 }
 
 /// As if each sample had come by itself.
@@ -278,7 +312,7 @@ std::optional<Reassembly::Joining> Reassembly::accept_offer(std::span<const std:
     ++counters_.malformed;
     return {};
   }
-  Incoming* const in = find(offer->writer, from.ip);
+  Incoming* const in = find(offer->writer, from.ip, [](Incoming&) { return true; });
   if (in == nullptr) {
     ++counters_.unknown;
     return {};
@@ -577,7 +611,8 @@ Reassembly::Arrival Reassembly::accept_heartbeat(std::span<const std::byte> byte
     ++counters_.malformed;
     return {};
   }
-  Incoming* const found = find(heartbeat->writer, from.ip);
+  Incoming* const found =
+      find(heartbeat->writer, from.ip, [&](Incoming& one) { return one.follows(heartbeat->channel); });
   if (found == nullptr || found->window == nullptr) {
     ++counters_.unknown;
     return {};
@@ -588,6 +623,7 @@ Reassembly::Arrival Reassembly::accept_heartbeat(std::span<const std::byte> byte
     ++counters_.unknown;
     return {};
   }
+  in.credit.received(bytes.size());
   in.answer_to(*answers_to);
   in.window->hear(*heartbeat, now.steady);
   drop_abandoned(in);
@@ -639,13 +675,16 @@ void Reassembly::answer(Incoming& in, Time now, const SendAck& send) {
   drop_abandoned(in);
   if (gaps.empty() && !window.ack_due()) return;
   Ack ack = window.ack(static_cast<std::uint32_t>(in.writer));
+  const std::size_t copies = in.acks_may_go_to ? 2 : 1;
   const auto send_ack = [&](const Ack& part) {
+    if (!in.credit.covers(copies * part.bytes())) return;
+    in.credit.spend(copies * part.bytes());
     send(*in.acks_go_to, part);
     if (in.acks_may_go_to) send(*in.acks_may_go_to, part);
   };
   std::size_t asked = 0;
   const auto ask = [&](const Missing& part) {
-    if (++asked > asked_at_once_max) return;
+    if (++asked > asked_at_once_max || !in.credit.covers(copies * (ack.bytes() + missing_bytes))) return;
     if (ack.missing_count == missing_max) {
       send_ack(ack);
       ack.missing_count = 0;

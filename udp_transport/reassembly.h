@@ -44,6 +44,7 @@ struct Stream {
   bool reliable = false;   ///< some reader wants it to be
   bool waits = false;      ///< its publisher does, for these
   core::Announced node{};  ///< where acks and reports may go
+  bool alive = true;       ///< as far as its node tells
 };
 
 class Reassembly {
@@ -64,7 +65,8 @@ class Reassembly {
   ~Reassembly();
 
   /// What is wanted from now on. What has begun of a writer that stays is kept, and of one that goes is
-  /// dropped. Writers whose short ids are equal are told apart by the addresses that their nodes announced.
+  /// dropped. Writers whose short ids are equal are told apart by the addresses that their nodes announced,
+  /// and by what they announced of their samples.
   void set_streams(std::span<const Stream> streams);
 
   /// `from`: where the datagram came from; it matters only where writers have equal short ids.
@@ -108,7 +110,10 @@ class Reassembly {
   struct Incoming;  ///< what is known of one writer
   enum class Refusal : std::uint8_t { none, malformed, unwanted, over_limit };
 
-  Incoming* find(std::uint32_t writer, const core::IpAddress& from);
+  /// Null if nobody here wants it. `fits(in)`: whether it can be of that one, if several have that short id.
+  template <class Fits>
+  Incoming* find(std::uint32_t writer, const core::IpAddress& from, const Fits& fits);
+  static bool fits(Incoming& in, const std::optional<Datagram>& d, const std::optional<Following>& following);
   Arrival accept_first(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now,
                        bool same_datagram = false);
   Arrival accept_packed(Incoming& in, const Datagram& d, const WantedMasks::Named& named, ArrivalTime now);
@@ -126,6 +131,7 @@ class Reassembly {
   void drop_abandoned(Incoming& in);
   void answer(Incoming& in, Time now, const SendAck& send);
 
+  void note_short_ids(std::span<const Stream> streams);
   void open_window(Incoming& in);
   void close_window(Incoming& in);
 

@@ -11,7 +11,7 @@ namespace sft::udp {
 
 namespace {
 
-constexpr std::size_t twins_max = 16;  // with one short id
+constexpr std::size_t twins_max = 64;  // with one short id, of which something is heard
 
 template <class Container, class Value>
 bool holds(const Container& container, const Value& value) {
@@ -26,6 +26,7 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
   stream.reliable = stream.reliable || source.reliable;
   stream.waits = source.waits;
   stream.node = source.node;
+  stream.alive = source.alive;
   stream.max_sample_bytes = std::max(stream.max_sample_bytes, source.max_sample_bytes);
   for (const core::Accepted& a : accepted) {
     if (!holds(stream.masks, a.wanted.mask)) stream.masks.push_back(a.wanted.mask);
@@ -71,12 +72,12 @@ Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Sour
 /// Datagrams carry half of the writer's id, and one writer has one type. A few writers with one short id are
 /// told apart by their addresses.
 Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Source& source) const {
-  std::set<core::EndpointId> twins;
+  std::set<core::EndpointId> twins;  // that live
   for (const Reader& other : readers_) {
     for (const core::Source& known : other.sources) {
       if (static_cast<std::uint32_t>(known.writer) != static_cast<std::uint32_t>(source.writer)) continue;
       if (known.writer != source.writer) {
-        twins.insert(known.writer);
+        if (known.alive) twins.insert(known.writer);
         if (twins.size() < twins_max) continue;
         return fail(Errc::unavailable, std::to_string(twins_max) + " writers have the same short id " +
                                            std::to_string(static_cast<std::uint32_t>(source.writer)) +
@@ -92,10 +93,10 @@ Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Sour
   return {};
 }
 
-void SubscriptionDirectory::moved(const Inbox& inbox, core::EndpointId writer, const core::Announced& node) {
+void SubscriptionDirectory::announced(const Inbox& inbox, const core::Source& source) {
   const std::scoped_lock lock(mutex_);
-  for (core::Source& source : find(inbox).sources) {
-    if (source.writer == writer) source.node = node;
+  for (core::Source& known : find(inbox).sources) {
+    if (known.writer == source.writer) known = source;
   }
   publish();
 }

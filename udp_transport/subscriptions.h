@@ -39,7 +39,7 @@ class SubscriptionDirectory {
   // Any thread.
   void add(core::EndpointId reader, const std::shared_ptr<Inbox>& inbox, const TypeSupport& type);
   Result<void> connect(const Inbox& reader, const core::Source& source);
-  void moved(const Inbox& reader, core::EndpointId writer, const core::Announced& node);
+  void announced(const Inbox& reader, const core::Source& source);
   void disconnect(const Inbox& reader, core::EndpointId writer);
   void accept(const Inbox& reader, std::vector<core::Accepted> accepted);
   /// When it returns, the reader's type is not used any more.

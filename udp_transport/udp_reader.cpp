@@ -31,8 +31,8 @@ Result<void> UdpReader::connect(const core::Source& source) {
   return connected;
 }
 
-void UdpReader::moved(core::EndpointId writer, const core::Announced& node) {
-  receiver_->subscriptions().moved(*inbox_, writer, node);
+void UdpReader::announced(const core::Source& source) {
+  receiver_->subscriptions().announced(*inbox_, source);
 }
 
 void UdpReader::disconnect(core::EndpointId writer) noexcept {

@@ -23,7 +23,7 @@ class UdpReader final : public core::ReaderPort {
     return inbox_->history(writer);
   }
   std::uint64_t arrivals(core::EndpointId writer) noexcept override { return inbox_->arrivals(writer); }
-  void moved(core::EndpointId writer, const core::Announced& node) override;
+  void announced(const core::Source& source) override;
   void disconnect(core::EndpointId writer) noexcept override;
   bool receive(const core::Waiting& waiting) noexcept override { return receiver_->receive(this, waiting); }
   void interrupt() noexcept override { receiver_->interrupt(this); }

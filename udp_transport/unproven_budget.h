@@ -1,6 +1,6 @@
 // What may be sent to one host by all destinations there that have not reported yet. Each may have a few
-// datagrams (FlowLimits); however many of them somebody makes up, the host gets no more than this. Any
-// thread.
+// datagrams and marks (FlowLimits); however many of them somebody makes up, the host gets no more than this.
+// Any thread.
 #pragma once
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "core/ip_address.h"
 
@@ -21,6 +22,8 @@ class UnprovenBudget {
   static constexpr std::size_t datagrams_max = 64;
   /// After which one more datagram may be sent.
   static constexpr std::chrono::seconds refill{1};
+  /// After a report the host counts as one that answers.
+  static constexpr std::chrono::seconds answers_for{10};
 
   std::size_t left(Time now) {
     const std::scoped_lock lock(mutex_);
@@ -37,6 +40,20 @@ class UnprovenBudget {
     const std::scoped_lock lock(mutex_);
     spent_ -= std::min(spent_, datagrams);
   }
+  /// Some destination there reports. Marks are welcome there for a while.
+  void answered(Time now) {
+    const std::scoped_lock lock(mutex_);
+    answered_at_ = now;
+  }
+  /// Whether one more mark may go to a destination that has had those that are its own. Then it counts.
+  bool takes_mark(Time now) {
+    const std::scoped_lock lock(mutex_);
+    if (answered_at_ && now - *answered_at_ < answers_for) return true;
+    recover(now);
+    if (spent_ == datagrams_max) return false;
+    ++spent_;
+    return true;
+  }
   bool is_unused(Time now) { return left(now) == datagrams_max; }
 
  private:
@@ -50,6 +67,7 @@ class UnprovenBudget {
   std::mutex mutex_;
   std::size_t spent_ = 0;
   Time since_{};  ///< when one datagram was forgiven last
+  std::optional<Time> answered_at_{};
 };
 
 /// One for each host. Not thread-safe.

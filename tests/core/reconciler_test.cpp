@@ -36,8 +36,9 @@ class TestWriterPort final : public WriterPort {
 /// Whom it was told to take datagrams from.
 struct Connections {
   std::set<EndpointId> writers;
-  std::string refusal;  ///< why nothing can be connected at present
-  SampleHandle sample;  ///< to be taken
+  std::vector<Source> announced;  ///< by writers that are connected
+  std::string refusal;            ///< why nothing can be connected at present
+  SampleHandle sample;            ///< to be taken
   int ports_gone = 0;
   int looks = 0;  ///< at the state of the subscriber
 };
@@ -54,6 +55,7 @@ class TestReaderPort final : public ReaderPort {
   }
   bool connected(EndpointId writer) const noexcept override { return connections_.writers.contains(writer); }
   std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
+  void announced(const Source& source) override { connections_.announced.push_back(source); }
   void disconnect(EndpointId writer) noexcept override { connections_.writers.erase(writer); }
   void accept(std::vector<Accepted>) override {}
   std::uint64_t discarded() const noexcept override { return ++connections_.looks, 0; }
@@ -237,6 +239,30 @@ TEST_F(ReconcilerTest, AWriterThatCameBackAtOnceIsListenedToForLong) {
   reconciler.tick(std::chrono::steady_clock::now() + 2 * AcceptedRequests::in_flight_max);
   EXPECT_THAT(connections.writers, ElementsAre(7));
   EXPECT_THAT(discovery.sent.back().listening, ElementsAre(7));
+}
+
+TEST_F(ReconcilerTest, WhatAWriterThatIsHeardAnnouncesAnewReachesItsConnection) {
+  our_reader(200);
+  Endpoint first = endpoint(Role::writer, 7);  // somebody else's, maybe
+  first.max_sample_bytes = 1;
+  first.waits = false;
+  first.revision = 1;
+  reconciler.endpoint_seen(first);
+  reconciler.reconcile();
+  EXPECT_TRUE(connections.announced.empty());
+  Endpoint second = first;
+  second.max_sample_bytes = 1000;
+  second.waits = true;
+  second.revision = 2;
+  reconciler.endpoint_seen(second);
+  reconciler.reconcile();
+  ASSERT_EQ(connections.announced.size(), 1U);
+  EXPECT_EQ(connections.announced[0].max_sample_bytes, 1000U);
+  EXPECT_TRUE(connections.announced[0].waits);
+  reconciler.endpoint_lost(7);
+  reconciler.reconcile();
+  ASSERT_EQ(connections.announced.size(), 2U);
+  EXPECT_FALSE(connections.announced[1].alive);
 }
 
 // Another writer may have the same short id, until it goes.

@@ -177,6 +177,30 @@ TEST_F(FlowWindowTest, SendsAnHonestSocketBesideMadeUpOnesAsSoonAsItHasReported)
   EXPECT_EQ(host->left(now), 0U) << "what others were sent is not forgiven";
 }
 
+TEST_F(FlowWindowTest, AsksAHostThatNeverAnswersSeldomHoweverManySocketsItIsSaidToHave) {
+  const auto host = std::make_shared<UnprovenBudget>();
+  std::vector<FlowWindow> made_up(400, FlowWindow(flow, FlowLimits{}, 0, host));
+  std::size_t asked = 0;
+  const auto ask_for = [&](std::chrono::milliseconds duration) {
+    asked = 0;
+    for (const auto end = now + duration; now < end; now += 50ms) {
+      for (FlowWindow& one : made_up) {
+        one.await_room();
+        asked += one.mark(now) ? 1 : 0;
+        EXPECT_GT(one.next_ready(now), now) << "nobody spins";
+      }
+    }
+  };
+  ask_for(20s);
+  EXPECT_LE(asked, 400 * FlowLimits{}.unproven_marks + UnprovenBudget::datagrams_max + 20);
+  ask_for(20s);
+  EXPECT_LE(asked, 21U) << "one in a second";
+  EXPECT_GE(asked, 19U);
+  host->answered(now);  // some other socket there
+  ask_for(5s);
+  EXPECT_GE(asked, 400U) << "the host is there";
+}
+
 TEST_F(FlowWindowTest, CountsWhatAnHonestSocketWasSentForNothingOnceItHasReported) {
   const auto host = std::make_shared<UnprovenBudget>();
   window = FlowWindow(flow, FlowLimits{}, 0, host);

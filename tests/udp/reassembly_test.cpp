@@ -329,6 +329,34 @@ TEST_F(ReassemblyTest, TellsWritersWithOneShortIdApartByTheAddressesOfTheirNodes
   EXPECT_EQ(writer_of(3, unknown_ip), writer) << "who has no twin may come from anywhere";
 }
 
+TEST_F(ReassemblyTest, TellsWritersWithOneShortIdAndOneAddressApartByWhatTheyAnnouncedOfTheirSamples) {
+  const core::IpAddress ip(0x0a000001);
+  std::vector<Stream> streams;
+  for (std::uint64_t i = 0; i < 8; ++i) {  // the honest one comes last
+    streams.push_back({writer + ((7 - i) << 32),
+                       &test::type_support<Image>(),
+                       i == 7 ? 0 : std::size_t{1},
+                       {fields<Image>("*")}});
+    streams.back().node = {.known = true, .addresses = {{.ip = ip, .port = 7000}}};
+  }
+  reassembly_->set_streams(streams);
+  const auto writer_of = [&](std::uint32_t sequence, std::size_t bytes) -> core::EndpointId {
+    for (const Bytes& datagram : sent(sequence, make_image(bytes))) {
+      const Reassembly::Arrival arrival = reassembly_->accept(datagram, {now_, 77}, ip);
+      if (arrival.sample) return arrival.sample->header().writer;
+    }
+    return 0;
+  };
+  EXPECT_EQ(writer_of(1, 64), writer);
+  EXPECT_EQ(writer_of(2, 20'000), writer);
+  for (std::size_t i = 0; i < 7; ++i) {
+    streams[i].max_sample_bytes = 0;
+    streams[i].alive = false;
+  }
+  reassembly_->set_streams(streams);
+  EXPECT_EQ(writer_of(3, 64), writer) << "those that live come first";
+}
+
 TEST_F(ReassemblyTest, CountsBytesThatAreNoDatagram) {
   receive(Bytes(5));
   receive(Bytes(100));

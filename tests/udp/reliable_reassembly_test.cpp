@@ -259,5 +259,27 @@ TEST_F(ReliableReassemblyTest, AnswersOnlyWhereTheWritersNodeCanBeReached) {
   EXPECT_EQ(reassembly_->report_address(of_a_third, 4000), (SocketAddress{its, 4000}));
 }
 
+TEST_F(ReliableReassemblyTest, AnswersNoMoreThanThreeTimesAsManyBytesAsCame) {
+  std::size_t came = 0, answered = 0;
+  const auto let_pass = [&](std::chrono::milliseconds duration) {
+    for (const auto end = now_ + duration; now_ < end; now_ += 10ms)
+      reassembly_->answer(now_, [&](const SocketAddress&, const Ack& ack) { answered += ack.bytes(); });
+  };
+  const std::vector<Bytes> large = sent(1, 50'000);
+  receive(large[0]);
+  came += large[0].size();
+  for (int i = 0; i < 5; ++i) {
+    hear(1, 4000);
+    came += heartbeat_bytes;
+    let_pass(4s);
+    EXPECT_GT(answered, 0U);
+    EXPECT_LE(answered, 3 * came);
+  }
+  for (const Bytes& datagram : large) receive(datagram);
+  answered = 0;
+  let_pass(100ms);
+  EXPECT_GT(answered, 2000U) << "who sends what was asked for is asked for more";
+}
+
 }  // namespace
 }  // namespace sft::udp

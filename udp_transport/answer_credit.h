@@ -1,0 +1,24 @@
+// How much may be answered to a writer that has not shown that it is at the address that its node announced:
+// at most three times as many bytes as came in its name, as QUIC allows before it knows an address (RFC 9000,
+// section 8.1). So nobody gains by having us answer somebody else. Pure.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+namespace sft::udp {
+
+class AnswerCredit {
+ public:
+  void received(std::size_t bytes) { left_ = std::min(left_ + factor * bytes, left_max); }
+  bool covers(std::size_t bytes) const { return bytes <= left_; }
+  void spend(std::size_t bytes) { left_ -= std::min(bytes, left_); }
+
+ private:
+  static constexpr std::size_t factor = 3;
+  static constexpr std::size_t left_max = std::size_t{1} << 20;
+
+  std::size_t left_ = 0;
+};
+
+}  // namespace sft::udp
