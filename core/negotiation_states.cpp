@@ -172,11 +172,12 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     const bool history_comes = history_first && !entry->second.history_came.contains(w.id);
     const bool awaited = history_first || (owed != 0 && !holds(r.request.begun, w.id));
     const bool reliable = r.qos.reliability == Reliability::reliable;
+    const bool attached = holds(r.request.attached, w.id);
     const Announced node{true, w.addresses, w.network == self_.network};
     result.push_back({.source = {w.id, w.max_sample_bytes, awaited, reliable, w.waits, node, !writer->lost()},
                       .offered = w.qos,
                       .owed = owed,
-                      .shm = verdict.shm && !history_comes,
+                      .shm = verdict.shm && !history_comes && (!writer->lost() || attached),
                       .udp = verdict.udp,
                       .status = status_of(*writer, r, verdict, history_comes)});
   }

@@ -14,6 +14,9 @@ constexpr std::chrono::milliseconds look_at_addresses_every{200};  // costs one 
 constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
 constexpr std::chrono::milliseconds reach_again_after{1000};
+/// A host's daemon has 1,024 ports for all readers. Publishers that are made up must not take them all.
+constexpr std::size_t unattached_max = 128;
+constexpr std::chrono::milliseconds attach_again_after{500};
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
 
 /// Whether it failed for the first time, or for another reason than before.
@@ -436,7 +439,18 @@ void Reconciler::tell(Member& member) {
   }
 }
 
+/// Connections in shared memory whose publishers have not shown up there.
+std::size_t Reconciler::count_unattached() const {
+  std::size_t count = 0;
+  for (const auto& [id, reader] : readers_) {
+    for (const auto& [writer, hearing] : reader.heard)
+      count += hearing.shm && reader.shm != nullptr && !reader.shm->connected(writer) ? 1 : 0;
+  }
+  return count;
+}
+
 void Reconciler::apply_desired_states() {
+  unattached_ = count_unattached();
   for (auto& [id, writer] : writers_) reconcile_writer(id, writer);
   for (auto& [id, reader] : readers_) reconcile_reader(id, reader);
 }
@@ -565,8 +579,12 @@ Hearing Reconciler::connect(EndpointId id, Reader& reader, const Hearing& wanted
   } else if (wanted.shm != before.shm) {
     if (!wanted.shm) {
       if (reader.shm != nullptr) reader.shm->disconnect(writer);
+    } else if (unattached_ >= unattached_max) {
+      now.shm = false;
+      connecting.shm.hold(std::chrono::steady_clock::now() + attach_again_after);
     } else {
       now.shm = try_shm(connecting.shm, [&] { return connect_shm(id, reader, wanted.source); });
+      unattached_ += now.shm ? 1 : 0;
     }
   }
   return now;

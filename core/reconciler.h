@@ -141,6 +141,7 @@ class Reconciler {
   Serving reachable(EndpointId id, Writer& writer, Serving wanted);
   void look_after_reach(Now now);
   void reconcile_reader(EndpointId id, Reader& reader);
+  std::size_t count_unattached() const;
   Hearing connect(EndpointId id, Reader& reader, const Hearing& wanted, const Hearing& before);
   Result<void> connect_shm(EndpointId id, Reader& reader, const Source& source);
   template <class Open>
@@ -188,7 +189,8 @@ class Reconciler {
   Now held_up_at_{};           ///< by a callback
   bool dirty_ = false;         ///< something changed that reconcile() has not seen
   Retry asking_daemon_;
-  int hurried_ticks_ = 0;  ///< in a row, because some reader waits for its connection
+  std::size_t unattached_ = 0;  ///< connections in shared memory whose publishers have not shown up
+  int hurried_ticks_ = 0;       ///< in a row, because some reader waits for its connection
 
   std::atomic<bool> shm_ready_{false};
   std::atomic<std::uint64_t> control_ignored_{0};

@@ -469,11 +469,14 @@ class TestMemory final : public Transport {
    public:
     explicit Reader(TestMemory& memory) : memory_(memory) {}
     SampleHandle take() noexcept override { return {}; }
-    Result<void> connect(const Source&) override { return {}; }
+    Result<void> connect(const Source& source) override {
+      memory_.connections.insert(source.writer);
+      return {};
+    }
     bool connected(EndpointId) const noexcept override { return memory_.attaches; }
     HistoryProgress history(EndpointId) const noexcept override { return memory_.progress; }
     std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
-    void disconnect(EndpointId) noexcept override {}
+    void disconnect(EndpointId writer) noexcept override { memory_.connections.erase(writer); }
     void accept(std::vector<Accepted>) override {}
     std::uint64_t discarded() const noexcept override { return 0; }
 
@@ -502,6 +505,7 @@ class TestMemory final : public Transport {
   bool attaches = true;
   HistoryProgress progress = HistoryProgress::awaited;
   int writers = 0;
+  std::set<EndpointId> connections;  ///< of readers, to these
 };
 
 /// One node whose endpoints use shared memory only.
@@ -539,6 +543,30 @@ class ReconcilerInMemoryTest : public ReconcilerTest {
   TestMemory memory;
   Reconciler node{our_node, 1, &memory, nullptr, discovery, dispatcher, log};
 };
+
+TEST_F(ReconcilerInMemoryTest, PublishersThatAreMadeUpTakeFewPortsAndGiveThemBackWhenTheyAreLost) {
+  open_reader(200);
+  memory.attaches = false;
+  const auto seen = [&](EndpointId id, AnnouncerId by) {
+    Endpoint writer = here(Role::writer, id);
+    writer.node_id = id;
+    writer.announcer = by;
+    node.endpoint_seen(writer);
+    node.reconcile();
+  };
+  for (EndpointId id = 1000; id < 1200; ++id) seen(id, 1);
+  EXPECT_EQ(memory.connections.size(), 128U);
+  seen(7, 2);
+  EXPECT_FALSE(memory.connections.contains(7)) << "none is left";
+  for (EndpointId id = 1000; id < 1200; ++id) node.endpoint_lost(id);
+  node.reconcile();
+  const Now soon = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  EXPECT_TRUE(test::eventually([&] {
+    node.tick();
+    return memory.connections == std::set<EndpointId>{7};
+  }));
+  EXPECT_LT(std::chrono::steady_clock::now(), soon);
+}
 
 TEST_F(ReconcilerInMemoryTest, AReaderSaysThatTheHistoryHasBegunOnceItComesThroughMemory) {
   open_reader(200);
