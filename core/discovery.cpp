@@ -424,9 +424,8 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
       merge_.request_came(speaker, std::move(request), time());
     });
   }
-  void assertion_came(const Speaker& speaker, Assertion assertion) override {
+  void assertion_came(const Speaker& speaker, Assertion assertion, std::chrono::milliseconds lease) override {
     news([&] {
-      const auto lease = std::max(merge_.lease_of(assertion.node), life_signs_.lease);
       hearing_.heard_life(speaker, assertion.node, assertion.digest, lease, time());
       merge_.assertion_came(speaker, std::move(assertion), time());
     });

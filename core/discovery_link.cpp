@@ -109,6 +109,16 @@ Participants::Guid to_guid(const dds_guid_t& guid) {
 
 constexpr std::size_t writers_known_max = 4096;
 
+constexpr std::chrono::hours longest_lease{24};
+std::chrono::milliseconds liveliness_lease(const dds_qos_t* qos) {
+  dds_liveliness_kind_t kind{};
+  dds_duration_t lease = DDS_INFINITY;
+  dds_qget_liveliness(qos, &kind, &lease);
+  const auto milliseconds =
+      std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::nanoseconds(lease));
+  return std::min<std::chrono::milliseconds>(milliseconds, longest_lease);
+}
+
 class CycloneLink final : public DiscoveryLink {
  public:
   CycloneLink(const Place& place, Participants& participants, LinkListener& listener)
@@ -171,6 +181,11 @@ class CycloneLink final : public DiscoveryLink {
   }
 
  private:
+  struct Writer {
+    AnnouncerId participant = 0;  ///< 0: our own
+    std::chrono::milliseconds lease{};
+  };
+
   dds_domainid_t domain() const { return place_.domain == nullptr ? place_.number : place_.domain->id(); }
 
   Result<dds_entity_t> make_topic(const dds_topic_descriptor_t* type, const char* name, const dds_qos_t* qos,
@@ -208,21 +223,25 @@ class CycloneLink final : public DiscoveryLink {
   /// Empty for what the node said itself, on this link or another; and if the writer is gone already and was
   /// not heard before: nobody stands behind what it said.
   std::optional<Speaker> speaker_of(dds_entity_t reader, const dds_sample_info_t& info) {
-    std::optional<AnnouncerId> participant = known_writer(info.publication_handle);
-    if (!participant) {
-      const EndpointInfo writer(dds_get_matched_publication_data(reader, info.publication_handle));
-      if (writer == nullptr) return std::nullopt;
-      const Participants::Guid guid = to_guid(writer->participant_key);
-      participant = participants_.is_own(guid) ? 0 : participants_.number_of(guid);
-      const std::scoped_lock lock(writers_mutex_);
-      if (writers_.size() == writers_known_max) writers_.clear();  // they are asked for again
-      writers_.emplace(info.publication_handle, *participant);
-    }
-    if (*participant == 0) return std::nullopt;
-    return Speaker{place_.link, *participant};
+    const std::optional<Writer> writer = writer_of(reader, info);
+    if (!writer || writer->participant == 0) return std::nullopt;
+    return Speaker{place_.link, writer->participant};
   }
 
-  std::optional<AnnouncerId> known_writer(dds_instance_handle_t handle) {
+  std::optional<Writer> writer_of(dds_entity_t reader, const dds_sample_info_t& info) {
+    if (const auto known = known_writer(info.publication_handle)) return known;
+    const EndpointInfo matched(dds_get_matched_publication_data(reader, info.publication_handle));
+    if (matched == nullptr) return std::nullopt;
+    const Participants::Guid guid = to_guid(matched->participant_key);
+    const Writer writer{participants_.is_own(guid) ? 0 : participants_.number_of(guid),
+                        liveliness_lease(matched->qos)};
+    const std::scoped_lock lock(writers_mutex_);
+    if (writers_.size() == writers_known_max) writers_.clear();  // they are asked for again
+    writers_.emplace(info.publication_handle, writer);
+    return writer;
+  }
+
+  std::optional<Writer> known_writer(dds_instance_handle_t handle) {
     const std::scoped_lock lock(writers_mutex_);
     const auto writer = writers_.find(handle);
     return writer == writers_.end() ? std::nullopt : std::optional(writer->second);
@@ -264,19 +283,23 @@ class CycloneLink final : public DiscoveryLink {
   /// Nodes unregister their signs of life, if they can. Who disposes of them is somebody else.
   static void on_assertions(dds_entity_t reader, void* self) {
     CycloneLink& link = *static_cast<CycloneLink*>(self);
-    take_all<sft_control_Assertion>(reader,
-                                    [&](const sft_control_Assertion& sample, const dds_sample_info_t& info) {
-                                      const std::optional<Speaker> speaker = link.speaker_of(reader, info);
-                                      if (info.valid_data && speaker)
-                                        link.assertion_came(*speaker, from_dds(sample));
-                                      if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS)
-                                        link.listener_.node_unheard(link.place_.link, sample.node);
-                                    });
+    take_all<sft_control_Assertion>(
+        reader, [&](const sft_control_Assertion& sample, const dds_sample_info_t& info) {
+          const std::optional<Speaker> speaker = link.speaker_of(reader, info);
+          if (info.valid_data && speaker)
+            link.assertion_came(*speaker, from_dds(sample), link.lease_of(info.publication_handle));
+          if (info.instance_state == DDS_IST_NOT_ALIVE_NO_WRITERS)
+            link.listener_.node_unheard(link.place_.link, sample.node);
+        });
   }
 
-  void assertion_came(const Speaker& speaker, Result<Assertion> assertion) {
-    assertion ? listener_.assertion_came(speaker, std::move(*assertion))
+  void assertion_came(const Speaker& speaker, Result<Assertion> assertion, std::chrono::milliseconds lease) {
+    assertion ? listener_.assertion_came(speaker, std::move(*assertion), lease)
               : listener_.sample_malformed(assertion.error().message);
+  }
+  std::chrono::milliseconds lease_of(dds_instance_handle_t handle) {
+    const std::optional<Writer> writer = known_writer(handle);
+    return writer ? writer->lease : longest_lease;
   }
 
   static void on_participants(dds_entity_t reader, void* self) {
@@ -299,7 +322,7 @@ class CycloneLink final : public DiscoveryLink {
 
   void forget_writers_of(AnnouncerId participant) {
     const std::scoped_lock lock(writers_mutex_);
-    std::erase_if(writers_, [&](const auto& writer) { return writer.second == participant; });
+    std::erase_if(writers_, [&](const auto& writer) { return writer.second.participant == participant; });
   }
 
   const Place place_;
@@ -311,7 +334,7 @@ class CycloneLink final : public DiscoveryLink {
   dds_entity_t request_writer_ = 0;
   dds_entity_t assertion_writer_ = 0;
   std::mutex writers_mutex_;
-  std::map<dds_instance_handle_t, AnnouncerId> writers_;  ///< whose they are; 0: our own
+  std::map<dds_instance_handle_t, Writer> writers_;
 };
 
 }  // namespace

@@ -24,7 +24,9 @@ class LinkListener {
   /// Nobody keeps it alive any more on that link.
   virtual void endpoint_unheard(LinkId link, EndpointId id) = 0;
   virtual void request_came(const Speaker& speaker, Request request) = 0;
-  virtual void assertion_came(const Speaker& speaker, Assertion assertion) = 0;
+  /// `lease`: how long Cyclone waits for the next one before it says that the node is unheard.
+  virtual void assertion_came(const Speaker& speaker, Assertion assertion,
+                              std::chrono::milliseconds lease) = 0;
   virtual void node_unheard(LinkId link, NodeId id) = 0;
   /// `speaks`: it says that it is a node's, of this version of the control topics.
   virtual void participant_came(const Speaker& speaker, bool speaks) = 0;

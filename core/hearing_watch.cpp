@@ -15,8 +15,8 @@ constexpr milliseconds confirmed_after{400};
 constexpr milliseconds look_pause_max{1200};
 /// Announcements are repeated until they are acknowledged, but while many nodes start they take their time.
 constexpr milliseconds behind_after{5000};
-/// Of one that has never said anything: something else may be wrong with it that a new link does not mend.
-constexpr unsigned tries_for_the_mute = 3;
+/// For one participant: something else may be wrong with it that a new link does not mend.
+constexpr unsigned tries_max = 3;
 
 }  // namespace
 
@@ -40,14 +40,13 @@ void HearingWatch::participant_came(const Speaker& speaker, bool speaks, Now now
 
 void HearingWatch::participant_left(const Speaker& speaker) {
   ears_.erase(speaker);
-  participants_.erase(speaker.participant);
+  tries_.erase(speaker.participant);
 }
 
 void HearingWatch::heard(const Speaker& speaker, Now now) {
   Ear* const ear = ear_of(speaker, now);
   if (ear == nullptr) return;
   ear->last = now;
-  participants_[speaker.participant] = {.has_spoken = true, .tries = 0};
 }
 
 void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, milliseconds lease,
@@ -60,7 +59,10 @@ void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t
   ear->last_life = now;
   ear->lease = lease;
   ear->told = digest;
-  if (ear->told == ear->known) ear->agreed = now;
+  if (ear->told == ear->known) {
+    ear->agreed = now;
+    tries_.erase(speaker.participant);
+  }
   ear->overdue_since.reset();
 }
 
@@ -90,12 +92,9 @@ std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::
 
 std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speaker, Ear& ear,
                                                            milliseconds participant_lease, Now now) const {
-  if (now - ear.last > participant_lease * 3 / 2) {
-    const auto participant = participants_.find(speaker.participant);
-    const unsigned tries = participant == participants_.end() ? 0 : participant->second.tries;
-    const bool has_spoken = participant != participants_.end() && participant->second.has_spoken;
-    if (has_spoken || tries < tries_for_the_mute) return Missing::everything;
-  }
+  const auto tried = tries_.find(speaker.participant);
+  if (tried != tries_.end() && tried->second >= tries_max) return {};
+  if (now - ear.last > participant_lease * 3 / 2) return Missing::everything;
   if (!ear.lives) return {};
   if (now - ear.last_life > ear.lease + slack_of_leases) {
     if (!ear.overdue_since) ear.overdue_since = now;

@@ -46,8 +46,8 @@ class HearingWatch {
                   Now now);
   /// Cyclone says that no signs of that node's life come any more.
   void life_ended(LinkId link, NodeId node);
-  /// A link was made anew because of that one.
-  void tried(AnnouncerId participant) { ++participants_[participant].tries; }
+  /// A link was made anew because of that one. If that does not help, then it is not the link.
+  void tried(AnnouncerId participant) { ++tries_[participant]; }
 
   /// To be asked about twice a second. `known`: digests of what is known of each speaker.
   /// `participant_lease`: after which Cyclone forgets a participant of which nothing comes. The same is told
@@ -67,11 +67,6 @@ class HearingWatch {
     Now agreed{};             ///< both were equal, or what is known changed
     std::optional<Now> overdue_since{};
   };
-  struct Participant {
-    bool has_spoken = false;
-    unsigned tries = 0;
-  };
-
   static constexpr std::size_t speakers_max = 4096;
 
   Ear* ear_of(const Speaker& speaker, Now now);
@@ -80,7 +75,7 @@ class HearingWatch {
 
   std::map<LinkId, Now> links_;  ///< and when somebody was new there
   std::map<Speaker, Ear> ears_;
-  std::map<AnnouncerId, Participant> participants_;
+  std::map<AnnouncerId, unsigned> tries_;  ///< since all of that participant was known
   Now looked_{};
 };
 

@@ -75,8 +75,6 @@ class LinkMerge {
   std::map<Speaker, std::uint32_t> digests() const;
   /// For people. Empty if no endpoint of it is known.
   std::string node_name(NodeId node) const;
-  /// How long a node may be silent.
-  std::chrono::milliseconds lease_of(NodeId node) const;
   /// A link is made anew since it did not hear all. What was withdrawn may be there after all.
   void begin_anew() { departed_.clear(); }
 
@@ -124,6 +122,7 @@ class LinkMerge {
   };
 
   static std::chrono::milliseconds lease_of(const Known& known);
+  std::chrono::milliseconds lease_of(NodeId node) const;
   bool has_room_for(const Speaker& speaker);
   Claim* claim_of(Known& known, const Speaker& speaker) const;
   Claim* believed(Known& known, Now now) const;
