@@ -109,6 +109,9 @@ class SubscriberCore final : public ArrivalListener {
   std::uint64_t arrivals(EndpointId writer);
 
  private:
+  using Clock = std::chrono::steady_clock;
+  using Now = Clock::time_point;
+
   struct Heard {  ///< per writer
     EndpointId writer = 0;
     SequenceAccount account;
@@ -172,7 +175,7 @@ class SubscriberCore final : public ArrivalListener {
   untyped::Sample wrap(Next next);
   void dispatch(Caller caller);
   bool call_back_for_all(Caller caller);
-  void call_back(untyped::Sample sample);
+  Now call_back(untyped::Sample sample, Now before);
 
   const Spec spec_;
   Doorbell& bell_;

@@ -21,7 +21,7 @@ std::uint64_t reach_after(SequenceWatch::Time::duration silence) {
 
 }  // namespace
 
-bool SequenceWatch::believes(const Claim& claim, Time now) {
+bool SequenceWatch::judge(const Claim& claim, Time now) {
   const std::uint64_t sequence = claim.sequence;
   if (newest_ == 0) {
     advance(claim, now);

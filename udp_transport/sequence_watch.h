@@ -39,7 +39,13 @@ class SequenceWatch {
     std::int64_t stamp_ns = 0;  ///< by the writer's clock
   };
   /// Whether a sample that claims this may be delivered.
-  bool believes(const Claim& claim, Time now);
+  bool believes(const Claim& claim, Time now) {
+    const bool is_next = newest_ != 0 && claim.sequence > newest_ && claim.sequence - newest_ <= reach;
+    if (!is_next) [[unlikely]]
+      return judge(claim, now);
+    advance(claim, now);
+    return true;
+  }
   /// The whole sequence of which a datagram tells these low bits: the nearest to what was believed last,
   /// unless it goes on with what was believed for long before that.
   std::uint64_t widen(std::uint32_t low) const;
@@ -52,6 +58,7 @@ class SequenceWatch {
   std::uint32_t numbering() const { return numbering_; }
 
  private:
+  bool judge(const Claim& claim, Time now);
   void advance(const Claim& claim, Time now);
   void begin_anew(const Claim& claim, Time now);
   bool confirmed(const Claim& claim, Time now);

@@ -22,7 +22,7 @@ class UnfinishedSamples {
   const std::vector<Handle>& placed() const { return placed_; }
 
   /// Null if that sample has not begun. Valid until it is removed.
-  UnfinishedSample* find(const SampleLabel& label) const;
+  UnfinishedSample* find(const SampleLabel& label) const { return empty() ? nullptr : search(label); }
   /// No other one has its label.
   UnfinishedSample& add(Handle sample);
   /// Empty if it is not there.
@@ -33,6 +33,7 @@ class UnfinishedSamples {
   void forget_places();
 
  private:
+  UnfinishedSample* search(const SampleLabel& label) const;
   static std::size_t hash_of(const SampleLabel& label) {
     const std::uint64_t key = std::uint64_t{label.sequence} << 16 | label.variant;
     return static_cast<std::size_t>((key * 0x9e37'79b9'7f4a'7c15) >> 32);
