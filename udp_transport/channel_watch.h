@@ -33,7 +33,7 @@ class ChannelWatch {
 
   /// So many, with that silence, of a former channel that are behind where it was left: what it had was not
   /// true either.
-  static constexpr std::uint32_t behind_in_a_row = 8;
+  static constexpr std::uint32_t behind_in_a_row = 4;
 
   /// What a datagram says: the ordinal of a sample twice, or the range of a heartbeat.
   struct Claim {
