@@ -18,6 +18,8 @@ bool OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from, Tim
       known->is_doubted = true;
       return false;
     }
+    const bool was_right = known->misplaced < misplaced_max && in_use(*known, now);
+    if (known->offer != offer && was_right) part_from(*known);
     known->is_doubted = false;
     known->misplaced = 0;
     known->offer = offer;
@@ -28,8 +30,8 @@ bool OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from, Tim
     return true;
   }
   if (groups_.size() == groups_max) {
-    const auto unused = std::ranges::find_if(
-        groups_, [&](const Offered& group) { return group.heard == 0 || now - group.alive_at >= in_use; });
+    const auto unused =
+        std::ranges::find_if(groups_, [&](const Offered& group) { return !in_use(group, now); });
     if (unused == groups_.end()) return false;
     groups_.erase(unused);
   }
@@ -41,11 +43,19 @@ void OfferedGroups::take_back(const GroupOffer& offer, Time now) {
   const auto is_meant = [&](const Offered& group) {
     return static_cast<std::int32_t>(group.offer.group - offer.group) <= 0;
   };
-  const bool used = std::ranges::any_of(groups_, [&](const Offered& group) {
-    return is_meant(group) && group.heard != 0 && now - group.alive_at < in_use;
-  });
-  if (used && !comes_again(offer)) return;
+  const auto is_lost = [&](const Offered& group) { return is_meant(group) && in_use(group, now); };
+  if (std::ranges::any_of(groups_, is_lost) && !comes_again(offer)) return;
+  for (const Offered& group : groups_) {
+    if (is_lost(group)) part_from(group);
+  }
   std::erase_if(groups_, is_meant);
+}
+
+void OfferedGroups::part_from(const Offered& group) {
+  constexpr std::size_t partings_max = groups_max;
+  if (partings_.size() == partings_max) return;
+  partings_.push_back({group.report_to, {group.offer.writer, group.offer.group, group.offer.member, 0}});
+  due_ = true;
 }
 
 bool OfferedGroups::comes_again(const GroupOffer& offer) { return offer == std::exchange(doubted_, offer); }

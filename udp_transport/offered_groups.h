@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "udp_transport/channel_watch.h"
@@ -37,6 +38,7 @@ class OfferedGroups {
   void report(const Send& send) {
     if (!due_) return;
     due_ = false;
+    for (const Parting& parting : std::exchange(partings_, {})) send(parting.to, parting.report);
     for (Offered& group : groups_) {
       if (!group.due) continue;
       group.due = false;
@@ -56,6 +58,10 @@ class OfferedGroups {
   void take_back(const GroupOffer& offer, Time now);
 
   struct Offered;
+  bool in_use(const Offered& group, Time now) const {
+    return group.heard != 0 && now - group.alive_at < used_for;
+  }
+  void part_from(const Offered& group);
   void note(Offered& group, bool misplaced);
 
   struct Offered {
@@ -74,7 +80,14 @@ class OfferedGroups {
   /// A switch knows of who joins sooner.
   static constexpr std::chrono::milliseconds silence_max{250};
   /// A group that was heard within that time does not make room for another one.
-  static constexpr std::chrono::milliseconds in_use{500};
+  static constexpr std::chrono::milliseconds used_for{500};
+  /// What its writer is told of a group that is in use and is replaced, or taken back: the writer knows
+  /// whether it has said that. If not, it offers the group again at once.
+  struct Parting {
+    SocketAddress to;
+    GroupReport report;
+  };
+  std::vector<Parting> partings_;
   std::vector<Offered> groups_;  ///< the newest last
   GroupOffer doubted_;           ///< an offer that contradicts what is known
   bool due_ = false;

@@ -323,6 +323,7 @@ std::optional<Reassembly::Joining> Reassembly::accept_offer(std::span<const std:
     return {};
   }
   const bool anew = in->groups.hear(*offer, *report_to, now.steady);
+  reports_due_ = reports_due_ || in->groups.due();
   return Joining{offer->address, anew};
 }
 

@@ -64,8 +64,7 @@ std::vector<pid_t> processes(const std::string& program) {
 std::vector<pid_t> honest_program(const std::string& name) {
   std::vector<pid_t> found = processes("negotiation_peer");
   std::erase_if(found, [&](pid_t process) {
-    return text_of("/proc/" + std::to_string(process) + "/cmdline").find("\"name\":\"" + name + '"') ==
-           std::string::npos;
+    return text_of("/proc/" + std::to_string(process) + "/cmdline").find("\"name\":\"" + name) == std::string::npos;
   });
   return found;
 }

@@ -194,7 +194,9 @@ Stage::~Stage() = default;
 
 void Stage::launch() {
   if (!publisher_) {
-    publisher_ = std::make_unique<test::Peer>(here_, "publisher", json{{"start_daemon", true}}, honest_);
+    // Nobody takes the one that was killed for it.
+    const std::string name = "publisher " + std::to_string(++publishers_);
+    publisher_ = std::make_unique<test::Peer>(here_, name, json{{"start_daemon", true}}, honest_);
     publisher_->advertise(honest_policies(true));
     publisher_->start_publishing(publishing_period);
   }
@@ -212,7 +214,7 @@ void Stage::launch() {
 bool Stage::look(Pair& pair) {
   if (pair.is_stopped) return true;
   const json reader = publisher_->look_at(pair.name)["reader"];
-  const json seen = pair.subscriber->look_at("publisher");
+  const json seen = pair.subscriber->look_at(publisher_->name());
   const json& writer = seen["writer"];
   pair.state = describe(pair.name, reader, seen);
   if (seen.contains("taken")) {

@@ -72,6 +72,7 @@ class Stage {
   test::Host here_;
   test::Host there_;
   test::Host elsewhere_;
+  int publishers_ = 0;  ///< that were started
   std::unique_ptr<test::Peer> publisher_;
   std::vector<std::unique_ptr<Pair>> pairs_;
 };

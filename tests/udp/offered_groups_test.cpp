@@ -76,6 +76,30 @@ TEST_F(OfferedGroupsTest, AreToBeOfferedAgainWhereWhatComesHasNoPlace) {
   EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 9}}));
 }
 
+TEST_F(OfferedGroupsTest, AreToBeOfferedAgainAtOnceWhereSomebodyReplacesOrTakesBackOneThatIsInUse) {
+  const GroupReport offer_it_again{1, 1, 3, 0};
+  const auto use = [&] {
+    offer(1, 9, 5);
+    offer(1, 9, 5);  // again, if there is another
+    ASSERT_TRUE(place(1, 1));
+    reports();
+  };
+  use();
+  offer(1, 8, 5);
+  EXPECT_TRUE(reports().empty()) << "that says one datagram";
+  offer(1, 8, 5);
+  EXPECT_EQ(reports(), std::vector{offer_it_again});
+  use();
+  GroupOffer taken_back{.writer = 1, .group = 1, .member = 3, .port = 77};
+  groups_.hear(taken_back, writer_at, start);
+  EXPECT_TRUE(reports().empty());
+  groups_.hear(taken_back, writer_at, start);
+  EXPECT_EQ(reports(), std::vector{offer_it_again});
+  use();
+  groups_.hear(taken_back, writer_at, start + 1s);
+  EXPECT_TRUE(reports().empty()) << "its writer has used another one for a while";
+}
+
 TEST_F(OfferedGroupsTest, PlaceNothingInAChannelThatIsNotKnownWhileAnotherIs) {
   ChannelWatch channels;
   offer(1, 9);
