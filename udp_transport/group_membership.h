@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 
 namespace sft::udp {
 
@@ -23,7 +24,9 @@ class GroupMembership {
     if (hears_ && owed_since_ == never && now - reported_at_ >= report_expected) owed_since_ = now;
   }
 
-  void reported(Time now) {
+  /// It has heard the sample with that ordinal.
+  void reported(std::uint64_t heard, Time now) {
+    if (heard <= refused_at_) return;  // it says that of before
     hears_ = true;
     reported_at_ = now;
     owed_since_ = never;
@@ -31,8 +34,10 @@ class GroupMembership {
     unanswered_ = 0;
   }
 
-  /// What comes to it has no place where the offer says: it must have got a wrong one.
-  void refused(Time now) {
+  /// What comes to it has no place where the offer says, or nothing comes: it must have got a wrong offer.
+  /// `last`: ordinal of the last sample that was sent to the group.
+  void refused(std::uint64_t last, Time now) {
+    refused_at_ = last;
     if (!hears_) return;  // it is offered again anyway
     lose(now);
   }
@@ -73,6 +78,7 @@ class GroupMembership {
   static constexpr Time never = Time::max();
 
   bool hears_ = false;
+  std::uint64_t refused_at_ = 0;  ///< only what it hears behind this tells that it hears again
   bool sent_since_offer_ = true;
   Time offer_at_{};
   std::chrono::milliseconds pause_ = offer_pause_least;

@@ -91,9 +91,9 @@ void MulticastGroup::hear(const GroupReport& report, Time now) {
   if (report.member >= members_.size() || report.heard > last_ordinal_ || broken()) return;
   GroupMembership& membership = memberships_[report.member];
   if (report.heard == 0) {
-    membership.refused(now);
+    membership.refused(last_ordinal_, now);
   } else {
-    membership.reported(now);
+    membership.reported(report.heard, now);
   }
   hears_[report.member].store(membership.hears(), std::memory_order_relaxed);
 }

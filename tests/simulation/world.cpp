@@ -262,8 +262,8 @@ void World::hear_report(const udp::GroupReport& report) {
   if (!group_ || report.group != group_->number) return;
   if (forgers_ && report.heard > group_->last_ordinal) return;
   if (report.heard > group_->last_ordinal) return fail("a report of what was never sent");
-  if (report.heard == 0) return group_->membership.refused(now_);
-  group_->membership.reported(now_);
+  if (report.heard == 0) return group_->membership.refused(group_->last_ordinal, now_);
+  group_->membership.reported(report.heard, now_);
 }
 
 udp::ResendWindow::Kept World::keep(const udp::JobHandle& job, bool elsewhere) {

@@ -292,9 +292,9 @@ class LiveStreams {
         const bool is_ours = static_cast<std::uint32_t>(one->writer) == report.writer && report.group == 1;
         if (!is_ours || report.heard > one->group_ordinal) continue;
         if (report.heard == 0) {
-          one->membership.refused(now_);
+          one->membership.refused(one->group_ordinal, now_);
         } else {
-          one->membership.reported(now_);
+          one->membership.reported(report.heard, now_);
         }
       }
     });

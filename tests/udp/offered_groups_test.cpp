@@ -197,14 +197,14 @@ TEST(GroupMembership, IsOfferedUntilAReportComesButNotWhileNothingIsSent) {
   EXPECT_TRUE(member.offer_due(start + 10s));
   EXPECT_FALSE(member.hears());
   member.sent(start + 20s);
-  member.reported(start + 20s);
+  member.reported(1, start + 20s);
   EXPECT_TRUE(member.hears());
   EXPECT_FALSE(member.offer_due(start + 20s));
 }
 
 TEST(GroupMembership, EndsWhenSamplesThatAreSentAreNotReportedAnyMore) {
   GroupMembership member;
-  member.reported(start);
+  member.reported(1, start);
   member.look(start + 1h);
   EXPECT_TRUE(member.hears()) << "nothing was sent";
   member.sent(start + 1h);
@@ -213,26 +213,30 @@ TEST(GroupMembership, EndsWhenSamplesThatAreSentAreNotReportedAnyMore) {
   member.look(start + 1h + 500ms);
   EXPECT_FALSE(member.hears());
   EXPECT_TRUE(member.offer_due(start + 1h + 500ms));
-  member.reported(start + 2h);
+  member.reported(1, start + 2h);
   EXPECT_TRUE(member.hears());
 }
 
 TEST(GroupMembership, IsOfferedAgainAtOnceWhenItRefusesTheOffer) {
   GroupMembership member;
-  member.refused(start);
+  member.refused(0, start);
   EXPECT_TRUE(member.offer_due(start));
   EXPECT_FALSE(member.offer_due(start)) << "it is offered anyway";
-  member.reported(start);
+  member.reported(1, start);
   EXPECT_FALSE(member.offer_due(start + 1s));
-  member.refused(start + 1s);
+  member.refused(7, start + 1s);
   EXPECT_FALSE(member.hears());
   EXPECT_TRUE(member.offer_due(start + 1s));
+  member.reported(7, start + 1s);
+  EXPECT_FALSE(member.hears()) << "that is an earlier report once more, maybe by somebody else";
+  member.reported(8, start + 1s);
+  EXPECT_TRUE(member.hears());
 }
 
 TEST(GroupMembership, StaysWhileReportsComeEveryNowAndThen) {
   GroupMembership member;
   for (Time now = start; now < start + 10s; now += 10ms) {
-    if ((now - start) % 1000ms == 0ms) member.reported(now);
+    if ((now - start) % 1000ms == 0ms) member.reported(1, now);
     member.sent(now);
     member.look(now);
     ASSERT_TRUE(member.hears());
