@@ -50,8 +50,8 @@ bool hear(SendSide& side, const FlowReport& report, const SocketAddress& from, T
 
 bool hear(SendSide& side, const GroupReport& report, const SocketAddress& from, Time now) {
   const std::shared_ptr<MulticastGroup> group = side.groups.find(report.writer, report.group);
-  const bool is_of_member = group != nullptr && report.member < group->members().size() &&
-                            group->members()[report.member].lane->destination().is_at(from.ip);
+  const auto member = group == nullptr ? std::nullopt : group->member_named(report.member);
+  const bool is_of_member = member && group->members()[*member].lane->destination().is_at(from.ip);
   if (!is_of_member) return disbelieve(side);
   group->hear(report, now);
   return false;

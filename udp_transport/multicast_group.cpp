@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/random_id.h"
+
 namespace sft::udp {
 
 namespace {
@@ -10,6 +12,14 @@ namespace {
 constexpr std::chrono::milliseconds asked_together{100};
 /// Of a larger one only parts are missing: those that ask are sent these.
 constexpr std::size_t sent_again_bytes_max = std::size_t{16} << 10;
+
+/// The upper half is random.
+std::vector<std::uint32_t> names_for(std::size_t members) {
+  std::vector<std::uint32_t> names;
+  for (std::size_t i = 0; i < members; ++i)
+    names.push_back(static_cast<std::uint32_t>(core::random_id() << 16 | (i & 0xffff)));
+  return names;
+}
 }  // namespace
 
 std::shared_ptr<MulticastGroup> MulticastGroup::make(const Name& name, std::shared_ptr<Lane> lane,
@@ -26,6 +36,7 @@ MulticastGroup::MulticastGroup(const Name& name, std::shared_ptr<Lane> lane, std
       lane_(std::move(lane)),
       members_(std::move(members)),
       report_port_(report_port),
+      member_names_(names_for(members_.size())),
       hears_(std::make_unique<std::atomic<bool>[]>(members_.size())),
       memberships_(members_.size()),
       ahead_(members_.size()) {}
@@ -87,15 +98,22 @@ bool MulticastGroup::has_left(const Job& job, bool lost) noexcept {
 }
 
 void MulticastGroup::hear(const GroupReport& report, Time now) {
+  const std::optional<std::size_t> member = member_named(report.member);
   const std::scoped_lock lock(mutex_);
-  if (report.member >= members_.size() || report.heard > last_ordinal_ || broken()) return;
-  GroupMembership& membership = memberships_[report.member];
+  if (!member || report.heard > last_ordinal_ || broken()) return;
+  GroupMembership& membership = memberships_[*member];
   if (report.heard == 0) {
     membership.refused(last_ordinal_, now);
   } else {
     membership.reported(report.heard, now);
   }
-  hears_[report.member].store(membership.hears(), std::memory_order_relaxed);
+  hears_[*member].store(membership.hears(), std::memory_order_relaxed);
+}
+
+std::optional<std::size_t> MulticastGroup::member_named(std::uint32_t name) const {
+  const std::size_t member = name & 0xffff;
+  if (member >= member_names_.size() || member_names_[member] != name) return {};
+  return member;
 }
 
 bool MulticastGroup::take_over_repairs(std::size_t member, Ack& ack, Time now) {
@@ -173,10 +191,8 @@ std::vector<const Destination*> MulticastGroup::given_up() const {
 }
 
 GroupOffer MulticastGroup::farewell(std::size_t member) const {
-  return {.writer = name_.writer,
-          .group = name_.number,
-          .member = static_cast<std::uint32_t>(member),
-          .port = report_port_};
+  return {
+      .writer = name_.writer, .group = name_.number, .member = member_names_[member], .port = report_port_};
 }
 
 void GroupRoster::add(const std::shared_ptr<MulticastGroup>& group) {

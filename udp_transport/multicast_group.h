@@ -71,6 +71,8 @@ class MulticastGroup final : public LaneListener {
   /// In the lane, which the sending thread looks after.
   void left(const Job& job, bool lost) noexcept override { static_cast<void>(has_left(job, lost)); }
   void hear(const GroupReport& report, Time now);
+  /// The one that calls itself so in reports; empty if none does.
+  std::optional<std::size_t> member_named(std::uint32_t name) const;
   std::string state_of(std::size_t member) const;
   /// The thread that hears answers: a member asks for parts of samples in its channel. Takes those out that
   /// are sent to the group again, since others asked for the same. Whether the sending thread has to be told
@@ -108,6 +110,8 @@ class MulticastGroup final : public LaneListener {
   const std::shared_ptr<Lane> lane_;
   const std::vector<Member> members_;
   const std::uint16_t report_port_;
+  /// What members call themselves: whoever alters a report of one does not guess another one's.
+  const std::vector<std::uint32_t> member_names_;
   std::unique_ptr<std::atomic<bool>[]> hears_;  ///< of each member
 
   mutable std::mutex mutex_;  ///< held for a few instructions

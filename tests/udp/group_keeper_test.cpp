@@ -359,7 +359,8 @@ TEST_F(GroupKeeperTest, LeavesThoseAloneForAMinuteThatHearNothing) {
     for (const auto& group : groups_) {
       const std::uint64_t ordinal = group->next_ordinal(now_);
       for (std::size_t i = 0; i < 3; ++i) group->placed(i, ordinal, ordinal);
-      for (std::uint32_t i = 0; i < 2; ++i) group->hear({7, group->name().number, i, ordinal}, now_);
+      for (std::size_t i = 0; i < 2; ++i)
+        group->hear({7, group->name().number, group->farewell(i).member, ordinal}, now_);
     }
     keeper_->tend(now_);
   };

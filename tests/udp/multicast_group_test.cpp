@@ -64,8 +64,9 @@ class MulticastGroupTest : public testing::Test {
     group->left(*sent, false);
     return sent->first.group.ordinal;
   }
-  void report(std::uint32_t member, std::uint64_t heard) {
-    group->hear({writer, number, member, heard}, now);
+  std::uint32_t name_of(std::size_t member) const { return group->farewell(member).member; }
+  void report(std::size_t member, std::uint64_t heard) {
+    group->hear({writer, number, name_of(member), heard}, now);
   }
   void all_report() {
     const std::uint64_t ordinal = send();
@@ -107,7 +108,7 @@ TEST_F(MulticastGroupTest, IsOfferedOnceItIsKnownHowFarTheChannelIsAhead) {
   for (std::uint32_t i = 0; i < 3; ++i) {
     const GroupOffer offer{.writer = writer,
                            .group = number,
-                           .member = i,
+                           .member = name_of(i),
                            .port = 9,
                            .address = private_groups + 1,
                            .channel = i + 1,
@@ -121,8 +122,11 @@ TEST_F(MulticastGroupTest, BelievesNoReportOfWhatWasNotSent) {
   EXPECT_FALSE(group->hears(0));
   send();
   report(0, 2);
-  report(4, 1);
   EXPECT_FALSE(group->hears(0));
+  for (const std::uint32_t name : {0U, 1U, 4U, name_of(1) - 1, name_of(0) + 1, name_of(0) ^ 0x10000}) {
+    group->hear({writer, number, name, 1}, now);
+    EXPECT_FALSE(group->hears(0) || group->hears(1)) << "a report of one that was altered is nobody else's";
+  }
   report(0, 1);
   EXPECT_TRUE(group->hears(0));
   EXPECT_FALSE(group->hears(1));
