@@ -31,8 +31,10 @@ constexpr std::chrono::seconds look_at_interfaces_every{1};  // although netlink
 constexpr std::chrono::milliseconds merge_every{100};
 constexpr std::chrono::milliseconds listen_every{500};
 /// For others to find us by the new link before the old one goes.
-constexpr std::chrono::seconds retire_after{2};
-constexpr std::chrono::seconds renewal_pause_max{60};
+constexpr std::chrono::seconds retire_after{2}, retire_at_last_after{60};
+constexpr std::chrono::seconds renewal_pause_max{20};
+constexpr std::chrono::seconds calm_after{120};
+constexpr std::size_t retiring_links_max = 2;
 constexpr std::chrono::seconds farewell_max{1};
 
 /// Gives news to the listener.
@@ -162,7 +164,8 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   };
   struct RetiringLink {
     OpenLink link;
-    Now until;
+    LinkId replaced_by = 0;
+    Now since;
   };
   struct Renewal {
     Retry retry;
@@ -305,7 +308,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   void renew(const LinkSpec& spec, OpenLink& link, const HearingWatch::Deaf& deaf, const std::string& whom,
              Now now) {
     Renewal& renewal = renewals_[spec];
-    if (now - renewal.last > 2 * renewal_pause_max) renewal.retry.succeeded();
+    if (now - renewal.last > calm_after) renewal.retry.succeeded();
     if (!renewal.retry.due(now)) return;
     const std::string what = "on " + spec.interface + " " + describe(deaf.missing, whom);
     renewal.last = now;
@@ -316,11 +319,12 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     {
       const std::scoped_lock lock(mutex_);
       specs_.erase(link.id);
-      hearing_.link_dropped(link.id);
+      hearing_.link_replaced(link.id);
       hearing_.tried(deaf.participant);
-      merge_.begin_anew();
+      merge_.begin_anew({link.id, deaf.participant});
     }
-    retiring_.push_back({std::exchange(link, std::move(*made)), now + retire_after});
+    const LinkId after = made->id;
+    retiring_.push_back({std::exchange(link, std::move(*made)), after, now});
     greetings_.begin(now);
     listener_.link_was_deaf(what + "; the link is made anew");
   }
@@ -332,18 +336,31 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
         return node + " lives, but what it says of that is taken for old";
       case HearingWatch::Missing::announcements:
         return node + " has announced something else than what came";
+      case HearingWatch::Missing::endpoints:
+        return node + " is there, but somebody has withdrawn what it speaks or hears by";
       case HearingWatch::Missing::everything:
         return node + " is there, but nothing of it comes";
     }
     return node;
   }
 
+  /// Once whoever was heard on it is heard on the one in its place; or there are too many of them.
   void retire_links(Now now) {
-    while (!retiring_.empty() && now >= retiring_.front().until) {
-      RetiringLink oldest = std::move(retiring_.front());
+    while (!retiring_.empty()) {
+      const RetiringLink& oldest = retiring_.front();
+      if (now - oldest.since < retire_after) return;
+      const bool is_last_call =
+          now - oldest.since >= retire_at_last_after || retiring_.size() > retiring_links_max;
+      if (!is_last_call && !is_replaced(oldest, now)) return;
+      OpenLink link = std::move(retiring_.front().link);
       retiring_.pop_front();
-      drop(std::move(oldest.link), now);
+      drop(std::move(link), now);
     }
+  }
+
+  bool is_replaced(const RetiringLink& link, Now now) const {
+    const std::scoped_lock lock(mutex_);
+    return hearing_.is_replaced_by(link.link.id, link.replaced_by, now);
   }
 
   /// Of all that others should know of this node.
@@ -440,6 +457,14 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     newcomer_ = true;
     const std::scoped_lock lock(mutex_);
     hearing_.participant_came(speaker, speaks, time());
+  }
+  void endpoint_matched(const Speaker& speaker) override {
+    const std::scoped_lock lock(mutex_);
+    hearing_.endpoint_matched(speaker);
+  }
+  void endpoint_unmatched(const Speaker& speaker) override {
+    const std::scoped_lock lock(mutex_);
+    hearing_.endpoint_unmatched(speaker, time());
   }
   void participant_left(const Speaker& speaker) override {
     news([&] {

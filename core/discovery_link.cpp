@@ -108,6 +108,7 @@ Participants::Guid to_guid(const dds_guid_t& guid) {
 }
 
 constexpr std::size_t writers_known_max = 4096;
+constexpr std::size_t matches_max = 6 * 4096;  // three topics, a reader and a writer of each
 
 constexpr std::chrono::hours longest_lease{24};
 std::chrono::milliseconds liveliness_lease(const dds_qos_t* qos) {
@@ -191,10 +192,14 @@ class CycloneLink final : public DiscoveryLink {
   Result<dds_entity_t> make_topic(const dds_topic_descriptor_t* type, const char* name, const dds_qos_t* qos,
                                   dds_on_data_available_fn on_data) {
     const dds_entity_t topic = dds_create_topic(participant_, type, name, qos, nullptr);
-    const Listener listener = listener_with(on_data);
+    const Listener of_reader = listener_with(on_data);
+    dds_lset_subscription_matched(of_reader.get(), &on_subscription_matched);
     const dds_entity_t reader =
-        topic < 0 ? topic : dds_create_reader(participant_, topic, hearing_qos(qos).get(), listener.get());
-    const dds_entity_t writer = reader < 0 ? reader : dds_create_writer(participant_, topic, qos, nullptr);
+        topic < 0 ? topic : dds_create_reader(participant_, topic, hearing_qos(qos).get(), of_reader.get());
+    const Listener of_writer(dds_create_listener(this));
+    dds_lset_publication_matched(of_writer.get(), &on_publication_matched);
+    const dds_entity_t writer =
+        reader < 0 ? reader : dds_create_writer(participant_, topic, qos, of_writer.get());
     if (writer < 0) {
       return fail(Errc::system, std::string("control topic ") + name + ": " + dds_strretcode(writer));
     }
@@ -302,6 +307,44 @@ class CycloneLink final : public DiscoveryLink {
     return writer ? writer->lease : longest_lease;
   }
 
+  static void on_subscription_matched(dds_entity_t reader, const dds_subscription_matched_status_t status,
+                                      void* self) {
+    const EndpointInfo there(status.current_count_change > 0
+                                 ? dds_get_matched_publication_data(reader, status.last_publication_handle)
+                                 : nullptr);
+    static_cast<CycloneLink*>(self)->matched(status.last_publication_handle, there.get(),
+                                             status.current_count_change);
+  }
+  static void on_publication_matched(dds_entity_t writer, const dds_publication_matched_status_t status,
+                                     void* self) {
+    const EndpointInfo there(status.current_count_change > 0
+                                 ? dds_get_matched_subscription_data(writer, status.last_subscription_handle)
+                                 : nullptr);
+    static_cast<CycloneLink*>(self)->matched(status.last_subscription_handle, there.get(),
+                                             status.current_count_change);
+  }
+
+  /// `there`: null if it went.
+  void matched(dds_instance_handle_t handle, const dds_builtintopic_endpoint_t* there, int change) {
+    AnnouncerId participant = 0;
+    if (there != nullptr) {
+      const Participants::Guid guid = to_guid(there->participant_key);
+      if (participants_.is_own(guid)) return;
+      participant = participants_.number_of(guid);
+      const std::scoped_lock lock(writers_mutex_);
+      if (matches_.size() < matches_max) matches_.emplace(handle, participant);
+    } else if (change < 0) {
+      const std::scoped_lock lock(writers_mutex_);
+      const auto match = matches_.find(handle);
+      if (match == matches_.end()) return;
+      participant = match->second;
+      matches_.erase(match);
+    }
+    if (participant == 0) return;
+    const Speaker speaker{place_.link, participant};
+    change > 0 ? listener_.endpoint_matched(speaker) : listener_.endpoint_unmatched(speaker);
+  }
+
   static void on_participants(dds_entity_t reader, void* self) {
     CycloneLink& link = *static_cast<CycloneLink*>(self);
     take_all<dds_builtintopic_participant_t>(
@@ -335,6 +378,7 @@ class CycloneLink final : public DiscoveryLink {
   dds_entity_t assertion_writer_ = 0;
   std::mutex writers_mutex_;
   std::map<dds_instance_handle_t, Writer> writers_;
+  std::map<dds_instance_handle_t, AnnouncerId> matches_;  ///< readers and writers of others, and whose
 };
 
 }  // namespace

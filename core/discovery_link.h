@@ -31,6 +31,9 @@ class LinkListener {
   /// `speaks`: it says that it is a node's, of this version of the control topics.
   virtual void participant_came(const Speaker& speaker, bool speaks) = 0;
   virtual void participant_left(const Speaker& speaker) = 0;
+  /// A reader or writer of its control topics.
+  virtual void endpoint_matched(const Speaker& speaker) = 0;
+  virtual void endpoint_unmatched(const Speaker& speaker) = 0;
   virtual void sample_malformed(std::string why) = 0;
 
  protected:

@@ -14,15 +14,42 @@ constexpr milliseconds confirmed_after{400};
 /// After a longer pause between two looks it is this process that was held up.
 constexpr milliseconds look_pause_max{1200};
 /// Announcements are repeated until they are acknowledged, but while many nodes start they take their time.
-constexpr milliseconds behind_after{5000};
-/// For one participant: something else may be wrong with it that a new link does not mend.
+constexpr milliseconds behind_after{2500}, behind_at_first_after{5000};
+/// For a participant of which never all was known: something else may be wrong with it.
 constexpr unsigned tries_max = 3;
+/// Who goes withdraws its endpoints first, and then itself.
+constexpr milliseconds leaving{1500};
+/// After the participant is there its first words come soon, unless many nodes start.
+constexpr milliseconds first_word_after{8000};
+/// Signs of life come more often.
+constexpr milliseconds heard_lately{2500};
 
 }  // namespace
 
 void HearingWatch::link_dropped(LinkId link) {
   links_.erase(link);
   std::erase_if(ears_, [&](const auto& entry) { return entry.first.link == link; });
+}
+
+bool HearingWatch::is_replaced_by(LinkId before, LinkId after, Now now) const {
+  return std::ranges::all_of(ears_, [&](const auto& entry) {
+    const auto& [speaker, ear] = entry;
+    if (speaker.link != before || !ear.has_spoken || now - ear.last > heard_lately) return true;
+    const auto there = ears_.find({after, speaker.participant});
+    return there != ears_.end() && there->second.has_spoken;
+  });
+}
+
+void HearingWatch::endpoint_matched(const Speaker& speaker) {
+  const auto ear = ears_.find(speaker);
+  if (ear != ears_.end() && ear->second.unmatched > 0) --ear->second.unmatched;
+}
+
+void HearingWatch::endpoint_unmatched(const Speaker& speaker, Now now) {
+  const auto ear = ears_.find(speaker);
+  if (ear == ears_.end()) return;
+  ++ear->second.unmatched;
+  ear->second.unmatched_at = now;
 }
 
 HearingWatch::Ear* HearingWatch::ear_of(const Speaker& speaker, Now now) {
@@ -34,19 +61,20 @@ HearingWatch::Ear* HearingWatch::ear_of(const Speaker& speaker, Now now) {
 }
 
 void HearingWatch::participant_came(const Speaker& speaker, bool speaks, Now now) {
-  if (const auto link = links_.find(speaker.link); link != links_.end()) link->second = now;
+  if (const auto link = links_.find(speaker.link); link != links_.end()) link->second.newcomer = now;
   if (speaks) (void)ear_of(speaker, now);
 }
 
 void HearingWatch::participant_left(const Speaker& speaker) {
   ears_.erase(speaker);
-  tries_.erase(speaker.participant);
+  participants_.erase(speaker.participant);
 }
 
 void HearingWatch::heard(const Speaker& speaker, Now now) {
   Ear* const ear = ear_of(speaker, now);
   if (ear == nullptr) return;
   ear->last = now;
+  ear->has_spoken = true;
 }
 
 void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, milliseconds lease,
@@ -61,7 +89,8 @@ void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t
   ear->told = digest;
   if (ear->told == ear->known) {
     ear->agreed = now;
-    tries_.erase(speaker.participant);
+    ear->has_agreed = true;
+    participants_[speaker.participant] = {.has_agreed = true, .tries = 0};
   }
   ear->overdue_since.reset();
 }
@@ -83,6 +112,7 @@ std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::
     const std::uint32_t known_now = digest == known.end() ? 0 : digest->second;
     if (known_now != ear.known || known_now == ear.told) ear.agreed = now;
     ear.known = known_now;
+    if (links_.at(speaker.link).is_replaced) continue;
     const auto what = missing(speaker, ear, participant_lease, now);
     if (what && (deaf.empty() || deaf.back().link != speaker.link))
       deaf.push_back({speaker.link, speaker.participant, ear.node, *what});
@@ -92,18 +122,24 @@ std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::
 
 std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speaker, Ear& ear,
                                                            milliseconds participant_lease, Now now) const {
-  const auto tried = tries_.find(speaker.participant);
-  if (tried != tries_.end() && tried->second >= tries_max) return {};
-  if (now - ear.last > participant_lease * 3 / 2) return Missing::everything;
+  const auto known = participants_.find(speaker.participant);
+  const bool is_hopeless =
+      known != participants_.end() && !known->second.has_agreed && known->second.tries >= tries_max;
+  if (is_hopeless) return {};
+  const Now newcomer = links_.at(speaker.link).newcomer;
+  const bool is_mute = !ear.has_spoken && now - std::max(ear.last, newcomer) > first_word_after;
+  if (is_mute || now - ear.last > participant_lease * 3 / 2) return Missing::everything;
+  if (ear.unmatched > 0 && now - ear.unmatched_at > leaving) return Missing::endpoints;
   if (!ear.lives) return {};
   if (now - ear.last_life > ear.lease + slack_of_leases) {
     if (!ear.overdue_since) ear.overdue_since = now;
     if (now - *ear.overdue_since >= confirmed_after) return Missing::signs_of_life;
     return {};
   }
-  const Now calm_since = std::max(ear.agreed, links_.at(speaker.link));
+  const Now calm_since = std::max(ear.agreed, newcomer);
   const bool is_heard = now - ear.last_life < ear.lease / 2;
-  if (is_heard && now - calm_since > behind_after) return Missing::announcements;
+  const milliseconds patience = ear.has_agreed ? behind_after : behind_at_first_after;
+  if (is_heard && now - calm_since > patience) return Missing::announcements;
   return {};
 }
 

@@ -24,6 +24,7 @@ class HearingWatch {
   enum class Missing : std::uint8_t {
     signs_of_life,  ///< Cyclone says that they come, and none is heard
     announcements,  ///< the signs of life tell of others than are known
+    endpoints,      ///< of the control topics: they were withdrawn, though their participant stays
     everything      ///< of a participant that is there
   };
   struct Deaf {
@@ -34,11 +35,18 @@ class HearingWatch {
   };
 
   /// What is heard on links that were not made, or were dropped, does not count.
-  void link_made(LinkId link) { links_.emplace(link, Now{}); }
+  void link_made(LinkId link) { links_.emplace(link, Link{}); }
   void link_dropped(LinkId link);
+  /// Another one was made in its place. It is listened to, and does not count as deaf.
+  void link_replaced(LinkId link) { links_[link].is_replaced = true; }
+  /// Whether everybody who is heard on the one link is heard on the other one, too.
+  bool is_replaced_by(LinkId before, LinkId after, Now now) const;
   /// `speaks`: it has the mark of nodes that understand each other.
   void participant_came(const Speaker& speaker, bool speaks, Now now);
   void participant_left(const Speaker& speaker);
+  /// A reader or writer of it, of the control topics, is there from now on, or is not any more.
+  void endpoint_matched(const Speaker& speaker);
+  void endpoint_unmatched(const Speaker& speaker, Now now);
   /// An announcement or a request of it came.
   void heard(const Speaker& speaker, Now now);
   /// A sign of life of it came. `digest`: of all that it has announced; `lease`: of its signs of life.
@@ -46,8 +54,9 @@ class HearingWatch {
                   Now now);
   /// Cyclone says that no signs of that node's life come any more.
   void life_ended(LinkId link, NodeId node);
-  /// A link was made anew because of that one. If that does not help, then it is not the link.
-  void tried(AnnouncerId participant) { ++tries_[participant]; }
+  /// A link was made anew because of that one. If that does not help, and nothing ever did, then it is not
+  /// the link.
+  void tried(AnnouncerId participant) { ++participants_[participant].tries; }
 
   /// To be asked about twice a second. `known`: digests of what is known of each speaker.
   /// `participant_lease`: after which Cyclone forgets a participant of which nothing comes. The same is told
@@ -56,8 +65,20 @@ class HearingWatch {
                          std::chrono::milliseconds participant_lease, Now now);
 
  private:
+  struct Link {
+    Now newcomer{};  ///< when somebody was new there
+    bool is_replaced = false;
+  };
+  struct Participant {
+    bool has_agreed = false;  ///< all that it had announced was known once
+    unsigned tries = 0;
+  };
   struct Ear {
     Now last;  ///< when anything came, or the participant itself
+    bool has_spoken = false;
+    bool has_agreed = false;
+    int unmatched = 0;  ///< endpoints that went, and did not come back
+    Now unmatched_at{};
     NodeId node = 0;
     bool lives = false;  ///< signs of life came, and Cyclone did not say that they ended
     Now last_life{};
@@ -73,9 +94,9 @@ class HearingWatch {
   std::optional<Missing> missing(const Speaker& speaker, Ear& ear,
                                  std::chrono::milliseconds participant_lease, Now now) const;
 
-  std::map<LinkId, Now> links_;  ///< and when somebody was new there
+  std::map<LinkId, Link> links_;
   std::map<Speaker, Ear> ears_;
-  std::map<AnnouncerId, unsigned> tries_;  ///< since all of that participant was known
+  std::map<AnnouncerId, Participant> participants_;
   Now looked_{};
 };
 

@@ -54,13 +54,26 @@ std::map<Speaker, std::uint32_t> LinkMerge::digests() const {
   for (const auto& [id, known] : endpoints_) {
     for (const Claim& claim : known.claims) {
       if (!claim.alive) continue;
-      const std::uint64_t asked = claim.request ? claim.request->sequence : 0;
       std::uint32_t& digest = digests[claim.speaker];
-      digest = add_to_digest(digest, digest_part(id, claim.endpoint->revision,
-                                                 std::max(asked, claim.endpoint->request.sequence)));
+      digest = add_to_digest(digest, digest_part(id, claim.endpoint->revision, asked(claim)));
     }
   }
   return digests;
+}
+
+/// Of both places where a claim has a request, the newer one.
+std::uint64_t LinkMerge::asked(const Claim& claim) {
+  return std::max(claim.request ? claim.request->sequence : 0, claim.endpoint->request.sequence);
+}
+
+void LinkMerge::begin_anew(const Speaker& speaker) {
+  departed_.clear();
+  disbelieved_.insert(speaker);
+  for (auto& [id, known] : endpoints_) {
+    known.told_untrue |= known.told != nullptr && known.told->announcer == speaker.participant;
+    for (Claim& claim : known.claims) claim.untrue |= claim.speaker == speaker;
+    std::ranges::stable_partition(known.claims, [](const Claim& claim) { return !claim.untrue; });
+  }
 }
 
 bool LinkMerge::has_room_for(const Speaker& speaker) {
@@ -141,7 +154,10 @@ void LinkMerge::hear_claim(Known& known, const Speaker& speaker, std::shared_ptr
   if (claim == nullptr) {
     ++claims_;
     ++shares_[speaker.participant];
-    claim = &known.claims.emplace_back(Claim{.speaker = speaker, .endpoint = std::move(endpoint)});
+    const auto behind = std::ranges::find_if(known.claims, &Claim::untrue);
+    claim = &*known.claims.insert(
+        behind,
+        Claim{.speaker = speaker, .endpoint = std::move(endpoint), .untrue = disbelieved_.contains(speaker)});
     adopt_early_request(*claim);
   } else if (endpoint->revision >= claim->endpoint->revision) {
     claim->endpoint = std::move(endpoint);
@@ -181,7 +197,8 @@ void LinkMerge::refuse_contested(Known& known, Now now) {
   const milliseconds silence = silence_in(lease_of(known));
   compare_claims(known, now);
   for (Claim& claim : known.claims) {
-    if (!claim.contested_since || claim.refused || now - *claim.contested_since < 2 * silence) continue;
+    if (!claim.contested_since || claim.refused || claim.untrue || now - *claim.contested_since < 2 * silence)
+      continue;
     claim.refused = true;
     refuse("another participant announces the endpoint " + name_of(*known.claims.front().endpoint) +
            " otherwise than the first one, which still speaks: that is not taken");
@@ -364,6 +381,7 @@ void LinkMerge::link_dropped(LinkId link, Now now) {
   }
   std::erase_if(early_requests_, [&](const EarlyRequest& early) { return early.speaker.link == link; });
   speakers_.forget_link(link);
+  std::erase_if(disbelieved_, [&](const Speaker& speaker) { return speaker.link == link; });
 }
 
 /// An endpoint that nobody keeps alive is lost at once if its node has been silent already. Else a link was
@@ -371,7 +389,8 @@ void LinkMerge::link_dropped(LinkId link, Now now) {
 void LinkMerge::settle(EndpointId id, Known& known, Now now) {
   if (const Claim* const claim = believed(known, now)) {
     known.lost_at.reset();
-    const bool is_told = known.told != nullptr && !known.lost &&
+    if (is_open_what_is_true(known, *claim, now)) return;
+    const bool is_told = known.told != nullptr && !known.lost && !known.told_untrue &&
                          known.told->announcer == claim->endpoint->announcer &&
                          known.told->revision == claim->endpoint->revision;
     std::vector<LinkId> silent = silent_links(known, *claim, now);
@@ -413,7 +432,29 @@ std::vector<LinkId> LinkMerge::silent_links(const Known& known, const Claim& bel
   return silent;
 }
 
+/// Whether it is not known yet what is true: a link that is made anew tells of requests after endpoints.
+bool LinkMerge::is_open_what_is_true(Known& known, const Claim& claim, Now now) {
+  constexpr milliseconds requests_come_within{500};
+  if (!known.told_untrue) return false;
+  if (claim.untrue) return true;
+  if (!known.true_from) known.true_from = now + requests_come_within;
+  const bool request_may_come = known.told != nullptr && say_the_same(*known.told, *claim.endpoint) &&
+                                known.told_request > asked(claim);
+  return request_may_come && now < *known.true_from;
+}
+
+/// A lower number than the one that was told would be taken for old.
+void LinkMerge::take_back_if_untrue(Known& known, const Claim& claim) {
+  known.true_from.reset();
+  if (!std::exchange(known.told_untrue, false) || known.told == nullptr) return;
+  if (say_the_same(*known.told, *claim.endpoint) && known.told_request <= asked(claim)) return;
+  known.told.reset();
+  known.told_request = 0;
+  news_.emplace_back(EndpointDeparted{claim.endpoint->id});
+}
+
 void LinkMerge::tell(Known& known, const Claim& claim) {
+  take_back_if_untrue(known, claim);
   const bool is_same_speaker = known.told != nullptr && known.told->announcer == claim.endpoint->announcer;
   const bool is_same_node = known.told != nullptr && known.told->node_id == claim.endpoint->node_id;
   if (!is_same_node) known.told_request = 0;  // what another one asked for is not the reader's request
@@ -456,7 +497,7 @@ void LinkMerge::tick(Now now) {
       prefer_vouched(known, now);
       refuse_contested(known, now);
     }
-    if (known.claims.size() != 1 || !known.claims.front().alive) settle(id, known, now);
+    if (known.claims.size() != 1 || !known.claims.front().alive || known.told_untrue) settle(id, known, now);
   }
   for (auto& [id, node] : nodes_) {
     end_silent_claims(id, node, now);

@@ -75,8 +75,9 @@ class LinkMerge {
   std::map<Speaker, std::uint32_t> digests() const;
   /// For people. Empty if no endpoint of it is known.
   std::string node_name(NodeId node) const;
-  /// A link is made anew since it did not hear all. What was withdrawn may be there after all.
-  void begin_anew() { departed_.clear(); }
+  /// A link is made anew since what came there of that speaker is not what it says. That does not count any
+  /// more once the speaker is heard by another one, and what was withdrawn may be there after all.
+  void begin_anew(const Speaker& speaker);
 
   /// In the order in which they happened.
   std::vector<News> take_news() { return std::exchange(news_, {}); }
@@ -91,9 +92,10 @@ class LinkMerge {
     Now ended{};                           ///< when it was alive last, if it is not
     std::optional<Now> contested_since{};  ///< it says something else than the one that is believed
     bool refused = false;
+    bool untrue = false;  ///< by a link that is made anew: it counts as long as there is no other one
   };
   struct Known {
-    std::vector<Claim> claims;  ///< the first one first
+    std::vector<Claim> claims;  ///< the first one first, but those that are untrue are last
     /// The believed speaker does not say that its node lives, while another one does.
     std::optional<Now> doubted_since{};
     std::vector<LinkId> told_silent;       ///< with it
@@ -101,6 +103,8 @@ class LinkMerge {
     std::uint64_t told_request = 0;        ///< sequence
     std::optional<Now> lost_at{};          ///< nobody keeps it alive
     bool lost = false;                     ///< and that was told
+    std::optional<Now> true_from{};        ///< then what a link that is made anew says counts in any case
+    bool told_untrue = false;              ///< what was told may be somebody else's word
   };
   struct Departed {
     std::uint64_t revision;
@@ -141,12 +145,16 @@ class LinkMerge {
   std::vector<LinkId> silent_links(const Known& known, const Claim& believed, Now now) const;
   void tell(Known& known, const Claim& claim);
   void depart(EndpointId id, Now now);
+  static std::uint64_t asked(const Claim& claim);
+  static bool is_open_what_is_true(Known& known, const Claim& claim, Now now);
+  void take_back_if_untrue(Known& known, const Claim& claim);
   void refuse(const std::string& why) { news_.emplace_back(Refused{why}); }
   void forget_old(Now now);
   void drop_claims(Known& known, LinkId link);
 
   const Limits limits_;
   std::set<EndpointId> own_;
+  std::set<Speaker> disbelieved_;  ///< on links that go soon
   std::map<EndpointId, Known> endpoints_;
   std::map<EndpointId, Departed> departed_;
   std::vector<EarlyRequest> early_requests_;

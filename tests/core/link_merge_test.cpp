@@ -17,7 +17,8 @@ using ::testing::IsEmpty;
 constexpr LinkId lan = 1, radio = 2;
 constexpr NodeId node = 77, other_node = 99;
 // The honest node has a participant on each link; the other two are somebody else's.
-constexpr Speaker by_lan{lan, 11}, by_radio{radio, 12}, stranger{lan, 13}, far_stranger{radio, 14};
+constexpr Speaker by_lan_anew{lan + 7, 11}, by_lan{lan, 11}, by_radio{radio, 12}, stranger{lan, 13},
+    far_stranger{radio, 14};
 
 class LinkMergeTest : public ::testing::Test {
  protected:
@@ -392,9 +393,53 @@ TEST_F(LinkMergeTest, TakesAWithdrawnEndpointBackFromALinkThatIsMadeAnew) {
   announces(by_lan, 3);
   merge.endpoint_withdrawn(by_lan, 5, now);  // in its name
   told();
-  merge.begin_anew();
-  announces({lan + 7, by_lan.participant}, 3);
+  merge.begin_anew(by_lan);
+  announces(by_lan_anew, 3);
   EXPECT_THAT(told(), ElementsAre("honest 3 by 11"));
+}
+
+TEST_F(LinkMergeTest, TakesWhatASpeakerSaysByALinkThatIsMadeAnewForTrueThoughItsNumbersAreLower) {
+  announces(by_lan, 3);
+  announces(by_lan, 1ULL << 62, "altered");  // in its name
+  asks(by_lan, 1ULL << 62);
+  told();
+  merge.begin_anew(by_lan);
+  passes(500ms, {by_lan});
+  EXPECT_THAT(told(), IsEmpty()) << "until it is heard there";
+  announces(by_lan_anew, 3);
+  asks(by_lan_anew, 7);
+  passes(500ms, {by_lan, by_lan_anew});
+  EXPECT_THAT(told(), ElementsAre("departed", "honest 3 by 11", "request 7 by 11"));
+  merge.link_dropped(lan, now);
+  passes(5s, {by_lan_anew});
+  for (const std::string& news : told()) EXPECT_NE(news, "departed");
+  announces(by_lan_anew, 4);
+  EXPECT_THAT(told(), ElementsAre("honest 4 by 11"));
+}
+
+TEST_F(LinkMergeTest, TakesARequestForUntrueThatAloneWasAltered) {
+  announces(by_lan, 3);
+  asks(by_lan, 1ULL << 62);  // in its name
+  told();
+  merge.begin_anew(by_lan);
+  announces(by_lan_anew, 3);
+  EXPECT_THAT(told(), IsEmpty()) << "a request may be under way";
+  passes(600ms, {by_lan, by_lan_anew});
+  const std::vector<std::string> news = told();
+  ASSERT_GE(news.size(), 2U);
+  EXPECT_EQ(news[0], "departed");
+  EXPECT_THAT(news[1], HasSubstr("honest 3 by 11"));
+}
+
+TEST_F(LinkMergeTest, DoesNotTakeBackWhatANewLinkSaysOnceMore) {
+  announces(by_lan, 3);
+  asks(by_lan, 7);
+  told();
+  merge.begin_anew(by_lan);
+  announces(by_lan_anew, 3);
+  asks(by_lan_anew, 7);
+  merge.link_dropped(lan, now);
+  for (const std::string& news : told()) EXPECT_NE(news, "departed");
 }
 
 TEST_F(LinkMergeTest, GivesEveryParticipantAShareWhateverOneOfThemAnnounces) {

@@ -26,7 +26,7 @@ void take_all(dds_entity_t reader, Use use) {
     void* sample = nullptr;
     dds_sample_info_t info;
     if (dds_take(reader, &sample, &info, 1, 1) <= 0) return;
-    if (info.valid_data) use(*static_cast<const Sample*>(sample));
+    if (info.valid_data) use(*static_cast<const Sample*>(sample), info);
     dds_return_loan(reader, &sample, 1);
   }
 }
@@ -79,32 +79,51 @@ class RtpsMessage {
 constexpr std::uint64_t far_ahead = std::uint64_t{1} << 40;
 constexpr char data_kind = 0x15, heartbeat_kind = 0x07;
 
-void send_data_far_ahead(const dds_guid_t& writer) {
-  RtpsMessage message(writer);
-  const std::string some_node(
-      "\x00\x01\x00\x00"
-      "\x01\x01\x01\x01\x01\x01\x01\x01",
-      12);
+/// To the end of the message.
+void add_data(RtpsMessage& message, const std::string& sample) {
   const std::uint16_t to_sequence = 16;
-  message.add_submessage(data_kind, 0x05, 0);  // to the end of the message
+  message.add_submessage(data_kind, 0x05, 0);
   message.add(std::uint16_t{0});
   message.add(to_sequence);
   message.add_entities();
   message.add_sequence(far_ahead);
-  message.add_text(some_node + std::string("\x08\0\0\0"
-                                           "\0\0\0\0"
-                                           "\0\0\0\0",
-                                           12));
+  message.add_text(std::string("\x00\x01\x00\x00", 4) + sample);  // little endian
+}
+
+void send_data_far_ahead(const dds_guid_t& writer) {
+  RtpsMessage message(writer);
+  constexpr std::size_t sign_of_life_bytes = 20;
+  std::string sample(sign_of_life_bytes, '\0');
+  sample[0] = 1;  // some node
+  sample[8] = static_cast<char>(sft_control_protocol_version);
+  add_data(message, sample);
   message.send();
 }
 
-void send_heartbeat_far_ahead(const dds_guid_t& writer) {
-  RtpsMessage message(writer);
+void add_heartbeat(RtpsMessage& message) {
   message.add_submessage(heartbeat_kind, 0x01, 28);
   message.add_entities();
   message.add_sequence(far_ahead);
   message.add_sequence(far_ahead);
   message.add(std::uint32_t{0x0700'0000});  // how many heartbeats came before
+}
+
+void send_heartbeat_far_ahead(const dds_guid_t& writer) {
+  RtpsMessage message(writer);
+  add_heartbeat(message);
+  message.send();
+}
+
+/// In the writer's name: the reader listens to nobody.
+void send_empty_request(const dds_guid_t& writer, std::uint64_t reader, std::uint64_t sequence) {
+  constexpr std::size_t request_bytes = 44;
+  std::string sample(request_bytes, '\0');
+  std::memcpy(sample.data(), &reader, sizeof reader);
+  sample[8] = static_cast<char>(sft_control_protocol_version);
+  std::memcpy(sample.data() + 16, &sequence, sizeof sequence);
+  RtpsMessage message(writer);
+  add_heartbeat(message);
+  add_data(message, sample);
   message.send();
 }
 
@@ -135,11 +154,19 @@ void Forger::look() {
   const auto note = [this](std::uint64_t id, std::uint64_t sequence) {
     known_[id] = std::max(known_[id], sequence);
   };
-  take_all<sft_control_Endpoint>(endpoints_, [&](const sft_control_Endpoint& endpoint) {
-    note(endpoint.id, endpoint.role == 1 ? endpoint.request.request_sequence : 0);
-  });
-  take_all<sft_control_Request>(
-      requests_, [&](const sft_control_Request& request) { note(request.reader, request.request_sequence); });
+  take_all<sft_control_Endpoint>(
+      endpoints_, [&](const sft_control_Endpoint& endpoint, const dds_sample_info_t&) {
+        note(endpoint.id, endpoint.role == 1 ? endpoint.request.request_sequence : 0);
+      });
+  take_all<sft_control_Request>(requests_,
+                                [&](const sft_control_Request& request, const dds_sample_info_t& info) {
+                                  note(request.reader, request.request_sequence);
+                                  dds_builtintopic_endpoint_t* const writer =
+                                      dds_get_matched_publication_data(requests_, info.publication_handle);
+                                  if (writer == nullptr) return;
+                                  asks_by_[request.reader] = writer->key;
+                                  dds_builtintopic_free_endpoint(writer);
+                                });
 }
 
 void Forger::withdraw_all() {
@@ -189,6 +216,11 @@ void Forger::outdate_announcements() {
   for (const char* topic : {"sft_endpoint", "sft_request"}) {
     for (const dds_guid_t& writer : writers_of(topic)) send_heartbeat_far_ahead(writer);
   }
+}
+
+void Forger::ask_for_nothing() {
+  look();
+  for (const auto& [reader, writer] : asks_by_) send_empty_request(writer, reader, known_[reader] + 1000);
 }
 
 }  // namespace sft::test

@@ -29,6 +29,8 @@ class Forger {
   void outdate_signs_of_life();
   /// Says in the name of each writer of announcements and requests that nothing before such a number is left.
   void outdate_announcements();
+  /// Says for all readers that have made a request that they listen to nobody, as their own writers.
+  void ask_for_nothing();
 
  private:
   void look();
@@ -41,6 +43,7 @@ class Forger {
   dds_entity_t endpoint_writer_ = 0, request_writer_ = 0;
   std::map<std::uint64_t, std::uint64_t>
       known_;  ///< the sequence of the newest request by endpoint; 0: a writer
+  std::map<std::uint64_t, dds_guid_t> asks_by_;  ///< the writer of a reader's requests
 };
 
 }  // namespace sft::test

@@ -116,5 +116,18 @@ TEST_F(OutdatedByForgery, AnnouncementsAndRequestsAreHeardAgain) {
   EXPECT_TRUE(agree(publisher(), late));
 }
 
+TEST_F(OutdatedByForgery, ARequestInAReadersOwnNameCountsNoLongerThanALinkTakesToBeMadeAnew) {
+  reader().set_max_rate_hz(500);  // a request
+  EXPECT_TRUE(comes_true([&] {
+    forge("ask for nothing");
+    return !is_served(publisher(), reader());
+  })) << "it is believed at first: nothing tells it from a true one";
+  EXPECT_TRUE(comes_true([&] { return is_served_with(publisher(), reader(), "height, width"); }));
+  EXPECT_GT(links_renewed(publisher()), 0);
+  EXPECT_TRUE(flows(reader()));
+  publisher().stop_publishing();
+  EXPECT_TRUE(agree(publisher(), reader()));
+}
+
 }  // namespace
 }  // namespace sft::test

@@ -107,6 +107,7 @@ class Peer {
     if (what == "mute") forger_->mute_all(command.at("ahead"));
     if (what == "outdate signs of life") forger_->outdate_signs_of_life();
     if (what == "outdate announcements") forger_->outdate_announcements();
+    if (what == "ask for nothing") forger_->ask_for_nothing();
   }
 
   json status() const {
