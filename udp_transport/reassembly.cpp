@@ -45,6 +45,7 @@ struct Reassembly::Incoming {
   const TypeSupport* type = nullptr;
   Incoming* twin = nullptr;      ///< the next one with the same short id
   std::size_t place = 0;         ///< in set_streams()
+  bool alive = true;             ///< its node answers
   std::size_t sample_bytes = 0;  ///< most that a body may have
   WantedMasks wanted;
   SequenceWatch sequences;  ///< of what was completed
@@ -101,6 +102,7 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
     in->type = stream.type;
     in->place = place;
     in->node = stream.node;
+    in->alive = stream.alive;
     in->sample_bytes = std::min(announced, limits_.sample_bytes);
     in->wanted.set(*stream.type, stream.masks);
     if (!stream.reliable) close_window(*in);
@@ -440,8 +442,10 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
   return {std::move(sample), in.place, place != 0};
 }
 
-/// What waits under a sequence that turns out to be wrong has to come again.
+/// What waits under a sequence that turns out to be wrong has to come again. Of a writer that does not answer
+/// any more, what is behind the newest is what somebody sends once more.
 bool Reassembly::believes(Incoming& in, const SequenceWatch::Claim& claim, Time now) {
+  if (!in.alive && claim.place == 0 && claim.sequence < in.sequences.newest()) return false;
   const std::uint32_t numbering = in.sequences.numbering();
   const bool believed = in.sequences.believes(claim, now);
   const bool begins_anew = in.sequences.numbering() != numbering;

@@ -357,6 +357,22 @@ TEST_F(ReassemblyTest, TellsWritersWithOneShortIdAndOneAddressApartByWhatTheyAnn
   EXPECT_EQ(writer_of(3, 64), writer) << "those that live come first";
 }
 
+TEST_F(ReassemblyTest, TakesNothingOnceMoreOfAWriterThatDoesNotAnswer) {
+  Stream stream{writer, &test::type_support<Image>(), 0, {fields<Image>("*")}};
+  reassembly_->set_streams({&stream, 1});
+  const auto takes = [&](std::uint32_t sequence) {
+    bool came = false;
+    for (const Bytes& datagram : sent(sequence, make_image(64)))
+      came = reassembly_->accept(datagram, {now_, 77}).sample || came;
+    return came;
+  };
+  for (std::uint32_t sequence = 1; sequence <= 300; ++sequence) ASSERT_TRUE(takes(sequence));
+  stream.alive = false;
+  reassembly_->set_streams({&stream, 1});
+  for (std::uint32_t sequence = 1; sequence < 300; ++sequence) ASSERT_FALSE(takes(sequence));
+  EXPECT_TRUE(takes(301)) << "maybe only its signs of life get lost";
+}
+
 TEST_F(ReassemblyTest, CountsBytesThatAreNoDatagram) {
   receive(Bytes(5));
   receive(Bytes(100));
