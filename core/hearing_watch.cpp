@@ -29,6 +29,10 @@ constexpr milliseconds heard_lately{2500};
 void HearingWatch::link_dropped(LinkId link) {
   links_.erase(link);
   std::erase_if(ears_, [&](const auto& entry) { return entry.first.link == link; });
+  std::erase_if(participants_, [&](const auto& participant) {
+    return std::ranges::none_of(
+        ears_, [&](const auto& ear) { return ear.first.participant == participant.first; });
+  });
 }
 
 bool HearingWatch::is_replaced_by(LinkId before, LinkId after, Now now) const {
