@@ -7,7 +7,12 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <exception>
+#include <filesystem>
+#include <string>
+#include <string_view>
 
+#include "core/random_id.h"
 #include "core/trusted_file.h"
 #include "shm_transport/file_lock.h"
 
@@ -16,12 +21,11 @@ namespace sft::shm {
 namespace {
 
 constexpr const char* path = "/dev/shm/sft_status";
-constexpr const char* next_path = "/dev/shm/sft_status.next";
+constexpr std::string_view next_prefix = "sft_status.";
 constexpr std::size_t largest_bytes = 16 << 20;
 
-tl::unexpected<Error> fail_on_next() {
-  return fail(Errc::system, std::string(next_path) + ": " + std::strerror(errno));
-}
+/// Another one each time: what has that name is nobody else's.
+std::string next_path() { return std::string(path) + "." + core::in_hex(core::random_id()); }
 
 bool write_all(int file, std::string_view text) {
   while (!text.empty()) {
@@ -35,10 +39,12 @@ bool write_all(int file, std::string_view text) {
 }  // namespace
 
 Result<void> write_status_file(const Status& status) {
-  unlink(next_path);  // of a daemon that was killed while it wrote
-  const Descriptor file(open(next_path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
-  if (!file || !write_all(file.get(), to_json(status)) || rename(next_path, path) != 0) return fail_on_next();
-  return {};
+  const std::string next = next_path();
+  const Descriptor file(open(next.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
+  if (file && write_all(file.get(), to_json(status)) && rename(next.c_str(), path) == 0) return {};
+  const std::string why = std::strerror(errno);
+  if (file) unlink(next.c_str());
+  return fail(Errc::system, std::string(path) + ": " + why);
 }
 
 std::optional<Status> read_status_file(uid_t daemon_user) {
@@ -51,9 +57,13 @@ std::optional<Status> read_status_file(uid_t daemon_user) {
   return bytes == written.st_size ? parse_status(text) : std::nullopt;
 }
 
-void remove_status_file() noexcept {
-  unlink(next_path);
+/// Also what a daemon had begun to write that was killed then. What others made stays, in a sticky directory.
+void remove_status_file() noexcept try {
   unlink(path);
+  for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) {
+    if (entry.path().filename().string().starts_with(next_prefix)) unlink(entry.path().c_str());
+  }
+} catch (const std::exception&) {  // it lies there, and harms nobody
 }
 
 }  // namespace sft::shm

@@ -29,7 +29,6 @@ std::string group_name(gid_t group) {
 std::vector<std::string> names_of(uid_t account) {
   return {"/dev/shm/sft_host",
           "/dev/shm/sft_status",
-          "/dev/shm/sft_status.next",
           "/dev/shm/iceoryx_mgmt",
           "/dev/shm/" + group_name(account),
           "/tmp/sftd.lock",
