@@ -20,7 +20,9 @@ def write_pcap(path, payloads):
 
 def dissect(path, fields, decode_as=False):
     """For each datagram the values of these fields; of one that occurs more than once all, joined by commas."""
-    command = ["tshark", "-n", "-X", f"lua_script:{SCRIPT}", "-r", str(path), "-T", "fields", "-E", "separator=|"]
+    # The system gives out ports that other protocols are registered for: what a datagram looks like goes first.
+    command = ["tshark", "-n", "-o", "udp.try_heuristic_first:TRUE", "-X", f"lua_script:{SCRIPT}", "-r", str(path),
+               "-T", "fields", "-E", "separator=|"]
     if decode_as:
         command += ["-d", f"udp.port=={SFT_PORT},sft"]
     for field in fields:
