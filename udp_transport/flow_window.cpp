@@ -140,7 +140,8 @@ bool FlowWindow::mark_is_due(Time now) const {
   if (!heard_) return (waiting_ || is_news) && (!asked_since_ || now >= next_retry());
   if (silent(now)) return waiting_ && now >= next_retry();
   if (sent_ - std::max(marked_, passed_) > mark_spacing()) return true;
-  const Time::duration anew = asked_since_ ? limits_.mark_silent : limits_.mark_anew;
+  const auto unasked = acks_come_ ? limits_.mark_anew_behind_acks : limits_.mark_anew;
+  const Time::duration anew = asked_since_ ? limits_.mark_silent : unasked;
   if (is_news && now - std::max(heard_at_, marked_at_) >= anew) return true;
   return waiting_ && under_way() > 0 && now >= next_retry();
 }
@@ -204,6 +205,7 @@ void FlowWindow::note_life(Time now) {
 }
 
 void FlowWindow::lives(Time now) {
+  acks_come_ = true;
   if (heard_ && !silent(now)) note_life(now);
 }
 
@@ -223,7 +225,7 @@ void FlowWindow::move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host
   first_marked_at_ = {};
   asked_since_.reset();
   asked_ = 0;
-  refused_ = false;
+  refused_ = acks_come_ = false;
   sustainable_ = limits_.first_bytes;
   latest_ = limits_.mark_again_unheard;
   shortest_ = Time::duration::max();

@@ -45,8 +45,9 @@ struct FlowLimits {
   std::chrono::milliseconds mark_again{2};  ///< after twice the time there and back, but not before
   std::chrono::milliseconds mark_again_unheard{10};
   std::chrono::milliseconds mark_again_longest{50};
-  /// After the last report or ack, if anything is sent: later than the ack of a slow reliable flow comes.
-  std::chrono::milliseconds mark_anew{2500};
+  std::chrono::milliseconds mark_anew{2000};  ///< after the last report, if anything is sent
+  /// The same where acks come. A slow reliable flow has one every 2 s, which does what a mark would.
+  std::chrono::milliseconds mark_anew_behind_acks{2500};
   std::chrono::milliseconds silence{1000};  ///< after which nothing but marks is sent
   // Between two marks to a receiver that is silent, or has never reported: longer the longer it lasts, but it
   // is served again soon after it has come back.
@@ -158,6 +159,7 @@ class FlowWindow {
   bool refused_ = false;
   bool heard_ = false;
   bool waiting_ = false;
+  bool acks_come_ = false;
 
   // Of the way:
   Time::duration latest_ = limits_.mark_again_unheard;  ///< there and back
