@@ -1,5 +1,6 @@
-// What a node has announced and asked for, in one number. It travels with the node's signs of life, so that
-// others can tell whether they have heard all of it. Order does not matter: a digest is the sum of its parts.
+// A digest is one number for all that a node has announced and asked for. It travels with the node's signs of
+// life, so that others can tell whether they have heard all of it. Order does not matter: a digest is the sum
+// of its parts.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,7 @@ namespace sft::core {
 /// Three octets: the signs of life have room for so many that costs nothing (idl/sft_control.idl).
 inline constexpr std::uint32_t control_digest_max = (1U << 24) - 1;
 
-/// Of one endpoint: its newest announcement, and its newest request if it is a reader.
+/// The part of one endpoint: of its newest announcement, and of its newest request if it is a reader.
 inline std::uint32_t digest_part(std::uint64_t id, std::uint64_t revision, std::uint64_t request_sequence) {
   std::uint64_t mixed = 0;
   for (const std::uint64_t word : {id, revision, request_sequence}) {

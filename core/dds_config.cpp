@@ -91,7 +91,7 @@ std::string path_of(const Demand& demand) {
   return std::string(demand.group) + "/" + std::string(demand.name);
 }
 
-// After which a participant is forgotten of which nothing comes, by ours.
+// Our settings of the lease after which Cyclone forgets a participant of which nothing comes.
 constexpr std::chrono::seconds lease{20}, lease_if_asked_seldom{150};
 
 /// The settings of a domain, put together.

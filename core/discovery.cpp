@@ -30,7 +30,7 @@ using namespace std::chrono_literals;
 constexpr std::chrono::seconds look_at_interfaces_every{1};  // although netlink tells
 constexpr std::chrono::milliseconds merge_every{100};
 constexpr std::chrono::milliseconds listen_every{500};
-/// For others to find us by the new link before the old one goes.
+/// The old link stays so long at least, so that others find us by the new one before.
 constexpr std::chrono::seconds retire_after{2}, retire_at_last_after{60};
 constexpr std::chrono::seconds renewal_pause_max{20};
 constexpr std::chrono::seconds calm_after{120};
@@ -344,7 +344,8 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     return node;
   }
 
-  /// Once whoever was heard on it is heard on the one in its place; or there are too many of them.
+  /// A replaced link is dropped once the new link hears everybody whom the old one hears, or if too many
+  /// replaced links are left.
   void retire_links(Now now) {
     while (!retiring_.empty()) {
       const RetiringLink& oldest = retiring_.front();
@@ -363,7 +364,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     return hearing_.is_replaced_by(link.link.id, link.replaced_by, now);
   }
 
-  /// Of all that others should know of this node.
+  /// The digest of all that others should know of this node.
   std::uint32_t digest() const {
     std::uint32_t digest = 0;
     for (const auto& [id, own] : own_) {

@@ -58,11 +58,11 @@ DdsQos hearing_qos(const dds_qos_t* written) {
   return qos;
 }
 
-/// In the user data: others can tell our participants from vanilla ones by it, and from those of another
-/// version.
+/// The user data of our participants begin with this mark. Others can tell them from vanilla participants by
+/// it, and from participants of another version.
 std::string mark() { return "sft/" + std::to_string(sft_control_protocol_version) + "/"; }
 
-/// What changes in it is told to everybody, which is all that `greeting` is for.
+/// Cyclone tells everybody about a change of the user data. The number `greeting` has no other purpose.
 DdsQos participant_qos(unsigned greeting) {
   const std::string data = mark() + std::to_string(greeting % 10);
   DdsQos qos(dds_create_qos());

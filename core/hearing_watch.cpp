@@ -11,17 +11,17 @@ using std::chrono::milliseconds;
 /// Cyclone notices the end of a lease by itself, but on a thread that may have to wait for a processor.
 constexpr milliseconds slack_of_leases{300};
 constexpr milliseconds confirmed_after{400};
-/// After a longer pause between two looks it is this process that was held up.
+/// If two looks are further apart, then this process itself was held up.
 constexpr milliseconds look_pause_max{1200};
 /// Announcements are repeated until they are acknowledged, but while many nodes start they take their time.
 constexpr milliseconds behind_after{2500}, behind_at_first_after{5000};
-/// For a participant of which never all was known: something else may be wrong with it.
+/// So many links are tried for a participant whose digest never agreed: something else may be wrong with it.
 constexpr unsigned tries_max = 3;
-/// Who goes withdraws its endpoints first, and then itself.
+/// A participant that leaves withdraws its endpoints first, and then itself, within that time.
 constexpr milliseconds leaving{1500};
-/// After the participant is there its first words come soon, unless many nodes start.
+/// A participant that is there says something within that time, unless many nodes start.
 constexpr milliseconds first_word_after{8000};
-/// Signs of life come more often.
+/// A speaker counts as heard on a link for so long after it was. Signs of life come more often.
 constexpr milliseconds heard_lately{2500};
 
 }  // namespace
@@ -30,8 +30,8 @@ void HearingWatch::link_dropped(LinkId link) {
   links_.erase(link);
   std::erase_if(ears_, [&](const auto& entry) { return entry.first.link == link; });
   std::erase_if(participants_, [&](const auto& participant) {
-    return std::ranges::none_of(
-        ears_, [&](const auto& ear) { return ear.first.participant == participant.first; });
+    return std::ranges::none_of(ears_,
+                                [&](const auto& ear) { return ear.first.participant == participant.first; });
   });
 }
 

@@ -1,8 +1,8 @@
-// Whether each link still hears whom it ought to hear. A datagram in somebody's name with a sequence number
-// far ahead makes Cyclone take all that this one says later for old, for as long as both participants live; a
-// withdrawal in somebody's name makes it forget his writers. Nobody can tell that from one datagram, but from
-// what is missing afterwards: then the link has to be made anew. Pure: (event, now) goes in. discovery.md has
-// the rules.
+// HearingWatch tells whether each link still hears everybody whom it ought to hear. A datagram in somebody's
+// name with a sequence number far ahead makes Cyclone take all that this one says later for old, for as long
+// as both participants live; a withdrawal in somebody's name makes it forget his writers. Nobody can tell
+// that from one datagram, but from what is missing afterwards: then the link has to be made anew. Pure:
+// (event, now) goes in. discovery.md has the rules.
 #pragma once
 
 #include <chrono>
@@ -33,12 +33,12 @@ class HearingWatch {
     Missing missing{};
   };
 
-  /// What is heard on links that were not made, or were dropped, does not count.
+  /// Events on a link count from link_made() until link_dropped().
   void link_made(LinkId link) { links_.emplace(link, Link{}); }
   void link_dropped(LinkId link);
   /// Another one was made in its place. It is listened to, and does not count as deaf.
   void link_replaced(LinkId link) { links_[link].is_replaced = true; }
-  /// Whether everybody who is heard on the one link is heard on the other one, too.
+  /// Returns whether everybody who is heard on the link `before` is heard on the link `after`, too.
   bool is_replaced_by(LinkId before, LinkId after, Now now) const;
   /// `speaks`: it has the mark of nodes that understand each other.
   void participant_came(const Speaker& speaker, bool speaks, Now now);
@@ -57,7 +57,7 @@ class HearingWatch {
   /// the link.
   void tried(AnnouncerId participant) { ++participants_[participant].tries; }
 
-  /// To be asked about twice a second. `known`: digests of what is known of each speaker.
+  /// The owner calls it about twice a second. `known`: digests of what is known of each speaker.
   /// `participant_lease`: after which Cyclone forgets a participant of which nothing comes. The same is told
   /// until something changes; of each link one.
   std::vector<Deaf> look(const std::map<Speaker, std::uint32_t>& known,

@@ -61,7 +61,7 @@ std::map<Speaker, std::uint32_t> LinkMerge::digests() const {
   return digests;
 }
 
-/// Of both places where a claim has a request, the newer one.
+/// A claim has a request in two places: this is the sequence of the newer one.
 std::uint64_t LinkMerge::asked(const Claim& claim) {
   return std::max(claim.request ? claim.request->sequence : 0, claim.endpoint->request.sequence);
 }
@@ -432,7 +432,8 @@ std::vector<LinkId> LinkMerge::silent_links(const Known& known, const Claim& bel
   return silent;
 }
 
-/// Whether it is not known yet what is true: a link that is made anew tells of requests after endpoints.
+/// Returns true while it is not known yet what is true. A link that is made anew tells of requests after
+/// endpoints.
 bool LinkMerge::is_open_what_is_true(Known& known, const Claim& claim, Now now) {
   constexpr milliseconds requests_come_within{500};
   if (!known.told_untrue) return false;

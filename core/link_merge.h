@@ -71,9 +71,9 @@ class LinkMerge {
   void link_dropped(LinkId link, Now now);
   void tick(Now now);
 
-  /// Of what each speaker has announced, as far as it is known here (control_digest.h).
+  /// The digests (control_digest.h) of all that is known here of each speaker's announcements.
   std::map<Speaker, std::uint32_t> digests() const;
-  /// For people. Empty if no endpoint of it is known.
+  /// The name of that node, for people. Empty if no endpoint of it is known.
   std::string node_name(NodeId node) const;
   /// A link is made anew since what came there of that speaker is not what it says. That does not count any
   /// more once the speaker is heard by another one, and what was withdrawn may be there after all.

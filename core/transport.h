@@ -344,7 +344,7 @@ class ReaderPort {
   virtual void share_reader() {}
 
   /// A writer that is connected has announced something else than before, or its node answers, or does not.
-  /// What is to come first is as it was.
+  /// `history_first` does not change.
   virtual void announced(const Source& source) { static_cast<void>(source); }
 
   /// Accepts no more of them; what has arrived can still be taken.

@@ -146,7 +146,7 @@ bool FlowWindow::mark_is_due(Time now) const {
   return waiting_ && under_way() > 0 && now >= next_retry();
 }
 
-/// To a receiver that has never reported: it has some of its own, and shares others with its host.
+/// A receiver that has never reported has some marks of its own, and shares further ones with its host.
 bool FlowWindow::takes_mark(Time now) {
   if (heard_ || unproven_marks_++ < limits_.unproven_marks) return true;
   return host_ == nullptr || host_->takes_mark(now);

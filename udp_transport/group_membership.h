@@ -34,7 +34,7 @@ class GroupMembership {
     unanswered_ = 0;
   }
 
-  /// What comes to it has no place where the offer says, or nothing comes: it must have got a wrong offer.
+  /// The member must have got a wrong offer: samples have no place where it says, or none come.
   /// `last`: ordinal of the last sample that was sent to the group.
   void refused(std::uint64_t last, Time now) {
     refused_at_ = last;

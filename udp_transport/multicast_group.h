@@ -110,7 +110,7 @@ class MulticastGroup final : public LaneListener {
   const std::shared_ptr<Lane> lane_;
   const std::vector<Member> members_;
   const std::uint16_t report_port_;
-  /// What members call themselves: whoever alters a report of one does not guess another one's.
+  /// Members call themselves by these names. Somebody who alters a report of one does not guess another name.
   const std::vector<std::uint32_t> member_names_;
   std::unique_ptr<std::atomic<bool>[]> hears_;  ///< of each member
 

@@ -81,8 +81,8 @@ class OfferedGroups {
   static constexpr std::chrono::milliseconds silence_max{250};
   /// A group that was heard within that time does not make room for another one.
   static constexpr std::chrono::milliseconds used_for{500};
-  /// What its writer is told of a group that is in use and is replaced, or taken back: the writer knows
-  /// whether it has said that. If not, it offers the group again at once.
+  /// A group that is in use was replaced or taken back, and its writer is told so. The writer knows whether
+  /// it has said that. If not, it offers the group again at once.
   struct Parting {
     SocketAddress to;
     GroupReport report;

@@ -118,7 +118,7 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
   }
 }
 
-/// Of those that have the same one, those that live come first.
+/// Several writers may have one short id: those that live come first.
 void Reassembly::note_short_ids(std::span<const Stream> streams) {
   for (const bool alive : {true, false}) {
     for (std::size_t place = 0; place < streams.size(); ++place) {
@@ -442,8 +442,8 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
   return {std::move(sample), in.place, place != 0};
 }
 
-/// What waits under a sequence that turns out to be wrong has to come again. Of a writer that does not answer
-/// any more, what is behind the newest is what somebody sends once more.
+/// A sample that waits under a sequence that turns out to be wrong has to come again. A writer that does not
+/// answer any more sends nothing anew: samples behind its newest one are repeated by somebody else.
 bool Reassembly::believes(Incoming& in, const SequenceWatch::Claim& claim, Time now) {
   if (!in.alive && claim.place == 0 && claim.sequence < in.sequences.newest()) return false;
   const std::uint32_t numbering = in.sequences.numbering();

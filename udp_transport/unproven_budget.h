@@ -1,6 +1,6 @@
-// What may be sent to one host by all destinations there that have not reported yet. Each may have a few
-// datagrams and marks (FlowLimits); however many of them somebody makes up, the host gets no more than this.
-// Any thread.
+// UnprovenBudget limits what all destinations on one host together are sent before they report. Each may have
+// a few datagrams and marks (FlowLimits); however many of them somebody makes up, the host gets no more than
+// this. Any thread.
 #pragma once
 
 #include <algorithm>
@@ -20,9 +20,9 @@ class UnprovenBudget {
   using Time = std::chrono::steady_clock::time_point;
 
   static constexpr std::size_t datagrams_max = 64;
-  /// After which one more datagram may be sent.
+  /// One more datagram may be sent after each such time.
   static constexpr std::chrono::seconds refill{1};
-  /// After a report the host counts as one that answers.
+  /// A host counts as one that answers for so long after a report.
   static constexpr std::chrono::seconds answers_for{10};
 
   std::size_t left(Time now) {
@@ -45,7 +45,7 @@ class UnprovenBudget {
     const std::scoped_lock lock(mutex_);
     answered_at_ = now;
   }
-  /// Whether one more mark may go to a destination that has had those that are its own. Then it counts.
+  /// Returns whether one more mark may go to a destination that has had its own ones, and counts it then.
   bool takes_mark(Time now) {
     const std::scoped_lock lock(mutex_);
     if (answered_at_ && now - *answered_at_ < answers_for) return true;

@@ -57,7 +57,8 @@ std::optional<Status> read_status_file(uid_t daemon_user) {
   return bytes == written.st_size ? parse_status(text) : std::nullopt;
 }
 
-/// Also what a daemon had begun to write that was killed then. What others made stays, in a sticky directory.
+/// A daemon that was killed may have left a file that it had begun to write: that goes, too. The directory is
+/// sticky, so files of other accounts stay.
 void remove_status_file() noexcept try {
   unlink(path);
   for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) {

@@ -16,7 +16,7 @@ std::vector<std::string> shared_files(const std::string& prefix);
 
 /// Process ids of programs that run, by the name of the program's file.
 std::vector<pid_t> processes(const std::string& program);
-/// Of the honest programs whose names begin so: "near".
+/// The processes of the honest programs whose names begin so: "near".
 std::vector<pid_t> honest_program(const std::string& name);
 
 }  // namespace sft::hostile

@@ -46,13 +46,13 @@ class RtpsMessage {
     add(static_cast<std::uint32_t>(number >> 32));
     add(static_cast<std::uint32_t>(number));
   }
-  /// To any reader.
+  /// Addresses the submessage to any reader.
   void add_entities() { bytes_ += std::string(4, '\0') + writer_; }
   void add_submessage(char kind, char flags, std::uint16_t length) {
     bytes_ += {kind, flags};
     add(length);
   }
-  /// To whoever listens to the user data of domain 0.
+  /// Sends the message to everybody who listens to the user data of domain 0.
   void add_text(const std::string& bytes) { bytes_ += bytes; }
   void send() const {
     const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -79,7 +79,7 @@ class RtpsMessage {
 constexpr std::uint64_t far_ahead = std::uint64_t{1} << 40;
 constexpr char data_kind = 0x15, heartbeat_kind = 0x07;
 
-/// To the end of the message.
+/// Adds a sample, which goes to the end of the message.
 void add_data(RtpsMessage& message, const std::string& sample) {
   const std::uint16_t to_sequence = 16;
   message.add_submessage(data_kind, 0x05, 0);
@@ -114,7 +114,7 @@ void send_heartbeat_far_ahead(const dds_guid_t& writer) {
   message.send();
 }
 
-/// In the writer's name: the reader listens to nobody.
+/// Says in the writer's name that the reader listens to nobody.
 void send_empty_request(const dds_guid_t& writer, std::uint64_t reader, std::uint64_t sequence) {
   constexpr std::size_t request_bytes = 44;
   std::string sample(request_bytes, '\0');

@@ -34,7 +34,7 @@ class Forger {
 
  private:
   void look();
-  /// Of others, of this topic.
+  /// The writers of this topic that others have.
   std::vector<dds_guid_t> writers_of(const std::string& topic);
 
   dds_entity_t participant_ = 0;

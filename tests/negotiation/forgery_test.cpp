@@ -103,7 +103,7 @@ TEST_F(OutdatedByForgery, AnnouncementsAndRequestsAreHeardAgain) {
     forge("outdate announcements");
     ASSERT_TRUE(flows(reader()));
   }
-  // What is announced and asked for now cannot be heard.
+  // From here on nobody hears announcements and requests of the late reader.
   late.subscribe("recorded");
   late.read("height");
   EXPECT_TRUE(comes_true([&] { return is_served_with(publisher(), late, "height"); }))
