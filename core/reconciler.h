@@ -144,8 +144,7 @@ class Reconciler {
   std::size_t count_unattached() const;
   Hearing connect(EndpointId id, Reader& reader, const Hearing& wanted, const Hearing& before);
   Result<void> connect_shm(EndpointId id, Reader& reader, const Source& source);
-  template <class Open>
-  bool try_shm(Retry& retry, Open open);
+  bool try_shm(Retry& retry, const std::function<Result<void>()>& open);
   bool try_udp(Retry& retry, Reader& reader, const Source& source);
   bool may_try_again(Now now) const;
 
