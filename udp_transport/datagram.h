@@ -200,7 +200,7 @@ struct FlowReport {
   std::uint64_t position = 0;
   std::uint32_t window_bytes = 0;  ///< that may be under way, as the receiving kernel counts
   std::uint32_t datagrams = 0;
-  std::uint32_t came = 0;  ///< datagrams from there, since some time
+  std::uint32_t came = 0;  ///< of these; all that were sent before the receiver knew the sender count as come
   std::int64_t sent_at_ns = 0;
   friend bool operator==(const FlowReport&, const FlowReport&) = default;
 };

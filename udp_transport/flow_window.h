@@ -46,8 +46,9 @@ struct FlowLimits {
   std::chrono::milliseconds mark_again_unheard{10};
   std::chrono::milliseconds mark_again_longest{50};
   std::chrono::milliseconds mark_anew{2000};  ///< after the last report, if anything is sent
-  /// The same where acks come. A slow reliable flow has one every 2 s, which does what a mark would.
-  std::chrono::milliseconds mark_anew_behind_acks{2500};
+  /// The same where acks come. A slow reliable flow has one every 4 s (ResendLimits::heartbeat_period), which
+  /// does what a mark would.
+  std::chrono::milliseconds mark_anew_behind_acks{4500};
   std::chrono::milliseconds silence{1000};  ///< after which nothing but marks is sent
   // Between two marks to a receiver that is silent, or has never reported: longer the longer it lasts, but it
   // is served again soon after it has come back.

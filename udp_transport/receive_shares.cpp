@@ -29,16 +29,19 @@ std::size_t ReceiveShares::addresses() const {
   return n;
 }
 
-/// One that marks from another port has changed its way: what came before does not count with it.
-ReceiveShares::Sender* ReceiveShares::known_or_new(std::uint32_t flow, const SocketAddress& from) {
+/// What came of a new sender is not known: it counts as all, or else the sender would take it for lost. One
+/// that marks from another port has changed its way: what came before does not count with it.
+ReceiveShares::Sender* ReceiveShares::known_or_new(const FlowMark& mark, const SocketAddress& from) {
   const auto found = std::ranges::find_if(
-      senders_, [&](const Sender& known) { return known.flow == flow && known.from.ip == from.ip; });
+      senders_, [&](const Sender& known) { return known.flow == mark.flow && known.from.ip == from.ip; });
   if (found == senders_.end()) {
     const auto neighbours = of_address(from.ip);
     if (senders_.size() == senders_max || neighbours.size() == of_one_address_max) return nullptr;
-    return &*senders_.insert(neighbours.end(), Sender{.from = from, .flow = flow});
+    return &*senders_.insert(neighbours.end(),
+                             Sender{.from = from, .flow = mark.flow, .came = mark.datagrams});
   }
-  if (found->from != from) *found = {.from = from, .flow = flow, .granted = found->granted};
+  if (found->from != from)
+    *found = {.from = from, .flow = mark.flow, .came = mark.datagrams, .granted = found->granted};
   return &*found;
 }
 
@@ -54,7 +57,7 @@ std::size_t ReceiveShares::grant(Sender& sender) const {
 
 FlowReport ReceiveShares::answer(const FlowMark& mark, const SocketAddress& from, Time now) {
   std::erase_if(senders_, [&](const Sender& known) { return now - known.marked_at > at_rest_after; });
-  Sender* sender = known_or_new(mark.flow, from);
+  Sender* sender = known_or_new(mark, from);
   if (sender != nullptr) sender->marked_at = now;
   const std::size_t share = sender == nullptr ? usable_bytes_ / (4 * senders_max) : grant(*sender);
   return {.flow = mark.flow,

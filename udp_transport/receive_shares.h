@@ -40,7 +40,7 @@ class ReceiveShares {
   struct Sender {
     SocketAddress from;
     std::uint32_t flow = 0;
-    std::uint32_t came = 0;   ///< datagrams, since it is known
+    std::uint32_t came = 0;   ///< datagrams, and all that it sent before it was known
     std::size_t granted = 0;  ///< as it was told last
     Time marked_at{};
   };
@@ -48,7 +48,7 @@ class ReceiveShares {
   std::size_t grant(Sender& sender) const;
   auto of_address(const core::IpAddress& ip) const;
   std::size_t addresses() const;
-  Sender* known_or_new(std::uint32_t flow, const SocketAddress& from);
+  Sender* known_or_new(const FlowMark& mark, const SocketAddress& from);
 
   const std::size_t usable_bytes_;
   std::vector<Sender> senders_;  ///< by address

@@ -322,7 +322,7 @@ TEST_F(FlowWindowTest, IsAskedAtLeastEvery750MillisecondsWhereAReceiverFellSilen
   EXPECT_GT(send_while_there_is_room(), 100'000U);
 }
 
-TEST_F(FlowWindowTest, DoesNotMarkASlowFlowWhoseAcksComeEveryTwoSeconds) {
+TEST_F(FlowWindowTest, DoesNotMarkASlowFlowWhoseAcksComeEveryFourSeconds) {
   get_to_know(200'000);
   window.lives(now);
   take_mark();
@@ -330,7 +330,7 @@ TEST_F(FlowWindowTest, DoesNotMarkASlowFlowWhoseAcksComeEveryTwoSeconds) {
   const auto begin = now;
   std::size_t marked = 0;
   for (; now < begin + 20s; now += 10ms) {
-    if ((now - begin) % 2s == 1990ms) window.lives(now);
+    if ((now - begin) % 4s == 3990ms) window.lives(now);
     window.sent(1000, 1, now);
     take_mark();
     marked += marks.size();
@@ -350,6 +350,17 @@ TEST_F(FlowWindowTest, NoticesThatTheReceiverOfASlowStreamIsGone) {
   }
   EXPECT_TRUE(window.is_mute(now));
   EXPECT_LE(sent, 310'000U) << "for three seconds";
+}
+
+TEST_F(FlowWindowTest, NoticesThatTheReceiverOfASlowStreamWithAcksIsGoneWithinSixSeconds) {
+  get_to_know(200'000);
+  window.lives(now);
+  const auto gone = now;
+  for (; now < gone + 20s && !window.is_mute(now); now += 10ms) {
+    window.sent(1000, 1, now);
+    (void)window.mark(now);
+  }
+  EXPECT_LE(now - gone, 6s);
 }
 
 TEST_F(FlowWindowTest, IsNotSilentAfterAPauseInWhichOneMarkWasLeftUnanswered) {
@@ -471,15 +482,36 @@ TEST(ReceiveSharesTest, CountsWhatComesFromWhereMarksComeFrom) {
   const SocketAddress here{5U, 10}, there{5U, 11};
   const FlowMark mark{.flow = 1, .port = 1, .position = 3, .datagrams = 4, .sent_at_ns = 5};
   shares.count(here);
-  EXPECT_EQ(shares.answer(mark, here, {}).came, 0U);
+  EXPECT_EQ(shares.answer(mark, here, {}).came, 4U) << "as if all before the first mark had come";
   for (int i = 0; i < 3; ++i) shares.count(here);
   shares.count(there);
   const FlowReport report = shares.answer(mark, here, {});
-  EXPECT_EQ(report.came, 3U);
+  EXPECT_EQ(report.came, 7U);
   EXPECT_EQ(report.position, 3U);
   EXPECT_EQ(report.datagrams, 4U);
   EXPECT_EQ(report.sent_at_ns, 5);
-  EXPECT_EQ(shares.answer(mark, there, {}).came, 0U) << "another way";
+  EXPECT_EQ(shares.answer(mark, there, {}).came, 4U) << "another way";
+}
+
+TEST(ReceiveSharesTest, ASenderThatWasAtRestIsNotToldOfALoss) {
+  FlowWindow window(1, {});
+  ReceiveShares shares(1 << 20);
+  const SocketAddress from{5U, 10};
+  const auto send_and_report = [&](int datagrams, FlowWindow::Time at) {
+    for (int i = 0; i < datagrams; ++i) {
+      window.sent(1472, 1, at);
+      shares.count(from);
+    }
+    window.await_room();
+    const std::optional<FlowMark> mark = window.mark(at);
+    if (mark) (void)window.hear(shares.answer(*mark, from, at), at + 100us);
+    return mark.has_value();
+  };
+  const FlowWindow::Time start{1h};
+  ASSERT_TRUE(send_and_report(1, start));
+  const std::size_t room = window.room(FlowWindow::Size::large, start + 1ms);
+  ASSERT_TRUE(send_and_report(100, start + 700ms)) << "longer than a receiver remembers who marks nothing";
+  EXPECT_EQ(window.room(FlowWindow::Size::large, start + 701ms), room);
 }
 
 TEST(ReceiveSharesTest, GivesAnAddressWithManyFlowsNoMoreThanOneWithOne) {
