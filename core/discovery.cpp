@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 #include <mutex>
+#include <random>
 #include <utility>
 
 #include "core/control_digest.h"
@@ -17,6 +18,7 @@
 #include "core/link_merge.h"
 #include "core/network_watch.h"
 #include "core/ordered_delivery.h"
+#include "core/participant_mark.h"
 #include "core/retry.h"
 #include "sft_control.h"
 
@@ -29,11 +31,12 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::seconds look_at_interfaces_every{1};  // although netlink tells
 constexpr std::chrono::milliseconds merge_every{100};
-constexpr std::chrono::milliseconds listen_every{500};
 /// The old link stays so long at least, so that others find us by the new one before.
 constexpr std::chrono::seconds retire_after{2}, retire_at_last_after{60};
 constexpr std::chrono::seconds renewal_pause_max{20};
 constexpr std::chrono::seconds calm_after{120};
+/// Others believe a link that was made anew with the first sign of life that comes by it.
+constexpr std::chrono::milliseconds assert_often_for{700};
 constexpr std::size_t retiring_links_max = 2;
 constexpr std::chrono::seconds farewell_max{1};
 
@@ -138,9 +141,9 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   }
 
   void assert_liveliness(const Assertion& assertion) override {
-    Assertion complete = assertion;
-    complete.digest = digest();
-    each_link([&](DiscoveryLink& link) { link.write(complete); });
+    asserted_ = assertion;
+    asserted_->digest = digest();
+    each_link([&](DiscoveryLink& link) { link.write(*asserted_); });
   }
 
   void look_after(Now now, bool somebody_is_missing) override {
@@ -150,7 +153,11 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
       each_link([](DiscoveryLink& link) { link.greet(); });
     }
     retire_links(now);
-    if (watches_ && now >= next_listening_) mend_deaf_links(now);
+    if (asserted_ && now < asserts_often_until_) assert_liveliness(*asserted_);
+    if (watches_) {
+      heed_complaints(now);
+      mend_deaf_links(now);
+    }
     if (now < next_merge_) return;
     next_merge_ = now + merge_every;
     news([&] { merge_.tick(now); });
@@ -235,7 +242,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     }
     for (auto link = links_.begin(); link != links_.end();) {
       if (std::ranges::find(desired.links, link->first) == desired.links.end()) {
-        drop(std::exchange(link->second, {}), now);
+        drop(std::exchange(link->second, {}), false, now);
         link = links_.erase(link);
       } else {
         ++link;
@@ -244,12 +251,12 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     return result;
   }
 
-  void drop(OpenLink dropped, Now now) {
+  void drop(OpenLink dropped, bool is_replaced, Now now) {
     dropped.link.reset();
     news([&] {
       specs_.erase(dropped.id);
       hearing_.link_dropped(dropped.id);
-      merge_.link_dropped(dropped.id, now);
+      is_replaced ? merge_.replaced_link_dropped(dropped.id, now) : merge_.link_dropped(dropped.id, now);
     });
   }
 
@@ -266,8 +273,8 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
       const std::scoped_lock lock(mutex_);
       hearing_.link_made(id);
     }
-    auto link =
-        DiscoveryLink::open({.link = id, .domain = *domain, .number = 0}, life_signs_, participants_, *this);
+    auto link = DiscoveryLink::open({.link = id, .domain = *domain, .is_secured = config_.is_secured},
+                                    life_signs_, participants_, *this);
     {
       const std::scoped_lock lock(mutex_);
       if (!link) {
@@ -288,49 +295,90 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     return OpenLink{id, std::move(*domain), std::move(*link)};
   }
 
-  /// Links that do not hear somebody who is there.
-  void mend_deaf_links(Now now) {
-    next_listening_ = now + listen_every;
-    std::vector<std::pair<HearingWatch::Deaf, std::string>> deaf;  // and whom
+  /// Others have heard something else in our name than we say. To a link that is made anew nothing of that
+  /// sticks.
+  void heed_complaints(Now now) {
+    std::map<LinkId, std::string> heard;  // and who complains
     {
       const std::scoped_lock lock(mutex_);
-      for (const HearingWatch::Deaf& one : hearing_.look(merge_.digests(), config_.participant_lease, now))
-        deaf.emplace_back(one, merge_.node_name(one.node));
+      for (const Speaker& by : std::exchange(complaints_, {}))
+        heard.emplace(by.link, called(merge_.node_name(hearing_.node_of(by))));
+    }
+    for (const auto& [id, by] : heard)
+      renew(id, by + " has heard something else in our name than we say", now);
+  }
+
+  /// Links that do not hear somebody who is there.
+  void mend_deaf_links(Now now) {
+    std::vector<std::pair<HearingWatch::Deaf, std::string>> deaf;  // and whom
+    std::map<LinkId, std::vector<AnnouncerId>> complaints;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (!hearing_.wants_look(now)) return;
+      for (const HearingWatch::Deaf& one : hearing_.look(merge_.digests(), config_.participant_lease, now)) {
+        switch (one.remedy) {
+          case HearingWatch::Remedy::complaint:
+            if (complaints[one.link].size() < complaints_max) complaints[one.link].push_back(one.participant);
+            merge_.doubt_departures();
+            break;
+          case HearingWatch::Remedy::disbelief:
+            merge_.disbelieve({one.link, one.participant}, now);
+            break;
+          case HearingWatch::Remedy::renewal:
+            deaf.emplace_back(one, called(merge_.node_name(one.node)));
+        }
+      }
+    }
+    for (const auto& [id, participants] : complaints) {
+      if (const auto link = link_of(id); link != links_.end()) link->second.link->complain(participants);
     }
     for (const auto& [one, whom] : deaf) {
-      const auto link =
-          std::ranges::find(links_, one.link, [](const auto& entry) { return entry.second.id; });
-      if (link != links_.end()) renew(link->first, link->second, one, whom, now);
+      if (!renew(one.link, describe(one.missing, whom), now)) continue;
+      const std::scoped_lock lock(mutex_);
+      hearing_.tried(one.participant);
+      merge_.begin_anew({one.link, one.participant});
     }
   }
 
-  /// The new one comes before the old one goes, so that nobody is lost in between.
-  void renew(const LinkSpec& spec, OpenLink& link, const HearingWatch::Deaf& deaf, const std::string& whom,
-             Now now) {
+  /// The new one comes before the old one goes, so that nobody is lost in between. Returns whether there is
+  /// one.
+  bool renew(LinkId id, const std::string& why, Now now) {
+    const auto found = link_of(id);
+    if (found == links_.end()) return false;
+    auto& [spec, link] = *found;
     Renewal& renewal = renewals_[spec];
     if (now - renewal.last > calm_after) renewal.retry.succeeded();
-    if (!renewal.retry.due(now)) return;
-    const std::string what = "on " + spec.interface + " " + describe(deaf.missing, whom);
+    if (!renewal.retry.due(now)) return false;
+    const std::string what = "on " + spec.interface + " " + why;
     renewal.last = now;
     renewal.retry.failed(what, now, renewal_pause_max);
     auto made = make_link(spec, link.domain.get());
-    if (!made)
-      return listener_.link_was_deaf(what + "; the link cannot be made anew: " + made.error().message);
+    if (!made) {
+      listener_.link_was_deaf(what + "; the link cannot be made anew: " + made.error().message);
+      return false;
+    }
     {
       const std::scoped_lock lock(mutex_);
       specs_.erase(link.id);
-      hearing_.link_replaced(link.id);
-      hearing_.tried(deaf.participant);
-      merge_.begin_anew({link.id, deaf.participant});
+      hearing_.link_replaced(link.id, made->id);
+      merge_.doubt_departures();
     }
     const LinkId after = made->id;
     retiring_.push_back({std::exchange(link, std::move(*made)), after, now});
     greetings_.begin(now);
+    asserts_often_until_ = now + assert_often_for;
     listener_.link_was_deaf(what + "; the link is made anew");
+    return true;
   }
 
-  static std::string describe(HearingWatch::Missing missing, const std::string& whom) {
-    const std::string node = whom.empty() ? "a node" : "node '" + whom + "'";
+  std::map<LinkSpec, OpenLink>::iterator link_of(LinkId id) {
+    return std::ranges::find(links_, id, [](const auto& entry) { return entry.second.id; });
+  }
+
+  static std::string called(const std::string& node) {
+    return node.empty() ? "a node" : "node '" + node + "'";
+  }
+  static std::string describe(HearingWatch::Missing missing, const std::string& node) {
     switch (missing) {
       case HearingWatch::Missing::signs_of_life:
         return node + " lives, but what it says of that is taken for old";
@@ -355,7 +403,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
       if (!is_last_call && !is_replaced(oldest, now)) return;
       OpenLink link = std::move(retiring_.front().link);
       retiring_.pop_front();
-      drop(std::move(link), now);
+      drop(std::move(link), true, now);
     }
   }
 
@@ -454,10 +502,18 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
       merge_.node_unheard(link, id, time());
     });
   }
-  void participant_came(const Speaker& speaker, bool speaks) override {
+  void participant_came(const Speaker& speaker) override {
     newcomer_ = true;
     const std::scoped_lock lock(mutex_);
-    hearing_.participant_came(speaker, speaks, time());
+    hearing_.participant_came(speaker, time());
+  }
+  void participant_speaks(const Speaker& speaker) override {
+    const std::scoped_lock lock(mutex_);
+    hearing_.participant_speaks(speaker, time());
+  }
+  void complaint_came(const Speaker& speaker) override {
+    const std::scoped_lock lock(mutex_);
+    if (complaints_.size() < complaints_max) complaints_.push_back(speaker);
   }
   void endpoint_matched(const Speaker& speaker) override {
     const std::scoped_lock lock(mutex_);
@@ -483,9 +539,10 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   Greetings greetings_{time()};
   Now next_look_{};
   Now next_merge_{};
-  Now next_listening_{};
   std::vector<HostInterface> interfaces_;
   std::map<EndpointId, Own> own_;
+  std::optional<Assertion> asserted_;  ///< last
+  Now asserts_often_until_{};
   std::vector<std::string> warnings_;
   std::vector<std::string> remarks_;
   std::vector<std::string> failed_;  ///< links that could not be made, and why
@@ -497,8 +554,9 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   mutable std::mutex mutex_;  ///< of what follows; Cyclone's threads come here, too
   Configuration configuration_;
   LinkMerge merge_;
-  HearingWatch hearing_;
-  NewsDesk::Links specs_;  ///< of the links
+  HearingWatch hearing_{std::random_device{}()};
+  std::vector<Speaker> complaints_;  ///< about us
+  NewsDesk::Links specs_;            ///< of the links
   OrderedDelivery<News> delivery_;
 
   std::map<LinkSpec, Renewal> renewals_;

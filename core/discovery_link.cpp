@@ -13,6 +13,7 @@
 #include "core/control_codec.h"
 #include "core/dds_domain.h"
 #include "core/discovery.h"
+#include "core/participant_mark.h"
 
 namespace sft::core {
 
@@ -58,25 +59,23 @@ DdsQos hearing_qos(const dds_qos_t* written) {
   return qos;
 }
 
-/// The user data of our participants begin with this mark. Others can tell them from vanilla participants by
-/// it, and from participants of another version.
-std::string mark() { return "sft/" + std::to_string(sft_control_protocol_version) + "/"; }
-
-/// Cyclone tells everybody about a change of the user data. The number `greeting` has no other purpose.
-DdsQos participant_qos(unsigned greeting) {
-  const std::string data = mark() + std::to_string(greeting % 10);
+/// Others tell our participants from vanilla ones by their user data, and Cyclone tells everybody when those
+/// change.
+DdsQos participant_qos(const ParticipantMark& mark) {
+  const std::string data = to_text(mark);
   DdsQos qos(dds_create_qos());
   dds_qset_userdata(qos.get(), data.data(), data.size());
   return qos;
 }
 
-bool has_mark(const dds_qos_t* qos) {
+std::optional<ParticipantMark> mark_of(const dds_qos_t* qos) {
   void* data = nullptr;
   std::size_t bytes = 0;
-  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return false;
-  const bool is_marked = std::string_view(static_cast<const char*>(data), bytes).starts_with(mark());
+  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return std::nullopt;
+  std::optional<ParticipantMark> mark =
+      parse_participant_mark(std::string_view(static_cast<const char*>(data), bytes));
   dds_free(data);
-  return is_marked;
+  return mark;
 }
 
 /// Takes all that a reader has, in batches, and calls `use(sample, info)`.
@@ -123,7 +122,10 @@ std::chrono::milliseconds liveliness_lease(const dds_qos_t* qos) {
 class CycloneLink final : public DiscoveryLink {
  public:
   CycloneLink(const Place& place, Participants& participants, LinkListener& listener)
-      : place_(place), participants_(participants), listener_(listener) {}
+      : place_(place),
+        participants_(participants),
+        listener_(listener),
+        mark_{.is_secured = place.is_secured} {}
 
   ~CycloneLink() override {
     if (participant_ > 0) dds_delete(participant_);  // waits for listeners that run
@@ -131,13 +133,14 @@ class CycloneLink final : public DiscoveryLink {
 
   Result<void> open(const LifeSigns& signs) {
     const CycloneMessages messages;
-    participant_ = dds_create_participant(domain(), participant_qos(greetings_).get(), nullptr);
+    participant_ = dds_create_participant(domain(), participant_qos(mark_).get(), nullptr);
     dds_guid_t guid{};
     if (participant_ < 0 || dds_get_guid(participant_, &guid) != DDS_RETCODE_OK) {
       return fail(Errc::unavailable, "the DDS domain cannot be joined: " + messages.text() +
                                          "; check the network interfaces and CYCLONEDDS_URI");
     }
-    participants_.add_own(to_guid(guid));
+    guid_ = to_guid(guid);
+    participants_.add_own(guid_);
     const DdsQos qos = control_qos();
     const DdsQos unreliable = assertion_qos(signs);
     auto endpoints = make_topic(&sft_control_Endpoint_desc, "sft_endpoint", qos.get(), &on_endpoints);
@@ -176,7 +179,17 @@ class CycloneLink final : public DiscoveryLink {
     request_key.reader = id;
     dds_unregister_instance(request_writer_, &request_key);
   }
-  void greet() override { dds_set_qos(participant_, participant_qos(++greetings_).get()); }
+  void greet() override {
+    ++mark_.greeting;
+    dds_set_qos(participant_, participant_qos(mark_).get());
+  }
+  void complain(const std::vector<AnnouncerId>& participants) override {
+    mark_.complaints.clear();
+    for (const AnnouncerId participant : participants) {
+      if (const auto guid = participants_.guid_of(participant)) mark_.complaints.push_back(*guid);
+    }
+    greet();
+  }
   void flush(std::chrono::milliseconds patience) override {
     dds_wait_for_acks(endpoint_writer_, DDS_MSECS(patience.count()));
   }
@@ -353,8 +366,12 @@ class CycloneLink final : public DiscoveryLink {
           if (link.participants_.is_own(guid)) return;
           const Speaker speaker{link.place_.link, link.participants_.number_of(guid)};
           if (info.instance_state == DDS_IST_ALIVE) {
-            if (info.view_state == DDS_VST_NEW)
-              link.listener_.participant_came(speaker, info.valid_data && has_mark(sample.qos));
+            const auto mark = info.valid_data ? mark_of(sample.qos) : std::nullopt;
+            if (info.view_state == DDS_VST_NEW) link.listener_.participant_came(speaker);
+            if (!mark || mark->is_secured != link.place_.is_secured) return;
+            link.listener_.participant_speaks(speaker);
+            if (std::ranges::find(mark->complaints, link.guid_) != mark->complaints.end())
+              link.listener_.complaint_came(speaker);
             return;
           }
           link.participants_.gone(guid);
@@ -371,7 +388,8 @@ class CycloneLink final : public DiscoveryLink {
   const Place place_;
   Participants& participants_;
   LinkListener& listener_;
-  unsigned greetings_ = 0;
+  ParticipantMark mark_;
+  Participants::Guid guid_{};  ///< of the participant
   dds_entity_t participant_ = 0;
   dds_entity_t endpoint_writer_ = 0;
   dds_entity_t request_writer_ = 0;

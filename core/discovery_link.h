@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/control.h"
 #include "core/participants.h"
@@ -28,8 +29,12 @@ class LinkListener {
   virtual void assertion_came(const Speaker& speaker, Assertion assertion,
                               std::chrono::milliseconds lease) = 0;
   virtual void node_unheard(LinkId link, NodeId id) = 0;
-  /// `speaks`: it says that it is a node's, of this version of the control topics.
-  virtual void participant_came(const Speaker& speaker, bool speaks) = 0;
+  virtual void participant_came(const Speaker& speaker) = 0;
+  /// It says that it is a node's that speaks with us: of this version of the control topics, and secured if
+  /// we are. It may say so more than once.
+  virtual void participant_speaks(const Speaker& speaker) = 0;
+  /// It complains that what it has heard of us on that link is something else than what we say.
+  virtual void complaint_came(const Speaker& speaker) = 0;
   virtual void participant_left(const Speaker& speaker) = 0;
   /// A reader or writer of its control topics.
   virtual void endpoint_matched(const Speaker& speaker) = 0;
@@ -42,11 +47,13 @@ class LinkListener {
 
 class DiscoveryLink {
  public:
-  /// `domain` is kept as long as the link lives; null: the domain `number` of the program itself.
+  /// `domain` is kept as long as the link lives; null: the domain `number` of the program itself. `secured`:
+  /// by DDS Security.
   struct Place {
     LinkId link = 0;
     std::shared_ptr<const CycloneDomain> domain;
     std::uint32_t number = 0;
+    bool is_secured = false;
   };
   /// Participants and listener outlive the link.
   static Result<std::unique_ptr<DiscoveryLink>> open(const Place& place, const LifeSigns& signs,
@@ -60,6 +67,9 @@ class DiscoveryLink {
   virtual void dispose(EndpointId id) = 0;
   /// Makes the participant known once more to whoever is there.
   virtual void greet() = 0;
+  /// Tells everybody, and so the participants themselves, that something else came of them than what they
+  /// say. No more than complaints_max (participant_mark.h) of them.
+  virtual void complain(const std::vector<AnnouncerId>& participants) = 0;
   /// Waits until others have what was written, or not longer.
   virtual void flush(std::chrono::milliseconds patience) = 0;
 };

@@ -67,12 +67,21 @@ std::uint64_t LinkMerge::asked(const Claim& claim) {
 }
 
 void LinkMerge::begin_anew(const Speaker& speaker) {
-  departed_.clear();
+  doubt_departures();
   disbelieved_.insert(speaker);
   for (auto& [id, known] : endpoints_) {
     known.told_untrue |= known.told != nullptr && known.told->announcer == speaker.participant;
     for (Claim& claim : known.claims) claim.untrue |= claim.speaker == speaker;
     std::ranges::stable_partition(known.claims, [](const Claim& claim) { return !claim.untrue; });
+  }
+}
+
+void LinkMerge::disbelieve(const Speaker& speaker, Now now) {
+  begin_anew(speaker);
+  for (auto& [id, known] : endpoints_) {
+    if (!known.told_untrue) continue;
+    known.true_from = now;
+    settle(id, known, now);
   }
 }
 
@@ -89,9 +98,9 @@ LinkMerge::Claim* LinkMerge::claim_of(Known& known, const Speaker& speaker) cons
 bool LinkMerge::may_be_believed(const Known& known, const Claim& claim, Now now) const {
   const milliseconds silence = silence_in(claim.endpoint->life_lease);
   if (!claim.alive || claim.refused || !speakers_.speaks(claim.speaker, silence, now)) return false;
-  const bool is_behind = known.told != nullptr && known.told->announcer != claim.speaker.participant &&
-                         known.told->node_id == claim.endpoint->node_id &&
-                         claim.endpoint->revision < known.told->revision;
+  const bool is_behind =
+      known.told != nullptr && !known.told_untrue && known.told->announcer != claim.speaker.participant &&
+      known.told->node_id == claim.endpoint->node_id && claim.endpoint->revision < known.told->revision;
   return !is_behind || speakers_.has_spoken_for(claim.speaker, silence, now);
 }
 
@@ -222,7 +231,8 @@ void LinkMerge::prefer_vouched(Known& known, Now now) {
   const milliseconds silence = silence_in(lease_default);
   const Claim* const leader = believed(known, now);
   const auto other = std::ranges::find_if(known.claims, [&](const Claim& claim) {
-    return claim.alive && is_vouched_for(claim) && speakers_.speaks(claim.speaker, silence, now);
+    return claim.alive && !claim.untrue && is_vouched_for(claim) &&
+           speakers_.speaks(claim.speaker, silence, now);
   });
   if (leader == nullptr || is_vouched_for(*leader) || other == known.claims.end())
     return known.doubted_since.reset();
@@ -382,6 +392,22 @@ void LinkMerge::link_dropped(LinkId link, Now now) {
   std::erase_if(early_requests_, [&](const EarlyRequest& early) { return early.speaker.link == link; });
   speakers_.forget_link(link);
   std::erase_if(disbelieved_, [&](const Speaker& speaker) { return speaker.link == link; });
+}
+
+void LinkMerge::replaced_link_dropped(LinkId link, Now now) {
+  for (auto& [id, known] : endpoints_) {
+    const bool was_told_by_it =
+        known.told != nullptr && std::ranges::any_of(known.claims, [&](const Claim& claim) {
+          return claim.speaker.link == link && claim.speaker.participant == known.told->announcer;
+        });
+    if (!was_told_by_it) continue;
+    known.told_untrue = true;
+    known.true_from = now;
+    const bool is_heard_elsewhere =
+        std::ranges::any_of(known.claims, [&](const Claim& claim) { return claim.speaker.link != link; });
+    if (is_heard_elsewhere) drop_claims(known, link);
+  }
+  link_dropped(link, now);
 }
 
 /// An endpoint that nobody keeps alive is lost at once if its node has been silent already. Else a link was

@@ -69,15 +69,22 @@ class LinkMerge {
   void node_unheard(LinkId link, NodeId id, Now now);
   void participant_left(const Speaker& speaker, Now now);
   void link_dropped(LinkId link, Now now);
+  /// The same of a link that was made anew: what another link says of the same participants counts, though
+  /// what came by the one that goes may be newer. That may have been somebody else's word.
+  void replaced_link_dropped(LinkId link, Now now);
   void tick(Now now);
 
   /// The digests (control_digest.h) of all that is known here of each speaker's announcements.
   std::map<Speaker, std::uint32_t> digests() const;
   /// The name of that node, for people. Empty if no endpoint of it is known.
   std::string node_name(NodeId node) const;
-  /// A link is made anew since what came there of that speaker is not what it says. That does not count any
-  /// more once the speaker is heard by another one, and what was withdrawn may be there after all.
+  /// What came of that speaker is not what its node says. That does not count any more once another speaker
+  /// of the node, or the same one on another link, is heard; and what was withdrawn may be there after all.
   void begin_anew(const Speaker& speaker);
+  /// The same where all that its node says is known already from another speaker: that counts from now on.
+  void disbelieve(const Speaker& speaker, Now now);
+  /// Withdrawals may have been somebody else's: what was withdrawn may be there after all.
+  void doubt_departures() { departed_.clear(); }
 
   /// In the order in which they happened.
   std::vector<News> take_news() { return std::exchange(news_, {}); }

@@ -1,12 +1,14 @@
 // Numbers for DDS participants, by which the rest of the core tells them apart. Any thread.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 
 #include "core/control.h"
@@ -23,6 +25,12 @@ class Participants {
     const auto [entry, is_new] = numbers_.try_emplace(guid, last_ + 1);
     if (is_new) ++last_;
     return entry->second;
+  }
+  /// Of the participant that has that number. Nothing if it is forgotten.
+  std::optional<Guid> guid_of(AnnouncerId number) const {
+    const std::scoped_lock lock(mutex_);
+    const auto entry = std::ranges::find(numbers_, number, [](const auto& known) { return known.second; });
+    return entry == numbers_.end() ? std::nullopt : std::optional(entry->first);
   }
   void gone(const Guid& guid) {
     const std::scoped_lock lock(mutex_);

@@ -10,6 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::IsEmpty;
 using Missing = HearingWatch::Missing;
+using Remedy = HearingWatch::Remedy;
 
 constexpr LinkId lan = 1;
 constexpr NodeId node = 77;
@@ -21,7 +22,8 @@ class HearingWatchTest : public ::testing::Test {
  protected:
   HearingWatchTest() {
     watch.link_made(lan);
-    watch.participant_came(peer, true, now);
+    watch.participant_came(peer, now);
+    watch.participant_speaks(peer, now);
   }
 
   /// Time passes in which the peer says that it lives, and what it has announced; nothing if that is 0.
@@ -34,13 +36,27 @@ class HearingWatchTest : public ::testing::Test {
   }
   void look() {
     deaf.reset();
-    for (const auto& one : watch.look(known, participant_lease, now)) deaf = one.missing;
+    remedies.clear();
+    for (const auto& one : watch.look(known, participant_lease, now)) {
+      deaf = one.missing;
+      remedies.push_back(one.remedy);
+    }
+  }
+  /// Somebody else has said something in the peer's name, which says itself what it said before.
+  void is_forged() {
+    known[peer] = all + 7;
+    now += 50ms;
+    look();
+    now += 150ms;
+    watch.heard_life(peer, node, all, lease, now);
+    look();
   }
 
   HearingWatch watch;
   HearingWatch::Now now{1000s};
   std::map<Speaker, std::uint32_t> known{{peer, all}};
   std::optional<Missing> deaf;
+  std::vector<Remedy> remedies;
 };
 
 TEST_F(HearingWatchTest, IsContentAsLongAsSignsOfLifeComeThatSayWhatIsKnown) {
@@ -79,10 +95,167 @@ TEST_F(HearingWatchTest, MissesAnnouncementsThatSignsOfLifeTellOfAndThatDoNotCom
   passes(5s, all + 1);
   EXPECT_FALSE(deaf) << "many may be under way at first";
   passes(10s);
-  passes(2500ms, all + 1);
-  EXPECT_FALSE(deaf) << "they may be under way";
   passes(1s, all + 1);
+  EXPECT_FALSE(deaf) << "they may be under way";
+  passes(500ms, all + 1);
   EXPECT_EQ(deaf, Missing::announcements);
+}
+
+TEST_F(HearingWatchTest, NoticesWithTheNextSignOfLifeThatAnAnnouncementWasSomebodyElses) {
+  passes(10s);
+  is_forged();
+  EXPECT_EQ(deaf, Missing::announcements);
+}
+
+TEST_F(HearingWatchTest, IsNotMisledByASignOfLifeThatAnAnnouncementHasOvertaken) {
+  passes(10s);
+  known[peer] = all + 7;
+  look();
+  now += 50ms;
+  watch.heard_life(peer, node, all, lease, now);
+  look();
+  EXPECT_FALSE(deaf);
+  now += 650ms;
+  watch.heard_life(peer, node, all + 7, lease, now);
+  look();
+  EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingWatchTest, ComplainsFirstAndOftenAndRenewsOnlyWhereThatDoesNotHelp) {
+  passes(10s);
+  is_forged();
+  EXPECT_EQ(remedies, std::vector{Remedy::complaint});
+  const auto first = now;
+  int complaints = 1;
+  while (remedies != std::vector{Remedy::renewal}) {
+    now += 100ms;
+    look();
+    complaints += remedies == std::vector{Remedy::complaint};
+    ASSERT_LT(now - first, 2s);
+  }
+  EXPECT_GT(now - first, 1500ms);
+  EXPECT_EQ(complaints, 4);
+}
+
+TEST_F(HearingWatchTest, DoesNotBelieveAParticipantAnyMoreWhoseNodeHasComeAnewAfterAComplaint) {
+  passes(10s);
+  is_forged();
+  ASSERT_EQ(remedies, std::vector{Remedy::complaint});
+  now += 300ms;
+  watch.participant_came(other, now);
+  watch.participant_speaks(other, now);
+  known[other] = all;
+  watch.heard(other, now);
+  watch.heard_life(other, node, all, lease, now);
+  look();
+  EXPECT_EQ(remedies, std::vector{Remedy::disbelief});
+  for (int i = 0; i < 20; ++i) {
+    now += 500ms;
+    watch.heard_life(peer, node, all, lease, now);
+    watch.heard_life(other, node, all, lease, now);
+    look();
+    EXPECT_THAT(remedies, IsEmpty()) << "it goes soon";
+  }
+  watch.participant_left(peer);
+  passes(2s, 0);
+  EXPECT_THAT(remedies, IsEmpty());
+}
+
+TEST_F(HearingWatchTest, NobodyWhoComesAfterAComplaintMakesItForgotten) {
+  passes(3s);
+  known[peer] = all + 7;
+
+  while (remedies != std::vector{Remedy::complaint}) passes(500ms);
+  watch.participant_came(other, now);
+  watch.participant_speaks(other, now);
+  known[other] = all;
+  watch.heard_life(other, node, all, lease, now);
+  now += 100ms;
+  look();
+  EXPECT_EQ(remedies, std::vector{Remedy::disbelief});
+}
+
+TEST_F(HearingWatchTest, WhatIsForgedOnALinkThatIsReplacedIsNotBelievedEither) {
+  constexpr LinkId next = 2;
+  constexpr Speaker there{next, peer.participant};
+  passes(10s);
+  watch.link_made(next);
+  watch.link_replaced(lan, next);
+  is_forged();
+  EXPECT_THAT(remedies, IsEmpty()) << "the other link has not heard it yet";
+  watch.participant_came(there, now);
+  watch.participant_speaks(there, now);
+  known[there] = all;
+  watch.heard_life(there, node, all, lease, now);
+  now += 100ms;
+  look();
+  EXPECT_EQ(remedies, std::vector{Remedy::disbelief});
+}
+
+TEST_F(HearingWatchTest, AParticipantOfAnotherNodeIsNoneThatHasComeAnew) {
+  passes(10s);
+  watch.participant_came(other, now);
+  watch.participant_speaks(other, now);
+  known[other] = all;
+  watch.heard_life(other, node + 1, all, lease, now);
+  look();
+  passes(4s);
+  watch.heard_life(other, node + 1, all, lease, now);
+  is_forged();
+  now += 10ms;  // of two who may complain
+  look();
+  EXPECT_EQ(remedies, std::vector{Remedy::complaint});
+}
+
+TEST_F(HearingWatchTest, ManyWhoMissTheSameDoNotAllComplainAtOnce) {
+  constexpr std::uint64_t nodes = 200;
+  std::vector<HearingWatch> watches;
+  for (std::uint64_t i = 0; i < nodes; ++i) watches.emplace_back(i);
+  std::map<Speaker, std::uint32_t> known_to_all;
+  for (AnnouncerId one = 1; one <= nodes; ++one) known_to_all[{lan, one}] = all;
+  const auto everybody_says = [&](std::uint32_t digest) {
+    for (HearingWatch& one : watches) {
+      for (AnnouncerId speaker = 1; speaker <= nodes; ++speaker)
+        one.heard_life({lan, speaker}, speaker, digest, lease, now);
+    }
+  };
+  for (HearingWatch& one : watches) {
+    one.link_made(lan);
+    for (AnnouncerId speaker = 1; speaker <= nodes; ++speaker) {
+      one.participant_came({lan, speaker}, now);
+      one.participant_speaks({lan, speaker}, now);
+    }
+  }
+  for (int i = 0; i < 4; ++i) {
+    now += 1s;
+    everybody_says(all);
+    for (HearingWatch& one : watches) EXPECT_THAT(one.look(known_to_all, participant_lease, now), IsEmpty());
+  }
+  known_to_all[{lan, 1}] = all + 7;  // forged, and heard by all
+  for (HearingWatch& one : watches) (void)one.look(known_to_all, participant_lease, now);
+  now += 500ms;
+  everybody_says(all);
+  const auto complaints_now = [&] {
+    std::size_t complaints = 0;
+    for (HearingWatch& one : watches) complaints += one.look(known_to_all, participant_lease, now).size();
+    return complaints;
+  };
+  EXPECT_LT(complaints_now(), nodes / 10);
+  now += 100ms;
+  EXPECT_LT(complaints_now(), nodes / 4);
+}
+
+TEST_F(HearingWatchTest, LooksMoreOftenWhileSomethingMayBeMissing) {
+  passes(10s);
+  EXPECT_FALSE(watch.wants_look(now + 400ms));
+  EXPECT_TRUE(watch.wants_look(now + 500ms));
+  watch.heard(peer, now);
+  EXPECT_TRUE(watch.wants_look(now + 100ms));
+  EXPECT_FALSE(watch.wants_look(now + 90ms));
+  look();
+  EXPECT_FALSE(watch.wants_look(now + 100ms));
+  is_forged();
+  EXPECT_TRUE(watch.wants_look(now + 100ms));
 }
 
 TEST_F(HearingWatchTest, GivesAnnouncementsTimeAsLongAsTheyCome) {
@@ -98,8 +271,8 @@ TEST_F(HearingWatchTest, GivesAnnouncementsTimeAsLongAsTheyCome) {
 TEST_F(HearingWatchTest, GivesAnnouncementsTimeWhileOtherNodesStart) {
   passes(10s);
   for (AnnouncerId one = 100; one < 110; ++one) {
-    watch.participant_came({lan, one}, false, now);
-    passes(2s, all + 1);
+    watch.participant_came({lan, one}, now);
+    passes(1s, all + 1);
     EXPECT_FALSE(deaf);
   }
   passes(3s, all + 1);
@@ -134,7 +307,8 @@ TEST_F(HearingWatchTest, TriesThreeTimesForOneOfWhichTheNextLinkHearsNoMore) {
     passes(participant_lease * 2, said);
     EXPECT_FALSE(deaf) << "something else is wrong with it";
     watch.participant_left(peer);
-    watch.participant_came(peer, true, now);
+    watch.participant_came(peer, now);
+    watch.participant_speaks(peer, now);
   }
 }
 
@@ -164,9 +338,10 @@ TEST_F(HearingWatchTest, SaysWhenAnotherLinkHearsAllThatTheOneBeforeHears) {
   constexpr LinkId next = 2;
   passes(3s);
   watch.link_made(next);
-  watch.link_replaced(lan);
+  watch.link_replaced(lan, next);
   EXPECT_FALSE(watch.is_replaced_by(lan, next, now));
-  watch.participant_came({next, peer.participant}, true, now);
+  watch.participant_came({next, peer.participant}, now);
+  watch.participant_speaks({next, peer.participant}, now);
   EXPECT_FALSE(watch.is_replaced_by(lan, next, now));
   watch.heard({next, peer.participant}, now);
   EXPECT_TRUE(watch.is_replaced_by(lan, next, now));
@@ -178,7 +353,7 @@ TEST_F(HearingWatchTest, SaysWhenAnotherLinkHearsAllThatTheOneBeforeHears) {
 
 TEST_F(HearingWatchTest, ExpectsNothingOfParticipantsThatAreNoNodes) {
   watch.participant_left(peer);
-  watch.participant_came(other, false, now);
+  watch.participant_came(other, now);
   passes(100s, 0);
   EXPECT_FALSE(deaf);
 }

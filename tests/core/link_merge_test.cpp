@@ -431,6 +431,47 @@ TEST_F(LinkMergeTest, TakesARequestForUntrueThatAloneWasAltered) {
   EXPECT_THAT(news[1], HasSubstr("honest 3 by 11"));
 }
 
+TEST_F(LinkMergeTest, WhatWasForgedOnALinkThatWasMadeAnewDoesNotOutliveIt) {
+  announces(by_lan, 3);
+  asks(by_lan, 7);
+  announces(by_lan_anew, 3);
+  asks(by_lan_anew, 7);
+  announces(by_lan, 1ULL << 62, "altered");  // in its name
+  asks(by_lan, 1ULL << 62);
+  told();
+  merge.replaced_link_dropped(lan, now);
+  passes(100ms, {by_lan_anew});
+  EXPECT_THAT(told(), ElementsAre("departed", "honest 3 by 11", "request 7 by 11"));
+}
+
+TEST_F(LinkMergeTest, BelievesAtOnceWhoComesAnewInPlaceOfADisbelievedSpeaker) {
+  announces(by_lan, 3);
+  announces(by_lan, 1ULL << 62, "altered");  // in its name
+  asks(by_lan, 1ULL << 62);
+  told();
+  announces(stranger, 3);  // here its node's own, which has made its link anew
+  asks(stranger, 7);
+  passes(200ms, {by_lan, stranger});
+  EXPECT_THAT(told(), IsEmpty());
+  merge.disbelieve(by_lan, now);
+  EXPECT_THAT(told(), ElementsAre("departed", "honest 3 by 13", "request 7 by 13"));
+}
+
+TEST_F(LinkMergeTest, DoesNotReturnToADisbelievedSpeakerAsLongAsItGoesOnToSpeakForItsNode) {
+  announces(by_lan, 3);
+  passes(2s, {by_lan});
+  asks(by_lan, 1ULL << 62);  // in its name
+  announces(stranger, 3);    // here its node's own
+  asks(stranger, 7);
+  merge.disbelieve(by_lan, now);
+  told();
+  passes(10s, {by_lan, stranger});
+  EXPECT_THAT(told(), IsEmpty());
+  merge.participant_left(by_lan, now);
+  passes(10s, {stranger});
+  EXPECT_THAT(told(), IsEmpty());
+}
+
 TEST_F(LinkMergeTest, DoesNotTakeBackWhatANewLinkSaysOnceMore) {
   announces(by_lan, 3);
   asks(by_lan, 7);

@@ -7,9 +7,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <set>
 #include <stdexcept>
 #include <string>
+
+#include "core/participant_mark.h"
 
 namespace sft::test {
 
@@ -29,6 +33,19 @@ void take_all(dds_entity_t reader, Use use) {
     if (info.valid_data) use(*static_cast<const Sample*>(sample), info);
     dds_return_loan(reader, &sample, 1);
   }
+}
+
+template <class Sample, class Use>
+void read_all(dds_entity_t reader, Use use) {
+  constexpr std::size_t samples_max = 256;
+  std::vector<void*> samples(samples_max);
+  std::vector<dds_sample_info_t> infos(samples_max);
+  const dds_return_t count = dds_read(reader, samples.data(), infos.data(), samples_max, samples_max);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(count, 0)); ++i) {
+    if (infos[i].valid_data && infos[i].instance_state == DDS_IST_ALIVE)
+      use(*static_cast<const Sample*>(samples[i]));
+  }
+  if (count > 0) dds_return_loan(reader, samples.data(), count);
 }
 
 /// RTPS 2.1, little endian.
@@ -146,6 +163,8 @@ Forger::Forger() : participant_(checked(dds_create_participant(0, nullptr, nullp
   endpoint_writer_ = checked(dds_create_writer(participant_, endpoint, qos, nullptr));
   request_writer_ = checked(dds_create_writer(participant_, request, qos, nullptr));
   dds_delete_qos(qos);
+  participants_ =
+      checked(dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr));
   publications_ =
       checked(dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr));
 }
@@ -190,21 +209,32 @@ void Forger::mute_all(std::uint64_t ahead) {
   }
 }
 
-std::vector<dds_guid_t> Forger::writers_of(const std::string& topic) {
+std::vector<dds_guid_t> Forger::participants_of_others() {
   dds_guid_t own{};
   checked(dds_get_guid(participant_, &own));
+  std::vector<dds_guid_t> participants;
+  read_all<dds_builtintopic_participant_t>(participants_, [&](const dds_builtintopic_participant_t& one) {
+    if (std::memcmp(one.key.v, own.v, sizeof own.v) != 0) participants.push_back(one.key);
+  });
+  return participants;
+}
+
+std::vector<dds_guid_t> Forger::writers_of(const std::string& topic) {
+  constexpr std::size_t prefix = 12;
+  std::set<std::array<std::uint8_t, 4>> entities;
+  read_all<dds_builtintopic_endpoint_t>(publications_, [&](const dds_builtintopic_endpoint_t& writer) {
+    if (writer.topic_name != topic) return;
+    std::array<std::uint8_t, 4> entity{};
+    std::copy_n(writer.key.v + prefix, entity.size(), entity.begin());
+    entities.insert(entity);
+  });
   std::vector<dds_guid_t> writers;
-  constexpr std::size_t writers_max = 256;
-  std::vector<void*> samples(writers_max);
-  std::vector<dds_sample_info_t> infos(writers_max);
-  const dds_return_t count = dds_read(publications_, samples.data(), infos.data(), writers_max, writers_max);
-  for (dds_return_t i = 0; i < count; ++i) {
-    const auto& writer =
-        *static_cast<const dds_builtintopic_endpoint_t*>(samples[static_cast<std::size_t>(i)]);
-    const bool is_own = std::memcmp(writer.key.v, own.v, 12) == 0;
-    if (!is_own && writer.topic_name == topic) writers.push_back(writer.key);
+  for (dds_guid_t writer : participants_of_others()) {
+    for (const auto& entity : entities) {
+      std::ranges::copy(entity, writer.v + prefix);
+      writers.push_back(writer);
+    }
   }
-  if (count > 0) dds_return_loan(publications_, samples.data(), count);
   return writers;
 }
 
@@ -221,6 +251,19 @@ void Forger::outdate_announcements() {
 void Forger::ask_for_nothing() {
   look();
   for (const auto& [reader, writer] : asks_by_) send_empty_request(writer, reader, known_[reader] + 1000);
+}
+
+void Forger::complain_of_all() {
+  core::ParticipantMark mark{.greeting = ++complaints_};
+  for (const dds_guid_t& participant : participants_of_others()) {
+    if (mark.complaints.size() == core::complaints_max) break;
+    std::ranges::copy(participant.v, mark.complaints.emplace_back().begin());
+  }
+  const std::string data = to_text(mark);
+  dds_qos_t* const qos = dds_create_qos();
+  dds_qset_userdata(qos, data.data(), data.size());
+  checked(dds_set_qos(participant_, qos));
+  dds_delete_qos(qos);
 }
 
 }  // namespace sft::test

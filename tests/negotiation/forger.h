@@ -31,19 +31,24 @@ class Forger {
   void outdate_announcements();
   /// Says for all readers that have made a request that they listen to nobody, as their own writers.
   void ask_for_nothing();
+  /// Complains of all participants: that something else came in their names than what they say.
+  void complain_of_all();
 
  private:
   void look();
-  /// The writers of this topic that others have.
+  std::vector<dds_guid_t> participants_of_others();
+  /// The writers of this topic that others have. Those of participants that hide them are guessed: their
+  /// entities have the same numbers as those of others.
   std::vector<dds_guid_t> writers_of(const std::string& topic);
 
   dds_entity_t participant_ = 0;
-  dds_entity_t publications_ = 0;              ///< reader
-  dds_entity_t endpoints_ = 0, requests_ = 0;  ///< readers
+  dds_entity_t participants_ = 0, publications_ = 0;  ///< readers
+  dds_entity_t endpoints_ = 0, requests_ = 0;         ///< readers
   dds_entity_t endpoint_writer_ = 0, request_writer_ = 0;
   std::map<std::uint64_t, std::uint64_t>
       known_;  ///< the sequence of the newest request by endpoint; 0: a writer
   std::map<std::uint64_t, dds_guid_t> asks_by_;  ///< the writer of a reader's requests
+  unsigned complaints_ = 0;
 };
 
 }  // namespace sft::test

@@ -108,6 +108,7 @@ class Peer {
     if (what == "outdate signs of life") forger_->outdate_signs_of_life();
     if (what == "outdate announcements") forger_->outdate_announcements();
     if (what == "ask for nothing") forger_->ask_for_nothing();
+    if (what == "complain") forger_->complain_of_all();
   }
 
   json status() const {

@@ -2,7 +2,9 @@
 #include <sys/mount.h>
 #include <sys/stat.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <thread>
 
 #include "tests/negotiation/fixture.h"
 
@@ -66,6 +68,33 @@ TEST_F(Security, ANodeWithCertificatesThatComesLaterIsServedByOneThatMetNodesWit
   EXPECT_TRUE(accounts_for_all(publisher, subscriber));
   EXPECT_EQ(readers(publisher), 1U);
   EXPECT_EQ(writers(plain_subscriber), 0U);
+}
+
+TEST_F(Security, WhatSomebodyWithoutACertificateSaysInTheNamesOfAPairWithOneCostsItNothing) {
+  Peer publisher(here(), "publisher", certified("publisher"));
+  Peer subscriber(there(), "subscriber", certified("subscriber"));
+  Peer plain_publisher(here(), "plain publisher");  // shows which numbers the writers of nodes have
+  Peer forger(there(), "forger");
+  publisher.advertise();
+  subscriber.subscribe("recorded");
+  plain_publisher.advertise();
+  forger.forge("watch");
+  ASSERT_TRUE(agree(publisher, subscriber));
+  publisher.start_publishing();
+  const auto end = std::chrono::steady_clock::now() + 10s;  // longer than a node waits for a first word
+  while (std::chrono::steady_clock::now() < end) {
+    forger.forge("outdate announcements");
+    forger.forge("outdate signs of life");
+    forger.forge("complain");
+    std::this_thread::sleep_for(100ms);
+  }
+  EXPECT_GT(plain_publisher.status()["node"]["links_renewed"], 0) << "without a certificate it does harm";
+  subscriber.read("height");
+  EXPECT_TRUE(comes_true([&] { return is_served_with(publisher, subscriber, "height"); }));
+  publisher.stop_publishing();
+  EXPECT_TRUE(agree(publisher, subscriber));
+  for (Peer* peer : {&publisher, &subscriber})
+    EXPECT_EQ(peer->status()["node"]["links_renewed"], 0) << "what it says counts only with its signature";
 }
 
 }  // namespace
