@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "udp_transport/group_membership.h"
@@ -65,7 +66,13 @@ TEST_F(OfferedGroupsTest, AreToBeOfferedAgainWhereWhatComesHasNoPlace) {
   }
   groups_.note(1, false);
   EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 7}})) << "not in a row";
-  for (std::uint64_t n = 1; n <= 8; ++n) groups_.note(1, true);
+  for (std::uint64_t n = 1; n <= 7; ++n) groups_.note(1, true);
+  EXPECT_TRUE(reports().empty()) << "not in a row";
+  groups_.note(1, true);
+  EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 0}}));
+  for (std::uint64_t n = 1; n <= 7; ++n) groups_.note(1, true);
+  EXPECT_TRUE(reports().empty()) << "it is asked for not more often than for each eight";
+  groups_.note(1, true);
   EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 0}}));
   EXPECT_TRUE(place(1, 8, start + 1h));
   EXPECT_TRUE(reports().empty()) << "who reports would not be offered it again";
@@ -110,6 +117,84 @@ TEST_F(OfferedGroupsTest, PlaceNothingInAChannelThatIsNotKnownWhileAnotherIs) {
   EXPECT_TRUE(place(1, 3, start, &channels));
   channels.turn(10, 0);
   EXPECT_TRUE(place(1, 4, start, &channels)) << "what was sent before may be under way";
+}
+
+TEST_F(OfferedGroupsTest, AreToBeOfferedAgainWhereTheirChannelIsNoneThatIsKnown) {
+  ChannelWatch channels;
+  channels.turn(4, 0);
+  offer(1, 9);
+  for (std::uint64_t n = 1; n <= 7; ++n) EXPECT_FALSE(place(1, n, start, &channels));
+  EXPECT_TRUE(reports().empty()) << "the channel may become known yet";
+  EXPECT_FALSE(place(1, 8, start, &channels));
+  EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 0}}));
+}
+
+TEST_F(OfferedGroupsTest, ThatWereReplacedWithoutBeingHeardAreNotAskedForAgain) {
+  offer(1, 9, 5);
+  offer(1, 8, 5);
+  offer(1, 8, 5);
+  EXPECT_TRUE(reports().empty());
+}
+
+TEST_F(OfferedGroupsTest, OfWhichAnotherOfferSaysOtherwiseAreNotReportedUntilOneIsConfirmed) {
+  offer(1, 9, 5);
+  offer(1, 8, 5);
+  EXPECT_TRUE(place(1, 1));
+  EXPECT_TRUE(reports().empty()) << "the writer offers the true one again";
+  offer(1, 9, 5);
+  EXPECT_TRUE(place(1, 2));
+  EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 2}}));
+}
+
+TEST_F(OfferedGroupsTest, AreAskedForAgainFourTimesAtMostBetweenTwoReports) {
+  for (std::uint64_t n = 1; n <= 10; ++n) {
+    for (int again = 0; again < 2; ++again) offer(1, 9, static_cast<std::int64_t>(n));
+    ASSERT_TRUE(place(1, n));
+  }
+  const std::vector<GroupReport> sent = reports();
+  EXPECT_EQ(std::ranges::count(sent, GroupReport{1, 1, 3, 0}), 4);
+}
+
+TEST_F(OfferedGroupsTest, ReportTheLastOrdinalWhateverComesLate) {
+  offer(1);
+  place(1, 7);
+  place(1, 5);
+  EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 7}}));
+}
+
+TEST_F(OfferedGroupsTest, ReportToWhereTheLastOfferSays) {
+  GroupOffer again{.writer = 1, .group = 1, .member = 3, .port = 78, .address = address};
+  offer(1);
+  groups_.hear(again, writer_at, start);
+  groups_.hear(again, writer_at, start);
+  place(1, 1);
+  std::vector<SocketAddress> told;
+  groups_.report([&](const SocketAddress& to, const GroupReport&) { told.push_back(to); });
+  EXPECT_EQ(told, (std::vector<SocketAddress>{{writer_at.ip, 78}}));
+}
+
+TEST_F(OfferedGroupsTest, MakeNoRoomForOthersWhileTheyAreHeard) {
+  for (std::uint32_t group = 1; group <= 4; ++group) {
+    offer(group);
+    ASSERT_TRUE(place(group, 1));
+  }
+  offer(5);
+  EXPECT_FALSE(place(5, 1));
+  for (std::uint32_t group = 2; group <= 4; ++group) ASSERT_TRUE(place(group, 2, start + 500ms));
+  offer(5, 0, 0, start + 500ms);
+  EXPECT_TRUE(place(5, 1, start + 500ms));
+  EXPECT_FALSE(place(1, 2, start + 500ms));
+}
+
+TEST_F(OfferedGroupsTest, EndAsThoseBeforeAlsoWhereTheirNumbersTurnOver) {
+  offer(0xFFFF'FFFF);
+  offer(1);
+  groups_.hear({.writer = 1, .group = 0xFFFF'FFFF, .member = 3, .port = 77}, writer_at, start);
+  EXPECT_FALSE(place(0xFFFF'FFFF, 1));
+  EXPECT_TRUE(place(1, 1));
+  offer(0xFFFF'FFFE);
+  groups_.hear({.writer = 1, .group = 1, .member = 3, .port = 77}, writer_at, start + 1h);
+  EXPECT_TRUE(groups_.empty());
 }
 
 TEST_F(OfferedGroupsTest, GiveNoPlaceBeforeOrBehindAllThatAChannelCanHave) {

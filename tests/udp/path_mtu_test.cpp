@@ -73,7 +73,7 @@ TEST(PathMtuTest, TriesMoreEverMoreSeldomWhereThatIsInVain) {
 
 TEST(PathMtuTest, GrowsAgainWhenThePathDoes) {
   Path path(9000, 1400);
-  path.use_for(60s);
+  path.use_for(10h);
   EXPECT_EQ(path.mtu().datagram_bytes(), payload(1400));
   path.takes(9000);
   path.use_for(11min);
@@ -113,6 +113,107 @@ TEST(PathMtuTest, ForgetsWhatItFoundOnAnotherWay) {
   EXPECT_EQ(path.mtu().datagram_bytes(), payload(1400));
   path.mtu().kernel_says(payload(9000));
   EXPECT_EQ(path.mtu().datagram_bytes(), payload(9000));
+  path.take_lengths();
+  path.use_for(250ms);
+  EXPECT_EQ(path.take_lengths(), std::vector<std::size_t>{1280}) << "1400 has not arrived on this one";
+}
+
+TEST(PathMtuTest, TriesMoreSoonAgainOnAnotherWay) {
+  Path path(1500, 1400);
+  path.use_for(10h);
+  path.mtu().kernel_says(payload(1480));
+  path.use_for(5s);
+  path.take_lengths();
+  path.use_for(21s);
+  EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1450, 1400}));
+}
+
+TEST(PathMtuTest, CountsNoLossesOfAnotherWay) {
+  PathMtu mtu(headers, shortest, payload(9000));
+  PathMtu::Time now{1h};
+  for (int i = 1; i < PathMtu::losses_max; ++i, now += 100ms) mtu.lost(now);
+  mtu.kernel_says(payload(1500));
+  EXPECT_FALSE(mtu.in_doubt());
+  mtu.lost(now);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1500));
+}
+
+TEST(PathMtuTest, ForgetsNothingWhereTheKernelSaysTheSameAgain) {
+  Path path(1500, 1400);
+  path.use_for(10s);
+  path.mtu().kernel_says(payload(1500));
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(1400));
+}
+
+TEST(PathMtuTest, IsNotShorterThanWhatEveryPathTakesWhateverTheKernelSays) {
+  PathMtu mtu(headers, shortest, 100);
+  EXPECT_EQ(mtu.datagram_bytes(), shortest);
+  mtu.kernel_says(payload(1500));
+  mtu.kernel_says(100);
+  EXPECT_EQ(mtu.datagram_bytes(), shortest);
+}
+
+TEST(PathMtuTest, ShrinksAlsoWhereLongDatagramsArrivedBeforeTheyVanished) {
+  Path path(9000, 9000);
+  path.use_for(1min);
+  path.takes(1500);
+  path.use_for(250ms);
+  EXPECT_EQ(path.take_lengths(), std::vector<std::size_t>{1280});
+  path.use_for(5s);
+  EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1400, 1450, 1492, 1500}));
+}
+
+TEST(PathMtuTest, TriesMoreAtThePaceOfASearchOnceWhatDidNotArriveArrives) {
+  Path path(9000, 1400);
+  path.use_for(1min);
+  path.takes(9000);
+  while (path.mtu().datagram_bytes() == payload(1400)) path.use_for(50ms);
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(1450));
+  path.take_lengths();
+  path.use_for(4s);
+  EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1492, 1500, 4352}));
+}
+
+TEST(PathMtuTest, GrowsToWhatTheKernelSaysAndNotBeyond) {
+  Path path(1420, 1280);
+  path.use_for(1s);
+  path.takes(1420);
+  path.use_for(1min);
+  EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1280, 1400, 1420}));
+}
+
+TEST(PathMtuTest, IsInDoubtFromTheFirstLossOn) {
+  PathMtu mtu(headers, shortest, payload(1500));
+  PathMtu::Time now{1h};
+  mtu.lost(now);
+  EXPECT_TRUE(mtu.in_doubt());
+  mtu.arrived(now);
+  EXPECT_FALSE(mtu.in_doubt());
+}
+
+TEST(PathMtuTest, TakesAsManyLossesForEachLength) {
+  PathMtu mtu(headers, shortest, payload(1500));
+  PathMtu::Time now{1h};
+  const auto lose = [&](int count) {
+    for (; count > 0; --count, now += PathMtu::patience) mtu.lost(now);
+  };
+  lose(PathMtu::losses_max);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+  lose(PathMtu::losses_max - 1);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+  lose(1);
+  EXPECT_EQ(mtu.datagram_bytes(), shortest);
+}
+
+TEST(PathMtuTest, TriesMoreAtTheMomentWhenItIsDue) {
+  PathMtu mtu(headers, shortest, payload(1500));
+  PathMtu::Time now{1h};
+  for (int i = 0; i < PathMtu::losses_max; ++i, now += 50ms) mtu.lost(now);
+  mtu.arrived(now);
+  mtu.look_after(now + PathMtu::search_pause - 1ns);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+  mtu.look_after(now + PathMtu::search_pause);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1400));
 }
 
 TEST(PathMtuTest, TriesNothingWhileNobodyTellsWhatArrives) {

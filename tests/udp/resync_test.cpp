@@ -230,6 +230,67 @@ TEST_F(ResyncOfChannels, DoNotTurnBackForLateOnesWhileThePresentOneIsHeard) {
   }
 }
 
+TEST_F(ResyncOfChannels, DoNotTurnToChannelsOfWhichNoneIsConfirmed) {
+  for (std::uint64_t ordinal = 65; ordinal < 200; ++ordinal) {
+    EXPECT_EQ(judge(200, ordinal), Verdict::ignore);
+    EXPECT_EQ(judge(300, ordinal), Verdict::ignore);
+  }
+}
+
+TEST_F(ResyncOfChannels, TakeOneDatagramForOneWitnessWhateverElseItSays) {
+  EXPECT_EQ(judge(101, 65), Verdict::ignore);
+  EXPECT_EQ(watch.judge({101, 66, 66, true}, now), Verdict::ignore);
+  EXPECT_EQ(judge(101, 67), Verdict::turn);
+}
+
+TEST_F(ResyncOfChannels, DoNotTurnBackForALargeSampleThatIsStillUnderWay) {
+  watch.turn(101, 7);
+  for (std::uint32_t i = 0; i < 2 * ChannelWatch::in_a_row; ++i)
+    EXPECT_EQ(judge(100, 8), Verdict::ignore) << "it is one ordinal";
+}
+
+TEST_F(ResyncOfChannels, DoNotTurnBackAtOnceForManyThatAreBehind) {
+  watch.turn(101, 1'000);
+  for (std::uint32_t i = 1; i < 2 * ChannelWatch::in_a_row; ++i)
+    EXPECT_EQ(judge(100, i), Verdict::ignore) << "they may be late";
+}
+
+TEST_F(ResyncOfChannels, TurnBackForTheVeryNextOneOfAFormerChannel) {
+  watch.turn(101, 7);
+  EXPECT_EQ(judge(100, 7), Verdict::ignore);
+  now += 250ms;
+  EXPECT_EQ(judge(100, 7), Verdict::turn);
+}
+
+TEST_F(ResyncOfChannels, TurnBackForManySamplesInARowThatAreNotBehind) {
+  watch.turn(101, 7);
+  for (std::uint32_t i = 1; i < ChannelWatch::in_a_row; ++i) EXPECT_EQ(judge(100, 6 + i), Verdict::ignore);
+  EXPECT_EQ(judge(100, 6 + ChannelWatch::in_a_row), Verdict::turn);
+}
+
+TEST_F(ResyncOfChannels, TurnToOneWithTheSameLowBitsNotForTwoDatagrams) {
+  constexpr std::uint32_t alike = 100 + (1U << 24);
+  EXPECT_EQ(judge(alike, 1), Verdict::ignore);
+  now += 250ms;
+  for (std::uint32_t i = 2; i < ChannelWatch::alike_in_a_row; ++i)
+    EXPECT_EQ(judge(alike, i), Verdict::ignore);
+  EXPECT_EQ(judge(alike, 4), Verdict::turn);
+}
+
+TEST_F(ResyncOfChannels, GoOnWhereTheyLeftAChannelLast) {
+  watch.turn(101, 7);
+  EXPECT_EQ(watch.turn(100, 1), 7U);
+  watch.turn(101, 20);
+  EXPECT_EQ(watch.turn(100, 1), 20U);
+}
+
+TEST_F(ResyncOfChannels, RememberTheLastEightChannels) {
+  for (std::uint32_t channel = 101; channel <= 120; ++channel) watch.turn(channel, 1);
+  EXPECT_TRUE(watch.knows(120));
+  EXPECT_TRUE(watch.knows(112));
+  EXPECT_FALSE(watch.knows(111));
+}
+
 TEST_F(ResyncOfChannels, IgnoreThoseJustBefore) {
   EXPECT_EQ(judge(99, 1), Verdict::ignore);
   EXPECT_EQ(judge(99, 2), Verdict::ignore);
