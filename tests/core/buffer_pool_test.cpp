@@ -1,9 +1,12 @@
 #include "core/buffer_pool.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
+#include <vector>
 
 namespace sft::core {
 namespace {
@@ -74,6 +77,49 @@ TEST(BufferPoolTest, SomeCanBeLeftToOthers) {
   first.reset();
   EXPECT_TRUE(pool->take(4096, 5000));
 }
+
+TEST(BufferPoolTest, OfThoseThatAreKeptAsManyAreHandedOutAsWereAskedForAndAreThere) {
+  const auto pool = BufferPool::make(1 << 20);
+  { const std::array kept{pool->take(1000), pool->take(1000), pool->take(1000), pool->take(1000)}; }
+  std::vector<SampleHandle> buffers;
+  pool->take_kept(1000, 0, 3, buffers);
+  EXPECT_EQ(buffers.size(), 3U);
+  pool->take_kept(1000, 0, 3, buffers);
+  EXPECT_EQ(buffers.size(), 4U);
+}
+
+TEST(BufferPoolTest, OfThoseThatAreKeptSomeAreLeftToOthers) {
+  constexpr std::size_t limit = 10'000;
+  const auto pool = BufferPool::make(limit);
+  std::size_t capacity = 0;
+  {
+    const std::array kept{pool->take(1000), pool->take(1000), pool->take(1000), pool->take(1000)};
+    capacity = kept.front()->capacity;
+  }
+  std::vector<SampleHandle> buffers;
+  pool->take_kept(1000, limit - 2 * capacity, 4, buffers);
+  EXPECT_EQ(buffers.size(), 2U);
+  EXPECT_FALSE(pool->take(1000, limit - 2 * capacity)) << "these are lent";
+  EXPECT_TRUE(pool->take(1000, limit - 3 * capacity));
+  buffers.clear();
+  EXPECT_TRUE(pool->take(1000, limit - capacity)) << "all are back";
+}
+
+// The sanitizers end a process that has no memory.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(BufferPoolTest, WhatTheSystemHasNoMemoryForDoesNotCount) {
+  constexpr std::size_t large = 32U << 20;
+  const auto pool = BufferPool::make(large + large / 8);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+  const rlimit none{.rlim_cur = 1, .rlim_max = before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &none), 0);
+  const bool taken = static_cast<bool>(pool->take(large));
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &before), 0);
+  EXPECT_FALSE(taken);
+  EXPECT_TRUE(pool->take(large));
+}
+#endif
 
 TEST(BufferPoolTest, AnImpossibleSizeIsRefused) {
   EXPECT_FALSE(BufferPool::make(std::size_t{1} << 40)->take(std::size_t{1} << 33));

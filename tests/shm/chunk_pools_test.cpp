@@ -7,6 +7,8 @@
 #include <iceoryx_posh/mepoo/mepoo_config.hpp>
 #include <vector>
 
+#include "tests/support/eventually.h"
+
 namespace sft::shm {
 namespace {
 
@@ -75,6 +77,12 @@ TEST_F(ChunkPoolsTest, ThatSayFreeAndHaveNoneAreNotAskedAgainAtOnce) {
   EXPECT_EQ(chosen(100), 1);
   pools_.note_empty(*pools_.choose(100));
   EXPECT_EQ(chosen(100), -1) << "whoever asks until one is found comes to an end";
+}
+
+TEST_F(ChunkPoolsTest, ThatSaidFreeAndHadNoneAreAskedAgainAfterASecond) {
+  pools_.note_empty(*pools_.choose(100));
+  EXPECT_EQ(chosen(100), 1);
+  EXPECT_TRUE(test::eventually([&] { return chosen(100) == 0; })) << "the daemon has found what vanished";
 }
 
 TEST_F(ChunkPoolsTest, OfWhichSomeVanishedHaveThoseThatComeBack) {

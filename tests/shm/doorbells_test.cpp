@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/rate_gate.h"
 #include "tests/support/random_moment.h"
 #include "tests/support/test_seed.h"
 
@@ -65,6 +66,38 @@ TEST_F(SeveralSleepers, AreNotWokenWhereNobodySleeps) {
   EXPECT_EQ(bells_->announce(), 0U);
   for (std::uint32_t slot = 0; slot < count; ++slot)
     EXPECT_EQ(page_->at(slot).rings, 1U) << "who looks next sees that it was rung";
+}
+
+TEST_F(SeveralSleepers, AreToldOnlyOfWhatTheyWant) {
+  const auto closed = std::make_shared<core::RateGate>(1'000'000);  // nothing has passed it
+  const auto open = std::make_shared<core::RateGate>(0);
+  open->consider(0);
+  ASSERT_TRUE(open->passes());
+  const auto page = std::shared_ptr<DoorbellPage>(DoorbellPage::open(page_->id()).value());
+  shm::Doorbells bells;
+  for (std::uint32_t slot = 0; slot < count; ++slot) {
+    page->at(slot).sleepers = 1;
+    bells.add(page, slot, closed);
+  }
+  EXPECT_FALSE(bells.wanted());
+  EXPECT_EQ(bells.announce(), 0U);
+  bells.add(page, 1, open);
+  EXPECT_TRUE(bells.wanted()) << "one of those that share it wants it";
+  EXPECT_EQ(bells.announce(), 1U);
+  bells.add(page, 2, nullptr);
+  bells.add(page, 2, closed);
+  EXPECT_EQ(bells.announce(), 2U) << "one of those that share it wants all";
+  EXPECT_EQ(page->at(0).rings, 0U);
+  EXPECT_EQ(page->at(1).rings, 2U);
+  EXPECT_EQ(page->at(2).rings, 1U);
+}
+
+TEST_F(SeveralSleepers, AreWantedForAlsoWhereTheyCannotBeWoken) {
+  shm::Doorbells bells;
+  bells.add(nullptr, 0, nullptr);
+  EXPECT_TRUE(bells.wanted()) << "they look for themselves";
+  EXPECT_EQ(bells.announce(), 0U);
+  bells.run();
 }
 
 TEST_F(SeveralSleepers, AreNeverForgotten) {

@@ -111,8 +111,21 @@ TEST_F(SampleCheck, RefusesABodyInAnotherPlace) {
 }
 
 TEST_F(SampleCheck, RefusesAnOffsetBehindTheBody) {
-  sample_.index()[2] = data_offset + data;
-  EXPECT_FALSE(accepts());
+  for (std::uint32_t slot = 0; slot < 3; ++slot) {
+    write_frame(sample_, writer, 5, data);
+    ASSERT_TRUE(accepts());
+    sample_.index()[slot] = data_offset + data;
+    EXPECT_FALSE(accepts()) << slot;
+    sample_.index()[slot] = data_offset + data - 1;
+    EXPECT_TRUE(accepts()) << slot;
+  }
+}
+
+TEST_F(SampleCheck, AcceptsASampleThatHasNoFieldsAndSoNoBody) {
+  for (std::uint32_t slot = 0; slot < 3; ++slot) sample_.index()[slot] = no_offset;
+  sample_.header().body_bytes = 0;
+  EXPECT_TRUE(accepts(frame_layout.body_offset));
+  EXPECT_FALSE(accepts(frame_layout.body_offset - 1));
 }
 
 TEST_F(SampleCheck, RefusesAChunkWithoutRoomForTheHeader) {

@@ -1,6 +1,12 @@
 // Writers and readers while all is well: what arrives, what it costs, and what happens at the limits.
+#include <array>
 #include <atomic>
+#include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <optional>
+#include <span>
+#include <string>
 #include <thread>
 
 #include "core/doorbell.h"
@@ -137,32 +143,106 @@ TEST_F(ShmPorts, SkipMalformedSamplesAndCountThem) {
   EXPECT_EQ(node()->counters().malformed, 2U);
 }
 
-// The header of a chunk lies in the shared memory before the sample: any writer can change it.
-TEST_F(ShmPorts, RefuseAChunkThatClaimsToReachBeyondTheSegment) {
-  Writer writer(node(), 1);
-  Reader reader(node());
-  ASSERT_TRUE(reader.connects_to(1));
-  const SampleHandle bad = writer.loan(100);
-  auto* header = iox::mepoo::ChunkHeader::fromUserPayload(bad->data);
-  const std::uint32_t honest = header->userPayloadSize();
-  std::byte* const fields = reinterpret_cast<std::byte*>(header);
-  std::size_t at = 0;
-  for (std::uint32_t value = 0; at + sizeof value <= sizeof *header; at += sizeof value) {
-    std::memcpy(&value, fields + at, sizeof value);
-    const std::uint32_t changed = value + 8;
-    std::memcpy(fields + at, &changed, sizeof changed);
-    const bool is_size = header->userPayloadSize() == honest + 8;
-    std::memcpy(fields + at, &value, sizeof value);
-    if (is_size) break;
+/// The header of a chunk lies in the shared memory before the sample: any writer can change it.
+class ForgedChunk : public ShmPorts {
+ protected:
+  void SetUp() override {
+    ShmPorts::SetUp();
+    if (IsSkipped()) return;
+    writer_.emplace(node(), 1);
+    reader_.emplace(node());
+    ASSERT_TRUE(reader_->connects_to(1));
+    bad_ = writer_->loan(200);
+    write_frame(*bad_, 1, 1, 100);
+    header_ = iox::mepoo::ChunkHeader::fromUserPayload(bad_->data);
   }
-  ASSERT_LT(at, sizeof *header);
-  const std::uint32_t beyond = 0xFFFF'FFF0;
-  std::memcpy(fields + at, &beyond, sizeof beyond);
-  EXPECT_EQ(writer.send(bad, 100), SendStatus::sent);
-  EXPECT_FALSE(reader.take());
-  EXPECT_EQ(reader.port().discarded(), 1U);
-  EXPECT_EQ(node()->counters().malformed, 1U);
-  std::memcpy(fields + at, &honest, sizeof honest);
+  void TearDown() override {
+    bad_.reset();
+    reader_.reset();
+    writer_.reset();
+    ShmPorts::TearDown();
+  }
+
+  /// Adds that to the field of the header that `told` tells of.
+  template <class Told>
+  void forge(std::uint32_t more, const Told& told) {
+    std::byte* const fields = reinterpret_cast<std::byte*>(header_);
+    const auto add = [&](std::size_t at, std::uint32_t number) {
+      std::uint32_t value = 0;
+      std::memcpy(&value, fields + at, sizeof value);
+      value += number;
+      std::memcpy(fields + at, &value, sizeof value);
+    };
+    const auto honest = told();
+    for (std::size_t at = 0; at + sizeof(std::uint32_t) <= sizeof *header_; at += sizeof(std::uint32_t)) {
+      add(at, 8);
+      const bool is_it = told() == honest + 8;
+      add(at, 0U - 8U);
+      if (is_it) return add(at, more);
+    }
+    ADD_FAILURE() << "there is no such field";
+  }
+  void forge_size(std::uint32_t more) {
+    forge(more, [this] { return header_->userPayloadSize(); });
+  }
+  void forge_place(std::uint32_t more) {
+    forge(more, [this] { return static_cast<std::byte*>(header_->userPayload()); });
+  }
+  void expect_refusal() {
+    EXPECT_EQ(writer_->port().send(bad_), SendStatus::sent);
+    EXPECT_FALSE(reader_->take());
+    EXPECT_EQ(reader_->port().discarded(), 1U);
+    EXPECT_EQ(node()->counters().malformed, 1U);
+  }
+
+  std::optional<Writer> writer_;
+  std::optional<Reader> reader_;
+  SampleHandle bad_;
+  iox::mepoo::ChunkHeader* header_ = nullptr;
+};
+
+TEST_F(ForgedChunk, ThatClaimsToReachBeyondTheSegmentIsRefused) {
+  const std::uint32_t more = 0xFFFF'FFF0 - header_->userPayloadSize();
+  forge_size(more);
+  expect_refusal();
+  forge_size(0U - more);
+}
+
+TEST_F(ForgedChunk, WhoseSampleIsNotAlignedIsRefused) {
+  std::memmove(bad_->data + 4, bad_->data, frame_bytes(100));
+  forge_place(4);
+  expect_refusal();
+  forge_place(0U - 4U);
+}
+
+/// Where the daemon's own data are mapped in this process.
+std::span<std::byte> management_memory() {
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    std::uintptr_t begin = 0;
+    std::uintptr_t end = 0;
+    if (line.find("/dev/shm/iceoryx_mgmt") != std::string::npos &&
+        std::sscanf(line.c_str(), "%zx-%zx", &begin, &end) == 2)
+      return {reinterpret_cast<std::byte*>(begin), end - begin};
+  }
+  return {};
+}
+
+TEST_F(ForgedChunk, WhoseSampleLiesAmongTheDaemonsOwnDataIsRefused) {
+  const std::span<std::byte> management = management_memory();
+  ASSERT_FALSE(management.empty());
+  constexpr std::size_t bytes = frame_bytes(100);
+  constexpr std::size_t room = (bytes + 4095) / 4096 * 4096;
+  const std::array<std::byte, room> nothing{};
+  std::byte* place = management.data() + management.size() - 2 * room;  // not at the end, nor in use
+  while (place > management.data() && std::memcmp(place, nothing.data(), room) != 0) place -= room;
+  const auto distance = place - static_cast<std::byte*>(header_->userPayload());
+  if (distance < 0 || distance > 0xF000'0000) GTEST_SKIP() << "no header can point there";
+  std::memcpy(place, bad_->data, bytes);
+  forge_place(static_cast<std::uint32_t>(distance));
+  expect_refusal();
+  forge_place(0U - static_cast<std::uint32_t>(distance));
+  std::memset(place, 0, bytes);
 }
 
 TEST_F(ShmPorts, RefuseALoanBeyondTheLimitAndCountIt) {
@@ -298,6 +378,13 @@ TEST_F(ShmPorts, RingTheDoorbellOfASleepingReader) {
   EXPECT_TRUE(got);
 }
 
+TEST_F(ShmPorts, BeginNothingForALateReaderWhereMoreWasHeldBackMeanwhile) {
+  Writer writer(node(), 1);
+  const core::Route late{.reader = 5, .destination = core::DoorbellAddress{}, .mask = {}, .history = 2};
+  EXPECT_FALSE(writer.port().begin_with(late, {}, 1));
+  EXPECT_TRUE(writer.port().begin_with(late, {}, 0));
+}
+
 TEST_F(ShmPorts, RingTheDoorbellOfALateReaderThatSleepsWhateverItsRate) {
   const auto page = core::DoorbellPage::create();
   core::Doorbell& bell = page->at(3);
@@ -313,29 +400,111 @@ TEST_F(ShmPorts, RingTheDoorbellOfALateReaderThatSleepsWhateverItsRate) {
   EXPECT_LT(Clock::now() - begin, 10s) << "it slept on until its deadline";
 }
 
-// Gaps have other reasons, too: samples that went to this reader by UDP. They are not taken for what a queue
-// pushed out long afterwards.
-TEST_F(ShmPorts, CountNoGapOfLongAgoAsPushedOut) {
-  constexpr std::uint32_t depth = 4;
-  Writer writer(node(), 1);
-  Reader reader(node(), depth);
-  ASSERT_TRUE(reader.connects_to(1));
-  std::uint64_t sequence = 0;
-  const auto send = [&] {
-    const SampleHandle sample = writer.loan(100);
-    write_frame(*sample, 1, ++sequence, 100);
-    ASSERT_EQ(writer.port().send(sample), SendStatus::sent);
-  };
-  send();
-  ASSERT_TRUE(reader.take());
-  sequence += 1000;
-  for (int i = 0; i < 600; ++i) {  // more than any queue holds
-    send();
-    ASSERT_TRUE(reader.take()) << i;
+/// A writer and a reader with a short queue.
+class LostSamples : public ShmPorts {
+ protected:
+  static constexpr std::uint32_t depth = 4;
+
+  void SetUp() override {
+    ShmPorts::SetUp();
+    if (IsSkipped()) return;
+    writer_.emplace(node(), 1);
+    reader_.emplace(node(), depth);
   }
-  for (std::uint32_t i = 0; i < depth + 3; ++i) send();
-  while (reader.take()) continue;
-  EXPECT_EQ(reader.port().discarded(), 3U);
+  void TearDown() override {
+    reader_.reset();
+    writer_.reset();
+    ShmPorts::TearDown();
+  }
+
+  void send(std::uint32_t count = 1) {
+    for (; count > 0; --count) {
+      const SampleHandle sample = writer_->loan(100);
+      write_frame(*sample, 1, ++sequence_, 100);
+      ASSERT_EQ(writer_->port().send(sample), SendStatus::sent);
+    }
+  }
+  void send_and_take(std::uint32_t count = 1) {
+    for (; count > 0; --count) {
+      send();
+      ASSERT_TRUE(reader_->take());
+    }
+  }
+  /// Of samples that went to this reader by UDP.
+  void make_gap(std::uint64_t samples) { sequence_ += samples; }
+  std::uint64_t counted() {
+    while (reader_->take()) continue;
+    return reader_->port().discarded();
+  }
+
+  std::optional<Writer> writer_;
+  std::optional<Reader> reader_;
+  std::uint64_t sequence_ = 0;
+};
+
+TEST_F(LostSamples, AreCountedOnce) {
+  ASSERT_TRUE(reader_->connects_to(1));
+  send_and_take();
+  send(depth + 3);
+  EXPECT_EQ(counted(), 3U);
+  send(depth + 2);
+  EXPECT_EQ(counted(), 5U);
+}
+
+TEST_F(LostSamples, CountAsOneBeforeTheFirstThatIsTakenSinceNobodyKnowsWhereSequencesBegan) {
+  ASSERT_TRUE(reader_->connects_to(1));
+  send(depth + 3);
+  EXPECT_EQ(counted(), 1U);
+}
+
+// Gaps have other reasons, too. They are not taken for what a queue pushed out long afterwards.
+TEST_F(LostSamples, AreNoneOfTheGapsOfLongAgo) {
+  ASSERT_TRUE(reader_->connects_to(1));
+  send_and_take();
+  make_gap(1000);
+  send_and_take(1 + depth + 2);
+  send(depth + 3);
+  EXPECT_EQ(counted(), 3U);
+}
+
+// What pushes a sample out tells it afterwards.
+TEST_F(LostSamples, MayBeToldOfAQueueOfOthersLater) {
+  ASSERT_TRUE(reader_->connects_to(1));
+  send_and_take();
+  make_gap(10);
+  send_and_take();
+  make_gap(5);
+  send_and_take(1 + depth + 1);
+  send(depth + 3);
+  EXPECT_EQ(counted(), 10U + 5U + 3U);
+}
+
+TEST_F(LostSamples, CountAlsoWhereWhoLooksAtTheQueueHeardOfThemFirst) {
+  ASSERT_TRUE(reader_->connects_to(1));
+  send_and_take();
+  EXPECT_EQ(reader_->port().arrivals(1), 1U);
+  send(depth + 3);
+  EXPECT_EQ(reader_->port().arrivals(1), 1U + depth + 1U);
+  send();
+  EXPECT_EQ(reader_->port().arrivals(1), 1U + depth + 2U) << "a full queue goes on";
+  EXPECT_EQ(reader_->port().arrivals(1), 1U + depth + 2U);
+  EXPECT_EQ(counted(), 4U);
+}
+
+TEST_F(LostSamples, LeaveOpenWhichOneIsTheOldestOfTheHistory) {
+  // Its history is nothing but what comes.
+  writer_->port().set_routes(
+      {{.reader = 7, .destination = core::DoorbellAddress{}, .mask = frame_type().full()}});
+  for (const std::uint32_t lost : {0U, 1U}) {
+    reader_.emplace(node(), depth);
+    ASSERT_TRUE(reader_->port().connect({.writer = 1, .max_sample_bytes = 1000, .history_first = true}));
+    ASSERT_TRUE(eventually([&] { return reader_->port().connected(1); }));
+    send(depth + lost);
+    const SampleHandle first = reader_->take();
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->oldest_retained, lost == 0 ? first->sequence : 0U);
+    EXPECT_EQ(reader_->take()->oldest_retained, 0U);
+  }
 }
 
 TEST_F(ShmPorts, OfTwoNodesInOneProcessBothWork) {
