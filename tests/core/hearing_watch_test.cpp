@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <vector>
+
 namespace sft::core {
 namespace {
 
@@ -291,10 +293,114 @@ TEST_F(HearingWatchTest, TakesOneSignOfLifeThatAgreesForAnAnswer) {
 TEST_F(HearingWatchTest, MissesOneWhoIsThereAndSaysNothingAnyMore) {
   passes(3s);
   watch.life_ended(lan, node);  // in its name
-  passes(participant_lease, 0);
+  passes(participant_lease * 3 / 2, 0);
   EXPECT_FALSE(deaf);
-  passes(participant_lease / 2 + 1s, 0);
+  passes(1s, 0);
   EXPECT_EQ(deaf, Missing::everything);
+}
+
+TEST_F(HearingWatchTest, MissesOneWhoHasNeverSaidAnythingSoonUnlessOthersStart) {
+  passes(8s, 0);
+  EXPECT_FALSE(deaf);
+  passes(500ms, 0);
+  EXPECT_EQ(deaf, Missing::everything);
+  watch.participant_came({lan, 100}, false, now);
+  passes(8s, 0);
+  EXPECT_FALSE(deaf) << "it may have much to do";
+  passes(500ms, 0);
+  EXPECT_EQ(deaf, Missing::everything);
+}
+
+TEST_F(HearingWatchTest, MissesSignsOfLifeALittleAfterTheirLeaseAndAnotherLook) {
+  passes(3s);
+  const auto last = now;
+  for (look(); !deaf && now < last + 1min; look()) now += 100ms;
+  EXPECT_EQ(deaf, Missing::signs_of_life);
+  EXPECT_EQ(now - last, lease + 400ms + 400ms);
+}
+
+TEST_F(HearingWatchTest, BeginsAnewWithEachSignOfLifeThatIsOverdue) {
+  passes(3s);
+  for (int i = 0; i < 3; ++i) {
+    passes(5500ms, 0);
+    EXPECT_FALSE(deaf) << "it is overdue, and comes";
+    passes(500ms);
+  }
+}
+
+TEST_F(HearingWatchTest, DoesNotBlameOthersForAPauseOfItsOwnThatBeginsWhenTheyAreOverdue) {
+  passes(3s);
+  passes(5500ms, 0);
+  now += 2s;
+  look();
+  EXPECT_FALSE(deaf);
+  passes(500ms, 0);
+  EXPECT_EQ(deaf, Missing::signs_of_life);
+}
+
+TEST_F(HearingWatchTest, MissesSignsOfLifeThoughThoseOfOthersEnd) {
+  passes(3s);
+  watch.life_ended(lan + 1, node);
+  watch.life_ended(lan, node + 1);
+  passes(6s, 0);
+  EXPECT_EQ(deaf, Missing::signs_of_life);
+}
+
+TEST_F(HearingWatchTest, DoesNotMissAnnouncementsOfOneWhoIsNotHeardAtPresent) {
+  passes(10s);
+  passes(500ms, all + 1);
+  for (int i = 0; i < 8; ++i) {
+    passes(500ms, 0);
+    EXPECT_FALSE(deaf) << "it may have told of them a moment ago";
+  }
+}
+
+TEST_F(HearingWatchTest, GivesAnnouncementsTimeSinceAllThatIsKnownWasSaidLast) {
+  passes(10s);
+  passes(2s, 0);
+  passes(2s, all + 1);
+  EXPECT_FALSE(deaf);
+  passes(1s, all + 1);
+  EXPECT_EQ(deaf, Missing::announcements);
+}
+
+TEST_F(HearingWatchTest, TakesASignOfLifeThatAgreesForAnAnswerThoughAnotherComesBeforeItLooks) {
+  passes(10s);
+  for (int i = 0; i < 20; ++i) {
+    watch.heard_life(peer, node, all, lease, now);
+    passes(500ms, all + 1);
+    EXPECT_FALSE(deaf) << i;
+  }
+}
+
+TEST_F(HearingWatchTest, TellsOfOneOnEachLink) {
+  const Speaker by_another_link{lan + 1, 13};
+  watch.link_made(lan + 1);
+  for (const Speaker& one : {peer, other, by_another_link}) watch.heard(one, now);
+  now += 1min;
+  std::vector<LinkId> links;
+  for (const auto& one : watch.look({}, participant_lease, now)) links.push_back(one.link);
+  EXPECT_EQ(links, (std::vector<LinkId>{lan, lan + 1}));
+}
+
+TEST_F(HearingWatchTest, ExpectsNothingOfALinkThatIsReplaced) {
+  passes(3s);
+  watch.link_made(lan + 1);
+  watch.link_replaced(lan);
+  for (int i = 0; i < 60; ++i) {
+    passes(1s, 0);
+    EXPECT_FALSE(deaf);
+  }
+}
+
+TEST_F(HearingWatchTest, ExpectsSomethingOfSoManySpeakersAndNoMore) {
+  watch.link_made(lan + 1);
+  for (AnnouncerId one = 100; one < 100 + 4096; ++one) watch.heard({lan, one}, now);
+  watch.heard({lan + 1, 99}, now);
+  now += 1min;
+  const auto missed = watch.look({}, participant_lease, now);
+  ASSERT_EQ(missed.size(), 1U);
+  EXPECT_EQ(missed.front().link, lan);
 }
 
 TEST_F(HearingWatchTest, TriesThreeTimesForOneOfWhichTheNextLinkHearsNoMore) {
@@ -322,6 +428,7 @@ TEST_F(HearingWatchTest, TriesAgainAndAgainForOneWithWhichAllWasWellOnce) {
 }
 
 TEST_F(HearingWatchTest, MissesEndpointsThatGoWithoutTheirParticipant) {
+  watch.endpoint_matched(peer);
   passes(3s);
   watch.endpoint_unmatched(peer, now);
   watch.life_ended(lan, node);
@@ -345,6 +452,8 @@ TEST_F(HearingWatchTest, SaysWhenAnotherLinkHearsAllThatTheOneBeforeHears) {
   EXPECT_FALSE(watch.is_replaced_by(lan, next, now));
   watch.heard({next, peer.participant}, now);
   EXPECT_TRUE(watch.is_replaced_by(lan, next, now));
+  watch.participant_came(other, true, now);
+  EXPECT_TRUE(watch.is_replaced_by(lan, next, now)) << "it is not heard on the one before, either";
   watch.heard_life(other, node + 1, all, lease, now);
   EXPECT_FALSE(watch.is_replaced_by(lan, next, now));
   now += 3s;
@@ -356,6 +465,18 @@ TEST_F(HearingWatchTest, ExpectsNothingOfParticipantsThatAreNoNodes) {
   watch.participant_came(other, now);
   passes(100s, 0);
   EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingWatchTest, ForgetsHowOftenItTriedForWhomNoLinkHasAnyMore) {
+  passes(participant_lease * 2, 0);
+  for (int i = 0; i < 3; ++i) watch.tried(peer.participant);
+  look();
+  EXPECT_FALSE(deaf);
+  watch.link_dropped(lan);
+  watch.link_made(lan);
+  watch.participant_came(peer, true, now);
+  passes(participant_lease, 0);
+  EXPECT_EQ(deaf, Missing::everything);
 }
 
 TEST_F(HearingWatchTest, ForgetsALinkThatIsDropped) {

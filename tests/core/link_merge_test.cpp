@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "core/control_digest.h"
 
 namespace sft::core {
@@ -320,6 +323,26 @@ TEST_F(LinkMergeTest, TellsByWhichLinkANodeIsHeardNoMoreAndWhenItIsAgain) {
 }
 
 /// A stranger that used the silence of the honest one is not believed any longer when that one speaks again.
+TEST_F(LinkMergeTest, TellsOfEachSilentLinkOnceAndInOrder) {
+  constexpr LinkId far = 3;
+  announces({far, 31}, 1);
+  announces({far, 32}, 1);
+  announces(by_lan, 1);
+  announces(by_radio, 1);
+  told();
+  passes(2s, {by_radio});
+  ASSERT_THAT(told(), ElementsAre("honest 1 by 12, silent on 1, silent on 3"));
+}
+
+TEST_F(LinkMergeTest, LetsTheFirstOneWithdrawAnEndpointAlsoWhileAnotherIsBelieved) {
+  announces(by_lan, 1);
+  announces(by_radio, 1);
+  passes(3s, {by_radio});
+  told();
+  merge.endpoint_withdrawn(by_lan, 5, now);
+  EXPECT_THAT(told(), ElementsAre("departed"));
+}
+
 TEST_F(LinkMergeTest, ReturnsToTheFirstOneWhateverWasSaidWhileItWasSilent) {
   announces(by_lan, 1);
   passes(2s);
@@ -342,6 +365,92 @@ TEST_F(LinkMergeTest, KeepsARequestThatComesBeforeItsReader) {
   asks(stranger, 99);
   announces(by_lan, 1);
   EXPECT_THAT(told(), ElementsAre("honest 1 by 11", "request 4 by 11"));
+}
+
+TEST_F(LinkMergeTest, KeepsOfEachOnlyItsLastRequestThatComesBeforeItsReader) {
+  for (std::uint64_t sequence = 1; sequence <= 10; ++sequence) asks(by_lan, sequence);
+  announces(by_lan, 1);
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 11", "request 10 by 11"));
+}
+
+TEST_F(LinkMergeTest, KeepsRequestsOfFourThatComeBeforeAReaderAndNoMore) {
+  for (AnnouncerId one = 21; one <= 25; ++one) asks({lan, one}, 4);
+  asks({lan, 24}, 5);
+  announces({lan, 25}, 1);
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 25"));
+  merge.endpoint_withdrawn({lan, 25}, 5, now);
+  announces({lan, 24}, 2);
+  EXPECT_THAT(told(), ElementsAre("departed", "honest 2 by 24", "request 5 by 24"));
+}
+
+TEST_F(LinkMergeTest, KeepsSoManyRequestsThatComeBeforeTheirReadersAndTheLastOnes) {
+  LinkMerge small({.early_requests = 2});
+  for (EndpointId id = 5; id <= 7; ++id) small.request_came(by_lan, request(2, id), now);
+  for (EndpointId id = 5; id <= 7; ++id) small.endpoint_came(by_lan, endpoint(1, "honest", id), now);
+  std::vector<EndpointId> asked;
+  for (const News& news : small.take_news()) {
+    if (const auto* one = std::get_if<Request>(&news)) asked.push_back(one->reader);
+  }
+  EXPECT_THAT(asked, ElementsAre(6, 7));
+}
+
+TEST_F(LinkMergeTest, ForgetsRequestsWhoseReaderDoesNotCome) {
+  asks(by_lan, 4);
+  passes(61s);
+  announces(by_lan, 1);
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 11"));
+}
+
+TEST_F(LinkMergeTest, ForgetsRequestsWithTheLinkByWhichTheyCame) {
+  asks(by_radio, 4);
+  merge.link_dropped(radio, now);
+  announces(by_radio, 1);
+  EXPECT_THAT(told(), ElementsAre("honest 1 by 12"));
+}
+
+TEST_F(LinkMergeTest, TellsNoOlderRequestOfAnotherLinkThanWasToldBefore) {
+  announces(by_lan, 1);
+  announces(by_radio, 1);
+  asks(by_lan, 5);
+  passes(3s, {by_radio});
+  told();
+  asks(by_radio, 4);
+  EXPECT_THAT(told(), IsEmpty());
+  asks(by_radio, 6);
+  EXPECT_THAT(told(), ElementsAre("request 6 by 12"));
+}
+
+TEST_F(LinkMergeTest, TakesForSilenceThreeTenthsOfALeaseWithinBounds) {
+  const auto silence_at = [&](std::chrono::milliseconds lease) {
+    LinkMerge two_ways;
+    Endpoint e = endpoint(1);
+    e.life_lease = lease;
+    two_ways.endpoint_came(by_lan, e, now);
+    two_ways.endpoint_came(by_radio, e, now);
+    two_ways.take_news();
+    const auto begin = now;
+    while (two_ways.take_news().empty() && now < begin + 1min) {
+      now += 100ms;
+      two_ways.endpoint_came(by_radio, e, now);
+      two_ways.tick(now);
+    }
+    return now - begin - 100ms;
+  };
+  EXPECT_EQ(silence_at(5s), 1500ms);
+  EXPECT_EQ(silence_at(100ms), 300ms);
+  EXPECT_EQ(silence_at(1h), 4500ms);
+}
+
+TEST_F(LinkMergeTest, WaitsForNobodyLongerThanAMinute) {
+  Endpoint e = endpoint(1);
+  e.life_lease = 1h;
+  merge.endpoint_came(by_lan, e, now);
+  merge.link_dropped(lan, now);
+  told();
+  passes(59s);
+  EXPECT_THAT(told(), IsEmpty());
+  passes(1s);
+  EXPECT_THAT(told(), ElementsAre("lost"));
 }
 
 TEST_F(LinkMergeTest, TakesSignsOfLifeOfTheFirstOneOnEachLink) {
@@ -372,6 +481,42 @@ TEST_F(LinkMergeTest, LosesANodeOfWhichNothingComesAlsoIfNobodyTellsOfItsEnd) {
   EXPECT_THAT(told(), IsEmpty()) << "maybe the link is deaf, and is made anew";
   passes(2s);
   EXPECT_THAT(told(), ElementsAre("node lost"));
+}
+
+TEST_F(LinkMergeTest, LosesANodeAgainThatHadComeBack) {
+  passes(2s, {by_lan});
+  passes(10s);
+  EXPECT_THAT(told(), ElementsAre("node lost"));
+  merge.assertion_came(by_lan, {.node = node, .writers = {}}, now);
+  merge.node_unheard(lan, node, now);
+  EXPECT_THAT(told(), IsEmpty()) << "it has its lease to return";
+  passes(5s);
+  EXPECT_THAT(told(), ElementsAre("node lost"));
+}
+
+TEST_F(LinkMergeTest, LosesANodeOfWhichNothingComesAfterItsLeaseAndNotBeforeThatOfMost) {
+  for (const auto& [lease, lost_after] : {std::pair{1s, 9s}, {5s, 9s}, {20s, 24s}}) {
+    LinkMerge one;
+    Endpoint e = endpoint(1);
+    e.life_lease = lease;
+    one.endpoint_came(by_lan, e, now);
+    one.assertion_came(by_lan, {.node = node, .writers = {}}, now);
+    one.take_news();
+    now += lost_after;
+    one.tick(now);
+    EXPECT_TRUE(one.take_news().empty()) << lease.count();
+    now += 100ms;
+    one.tick(now);
+    EXPECT_EQ(one.take_news().size(), 1U) << lease.count();
+  }
+}
+
+TEST_F(LinkMergeTest, KnowsSoManyNodesAndNoMore) {
+  LinkMerge small({.endpoints = 2});
+  for (NodeId id = 1; id <= 3; ++id) small.assertion_came(by_lan, {.node = id, .writers = {}}, now);
+  EXPECT_EQ(small.take_news().size(), 2U);
+  small.assertion_came(by_lan, {.node = 1, .writers = {}}, now);
+  EXPECT_EQ(small.take_news().size(), 1U);
 }
 
 TEST_F(LinkMergeTest, HasADigestOfWhatEachSpeakerHasAnnouncedAndAskedFor) {
@@ -491,12 +636,60 @@ TEST_F(LinkMergeTest, GivesEveryParticipantAShareWhateverOneOfThemAnnounces) {
   for (const News& news : small.take_news()) EXPECT_TRUE(std::holds_alternative<EndpointSeen>(news));
 }
 
+TEST_F(LinkMergeTest, TakesNoMoreThanThereIsRoomFor) {
+  LinkMerge small({.share = 4, .crowded = 10, .endpoints = 12});
+  const auto taken = [&](const Speaker& speaker, EndpointId first) {
+    for (EndpointId id = first; id < first + 100; ++id)
+      small.endpoint_came(speaker, endpoint(1, "many", id), now);
+    const std::vector<News> news = small.take_news();
+    return std::ranges::count_if(news, [](const News& n) { return std::holds_alternative<EndpointSeen>(n); });
+  };
+  EXPECT_EQ(taken(stranger, 1), 10);
+  EXPECT_EQ(taken(by_lan, 1001), 2) << "less than its share";
+}
+
+TEST_F(LinkMergeTest, HasRoomAgainWhereAnnouncementsGo) {
+  LinkMerge small({.share = 2, .crowded = 0, .endpoints = 3});
+  const auto comes = [&](const Speaker& speaker, EndpointId id) {
+    small.endpoint_came(speaker, endpoint(1, "honest", id), now);
+  };
+  const auto is_refused = [&] {
+    const std::vector<News> news = small.take_news();
+    return std::ranges::any_of(news, [](const News& n) { return std::holds_alternative<Refused>(n); });
+  };
+  comes(by_lan, 5);
+  for (EndpointId id = 10; id < 15; ++id) {
+    comes(by_lan, id);
+    small.endpoint_withdrawn(by_lan, id, now);
+    EXPECT_FALSE(is_refused()) << "of that one alone";
+  }
+  for (int i = 0; i < 5; ++i) {
+    comes(stranger, 5);
+    small.endpoint_withdrawn(stranger, 5, now);
+    EXPECT_FALSE(is_refused()) << "of what another one announces, too";
+  }
+  for (int i = 0; i < 5; ++i) {
+    comes(by_radio, 5);
+    small.link_dropped(radio, now);
+    EXPECT_FALSE(is_refused()) << "with a link";
+  }
+  for (int i = 0; i < 5; ++i) {
+    comes(by_radio, 5);
+    small.participant_left(by_radio, now);
+    now += 61s;
+    small.tick(now);
+    EXPECT_FALSE(is_refused()) << "long ago";
+  }
+}
+
 TEST_F(LinkMergeTest, ForgetsWhoIsLostForLong) {
   LinkMerge small({.share = 1, .crowded = 1, .endpoints = 1});
   small.endpoint_came(by_lan, endpoint(1), now);
   now += 2s;
   small.participant_left(by_lan, now);
-  now += 61s;
+  now += 31s;
+  small.endpoint_unheard(lan, 5, now);  // it is not, any more
+  now += 30s;
   small.tick(now);
   small.take_news();
   small.endpoint_came(by_radio, endpoint(1, "other", 6), now);

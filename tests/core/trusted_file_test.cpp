@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <cstring>
@@ -61,6 +62,7 @@ TEST_F(TrustedFileTest, AFifoIsRefusedWithoutWaitingForItsOtherEnd) {
 TEST_F(TrustedFileTest, ADirectoryIsRefused) {
   std::filesystem::create_directory(path_);
   for (const int access : {O_RDONLY, O_RDWR}) EXPECT_TRUE(refuses("it is a directory", access));
+  EXPECT_TRUE(refuses("remove it: rm -r " + path_));
 }
 
 TEST_F(TrustedFileTest, ASocketIsRefused) {
@@ -95,6 +97,35 @@ TEST_F(TrustedFileTest, AFileOfAnotherAccountIsRefusedUnlessThatIsTrusted) {
 TEST_F(TrustedFileTest, AFileOfATrustedGroupIsByOneOfItsMembers) {
   if (!make_file_of(stranger, served)) GTEST_SKIP() << "needs root, to make files of other users";
   EXPECT_TRUE(open_trusted_file(path_, O_RDWR, {.groups = {served}}));
+}
+
+TEST_F(TrustedFileTest, RootAndThisAccountAreTrustedAnyway) {
+  EXPECT_TRUE(TrustedAccounts{}.include_user(0));
+  EXPECT_TRUE(TrustedAccounts{}.include_user(geteuid()));
+  if (seteuid(stranger) != 0) GTEST_SKIP() << "needs root, to become another user";
+  EXPECT_TRUE(TrustedAccounts{}.include_user(0));
+  EXPECT_TRUE(TrustedAccounts{}.include_user(stranger));
+  EXPECT_FALSE(TrustedAccounts{}.include_user(stranger - 1));
+  EXPECT_EQ(seteuid(0), 0);
+}
+
+TEST_F(TrustedFileTest, AFileThatThisAccountMayNotOpenIsForbidden) {
+  make_file();
+  ASSERT_EQ(chmod(directory_.c_str(), 0755), 0);
+  ASSERT_EQ(chmod(path_.c_str(), 0600), 0);
+  if (seteuid(stranger) != 0) GTEST_SKIP() << "needs root, to become another user";
+  const Error error = refusal();
+  ASSERT_EQ(seteuid(0), 0);
+  EXPECT_EQ(error.code, Errc::no_permission);
+  EXPECT_NE(error.message.find(account_name(0)), std::string::npos) << error.message;
+}
+
+TEST_F(TrustedFileTest, ALinkInItsPlaceDoesNotNameWhatIsOpen) {
+  make_file();
+  const auto file = open_trusted_file(path_, O_RDONLY);
+  std::filesystem::rename(path_, directory_ + "/other");
+  std::filesystem::create_symlink(directory_ + "/other", path_);
+  EXPECT_FALSE(still_names(path_, file->get()));
 }
 
 TEST_F(TrustedFileTest, APathNamesWhatIsOpenUntilItIsRemovedOrReplaced) {

@@ -1,10 +1,16 @@
 // What is read from other processes: the host file and samples; and how a budget of memory is cut.
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <cstring>
+#include <string>
 #include <vector>
 
 #include "frame.h"
+#include "shm_fixture.h"
 #include "shm_transport/host_file.h"
 #include "shm_transport/sample_check.h"
 #include "shm_transport/sftd/pools.h"
@@ -23,6 +29,7 @@ TEST(HostFile, IsReadBackAsItWasWritten) {
   file.segment = "robots";
   file.segment_id = 2;
   file.segment_bytes = 335'541'000;
+  file.readers = 70'100;
   const auto read = shm::parse_host_file(shm::format(file));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->token, file.token);
@@ -32,6 +39,7 @@ TEST(HostFile, IsReadBackAsItWasWritten) {
   EXPECT_EQ(read->segment, file.segment);
   EXPECT_EQ(read->segment_id, file.segment_id);
   EXPECT_EQ(read->segment_bytes, file.segment_bytes);
+  EXPECT_EQ(read->readers, file.readers);
 }
 
 TEST(HostFile, IsNothingBeforeItsLastLine) {
@@ -39,6 +47,93 @@ TEST(HostFile, IsNothingBeforeItsLastLine) {
   for (std::size_t bytes = 0; bytes + 2 < whole.size(); ++bytes) {
     EXPECT_FALSE(shm::parse_host_file(whole.substr(0, bytes))) << bytes;
   }
+}
+
+TEST(HostFile, IsRefusedWithATokenThatIsTooLongOrWithNone) {
+  const std::string token = "000102030405060708090a0b0c0d0e0f";
+  EXPECT_TRUE(shm::parse_host_file("token " + token + "\nend\n"));
+  EXPECT_FALSE(shm::parse_host_file("token " + token + "0\nend\n"));
+  EXPECT_FALSE(shm::parse_host_file("pid 1\nend\n"));
+}
+
+TEST(HostFile, IsRefusedWhereANumberIsNoneOrTooLarge) {
+  const auto with_pid = [](const std::string& pid) {
+    return shm::parse_host_file("token 000102030405060708090a0b0c0d0e0f\npid " + pid + "\nend\n");
+  };
+  EXPECT_TRUE(with_pid("12"));
+  for (const char* bad : {"", "x", "12x", "12 ", "99999999999999999999"}) EXPECT_FALSE(with_pid(bad)) << bad;
+}
+
+TEST(RuntimeName, IsOfOursAndNamesNoOtherDirectory) {
+  EXPECT_TRUE(shm::is_runtime_name("sft_node_1"));
+  EXPECT_FALSE(shm::is_runtime_name("node_1"));
+  EXPECT_FALSE(shm::is_runtime_name("sft_/../../etc/passwd"));
+}
+
+TEST(DaemonLockTest, IsOfADaemonForThisMemoryOnlyWhereItSaysSo) {
+  struct stat memory {};
+  if (stat("/dev/shm", &memory) != 0) GTEST_SKIP() << "/dev/shm cannot be used here";
+  EXPECT_TRUE((shm::DaemonLock{.pid = 1, .shm_device = memory.st_dev}.serves_this_shm()));
+  EXPECT_FALSE((shm::DaemonLock{.pid = 0, .shm_device = memory.st_dev}.serves_this_shm()));
+  EXPECT_FALSE((shm::DaemonLock{.pid = 1, .shm_device = memory.st_dev + 1}.serves_this_shm()));
+}
+
+class FoundHost : public ShmTest {
+ protected:
+  static constexpr uid_t stranger = 65'534;
+  using Finding = shm::HostWatch::Finding;
+  static Finding found(const core::TrustedAccounts& accepted = {}) {
+    return shm::HostWatch::look(accepted).finding;
+  }
+};
+
+TEST_F(FoundHost, IsAliveAsLongAsItsFileIsLocked) {
+  EXPECT_EQ(found(), Finding::absent);
+  auto lock = shm::FileLock::take(shm::host_file_path);
+  ASSERT_TRUE(lock) << lock.error().message;
+  EXPECT_EQ(found(), Finding::starting);
+  const std::string text = shm::format({});
+  ASSERT_EQ(write(lock->descriptor(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  EXPECT_EQ(found(), Finding::alive);
+  lock->unlock();
+  EXPECT_EQ(found(), Finding::absent);
+}
+
+TEST_F(FoundHost, OfAnotherAccountIsForeignUnlessThatIsAccepted) {
+  const auto lock = shm::FileLock::take(shm::host_file_path);
+  ASSERT_TRUE(lock) << lock.error().message;
+  if (chown(shm::host_file_path, stranger, stranger) != 0) GTEST_SKIP() << "needs root, to give files away";
+  EXPECT_EQ(found(), Finding::foreign);
+  EXPECT_EQ(shm::HostWatch::look({}).user, stranger);
+  EXPECT_EQ(found({.users = {stranger}}), Finding::starting);
+}
+
+TEST_F(FoundHost, HasALockThatSaysSomethingOnlyWhileItIsHeld) {
+  auto lock = shm::FileLock::take(shm::daemon_lock_path);
+  ASSERT_TRUE(lock) << lock.error().message;
+  const std::string text = shm::format_lock({.pid = 12, .shm_device = 34});
+  ASSERT_EQ(write(lock->descriptor(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  const auto read = shm::read_daemon_lock();
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->pid, 12);
+  EXPECT_EQ(read->shm_device, 34U);
+  lock->unlock();
+  EXPECT_FALSE(shm::read_daemon_lock());
+}
+
+TEST_F(FoundHost, ListensOrIsGone) {
+  const char* const path = "/tmp/sft_listener_test";
+  EXPECT_EQ(shm::listener_at(path), shm::Listener::gone);
+  {
+    const shm::Descriptor end(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
+    ASSERT_EQ(bind(end.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(shm::listener_at(path), shm::Listener::alive);
+  }
+  EXPECT_EQ(shm::listener_at(path), shm::Listener::gone) << "nobody listens there any more";
+  unlink(path);
 }
 
 TEST(HostFile, IsRefusedWithAShortToken) { EXPECT_FALSE(shm::parse_host_file("token 0011\nend\n")); }

@@ -378,6 +378,27 @@ TEST_F(ShmPorts, RingTheDoorbellOfASleepingReader) {
   EXPECT_TRUE(got);
 }
 
+TEST_F(ShmPorts, KeepTheDoorbellOfAReaderThatIsNoLongerServedOpenNoLongerThanUntilTheRoutesAreSet) {
+  const auto page = core::DoorbellPage::create();
+  const auto times_mapped = [path = core::DoorbellPage::path_of(page->id())] {
+    std::ifstream maps("/proc/self/maps");
+    int times = 0;
+    for (std::string line; std::getline(maps, line);) times += line.ends_with(path) ? 1 : 0;
+    return times;
+  };
+  Writer writer(node(), 1);
+  const core::Route route{.reader = 5, .destination = core::DoorbellAddress{page->id(), 3}, .mask = {}};
+  EXPECT_EQ(writer.port().why_unreachable(route), "");
+  EXPECT_EQ(times_mapped(), 2) << "it is opened once, for the routes that follow";
+  writer.port().set_routes({route});
+  EXPECT_EQ(times_mapped(), 2);
+  writer.port().set_routes({});
+  EXPECT_EQ(times_mapped(), 1);
+  EXPECT_EQ(writer.port().why_unreachable(route), "");
+  writer.port().set_routes({});
+  EXPECT_EQ(times_mapped(), 1);
+}
+
 TEST_F(ShmPorts, BeginNothingForALateReaderWhereMoreWasHeldBackMeanwhile) {
   Writer writer(node(), 1);
   const core::Route late{.reader = 5, .destination = core::DoorbellAddress{}, .mask = {}, .history = 2};
