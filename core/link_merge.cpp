@@ -301,11 +301,11 @@ void LinkMerge::request_came(const Speaker& speaker, Request request, Now now) {
   const auto known = endpoints_.find(request.reader);
   Claim* const claim = known == endpoints_.end() ? nullptr : claim_of(known->second, speaker);
   if (claim == nullptr) {  // before its announcement, maybe
-    const auto of_reader = std::ranges::count(early_requests_, request.reader,
-                                              [](const EarlyRequest& e) { return e.request.reader; });
     std::erase_if(early_requests_, [&](const EarlyRequest& e) {
       return e.request.reader == request.reader && e.speaker == speaker;
     });
+    const auto of_reader = std::ranges::count(early_requests_, request.reader,
+                                              [](const EarlyRequest& e) { return e.request.reader; });
     if (static_cast<std::size_t>(of_reader) >= early_requests_of_a_reader) return;
     if (early_requests_.size() >= limits_.early_requests) early_requests_.erase(early_requests_.begin());
     early_requests_.push_back({speaker, std::move(request), now});
