@@ -35,6 +35,8 @@ class TestMemory final : public Transport {
     explicit Reader(TestMemory& memory) : memory_(memory) {}
     SampleHandle take() noexcept override { return {}; }
     Result<void> connect(const Source& source) override {
+      memory_.asked_for.push_back(source.writer);
+      if (memory_.refusal) return fail(*memory_.refusal, "it does not do that");
       memory_.connections.insert(source.writer);
       return {};
     }
@@ -70,7 +72,9 @@ class TestMemory final : public Transport {
   bool attaches = true;
   HistoryProgress progress = HistoryProgress::awaited;
   int writers = 0;
-  std::set<EndpointId> connections;  ///< of readers, to these
+  std::set<EndpointId> connections;   ///< of readers, to these
+  std::vector<EndpointId> asked_for;  ///< in order
+  std::optional<Errc> refusal;        ///< why nothing can be connected at present
 };
 
 /// One node whose endpoints use shared memory only.
@@ -86,16 +90,20 @@ class ReconcilerInMemoryTest : public ReconcilerTest {
     e.qos = {.durability = transient_local, .history_depth = 3};
     return e;
   }
-  void open_reader(EndpointId id) {
-    auto core = std::make_shared<SubscriberCore>(SubscriberCore::Spec{.id = id,
-                                                                      .topic = "points",
-                                                                      .type = &type,
-                                                                      .requirement = {mask, false},
-                                                                      .options = {},
-                                                                      .callback = nullptr,
-                                                                      .rate_changed = [] {}},
-                                                 bells->at(1), nullptr);
-    node.add_reader(here(Role::reader, id), {core, nullptr, nullptr});
+  std::shared_ptr<SubscriberCore> our_core(EndpointId id) {
+    return std::make_shared<SubscriberCore>(SubscriberCore::Spec{.id = id,
+                                                                 .topic = "points",
+                                                                 .type = &type,
+                                                                 .requirement = {mask, false},
+                                                                 .options = {},
+                                                                 .callback = nullptr,
+                                                                 .rate_changed = [] {}},
+                                            bells->at(1), nullptr);
+  }
+  void open_reader(EndpointId id, Reliability reliability = Reliability::best_effort) {
+    Endpoint reader = here(Role::reader, id);
+    reader.qos.reliability = reliability;
+    node.add_reader(reader, {our_core(id), nullptr, nullptr});
     node.tick();
   }
   void open_writer(EndpointId id) {
@@ -131,6 +139,81 @@ TEST_F(ReconcilerInMemoryTest, PublishersThatAreMadeUpTakeFewPortsAndGiveThemBac
     return memory.connections == std::set<EndpointId>{7};
   }));
   EXPECT_LT(std::chrono::steady_clock::now(), soon);
+}
+
+TEST_F(ReconcilerInMemoryTest, ConnectionsThatAreMadeTogetherAreLimitedUntilTheirPublishersShowUp) {
+  const auto see_many = [&] {
+    for (EndpointId id = 1000; id < 1200; ++id) {
+      Endpoint writer = here(Role::writer, id);
+      writer.node_id = id;
+      node.endpoint_seen(writer);
+    }
+    node.reconcile();
+  };
+  open_reader(200);
+  memory.attaches = false;
+  see_many();
+  EXPECT_EQ(memory.connections.size(), 128U);
+  memory.attaches = true;
+  Endpoint one_more = here(Role::writer, 7);
+  one_more.node_id = 7;
+  node.endpoint_seen(one_more);
+  node.reconcile();
+  EXPECT_TRUE(memory.connections.contains(7)) << "those have shown up";
+}
+
+TEST_F(ReconcilerInMemoryTest, AReaderLetsGoOfAPublisherThatWent) {
+  open_reader(200);
+  node.endpoint_seen(here(Role::writer, 7));
+  node.endpoint_seen(here(Role::writer, 8));
+  node.tick();
+  EXPECT_THAT(memory.connections, ElementsAre(7, 8));
+  node.endpoint_departed(7);
+  node.tick();
+  EXPECT_THAT(memory.connections, ElementsAre(8));
+}
+
+// The queue is made with what the publisher does about it. A best-effort publisher waits for nobody.
+TEST_F(ReconcilerInMemoryTest, AReaderConnectsAnewWhereItsPublisherBeginsToWaitAndIsReliable) {
+  for (const auto kind : {Reliability::best_effort, Reliability::reliable}) {
+    open_reader(kind == Reliability::reliable ? 201 : 200, kind);
+    const EndpointId id = kind == Reliability::reliable ? 8 : 7;
+    Endpoint writer = here(Role::writer, id);
+    writer.qos.reliability = kind;
+    writer.revision = 1;
+    node.endpoint_seen(writer);
+    node.reconcile();
+    memory.asked_for.clear();
+    writer.waits = true;
+    writer.revision = 2;
+    node.endpoint_seen(writer);
+    node.reconcile();
+    EXPECT_THAT(memory.connections, ::testing::Contains(id));
+    EXPECT_EQ(memory.asked_for.size(), kind == Reliability::reliable ? 1U : 0U);
+  }
+}
+
+TEST_F(ReconcilerInMemoryTest, ADaemonThatDoesNotAnswerIsNotAskedForOthersAtOnceAndOneThatRefusesIs) {
+  for (const Errc refusal : {Errc::unavailable, Errc::limit_exceeded}) {
+    Reconciler own(our_node, 1, &memory, nullptr, discovery, dispatcher, log);
+    memory.asked_for.clear();
+    memory.refusal = refusal;
+    logged.clear();
+    const auto begin = std::chrono::steady_clock::now();
+    own.add_reader(here(Role::reader, 200), {our_core(200), nullptr, nullptr});
+    own.tick();
+    own.endpoint_seen(here(Role::writer, 7));
+    own.reconcile();
+    own.endpoint_seen(here(Role::writer, 8));
+    own.reconcile();
+    if (std::chrono::steady_clock::now() - begin >= Retry::pause_min) GTEST_SKIP() << "it took too long";
+    if (refusal == Errc::unavailable) {
+      EXPECT_THAT(memory.asked_for, ElementsAre(7));
+    } else {
+      EXPECT_THAT(memory.asked_for, ElementsAre(7, 8)) << "of each once";
+    }
+    EXPECT_EQ(logged.size(), memory.asked_for.size());
+  }
 }
 
 TEST_F(ReconcilerInMemoryTest, AReaderSaysThatTheHistoryHasBegunOnceItComesThroughMemory) {
