@@ -106,7 +106,7 @@ TEST(BufferPoolTest, OfThoseThatAreKeptSomeAreLeftToOthers) {
 }
 
 // The sanitizers end a process that has no memory.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef SFT_TEST_SANITIZED
 TEST(BufferPoolTest, WhatTheSystemHasNoMemoryForDoesNotCount) {
   constexpr std::size_t large = 32U << 20;
   const auto pool = BufferPool::make(large + large / 8);
