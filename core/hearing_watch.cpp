@@ -206,9 +206,8 @@ bool HearingWatch::is_behind(const Ear& ear, Now newcomer, Now now) const {
   if (!ear.lives || ear.known == ear.told) return false;
   if (ear.missed_since) return true;  // whoever comes meanwhile
   if (ear.is_contradicted && now - newcomer > start_takes + in_a_crowd) return true;
-  const bool is_heard = now - ear.last_life < ear.lease / 2;
-  return is_heard && now - std::max(ear.agreed, newcomer) >
-                         (ear.has_agreed ? behind_after : behind_at_first_after) + in_a_crowd;
+  const milliseconds patience = (ear.has_agreed ? behind_after : behind_at_first_after) + in_a_crowd;
+  return ear.last_life - std::max(ear.agreed, newcomer) > patience;  // it still says so
 }
 
 std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speaker, Ear& ear,

@@ -304,7 +304,7 @@ TEST_F(HearingWatchTest, MissesOneWhoHasNeverSaidAnythingSoonUnlessOthersStart) 
   EXPECT_FALSE(deaf);
   passes(500ms, 0);
   EXPECT_EQ(deaf, Missing::everything);
-  watch.participant_came({lan, 100}, false, now);
+  watch.participant_came({lan, 100}, now);
   passes(8s, 0);
   EXPECT_FALSE(deaf) << "it may have much to do";
   passes(500ms, 0);
@@ -358,7 +358,7 @@ TEST_F(HearingWatchTest, DoesNotMissAnnouncementsOfOneWhoIsNotHeardAtPresent) {
 TEST_F(HearingWatchTest, GivesAnnouncementsTimeSinceAllThatIsKnownWasSaidLast) {
   passes(10s);
   passes(2s, 0);
-  passes(2s, all + 1);
+  passes(1s, all + 1);
   EXPECT_FALSE(deaf);
   passes(1s, all + 1);
   EXPECT_EQ(deaf, Missing::announcements);
@@ -386,7 +386,7 @@ TEST_F(HearingWatchTest, TellsOfOneOnEachLink) {
 TEST_F(HearingWatchTest, ExpectsNothingOfALinkThatIsReplaced) {
   passes(3s);
   watch.link_made(lan + 1);
-  watch.link_replaced(lan);
+  watch.link_replaced(lan, 2);
   for (int i = 0; i < 60; ++i) {
     passes(1s, 0);
     EXPECT_FALSE(deaf);
@@ -452,7 +452,8 @@ TEST_F(HearingWatchTest, SaysWhenAnotherLinkHearsAllThatTheOneBeforeHears) {
   EXPECT_FALSE(watch.is_replaced_by(lan, next, now));
   watch.heard({next, peer.participant}, now);
   EXPECT_TRUE(watch.is_replaced_by(lan, next, now));
-  watch.participant_came(other, true, now);
+  watch.participant_came(other, now);
+  watch.participant_speaks(other, now);
   EXPECT_TRUE(watch.is_replaced_by(lan, next, now)) << "it is not heard on the one before, either";
   watch.heard_life(other, node + 1, all, lease, now);
   EXPECT_FALSE(watch.is_replaced_by(lan, next, now));
@@ -474,7 +475,8 @@ TEST_F(HearingWatchTest, ForgetsHowOftenItTriedForWhomNoLinkHasAnyMore) {
   EXPECT_FALSE(deaf);
   watch.link_dropped(lan);
   watch.link_made(lan);
-  watch.participant_came(peer, true, now);
+  watch.participant_came(peer, now);
+  watch.participant_speaks(peer, now);
   passes(participant_lease, 0);
   EXPECT_EQ(deaf, Missing::everything);
 }
