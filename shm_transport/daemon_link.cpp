@@ -187,7 +187,10 @@ std::shared_ptr<Session> DaemonLink::await_registration(const std::shared_ptr<Ic
   } else if (!watch_->daemon_lives()) {
     give_up(registering_, name + " went away while this process registered", now);
   } else if (!*answer && now >= *deadline_) {
-    give_up(registering_, name + " does not answer; is it stopped, or does it already serve 300 processes?",
+    give_up(registering_,
+            name +
+                " does not answer; is it stopped, does it already serve 300 processes, or is it built with "
+                "another iceoryx than " ICEORYX_LATEST_RELEASE_VERSION "?",
             now);
   } else if (*answer) {
     auto session = Session::open(runtime, std::move(*watch_), std::move(channel_), **answer);
@@ -199,7 +202,7 @@ std::shared_ptr<Session> DaemonLink::await_registration(const std::shared_ptr<Ic
     launching_.succeeded();
     registering_.succeeded();
     phase_ = Phase::in_session;
-    publish(Availability::ready, "iceoryx 2.0.3, hosted by " + name, *session);
+    publish(Availability::ready, "iceoryx " ICEORYX_LATEST_RELEASE_VERSION ", hosted by " + name, *session);
     return *session;
   }
   return nullptr;

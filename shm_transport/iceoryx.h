@@ -2,8 +2,9 @@
 //
 // Used below its public API, where calls fail with values instead of aborting: ports (PublisherPortUser and
 // SubscriberPortUser), the words of its protocol with the daemon, and the layout of the management segment.
-// Hence the exact version in CMakeLists.txt; both sides of that layout, sftd and this library, are built from
-// it.
+// Hence the range of versions in CMakeLists.txt: from 2.0.3 to 2.0.8 nothing of that changed. Both sides of
+// the layout, sftd and this library, are built from the same one; a daemon does not take programs with
+// another.
 #pragma once
 
 #include <iceoryx_hoofs/cxx/generic_raii.hpp>
@@ -21,3 +22,4 @@
 #include <iceoryx_posh/internal/runtime/ipc_message.hpp>
 #include <iceoryx_posh/runtime/port_config_info.hpp>
 #include <iceoryx_posh/version/version_info.hpp>
+#include <iceoryx_versions.hpp>

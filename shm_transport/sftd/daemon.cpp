@@ -17,6 +17,7 @@
 #include "shm_transport/accepted_daemons.h"
 #include "shm_transport/access.h"
 #include "shm_transport/host_file.h"
+#include "shm_transport/iceoryx.h"
 #include "shm_transport/launch_obstacles.h"
 #include "shm_transport/sftd/stale_files.h"
 #include "shm_transport/sftd/status_file.h"
@@ -287,7 +288,7 @@ std::string Daemon::description() const {
 void Daemon::tell_status() {
   Status status;
   status.pid = getpid();
-  status.versions = {SFT_VERSION, "2.0.3", host_protocol};
+  status.versions = {SFT_VERSION, ICEORYX_LATEST_RELEASE_VERSION, host_protocol};
   status.since_ns = since_ns_;
   status.idle_exit_s = settings_.idle_exit.count();
   status.writers = groups_.writers;

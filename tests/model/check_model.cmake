@@ -2,7 +2,7 @@
 # Searches all states of a model, all fair runs if DEFINES has LIVENESS. Fails if a property does not hold, or if some
 # statement is never reached, since what is said about it would mean nothing. With FINDS, a mistake has been
 # made on purpose: fails unless the checker finds it, as a violation that matches FINDS.
-cmake_minimum_required(VERSION 3.25)
+cmake_minimum_required(VERSION 3.22)
 set(memory_max_mib 2000)
 set(depth_max 100000)
 

@@ -56,7 +56,7 @@ TEST_F(SftdCommands, TellWhatTheDaemonIs) {
   Process daemon = start_sftd();
   const Status status = status_now();
   EXPECT_EQ(status.pid, daemon.pid());
-  EXPECT_EQ(status.versions.iceoryx, "2.0.3");
+  EXPECT_EQ(status.versions.iceoryx.rfind("2.0.", 0), 0U) << status.versions.iceoryx;
   EXPECT_FALSE(status.versions.sftd.empty());
   EXPECT_EQ(status.idle_exit_s, 600);
   EXPECT_GT(status.since_ns, 0);

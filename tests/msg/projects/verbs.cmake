@@ -1,6 +1,6 @@
 # What the tests in this folder are written in: a project that uses sft_generate, in a directory with a space in its name.
 # They get WORK (an empty directory of their own), GENERATOR, SFT_CMAKE_DIR, SFT_MSGC and SFT_IDL_PLUGIN.
-cmake_minimum_required(VERSION 3.25)
+cmake_minimum_required(VERSION 3.22)
 set(source "${WORK}/a project")
 set(build "${WORK}/its build")
 set(generated "${build}/sft_generated")  # a folder per target
@@ -14,7 +14,7 @@ endfunction()
 # Writes the project's CMakeLists.txt, of which `text` is the interesting part.
 function(write_project text)
   write(CMakeLists.txt "
-    cmake_minimum_required(VERSION 3.25)
+    cmake_minimum_required(VERSION 3.22)
     project(user LANGUAGES NONE)
     add_executable(sft_msgc IMPORTED)
     set_target_properties(sft_msgc PROPERTIES IMPORTED_LOCATION \"${SFT_MSGC}\")
