@@ -40,6 +40,12 @@ Result<std::unique_ptr<core::Transport>> open_udp(const NodeOptions& options,
 Result<std::unique_ptr<core::Transport>> open_shm(const NodeOptions& options) {
   shm::ShmOptions shm;
   shm.daemon_path = options.shm.daemon_path;
+  // Not in a program that has more rights than who started it: its environment is that one's.
+  const char* daemon = secure_getenv("SFT_DAEMON");
+  if (shm.daemon_path.empty() && daemon != nullptr && *daemon != '\0') {
+    shm.daemon_path = daemon;
+    shm.daemon_named_by = "the environment variable SFT_DAEMON";
+  }
   shm.start_daemon = options.shm.start_daemon;
   shm.daemon_idle_exit = options.shm.daemon_idle_exit;
   shm.daemon_users = options.shm.daemon_users;

@@ -8,34 +8,16 @@
 
 #include <array>
 #include <cerrno>
-#include <climits>
 #include <cstring>
-#include <vector>
+#include <string>
+
+#include "shm_transport/daemon_search.h"
 
 extern char** environ;
 
 namespace sft::shm {
 
 namespace {
-
-constexpr const char* program = "sftd";
-
-std::string own_directory() {
-  char path[PATH_MAX];
-  const ssize_t length = readlink("/proc/self/exe", path, sizeof path);
-  const std::string_view whole(path, static_cast<std::size_t>(length < 0 ? 0 : length));
-  return std::string(whole.substr(0, whole.rfind('/') + 1));
-}
-
-/// The daemon's file, or its bare name where PATH is to be searched.
-std::string find_program(const ShmOptions& options) {
-  if (!options.daemon_path.empty()) return options.daemon_path;
-  const std::string here = own_directory();
-  for (const std::string& candidate : {here + program, here + "../libexec/sft/" + program}) {
-    if (access(candidate.c_str(), X_OK) == 0) return candidate;
-  }
-  return program;
-}
 
 /// What the new process starts with: no descriptor but its standard ones, no signal blocked or ignored.
 class SpawnSettings {
@@ -70,6 +52,8 @@ class SpawnSettings {
   posix_spawnattr_t attributes_;
 };
 
+Errc errc_of(int error) { return error == ENOENT ? Errc::unavailable : Errc::system; }
+
 }  // namespace
 
 Result<DaemonLaunch> DaemonLaunch::begin(const ShmOptions& options) {
@@ -79,7 +63,10 @@ Result<DaemonLaunch> DaemonLaunch::begin(const ShmOptions& options) {
   const Descriptor write_end(ends[1]);
   fcntl(read_end.get(), F_SETFL, O_NONBLOCK);
 
-  const std::string path = find_program(options);
+  const bool is_named = !options.daemon_path.empty();
+  const FoundDaemon found =
+      is_named ? FoundDaemon{options.daemon_path} : find_daemon(DaemonPlaces::of_this_process());
+  const std::string& path = found.path;
   std::string idle_exit = "--idle-exit=" + std::to_string(options.daemon_idle_exit.count());
   std::array<char*, 3> arguments{const_cast<char*>(path.c_str()), idle_exit.data(), nullptr};
   const SpawnSettings settings(write_end.get());
@@ -87,10 +74,10 @@ Result<DaemonLaunch> DaemonLaunch::begin(const ShmOptions& options) {
   const int error = posix_spawnp(&child, path.c_str(), settings.actions(), settings.attributes(),
                                  arguments.data(), environ);
   if (error != 0) {
-    return fail(
-        error == ENOENT ? Errc::unavailable : Errc::system,
-        path + " could not be started: " + std::strerror(error) +
-            "; install sftd beside the program, in ../libexec/sft or in PATH, or name it in the options");
+    const std::string system = path + " could not be started: " + std::strerror(error);
+    if (is_named) return fail(errc_of(error), system + "; " + options.daemon_named_by + " names it");
+    if (error != ENOENT || path.find('/') != std::string::npos) return fail(errc_of(error), system);
+    return fail(Errc::unavailable, path + " could not be started: " + explain_missing_daemon(found));
   }
   return DaemonLaunch(child, std::move(read_end));
 }

@@ -13,8 +13,9 @@
 namespace sft::shm {
 
 struct ShmOptions {
-  /// Of sftd; empty: beside the program, in ../libexec/sft from there, then in PATH.
-  std::string daemon_path{};
+  std::string daemon_path{};  ///< of sftd; empty: as daemon_search.h says
+  /// Who says so, for people.
+  std::string daemon_named_by = "NodeOptions::shm.daemon_path";
   bool start_daemon = true;                  ///< when none runs
   std::chrono::seconds daemon_idle_exit{0};  ///< one started so ends without clients for so long; 0: never
 

@@ -6,12 +6,15 @@
 #include <cstdlib>
 #include <mutex>
 #include <string>
+#include <utility>
 
+#include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
 
 namespace sft::test {
 namespace {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 
 class ConfigurationTest : public ::testing::Test {
@@ -35,6 +38,10 @@ class ConfigurationTest : public ::testing::Test {
     const std::scoped_lock lock(mutex_);
     return warnings_;
   }
+  std::string take_warnings() {
+    const std::scoped_lock lock(mutex_);
+    return std::exchange(warnings_, {});
+  }
   static std::string error_of(const NodeOptions& options) {
     const auto node = Node::open(options);
     return node ? "it opens" : node.error().message;
@@ -53,6 +60,25 @@ TEST_F(ConfigurationTest, WhatDoesNotHoldOfItIsLoggedAndInTheStatus) {
     EXPECT_THAT(text, HasSubstr("SharedMemory/Enable is 'false', not 'true' as CYCLONEDDS_URI says: "));
   }
   EXPECT_THAT(node.status().discovery, HasSubstr("by multicast on lo"));
+}
+
+TEST_F(ConfigurationTest, AnSftdThatDoesNotExistIsAWarningThatSaysWhoNamesIt) {
+  NodeOptions options = with("");
+  options.transport = TransportChoice::automatic;
+  const auto said = [&] {
+    const Node node = Node::open(options).value();
+    eventually([&] { return !warnings().empty(); });
+    return take_warnings();
+  };
+  setenv("SFT_DAEMON", "/nowhere/sftd", 1);
+  EXPECT_THAT(said(),
+              EndsWith("shared memory: /nowhere/sftd could not be started: No such file or directory; "
+                       "the environment variable SFT_DAEMON names it"));
+  options.shm.daemon_path = "/elsewhere/sftd";
+  EXPECT_THAT(said(),
+              EndsWith("shared memory: /elsewhere/sftd could not be started: No such file or directory; "
+                       "NodeOptions::shm.daemon_path names it"));
+  unsetenv("SFT_DAEMON");
 }
 
 TEST_F(ConfigurationTest, OfTheEnvironmentIsReadUnlessTheProgramHasOne) {

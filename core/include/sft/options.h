@@ -48,8 +48,10 @@ struct UdpSettings {
 };
 
 struct ShmSettings {
-  bool start_daemon = true;   ///< start sftd when none runs
-  std::string daemon_path{};  ///< empty: beside the program, in ../libexec/sft, then in PATH
+  bool start_daemon = true;  ///< start sftd when none runs
+  /// Of sftd. Empty: what $SFT_DAEMON names; else beside the program, in ../libexec/sft from there, where SFT
+  /// is installed, where it was built if it is a part of another project, in PATH.
+  std::string daemon_path{};
   std::chrono::seconds daemon_idle_exit{
       0};  ///< a daemon started so ends after so long without clients; 0: never
   /// Whose sftd is used, by name ("robot") or number, besides that of root, of this program's own account,
