@@ -19,7 +19,8 @@
 include_guard(GLOBAL)
 include(${CMAKE_CURRENT_LIST_DIR}/SftNested.cmake)
 
-find_program(SFT_IDLC idlc REQUIRED DOC "The IDL compiler of Cyclone DDS (Debian package cyclonedds-tools)")
+# Whoever has no IDL files of their own needs none.
+find_program(SFT_IDLC idlc DOC "The IDL compiler of Cyclone DDS (Debian package cyclonedds-tools)")
 
 # Makes the custom command for one .msg file.
 function(sft_generate_from_msg name file root output_dir idl_dir roots)
@@ -27,8 +28,8 @@ function(sft_generate_from_msg name file root output_dir idl_dir roots)
   set(header ${output_dir}/${name}.hpp)
   add_custom_command(
     OUTPUT ${header} ${idl_dir}/${name}.idl
-    COMMAND sft_msgc ${file} -b ${root} ${include_options} -o ${output_dir} -i ${idl_dir} -d ${header}.d
-    DEPENDS ${file} sft_msgc
+    COMMAND sft::sft_msgc ${file} -b ${root} ${include_options} -o ${output_dir} -i ${idl_dir} -d ${header}.d
+    DEPENDS ${file} $<TARGET_FILE:sft::sft_msgc>
     DEPFILE ${header}.d
     COMMENT "Generating ${name}.hpp"
     VERBATIM)
@@ -36,6 +37,9 @@ endfunction()
 
 # Makes the custom command for one .idl file, which may include those that are made from the messages `from_msg`.
 function(sft_generate_from_idl name file root output_dir roots from_msg)
+  if(NOT SFT_IDLC)
+    message(FATAL_ERROR "sft_generate: ${file}: needs idlc, the IDL compiler of Cyclone DDS (Debian package cyclonedds-tools)")
+  endif()
   set(header ${output_dir}/${name}.hpp)
   set(script_dir ${CMAKE_CURRENT_FUNCTION_LIST_DIR})
   set(script ${script_dir}/run_idlc.sh)
@@ -43,10 +47,10 @@ function(sft_generate_from_idl name file root output_dir roots from_msg)
   list(JOIN roots : root_list)
   add_custom_command(
     OUTPUT ${header}
-    COMMAND sh ${script} ${header} ${SFT_IDLC} -l $<TARGET_FILE:cycloneddsidlsft>
+    COMMAND sh ${script} ${header} ${SFT_IDLC} -l $<TARGET_FILE:sft::cycloneddsidlsft>
             -f case-sensitive -Wno-unsupported-annotations -Wno-implicit-extensibility
             ${include_options} -r ${root_list} -b ${root} -o ${output_dir} -d ${header}.d ${file}
-    DEPENDS ${file} ${from_msg} cycloneddsidlsft ${script} ${script_dir}/idlc_copy.awk ${script_dir}/idlc_messages.awk
+    DEPENDS ${file} ${from_msg} $<TARGET_FILE:sft::cycloneddsidlsft> ${script} ${script_dir}/idlc_copy.awk ${script_dir}/idlc_messages.awk
     DEPFILE ${header}.d
     COMMENT "Generating ${name}.hpp"
     VERBATIM)
@@ -135,7 +139,7 @@ function(sft_generate)
   add_library(${arg_TARGET} INTERFACE)
   add_dependencies(${arg_TARGET} ${arg_TARGET}_headers)
   target_include_directories(${arg_TARGET} SYSTEM INTERFACE ${output_dir})
-  target_link_libraries(${arg_TARGET} INTERFACE sft_typesupport ${arg_LINK})
+  target_link_libraries(${arg_TARGET} INTERFACE sft::typesupport ${arg_LINK})
   list(FILTER outputs INCLUDE REGEX "[.]hpp$")
   set_target_properties(${arg_TARGET} PROPERTIES
     SFT_HEADERS "${outputs}"
