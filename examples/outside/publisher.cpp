@@ -1,0 +1,39 @@
+// publisher [COUNT]: tells how a battery is, ten times in a second, and in the end who was sent what.
+#include <sft/sft.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <robot_msgs/msg/Battery.hpp>
+#include <thread>
+
+using namespace std::chrono_literals;
+using robot_msgs::msg::Battery;
+
+int main(int argc, char** argv) {
+  const int count = argc > 1 ? std::atoi(argv[1]) : 100;
+
+  sft::NodeOptions options{.name = "battery"};
+  options.log_level = sft::LogLevel::warning;
+  options.log = [](sft::LogLevel, std::string_view line) {
+    std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data());
+  };
+  auto node = sft::Node::open(options);
+  if (!node) return std::fprintf(stderr, "%s\n", node.error().message.c_str()), 1;
+  auto publisher = node->publisher<Battery>("battery");
+  if (!publisher) return std::fprintf(stderr, "%s\n", publisher.error().message.c_str()), 1;
+
+  Battery battery{
+      .serial = "B-17", .volts = 25.2F, .charge = 1, .cell_volts = {4.2F, 4.2F, 4.2F, 4.2F, 4.2F, 4.2F}};
+  for (int i = 0; i < count; ++i) {
+    battery.charge -= 0.001F;
+    publisher->publish(battery);
+    std::this_thread::sleep_for(100ms);
+  }
+
+  const sft::NodeSnapshot now = node->snapshot();
+  for (const sft::ReaderSnapshot& reader : now.publishers.at(0).readers) {
+    std::printf("%s is sent {%s} by %s\n", reader.node.c_str(), reader.fields.c_str(),
+                to_string(reader.transport));
+  }
+}

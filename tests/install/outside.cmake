@@ -1,0 +1,34 @@
+# cmake -D SOURCE=tree -D BUILD=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -D ISOLATE=program -P outside.cmake
+# Installs SFT from its build into a folder, builds a project and a program of one file with what is there, and runs them
+# on a host of their own.
+cmake_minimum_required(VERSION 3.22)
+include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
+set(prefix ${WORK}/prefix)
+
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix} --strip)
+file(GLOB_RECURSE headers RELATIVE ${prefix}/include ${prefix}/include/*.h)
+list(FILTER headers EXCLUDE REGEX "^sft/([a-z_]+|typesupport/[a-z0-9_]+)[.]h$")
+expect("${headers}" STREQUAL "")
+
+run(${CMAKE_COMMAND} -S ${SOURCE}/examples/outside -B ${WORK}/build -G ${GENERATOR} -D CMAKE_PREFIX_PATH=${prefix}
+    -D CMAKE_CXX_COMPILER=${CXX} "-D CMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Werror")
+run(${CMAKE_COMMAND} --build ${WORK}/build --parallel 2)
+
+file(GLOB package_folder ${prefix}/lib*/pkgconfig ${prefix}/lib/*/pkgconfig)
+find_program(PKG_CONFIG NAMES pkg-config pkgconf REQUIRED)
+run(${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${package_folder} ${PKG_CONFIG} --cflags --libs sft)
+separate_arguments(flags UNIX_COMMAND "${output}")
+cmake_path(GET package_folder PARENT_PATH library_folder)
+run(${CXX} -std=c++20 ${CMAKE_CURRENT_LIST_DIR}/one_file.cpp ${flags} -Wl,-rpath,${library_folder} -o ${WORK}/one_file)
+
+# The new host keeps in sight the folder that this program is in, even if that lies below /tmp.
+file(COPY ${ISOLATE} ${CMAKE_CURRENT_LIST_DIR}/run_outside.sh DESTINATION ${WORK})
+cmake_path(GET ISOLATE FILENAME isolate)
+run(${WORK}/${isolate} /bin/sh ${WORK}/run_outside.sh ${prefix} ${WORK}/build ${WORK}/one_file)
+file(GLOB_RECURSE daemon ${prefix}/sftd)
+set(sent "monitor is sent {serial, charge} by")
+set(printed "battery B-17: [0-9.]+ %")
+expect("${output}" MATCHES "it says: hello")
+expect("${output}" MATCHES "the daemon in the prefix.*${sent} shm.*${printed}.*daemon: ${daemon}\n")
+expect("${output}" MATCHES "no daemon.*sftd could not be started: it is neither .* nor ${daemon} nor .* in PATH; install SFT")
+expect("${output}" MATCHES "no daemon.*${sent} udp.*${printed}.*environment names.*${sent} shm.*${printed}")

@@ -1,0 +1,37 @@
+# Usage: sh run_outside.sh PREFIX BUILD ONE_FILE
+# Runs the programs that were built with the SFT in PREFIX, on a host of their own. Prints what they print, and which
+# file the daemon of that host runs.
+[ $PPID = 1 ] || { # it would meet, and end, the daemon of this machine
+  echo "skipped: needs root or user namespaces"
+  exit 1
+}
+prefix=$1 build=$2 one_file=$3
+PATH=/usr/bin:/bin
+unset SFT_DAEMON
+daemon=$prefix/libexec/sft/sftd
+set -eu
+
+publish_and_subscribe() {
+  "$build/subscriber" &
+  "$build/publisher" 20
+  wait $!
+}
+
+daemons() { readlink /proc/[0-9]*/exe | grep '/sftd$' | sort -u; }
+
+echo "== one file"
+"$one_file"
+
+echo "== the daemon in the prefix"
+publish_and_subscribe
+echo "daemon: $(daemons)"
+"$daemon" stop
+
+echo "== no daemon"
+mv "$daemon" "$daemon.away"
+publish_and_subscribe 2>&1
+
+echo "== a daemon that the environment names"
+SFT_DAEMON=$daemon.away publish_and_subscribe
+"$daemon.away" stop
+mv "$daemon.away" "$daemon"
