@@ -68,9 +68,13 @@ FoundDaemon find_daemon(const DaemonPlaces& places) {
   }
   for (const std::string& place : places.built_in) {
     if (std::ranges::find(found.missed, place) != found.missed.end()) continue;
-    if (is_program(place) && is_under_own_control(place)) return {place};
-    found.missed.push_back(
-        is_program(place) ? place + " (which others than root and this account can replace)" : place);
+    // Without links, since one on the way to it may be another account's.
+    std::error_code error;
+    const std::string file = fs::canonical(place, error);
+    const bool is_there = !error && is_program(file);
+    if (is_there && is_under_own_control(file)) return {file};
+    found.missed.push_back(is_there ? place + " (which others than root and this account can replace)"
+                                    : place);
   }
   return found;
 }
@@ -83,11 +87,9 @@ std::string explain_missing_daemon(const FoundDaemon& found) {
          "NodeOptions::shm.daemon_path";
 }
 
-bool is_under_own_control(const std::string& path) {
+bool is_under_own_control(const std::string& file) {
   const core::TrustedAccounts own;
-  std::error_code error;
-  fs::path part = fs::canonical(path, error);
-  if (error) return false;
+  fs::path part = file;
   while (true) {
     struct stat there {};
     if (lstat(part.c_str(), &there) != 0 || !own.include_user(there.st_uid)) return false;

@@ -21,17 +21,18 @@ struct DaemonPlaces {
 };
 
 struct FoundDaemon {
-  std::string path = "sftd";  ///< the bare name, for which PATH is searched, if it is in none of the places
-  std::vector<std::string>
-      missed{};  ///< the places that were tried in vain, each with the reason if it has a file
+  /// The bare name, for which PATH is searched, if it is in none of the places.
+  std::string path = "sftd";
+  /// The places that were tried in vain. One that has a file is there with the reason.
+  std::vector<std::string> missed{};
 };
 FoundDaemon find_daemon(const DaemonPlaces& places);
 
 /// "it is neither A nor B nor in PATH; ...": why a bare name could not be started, and what to do.
 std::string explain_missing_daemon(const FoundDaemon& found);
 
-/// Whether only root and this account can change which file that path leads to, and what is in it. Groups are
-/// not considered, since many systems give each account one of its own, and let it write.
-bool is_under_own_control(const std::string& path);
+/// Whether only root and this account can change which file has that path, without links, and what is in it.
+/// Groups are not considered, since many systems give each account one of its own, and let it write.
+bool is_under_own_control(const std::string& file);
 
 }  // namespace sft::shm

@@ -38,7 +38,8 @@ endfunction()
 # Makes the custom command for one .idl file, which may include those that are made from the messages `from_msg`.
 function(sft_generate_from_idl name file root output_dir roots from_msg)
   if(NOT SFT_IDLC)
-    message(FATAL_ERROR "sft_generate: ${file}: needs idlc, the IDL compiler of Cyclone DDS (Debian package cyclonedds-tools)")
+    message(FATAL_ERROR
+      "sft_generate: ${file}: needs idlc, the IDL compiler of Cyclone DDS (Debian package cyclonedds-tools)")
   endif()
   set(header ${output_dir}/${name}.hpp)
   set(script_dir ${CMAKE_CURRENT_FUNCTION_LIST_DIR})
