@@ -11,12 +11,12 @@
 #include "core/control_digest.h"
 #include "core/dds_config.h"
 #include "core/dds_domain.h"
-#include "core/described_type.h"
 #include "core/discovery_link.h"
 #include "core/greetings.h"
 #include "core/hearing_watch.h"
 #include "core/link_merge.h"
 #include "core/network_watch.h"
+#include "core/news_desk.h"
 #include "core/ordered_delivery.h"
 #include "core/participant_mark.h"
 #include "core/retry.h"
@@ -39,49 +39,6 @@ constexpr std::chrono::seconds calm_after{120};
 constexpr std::chrono::milliseconds assert_often_for{700};
 constexpr std::size_t retiring_links_max = 2;
 constexpr std::chrono::seconds farewell_max{1};
-
-/// Gives news to the listener.
-class NewsDesk {
- public:
-  using Links = std::map<LinkId, LinkSpec>;
-  NewsDesk(DiscoveryListener& listener, const Links& links) : listener_(listener), links_(links) {}
-
-  /// A description that cannot be used costs the endpoint its description and nothing more: programs that
-  /// were compiled with the type do not need it.
-  void operator()(const EndpointSeen& seen) const {
-    Endpoint endpoint = *seen.endpoint;
-    if (!endpoint.type_description.empty()) {
-      if (const auto type = described_type(endpoint); !type) {
-        listener_.control_malformed(type.error().message);
-        endpoint.type_description.clear();
-      }
-    }
-    leave_out_what_is_cut(endpoint, seen.silent);
-    listener_.endpoint_seen(std::move(endpoint));
-  }
-  void operator()(const EndpointDeparted& departed) const { listener_.endpoint_departed(departed.id); }
-  void operator()(const EndpointLost& lost) const { listener_.endpoint_lost(lost.id); }
-  void operator()(const NodeLost& lost) const { listener_.node_lost(lost.id); }
-  void operator()(const Request& request) const { listener_.request_received(request); }
-  void operator()(const Assertion& assertion) const { listener_.liveliness_asserted(assertion); }
-  void operator()(const Refused& refused) const { listener_.control_malformed(refused.why); }
-
- private:
-  /// As long as another address is left.
-  void leave_out_what_is_cut(Endpoint& endpoint, const std::vector<LinkId>& silent) const {
-    const auto is_cut = [&](const UdpAddress& address) {
-      return std::ranges::any_of(silent, [&](LinkId id) {
-        const auto link = links_.find(id);
-        return link != links_.end() && leads_to(link->second, address.ip);
-      });
-    };
-    if (std::ranges::all_of(endpoint.addresses, is_cut)) return;
-    std::erase_if(endpoint.addresses, is_cut);
-  }
-
-  DiscoveryListener& listener_;
-  const Links& links_;
-};
 
 class LinkedDiscovery final : public Discovery, private LinkListener {
  public:
@@ -141,9 +98,10 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   }
 
   void assert_liveliness(const Assertion& assertion) override {
-    asserted_ = assertion;
-    asserted_->digest = digest();
-    each_link([&](DiscoveryLink& link) { link.write(*asserted_); });
+    node_ = assertion.node;
+    Assertion complete = assertion;
+    complete.digest = digest();
+    each_link([&](DiscoveryLink& link) { link.write(complete); });
   }
 
   void look_after(Now now, bool somebody_is_missing) override {
@@ -153,7 +111,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
       each_link([](DiscoveryLink& link) { link.greet(); });
     }
     retire_links(now);
-    if (asserted_ && now < asserts_often_until_) assert_liveliness(*asserted_);
+    if (now < asserts_often_until_) assert_liveliness({.node = node_, .writers = {}});
     if (watches_) {
       heed_complaints(now);
       mend_deaf_links(now);
@@ -366,7 +324,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     const LinkId after = made->id;
     retiring_.push_back({std::exchange(link, std::move(*made)), after, now});
     greetings_.begin(now);
-    asserts_often_until_ = now + assert_often_for;
+    if (node_ != 0) asserts_often_until_ = now + assert_often_for;
     listener_.link_was_deaf(what + "; the link is made anew");
     return true;
   }
@@ -541,7 +499,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   Now next_merge_{};
   std::vector<HostInterface> interfaces_;
   std::map<EndpointId, Own> own_;
-  std::optional<Assertion> asserted_;  ///< last
+  NodeId node_ = 0;  ///< ours, once it has said that it lives
   Now asserts_often_until_{};
   std::vector<std::string> warnings_;
   std::vector<std::string> remarks_;

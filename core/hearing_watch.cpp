@@ -35,7 +35,7 @@ constexpr milliseconds first_word_after{8000};
 constexpr milliseconds complaint_patience{1500}, complaint_pause{400};
 /// So much longer, on average, before each complaint, for each other participant that may complain as well.
 constexpr milliseconds complaint_spread{2};
-/// A participant whose node has come anew.
+/// A participant whose node has come anew is gone by then.
 constexpr std::chrono::seconds goes_within{60};
 constexpr milliseconds look_pause{500}, look_pause_in_doubt{100};
 /// A speaker counts as heard on a link for so long after it was. Signs of life come more often.
@@ -190,7 +190,7 @@ std::optional<HearingWatch::Remedy> HearingWatch::remedy(const Speaker& speaker,
   }
   if (links_.at(speaker.link).replaced_by) return {};
   if (missing == Missing::everything) return Remedy::renewal;
-  const milliseconds spread = complaint_spread * (ears_.size() - 1);
+  const milliseconds spread = complaint_spread * (std::min(ears_.size(), crowd_max) - 1);
   if (!ear.missed_since) {
     ear.missed_since = now;
     ear.complain_at = now + milliseconds(random_() % static_cast<std::uint64_t>(2 * spread.count() + 1));

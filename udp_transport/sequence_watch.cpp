@@ -99,7 +99,8 @@ bool SequenceWatch::note_late(const Claim& claim, Time now) {
   if (late_ == 1) late_since_ = now;
   last_late_ = sequence;
   const bool is_later = claim.stamp_ns > newest_stamp_ns_ || newest_ - sequence > reach || is_younger(claim);
-  return late_ >= late_in_a_row || (late_ >= 2 && is_later && now - late_since_ >= newest_doubted_after);
+  const bool are_enough = late_ >= late_in_a_row || (late_ >= 2 && is_later);
+  return are_enough && now - late_since_ >= newest_doubted_after;
 }
 
 /// By its stamp it was published after the newest one came, whatever the stamp of that one says.

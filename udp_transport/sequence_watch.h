@@ -21,12 +21,12 @@ class SequenceWatch {
   static constexpr std::uint64_t published_per_s_max = std::uint64_t{1} << 22;
   /// A sequence that is more than this behind the newest one needs to be confirmed, too.
   static constexpr std::uint64_t reach_back = std::uint64_t{1} << 26;
-  /// After so many late samples in a row, whose sequences ascend, the numbering begins anew.
+  /// After so many late samples in a row, whose sequences ascend, the numbering begins anew, but not sooner
+  /// than after that time: what was held up on the way comes all at once.
   static constexpr std::uint32_t late_in_a_row = 64;
-  /// Two are enough if they are so far apart with nothing newer between them, and their stamps are later than
-  /// that of its sample, or they are out of its reach: samples that a slow path brings late are older than
-  /// the newest one.
   static constexpr std::chrono::milliseconds newest_doubted_after{250};
+  /// Two of them that are so far apart are enough if their stamps are later than that of the newest one, or
+  /// they are out of its reach: samples that a slow path brings late are older than the newest one.
   /// A repetition of the same sequence confirms it if it comes so much later: the writer sent it twice.
   static constexpr std::chrono::milliseconds repeated_after{10};
 

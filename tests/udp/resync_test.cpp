@@ -89,12 +89,29 @@ TEST_F(ResyncOfSequences, StaysWithTheNewestWhereASlowPathBringsOlderSamplesLate
   EXPECT_EQ(watch.numbering(), 0U);
 }
 
-TEST_F(ResyncOfSequences, BeginsAnewAfterManyLateSamplesInARow) {
+TEST_F(ResyncOfSequences, BeginsAnewAfterManyLateSamplesInARowThatComeOverAWhile) {
   believes(60'000);
-  for (std::uint64_t late = 1; late < SequenceWatch::late_in_a_row; ++late) believes(late);
+  const std::int64_t stamp_of_each = stamp_ns - 1;  // earlier than that of the newest one
+  const auto comes = [&](std::uint64_t late) {
+    now += 4ms;
+    watch.believes({late, 0, ++datagram, stamp_of_each}, now);
+  };
+  for (std::uint64_t late = 1; late < SequenceWatch::late_in_a_row; ++late) comes(late);
   EXPECT_EQ(watch.numbering(), 0U);
-  believes(1'000);
+  comes(1'000);
   EXPECT_EQ(watch.numbering(), 1U);
+}
+
+TEST_F(ResyncOfSequences, StaysWithTheNewestWhereManyOlderSamplesThatWereHeldUpComeAllAtOnce) {
+  for (std::uint64_t sequence = 1; sequence <= 10; ++sequence) believes(sequence);
+  believes(150);
+  now += 1ms;
+  for (std::uint64_t late = 11; late < 150; ++late) {
+    now += 1us;
+    EXPECT_TRUE(believes(late)) << late;
+  }
+  EXPECT_EQ(watch.numbering(), 0U);
+  EXPECT_EQ(watch.newest(), 150U);
 }
 
 TEST_F(ResyncOfSequences, DoesNotTakeRepairsForASignOfAWrongSequence) {
