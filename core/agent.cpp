@@ -2,15 +2,11 @@
 
 #include <utility>
 
-#include "core/thread.h"
-
 namespace sft::core {
 
-Result<void> Agent::start(const std::string& thread_name, Duties duties) {
+Result<void> Agent::start(const ThreadSpec& thread, Duties duties) {
   duties_ = std::move(duties);
-  return start_thread(thread_name, [this] { run(); }).map([this](std::thread&& t) {
-    thread_ = std::move(t);
-  });
+  return start_thread(thread, [this] { run(); }).map([this](std::thread&& t) { thread_ = std::move(t); });
 }
 
 void Agent::stop() {

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/thread.h"
 #include "sft/typesupport/result.h"
 
 namespace sft::core {
@@ -30,7 +31,7 @@ class Agent {
   Agent(const Agent&) = delete;
   Agent& operator=(const Agent&) = delete;
 
-  Result<void> start(const std::string& thread_name, Duties duties);
+  Result<void> start(const ThreadSpec& thread, Duties duties);
 
   /// Any thread, before start() too; returns at once. Tasks run in the order in which they were posted.
   void post(Task task);

@@ -7,8 +7,10 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "sft/options.h"
 #include "sft/typesupport/result.h"
 
 namespace sft::core {
@@ -51,10 +53,22 @@ class CycloneDomain {
   const dds_entity_t entity_;
 };
 
-/// The nodes of a process that ask with the same configuration share one domain. What Cyclone complains of is
-/// added to `complaints`. `is_secured`: the configuration has DDS Security, which can name few numbers.
-/// `instead_of`: one that is not to be used any more, or null.
-Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const std::string& config, bool is_secured,
+struct DomainPlan {
+  std::string config;
+  bool is_secured = false;  ///< the configuration has DDS Security, which can name few numbers
+  ThreadSettings threads{};
+  friend bool operator<(const DomainPlan& a, const DomainPlan& b) {
+    const auto key = [](const DomainPlan& plan) {
+      const ThreadSettings& t = plan.threads;
+      return std::tie(plan.config, plan.is_secured, t.cpus, t.policy, t.priority, t.name_prefix);
+    };
+    return key(a) < key(b);
+  }
+};
+
+/// The nodes of a process that ask for the same share one domain. What Cyclone complains of is added to
+/// `complaints`. `instead_of`: one that is not to be used any more, or null.
+Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& plan,
                                                             const CycloneDomain* instead_of,
                                                             std::vector<std::string>& complaints);
 

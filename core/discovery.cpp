@@ -55,6 +55,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     if (!config) return tl::unexpected(config.error());
     config_ = std::move(*config);
     warnings_ = config_.warnings;
+    threads_ = options.threads;
     life_signs_ = config_.multicast ? life_signs_to_all : life_signs_to_each;
     if (program_has_opened(options.domain)) return join_the_program(options.domain);
     const Now now = std::chrono::steady_clock::now();
@@ -221,11 +222,9 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   /// `instead_of`: its domain is not to be used any more, or null.
   Result<OpenLink> make_link(const LinkSpec& spec, const CycloneDomain* instead_of) {
     std::vector<std::string> complaints;
-    auto domain = cyclone_domain(config_.text_for(spec), config_.is_secured, instead_of, complaints);
-    if (!domain) {
-      return fail(domain.error().code, "Cyclone DDS refuses its configuration (" + domain.error().message +
-                                           "); check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");
-    }
+    auto domain =
+        cyclone_domain({config_.text_for(spec), config_.is_secured, threads_}, instead_of, complaints);
+    if (!domain) return tl::unexpected(domain.error());
     const LinkId id = ++links_made_;
     {
       const std::scoped_lock lock(mutex_);
@@ -491,6 +490,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
 
   DiscoveryListener& listener_;
   DdsConfig config_;
+  ThreadSettings threads_;
   LifeSigns life_signs_ = life_signs_to_all;
   bool watches_ = true;
   NetworkWatch watch_;

@@ -18,6 +18,7 @@ struct DiscoveryOptions {
   std::uint32_t domain = 0;
   DiscoverySettings settings{};
   std::string user_config{};  ///< XML texts or names of files
+  ThreadSettings threads{};   ///< of Cyclone's threads
 };
 
 /// How often a node says that it lives, and after how long without that it is lost: six in a row may get

@@ -4,8 +4,6 @@
 #include <chrono>
 #include <utility>
 
-#include "core/thread.h"
-
 namespace sft::core {
 
 Dispatcher::~Dispatcher() {
@@ -18,9 +16,7 @@ Dispatcher::~Dispatcher() {
 Result<void> Dispatcher::start() {
   const std::scoped_lock lock(mutex_);
   if (thread_.joinable()) return {};
-  return start_thread(thread_name_, [this] { run(); }).map([this](std::thread&& t) {
-    thread_ = std::move(t);
-  });
+  return start_thread(spec_, [this] { run(); }).map([this](std::thread&& t) { thread_ = std::move(t); });
 }
 
 void Dispatcher::add(std::shared_ptr<SubscriberCore> subscriber) {

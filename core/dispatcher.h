@@ -6,19 +6,20 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
-#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/doorbell.h"
 #include "core/subscriber_core.h"
+#include "core/thread.h"
 
 namespace sft::core {
 
 class Dispatcher {
  public:
   /// `bell` outlives the dispatcher.
-  Dispatcher(Doorbell& bell, std::string thread_name) : bell_(bell), thread_name_(std::move(thread_name)) {}
+  Dispatcher(Doorbell& bell, ThreadSpec spec) : bell_(bell), spec_(std::move(spec)) {}
   ~Dispatcher();
   Dispatcher(const Dispatcher&) = delete;
   Dispatcher& operator=(const Dispatcher&) = delete;
@@ -36,7 +37,7 @@ class Dispatcher {
   std::shared_ptr<const Subscribers> subscribers() const;
 
   Doorbell& bell_;
-  const std::string thread_name_;
+  const ThreadSpec spec_;
   mutable std::mutex mutex_;
   std::shared_ptr<const Subscribers> subscribers_ = std::make_shared<Subscribers>();
   std::atomic<bool> stopping_{false};

@@ -38,7 +38,8 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
   const DiscoveryOptions discovery{.domain = options.domain.value_or(0),
                                    .settings = options.discovery,
-                                   .user_config = options.cyclonedds_config.value_or("")};
+                                   .user_config = options.cyclonedds_config.value_or(""),
+                                   .threads = options.threads.discovery};
   auto opened = Discovery::open(discovery, *node);
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
@@ -52,7 +53,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   Reconciler* const reconciler = node->reconciler_.get();
   const Agent::Duties duties{.tick = [reconciler] { return reconciler->tick(); },
                              .idle = [reconciler] { reconciler->reconcile(); }};
-  const Result<void> started = node->agent_.start("sft-agent " + options.name, duties);
+  const Result<void> started = node->agent_.start({"agent " + options.name, options.threads.agent}, duties);
   if (!started) return tl::unexpected(started.error());
   return node;
 }
@@ -67,8 +68,8 @@ NodeCore::NodeCore(const NodeOptions& options, Parts parts)
       bells_(DoorbellPage::create()),
       free_slots_(DoorbellPage::slots - shared_slots),
       log_(options.name, options.log_level, options.log),
-      dispatcher_(bells_->at(dispatcher_slot), "sft-call " + options.name),
-      poller_(bells_->at(poller_slot), "sft-poll " + options.name) {
+      dispatcher_(bells_->at(dispatcher_slot), {"call " + options.name, options.threads.callbacks}),
+      poller_(bells_->at(poller_slot), {"poll " + options.name, options.threads.callbacks}) {
   std::iota(free_slots_.rbegin(), free_slots_.rend(), shared_slots);
 }
 

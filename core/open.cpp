@@ -4,6 +4,8 @@
 #include "core/dds_config.h"
 #include "core/domain_id.h"
 #include "core/node_core.h"
+#include "core/process_limits.h"
+#include "core/thread.h"
 #include "sft/node.h"
 #include "shm_transport/shm_transport.h"
 #include "udp_transport/udp_transport.h"
@@ -11,6 +13,10 @@
 namespace sft {
 
 namespace {
+
+/// Of a node on one network interface and the loopback, with its first publishers and subscribers.
+constexpr std::size_t descriptors_of_a_node = 48;
+constexpr std::size_t threads_of_a_node = 16;
 
 NodeOptions with_defaults(const NodeOptions& options, std::uint32_t domain) {
   NodeOptions result = options;
@@ -33,6 +39,8 @@ Result<std::unique_ptr<core::Transport>> open_udp(const NodeOptions& options,
   udp.max_bytes_per_s = options.udp.max_bytes_per_s;
   udp.multicast =
       options.udp.multicast == MulticastUse::automatic ? udp::Multicast::automatic : udp::Multicast::off;
+  udp.receive_thread = {"udp-recv", options.threads.receiver};
+  udp.send_thread = {"udp-send", options.threads.sender};
   udp.backend = options.udp.use_io_uring ? udp::Backend::automatic : udp::Backend::sockets;
   return udp::open_udp_transport(udp, std::move(heap));
 }
@@ -49,6 +57,7 @@ Result<std::unique_ptr<core::Transport>> open_shm(const NodeOptions& options) {
   shm.start_daemon = options.shm.start_daemon;
   shm.daemon_idle_exit = options.shm.daemon_idle_exit;
   shm.daemon_users = options.shm.daemon_users;
+  shm.wake_thread = {"wake", options.threads.sender};
   return shm::open_shm_transport(shm);
 }
 
@@ -57,6 +66,10 @@ Result<std::unique_ptr<core::Transport>> open_shm(const NodeOptions& options) {
 Result<Node> Node::open(const NodeOptions& options) {
   const Result<std::uint32_t> domain = core::domain_id(options.domain, std::getenv("ROS_DOMAIN_ID"));
   if (!domain) return tl::unexpected(domain.error());
+  if (const Result<void> room = core::check_room_for(descriptors_of_a_node, threads_of_a_node); !room)
+    return tl::unexpected(room.error());
+  if (const Result<void> settings = core::check(options.threads); !settings)
+    return tl::unexpected(settings.error());
   const NodeOptions resolved = with_defaults(options, *domain);
   core::NodeCore::Parts parts;
   parts.heap = core::BufferPool::make(options.udp.memory_limit_bytes);

@@ -1,16 +1,34 @@
 // How all threads of a node are started: named for debuggers, never the ones that get the process's signals,
-// and where the system gives no more of them that is an error and no exception.
+// and with the CPUs and the scheduling policy that their settings say, whatever the thread has that starts
+// them. Where the system gives no more of them that is an error and no exception.
 #pragma once
 
 #include <functional>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 
+#include "sft/options.h"
 #include "sft/typesupport/result.h"
 
 namespace sft::core {
 
-/// At most 15 characters of the name are used.
-Result<std::thread> start_thread(const std::string& name, std::function<void()> body);
+struct ThreadSpec {
+  std::string name;  ///< the first 15 characters are used
+  ThreadSettings settings{};
+
+  ThreadSpec(const char* full_name) : name(full_name) {}
+  ThreadSpec(std::string full_name) : name(std::move(full_name)) {}
+  /// A thread of a node, which is called `what` behind the prefix that the settings say.
+  ThreadSpec(std::string_view what, const ThreadSettings& with);
+};
+
+/// Returns once the thread has what the settings say. An error if the system refuses that.
+Result<std::thread> start_thread(const ThreadSpec& spec, std::function<void()> body);
+
+/// Tries the settings of each group of threads. The error names the option that the system refuses, or that
+/// makes no sense.
+Result<void> check(const NodeThreads& threads);
 
 }  // namespace sft::core

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <string>
 
+#include "core/thread.h"
 #include "shm_transport/daemon_search.h"
 
 extern char** environ;
@@ -71,8 +72,16 @@ Result<DaemonLaunch> DaemonLaunch::begin(const ShmOptions& options) {
   std::array<char*, 3> arguments{const_cast<char*>(path.c_str()), idle_exit.data(), nullptr};
   const SpawnSettings settings(write_end.get());
   pid_t child = -1;
-  const int error = posix_spawnp(&child, path.c_str(), settings.actions(), settings.attributes(),
-                                 arguments.data(), environ);
+  int error = 0;
+  const auto spawn = [&] {
+    error = posix_spawnp(&child, path.c_str(), settings.actions(), settings.attributes(), arguments.data(),
+                         environ);
+  };
+  // The daemon takes over CPUs and scheduling policy from the thread that starts it, and it serves others,
+  // too.
+  Result<std::thread> spawning = core::start_thread("sft-launch", spawn);
+  if (!spawning) return tl::unexpected(spawning.error());
+  spawning->join();
   if (error != 0) {
     const std::string system = path + " could not be started: " + std::strerror(error);
     if (is_named) return fail(errc_of(error), system + "; " + options.daemon_named_by + " names it");

@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/doorbell.h"
@@ -53,6 +54,9 @@ class Doorbells final : public Errand {
 /// Any thread.
 class DoorbellPages {
  public:
+  /// `waker`: the thread that wakes readers where several sleep.
+  explicit DoorbellPages(core::ThreadSpec waker = "sft-wake") : waker_(std::move(waker)) {}
+
   /// The page that a reader's doorbell is in, or why it cannot be rung. `accounts`: whose pages may be
   /// opened.
   Result<std::shared_ptr<core::DoorbellPage>> page_of(const core::Route& route,

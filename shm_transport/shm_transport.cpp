@@ -78,7 +78,7 @@ class ShmTransport final : public core::Transport {
 
   const ShmOptions options_;
   const std::shared_ptr<IceoryxRuntime> runtime_;
-  const std::shared_ptr<DoorbellPages> pages_ = std::make_shared<DoorbellPages>();
+  const std::shared_ptr<DoorbellPages> pages_ = std::make_shared<DoorbellPages>(options_.wake_thread);
   const std::shared_ptr<Statistics> statistics_ = std::make_shared<Statistics>();
   std::shared_ptr<Session> session_;
 };

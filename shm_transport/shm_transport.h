@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/thread.h"
 #include "core/transport.h"
 #include "sft/typesupport/result.h"
 
@@ -29,6 +30,8 @@ struct ShmOptions {
   std::chrono::milliseconds start_deadline{20'000};   ///< for a daemon to become ready
   std::chrono::milliseconds connect_deadline{1'000};  ///< for it to take this process on
   std::chrono::milliseconds port_deadline{500};       ///< for it to make a port
+
+  core::ThreadSpec wake_thread = "sft-wake";  ///< wakes readers where several sleep
 
   std::uint32_t queue_limit = 256;  ///< samples waiting, per reader and writer; at most 256
   std::uint32_t held_limit = 256;   ///< samples held, per writer and per reader and writer; at most 256

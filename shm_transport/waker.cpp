@@ -3,8 +3,6 @@
 #include <chrono>
 #include <utility>
 
-#include "core/thread.h"
-
 namespace sft::shm {
 
 Waker::~Waker() {
@@ -17,7 +15,7 @@ Waker::~Waker() {
 void Waker::start() {
   const std::scoped_lock lock(mutex_);
   if (thread_.joinable()) return;
-  auto started = core::start_thread("sft-wake", [this] { serve(); });
+  auto started = core::start_thread(spec_, [this] { serve(); });
   if (!started) return;
   thread_ = std::move(*started);
   running_.store(true);

@@ -7,8 +7,10 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 #include "core/doorbell.h"
+#include "core/thread.h"
 
 namespace sft::shm {
 
@@ -30,7 +32,7 @@ class Errand {
 
 class Waker {
  public:
-  Waker() = default;
+  explicit Waker(core::ThreadSpec spec = "sft-wake") : spec_(std::move(spec)) {}
   /// Runs what is still listed.
   ~Waker();
   Waker(const Waker&) = delete;
@@ -48,6 +50,7 @@ class Waker {
   void serve();
   void run_all() noexcept;
 
+  const core::ThreadSpec spec_;
   core::Doorbell bell_;
   std::atomic<const Errand*> listed_{nullptr};  ///< the latest first
   std::atomic<bool> running_{false};

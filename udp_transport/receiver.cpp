@@ -41,12 +41,12 @@ Receiver::Receiver(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits&
       shares_(receive_buffer_bytes),
       reassembly_(limits, std::move(pool)) {}
 
-Result<void> Receiver::start(const std::string& thread_name) {
+Result<void> Receiver::start(const core::ThreadSpec& thread) {
   alarm_ = FileDescriptor(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK));
   waiter_event_ = FileDescriptor(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
   if (!alarm_ || !waiter_event_)
     return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
-  Result<std::thread> started = core::start_thread(thread_name, [self = shared_from_this()] { self->run(); });
+  Result<std::thread> started = core::start_thread(thread, [self = shared_from_this()] { self->run(); });
   if (!started) return tl::unexpected<Error>(std::move(started.error()));
   thread_ = std::move(*started);
   return {};

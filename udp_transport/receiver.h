@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/thread.h"
 #include "udp_transport/datagram_io.h"
 #include "udp_transport/group_socket.h"
 #include "udp_transport/lag_watch.h"
@@ -44,7 +45,7 @@ class Receiver final : private DatagramSink, public std::enable_shared_from_this
            std::size_t receive_buffer_bytes, std::shared_ptr<core::BufferPool> pool, Acks acks,
            Groups groups);
 
-  Result<void> start(const std::string& thread_name);
+  Result<void> start(const core::ThreadSpec& thread);
   /// Afterwards nothing is received. Called by a listener, it takes effect once that has returned.
   void stop();
 

@@ -30,9 +30,9 @@ Sender::Sender(std::unique_ptr<DatagramSender> io, std::uint64_t max_bytes_per_s
 
 Sender::~Sender() { stop(); }
 
-Result<void> Sender::start(const std::string& thread_name, Hear hear) {
+Result<void> Sender::start(const core::ThreadSpec& thread, Hear hear) {
   hear_ = std::move(hear);
-  Result<std::thread> started = core::start_thread(thread_name, [this] { run(); });
+  Result<std::thread> started = core::start_thread(thread, [this] { run(); });
   if (!started) return tl::unexpected<Error>(std::move(started.error()));
   thread_ = std::move(*started);
   return {};

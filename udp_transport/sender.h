@@ -17,6 +17,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/thread.h"
 #include "udp_transport/channel.h"
 #include "udp_transport/datagram_io.h"
 #include "udp_transport/lane.h"
@@ -46,7 +47,7 @@ class Sender {
   /// Hears what comes back to answer_port(), on the sending thread: as hear_answer().
   using Hear = std::function<bool(std::span<const std::byte> datagram, const SocketAddress& from,
                                   std::chrono::steady_clock::time_point)>;
-  Result<void> start(const std::string& thread_name, Hear hear = {});
+  Result<void> start(const core::ThreadSpec& thread, Hear hear = {});
   /// What is queued is not sent any more. Not from the sending thread.
   void stop();
   bool stopped() const { return stopped_.load(std::memory_order_acquire); }

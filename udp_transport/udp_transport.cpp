@@ -211,14 +211,14 @@ Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& op
   const auto receiver = make_receiver(options, *socket, std::move(pool), std::move(io->receiver), send_side);
   auto transport =
       std::make_unique<UdpTransport>(options, **socket, std::move(io->description), receiver, send_side);
-  if (Result<void> started = receiver->start(options.receive_thread_name); !started)
+  if (Result<void> started = receiver->start(options.receive_thread); !started)
     return forward(started.error());
   SendSide& side = *send_side;  // whose sender that is
   const auto hear = [&side](std::span<const std::byte> answer, const SocketAddress& from,
                             std::chrono::steady_clock::time_point now) {
     return hear_answer(side, answer, from, now);
   };
-  if (Result<void> started = side.sender.start(options.send_thread_name, hear); !started)
+  if (Result<void> started = side.sender.start(options.send_thread, hear); !started)
     return forward(started.error());
   return transport;
 }

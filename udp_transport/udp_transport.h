@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/buffer_pool.h"
+#include "core/thread.h"
 #include "core/transport.h"
 #include "udp_transport/datagram.h"
 #include "udp_transport/datagram_io.h"
@@ -43,8 +44,8 @@ struct UdpOptions {
   std::size_t send_queue_depth = 4;  ///< of a writer, under a mask, to an address: the newest wait
   ReassemblyLimits reassembly{};     ///< its sample_bytes is set from max_sample_bytes
 
-  std::string receive_thread_name = "sft-udp-recv";
-  std::string send_thread_name = "sft-udp-send";
+  core::ThreadSpec receive_thread = "sft-udp-recv";
+  core::ThreadSpec send_thread = "sft-udp-send";
 };
 
 /// Puts something around the transport's I/O: loss, delay, repetition, another order.

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 #include <pthread.h>
+#include <sched.h>
 
 #include <array>
 #include <csignal>
 #include <string>
+#include <thread>
 
 namespace sft::core {
 namespace {
@@ -36,6 +38,44 @@ TEST(ThreadTest, GetsNoneOfTheSignalsOfTheProgramWhoseOwnThreadsGetThemAsBefore)
   EXPECT_TRUE(blocked);
   EXPECT_TRUE(may_crash);
   EXPECT_FALSE(blocks(SIGINT));
+}
+
+TEST(ThreadTest, OfANodeHasThePrefixThatItsSettingsSay) {
+  EXPECT_EQ(ThreadSpec("agent a", ThreadSettings{}).name, "sft-agent a");
+  EXPECT_EQ(ThreadSpec("agent a", {.name_prefix = "nav-"}).name, "nav-agent a");
+}
+
+TEST(ThreadTest, RunsWhereItsSettingsSayAndElseWhereTheProgramMay) {
+  cpu_set_t all, one;
+  ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
+  unsigned cpu = 0;
+  while (!CPU_ISSET(cpu, &all)) ++cpu;
+  CPU_ZERO(&one);
+  CPU_SET(cpu, &one);
+  const auto of_thread = [](const ThreadSpec& spec) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    start_thread(spec, [&] { sched_getaffinity(0, sizeof set, &set); })->join();
+    return set;
+  };
+  const cpu_set_t pinned = of_thread({"pinned", {.cpus = {cpu}}});
+  EXPECT_TRUE(CPU_EQUAL(&pinned, &one));
+  cpu_set_t of_child;
+  std::thread([&] {
+    sched_setaffinity(0, sizeof one, &one);
+    of_child = of_thread("child");
+  }).join();
+  EXPECT_TRUE(CPU_EQUAL(&of_child, &all));
+}
+
+TEST(ThreadTest, WithSettingsThatTheSystemRefusesIsAnErrorAndDoesNotBegin) {
+  bool began = false;
+  const auto thread = start_thread({"test", {.cpus = {8000}}}, [&] { began = true; });
+  ASSERT_FALSE(thread);
+  EXPECT_NE(thread.error().message.find("the thread sft-test: this process may not use CPU 8000"),
+            std::string::npos)
+      << thread.error().message;
+  EXPECT_FALSE(began);
 }
 
 /// Threads that are started meanwhile want more stack than there are addresses.

@@ -61,8 +61,8 @@ struct ShmSettings {
   std::vector<std::string> daemon_users{};
 };
 
-/// How nodes find each other. Nodes of one process may have different settings; those with equal ones, and an
-/// equal cyclonedds_config, share Cyclone DDS's threads.
+/// How nodes find each other. Nodes of one process may have different settings; those with equal ones, an
+/// equal cyclonedds_config and equal NodeThreads::discovery share Cyclone DDS's threads.
 struct DiscoverySettings {
   /// Hosts to look for nodes on, besides those that multicast reaches: "10.0.0.7", "robot.local", or with the
   /// port of one process, "10.0.0.7:7410". Both sides have to name each other. On each, the first 20 nodes
@@ -79,6 +79,42 @@ struct DiscoverySettings {
   bool multicast = true;
 };
 
+/// How the system chooses among threads that can run. `normal` is what programs have without asking
+/// (SCHED_OTHER). `fifo` and `round_robin` are the real-time policies SCHED_FIFO and SCHED_RR.
+enum class SchedulingPolicy : std::uint8_t { normal, fifo, round_robin };
+
+/// What some threads of a node have. They never take over a real-time policy or a CPU set from the thread
+/// that opens the node: without settings they have the normal policy, and the CPUs that the program was
+/// started with.
+struct ThreadSettings {
+  /// The numbers of the CPUs that they may run on. Empty: those that the program was started with.
+  std::vector<unsigned> cpus{};
+  SchedulingPolicy policy = SchedulingPolicy::normal;
+  /// 1 (lowest) to 99 under a real-time policy, and 0 under the normal one.
+  int priority = 0;
+  /// What their names in /proc/PID/task/TID/comm begin with: "nav-" makes "sft-udp-recv" "nav-udp-recv". The
+  /// system keeps 15 characters of a name. Empty: "sft-", and nothing before the names of Cyclone's threads.
+  std::string name_prefix{};
+  friend bool operator==(const ThreadSettings&, const ThreadSettings&) = default;
+};
+
+/// The threads of a node, by what they do. Node::open() fails if the system refuses what is set here, and
+/// says which of these it was: real-time policies need CAP_SYS_NICE or a limit RLIMIT_RTPRIO of at least the
+/// priority.
+struct NodeThreads {
+  /// Receives by UDP, and calls back for what came by UDP while callbacks are short.
+  ThreadSettings receiver{};
+  /// Sends what publish() left over by UDP, and wakes the readers of this host where several sleep.
+  ThreadSettings sender{};
+  /// Negotiates, and calls back for events and the log.
+  ThreadSettings agent{};
+  /// Call back for what came in shared memory, and tell file descriptors.
+  ThreadSettings callbacks{};
+  /// Those of Cyclone DDS. Nodes of one process with other settings here do not share them. Without effect
+  /// where the program itself opened the DDS domain.
+  ThreadSettings discovery{};
+};
+
 struct NodeOptions {
   std::string name = "node";
   /// DDS domain of the control topics, 0 to 232; default: $ROS_DOMAIN_ID, else 0
@@ -87,6 +123,7 @@ struct NodeOptions {
   TransportChoice transport = TransportChoice::automatic;  ///< bound for all endpoints of the node
   UdpSettings udp{};
   ShmSettings shm{};
+  NodeThreads threads{};
   /// XML or names of files, behind ours, so that it wins; default: $CYCLONEDDS_URI. What SFT cannot do
   /// without wins over it, and is said, in the log and NodeStatus::discovery.
   std::optional<std::string> cyclonedds_config{};
