@@ -1,0 +1,90 @@
+// A program that locks its memory, as real-time programs do, meets no page fault on the path of samples: all
+// that they need is there when the nodes are open and warm.
+#include <sys/mman.h>
+#include <sys/resource.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "tests/system/fixture.h"
+
+namespace sft::test {
+namespace {
+
+/// Page faults that needed no disk and those that did, of each thread of this process, and its name.
+struct Faults {
+  std::string thread;
+  std::uint64_t minor = 0;
+  std::uint64_t major = 0;
+};
+
+std::map<int, Faults> faults() {
+  std::map<int, Faults> faults;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
+    std::string line;
+    std::getline(std::ifstream(entry.path() / "stat"), line);
+    const std::size_t open = line.find('('), close = line.rfind(')');
+    std::istringstream rest(line.substr(close + 2));
+    std::string skipped;
+    for (int i = 0; i < 7; ++i) rest >> skipped;  // state to flags
+    Faults& of = faults[std::stoi(entry.path().filename())];
+    of.thread = line.substr(open + 1, close - open - 1);
+    rest >> of.minor >> skipped >> of.major;
+  }
+  return faults;
+}
+
+class MemoryLockTest : public PubSubTest {
+ protected:
+  void SetUp() override {
+    if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
+      GTEST_SKIP() << "needs CAP_IPC_LOCK or another limit RLIMIT_MEMLOCK: " << std::strerror(errno);
+  }
+  void TearDown() override { munlockall(); }
+};
+
+TEST_P(MemoryLockTest, ThreadsThatPublishSendReceiveAndCallBackMeetNoPageFault) {
+  Node a = open("a");
+  Node b = open("b");
+  auto publisher = a.publisher<PointCloud2>("points").value();
+  auto taken = b.subscriber<PointCloud2, F::height | F::data>("points").value();
+  std::atomic<std::uint64_t> called{0};
+  auto called_back = b.subscriber<PointCloud2, F::width | F::fields>("points", [&](const auto& sample) {
+                        called += sample->width();
+                      }).value();
+  expect_served(publisher, 2);
+  const PointCloud2 message = cloud(1, 100'000);
+  std::uint64_t bytes = 0;
+  const auto pass = [&] {
+    publisher.publish(message);
+    auto loan = publisher.loan(message, {.data = 100'000});
+    loan->set(F::height, 3U);
+    std::move(*loan).publish();
+    while (taken.wait(2ms)) {
+      while (const auto sample = taken.take()) bytes += sample->data().size();
+    }
+  };
+  for (int i = 0; i < 300; ++i) pass();
+  const auto before = faults();
+  for (int i = 0; i < 500; ++i) pass();
+  const auto after = faults();
+  EXPECT_GE(bytes, 800 * 2 * 90'000U);
+  EXPECT_GE(called, 800U);
+  for (const auto& [number, now] : after) {
+    if (!before.contains(number)) continue;
+    const bool on_the_path = number == getpid() || now.thread.starts_with("sft-udp") ||
+                             now.thread.starts_with("sft-call") || now.thread.starts_with("sft-wake");
+    if (!on_the_path) continue;
+    EXPECT_EQ(now.minor - before.at(number).minor, 0U) << now.thread;
+    EXPECT_EQ(now.major - before.at(number).major, 0U) << now.thread;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, MemoryLockTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
+                         way_name);
+
+}  // namespace
+}  // namespace sft::test
