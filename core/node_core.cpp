@@ -80,6 +80,7 @@ NodeCore::~NodeCore() {
 
 /// The last handle may go within a callback, on a thread that the destructor would wait for.
 void NodeCore::dispose(NodeCore* node) {
+  if (is_forked_copy()) return;  // its threads are not there, and its sockets and files are the parent's
   const bool own_thread = SubscriberCore::in_callback() || node->agent_.is_current_thread() ||
                           node->dispatcher_.is_current_thread() || node->poller_.is_current_thread();
   if (!own_thread) {
@@ -215,6 +216,7 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   });
   // The handle withdraws the endpoint; the agent lets go of the rest.
   std::shared_ptr<PublisherCore> handle(core.get(), [self, core, id = endpoint.id](PublisherCore*) {
+    if (is_forked_copy()) return;
     core->close();
     self->roster_.strike_off(*core);
     self->agent_.post([node = self.get(), id] { node->reconciler_->remove(id); });
@@ -312,6 +314,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
     endpoints_changed_.raise();
   });
   const auto close = [self, core, recorder, id = endpoint.id, slot = *slot](SubscriberCore*) {
+    if (is_forked_copy()) return;
     core->close();
     self->roster_.strike_off(*core);
     if (recorder != nullptr) recorder->detach();

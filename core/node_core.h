@@ -18,6 +18,7 @@
 #include "core/doorbell.h"
 #include "core/endpoint_roster.h"
 #include "core/event_count.h"
+#include "core/forked.h"
 #include "core/node_log.h"
 #include "core/reconciler.h"
 #include "core/transport.h"
@@ -79,6 +80,7 @@ class NodeCore final : private DiscoveryListener {
 
   bool may_use(TransportKind kind, TransportChoice choice) const;
 
+  const OfOneProcess of_one_process_;
   const NodeOptions options_;
   const NodeId id_;
   const std::uint64_t network_;

@@ -3,6 +3,7 @@
 
 #include "core/dds_config.h"
 #include "core/domain_id.h"
+#include "core/forked.h"
 #include "core/node_core.h"
 #include "core/process_limits.h"
 #include "core/thread.h"
@@ -64,6 +65,11 @@ Result<std::unique_ptr<core::Transport>> open_shm(const NodeOptions& options) {
 }  // namespace
 
 Result<Node> Node::open(const NodeOptions& options) {
+  if (core::is_forked_copy())
+    return fail(
+        Errc::unavailable,
+        "this process was forked from one that has a node: open nodes only after fork(), or begin another "
+        "program in the new process (exec)");
   const Result<std::uint32_t> domain = core::domain_id(options.domain, std::getenv("ROS_DOMAIN_ID"));
   if (!domain) return tl::unexpected(domain.error());
   if (const Result<void> room = core::check_room_for(descriptors_of_a_node, threads_of_a_node); !room)

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/forked.h"
 #include "core/publisher_core.h"
 #include "core/recorder.h"
 #include "core/sample_buffer.h"
@@ -65,8 +66,15 @@ std::span<const std::byte> Sample::cdr() const {
 }
 
 void Sample::reset() noexcept {
+  if (core::is_forked_copy()) return leave_to_the_parent();
   if (auto* record = std::exchange(record_, nullptr)) core::Recorder::end(record);
   SampleHandle::adopt(std::exchange(buffer_, nullptr)).reset();
+}
+
+/// What the buffer lies in is given back once, by the process that took it.
+void Sample::leave_to_the_parent() noexcept {
+  record_ = nullptr;
+  buffer_ = nullptr;
 }
 
 void Sample::swap(Sample& other) noexcept {
@@ -79,7 +87,14 @@ void Sample::swap(Sample& other) noexcept {
 Loan::Loan(std::shared_ptr<core::PublisherCore> publisher, core::SampleBuffer* buffer)
     : publisher_(std::move(publisher)), buffer_(buffer) {}
 
-Loan::~Loan() { SampleHandle::adopt(buffer_).reset(); }
+Loan::~Loan() {
+  if (core::is_forked_copy()) {
+    // Not even the publisher, of which this may be the last handle.
+    static_cast<void>(new std::shared_ptr<core::PublisherCore>(std::move(publisher_)));
+    return;
+  }
+  SampleHandle::adopt(buffer_).reset();
+}
 
 void Loan::swap(Loan& other) noexcept {
   std::swap(publisher_, other.publisher_);

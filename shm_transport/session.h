@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "core/forked.h"
 #include "core/transport.h"
 #include "shm_transport/chunk_pools.h"
 #include "shm_transport/host_file.h"
@@ -127,6 +128,7 @@ class Session : public std::enable_shared_from_this<Session> {
   iox::popo::BasePortData* port_at(const PortPlace& place, std::size_t bytes) const;
   bool claim(const PortPlace& place, const std::string& label) const;
 
+  const core::OfOneProcess of_one_process_;
   std::shared_ptr<IceoryxRuntime> runtime_;
   HostWatch watch_;
   std::unique_ptr<RoudiChannel> channel_;

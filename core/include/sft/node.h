@@ -1,6 +1,10 @@
 // A node: the participant through which a program publishes and subscribes. It owns its threads; several in
 // one process are fine. Publishers and subscribers keep their node alive.
 //
+// fork() is harmless: in the new process the node, and all that it opened or lent, may be destroyed, which
+// does nothing, and the process may begin another program (exec) or end. Nothing else may be done with them
+// there, and no other node can be opened.
+//
 // All functions of a node may be called by any thread, also at once, and within callbacks of its publishers
 // and subscribers, but for find_type(). Copies are the same node. What a node has opened may call back before
 // the function that opened it has returned.

@@ -44,8 +44,9 @@ enum class PublishStatus : std::uint8_t {
   invalid,    ///< a string with a NUL in it, a bound exceeded, or larger than max_sample_bytes
   no_loan,    ///< the loan was published already, or moved away
   no_memory,  ///< no chunk or buffer free: readers hold too many samples
-  dropped,  ///< a queue was full, or no chunk was free: at least one reader misses this sample, and counts it.
-            ///< With max_blocking: that was over, and it may also be an older sample that a reader misses.
+  dropped,    ///< a queue was full, or no chunk was free: at least one reader misses this sample, and counts
+            ///< it. With max_blocking: that was over, and it may also be an older sample that a reader
+            ///< misses.
 };
 const char* to_string(PublishStatus status);
 
@@ -97,6 +98,7 @@ class Sample {
   void reset() noexcept;
 
  private:
+  void leave_to_the_parent() noexcept;
   void swap(Sample& other) noexcept;
 
   SampleState state_{};

@@ -1,0 +1,158 @@
+// fork() in a program with nodes: whatever the new process does with what it finds, the parent's nodes go on.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/system/fixture.h"
+
+namespace sft::test {
+namespace {
+
+/// All that a program can have of a node.
+struct Held {
+  Node writing, reading;
+  Publisher<PointCloud2> publisher;
+  Subscriber<PointCloud2, F::height> subscriber;
+  Subscriber<PointCloud2, F::height> called_back;
+  std::optional<Sample<PointCloud2, F::height>> sample{};
+  std::optional<Loan<PointCloud2>> loan{};
+};
+std::optional<Held> held;  // exit() destroys it
+
+/// The files by which others reach this process: its doorbells, and its sockets to the daemon.
+std::vector<std::string> shared_files() {
+  std::vector<std::string> names;
+  for (const char* directory : {"/dev/shm", "/tmp"}) {
+    for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+      const std::string name = entry.path().filename();
+      if (name.starts_with("sft_bell_") || name.starts_with("sft_node_")) names.push_back(name);
+    }
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+class ForkTest : public PubSubTest {
+ protected:
+  void SetUp() override {
+    Node writing = open("writing");
+    Node reading = open("reading");
+    const auto note = [this](const Event& event) {
+      if (event.kind == EventKind::unmatched || event.kind == EventKind::path_changed) ++disturbances_;
+    };
+    auto publisher = writing.publisher<PointCloud2>("points", {.on_event = note}).value();
+    auto subscriber = reading.subscriber<PointCloud2, F::height>("points", {.on_event = note}).value();
+    auto called_back =
+        reading.subscriber<PointCloud2, F::height>("points", [this](const auto&) { ++called_; }).value();
+    expect_served(publisher, 2);
+    held.emplace(Held{writing, reading, std::move(publisher), std::move(subscriber), std::move(called_back)});
+    held->publisher.publish({.height = 1});
+    ASSERT_TRUE(held->subscriber.wait(5s));
+    held->sample = held->subscriber.take();
+    held->loan = held->publisher.loan({.height = 2}, {.data = 100}).value();
+    files_ = shared_files();
+  }
+  void TearDown() override { held.reset(); }
+
+  /// The exit code of a process in which `act` runs, or the negative number of the signal that ended it.
+  static int forked(const std::function<void()>& act) {
+    const pid_t child = fork();
+    if (child == 0) {
+      alarm(20);  // where it hangs
+      act();
+      _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+  /// That the pair is as it was, and has everything that is its own.
+  void expect_undisturbed() {
+    EXPECT_EQ(shared_files(), files_);
+    EXPECT_EQ(held->sample ? (*held->sample)->height() : 0, 1U);
+    const int called_before = called_;
+    for (std::uint32_t i = 10; i < 110; ++i) {
+      ASSERT_EQ(held->publisher.publish({.height = i}), PublishStatus::ok);
+      ASSERT_TRUE(held->subscriber.wait(5s)) << i;
+      const auto sample = held->subscriber.take();
+      EXPECT_EQ(sample->height(), i);
+      EXPECT_EQ(sample.info().lost_before, 0U);
+      std::this_thread::sleep_for(2ms);  // as long as a withdrawal would take
+    }
+    EXPECT_TRUE(eventually([&] { return called_ >= called_before + 100; }));
+    EXPECT_EQ(served(held->publisher), 2U);
+    EXPECT_EQ(disturbances_, 0);
+  }
+
+ private:
+  std::atomic<int> called_{0}, disturbances_{0};
+  std::vector<std::string> files_;
+};
+
+TEST_P(ForkTest, AProcessThatExitsWithStaticDestructorsLeavesTheNodesOfItsParentAlone) {
+  EXPECT_EQ(forked([] { std::exit(7); }), 7);
+  expect_undisturbed();
+}
+
+TEST_P(ForkTest, AProcessMayDestroyWhatItFindsInAnyOrder) {
+  EXPECT_EQ(forked([] {
+              held->sample.reset();
+              held->loan.reset();
+              held.reset();
+            }),
+            0);
+  EXPECT_EQ(forked([] {
+              {
+                const Node gone = std::move(held->reading);
+                const auto publisher = std::move(held->publisher);
+                const auto subscriber = std::move(held->subscriber);
+              }
+              held.reset();
+            }),
+            0);
+  expect_undisturbed();
+}
+
+TEST_P(ForkTest, AProcessMayBeginAnotherProgram) {
+  EXPECT_EQ(forked([] { execl("/bin/sh", "sh", "-c", "exit 5", nullptr); }), 5);
+  expect_undisturbed();
+}
+
+TEST_P(ForkTest, AProcessThatOpensANodeIsToldWhyItCannot) {
+  EXPECT_EQ(forked([] {
+              const auto node = Node::open({.name = "child"});
+              if (node || node.error().code != Errc::unavailable) _exit(1);
+              if (node.error().message.find("this process was forked from one that has a node") ==
+                  std::string::npos)
+                _exit(2);
+            }),
+            0);
+  expect_undisturbed();
+}
+
+TEST_P(ForkTest, ManyProcessesThatComeAndGoWhileSamplesAreSentDisturbNobody) {
+  std::atomic<bool> stop{false};
+  Publisher<PointCloud2> another = held->writing.publisher<PointCloud2>("others").value();
+  const auto reader = held->reading.subscriber<PointCloud2, F::height>("others", [](const auto&) {}).value();
+  std::thread publishing([&] {
+    while (!stop) another.publish({.height = 3});
+  });
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(forked([] { std::exit(7); }), 7) << i;
+  stop = true;
+  publishing.join();
+  expect_undisturbed();
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, ForkTest, ::testing::Values(Way::shm, Way::udp), way_name);
+
+}  // namespace
+}  // namespace sft::test
