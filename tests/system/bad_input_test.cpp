@@ -1,11 +1,16 @@
 // What is refused, and what the refusal says.
+#include <fcntl.h>
+#include <gmock/gmock.h>
 #include <netinet/in.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <functional>
+#include <string>
+#include <utility>
 
 #include <nav_msgs/msg/Odometry.hpp>
 
@@ -13,6 +18,8 @@
 
 namespace sft::test {
 namespace {
+
+using ::testing::AnyOf;
 
 class BadInputTest : public ::testing::Test {
  protected:
@@ -37,14 +44,27 @@ TEST_F(BadInputTest, ABusyPortIsAnErrorThatNamesIt) {
 }
 
 /// What became of Node::open() in a process of its own, which lacks something.
-enum class Opened : std::uint8_t { node, limit_exceeded, other_error, crashed };
+enum class Opened : std::uint8_t { node, limit_exceeded, other_error, leaked, crashed };
 
-Opened opened_by_child(const std::function<void()>& lack) {
+/// Descriptors and threads of this process.
+std::pair<std::size_t, std::size_t> in_use() {
+  std::pair<std::size_t, std::size_t> counts;
+  for (int fd = 0; fd < 1024; ++fd) counts.first += fcntl(fd, F_GETFD) >= 0 ? 1 : 0;
+  struct stat tasks {};
+  if (stat("/proc/self/task", &tasks) == 0) counts.second = tasks.st_nlink;
+  return counts;
+}
+
+Opened opened_by_child(const std::function<void()>& lack, const std::string& limit) {
   const pid_t child = fork();
   if (child == 0) {
+    alarm(30);  // one that hangs ends like one that crashes
     lack();
+    const auto before = in_use();
     const auto node = Node::open(node_options(Way::udp, "short of all"));
-    const bool is_limit = !node && node.error().code == Errc::limit_exceeded;
+    if (!node && in_use() != before) _exit(static_cast<int>(Opened::leaked));
+    const bool is_limit = !node && node.error().code == Errc::limit_exceeded &&
+                          node.error().message.find(limit) != std::string::npos;
     _exit(static_cast<int>(node ? Opened::node : is_limit ? Opened::limit_exceeded : Opened::other_error));
   }
   int status = 0;
@@ -55,28 +75,35 @@ Opened opened_by_child(const std::function<void()>& lack) {
 TEST_F(BadInputTest, WhoHasTooFewThreadsGetsAnErrorThatSaysSo) {
   constexpr uid_t nobody_else = 61'234;
   const auto opened_with = [](rlim_t threads) {
-    return opened_by_child([&] {
-      const rlimit limit{threads, threads};
-      setrlimit(RLIMIT_NPROC, &limit);
-      if (getuid() == 0 && setresuid(nobody_else, nobody_else, nobody_else) != 0) _exit(99);
-    });
+    return opened_by_child(
+        [&] {
+          const rlimit limit{threads, threads};
+          setrlimit(RLIMIT_NPROC, &limit);
+          if (getuid() == 0 && setresuid(nobody_else, nobody_else, nobody_else) != 0) _exit(99);
+        },
+        "RLIMIT_NPROC");
   };
   if (getuid() != 0) GTEST_SKIP() << "the other processes of this user count, too";
   for (rlim_t threads = 1; threads <= 16; ++threads)
-    EXPECT_NE(opened_with(threads), Opened::crashed) << threads;
-  EXPECT_EQ(opened_with(6), Opened::limit_exceeded) << "Cyclone would end the process";
+    EXPECT_EQ(opened_with(threads), Opened::limit_exceeded) << threads;
+  for (rlim_t threads = 17; threads <= 32; ++threads)
+    EXPECT_THAT(opened_with(threads), AnyOf(Opened::limit_exceeded, Opened::node)) << threads;
   EXPECT_EQ(opened_with(100), Opened::node);
 }
 
 TEST_F(BadInputTest, WhoHasTooFewDescriptorsGetsAnErrorThatSaysSo) {
   const auto opened_with = [](rlim_t descriptors) {
-    return opened_by_child([&] {
-      const rlimit limit{descriptors, descriptors};
-      setrlimit(RLIMIT_NOFILE, &limit);
-    });
+    return opened_by_child(
+        [&] {
+          const rlimit limit{descriptors, descriptors};
+          setrlimit(RLIMIT_NOFILE, &limit);
+        },
+        "RLIMIT_NOFILE");
   };
-  for (rlim_t descriptors = 0; descriptors <= 80; descriptors += 4)
-    EXPECT_NE(opened_with(descriptors), Opened::crashed) << descriptors;
+  for (rlim_t descriptors = 0; descriptors <= 48; descriptors += 6)
+    EXPECT_EQ(opened_with(descriptors), Opened::limit_exceeded) << descriptors;
+  for (rlim_t descriptors = 49; descriptors <= 80; ++descriptors)
+    EXPECT_THAT(opened_with(descriptors), AnyOf(Opened::limit_exceeded, Opened::node)) << descriptors;
   EXPECT_EQ(opened_with(200), Opened::node);
 }
 
