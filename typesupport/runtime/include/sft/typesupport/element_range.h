@@ -18,9 +18,11 @@
 
 namespace sft {
 
-/// Step says what the elements are (as in struct Elements) and how one is read.
+/// Step says what the elements are (as in struct Elements) and how one is read. What
+/// std::ranges::view_interface would add is written out, because Clang up to 15 looks at the constraints of
+/// its members while the class that derives from it is still incomplete, and then refuses that class.
 template <class Step>
-class ElementRange : public std::ranges::view_interface<ElementRange<Step>> {
+class ElementRange : public std::ranges::view_base {
  public:
   class iterator {
     struct Arrow {
@@ -112,6 +114,16 @@ class ElementRange : public std::ranges::view_interface<ElementRange<Step>> {
   /// max_empty_elements are between begin() and end().
   std::size_t size() const { return extent_.count; }
   bool empty() const { return extent_.count == 0; }
+  explicit operator bool() const { return !empty(); }
+  typename Step::Value operator[](std::ptrdiff_t n) const { return begin()[n]; }
+  typename Step::Value front() const {
+    assert(!empty());
+    return *begin();
+  }
+  typename Step::Value back() const {
+    assert(!empty());
+    return *(end() - 1);
+  }
   iterator begin() const { return {s_, extent_, 0}; }
   iterator end() const {
     const bool all = extent_.count <= max_empty_elements || have_bytes(*s_);

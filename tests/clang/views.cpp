@@ -1,0 +1,51 @@
+// What programs do with samples, and everything that they may include.
+#include <algorithm>
+#include <ranges>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include "all_headers.h"
+
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+using All = sft::Sample<PointCloud2>;
+using Elements = decltype(std::declval<const All&>()->fields());
+
+static_assert(std::ranges::random_access_range<Elements>);
+static_assert(std::ranges::sized_range<Elements>);
+static_assert(std::ranges::borrowed_range<Elements>);
+static_assert(std::ranges::view<Elements>);
+static_assert(std::is_trivially_copyable_v<Elements>);
+
+std::uint32_t offset_of(const All& sample, std::string_view name) {
+  const auto fields = sample->fields();
+  if (!fields || fields.empty()) return 0;
+  const auto found = std::ranges::find_if(fields, [&](const auto& field) { return field.name() == name; });
+  std::uint32_t sum = fields.front().offset() + fields.back().offset() + fields[1].offset();
+  for (const auto field : fields) sum += field.offset();
+  return found == fields.end() ? sum : found->offset();
+}
+
+std::size_t read_when_recorded(const sft::Sample<PointCloud2, sft::recorded>& sample) {
+  const auto data = sample->data();
+  return data ? data->size() : 0;
+}
+
+int main() {
+  auto node = sft::Node::open({.name = "clang", .threads = {.receiver = {.cpus = {0}}}});
+  if (!node) return 1;
+  auto publisher = node->publisher<PointCloud2>("points").value();
+  auto declared = node->subscriber<PointCloud2, F::height | F::fields>("points").value();
+  auto recorded = node->subscriber<PointCloud2, sft::recorded>(
+      "points", [](const auto& sample) { read_when_recorded(sample); });
+  auto loan = publisher.loan({.height = 1}, {.data = 100}).value();
+  loan.set(F::width, 1024U);
+  std::move(loan).publish();
+  while (const auto sample = declared.take()) {
+    if (sample->height() == 0 || sample->fields().size() == 0) return 2;
+  }
+  const All whole;
+  return whole ? static_cast<int>(offset_of(whole, "x")) : 0;
+}
