@@ -18,6 +18,7 @@
 #include "core/network_watch.h"
 #include "core/news_desk.h"
 #include "core/ordered_delivery.h"
+#include "core/other_releases.h"
 #include "core/participant_mark.h"
 #include "core/retry.h"
 #include "sft_control.h"
@@ -117,6 +118,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
       heed_complaints(now);
       mend_deaf_links(now);
     }
+    name_other_releases(now);
     if (now < next_merge_) return;
     next_merge_ = now + merge_every;
     news([&] { merge_.tick(now); });
@@ -263,6 +265,19 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     }
     for (const auto& [id, by] : heard)
       renew(id, by + " has heard something else in our name than we say", now);
+  }
+
+  void name_other_releases(Now now) {
+    std::optional<OtherReleases::Report> report;
+    std::string where;
+    {
+      const std::scoped_lock lock(mutex_);
+      report = other_releases_.take_report(now);
+      if (!report) return;
+      const auto spec = specs_.find(report->speaker.link);
+      where = spec == specs_.end() ? "the network" : spec->second.interface;
+    }
+    listener_.other_release_found(core::describe(*report, where, control_protocol_version()));
   }
 
   /// Links that do not hear somebody who is there.
@@ -468,6 +483,10 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     const std::scoped_lock lock(mutex_);
     hearing_.participant_speaks(speaker, time());
   }
+  void other_release_seen(const Speaker& speaker, std::uint32_t version) override {
+    const std::scoped_lock lock(mutex_);
+    other_releases_.seen(speaker, version);
+  }
   void complaint_came(const Speaker& speaker) override {
     const std::scoped_lock lock(mutex_);
     if (complaints_.size() < complaints_max) complaints_.push_back(speaker);
@@ -483,6 +502,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   void participant_left(const Speaker& speaker) override {
     news([&] {
       hearing_.participant_left(speaker);
+      other_releases_.left(speaker);
       merge_.participant_left(speaker, time());
     });
   }
@@ -514,7 +534,8 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   LinkMerge merge_;
   HearingWatch hearing_{std::random_device{}()};
   std::vector<Speaker> complaints_;  ///< about us
-  NewsDesk::Links specs_;            ///< of the links
+  OtherReleases other_releases_;
+  NewsDesk::Links specs_;  ///< of the links
   OrderedDelivery<News> delivery_;
 
   std::map<LinkSpec, Renewal> renewals_;

@@ -53,6 +53,8 @@ class DiscoveryListener {
   /// Somebody was not heard any more on one link, though he is there, and so the link was made anew, or could
   /// not be. Likewise.
   virtual void link_was_deaf(const std::string& /*what*/) {}
+  /// Somebody is there with whom this node cannot speak. Likewise.
+  virtual void other_release_found(const std::string& /*what*/) {}
 
  protected:
   ~DiscoveryListener() = default;

@@ -68,14 +68,13 @@ DdsQos participant_qos(const ParticipantMark& mark) {
   return qos;
 }
 
-std::optional<ParticipantMark> mark_of(const dds_qos_t* qos) {
+std::string user_data_of(const dds_qos_t* qos) {
   void* data = nullptr;
   std::size_t bytes = 0;
-  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return std::nullopt;
-  std::optional<ParticipantMark> mark =
-      parse_participant_mark(std::string_view(static_cast<const char*>(data), bytes));
+  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return {};
+  std::string user_data(static_cast<const char*>(data), bytes);
   dds_free(data);
-  return mark;
+  return user_data;
 }
 
 /// Takes all that a reader has, in batches, and calls `use(sample, info)`.
@@ -366,8 +365,11 @@ class CycloneLink final : public DiscoveryLink {
           if (link.participants_.is_own(guid)) return;
           const Speaker speaker{link.place_.link, link.participants_.number_of(guid)};
           if (info.instance_state == DDS_IST_ALIVE) {
-            const auto mark = info.valid_data ? mark_of(sample.qos) : std::nullopt;
+            const std::string user_data = info.valid_data ? user_data_of(sample.qos) : "";
+            const auto mark = parse_participant_mark(user_data);
             if (info.view_state == DDS_VST_NEW) link.listener_.participant_came(speaker);
+            if (const auto version = other_version(user_data))
+              link.listener_.other_release_seen(speaker, *version);
             if (!mark || mark->is_secured != link.place_.is_secured) return;
             link.listener_.participant_speaks(speaker);
             if (std::ranges::find(mark->complaints, link.guid_) != mark->complaints.end())

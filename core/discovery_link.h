@@ -33,6 +33,8 @@ class LinkListener {
   /// It says that it is a node's that speaks with us: of this version of the control topics, and secured if
   /// we are. It may say so more than once.
   virtual void participant_speaks(const Speaker& speaker) = 0;
+  /// It says that it is a node's of another version of the control topics. It may say so more than once.
+  virtual void other_release_seen(const Speaker& speaker, std::uint32_t version) = 0;
   /// It complains that what it has heard of us on that link is something else than what we say.
   virtual void complaint_came(const Speaker& speaker) = 0;
   virtual void participant_left(const Speaker& speaker) = 0;

@@ -367,6 +367,10 @@ void NodeCore::link_was_deaf(const std::string& what) {
   log_.write(LogLevel::warning, "discovery: " + what);
 }
 
+void NodeCore::other_release_found(const std::string& what) {
+  log_.write(LogLevel::warning, "discovery: " + what);
+}
+
 void NodeCore::control_malformed(std::string why) {
   const std::uint64_t refused = control_malformed_.fetch_add(1, std::memory_order_relaxed) + 1;
   // Whoever floods us must not fill the agent's queue: one complaint in a while is enough.

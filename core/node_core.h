@@ -73,6 +73,7 @@ class NodeCore final : private DiscoveryListener {
   void control_malformed(std::string why) override;
   void links_changed(const std::string& summary) override;  // by the agent itself
   void link_was_deaf(const std::string& what) override;     // likewise
+  void other_release_found(const std::string& what) override;
 
   /// Calls `question` on the agent's thread, which alone may look at the reconciler, and returns its answer.
   template <class Question>

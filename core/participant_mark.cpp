@@ -11,7 +11,12 @@ namespace {
 constexpr char secured = 's', complaint_begins = '!';
 constexpr std::string_view digits = "0123456789abcdef";
 
-std::string version_prefix() { return "sft/" + std::to_string(sft_control_protocol_version) + "/"; }
+constexpr std::string_view name_prefix = "sft/";
+constexpr std::size_t version_digits_max = 4;
+
+std::string version_prefix() {
+  return std::string(name_prefix) + std::to_string(sft_control_protocol_version) + "/";
+}
 
 std::optional<Participants::Guid> parse_guid(std::string_view text) {
   Participants::Guid guid{};
@@ -56,6 +61,17 @@ std::optional<ParticipantMark> parse_participant_mark(std::string_view user_data
     begin = end;
   }
   return mark;
+}
+
+std::optional<std::uint32_t> other_version(std::string_view user_data) {
+  if (!user_data.starts_with(name_prefix)) return std::nullopt;
+  user_data.remove_prefix(name_prefix.size());
+  const std::size_t length = user_data.find('/');
+  if (length == 0 || length > version_digits_max || user_data.front() == '0') return std::nullopt;
+  std::uint32_t version = 0;
+  const auto read = std::from_chars(user_data.data(), user_data.data() + length, version);
+  const bool is_number = read.ec == std::errc{} && read.ptr == user_data.data() + length;
+  return is_number && version != sft_control_protocol_version ? std::optional(version) : std::nullopt;
 }
 
 }  // namespace sft::core

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,5 +29,7 @@ inline constexpr std::size_t complaints_max = 8;
 std::string to_text(const ParticipantMark& mark);
 /// Empty if it is no node's of this version. Complaints that make no sense are left out.
 std::optional<ParticipantMark> parse_participant_mark(std::string_view user_data);
+/// The version of the control topics if it is a node's of another one. All versions begin with "sft/8/".
+std::optional<std::uint32_t> other_version(std::string_view user_data);
 
 }  // namespace sft::core

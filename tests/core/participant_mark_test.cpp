@@ -35,6 +35,21 @@ TEST(ParticipantMarkTest, OthersUserDataAreNone) {
     EXPECT_FALSE(parse_participant_mark(data)) << data;
 }
 
+TEST(ParticipantMarkTest, TheVersionOfAnotherReleaseIsRead) {
+  EXPECT_EQ(other_version("sft/7/3"), 7U);
+  EXPECT_EQ(other_version("sft/9/"), 9U);
+  EXPECT_EQ(other_version("sft/10/3s!0123"), 10U);
+  EXPECT_EQ(other_version("sft/9999/\n"), 9999U);
+}
+
+TEST(ParticipantMarkTest, OursAndWhatIsNoVersionAreNoneOfAnotherRelease) {
+  EXPECT_FALSE(other_version(to_text({})));
+  for (const char* data :
+       {"", "sft", "sft/", "sft//3", "sft/7", "sft/-7/3", "sft/+7/3", "sft/ 7/3", "sft/07/3", "sft/0/3",
+        "sft/7x/3", "sft/99999/3", "sft/18446744073709551623/", "SFT/7/3", "enclave=/;"})
+    EXPECT_FALSE(other_version(data)) << data;
+}
+
 TEST(ParticipantMarkTest, ComplaintsThatMakeNoSenseAreLeftOut) {
   const std::string sound = to_text({.complaints = {guid(1)}}).substr(std::string("sft/8/0").size());
   for (const std::string& nonsense :

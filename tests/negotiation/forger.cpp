@@ -259,7 +259,12 @@ void Forger::complain_of_all() {
     if (mark.complaints.size() == core::complaints_max) break;
     std::ranges::copy(participant.v, mark.complaints.emplace_back().begin());
   }
-  const std::string data = to_text(mark);
+  set_user_data(to_text(mark));
+}
+
+void Forger::claim_version(unsigned version) { set_user_data("sft/" + std::to_string(version) + "/0"); }
+
+void Forger::set_user_data(const std::string& data) {
   dds_qos_t* const qos = dds_create_qos();
   dds_qset_userdata(qos, data.data(), data.size());
   checked(dds_set_qos(participant_, qos));

@@ -33,9 +33,12 @@ class Forger {
   void ask_for_nothing();
   /// Complains of all participants: that something else came in their names than what they say.
   void complain_of_all();
+  /// Says that it is a node's participant whose control topics are of that version.
+  void claim_version(unsigned version);
 
  private:
   void look();
+  void set_user_data(const std::string& data);
   std::vector<dds_guid_t> participants_of_others();
   /// The writers of this topic that others have. Those of participants that hide them are guessed: their
   /// entities have the same numbers as those of others.

@@ -54,6 +54,38 @@ TEST_F(Forgeries, AReaderInWhoseNameSomebodyElseAsksForNothingIsServedAgainAtOnc
   EXPECT_TRUE(agree(publisher, reader));
 }
 
+TEST_F(Forgeries, AParticipantOfAnotherReleaseIsNamedOnceInTheLogOfEachNode) {
+  Peer publisher(here(), "publisher");
+  Peer reader(there(), "reader");
+  Peer forger(there(), "forger");
+  publisher.advertise();
+  reader.subscribe("height, width");
+  forger.forge("watch");
+  ASSERT_TRUE(agree(publisher, reader));
+  const auto lines = [](Peer& peer) {
+    int count = 0;
+    const json warnings = peer.status()["warnings"];
+    for (const std::string line : warnings) {
+      if (line.find(
+              "discovery: a participant with control protocol 7 is on eth0; this node has 8; they do not see "
+              "each other: use the same release") != std::string::npos)
+        ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(lines(publisher), 0);
+  for (int i = 0; i < 3; ++i) {
+    forger.forge("claim version", 7);
+    EXPECT_TRUE(comes_true([&] { return lines(publisher) == 1; })) << publisher.status()["warnings"];
+    forger.forge("claim version", 9);
+  }
+  publisher.start_publishing();
+  EXPECT_TRUE(flows(reader));
+  publisher.stop_publishing();
+  EXPECT_EQ(lines(publisher), 1);
+  EXPECT_TRUE(agree(publisher, reader));
+}
+
 TEST_F(Forgeries, AComplaintThatSomebodyMakesUpCostsNoSampleAndFewLinks) {
   Peer publisher(here(), "publisher");
   Peer reader(there(), "reader");

@@ -7,7 +7,10 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/negotiation/echo.h"
@@ -36,8 +39,29 @@ json entry_of(const Entries& entries, const std::string& node) {
 constexpr const char* topic = "points";
 constexpr std::size_t message_bytes_max = 256 * 1024;
 
-Node open_node(const json& options) {
+/// What the node logs from warnings on.
+class Warnings {
+ public:
+  LogSink sink() {
+    return [this](LogLevel level, std::string_view text) {
+      if (level < LogLevel::warning) return;
+      const std::scoped_lock lock(mutex_);
+      warnings_.emplace_back(text);
+    };
+  }
+  json to_json() const {
+    const std::scoped_lock lock(mutex_);
+    return warnings_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::string> warnings_;
+};
+
+Node open_node(const json& options, Warnings& warnings) {
   NodeOptions node;
+  node.log = warnings.sink();
   node.name = options.at("name").get<std::string>();
   if (options.contains("cyclonedds")) node.cyclonedds_config = options["cyclonedds"].get<std::string>();
   node.udp.port = options.value<std::uint16_t>("port", 0);
@@ -49,7 +73,7 @@ Node open_node(const json& options) {
 
 class Peer {
  public:
-  explicit Peer(const json& options) : node_(open_node(options)) {}
+  explicit Peer(const json& options) : node_(open_node(options, warnings_)) {}
 
   json obey(const json& command) {
     const std::string what = command.at("do");
@@ -109,10 +133,12 @@ class Peer {
     if (what == "outdate announcements") forger_->outdate_announcements();
     if (what == "ask for nothing") forger_->ask_for_nothing();
     if (what == "complain") forger_->complain_of_all();
+    if (what == "claim version") forger_->claim_version(command.at("ahead"));
   }
 
   json status() const {
     json all{{"node", to_json(node_.status())},
+             {"warnings", warnings_.to_json()},
              {"offered", offered_.to_json()},
              {"requested", requested_.to_json()}};
     if (publishing_) all["publisher"] = to_json(publishing_->status());
@@ -140,6 +166,7 @@ class Peer {
 
   EventList offered_;
   EventList requested_;
+  Warnings warnings_;
   Node node_;
   std::vector<Publisher<PointCloud2>> crowd_;
   std::unique_ptr<Publishing> publishing_;
