@@ -113,6 +113,10 @@ class Negotiation {
   std::vector<const Endpoint*> present() const;
   /// Whether there is an endpoint of that node.
   bool knows(NodeId id) const;
+  /// How far a writer is, by the word of its node; nothing of a writer of another node changes.
+  void progressed(NodeId node, const Progress& progress);
+  /// Null while nothing was told of that. Valid until the next event.
+  const Progress* progress_of(EndpointId id) const;
   /// Null if there is none of that id. Valid until the next event.
   const Endpoint* known(EndpointId id) const;
   /// Whether some endpoint is lost.
@@ -151,6 +155,7 @@ class Negotiation {
     std::set<EndpointId> history_given{};  ///< of our own writers: to these readers
     std::set<EndpointId> history_came{};   ///< of our own readers: from these writers
     std::map<EndpointId, std::string> unreached{};  ///< of our own writers: readers in memory, and why
+    std::optional<Progress> progress{};             ///< of writers, as it was told last
     bool lost() const { return lost_since || silent; }
   };
   HostToken host_of(Role role) const;
@@ -159,8 +164,6 @@ class Negotiation {
   ReaderStatus serve(const Entry& writer, const Entry& reader, const Verdict& verdict,
                      Serving& serving) const;
   void hear_no_more_than_possible(std::vector<Hearing>& hearing) const;
-  static WriterStatus status_of(const Entry& writer, const Endpoint& reader, const Verdict& verdict,
-                                bool history_comes);
   static std::uint32_t history_owed(const Entry& writer, const Endpoint& reader);
   void erase(EndpointId id);
   bool admit(const Endpoint& endpoint);

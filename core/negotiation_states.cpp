@@ -133,30 +133,6 @@ Serving Negotiation::serving(EndpointId writer) const {
   return serving;
 }
 
-WriterStatus Negotiation::status_of(const Entry& writer, const Endpoint& reader, const Verdict& verdict,
-                                    bool history_comes) {
-  const EndpointId id = writer.endpoint.id;
-  const bool attached = verdict.shm && holds(reader.request.attached, id);
-  const bool listening = verdict.udp && holds(reader.request.listening, id);
-  WriterStatus status{.id = id, .node = writer.endpoint.node, .alive = !writer.lost()};
-  status.incompatible_type = verdict.incompatible_type;
-  status.incompatible_policy = verdict.incompatible_policy;
-  status.matched = verdict.shm || verdict.udp;
-  status.connected = !writer.lost() && (attached || listening);
-  status.no_path = !status.matched && verdict.mismatch.empty();
-  status.no_path_yet = verdict.shm_may_come;
-  status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
-  status.mismatch = verdict.definitions;
-  status.reason = !verdict.mismatch.empty()      ? verdict.mismatch
-                  : writer.lost()                ? "its node does not answer"
-                  : attached                     ? "same host"
-                  : verdict.shm && history_comes ? "same host, what was published before comes first"
-                  : verdict.shm                  ? "same host, shared memory is being attached"
-                  : verdict.udp                  ? verdict.udp_reason
-                                                 : "UDP is ruled out, and " + verdict.udp_reason;
-  return status;
-}
-
 std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
   std::vector<Hearing> result;
   const auto entry = entries_.find(reader);
@@ -179,7 +155,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
                       .owed = owed,
                       .shm = verdict.shm && !history_comes && (!writer->lost() || attached),
                       .udp = verdict.udp,
-                      .status = status_of(*writer, r, verdict, history_comes)});
+                      .status = heard_as(w, !writer->lost(), r, verdict, history_comes)});
   }
   if (result.size() > writers_per_reader_max) hear_no_more_than_possible(result);
   return result;
@@ -211,6 +187,17 @@ std::vector<const Endpoint*> Negotiation::present() const {
     if (!entry.lost()) endpoints.push_back(&entry.endpoint);
   }
   return endpoints;
+}
+
+void Negotiation::progressed(NodeId node, const Progress& progress) {
+  const auto entry = entries_.find(progress.writer);
+  if (entry == entries_.end() || entry->second.endpoint.node_id != node) return;
+  if (entry->second.endpoint.role == Role::writer) entry->second.progress = progress;
+}
+
+const Progress* Negotiation::progress_of(EndpointId id) const {
+  const auto entry = entries_.find(id);
+  return entry == entries_.end() || !entry->second.progress ? nullptr : &*entry->second.progress;
 }
 
 }  // namespace sft::core

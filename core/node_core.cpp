@@ -270,7 +270,6 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
   endpoint.request.mask_words = requirement.mask.to_words();
   endpoint.request.min_period_us = *min_period_us_of(options.max_rate_hz);  // checked with the other policies
   Reconciler::NewReader reader;
-  const bool as_remote = requirement.recorded && options.recording.as_remote;
   if (requirement.recorded) {
     reader.recorder = Recorder::make(type.leaves(), options.recording, [this, id = endpoint.id] {
       agent_.post([this, id] { reconciler_->requirement_changed(id); });
@@ -288,7 +287,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
           .min_period_us = endpoint.request.min_period_us,
           .rate_changed = [this,
                            id = endpoint.id] { agent_.post([this, id] { reconciler_->rate_changed(id); }); },
-          .as_remote = as_remote ? heap_ : nullptr,
+          .as_remote = options.recording.as_remote ? heap_ : nullptr,
           .poll_handle = std::move(*poll_handle),
           .shm_depth = shm_depth_of(endpoint)},
       bells_->at(*slot), reader.recorder);
@@ -407,6 +406,10 @@ std::vector<TopicInfo> NodeCore::topics() {
     for (const Endpoint* endpoint : reconciler_->endpoints()) copies.push_back(*endpoint);
     return copies;
   }));
+}
+
+DomainSnapshot NodeCore::domain() {
+  return domain_snapshot(ask_agent([&] { return reconciler_->known_endpoints(); }), id_, network_);
 }
 
 NodeStatus NodeCore::status() const {

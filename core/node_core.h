@@ -22,6 +22,7 @@
 #include "core/node_log.h"
 #include "core/reconciler.h"
 #include "core/transport.h"
+#include "sft/domain.h"
 #include "sft/options.h"
 #include "sft/topics.h"
 #include "sft/untyped.h"
@@ -48,6 +49,7 @@ class NodeCore final : private DiscoveryListener {
                                               std::shared_ptr<const void> type_owner = {});
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   std::vector<TopicInfo> topics();
+  DomainSnapshot domain();
   NodeStatus status() const;
   NodeSnapshot snapshot() const;
 

@@ -140,6 +140,8 @@ Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const Dy
       .map([&](untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s)); });
 }
 
+DomainSnapshot Node::domain() const { return core_->domain(); }
+
 NodeStatus Node::status() const { return core_->status(); }
 
 NodeSnapshot Node::snapshot() const { return core_->snapshot(); }

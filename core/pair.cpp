@@ -1,6 +1,8 @@
 #include "core/pair.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "core/network_id.h"
 
@@ -64,6 +66,33 @@ Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeC
   if (!verdict.shm) verdict.udp_reason = why_not_shm(pair, self);
   verdict.shm_may_come = !verdict.shm && !verdict.udp && may_come_to_share(pair, self);
   return verdict;
+}
+
+WriterStatus heard_as(const Endpoint& writer, bool writer_lives, const Endpoint& reader,
+                      const Verdict& verdict, bool history_comes) {
+  const EndpointId id = writer.id;
+  const auto holds = [id](const std::vector<EndpointId>& ids) {
+    return std::ranges::find(ids, id) != ids.end();
+  };
+  const bool attached = verdict.shm && holds(reader.request.attached);
+  const bool listening = verdict.udp && holds(reader.request.listening);
+  WriterStatus status{.id = id, .node = writer.node, .alive = writer_lives};
+  status.incompatible_type = verdict.incompatible_type;
+  status.incompatible_policy = verdict.incompatible_policy;
+  status.matched = verdict.shm || verdict.udp;
+  status.connected = writer_lives && (attached || listening);
+  status.no_path = !status.matched && verdict.mismatch.empty();
+  status.no_path_yet = verdict.shm_may_come;
+  status.transport = attached || !verdict.udp ? TransportKind::shm : TransportKind::udp;
+  status.mismatch = verdict.definitions;
+  status.reason = !verdict.mismatch.empty()      ? verdict.mismatch
+                  : !writer_lives                ? "its node does not answer"
+                  : attached                     ? "same host"
+                  : verdict.shm && history_comes ? "same host, what was published before comes first"
+                  : verdict.shm                  ? "same host, shared memory is being attached"
+                  : verdict.udp                  ? verdict.udp_reason
+                                                 : "UDP is ruled out, and " + verdict.udp_reason;
+  return status;
 }
 
 }  // namespace sft::core

@@ -44,4 +44,9 @@ struct Verdict {
 /// told apart, and not compared.
 Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeComparisons* comparisons);
 
+/// How the reader hears the writer, as its request in force tells. `history_comes`: what was published before
+/// comes first, by UDP.
+WriterStatus heard_as(const Endpoint& writer, bool writer_lives, const Endpoint& reader,
+                      const Verdict& verdict, bool history_comes);
+
 }  // namespace sft::core

@@ -21,6 +21,7 @@
 #include "core/control_watch.h"
 #include "core/discovery.h"
 #include "core/dispatcher.h"
+#include "core/domain_snapshot.h"
 #include "core/negotiation.h"
 #include "core/node_log.h"
 #include "core/publisher_core.h"
@@ -67,6 +68,8 @@ class Reconciler {
 
   /// Those that are known and not lost, ours too. Valid until the next event.
   std::vector<const Endpoint*> endpoints() const { return negotiation_.present(); }
+  /// The same, with how far the writers are.
+  std::vector<KnownEndpoint> known_endpoints() const;
 
   /// Looks after transports and time; returns when to be called again.
   std::chrono::milliseconds tick(Now now = std::chrono::steady_clock::now());

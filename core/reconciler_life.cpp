@@ -64,6 +64,7 @@ void Reconciler::node_lost(NodeId id) {
 void Reconciler::liveliness_asserted(const Assertion& assertion, Now now) {
   silence_.lives(assertion.node);
   dirty_ |= negotiation_.node_returned(assertion.node);
+  for (const Progress& progress : assertion.progress) negotiation_.progressed(assertion.node, progress);
   for (auto& [id, reader] : readers_) {
     for (const EndpointId writer : assertion.writers) {
       if (const auto watch = reader.watched.find(writer); watch != reader.watched.end())
@@ -184,6 +185,15 @@ void Reconciler::watch(Reader& reader) {
                              std::chrono::steady_clock::now());
     if (watch.pace()) reader.watched.emplace(writer, watch);
   }
+}
+
+std::vector<KnownEndpoint> Reconciler::known_endpoints() const {
+  std::vector<KnownEndpoint> known;
+  for (const Endpoint* endpoint : negotiation_.present()) {
+    const Progress* const progress = negotiation_.progress_of(endpoint->id);
+    known.push_back({*endpoint, progress == nullptr ? std::nullopt : std::optional(*progress)});
+  }
+  return known;
 }
 
 }  // namespace sft::core

@@ -10,6 +10,9 @@ file(GLOB_RECURSE headers RELATIVE ${prefix}/include ${prefix}/include/*.h)
 list(FILTER headers EXCLUDE REGEX "^sft/([a-z_]+|typesupport/[a-z0-9_]+)[.]h$")
 expect("${headers}" STREQUAL "")
 
+run(${prefix}/bin/sft --version)
+expect("${output}" MATCHES "^sft [0-9.]+")
+
 run(${CMAKE_COMMAND} -S ${SOURCE}/examples/outside -B ${WORK}/build -G ${GENERATOR} -D CMAKE_PREFIX_PATH=${prefix}
     -D CMAKE_CXX_COMPILER=${CXX} "-D CMAKE_CXX_FLAGS=-Wall -Wextra -Wpedantic -Werror")
 run(${CMAKE_COMMAND} --build ${WORK}/build --parallel 2)

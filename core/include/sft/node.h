@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "sft/domain.h"
 #include "sft/dynamic.h"
 #include "sft/options.h"
 #include "sft/publisher.h"
@@ -70,6 +71,9 @@ class Node {
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   /// All topics that are known at present, those of this node too.
   std::vector<TopicInfo> topics() const;
+  /// All publishers and subscribers that are known at present, those of this node too, and how each pair
+  /// stands.
+  DomainSnapshot domain() const;
   /// `fields` as text: "header.stamp, fields[].name", "*" for all. Without a callback samples are taken.
   Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
                                        std::string_view fields, const SubscriberOptions& options = {},

@@ -180,7 +180,8 @@ struct RecordingSettings {
   /// that is read at least once in so many samples is never given up.
   std::uint32_t narrow_after_samples = 100;
   /// Samples from shared memory, too, have only what was asked for when they were taken, as on another host:
-  /// to find out on one host what happens on two. What is asked for is copied.
+  /// to find out on one host what happens on two. What is asked for is copied. It also holds for a subscriber
+  /// whose fields are not recorded.
   bool as_remote = false;
 };
 

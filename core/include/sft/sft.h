@@ -1,6 +1,7 @@
 // Everything a program needs, beside the headers generated for its message types.
 #pragma once
 
+#include "sft/domain.h"        // IWYU pragma: export
 #include "sft/dynamic.h"       // IWYU pragma: export
 #include "sft/event.h"         // IWYU pragma: export
 #include "sft/node.h"          // IWYU pragma: export

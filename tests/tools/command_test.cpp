@@ -1,0 +1,177 @@
+// The command as such: what it is typed, how it ends, what it does with a terminal; doctor and top.
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/isolated_host.h"
+#include "tests/tools/tool_fixture.h"
+
+namespace sft::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+class CommandTest : public ToolTest {
+ protected:
+  Publisher<PointCloud2> points = robot.publisher<PointCloud2>("points").value();
+};
+
+TEST_F(CommandTest, WrongUsageIsOneSentenceAndExitCodeTwo) {
+  const std::vector<std::vector<std::string>> wrong{{},
+                                                    {"dance"},
+                                                    {"echo"},
+                                                    {"echo", "points", "--fast"},
+                                                    {"echo", "points", "--json", "--csv"},
+                                                    {"ls", "robots"},
+                                                    {"ls", "--domain", "300"},
+                                                    {"hz", "points", "--for", "soon"}};
+  for (const auto& arguments : wrong) {
+    const Ended ended = run_tool(arguments);
+    EXPECT_EQ(ended.code, 2) << ended.err;
+    EXPECT_EQ(ended.out, "");
+    EXPECT_THAT(ended.err, StartsWith("sft: "));
+    EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1) << ended.err;
+  }
+}
+
+TEST_F(CommandTest, HelpTellsOfExitCodes) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"--help"}, std::vector<std::string>{"echo", "--help"}}) {
+    const Ended ended = run_tool(arguments);
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_THAT(ended.out, HasSubstr("Exit codes: 0 done"));
+  }
+}
+
+TEST_F(CommandTest, CtrlCEndsEachWithinATenthOfASecondAndItsSubscribersAreGone) {
+  const Publishing publishing(points, cloud(), 10ms, true);
+  const std::vector<std::vector<std::string>> commands{{"echo", "points", "--fields", "width"},
+                                                       {"hz", "points"},
+                                                       {"bw", "points"},
+                                                       {"delay", "points"},
+                                                       {"top", "--json"}};
+  for (const auto& arguments : commands) {
+    auto fastest = Clock::duration::max();
+    for (int attempt = 0; attempt < 3; ++attempt) {  // the machine may be busy
+      ToolProcess tool(arguments);
+      ASSERT_TRUE(tool.prints("\n")) << arguments[0];
+      const auto begun = Clock::now();
+      tool.send(SIGINT);
+      EXPECT_EQ(tool.end().code, 0) << arguments[0];
+      fastest = std::min(fastest, Clock::now() - begun);
+      EXPECT_TRUE(eventually([&] { return points.status().readers.empty(); }, 2s)) << arguments[0];
+    }
+    EXPECT_LT(fastest, 100ms) << arguments[0];
+  }
+}
+
+TEST_F(CommandTest, CtrlCEndsWhatWaits) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"ls", "--wait", "60"},
+        std::vector<std::string>{"echo", "nowhere", "--timeout", "60"}}) {
+    ToolProcess tool(arguments);
+    ASSERT_FALSE(eventually([&] { return false; }, 500ms));  // it is under way
+    const auto begun = Clock::now();
+    tool.send(SIGINT);
+    EXPECT_GE(tool.end().code, 0);
+    EXPECT_LT(Clock::now() - begun, 1s);
+  }
+}
+
+TEST_F(CommandTest, TopShowsAllOnTheScreenEndsOnQAndGivesTheTerminalBack) {
+  auto monitor = open("logger").subscriber<PointCloud2, F::width>("points").value();
+  const Publishing publishing(points, cloud());
+  ToolProcess top({"top"}, ToolProcess::On::terminal);
+  ASSERT_TRUE(top.prints("lidar -> logger")) << top.out();
+  EXPECT_THAT(top.out(), HasSubstr("\x1b[?1049h"));
+  EXPECT_TRUE(top.prints("1 topic, 1 pair"));
+  EXPECT_TRUE(top.prints(" Hz"));
+  EXPECT_FALSE(top.echoes());
+  top.press("q");
+  ASSERT_TRUE(top.prints("\x1b[?1049l"));
+  EXPECT_EQ(top.end().code, 0);
+  EXPECT_TRUE(top.echoes());
+}
+
+TEST_F(CommandTest, TopWritesJsonForPrograms) {
+  auto monitor = open("logger").subscriber<PointCloud2, F::width>("points").value();
+  const Publishing publishing(points, cloud(), 20ms);
+  const Ended ended = run_tool({"top", "--json", "--for", "5"});
+  EXPECT_EQ(ended.code, 0);
+  std::istringstream lines(ended.out);
+  Json last;
+  for (std::string line; std::getline(lines, line);) last = Json::parse(line);
+  EXPECT_EQ(last["topics"][0]["topic"], "points");
+  EXPECT_NEAR(last["topics"][0]["samples_per_s"].get<double>(), 50, 15);
+  EXPECT_EQ(run_tool({"top"}).code, 2);  // no terminal
+}
+
+TEST_F(CommandTest, ColoursAreForTerminalsAndCanBeRuledOut) {
+  const std::string escape = "\x1b[";
+  EXPECT_EQ(run_tool({"ls"}).out.find(escape), std::string::npos);
+  ToolProcess colored({"ls"}, ToolProcess::On::terminal);
+  EXPECT_TRUE(colored.prints("points"));
+  EXPECT_THAT(colored.out(), HasSubstr(escape));
+  ToolProcess plain({"ls", "--no-color"}, ToolProcess::On::terminal);
+  EXPECT_TRUE(plain.prints("points"));
+  EXPECT_EQ(plain.out().find(escape), std::string::npos);
+}
+
+TEST_F(CommandTest, DoctorTellsOfEachPartAndItsExitCodeIsTheWorst) {
+  const Ended ended = run_tool({"doctor", "--json"});
+  const Json json = Json::parse(ended.out);
+  int worst = 0;
+  std::set<std::string> parts;
+  for (const Json& check : json["checks"]) {
+    const std::string health = check["health"];
+    worst = std::max(worst, health == "ok" ? 0 : health == "warning" ? 1 : 2);
+    parts.insert(check["check"]);
+    EXPECT_EQ(check["to_do"] == "", health == "ok") << check.dump();
+  }
+  EXPECT_EQ(ended.code, worst);
+  for (const char* part : {"interfaces", "multicast", "io_uring", "memlock", "buffers", "/dev/shm", "sftd",
+                           "users", "clock", "kernel", "domain"}) {
+    EXPECT_TRUE(parts.contains(part)) << part;
+  }
+  const Ended text = run_tool({"doctor"});
+  EXPECT_EQ(text.code, ended.code);
+  std::istringstream lines(text.out);
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_TRUE(line.starts_with("ok ") || line.starts_with("warning ") || line.starts_with("error "))
+        << line;
+  }
+}
+
+TEST_F(CommandTest, DoctorFindsTooLittleSharedMemory) {
+  if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+  const ShmOfSize small("16m");
+  const Ended ended = run_tool({"doctor"});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.out, HasSubstr("error   /dev/shm"));
+}
+
+TEST_F(CommandTest, NobodyInADomainIsExitCodeOne) {
+  const Ended ended = run_tool({"ls", "--domain", "17", "--json"});
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_EQ(Json::parse(ended.out)["topics"], Json::array());
+}
+
+TEST_F(CommandTest, BashCompletesSubcommandsOptionsTopicsAndFields) {
+  const std::string script =
+      "PATH=" + program_directory() +
+      ":$PATH; source " SFT_COMPLETION
+      "; complete_words() { COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _sft; "
+      "printf \"%s\\n\" \"${COMPREPLY[@]}\"; };"
+      "complete_words sft ec; complete_words sft echo /po; complete_words sft echo points --on;"
+      "complete_words sft echo points --fields fields[].na; complete_words sft ls ty";
+  FILE* const pipe = popen(("bash -c '" + script + "'").c_str(), "r");
+  if (pipe == nullptr) GTEST_SKIP() << "no bash";
+  std::string out;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) out += static_cast<char>(c);
+  pclose(pipe);
+  EXPECT_EQ(out, "echo\n/points\n--once\nfields[].name\ntypes\n");
+}
+
+}  // namespace
+}  // namespace sft::test

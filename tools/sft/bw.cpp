@@ -1,0 +1,70 @@
+#include "tools/sft/bw.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tools/sft/arrivals.h"
+#include "tools/sft/units.h"
+
+namespace sft::tool {
+
+namespace {
+
+double bytes_of(const DynamicSample& sample) { return static_cast<double>(sample.cdr().size()); }
+
+/// Of the fields that are asked for, as another host would get them.
+Arrivals::Request sizes(const BwOptions& options) {
+  Arrivals::Request request{.fields = options.fields, .options = {.depth = 64}, .measure = bytes_of};
+  request.options.recording.as_remote = options.fields != "*";
+  if (!options.every) request.options.max_rate_hz = 1;
+  return request;
+}
+
+void print(const BwOptions& options, const Arrivals::Report& rate, const Arrivals::Report& size, bool json,
+           const std::string& topic, Output& output) {
+  const double bytes_per_s = rate.rate_hz * size.values.mean;
+  if (json) {
+    return output.record(nlohmann::ordered_json{{"topic", topic},
+                                                {"fields", options.fields},
+                                                {"bytes_per_s", bytes_per_s},
+                                                {"rate_hz", rate.rate_hz},
+                                                {"sample_bytes",
+                                                 {{"mean", size.values.mean},
+                                                  {"min", size.values.min},
+                                                  {"max", size.values.max},
+                                                  {"measured", size.values.count}}},
+                                                {"samples", rate.samples},
+                                                {"lost", rate.lost}});
+  }
+  if (rate.samples == 0) return output.line(topic + ": no sample yet");
+  if (rate.fresh == 0) return output.line(fmt::format("{}: no new sample, {} so far", topic, rate.samples));
+  output.line(fmt::format("{}: {}/s, {} of {} ({} to {}), {} so far", topic, bytes_text(bytes_per_s),
+                          rate_text(rate.rate_hz), bytes_text(size.values.mean), bytes_text(size.values.min),
+                          bytes_text(size.values.max), rate.samples));
+}
+
+}  // namespace
+
+ExitCode run(const BwOptions& options, const CommonOptions& common, Session& session) {
+  const Result<FoundTopic> topic = session.find(options.topic);
+  if (!topic) return give_up(topic.error());
+  auto measured = Arrivals::open(*topic, sizes(options), session.node());
+  if (!measured) return give_up(measured.error());
+  Result<std::unique_ptr<Arrivals>> counted;
+  if (!options.every) {
+    counted = Arrivals::open(*topic, {.fields = "", .options = {.depth = 1024}}, session.node());
+    if (!counted) return give_up(counted.error());
+  }
+  std::uint64_t samples = 0;
+  tell_every_second(options.live, session.stop(), [&] {
+    const Arrivals::Report size = (*measured)->report(options.live.window_s);
+    const Arrivals::Report rate = options.every ? size : (*counted)->report(options.live.window_s);
+    samples = rate.samples;
+    print(options, rate, size, common.json, topic->name, session.output());
+  });
+  return samples > 0 ? ExitCode::done : ExitCode::nothing;
+}
+
+}  // namespace sft::tool

@@ -1,0 +1,206 @@
+#include "tools/sft/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+namespace sft::tool {
+
+namespace {
+
+/// All of this lives until the line is parsed; each subcommand fills its own.
+struct Parsed {
+  CommandLine line;
+  LsOptions ls;
+  InfoOptions info;
+  TypeOptions type;
+  EchoOptions echo;
+  HzOptions hz;
+  BwOptions bw;
+  DelayOptions delay;
+  WhyOptions why;
+  TopOptions top;
+  DoctorOptions doctor;
+  bool once = false;
+  bool csv = false;
+  bool yaml = false;
+};
+
+CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, const char* help) {
+  CommonOptions& common = parsed.line.common;
+  CLI::App* command = app.add_subcommand(name, help);
+  command->add_flag("--json", common.json, "Write JSON, for programs")->group("Common");
+  command
+      ->add_flag("--no-color", common.no_color,
+                 "No colours on terminals, as NO_COLOR in the environment says too")
+      ->group("Common");
+  command->add_option("--domain", common.domain, "The domain to look at (default: $ROS_DOMAIN_ID, or 0)")
+      ->check(CLI::Range(0, 232))
+      ->group("Common");
+  command
+      ->add_option("--interface", common.interfaces,
+                   "Look for nodes only there: a name, an address or a network")
+      ->allow_extra_args(false)
+      ->group("Common");
+  command->add_option("--peer", common.peers, "Look for nodes on this host, too")
+      ->allow_extra_args(false)
+      ->group("Common");
+  command
+      ->add_option("--wait", common.wait_s,
+                   "Look around for so many seconds before all that is there is told")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str()
+      ->group("Common");
+  command
+      ->add_option("--timeout", common.timeout_s,
+                   "Wait so many seconds for a topic or a sample that was named")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str()
+      ->group("Common");
+  command->footer(exit_codes_help);
+  return command;
+}
+
+void require_topic(CLI::App* command, std::string& topic) {
+  command->add_option("TOPIC", topic, "The topic, with or without a slash in front")->required();
+}
+
+void add_live(CLI::App* command, LiveOptions& live) {
+  command->add_option("--for", live.for_s, "End after so many seconds (default: when Ctrl-C is pressed)")
+      ->check(CLI::Range(0.1, 1e9));
+  command->add_option("--window", live.window_s, "Tell of the last so many seconds")
+      ->check(CLI::Range(1.0, 3600.0))
+      ->capture_default_str();
+}
+
+void declare_ls(CLI::App& app, Parsed& parsed) {
+  CLI::App* command = declare(app, parsed, "ls", "List nodes, topics, types or endpoints");
+  command->add_option("WHAT", parsed.ls.what, "nodes, topics (the default), types or endpoints")
+      ->check(CLI::IsMember({"nodes", "topics", "types", "endpoints"}));
+  command->add_flag("--names", parsed.ls.names, "Only the names, one in a line");
+  command->callback([&parsed] { parsed.line.command = parsed.ls; });
+}
+
+void declare_info(CLI::App& app, Parsed& parsed) {
+  CLI::App* command =
+      declare(app, parsed, "info", "Tell who publishes a topic and who subscribes to it, and how");
+  require_topic(command, parsed.info.topic);
+  command->callback([&parsed] { parsed.line.command = parsed.info; });
+}
+
+void declare_type(CLI::App& app, Parsed& parsed) {
+  CLI::App* command =
+      declare(app, parsed, "type", "Print the message type of a topic as the text of .msg files");
+  require_topic(command, parsed.type.topic);
+  command->add_flag("--name", parsed.type.name, "Only its name");
+  command->add_flag("--fields", parsed.type.fields, "Only its fields, one in a line");
+  command->callback([&parsed] { parsed.line.command = parsed.type; });
+}
+
+void declare_echo(CLI::App& app, Parsed& parsed) {
+  CLI::App* command = declare(app, parsed, "echo", "Print the samples of a topic, or some of their fields");
+  EchoOptions& echo = parsed.echo;
+  require_topic(command, echo.topic);
+  command
+      ->add_option("--fields", echo.fields,
+                   "Ask publishers for these fields only: 'header.stamp, fields[].name'; * is all")
+      ->capture_default_str();
+  CLI::Option* once = command->add_flag("--once", parsed.once, "End after one sample");
+  command->add_option("--count", echo.count, "End after so many samples")
+      ->check(CLI::PositiveNumber)
+      ->excludes(once);
+  command->add_option("--rate", echo.max_rate_hz, "Ask for at most so many samples a second")
+      ->check(CLI::Range(0.001, 100000.0));
+  CLI::Option* yaml = command->add_flag("--yaml", parsed.yaml, "Write YAML (the default)");
+  CLI::Option* csv = command->add_flag("--csv", parsed.csv, "Write a table, with a column for each field");
+  command->get_option("--json")->excludes(yaml)->excludes(csv);
+  csv->excludes(yaml);
+  command->add_flag("--full", echo.full, "Do not shorten long arrays and texts on terminals");
+  command->callback([&parsed] {
+    if (parsed.once) parsed.echo.count = 1;
+    parsed.echo.format = parsed.line.common.json ? Format::json : parsed.csv ? Format::csv : Format::yaml;
+    parsed.line.command = parsed.echo;
+  });
+}
+
+void declare_hz(CLI::App& app, Parsed& parsed) {
+  CLI::App* command =
+      declare(app, parsed, "hz", "Measure how often samples come, without asking for any field");
+  command->add_option("TOPIC", parsed.hz.topics, "The topics, with or without a slash in front")->required();
+  add_live(command, parsed.hz.live);
+  command->callback([&parsed] { parsed.line.command = parsed.hz; });
+}
+
+void declare_bw(CLI::App& app, Parsed& parsed) {
+  CLI::App* command = declare(app, parsed, "bw", "Measure how many bytes a topic has in a second");
+  require_topic(command, parsed.bw.topic);
+  command->add_option("--fields", parsed.bw.fields, "Of these fields only; * is all")->capture_default_str();
+  command->add_flag("--every", parsed.bw.every,
+                    "Ask for every sample as a whole, instead of one in a second and the number of all");
+  add_live(command, parsed.bw.live);
+  command->callback([&parsed] { parsed.line.command = parsed.bw; });
+}
+
+void declare_delay(CLI::App& app, Parsed& parsed) {
+  CLI::App* command =
+      declare(app, parsed, "delay", "Measure how old samples are when they come, by header.stamp");
+  require_topic(command, parsed.delay.topic);
+  command->add_flag("--published", parsed.delay.published, "Measure from when they were published, instead");
+  add_live(command, parsed.delay.live);
+  command->callback([&parsed] { parsed.line.command = parsed.delay; });
+}
+
+void declare_why(CLI::App& app, Parsed& parsed) {
+  CLI::App* command = declare(
+      app, parsed, "why", "Tell whether publishers and subscribers of a topic match, by which path, and why");
+  require_topic(command, parsed.why.topic);
+  command->add_flag("--types", parsed.why.types, "Where two definitions of a type differ, print both");
+  command->callback([&parsed] { parsed.line.command = parsed.why; });
+}
+
+void declare_top(CLI::App& app, Parsed& parsed) {
+  CLI::App* command = declare(app, parsed, "top", "Show all topics and pairs live; q ends it");
+  command->add_option("--every", parsed.top.every_s, "Show it anew after so many seconds")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  command->add_option("--for", parsed.top.for_s, "End after so many seconds")->check(CLI::Range(0.1, 1e9));
+  command->callback([&parsed] { parsed.line.command = parsed.top; });
+}
+
+void declare_doctor(CLI::App& app, Parsed& parsed) {
+  CLI::App* command = declare(app, parsed, "doctor", "Check this host, and tell what to do");
+  command->add_flag("--quiet", parsed.doctor.quiet, "Tell only what is not well");
+  command->callback([&parsed] { parsed.line.command = parsed.doctor; });
+}
+
+/// Of CLI11, which leaves out the end of the sentence.
+ExitCode tell_of_mistake(const CLI::App& app, const std::string& what) {
+  const auto chosen = app.get_subcommands();
+  const std::string help = chosen.empty() ? "sft --help" : "sft " + chosen.front()->get_name() + " --help";
+  complain(what + "; '" + help + "' tells what there is.");
+  return ExitCode::failed;
+}
+
+}  // namespace
+
+std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv) {
+  CLI::App app("Looks at the nodes, topics and samples of SFT.", "sft");
+  app.set_version_flag("--version", "sft " SFT_VERSION);
+  app.footer(exit_codes_help);
+  app.require_subcommand(1);
+  Parsed parsed;
+  for (const auto add : {declare_ls, declare_info, declare_type, declare_echo, declare_hz, declare_bw,
+                         declare_delay, declare_why, declare_top, declare_doctor}) {
+    add(app, parsed);
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() != 0) return tell_of_mistake(app, error.what());
+    app.exit(error);  // prints the help that was asked for
+    return ExitCode::done;
+  }
+  parsed.line.name = app.get_subcommands().front()->get_name();
+  return parsed.line;
+}
+
+}  // namespace sft::tool

@@ -1,0 +1,34 @@
+// What the user has typed.
+#pragma once
+
+#include <variant>
+
+#include "tools/sft/bw.h"
+#include "tools/sft/common_options.h"
+#include "tools/sft/delay.h"
+#include "tools/sft/doctor.h"
+#include "tools/sft/echo.h"
+#include "tools/sft/exit_code.h"
+#include "tools/sft/hz.h"
+#include "tools/sft/info.h"
+#include "tools/sft/ls.h"
+#include "tools/sft/top.h"
+#include "tools/sft/type.h"
+#include "tools/sft/why.h"
+
+namespace sft::tool {
+
+/// One of each subcommand. `sft pub` will be one more.
+using Command = std::variant<LsOptions, InfoOptions, TypeOptions, EchoOptions, HzOptions, BwOptions,
+                             DelayOptions, WhyOptions, TopOptions, DoctorOptions>;
+
+struct CommandLine {
+  std::string name;  ///< of the subcommand
+  CommonOptions common;
+  Command command;
+};
+
+/// Where there is nothing to run, help was printed or a mistake was told, and this is the exit code.
+std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv);
+
+}  // namespace sft::tool

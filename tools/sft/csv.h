@@ -1,0 +1,34 @@
+// Samples as rows of a table (RFC 4180), one column for each field that is outside of sequences and arrays of
+// structs. Collections are one cell each, which has them as JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sft/typesupport/dynamic_view.h"
+#include "sft/typesupport/field_mask.h"
+#include "sft/typesupport/json.h"
+#include "sft/typesupport/type_support.h"
+
+namespace sft::tool {
+
+class CsvTable {
+ public:
+  CsvTable(const TypeSupport& type, const FieldMask& mask) { add_columns(type.type(), mask, "", 0); }
+
+  std::string header() const;
+  /// Without the end of the line. A field that a sample does not have is an empty cell.
+  Result<std::string> row(const DynamicView& sample, const JsonOptions& options) const;
+
+ private:
+  void add_columns(const StructType& type, const FieldMask& mask, const std::string& prefix,
+                   std::size_t leaf);
+
+  struct Column {
+    std::string path;        ///< of the view
+    bool only_size = false;  ///< of a sequence of structs
+  };
+  std::vector<Column> columns_;
+};
+
+}  // namespace sft::tool

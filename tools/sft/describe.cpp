@@ -1,0 +1,127 @@
+#include "tools/sft/describe.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "tools/sft/units.h"
+
+namespace sft::tool {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double in_seconds(std::chrono::nanoseconds duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+void append_duration(std::string& text, const char* name, std::chrono::nanoseconds duration) {
+  if (duration.count() != 0) text += fmt::format(", {} {}", name, duration_text(in_seconds(duration)));
+}
+
+Json progress_json(const EndpointInfo& publisher) {
+  if (!publisher.progress) return nullptr;
+  return {{"samples", publisher.progress->samples}, {"bytes", publisher.progress->bytes}};
+}
+
+}  // namespace
+
+Json qos_json(const Qos& qos) {
+  return {{"reliability", to_string(qos.reliability)},
+          {"durability", to_string(qos.durability)},
+          {"history_depth", qos.history_depth},
+          {"deadline_ns", qos.deadline.count()},
+          {"lifespan_ns", qos.lifespan.count()},
+          {"liveliness", to_string(qos.liveliness)},
+          {"liveliness_lease_ns", qos.liveliness_lease.count()}};
+}
+
+Json endpoint_json(const EndpointInfo& e, bool publishes) {
+  Json json = {{"id", hex_text(e.id)},
+               {"role", publishes ? "publisher" : "subscriber"},
+               {"node", e.node},
+               {"node_id", hex_text(e.node_id)},
+               {"topic", e.topic},
+               {"type", e.type_name},
+               {"type_hash", hex_text(e.type_hash)},
+               {"type_described", e.type.has_value()},
+               {"qos", qos_json(e.qos)},
+               {"may_use_shm", e.may_use_shm},
+               {"may_use_udp", e.may_use_udp},
+               {"shm_ready", e.shm_ready},
+               {"same_machine", e.same_machine},
+               {"addresses", e.addresses}};
+  if (publishes) {
+    json["max_sample_bytes"] = e.max_sample_bytes;
+    json["waits"] = e.waits;
+    json["sent"] = progress_json(e);
+  } else {
+    json["fields"] = e.fields ? Json(*e.fields) : Json();
+    json["max_rate_hz"] = e.max_rate_hz;
+    json["requests"] = e.requests;
+  }
+  return json;
+}
+
+Json pair_json(const PairInfo& pair, const EndpointInfo& publisher, const EndpointInfo& subscriber) {
+  const bool has_policy = pair.incompatible_policy != QosPolicy::none;
+  return {{"publisher", {{"id", hex_text(pair.publisher)}, {"node", publisher.node}}},
+          {"subscriber", {{"id", hex_text(pair.subscriber)}, {"node", subscriber.node}}},
+          {"matched", pair.matched},
+          {"connected", pair.connected},
+          {"transport", pair.connected ? Json(to_string(pair.transport)) : Json()},
+          {"reason", pair.reason},
+          {"incompatible_type", pair.incompatible_type},
+          {"difference", pair.mismatch ? Json(pair.mismatch->difference) : Json()},
+          {"incompatible_policy", has_policy ? Json(to_string(pair.incompatible_policy)) : Json()},
+          {"no_path", pair.no_path},
+          {"fields", subscriber.fields ? Json(*subscriber.fields) : Json()},
+          {"max_rate_hz", subscriber.max_rate_hz},
+          {"offered", qos_json(publisher.qos)},
+          {"requested", qos_json(subscriber.qos)},
+          {"sent_by_publisher", progress_json(publisher)},
+          {"sent", nullptr},
+          {"bytes_saved", nullptr},
+          {"withheld", nullptr},
+          {"lost", nullptr}};
+}
+
+std::string qos_text(const Qos& qos) {
+  std::string text = fmt::format("{}, {}, keep last {}", to_string(qos.reliability),
+                                 to_string(qos.durability), qos.history_depth);
+  append_duration(text, "deadline", qos.deadline);
+  append_duration(text, "lifespan", qos.lifespan);
+  if (qos.liveliness != Liveliness::automatic) text += fmt::format(", {}", to_string(qos.liveliness));
+  append_duration(text, "lease", qos.liveliness_lease);
+  return text;
+}
+
+std::string request_text(const EndpointInfo& subscriber) {
+  std::string text = !subscriber.fields           ? "fields of a type that is not described"
+                     : subscriber.fields->empty() ? "no field"
+                     : *subscriber.fields == "*"  ? "all fields"
+                                                  : *subscriber.fields;
+  if (subscriber.max_rate_hz > 0) text += fmt::format("; at most {:.4g} Hz", subscriber.max_rate_hz);
+  return text;
+}
+
+std::string ways_text(const EndpointInfo& endpoint) {
+  const char* shm = endpoint.shm_ready ? "shm" : "shm (not ready)";
+  if (endpoint.may_use_shm && endpoint.may_use_udp) return fmt::format("{}, udp", shm);
+  return endpoint.may_use_shm ? shm : "udp";
+}
+
+std::string verdict_text(const PairInfo& pair) {
+  if (!pair.matched) return "not matched: " + pair.reason;
+  if (!pair.connected) return "matched, not connected yet: " + pair.reason;
+  return fmt::format("matched by {}: {}", to_string(pair.transport), pair.reason);
+}
+
+const EndpointInfo* endpoint_of(std::uint64_t id, const std::vector<EndpointInfo>& endpoints) {
+  const auto found = std::ranges::find(endpoints, id, &EndpointInfo::id);
+  return found == endpoints.end() ? nullptr : &*found;
+}
+
+}  // namespace sft::tool

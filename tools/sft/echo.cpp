@@ -1,0 +1,108 @@
+#include "tools/sft/echo.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstddef>
+#include <optional>
+
+#include "tools/sft/csv.h"
+
+namespace sft::tool {
+
+namespace {
+
+constexpr std::size_t elements_on_terminal = 16;
+constexpr std::size_t text_on_terminal = 400;
+constexpr std::size_t bytes_most = std::size_t{1} << 30;
+
+/// Puts samples into words. The name of a topic and its type stay the same meanwhile.
+class Printer {
+ public:
+  Printer(const EchoOptions& options, const TypeSupport& type, const FieldMask& mask, Output& output)
+      : format_(options.format), output_(output), table_(type, mask) {
+    yaml_ = {.elements_max = SIZE_MAX, .text_bytes_max = SIZE_MAX, .output_bytes_max = bytes_most};
+    json_.output_bytes_max = bytes_most;
+    if (!output.on_terminal() || options.full) return;
+    yaml_.elements_max = json_.elements_max = elements_on_terminal;
+    yaml_.text_bytes_max = text_on_terminal;
+    json_.bytes_as_base64 = false;  // which cannot be shortened
+  }
+
+  Result<void> print(const DynamicSample& sample) {
+    const Result<std::string> text = text_of(sample);
+    if (!text) return tl::unexpected(text.error());
+    if (format_ == Format::csv && !has_header_) output_.line(table_.header());
+    has_header_ = true;
+    output_.write(*text + (format_ == Format::yaml ? "---\n" : "\n"));
+    return {};
+  }
+
+ private:
+  Result<std::string> text_of(const DynamicSample& sample) const {
+    if (format_ == Format::json) return sample.to_json(json_);
+    return format_ == Format::yaml ? sample.to_yaml(yaml_) : table_.row(sample.view(), json_);
+  }
+
+  Format format_;
+  Output& output_;
+  CsvTable table_;
+  YamlOptions yaml_;
+  JsonOptions json_;
+  bool has_header_ = false;
+};
+
+Result<DynamicSubscriber> subscribe(const EchoOptions& options, const FoundTopic& topic, Node& node) {
+  SubscriberOptions subscriber{.durability = topic.requested.durability,
+                               .depth = 64,
+                               .max_rate_hz = options.max_rate_hz,
+                               .pollable = true};
+  // A sample in shared memory has every field: it is cut down to what was asked for.
+  subscriber.recording.as_remote = options.fields != "*";
+  return node.subscriber(topic.name, topic.type, options.fields, subscriber);
+}
+
+/// Prints what comes; returns how many samples that were. Who wants some of them does not wait for ever.
+Result<std::uint64_t> print_samples(const EchoOptions& options, const CommonOptions& common,
+                                    DynamicSubscriber& subscriber, Printer& printer, Stop& stop) {
+  using Clock = std::chrono::steady_clock;
+  const auto given_up_at = Clock::now() + seconds(common.timeout_s);
+  std::uint64_t printed = 0;
+  while (!stop.requested()) {
+    while (const DynamicSample sample = subscriber.take()) {
+      if (const Result<void> ok = printer.print(sample); !ok) return tl::unexpected(ok.error());
+      if (++printed == options.count || stop.wait_for(std::chrono::nanoseconds(0))) return printed;
+    }
+    const bool for_ever = options.count == 0 || printed > 0;
+    const auto left = for_ever ? Clock::duration(std::chrono::hours(1)) : given_up_at - Clock::now();
+    if (left <= left.zero()) break;
+    stop.wait_for(left, subscriber.file_descriptor());
+  }
+  return printed;
+}
+
+}  // namespace
+
+ExitCode run(const EchoOptions& options, const CommonOptions& common, Session& session) {
+  const Result<FoundTopic> topic = session.find(options.topic);
+  if (!topic) return give_up(topic.error());
+  const TypeSupport& type = topic->type.support();
+  const Result<FieldMask> mask = type.parse_mask(options.fields);
+  if (!mask) return give_up(mask.error());
+  Result<DynamicSubscriber> subscriber = subscribe(options, *topic, session.node());
+  if (!subscriber) return give_up(subscriber.error());
+  Printer printer(options, type, type.closed(*mask), session.output());
+  const auto printed = print_samples(options, common, *subscriber, printer, session.stop());
+  if (!printed) return give_up(printed.error());
+  if (const std::uint64_t lost = subscriber->status().lost; lost > 0)
+    complain(fmt::format(
+        "{} samples of '{}' were lost: they come faster than they are printed, or got lost on the way.", lost,
+        topic->name));
+  if (*printed > 0) return ExitCode::done;
+  if (!session.stop().requested())
+    complain(fmt::format("No sample of '{}' came within {:g} s; 'sft why {}' tells how its publishers stand.",
+                         topic->name, common.timeout_s, topic->name));
+  return ExitCode::nothing;
+}
+
+}  // namespace sft::tool

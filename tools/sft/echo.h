@@ -1,0 +1,24 @@
+// `sft echo`: prints the samples of a topic, or some of their fields.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "tools/sft/session.h"
+
+namespace sft::tool {
+
+enum class Format : std::uint8_t { yaml, json, csv };
+
+struct EchoOptions {
+  std::string topic{};
+  std::string fields = "*";
+  std::uint64_t count = 0;  ///< 0: until it is stopped
+  Format format = Format::yaml;
+  bool full = false;       ///< long arrays and texts whole, on terminals too
+  double max_rate_hz = 0;  ///< 0: all samples
+};
+
+ExitCode run(const EchoOptions& options, const CommonOptions& common, Session& session);
+
+}  // namespace sft::tool

@@ -1,0 +1,66 @@
+#include "tools/sft/info.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tools/sft/describe.h"
+#include "tools/sft/one_topic.h"
+#include "tools/sft/units.h"
+
+namespace sft::tool {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void print_endpoint(const EndpointInfo& e, bool publishes, Output& output) {
+  output.line(fmt::format("  {}  {}", output.colored(printable(e.node), Color::cyan),
+                          output.colored(hex_text(e.id), Color::dim)));
+  output.line("    qos        " + qos_text(e.qos));
+  output.line(
+      fmt::format("    ways       {}, on {} machine", ways_text(e), e.same_machine ? "this" : "another"));
+  std::string addresses;
+  for (const std::string& address : e.addresses) addresses += (addresses.empty() ? "" : ", ") + address;
+  if (!addresses.empty()) output.line("    addresses  " + addresses);
+  if (!publishes) return output.line("    asks for   " + printable(request_text(e)));
+  output.line("    samples    of at most " + bytes_text(static_cast<double>(e.max_sample_bytes)));
+  if (e.waits) output.line("    waits      for reliable subscribers that do not keep up");
+  if (!e.progress) return;
+  output.line(fmt::format("    sent       {} so far, {} over the network",
+                          count_text(e.progress->samples, "sample"),
+                          bytes_text(static_cast<double>(e.progress->bytes))));
+}
+
+void print_text(const OneTopic& topic, Output& output) {
+  output.line(output.colored(topic.name, Color::bold));
+  std::set<std::pair<std::string, std::uint64_t>> types;
+  for (const auto* endpoints : {&topic.publishers, &topic.subscribers})
+    for (const EndpointInfo& e : *endpoints) types.insert({e.type_name, e.type_hash});
+  for (const auto& [name, hash] : types) output.line(fmt::format("  {}  {}", name, hex_text(hash)));
+  if (types.size() > 1)
+    output.line(output.colored("  These types differ, and so do not match: see 'sft why'.", Color::yellow));
+  output.line(count_text(topic.publishers.size(), "publisher"));
+  for (const EndpointInfo& e : topic.publishers) print_endpoint(e, true, output);
+  output.line(count_text(topic.subscribers.size(), "subscriber"));
+  for (const EndpointInfo& e : topic.subscribers) print_endpoint(e, false, output);
+}
+
+void print_json(const OneTopic& topic, Output& output) {
+  Json json = {{"topic", topic.name}, {"publishers", Json::array()}, {"subscribers", Json::array()}};
+  for (const EndpointInfo& e : topic.publishers) json["publishers"].push_back(endpoint_json(e, true));
+  for (const EndpointInfo& e : topic.subscribers) json["subscribers"].push_back(endpoint_json(e, false));
+  output.document(json);
+}
+
+}  // namespace
+
+ExitCode run(const InfoOptions& options, const CommonOptions& common, Session& session) {
+  const Result<OneTopic> topic = look_at(options.topic, common, session);
+  if (!topic) return give_up(topic.error());
+  common.json ? print_json(*topic, session.output()) : print_text(*topic, session.output());
+  return ExitCode::done;
+}
+
+}  // namespace sft::tool

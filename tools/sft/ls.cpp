@@ -1,0 +1,173 @@
+#include "tools/sft/ls.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "tools/sft/describe.h"
+#include "tools/sft/table.h"
+#include "tools/sft/units.h"
+
+namespace sft::tool {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct NodeEntry {
+  std::string name;
+  std::set<std::string> publishes;
+  std::set<std::string> subscribes;
+};
+
+struct TopicEntry {
+  std::set<std::string> types;
+  std::size_t publishers = 0;
+  std::size_t subscribers = 0;
+};
+
+/// What there is, each once and in order.
+struct Inventory {
+  std::map<std::pair<std::string, std::uint64_t>, NodeEntry> nodes;
+  std::map<std::string, TopicEntry> topics;
+  std::map<std::pair<std::string, std::uint64_t>, std::set<std::string>> types;  ///< their topics
+
+  explicit Inventory(const DomainSnapshot& domain) {
+    for (const EndpointInfo& e : domain.publishers) add(e, true);
+    for (const EndpointInfo& e : domain.subscribers) add(e, false);
+  }
+
+ private:
+  void add(const EndpointInfo& e, bool publishes) {
+    NodeEntry& node = nodes[{e.node, e.node_id}];
+    node.name = e.node;
+    (publishes ? node.publishes : node.subscribes).insert(e.topic);
+    TopicEntry& topic = topics[e.topic];
+    topic.types.insert(e.type_name);
+    ++(publishes ? topic.publishers : topic.subscribers);
+    types[{e.type_name, e.type_hash}].insert(e.topic);
+  }
+};
+
+std::string joined(const std::set<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "-" : text;
+}
+
+Json nodes_json(const Inventory& inventory) {
+  Json list = Json::array();
+  for (const auto& [id, node] : inventory.nodes) {
+    list.push_back({{"id", hex_text(id.second)},
+                    {"name", node.name},
+                    {"publishes", node.publishes},
+                    {"subscribes", node.subscribes}});
+  }
+  return list;
+}
+
+Json topics_json(const Inventory& inventory) {
+  Json list = Json::array();
+  for (const auto& [name, topic] : inventory.topics) {
+    list.push_back({{"name", name},
+                    {"types", topic.types},
+                    {"publishers", topic.publishers},
+                    {"subscribers", topic.subscribers}});
+  }
+  return list;
+}
+
+Json types_json(const Inventory& inventory) {
+  Json list = Json::array();
+  for (const auto& [type, topics] : inventory.types)
+    list.push_back({{"name", type.first}, {"hash", hex_text(type.second)}, {"topics", topics}});
+  return list;
+}
+
+Json endpoints_json(const DomainSnapshot& domain) {
+  Json list = Json::array();
+  for (const EndpointInfo& e : domain.publishers) list.push_back(endpoint_json(e, true));
+  for (const EndpointInfo& e : domain.subscribers) list.push_back(endpoint_json(e, false));
+  return list;
+}
+
+void print_json(const std::string& what, const DomainSnapshot& domain, Output& output) {
+  const Inventory inventory(domain);
+  Json json;
+  if (what.empty() || what == "nodes") json["nodes"] = nodes_json(inventory);
+  if (what.empty() || what == "topics") json["topics"] = topics_json(inventory);
+  if (what.empty() || what == "types") json["types"] = types_json(inventory);
+  if (what.empty() || what == "endpoints") json["endpoints"] = endpoints_json(domain);
+  output.document(json);
+}
+
+Table topics_table(const Inventory& inventory) {
+  Table table({"TOPIC", "TYPE", "PUBLISHERS", "SUBSCRIBERS"});
+  for (const auto& [name, topic] : inventory.topics)
+    table.add(
+        {name, joined(topic.types), std::to_string(topic.publishers), std::to_string(topic.subscribers)});
+  return table;
+}
+
+Table table_of(const std::string& what, const DomainSnapshot& domain) {
+  const Inventory inventory(domain);
+  if (what == "nodes") {
+    Table table({"NODE", "PUBLISHES", "SUBSCRIBES TO"});
+    for (const auto& [id, node] : inventory.nodes)
+      table.add({node.name, joined(node.publishes), joined(node.subscribes)});
+    return table;
+  }
+  if (what == "types") {
+    Table table({"TYPE", "HASH", "TOPICS"});
+    for (const auto& [type, topics] : inventory.types)
+      table.add({type.first, hex_text(type.second), joined(topics)});
+    return table;
+  }
+  if (what != "endpoints") return topics_table(inventory);
+  Table table({"ID", "ROLE", "NODE", "TOPIC", "WAYS"});
+  for (const EndpointInfo& e : domain.publishers)
+    table.add({hex_text(e.id), "publisher", e.node, e.topic, ways_text(e)});
+  for (const EndpointInfo& e : domain.subscribers)
+    table.add({hex_text(e.id), "subscriber", e.node, e.topic, ways_text(e)});
+  return table;
+}
+
+void print_names(const std::string& what, const DomainSnapshot& domain, Output& output) {
+  const Inventory inventory(domain);
+  std::set<std::string> names;
+  if (what == "nodes") {
+    for (const auto& [id, node] : inventory.nodes) names.insert(node.name);
+  } else if (what == "types") {
+    for (const auto& [type, topics] : inventory.types) names.insert(type.first);
+  } else if (what == "endpoints") {
+    for (const auto* endpoints : {&domain.publishers, &domain.subscribers})
+      for (const EndpointInfo& e : *endpoints) names.insert(hex_text(e.id));
+  } else {
+    for (const auto& [name, topic] : inventory.topics) names.insert(name);
+  }
+  for (const std::string& name : names) output.line(name);
+}
+
+}  // namespace
+
+ExitCode run(const LsOptions& options, const CommonOptions& common, Session& session) {
+  const DomainSnapshot domain = session.look_around();
+  const bool found = !domain.publishers.empty() || !domain.subscribers.empty();
+  if (common.json) {
+    print_json(options.what, domain, session.output());
+  } else if (options.names) {
+    print_names(options.what, domain, session.output());
+  } else if (found) {
+    table_of(options.what, domain).print(session.output());
+  } else {
+    complain(
+        "Nobody publishes or subscribes to anything in this domain, as far as this host can hear; 'sft "
+        "doctor' "
+        "checks the host.");
+  }
+  return found ? ExitCode::done : ExitCode::nothing;
+}
+
+}  // namespace sft::tool

@@ -1,0 +1,38 @@
+#include "tools/sft/command_line.h"
+#include "tools/sft/output.h"
+#include "tools/sft/session.h"
+#include "tools/sft/stop.h"
+
+namespace {
+
+using namespace sft::tool;
+
+ExitCode run(const CommandLine& line, Stop& stop, Output& output) {
+  if (const auto* doctor = std::get_if<DoctorOptions>(&line.command))
+    return run(*doctor, line.common, stop, output);
+  sft::Result<Session> session = Session::open(line.common, line.name, stop, output);
+  if (!session) {
+    complain(session.error().message);
+    return ExitCode::failed;
+  }
+  return std::visit(
+      [&](const auto& options) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(options)>, DoctorOptions>) {
+          return ExitCode::done;  // ran above
+        } else {
+          return run(options, line.common, *session);
+        }
+      },
+      line.command);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto parsed = parse_command_line(argc, argv);
+  if (const auto* code = std::get_if<ExitCode>(&parsed)) return static_cast<int>(*code);
+  const auto& line = std::get<CommandLine>(parsed);
+  Stop stop;
+  Output output(stop, line.common.no_color);
+  return static_cast<int>(run(line, stop, output));
+}

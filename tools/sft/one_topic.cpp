@@ -1,0 +1,39 @@
+#include "tools/sft/one_topic.h"
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <optional>
+
+#include "tools/sft/describe.h"
+
+namespace sft::tool {
+
+using namespace std::chrono_literals;
+
+OneTopic part_of(const DomainSnapshot& domain, const std::string& topic) {
+  OneTopic part{.name = topic, .publishers = {}, .subscribers = {}, .pairs = {}};
+  const auto is_meant = [&](const EndpointInfo& e) { return e.topic == topic; };
+  std::ranges::copy_if(domain.publishers, std::back_inserter(part.publishers), is_meant);
+  std::ranges::copy_if(domain.subscribers, std::back_inserter(part.subscribers), is_meant);
+  std::ranges::copy_if(domain.pairs, std::back_inserter(part.pairs), [&](const PairInfo& pair) {
+    return endpoint_of(pair.publisher, part.publishers) != nullptr;
+  });
+  return part;
+}
+
+Result<OneTopic> look_at(std::string_view topic, const CommonOptions& common, Session& session) {
+  std::optional<std::string> name;
+  const bool found = session.wait_until([&](const DomainSnapshot& domain) {
+    name = Session::known_name(topic, domain);
+    return name.has_value();
+  });
+  if (found) session.stop().wait_for(seconds(common.wait_s));
+  name = Session::known_name(topic, session.domain());
+  if (name) return part_of(session.domain(), *name);
+  // The library's words for it name the topics that were seen.
+  const Result<DynamicType> type = session.node().find_type(topic, 0s);
+  return fail(Errc::unavailable, type ? "the topic was withdrawn meanwhile" : type.error().message);
+}
+
+}  // namespace sft::tool

@@ -1,0 +1,24 @@
+// All that a domain tells of one topic.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/sft/session.h"
+
+namespace sft::tool {
+
+struct OneTopic {
+  std::string name;
+  std::vector<EndpointInfo> publishers;
+  std::vector<EndpointInfo> subscribers;
+  std::vector<PairInfo> pairs;
+};
+
+/// Errc::unavailable if nobody uses it within the timeout. Else looks around for a while, to find all who do.
+Result<OneTopic> look_at(std::string_view topic, const CommonOptions& common, Session& session);
+
+OneTopic part_of(const DomainSnapshot& domain, const std::string& topic);
+
+}  // namespace sft::tool

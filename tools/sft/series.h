@@ -1,0 +1,49 @@
+// What is measured again and again, over the last few seconds.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <deque>
+
+namespace sft::tool {
+
+using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
+
+struct Spread {
+  std::size_t count = 0;
+  double mean = 0;
+  double min = 0;
+  double max = 0;
+  double deviation = 0;  ///< standard deviation
+};
+
+class Series {
+ public:
+  void add(Stamp when, double value) { values_.push_back({when, value}); }
+  /// What is older than that is forgotten.
+  void forget_before(Stamp when);
+  Spread spread() const;
+
+ private:
+  struct Value {
+    Stamp when;
+    double value;
+  };
+  std::deque<Value> values_;
+};
+
+/// Times between events, in seconds.
+class Periods {
+ public:
+  void add(Stamp when);
+  void forget_before(Stamp when) { series_.forget_before(when); }
+  Spread spread() const { return series_.spread(); }
+  /// Events in a second; 0 while fewer than two have come.
+  double rate() const;
+
+ private:
+  Series series_;
+  Stamp latest_{};
+};
+
+}  // namespace sft::tool

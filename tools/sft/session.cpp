@@ -1,0 +1,107 @@
+#include "tools/sft/session.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+
+namespace sft::tool {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+constexpr std::chrono::milliseconds look_pause{20};
+constexpr std::chrono::milliseconds settle_time{100};  // in which the other publishers of a topic show up, too
+
+/// What every publisher of the topic offers and helps to see samples that were published before. Reliability
+/// is not asked for: a publisher may wait for reliable readers, and a tool is not to hold anybody up.
+Qos common_offer(const std::string& topic, const DomainSnapshot& domain) {
+  Qos qos{.durability = Durability::transient_local};
+  bool published = false;
+  for (const EndpointInfo& publisher : domain.publishers) {
+    if (publisher.topic != topic) continue;
+    published = true;
+    qos.durability = std::min(qos.durability, publisher.qos.durability);
+  }
+  return published ? qos : Qos{};
+}
+
+std::string without_slash(std::string_view topic) {
+  return std::string(topic.starts_with('/') ? topic.substr(1) : topic);
+}
+
+}  // namespace
+
+Result<Session> Session::open(const CommonOptions& options, std::string_view command, Stop& stop,
+                              Output& output) {
+  NodeOptions node{.name = "sft-" + std::string(command) + "-" + std::to_string(getpid())};
+  node.domain = options.domain;
+  node.discovery.interfaces = options.interfaces;
+  node.discovery.peers = options.peers;
+  node.shm.start_daemon = false;
+  return Node::open(node).map(
+      [&](Node&& opened) { return Session(std::move(opened), options, stop, output); });
+}
+
+DomainSnapshot Session::domain() const {
+  DomainSnapshot domain = node_.domain();
+  std::erase_if(domain.pairs, [&](const PairInfo& pair) {
+    return std::ranges::any_of(domain.subscribers,
+                               [&](const EndpointInfo& s) { return s.is_own && s.id == pair.subscriber; });
+  });
+  for (auto* endpoints : {&domain.publishers, &domain.subscribers}) {
+    std::erase_if(*endpoints, [](const EndpointInfo& e) { return e.is_own; });
+  }
+  return domain;
+}
+
+DomainSnapshot Session::look_around() {
+  stop_->wait_for(seconds(options_.wait_s));
+  return domain();
+}
+
+bool Session::wait_until(const std::function<bool(const DomainSnapshot&)>& enough) {
+  const auto end = Clock::now() + seconds(options_.timeout_s);
+  for (;;) {
+    if (enough(domain())) return true;
+    if (Clock::now() >= end || stop_->wait_for(look_pause)) return false;
+  }
+}
+
+std::optional<std::string> Session::known_name(std::string_view topic, const DomainSnapshot& domain) {
+  const std::string plain = without_slash(topic);
+  const std::string given(topic);
+  for (const std::string& name : {given, plain, "/" + plain}) {
+    const auto has = [&](const EndpointInfo& e) { return e.topic == name; };
+    if (std::ranges::any_of(domain.publishers, has) || std::ranges::any_of(domain.subscribers, has))
+      return name;
+  }
+  return std::nullopt;
+}
+
+Result<FoundTopic> Session::find(std::string_view topic) {
+  std::optional<FoundTopic> found;
+  Error error{Errc::unavailable, "stopped before the topic was found"};
+  wait_until([&](const DomainSnapshot& domain) {
+    const std::string name = known_name(topic, domain).value_or(without_slash(topic));
+    const Result<DynamicType> type = node_.find_type(name, 0s);
+    if (type) {
+      found = FoundTopic{name, *type, Qos{}};
+    } else {
+      error = type.error();
+    }
+    return found.has_value() || error.code == Errc::type_mismatch;
+  });
+  if (!found) return tl::unexpected(error);
+  stop_->wait_for(settle_time);
+  found->requested = common_offer(found->name, domain());
+  return *std::move(found);
+}
+
+ExitCode give_up(const Error& error) {
+  complain(error.message);
+  return error.code == Errc::unavailable ? ExitCode::nothing : ExitCode::failed;
+}
+
+}  // namespace sft::tool

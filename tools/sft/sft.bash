@@ -1,0 +1,50 @@
+# Completion of the command sft for bash: subcommands, options, topics and fields of those that are there.
+
+_sft_names() { # ARGUMENT...: what sft prints, one word in a line
+  sft "$@" --wait 0.3 --timeout 0.5 2>/dev/null
+}
+
+_sft() {
+  local word=${COMP_WORDS[COMP_CWORD]} command=${COMP_WORDS[1]} before=${COMP_WORDS[COMP_CWORD - 1]}
+  local commands="ls info type echo hz bw delay why top doctor"
+  local common="--json --no-color --domain --interface --peer --wait --timeout --help"
+  COMPREPLY=()
+
+  if ((COMP_CWORD == 1)); then
+    mapfile -t COMPREPLY < <(compgen -W "$commands --help --version" -- "$word")
+    return
+  fi
+  case $before in
+    --fields)
+      [[ $command == type ]] || mapfile -t COMPREPLY < <(compgen -W "$(_sft_names type --fields "${COMP_WORDS[2]}")" -- "$word")
+      [[ $command == type ]] || return ;;
+    --interface)
+      mapfile -t COMPREPLY < <(compgen -W "$(ls /sys/class/net)" -- "$word")
+      return ;;
+    --domain | --peer | --wait | --timeout | --for | --window | --count | --rate | --every)
+      [[ $command == bw && $before == --every ]] || return ;;
+  esac
+
+  local own=
+  case $command in
+    ls) own="--names" ;;
+    type) own="--name --fields" ;;
+    echo) own="--fields --once --count --rate --yaml --csv --full" ;;
+    hz) own="--for --window" ;;
+    bw) own="--fields --every --for --window" ;;
+    delay) own="--published --for --window" ;;
+    why) own="--types" ;;
+    top) own="--every --for" ;;
+    doctor) own="--quiet" ;;
+  esac
+  if [[ $word == -* ]]; then
+    mapfile -t COMPREPLY < <(compgen -W "$own $common" -- "$word")
+  elif [[ $command == ls ]]; then
+    mapfile -t COMPREPLY < <(compgen -W "nodes topics types endpoints" -- "$word")
+  elif [[ $command == @(info|type|echo|hz|bw|delay|why) ]]; then
+    local slash=
+    [[ $word == /* ]] && slash=/
+    mapfile -t COMPREPLY < <(compgen -P "$slash" -W "$(_sft_names ls topics --names)" -- "${word#/}")
+  fi
+}
+complete -F _sft sft

@@ -1,0 +1,52 @@
+#include "tools/sft/stop.h"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+
+namespace sft::tool {
+
+using Clock = std::chrono::steady_clock;
+
+Stop::Stop() {
+  signal(SIGPIPE, SIG_IGN);  // output that nobody reads is noticed where it is written
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, number);
+  sigprocmask(SIG_BLOCK, &signals, nullptr);
+  signals_ = signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
+}
+
+Stop::~Stop() { close(signals_); }
+
+bool Stop::requested() const { return requested_; }
+
+void Stop::request() { requested_ = true; }
+
+void Stop::look() {
+  signalfd_siginfo info;
+  if (read(signals_, &info, sizeof info) == sizeof info) requested_ = true;
+}
+
+bool Stop::wait_for(std::chrono::nanoseconds time, int descriptor) {
+  const auto now = Clock::now();
+  const auto end = time < std::chrono::hours(10'000) ? now + time : now + std::chrono::hours(10'000);
+  look();
+  while (!requested_) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()).count();
+    const auto pause = static_cast<int>(std::clamp<std::int64_t>(left, 0, 60'000));
+    std::array<pollfd, 2> watched{{{signals_, POLLIN, 0}, {descriptor, POLLIN, 0}}};
+    const int ready = poll(watched.data(), watched.size(), pause);
+    if (ready < 0 && errno != EINTR) break;
+    if (watched[0].revents != 0) look();
+    if (watched[1].revents != 0 || (ready == 0 && left <= pause)) break;
+  }
+  return requested_;
+}
+
+}  // namespace sft::tool

@@ -1,0 +1,154 @@
+#include "tools/sft/system_checks.h"
+
+#include <fmt/format.h>
+#include <pwd.h>
+#include <sft/options.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <sys/timex.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <cctype>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+
+#include "tools/sft/units.h"
+
+namespace sft::tool {
+
+namespace {
+
+constexpr std::uint64_t mib = 1024 * 1024;
+constexpr rlim_t files_wanted = 256;             // each interface and each topic takes some
+constexpr std::uint64_t shm_least = 128 * mib;   // with less sftd does not start
+constexpr std::uint64_t shm_wanted = 256 * mib;  // from here on samples of 16 MiB fit
+constexpr std::uint64_t memlock_wanted = 8 * mib;
+
+std::string limit_text(rlim_t limit) {
+  return limit == RLIM_INFINITY ? "unlimited" : bytes_text(static_cast<double>(limit));
+}
+
+std::string user_name(uid_t user) {
+  const passwd* entry = getpwuid(user);
+  return entry == nullptr ? fmt::format("user {}", user) : entry->pw_name;
+}
+
+/// The accounts that run an sftd on this host.
+std::set<uid_t> users_of_daemons() {
+  std::set<uid_t> users;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc", ignored)) {
+    const std::string pid = entry.path().filename();
+    if (pid.empty() || std::isdigit(static_cast<unsigned char>(pid.front())) == 0) continue;
+    std::string name;
+    std::getline(std::ifstream(entry.path() / "comm"), name);
+    struct stat status {};
+    if (name == "sftd" && stat(entry.path().c_str(), &status) == 0) users.insert(status.st_uid);
+  }
+  return users;
+}
+
+}  // namespace
+
+Finding check_kernel() {
+  utsname system{};
+  uname(&system);
+  int major = 0;
+  int minor = 0;
+  std::sscanf(system.release, "%d.%d", &major, &minor);
+  const std::string text = fmt::format("Linux {}", system.release);
+  if (major > 6 || (major == 6 && minor >= 1)) return {"kernel", Health::ok, text};
+  return {"kernel", Health::error, text, "SFT needs Linux 6.1 or newer: update the kernel."};
+}
+
+Finding check_memlock() {
+  rlimit limit{};
+  getrlimit(RLIMIT_MEMLOCK, &limit);
+  const std::string text = limit_text(limit.rlim_cur) + " may be locked by a process";
+  if (limit.rlim_cur >= memlock_wanted || geteuid() == 0) return {"memlock", Health::ok, text};
+  return {"memlock", Health::warning, text,
+          "io_uring may be refused: raise it (ulimit -l 65536, or LimitMEMLOCK=64M of the service)."};
+}
+
+/// By a socket, since the setting cannot be read in a container.
+Finding check_receive_buffers() {
+  const int wanted = static_cast<int>(UdpSettings{}.receive_buffer_bytes);
+  const int asked = wanted / 2;  // the kernel counts twice
+  const int probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (setsockopt(probe, SOL_SOCKET, SO_RCVBUFFORCE, &asked, sizeof asked) != 0)
+    setsockopt(probe, SOL_SOCKET, SO_RCVBUF, &asked, sizeof asked);
+  int granted = 0;
+  socklen_t bytes = sizeof granted;
+  getsockopt(probe, SOL_SOCKET, SO_RCVBUF, &granted, &bytes);
+  close(probe);
+  const std::string text = fmt::format("a socket gets {} of {}", bytes_text(granted), bytes_text(wanted));
+  if (granted >= wanted) return {"buffers", Health::ok, text};
+  return {"buffers", Health::warning, text,
+          fmt::format("Large samples by UDP go in small pieces: sysctl -w net.core.rmem_max={}", asked)};
+}
+
+Finding check_open_files() {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  const std::string text = fmt::format("{} files may be open in a process", limit.rlim_cur);
+  if (limit.rlim_cur >= files_wanted) return {"files", Health::ok, text};
+  return {"files", Health::warning, text, "Nodes may run out of descriptors: raise it (ulimit -n 1024)."};
+}
+
+Finding check_dev_shm() {
+  struct statvfs space {};
+  if (statvfs("/dev/shm", &space) != 0) {
+    return {"/dev/shm", Health::error, "it is not there",
+            "Samples within this host go by UDP: mount a tmpfs of 512 MB there."};
+  }
+  const std::uint64_t total = std::uint64_t{space.f_blocks} * space.f_frsize;
+  const std::uint64_t free = std::uint64_t{space.f_bavail} * space.f_frsize;
+  const std::string text = fmt::format("{} of {} are free", bytes_text(static_cast<double>(free)),
+                                       bytes_text(static_cast<double>(total)));
+  const bool has_daemon = !users_of_daemons().empty();  // which has taken what it needs
+  if (total >= shm_wanted && (has_daemon || free >= shm_least)) return {"/dev/shm", Health::ok, text};
+  if (total >= shm_least && (has_daemon || free >= shm_least))
+    return {"/dev/shm", Health::warning, text, "Samples of 16 MiB do not fit: give it 256 MiB or more."};
+  return {"/dev/shm", Health::error, text,
+          "sftd needs 128 MiB: remount it (mount -o remount,size=512m /dev/shm; docker: --shm-size=512m)."};
+}
+
+Finding check_users() {
+  const std::set<uid_t> users = users_of_daemons();
+  const std::string self = user_name(geteuid());
+  if (users.empty()) return {"users", Health::ok, fmt::format("this is {}; nobody runs sftd here", self)};
+  std::string names;
+  bool is_ours = false;
+  struct stat run {};
+  const bool has_run = stat("/run/sft", &run) == 0;
+  for (const uid_t user : users) {
+    names += (names.empty() ? "" : ", ") + user_name(user);
+    is_ours = is_ours || user == geteuid() || user == 0 || (has_run && user == run.st_uid);
+  }
+  const std::string text = fmt::format("this is {}; sftd is run by {}", self, names);
+  if (is_ours) return {"users", Health::ok, text};
+  return {"users", Health::warning, text,
+          "Programs of this account do not use that sftd unless NodeOptions::shm.daemon_users names its "
+          "account."};
+}
+
+Finding check_clock() {
+  timex clock{};
+  const int state = adjtimex(&clock);
+  if (state >= 0 && state != TIME_ERROR && (clock.status & STA_UNSYNC) == 0) {
+    return {"clock", Health::ok,
+            fmt::format("it is synchronised, to about {}",
+                        duration_text(static_cast<double>(clock.esterror) * 1e-6))};
+  }
+  return {"clock", Health::warning, "the system says that it is not synchronised",
+          "Lifespans and delays between hosts are off by as much: run chrony or systemd-timesyncd."};
+}
+
+}  // namespace sft::tool

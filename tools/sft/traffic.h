@@ -1,0 +1,34 @@
+// How fast publishers send, from what their nodes tell of their progress now and then.
+#pragma once
+
+#include <sft/domain.h>
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+
+namespace sft::tool {
+
+class Traffic {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  struct Rate {
+    double samples_per_s = 0;
+    double bytes_per_s = 0;  ///< over the network, for each reader
+  };
+
+  void note(const DomainSnapshot& domain, Clock::time_point now);
+  /// Nothing while progress was told less than twice; zero when none was told for a while.
+  std::optional<Rate> of(std::uint64_t publisher, Clock::time_point now) const;
+
+ private:
+  struct Entry {
+    PublisherProgress latest;
+    Clock::time_point changed;
+    std::optional<Rate> rate;
+  };
+  std::map<std::uint64_t, Entry> entries_;
+};
+
+}  // namespace sft::tool

@@ -1,0 +1,16 @@
+// Numbers for people.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace sft::tool {
+
+std::string bytes_text(double bytes);        ///< "82 B", "6.29 MB"
+std::string duration_text(double seconds);   ///< "1.23 ms", "-4.00 us"
+std::string rate_text(double hz);            ///< "10.0 Hz"
+std::string hex_text(std::uint64_t number);  ///< an id, 16 digits
+/// "1 topic", "2 topics"
+std::string count_text(std::size_t count, const char* noun);
+
+}  // namespace sft::tool
