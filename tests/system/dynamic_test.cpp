@@ -133,6 +133,18 @@ TEST_P(DynamicTest, ItsMaskIsWhatThePublisherServes) {
   EXPECT_EQ(sub.status().received, 1U);
 }
 
+TEST_P(DynamicTest, AsRemoteLeavesASampleOnlyTheDeclaredFieldsInSharedMemoryToo) {
+  auto pub = a.publisher<PointCloud2>("points").value();
+  const DynamicType type = b.find_type("points", 15s).value();
+  auto sub = b.subscriber("points", type, "width, fields[].name", {.recording = {.as_remote = true}}).value();
+  expect_served(pub, 1);
+  pub.publish(small_cloud());
+  ASSERT_TRUE(sub.wait(5s));
+  const DynamicSample sample = sub.take();
+  EXPECT_EQ(sample.to_json().value(), R"({"width":1024,"fields":[{"name":"x"},{"name":"y"}]})");
+  EXPECT_EQ(sub.status().received, 1U);
+}
+
 TEST_P(DynamicTest, ACallbackGetsSamples) {
   auto pub = a.publisher<PointCloud2>("points").value();
   const DynamicType type = b.find_type("points", 15s).value();

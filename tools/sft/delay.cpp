@@ -41,6 +41,12 @@ Arrivals::Request request(const std::string& field) {
           }};
 }
 
+const char* remark(const Spread& delay) {
+  constexpr double decades = 1e9;
+  if (delay.max > decades) return "; the stamp is not set";
+  return delay.min < 0 ? "; clocks differ" : "";
+}
+
 void print(Arrivals& arrivals, const DelayOptions& options, bool json, Output& output) {
   const Arrivals::Report report = arrivals.report(options.live.window_s);
   const Spread& delay = report.values;
@@ -58,8 +64,7 @@ void print(Arrivals& arrivals, const DelayOptions& options, bool json, Output& o
     return output.line(fmt::format("{}: no new sample, {} so far", arrivals.topic(), report.samples));
   output.line(fmt::format("{}: {} ({} to {}, deviation {}), {} so far{}", arrivals.topic(),
                           duration_text(delay.mean), duration_text(delay.min), duration_text(delay.max),
-                          duration_text(delay.deviation), report.samples,
-                          delay.min < 0 ? "; clocks differ" : ""));
+                          duration_text(delay.deviation), report.samples, remark(delay)));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 constexpr std::chrono::milliseconds look_pause{20};
-constexpr std::chrono::milliseconds settle_time{100};  // in which the other publishers of a topic show up, too
+constexpr std::chrono::milliseconds settle_time{100};  // for the other publishers of a topic to show up
 
 /// What every publisher of the topic offers and helps to see samples that were published before. Reliability
 /// is not asked for: a publisher may wait for reliable readers, and a tool is not to hold anybody up.

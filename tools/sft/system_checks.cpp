@@ -88,7 +88,11 @@ Finding check_receive_buffers() {
   socklen_t bytes = sizeof granted;
   getsockopt(probe, SOL_SOCKET, SO_RCVBUF, &granted, &bytes);
   close(probe);
-  const std::string text = fmt::format("a socket gets {} of {}", bytes_text(granted), bytes_text(wanted));
+  int most = 0;  // for those who may not go beyond it, as root may
+  std::ifstream("/proc/sys/net/core/rmem_max") >> most;
+  const std::string limit = most == 0 ? "" : fmt::format("; net.core.rmem_max is {}", most);
+  const std::string text =
+      fmt::format("a socket gets {} of {}{}", bytes_text(granted), bytes_text(wanted), limit);
   if (granted >= wanted) return {"buffers", Health::ok, text};
   return {"buffers", Health::warning, text,
           fmt::format("Large samples by UDP go in small pieces: sysctl -w net.core.rmem_max={}", asked)};

@@ -34,7 +34,9 @@ void print_pair(const PairInfo& pair, const OneTopic& topic, const WhyOptions& o
   const EndpointInfo& publisher = *endpoint_of(pair.publisher, topic.publishers);
   const EndpointInfo& subscriber = *endpoint_of(pair.subscriber, topic.subscribers);
   const Color color = !pair.matched ? Color::red : pair.connected ? Color::green : Color::yellow;
-  output.line(output.colored(printable(publisher.node + " -> " + subscriber.node), Color::bold));
+  output.line(output.colored(printable(publisher.node + " -> " + subscriber.node), Color::bold) +
+              output.colored(fmt::format("  ({} -> {})", hex_text(publisher.id), hex_text(subscriber.id)),
+                             Color::dim));
   output.line("    " + output.colored(printable(verdict_text(pair)), color));
   print_mismatch(pair, options, output);
   if (pair.matched) {
@@ -59,8 +61,8 @@ void print_text(const OneTopic& topic, const WhyOptions& options, Output& output
   const bool some_match = std::ranges::any_of(topic.pairs, &PairInfo::matched);
   if (some_match)
     output.line(
-        output.colored("What was saved, withheld or lost for one subscriber only its node and the "
-                       "publisher's\ncount: node.snapshot() tells it there.",
+        output.colored("Only the two nodes of a pair count what was saved, withheld or lost:\n"
+                       "node.snapshot() tells it there.",
                        Color::dim));
 }
 
