@@ -1,6 +1,13 @@
 // Errors of set-up calls: a category that a program can act on and a sentence that says what to do.
+//
+//   auto node = sft::Node::open(options);             // asks: if (!node) print(node.error().message)
+//   auto node = sft::Node::open(options).value();     // or throws tl::bad_expected_access<sft::Error>
+//
+// The exception says what the error says: what() is its message, which is also what a program that does not
+// catch it prints when it ends.
 #pragma once
 
+#include <exception>
 #include <string>
 #include <tl/expected.hpp>
 #include <utility>
@@ -24,6 +31,28 @@ struct Error {
   Errc code;
   std::string message;  ///< names the thing and what to do about it
 };
+
+}  // namespace sft
+
+/// What value() throws where there is none. It is tl::expected's own exception but for what(), which there is
+/// the same for all errors.
+template <>
+class tl::bad_expected_access<sft::Error> : public std::exception {
+ public:
+  explicit bad_expected_access(sft::Error error) : error_(std::move(error)) {}
+
+  const char* what() const noexcept override { return error_.message.c_str(); }
+
+  const sft::Error& error() const& { return error_; }
+  sft::Error& error() & { return error_; }
+  const sft::Error&& error() const&& { return std::move(error_); }
+  sft::Error&& error() && { return std::move(error_); }
+
+ private:
+  sft::Error error_;
+};
+
+namespace sft {
 
 template <class T>
 using Result = tl::expected<T, Error>;
