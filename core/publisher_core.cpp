@@ -9,6 +9,7 @@
 #include "core/clock.h"
 #include "sft/typesupport/convert.h"
 #include "sft/typesupport/encode.h"
+#include "sft/typesupport/encode_fault.h"
 
 namespace sft::core {
 
@@ -253,7 +254,8 @@ PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void*
                                              std::int64_t stamp_ns) {
   const StructType& type = spec_.type->type();
   const EncodedSize size = encoded_size(type, value, outlets.mask);
-  if (size.status != EncodeStatus::ok || size.bytes > spec_.max_sample_bytes) return PublishStatus::invalid;
+  if (size.status != EncodeStatus::ok || size.bytes > spec_.max_sample_bytes) [[unlikely]]
+    return refuse(value, outlets.mask);
   const SampleHandle sample = lend(outlets, size.bytes);
   if (!sample) return no_memory(outlets, size.bytes);
   fill_header(*sample, outlets.mask, size.bytes);
@@ -269,6 +271,22 @@ PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void*
   if (sample->postponed != nullptr) sample->postponed = nullptr;  // else others may have it, and look
   postponed_.clear();
   return status;
+}
+
+/// Only here, where it failed already, a message is looked at for what is wrong with it.
+PublishStatus PublisherCore::refuse(const void* value, const FieldMask& mask) {
+  why_invalid_ = fault_of(value, mask).message;
+  return PublishStatus::invalid;
+}
+
+Error PublisherCore::fault_of(const void* value, const FieldMask& mask,
+                              std::span<const Reservation> reservations) const {
+  const std::size_t most = spec_.max_sample_bytes;
+  std::string text =
+      "topic '" + spec_.topic + "': " + encode_fault(*spec_.type, value, mask, most, reservations);
+  const EncodedSize size = encoded_size(spec_.type->type(), value, mask, reservations);
+  if (size.status != EncodeStatus::ok) return {Errc::invalid_argument, std::move(text)};
+  return {Errc::limit_exceeded, text + ": raise PublisherOptions::max_sample_bytes"};
 }
 
 /// What the body would have if all fields were encoded, as far as that is measured.
@@ -310,8 +328,10 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
   ConvertedSize size = converted_size(*payload, type);
   if (size.status != WalkStatus::ok) return malformed(size.status);
   if (size.bytes > spec_.max_sample_bytes) {
-    return fail(Errc::limit_exceeded, "a payload of " + std::to_string(size.bytes) +
-                                          " bytes; raise PublisherOptions::max_sample_bytes");
+    return fail(Errc::limit_exceeded, "topic '" + spec_.topic + "': the payload has " +
+                                          std::to_string(size.bytes) + " bytes; at most " +
+                                          std::to_string(spec_.max_sample_bytes) +
+                                          " may be sent: raise PublisherOptions::max_sample_bytes");
   }
   patience_ = spec_.max_blocking;
   const std::int64_t stamp_ns = realtime_ns();
@@ -334,11 +354,8 @@ tl::unexpected<Error> PublisherCore::malformed(WalkStatus why) const {
 Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const Reservation> reservations,
                                          ReservedMemory memory) {
   const EncodedSize size = encoded_size(spec_.type->type(), prototype, full_, reservations);
-  if (size.status != EncodeStatus::ok) return fail(Errc::invalid_argument, to_string(size.status));
-  if (size.bytes > spec_.max_sample_bytes) {
-    return fail(Errc::limit_exceeded, "a loan of " + std::to_string(size.bytes) +
-                                          " bytes; raise PublisherOptions::max_sample_bytes");
-  }
+  if (size.status != EncodeStatus::ok || size.bytes > spec_.max_sample_bytes)
+    return tl::unexpected(fault_of(prototype, full_, reservations));
   const CallCount::Call call(calls_);
   patience_ = spec_.max_blocking;
   SampleHandle sample = lend(outlets(), size.bytes);
@@ -354,7 +371,10 @@ Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const 
 
 PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
   if (has_gaps) {
-    if (const PublishStatus status = close_gaps(*sample); status != PublishStatus::ok) return status;
+    if (const PublishStatus status = close_gaps(*sample); status != PublishStatus::ok) {
+      if (status == PublishStatus::invalid) why_invalid_ = "topic '" + spec_.topic + "': another program has overwritten the loan in shared memory";
+      return status;
+    }
   }
   const std::int64_t stamp_ns = realtime_ns();
   const CallCount::Call call(calls_);

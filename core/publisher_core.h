@@ -59,6 +59,9 @@ class PublisherCore {
   /// `has_gaps`: sequences of it were shortened where they lie.
   PublishStatus commit(SampleHandle sample, bool has_gaps);
 
+  /// Of the last message that publish() refused. The thread that publishes.
+  const std::string& why_invalid() const { return why_invalid_; }
+
   void assert_liveliness();
 
   /// After it returns no callback runs any more, except for one in which it is called itself.
@@ -109,6 +112,9 @@ class PublisherCore {
   std::shared_ptr<Outlets> outlets_for(const Serving& serving, std::shared_ptr<WriterPort> shm) const;
   PublishedSpan publish_some(const std::byte* values, std::size_t count, std::size_t stride, bool goes_on);
   PublishStatus encode_and_send(const Outlets& outlets, const void* value, std::int64_t stamp_ns);
+  [[gnu::cold, gnu::noinline]] PublishStatus refuse(const void* value, const FieldMask& mask);
+  Error fault_of(const void* value, const FieldMask& mask,
+                 std::span<const Reservation> reservations = {}) const;
   PublishStatus no_memory(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void count_refusal(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   tl::unexpected<Error> malformed(WalkStatus why) const;
@@ -163,6 +169,7 @@ class PublisherCore {
   std::int64_t measured_at_ns_ = 0;
   std::uint64_t diverted_sequence_ = 0;  ///< the last one sent by UDP alone, and when it was published
   std::int64_t diverted_stamp_ns_ = 0;
+  std::string why_invalid_;
 
   // Of the agent's thread.
   RateGates gates_;

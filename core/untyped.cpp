@@ -16,7 +16,7 @@ const char* to_string(PublishStatus status) {
     case PublishStatus::ok:
       return "ok";
     case PublishStatus::invalid:
-      return "the message breaks a bound, has a NUL in a string, or is too large";
+      return "the message breaks a bound, has a NUL in a string, or is too large: why_invalid() names the field";
     case PublishStatus::no_loan:
       return "the loan was published already, or moved away";
     case PublishStatus::no_memory:
@@ -147,6 +147,8 @@ Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation>
     return Loan(core_, sample.release());
   });
 }
+
+const std::string& Publisher::why_invalid() const { return core_->why_invalid(); }
 
 void Publisher::assert_liveliness() { core_->assert_liveliness(); }
 

@@ -156,8 +156,29 @@ TEST_F(BadInputTest, AMessageThatCdrCannotCarryIsInvalid) {
   ASSERT_TRUE(eventually([&] { return !pub.status().readers.empty() && pub.status().readers[0].served; }));
   PointCloud2 message;
   message.header.frame_id = std::string("a\0b", 3);
+  EXPECT_EQ(pub.why_invalid(), "");
   EXPECT_EQ(pub.publish(message), PublishStatus::invalid);
-  EXPECT_FALSE(pub.loan(message));
+  const std::string why =
+      "topic 'points': 'header.frame_id' has a NUL behind 1 characters; a string ends at its first one";
+  EXPECT_EQ(pub.why_invalid(), why);
+  EXPECT_EQ(pub.loan(message).error().message, why);
+}
+
+TEST_F(BadInputTest, OfAMessageThatIsTooLargeTheLargestFieldAndTheLimitAreNamed) {
+  Node a = udp_node("a");
+  auto pub = a.publisher<PointCloud2>("points", {.max_sample_bytes = 1000}).value();
+  auto sub = a.subscriber<PointCloud2>("points").value();
+  ASSERT_TRUE(eventually([&] { return !pub.status().readers.empty() && pub.status().readers[0].served; }));
+  PointCloud2 message;
+  message.data.resize(2000);
+  EXPECT_EQ(pub.publish(message), PublishStatus::invalid);
+  EXPECT_EQ(pub.why_invalid(),
+            "topic 'points': the message has 2045 bytes, 2004 of them in 'data'; at most 1000 bytes may be "
+            "sent: raise PublisherOptions::max_sample_bytes");
+  const auto loan = pub.loan({}, {.data = 3000});
+  ASSERT_FALSE(loan);
+  EXPECT_EQ(loan.error().code, Errc::limit_exceeded);
+  EXPECT_NE(loan.error().message.find("3004 of them in 'data'"), std::string::npos) << loan.error().message;
 }
 
 TEST_F(BadInputTest, APayloadThatIsNotTheTypeIsAnError) {

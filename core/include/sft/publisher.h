@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -154,6 +155,12 @@ class Publisher {
   Result<Loan<T>> loan_for_overwrite(const T& prototype, const typename T::LoanSizes& sizes = {}) {
     return loan(prototype, sizes, ReservedMemory::as_it_is);
   }
+
+  /// After publish() returned PublishStatus::invalid: which field is wrong, its size and the limit, as in
+  /// "topic 'map': 'names[3]' has 300 characters; its bound is 255". Of a span it is the last message that was
+  /// wrong. It is put into words only then, and stays until the next message is refused; empty before that.
+  /// The thread that publishes.
+  const std::string& why_invalid() const { return publisher_.why_invalid(); }
 
   /// A sign of life where liveliness is manual_by_topic and there is nothing to publish. Any thread, cheap.
   void assert_liveliness() { publisher_.assert_liveliness(); }

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -41,7 +42,8 @@ struct SampleInfo {
 
 enum class PublishStatus : std::uint8_t {
   ok,
-  invalid,    ///< a string with a NUL in it, a bound exceeded, or larger than max_sample_bytes
+  invalid,    ///< a string with a NUL in it, a bound exceeded, or larger than max_sample_bytes:
+              ///< Publisher::why_invalid() names the field
   no_loan,    ///< the loan was published already, or moved away
   no_memory,  ///< no chunk or buffer free: readers hold too many samples
   dropped,    ///< a queue was full, or no chunk was free: at least one reader misses this sample, and counts
@@ -151,6 +153,7 @@ class Publisher {
   /// An encoded payload of the whole type, see Publisher::publish_cdr.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
   Result<Loan> loan(const void* prototype, std::span<const Reservation> reservations, ReservedMemory memory);
+  const std::string& why_invalid() const;
   void assert_liveliness();
   PublisherStatus status() const;
   const TypeSupport& type() const;

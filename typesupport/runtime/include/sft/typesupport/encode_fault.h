@@ -1,0 +1,21 @@
+// Why a value cannot be encoded, as a sentence. encoded_size() only tells that it cannot, which costs
+// nothing; this looks through the value again and takes memory, so it is asked after the failure.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "sft/typesupport/field_mask.h"
+#include "sft/typesupport/loan_view.h"
+#include "sft/typesupport/type_support.h"
+
+namespace sft {
+
+/// Names the field that breaks its bound, has a NUL or is no boolean, its size and the limit: "'tags[1]' has
+/// 9 characters; its bound is 8". If the body would have more than `bytes_max` bytes, it names the field that
+/// takes the most of them. Empty where nothing is wrong. The arguments are those of encoded_size().
+std::string encode_fault(const TypeSupport& type, const void* value, const FieldMask& mask,
+                         std::size_t bytes_max, std::span<const Reservation> reservations = {});
+
+}  // namespace sft
