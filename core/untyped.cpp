@@ -1,8 +1,10 @@
 #include "sft/untyped.h"
 
+#include <array>
 #include <cstring>
 #include <utility>
 
+#include "core/control.h"
 #include "core/forked.h"
 #include "core/publisher_core.h"
 #include "core/recorder.h"
@@ -53,7 +55,18 @@ SampleState view_of(core::SampleBuffer& buffer, std::size_t slots) {
   return state;
 }
 
+constexpr std::size_t slots_max = core::mask_words_max * 64;  // types of more have no subscribers
+
+constexpr std::array<std::uint32_t, slots_max> absent_slots = [] {
+  std::array<std::uint32_t, slots_max> slots{};
+  slots.fill(no_offset);
+  return slots;
+}();
+const FieldMask no_fields(slots_max);
+
 }  // namespace
+
+constinit const SampleState empty_state{.index = absent_slots.data(), .mask = &no_fields};
 
 Sample::Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
                core::RecordedSample* record)
@@ -62,6 +75,7 @@ Sample::Sample(core::SampleBuffer* buffer, const TypeSupport& type, const Sample
 }
 
 std::span<const std::byte> Sample::cdr() const {
+  if (buffer_ == nullptr) return {};
   return {state_.body - encapsulation_bytes, state_.body_bytes + encapsulation_bytes};
 }
 

@@ -7,6 +7,7 @@
 // Publishers see no difference from a compiled subscriber: the same transports, the same masks.
 #pragma once
 
+#include <cassert>
 #include <chrono>
 #include <functional>
 #include <span>
@@ -21,8 +22,9 @@
 
 namespace sft {
 
-/// What take() returns and callbacks get. Keeps its type alive. May be empty (nothing to take). May be
-/// destroyed on any thread; several threads may read it at once.
+/// What take() returns and callbacks get. Keeps its type alive. May be destroyed on any thread; several threads
+/// may read it at once. May be empty, as Sample (sample.h) says: all fields are absent then, and texts are
+/// errors.
 class DynamicSample {
  public:
   DynamicSample(DynamicType type, untyped::Sample&& sample)
@@ -32,13 +34,19 @@ class DynamicSample {
 
   /// Fields by their names. It, and what is read through it, is valid as long as the sample, which must not
   /// be moved meanwhile.
-  DynamicView view() const& { return {sample_.state(), type_.type()}; }
+  DynamicView view() const& {
+    assert(sample_ && "an empty sample is read: ask `if (sample)` first, take() had nothing to give");
+    return {sample_.state(), type_.type()};
+  }
   void view() const&& = delete;
 
   const SampleInfo& info() const& { return sample_.info(); }
   void info() const&& = delete;
   /// Not of an empty sample.
-  const FieldMask& mask() const& { return *sample_.state().mask; }
+  const FieldMask& mask() const& {
+    assert(sample_ && "an empty sample is asked for its mask: ask `if (sample)` first");
+    return *sample_.state().mask;
+  }
   void mask() const&& = delete;
   const DynamicType& type() const& { return type_; }
   /// Whether bytes were met that are not what they claim to be.
@@ -47,10 +55,18 @@ class DynamicSample {
   std::span<const std::byte> cdr() const& { return sample_.cdr(); }
   void cdr() const&& = delete;
 
-  Result<std::string> to_yaml(const YamlOptions& options = {}) const { return sft::to_yaml(view(), options); }
-  Result<std::string> to_json(const JsonOptions& options = {}) const { return sft::to_json(view(), options); }
+  Result<std::string> to_yaml(const YamlOptions& options = {}) const {
+    return sample_ ? sft::to_yaml(view(), options) : empty_error();
+  }
+  Result<std::string> to_json(const JsonOptions& options = {}) const {
+    return sample_ ? sft::to_json(view(), options) : empty_error();
+  }
 
  private:
+  static Result<std::string> empty_error() {
+    return fail(Errc::unavailable, "the sample is empty: take() had nothing to give");
+  }
+
   DynamicType type_;
   untyped::Sample sample_;
 };

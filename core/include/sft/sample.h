@@ -1,6 +1,7 @@
 // A received sample of message type T as a subscriber with requirement R sees it.
 #pragma once
 
+#include <cassert>
 #include <optional>
 #include <span>
 #include <string>
@@ -21,7 +22,12 @@ struct Partial {
 
 /// What take() returns and callbacks get. `sample->field()` reads a field in place, on first access; spans,
 /// strings and ranges that getters return are valid as long as the sample, which must not be moved meanwhile.
-/// May be empty (nothing to take). May be destroyed on any thread; several threads may read it at once.
+/// May be destroyed on any thread; several threads may read it at once.
+///
+/// It may be empty: take() had nothing to give, or the sample was moved away. Only `if (sample)`, info() and
+/// to_partial(), which is an error then, are for such a one. To read its fields is a mistake that an
+/// assertion finds in programs that are built with assertions; in others every field of a sample from take()
+/// is zero or empty then, and malformed() is true.
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Sample {
  public:
@@ -44,13 +50,19 @@ class Sample {
   Arrow operator->() const& { return Arrow(view()); }
   void operator->() const&& = delete;
 
-  View view() const& { return view_of<T, R>(sample_.state()); }
+  View view() const& {
+    assert(sample_ && "an empty sample is read: ask `if (sample)` first, take() had nothing to give");
+    return view_of<T, R>(sample_.state());
+  }
   void view() const&& = delete;
 
   const SampleInfo& info() const& { return sample_.info(); }
   void info() const&& = delete;
   /// Not of an empty sample.
-  const FieldMask& mask() const& { return *sample_.state().mask; }
+  const FieldMask& mask() const& {
+    assert(sample_ && "an empty sample is asked for its mask: ask `if (sample)` first");
+    return *sample_.state().mask;
+  }
   void mask() const&& = delete;
   /// Whether a getter met bytes that are not what they claim to be (and returned an empty value).
   bool malformed() const { return sample_.state().is_malformed(); }
@@ -58,6 +70,7 @@ class Sample {
   /// The whole message; copies. Only for samples that have all fields. An error where the bytes are not what
   /// they claim to be, which a broken program on this host can cause.
   Result<T> to_owned() const requires(!R.is_recorded && R.mask == all<T>) {
+    if (!sample_) return empty_error();
     Result<T> value{};
     if (const WalkStatus status = decode_to(*value); status != WalkStatus::ok)
       value = malformed_error(status);
@@ -65,6 +78,7 @@ class Sample {
   }
   /// The fields that this sample has; copies.
   Result<Partial<T>> to_partial() const {
+    if (!sample_) return empty_error();
     Result<Partial<T>> partial{};
     partial->mask = mask();
     if (const WalkStatus status = decode_to(partial->value); status != WalkStatus::ok)
@@ -78,6 +92,9 @@ class Sample {
 
  private:
   WalkStatus decode_to(T& value) const { return decode(sample_.state(), TypeTable<T>::type, &value); }
+  static tl::unexpected<Error> empty_error() {
+    return fail(Errc::unavailable, "the sample is empty: take() had nothing to give");
+  }
   tl::unexpected<Error> malformed_error(WalkStatus status) const {
     sample_.state().flag_malformed();
     return fail(Errc::malformed,

@@ -71,6 +71,10 @@ enum class ReservedMemory : std::uint8_t { zeroed, as_it_is };
 
 namespace untyped {
 
+/// What an empty sample has instead of bytes: no field, at any slot. To read it is a mistake, but not an
+/// undefined one.
+extern const SampleState empty_state;
+
 /// One received sample: owns its place in shared memory or in a buffer until it is destroyed, on any thread.
 /// In shared memory a subscriber can hold SubscriberOptions::max_held samples of one publisher: then take()
 /// gives no more of that one until one is destroyed, which does not wake wait().
@@ -95,7 +99,7 @@ class Sample {
   explicit operator bool() const { return buffer_ != nullptr; }
   const SampleState& state() const { return state_; }
   const SampleInfo& info() const { return info_; }
-  /// Encapsulation and body: standard CDR of the type projected to the mask.
+  /// Encapsulation and body: standard CDR of the type projected to the mask. Nothing of an empty sample.
   std::span<const std::byte> cdr() const;
   void reset() noexcept;
 
@@ -103,7 +107,7 @@ class Sample {
   void leave_to_the_parent() noexcept;
   void swap(Sample& other) noexcept;
 
-  SampleState state_{};
+  SampleState state_ = empty_state;
   SampleInfo info_{};
   core::SampleBuffer* buffer_ = nullptr;  // one reference
   core::RecordedSample* record_ = nullptr;
