@@ -10,7 +10,7 @@ namespace sft::core {
 
 namespace {
 
-constexpr std::size_t min_shift = 9;  // 512 bytes; 18 classes go up to 64 MiB
+constexpr std::size_t min_shift = 9;  // 512 bytes; 19 classes go up to 128 MiB
 constexpr std::size_t extra_bytes_max = 8 * 1024;
 
 constexpr std::size_t capacity_of(std::size_t size_class) {

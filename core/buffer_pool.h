@@ -33,7 +33,7 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   void recycle(SampleBuffer& buffer) noexcept override;
 
  private:
-  static constexpr std::size_t classes = 18;
+  static constexpr std::size_t classes = 19;
   explicit BufferPool(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
   SampleHandle hand_out(SampleBuffer& buffer, std::shared_ptr<BufferOwner> self) noexcept;
   SampleBuffer* make_buffer(std::size_t capacity) noexcept;

@@ -25,7 +25,7 @@
 namespace sft::udp {
 
 struct ReassemblyLimits {
-  std::size_t sample_bytes = std::size_t{32} << 20;       ///< of one body, whatever its writer announced
+  std::size_t sample_bytes = std::size_t{64} << 20;       ///< of one body, whatever its writer announced
   std::size_t unfinished_bytes = std::size_t{128} << 20;  ///< of bodies of one writer that have begun
   std::size_t unfinished_per_variant = 4;                 ///< samples
   std::size_t unfinished_per_writer = 32;                 ///< samples

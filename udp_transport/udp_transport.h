@@ -33,7 +33,7 @@ struct UdpOptions {
   std::vector<std::string> interfaces{};
   Backend backend = Backend::automatic;
 
-  std::size_t max_sample_bytes = std::size_t{32} << 20;      ///< of a body, sent or received
+  std::size_t max_sample_bytes = std::size_t{64} << 20;      ///< of a body, sent or received
   std::size_t receive_buffer_bytes = std::size_t{32} << 20;  ///< as the kernel counts; it may grant less
   std::size_t send_buffer_bytes = std::size_t{128} << 10;    ///< to each address; devices have short queues;
                                                              ///< 0: default

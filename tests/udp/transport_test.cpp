@@ -38,7 +38,7 @@ INSTANTIATE_TEST_SUITE_P(Backends, TransportTest, all_ways, way_name);
 
 TEST_P(TransportTest, SaysHowItWorks) {
   const auto transport = open();
-  EXPECT_EQ(transport->max_sample_bytes(), std::size_t{32} << 20);
+  EXPECT_EQ(transport->max_sample_bytes(), std::size_t{64} << 20);
   EXPECT_EQ(transport->poll({}), core::Availability::ready);
   EXPECT_NE(
       transport->description().find(GetParam().backend == Backend::io_uring ? "io_uring" : "plain sockets"),

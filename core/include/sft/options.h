@@ -157,9 +157,10 @@ struct PublisherOptions {
   /// never waited for. None by default: a subscriber that hangs would hold up the program, each time that it
   /// publishes, and with it all other subscribers.
   std::chrono::nanoseconds max_blocking{0};
-  /// Announced: readers set memory aside for no more. Up to 32 MiB, and 16 MiB without UDP. A sample that is
-  /// larger than the largest chunk of shared memory, 16 MiB unless the daemon was set up otherwise, goes by
-  /// UDP within the host, like one for which no chunk is free.
+  /// Of a body. Announced: readers set memory aside for no more. Up to 64 MiB, and 16 MiB without UDP. A
+  /// sample that is larger than the largest chunk of shared memory, 16 MiB unless the daemon was set up
+  /// otherwise, goes by UDP within the host, like one for which no chunk is free. What is beyond 16 MiB takes
+  /// much of UdpSettings::memory_limit_bytes, on both sides.
   std::size_t max_sample_bytes = 16 * 1024 * 1024;
   /// Sent by UDP, over all masks and readers; 0: no limit. Small samples go first, and what a queue cannot
   /// hold meanwhile is dropped, the oldest first, and counted.
