@@ -207,7 +207,7 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   out.node_id = in.node_id;
   out.life_lease = std::chrono::milliseconds(in.life_lease_ms);
   out.node = in.node;
-  out.topic = in.topic;
+  out.topic = without_slash(in.topic);
   out.type_name = in.type_name;
   out.type_hash = in.type_hash;
   out.type_description = copy(in.type_description);

@@ -54,12 +54,4 @@ void ControlWatch::tell_of_refusals(Now now) {
                                     text + "; NodeStatus::control_ignored counts them");
 }
 
-void ControlWatch::tell_of_namesakes() {
-  for (const auto& [ours, theirs] : negotiation_.take_namesakes()) {
-    log_.write(LogLevel::warning, "topics " + in_quotes(ours) + " here and " + in_quotes(theirs.topic) +
-                                      " of node " + in_quotes(theirs.node) +
-                                      " are two topics: the names have to be equal, with the slash");
-  }
-}
-
 }  // namespace sft::core

@@ -21,7 +21,6 @@ class ControlWatch {
   /// Endpoints of ours that are to be announced anew now.
   std::vector<EndpointId> take_contested(Now now);
   void tell_of_refusals(Now now);
-  void tell_of_namesakes();
 
  private:
   void complain(EndpointId ours, const std::string& how, std::size_t others);

@@ -71,7 +71,7 @@ std::string_view fault_of_name(std::string_view name) {
 
 std::string_view fault_of_topic(std::string_view topic) {
   if (const std::string_view fault = fault_of_name(topic); !fault.empty()) return fault;
-  if (topic.front() == ' ' || topic.back() == ' ') return "begins or ends with a blank";
+  if (topic.back() == ' ' || without_slash(topic).starts_with(' ')) return "begins or ends with a blank";
   if (topic.find('~') != std::string_view::npos) return "has a '~' in it, which stands for nothing here";
   if (topic.find("//") != std::string_view::npos) return "has nothing between two slashes";
   if (topic.back() == '/') return "ends with a slash";
@@ -93,8 +93,8 @@ std::string in_quotes(std::string_view text) {
   return out + "'";
 }
 
-std::string with_or_without_slash(std::string_view topic) {
-  return topic.starts_with('/') ? std::string(topic.substr(1)) : "/" + std::string(topic);
+std::string_view without_slash(std::string_view topic) {
+  return topic.starts_with('/') ? topic.substr(1) : topic;
 }
 
 }  // namespace sft::core

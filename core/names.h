@@ -18,7 +18,7 @@ std::string_view fault_of_topic(std::string_view topic);
 /// Within quotation marks, cut where it is long, and with escapes for what is no text.
 std::string in_quotes(std::string_view text);
 
-/// The same topic for somebody who does not mind slashes in front; the other one of both ways to write it.
-std::string with_or_without_slash(std::string_view topic);
+/// A topic as it is compared, announced and shown: "/points" and "points" are one. Refers to `topic`.
+std::string_view without_slash(std::string_view topic);
 
 }  // namespace sft::core

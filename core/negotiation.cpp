@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/names.h"
-
 namespace sft::core {
 
 namespace {
@@ -66,7 +64,6 @@ void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type)
   entries_.insert_or_assign(endpoint.id, std::move(entry));
   entries_.at(endpoint.id).arrival = ++arrivals_;
   index(endpoint);
-  look_for_namesakes(endpoint);
 }
 
 void Negotiation::local_removed(EndpointId id) { erase(id); }
@@ -110,7 +107,6 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   const AnnouncerId* const entered_by = shares_.announcer_of(endpoint.id);
   if (entered_by == nullptr || *entered_by != endpoint.announcer)
     shares_.enter(endpoint.id, endpoint.announcer, endpoint.topic);
-  if (!is_known) look_for_namesakes(endpoint);
   // What another node asked for in the reader's name is not its request.
   if (is_known && known_endpoint.node_id == endpoint.node_id) adopt(entry, known_endpoint.request);
   entry.lost_since.reset();
@@ -118,25 +114,6 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   adopt_early_request(entry);
   owe_what_has_not_begun(entry.endpoint);
   return true;
-}
-
-/// Between ours and those of others.
-void Negotiation::look_for_namesakes(const Endpoint& newcomer) {
-  const auto topic = topics_.find(with_or_without_slash(newcomer.topic));
-  if (topic == topics_.end()) return;
-  const bool is_ours = entries_.at(newcomer.id).type != nullptr;
-  for (const EndpointId id : topic->second) {
-    const Entry& other = entries_.at(id);
-    if (other.endpoint.role == newcomer.role) continue;
-    const bool other_is_ours = other.type != nullptr;
-    if (is_ours) note_namesakes(newcomer, other.endpoint);
-    if (other_is_ours) note_namesakes(other.endpoint, newcomer);
-    if (is_ours || other_is_ours) return;
-  }
-}
-
-void Negotiation::note_namesakes(const Endpoint& ours, const Endpoint& theirs) {
-  if (namesakes_told_.insert(ours.topic).second) namesakes_[ours.topic] = {theirs.topic, theirs.node};
 }
 
 /// Whether there is room for a newcomer, which another one may have to leave for.

@@ -136,24 +136,15 @@ class Negotiation {
   /// than what was said in their name: they are to be announced anew.
   std::vector<Contested> take_contested() { return std::exchange(contested_, {}); }
 
-  /// Somebody else's topic that differs from one of ours by the slash in front only, where one publishes and
-  /// the other subscribes.
-  struct Namesake {
-    std::string topic;
-    std::string node;
-  };
-  /// The first for each topic of ours, since this was last asked.
-  std::map<std::string, Namesake> take_namesakes() { return std::exchange(namesakes_, {}); }
-
  private:
   struct Entry {
     Endpoint endpoint;
-    const TypeSupport* type = nullptr;     ///< of our own endpoints
-    std::optional<Now> lost_since;         ///< by discovery: if it returns, it is seen again
-    bool silent = false;                   ///< its node is not heard of
-    std::uint64_t arrival = 0;             ///< counts entries
-    std::set<EndpointId> history_given{};  ///< of our own writers: to these readers
-    std::set<EndpointId> history_came{};   ///< of our own readers: from these writers
+    const TypeSupport* type = nullptr;              ///< of our own endpoints
+    std::optional<Now> lost_since;                  ///< by discovery: if it returns, it is seen again
+    bool silent = false;                            ///< its node is not heard of
+    std::uint64_t arrival = 0;                      ///< counts entries
+    std::set<EndpointId> history_given{};           ///< of our own writers: to these readers
+    std::set<EndpointId> history_came{};            ///< of our own readers: from these writers
     std::map<EndpointId, std::string> unreached{};  ///< of our own writers: readers in memory, and why
     std::optional<Progress> progress{};             ///< of writers, as it was told last
     bool lost() const { return lost_since || silent; }
@@ -167,8 +158,6 @@ class Negotiation {
   static std::uint32_t history_owed(const Entry& writer, const Endpoint& reader);
   void erase(EndpointId id);
   bool admit(const Endpoint& endpoint);
-  void look_for_namesakes(const Endpoint& newcomer);
-  void note_namesakes(const Endpoint& ours, const Endpoint& theirs);
   void index(const Endpoint& endpoint);
   void unindex(const Endpoint& endpoint);
   static bool is_outdated(const Entry& entry, const Endpoint& endpoint);
@@ -190,8 +179,6 @@ class Negotiation {
   EarlyRequests early_requests_;
   std::vector<Contested> contested_;
   std::map<std::string, std::uint64_t> refusals_;
-  std::map<std::string, Namesake> namesakes_;
-  std::set<std::string> namesakes_told_;  ///< topics of ours
   mutable TypeComparisons comparisons_;
   std::uint64_t ignored_ = 0;
   std::uint64_t arrivals_ = 0;

@@ -151,7 +151,7 @@ Endpoint NodeCore::new_endpoint(Role role, std::string_view topic, const TypeSup
   endpoint.node_id = id_;
   endpoint.life_lease = discovery_->life_signs().lease;
   endpoint.node = options_.name;
-  endpoint.topic = topic;
+  endpoint.topic = without_slash(topic);
   endpoint.type_name = type.name();
   endpoint.type_hash = type.hash();
   endpoint.type_description = announced_description(type.type());
@@ -390,6 +390,7 @@ auto NodeCore::ask_agent(Question question) -> decltype(question()) {
 }
 
 Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
+  topic = without_slash(topic);
   const auto deadline = deadline_after(timeout);
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();

@@ -186,7 +186,6 @@ std::chrono::milliseconds Reconciler::tick(Now now) {
   dirty_ |= may_try_again(now);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   control_watch_.tell_of_refusals(now);
-  control_watch_.tell_of_namesakes();
   outbox_.look(now);
   look_after_histories();
   look_after_reach(now);

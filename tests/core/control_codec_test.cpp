@@ -116,6 +116,13 @@ TEST(ControlCodecTest, NamesThatCouldForgeLinesOfALogAreRefusedAndQuotedSafely) 
   EXPECT_EQ(refusal([](Endpoint& e) { e.node = ""; }), "") << "a node needs no name";
 }
 
+TEST(ControlCodecTest, ATopicThatSomebodyAnnouncesWithASlashInFrontIsTheOneWithoutIt) {
+  ControlStorage storage;
+  Endpoint e = endpoint();
+  e.topic = "/points";
+  EXPECT_EQ(from_dds(to_dds(e, storage)), endpoint());
+}
+
 TEST(ControlCodecTest, SequencesThatNoReaderComesToAreRefused) {
   Request request = endpoint().request;
   request.sequence = request_sequence_max;

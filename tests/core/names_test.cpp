@@ -35,7 +35,8 @@ TEST(NamesTest, WhatIsNoUtf8IsNoName) {
 }
 
 TEST(NamesTest, ATopicHasNoEmptyPartsNoBlanksAtItsEndsAndNoTilde) {
-  for (const std::string& topic : {"//a"s, "a//b"s, "a/"s, "/"s, " a"s, "a "s, "~/x"s, "~"s, ""s, "a\nb"s})
+  for (const std::string& topic :
+       {"//a"s, "a//b"s, "a/"s, "/"s, " a"s, "a "s, "/ a"s, "~/x"s, "~"s, ""s, "a\nb"s})
     EXPECT_NE(fault_of_topic(topic), "") << in_quotes(topic);
 }
 
@@ -49,9 +50,10 @@ TEST(NamesTest, WhatIsQuotedIsShortAndCannotActOnATerminal) {
   EXPECT_NE(cut.find("(10000 bytes)"), std::string::npos) << cut;
 }
 
-TEST(NamesTest, ATopicHasTwoWaysToBeWrittenWithRegardToASlashInFront) {
-  EXPECT_EQ(with_or_without_slash("points"), "/points");
-  EXPECT_EQ(with_or_without_slash("/points"), "points");
+TEST(NamesTest, ASlashInFrontOfATopicIsTakenAway) {
+  EXPECT_EQ(without_slash("points"), "points");
+  EXPECT_EQ(without_slash("/points"), "points");
+  EXPECT_EQ(without_slash("/left/points"), "left/points");
 }
 
 }  // namespace

@@ -94,33 +94,6 @@ TEST_F(Limits, AReaderHearsTheWritersThatItHasKnownLongestAndThatAnswer) {
   EXPECT_FALSE(heard(last).udp);
 }
 
-TEST_F(Limits, TopicsThatDifferByASlashInFrontAreToldOfOnce) {
-  our_reader();
-  Endpoint writer = endpoint(Role::writer, 7);
-  writer.topic = "/points";
-  writer.node = "camera";
-  negotiation.endpoint_seen(endpoint(Role::reader, 8));
-  EXPECT_TRUE(negotiation.take_namesakes().empty());
-  negotiation.endpoint_seen(writer);
-  const auto namesakes = negotiation.take_namesakes();
-  ASSERT_EQ(namesakes.size(), 1U);
-  EXPECT_EQ(namesakes.at("points").topic, "/points");
-  EXPECT_EQ(namesakes.at("points").node, "camera");
-  writer.id = 9;
-  negotiation.endpoint_seen(writer);
-  EXPECT_TRUE(negotiation.take_namesakes().empty());
-}
-
-TEST_F(Limits, ATopicOfOursThatComesLaterThanItsNamesakeIsToldOfToo) {
-  Endpoint writer = endpoint(Role::writer, 7);
-  writer.topic = "/points";
-  negotiation.endpoint_seen(writer);
-  our_writer();
-  EXPECT_TRUE(negotiation.take_namesakes().empty()) << "both publish";
-  our_reader();
-  EXPECT_EQ(negotiation.take_namesakes().size(), 1U);
-}
-
 TEST_F(Limits, OtherDefinitionsOfOurTypeAreComparedOnceAndOnlyTheFirstOfThem) {
   our_writer();
   our_reader();

@@ -370,18 +370,6 @@ TEST_F(ReconcilerTest, ManyForgeriesAreAnsweredAtAPaceAndToldOfOnceASecond) {
   }));
 }
 
-TEST_F(ReconcilerTest, TopicsThatDifferByASlashInFrontAreHintedAt) {
-  our_reader(200);
-  Endpoint writer = endpoint(Role::writer, 7);
-  writer.topic = "/points";
-  writer.node = "camera";
-  reconciler.endpoint_seen(writer);
-  reconciler.tick();
-  EXPECT_THAT(logged,
-              ElementsAre("node: topics 'points' here and '/points' of node 'camera' are two topics: the "
-                          "names have to be equal, with the slash"));
-}
-
 TEST_F(ReconcilerTest, WhoAnnouncesMoreThanThereIsRoomForIsNamed) {
   for (EndpointId id = 1000; id < 5200; ++id) {
     Endpoint made_up = endpoint(Role::writer, id);

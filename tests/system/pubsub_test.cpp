@@ -217,6 +217,20 @@ TEST_P(PubSubTest, ElementsAreReachedByTheirPosition) {
   EXPECT_EQ((*recorded_sample->fields()).back().name(), "1099");
 }
 
+TEST_P(PubSubTest, ASlashInFrontOfATopicCountsForNothingAndIsNotShown) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("/left/points").value();
+  auto sub = b.subscriber<PointCloud2, F::height>("left/points").value();
+  expect_served(pub, 1);
+  pub.publish(cloud(7));
+  ASSERT_TRUE(sub.wait(5s));
+  EXPECT_EQ(a.snapshot().publishers.at(0).topic, "left/points");
+  EXPECT_TRUE(b.find_type("/left/points", 15s));
+  ASSERT_EQ(b.topics().size(), 1U);
+  EXPECT_EQ(b.topics()[0].name, "left/points");
+}
+
 TEST_P(PubSubTest, SamplesCarryTheirMetadata) {
   Node a = open("a");
   Node b = open("b");

@@ -8,6 +8,10 @@
 // All functions of a node may be called by any thread, also at once, and within callbacks of its publishers
 // and subscribers, but for find_type(). Copies are the same node. What a node has opened may call back before
 // the function that opened it has returned.
+//
+// Topics are names in UTF-8 of up to 255 bytes, with slashes in them as one likes: "points", "left/points". A
+// slash in front is taken away: "/points" and "points" are one topic, which is shown as "points" wherever it
+// is shown.
 #pragma once
 
 #include <chrono>
