@@ -1,4 +1,6 @@
 // Compiles: what the other snippets do wrong, done right.
+#include <tuple>
+
 #include "tests/compile_fail/cloud.h"
 
 std::uint32_t width(sft::Subscriber<PointCloud2, F::width | F::header.stamp>& subscriber) {
@@ -24,6 +26,18 @@ PointCloud2 owned(const sft::Sample<PointCloud2>& sample) { return sample.to_own
 
 auto subscribe(sft::Node& node) {
   return node.subscriber<PointCloud2, F::header.stamp | F::height>("points");
+}
+
+auto subscribe_with_callbacks(sft::Node& node) {
+  using Sample = sft::Sample<PointCloud2, F::height>;
+  return std::tuple(
+      node.subscriber<PointCloud2, F::height>("points", [](const auto& sample) { (void)sample->height(); }),
+      node.subscriber<PointCloud2, F::height>("points", [](const Sample& sample) { (void)sample->height(); }),
+      node.subscriber<PointCloud2, F::height>("points", [](Sample) {}, {.depth = 2}));
+}
+
+auto subscribe_with_options(sft::Node& node, const sft::SubscriberOptions& options) {
+  return node.subscriber<PointCloud2, F::height>("points", options);
 }
 
 sft::PublishStatus fill(sft::Publisher<PointCloud2>& publisher) {

@@ -67,6 +67,16 @@ class Node {
         .map([](untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 
+  /// Only says what a callback takes, where it takes something else.
+  template <class T, Req<T> R = Req<T>(all<T>), class F>
+  requires(!SampleCallback<F, Sample<T, R>> && !std::convertible_to<F, const SubscriberOptions&>)
+      Result<Subscriber<T, R>> subscriber(std::string_view, F&&, const SubscriberOptions& = {}) {
+    static_assert(sizeof(F) == 0,
+                  "the callback of a subscriber takes a sample and not the message: write [](const auto& "
+                  "sample) { ... sample->field() ... }, or name the type, const sft::Sample<T, R>&");
+    return fail(Errc::invalid_argument, "no callback for samples");
+  }
+
   // For programs that were not compiled with the type of a topic (dynamic.h).
 
   /// Waits until somebody who publishes the topic (or, if nobody does, subscribes to it) has announced its
