@@ -4,6 +4,8 @@
 //
 //   using F = PointCloud2::Field;
 //   node.subscriber<PointCloud2, F::header.stamp | F::data>(...)
+//   node.subscriber<PointCloud2, F::fields.each.name>(...)    // of each element of the sequence, its name
+//   node.subscriber<PointCloud2, F::fields.size>(...)         // only how many elements it has
 //
 // All of it is structural, so that masks are template arguments and F::a | F::b names the same type as F::b |
 // F::a. Sets of fields combine by | & - ^ ~ and compare by ==, whether they are masks or names of fields;
