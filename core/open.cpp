@@ -128,16 +128,19 @@ Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const Dynamic
 Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const DynamicType& type,
                                                 untyped::Requirement requirement,
                                                 const SubscriberOptions& options, DynamicCallback callback) {
+  std::shared_ptr<const FieldMask> declared;
+  if (!requirement.recorded && !requirement.mask.is_full())
+    declared = std::make_shared<const FieldMask>(type.support().closed(requirement.mask));
   untyped::Callback untyped;
   if (callback) {
-    untyped = [type, callback = std::move(callback)](untyped::Sample&& sample) {
-      callback(DynamicSample(type, std::move(sample)));
+    untyped = [type, declared, callback = std::move(callback)](untyped::Sample&& sample) {
+      callback(DynamicSample(type, std::move(sample), declared));
     };
   }
   return core_
       ->open_subscriber(core_, topic, type.support(), std::move(requirement), options, std::move(untyped),
                         std::make_shared<DynamicType>(type))
-      .map([&](untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s)); });
+      .map([&](untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s), declared); });
 }
 
 DomainSnapshot Node::domain() const { return core_->domain(); }

@@ -97,6 +97,7 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     walks_find_the_index(sample);
     decodes_to(expected, sample);
     shows(expected, sample);
+    shows_what_is_declared(expected, full, mask);
   }
 
   /// By a plan of the compiled type and by one of the parsed type.
@@ -150,6 +151,13 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     if (random() % 2 == 0) state.index = nullptr;
     ASSERT_EQ(test::value_tree(DynamicView(state, parsed.type())), test::value_tree(expected, *state.mask));
     ASSERT_FALSE(state.is_malformed());
+  }
+
+  /// Of a sample with everything a reader sees what it declared, as if that were all.
+  void shows_what_is_declared(const OwnedValue& expected, const Encoded& full, const FieldMask& mask) {
+    SampleState state = full.state();
+    if (random() % 2 == 0) state.index = nullptr;
+    ASSERT_EQ(test::value_tree(DynamicView(state, parsed.type(), mask)), test::value_tree(expected, mask));
   }
 
   static inline std::size_t checked_in_all = 0;  // by this process: it may be one of several shards

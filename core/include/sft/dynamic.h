@@ -7,12 +7,16 @@
 // Publishers see no difference from a compiled subscriber: the same transports, the same masks.
 #pragma once
 
+#include <atomic>
 #include <cassert>
 #include <chrono>
+#include <cstddef>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "sft/typesupport/dynamic_type.h"
 #include "sft/typesupport/dynamic_view.h"
@@ -22,13 +26,43 @@
 
 namespace sft {
 
-/// What take() returns and callbacks get. Keeps its type alive. May be destroyed on any thread; several threads
+/// Bytes that are made when they are first asked for, by any thread, and then stay.
+class BytesOnDemand {
+ public:
+  using Bytes = std::vector<std::byte>;
+
+  BytesOnDemand() = default;
+  BytesOnDemand(BytesOnDemand&& other) noexcept : bytes_(other.bytes_.exchange(nullptr)) {}
+  BytesOnDemand& operator=(BytesOnDemand&& other) noexcept {
+    delete bytes_.exchange(other.bytes_.exchange(nullptr));
+    return *this;
+  }
+  ~BytesOnDemand() { delete bytes_.load(); }
+
+  template <class Make>
+  const Bytes& get(Make make) {
+    if (const Bytes* made = bytes_.load(std::memory_order_acquire)) return *made;
+    auto mine = std::make_unique<const Bytes>(make());
+    const Bytes* known = nullptr;
+    if (!bytes_.compare_exchange_strong(known, mine.get(), std::memory_order_acq_rel)) return *known;
+    return *mine.release();
+  }
+
+ private:
+  std::atomic<const Bytes*> bytes_{nullptr};
+};
+
+/// What take() returns and callbacks get. Has the fields that its subscriber declared and no others, also where
+/// a sample in shared memory has more; of a subscriber that records, all that the sample has. Keeps its type
+/// alive. May be destroyed on any thread; several threads
 /// may read it at once. May be empty, as Sample (sample.h) says: all fields are absent then, and texts are
 /// errors.
 class DynamicSample {
  public:
-  DynamicSample(DynamicType type, untyped::Sample&& sample)
-      : type_(std::move(type)), sample_(std::move(sample)) {}
+  /// `declared` is closed; null: all fields that the sample has.
+  DynamicSample(DynamicType type, untyped::Sample&& sample,
+                std::shared_ptr<const FieldMask> declared = nullptr)
+      : type_(std::move(type)), sample_(std::move(sample)), declared_(std::move(declared)) {}
 
   explicit operator bool() const { return static_cast<bool>(sample_); }
 
@@ -36,7 +70,8 @@ class DynamicSample {
   /// be moved meanwhile.
   DynamicView view() const& {
     assert(sample_ && "an empty sample is read: ask `if (sample)` first, take() had nothing to give");
-    return {sample_.state(), type_.type()};
+    if (declared_ == nullptr) return {sample_.state(), type_.type()};
+    return {sample_.state(), type_.type(), *declared_};
   }
   void view() const&& = delete;
 
@@ -45,14 +80,16 @@ class DynamicSample {
   /// Not of an empty sample.
   const FieldMask& mask() const& {
     assert(sample_ && "an empty sample is asked for its mask: ask `if (sample)` first");
-    return *sample_.state().mask;
+    return declared_ == nullptr || !sample_ ? *sample_.state().mask : *declared_;
   }
   void mask() const&& = delete;
   const DynamicType& type() const& { return type_; }
   /// Whether bytes were met that are not what they claim to be.
   bool malformed() const { return sample_.state().is_malformed(); }
-  /// Encapsulation and body as they are: standard CDR of the type projected to mask().
-  std::span<const std::byte> cdr() const& { return sample_.cdr(); }
+  /// Encapsulation and body: standard CDR of the type projected to mask(). The sample's own bytes where it has
+  /// no other fields, else a copy of those that were declared, which the first call makes. Nothing if the bytes
+  /// are not what they claim to be.
+  std::span<const std::byte> cdr() const&;
   void cdr() const&& = delete;
 
   Result<std::string> to_yaml(const YamlOptions& options = {}) const {
@@ -69,6 +106,8 @@ class DynamicSample {
 
   DynamicType type_;
   untyped::Sample sample_;
+  std::shared_ptr<const FieldMask> declared_;
+  mutable BytesOnDemand declared_cdr_;
 };
 
 using DynamicCallback = std::function<void(const DynamicSample&)>;
@@ -76,13 +115,15 @@ using DynamicCallback = std::function<void(const DynamicSample&)>;
 /// Like Subscriber (subscriber.h), which says what there is to know of threads and callbacks.
 class DynamicSubscriber {
  public:
-  DynamicSubscriber(DynamicType type, untyped::Subscriber subscriber)
-      : type_(std::move(type)), subscriber_(std::move(subscriber)) {}
+  /// `declared`: as of DynamicSample.
+  DynamicSubscriber(DynamicType type, untyped::Subscriber subscriber,
+                    std::shared_ptr<const FieldMask> declared = nullptr)
+      : type_(std::move(type)), subscriber_(std::move(subscriber)), declared_(std::move(declared)) {}
 
   /// The oldest sample not yet taken; empty if there is none.
-  [[nodiscard]] DynamicSample take() { return {type_, subscriber_.take()}; }
+  [[nodiscard]] DynamicSample take() { return {type_, subscriber_.take(), declared_}; }
   /// The newest sample, as Subscriber::take_latest() says.
-  [[nodiscard]] DynamicSample take_latest() { return {type_, subscriber_.take_latest()}; }
+  [[nodiscard]] DynamicSample take_latest() { return {type_, subscriber_.take_latest(), declared_}; }
   /// Sleeps until there is something to take or the time is over; tells which.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
   int file_descriptor() const { return subscriber_.file_descriptor(); }
@@ -94,6 +135,7 @@ class DynamicSubscriber {
  private:
   DynamicType type_;
   untyped::Subscriber subscriber_;
+  std::shared_ptr<const FieldMask> declared_;
 };
 
 }  // namespace sft

@@ -86,6 +86,11 @@ DynamicView::DynamicView(const SampleState& s, const StructType& type)
   if (s.index != nullptr) place_.slot = 0;
 }
 
+DynamicView::DynamicView(const SampleState& s, const StructType& type, const FieldMask& declared)
+    : DynamicView(s, type) {
+  declared_ = &declared;
+}
+
 // ---- navigation ----
 
 DynamicView DynamicView::operator[](std::string_view member) const {
@@ -143,10 +148,10 @@ void DynamicView::pass(const Member& m, Place& place) const {
 }
 
 DynamicView DynamicView::member_at(const Member& m, const Place& place) const {
-  DynamicView view(state_, m);
+  DynamicView view(state_, declared_, m);
   view.type_ = m.type;
   view.place_ = place;
-  view.present_ = present_ && state_->mask->any_of(place.leaf, leaf_count(m));
+  view.present_ = present_ && has_any_of(place.leaf, leaf_count(m));
   const bool is_single_struct = m.kind == Kind::structure && m.shape == Shape::single;
   view.node_ = is_single_struct ? Node::structure : m.shape == Shape::single ? Node::value : Node::collection;
   if (!view.present_) return view;
@@ -178,7 +183,7 @@ DynamicView DynamicView::element(std::size_t i) const {
 }
 
 DynamicView DynamicView::element_at(std::uint64_t offset) const {
-  DynamicView view(state_, *member_);
+  DynamicView view(state_, declared_, *member_);
   view.type_ = type_;
   view.place_.offset = offset;
   view.place_.leaf = element_leaf();
@@ -200,7 +205,7 @@ std::size_t DynamicView::element_leaf() const {
 
 bool DynamicView::has_only_size() const {
   return is_collection() && kind() == Kind::structure && present_ &&
-         !state_->mask->any_of(element_leaf(), leaf_count(*type_));
+         !has_any_of(element_leaf(), leaf_count(*type_));
 }
 
 DynamicView::Elements::Elements(DynamicView of) : of_(std::move(of)) {

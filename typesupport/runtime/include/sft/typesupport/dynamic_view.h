@@ -49,6 +49,9 @@ class DynamicView {
   /// The whole sample, of which the mask is one of `type`. `s.index` may be null: then members are found by
   /// walking.
   DynamicView(const SampleState& s, const StructType& type);
+  /// The same for a reader that declared fewer fields than the sample may have: all others are absent.
+  /// `declared` is closed (TypeSupport::closed) and outlives the view.
+  DynamicView(const SampleState& s, const StructType& type, const FieldMask& declared);
 
   // ---- navigation ----
 
@@ -120,7 +123,12 @@ class DynamicView {
   };
   static constexpr std::size_t no_slot = SIZE_MAX;
 
-  DynamicView(const SampleState* s, const Member& member) : state_(s), member_(&member) {}
+  DynamicView(const SampleState* s, const FieldMask* declared, const Member& member)
+      : state_(s), declared_(declared), member_(&member) {}
+  /// Whether the reader is to see any of these leaves, and they are there.
+  bool has_any_of(std::size_t leaf, std::size_t count) const {
+    return state_->mask->any_of(leaf, count) && (declared_ == nullptr || declared_->any_of(leaf, count));
+  }
   DynamicView element(std::size_t i) const;
   DynamicView member_at(const Member& m, const Place& place) const;
   DynamicView element_at(std::uint64_t offset) const;
@@ -141,6 +149,7 @@ class DynamicView {
                                                 bool (*matches)(Kind)) const;
 
   const SampleState* state_;
+  const FieldMask* declared_ = nullptr;  ///< null: all that the sample has
   const Member* member_ = nullptr;
   const StructType* type_ = nullptr;
   Place place_{};  ///< of a struct; else only leaf and offset mean something

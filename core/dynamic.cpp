@@ -1,0 +1,37 @@
+#include "sft/dynamic.h"
+
+#include <cstring>
+
+#include "sft/typesupport/project.h"
+#include "sft/typesupport/sample_format.h"
+
+namespace sft {
+
+namespace {
+
+/// Encapsulation and body. Empty if the bytes are not what they claim to be.
+std::vector<std::byte> projected(const SampleState& state, const StructType& type, const FieldMask& mask) {
+  Projection projection;
+  if (!projection.project(state, type, mask & *state.mask)) {
+    state.flag_malformed();
+    return {};
+  }
+  std::vector<std::byte> bytes(encapsulation_bytes + projection.bytes());
+  std::memcpy(bytes.data(), encapsulation_cdr_le.data(), encapsulation_bytes);
+  std::byte* to = bytes.data() + encapsulation_bytes;
+  for (const Segment& segment : projection.segments()) {
+    std::memcpy(to, segment.data, segment.bytes);
+    to += segment.bytes;
+  }
+  return bytes;
+}
+
+}  // namespace
+
+std::span<const std::byte> DynamicSample::cdr() const& {
+  const SampleState& state = sample_.state();
+  if (!sample_ || declared_ == nullptr || declared_->contains(*state.mask)) return sample_.cdr();
+  return declared_cdr_.get([&] { return projected(state, type_.type(), *declared_); });
+}
+
+}  // namespace sft
