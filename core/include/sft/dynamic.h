@@ -21,6 +21,7 @@
 #include "sft/typesupport/dynamic_type.h"
 #include "sft/typesupport/dynamic_view.h"
 #include "sft/typesupport/json.h"
+#include "sft/typesupport/msg_text.h"
 #include "sft/typesupport/yaml.h"
 #include "sft/untyped.h"
 

@@ -1,0 +1,112 @@
+// Types as .msg text, there and back.
+#include "sft/typesupport/msg_text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <std_msgs/msg/Empty.hpp>
+#include <string>
+#include <torture.hpp>
+
+#include "sft/typesupport/type_shape.h"
+#include "tests/support/message_types.h"
+
+namespace sft {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using ::testing::HasSubstr;
+
+const std::string separator = std::string(80, '=') + "\n";
+
+template <class T>
+DynamicType type_of() {
+  return DynamicType::parse(describe(TypeTable<T>::type)).value();
+}
+
+std::string fault(std::string_view text, std::string_view name = "my_msgs/Example") {
+  const auto type = from_msg(name, text);
+  return type ? "" : type.error().message;
+}
+
+TEST(MsgTextTest, IsTheMessageAndBehindItThoseThatItNests) {
+  EXPECT_EQ(to_msg(type_of<PointCloud2>()).value(),
+            "std_msgs/Header header\n"
+            "uint32 height\n"
+            "uint32 width\n"
+            "sensor_msgs/PointField[] fields\n"
+            "bool is_bigendian\n"
+            "uint32 point_step  # [byte]\n"
+            "uint32 row_step  # [byte]\n"
+            "uint8[] data\n"
+            "bool is_dense\n" +
+                separator +
+                "MSG: std_msgs/Header\n"
+                "builtin_interfaces/Time stamp\n"
+                "string frame_id\n" +
+                separator +
+                "MSG: sensor_msgs/PointField\n"
+                "string name\n"
+                "uint32 offset  # [byte]\n"
+                "uint8 datatype\n"
+                "uint32 count\n" +
+                separator +
+                "MSG: builtin_interfaces/Time\n"
+                "int32 sec  # [s]\n"
+                "uint32 nanosec  # [ns]\n");
+}
+
+TEST(MsgTextTest, OfEveryTypeOfTheCommonPackagesTheSameTypeComesBack) {
+  std::size_t of_messages = 0;
+  for (const test::MessageType& each : test::every_type()) {
+    const DynamicType type = DynamicType::parse(describe(each.support->type())).value();
+    const auto text = to_msg(type);
+    if (!text) continue;
+    ++of_messages;
+    const auto back = from_msg(type.name(), *text);
+    ASSERT_TRUE(back) << back.error().message << "\n" << *text;
+    EXPECT_EQ(back->hash(), type.hash()) << first_difference(back->type(), type.type());
+    EXPECT_EQ(back->name(), type.name());
+  }
+  EXPECT_GE(of_messages, 120U);
+}
+
+TEST(MsgTextTest, AMessageWithoutFieldsIsAnEmptyText) {
+  EXPECT_EQ(to_msg(type_of<std_msgs::msg::Empty>()).value(), "");
+  EXPECT_EQ(from_msg("std_msgs/msg/Empty", "")->hash(), type_of<std_msgs::msg::Empty>().hash());
+}
+
+TEST(MsgTextTest, ConstantsDefaultsCommentsAndReturnsAreReadOver) {
+  const auto type = from_msg("my_msgs::msg::Example",
+                             "# An example\r\nint32 LIMIT=5\r\nint32[<=5] numbers [1, 2]  # [m]\r\n"
+                             "=====\r\nMSG: other_msgs/Unused\r\nbool x\r\n");
+  ASSERT_TRUE(type) << type.error().message;
+  EXPECT_EQ(format_shape(type->type()),
+            "struct my_msgs::msg::Example {\n  @unit(\"m\") sequence<int32, 5> numbers;\n};\n");
+}
+
+TEST(MsgTextTest, WhatIsWrongIsSaidWithMessageLineAndField) {
+  EXPECT_THAT(fault("int32 x\nint31 y\n"), HasSubstr("my_msgs/msg/Example:2: y: 'int31' is not a type"));
+  EXPECT_THAT(fault("Point p\n" + separator + "MSG: my_msgs/Point\nfloat64 X\n"),
+              HasSubstr("my_msgs/msg/Point:1: "));
+  EXPECT_THAT(fault("geometry_msgs/Point p\n"),
+              HasSubstr("geometry_msgs/msg/Point is not defined: append its definition"));
+  EXPECT_EQ(fault("Example e\n"), "my_msgs/msg/Example contains itself");
+  EXPECT_EQ(fault("int32 x\n" + separator + "MSG: my_msgs/Example\nint32 x\n"),
+            "my_msgs/msg/Example is defined twice");
+  EXPECT_THAT(fault("int32 x\n" + separator + "int32 y\n"),
+              HasSubstr("a line 'MSG: package/Name' was expected, not 'int32 y'"));
+  EXPECT_THAT(fault("int32 x\n" + separator), HasSubstr("was expected"));
+  EXPECT_THAT(fault("int32 x", "Example"), HasSubstr("the name of a message is expected"));
+}
+
+TEST(MsgTextTest, WhatMsgHasNoWordForIsAnErrorThatNamesTheMember) {
+  const auto text = to_msg(type_of<torture::Sequences>());
+  ASSERT_FALSE(text);
+  EXPECT_EQ(text.error().code, Errc::invalid_argument);
+  EXPECT_THAT(text.error().message, HasSubstr("torture::Sequences"));
+}
+
+}  // namespace
+}  // namespace sft

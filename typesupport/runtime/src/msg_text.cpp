@@ -1,0 +1,256 @@
+#include "sft/typesupport/msg_text.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "from_msg/lines.h"
+#include "from_msg/names.h"
+#include "from_msg/parse.h"
+#include "from_msg/type.h"
+#include "sft/typesupport/type_description.h"
+#include "text.h"
+
+namespace sft {
+
+namespace {
+
+using msg::Definition;
+using msg::TypeName;
+
+constexpr std::string_view placeholder =
+    "structure_needs_at_least_one_member";  // of a message without fields
+constexpr std::string_view head_of_part = "MSG: ";
+constexpr std::size_t separator_width = 80;
+constexpr std::size_t unit_bytes_max = 255;
+
+static_assert(static_cast<int>(SFT_STRUCTURE) == static_cast<int>(Kind::structure));
+
+/// "pkg/Name", "pkg/msg/Name" or "pkg::msg::Name".
+std::optional<TypeName> type_name(std::string_view text) {
+  std::string path(text);
+  for (std::size_t at = path.find("::"); at != path.npos; at = path.find("::")) path.replace(at, 2, "/");
+  const std::size_t first = path.find('/');
+  const std::size_t last = path.rfind('/');
+  if (first == path.npos) return {};
+  const std::string_view between = std::string_view(path).substr(first, last - first);
+  TypeName name{path.substr(0, first), path.substr(last + 1)};
+  const bool is_good = (between.empty() || between == "/msg") && msg::is_package_name(name.package) &&
+                       msg::is_message_name(name.name);
+  return is_good ? std::optional(std::move(name)) : std::nullopt;
+}
+
+// ---- to text ----
+
+class MsgWriter {
+ public:
+  Result<std::string> write(const StructType& root) {
+    queue_.push_back(&root);
+    for (std::size_t i = 0; i < queue_.size() && fault_.empty(); ++i) {
+      const StructType& type = *queue_[i];
+      const auto name = message_name(type);
+      if (!name) {
+        refuse(type, "is not the name of a message: .msg has names like my_msgs::msg::Status");
+        break;
+      }
+      if (i > 0)
+        text_ += std::string(separator_width, '=') + "\n" + std::string(head_of_part) + spelled(*name) + "\n";
+      members(type);
+    }
+    if (!fault_.empty()) return fail(Errc::invalid_argument, fault_);
+    return std::move(text_);
+  }
+
+ private:
+  static std::optional<TypeName> message_name(const StructType& type) {
+    return type.name.find("::msg::") == type.name.npos ? std::nullopt : type_name(type.name);
+  }
+  static std::string spelled(const TypeName& name) { return name.package + "/" + name.name; }
+
+  void members(const StructType& type) {
+    if (type.members.size() == 1 && type.members[0].name == placeholder) return;
+    for (const Member& m : type.members) member(type, m);
+  }
+
+  void member(const StructType& type, const Member& m) {
+    const std::string path = "." + std::string(m.name);
+    if (!msg::is_field_name(m.name)) {
+      return refuse(type, path + ": .msg has fields of lower-case letters, digits and single underscores");
+    }
+    if (m.enumeration != nullptr) return refuse(type, path + ": .msg has no enumerations and bitmasks");
+    if (m.kind == Kind::character) return refuse(type, path + ": .msg has no characters, but uint8");
+    if (m.key) return refuse(type, path + ": .msg has no keys");
+    text_ += element(m) + brackets(m) + " " + std::string(m.name) + unit(m) + "\n";
+  }
+
+  std::string element(const Member& m) {
+    if (m.kind == Kind::structure) {
+      if (std::find(queue_.begin(), queue_.end(), m.type) == queue_.end()) queue_.push_back(m.type);
+      const auto name = message_name(*m.type);
+      return name ? spelled(*name) : "?";  // it is refused when it is its turn
+    }
+    const std::string bound = m.string_bound == 0 ? "" : "<=" + std::to_string(m.string_bound);
+    return std::string(msg::spelling_of(static_cast<sft_kind>(m.kind))) + bound;
+  }
+
+  static std::string brackets(const Member& m) {
+    if (m.shape == Shape::single) return "";
+    if (m.shape == Shape::array) return "[" + std::to_string(m.count) + "]";
+    return m.bound == 0 ? "[]" : "[<=" + std::to_string(m.bound) + "]";
+  }
+
+  /// Where brackets can hold it.
+  static std::string unit(const Member& m) {
+    if (m.unit.empty() || m.unit.find_first_of("[],") != m.unit.npos) return "";
+    return "  # [" + std::string(m.unit) + "]";
+  }
+
+  void refuse(const StructType& type, const std::string& what) {
+    if (fault_.empty()) fault_ = std::string(type.name) + (what.starts_with('.') ? "" : " ") + what;
+  }
+
+  std::vector<const StructType*> queue_;  // each once, in the order in which they are met
+  std::string text_;
+  std::string fault_;
+};
+
+// ---- from text ----
+
+/// The definitions of one text, and types that are made of them.
+class MsgReader {
+ public:
+  /// Nothing if all is well, else what is wrong.
+  std::optional<Error> read(const TypeName& root, std::string_view text) {
+    TypeName name = root;
+    std::size_t begin = 0;
+    for (std::size_t at = 0; at < text.size();) {
+      const std::string_view line = line_at(text, at);
+      const std::size_t next = at + line.size() + 1;
+      if (is_separator(line)) {
+        if (auto wrong = add(name, text.substr(begin, at - begin))) return wrong;
+        const std::string_view head =
+            msg::trimmed(without_return(line_at(text, std::min(next, text.size()))));
+        const auto named = head.starts_with(head_of_part) ? type_name(head.substr(head_of_part.size()))
+                                                          : std::optional<TypeName>();
+        if (!named) {
+          return Error{
+              Errc::malformed,
+              "behind a line of '=' a line 'MSG: package/Name' was expected, not '" + shown(head) + "'"};
+        }
+        name = *named;
+        begin = std::min(next + line_at(text, std::min(next, text.size())).size() + 1, text.size());
+        at = begin;
+      } else {
+        at = next;
+      }
+    }
+    return add(name, text.substr(std::min(begin, text.size())));
+  }
+
+  Result<const StructType*> type_of(const TypeName& name) {
+    if (const auto known = types_.find(name); known != types_.end()) return &known->second.type;
+    const auto definition = definitions_.find(name);
+    if (definition == definitions_.end()) {
+      return fail(Errc::malformed, name.text() +
+                                       " is not defined: append its definition, behind a line of '=' "
+                                       "and a line 'MSG: " +
+                                       name.package + "/" + name.name + "'");
+    }
+    if (std::find(chain_.begin(), chain_.end(), name) != chain_.end())
+      return fail(Errc::malformed, name.text() + " contains itself");
+    if (chain_.size() >= msg::Limits::levels) {
+      return fail(Errc::limit_exceeded,
+                  "messages are nested over more than " + std::to_string(msg::Limits::levels) + " levels");
+    }
+    chain_.push_back(name);
+    std::vector<Member> members;
+    for (const msg::Field& field : definition->second.fields) {
+      Member& m = members.emplace_back(member_of(field));
+      if (m.kind != Kind::structure) continue;
+      const Result<const StructType*> nested = type_of(field.type.nested);
+      if (!nested) return nested;
+      m.type = *nested;
+    }
+    chain_.pop_back();
+    Made& made = types_[name];
+    made.name = name.package + "::msg::" + name.name;
+    made.members = std::move(members);
+    made.type = StructType(made.name, made.members);
+    return &made.type;
+  }
+
+ private:
+  struct Made {  ///< stays where it is, since the type refers to the rest
+    std::string name;
+    std::vector<Member> members;
+    StructType type;
+  };
+
+  static std::string_view line_at(std::string_view text, std::size_t at) {
+    return text.substr(at, std::min(text.find('\n', at), text.size()) - at);
+  }
+  static std::string_view without_return(std::string_view line) {
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
+  }
+  static bool is_separator(std::string_view line) {
+    line = without_return(line);
+    return line.size() >= 3 && line.find_first_not_of('=') == line.npos;
+  }
+  static std::string shown(std::string_view text) {
+    constexpr std::size_t most = 60;
+    return is_printable(text) ? std::string(text.substr(0, most)) : "something unprintable";
+  }
+
+  std::optional<Error> add(const TypeName& name, std::string_view text) {
+    auto parsed = msg::parse(text, name);
+    if (!parsed) {
+      const msg::Problem& first = parsed.error().front();
+      return Error{Errc::malformed, name.text() + ":" + std::to_string(first.line) + ": " +
+                                        (first.member.empty() ? "" : first.member + ": ") + first.text};
+    }
+    const auto [known, is_new] = definitions_.try_emplace(name, *std::move(parsed));
+    if (!is_new) return Error{Errc::malformed, name.text() + " is defined twice"};
+    return {};
+  }
+
+  /// Refers to the field.
+  static Member member_of(const msg::Field& field) {
+    Member m{.name = field.name, .kind = static_cast<Kind>(field.type.kind)};
+    if (field.type.is_sequence) m.shape = Shape::sequence;
+    if (field.type.array_size != 0) {
+      m.shape = Shape::array;
+      m.count = field.type.array_size;
+    }
+    m.bound = field.type.bound;
+    m.string_bound = field.type.string_bound;
+    if (field.unit.size() <= unit_bytes_max && is_printable(field.unit)) m.unit = field.unit;
+    return m;
+  }
+
+  std::map<TypeName, Definition> definitions_;
+  std::map<TypeName, Made> types_;
+  std::vector<TypeName> chain_;  // of types that are being made, each in the one before
+};
+
+}  // namespace
+
+Result<std::string> to_msg(const DynamicType& type) { return MsgWriter().write(type.type()); }
+
+Result<DynamicType> from_msg(std::string_view name, std::string_view text, const DescriptionLimits& limits) {
+  const auto root = type_name(name);
+  if (!root) {
+    return fail(Errc::invalid_argument,
+                "the name of a message is expected, as in sensor_msgs/PointCloud2, not '" +
+                    (is_printable(name) ? std::string(name) : "something unprintable") + "'");
+  }
+  MsgReader reader;
+  if (auto wrong = reader.read(*root, text)) return tl::unexpected(*std::move(wrong));
+  const Result<const StructType*> type = reader.type_of(*root);
+  if (!type) return tl::unexpected(type.error());
+  return DynamicType::parse(describe(**type), limits);
+}
+
+}  // namespace sft
