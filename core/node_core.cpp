@@ -224,6 +224,13 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
   return untyped::Publisher(std::move(handle));
 }
 
+const TypeSupport& NodeCore::kept(const DynamicType& type) {
+  const std::span<const std::byte> bytes = type.description();
+  const std::string description(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::scoped_lock lock(kept_mutex_);
+  return kept_types_.try_emplace(description, type).first->second.support();
+}
+
 /// What shared memory keeps of a reader's depth. A reader that asks for more is told so: with a warning if it
 /// relies on that.
 std::uint32_t NodeCore::shm_depth_of(const Endpoint& reader) {

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -25,6 +26,7 @@
 #include "sft/domain.h"
 #include "sft/options.h"
 #include "sft/topics.h"
+#include "sft/typesupport/dynamic_type.h"
 #include "sft/untyped.h"
 
 namespace sft::core {
@@ -43,6 +45,8 @@ class NodeCore final : private DiscoveryListener {
 
   Result<untyped::Publisher> open_publisher(const std::shared_ptr<NodeCore>& self, std::string_view topic,
                                             const TypeSupport& type, const PublisherOptions& options);
+  /// The type, which then lives as long as the node: what publishes, sends and remembers refers to it.
+  const TypeSupport& kept(const DynamicType& type);
   Result<untyped::Subscriber> open_subscriber(const std::shared_ptr<NodeCore>& self, std::string_view topic,
                                               const TypeSupport& type, untyped::Requirement requirement,
                                               const SubscriberOptions& options, untyped::Callback callback,
@@ -84,6 +88,9 @@ class NodeCore final : private DiscoveryListener {
   bool may_use(TransportKind kind, TransportChoice choice) const;
 
   const OfOneProcess of_one_process_;
+  std::mutex kept_mutex_;
+  std::map<std::string, DynamicType> kept_types_;  ///< by their descriptions; outlive all below
+
   const NodeOptions options_;
   const NodeId id_;
   const std::uint64_t network_;

@@ -125,6 +125,13 @@ Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const Dynamic
   return open_subscriber(topic, type, {type.support().full(), true}, options, std::move(callback));
 }
 
+Result<DynamicPublisher> Node::publisher(std::string_view topic, const DynamicType& type,
+                                         const PublisherOptions& options) {
+  return core_->open_publisher(core_, topic, core_->kept(type), options).map([&](untyped::Publisher&& p) {
+    return DynamicPublisher(type, std::move(p), options.max_sample_bytes);
+  });
+}
+
 Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const DynamicType& type,
                                                 untyped::Requirement requirement,
                                                 const SubscriberOptions& options, DynamicCallback callback) {

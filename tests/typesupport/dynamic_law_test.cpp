@@ -15,6 +15,7 @@
 #include "tests/support/encoded.h"
 #include "tests/support/message_types.h"
 #include "tests/support/random_value.h"
+#include "tests/support/tame_value.h"
 #include "tests/support/value_tree.h"
 
 #ifndef SFT_TEST_ROUNDS
@@ -78,26 +79,6 @@ TEST_P(DynamicLaw, TextsHaveNoMoreElementsThanTheLimit) {
 
 // ---- JSON, there and back ----
 
-/// What JSON keeps: ASCII, and of NaNs only that they are one.
-void tame(const StructType& type, void* object) {
-  for (const Member& m : type.members) {
-    const test::Elements values = test::elements_of(m, object);
-    for (std::size_t i = 0; i < values.count; ++i) {
-      auto* at = const_cast<std::byte*>(values.first) + i * m.stride;
-      if (m.kind == Kind::structure) tame(*m.type, at);
-      if (m.kind == Kind::character) *at &= std::byte{0x7f};
-      if (m.kind == Kind::string) {
-        for (char& c : *reinterpret_cast<std::string*>(at))
-          c = static_cast<char>((c & 0x7f) == 0 ? 'x' : c & 0x7f);
-      }
-      auto* number32 = reinterpret_cast<float*>(at);
-      auto* number64 = reinterpret_cast<double*>(at);
-      if (m.kind == Kind::float32 && std::isnan(*number32)) *number32 = NAN;
-      if (m.kind == Kind::float64 && std::isnan(*number64)) *number64 = NAN;
-    }
-  }
-}
-
 class FromJson {
  public:
   static void read(const nlohmann::json& json, const StructType& type, void* object) {
@@ -155,7 +136,7 @@ class FromJson {
 
 TEST_P(DynamicLaw, JsonHasTheWholeValueOfEveryFieldThatIsThere) {
   for_random_values_and_masks([&](OwnedValue value, const FieldMask& mask) {
-    tame(value.type(), value.get());
+    test::tame(value.type(), value.get());
     const Encoded sample(value.type(), value.get(), mask);
     const auto json = to_json(DynamicView(sample.state(), parsed.type()), {.bytes_as_base64 = false});
     ASSERT_TRUE(json) << json.error().message;

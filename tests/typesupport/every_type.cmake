@@ -54,6 +54,11 @@ endif()
 add_dependencies(unit_tests every_type_law_test)
 sft_add_shards(every_type_law_test 2)
 
+# What they are as text.
+sft_unit_test(every_type_text_test
+  SOURCES json_law_test.cpp msg_text_test.cpp
+  LIBRARIES sft_every_type)
+
 if(SFT_SANITIZE)
   return() # what follows is only compiled
 endif()

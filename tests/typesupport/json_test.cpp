@@ -102,5 +102,71 @@ TEST(JsonTest, WhatIsMalformedOrTooLongIsAnError) {
   EXPECT_EQ(to_json(view).error().code, Errc::malformed);
 }
 
+// ---- from JSON ----
+
+template <class T>
+std::string fault(std::string_view json, std::size_t bytes_max = 1000) {
+  const auto payload = cdr_from_json(TypeTable<T>::type, json, bytes_max);
+  return payload ? "" : payload.error().message;
+}
+
+TEST(FromJsonTest, MembersComeInAnyOrderAndWhatIsLeftOutIsZeroOrEmpty) {
+  PointCloud2 c;
+  c.header.frame_id = "lidar";
+  c.width = 3;
+  c.fields.resize(2);
+  c.fields[1].name = "y";
+  c.data = {'f', 'o'};
+  const std::vector<std::byte> expected = Encoded(c).bytes();
+  for (const char* data : {R"("Zm8=")", "[102, 111]"}) {
+    const auto payload = cdr_from_json(
+        TypeTable<PointCloud2>::type, std::string(R"({"width": 3, "fields": [{}, {"name": "y"}], "data": )") +
+                                          data + R"(, "header": {"frame_id": "lidar"}})");
+    ASSERT_TRUE(payload) << payload.error().message;
+    EXPECT_EQ(std::vector(payload->begin() + 4, payload->end()), expected);
+  }
+}
+
+TEST(FromJsonTest, WhatIsNotOfTheTypeIsNamedByItsPathWithWhatWasExpected) {
+  EXPECT_EQ(fault<PointCloud2>(R"({"fields": [{}, {"offset": -1}]})"),
+            "'fields[1].offset' is -1; an integer from 0 to 4294967295 was expected");
+  EXPECT_EQ(fault<PointCloud2>(R"({"header": {"frame_id": 7}})"),
+            "'header.frame_id' is 7; a string was expected");
+  EXPECT_EQ(fault<PointCloud2>(R"({"is_dense": 1})"), "'is_dense' is 1; true or false was expected");
+  EXPECT_EQ(fault<PointCloud2>(R"({"header": []})"),
+            "'header' is an array; an object with the members of std_msgs::msg::Header was expected");
+  EXPECT_EQ(fault<PointCloud2>(R"({"fields": {}})"), "'fields' is an object; an array was expected");
+  EXPECT_EQ(fault<PointCloud2>(R"({"data": "Zm8"})"), "'data' is no base64 (RFC 4648, padded)");
+  EXPECT_EQ(fault<PointCloud2>(R"({"data": [256]})"),
+            "'data[0]' is 256; an integer from 0 to 255 was expected");
+  EXPECT_EQ(fault<PointCloud2>("7"),
+            "the message is 7; an object with the members of sensor_msgs::msg::PointCloud2 was expected");
+  EXPECT_EQ(
+      fault<torture::Primitives>(R"({"a_float": "much"})"),
+      R"('a_float' is "much"; a number that a float holds, "NaN", "Infinity" or "-Infinity" was expected)");
+  EXPECT_EQ(fault<torture::Primitives>(R"({"a_float": 1e300})").substr(0, 18), "'a_float' is 1e+30");
+  EXPECT_EQ(fault<torture::Primitives>(R"({"a_char": "ab"})"),
+            R"('a_char' is "ab"; a string of one ASCII character was expected)");
+  EXPECT_NE(fault<torture::Sequences>(R"({"colors": ["MAUVE"]})").find("'colors[0]' is \"MAUVE\"; one of "),
+            std::string::npos);
+}
+
+TEST(FromJsonTest, AMemberThatTheTypeDoesNotHaveIsAnErrorThatNamesTheNearest) {
+  EXPECT_EQ(fault<PointCloud2>(R"({"header": {"frameid": "x"}})"),
+            "'header.frameid' is no member of std_msgs::msg::Header; did you mean 'frame_id'?");
+}
+
+TEST(FromJsonTest, TextsWithANulAndTextsThatAreNoJsonAreErrors) {
+  EXPECT_EQ(fault<PointCloud2>(R"({"header": {"frame_id": "a\u0000"}})"),
+            "'header.frame_id' has a NUL in it; a string ends at its first one");
+  EXPECT_EQ(fault<PointCloud2>(R"({"width": )"), "byte 11 of the text is where it is no JSON");
+  EXPECT_EQ(fault<PointCloud2>(""), "byte 1 of the text is where it is no JSON");
+}
+
+TEST(FromJsonTest, AMessageThatIsTooLargeIsRefusedWhereItBecomesThat) {
+  EXPECT_EQ(fault<PointCloud2>(R"({"data": [1, 2, 3]})", 45),
+            "'data[1]' is where the message has more than 45 bytes");
+}
+
 }  // namespace
 }  // namespace sft

@@ -1,10 +1,14 @@
-// Subscribing to a topic without having been compiled with its type:
+// Subscribing to a topic, and publishing it, without having been compiled with its type:
 //
 //   const auto type = node.find_type("points", 2s);                              // Result<DynamicType>
 //   auto sub = node.subscriber("points", *type, "header.stamp, fields[].name");  // Result<DynamicSubscriber>
 //   while (auto sample = sub->take()) std::cout << sample.to_yaml().value();
 //
-// Publishers see no difference from a compiled subscriber: the same transports, the same masks.
+//   auto pub = node.publisher("points", *type);                                  // Result<DynamicPublisher>
+//   const auto status = pub->publish_json(R"({"width": 1024, "fields": [{"name": "x"}]})");
+//
+// Others see no difference from compiled subscribers and publishers: the same transports, the same masks.
+// Types also come from .msg text: from_msg() (typesupport/msg_text.h).
 #pragma once
 
 #include <atomic>
@@ -15,6 +19,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -112,6 +117,35 @@ class DynamicSample {
 };
 
 using DynamicCallback = std::function<void(const DynamicSample&)>;
+
+/// Moved, not copied. As of Publisher (publisher.h), one thread at a time publishes; the other functions may be
+/// called by any thread at any time.
+class DynamicPublisher {
+ public:
+  DynamicPublisher(DynamicType type, untyped::Publisher publisher, std::size_t max_sample_bytes)
+      : type_(std::move(type)), publisher_(std::move(publisher)), max_sample_bytes_(max_sample_bytes) {}
+
+  /// A payload that is already encoded, as Publisher::publish_cdr() says. The error says what is wrong with it.
+  Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
+    return publisher_.publish_cdr(payload);
+  }
+  /// A message as JSON, as cdr_from_json() says (typesupport/json.h). Errors name the path of the field and
+  /// what was expected, whether there are readers or not. Takes memory: for tools, not for data in bulk.
+  Result<PublishStatus> publish_json(std::string_view json) {
+    return cdr_from_json(type_.type(), json, max_sample_bytes_).and_then([this](const auto& payload) {
+      return publisher_.publish_cdr(payload);
+    });
+  }
+
+  void assert_liveliness() { publisher_.assert_liveliness(); }
+  PublisherStatus status() const { return publisher_.status(); }
+  const DynamicType& type() const { return type_; }
+
+ private:
+  DynamicType type_;
+  untyped::Publisher publisher_;
+  std::size_t max_sample_bytes_;
+};
 
 /// Like Subscriber (subscriber.h), which says what there is to know of threads and callbacks.
 class DynamicSubscriber {

@@ -45,10 +45,10 @@ class Node {
   }
 
   /// Declared: `node.subscriber<PointCloud2, F::height | F::width>("points")`; recorded: `<PointCloud2,
-  /// sft::recorded>`. Of a field that is a sequence or an array of structs, `fields` say, `F::fields` names all
-  /// of it, `F::fields.each.name` one member of each element and `F::fields.size` how many there are (sequences
-  /// only); with a member their number always comes. In text these are "fields", "fields[].name" and
-  /// "fields.size".
+  /// sft::recorded>`. Of a field that is a sequence or an array of structs, `fields` say, `F::fields` names
+  /// all of it, `F::fields.each.name` one member of each element and `F::fields.size` how many there are
+  /// (sequences only); with a member their number always comes. In text these are "fields", "fields[].name"
+  /// and "fields.size".
   template <class T, Req<T> R = Req<T>(all<T>)>
   Result<Subscriber<T, R>> subscriber(std::string_view topic, const SubscriberOptions& options = {}) {
     return open_subscriber(topic, type_support<T>(), requirement<T, R>(), options, {})
@@ -98,6 +98,11 @@ class Node {
   /// Recorded: `node.subscriber("points", type, sft::recorded)`.
   Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type, Recorded,
                                        const SubscriberOptions& options = {}, DynamicCallback callback = {});
+
+  /// Publishes what is encoded already, or JSON. The node keeps the type until it is closed, once for all
+  /// publishers of it.
+  Result<DynamicPublisher> publisher(std::string_view topic, const DynamicType& type,
+                                     const PublisherOptions& options = {});
 
   NodeStatus status() const;
   /// All that the node knows of its publishers, its subscribers and itself (snapshot.h); to_json() writes it.

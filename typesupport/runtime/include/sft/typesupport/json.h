@@ -1,4 +1,4 @@
-// Samples as JSON, for other programs. What JSON has no word for:
+// Samples as JSON, for other programs, and messages from JSON. What JSON has no word for:
 //
 //   NaN and infinities             the strings "NaN", "Infinity", "-Infinity"
 //   64-bit integers                numbers, all digits (parsers that use doubles lose some beyond 2^53)
@@ -15,6 +15,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "sft/typesupport/dynamic_view.h"
 #include "sft/typesupport/result.h"
@@ -31,5 +33,13 @@ struct JsonOptions {
 /// `view` is a whole sample or any part of it that is there. An error if the bytes are not what they claim to
 /// be.
 Result<std::string> to_json(const DynamicView& view, const JsonOptions& options = {});
+
+/// The other way: a whole message of `type` as publish_cdr() takes it, 4 bytes of encapsulation and a body.
+/// The text is as to_json() writes it, in any order; bytes may be base64 or numbers. Members that are left
+/// out are zero or empty; those that the type does not have are an error. Errors name the path of the field
+/// and what was expected: "'fields[1].offset' is -1; an integer from 0 to 4294967295 was expected". The text
+/// may be hostile.
+Result<std::vector<std::byte>> cdr_from_json(const StructType& type, std::string_view json,
+                                             std::size_t bytes_max = 64 * 1024 * 1024);
 
 }  // namespace sft
