@@ -124,6 +124,7 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<WriterPort> shm) {
     readers_ = serving.readers;
     encoded_ = after->is_wanted ? after->mask : spec_.type->none();
   }
+  readers_known_.notify_all();
   if (readers_changed_.wanted()) readers_changed_.tell(status());
 }
 
@@ -178,6 +179,7 @@ void PublisherCore::show(std::vector<ReaderStatus> readers) {
     is_news = !std::ranges::equal(readers_, readers, equal_but_for_number);
     readers_ = std::move(readers);
   }
+  readers_known_.notify_all();
   if (is_news && readers_changed_.wanted()) readers_changed_.tell(status());
 }
 
@@ -372,7 +374,9 @@ Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const 
 PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
   if (has_gaps) {
     if (const PublishStatus status = close_gaps(*sample); status != PublishStatus::ok) {
-      if (status == PublishStatus::invalid) why_invalid_ = "topic '" + spec_.topic + "': another program has overwritten the loan in shared memory";
+      if (status == PublishStatus::invalid)
+        why_invalid_ =
+            "topic '" + spec_.topic + "': another program has overwritten the loan in shared memory";
       return status;
     }
   }
@@ -574,6 +578,15 @@ bool PublisherCore::keeps_promises(std::uint64_t deadlines_missed, bool alive) {
 Diverted PublisherCore::diverted() const {
   return {exhausted_.load(std::memory_order_relaxed), too_large_.load(std::memory_order_relaxed),
           unavailable_.load(std::memory_order_relaxed)};
+}
+
+bool PublisherCore::wait_for_readers(std::size_t count, std::chrono::nanoseconds timeout) const {
+  const auto are_served = [&] {
+    const auto served = std::ranges::count_if(readers_, [](const ReaderStatus& r) { return r.served; });
+    return static_cast<std::size_t>(served) >= count;
+  };
+  std::unique_lock lock(status_mutex_);
+  return readers_known_.wait_until(lock, deadline_after(timeout), are_served);
 }
 
 PublisherStatus PublisherCore::status() const {

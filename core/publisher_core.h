@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -68,6 +69,8 @@ class PublisherCore {
   void close();
 
   PublisherStatus status() const;
+  /// Until so many readers are served, or the time is over; tells which. Any thread but the agent's.
+  bool wait_for_readers(std::size_t count, std::chrono::nanoseconds timeout) const;
   Diverted diverted() const;
   const TypeSupport& type() const { return *spec_.type; }
   EndpointId id() const { return spec_.id; }
@@ -157,6 +160,7 @@ class PublisherCore {
   NewsSink<PublisherStatus> readers_changed_;
 
   mutable std::mutex status_mutex_;
+  mutable std::condition_variable readers_known_;  ///< that they may be others than before
   std::vector<ReaderStatus> readers_;
   FieldMask encoded_;  ///< at present
 

@@ -18,7 +18,8 @@ const char* to_string(PublishStatus status) {
     case PublishStatus::ok:
       return "ok";
     case PublishStatus::invalid:
-      return "the message breaks a bound, has a NUL in a string, or is too large: why_invalid() names the field";
+      return "the message breaks a bound, has a NUL in a string, or is too large: why_invalid() names the "
+             "field";
     case PublishStatus::no_loan:
       return "the loan was published already, or moved away";
     case PublishStatus::no_memory:
@@ -163,6 +164,10 @@ Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation>
 }
 
 const std::string& Publisher::why_invalid() const { return core_->why_invalid(); }
+
+bool Publisher::wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
+  return core_->wait_for_readers(count, timeout);
+}
 
 void Publisher::assert_liveliness() { core_->assert_liveliness(); }
 

@@ -231,6 +231,26 @@ TEST_P(PubSubTest, ASlashInFrontOfATopicCountsForNothingAndIsNotShown) {
   EXPECT_EQ(b.topics()[0].name, "left/points");
 }
 
+TEST_P(PubSubTest, APublisherWaitsForAsManySubscribersAsItIsTold) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points").value();
+  EXPECT_TRUE(pub.wait_for_subscribers(0, 0s));
+  EXPECT_FALSE(pub.wait_for_subscribers(1, 20ms));
+  std::optional<Subscriber<PointCloud2, F::height>> first;
+  std::thread opener([&] { first.emplace(b.subscriber<PointCloud2, F::height>("points").value()); });
+  EXPECT_TRUE(pub.wait_for_subscribers(1, 20s));
+  opener.join();
+  pub.publish(cloud(7));
+  EXPECT_TRUE(first->wait(5s)) << "what is published then is sent to it";
+  EXPECT_FALSE(pub.wait_for_subscribers(2, 20ms));
+  auto second = b.subscriber<PointCloud2, F::width>("points").value();
+  EXPECT_TRUE(pub.wait_for_subscribers(2, std::chrono::nanoseconds::max()));
+  first.reset();
+  expect_served(pub, 1);
+  EXPECT_FALSE(pub.wait_for_subscribers(2, 0s));
+}
+
 TEST_P(PubSubTest, SamplesCarryTheirMetadata) {
   Node a = open("a");
   Node b = open("b");

@@ -58,11 +58,10 @@ class BytesOnDemand {
   std::atomic<const Bytes*> bytes_{nullptr};
 };
 
-/// What take() returns and callbacks get. Has the fields that its subscriber declared and no others, also where
-/// a sample in shared memory has more; of a subscriber that records, all that the sample has. Keeps its type
-/// alive. May be destroyed on any thread; several threads
-/// may read it at once. May be empty, as Sample (sample.h) says: all fields are absent then, and texts are
-/// errors.
+/// What take() returns and callbacks get. Has the fields that its subscriber declared and no others, also
+/// where a sample in shared memory has more; of a subscriber that records, all that the sample has. Keeps its
+/// type alive. May be destroyed on any thread; several threads may read it at once. May be empty, as Sample
+/// (sample.h) says: all fields are absent then, and texts are errors.
 class DynamicSample {
  public:
   /// `declared` is closed; null: all fields that the sample has.
@@ -92,9 +91,9 @@ class DynamicSample {
   const DynamicType& type() const& { return type_; }
   /// Whether bytes were met that are not what they claim to be.
   bool malformed() const { return sample_.state().is_malformed(); }
-  /// Encapsulation and body: standard CDR of the type projected to mask(). The sample's own bytes where it has
-  /// no other fields, else a copy of those that were declared, which the first call makes. Nothing if the bytes
-  /// are not what they claim to be.
+  /// Encapsulation and body: standard CDR of the type projected to mask(). The sample's own bytes where it
+  /// has no other fields, else a copy of those that were declared, which the first call makes. Nothing if the
+  /// bytes are not what they claim to be.
   std::span<const std::byte> cdr() const&;
   void cdr() const&& = delete;
 
@@ -118,14 +117,15 @@ class DynamicSample {
 
 using DynamicCallback = std::function<void(const DynamicSample&)>;
 
-/// Moved, not copied. As of Publisher (publisher.h), one thread at a time publishes; the other functions may be
-/// called by any thread at any time.
+/// Moved, not copied. As of Publisher (publisher.h), one thread at a time publishes; the other functions may
+/// be called by any thread at any time.
 class DynamicPublisher {
  public:
   DynamicPublisher(DynamicType type, untyped::Publisher publisher, std::size_t max_sample_bytes)
       : type_(std::move(type)), publisher_(std::move(publisher)), max_sample_bytes_(max_sample_bytes) {}
 
-  /// A payload that is already encoded, as Publisher::publish_cdr() says. The error says what is wrong with it.
+  /// A payload that is already encoded, as Publisher::publish_cdr() says. The error says what is wrong with
+  /// it.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
   }
@@ -137,6 +137,10 @@ class DynamicPublisher {
     });
   }
 
+  /// As Publisher::wait_for_subscribers().
+  bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
+    return publisher_.wait_for_subscribers(count, timeout);
+  }
   void assert_liveliness() { publisher_.assert_liveliness(); }
   PublisherStatus status() const { return publisher_.status(); }
   const DynamicType& type() const { return type_; }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -110,9 +111,9 @@ class Loan {
 };
 
 /// Moved, not copied. One thread at a time publishes and takes loans; a loan may be filled on another, but is
-/// published by the thread whose turn it is. assert_liveliness() and status() may be called by any thread at
-/// any time. Its loans may outlive it. After its destructor and theirs neither of its callbacks runs any more
-/// (unless one of these is called from within that callback).
+/// published by the thread whose turn it is. assert_liveliness(), wait_for_subscribers() and status() may be
+/// called by any thread at any time. Its loans may outlive it. After its destructor and theirs neither of its
+/// callbacks runs any more (unless one of these is called from within that callback).
 template <class T>
 class Publisher {
  public:
@@ -120,8 +121,8 @@ class Publisher {
 
   /// Encodes once and sends: readers on this host get one full sample, remote ones the fields they asked for.
   /// Without a reader it costs a few nanoseconds. A large message that goes to one process elsewhere alone is
-  /// sent by the calling thread, from where it is, as far as the receiver has room, and copied only then; what
-  /// is sent of loans, and to several, is left to a thread of the node's.
+  /// sent by the calling thread, from where it is, as far as the receiver has room, and copied only then;
+  /// what is sent of loans, and to several, is left to a thread of the node's.
   PublishStatus publish(const T& message) { return publisher_.publish(&message); }
 
   /// A span, vector or array of them: the same as to publish one after the other, each a sample of its own,
@@ -157,10 +158,17 @@ class Publisher {
   }
 
   /// After publish() returned PublishStatus::invalid: which field is wrong, its size and the limit, as in
-  /// "topic 'map': 'names[3]' has 300 characters; its bound is 255". Of a span it is the last message that was
-  /// wrong. It is put into words only then, and stays until the next message is refused; empty before that.
-  /// The thread that publishes.
+  /// "topic 'map': 'names[3]' has 300 characters; its bound is 255". Of a span it is the last message that
+  /// was wrong. It is put into words only then, and stays until the next message is refused; empty before
+  /// that. The thread that publishes.
   const std::string& why_invalid() const { return publisher_.why_invalid(); }
+
+  /// Sleeps until at least so many subscribers are served, so that what is published from then on is sent to
+  /// them, or until the time is over; tells which. Any thread, but not in callbacks: the subscribers that it
+  /// waits for would not be served meanwhile.
+  bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
+    return publisher_.wait_for_subscribers(count, timeout);
+  }
 
   /// A sign of life where liveliness is manual_by_topic and there is nothing to publish. Any thread, cheap.
   void assert_liveliness() { publisher_.assert_liveliness(); }

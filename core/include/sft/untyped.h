@@ -158,6 +158,7 @@ class Publisher {
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
   Result<Loan> loan(const void* prototype, std::span<const Reservation> reservations, ReservedMemory memory);
   const std::string& why_invalid() const;
+  bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const;
   void assert_liveliness();
   PublisherStatus status() const;
   const TypeSupport& type() const;
