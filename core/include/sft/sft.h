@@ -13,4 +13,5 @@
 #include "sft/snapshot.h"      // IWYU pragma: export
 #include "sft/status.h"        // IWYU pragma: export
 #include "sft/subscriber.h"    // IWYU pragma: export
+#include "sft/time.h"          // IWYU pragma: export
 #include "sft/topics.h"        // IWYU pragma: export
