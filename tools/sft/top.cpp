@@ -49,7 +49,7 @@ std::optional<Traffic::Rate> rate_of(const OneTopic& topic, const Traffic& traff
   for (const EndpointInfo& publisher : topic.publishers) {
     const auto rate = traffic.of(publisher.id, now);
     if (!rate) continue;
-    if (!sum) sum.emplace();
+    if (!sum) sum = Traffic::Rate{};
     sum->samples_per_s += rate->samples_per_s;
     sum->bytes_per_s += rate->bytes_per_s;
   }
