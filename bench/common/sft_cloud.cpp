@@ -1,4 +1,5 @@
 #include "bench/common/sft_cloud.h"
+#include "bench/common/pinned_threads.h"
 
 #include <algorithm>
 #include <utility>
@@ -12,7 +13,10 @@ using F = PointCloud2::Field;
 
 constexpr const char* topic = "points";
 
-Node open(const char* name) { return Node::open({.name = name, .transport = TransportChoice::shm}).value(); }
+Node open(const char* name) {
+  return Node::open({.name = name, .transport = TransportChoice::shm, .threads = threads_beside_this_one()})
+      .value();
+}
 
 std::size_t served(const Publisher<PointCloud2>& publisher) {
   const std::vector<ReaderStatus> readers = publisher.status().readers;

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "bench/common/pinned_threads.h"
 #include "bench/udp/contender.h"
 
 namespace sft::bench {
@@ -132,7 +133,9 @@ class SftPeer : public Peer {
 
  private:
   const bool loans_;
-  Node node_ = Node::open({.name = "bench", .transport = TransportChoice::udp}).value();
+  Node node_ =
+      Node::open({.name = "bench", .transport = TransportChoice::udp, .threads = threads_beside_this_one()})
+          .value();
 };
 
 }  // namespace
