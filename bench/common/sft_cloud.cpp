@@ -1,5 +1,5 @@
 #include "bench/common/sft_cloud.h"
-#include "bench/common/pinned_threads.h"
+#include "bench/common/node_options.h"
 
 #include <algorithm>
 #include <utility>
@@ -13,10 +13,7 @@ using F = PointCloud2::Field;
 
 constexpr const char* topic = "points";
 
-Node open(const char* name) {
-  return Node::open({.name = name, .transport = TransportChoice::shm, .threads = threads_beside_this_one()})
-      .value();
-}
+Node open(const char* name) { return Node::open(node_options(name, TransportChoice::shm)).value(); }
 
 std::size_t served(const Publisher<PointCloud2>& publisher) {
   const std::vector<ReaderStatus> readers = publisher.status().readers;

@@ -6,6 +6,7 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
 
+#include "bench/common/node_options.h"
 #include "bench/negotiation/raw_cyclone.h"
 
 namespace sft::bench {
@@ -48,7 +49,7 @@ class SftProgram {
     return late == Late::nothing ? Durability::volatile_ : Durability::transient_local;
   }
 
-  Node node_ = Node::open({.name = "bench", .transport = TransportChoice::udp}).value();
+  Node node_ = Node::open(node_options("bench", TransportChoice::udp)).value();
 };
 
 class RawProgram {

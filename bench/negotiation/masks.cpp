@@ -5,6 +5,7 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "bench/common/hosts.h"
+#include "bench/common/node_options.h"
 #include "bench/common/shared.h"
 #include "bench/common/statistics.h"
 #include "bench/negotiation/negotiation.h"
@@ -40,7 +41,7 @@ std::string mostly_small_fields(std::size_t number) {
   return number < 4 ? own_fields_and_data(number) : "header.frame_id" + small_fields(number);
 }
 
-NodeOptions options(const char* name) { return {.name = name, .transport = TransportChoice::udp}; }
+NodeOptions options(const char* name) { return node_options(name, TransportChoice::udp); }
 
 bool all_served(const PublisherStatus& status) {
   return status.readers.size() == readers && std::ranges::all_of(status.readers, &ReaderStatus::served);

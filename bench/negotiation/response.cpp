@@ -4,6 +4,7 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "bench/common/hosts.h"
+#include "bench/common/node_options.h"
 #include "bench/common/statistics.h"
 #include "bench/negotiation/negotiation.h"
 #include "bench/negotiation/raw_cyclone.h"
@@ -17,7 +18,7 @@ using F = PointCloud2::Field;
 
 constexpr std::int64_t patience_ns = 1'000'000'000;
 
-NodeOptions options(const char* name) { return {.name = name, .transport = TransportChoice::udp}; }
+NodeOptions options(const char* name) { return node_options(name, TransportChoice::udp); }
 
 /// Publishes a thousand times a second and notes when `height` is asked for.
 void publish(Exchange& exchange, std::uint64_t messages) {

@@ -3,6 +3,7 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "bench/common/hosts.h"
+#include "bench/common/node_options.h"
 #include "bench/common/raw_sockets.h"
 #include "bench/common/statistics.h"
 #include "bench/spine/spine.h"
@@ -16,7 +17,7 @@ using F = PointCloud2::Field;
 
 constexpr std::size_t field_bytes = 64;  // a length of 4 bytes and 60 elements
 
-NodeOptions options(const char* name) { return {.name = name, .transport = TransportChoice::udp}; }
+NodeOptions options(const char* name) { return node_options(name, TransportChoice::udp); }
 
 PointCloud2 message() {
   PointCloud2 m;

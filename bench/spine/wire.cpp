@@ -4,6 +4,7 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
 #include "bench/common/hosts.h"
+#include "bench/common/node_options.h"
 #include "bench/spine/spine.h"
 
 namespace sft::bench {
@@ -16,7 +17,7 @@ using F = PointCloud2::Field;
 constexpr int phase_seconds = 20;  // longer than the slowest thing that control traffic repeats
 constexpr std::uint64_t samples = 25 * phase_seconds;
 
-NodeOptions options(const char* name) { return {.name = name, .transport = TransportChoice::udp}; }
+NodeOptions options(const char* name) { return node_options(name, TransportChoice::udp); }
 
 /// Phases, by Exchange::sent: 1 both matched and quiet, 2 publishing, 3 published.
 void publish(Exchange& exchange) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bench/common/hosts.h"
+#include "bench/common/node_options.h"
 #include "bench/common/process.h"
 #include "bench/common/shared.h"
 #include "bench/udp/udp.h"
@@ -30,7 +31,7 @@ struct Board {
   double bytes = std::numeric_limits<double>::quiet_NaN();  ///< per sample
 };
 
-NodeOptions options(const char* name) { return {.name = name, .transport = TransportChoice::udp}; }
+NodeOptions options(const char* name) { return node_options(name, TransportChoice::udp); }
 
 class Source {
  public:

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "bench/common/pinned_threads.h"
+#include "bench/common/node_options.h"
 #include "bench/udp/contender.h"
 
 namespace sft::bench {
@@ -133,9 +133,7 @@ class SftPeer : public Peer {
 
  private:
   const bool loans_;
-  Node node_ =
-      Node::open({.name = "bench", .transport = TransportChoice::udp, .threads = threads_beside_this_one()})
-          .value();
+  Node node_ = Node::open(node_options("bench", TransportChoice::udp)).value();
 };
 
 }  // namespace

@@ -1,0 +1,28 @@
+// Options of the nodes of benchmarks.
+#pragma once
+
+#include <sched.h>
+
+#include <string>
+
+#include "sft/options.h"
+
+namespace sft::bench {
+
+/// All threads of the node stay on the CPUs of the calling thread, which has a core of its own in most
+/// benchmarks. Without this a node's threads do not take over the CPUs of the thread that opens it
+/// (NodeThreads).
+inline NodeOptions node_options(std::string name, TransportChoice transport) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  sched_getaffinity(0, sizeof set, &set);
+  ThreadSettings settings;
+  for (unsigned cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(cpu, &set)) settings.cpus.push_back(cpu);
+  }
+  return {.name = std::move(name),
+          .transport = transport,
+          .threads = {settings, settings, settings, settings, settings}};
+}
+
+}  // namespace sft::bench
