@@ -1,17 +1,22 @@
 #include "core/process_limits.h"
 
 #include <fcntl.h>
+#include <linux/futex.h>
+#include <pthread.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
+#include <climits>
+#include <cstdint>
 #include <cstring>
 #include <string>
-#include <system_error>
-#include <thread>
 #include <vector>
 
 #include "core/file_descriptor.h"
+#include "core/task_limits.h"
 
 namespace sft::core {
 
@@ -25,35 +30,75 @@ std::string limit_of(Resource resource) {
 }
 
 Result<void> check_descriptors(std::size_t count) {
+  const FileDescriptor first(::open("/dev/null", O_RDONLY | O_CLOEXEC));
   std::vector<FileDescriptor> spare;
-  for (std::size_t i = 0; i < count; ++i) {
-    spare.emplace_back(::open("/dev/null", O_RDONLY | O_CLOEXEC));
-    if (spare.back()) continue;
-    return fail(Errc::limit_exceeded,
-                std::string("there are too few file descriptors (") + std::strerror(errno) +
-                    "); this process may have " + limit_of(RLIMIT_NOFILE) +
-                    " of them: raise the limit RLIMIT_NOFILE (ulimit -n, or LimitNOFILE= of "
-                    "its service)");
-  }
-  return {};
+  spare.reserve(count);
+  while (first && spare.size() + 1 < count && (spare.empty() || spare.back()))
+    spare.emplace_back(::fcntl(first.get(), F_DUPFD_CLOEXEC, 0));
+  if (first && (spare.empty() || spare.back())) return {};
+  return fail(Errc::limit_exceeded,
+              std::string("there are too few file descriptors (") + std::strerror(errno) +
+                  "); this process may have " + limit_of(RLIMIT_NOFILE) +
+                  " of them: raise the limit RLIMIT_NOFILE (ulimit -n, or LimitNOFILE= of its service)");
 }
 
-Result<void> check_threads(std::size_t count) {
-  std::atomic<bool> all_began{false};
-  std::vector<std::jthread> spare;
-  Result<void> result;
-  try {
-    for (std::size_t i = 0; i < count; ++i) spare.emplace_back([&all_began] { all_began.wait(false); });
-  } catch (const std::system_error& error) {
-    result =
-        fail(Errc::limit_exceeded, std::string("no more threads can be started (") + error.what() +
-                                       "); this user may have " + limit_of(RLIMIT_NPROC) +
-                                       ": raise the limit RLIMIT_NPROC (ulimit -u), or that of the service "
-                                       "(TasksMax=)");
+/// Threads that do nothing until it goes. They take no memory but small stacks.
+class SpareThreads {
+ public:
+  explicit SpareThreads(std::size_t count) {
+    threads_.reserve(count);
+    pthread_attr_t small;
+    ::pthread_attr_init(&small);
+    ::pthread_attr_setstacksize(&small, stack_bytes);
+    while (error_ == 0 && threads_.size() < count) {
+      pthread_t thread{};
+      error_ = ::pthread_create(&thread, &small, &SpareThreads::wait, &may_end_);
+      if (error_ == 0) threads_.push_back(thread);
+    }
+    ::pthread_attr_destroy(&small);
   }
-  all_began = true;
-  all_began.notify_all();
-  return result;
+  SpareThreads(const SpareThreads&) = delete;
+  SpareThreads& operator=(const SpareThreads&) = delete;
+  ~SpareThreads() {
+    may_end_.store(1);
+    ::syscall(SYS_futex, &may_end_, FUTEX_WAKE_PRIVATE, INT_MAX, nullptr, nullptr, 0);
+    for (const pthread_t thread : threads_) ::pthread_join(thread, nullptr);
+  }
+
+  int error() const { return error_; }  ///< of the one that could not be started, or 0
+
+ private:
+  static constexpr std::size_t stack_bytes = 128 * 1024;
+
+  static void* wait(void* word) {
+    auto& may_end = *static_cast<std::atomic<std::uint32_t>*>(word);
+    while (may_end.load() == 0) ::syscall(SYS_futex, &may_end, FUTEX_WAIT_PRIVATE, 0, nullptr, nullptr, 0);
+    return nullptr;
+  }
+
+  std::atomic<std::uint32_t> may_end_{0};
+  std::vector<pthread_t> threads_;
+  int error_ = 0;
+};
+
+bool is_far_from_the_limits(std::size_t threads) {
+  constexpr std::uint64_t that_others_may_start = 200;
+  rlimit of_user{};
+  if (::getrlimit(RLIMIT_NPROC, &of_user) != 0) return false;
+  return threads_left(of_user.rlim_cur).value_or(0) >= threads + that_others_may_start;
+}
+
+/// Trying costs a node that opens more than a millisecond: threads that have ended keep the processor busy
+/// for a while.
+Result<void> check_threads(std::size_t count) {
+  if (is_far_from_the_limits(count)) return {};
+  const SpareThreads spare(count);
+  if (spare.error() == 0) return {};
+  return fail(Errc::limit_exceeded, std::string("no more threads can be started (") +
+                                        std::strerror(spare.error()) + "); this user may have " +
+                                        limit_of(RLIMIT_NPROC) +
+                                        ": raise the limit RLIMIT_NPROC (ulimit -u), or that of the service "
+                                        "(TasksMax=)");
 }
 
 }  // namespace

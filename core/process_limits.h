@@ -8,8 +8,8 @@
 
 namespace sft::core {
 
-/// Errc::limit_exceeded says which limit it is, and how to raise it. Takes so many file descriptors and
-/// starts so many threads, and gives them back.
+/// Errc::limit_exceeded says which limit it is, and how to raise it. Takes so many file descriptors, and
+/// starts so many threads unless all limits are far, and gives them back.
 Result<void> check_room_for(std::size_t descriptors, std::size_t threads);
 
 }  // namespace sft::core

@@ -186,10 +186,14 @@ Result<void> check(const NodeThreads& threads) {
        {"agent", &threads.agent},
        {"callbacks", &threads.callbacks},
        {"discovery", &threads.discovery}}};
+  std::vector<ThreadSettings> tried{ThreadSettings()};
   for (const auto& [name, settings] : groups) {
-    if (*settings == ThreadSettings{.name_prefix = settings->name_prefix}) continue;
+    ThreadSettings nameless = *settings;
+    nameless.name_prefix.clear();
+    if (std::ranges::find(tried, nameless) != tried.end()) continue;
+    tried.push_back(nameless);
     Result<void> taken;
-    Result<std::thread> trial = start_thread("sft-trial", [&, s = settings] { taken = take(*s); });
+    Result<std::thread> trial = start_thread("sft-trial", [&] { taken = take(nameless); });
     if (!trial) return tl::unexpected(trial.error());
     trial->join();
     if (!taken)

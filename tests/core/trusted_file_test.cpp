@@ -11,18 +11,13 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/temporary_directory.h"
+
 namespace sft::core {
 namespace {
 
 class TrustedFileTest : public ::testing::Test {
  protected:
-  TrustedFileTest() {
-    char name[] = "/tmp/trusted_file_XXXXXX";
-    directory_ = mkdtemp(name);
-    path_ = directory_ + "/file";
-  }
-  ~TrustedFileTest() override { std::filesystem::remove_all(directory_); }
-
   void make_file() const { std::ofstream(path_) << "words"; }
   /// False where this account may not give files away.
   bool make_file_of(uid_t user, gid_t group) const {
@@ -43,8 +38,8 @@ class TrustedFileTest : public ::testing::Test {
 
   static constexpr uid_t stranger = 65'534;
   static constexpr gid_t served = 70'100;
-  std::string directory_;
-  std::string path_;
+  test::TemporaryDirectory directory_;
+  std::string path_ = directory_.path() / "file";
 };
 
 TEST_F(TrustedFileTest, AFileOfThisAccountIsOpened) {
@@ -75,14 +70,14 @@ TEST_F(TrustedFileTest, ASocketIsRefused) {
 }
 
 TEST_F(TrustedFileTest, ALinkIsNotFollowed) {
-  std::ofstream(directory_ + "/other") << "mine";
-  std::filesystem::create_symlink(directory_ + "/other", path_);
+  std::ofstream(directory_.path() / "other") << "mine";
+  std::filesystem::create_symlink(directory_.path() / "other", path_);
   EXPECT_TRUE(refuses("it is a symbolic link"));
 }
 
 TEST_F(TrustedFileTest, AFileWithASecondNameIsRefused) {
   make_file();
-  std::filesystem::create_hard_link(path_, directory_ + "/other");
+  std::filesystem::create_hard_link(path_, directory_.path() / "other");
   EXPECT_TRUE(refuses("second name"));
 }
 
@@ -111,7 +106,7 @@ TEST_F(TrustedFileTest, RootAndThisAccountAreTrustedAnyway) {
 
 TEST_F(TrustedFileTest, AFileThatThisAccountMayNotOpenIsForbidden) {
   make_file();
-  ASSERT_EQ(chmod(directory_.c_str(), 0755), 0);
+  ASSERT_EQ(chmod(directory_.path().c_str(), 0755), 0);
   ASSERT_EQ(chmod(path_.c_str(), 0600), 0);
   if (seteuid(stranger) != 0) GTEST_SKIP() << "needs root, to become another user";
   const Error error = refusal();
@@ -123,8 +118,8 @@ TEST_F(TrustedFileTest, AFileThatThisAccountMayNotOpenIsForbidden) {
 TEST_F(TrustedFileTest, ALinkInItsPlaceDoesNotNameWhatIsOpen) {
   make_file();
   const auto file = open_trusted_file(path_, O_RDONLY);
-  std::filesystem::rename(path_, directory_ + "/other");
-  std::filesystem::create_symlink(directory_ + "/other", path_);
+  std::filesystem::rename(path_, directory_.path() / "other");
+  std::filesystem::create_symlink(directory_.path() / "other", path_);
   EXPECT_FALSE(still_names(path_, file->get()));
 }
 

@@ -3,11 +3,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <stdlib.h>
-
-#include <fstream>
 
 #include "tests/msg/parsed.h"
+#include "tests/support/temporary_directory.h"
 
 namespace sft::msg {
 namespace {
@@ -17,17 +15,8 @@ using test::parsed;
 
 class NestedTest : public ::testing::Test {
  protected:
-  NestedTest() {
-    std::string name = (fs::temp_directory_path() / "sft_nested_XXXXXX").string();
-    root_ = mkdtemp(name.data());
-  }
-  ~NestedTest() override { fs::remove_all(root_); }
-
   /// `path` is below the temporary directory.
-  void write(const std::string& path, std::string_view text) {
-    fs::create_directories((root_ / path).parent_path());
-    std::ofstream(root_ / path) << text;
-  }
+  void write(const std::string& path, std::string_view text) { directory_.write(path, text); }
 
   SearchPath search_path(const std::vector<std::string>& roots) const {
     std::vector<fs::path> paths;
@@ -56,7 +45,8 @@ class NestedTest : public ::testing::Test {
     return line;
   }
 
-  fs::path root_;
+  const sft::test::TemporaryDirectory directory_;
+  const fs::path root_ = directory_.path();
 };
 
 using ::testing::ElementsAre;
