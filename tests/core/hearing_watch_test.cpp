@@ -44,6 +44,13 @@ class HearingWatchTest : public ::testing::Test {
       remedies.push_back(one.remedy);
     }
   }
+  /// A participant of the node comes, and says that the node lives.
+  void comes(Speaker speaker, NodeId of = node) {
+    watch.participant_came(speaker, now);
+    watch.participant_speaks(speaker, now);
+    known[speaker] = all;
+    watch.heard_life(speaker, of, all, lease, now);
+  }
   /// Somebody else has said something in the peer's name, which says itself what it said before.
   void is_forged() {
     known[peer] = all + 7;
@@ -168,10 +175,7 @@ TEST_F(HearingWatchTest, NobodyWhoComesAfterAComplaintMakesItForgotten) {
   known[peer] = all + 7;
 
   while (remedies != std::vector{Remedy::complaint}) passes(500ms);
-  watch.participant_came(other, now);
-  watch.participant_speaks(other, now);
-  known[other] = all;
-  watch.heard_life(other, node, all, lease, now);
+  comes(other);
   now += 100ms;
   look();
   EXPECT_EQ(remedies, std::vector{Remedy::disbelief});
@@ -185,10 +189,7 @@ TEST_F(HearingWatchTest, WhatIsForgedOnALinkThatIsReplacedIsNotBelievedEither) {
   watch.link_replaced(lan, next);
   is_forged();
   EXPECT_THAT(remedies, IsEmpty()) << "the other link has not heard it yet";
-  watch.participant_came(there, now);
-  watch.participant_speaks(there, now);
-  known[there] = all;
-  watch.heard_life(there, node, all, lease, now);
+  comes(there);
   now += 100ms;
   look();
   EXPECT_EQ(remedies, std::vector{Remedy::disbelief});
@@ -196,10 +197,7 @@ TEST_F(HearingWatchTest, WhatIsForgedOnALinkThatIsReplacedIsNotBelievedEither) {
 
 TEST_F(HearingWatchTest, AParticipantOfAnotherNodeIsNoneThatHasComeAnew) {
   passes(10s);
-  watch.participant_came(other, now);
-  watch.participant_speaks(other, now);
-  known[other] = all;
-  watch.heard_life(other, node + 1, all, lease, now);
+  comes(other, node + 1);
   look();
   passes(4s);
   watch.heard_life(other, node + 1, all, lease, now);
