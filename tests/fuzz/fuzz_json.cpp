@@ -1,0 +1,54 @@
+// Messages as arbitrary JSON: u8 number of the type (modulo their count), then the text. What is accepted is
+// a valid message, and the same again when it is printed and read.
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "sft/typesupport/dynamic_view.h"
+#include "sft/typesupport/json.h"
+#include "tests/support/message_types.h"
+
+namespace sft::test {
+namespace {
+
+constexpr std::size_t bytes_max = 100'000, encapsulation = 4;
+
+void require(bool condition, const char* what) {
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+}
+
+std::string printed(const TypeSupport& type, const std::vector<std::byte>& cdr) {
+  const FieldMask all = type.full();
+  std::vector<std::uint32_t> index(type.slots());
+  const SampleState state{.body = cdr.data() + encapsulation,
+                          .body_bytes = static_cast<std::uint32_t>(cdr.size() - encapsulation),
+                          .index = index.data(),
+                          .mask = &all};
+  require(build_index(state, type.type(), index) == WalkStatus::ok, "what is accepted is a valid message");
+  const Result<std::string> text = to_json({state, type.type()});
+  require(text.has_value(), "and can be printed");
+  return *text;
+}
+
+void check(const TypeSupport& type, std::string_view text) {
+  const auto cdr = cdr_from_json(type.type(), text, bytes_max);
+  if (!cdr) {
+    require(!cdr.error().message.empty(), "an error says what is wrong");
+    return require(cdr.error().message.size() < 1000, "in a few words");
+  }
+  require(cdr->size() >= encapsulation && cdr->size() <= bytes_max + encapsulation, "as large as is allowed");
+  const auto again = cdr_from_json(type.type(), printed(type, *cdr), 2 * bytes_max);
+  require(again && *again == *cdr, "what is printed is the same message");
+}
+
+}  // namespace
+}  // namespace sft::test
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const auto types = sft::test::all_types();
+  const std::string text(reinterpret_cast<const char*>(data + 1), size - 1);
+  sft::test::check(*types[data[0] % types.size()].support, text);
+  return 0;
+}
