@@ -18,6 +18,8 @@ inline constexpr std::size_t writers_per_reader_max = 1024;
 inline constexpr std::size_t addresses_max = 16;
 inline constexpr std::size_t assertions_max = 1024;
 inline constexpr std::size_t progress_max = 64;
+inline constexpr std::size_t asked_about_max = 64;
+inline constexpr std::size_t accounts_max = 32;
 inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 8192;
 
@@ -52,12 +54,52 @@ struct Progress {
   friend bool operator==(const Progress&, const Progress&) = default;
 };
 
-/// That a node lives, and these of its writers; and how far those are that have sent something lately.
+/// A writer and a reader of one topic.
+struct PairId {
+  EndpointId writer = 0;
+  EndpointId reader = 0;
+  friend auto operator<=>(const PairId&, const PairId&) = default;
+};
+
+/// Each side of a pair has an account of it.
+struct AccountId {
+  PairId pair{};
+  Role said_by{};  ///< whose node counts
+  friend auto operator<=>(const AccountId&, const AccountId&) = default;
+};
+
+/// What one side of a pair has counted. Of the two parts the other side's is empty.
+struct Account {
+  AccountId id{};
+  struct OfWriter {
+    std::uint64_t sent = 0;
+    std::uint64_t withheld = 0;
+    std::uint64_t dropped = 0;
+    std::uint64_t retained = 0;
+    std::uint64_t bytes_sent = 0;
+    std::uint64_t bytes_saved = 0;
+    friend bool operator==(const OfWriter&, const OfWriter&) = default;
+  };
+  OfWriter by_writer{};
+  struct OfReader {
+    std::uint64_t received = 0;
+    std::uint64_t lost = 0;
+    friend bool operator==(const OfReader&, const OfReader&) = default;
+  };
+  OfReader by_reader{};
+  friend bool operator==(const Account&, const Account&) = default;
+};
+
+/// That a node lives, and these of its writers; how far those are that have sent something lately; and what
+/// it asks and answers about accounts.
 struct Assertion {
   NodeId node = 0;
   std::vector<EndpointId> writers;
   std::vector<Progress> progress{};
-  std::uint32_t digest = 0;  ///< of all that the node has announced (control_digest.h)
+  std::uint32_t digest = 0;               ///< of all that the node has announced (control_digest.h)
+  std::vector<EndpointId> asked_about{};  ///< endpoints of others whose accounts it wants to know
+  std::vector<Account> accounts{};        ///< of its own endpoints that others have asked about
+  AnnouncerId announcer = 0;              ///< who said it; does not travel
   friend bool operator==(const Assertion&, const Assertion&) = default;
 };
 

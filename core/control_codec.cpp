@@ -106,6 +106,52 @@ std::optional<Qos> from_dds(const sft_control_Qos& in) {
              .history_depth = in.history_depth};
 }
 
+sft_control_Account to_dds(const Account& account) {
+  sft_control_Account out{};
+  out.writer = account.id.pair.writer;
+  out.reader = account.id.pair.reader;
+  out.said_by = static_cast<std::uint8_t>(account.id.said_by);
+  out.sent = account.by_writer.sent;
+  out.withheld = account.by_writer.withheld;
+  out.dropped = account.by_writer.dropped;
+  out.retained = account.by_writer.retained;
+  out.bytes_sent = account.by_writer.bytes_sent;
+  out.bytes_saved = account.by_writer.bytes_saved;
+  out.received = account.by_reader.received;
+  out.lost = account.by_reader.lost;
+  return out;
+}
+
+/// Empty where neither side says it. What one side says of the other's counts is left out.
+std::optional<Account> from_dds(const sft_control_Account& in) {
+  if (in.said_by > static_cast<std::uint8_t>(Role::reader)) return std::nullopt;
+  Account account{.id = {{in.writer, in.reader}, static_cast<Role>(in.said_by)}};
+  if (account.id.said_by == Role::writer) {
+    account.by_writer = {.sent = in.sent,
+                         .withheld = in.withheld,
+                         .dropped = in.dropped,
+                         .retained = in.retained,
+                         .bytes_sent = in.bytes_sent,
+                         .bytes_saved = in.bytes_saved};
+  } else {
+    account.by_reader = {.received = in.received, .lost = in.lost};
+  }
+  return account;
+}
+
+Result<void> check_lengths(const sft_control_Assertion& in) {
+  const auto check = [](const char* what, std::size_t count, std::size_t most) -> Result<void> {
+    if (count <= most) return {};
+    return fail(Errc::malformed, "a sign of life with " + std::to_string(count) + " " + what + ", of which " +
+                                     std::to_string(most) + " are the most");
+  };
+  Result<void> checked = check("writers", in.writers._length, assertions_max);
+  if (checked) checked = check("writers' progress", in.progress._length, progress_max);
+  if (checked) checked = check("endpoints that are asked about", in.asked_about._length, asked_about_max);
+  if (checked) checked = check("accounts", in.accounts._length, accounts_max);
+  return checked;
+}
+
 }  // namespace
 
 sft_control_Request to_dds(const Request& request) {
@@ -164,17 +210,30 @@ sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage
   }
   const auto progress = static_cast<std::uint32_t>(storage.progress.size());
   out.progress = {progress, progress, storage.progress.data(), false};
+  out.asked_about = borrow(assertion.asked_about, asked_about_max);
+  for (const Account& account : assertion.accounts) {
+    if (storage.accounts.size() < accounts_max) storage.accounts.push_back(to_dds(account));
+  }
+  const auto accounts = static_cast<std::uint32_t>(storage.accounts.size());
+  out.accounts = {accounts, accounts, storage.accounts.data(), false};
   return out;
 }
 
 Result<Assertion> from_dds(const sft_control_Assertion& in) {
   if (in.version != sft_control_protocol_version) return wrong_version(in.version);
   if (in.node == 0) return fail(Errc::malformed, "an assertion of no node");
+  if (const Result<void> sound = check_lengths(in); !sound) return tl::unexpected(sound.error());
   Assertion out{.node = in.node, .writers = copy(in.writers)};
   for (std::size_t i = 0; i < std::size(in.digest); ++i) out.digest |= std::uint32_t{in.digest[i]} << (8 * i);
   for (std::uint32_t i = 0; i < in.progress._length; ++i) {
     const sft_control_Progress& p = in.progress._buffer[i];
     out.progress.push_back({p.writer, p.samples, p.bytes});
+  }
+  out.asked_about = copy(in.asked_about);
+  for (std::uint32_t i = 0; i < in.accounts._length; ++i) {
+    const std::optional<Account> account = from_dds(in.accounts._buffer[i]);
+    if (!account) return fail(Errc::malformed, "a sign of life with an account of neither writer nor reader");
+    out.accounts.push_back(*account);
   }
   return out;
 }

@@ -90,7 +90,8 @@ PairInfo pair_info(const Endpoint& writer, const Endpoint& reader, const std::op
 
 }  // namespace
 
-DomainSnapshot domain_snapshot(std::vector<KnownEndpoint> endpoints, NodeId id, std::uint64_t network) {
+DomainSnapshot domain_snapshot(std::vector<KnownEndpoint> endpoints, const PairAccounts& accounts, NodeId id,
+                               std::uint64_t network) {
   std::ranges::sort(endpoints, {}, [](const KnownEndpoint& k) {
     return std::tie(k.endpoint.topic, k.endpoint.node, k.endpoint.id);
   });
@@ -105,7 +106,9 @@ DomainSnapshot domain_snapshot(std::vector<KnownEndpoint> endpoints, NodeId id, 
     if (writer.role != Role::writer) continue;
     for (const auto& [reader, none] : endpoints) {
       if (reader.role != Role::reader || reader.topic != writer.topic) continue;
-      snapshot.pairs.push_back(pair_info(writer, reader, types.of(writer), comparisons));
+      PairInfo& pair = snapshot.pairs.emplace_back(pair_info(writer, reader, types.of(writer), comparisons));
+      if (const auto told = accounts.find({writer.id, reader.id}); told != accounts.end())
+        pair.account = told->second;
     }
   }
   return snapshot;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/account_questions.h"
 #include "core/control.h"
 #include "sft/domain.h"
 
@@ -15,6 +16,7 @@ struct KnownEndpoint {
 };
 
 /// `id` and `network` are those of the node that is asked.
-DomainSnapshot domain_snapshot(std::vector<KnownEndpoint> endpoints, NodeId id, std::uint64_t network);
+DomainSnapshot domain_snapshot(std::vector<KnownEndpoint> endpoints, const PairAccounts& accounts, NodeId id,
+                               std::uint64_t network);
 
 }  // namespace sft::core

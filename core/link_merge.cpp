@@ -327,6 +327,7 @@ void LinkMerge::request_came(const Speaker& speaker, Request request, Now now) {
 /// On each link the first one that speaks for a node, or who comes after it once that is silent.
 void LinkMerge::assertion_came(const Speaker& speaker, Assertion assertion, Now now) {
   const NodeId id = assertion.node;
+  assertion.announcer = speaker.participant;
   const milliseconds silence = silence_in(lease_of(id));
   speakers_.heard(speaker, silence, now);
   if (!nodes_.contains(id) && nodes_.size() >= limits_.endpoints) return;

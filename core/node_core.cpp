@@ -127,10 +127,15 @@ bool NodeCore::may_use(TransportKind kind, TransportChoice choice) const {
   return transport != nullptr && choice != other && options_.transport != other;
 }
 
-Result<void> NodeCore::check_endpoint(std::string_view topic, const TypeSupport& type,
-                                      TransportChoice choice) const {
+Result<void> NodeCore::check_topic(std::string_view topic) {
   if (const auto fault = fault_of_topic(topic); !fault.empty())
     return fail(Errc::invalid_argument, "topic " + in_quotes(topic) + " " + std::string(fault));
+  return {};
+}
+
+Result<void> NodeCore::check_endpoint(std::string_view topic, const TypeSupport& type,
+                                      TransportChoice choice) const {
+  if (Result<void> sound = check_topic(topic); !sound) return sound;
   if (const auto fault = fault_of_name(type.name()); !fault.empty())
     return fail(Errc::invalid_argument, "type name " + in_quotes(type.name()) + " " + std::string(fault));
   if (type.leaves() > mask_words_max * 64) {
@@ -417,7 +422,25 @@ std::vector<TopicInfo> NodeCore::topics() {
 }
 
 DomainSnapshot NodeCore::domain() {
-  return domain_snapshot(ask_agent([&] { return reconciler_->known_endpoints(); }), id_, network_);
+  struct Known {
+    std::vector<KnownEndpoint> endpoints;
+    PairAccounts accounts;
+  };
+  Known known = ask_agent([&] {
+    return Known{reconciler_->known_endpoints(), reconciler_->known_accounts()};
+  });
+  return domain_snapshot(std::move(known.endpoints), known.accounts, id_, network_);
+}
+
+Result<AccountInquiry> NodeCore::ask_accounts(const std::shared_ptr<NodeCore>& self, std::string_view topic) {
+  if (const Result<void> sound = check_topic(topic); !sound) return tl::unexpected(sound.error());
+  const std::string name(without_slash(topic));
+  agent_.post([this, name] { reconciler_->ask_accounts(name); });
+  const auto end = [self, name](const void*) {
+    if (is_forked_copy()) return;
+    self->agent_.post([node = self.get(), name] { node->reconciler_->ask_accounts_no_more(name); });
+  };
+  return AccountInquiry(std::shared_ptr<const void>(self.get(), end));
 }
 
 NodeStatus NodeCore::status() const {

@@ -54,6 +54,7 @@ class NodeCore final : private DiscoveryListener {
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   std::vector<TopicInfo> topics();
   DomainSnapshot domain();
+  Result<AccountInquiry> ask_accounts(const std::shared_ptr<NodeCore>& self, std::string_view topic);
   NodeStatus status() const;
   NodeSnapshot snapshot() const;
 
@@ -67,6 +68,7 @@ class NodeCore final : private DiscoveryListener {
   Endpoint new_endpoint(Role role, std::string_view topic, const TypeSupport& type,
                         TransportChoice choice) const;
   Result<void> keep_ways_for(Endpoint& writer) const;
+  static Result<void> check_topic(std::string_view topic);
   Result<void> check_endpoint(std::string_view topic, const TypeSupport& type, TransportChoice choice) const;
 
   // DiscoveryListener: posted to the agent.

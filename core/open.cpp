@@ -152,6 +152,10 @@ Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const Dy
 
 DomainSnapshot Node::domain() const { return core_->domain(); }
 
+Result<AccountInquiry> Node::ask_accounts(std::string_view topic) const {
+  return core_->ask_accounts(core_, topic);
+}
+
 NodeStatus Node::status() const { return core_->status(); }
 
 NodeSnapshot Node::snapshot() const { return core_->snapshot(); }

@@ -25,11 +25,12 @@ struct ParticipantMark {
 
 inline constexpr std::size_t complaints_max = 8;
 
-/// "sft/8/3", then "s" if it is secured, and for each complaint "!" and 32 hexadecimal digits.
+/// "sft/9/3", then "s" if it is secured, and for each complaint "!" and 32 hexadecimal digits.
 std::string to_text(const ParticipantMark& mark);
 /// Empty if it is no node's of this version. Complaints that make no sense are left out.
 std::optional<ParticipantMark> parse_participant_mark(std::string_view user_data);
-/// The version of the control topics if it is a node's of another one. All versions begin with "sft/8/".
+/// The version of the control topics if it is a node's of another one. Marks of all versions begin with
+/// "sft/", the version and "/".
 std::optional<std::uint32_t> other_version(std::string_view user_data);
 
 }  // namespace sft::core

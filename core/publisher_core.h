@@ -84,6 +84,9 @@ class PublisherCore {
   /// no change to tell the program of.
   void show(std::vector<ReaderStatus> readers);
 
+  /// What became of its samples for one reader.
+  Delivered delivered(EndpointId reader) const { return book_->of(reader); }
+
   // The agent's: what the program did, and for status() how it keeps its promises.
   OfferWatch::Signs signs() const;
   /// Of samples that went to all of its routes: a lower bound.

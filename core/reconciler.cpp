@@ -14,6 +14,7 @@ constexpr std::chrono::milliseconds look_at_addresses_every{200};  // costs one 
 constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
 constexpr std::chrono::milliseconds reach_again_after{1000};
+constexpr std::chrono::milliseconds asks_last_least{3000};
 constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
 
 }  // namespace
@@ -27,7 +28,8 @@ Reconciler::Reconciler(NodeId id, std::uint64_t network, Transport* shm, Transpo
       dispatcher_(dispatcher),
       log_(log),
       outbox_(negotiation_, discovery, log),
-      control_watch_(negotiation_, log) {
+      control_watch_(negotiation_, log),
+      answers_(std::max(asks_last_least, 3 * discovery.life_signs().pause)) {
   self_.network = network;
   self_.shm_state = shm_ == nullptr ? "the node rules it out" : "starting";
   negotiation_.self_changed(self_);
@@ -100,6 +102,7 @@ void Reconciler::remove(EndpointId id) {
   negotiation_.local_removed(id);
   dirty_ = true;
   outbox_.withdraw(id);
+  answers_.removed(id);
   writers_.erase(id);
   const auto reader = readers_.find(id);
   if (reader == readers_.end()) return;

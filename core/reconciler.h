@@ -16,6 +16,8 @@
 #include <vector>
 
 #include "core/accepted_requests.h"
+#include "core/account_answers.h"
+#include "core/account_questions.h"
 #include "core/arrival_watchdog.h"
 #include "core/control_outbox.h"
 #include "core/control_watch.h"
@@ -31,6 +33,7 @@
 #include "core/silence_watch.h"
 #include "core/subscriber_core.h"
 #include "core/transport.h"
+#include "core/turns.h"
 #include "sft/options.h"
 
 namespace sft::core {
@@ -70,6 +73,13 @@ class Reconciler {
   std::vector<const Endpoint*> endpoints() const { return negotiation_.present(); }
   /// The same, with how far the writers are.
   std::vector<KnownEndpoint> known_endpoints() const;
+
+  /// The program wants to know the accounts of all pairs on that topic, or not any more, once for each time
+  /// that it wanted to.
+  void ask_accounts(const std::string& topic) { questions_.ask(topic); }
+  void ask_accounts_no_more(const std::string& topic) { questions_.ask_no_more(topic); }
+  /// What is known of the pairs that the program asks about.
+  PairAccounts known_accounts(Now now = std::chrono::steady_clock::now());
 
   /// Looks after transports and time; returns when to be called again.
   std::chrono::milliseconds tick(Now now = std::chrono::steady_clock::now());
@@ -122,8 +132,14 @@ class Reconciler {
   bool watch_offer(Writer& writer, Now now);
   void look_after_histories();
   bool look_after_history(EndpointId reader, const ReaderPort& port, EndpointId writer);
+  bool is_ours(EndpointId id) const { return writers_.contains(id) || readers_.contains(id); }
   void tell_of_life(std::vector<EndpointId> writers, Now now);
-  std::vector<Progress> progress_to_tell(Now now);
+  Assertion sign_of_life(std::vector<EndpointId> writers, Now now);
+  std::vector<Progress> progress_to_tell();
+  std::vector<EndpointId> questions_to_ask();
+  std::vector<Account> accounts_to_tell(Now now);
+  void add_accounts_of(EndpointId own, std::set<AccountId>& accounts) const;
+  Account account(const AccountId& id) const;
   void look_for_callbacks_under_way(Now now);
   void look_for_the_deaf(const Assertion& assertion, Now now);
   bool is_deaf(EndpointId id, Reader& reader, const Hearing& hearing, const Assertion& assertion, Now now);
@@ -186,10 +202,12 @@ class Reconciler {
   std::vector<Link> links_;
   Now next_look_at_addresses_{};
   Now told_of_life_at_{};
-  Now progress_told_at_{};
-  EndpointId last_named_ = 0;  ///< of the writers whose progress was told
-  Now held_up_at_{};           ///< by a callback
-  bool dirty_ = false;         ///< something changed that reconcile() has not seen
+  Now told_more_at_{};  ///< than that we live
+  Turns<EndpointId> progress_turns_;
+  AccountQuestions questions_;
+  AccountAnswers answers_;
+  Now held_up_at_{};    ///< by a callback
+  bool dirty_ = false;  ///< something changed that reconcile() has not seen
   Retry asking_daemon_;
   std::size_t unattached_ = 0;  ///< connections in shared memory whose publishers have not shown up
   int hurried_ticks_ = 0;       ///< in a row, because some reader waits for its connection

@@ -9,7 +9,7 @@
 namespace sft::core {
 
 namespace {
-constexpr std::chrono::milliseconds progress_pause{500};
+constexpr std::chrono::milliseconds told_more_pause{500};
 constexpr int looks_in_callback_max = 4;  // in a row
 constexpr std::chrono::seconds held_up_for{1};
 constexpr std::chrono::milliseconds restart_pause{500};  // for the other side to see that nobody listens
@@ -51,10 +51,22 @@ void Reconciler::program_asserts(EndpointId id) {
 
 /// What tells of a writer tells of the node, too, and of how far its writers are.
 void Reconciler::tell_of_life(std::vector<EndpointId> writers, Now now) {
-  const Assertion assertion{id_, std::move(writers), progress_to_tell(now)};
+  const Assertion assertion = sign_of_life(std::move(writers), now);
   told_of_life_at_ = now;
   discovery_.assert_liveliness(assertion);
   liveliness_asserted(assertion);  // our own readers
+}
+
+/// What is told beside that goes with no more than two signs in a second: who keeps a short lease gives far
+/// more.
+Assertion Reconciler::sign_of_life(std::vector<EndpointId> writers, Now now) {
+  Assertion sign{id_, std::move(writers)};
+  if (now < told_more_at_ + told_more_pause) return sign;
+  sign.progress = progress_to_tell();
+  sign.asked_about = questions_to_ask();
+  sign.accounts = accounts_to_tell(now);
+  if (!sign.progress.empty() || !sign.asked_about.empty() || !sign.accounts.empty()) told_more_at_ = now;
+  return sign;
 }
 
 void Reconciler::node_lost(NodeId id) {
@@ -65,6 +77,11 @@ void Reconciler::liveliness_asserted(const Assertion& assertion, Now now) {
   silence_.lives(assertion.node);
   dirty_ |= negotiation_.node_returned(assertion.node);
   for (const Progress& progress : assertion.progress) negotiation_.progressed(assertion.node, progress);
+  for (const EndpointId id : assertion.asked_about) {
+    if (is_ours(id)) answers_.asked(id, now);
+  }
+  questions_.answered(
+      assertion, [this](EndpointId id) { return negotiation_.known(id); }, now);
   for (auto& [id, reader] : readers_) {
     for (const EndpointId writer : assertion.writers) {
       if (const auto watch = reader.watched.find(writer); watch != reader.watched.end())
@@ -74,27 +91,69 @@ void Reconciler::liveliness_asserted(const Assertion& assertion, Now now) {
   look_for_the_deaf(assertion, now);
 }
 
-/// Of those writers that have sent something since they were named last. Where there are too many for one
-/// assertion they take turns.
-std::vector<Progress> Reconciler::progress_to_tell(Now now) {
+/// Of those writers that have sent something since they were named last.
+std::vector<Progress> Reconciler::progress_to_tell() {
   std::vector<Progress> progress;
-  if (now < progress_told_at_ + progress_pause) return progress;
-  progress_told_at_ = now;
-  const auto look = [&](auto from, auto to) {
-    for (; from != to && progress.size() < progress_max; ++from) {
-      auto& [id, writer] = *from;
-      if (!writer.in_force || (writer.in_force->shm.empty() && writer.in_force->udp.empty())) continue;
-      const std::uint64_t published = writer.core->signs().published;
-      if (published == writer.progress_told) continue;
-      writer.progress_told = published;
-      progress.push_back(writer.core->progress());
-      last_named_ = id;
-    }
-  };
-  const auto begin = writers_.upper_bound(last_named_);
-  look(begin, writers_.end());
-  look(writers_.begin(), begin);
+  progress_turns_.go_round(writers_, progress_max, [&](auto& item) {
+    Writer& writer = item.second;
+    if (!writer.in_force || (writer.in_force->shm.empty() && writer.in_force->udp.empty())) return false;
+    const std::uint64_t published = writer.core->signs().published;
+    if (published == writer.progress_told) return false;
+    writer.progress_told = published;
+    progress.push_back(writer.core->progress());
+    return true;
+  });
   return progress;
+}
+
+/// About the endpoints of others on the topics that the program asks about.
+std::vector<EndpointId> Reconciler::questions_to_ask() {
+  if (!questions_.asks()) return {};
+  std::set<EndpointId> others;
+  for (const Endpoint* endpoint : negotiation_.present()) {
+    if (!is_ours(endpoint->id) && questions_.asks_about(endpoint->topic)) others.insert(endpoint->id);
+  }
+  return questions_.take_turns(others);
+}
+
+std::vector<Account> Reconciler::accounts_to_tell(Now now) {
+  std::set<AccountId> all;
+  for (const EndpointId own : answers_.asked_about(now)) add_accounts_of(own, all);
+  std::vector<Account> accounts;
+  for (const AccountId& id : answers_.take_turns(all)) accounts.push_back(account(id));
+  return accounts;
+}
+
+/// Of all pairs that one of our endpoints matches: there is nothing to count of the others.
+void Reconciler::add_accounts_of(EndpointId own, std::set<AccountId>& accounts) const {
+  if (const auto writer = writers_.find(own); writer != writers_.end() && writer->second.in_force) {
+    for (const ReaderStatus& reader : writer->second.in_force->readers) {
+      const bool matches = !reader.incompatible_type && reader.incompatible_policy == QosPolicy::none;
+      if (matches) accounts.insert({{own, reader.id}, Role::writer});
+    }
+  }
+  if (const auto reader = readers_.find(own); reader != readers_.end()) {
+    for (const auto& [writer, hearing] : reader->second.heard) {
+      if (hearing.status.matched) accounts.insert({{writer, own}, Role::reader});
+    }
+  }
+}
+
+/// One of add_accounts_of().
+Account Reconciler::account(const AccountId& id) const {
+  Account account{.id = id};
+  if (id.said_by == Role::reader) {
+    account.by_reader = readers_.at(id.pair.reader).core->account_of(id.pair.writer);
+    return account;
+  }
+  const Delivered delivered = writers_.at(id.pair.writer).core->delivered(id.pair.reader);
+  account.by_writer = {.sent = delivered.sent,
+                       .withheld = delivered.withheld,
+                       .dropped = delivered.dropped,
+                       .retained = delivered.retained,
+                       .bytes_sent = delivered.bytes,
+                       .bytes_saved = delivered.bytes_saved};
+  return account;
 }
 
 /// A callback that takes long may hold up the thread that receives for all subscribers of the node.
@@ -193,6 +252,21 @@ std::vector<KnownEndpoint> Reconciler::known_endpoints() const {
     const Progress* const progress = negotiation_.progress_of(endpoint->id);
     known.push_back({*endpoint, progress == nullptr ? std::nullopt : std::optional(*progress)});
   }
+  return known;
+}
+
+/// What others have told, and of our own endpoints what is true at present.
+PairAccounts Reconciler::known_accounts(Now now) {
+  PairAccounts known = questions_.answers(now);
+  std::set<AccountId> ours;
+  const auto look_at = [&](const auto& members) {
+    for (const auto& [id, member] : members) {
+      if (questions_.asks_about(member.core->spec().topic)) add_accounts_of(id, ours);
+    }
+  };
+  look_at(writers_);
+  look_at(readers_);
+  for (const AccountId& id : ours) add_to(known, account(id), {});
   return known;
 }
 

@@ -101,6 +101,13 @@ std::uint64_t SubscriberCore::arrivals(EndpointId writer) {
   return sum;
 }
 
+Account::OfReader SubscriberCore::account_of(EndpointId writer) {
+  const std::scoped_lock lock(mutex_);
+  const auto known = std::ranges::find(heard_, writer, &Heard::writer);
+  if (known == heard_.end()) return {};
+  return {.received = known->received, .lost = known->lost};
+}
+
 void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
   hear(hearing);
   // A writer that was killed between handing over its last sample and waking us did not wake us.

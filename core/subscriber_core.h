@@ -107,6 +107,8 @@ class SubscriberCore final : public ArrivalListener {
   std::uint64_t held_too_many();
   /// Differs from what it was whenever a sample of that writer has arrived meanwhile.
   std::uint64_t arrivals(EndpointId writer);
+  /// What has come of that writer.
+  Account::OfReader account_of(EndpointId writer);
 
  private:
   using Clock = std::chrono::steady_clock;

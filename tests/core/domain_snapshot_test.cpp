@@ -42,7 +42,9 @@ class DomainSnapshotTest : public ::testing::Test {
     e.request.sequence = 3;
     return e;
   }
-  DomainSnapshot snapshot() const { return domain_snapshot({{writer}, {reader}}, our_node, this_machine); }
+  DomainSnapshot snapshot() const {
+    return domain_snapshot({{writer}, {reader}}, {}, our_node, this_machine);
+  }
   PairInfo pair() const { return snapshot().pairs.at(0); }
 
   Endpoint writer = endpoint(Role::writer, 1);
@@ -100,7 +102,7 @@ TEST_F(DomainSnapshotTest, APairWithoutACommonWayIsToldWhy) {
 TEST_F(DomainSnapshotTest, FieldsRatesAndProgressAreTold) {
   reader.request.min_period_us = 50'000;
   const DomainSnapshot domain =
-      domain_snapshot({{reader}, {writer, Progress{writer.id, 12, 345}}}, reader.node_id, this_machine);
+      domain_snapshot({{reader}, {writer, Progress{writer.id, 12, 345}}}, {}, reader.node_id, this_machine);
   const EndpointInfo& subscriber = domain.subscribers.at(0);
   EXPECT_EQ(subscriber.fields, "height, width");
   EXPECT_EQ(subscriber.max_rate_hz, 20);
@@ -112,6 +114,17 @@ TEST_F(DomainSnapshotTest, FieldsRatesAndProgressAreTold) {
   EXPECT_EQ(publisher.type->name(), "sensor_msgs::msg::PointCloud2");
   EXPECT_EQ(publisher.progress->samples, 12U);
   EXPECT_EQ(publisher.progress->bytes, 345U);
+}
+
+TEST_F(DomainSnapshotTest, APairHasTheAccountsThatItsNodesHaveTold) {
+  PairAccounts accounts;
+  accounts[{writer.id, reader.id}].subscriber = ReceivedAccount{.age = {}, .received = 5, .lost = 1};
+  accounts[{reader.id, writer.id}].publisher = SentAccount{};  // of another pair
+  const PairInfo told = domain_snapshot({{writer}, {reader}}, accounts, our_node, this_machine).pairs.at(0);
+  EXPECT_FALSE(told.account.publisher);
+  ASSERT_TRUE(told.account.subscriber);
+  EXPECT_EQ(told.account.subscriber->received, 5U);
+  EXPECT_EQ(told.account.subscriber->lost, 1U);
 }
 
 TEST_F(DomainSnapshotTest, EndpointsOfDifferentTopicsAreNoPair) {

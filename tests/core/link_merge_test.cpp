@@ -453,6 +453,13 @@ TEST_F(LinkMergeTest, WaitsForNobodyLongerThanAMinute) {
   EXPECT_THAT(told(), ElementsAre("lost"));
 }
 
+TEST_F(LinkMergeTest, TellsWhichParticipantGaveASignOfLife) {
+  merge.assertion_came(by_radio, {.node = node, .writers = {}}, now);
+  const std::vector<News> news = merge.take_news();
+  ASSERT_EQ(news.size(), 1U);
+  EXPECT_EQ(std::get<Assertion>(news[0]).announcer, by_radio.participant);
+}
+
 TEST_F(LinkMergeTest, TakesSignsOfLifeOfTheFirstOneOnEachLink) {
   merge.assertion_came(by_lan, {.node = node, .writers = {}}, now);
   merge.assertion_came(by_radio, {.node = node, .writers = {}}, now);

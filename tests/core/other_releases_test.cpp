@@ -63,14 +63,15 @@ TEST_F(OtherReleasesTest, ThatSomebodyMakesUpAreOneReportAMinuteAndLittleMemory)
 }
 
 TEST_F(OtherReleasesTest, AreDescribedByVersionAndInterfaceAndWhatToDo) {
-  EXPECT_EQ(describe({.speaker = speaker(1), .version = 7}, "eth0", 8),
-            "a participant with control protocol 7 is on eth0; this node has 8; they do not see each other: "
+  EXPECT_EQ(describe({.speaker = speaker(1), .version = 7}, "eth0", 9),
+            "a participant with control protocol 7 is on eth0; this node has 9; they do not see each other: "
             "use the "
             "same release");
-  EXPECT_EQ(describe({.speaker = speaker(1), .version = 9, .others = 12}, "wlan0", 8),
-            "a participant with control protocol 9 is on wlan0; this node has 8; they do not see each other: "
-            "use the "
-            "same release (12 more with another protocol have come)");
+  EXPECT_EQ(
+      describe({.speaker = speaker(1), .version = 10, .others = 12}, "wlan0", 9),
+      "a participant with control protocol 10 is on wlan0; this node has 9; they do not see each other: "
+      "use the "
+      "same release (12 more with another protocol have come)");
 }
 
 }  // namespace

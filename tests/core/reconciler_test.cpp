@@ -435,5 +435,98 @@ TEST_F(ReconcilerTest, ProgressIsToldOfWritersThatSentSomethingAndHaveReaders) {
   EXPECT_THAT(discovery.asserted.back().progress, IsEmpty()) << "nothing more was sent";
 }
 
+/// One of our publishers has a reader of another node, and one of our own.
+class AccountsTest : public ReconcilerTest {
+ protected:
+  AccountsTest() {
+    our_reader(300);
+    Endpoint reader = endpoint(Role::reader, 200);
+    reader.node_id = other_node;
+    reader.announcer = other_participant;
+    reader.request.listening = {7};
+    reconciler.endpoint_seen(reader);
+    reconciler.reconcile();
+  }
+  Assertion sign(std::vector<EndpointId> asked_about, std::vector<Account> accounts = {}) const {
+    return {.node = other_node,
+            .writers = {},
+            .asked_about = std::move(asked_about),
+            .accounts = std::move(accounts),
+            .announcer = other_participant};
+  }
+  void hear(const Assertion& assertion) { reconciler.liveliness_asserted(assertion, now); }
+  /// Nothing if none came.
+  std::optional<Assertion> next_sign(std::chrono::milliseconds after = std::chrono::milliseconds(650)) {
+    const std::size_t before = discovery.asserted.size();
+    reconciler.tick(now += after);
+    return discovery.asserted.size() > before ? std::optional(discovery.asserted.back()) : std::nullopt;
+  }
+
+  static constexpr NodeId other_node = 66;
+  static constexpr AnnouncerId other_participant = 4;
+  const std::shared_ptr<PublisherCore> writer = our_writer(7, std::make_shared<TestWriterPort>());
+  Now now = std::chrono::steady_clock::now();
+};
+
+TEST_F(AccountsTest, AreToldInSignsOfLifeWhileSomebodyAsksAndNotLongerThanThreeSeconds) {
+  EXPECT_THAT(next_sign()->accounts, IsEmpty()) << "nobody has asked";
+  hear(sign({7, 300, 200, 12345}));  // the last two are not ours
+  const auto told = next_sign()->accounts;
+  ASSERT_EQ(told.size(), 3U) << "of our writer with two readers, and of our reader with it";
+  EXPECT_EQ(told[0].id, (AccountId{{7, 200}, Role::writer}));
+  EXPECT_EQ(told[1].id, (AccountId{{7, 300}, Role::writer}));
+  EXPECT_EQ(told[2].id, (AccountId{{7, 300}, Role::reader}));
+  int signs = 1;
+  for (; !next_sign()->accounts.empty(); ++signs) ASSERT_LT(signs, 10);
+  EXPECT_EQ(signs, 4) << "a sign each 650 ms";
+}
+
+TEST_F(AccountsTest, BringNoSignOfLifeForwardAndGoWithTwoInASecondAtMost) {
+  ASSERT_TRUE(next_sign());
+  hear(sign({7}));
+  EXPECT_FALSE(next_sign(std::chrono::milliseconds(100)));
+  EXPECT_FALSE(next_sign(std::chrono::milliseconds(500)));
+  EXPECT_FALSE(next_sign(std::chrono::milliseconds(50))->accounts.empty());
+  hear(sign({7}));
+  Endpoint newcomer = endpoint(Role::reader, 400);  // which is told at once that we live
+  newcomer.node_id = 77;
+  reconciler.endpoint_seen(newcomer);
+  const auto early = next_sign(std::chrono::milliseconds(10));
+  ASSERT_TRUE(early);
+  EXPECT_THAT(early->accounts, IsEmpty());
+}
+
+TEST_F(AccountsTest, OfAnEndpointThatIsGoneAreToldNoMore) {
+  hear(sign({7}));
+  reconciler.remove(7);
+  EXPECT_THAT(next_sign()->accounts, IsEmpty());
+}
+
+TEST_F(AccountsTest, AreAskedForOfOthersEndpointsOnTheTopicsThatTheProgramNames) {
+  EXPECT_THAT(next_sign()->asked_about, IsEmpty());
+  reconciler.ask_accounts("clouds");
+  EXPECT_THAT(next_sign()->asked_about, IsEmpty());
+  reconciler.ask_accounts("points");
+  reconciler.ask_accounts("points");
+  EXPECT_THAT(next_sign()->asked_about, ElementsAre(200));
+  reconciler.ask_accounts_no_more("points");
+  EXPECT_THAT(next_sign()->asked_about, ElementsAre(200)) << "it was asked twice";
+  reconciler.ask_accounts_no_more("points");
+  EXPECT_THAT(next_sign()->asked_about, IsEmpty());
+}
+
+TEST_F(AccountsTest, OfAPairAreWhatBothSidesTell) {
+  reconciler.ask_accounts("points");
+  hear(sign({}, {{.id = {{7, 200}, Role::reader}, .by_reader = {.received = 5, .lost = 6}}}));
+  const PairAccount pair = reconciler.known_accounts(now + std::chrono::seconds(1)).at({7, 200});
+  ASSERT_TRUE(pair.publisher);
+  EXPECT_EQ(pair.publisher->age, std::chrono::seconds(0)) << "this node counts";
+  ASSERT_TRUE(pair.subscriber);
+  EXPECT_EQ(pair.subscriber->received, 5U);
+  EXPECT_EQ(pair.subscriber->lost, 6U);
+  EXPECT_EQ(pair.subscriber->age, std::chrono::seconds(1));
+  EXPECT_EQ(reconciler.known_accounts(now + std::chrono::seconds(10)).at({7, 200}).subscriber, std::nullopt);
+}
+
 }  // namespace
 }  // namespace sft::core

@@ -1,13 +1,16 @@
 // What the nodes of a domain announce of themselves: all publishers and subscribers that a node has seen, and
 // of each pair of them on one topic whether it matches, by which path and why, found by the rules that both
-// of them follow. For tools. Of its own publishers and subscribers a node knows more (snapshot.h): what was
-// saved, withheld or lost for each reader is counted by the two nodes concerned, and does not travel.
+// of them follow. For tools. What was sent, saved, withheld or lost is counted by the two nodes of a pair,
+// and they tell it only while somebody asks for it (AccountInquiry). Of its own publishers and subscribers a
+// node knows more (snapshot.h).
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sft/qos.h"
@@ -15,6 +18,10 @@
 #include "sft/typesupport/dynamic_type.h"
 
 namespace sft {
+
+namespace core {
+class NodeCore;
+}
 
 /// Of one publisher, as its node tells every now and then while it has readers.
 struct PublisherProgress {
@@ -50,6 +57,48 @@ struct EndpointInfo {
   std::uint64_t requests = 0;           ///< so far
 };
 
+/// What the publisher's node has counted for one subscriber, as ReaderStatus has it.
+struct SentAccount {
+  std::chrono::nanoseconds age{};  ///< of what follows: since it came; 0 where the node that is asked counts
+  std::uint64_t sent = 0;          ///< samples, and in the three that follow
+  std::uint64_t withheld = 0;      ///< for the maximum rate
+  std::uint64_t dropped = 0;
+  std::uint64_t retained = 0;  ///< published before the subscriber was there; not in the counts above
+  std::uint64_t bytes_sent = 0;
+  std::uint64_t bytes_saved = 0;
+};
+
+/// What the subscriber's node has counted of one publisher, as WriterStatus has it.
+struct ReceivedAccount {
+  std::chrono::nanoseconds age{};  ///< likewise
+  std::uint64_t received = 0;      ///< samples taken or given to the callback
+  std::uint64_t lost = 0;          ///< samples that should have come
+};
+
+/// What the two nodes of a pair have told of it, each for itself: nothing while the program does not ask, or
+/// the node has not answered yet. What a node has told is kept for 10 s if it does not tell it again.
+struct PairAccount {
+  std::optional<SentAccount> publisher{};
+  std::optional<ReceivedAccount> subscriber{};
+};
+
+/// Asks, as long as it or a copy of it lives, the nodes of all publishers and subscribers of a topic for what
+/// they have counted of each pair; Node::domain() then has the answers. The question goes with the signs of
+/// life that a node gives anyway, as do the answers. So the first ones come after some 0.7 s, 1.3 s at most
+/// (4 s where there are peers or no multicast), and are told anew as often. 64 publishers and subscribers are
+/// asked at once, and a node tells 32 accounts at once; where there are more they take turns.
+///
+/// It keeps its node alive. Like a node it may be destroyed by any thread.
+class AccountInquiry {
+ public:
+  AccountInquiry() = default;  ///< asks nobody
+
+ private:
+  friend class core::NodeCore;
+  explicit AccountInquiry(std::shared_ptr<const void> asking) : asking_(std::move(asking)) {}
+  std::shared_ptr<const void> asking_;
+};
+
 /// A publisher and a subscriber of one topic, as far as anybody can tell from what both announce.
 struct PairInfo {
   std::uint64_t publisher = 0;
@@ -62,6 +111,7 @@ struct PairInfo {
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions; "here" is the publisher's
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
   bool no_path = false;                             ///< fits, but not the ways that both may use
+  PairAccount account{};
 };
 
 struct DomainSnapshot {

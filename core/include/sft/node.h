@@ -91,6 +91,9 @@ class Node {
   /// All publishers and subscribers that are known at present, those of this node too, and how each pair
   /// stands.
   DomainSnapshot domain() const;
+  /// As long as what it returns lives, domain() also has what both sides of each pair on that topic have
+  /// counted (domain.h).
+  Result<AccountInquiry> ask_accounts(std::string_view topic) const;
   /// `fields` as text: "header.stamp, fields[].name", "*" for all. Without a callback samples are taken.
   Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
                                        std::string_view fields, const SubscriberOptions& options = {},
