@@ -87,6 +87,8 @@ TEST_F(CommandTest, TopShowsAllOnTheScreenEndsOnQAndGivesTheTerminalBack) {
   EXPECT_THAT(top.out(), HasSubstr("\x1b[?1049h"));
   EXPECT_TRUE(top.prints("1 topic, 1 pair"));
   EXPECT_TRUE(top.prints(" Hz"));
+  EXPECT_TRUE(top.prints("WITHHELD"));
+  EXPECT_TRUE(top.prints(" %")) << "what was saved is told, too";
   EXPECT_FALSE(top.echoes());
   top.press("q");
   ASSERT_TRUE(top.prints("\x1b[?1049l"));
@@ -104,6 +106,10 @@ TEST_F(CommandTest, TopWritesJsonForPrograms) {
   for (std::string line; std::getline(lines, line);) last = Json::parse(line);
   EXPECT_EQ(last["topics"][0]["topic"], "points");
   EXPECT_NEAR(last["topics"][0]["samples_per_s"].get<double>(), 50, 15);
+  const Json& pair = last["topics"][0]["pairs"].at(0);
+  EXPECT_GT(pair["sent"], 100);
+  EXPECT_GT(pair["bytes_saved"], 100'000);
+  EXPECT_TRUE(pair["lost"].is_number());
   EXPECT_EQ(run_tool({"top"}).code, 2);  // no terminal
 }
 

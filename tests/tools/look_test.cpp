@@ -1,5 +1,7 @@
 // What is there: ls, info, type, why.
+#include <iomanip>
 #include <nav_msgs/msg/Odometry.hpp>
+#include <sstream>
 
 #include "tests/tools/tool_fixture.h"
 
@@ -10,6 +12,13 @@ using nav_msgs::msg::Odometry;
 
 class LookTest : public ToolTest {
  protected:
+  /// As `sft why` writes it.
+  static std::string id_of(const ReaderStatus& reader) {
+    std::ostringstream id;
+    id << std::hex << std::setfill('0') << std::setw(16) << reader.id;
+    return id.str();
+  }
+
   Node logger = open("logger");
   Publisher<PointCloud2> points = robot.publisher<PointCloud2>("points").value();
   Subscriber<PointCloud2, F::width | F::height> monitor =
@@ -72,7 +81,7 @@ TEST_F(LookTest, TypeIsTheTextOfTheMessageFile) {
   EXPECT_EQ(Json::parse(run_tool({"type", "points", "--json"}).out)["fields"][0], "header.stamp.sec");
 }
 
-TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatItsPublisherHasSent) {
+TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatBothOfItsNodesHaveCounted) {
   const Publishing publishing(points, cloud());
   const Json json = Json::parse(run_tool({"why", "points", "--json", "--wait", "2"}).out);
   const Json& pair = json["pairs"].at(0);
@@ -84,7 +93,10 @@ TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatItsPublisherHasSent) {
   EXPECT_EQ(pair["fields"], "height, width");
   EXPECT_EQ(pair["max_rate_hz"], 20.0);
   EXPECT_GT(pair["sent_by_publisher"]["samples"], 0);
-  EXPECT_TRUE(pair["lost"].is_null());  // only the two nodes know
+  EXPECT_GT(pair["sent"], 0);
+  EXPECT_GT(pair["withheld"], 0) << "20 of 100 samples a second are sent";
+  EXPECT_EQ(pair["dropped"], 0);
+  EXPECT_TRUE(pair["lost"].is_number());
   const Ended text = run_tool({"why", "points"});
   EXPECT_EQ(text.code, 0);
   EXPECT_THAT(text.out, HasSubstr("\nlidar -> logger  ("));
@@ -92,12 +104,85 @@ TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatItsPublisherHasSent) {
               HasSubstr("\n    matched by udp: the publisher or its node rules shared memory out\n"));
 }
 
+// Of a cloud of 6 MB, two numbers of four bytes.
+TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
+  PointCloud2 large = cloud();
+  large.data.resize(6'000'000);
+  auto all = logger.subscriber<PointCloud2, F::width | F::height>("points").value();
+  std::string id;
+  ASSERT_TRUE(eventually([&] {
+    for (const ReaderStatus& reader : points.status().readers) {
+      if (reader.served && reader.max_rate_hz == 0) id = id_of(reader);
+    }
+    return !id.empty();
+  }));
+  constexpr int samples = 10;
+  for (int i = 0; i < samples; ++i) {
+    points.publish(large);
+    ASSERT_TRUE(all.wait(5s));
+    while (all.take()) continue;
+  }
+  Json told;
+  ASSERT_TRUE(eventually([&] {
+    const Json json = Json::parse(run_tool({"why", "points", "--json"}).out);
+    for (const Json& pair : json["pairs"]) {
+      if (pair["max_rate_hz"] == 0.0) told = pair;
+    }
+    return told["received"] == samples;
+  })) << told.dump(2);
+  EXPECT_EQ(told["sent"], samples);
+  EXPECT_EQ(told["withheld"], 0);
+  EXPECT_EQ(told["lost"], 0);
+  EXPECT_EQ(told["bytes_sent"], samples * 8);
+  EXPECT_GT(told["bytes_saved"], samples * 6'000'000);
+  const std::string text = run_tool({"why", "points"}).out;
+  const std::size_t begin = text.find("-> " + id);
+  ASSERT_NE(begin, std::string::npos) << text;
+  EXPECT_THAT(text.substr(begin), HasSubstr("\n    fields     height, width\n"
+                                            "    sent       10 samples, 80 B over the network\n"
+                                            "    saved      60 MB, 99.9998 % of the whole samples\n"
+                                            "    withheld   0 samples; 0 dropped\n"
+                                            "    lost       0 samples; 10 received\n"));
+}
+
+TEST_F(LookTest, WhyTellsWhatWasNotToldYet) {
+  std::string text;
+  EXPECT_TRUE(eventually([&] {  // it does not wait until it knows both
+    text = run_tool({"why", "points", "--wait", "0"}).out;
+    return text.find("lidar -> logger") != std::string::npos;
+  }));
+  EXPECT_THAT(text, HasSubstr("\n    sent       not told yet\n"
+                              "    saved      not told yet\n"
+                              "    withheld   not told yet\n"
+                              "    lost       not told yet\n"));
+  Json pairs;
+  EXPECT_TRUE(eventually([&] {
+    pairs = Json::parse(run_tool({"why", "points", "--json", "--wait", "0"}).out)["pairs"];
+    return !pairs.empty();
+  }));
+  for (const char* count : {"sent", "bytes_saved", "withheld", "lost"})
+    EXPECT_TRUE(pairs.at(0)[count].is_null()) << count;
+}
+
+TEST_F(LookTest, NoLineOfWhyIsLongerThanEightyColumns) {
+  Node talkative = open("a node of which the name, " + std::string(120, 'n') + ", is long");
+  auto strict = talkative.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
+  auto many = talkative
+                  .subscriber<PointCloud2, F::header | F::height | F::width | F::fields | F::is_bigendian |
+                                               F::point_step | F::row_step>("points")
+                  .value();
+  const std::string text = run_tool({"why", "points"}).out;
+  EXPECT_THAT(text, HasSubstr("requested"));
+  EXPECT_THAT(text, HasSubstr("row_step"));
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
+}
+
 TEST_F(LookTest, WhyNamesThePolicyThatDoesNotFit) {
   auto strict = logger.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
   const Ended text = run_tool({"why", "points"});
   EXPECT_EQ(text.code, 1);
-  EXPECT_THAT(text.out,
-              HasSubstr("not matched: incompatible QoS: reliability best_effort is offered, reliable is"));
+  EXPECT_THAT(text.out, HasSubstr("not matched: incompatible QoS: reliability best_effort is offered,"));
   EXPECT_THAT(text.out, HasSubstr("requested  reliable, volatile, keep last 8"));
   const Ended json = run_tool({"why", "points", "--json"});
   EXPECT_EQ(json.code, 1);
@@ -111,8 +196,8 @@ TEST_F(LookTest, WhyTellsOfAnotherType) {
   auto wrong = logger.subscriber<Odometry>("points").value();
   const Ended text = run_tool({"why", "points"});
   EXPECT_EQ(text.code, 1);
-  EXPECT_THAT(text.out, HasSubstr("not matched: type sensor_msgs::msg::PointCloud2 is published, "
-                                  "nav_msgs::msg::Odometry is subscribed to"));
+  EXPECT_THAT(text.out, HasSubstr("not matched: type sensor_msgs::msg::PointCloud2 is published,\n"
+                                  "    nav_msgs::msg::Odometry is subscribed to"));
 }
 
 TEST_F(LookTest, WhyTellsWhereTwoDefinitionsDiffer) {

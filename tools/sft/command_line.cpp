@@ -46,7 +46,8 @@ CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, const char* h
       ->group("Common");
   command
       ->add_option("--wait", common.wait_s,
-                   "Look around for so many seconds before all that is there is told")
+                   "Look around for so many seconds before all that is there is told; 'why' then waits as "
+                   "long again for nodes that have not said what they sent")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str()
       ->group("Common");
@@ -151,7 +152,8 @@ void declare_delay(CLI::App& app, Parsed& parsed) {
 
 void declare_why(CLI::App& app, Parsed& parsed) {
   CLI::App* command = declare(
-      app, parsed, "why", "Tell whether publishers and subscribers of a topic match, by which path, and why");
+      app, parsed, "why",
+      "Tell whether publishers and subscribers of a topic match, by which path and why, and what was sent");
   require_topic(command, parsed.why.topic);
   command->add_flag("--types", parsed.why.types, "Where two definitions of a type differ, print both");
   command->callback([&parsed] { parsed.line.command = parsed.why; });

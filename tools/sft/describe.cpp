@@ -26,6 +26,16 @@ Json progress_json(const EndpointInfo& publisher) {
   return {{"samples", publisher.progress->samples}, {"bytes", publisher.progress->bytes}};
 }
 
+template <class Account>
+Json told(const std::optional<Account>& account, std::uint64_t Account::*count) {
+  return account ? Json(*account.*count) : Json();
+}
+
+template <class Account>
+Json age_json(const std::optional<Account>& account) {
+  return account ? Json(account->age.count()) : Json();
+}
+
 }  // namespace
 
 Json qos_json(const Qos& qos) {
@@ -82,10 +92,16 @@ Json pair_json(const PairInfo& pair, const EndpointInfo& publisher, const Endpoi
           {"offered", qos_json(publisher.qos)},
           {"requested", qos_json(subscriber.qos)},
           {"sent_by_publisher", progress_json(publisher)},
-          {"sent", nullptr},
-          {"bytes_saved", nullptr},
-          {"withheld", nullptr},
-          {"lost", nullptr}};
+          {"sent", told(pair.account.publisher, &SentAccount::sent)},
+          {"bytes_sent", told(pair.account.publisher, &SentAccount::bytes_sent)},
+          {"bytes_saved", told(pair.account.publisher, &SentAccount::bytes_saved)},
+          {"withheld", told(pair.account.publisher, &SentAccount::withheld)},
+          {"dropped", told(pair.account.publisher, &SentAccount::dropped)},
+          {"retained", told(pair.account.publisher, &SentAccount::retained)},
+          {"publisher_told_ns_ago", age_json(pair.account.publisher)},
+          {"received", told(pair.account.subscriber, &ReceivedAccount::received)},
+          {"lost", told(pair.account.subscriber, &ReceivedAccount::lost)},
+          {"subscriber_told_ns_ago", age_json(pair.account.subscriber)}};
 }
 
 std::string qos_text(const Qos& qos) {

@@ -24,10 +24,11 @@ OneTopic part_of(const DomainSnapshot& domain, const std::string& topic) {
 
 Result<OneTopic> look_at(std::string_view topic, const CommonOptions& common, Session& session) {
   std::optional<std::string> name;
-  const bool found = session.wait_until([&](const DomainSnapshot& domain) {
+  const auto is_known = [&](const DomainSnapshot& domain) {
     name = Session::known_name(topic, domain);
     return name.has_value();
-  });
+  };
+  const bool found = session.wait_until(is_known, common.timeout_s);
   if (found) session.stop().wait_for(seconds(common.wait_s));
   name = Session::known_name(topic, session.domain());
   if (name) return part_of(session.domain(), *name);

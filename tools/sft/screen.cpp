@@ -7,21 +7,9 @@
 #include <algorithm>
 #include <array>
 
+#include "tools/sft/columns.h"
+
 namespace sft::tool {
-
-namespace {
-
-/// So much of UTF-8 text that it takes no more columns; characters that are two columns wide count as one.
-std::string cut(const std::string& text, std::size_t columns) {
-  std::size_t shown = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool begins = (static_cast<unsigned char>(text[i]) & 0xc0U) != 0x80;
-    if (begins && shown++ == columns) return text.substr(0, i);
-  }
-  return text;
-}
-
-}  // namespace
 
 Screen::Screen(Output& output) : output_(output) {
   if (isatty(STDIN_FILENO) != 0 && tcgetattr(STDIN_FILENO, &before_) == 0) {
@@ -43,7 +31,7 @@ void Screen::show(const std::vector<Line>& lines) {
   std::string page = "\x1b[H";
   const std::size_t rows = std::min(lines.size(), output_.rows());
   for (std::size_t i = 0; i < rows; ++i) {
-    page += output_.colored(cut(lines[i].text, output_.columns()), lines[i].color) + "\x1b[K";
+    page += output_.colored(std::string(cut(lines[i].text, output_.columns())), lines[i].color) + "\x1b[K";
     if (i + 1 < rows) page += "\r\n";
   }
   output_.write(page + "\x1b[J");

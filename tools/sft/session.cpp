@@ -61,8 +61,8 @@ DomainSnapshot Session::look_around() {
   return domain();
 }
 
-bool Session::wait_until(const std::function<bool(const DomainSnapshot&)>& enough) {
-  const auto end = Clock::now() + seconds(options_.timeout_s);
+bool Session::wait_until(const std::function<bool(const DomainSnapshot&)>& enough, double for_s) {
+  const auto end = Clock::now() + seconds(for_s);
   for (;;) {
     if (enough(domain())) return true;
     if (Clock::now() >= end || stop_->wait_for(look_pause)) return false;
@@ -83,7 +83,7 @@ std::optional<std::string> Session::known_name(std::string_view topic, const Dom
 Result<FoundTopic> Session::find(std::string_view topic) {
   std::optional<FoundTopic> found;
   Error error{Errc::unavailable, "stopped before the topic was found"};
-  wait_until([&](const DomainSnapshot& domain) {
+  const auto look = [&](const DomainSnapshot& domain) {
     const std::string name = known_name(topic, domain).value_or(without_slash(topic));
     const Result<DynamicType> type = node_.find_type(name, 0s);
     if (type) {
@@ -92,7 +92,8 @@ Result<FoundTopic> Session::find(std::string_view topic) {
       error = type.error();
     }
     return found.has_value() || error.code == Errc::type_mismatch;
-  });
+  };
+  wait_until(look, options_.timeout_s);
   if (!found) return tl::unexpected(error);
   stop_->wait_for(settle_time);
   found->requested = common_offer(found->name, domain());

@@ -34,8 +34,8 @@ class Session {
   DomainSnapshot look_around();
   DomainSnapshot domain() const;
 
-  /// Waits until `enough` holds of the domain, for the timeout of the options; tells whether it does.
-  bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough);
+  /// Waits until `enough` holds of the domain, for so long at most; tells whether it does.
+  bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough, double for_s);
 
   /// The name under which nodes know a topic that a user names: with or without a slash in front. Nothing
   /// while nobody publishes or subscribes to it.

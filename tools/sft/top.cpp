@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "tools/sft/account_text.h"
 #include "tools/sft/describe.h"
 #include "tools/sft/one_topic.h"
 #include "tools/sft/screen.h"
@@ -57,7 +59,7 @@ std::optional<Traffic::Rate> rate_of(const OneTopic& topic, const Traffic& traff
 }
 
 Screen::Line topic_line(const OneTopic& topic, const std::optional<Traffic::Rate>& rate) {
-  return {fmt::format("{:<36} {:>4} {:>4} {:>11} {:>14}", printable(topic.name), topic.publishers.size(),
+  return {fmt::format("{:<36.36} {:>4} {:>4} {:>11} {:>14}", printable(topic.name), topic.publishers.size(),
                       topic.subscribers.size(), rate ? rate_text(rate->samples_per_s) : "-",
                       rate ? bytes_text(rate->bytes_per_s) + "/s" : "-"),
           Color::bold};
@@ -67,9 +69,9 @@ Screen::Line pair_line(const PairInfo& pair, const OneTopic& topic) {
   const EndpointInfo& publisher = *endpoint_of(pair.publisher, topic.publishers);
   const EndpointInfo& subscriber = *endpoint_of(pair.subscriber, topic.subscribers);
   const std::string names = publisher.node + " -> " + subscriber.node;
-  if (pair.connected) {
-    return {printable(fmt::format("  {:<30} {}, {}: {}", names, to_string(pair.transport), pair.reason,
-                                  request_text(subscriber)))};
+  if (pair.connected) {  // what is behind the columns is for terminals that are wider
+    return {printable(fmt::format("{}  {}: {}", account_columns(names, to_string(pair.transport), pair),
+                                  pair.reason, request_text(subscriber)))};
   }
   return {printable(fmt::format("  {:<30} {}", names, verdict_text(pair))),
           pair.matched ? Color::yellow : Color::red};
@@ -83,6 +85,7 @@ std::vector<Screen::Line> page(const View& view, Clock::time_point now) {
                    count_text(topics.size(), "topic"), count_text(view.domain.pairs.size(), "pair"))});
   lines.push_back({fmt::format("{:<36} {:>4} {:>4} {:>11} {:>14}", "TOPIC", "PUBS", "SUBS", "SENT", "BY UDP"),
                    Color::cyan});
+  lines.push_back({account_headings(), Color::cyan});
   for (const std::string& name : topics) {
     const OneTopic topic = part_of(view.domain, name);
     lines.push_back(topic_line(topic, rate_of(topic, view.traffic, now)));
@@ -111,16 +114,30 @@ Json json_of(const View& view, Clock::time_point now) {
   return {{"nodes", count_nodes(view.domain)}, {"topics", std::move(topics)}};
 }
 
+using Inquiries = std::map<std::string, AccountInquiry>;  // by topic
+
+/// The nodes of all pairs on these topics, and on no others.
+void ask_about(const std::set<std::string>& topics, Session& session, Inquiries& inquiries) {
+  std::erase_if(inquiries, [&](const auto& item) { return !topics.contains(item.first); });
+  for (const std::string& topic : topics) {
+    if (inquiries.contains(topic)) continue;
+    if (Result<AccountInquiry> inquiry = session.node().ask_accounts(topic))
+      inquiries.emplace(topic, *std::move(inquiry));
+  }
+}
+
 /// Until the user wants to stop. Looks more often than it shows, since rates are as exact as the times of
 /// looks.
 template <class Show>
 void watch(const TopOptions& options, Session& session, const Screen* screen, Show show) {
   View view;
+  Inquiries inquiries;
   const auto begun = Clock::now();
   for (auto next = begun; !session.stop().requested();) {
     const auto now = Clock::now();
     view.domain = session.domain();
     view.traffic.note(view.domain, now);
+    ask_about(topics_of(view.domain), session, inquiries);
     if (now >= next) {
       show(view, now);
       next = now + seconds(options.every_s);

@@ -10,6 +10,10 @@ std::string bytes_text(double bytes);        ///< "82 B", "6.29 MB"
 std::string duration_text(double seconds);   ///< "1.23 ms", "-4.00 us"
 std::string rate_text(double hz);            ///< "10.0 Hz"
 std::string hex_text(std::uint64_t number);  ///< an id, 16 digits
+/// "99.98 %": never more than it is, so that 100 % is all.
+std::string percent_text(double part, double whole, int decimals);
+/// A count in no more than `width` columns, which are 7 at least: "1234567", "1.2e+09".
+std::string short_count_text(std::uint64_t count, std::size_t width);
 /// "1 topic", "2 topics"
 std::string count_text(std::size_t count, const char* noun);
 

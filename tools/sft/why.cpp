@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <vector>
 
+#include "tools/sft/account_text.h"
+#include "tools/sft/columns.h"
 #include "tools/sft/describe.h"
 #include "tools/sft/one_topic.h"
 #include "tools/sft/units.h"
@@ -15,11 +18,38 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string sent_text(const EndpointInfo& publisher) {
-  if (!publisher.progress) return "nothing was told yet";
-  return fmt::format("{} to its readers so far, {} over the network",
-                     count_text(publisher.progress->samples, "sample"),
-                     bytes_text(static_cast<double>(publisher.progress->bytes)));
+constexpr std::size_t width = 80;
+constexpr std::size_t indent = 4;
+
+/// In lines that fit a terminal, each of them indented and coloured.
+void print_indented(const std::string& text, Color color, Output& output) {
+  for (const std::string& line : wrapped(printable(text), width - indent))
+    output.line(std::string(indent, ' ') + output.colored(line, color));
+}
+
+/// The same with a name in front.
+void print_row(const char* name, const std::string& text, Output& output) {
+  constexpr std::size_t name_width = 11;
+  for (const std::string& line : wrapped(printable(text), width - indent - name_width)) {
+    output.line(fmt::format("{:{}}{:<{}}{}", "", indent, name, name_width, line));
+    name = "";
+  }
+}
+
+/// Their names, and where there is room behind these, or below, their ids.
+void print_ends(const EndpointInfo& publisher, const EndpointInfo& subscriber, Output& output) {
+  const std::string ids = fmt::format("({} -> {})", hex_text(publisher.id), hex_text(subscriber.id));
+  const std::vector<std::string> names = wrapped(printable(publisher.node + " -> " + subscriber.node), width);
+  for (const std::string& part : names) {
+    if (&part != &names.back()) {
+      output.line(output.colored(part, Color::bold));
+    } else if (columns_of(part) + 2 + ids.size() <= width) {
+      output.line(output.colored(part, Color::bold) + "  " + output.colored(ids, Color::dim));
+    } else {
+      output.line(output.colored(part, Color::bold));
+      print_indented(ids, Color::dim, output);
+    }
+  }
 }
 
 void print_mismatch(const PairInfo& pair, const WhyOptions& options, Output& output) {
@@ -34,36 +64,32 @@ void print_pair(const PairInfo& pair, const OneTopic& topic, const WhyOptions& o
   const EndpointInfo& publisher = *endpoint_of(pair.publisher, topic.publishers);
   const EndpointInfo& subscriber = *endpoint_of(pair.subscriber, topic.subscribers);
   const Color color = !pair.matched ? Color::red : pair.connected ? Color::green : Color::yellow;
-  output.line(output.colored(printable(publisher.node + " -> " + subscriber.node), Color::bold) +
-              output.colored(fmt::format("  ({} -> {})", hex_text(publisher.id), hex_text(subscriber.id)),
-                             Color::dim));
-  output.line("    " + output.colored(printable(verdict_text(pair)), color));
+  print_ends(publisher, subscriber, output);
+  print_indented(verdict_text(pair), color, output);
   print_mismatch(pair, options, output);
   if (pair.matched) {
-    output.line("    fields     " + printable(request_text(subscriber)));
-    output.line("    sent       " + sent_text(publisher));
+    print_row("fields", request_text(subscriber), output);
+    print_row("sent", sent_text(pair), output);
+    print_row("saved", saved_text(pair), output);
+    print_row("withheld", withheld_text(pair), output);
+    print_row("lost", lost_text(pair), output);
     return;
   }
-  output.line("    offered    " + qos_text(publisher.qos));
-  output.line("    requested  " + qos_text(subscriber.qos));
+  print_row("offered", qos_text(publisher.qos), output);
+  print_row("requested", qos_text(subscriber.qos), output);
   if (!pair.no_path) return;
-  output.line("    publisher  may use " + ways_text(publisher));
-  output.line("    subscriber may use " + ways_text(subscriber));
+  print_row("publisher", "may use " + ways_text(publisher), output);
+  print_row("subscriber", "may use " + ways_text(subscriber), output);
 }
 
 void print_text(const OneTopic& topic, const WhyOptions& options, Output& output) {
-  output.line(fmt::format("{}: {}, {}", output.colored(topic.name, Color::bold),
-                          count_text(topic.publishers.size(), "publisher"),
-                          count_text(topic.subscribers.size(), "subscriber")));
+  const std::string numbers = fmt::format("{}, {}", count_text(topic.publishers.size(), "publisher"),
+                                          count_text(topic.subscribers.size(), "subscriber"));
+  const std::vector<std::string> heading = wrapped(printable(topic.name) + ": " + numbers, width);
+  for (const std::string& line : heading) output.line(output.colored(line, Color::bold));
   for (const PairInfo& pair : topic.pairs) print_pair(pair, topic, options, output);
   if (topic.publishers.empty()) output.line("Nobody publishes it.");
   if (topic.subscribers.empty()) output.line("Nobody subscribes to it.");
-  const bool some_match = std::ranges::any_of(topic.pairs, &PairInfo::matched);
-  if (some_match)
-    output.line(
-        output.colored("Only the two nodes of a pair count what was saved, withheld or lost:\n"
-                       "node.snapshot() tells it there.",
-                       Color::dim));
 }
 
 void print_json(const OneTopic& topic, Output& output) {
@@ -80,9 +106,18 @@ void print_json(const OneTopic& topic, Output& output) {
 
 }  // namespace
 
+/// From now on the nodes of all its pairs are asked what they have counted. They answer while the others are
+/// looked for, most of them.
 ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& session) {
-  const Result<OneTopic> topic = look_at(options.topic, common, session);
+  const Result<AccountInquiry> inquiry = session.node().ask_accounts(options.topic);
+  if (!inquiry) return give_up(inquiry.error());
+  Result<OneTopic> topic = look_at(options.topic, common, session);
   if (!topic) return give_up(topic.error());
+  const auto all_are_told = [&](const DomainSnapshot& domain) {
+    topic = part_of(domain, topic->name);
+    return std::ranges::all_of(topic->pairs, is_told);
+  };
+  session.wait_until(all_are_told, common.wait_s);
   common.json ? print_json(*topic, session.output()) : print_text(*topic, options, session.output());
   const bool all_match = std::ranges::all_of(topic->pairs, &PairInfo::matched);
   return all_match && !topic->pairs.empty() ? ExitCode::done : ExitCode::nothing;

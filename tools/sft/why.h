@@ -1,4 +1,5 @@
-// `sft why`: whether publishers and subscribers of a topic match, by which path samples go, and why.
+// `sft why`: whether publishers and subscribers of a topic match, by which path samples go and why, and what
+// was sent, saved, withheld and lost.
 #pragma once
 
 #include <string>

@@ -1,0 +1,76 @@
+#include "tools/sft/account_text.h"
+
+#include <fmt/format.h>
+
+#include "tools/sft/units.h"
+
+namespace sft::tool {
+
+namespace {
+
+constexpr const char* not_told = "not told yet";
+constexpr const char* columns = "  {:<27.27} {:<3.3} {:>9.9} {:>18.18} {:>9.9} {:>7.7}";
+constexpr std::size_t sent_width = 9, withheld_width = 9, lost_width = 7;
+
+double whole_bytes(const SentAccount& account) {
+  return static_cast<double>(account.bytes_sent) + static_cast<double>(account.bytes_saved);
+}
+
+std::string saved_percent(const SentAccount& account, int decimals) {
+  return percent_text(static_cast<double>(account.bytes_saved), whole_bytes(account), decimals);
+}
+
+}  // namespace
+
+bool is_told(const PairInfo& pair) {
+  return !pair.matched || (pair.account.publisher && pair.account.subscriber);
+}
+
+std::string sent_text(const PairInfo& pair) {
+  if (!pair.account.publisher) return not_told;
+  const SentAccount& account = *pair.account.publisher;
+  std::string text = count_text(account.sent, "sample");
+  text += whole_bytes(account) == 0
+              ? ", nothing over the network"
+              : fmt::format(", {} over the network", bytes_text(static_cast<double>(account.bytes_sent)));
+  if (account.retained > 0)
+    text += fmt::format("; before, {} that had been retained", count_text(account.retained, "sample"));
+  return text;
+}
+
+std::string saved_text(const PairInfo& pair) {
+  if (!pair.account.publisher) return not_told;
+  const SentAccount& account = *pair.account.publisher;
+  if (whole_bytes(account) == 0) return "0 B";
+  return fmt::format("{}, {} of the whole samples", bytes_text(static_cast<double>(account.bytes_saved)),
+                     saved_percent(account, 4));
+}
+
+std::string withheld_text(const PairInfo& pair) {
+  if (!pair.account.publisher) return not_told;
+  return fmt::format("{}; {} dropped", count_text(pair.account.publisher->withheld, "sample"),
+                     pair.account.publisher->dropped);
+}
+
+std::string lost_text(const PairInfo& pair) {
+  if (!pair.account.subscriber) return not_told;
+  return fmt::format("{}; {} received", count_text(pair.account.subscriber->lost, "sample"),
+                     pair.account.subscriber->received);
+}
+
+std::string account_headings() {
+  return fmt::format(columns, "PAIR", "BY", "SENT", "SAVED", "WITHHELD", "LOST");
+}
+
+std::string account_columns(const std::string& names, const std::string& by, const PairInfo& pair) {
+  std::string sent = "-", saved = "-", withheld = "-", lost = "-";
+  if (const auto& account = pair.account.publisher) {
+    sent = short_count_text(account->sent, sent_width);
+    saved = bytes_text(static_cast<double>(account->bytes_saved)) + " " + saved_percent(*account, 2);
+    withheld = short_count_text(account->withheld, withheld_width);
+  }
+  if (const auto& account = pair.account.subscriber) lost = short_count_text(account->lost, lost_width);
+  return fmt::format(columns, names, by, sent, saved, withheld, lost);
+}
+
+}  // namespace sft::tool
