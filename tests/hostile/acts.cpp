@@ -101,6 +101,9 @@ constexpr std::array all_acts{
           false_life},
     Entry{"false_progress", "Says that others have sent more than anybody received.", neighbour, none,
           false_progress},
+    Entry{"questions_without_end", "Asks all the time for the accounts of all pairs.", neighbour, none,
+          questions_without_end},
+    Entry{"false_accounts", "Says in others' names what was sent and lost.", neighbour, none, false_accounts},
 
     // Datagrams
     Entry{"sequence_jumps", "Sends a sample of a sequence far ahead.", neighbour, none, sequence_jumps},

@@ -288,4 +288,34 @@ Act false_progress(Target&) {
   });
 }
 
+/// About all endpoints that there are, and some that there are not.
+Act questions_without_end(Target& target) {
+  const auto voice = std::make_shared<ControlVoice>();
+  return {.begin = {}, .go_on = [voice, node = target.random(), &random = target.random] {
+            core::Assertion sign{.node = node, .writers = {}};
+            for (const Endpoint& endpoint : voice->heard()) sign.asked_about.push_back(endpoint.id);
+            while (sign.asked_about.size() < core::asked_about_max) sign.asked_about.push_back(random());
+            voice->assert_life(sign);
+          }};
+}
+
+/// In the honest nodes' names: of pairs of each endpoint with all others.
+Act false_accounts(Target& target) {
+  const auto voice = std::make_shared<ControlVoice>();
+  return {.begin = {}, .go_on = [voice, &random = target.random] {
+            const std::vector<Endpoint> all = voice->heard();
+            for (const Endpoint& one : all) {
+              core::Assertion sign{.node = one.node_id, .writers = {}};
+              for (const Endpoint& other : all) {
+                core::Account account{
+                    .id = {{one.id, other.id}, random() % 2 == 0 ? Role::writer : Role::reader}};
+                account.by_writer = {.sent = random(), .bytes_saved = last_number};
+                account.by_reader = {.received = last_number, .lost = random()};
+                sign.accounts.push_back(account);
+              }
+              voice->assert_life(sign);
+            }
+          }};
+}
+
 }  // namespace sft::hostile

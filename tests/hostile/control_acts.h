@@ -23,5 +23,7 @@ Act reflection(Target& target);
 Act reflection_to_the_own_host(Target& target);
 Act false_life(Target& target);
 Act false_progress(Target& target);
+Act questions_without_end(Target& target);
+Act false_accounts(Target& target);
 
 }  // namespace sft::hostile

@@ -158,8 +158,11 @@ void ControlVoice::unregister(core::EndpointId endpoint) {
 
 void ControlVoice::assert_life(core::NodeId node, const std::vector<core::EndpointId>& writers,
                                const std::vector<core::Progress>& progress) {
+  assert_life(core::Assertion{node, writers, progress});
+}
+
+void ControlVoice::assert_life(const core::Assertion& assertion) {
   core::ControlStorage storage;
-  const core::Assertion assertion{node, writers, progress};
   const sft_control_Assertion sample = core::to_dds(assertion, storage);
   for (const auto& link : links_) dds_write(link->life_writer, &sample);
 }

@@ -36,6 +36,7 @@ class ControlVoice {
   void unregister(core::EndpointId endpoint);
   void assert_life(core::NodeId node, const std::vector<core::EndpointId>& writers = {},
                    const std::vector<core::Progress>& progress = {});
+  void assert_life(const core::Assertion& assertion);
   void dispose_life(core::NodeId node);
 
  private:
