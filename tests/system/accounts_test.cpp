@@ -1,5 +1,7 @@
 // What the nodes of a pair have counted, as a third node is told that asks for it.
+#include <algorithm>
 #include <optional>
+#include <vector>
 
 #include "tests/system/fixture.h"
 
@@ -74,6 +76,20 @@ TEST_P(AccountsBetweenNodes, OfOwnPublishersAndSubscribersAreThereAtOnce) {
   EXPECT_EQ(account->publisher->sent, 1U);
   EXPECT_EQ(account->publisher->age, 0s);
   EXPECT_TRUE(tells(a, 1)) << "the other side comes by the network";
+}
+
+TEST_P(AccountsBetweenNodes, OfMorePairsThanASignOfLifeHasRoomForAreToldInTurns) {
+  constexpr std::size_t pairs = 50;
+  std::vector<Subscriber<PointCloud2, F::height>> more;
+  while (more.size() + 1 < pairs) more.push_back(b.subscriber<PointCloud2, F::height>("points").value());
+  expect_served(pub, pairs);
+  const AccountInquiry inquiry = tool.ask_accounts("points").value();
+  const auto told = [&] {
+    const DomainSnapshot domain = tool.domain();
+    return std::ranges::count_if(
+        domain.pairs, [](const PairInfo& pair) { return pair.account.publisher && pair.account.subscriber; });
+  };
+  EXPECT_TRUE(eventually([&] { return told() == pairs; })) << told();
 }
 
 TEST_P(AccountsBetweenNodes, AreForgottenOnceTheLastQuestionIsTakenBack) {

@@ -34,7 +34,7 @@ std::string sent_text(const PairInfo& pair) {
               ? ", nothing over the network"
               : fmt::format(", {} over the network", bytes_text(static_cast<double>(account.bytes_sent)));
   if (account.retained > 0)
-    text += fmt::format("; before, {} that had been retained", count_text(account.retained, "sample"));
+    text += fmt::format("; {} before", count_text(account.retained, "retained sample"));
   return text;
 }
 
@@ -66,7 +66,8 @@ std::string account_columns(const std::string& names, const std::string& by, con
   std::string sent = "-", saved = "-", withheld = "-", lost = "-";
   if (const auto& account = pair.account.publisher) {
     sent = short_count_text(account->sent, sent_width);
-    saved = bytes_text(static_cast<double>(account->bytes_saved)) + " " + saved_percent(*account, 2);
+    saved = bytes_text(static_cast<double>(account->bytes_saved));
+    if (whole_bytes(*account) > 0) saved += " " + saved_percent(*account, 2);
     withheld = short_count_text(account->withheld, withheld_width);
   }
   if (const auto& account = pair.account.subscriber) lost = short_count_text(account->lost, lost_width);
