@@ -404,8 +404,13 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     for (const std::string& failure : failed_) summary += "; " + failure;
     if (waits_for_network_)
       summary += "; no network yet: other hosts are looked for as soon as an interface is up";
+    std::vector<std::string> interfaces;
+    for (const LinkSpec& spec : specs) {
+      if (std::ranges::find(interfaces, spec.interface) == interfaces.end())
+        interfaces.push_back(spec.interface);
+    }
     const std::scoped_lock lock(mutex_);
-    configuration_ = {std::move(summary), warnings_, remarks_};
+    configuration_ = {std::move(summary), warnings_, remarks_, std::move(interfaces), waits_for_network_};
   }
 
   /// The first error; the others are tried all the same.

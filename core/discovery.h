@@ -75,6 +75,8 @@ class Discovery {
     std::string summary{};                ///< for people: how and where nodes are found
     std::vector<std::string> warnings{};  ///< for people: which of the user's settings do not hold, and why
     std::vector<std::string> remarks{};   ///< parts of the summary: interfaces that are not there, or not yet
+    std::vector<std::string> interfaces{};  ///< in use; empty where that is the program's own choice
+    bool waits_for_network = false;         ///< as of DesiredLinks
   };
   /// As it is at present. Any thread.
   virtual Configuration configuration() const = 0;

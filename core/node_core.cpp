@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 #include <future>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -445,10 +446,16 @@ Result<AccountInquiry> NodeCore::ask_accounts(const std::shared_ptr<NodeCore>& s
 
 NodeStatus NodeCore::status() const {
   NodeStatus status;
-  const Discovery::Configuration discovery = discovery_->configuration();
-  status.discovery = discovery.summary;
+  Discovery::Configuration discovery = discovery_->configuration();
+  status.discovery = std::move(discovery.summary);
   for (const std::string& warning : discovery.warnings) status.discovery += "; " + warning;
+  status.discovery_warnings = std::move(discovery.warnings);
+  std::ranges::move(discovery.remarks, std::back_inserter(status.discovery_warnings));
+  status.waits_for_network = discovery.waits_for_network;
+  status.discovery_interfaces = std::move(discovery.interfaces);
   status.udp = udp_ == nullptr ? "the node rules it out" : udp_->description();
+  status.io_uring_in_use = udp_ != nullptr && udp_->uses_io_uring();
+  status.lacks_daemon = shm_ != nullptr && shm_->lacks_daemon();
   status.shm = reconciler_->shm_state();
   status.shm_ready = reconciler_->shm_ready();
   if (udp_ != nullptr) {

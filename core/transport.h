@@ -389,6 +389,9 @@ class Transport {
   virtual Availability poll(std::chrono::steady_clock::time_point now) = 0;
   /// One sentence on the state: how it works ("io_uring, GRO"), or why it does not and what to do.
   virtual std::string description() const = 0;
+  /// Parts of that, for tools. Any thread.
+  virtual bool uses_io_uring() const { return false; }
+  virtual bool lacks_daemon() const { return false; }  ///< none is running, and this node starts none
   /// Known while shared memory is ready; never for UDP.
   virtual HostToken host_token() const { return {}; }
   /// False where this user may only read what others write: open_writer then fails.

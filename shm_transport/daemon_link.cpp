@@ -97,7 +97,8 @@ void DaemonLink::look(const ShmOptions& options, Clock::time_point now) {
   } else if (somebody_serves()) {
     publish(Availability::unavailable, why_nobody_serves_us(accepted));
   } else if (!options.start_daemon) {
-    publish(Availability::unavailable, "no sftd is running, and starting one is turned off; run sftd");
+    publish(Availability::unavailable, "no sftd is running, and starting one is turned off; run sftd",
+            nullptr, true);
   } else if (may_launch(now)) {
     launch(options, now);
   } else {
@@ -231,10 +232,11 @@ void DaemonLink::give_up(core::Retry& attempt, const std::string& reason, Clock:
   publish(Availability::unavailable, reason);
 }
 
-void DaemonLink::publish(Availability availability, std::string description,
-                         std::shared_ptr<Session> session) {
+void DaemonLink::publish(Availability availability, std::string description, std::shared_ptr<Session> session,
+                         bool lacks_daemon) {
   const std::scoped_lock lock(mutex_);
   availability_ = availability;
+  lacks_daemon_ = lacks_daemon;
   description_ = std::move(description);
   session_ = session;
 }
@@ -250,6 +252,11 @@ DaemonLink::State DaemonLink::current() const {
 std::string DaemonLink::description() const {
   const std::scoped_lock lock(mutex_);
   return description_;
+}
+
+bool DaemonLink::lacks_daemon() const {
+  const std::scoped_lock lock(mutex_);
+  return lacks_daemon_;
 }
 
 }  // namespace sft::shm

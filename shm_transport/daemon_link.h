@@ -34,6 +34,8 @@ class DaemonLink {
 
   /// One sentence on that state.
   std::string description() const;
+  /// No daemon is running, and the options forbid to start one. Any thread.
+  bool lacks_daemon() const;
 
  private:
   enum class Phase { looking, launching, registering, in_session };
@@ -51,7 +53,7 @@ class DaemonLink {
 
   void give_up(core::Retry& attempt, const std::string& reason, Clock::time_point now);
   void publish(core::Availability availability, std::string description,
-               std::shared_ptr<Session> session = nullptr);
+               std::shared_ptr<Session> session = nullptr, bool lacks_daemon = false);
   State current() const;
 
   // Of the thread that advances, which is whoever took the flag.
@@ -71,6 +73,7 @@ class DaemonLink {
   mutable std::mutex mutex_;  // guards what is seen from outside
   core::Availability availability_ = core::Availability::starting;
   std::string description_ = "looks for sftd";
+  bool lacks_daemon_ = false;
   std::weak_ptr<Session> session_;  ///< held by transports and ports, not by the link
 };
 

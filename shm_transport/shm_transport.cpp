@@ -36,6 +36,7 @@ class ShmTransport final : public core::Transport {
   }
 
   std::string description() const override { return runtime_->daemon().description(); }
+  bool lacks_daemon() const override { return runtime_->daemon().lacks_daemon(); }
 
   core::HostToken host_token() const override {
     return session_ != nullptr ? session_->token() : core::HostToken{};

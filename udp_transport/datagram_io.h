@@ -150,6 +150,7 @@ struct DatagramIo {
   std::unique_ptr<DatagramReceiver> receiver;
   std::unique_ptr<DatagramSender> sender;
   std::string description;  ///< part of a sentence: "io_uring with GRO and GSO"
+  bool uses_io_uring = false;
 };
 
 }  // namespace sft::udp

@@ -35,8 +35,9 @@ std::string note_on_buffer(const UdpOptions& options, const UdpSocket& socket) {
 class UdpTransport final : public core::Transport {
  public:
   UdpTransport(const UdpOptions& options, const UdpSocket& socket, std::string description,
-               std::shared_ptr<Receiver> receiver, std::shared_ptr<SendSide> send_side)
-      : description_(std::move(description) + ", port " + std::to_string(socket.port) +
+               bool uses_io_uring, std::shared_ptr<Receiver> receiver, std::shared_ptr<SendSide> send_side)
+      : uses_io_uring_(uses_io_uring),
+        description_(std::move(description) + ", port " + std::to_string(socket.port) +
                      (socket.family == AF_INET && options.bind_address.is_any() ? ", IPv4 only" : "") +
                      note_on_buffer(options, socket)),
         max_sample_bytes_(options.max_sample_bytes),
@@ -70,6 +71,8 @@ class UdpTransport final : public core::Transport {
     if (!receiver_->broken()) return description_;
     return description_ + ": the system refused to go on receiving; open the transport again";
   }
+
+  bool uses_io_uring() const override { return uses_io_uring_; }
 
   std::vector<core::UdpAddress> addresses() const override {
     std::vector<core::IpAddress> hosts = advertised_;
@@ -118,6 +121,7 @@ class UdpTransport final : public core::Transport {
   }
 
  private:
+  const bool uses_io_uring_;
   const std::string description_;
   const std::size_t max_sample_bytes_;
   const core::IpAddress bound_to_;
@@ -209,8 +213,8 @@ Result<std::unique_ptr<core::Transport>> open_udp_transport(const UdpOptions& op
 
   const auto send_side = make_send_side(options, **socket, std::move(io->sender), pool);
   const auto receiver = make_receiver(options, *socket, std::move(pool), std::move(io->receiver), send_side);
-  auto transport =
-      std::make_unique<UdpTransport>(options, **socket, std::move(io->description), receiver, send_side);
+  auto transport = std::make_unique<UdpTransport>(options, **socket, std::move(io->description),
+                                                  io->uses_io_uring, receiver, send_side);
   if (Result<void> started = receiver->start(options.receive_thread); !started)
     return forward(started.error());
   SendSide& side = *send_side;  // whose sender that is

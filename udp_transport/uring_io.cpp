@@ -337,6 +337,7 @@ Result<DatagramIo> open_uring_io(std::shared_ptr<const UdpSocket> socket) {
   if (!sender) return tl::unexpected<Error>(std::move(sender.error()));
   DatagramIo io;
   io.description = socket->receives_trains ? "io_uring with GRO and GSO" : "io_uring with GSO";
+  io.uses_io_uring = true;
   io.receiver = std::move(receiver);
   io.sender = std::move(*sender);
   return io;

@@ -60,6 +60,8 @@ TEST_F(ConfigurationTest, WhatDoesNotHoldOfItIsLoggedAndInTheStatus) {
     EXPECT_THAT(text, HasSubstr("SharedMemory/Enable is 'false', not 'true' as CYCLONEDDS_URI says: "));
   }
   EXPECT_THAT(node.status().discovery, HasSubstr("by multicast on lo"));
+  EXPECT_EQ(node.status().discovery_warnings.size(), 1U);
+  EXPECT_EQ(node.status().discovery_interfaces, std::vector<std::string>{"lo"});
 }
 
 TEST_F(ConfigurationTest, AnSftdThatDoesNotExistIsAWarningThatSaysWhoNamesIt) {
@@ -79,6 +81,28 @@ TEST_F(ConfigurationTest, AnSftdThatDoesNotExistIsAWarningThatSaysWhoNamesIt) {
               EndsWith("shared memory: /elsewhere/sftd could not be started: No such file or directory; "
                        "NodeOptions::shm.daemon_path names it"));
   unsetenv("SFT_DAEMON");
+}
+
+TEST_F(ConfigurationTest, ThatForbidsToStartAnSftdLeavesTheStatusSayingThatNoneIsThere) {
+  NodeOptions options = with("");
+  options.transport = TransportChoice::automatic;
+  options.shm.start_daemon = false;
+  const Node node = Node::open(options).value();
+  EXPECT_TRUE(eventually([&] { return node.status().lacks_daemon; }));
+  EXPECT_FALSE(node.status().shm_ready);
+  options.shm.start_daemon = true;
+  options.shm.daemon_idle_exit = std::chrono::seconds(1);
+  const Node other = Node::open(options).value();
+  EXPECT_TRUE(eventually([&] { return node.status().shm_ready && !node.status().lacks_daemon; }));
+}
+
+TEST_F(ConfigurationTest, ThatWantsPlainSocketsGetsNoIoUringAndTheStatusSaysSo) {
+  NodeOptions options = with("");
+  const NodeStatus usual = Node::open(options).value().status();
+  EXPECT_EQ(usual.io_uring_in_use, usual.udp.starts_with("io_uring with")) << usual.udp;
+  options.udp.use_io_uring = false;
+  const NodeStatus plain = Node::open(options).value().status();
+  EXPECT_FALSE(plain.io_uring_in_use) << plain.udp;
 }
 
 TEST_F(ConfigurationTest, OfTheEnvironmentIsReadUnlessTheProgramHasOne) {
@@ -106,6 +130,8 @@ TEST_F(ConfigurationTest, OfInterfacesThatAreNotThereIsSaidInTheLogAndTheStatus)
   const Node node = Node::open(options).value();
   for (const std::string& text : {warnings(), node.status().discovery})
     EXPECT_THAT(text, HasSubstr("eth9 is not there"));
+  EXPECT_EQ(node.status().discovery_warnings, std::vector<std::string>{"eth9 is not there"});
+  EXPECT_TRUE(node.status().waits_for_network);
 }
 
 TEST_F(ConfigurationTest, OfPeersThatHaveNoAddressIsSaidToNameNobody) {

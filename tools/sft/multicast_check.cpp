@@ -9,7 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <cctype>
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -93,24 +93,12 @@ class Loop {
   sockaddr_in to_{};
 };
 
-/// True if the text has the name as a word of its own.
-bool names(const std::string& text, const std::string& name) {
-  const auto is_part = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_';
-  };
-  for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
-    const std::size_t end = at + name.size();
-    if ((at == 0 || !is_part(text[at - 1])) && (end == text.size() || !is_part(text[end]))) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
-std::vector<Finding> check_multicast(const std::string& in_use, Stop& stop) {
+std::vector<Finding> check_multicast(const std::vector<std::string>& in_use, Stop& stop) {
   std::vector<Finding> findings;
   for (const Interface& interface : interfaces()) {
-    if (!in_use.empty() && !names(in_use, interface.name)) continue;
+    if (!in_use.empty() && std::ranges::find(in_use, interface.name) == in_use.end()) continue;
     Loop loop(interface);
     const auto begun = Clock::now();
     const std::string why_not = loop.round_trip(stop);

@@ -10,8 +10,7 @@
 namespace sft::tool {
 
 /// Sends a datagram to a group by each interface, and waits until it comes back by the same one. Whether a
-/// switch passes it on to other hosts is not seen. `in_use` names the interfaces, in the library's words;
-/// empty: all of them.
-std::vector<Finding> check_multicast(const std::string& in_use, Stop& stop);
+/// switch passes it on to other hosts is not seen. `in_use` names the interfaces; empty: all of them.
+std::vector<Finding> check_multicast(const std::vector<std::string>& in_use, Stop& stop);
 
 }  // namespace sft::tool

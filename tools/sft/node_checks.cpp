@@ -15,29 +15,23 @@ namespace {
 
 using namespace std::chrono_literals;
 
-bool has(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
-
 Finding interfaces_of(const NodeStatus& status) {
-  const bool misses = has(status.discovery, "is not there") || has(status.discovery, "no network yet") ||
-                      has(status.discovery, "does not hold");
-  return {"interfaces", misses ? Health::warning : Health::ok, status.discovery,
-          misses ? "Look at the interfaces (ip addr) and at the settings that are named." : ""};
+  const bool is_well = status.discovery_warnings.empty() && !status.waits_for_network;
+  return {"interfaces", is_well ? Health::ok : Health::warning, status.discovery,
+          is_well ? "" : "Look at the interfaces (ip addr) and at the settings that are named."};
 }
 
+/// Which of the two it is, and why, is what the library says.
 Finding udp_of(const NodeStatus& status) {
-  if (!has(status.udp, "io_uring")) {
-    return {"io_uring", Health::warning, status.udp,
-            "Plain sockets do the same work, and take more processor time."};
-  }
-  const bool refused = has(status.udp, "cannot be used");
-  return {"io_uring", refused ? Health::warning : Health::ok, status.udp,
-          refused ? "Plain sockets do the same work meanwhile; the text says what to change." : ""};
+  if (status.io_uring_in_use) return {"io_uring", Health::ok, status.udp};
+  return {"io_uring", Health::warning, status.udp,
+          "Plain sockets do the same work meanwhile, and take more processor time."};
 }
 
 /// A node that finds no daemon starts one, which this node does not.
 Finding daemon_of(const NodeStatus& status) {
   if (status.shm_ready) return {"sftd", Health::ok, status.shm};
-  if (has(status.shm, "no sftd is running"))
+  if (status.lacks_daemon)
     return {"sftd", Health::ok, "none is running; the first program that wants it starts it"};
   return {"sftd", Health::warning, status.shm, "Samples within this host go by UDP: see 'sftd status'."};
 }
@@ -66,7 +60,7 @@ NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output)
   const DomainSnapshot domain = session->look_around();
   const NodeSnapshot self = session->node().snapshot();
   return {{interfaces_of(self.status), udp_of(self.status), daemon_of(self.status), domain_of(self, domain)},
-          self.status.discovery};
+          self.status.discovery_interfaces};
 }
 
 }  // namespace sft::tool

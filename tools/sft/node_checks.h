@@ -13,7 +13,8 @@ namespace sft::tool {
 
 struct NodeFindings {
   std::vector<Finding> findings;
-  std::string interfaces_in_use{};  ///< in the library's words; empty where no node can be opened
+  /// Names; empty where no node can be opened, or where the library does not know.
+  std::vector<std::string> interfaces_in_use{};
 };
 NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output);
 

@@ -134,9 +134,16 @@ struct SubscriberStatus {
 
 struct NodeStatus {
   std::string discovery;  ///< how nodes are found here, and which of the user's settings do not hold, and why
-  std::string udp;        ///< how UDP works here, or why it does not
+  /// Parts of that: what of the user's settings does not hold, and what else the log has as a warning.
+  std::vector<std::string> discovery_warnings{};
+  bool waits_for_network = false;  ///< nothing but the loopback is in use, although more is wanted
+  /// The names of those that nodes are found by; empty where the program itself has opened the DDS domain.
+  std::vector<std::string> discovery_interfaces{};
+  std::string udp;  ///< how UDP works here, or why it does not
+  bool io_uring_in_use = false;
   std::string shm;
   bool shm_ready = false;
+  bool lacks_daemon = false;  ///< no sftd is running, and NodeOptions::shm.start_daemon forbids to start one
   std::uint64_t datagrams_malformed = 0;
   /// Of writers that nobody here reads; and answers that are of nothing that was sent, or come from others
   /// than it was sent to.
