@@ -35,6 +35,23 @@ TEST_P(DynamicPublisherTest, ACompiledSubscriberReadsWhatWasPublishedAsJson) {
   EXPECT_EQ(sample->fields()[1].name(), "y");
 }
 
+TEST_P(DynamicPublisherTest, ACompiledSubscriberReadsWhatWasPublishedAsYamlWithTheTimeInIt) {
+  auto pub = a.publisher("points", cloud_type()).value();
+  auto sub = b.subscriber<PointCloud2>("points").value();
+  expect_served(pub, 1);
+  const auto before = std::chrono::system_clock::now();
+  EXPECT_EQ(pub.publish_yaml("{header: {stamp: now, frame_id: lidar}, fields: [{name: x}]}"),
+            PublishStatus::ok);
+  ASSERT_TRUE(sub.wait(5s));
+  const auto sample = sub.take();
+  EXPECT_EQ(sample->header().frame_id(), "lidar");
+  EXPECT_EQ(sample->fields()[0].name(), "x");
+  EXPECT_GE(to_time(sample->header().stamp()), before);
+  EXPECT_LE(to_time(sample->header().stamp()), std::chrono::system_clock::now());
+  EXPECT_EQ(pub.publish_yaml("width: wide").error().message,
+            "'width' is \"wide\"; an integer from 0 to 4294967295 was expected");
+}
+
 TEST_P(DynamicPublisherTest, EncodedPayloadsGoOutAsTheyAre) {
   auto pub = a.publisher("points", cloud_type()).value();
   auto sub = b.subscriber<PointCloud2>("points").value();

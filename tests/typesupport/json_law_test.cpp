@@ -1,7 +1,8 @@
-// What is printed as JSON and read again is the same message, of every type that there is.
+// What is printed as JSON or YAML and read again is the same message, of every type that there is.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "sft/typesupport/dynamic_view.h"
 #include "sft/typesupport/json.h"
 #include "sft/typesupport/sample_format.h"
+#include "sft/typesupport/yaml.h"
 #include "tests/support/encoded.h"
 #include "tests/support/message_types.h"
 #include "tests/support/random_value.h"
@@ -42,6 +44,32 @@ TEST_F(JsonLaw, AMessageOfEveryTypeComesBackByteByByte) {
       ASSERT_TRUE(std::equal(payload->begin() + encapsulation_bytes, payload->end(), expected.begin(),
                              expected.end()))
           << *json;
+    }
+  }
+}
+
+TEST_F(JsonLaw, AMessageOfEveryTypeComesBackByteByByteFromYamlToo) {
+  constexpr int rounds = 5;
+  test::RandomValues values{random};
+  for (const test::MessageType& each : test::every_type()) {
+    SCOPED_TRACE(each.support->name());
+    const DynamicType type = DynamicType::parse(describe(each.type())).value();
+    for (int round = 0; round < rounds; ++round) {
+      OwnedValue value = each.make();
+      values.fill(value.type(), value.get());
+      test::tame(value.type(), value.get());
+      const Encoded sample(value.type(), value.get(), each.support->full());
+      const auto yaml = to_yaml(DynamicView(sample.state(), type.type()),
+                                {.elements_max = SIZE_MAX, .text_bytes_max = SIZE_MAX});
+      ASSERT_TRUE(yaml) << yaml.error().message;
+      const auto payload = json_from_yaml(type.type(), *yaml).and_then([&](const std::string& json) {
+        return cdr_from_json(type.type(), json);
+      });
+      ASSERT_TRUE(payload) << payload.error().message << "\n" << *yaml;
+      const std::vector<std::byte> expected = sample.bytes();
+      ASSERT_TRUE(std::equal(payload->begin() + encapsulation_bytes, payload->end(), expected.begin(),
+                             expected.end()))
+          << *yaml;
     }
   }
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <torture.hpp>
@@ -106,7 +107,7 @@ TEST(JsonTest, WhatIsMalformedOrTooLongIsAnError) {
 
 template <class T>
 std::string fault(std::string_view json, std::size_t bytes_max = 1000) {
-  const auto payload = cdr_from_json(TypeTable<T>::type, json, bytes_max);
+  const auto payload = cdr_from_json(TypeTable<T>::type, json, {.bytes_max = bytes_max});
   return payload ? "" : payload.error().message;
 }
 
@@ -166,6 +167,30 @@ TEST(FromJsonTest, TextsWithANulAndTextsThatAreNoJsonAreErrors) {
 TEST(FromJsonTest, AMessageThatIsTooLargeIsRefusedWhereItBecomesThat) {
   EXPECT_EQ(fault<PointCloud2>(R"({"data": [1, 2, 3]})", 45),
             "'data[1]' is where the message has more than 45 bytes");
+}
+
+TEST(FromJsonTest, AStampMayBeNowAndAHeaderAuto) {
+  using namespace std::chrono_literals;
+  PointCloud2 c;
+  c.header.stamp.sec = -3;
+  c.header.stamp.nanosec = 250'000'000;
+  const std::vector<std::byte> expected = Encoded(c).bytes();
+  const FromJsonOptions options{.now = std::chrono::sys_time<std::chrono::nanoseconds>(-2750ms)};
+  for (const char* json : {R"({"header": "auto"})", R"({"header": {"stamp": "now"}})"}) {
+    const auto payload = cdr_from_json(TypeTable<PointCloud2>::type, json, options);
+    ASSERT_TRUE(payload) << payload.error().message;
+    EXPECT_EQ(std::vector(payload->begin() + 4, payload->end()), expected) << json;
+  }
+  const auto wrong = cdr_from_json(TypeTable<PointCloud2>::type, R"({"header": {"stamp": "auto"}})", options);
+  EXPECT_EQ(wrong.error().message,
+            "'header.stamp' is \"auto\"; an object with the members of builtin_interfaces::msg::Time, or "
+            "\"now\", was expected");
+}
+
+TEST(FromJsonTest, WithoutAClockNowIsNoStamp) {
+  EXPECT_EQ(fault<PointCloud2>(R"({"header": {"stamp": "now"}})"),
+            "'header.stamp' is \"now\"; an object with the members of builtin_interfaces::msg::Time was "
+            "expected");
 }
 
 }  // namespace

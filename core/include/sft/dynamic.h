@@ -6,6 +6,7 @@
 //
 //   auto pub = node.publisher("points", *type);                                  // Result<DynamicPublisher>
 //   const auto status = pub->publish_json(R"({"width": 1024, "fields": [{"name": "x"}]})");
+//   const auto status = pub->publish_yaml("{header: auto, width: 1024}");
 //
 // Others see no difference from compiled subscribers and publishers: the same transports, the same masks.
 // Types also come from .msg text: from_msg() (typesupport/msg_text.h).
@@ -129,11 +130,17 @@ class DynamicPublisher {
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
   }
-  /// A message as JSON, as cdr_from_json() says (typesupport/json.h). Errors name the path of the field and
-  /// what was expected, whether there are readers or not. Takes memory: for tools, not for data in bulk.
+  /// A message as JSON, as cdr_from_json() says (typesupport/json.h); a stamp may be "now", and a header
+  /// "auto". Errors name the path of the field and what was expected, whether there are readers or not. Takes
+  /// memory: for tools, not for data in bulk.
   Result<PublishStatus> publish_json(std::string_view json) {
-    return cdr_from_json(type_.type(), json, max_sample_bytes_).and_then([this](const auto& payload) {
-      return publisher_.publish_cdr(payload);
+    return cdr_from_json(type_.type(), json, {max_sample_bytes_, std::chrono::system_clock::now()})
+        .and_then([this](const auto& payload) { return publisher_.publish_cdr(payload); });
+  }
+  /// The same as YAML, as json_from_yaml() says (typesupport/yaml.h).
+  Result<PublishStatus> publish_yaml(std::string_view yaml) {
+    return json_from_yaml(type_.type(), yaml).and_then([this](const std::string& json) {
+      return publish_json(json);
     });
   }
 

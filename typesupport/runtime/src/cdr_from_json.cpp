@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <concepts>
 #include <cstring>
@@ -65,7 +66,7 @@ std::string shown(const Json& json) {
 /// Writes the body of a whole message, member by member. Stops at the first thing that is wrong.
 class CdrWriter {
  public:
-  explicit CdrWriter(std::size_t bytes_max) : bytes_max_(bytes_max), out_(encapsulation_bytes) {
+  explicit CdrWriter(const FromJsonOptions& options) : options_(options), out_(encapsulation_bytes) {
     std::memcpy(out_.data(), encapsulation_cdr_le.data(), encapsulation_bytes);
   }
 
@@ -94,8 +95,10 @@ class CdrWriter {
 
   /// `json` is null where it is left out: then all is zero or empty.
   void structure(const StructType& type, const Json* json) {
-    if (json != nullptr && !json->is_object())
-      return expected(*json, "an object with the members of " + std::string(type.name));
+    if (json != nullptr && !json->is_object()) {
+      if (const auto meant = meant_by_a_word(type, *json)) return structure(type, &*meant);
+      return expected(*json, "an object with the members of " + std::string(type.name) + word_for(type));
+    }
     std::size_t known = 0;
     for (const Member& m : type.members) {
       if (wrong_) return;
@@ -110,6 +113,25 @@ class CdrWriter {
     }
     if (json == nullptr || wrong_ || known == json->size()) return;
     refuse_the_unknown(type, *json);
+  }
+
+  static constexpr std::string_view stamp_name = "builtin_interfaces::msg::Time";
+  static constexpr std::string_view header_name = "std_msgs::msg::Header";
+
+  /// "now" and "auto", where the options give them a meaning.
+  std::optional<Json> meant_by_a_word(const StructType& type, const Json& json) const {
+    if (!options_.now) return {};
+    if (type.name == header_name && json == "auto") return Json{{"stamp", "now"}};
+    if (type.name != stamp_name || json != "now") return {};
+    const auto since_epoch = options_.now->time_since_epoch();
+    const auto seconds = std::chrono::floor<std::chrono::seconds>(since_epoch);
+    return Json{{"sec", seconds.count()}, {"nanosec", (since_epoch - seconds).count()}};
+  }
+
+  /// What an error says of them.
+  const char* word_for(const StructType& type) const {
+    if (!options_.now) return "";
+    return type.name == stamp_name ? R"(, or "now",)" : type.name == header_name ? R"(, or "auto",)" : "";
   }
 
   void refuse_the_unknown(const StructType& type, const Json& json) {
@@ -294,9 +316,9 @@ class CdrWriter {
 
   bool room_for(std::size_t bytes) {
     if (wrong_) return false;
-    if (out_.size() - encapsulation_bytes + bytes <= bytes_max_) return true;
-    fail(Errc::limit_exceeded,
-         "'" + path_ + "' is where the message has more than " + std::to_string(bytes_max_) + " bytes");
+    if (out_.size() - encapsulation_bytes + bytes <= options_.bytes_max) return true;
+    fail(Errc::limit_exceeded, "'" + path_ + "' is where the message has more than " +
+                                   std::to_string(options_.bytes_max) + " bytes");
     return false;
   }
 
@@ -309,7 +331,7 @@ class CdrWriter {
     if (!wrong_) wrong_ = Error{code, std::move(message)};
   }
 
-  const std::size_t bytes_max_;
+  const FromJsonOptions& options_;
   std::vector<std::byte> out_;
   std::string path_;
   std::optional<Error> wrong_;
@@ -318,9 +340,9 @@ class CdrWriter {
 }  // namespace
 
 Result<std::vector<std::byte>> cdr_from_json(const StructType& type, std::string_view json,
-                                             std::size_t bytes_max) {
+                                             const FromJsonOptions& options) {
   try {
-    return CdrWriter(bytes_max).write(type, Json::parse(json));
+    return CdrWriter(options).write(type, Json::parse(json));
   } catch (const Json::parse_error& error) {
     return fail(Errc::malformed,
                 "byte " + std::to_string(error.byte) + " of the text is where it is no JSON");

@@ -12,8 +12,10 @@
 //   elements beyond the limit      the last element is the string "... 997 more"
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,12 +36,19 @@ struct JsonOptions {
 /// be.
 Result<std::string> to_json(const DynamicView& view, const JsonOptions& options = {});
 
+struct FromJsonOptions {
+  std::size_t bytes_max = 64 * 1024 * 1024;  ///< of the body; more is an error
+  /// What "now" stands for in the place of a builtin_interfaces/Time, and "auto" in the place of a
+  /// std_msgs/Header, whose other members are then zero or empty. Nothing: these words mean nothing.
+  std::optional<std::chrono::sys_time<std::chrono::nanoseconds>> now{};
+};
+
 /// The other way: a whole message of `type` as publish_cdr() takes it, 4 bytes of encapsulation and a body.
 /// The text is as to_json() writes it, in any order; bytes may be base64 or numbers. Members that are left
 /// out are zero or empty; those that the type does not have are an error. Errors name the path of the field
 /// and what was expected: "'fields[1].offset' is -1; an integer from 0 to 4294967295 was expected". The text
 /// may be hostile.
 Result<std::vector<std::byte>> cdr_from_json(const StructType& type, std::string_view json,
-                                             std::size_t bytes_max = 64 * 1024 * 1024);
+                                             const FromJsonOptions& options = {});
 
 }  // namespace sft

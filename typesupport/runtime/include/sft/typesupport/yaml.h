@@ -1,4 +1,4 @@
-// Samples as YAML, to be read by people and by YAML's parsers.
+// Samples as YAML, to be read by people and by YAML's parsers, and messages from YAML.
 //
 //   header:
 //     stamp:
@@ -17,6 +17,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 #include "sft/typesupport/dynamic_view.h"
 #include "sft/typesupport/result.h"
@@ -34,5 +35,12 @@ struct YamlOptions {
 /// `view` is usually a whole sample, but may be any part of it that is there. An error if the bytes are not
 /// what they claim to be.
 Result<std::string> to_yaml(const DynamicView& view, const YamlOptions& options = {});
+
+/// One document of YAML as the JSON of the same message, which cdr_from_json() takes (json.h) and checks: a
+/// scalar is what the field needs that it stands for, so that `frame_id: 7` is text, and `x: 7` a number.
+/// JSON is YAML, and comes back as it is. An error where the text is no YAML, where a name stands twice in
+/// one mapping, and where aliases would make much of little. For people's texts: it takes memory, and time,
+/// many times those of JSON.
+Result<std::string> json_from_yaml(const StructType& type, std::string_view yaml);
 
 }  // namespace sft

@@ -1,0 +1,119 @@
+// Messages from YAML.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <geometry_msgs/msg/Point.hpp>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <std_msgs/msg/Bool.hpp>
+#include <std_msgs/msg/String.hpp>
+#include <std_msgs/msg/UInt64.hpp>
+#include <visualization_msgs/msg/MarkerArray.hpp>
+
+#include "sft/typesupport/json.h"
+#include "sft/typesupport/yaml.h"
+#include "tests/support/encoded.h"
+
+namespace sft {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using test::Encoded;
+using ::testing::HasSubstr;
+
+template <class T>
+Result<std::vector<std::byte>> payload_of(std::string_view yaml) {
+  const FromJsonOptions options{.now = std::chrono::sys_time<std::chrono::nanoseconds>()};
+  return json_from_yaml(TypeTable<T>::type, yaml).and_then([&](const std::string& json) {
+    return cdr_from_json(TypeTable<T>::type, json, options);
+  });
+}
+
+template <class T>
+::testing::AssertionResult means(std::string_view yaml, const T& message) {
+  const auto payload = payload_of<T>(yaml);
+  if (!payload) return ::testing::AssertionFailure() << payload.error().message;
+  const std::vector<std::byte> body(payload->begin() + 4, payload->end());
+  if (body == Encoded(message).bytes()) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << json_from_yaml(TypeTable<T>::type, yaml).value();
+}
+
+template <class T>
+std::string fault(std::string_view yaml) {
+  const auto payload = payload_of<T>(yaml);
+  return payload ? "" : payload.error().message;
+}
+
+TEST(FromYamlTest, BlocksFlowsAndJsonAreTheSameMessage) {
+  PointCloud2 c;
+  c.header.frame_id = "lidar";
+  c.width = 3;
+  c.fields.resize(2);
+  c.fields[1].name = "y";
+  c.data = {1, 255};
+  for (const char* yaml : {
+           "header:\n  frame_id: lidar\nwidth: 3\nfields:\n- {}\n- name: y  # as text\ndata: [1, 0xff]\n",
+           "{header: {frame_id: lidar}, width: 3, fields: [{}, {name: y}], data: [1, 255]}",
+           R"({"header": {"frame_id": "lidar"}, "width": 3, "fields": [{}, {"name": "y"}], "data": "Af8="})",
+           "--- {width: 3, header: {frame_id: 'lidar'}, data: Af8=, fields: [{}, {name: 'y'}]}",
+       }) {
+    EXPECT_TRUE(means(yaml, c)) << yaml;
+  }
+}
+
+TEST(FromYamlTest, AScalarIsWhatItsFieldNeeds) {
+  EXPECT_TRUE(means("data: 7", std_msgs::msg::String{.data = "7"}));
+  EXPECT_TRUE(means("data: yes", std_msgs::msg::String{.data = "yes"}));
+  EXPECT_TRUE(means("data: yes", std_msgs::msg::Bool{.data = true}));
+  EXPECT_TRUE(means("data: 18446744073709551615", std_msgs::msg::UInt64{.data = 18446744073709551615U}));
+  const geometry_msgs::msg::Point point{.x = 1, .y = -.5, .z = -HUGE_VAL};
+  EXPECT_TRUE(means("{x: 1, y: -.5, z: -.inf}", point));
+}
+
+TEST(FromYamlTest, WhatIsNotOfTheTypeIsNamedByItsPath) {
+  EXPECT_EQ(fault<PointCloud2>("fields: [{}, {offset: -1}]"),
+            "'fields[1].offset' is -1; an integer from 0 to 4294967295 was expected");
+  EXPECT_EQ(fault<PointCloud2>("width: '7'"),
+            "'width' is \"7\"; an integer from 0 to 4294967295 was expected");
+  EXPECT_EQ(fault<PointCloud2>("widht: 7"),
+            "'widht' is no member of sensor_msgs::msg::PointCloud2; did you mean 'width'?");
+  EXPECT_EQ(fault<PointCloud2>("header:\n  frame_id:\n"), "'header.frame_id' is null; a string was expected");
+  EXPECT_EQ(fault<PointCloud2>("fields: x"), "'fields' is \"x\"; an array was expected");
+  EXPECT_EQ(fault<PointCloud2>("width: [1]"),
+            "'width' is an array; an integer from 0 to 4294967295 was expected");
+  EXPECT_EQ(fault<PointCloud2>(""),
+            "the message is null; an object with the members of sensor_msgs::msg::PointCloud2 was expected");
+}
+
+TEST(FromYamlTest, WhatIsNoYamlIsNamedByItsPlace) {
+  EXPECT_THAT(fault<PointCloud2>("header:\n  frame_id: [\n"), HasSubstr("this is no YAML in line "));
+  EXPECT_EQ(fault<PointCloud2>("width: 1\nheight: 2\nwidth: 3\n"),
+            "'width' stands twice in one mapping, the second time in line 3, column 1");
+  EXPECT_EQ(fault<PointCloud2>("width: 1\n---\nwidth: 2\n"),
+            "the text has 2 documents of YAML; one message was expected");
+}
+
+TEST(FromYamlTest, AliasesThatMakeMuchOfLittleAreRefused) {
+  EXPECT_TRUE(means("fields: [&f {name: x}, *f]", [] {
+    PointCloud2 c;
+    c.fields.resize(2);
+    c.fields[0].name = c.fields[1].name = "x";
+    return c;
+  }()));
+  std::string yaml = "{markers: [&m {points: &p [";
+  for (int i = 0; i < 500; ++i) yaml += "{x: 1}, ";
+  yaml += "], colors: [], text: a}, ";
+  for (int i = 0; i < 5000; ++i) yaml += "*m, ";
+  EXPECT_THAT(fault<visualization_msgs::msg::MarkerArray>(yaml + "]}"),
+              HasSubstr("aliases make far more of the text than it has"));
+}
+
+TEST(FromYamlTest, DeepNestingIsRefusedAndNoHarm) {
+  const std::string deep(100'000, '[');
+  EXPECT_NE(fault<PointCloud2>("width: " + deep), "");
+  EXPECT_NE(fault<PointCloud2>("width: " + std::string(100'000, '{')), "");
+}
+
+}  // namespace
+}  // namespace sft

@@ -1,0 +1,126 @@
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "sft/typesupport/type_table.h"
+#include "sft/typesupport/yaml.h"
+#include "text.h"
+
+namespace sft {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t values_per_byte_max = 64;
+
+std::string place(const YAML::Mark& mark) {
+  return "line " + std::to_string(mark.line + 1) + ", column " + std::to_string(mark.column + 1);
+}
+
+/// Goes as deep as the type does, whatever the text says: what does not fit becomes something that
+/// cdr_from_json() refuses in its place.
+class JsonMaker {
+ public:
+  /// Without aliases a text has no more values than bytes.
+  explicit JsonMaker(std::size_t text_bytes) : values_left_(values_per_byte_max * text_bytes) {}
+
+  Result<Json> make(const StructType& type, const YAML::Node& root) {
+    Json json = structure(type, root);
+    if (wrong_) return tl::unexpected(*std::move(wrong_));
+    return json;
+  }
+
+ private:
+  Json structure(const StructType& type, const YAML::Node& node) {
+    if (!node.IsMap()) return other(node);
+    Json object = Json::object();
+    for (const auto& pair : node) {
+      if (!count()) break;
+      const std::string name = pair.first.IsScalar() ? pair.first.Scalar() : "?";
+      const auto member = std::find_if(type.members.begin(), type.members.end(),
+                                       [&](const Member& m) { return m.name == name; });
+      Json value = member == type.members.end() ? other(pair.second) : value_of(*member, pair.second);
+      if (object.emplace(name, std::move(value)).second || wrong_) continue;
+      const std::string shown = is_printable(name) ? "'" + name + "'" : "a name";
+      wrong_ = Error{Errc::malformed,
+                     shown + " stands twice in one mapping, the second time in " + place(pair.first.Mark())};
+    }
+    return object;
+  }
+
+  Json value_of(const Member& m, const YAML::Node& node) {
+    if (m.shape == Shape::single) return element(m, node);
+    if (!node.IsSequence()) return node.IsScalar() ? Json(node.Scalar()) : other(node);  // base64
+    Json array = Json::array();
+    for (const YAML::Node& each : node) {
+      if (!count()) break;
+      array.push_back(element(m, each));
+    }
+    return array;
+  }
+
+  Json element(const Member& m, const YAML::Node& node) {
+    if (m.kind == Kind::structure) return structure(*m.type, node);
+    return node.IsScalar() ? scalar(m, node) : other(node);
+  }
+
+  /// By the rules of YAML, but for text, which is what stands there. Quoted scalars are always text.
+  static Json scalar(const Member& m, const YAML::Node& node) {
+    const bool is_quoted = node.Tag() != "?" && !node.Tag().empty();
+    if (m.kind == Kind::string || m.kind == Kind::character || is_quoted) return node.Scalar();
+    if (bool b = false; m.kind == Kind::boolean && YAML::convert<bool>::decode(node, b)) return b;
+    if (std::int64_t i = 0; YAML::convert<std::int64_t>::decode(node, i)) return i;
+    if (std::uint64_t u = 0; YAML::convert<std::uint64_t>::decode(node, u)) return u;
+    if (double d = 0; YAML::convert<double>::decode(node, d)) {
+      if (std::isnan(d)) return "NaN";
+      if (std::isinf(d)) return d < 0 ? "-Infinity" : "Infinity";
+      return d;
+    }
+    return node.Scalar();
+  }
+
+  /// Where nothing of the kind can stand.
+  static Json other(const YAML::Node& node) {
+    if (node.IsMap()) return Json::object();
+    if (node.IsSequence()) return Json::array();
+    return node.IsScalar() ? Json(node.Scalar()) : Json();
+  }
+
+  bool count() {
+    if (values_left_ == 0 && !wrong_)
+      wrong_ = Error{Errc::limit_exceeded, "aliases make far more of the text than it has: write it out"};
+    values_left_ -= values_left_ == 0 ? 0 : 1;
+    return !wrong_;
+  }
+
+  std::size_t values_left_;
+  std::optional<Error> wrong_;
+};
+
+}  // namespace
+
+Result<std::string> json_from_yaml(const StructType& type, std::string_view yaml) {
+  if (Json::accept(yaml)) return std::string(yaml);
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(yaml));
+    if (documents.size() > 1) {
+      return fail(Errc::malformed, "the text has " + std::to_string(documents.size()) +
+                                       " documents of YAML; one message was expected");
+    }
+    const YAML::Node root = documents.empty() ? YAML::Node() : documents.front();
+    return JsonMaker(yaml.size()).make(type, root).map([](const Json& json) {
+      return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    });
+  } catch (const YAML::Exception& error) {
+    return fail(Errc::malformed, "this is no YAML in " + place(error.mark) + ": " +
+                                     (is_printable(error.msg) ? error.msg : "it cannot be read"));
+  }
+}
+
+}  // namespace sft
