@@ -58,6 +58,7 @@ sft_add_shards(every_type_law_test 2)
 sft_unit_test(every_type_text_test
   SOURCES json_law_test.cpp msg_text_test.cpp
   LIBRARIES sft_every_type)
+target_compile_definitions(every_type_text_test PRIVATE SFT_INTERFACES="${PROJECT_SOURCE_DIR}/typesupport/interfaces")
 
 if(SFT_SANITIZE)
   return() # what follows is only compiled

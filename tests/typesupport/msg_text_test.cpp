@@ -1,13 +1,18 @@
-// Types as .msg text, there and back.
+// Types as .msg text, there and back, and from files.
 #include "sft/typesupport/msg_text.h"
+
+#include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <std_msgs/msg/Empty.hpp>
 #include <string>
 #include <torture.hpp>
+#include <vector>
 
 #include "sft/typesupport/type_shape.h"
 #include "tests/support/message_types.h"
@@ -17,6 +22,9 @@ namespace {
 
 using sensor_msgs::msg::PointCloud2;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+namespace fs = std::filesystem;
 
 const std::string separator = std::string(80, '=') + "\n";
 
@@ -106,6 +114,65 @@ TEST(MsgTextTest, WhatMsgHasNoWordForIsAnErrorThatNamesTheMember) {
   ASSERT_FALSE(text);
   EXPECT_EQ(text.error().code, Errc::invalid_argument);
   EXPECT_THAT(text.error().message, HasSubstr("torture::Sequences"));
+}
+
+TEST(MsgFileTest, EveryMessageOfTheCommonPackagesIsFoundByItsName) {
+  const std::vector<fs::path> roots{SFT_INTERFACES};
+  std::size_t found = 0;
+  for (const test::MessageType& each : test::every_type()) {
+    const std::string name(each.support->name());
+    const fs::path package = name.substr(0, name.find("::"));
+    if (!fs::exists(roots[0] / package / "msg" / (each.short_name() + ".msg"))) continue;
+    ++found;
+    const auto type = find_msg(name, roots);
+    ASSERT_TRUE(type) << type.error().message;
+    EXPECT_EQ(type->hash(), each.support->hash()) << name;
+  }
+  EXPECT_GT(found, 100U);
+  EXPECT_EQ(find_msg("sensor_msgs/PointCloud2", roots)->hash(), type_of<PointCloud2>().hash());
+}
+
+/// Packages of one's own in a directory, while it lives.
+class OwnPackages {
+ public:
+  OwnPackages() { fs::create_directories(root_ / "my_msgs" / "msg"); }
+  ~OwnPackages() { fs::remove_all(root_); }
+  OwnPackages(const OwnPackages&) = delete;
+  OwnPackages& operator=(const OwnPackages&) = delete;
+
+  fs::path write(const std::string& name, const std::string& text) const {
+    const fs::path file = root_ / "my_msgs" / "msg" / name;
+    std::ofstream(file) << text;
+    return file;
+  }
+  const fs::path& root() const { return root_; }
+
+ private:
+  fs::path root_ = fs::temp_directory_path() / ("sft_msg_files_" + std::to_string(getpid()));
+};
+
+TEST(MsgFileTest, WhatAFileNestsIsLookedForBesideItAndBelowTheRoots) {
+  const OwnPackages own;
+  own.write("Cell.msg", "float32 volts\n");
+  const fs::path file = own.write("Battery.msg", "std_msgs/Header header\nCell[] cells\n");
+  const auto type = from_msg_file(file, std::vector<fs::path>{SFT_INTERFACES});
+  ASSERT_TRUE(type) << type.error().message;
+  EXPECT_EQ(type->name(), "my_msgs::msg::Battery");
+  EXPECT_EQ(type->support().path(type->support().leaves() - 1), "cells[].volts");
+  EXPECT_EQ(from_msg_file(file).error().message, "there is no std_msgs/msg/Header.msg below " +
+                                                     own.root().string() +
+                                                     ": name the directory above its package, too");
+}
+
+TEST(MsgFileTest, WhatIsWrongIsSaidWithTheFile) {
+  const OwnPackages own;
+  const fs::path file = own.write("Bad.msg", "float32 ok\nflaot32 speed\n");
+  EXPECT_THAT(from_msg_file(file).error().message, StartsWith(file.string() + ":2: "));
+  EXPECT_EQ(from_msg_file("Bad.msg").error().message,
+            "the path of a message is expected, PACKAGE/msg/NAME.msg, not 'Bad.msg'");
+  EXPECT_EQ(from_msg_file(own.root() / "my_msgs/msg/None.msg").error().code, Errc::unavailable);
+  const fs::path loop = own.write("Loop.msg", "Loop[] inner\n");
+  EXPECT_EQ(from_msg_file(loop).error().message, "my_msgs/msg/Loop contains itself");
 }
 
 }  // namespace

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "from_msg/lines.h"
 #include "from_msg/names.h"
+#include "from_msg/nested.h"
 #include "from_msg/parse.h"
 #include "from_msg/type.h"
 #include "sft/typesupport/type_description.h"
@@ -118,9 +120,13 @@ class MsgWriter {
 
 // ---- from text ----
 
-/// The definitions of one text, and types that are made of them.
+/// The definitions of one text or of files, and types that are made of them.
 class MsgReader {
  public:
+  MsgReader() = default;
+  /// What is not defined otherwise is looked for there.
+  explicit MsgReader(msg::SearchPath search_path) : search_path_(std::move(search_path)) {}
+
   /// Nothing if all is well, else what is wrong.
   std::optional<Error> read(const TypeName& root, std::string_view text) {
     TypeName name = root;
@@ -151,6 +157,7 @@ class MsgReader {
 
   Result<const StructType*> type_of(const TypeName& name) {
     if (const auto known = types_.find(name); known != types_.end()) return &known->second.type;
+    if (auto wrong = look_for(name)) return tl::unexpected(*std::move(wrong));
     const auto definition = definitions_.find(name);
     if (definition == definitions_.end()) {
       return fail(Errc::malformed, name.text() +
@@ -204,11 +211,35 @@ class MsgReader {
     return is_printable(text) ? std::string(text.substr(0, most)) : "something unprintable";
   }
 
+  /// In files, where there are any and the type is not defined yet.
+  std::optional<Error> look_for(const TypeName& name) {
+    if (!search_path_ || definitions_.contains(name)) return {};
+    const auto file = search_path_->find(name);
+    if (!file) {
+      return Error{Errc::unavailable, "there is no " + name.text() + ".msg below " + search_path_->text() +
+                                          ": name the directory above its package, too"};
+    }
+    if (file->extension() != ".msg") {
+      return Error{Errc::unavailable,
+                   file->string() + " is IDL, of which no types are made while a program runs"};
+    }
+    try {
+      return add(name, msg::read_file(*file), file->string());
+    } catch (const std::system_error& error) {
+      return Error{Errc::unavailable, error.what()};
+    }
+  }
+
   std::optional<Error> add(const TypeName& name, std::string_view text) {
+    return add(name, text, name.text());
+  }
+
+  /// `source` is what errors call it.
+  std::optional<Error> add(const TypeName& name, std::string_view text, const std::string& source) {
     auto parsed = msg::parse(text, name);
     if (!parsed) {
       const msg::Problem& first = parsed.error().front();
-      return Error{Errc::malformed, name.text() + ":" + std::to_string(first.line) + ": " +
+      return Error{Errc::malformed, source + ":" + std::to_string(first.line) + ": " +
                                         (first.member.empty() ? "" : first.member + ": ") + first.text};
     }
     const auto [known, is_new] = definitions_.try_emplace(name, *std::move(parsed));
@@ -230,27 +261,63 @@ class MsgReader {
     return m;
   }
 
+  std::optional<msg::SearchPath> search_path_;
   std::map<TypeName, Definition> definitions_;
   std::map<TypeName, Made> types_;
   std::vector<TypeName> chain_;  // of types that are being made, each in the one before
 };
+
+Result<TypeName> name_of_message(std::string_view text) {
+  if (auto name = type_name(text)) return *std::move(name);
+  return fail(Errc::invalid_argument,
+              "the name of a message is expected, as in sensor_msgs/PointCloud2, not '" +
+                  (is_printable(text) ? std::string(text) : "something unprintable") + "'");
+}
+
+Result<DynamicType> made(MsgReader& reader, const TypeName& root, const DescriptionLimits& limits) {
+  const Result<const StructType*> type = reader.type_of(root);
+  if (!type) return tl::unexpected(type.error());
+  return DynamicType::parse(describe(**type), limits);
+}
 
 }  // namespace
 
 Result<std::string> to_msg(const DynamicType& type) { return MsgWriter().write(type.type()); }
 
 Result<DynamicType> from_msg(std::string_view name, std::string_view text, const DescriptionLimits& limits) {
-  const auto root = type_name(name);
-  if (!root) {
-    return fail(Errc::invalid_argument,
-                "the name of a message is expected, as in sensor_msgs/PointCloud2, not '" +
-                    (is_printable(name) ? std::string(name) : "something unprintable") + "'");
-  }
+  const Result<TypeName> root = name_of_message(name);
+  if (!root) return tl::unexpected(root.error());
   MsgReader reader;
   if (auto wrong = reader.read(*root, text)) return tl::unexpected(*std::move(wrong));
-  const Result<const StructType*> type = reader.type_of(*root);
-  if (!type) return tl::unexpected(type.error());
-  return DynamicType::parse(describe(**type), limits);
+  return made(reader, *root, limits);
+}
+
+Result<DynamicType> find_msg(std::string_view name, std::span<const std::filesystem::path> roots,
+                             const DescriptionLimits& limits) {
+  const Result<TypeName> root = name_of_message(name);
+  if (!root) return tl::unexpected(root.error());
+  MsgReader reader(msg::SearchPath({roots.begin(), roots.end()}));
+  return made(reader, *root, limits);
+}
+
+Result<DynamicType> from_msg_file(const std::filesystem::path& file,
+                                  std::span<const std::filesystem::path> roots,
+                                  const DescriptionLimits& limits) {
+  std::error_code error;
+  const std::filesystem::path whole = std::filesystem::absolute(file, error).lexically_normal();
+  const std::filesystem::path folder = whole.parent_path();
+  const std::filesystem::path package = folder.parent_path();
+  const auto name = type_name(package.filename().string() + "/" + whole.stem().string());
+  if (folder.filename() != "msg" || whole.extension() != ".msg" || !name) {
+    return fail(Errc::invalid_argument,
+                "the path of a message is expected, PACKAGE/msg/NAME.msg, not '" + file.string() + "'");
+  }
+  if (!std::filesystem::is_regular_file(whole, error))
+    return fail(Errc::unavailable, "there is no file " + whole.string());
+  std::vector<std::filesystem::path> all{package.parent_path()};
+  all.insert(all.end(), roots.begin(), roots.end());
+  MsgReader reader(msg::SearchPath(std::move(all)));
+  return made(reader, *name, limits);
 }
 
 }  // namespace sft

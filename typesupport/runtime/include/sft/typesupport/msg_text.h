@@ -15,6 +15,8 @@
 // and comments but for units are no part of a type: they are read over, and not written.
 #pragma once
 
+#include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -32,5 +34,17 @@ Result<std::string> to_msg(const DynamicType& type);
 /// message, the line within its definition and the field, and says what to do.
 Result<DynamicType> from_msg(std::string_view name, std::string_view text,
                              const DescriptionLimits& limits = {});
+
+/// The type `name` as the first of `roots` defines it, directories of packages, as /opt/ros/humble/share is
+/// one: in ROOT/sensor_msgs/msg/PointCloud2.msg. What it nests is looked for likewise. Errc::unavailable if
+/// no root has the message.
+Result<DynamicType> find_msg(std::string_view name, std::span<const std::filesystem::path> roots,
+                             const DescriptionLimits& limits = {});
+
+/// The type of a file, ROOT/my_msgs/msg/Status.msg. What it nests is looked for below its own ROOT, and then
+/// below `roots`.
+Result<DynamicType> from_msg_file(const std::filesystem::path& file,
+                                  std::span<const std::filesystem::path> roots = {},
+                                  const DescriptionLimits& limits = {});
 
 }  // namespace sft
