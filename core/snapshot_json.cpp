@@ -142,6 +142,8 @@ Json control(const NodeStatus& s) {
 
 }  // namespace
 
+std::string to_json(const Qos& qos) { return qos_of(qos).dump(); }
+
 std::string to_json(const NodeSnapshot& snapshot, int indent) {
   const Json json = {{"node", node(snapshot)},
                      {"shm", shm(snapshot.status)},

@@ -12,25 +12,13 @@
 #include "core/described_type.h"
 #include "core/discovery.h"
 #include "tests/support/isolated_host.h"
+#include "tests/support/small_cloud.h"
 #include "tests/system/fixture.h"
 
 namespace sft::test {
 namespace {
 
 using ::testing::HasSubstr;
-
-PointCloud2 small_cloud() {
-  PointCloud2 c;
-  c.header.stamp.sec = 7;
-  c.header.frame_id = "lidar";
-  c.height = 1;
-  c.width = 1024;
-  c.fields.resize(2);
-  c.fields[0].name = "x";
-  c.fields[1].name = "y";
-  c.data.resize(200, 9);
-  return c;
-}
 
 /// The role of another process, which is compiled with the type.
 [[noreturn]] void publish_forever(Way way) {

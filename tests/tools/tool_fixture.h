@@ -5,14 +5,16 @@
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
-#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
-#include <thread>
+#include <utility>
 
 #include "tests/support/eventually.h"
+#include "tests/support/pace.h"
+#include "tests/support/small_cloud.h"
 #include "tests/tools/tool_process.h"
 
 namespace sft::test {
@@ -32,18 +34,7 @@ class ToolTest : public ::testing::Test {
     return Node::open(options).value();
   }
 
-  static PointCloud2 cloud() {
-    PointCloud2 c;
-    c.header.stamp.sec = 7;
-    c.header.frame_id = "lidar, \"front\"";
-    c.height = 1;
-    c.width = 1024;
-    c.fields.resize(2);
-    c.fields[0].name = "x";
-    c.fields[1].name = "y";
-    c.data.resize(1000, 9);
-    return c;
-  }
+  static PointCloud2 cloud() { return small_cloud("lidar, \"front\"", 1000); }
 
   Node robot = open("lidar");
 };
@@ -54,29 +45,19 @@ class Publishing {
  public:
   Publishing(Publisher<T>& publisher, T message, std::chrono::milliseconds period = 10ms,
              bool stamped = false)
-      : thread_([this, &publisher, message = std::move(message), period, stamped]() mutable {
-          for (auto next = std::chrono::steady_clock::now(); !ends_;
-               std::this_thread::sleep_until(next += period)) {
-            if (stamped) stamp(message);
-            publisher.publish(message);
-          }
-        }) {}
-  ~Publishing() {
-    ends_ = true;
-    thread_.join();
-  }
-  Publishing(const Publishing&) = delete;
-  Publishing& operator=(const Publishing&) = delete;
+      : ticker_(
+            period,
+            [&publisher, message = std::move(message), stamped](std::uint32_t) mutable {
+              if (stamped) {
+                message.header.stamp =
+                    time_message<builtin_interfaces::msg::Time>(std::chrono::system_clock::now());
+              }
+              publisher.publish(message);
+            },
+            Keeps::rate) {}
 
  private:
-  static void stamp(T& message) {
-    const auto now = std::chrono::system_clock::now().time_since_epoch();
-    message.header.stamp.sec = static_cast<std::int32_t>(now / 1s);
-    message.header.stamp.nanosec = static_cast<std::uint32_t>(std::chrono::nanoseconds(now % 1s).count());
-  }
-
-  std::atomic<bool> ends_{false};
-  std::thread thread_;
+  Ticker ticker_;
 };
 
 }  // namespace sft::test

@@ -1,6 +1,7 @@
 #include "tools/sft/describe.h"
 
 #include <fmt/format.h>
+#include <sft/snapshot.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -21,6 +22,8 @@ void append_duration(std::string& text, const char* name, std::chrono::nanosecon
   if (duration.count() != 0) text += fmt::format(", {} {}", name, duration_text(in_seconds(duration)));
 }
 
+Json qos_json(const Qos& qos) { return Json::parse(to_json(qos)); }
+
 Json progress_json(const EndpointInfo& publisher) {
   if (!publisher.progress) return nullptr;
   return {{"samples", publisher.progress->samples}, {"bytes", publisher.progress->bytes}};
@@ -37,16 +40,6 @@ Json age_json(const std::optional<Account>& account) {
 }
 
 }  // namespace
-
-Json qos_json(const Qos& qos) {
-  return {{"reliability", to_string(qos.reliability)},
-          {"durability", to_string(qos.durability)},
-          {"history_depth", qos.history_depth},
-          {"deadline_ns", qos.deadline.count()},
-          {"lifespan_ns", qos.lifespan.count()},
-          {"liveliness", to_string(qos.liveliness)},
-          {"liveliness_lease_ns", qos.liveliness_lease.count()}};
-}
 
 Json endpoint_json(const EndpointInfo& e, bool publishes) {
   Json json = {{"id", hex_text(e.id)},

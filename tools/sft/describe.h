@@ -8,7 +8,6 @@
 namespace sft::tool {
 
 // The names in these objects stay what they are; later versions may add some.
-nlohmann::ordered_json qos_json(const Qos& qos);
 nlohmann::ordered_json endpoint_json(const EndpointInfo& endpoint, bool publishes);
 /// Counts that the node that has them did not tell are null.
 nlohmann::ordered_json pair_json(const PairInfo& pair, const EndpointInfo& publisher,

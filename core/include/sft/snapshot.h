@@ -90,6 +90,9 @@ struct NodeSnapshot {
   std::vector<SubscriberSnapshot> subscribers;  ///< likewise
 };
 
+/// The part that it has of each publisher and subscriber.
+std::string to_json(const Qos& qos);
+
 /// `indent`: spaces for each level; -1: all in one line. Whatever was announced by others stays valid UTF-8.
 std::string to_json(const NodeSnapshot& snapshot, int indent = 2);
 
