@@ -2,7 +2,10 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
+#include <regex>
 #include <sstream>
+#include <trajectory_msgs/msg/MultiDOFJointTrajectoryPoint.hpp>
 
 #include "tests/support/isolated_host.h"
 #include "tests/tools/tool_fixture.h"
@@ -41,6 +44,53 @@ TEST_F(CommandTest, HelpTellsOfExitCodes) {
     const Ended ended = run_tool(arguments);
     EXPECT_EQ(ended.code, 0);
     EXPECT_THAT(ended.out, HasSubstr("Exit codes: 0 done"));
+  }
+}
+
+/// Without escape sequences and returns.
+std::vector<std::string> shown_lines(const std::string& out) {
+  std::istringstream text(std::regex_replace(out, std::regex("\x1b\\[[0-9;]*m|\r"), ""));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST_F(CommandTest, TheHelpOfEachSubcommandFitsEightyColumns) {
+  std::vector<std::vector<std::string>> helps{{"--help"}};
+  for (const char* command : {"ls", "info", "type", "echo", "hz", "bw", "delay", "why", "top", "doctor"})
+    helps.push_back({command, "--help"});
+  for (const auto& arguments : helps) {
+    const std::vector<std::string> lines = shown_lines(run_tool(arguments).out);
+    EXPECT_GT(lines.size(), 10U);
+    for (const std::string& line : lines) EXPECT_LE(line.size(), 80U) << arguments[0] << ": " << line;
+  }
+}
+
+TEST_F(CommandTest, WhatIsPrintedOnATerminalFitsIt) {
+  using Trajectory = trajectory_msgs::msg::MultiDOFJointTrajectoryPoint;
+  const std::string far = "building/floor/room/robot/arm/gripper/finger/trajectory";
+  std::vector<Publisher<Trajectory>> others;
+  for (const char* end : {"", "_next", "_last"})
+    others.push_back(robot.publisher<Trajectory>(far + end).value());
+  auto monitor = open("logger").subscriber<PointCloud2>("points", {.max_rate_hz = 5}).value();
+  const Publishing publishing(points, cloud(), 10ms, true);
+  const std::vector<std::vector<std::string>> commands{{"ls"},
+                                                       {"ls", "nodes"},
+                                                       {"ls", "types"},
+                                                       {"ls", "endpoints"},
+                                                       {"info", "points"},
+                                                       {"info", far},
+                                                       {"hz", "points", "--for", "1.5"},
+                                                       {"bw", "points", "--for", "1.5"},
+                                                       {"delay", "points", "--for", "1.5"},
+                                                       {"doctor"}};
+  std::vector<std::unique_ptr<ToolProcess>> tools;
+  for (const auto& arguments : commands)
+    tools.push_back(std::make_unique<ToolProcess>(arguments, ToolProcess::On::terminal));
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const std::vector<std::string> lines = shown_lines(tools[i]->end().out);
+    EXPECT_FALSE(lines.empty());
+    for (const std::string& line : lines) EXPECT_LE(line.size(), 80U) << commands[i][0] << ": " << line;
   }
 }
 
@@ -146,6 +196,16 @@ TEST_F(CommandTest, DoctorTellsOfEachPartAndItsExitCodeIsTheWorst) {
   for (std::string line; std::getline(lines, line);) {
     EXPECT_TRUE(line.starts_with("ok ") || line.starts_with("warning ") || line.starts_with("error "))
         << line;
+  }
+}
+
+TEST_F(CommandTest, DoctorWarnsOfAnInterfaceThatIsNotThereAndOfNoneThatIs) {
+  for (const auto& [interface, health] : {std::pair("eth9", "warning"), std::pair("lo", "ok")}) {
+    const Json json = Json::parse(run_tool({"doctor", "--json", "--interface", interface}).out);
+    const auto named = [&](const Json& check) { return check["check"] == "interfaces"; };
+    const auto found = std::ranges::find_if(json["checks"], named);
+    ASSERT_NE(found, json["checks"].end());
+    EXPECT_EQ((*found)["health"], health) << *found;
   }
 }
 

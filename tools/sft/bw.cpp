@@ -22,6 +22,15 @@ Arrivals::Request sizes(const BwOptions& options) {
   return request;
 }
 
+std::string text_of(const std::string& topic, double bytes_per_s, const Arrivals::Report& rate,
+                    const Arrivals::Report& size) {
+  if (rate.samples == 0) return topic + ": no sample yet";
+  if (rate.fresh == 0) return fmt::format("{}: no new sample, {} so far", topic, rate.samples);
+  return fmt::format("{}: {}/s, {} of {} ({} to {}), {} so far", topic, bytes_text(bytes_per_s),
+                     rate_text(rate.rate_hz), bytes_text(size.values.mean), bytes_text(size.values.min),
+                     bytes_text(size.values.max), rate.samples);
+}
+
 void print(const BwOptions& options, const Arrivals::Report& rate, const Arrivals::Report& size, bool json,
            const std::string& topic, Output& output) {
   const double bytes_per_s = rate.rate_hz * size.values.mean;
@@ -38,11 +47,7 @@ void print(const BwOptions& options, const Arrivals::Report& rate, const Arrival
                                                 {"samples", rate.samples},
                                                 {"lost", rate.lost}});
   }
-  if (rate.samples == 0) return output.line(topic + ": no sample yet");
-  if (rate.fresh == 0) return output.line(fmt::format("{}: no new sample, {} so far", topic, rate.samples));
-  output.line(fmt::format("{}: {}/s, {} of {} ({} to {}), {} so far", topic, bytes_text(bytes_per_s),
-                          rate_text(rate.rate_hz), bytes_text(size.values.mean), bytes_text(size.values.min),
-                          bytes_text(size.values.max), rate.samples));
+  output.line(output.fitted(text_of(topic, bytes_per_s, rate, size), live_indent));
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "tools/sft/help_format.h"
+
 namespace sft::tool {
 
 namespace {
@@ -20,7 +22,6 @@ struct Parsed {
   WhyOptions why;
   TopOptions top;
   DoctorOptions doctor;
-  bool once = false;
   bool csv = false;
   bool yaml = false;
 };
@@ -61,8 +62,23 @@ CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, const char* h
   return command;
 }
 
-void require_topic(CLI::App* command, std::string& topic) {
-  command->add_option("TOPIC", topic, "The topic, with or without a slash in front")->required();
+constexpr const char* one_topic = "The topic, with or without a slash in front";
+
+/// A subcommand of one topic.
+template <class Options>
+CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, Options Parsed::*options,
+                  const char* help) {
+  CLI::App* command = declare(app, parsed, name, help);
+  command->add_option("TOPIC", (parsed.*options).topic, one_topic)->required();
+  command->callback([&parsed, options] { parsed.line.command = parsed.*options; });
+  return command;
+}
+
+/// --once, which is a --count of one.
+void add_count(CLI::App* command, std::uint64_t& count, const char* of_one, const char* of_many) {
+  const auto one = [&count](std::int64_t) { count = 1; };
+  CLI::Option* once = command->add_flag_function("--once", one, of_one);
+  command->add_option("--count", count, of_many)->check(CLI::PositiveNumber)->excludes(once);
 }
 
 void add_live(CLI::App* command, LiveOptions& live) {
@@ -82,33 +98,25 @@ void declare_ls(CLI::App& app, Parsed& parsed) {
 }
 
 void declare_info(CLI::App& app, Parsed& parsed) {
-  CLI::App* command =
-      declare(app, parsed, "info", "Tell who publishes a topic and who subscribes to it, and how");
-  require_topic(command, parsed.info.topic);
-  command->callback([&parsed] { parsed.line.command = parsed.info; });
+  declare(app, parsed, "info", &Parsed::info, "Tell who publishes a topic and who subscribes to it, and how");
 }
 
 void declare_type(CLI::App& app, Parsed& parsed) {
-  CLI::App* command =
-      declare(app, parsed, "type", "Print the message type of a topic as the text of .msg files");
-  require_topic(command, parsed.type.topic);
+  CLI::App* command = declare(app, parsed, "type", &Parsed::type,
+                              "Print the message type of a topic as the text of .msg files");
   command->add_flag("--name", parsed.type.name, "Only its name");
   command->add_flag("--fields", parsed.type.fields, "Only its fields, one in a line");
-  command->callback([&parsed] { parsed.line.command = parsed.type; });
 }
 
 void declare_echo(CLI::App& app, Parsed& parsed) {
-  CLI::App* command = declare(app, parsed, "echo", "Print the samples of a topic, or some of their fields");
   EchoOptions& echo = parsed.echo;
-  require_topic(command, echo.topic);
+  CLI::App* command =
+      declare(app, parsed, "echo", &Parsed::echo, "Print the samples of a topic, or some of their fields");
   command
       ->add_option("--fields", echo.fields,
                    "Ask publishers for these fields only: 'header.stamp, fields[].name'; * is all")
       ->capture_default_str();
-  CLI::Option* once = command->add_flag("--once", parsed.once, "End after one sample");
-  command->add_option("--count", echo.count, "End after so many samples")
-      ->check(CLI::PositiveNumber)
-      ->excludes(once);
+  add_count(command, echo.count, "End after one sample", "End after so many samples");
   command->add_option("--rate", echo.max_rate_hz, "Ask for at most so many samples a second")
       ->check(CLI::Range(0.001, 100000.0));
   CLI::Option* yaml = command->add_flag("--yaml", parsed.yaml, "Write YAML (the default)");
@@ -117,7 +125,6 @@ void declare_echo(CLI::App& app, Parsed& parsed) {
   csv->excludes(yaml);
   command->add_flag("--full", echo.full, "Do not shorten long arrays and texts on terminals");
   command->callback([&parsed] {
-    if (parsed.once) parsed.echo.count = 1;
     parsed.echo.format = parsed.line.common.json ? Format::json : parsed.csv ? Format::csv : Format::yaml;
     parsed.line.command = parsed.echo;
   });
@@ -132,31 +139,26 @@ void declare_hz(CLI::App& app, Parsed& parsed) {
 }
 
 void declare_bw(CLI::App& app, Parsed& parsed) {
-  CLI::App* command = declare(app, parsed, "bw", "Measure how many bytes a topic has in a second");
-  require_topic(command, parsed.bw.topic);
+  CLI::App* command =
+      declare(app, parsed, "bw", &Parsed::bw, "Measure how many bytes a topic has in a second");
   command->add_option("--fields", parsed.bw.fields, "Of these fields only; * is all")->capture_default_str();
   command->add_flag("--every", parsed.bw.every,
                     "Ask for every sample as a whole, instead of one in a second and the number of all");
   add_live(command, parsed.bw.live);
-  command->callback([&parsed] { parsed.line.command = parsed.bw; });
 }
 
 void declare_delay(CLI::App& app, Parsed& parsed) {
-  CLI::App* command =
-      declare(app, parsed, "delay", "Measure how old samples are when they come, by header.stamp");
-  require_topic(command, parsed.delay.topic);
+  CLI::App* command = declare(app, parsed, "delay", &Parsed::delay,
+                              "Measure how old samples are when they come, by header.stamp");
   command->add_flag("--published", parsed.delay.published, "Measure from when they were published, instead");
   add_live(command, parsed.delay.live);
-  command->callback([&parsed] { parsed.line.command = parsed.delay; });
 }
 
 void declare_why(CLI::App& app, Parsed& parsed) {
   CLI::App* command = declare(
-      app, parsed, "why",
+      app, parsed, "why", &Parsed::why,
       "Tell whether publishers and subscribers of a topic match, by which path and why, and what was sent");
-  require_topic(command, parsed.why.topic);
   command->add_flag("--types", parsed.why.types, "Where two definitions of a type differ, print both");
-  command->callback([&parsed] { parsed.line.command = parsed.why; });
 }
 
 void declare_top(CLI::App& app, Parsed& parsed) {
@@ -186,6 +188,7 @@ ExitCode tell_of_mistake(const CLI::App& app, const std::string& what) {
 
 std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv) {
   CLI::App app("Looks at the nodes, topics and samples of SFT.", "sft");
+  app.formatter(std::make_shared<HelpFormat>());
   app.set_version_flag("--version", "sft " SFT_VERSION);
   app.footer(exit_codes_help);
   app.require_subcommand(1);

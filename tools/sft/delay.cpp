@@ -62,9 +62,11 @@ void print(Arrivals& arrivals, const DelayOptions& options, bool json, Output& o
   if (report.samples == 0) return output.line(arrivals.topic() + ": no sample yet");
   if (report.fresh == 0)
     return output.line(fmt::format("{}: no new sample, {} so far", arrivals.topic(), report.samples));
-  output.line(fmt::format("{}: {} ({} to {}, deviation {}), {} so far{}", arrivals.topic(),
-                          duration_text(delay.mean), duration_text(delay.min), duration_text(delay.max),
-                          duration_text(delay.deviation), report.samples, remark(delay)));
+  const std::string text =
+      fmt::format("{}: {} ({} to {}, deviation {}), {} so far{}", arrivals.topic(), duration_text(delay.mean),
+                  duration_text(delay.min), duration_text(delay.max), duration_text(delay.deviation),
+                  report.samples, remark(delay));
+  output.line(output.fitted(text, live_indent));
 }
 
 }  // namespace

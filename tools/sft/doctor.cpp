@@ -28,8 +28,10 @@ Color color_of(Health health) {
 void print(const Finding& finding, Output& output) {
   const std::string health = fmt::format("{:<8}", name_of(finding.health));
   const std::string to_do = finding.to_do.empty() ? "" : ". " + finding.to_do;
-  output.line(output.colored(health, color_of(finding.health)) +
-              fmt::format("{:<11} {}{}", finding.what, printable(finding.text), to_do));
+  const std::string what = fmt::format("{:<11} ", finding.what);
+  const std::size_t indent = health.size() + what.size();
+  output.line(output.colored(health, color_of(finding.health)) + what +
+              output.fitted(printable(finding.text) + to_do, indent, indent));
 }
 
 Json json_of(const Finding& finding) {

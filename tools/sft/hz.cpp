@@ -27,7 +27,7 @@ std::string text_of(const std::string& topic, const Arrivals::Report& report) {
 
 void print(Arrivals& arrivals, const HzOptions& options, bool json, Output& output) {
   const Arrivals::Report report = arrivals.report(options.live.window_s);
-  if (!json) return output.line(text_of(arrivals.topic(), report));
+  if (!json) return output.line(output.fitted(text_of(arrivals.topic(), report), live_indent));
   output.record(nlohmann::ordered_json{{"topic", arrivals.topic()},
                                        {"rate_hz", report.rate_hz},
                                        {"period_s",

@@ -18,19 +18,21 @@ using Json = nlohmann::ordered_json;
 void print_endpoint(const EndpointInfo& e, bool publishes, Output& output) {
   output.line(fmt::format("  {}  {}", output.colored(printable(e.node), Color::cyan),
                           output.colored(hex_text(e.id), Color::dim)));
-  output.line("    qos        " + qos_text(e.qos));
-  output.line(
-      fmt::format("    ways       {}, on {} machine", ways_text(e), e.same_machine ? "this" : "another"));
+  const auto tell = [&](const char* what, const std::string& text) {
+    const std::string head = fmt::format("    {:<10} ", what);
+    output.line(head + output.fitted(text, head.size(), head.size()));
+  };
+  tell("qos", qos_text(e.qos));
+  tell("ways", fmt::format("{}, on {} machine", ways_text(e), e.same_machine ? "this" : "another"));
   std::string addresses;
   for (const std::string& address : e.addresses) addresses += (addresses.empty() ? "" : ", ") + address;
-  if (!addresses.empty()) output.line("    addresses  " + addresses);
-  if (!publishes) return output.line("    asks for   " + printable(request_text(e)));
-  output.line("    samples    of at most " + bytes_text(static_cast<double>(e.max_sample_bytes)));
-  if (e.waits) output.line("    waits      for reliable subscribers that do not keep up");
+  if (!addresses.empty()) tell("addresses", addresses);
+  if (!publishes) return tell("asks for", printable(request_text(e)));
+  tell("samples", "of at most " + bytes_text(static_cast<double>(e.max_sample_bytes)));
+  if (e.waits) tell("waits", "for reliable subscribers that do not keep up");
   if (!e.progress) return;
-  output.line(fmt::format("    sent       {} so far, {} over the network",
-                          count_text(e.progress->samples, "sample"),
-                          bytes_text(static_cast<double>(e.progress->bytes))));
+  tell("sent", fmt::format("{} so far, {} over the network", count_text(e.progress->samples, "sample"),
+                           bytes_text(static_cast<double>(e.progress->bytes))));
 }
 
 void print_text(const OneTopic& topic, Output& output) {

@@ -1,11 +1,15 @@
 // The options of what is measured and told once a second, and the loop of it.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 
 #include "tools/sft/session.h"
 
 namespace sft::tool {
+
+/// Of what does not fit the line of a topic.
+inline constexpr std::size_t live_indent = 4;
 
 struct LiveOptions {
   double for_s = 0;     ///< 0: until it is stopped

@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "tools/sft/wrapped.h"
+
 namespace sft::tool {
 
 namespace {
@@ -44,6 +46,10 @@ std::size_t Output::rows() const {
 std::string Output::colored(std::string_view text, Color color) const {
   if (!colors_ || color == Color::none) return std::string(text);
   return "\x1b[" + std::to_string(static_cast<int>(color)) + "m" + std::string(text) + "\x1b[0m";
+}
+
+std::string Output::fitted(std::string_view text, std::size_t indent, std::size_t before) const {
+  return terminal_ ? wrapped(text, columns(), indent, before) : std::string(text);
 }
 
 void Output::write(std::string_view text) {

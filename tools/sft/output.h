@@ -22,6 +22,8 @@ class Output {
   std::size_t columns() const;
   std::size_t rows() const;
   std::string colored(std::string_view text, Color color) const;
+  /// In lines that fit the terminal, as wrapped() makes them; elsewhere whole.
+  std::string fitted(std::string_view text, std::size_t indent, std::size_t before = 0) const;
 
   /// At once. Where nobody reads it any more, the command is to stop.
   void write(std::string_view text);

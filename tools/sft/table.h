@@ -1,4 +1,5 @@
-// Rows of text under one another in columns.
+// Rows of text under one another in columns. On a terminal that is too narrow for that the last column is
+// broken, or each row is a paragraph.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +19,11 @@ class Table {
   void print(Output& output) const;
 
  private:
-  std::string line(const std::vector<std::string>& cells) const;
+  std::size_t width_of(std::size_t column) const;
+  std::size_t last_column() const;
+  bool fits(const Output& output) const;
+  std::string line(const std::vector<std::string>& cells, const Output& output) const;
+  void print_paragraphs(Output& output) const;
 
   std::vector<std::string> headings_;
   std::vector<std::vector<std::string>> rows_;
