@@ -27,6 +27,9 @@ TEST_F(CommandTest, WrongUsageIsOneSentenceAndExitCodeTwo) {
                                                     {"echo", "points", "--fast"},
                                                     {"echo", "points", "--json", "--csv"},
                                                     {"ls", "robots"},
+                                                    {"pub", "points"},
+                                                    {"pub", "points", "std_msgs/Empty", "--once", "-n", "2"},
+                                                    {"pub", "points", "std_msgs/Empty", "-r", "0"},
                                                     {"ls", "--domain", "300"},
                                                     {"hz", "points", "--for", "soon"}};
   for (const auto& arguments : wrong) {
@@ -57,7 +60,8 @@ std::vector<std::string> shown_lines(const std::string& out) {
 
 TEST_F(CommandTest, TheHelpOfEachSubcommandFitsEightyColumns) {
   std::vector<std::vector<std::string>> helps{{"--help"}};
-  for (const char* command : {"ls", "info", "type", "echo", "hz", "bw", "delay", "why", "top", "doctor"})
+  for (const char* command :
+       {"ls", "info", "type", "echo", "pub", "hz", "bw", "delay", "why", "top", "doctor"})
     helps.push_back({command, "--help"});
   for (const auto& arguments : helps) {
     const std::vector<std::string> lines = shown_lines(run_tool(arguments).out);
@@ -230,13 +234,14 @@ TEST_F(CommandTest, BashCompletesSubcommandsOptionsTopicsAndFields) {
       "; complete_words() { COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _sft; "
       "printf \"%s\\n\" \"${COMPREPLY[@]}\"; };"
       "complete_words sft ec; complete_words sft echo /po; complete_words sft echo points --on;"
-      "complete_words sft echo points --fields fields[].na; complete_words sft ls ty";
+      "complete_words sft echo points --fields fields[].na; complete_words sft ls ty; "
+      "complete_words sft pub /po; complete_words sft pub points sensor_msgs/PointCloud2";
   FILE* const pipe = popen(("bash -c '" + script + "'").c_str(), "r");
   if (pipe == nullptr) GTEST_SKIP() << "no bash";
   std::string out;
   for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) out += static_cast<char>(c);
   pclose(pipe);
-  EXPECT_EQ(out, "echo\n/points\n--once\nfields[].name\ntypes\n");
+  EXPECT_EQ(out, "echo\n/points\n--once\nfields[].name\ntypes\n/points\nsensor_msgs/PointCloud2\n");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <pty.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
@@ -26,6 +27,7 @@ void close_now(int& descriptor) {
 }  // namespace
 
 ToolProcess::ToolProcess(std::vector<std::string> arguments, On on) {
+  std::array<int, 2> in{-1, -1};
   std::array<int, 2> out{-1, -1};
   std::array<int, 2> err{-1, -1};
   if (pipe2(err.data(), O_CLOEXEC) != 0) return;
@@ -33,12 +35,13 @@ ToolProcess::ToolProcess(std::vector<std::string> arguments, On on) {
     winsize size{.ws_row = 24, .ws_col = 80, .ws_xpixel = 0, .ws_ypixel = 0};
     if (openpty(&out[0], &out[1], nullptr, nullptr, &size) != 0) return;
     terminal_ = out[0];
-  } else if (pipe2(out.data(), O_CLOEXEC) != 0) {
+  } else if (pipe2(out.data(), O_CLOEXEC) != 0 ||
+             socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, in.data()) != 0) {
     return;
   }
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  if (on == On::terminal) posix_spawn_file_actions_adddup2(&actions, out[1], STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, on == On::terminal ? out[1] : in[0], STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
   arguments.insert(arguments.begin(), program_directory() + "/sft");
@@ -51,8 +54,10 @@ ToolProcess::ToolProcess(std::vector<std::string> arguments, On on) {
     other_end_ = out[1];  // without one the terminal would forget its settings
   } else {
     close(out[1]);
+    close(in[0]);
   }
   close(err[1]);
+  in_ = in[1];
   out_ = out[0];
   err_ = err[0];
 }
@@ -62,6 +67,7 @@ ToolProcess::~ToolProcess() {
     kill(process_, SIGKILL);
     waitpid(process_, nullptr, 0);
   }
+  close_now(in_);
   close_now(out_);
   close_now(err_);
   close_now(other_end_);
@@ -96,6 +102,16 @@ void ToolProcess::press(std::string_view keys) const {
   if (write(terminal_, keys.data(), keys.size()) < 0) return;
 }
 
+void ToolProcess::feed(std::string_view text) const {
+  while (!text.empty()) {
+    const ssize_t bytes = ::send(in_, text.data(), text.size(), MSG_NOSIGNAL);
+    if (bytes < 0) return;
+    text.remove_prefix(static_cast<std::size_t>(bytes));
+  }
+}
+
+void ToolProcess::end_input() { close_now(in_); }
+
 void ToolProcess::send(int signal) const { kill(process_, signal); }
 
 void ToolProcess::close_output() { close_now(out_); }
@@ -115,6 +131,11 @@ Ended ToolProcess::end() {
   return ended_;
 }
 
-Ended run_tool(std::vector<std::string> arguments) { return ToolProcess(std::move(arguments)).end(); }
+Ended run_tool(std::vector<std::string> arguments, std::string_view input) {
+  ToolProcess tool(std::move(arguments));
+  tool.feed(input);
+  tool.end_input();
+  return tool.end();
+}
 
 }  // namespace sft::test

@@ -28,6 +28,10 @@ class ToolProcess {
   /// Reads until it has printed that to its standard output; false if it ended first.
   bool prints(std::string_view expected);
   void press(std::string_view keys) const;
+  /// To its standard input, where that is no terminal. Returns when it has read that, or nearly, or has
+  /// ended.
+  void feed(std::string_view text) const;
+  void end_input();
   void send(int signal) const;
   void close_output();
   Ended end();
@@ -39,6 +43,7 @@ class ToolProcess {
   bool read_some();
 
   pid_t process_ = -1;
+  int in_ = -1;  ///< where that is no terminal
   int out_ = -1;
   int err_ = -1;
   int terminal_ = -1;   ///< the user's end
@@ -46,7 +51,7 @@ class ToolProcess {
   Ended ended_;
 };
 
-/// Until it ends by itself.
-Ended run_tool(std::vector<std::string> arguments);
+/// Until it ends by itself. `input` is all that comes by its standard input.
+Ended run_tool(std::vector<std::string> arguments, std::string_view input = {});
 
 }  // namespace sft::test

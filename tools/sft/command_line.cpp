@@ -16,6 +16,7 @@ struct Parsed {
   InfoOptions info;
   TypeOptions type;
   EchoOptions echo;
+  PubOptions pub;
   HzOptions hz;
   BwOptions bw;
   DelayOptions delay;
@@ -78,7 +79,7 @@ CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, Options Parse
 void add_count(CLI::App* command, std::uint64_t& count, const char* of_one, const char* of_many) {
   const auto one = [&count](std::int64_t) { count = 1; };
   CLI::Option* once = command->add_flag_function("--once", one, of_one);
-  command->add_option("--count", count, of_many)->check(CLI::PositiveNumber)->excludes(once);
+  command->add_option("-n,--count", count, of_many)->check(CLI::PositiveNumber)->excludes(once);
 }
 
 void add_live(CLI::App* command, LiveOptions& live) {
@@ -128,6 +129,32 @@ void declare_echo(CLI::App& app, Parsed& parsed) {
     parsed.echo.format = parsed.line.common.json ? Format::json : parsed.csv ? Format::csv : Format::yaml;
     parsed.line.command = parsed.echo;
   });
+}
+
+void declare_pub(CLI::App& app, Parsed& parsed) {
+  PubOptions& pub = parsed.pub;
+  CLI::App* command =
+      declare(app, parsed, "pub", &Parsed::pub, "Publish a message that is written as YAML or JSON");
+  command
+      ->add_option("TYPE", pub.type.type,
+                   "sensor_msgs/PointCloud2, a file my_msgs/msg/Status.msg, or auto: what the topic has")
+      ->required();
+  command->add_option("VALUE", pub.value,
+                      "'{header: auto, width: 3}': what is left out is zero or empty, and a stamp may be "
+                      "now; -: messages from the standard input, YAML with --- between them or a line of "
+                      "JSON each");
+  command->add_option("-r,--rate", pub.rate_hz, "So many samples a second (default: 1)")
+      ->check(CLI::Range(0.001, 100000.0));
+  add_count(command, pub.count, "Publish it once", "Publish it so many times");
+  command->add_option("-w,--wait-for", pub.wait_for,
+                      "First wait for so many subscribers, at most for --timeout (default: 1 where it ends "
+                      "by itself, else 0)");
+  command->add_flag("--reliable", pub.reliable, "Offer that what gets lost is sent again");
+  command->add_flag("--transient-local", pub.transient_local, "Keep the last sample for late subscribers");
+  command
+      ->add_option("-I,--include", pub.type.includes,
+                   "A directory of packages with .msg files: /opt/ros/humble/share")
+      ->allow_extra_args(false);
 }
 
 void declare_hz(CLI::App& app, Parsed& parsed) {
@@ -187,14 +214,14 @@ ExitCode tell_of_mistake(const CLI::App& app, const std::string& what) {
 }  // namespace
 
 std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv) {
-  CLI::App app("Looks at the nodes, topics and samples of SFT.", "sft");
+  CLI::App app("Looks at the nodes, topics and samples of SFT, and publishes samples.", "sft");
   app.formatter(std::make_shared<HelpFormat>());
   app.set_version_flag("--version", "sft " SFT_VERSION);
   app.footer(exit_codes_help);
   app.require_subcommand(1);
   Parsed parsed;
-  for (const auto add : {declare_ls, declare_info, declare_type, declare_echo, declare_hz, declare_bw,
-                         declare_delay, declare_why, declare_top, declare_doctor}) {
+  for (const auto add : {declare_ls, declare_info, declare_type, declare_echo, declare_pub, declare_hz,
+                         declare_bw, declare_delay, declare_why, declare_top, declare_doctor}) {
     add(app, parsed);
   }
   try {

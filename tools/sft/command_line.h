@@ -12,15 +12,16 @@
 #include "tools/sft/hz.h"
 #include "tools/sft/info.h"
 #include "tools/sft/ls.h"
+#include "tools/sft/pub.h"
 #include "tools/sft/top.h"
 #include "tools/sft/type.h"
 #include "tools/sft/why.h"
 
 namespace sft::tool {
 
-/// One of each subcommand. `sft pub` will be one more.
-using Command = std::variant<LsOptions, InfoOptions, TypeOptions, EchoOptions, HzOptions, BwOptions,
-                             DelayOptions, WhyOptions, TopOptions, DoctorOptions>;
+/// One of each subcommand.
+using Command = std::variant<LsOptions, InfoOptions, TypeOptions, EchoOptions, PubOptions, HzOptions,
+                             BwOptions, DelayOptions, WhyOptions, TopOptions, DoctorOptions>;
 
 struct CommandLine {
   std::string name;  ///< of the subcommand

@@ -27,10 +27,6 @@ Qos common_offer(const std::string& topic, const DomainSnapshot& domain) {
   return published ? qos : Qos{};
 }
 
-std::string without_slash(std::string_view topic) {
-  return std::string(topic.starts_with('/') ? topic.substr(1) : topic);
-}
-
 }  // namespace
 
 Result<Session> Session::open(const CommonOptions& options, std::string_view command, Stop& stop,
@@ -69,8 +65,12 @@ bool Session::wait_until(const std::function<bool(const DomainSnapshot&)>& enoug
   }
 }
 
+std::string Session::plain_name(std::string_view topic) {
+  return std::string(topic.starts_with('/') ? topic.substr(1) : topic);
+}
+
 std::optional<std::string> Session::known_name(std::string_view topic, const DomainSnapshot& domain) {
-  const std::string plain = without_slash(topic);
+  const std::string plain = plain_name(topic);
   const std::string given(topic);
   for (const std::string& name : {given, plain, "/" + plain}) {
     const auto has = [&](const EndpointInfo& e) { return e.topic == name; };
@@ -84,7 +84,7 @@ Result<FoundTopic> Session::find(std::string_view topic) {
   std::optional<FoundTopic> found;
   Error error{Errc::unavailable, "stopped before the topic was found"};
   const auto look = [&](const DomainSnapshot& domain) {
-    const std::string name = known_name(topic, domain).value_or(without_slash(topic));
+    const std::string name = known_name(topic, domain).value_or(plain_name(topic));
     const Result<DynamicType> type = node_.find_type(name, 0s);
     if (type) {
       found = FoundTopic{name, *type, Qos{}};

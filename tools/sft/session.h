@@ -37,6 +37,8 @@ class Session {
   /// Waits until `enough` holds of the domain, for so long at most; tells whether it does.
   bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough, double for_s);
 
+  /// Without a slash in front, which counts for nothing.
+  static std::string plain_name(std::string_view topic);
   /// The name under which nodes know a topic that a user names: with or without a slash in front. Nothing
   /// while nobody publishes or subscribes to it.
   static std::optional<std::string> known_name(std::string_view topic, const DomainSnapshot& domain);

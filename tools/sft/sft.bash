@@ -1,12 +1,21 @@
-# Completion of the command sft for bash: subcommands, options, topics and fields of those that are there.
+# Completion of the command sft for bash: subcommands, options, messages, and the topics and fields that are there.
 
 _sft_names() { # ARGUMENT...: what sft prints, one word in a line
   sft "$@" --wait 0.3 --timeout 0.5 2>/dev/null
 }
 
+_sft_messages() { # those that are installed with sft, as package/Name
+  local program file
+  program=$(command -v sft) || return
+  for file in "${program%/*}"/../share/sft/interfaces/*/msg/*.msg; do
+    file=${file#*/sft/interfaces/} file=${file%.msg}
+    echo "${file/\/msg\///}"
+  done
+}
+
 _sft() {
   local word=${COMP_WORDS[COMP_CWORD]} command=${COMP_WORDS[1]} before=${COMP_WORDS[COMP_CWORD - 1]}
-  local commands="ls info type echo hz bw delay why top doctor"
+  local commands="ls info type echo pub hz bw delay why top doctor"
   local common="--json --no-color --domain --interface --peer --wait --timeout --help"
   COMPREPLY=()
 
@@ -21,7 +30,10 @@ _sft() {
     --interface)
       mapfile -t COMPREPLY < <(compgen -W "$(ls /sys/class/net)" -- "$word")
       return ;;
-    --domain | --peer | --wait | --timeout | --for | --window | --count | --rate | --every)
+    --include | -I)
+      mapfile -t COMPREPLY < <(compgen -d -- "$word")
+      return ;;
+    --domain | --peer | --wait | --timeout | --for | --window | --count | -n | --rate | -r | --every | --wait-for | -w)
       [[ $command == bw && $before == --every ]] || return ;;
   esac
 
@@ -30,6 +42,7 @@ _sft() {
     ls) own="--names" ;;
     type) own="--name --fields" ;;
     echo) own="--fields --once --count --rate --yaml --csv --full" ;;
+    pub) own="--rate --once --count --wait-for --reliable --transient-local --include" ;;
     hz) own="--for --window" ;;
     bw) own="--fields --every --for --window" ;;
     delay) own="--published --for --window" ;;
@@ -41,7 +54,9 @@ _sft() {
     mapfile -t COMPREPLY < <(compgen -W "$own $common" -- "$word")
   elif [[ $command == ls ]]; then
     mapfile -t COMPREPLY < <(compgen -W "nodes topics types endpoints" -- "$word")
-  elif [[ $command == @(info|type|echo|hz|bw|delay|why) ]]; then
+  elif [[ $command == pub ]] && ((COMP_CWORD == 3)); then
+    mapfile -t COMPREPLY < <(compgen -W "auto $(_sft_messages)" -- "$word"; compgen -f -X '!*.msg' -- "$word")
+  elif [[ $command == @(info|type|echo|hz|bw|delay|why) || $command == pub && $COMP_CWORD == 2 ]]; then
     local slash=
     [[ $word == /* ]] && slash=/
     mapfile -t COMPREPLY < <(compgen -P "$slash" -W "$(_sft_names ls topics --names)" -- "${word#/}")
