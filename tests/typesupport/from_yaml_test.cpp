@@ -14,6 +14,7 @@
 #include "sft/typesupport/json.h"
 #include "sft/typesupport/yaml.h"
 #include "tests/support/encoded.h"
+#include "tests/support/test_seed.h"
 
 namespace sft {
 namespace {
@@ -91,7 +92,8 @@ TEST(FromYamlTest, WhatIsNoYamlIsNamedByItsPlace) {
   EXPECT_EQ(fault<PointCloud2>("width: 1\nheight: 2\nwidth: 3\n"),
             "'width' stands twice in one mapping, the second time in line 3, column 1");
   EXPECT_EQ(fault<PointCloud2>("width: 1\n---\nwidth: 2\n"),
-            "the text has 2 documents of YAML; one message was expected");
+            "there is more behind the first document of YAML; one message was expected");
+  EXPECT_NE(fault<PointCloud2>(",width: 1"), "");
 }
 
 TEST(FromYamlTest, AliasesThatMakeMuchOfLittleAreRefused) {
@@ -113,6 +115,41 @@ TEST(FromYamlTest, DeepNestingIsRefusedAndNoHarm) {
   const std::string deep(100'000, '[');
   EXPECT_NE(fault<PointCloud2>("width: " + deep), "");
   EXPECT_NE(fault<PointCloud2>("width: " + std::string(100'000, '{')), "");
+}
+
+class DamagedYaml : public test::RandomTest {};
+
+TEST_F(DamagedYaml, IsAnErrorOrAWholeMessage) {
+  const std::string good =
+      "header: {stamp: {sec: 7, nanosec: 0}, frame_id: \"a\\x41\"}\nheight: !!int 1\nfields:\n- &f\n  name: "
+      "|\n"
+      "    x\n  offset: 0x10\n- *f\n- {name: 'y', ? count : 1}\ndata: [1, 2, 255]\nis_dense: true # yes\n";
+  ASSERT_TRUE(payload_of<PointCloud2>(good)) << fault<PointCloud2>(good);
+  const std::string_view alphabet = "{}[]:,-&*!|>'\"\n \t#?%@\\\x7f\xff~a0<.";
+  const std::uint64_t rounds = test::test_rounds(5000);
+  std::uint64_t errors = 0;
+  for (std::uint64_t round = 0; round < rounds; ++round) {
+    std::string text = good;
+    for (std::uint64_t damage = 1 + random() % 4; damage > 0; --damage) {
+      const std::size_t at = random() % text.size();
+      const char c = alphabet[random() % alphabet.size()];
+      switch (random() % 3) {
+        case 0:
+          text[at] = c;
+          break;
+        case 1:
+          text.insert(at, random() % 8 + 1, c);
+          break;
+        default:
+          text.erase(at, random() % 8 + 1);
+      }
+    }
+    const auto payload = payload_of<PointCloud2>(text);
+    errors += payload ? 0 : 1;
+    EXPECT_TRUE(payload || !payload.error().message.empty()) << text;
+  }
+  EXPECT_GT(errors, rounds / 4);
+  EXPECT_LT(errors, rounds);
 }
 
 }  // namespace

@@ -1,11 +1,12 @@
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <utility>
-#include <vector>
 
 #include "sft/typesupport/type_table.h"
 #include "sft/typesupport/yaml.h"
@@ -21,6 +22,33 @@ constexpr std::size_t values_per_byte_max = 64;
 
 std::string place(const YAML::Mark& mark) {
   return "line " + std::to_string(mark.line + 1) + ", column " + std::to_string(mark.column + 1);
+}
+
+/// Passes over a document.
+class Nothing final : public YAML::EventHandler {
+ public:
+  using Mark = YAML::Mark;
+  using Style = YAML::EmitterStyle::value;
+
+  void OnDocumentStart(const Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const Mark&, YAML::anchor_t) override {}
+  void OnAlias(const Mark&, YAML::anchor_t) override {}
+  void OnScalar(const Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const Mark&, const std::string&, YAML::anchor_t, Style) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const Mark&, const std::string&, YAML::anchor_t, Style) override {}
+  void OnMapEnd() override {}
+};
+
+/// Load() says nothing of what stands behind the first document, and LoadAll() of yaml-cpp 0.7 takes all the
+/// memory there is where a text begins with a comma.
+bool has_more_than_one(const std::string& text) {
+  std::istringstream in(text);
+  YAML::Parser parser(in);
+  Nothing nothing;
+  parser.HandleNextDocument(nothing);
+  return static_cast<bool>(parser);
 }
 
 /// Goes as deep as the type does, whatever the text says: what does not fit becomes something that
@@ -72,8 +100,8 @@ class JsonMaker {
 
   /// By the rules of YAML, but for text, which is what stands there. Quoted scalars are always text.
   static Json scalar(const Member& m, const YAML::Node& node) {
-    const bool is_quoted = node.Tag() != "?" && !node.Tag().empty();
-    if (m.kind == Kind::string || m.kind == Kind::character || is_quoted) return node.Scalar();
+    const bool is_text = node.Tag() == "!" || node.Tag() == "tag:yaml.org,2002:str";
+    if (m.kind == Kind::string || m.kind == Kind::character || is_text) return node.Scalar();
     if (bool b = false; m.kind == Kind::boolean && YAML::convert<bool>::decode(node, b)) return b;
     if (std::int64_t i = 0; YAML::convert<std::int64_t>::decode(node, i)) return i;
     if (std::uint64_t u = 0; YAML::convert<std::uint64_t>::decode(node, u)) return u;
@@ -108,12 +136,11 @@ class JsonMaker {
 Result<std::string> json_from_yaml(const StructType& type, std::string_view yaml) {
   if (Json::accept(yaml)) return std::string(yaml);
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(yaml));
-    if (documents.size() > 1) {
-      return fail(Errc::malformed, "the text has " + std::to_string(documents.size()) +
-                                       " documents of YAML; one message was expected");
-    }
-    const YAML::Node root = documents.empty() ? YAML::Node() : documents.front();
+    const std::string text(yaml);
+    const YAML::Node root = YAML::Load(text);
+    if (has_more_than_one(text))
+      return fail(Errc::malformed,
+                  "there is more behind the first document of YAML; one message was expected");
     return JsonMaker(yaml.size()).make(type, root).map([](const Json& json) {
       return json.dump(-1, ' ', false, Json::error_handler_t::replace);
     });
