@@ -1,6 +1,5 @@
-// The four subscribers of the example: what each is for, the fields that it declares, and the code that reads
-// them. With
-// --arr nothing is declared, and the same code is what the fields are recorded from.
+// The five subscribers of the example: what each is for, the fields that it declares, and the code that reads
+// them. With --arr nothing is declared, and the same code is what the fields are recorded from.
 #pragma once
 
 #include <concepts>
@@ -38,38 +37,50 @@ class Use {
   std::uint64_t sum_ = 0;
 };
 
-/// Watches that the LiDAR works: the shape of its clouds is enough.
-struct Diagnostic {
-  static constexpr const char* name = "diagnostic";
-  static constexpr Mask<PointCloud2> fields = PointCloud2::Field::height | PointCloud2::Field::width;
-  static void read(const auto& cloud, Use& use) {
-    use(cloud.height());
-    use(cloud.width());
-  }
+/// What the subscribers have unless they say otherwise.
+struct EveryCloud {
+  static constexpr double max_rate_hz = 0;  ///< all clouds
 };
 
-/// Finds objects in the points.
-struct Detector {
-  static constexpr const char* name = "detector";
-  static constexpr Mask<PointCloud2> fields = PointCloud2::Field::data;
-  static void read(const auto& cloud, Use& use) { use(cloud.data()); }
-};
-
-/// Maps and localizes; goes through the points without regard to rows.
-struct Slam {
-  static constexpr const char* name = "slam";
-  static constexpr Mask<PointCloud2> fields = ~PointCloud2::Field::height;
+struct Health : EveryCloud {
+  static constexpr const char* name = "health";
+  static constexpr const char* purpose = "watches that the lidar is alive and sees something";
+  static constexpr Mask<PointCloud2> fields = PointCloud2::Field::header | PointCloud2::Field::width;
   static void read(const auto& cloud, Use& use) {
     use(cloud.header().stamp().sec());
     use(cloud.header().stamp().nanosec());
     use(cloud.header().frame_id());
     use(cloud.width());
-    read_fields(cloud.fields(), use);
-    use(cloud.is_bigendian());
-    use(cloud.point_step());
-    use(cloud.row_step());
-    use(cloud.data());
+  }
+};
+
+struct Dashboard : EveryCloud {
+  static constexpr const char* name = "dashboard";
+  static constexpr const char* purpose = "shows the operator how large the clouds are";
+  static constexpr Mask<PointCloud2> fields =
+      PointCloud2::Field::height | PointCloud2::Field::width | PointCloud2::Field::is_dense;
+  static void read(const auto& cloud, Use& use) {
+    use(cloud.height());
+    use(cloud.width());
     use(cloud.is_dense());
+  }
+};
+
+struct Recorder : EveryCloud {
+  static constexpr const char* name = "recorder";
+  static constexpr const char* purpose = "writes down when each cloud was taken";
+  static constexpr Mask<PointCloud2> fields = PointCloud2::Field::header.stamp;
+  static void read(const auto& cloud, Use& use) {
+    use(cloud.header().stamp().sec());
+    use(cloud.header().stamp().nanosec());
+  }
+};
+
+/// How the points are laid out: what whoever reads x, y and z of `data` needs first.
+struct Layout {
+  static void read(const auto& cloud, Use& use) {
+    read_fields(cloud.fields(), use);
+    use(cloud.point_step());
   }
 
  private:
@@ -88,13 +99,34 @@ struct Slam {
   }
 };
 
-/// Draws the cloud on the LiDAR's own host. There, all fields cost nothing.
-struct Viewer {
-  static constexpr const char* name = "viewer";
-  static constexpr Mask<PointCloud2> fields = all<PointCloud2>;
+/// Corrects its odometry now and then, so that it needs few clouds, but nearly all of these.
+struct Localiser {
+  static constexpr const char* name = "localiser";
+  static constexpr const char* purpose = "finds the robot on a map, by one cloud a second";
+  static constexpr double max_rate_hz = 1;
+  static constexpr Mask<PointCloud2> fields = ~PointCloud2::Field::height;
   static void read(const auto& cloud, Use& use) {
-    Slam::read(cloud, use);
-    use(cloud.height());
+    use(cloud.header().stamp().sec());
+    use(cloud.header().stamp().nanosec());
+    use(cloud.header().frame_id());
+    use(cloud.width());
+    Layout::read(cloud, use);
+    use(cloud.is_bigendian());
+    use(cloud.row_step());
+    use(cloud.data());
+    use(cloud.is_dense());
+  }
+};
+
+/// Needs x, y and z of every point. It runs on the LiDAR's own host, where these cost nothing.
+struct Detector : EveryCloud {
+  static constexpr const char* name = "detector";
+  static constexpr const char* purpose = "finds objects, in the lidar's own memory";
+  static constexpr Mask<PointCloud2> fields =
+      PointCloud2::Field::fields | PointCloud2::Field::point_step | PointCloud2::Field::data;
+  static void read(const auto& cloud, Use& use) {
+    Layout::read(cloud, use);
+    use(cloud.data());
   }
 };
 

@@ -23,9 +23,22 @@ constexpr milliseconds settling{5'000};
 // Then each says about every so often that it is still there (80 % of the lease that the library gives). Over
 // any whole number of such periods the control traffic is the same, over others it depends on luck.
 constexpr seconds control_period{8};
-constexpr const char* stopped_early = "stopped before anything was published";
+constexpr const char* stopped_early = "stopped before anything was published, so there are no figures";
 constexpr milliseconds refresh{250};
 constexpr milliseconds poll_interval{20};
+constexpr milliseconds between_notices{200};
+
+/// Null if the publisher does not know it.
+const ReaderReport* reader_called(const PublisherReport& publisher, const std::string& name) {
+  const auto reader = std::find_if(publisher.readers.begin(), publisher.readers.end(),
+                                   [&](const ReaderReport& r) { return r.node == name; });
+  return reader == publisher.readers.end() ? nullptr : &*reader;
+}
+
+std::uint64_t withheld_from(const PublisherReport& publisher, const std::string& name) {
+  const ReaderReport* reader = reader_called(publisher, name);
+  return reader == nullptr ? 0 : reader->withheld;
+}
 
 }  // namespace
 
@@ -41,15 +54,36 @@ Result<RunFigures> Demo::run() {
       .map([this] { return figures(last_); });
 }
 
+Result<void> Demo::wait_until(Clock::time_point then, const std::string& what) {
+  for (;;) {
+    const auto now = Clock::now();
+    display_.waiting(what, now);
+    if (interrupt_.wait_until(std::min(then, now + between_notices)))
+      return fail(Errc::unavailable, stopped_early);
+    if (now >= then) return {};
+  }
+}
+
 Result<Demo::Snapshot> Demo::look(const Order& order) {
+  return look(order, [](const std::string&) { return WhileWaiting(); });
+}
+
+Result<Demo::Snapshot> Demo::first_look() {
+  return look({}, [this](const std::string& name) -> WhileWaiting {
+    return [this, what = "Waiting until the " + name + " has started"] { return wait_until({}, what); };
+  });
+}
+
+Result<Demo::Snapshot> Demo::look(const Order& order,
+                                  const std::function<WhileWaiting(const std::string&)>& waiting) {
   Snapshot now;
   for (const Stage::Subscriber& subscriber : stage_.subscribers()) {
-    Result<SubscriberReport> report = stage_.ask(subscriber);
+    Result<SubscriberReport> report = stage_.ask(subscriber, waiting(subscriber.name));
     if (!report) return tl::unexpected(report.error());
     now.subscribers.push_back(std::move(*report));
   }
   // The publisher last: what subscribers have received by now is published.
-  Result<PublisherReport> report = stage_.ask_publisher(order);
+  Result<PublisherReport> report = stage_.ask_publisher(order, waiting("lidar"));
   if (!report) return tl::unexpected(report.error());
   now.publisher = std::move(*report);
   now.at = Clock::now();
@@ -59,10 +93,8 @@ Result<Demo::Snapshot> Demo::look(const Order& order) {
 
 bool Demo::served_as_wished(const Snapshot& now, std::size_t number, bool any_transport) const {
   const Stage::Subscriber& subscriber = stage_.subscribers()[number];
-  const std::vector<ReaderReport>& readers = now.publisher.readers;
-  const auto reader = std::find_if(readers.begin(), readers.end(),
-                                   [&](const ReaderReport& r) { return r.node == subscriber.name; });
-  if (reader == readers.end() || !reader->served || !now.subscribers[number].matched) return false;
+  const ReaderReport* reader = reader_called(now.publisher, subscriber.name);
+  if (reader == nullptr || !reader->served || !now.subscribers[number].matched) return false;
   return any_transport || !subscriber.local ||
          (reader->transport == "shm" && now.subscribers[number].transport == "shm");
 }
@@ -80,42 +112,61 @@ Error Demo::not_ready(const Snapshot& now) const {
   return {Errc::unavailable, text};
 }
 
+/// "health, localiser"
+std::string Demo::missing(const Snapshot& now, bool any_transport) const {
+  std::string names;
+  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    if (served_as_wished(now, i, any_transport)) continue;
+    names += (names.empty() ? "" : ", ") + stage_.subscribers()[i].name;
+  }
+  return names;
+}
+
+void Demo::introduce() const {
+  display_.say(fmt::format("  lidar    publishes clouds of {}, {:g} a second", source_.shape(), options_.hz));
+  for (const Stage::Subscriber& subscriber : stage_.subscribers()) {
+    const std::string host = stage_.real_hosts() ? subscriber.host : subscriber.local ? "shared" : "by UDP";
+    display_.say(fmt::format("  {:<8} {:<9} {}", host, subscriber.name, subscriber.purpose));
+  }
+}
+
 Result<void> Demo::await_readiness() {
+  introduce();
   const auto start = Clock::now();
-  for (;;) {
-    Result<Snapshot> now = look();
+  Result<Snapshot> now = first_look();
+  for (;; now = look()) {
     if (!now) return tl::unexpected(now.error());
     const auto waited = now->at - start;
     const bool any_transport = waited > patience_for_shared_memory;
-    bool ready = true;
-    for (std::size_t i = 0; i < now->subscribers.size(); ++i) {
-      ready = ready && served_as_wished(*now, i, any_transport);
-    }
-    if (ready) {
+    const std::string missing_names = missing(*now, any_transport);
+    if (missing_names.empty()) {
       display_.say(fmt::format("All {} subscribers found the publisher within {:.1f} s.",
                                now->subscribers.size(), std::chrono::duration<double>(waited).count()));
       for (const std::string& line : format_refusals(now->publisher)) display_.say(line);
       return {};
     }
     if (waited > patience_for_matching) return tl::unexpected(not_ready(*now));
-    if (interrupt_.wait_until(now->at + poll_interval)) return fail(Errc::unavailable, stopped_early);
+    const Result<void> waiting = wait_until(now->at + poll_interval, "Not served yet: " + missing_names);
+    if (!waiting) return waiting;
   }
 }
 
 /// Also makes the run long enough for a figure of the idle traffic, where publishing alone is not.
 Result<void> Demo::let_it_settle() {
   if (!stage_.real_hosts()) return {};
-  display_.say("Waiting until discovery is quiet ...");
-  if (interrupt_.wait_until(Clock::now() + settling)) return fail(Errc::unavailable, stopped_early);
+  const Result<void> settled = wait_until(
+      Clock::now() + settling,
+      fmt::format("Waiting until discovery is quiet, {} s", std::chrono::floor<seconds>(settling).count()));
+  if (!settled) return settled;
   Result<Snapshot> now = look();
   if (!now) return tl::unexpected(now.error());
   settled_ = std::move(*now);
   const auto publishing = std::chrono::floor<milliseconds>(std::chrono::duration<double>(options_.seconds));
   const auto silence = control_period + 2 * refresh - publishing;
   if (silence <= silence.zero()) return {};
-  display_.say("Listening to what nodes send while nothing is published ...");
-  if (interrupt_.wait_until(settled_.at + silence)) return fail(Errc::unavailable, stopped_early);
-  return {};
+  return wait_until(settled_.at + silence,
+                    fmt::format("Counting what nodes send while nothing is published, {:.0f} s",
+                                std::chrono::duration<double>(silence).count()));
 }
 
 Result<void> Demo::publish() {
@@ -139,9 +190,12 @@ Result<void> Demo::await_arrival() {
     Result<Snapshot> now = look();
     if (!now) return tl::unexpected(now.error());
     last_ = std::move(*now);
-    const bool all_there = std::all_of(
-        last_.subscribers.begin(), last_.subscribers.end(),
-        [&](const SubscriberReport& s) { return s.received + s.lost >= last_.publisher.published; });
+    bool all_there = true;
+    for (std::size_t i = 0; i < last_.subscribers.size(); ++i) {
+      const SubscriberReport& s = last_.subscribers[i];
+      const std::uint64_t withheld = withheld_from(last_.publisher, stage_.subscribers()[i].name);
+      all_there = all_there && s.received + s.lost + withheld >= last_.publisher.published;
+    }
     is_over_ = all_there || last_.at > deadline || interrupt_.wait_until(last_.at + poll_interval);
     if (is_over_) return {};
   }
@@ -174,13 +228,16 @@ RunFigures Demo::figures(const Snapshot& now) const {
   run.dropped = now.publisher.dropped;
   run.hosts = stage_.hosts();
   run.idle_bytes_per_s = idle_bytes_per_s_;
-  const Conditions conditions{options_.arr, stage_.real_hosts(), is_over_};
   const double published = std::max(1.0, static_cast<double>(now.publisher.published));
   for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    const Stage::Subscriber& who = stage_.subscribers()[i];
+    const Conditions conditions{options_.arr, stage_.real_hosts(), is_over_,
+                                withheld_from(now.publisher, who.name)};
     SubscriberFigures subscriber =
         measure(begin_.subscribers[i], now.subscribers[i], now.publisher.published, conditions);
-    subscriber.name = stage_.subscribers()[i].name;
-    subscriber.host = stage_.real_hosts() ? stage_.subscribers()[i].host : "-";
+    subscriber.name = who.name;
+    subscriber.max_rate_hz = who.max_rate_hz;
+    subscriber.host = stage_.real_hosts() ? who.host : "-";
     subscriber.full_bytes_per_sample = static_cast<double>(now.publisher.full_bytes) / published;
     run.subscribers.push_back(std::move(subscriber));
   }

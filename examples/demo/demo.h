@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <vector>
 
 #include "examples/demo/display.h"
@@ -29,11 +30,18 @@ class Demo {
   };
 
   Result<Snapshot> look(const Order& order = {});
+  /// The first one: waits until all roles have started, and says so.
+  Result<Snapshot> first_look();
+  Result<Snapshot> look(const Order& order, const std::function<WhileWaiting(const std::string&)>& waiting);
   Result<void> await_readiness();
   Result<void> let_it_settle();
   Result<void> publish();
   Result<void> await_arrival();
 
+  /// Before anything is published: says what is being waited for. The error is that the user wants to stop.
+  Result<void> wait_until(Clock::time_point then, const std::string& what);
+  void introduce() const;
+  std::string missing(const Snapshot& now, bool any_transport) const;
   bool served_as_wished(const Snapshot& now, std::size_t subscriber, bool any_transport) const;
   Error not_ready(const Snapshot& now) const;
   RunFigures figures(const Snapshot& now) const;

@@ -4,28 +4,42 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "examples/demo/report.h"
+#include "examples/demo/text_lines.h"
 
 namespace sft::demo {
 
 namespace {
 
-/// A longer line would wrap, and the table could not be replaced.
-std::size_t terminal_columns() {
+/// A line that does not fit would wrap, and could not be replaced.
+std::size_t columns_shown() {
   winsize size{};
-  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+  const bool known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
+  return known ? std::min<std::size_t>(size.ws_col - 1, columns_max) : columns_max;
 }
 
 }  // namespace
 
-Display::Display() : terminal_(isatty(STDOUT_FILENO) != 0) {}
+Display::Display(bool colours_wanted)
+    : terminal_(isatty(STDOUT_FILENO) != 0), colours_(terminal_ && colours_wanted) {}
 
-void Display::say(const std::string& line) {
-  std::puts(line.c_str());
-  std::fflush(stdout);
+std::string Display::painted(const std::string& line, Style style) const {
+  if (!colours_ || style == Style::plain) return line;
+  return fmt::format("\x1b[{}m{}\x1b[0m", style == Style::pitch ? "1;32" : "1", line);
+}
+
+std::string Display::painted_table(const RunFigures& figures, std::size_t columns) const {
+  std::string text;
+  Style style = Style::head;
+  for (const std::string& line : format_table(figures)) {
+    text += painted(line.substr(0, columns), style) + "\n";
+    style = Style::plain;
+  }
+  return text;
 }
 
 void Display::replace(const std::string& lines, std::size_t count) {
@@ -35,6 +49,18 @@ void Display::replace(const std::string& lines, std::size_t count) {
   shown_lines_ = count;
 }
 
+void Display::say(const std::string& text) {
+  std::string lines;
+  for (const std::string& line : wrap(text)) lines += line + "\n";
+  replace(lines, 0);
+}
+
+void Display::waiting(std::string_view what, WaitNotice::Clock::time_point now) {
+  const std::optional<std::string> line = notice_.line(what, now);
+  if (!line) return;
+  terminal_ ? replace(shorten(*line, columns_shown()) + "\n", 1) : say(*line);
+}
+
 void Display::show(const RunFigures& figures, double elapsed_s) {
   if (!terminal_) {
     if (elapsed_s < next_progress_s_) return;
@@ -42,18 +68,19 @@ void Display::show(const RunFigures& figures, double elapsed_s) {
     say(format_progress(figures, elapsed_s));
     return;
   }
-  const std::size_t columns = terminal_columns();
-  std::string text =
-      fmt::format("\n{:.1f} s, {} point clouds published\n", elapsed_s, format_count(figures.samples));
-  const std::vector<std::string> table = format_table(figures);
-  for (const std::string& line : table) text += line.substr(0, columns - 1) + "\n";
-  replace(text, table.size() + 2);
+  const std::size_t columns = columns_shown();
+  const std::string progress = format_progress(figures, elapsed_s).substr(0, columns);
+  replace("\n" + painted_table(figures, columns) + "\n" + progress + "\n", figures.subscribers.size() + 4);
 }
 
 void Display::conclude(const RunFigures& figures) {
-  std::string text = "\n";
-  for (const std::string& line : format_table(figures)) text += line + "\n";
-  replace(text + "\n" + format_summary(figures), 0);
+  std::string text = "\n" + painted_table(figures, columns_max) + "\n";
+  Style style = Style::pitch;
+  for (const std::string& line : format_summary(figures)) {
+    text += painted(line, style) + "\n";
+    style = Style::plain;
+  }
+  replace(text, 0);
 }
 
 }  // namespace sft::demo

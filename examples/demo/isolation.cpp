@@ -5,6 +5,7 @@
 #include <sched.h>
 #include <sys/mount.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -22,6 +23,13 @@ Result<void> checked(int result, std::string_view what) {
   if (result == 0) return {};
   const Errc code = errno == EPERM || errno == EACCES ? Errc::no_permission : Errc::system;
   return fail(code, fmt::format("{}: {}", what, std::strerror(errno)));
+}
+
+Result<void> write_line(const char* file, std::string_view line) {
+  const Descriptor opened(open(file, O_WRONLY | O_CLOEXEC));
+  const bool written =
+      opened && write(opened.get(), line.data(), line.size()) == static_cast<ssize_t>(line.size());
+  return checked(written ? 0 : -1, fmt::format("{} cannot be written", file));
 }
 
 Result<void> mount_memory(const char* where, const std::string& options) {
@@ -68,12 +76,24 @@ Result<void> mount_own_proc() {
                  "a private /proc cannot be mounted");
 }
 
+Result<void> become_root() {
+  const uid_t user = geteuid();
+  const gid_t group = getegid();
+  if (user == 0) return {};
+  // The network of this machine is not this root's: whoever leaves it cannot come back.
+  return checked(unshare(CLONE_NEWUSER | CLONE_NEWNET),
+                 "that takes root, or a user namespace, which cannot be made")
+      .and_then([] { return write_line("/proc/self/setgroups", "deny"); })
+      .and_then([&] { return write_line("/proc/self/uid_map", fmt::format("0 {} 1", user)); })
+      .and_then([&] { return write_line("/proc/self/gid_map", fmt::format("0 {} 1", group)); });
+}
+
 Result<void> try_isolation() {
-  if (geteuid() != 0) return fail(Errc::no_permission, "that takes root");
   return in_child([]() -> Result<void> {
-    const Result<NetworkNamespace> network = NetworkNamespace::create();
+    if (Result<void> root = become_root(); !root) return root;
+    const Result<EmulatedNetwork> network = EmulatedNetwork::create(1);
     if (!network) return tl::unexpected(network.error());
-    return leave_this_host({.network = &*network}).and_then([] { return in_child(mount_own_proc); });
+    return leave_this_host({.network = &network->host(0)}).and_then([] { return in_child(mount_own_proc); });
   });
 }
 

@@ -18,7 +18,11 @@ Result<void> leave_this_host(const HostSettings& settings);
 /// In that child: makes /proc tell of the new process namespace.
 Result<void> mount_own_proc();
 
-/// Whether this process may do all that. The error says why not.
+/// Whether this process may do all that, once become_root() was called. The error says why not.
 Result<void> try_isolation();
+
+/// Root may make hosts. Any other user becomes root of a user namespace, where the system lets users have
+/// one, for the rest of the calling process. REQUIRES: it has one thread.
+Result<void> become_root();
 
 }  // namespace sft::demo

@@ -4,9 +4,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <fstream>
+#include <future>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -18,9 +21,23 @@ namespace sft::demo {
 
 namespace {
 
+constexpr std::chrono::milliseconds between_notices{200};
+
+/// What no-color.org says.
+bool colours_wanted() {
+  const char* unwanted = std::getenv("NO_COLOR");
+  return unwanted == nullptr || *unwanted == '\0';
+}
+
 Result<std::unique_ptr<CloudSource>> open_source(const DemoOptions& options, Display& display) {
   if (!options.input) return std::make_unique<SceneSource>(options.hz);
-  Result<Input> input = read_point_clouds(*options.input, options.samples());
+  // A thread of its own, which is gone before the stage is set up.
+  auto reading =
+      std::async(std::launch::async, [&] { return read_point_clouds(*options.input, options.samples()); });
+  while (reading.wait_for(between_notices) == std::future_status::timeout) {
+    display.waiting("Reading " + options.input->native(), WaitNotice::Clock::now());
+  }
+  Result<Input> input = reading.get();
   if (!input) return tl::unexpected(input.error());
   for (const std::string& note : input->notes) display.say(options.input->native() + ": " + note);
   return std::make_unique<FileSource>(options.input->native(), std::move(input->clouds));
@@ -49,17 +66,18 @@ Result<void> run(const DemoOptions& options) {
   if (options.json) {
     if (Result<void> writable = check_writable(*options.json); !writable) return writable;
   }
-  Display display;
+  Display display(colours_wanted());
   const Result<std::unique_ptr<CloudSource>> source = open_source(options, display);
   if (!source) return tl::unexpected(source.error());
 
   Interrupt interrupt;
+  display.waiting("Setting up the hosts", WaitNotice::Clock::now());
   const Result<std::unique_ptr<Stage>> stage = Stage::set_up(**source, options.arr);
   if (!stage) return tl::unexpected(stage.error());
   display.say((*stage)->real_hosts()
-                  ? "Four hosts, each in namespaces of its own, on an emulated switch."
+                  ? "Five hosts, each in namespaces of its own, on an emulated switch:"
                   : "No real hosts (" + (*stage)->why_not() +
-                        "): everything runs on this machine, with the network path forced over loopback.");
+                        "): everything runs on this machine, with the network path forced over loopback:");
   const Result<RunFigures> figures = Demo(options, **source, **stage, interrupt, display).run();
   if (!figures) return tl::unexpected(figures.error());
   display.conclude(*figures);
@@ -73,18 +91,21 @@ Result<void> run(const DemoOptions& options) {
 int main(int argc, char** argv) try {
   sft::demo::DemoOptions options;
   CLI::App app("Point clouds from a LiDAR, and who is sent what of them.");
+  app.get_formatter()->column_width(20);
+  app.get_formatter()->label("TEXT", "PATH");
   app.add_option("--input", options.input,
-                 "Publish the clouds of a file (.cdr, .cdrlog, KITTI .bin, .pcd) or of a directory of them, "
-                 "again and again "
-                 "(default: a generated street of 128 x 1024 points)");
-  app.add_option("--hz", options.hz, "Clouds per second")
+                 "Publish the clouds of a file (.cdr, .cdrlog, KITTI .bin,\n"
+                 ".pcd) or of a directory of them, again and again.\n"
+                 "Default: a generated street of 128 x 1024 points");
+  app.add_option("--hz", options.hz, "Clouds per second, 0.1 to 1000")
       ->capture_default_str()
-      ->check(CLI::Range(0.1, 1000.0));
-  app.add_option("--seconds", options.seconds, "How long to publish")
+      ->type_name("HZ")
+      ->check(CLI::Range(0.1, 1000.0).description(""));
+  app.add_option("--seconds", options.seconds, "How long to publish, 0.1 to 86400")
       ->capture_default_str()
-      ->check(CLI::Range(0.1, 86400.0));
-  app.add_flag("--arr", options.arr,
-               "Nobody declares fields: they are recorded from what each subscriber reads");
+      ->type_name("S")
+      ->check(CLI::Range(0.1, 86400.0).description(""));
+  app.add_flag("--arr", options.arr, "Nobody declares fields: what each reads is recorded");
   app.add_option("--json", options.json, "Write the figures to a file");
   try {
     app.parse(argc, argv);

@@ -17,6 +17,11 @@ void add_bytes(const SubscriberReport& begin, const SubscriberReport& now, const
     const Traffic& learnt = still_learns ? now.traffic : start.traffic;
     figures.learning_bytes = static_cast<double>((learnt - begin.traffic).data_received());
   }
+  figures.payload_bytes = static_cast<double>(now.payload_bytes - begin.payload_bytes);
+  if (conditions.metered) {
+    const auto bytes = static_cast<double>((now.traffic - begin.traffic).data_received());
+    figures.wire_bytes = std::max(0.0, bytes);
+  }
   if (now.received <= start.received) return;
   const auto samples = static_cast<double>(now.received - start.received);
   figures.payload_bytes_per_sample = static_cast<double>(now.payload_bytes - start.payload_bytes) / samples;
@@ -37,8 +42,9 @@ SubscriberFigures measure(const SubscriberReport& begin, const SubscriberReport&
   figures.other_fields = now.other_fields;
   figures.recorded = conditions.recorded;
   figures.received = now.received;
+  figures.withheld = conditions.withheld;
   // A subscriber cannot know of those after the last that it got.
-  const std::uint64_t missing = published - std::min(published, now.received);
+  const std::uint64_t missing = published - std::min(published, now.received + figures.withheld);
   figures.lost = conditions.is_over ? std::max(missing, now.lost) : now.lost;
   figures.incomplete = now.incomplete;
   figures.latency_p50_us = now.latency_p50_us;

@@ -9,9 +9,10 @@
 namespace sft::demo {
 
 struct Conditions {
-  bool recorded = false;  ///< the subscriber's fields are recorded, not declared
-  bool metered = false;   ///< its host is real, and so are its counters
-  bool is_over = false;   ///< what has not arrived by now is lost
+  bool recorded = false;       ///< the subscriber's fields are recorded, not declared
+  bool metered = false;        ///< its host is real, and so are its counters
+  bool is_over = false;        ///< what has not arrived by now is lost
+  std::uint64_t withheld = 0;  ///< of the samples, as the publisher counts them for it
 };
 
 /// All figures of a subscriber but its name and host and the size of the whole message. `begin` was reported

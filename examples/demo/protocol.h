@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -41,6 +42,7 @@ struct ReaderReport {
   bool served = false;
   std::string transport;
   std::string reason;
+  std::uint64_t withheld = 0;  ///< not sent to it, since it asks for a lower rate
 };
 
 struct PublisherReport {
@@ -82,7 +84,7 @@ struct SubscriberReport {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Order, kind, hz, samples)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Traffic, at_ns, received, sent, control_received, control_sent)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ReaderReport, node, served, transport, reason)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ReaderReport, node, served, transport, reason, withheld)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PublisherReport, published, dropped, full_bytes, finished, readers, udp,
                                    shm, shm_ready, warning, traffic)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LearningReport, received, payload_bytes, traffic)
@@ -93,15 +95,20 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SubscriberReport, matched, transport, reason,
 /// The role's side where it cannot go on: answers the next order with the error.
 void refuse(Channel& channel, const Error& error);
 
+/// Called several times a second while an answer is waited for. An error ends the wait, and is what it
+/// returns.
+using WhileWaiting = std::function<Result<void>()>;
+
 namespace detail {
 Result<nlohmann::json> ask(Channel& channel, std::string_view role, const Order& order,
-                           Clock::duration patience);
+                           Clock::duration patience, const WhileWaiting& while_waiting);
 }
 
 /// Sends the order and waits for the answer. `role` names the other side in errors.
 template <class Report>
-Result<Report> ask(Channel& channel, std::string_view role, const Order& order, Clock::duration patience) {
-  return detail::ask(channel, role, order, patience).map([](const nlohmann::json& j) {
+Result<Report> ask(Channel& channel, std::string_view role, const Order& order, Clock::duration patience,
+                   const WhileWaiting& while_waiting = {}) {
+  return detail::ask(channel, role, order, patience, while_waiting).map([](const nlohmann::json& j) {
     return j.get<Report>();
   });
 }

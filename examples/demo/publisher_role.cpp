@@ -66,7 +66,8 @@ class LidarRole {
     report.full_bytes = full_bytes_;
     report.finished = !next_.has_value();
     for (const ReaderStatus& reader : publisher_.status().readers) {
-      report.readers.push_back({reader.node, reader.served, to_string(reader.transport), reader.reason});
+      report.readers.push_back(
+          {reader.node, reader.served, to_string(reader.transport), reader.reason, reader.withheld});
     }
     const NodeStatus status = node_->node().status();
     report.udp = status.udp;

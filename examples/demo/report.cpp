@@ -5,20 +5,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "examples/demo/text_lines.h"
+
 namespace sft::demo {
 
 namespace {
 
-const std::string latency_note =
-    "Latency is from publish() to the subscriber's callback: half of the samples took p50 at most, 99 % "
-    "p99.\n";
-constexpr double worth_telling = 0.0005;  // of a message saved
+constexpr double worth_telling = 0.0005;  // of what whole messages would have been
+constexpr std::size_t request_columns = 24;
+constexpr std::size_t input_columns = 50;
 
-constexpr std::string_view row_format = "{:<10} {:<7} {:<3} {:<14} {:>12} {:>9} {:>7} {:>8} {:>8} {:>4}  {}";
+constexpr std::string_view row_format = "{:<9} {:<24} {:<3} {:>8} {:>4} {:>9} {:>9} {:>6}";
 
 std::string format_us(const std::optional<double>& latency_us) {
-  return latency_us ? format_count(static_cast<std::uint64_t>(std::llround(std::max(0.0, *latency_us))))
-                    : "-";
+  if (!latency_us) return "-";
+  const double us = std::max(0.0, *latency_us);
+  return us < 99'999.5 ? format_count(static_cast<std::uint64_t>(std::llround(us)))
+                       : fmt::format("{:.1f} s", us / 1e6);
 }
 
 /// Never rounded up to 100 %: something did cross the network.
@@ -29,70 +32,72 @@ std::string format_percent(double share) {
 }
 
 std::string format_saved(const SubscriberFigures& s) {
-  const std::optional<double> saved = s.saved();
   if (s.in_shared_memory()) return "all";
-  if (!saved) return "-";
-  return *saved > worth_telling ? format_percent(*saved) : "nothing";
+  if (s.received == 0) return "-";
+  return s.saved() > worth_telling ? format_percent(s.saved()) : "nothing";
 }
 
-std::string format_wire(const RunFigures& run, const SubscriberFigures& s) {
-  if (s.wire_bytes_per_sample) return format_bytes(*s.wire_bytes_per_sample);
-  if (!run.real_hosts() && !s.in_shared_memory()) return format_bytes(s.payload_bytes_per_sample) + " *";
-  return "-";
+std::string format_sent(const SubscriberFigures& s) {
+  if (s.in_shared_memory()) return format_bytes(0);
+  if (s.received == 0) return "-";
+  return format_bytes(s.sent_bytes_per_sample()) + (s.wire_bytes_per_sample ? "" : " *");
 }
 
-std::string row(const RunFigures& run, const SubscriberFigures& s) {
-  return fmt::format(row_format, s.name, s.host, s.transport, format_fields(s), format_wire(run, s),
-                     format_saved(s), format_us(s.latency_p50_us), format_us(s.latency_p99_us),
-                     format_count(s.received), format_count(s.lost), s.reason);
+std::string row(const SubscriberFigures& s) {
+  return shorten(fmt::format(row_format, s.name, shorten(format_request(s), request_columns), s.transport,
+                             format_count(s.received), format_count(s.lost), format_sent(s), format_saved(s),
+                             format_us(s.latency_p50_us)),
+                 columns_max);
 }
 
-double full_bytes(const RunFigures& run) {
-  return run.subscribers.empty() ? 0 : run.subscribers.front().full_bytes_per_sample;
-}
+/// What the samples of remote subscribers went by.
+std::string_view way_of(const RunFigures& run) { return run.real_hosts() ? "the network" : "UDP"; }
 
-/// Who it is and what it needs, and on a line of its own what that took.
-std::string explain(const RunFigures& run, const SubscriberFigures& s) {
-  const std::string where = s.in_shared_memory() ? "the publisher's host"
-                            : run.real_hosts()   ? "host " + s.host
-                                                 : "this machine";
-  std::string text = fmt::format("  {:<10} on {} {} {}\n{:13}", s.name, where,
-                                 s.recorded ? "was seen to read" : "declared", format_fields(s), "");
-  if (s.received == 0) return text + "nothing arrived\n";
-  if (s.in_shared_memory()) {
-    return text +
-           "all readers of a host share one sample in shared memory: nothing copied for it, nothing sent\n";
-  }
-  if (!s.wire_bytes_per_sample) {
-    return text + fmt::format("{} a sample arrived *\n", format_bytes(s.payload_bytes_per_sample));
-  }
-  text += fmt::format("{} a sample crossed the network", format_bytes(*s.wire_bytes_per_sample));
-  text += *s.saved() > worth_telling ? fmt::format(" instead of {}: {} saved",
-                                                   format_bytes(s.full_bytes_per_sample), format_saved(s))
-                                     : ", nearly the whole message and the headers of its packets";
-  if (s.recorded && s.learning_bytes) {
-    text += fmt::format(", after {} to learn that", format_bytes(*s.learning_bytes));
-  }
-  return text + "\n";
-}
-
-/// All remote subscribers together, against every one of them being sent everything.
-std::string explain_total(const RunFigures& run) {
-  double sent = 0;
-  double full = 0;
-  for (const SubscriberFigures& s : run.subscribers) {
-    if (s.in_shared_memory() || !s.wire_bytes_per_sample) continue;
-    sent += *s.wire_bytes_per_sample;
-    full += s.full_bytes_per_sample;
-  }
-  if (full == 0) return {};
+std::string format_result(const RunFigures& run) {
+  if (run.samples == 0) return "Nothing was published.";
+  const Carried carried = run.carried();
   std::string text =
-      fmt::format("Together: {} a sample over the network; whole messages for everybody would be {}",
-                  format_bytes(sent), format_bytes(full));
-  return text + (sent < full ? fmt::format(", so {} saved.\n", format_percent(1 - sent / full)) : ".\n");
+      fmt::format("{} carried {}", run.real_hosts() ? "The network" : "UDP", format_bytes(carried.bytes));
+  text += carried.saved() > worth_telling
+              ? fmt::format(" instead of {}: {} saved", format_bytes(carried.whole_bytes),
+                            format_percent(carried.saved()))
+              : ": nothing saved";
+  return text + (run.lost() == 0 ? "; nothing lost." : fmt::format("; {} lost.", format_count(run.lost())));
 }
 
-std::string explain_lost(const RunFigures& run) {
+std::string format_source(const RunFigures& run) {
+  const double full = run.subscribers.empty() ? 0 : run.subscribers.front().full_bytes_per_sample;
+  return fmt::format("The lidar published {} clouds ({}, {} on average) at {:g} Hz from: {}.",
+                     format_count(run.samples), run.message_shape, format_bytes(full), run.hz,
+                     shorten(run.input, input_columns));
+}
+
+std::string format_comparison(const RunFigures& run) {
+  const auto others = std::count_if(run.subscribers.begin(), run.subscribers.end(),
+                                    [](const SubscriberFigures& s) { return !s.in_shared_memory(); });
+  std::string text = fmt::format("{} would be every whole cloud for each of the {} subscribers {}.",
+                                 format_bytes(run.carried().whole_bytes), others,
+                                 run.real_hosts() ? "on other hosts" : "that are served by UDP");
+  if (others < static_cast<std::ptrdiff_t>(run.subscribers.size()))
+    text += " In shared memory nothing is copied or sent.";
+  return text;
+}
+
+/// Empty unless fields were recorded.
+std::string format_learning(const RunFigures& run) {
+  double bytes = 0;
+  bool recorded = false;
+  for (const SubscriberFigures& s : run.subscribers) {
+    recorded = recorded || s.recorded;
+    bytes += s.learning_bytes.value_or(0);
+  }
+  if (!recorded) return {};
+  const std::string text = "Nobody declared fields: those above are what each was seen to read";
+  return bytes > 0 ? fmt::format("{}. Finding that out took {} of the bytes.", text, format_bytes(bytes))
+                   : text + ".";
+}
+
+std::string format_losses(const RunFigures& run) {
   std::string text;
   for (const SubscriberFigures& s : run.subscribers) {
     if (s.lost == 0) continue;
@@ -100,51 +105,44 @@ std::string explain_lost(const RunFigures& run) {
                         format_count(run.samples));
     if (s.incomplete != 0) text += fmt::format(" ({} came in part)", format_count(s.incomplete));
   }
-  if (text.empty()) return "Nothing was lost.\n";
-  if (run.dropped != 0) {
+  if (text.empty()) return {};
+  if (run.dropped != 0)
     text += fmt::format("; {} found a full queue at the publisher", format_count(run.dropped));
-  }
-  return fmt::format("Lost: {}. Was the machine too busy?\n", text);
+  return fmt::format("Lost: {}. Was the machine too busy?", text);
 }
 
-std::string explain_measurement(const RunFigures& run) {
+std::string format_measurement(const RunFigures& run) {
   if (!run.real_hosts()) {
-    return latency_note +
-           "All of it ran on this machine, with the network path forced over loopback, where bytes on the "
-           "wire cannot be\n"
-           "told apart by subscriber: figures marked * are payload. Run as root for real hosts and their "
-           "networks.\n";
+    return "All of it ran on this machine, and what would go between hosts went over loopback, where bytes "
+           "on the wire cannot be told apart by subscriber: figures marked * are payload. Run as root for "
+           "hosts and a network of their own.";
   }
-  std::string text = latency_note;
-  text +=
+  std::string text =
       "Bytes are as counted by each host's network interface, packet headers included, without control "
-      "traffic.\n";
+      "traffic";
   if (run.idle_bytes_per_s) {
     text += fmt::format(
-        "Control traffic (who is there, and who needs what) is {:.0f} bytes/s per node, idle or not.\n",
+        ". Control traffic (who is there, and who needs what) is {:.0f} bytes/s per node, idle or not",
         *run.idle_bytes_per_s);
   }
-  return text;
+  return text + ".";
 }
 
 }  // namespace
 
 std::vector<std::string> format_table(const RunFigures& run) {
-  std::vector<std::string> lines{fmt::format(row_format, "subscriber", "host", "by", "fields", "bytes/sample",
-                                             "saved", "p50 us", "p99 us", "received", "lost", "because")};
-  for (const SubscriberFigures& s : run.subscribers) lines.push_back(row(run, s));
+  std::vector<std::string> lines{
+      fmt::format(row_format, "who", "asks for", "by", "received", "lost", "a cloud", "saved", "p50 us")};
+  for (const SubscriberFigures& s : run.subscribers) lines.push_back(row(s));
   return lines;
 }
 
 std::string format_progress(const RunFigures& run, double elapsed_s) {
-  std::string received;
-  std::uint64_t lost = 0;
-  for (const SubscriberFigures& s : run.subscribers) {
-    received += fmt::format("{}{} {}", received.empty() ? "" : ", ", s.name, format_count(s.received));
-    lost += s.lost;
-  }
-  return fmt::format("{:5.1f} s: {} published; received by {}; {} lost", elapsed_s, format_count(run.samples),
-                     received, lost);
+  const Carried carried = run.carried();
+  return shorten(fmt::format("{:5.1f} s: {} published; {} carried {}, not {}; {} lost", elapsed_s,
+                             format_count(run.samples), way_of(run), format_bytes(carried.bytes),
+                             format_bytes(carried.whole_bytes), format_count(run.lost())),
+                 columns_max);
 }
 
 std::vector<std::string> format_refusals(const PublisherReport& publisher) {
@@ -152,16 +150,20 @@ std::vector<std::string> format_refusals(const PublisherReport& publisher) {
   if (!publisher.udp.starts_with("io_uring"))
     lines.push_back("io_uring is not in use, so UDP is slower than it could be: " + publisher.udp + ".");
   if (!publisher.shm_ready)
-    lines.push_back("Shared memory is not in use, so the viewer is served by UDP: " + publisher.shm + ".");
+    lines.push_back("Shared memory is not in use, so the detector is served by UDP: " + publisher.shm + ".");
   return lines;
 }
 
-std::string format_summary(const RunFigures& run) {
-  std::string text = fmt::format(
-      "The lidar published {} point clouds ({}, {} on average) at {:g} Hz from: {}.\n",
-      format_count(run.samples), run.message_shape, format_bytes(full_bytes(run)), run.hz, run.input);
-  for (const SubscriberFigures& s : run.subscribers) text += explain(run, s);
-  return text + explain_total(run) + explain_lost(run) + explain_measurement(run);
+std::vector<std::string> format_summary(const RunFigures& run) {
+  std::vector<std::string> lines{format_result(run), ""};
+  for (const std::string& paragraph :
+       {format_source(run), format_comparison(run), format_learning(run), format_losses(run),
+        std::string("p50 is the median time from publish() to the subscriber's callback."),
+        format_measurement(run)}) {
+    if (paragraph.empty()) continue;
+    for (std::string& line : wrap(paragraph)) lines.push_back(std::move(line));
+  }
+  return lines;
 }
 
 }  // namespace sft::demo

@@ -18,11 +18,13 @@ constexpr seconds patience{15};
 
 struct Actor {
   const char* name;
+  const char* purpose;
+  double max_rate_hz;
   void (*run)(const NodePlan& plan, bool is_recorded, Channel& channel);
 };
 
 template <class Consumer>
-constexpr Actor actor{Consumer::name, run_subscriber<Consumer>};
+constexpr Actor actor{Consumer::name, Consumer::purpose, Consumer::max_rate_hz, run_subscriber<Consumer>};
 
 struct HostPlan {
   const char* name;
@@ -31,10 +33,9 @@ struct HostPlan {
 };
 
 constexpr std::array host_plans{
-    HostPlan{"monitor", false, actor<Diagnostic>},
-    HostPlan{"vision", false, actor<Detector>},
-    HostPlan{"mapping", false, actor<Slam>},
-    HostPlan{"lidar", true, actor<Viewer>},
+    HostPlan{"monitor", false, actor<Health>},  HostPlan{"cockpit", false, actor<Dashboard>},
+    HostPlan{"logger", false, actor<Recorder>}, HostPlan{"nav", false, actor<Localiser>},
+    HostPlan{"lidar", true, actor<Detector>},
 };
 // Enough for the daemon; the publisher's host also has some samples of 6 MB in it.
 constexpr unsigned shared_memory_mib = 256;
@@ -52,6 +53,7 @@ std::uint32_t random_domain() {
 Result<std::unique_ptr<Stage>> Stage::set_up(CloudSource& source, bool arr) {
   std::unique_ptr<Stage> stage(new Stage);
   if (const Result<void> possible = try_isolation(); possible) {
+    if (const Result<void> root = become_root(); !root) return tl::unexpected(root.error());
     Result<EmulatedNetwork> network = EmulatedNetwork::create(host_plans.size());
     if (!network) return tl::unexpected(network.error());
     stage->network_ = std::move(*network);
@@ -99,7 +101,8 @@ Result<void> Stage::start_hosts(CloudSource& source, bool arr) {
   }
   for (std::size_t i = 0; i < host_plans.size(); ++i) {
     const HostPlan& plan = host_plans[i];
-    subscribers_.push_back({plan.subscriber.name, plan.name, plan.has_publisher, &hosts_[i].channel(0)});
+    subscribers_.push_back({plan.subscriber.name, plan.name, plan.subscriber.purpose,
+                            plan.subscriber.max_rate_hz, plan.has_publisher, &hosts_[i].channel(0)});
   }
   return {};
 }
@@ -108,12 +111,13 @@ Stage::~Stage() {
   for (Host& host : hosts_) host.dismiss();  // all of them, before any is waited for
 }
 
-Result<PublisherReport> Stage::ask_publisher(const Order& order) {
-  return demo::ask<PublisherReport>(hosts_[publisher_host_number].channel(1), "publisher", order, patience);
+Result<PublisherReport> Stage::ask_publisher(const Order& order, const WhileWaiting& while_waiting) {
+  return demo::ask<PublisherReport>(hosts_[publisher_host_number].channel(1), "publisher", order, patience,
+                                    while_waiting);
 }
 
-Result<SubscriberReport> Stage::ask(const Subscriber& subscriber) {
-  return demo::ask<SubscriberReport>(*subscriber.channel, subscriber.name, {}, patience);
+Result<SubscriberReport> Stage::ask(const Subscriber& subscriber, const WhileWaiting& while_waiting) {
+  return demo::ask<SubscriberReport>(*subscriber.channel, subscriber.name, {}, patience, while_waiting);
 }
 
 }  // namespace sft::demo

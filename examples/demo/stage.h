@@ -1,7 +1,8 @@
 // The example's hosts and who runs on them.
 //
-//   host "lidar"     the publisher, and the viewer
-//   host "monitor"   diagnostic          host "vision"  detector          host "mapping"  slam
+//   host "lidar"     the publisher, and the detector
+//   host "monitor"   health              host "cockpit"  dashboard
+//   host "logger"    recorder            host "nav"      localiser
 //
 // Where namespaces are to be had, each is a host of its own on an emulated network. Otherwise all are
 // processes on this machine, and those that would be remote are held to UDP.
@@ -24,7 +25,9 @@ class Stage {
   struct Subscriber {
     std::string name;
     std::string host;
-    bool local = false;  ///< on the host of the publisher
+    std::string purpose;
+    double max_rate_hz = 0;  ///< 0: all clouds
+    bool local = false;      ///< on the host of the publisher
     Channel* channel = nullptr;
   };
 
@@ -42,8 +45,8 @@ class Stage {
   unsigned hosts() const { return real_hosts() ? static_cast<unsigned>(hosts_.size()) : 1; }
 
   const std::vector<Subscriber>& subscribers() const { return subscribers_; }
-  Result<PublisherReport> ask_publisher(const Order& order);
-  Result<SubscriberReport> ask(const Subscriber& subscriber);
+  Result<PublisherReport> ask_publisher(const Order& order, const WhileWaiting& while_waiting = {});
+  Result<SubscriberReport> ask(const Subscriber& subscriber, const WhileWaiting& while_waiting = {});
 
  private:
   Stage() = default;

@@ -70,7 +70,8 @@ class SubscriberRole {
     if (!node) return tl::unexpected(node.error());
     std::unique_ptr<SubscriberRole> role(new SubscriberRole(std::move(*node)));
     auto subscriber = role->node_->node().template subscriber<PointCloud2, R>(
-        topic, [self = role.get()](const Sample<PointCloud2, R>& sample) { self->on_sample(sample); });
+        topic, [self = role.get()](const Sample<PointCloud2, R>& sample) { self->on_sample(sample); },
+        {.max_rate_hz = Consumer::max_rate_hz});
     if (!subscriber) return tl::unexpected(subscriber.error());
     role->subscriber_.emplace(std::move(*subscriber));
     return role;
@@ -129,9 +130,10 @@ void run_subscriber(const NodePlan& plan, bool is_recorded, Channel& channel) {
   is_recorded ? run<Consumer, learnt>(plan, channel) : run<Consumer, declared>(plan, channel);
 }
 
-template void run_subscriber<Diagnostic>(const NodePlan&, bool, Channel&);
+template void run_subscriber<Health>(const NodePlan&, bool, Channel&);
+template void run_subscriber<Dashboard>(const NodePlan&, bool, Channel&);
+template void run_subscriber<Recorder>(const NodePlan&, bool, Channel&);
+template void run_subscriber<Localiser>(const NodePlan&, bool, Channel&);
 template void run_subscriber<Detector>(const NodePlan&, bool, Channel&);
-template void run_subscriber<Slam>(const NodePlan&, bool, Channel&);
-template void run_subscriber<Viewer>(const NodePlan&, bool, Channel&);
 
 }  // namespace sft::demo

@@ -8,7 +8,7 @@
 
 namespace sft::demo {
 
-/// Serves orders until the channel closes. Defined for the four consumers of consumers.h.
+/// Serves orders until the channel closes. Defined for the five consumers of consumers.h.
 template <class Consumer>
 void run_subscriber(const NodePlan& plan, bool is_recorded, Channel& channel);
 

@@ -53,6 +53,16 @@ TEST_F(ChannelTest, WaitsNoLongerThanItsDeadline) {
   EXPECT_EQ(ends_.first.receive(Clock::now() - 1ms).event, Channel::Event::timeout);
 }
 
+TEST_F(ChannelTest, GivesUpWaitingForAnAnswerWhenItIsTold) {
+  int looks = 0;
+  const auto give_up = [&]() -> Result<void> {
+    return ++looks < 3 ? Result<void>() : fail(Errc::unavailable, "stopped");
+  };
+  const auto answer = demo::ask<SubscriberReport>(ends_.first, "detector", {}, 60s, give_up);
+  EXPECT_EQ(answer.error().message, "stopped");
+  EXPECT_EQ(looks, 3);
+}
+
 TEST_F(ChannelTest, BringsTheErrorOfARoleThatCannotGoOn) {
   std::thread role([this] { refuse(ends_.second, {Errc::unavailable, "no network; switch it on"}); });
   EXPECT_THAT(ask().error().message, HasSubstr("detector: no network; switch it on"));

@@ -2,16 +2,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "examples/demo/figures.h"
 #include "examples/demo/latency.h"
 #include "examples/demo/measurement.h"
 #include "examples/demo/report.h"
+#include "examples/demo/text_lines.h"
+#include "examples/demo/wait_notice.h"
 
 namespace sft::demo {
 namespace {
 
+using namespace std::chrono_literals;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -27,9 +31,9 @@ SubscriberReport report(std::uint64_t received, std::uint64_t wire, std::uint64_
   return r;
 }
 
-SubscriberFigures diagnostic() {
+SubscriberFigures health() {
   SubscriberFigures s;
-  s.name = "diagnostic";
+  s.name = "health";
   s.host = "monitor";
   s.transport = "udp";
   s.reason = "another host";
@@ -38,23 +42,68 @@ SubscriberFigures diagnostic() {
   s.received = 100;
   s.full_bytes_per_sample = 6'291'725;
   s.payload_bytes_per_sample = 12;
+  s.payload_bytes = 1200;
   s.wire_bytes_per_sample = 82;
+  s.wire_bytes = 8200;
   s.learning_bytes = 0;
   s.latency_p50_us = 120.04;
   s.latency_p99_us = 310.5;
   return s;
 }
 
-SubscriberFigures viewer() {
-  SubscriberFigures s = diagnostic();
-  s.name = "viewer";
+SubscriberFigures detector() {
+  SubscriberFigures s = health();
+  s.name = "detector";
   s.host = "lidar";
   s.transport = "shm";
   s.reason = "same host";
   s.fields = {"header", "height", "width", "fields", "data"};
   s.other_fields = {};
   s.wire_bytes_per_sample = 0;
+  s.wire_bytes = 0;
   return s;
+}
+
+/// All but height, of every tenth sample.
+SubscriberFigures localiser() {
+  SubscriberFigures s = health();
+  s.name = "localiser";
+  s.host = "nav";
+  s.fields = {"header", "width", "fields", "data"};
+  s.other_fields = {"height"};
+  s.max_rate_hz = 1;
+  s.received = 10;
+  s.withheld = 90;
+  s.payload_bytes_per_sample = 6'291'720;
+  s.payload_bytes = 62'917'200;
+  s.wire_bytes_per_sample = 6'542'152;
+  s.wire_bytes = 65'421'520;
+  s.latency_p50_us = 12'345;
+  return s;
+}
+
+RunFigures without_hosts(RunFigures run) {
+  run.hosts = 1;
+  run.idle_bytes_per_s.reset();
+  for (SubscriberFigures& s : run.subscribers) {
+    s.wire_bytes_per_sample.reset();
+    s.wire_bytes.reset();
+    s.learning_bytes.reset();
+  }
+  return run;
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+/// The same with what is broken into lines as one.
+std::string unwrapped(std::vector<std::string> lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + " ";
+  return text;
 }
 
 RunFigures run_of(std::vector<SubscriberFigures> subscribers) {
@@ -63,7 +112,7 @@ RunFigures run_of(std::vector<SubscriberFigures> subscribers) {
   run.message_shape = "128 x 1024 points";
   run.hz = 10;
   run.samples = 100;
-  run.hosts = 4;
+  run.hosts = 5;
   run.idle_bytes_per_s = 135.2;
   run.subscribers = std::move(subscribers);
   return run;
@@ -130,6 +179,21 @@ TEST(Measurement, CountsTheLastSamplesAsLostOnlyAtTheEnd) {
   EXPECT_EQ(measure(report(0, 0, 0), report(8, 0, 0), 10, {.is_over = true}).lost, 2U);
 }
 
+TEST(Measurement, DoesNotCountWhatWasWithheldForALowerRateAsLost) {
+  const SubscriberFigures s =
+      measure(report(0, 0, 0), report(8, 0, 0), 100, {.is_over = true, .withheld = 90});
+  EXPECT_EQ(s.withheld, 90U);
+  EXPECT_EQ(s.lost, 2U);
+}
+
+TEST(Measurement, KeepsWhatCameInAllApartFromWhatASampleTook) {
+  SubscriberReport now = report(103, 30'000'000 + 8200, 0);
+  now.learning = LearningReport{3, 30'000'000, {.received = 30'000'000}};
+  const SubscriberFigures s = measure(report(0, 0, 0), now, 103, {.recorded = true, .metered = true});
+  EXPECT_EQ(s.wire_bytes, 30'008'200.0);
+  EXPECT_EQ(s.wire_bytes_per_sample, 82.0);
+}
+
 TEST(Measurement, OfControlTrafficIsARate) {
   const Traffic begin{.at_ns = 1'000'000'000, .control_sent = 500};
   const Traffic end{.at_ns = 9'000'000'000, .control_sent = 1540};
@@ -138,8 +202,9 @@ TEST(Measurement, OfControlTrafficIsARate) {
 }
 
 TEST(Json, HasExactlyTheseKeysInThisOrder) {
-  const nlohmann::ordered_json json = to_json(run_of({diagnostic()}));
-  const std::vector<std::string> run_keys{"input", "samples", "hosts", "idle_bytes_per_s", "subscribers"};
+  const nlohmann::ordered_json json = to_json(run_of({health()}));
+  const std::vector<std::string> run_keys{"input",         "samples",     "hosts",      "idle_bytes_per_s",
+                                          "carried_bytes", "whole_bytes", "subscribers"};
   const std::vector<std::string> subscriber_keys{"name",
                                                  "transport",
                                                  "reason",
@@ -147,6 +212,7 @@ TEST(Json, HasExactlyTheseKeysInThisOrder) {
                                                  "requirement",
                                                  "received",
                                                  "lost",
+                                                 "withheld",
                                                  "full_bytes_per_sample",
                                                  "wire_bytes_per_sample",
                                                  "learning_bytes",
@@ -160,11 +226,13 @@ TEST(Json, HasExactlyTheseKeysInThisOrder) {
 }
 
 TEST(Json, HasTheFigures) {
-  const nlohmann::ordered_json json = to_json(run_of({diagnostic()}));
+  const nlohmann::ordered_json json = to_json(run_of({health()}));
   EXPECT_EQ(json["input"], "generated scene");
   EXPECT_EQ(json["samples"], 100);
-  EXPECT_EQ(json["hosts"], 4);
+  EXPECT_EQ(json["hosts"], 5);
   EXPECT_EQ(json["idle_bytes_per_s"], 135.2);
+  EXPECT_EQ(json["carried_bytes"], 8200);
+  EXPECT_EQ(json["whole_bytes"], 629'172'500);
   const auto& s = json["subscribers"][0];
   EXPECT_EQ(s["fields"], nlohmann::json({"height", "width"}));
   EXPECT_EQ(s["requirement"], "declared");
@@ -174,7 +242,7 @@ TEST(Json, HasTheFigures) {
 }
 
 TEST(Json, HasNullForWhatWasNotMeasured) {
-  SubscriberFigures s = diagnostic();
+  SubscriberFigures s = health();
   s.wire_bytes_per_sample.reset();
   s.latency_p50_us.reset();
   RunFigures run = run_of({s});
@@ -191,61 +259,147 @@ TEST(Text, HasUnitsThatPeopleRead) {
   EXPECT_EQ(format_bytes(1570), "1.57 kB");
   EXPECT_EQ(format_bytes(6'291'725), "6.29 MB");
   EXPECT_EQ(format_bytes(2.5e9), "2.50 GB");
+  EXPECT_EQ(format_bytes(3e12), "3.00 TB");
   EXPECT_EQ(format_count(0), "0");
   EXPECT_EQ(format_count(999), "999");
   EXPECT_EQ(format_count(1000), "1,000");
   EXPECT_EQ(format_count(6'291'725), "6,291,725");
 }
 
-TEST(Text, NamesFieldsTheShorterWay) {
+TEST(Text, NamesFieldsTheShorterWayAndARateBehindThem) {
   SubscriberFigures s;
-  EXPECT_EQ(format_fields(s), "none");
+  EXPECT_EQ(format_request(s), "none");
   s.fields = {"height", "width"};
-  EXPECT_EQ(format_fields(s), "all");
+  EXPECT_EQ(format_request(s), "all");
   s.other_fields = {"header", "data", "fields"};
-  EXPECT_EQ(format_fields(s), "height, width");
+  EXPECT_EQ(format_request(s), "height, width");
   s.other_fields = {"data"};
-  EXPECT_EQ(format_fields(s), "all but data");
+  s.max_rate_hz = 0.5;
+  EXPECT_EQ(format_request(s), "all but data, 0.5 Hz");
+}
+
+TEST(Text, BreaksAtSpacesSoThatNoLineIsTooLong) {
+  EXPECT_THAT(wrap("one two three", 7), ElementsAre("one two", "three"));
+  EXPECT_THAT(wrap("one", 7), ElementsAre("one"));
+  EXPECT_THAT(wrap("", 7), ElementsAre(""));
+  EXPECT_THAT(wrap("a longerword b", 7), ElementsAre("a", "longerword", "b"));
+}
+
+TEST(Text, ThatDoesNotFitEndsWithDots) {
+  EXPECT_EQ(shorten("1234567", 7), "1234567");
+  EXPECT_EQ(shorten("12345678", 7), "1234...");
+}
+
+TEST(Wait, IsSaidAtOnceAndThenEverySecond) {
+  WaitNotice notice;
+  const WaitNotice::Clock::time_point start(1h);
+  EXPECT_EQ(notice.line("Waiting for the lidar", start), "Waiting for the lidar ...");
+  EXPECT_EQ(notice.line("Waiting for the lidar", start + 999ms), std::nullopt);
+  EXPECT_EQ(notice.line("Waiting for the lidar", start + 1s), "Waiting for the lidar ... 1 s");
+  EXPECT_EQ(notice.line("Waiting for the lidar", start + 1999ms), std::nullopt);
+  EXPECT_EQ(notice.line("Waiting for the lidar", start + 2100ms), "Waiting for the lidar ... 2 s");
+  EXPECT_EQ(notice.line("Waiting for nothing", start + 2200ms), "Waiting for nothing ...");
+  EXPECT_EQ(notice.line("Waiting for nothing", start + 3200ms), "Waiting for nothing ... 1 s");
 }
 
 TEST(Table, HasALineForEachSubscriber) {
-  const std::vector<std::string> table = format_table(run_of({diagnostic(), viewer()}));
-  ASSERT_EQ(table.size(), 3U);
-  EXPECT_THAT(table[1], AllOf(HasSubstr("diagnostic"), HasSubstr("82 B"), HasSubstr("99.9986 %"),
-                              HasSubstr("another host")));
-  EXPECT_THAT(table[2],
-              AllOf(HasSubstr("viewer"), HasSubstr("shm"), HasSubstr("0 B"), HasSubstr("same host")));
+  const std::vector<std::string> table = format_table(run_of({health(), localiser(), detector()}));
+  ASSERT_EQ(table.size(), 4U);
+  EXPECT_THAT(table[1],
+              AllOf(HasSubstr("health    height, width"), HasSubstr("82 B"), HasSubstr("99.9986 %")));
+  EXPECT_THAT(table[2], AllOf(HasSubstr("all but height, 1 Hz"), HasSubstr("6.54 MB"), HasSubstr("89.6 %")));
+  EXPECT_THAT(table[3], AllOf(HasSubstr("detector"), HasSubstr("shm"), HasSubstr("0 B"), HasSubstr("all")));
 }
 
 TEST(Table, DoesNotPraiseSavingsThatAreNone) {
-  SubscriberFigures s = diagnostic();
+  SubscriberFigures s = health();
   s.wire_bytes_per_sample = 6'542'152;  // headers cost more than the fields left out
   EXPECT_THAT(format_table(run_of({s}))[1], AllOf(HasSubstr("nothing"), Not(HasSubstr("%"))));
 }
 
-TEST(Summary, TellsWhoGotWhatAndWhatItSaved) {
-  EXPECT_THAT(
-      format_summary(run_of({diagnostic(), viewer()})),
-      AllOf(HasSubstr("published 100 point clouds (128 x 1024 points"),
-            HasSubstr("82 B a sample crossed the network instead of 6.29 MB: 99.9986 % saved"),
-            HasSubstr("shared memory"), HasSubstr("Nothing was lost."), HasSubstr("135 bytes/s per node")));
+TEST(Table, HasNoFiguresOfWhatNobodyHasReceived) {
+  SubscriberFigures s = health();
+  s.received = 0;
+  s.wire_bytes_per_sample.reset();
+  s.latency_p50_us.reset();
+  EXPECT_THAT(format_table(run_of({s}))[1], Not(HasSubstr("%")));
+}
+
+TEST(Summary, BeginsWithWhatWasCarriedInsteadOfWhat) {
+  EXPECT_EQ(format_summary(run_of({health(), localiser(), detector()}))[0],
+            "The network carried 65.43 MB instead of 1.26 GB: 94.8 % saved; nothing lost.");
+}
+
+TEST(Summary, SaysFirstOfAllThatSomethingWasLostOrNothingSaved) {
+  SubscriberFigures s = health();
+  s.lost = 1234;
+  s.wire_bytes = 700'000'000;
+  EXPECT_EQ(format_summary(run_of({s}))[0], "The network carried 700.00 MB: nothing saved; 1,234 lost.");
+  RunFigures stopped = run_of({health()});
+  stopped.samples = 0;
+  EXPECT_EQ(format_summary(stopped)[0], "Nothing was published.");
+}
+
+TEST(Summary, TellsWhatWasPublishedAndHowItWasMeasured) {
+  EXPECT_THAT(unwrapped(format_summary(run_of({health(), detector()}))),
+              AllOf(HasSubstr("published 100 clouds (128 x 1024 points"),
+                    HasSubstr("629.17 MB would be every whole cloud for each of the 1 subscribers"),
+                    HasSubstr("In shared memory nothing is copied or sent."),
+                    HasSubstr("135 bytes/s per node"), Not(HasSubstr("recorded"))));
+}
+
+TEST(Summary, OfRecordedFieldsTellsWhatLearningTook) {
+  SubscriberFigures s = health();
+  s.recorded = true;
+  s.learning_bytes = 18'900'000;
+  EXPECT_THAT(unwrapped(format_summary(run_of({s}))),
+              AllOf(HasSubstr("seen to read"), HasSubstr("took 18.90 MB of the bytes")));
 }
 
 TEST(Summary, TellsWhoLostWhat) {
-  SubscriberFigures s = diagnostic();
+  SubscriberFigures s = health();
   s.lost = 3;
   s.incomplete = 1;
-  EXPECT_THAT(format_summary(run_of({s})), HasSubstr("diagnostic lost 3 of 100 (1 came in part)"));
+  EXPECT_THAT(joined(format_summary(run_of({s}))), HasSubstr("health lost 3 of 100 (1 came in part)"));
 }
 
 TEST(Summary, SaysPlainlyThatThereWereNoHosts) {
-  SubscriberFigures s = diagnostic();
-  s.wire_bytes_per_sample.reset();
-  RunFigures run = run_of({s});
-  run.hosts = 1;
-  run.idle_bytes_per_s.reset();
-  EXPECT_THAT(format_summary(run), AllOf(HasSubstr("over loopback"), HasSubstr("12 B a sample arrived *"),
-                                         Not(HasSubstr("crossed the network"))));
+  const std::vector<std::string> lines = format_summary(without_hosts(run_of({health(), detector()})));
+  EXPECT_EQ(lines[0], "UDP carried 1.20 kB instead of 629.17 MB: 99.9998 % saved; nothing lost.");
+  EXPECT_THAT(unwrapped(lines), AllOf(HasSubstr("over loopback"), Not(HasSubstr("network interface"))));
+}
+
+/// The longest that there is of everything, within reason.
+RunFigures long_run() {
+  SubscriberFigures s = localiser();
+  s.name = "dashboard";
+  s.recorded = true;
+  s.learning_bytes = 123'450'000;
+  s.fields = {"fields[].name", "fields[].offset", "point_step", "data"};
+  s.other_fields = {"header", "height", "width", "is_dense", "row_step", "is_bigendian"};
+  s.received = 864'000;
+  s.lost = 1'234;
+  s.incomplete = 56;
+  s.latency_p50_us = 123'456;
+  RunFigures run = run_of({s, s, s, s, detector()});
+  run.input =
+      "a folder/of clouds that/has rather long names in it/and lies somewhere deep/down in the file system";
+  run.samples = 864'000;
+  run.dropped = 77;
+  run.hosts = 5;
+  return run;
+}
+
+TEST(Screen, Of80ColumnsAnd24RowsShowsAllOfTheTableAndTheSummary) {
+  for (const RunFigures& run : {long_run(), without_hosts(long_run())}) {
+    const std::vector<std::string> table = format_table(run);
+    const std::vector<std::string> summary = format_summary(run);
+    EXPECT_LE(table.size() + summary.size() + 2, 24U) << "with two empty lines, and the prompt behind them";
+    for (const auto& lines : {table, summary}) {
+      for (const std::string& line : lines) EXPECT_LE(line.size(), columns_max) << line;
+    }
+    EXPECT_LE(format_progress(run, 86'400).size(), columns_max);
+  }
 }
 
 TEST(Refusals, AreSaidWithTheirReasonsAndNothingIsSaidWhereThereAreNone) {

@@ -1,16 +1,22 @@
 // The program as a whole: however it ends, it leaves nothing behind.
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <grp.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <pty.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
 
 #include "examples/demo/descriptor.h"
 #include "tests/demo/clouds.h"
@@ -19,20 +25,26 @@ namespace sft::demo {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using Clock = std::chrono::steady_clock;
 
 /// sft_demo in a process of its own. All processes that it leaves behind become children of the test.
 class RunningDemo {
  public:
-  explicit RunningDemo(std::vector<std::string> arguments) {
+  enum class On { pipe, terminal };
+  enum class As { this_user, ordinary_user };
+  explicit RunningDemo(std::vector<std::string> arguments, On on = On::pipe, As as = As::this_user) {
     prctl(PR_SET_CHILD_SUBREAPER, 1);
     int ends[2];
-    if (pipe(ends) != 0) return;
+    const winsize size{.ws_row = 24, .ws_col = 80, .ws_xpixel = 0, .ws_ypixel = 0};
+    if ((on == On::pipe ? pipe(ends) : openpty(&ends[0], &ends[1], nullptr, nullptr, &size)) != 0) return;
+    if (on == On::terminal) fcntl(ends[0], F_SETFD, FD_CLOEXEC);
     output_ = Descriptor(ends[0]);
     const Descriptor written(ends[1]);
     process_ = fork();
-    if (process_ == 0) execute(std::move(arguments), written.get());
+    if (process_ == 0) execute(std::move(arguments), written.get(), as);
   }
   ~RunningDemo() {
     if (process_ > 0) kill(process_, SIGKILL);
@@ -73,8 +85,14 @@ class RunningDemo {
   }
   const std::string& text() const { return text_; }
 
+  static constexpr int cannot_run = 127;
+
  private:
-  [[noreturn]] static void execute(std::vector<std::string> arguments, int output) {
+  [[noreturn]] static void execute(std::vector<std::string> arguments, int output, As as) {
+    constexpr uid_t nobody = 65534;
+    if (as == As::ordinary_user && (setgroups(0, nullptr) != 0 || setgid(nobody) != 0 || setuid(nobody) != 0))
+      _exit(cannot_run);
+
     dup2(output, STDOUT_FILENO);
     dup2(output, STDERR_FILENO);
     arguments.insert(arguments.begin(), SFT_DEMO_PATH);
@@ -82,7 +100,7 @@ class RunningDemo {
     for (std::string& argument : arguments) pointers.push_back(argument.data());
     pointers.push_back(nullptr);
     execv(SFT_DEMO_PATH, pointers.data());
-    _exit(127);
+    _exit(cannot_run);
   }
 
   Descriptor output_;
@@ -94,7 +112,7 @@ TEST(Demo, EndsEarlyOnCtrlCWithTheSummaryAndTheFigures) {
   const TemporaryDirectory directory;
   const auto json = directory.path() / "figures.json";
   RunningDemo demo({"--seconds", "600", "--json", json.native()});
-  ASSERT_TRUE(demo.prints("published; received by")) << demo.text();
+  ASSERT_TRUE(demo.prints("published; ")) << demo.text();
   demo.send(SIGINT);
   EXPECT_EQ(demo.wait_for_end(), 0) << demo.text();
   EXPECT_THAT(demo.text(), HasSubstr("The lidar published"));
@@ -112,10 +130,103 @@ TEST(Demo, MayBeStoppedBeforeItPublishes) {
 
 TEST(Demo, LeavesNothingBehindWhenItIsKilled) {
   RunningDemo demo({"--seconds", "600"});
-  ASSERT_TRUE(demo.prints("published; received by")) << demo.text();
+  ASSERT_TRUE(demo.prints("published; ")) << demo.text();
   demo.send(SIGKILL);
   EXPECT_EQ(demo.wait_for_end(), -SIGKILL);
   EXPECT_TRUE(demo.nothing_is_left());
+}
+
+/// What is on a terminal of 24 rows after all of that was printed, and the longest line that ever was.
+class Screen {
+ public:
+  explicit Screen(const std::string& text) {
+    const std::regex control("\x1b\\[([0-9;]*)([A-Za-z])");
+    auto from = text.cbegin();
+    for (std::sregex_iterator it(text.begin(), text.end(), control), end; it != end; ++it) {
+      print(std::string(from, (*it)[0].first));
+      if (*(*it)[2].first == 'A') rows_.resize(rows_.size() - 1 - std::stoul((*it)[1])), rows_.emplace_back();
+      colours_ = colours_ || *(*it)[2].first == 'm';
+      from = (*it)[0].second;
+    }
+    print(std::string(from, text.cend()));
+  }
+  const std::vector<std::string>& rows() const { return rows_; }
+  std::size_t longest() const { return longest_; }
+  bool colours() const { return colours_; }
+
+ private:
+  void print(const std::string& text) {
+    for (const char c : text) {
+      if (c == '\n') {
+        rows_.emplace_back();
+      } else if (c != '\r') {
+        rows_.back() += c;
+      }
+      longest_ = std::max(longest_, rows_.back().size());
+    }
+  }
+
+  std::vector<std::string> rows_{""};
+  std::size_t longest_ = 0;
+  bool colours_ = false;
+};
+
+TEST(Demo, FitsATerminalOf80ColumnsAnd24Rows) {
+  RunningDemo demo({"--seconds", "1"}, RunningDemo::On::terminal);
+  EXPECT_EQ(demo.wait_for_end(), 0) << demo.text();
+  const Screen screen(demo.text());
+  EXPECT_LE(screen.longest(), 79U) << demo.text();
+  EXPECT_TRUE(screen.colours()) << demo.text();
+  const auto& rows = screen.rows();
+  const auto table =
+      std::find_if(rows.begin(), rows.end(), [](const auto& r) { return r.starts_with("who "); });
+  EXPECT_LE(rows.end() - table, 24) << "with the row of the prompt";
+  const auto result =
+      std::find_if(table, rows.end(), [](const auto& r) { return r.find(" carried ") != r.npos; });
+  ASSERT_NE(result, rows.end()) << demo.text();
+  EXPECT_THAT(*result, testing::MatchesRegex(
+                           "(The network|UDP) carried .* instead of .*: 9.* % saved; nothing lost."));
+}
+
+TEST(Demo, HasNoColoursAndReplacesNothingWhereThereIsNoTerminal) {
+  RunningDemo demo({"--seconds", "1"});
+  EXPECT_EQ(demo.wait_for_end(), 0) << demo.text();
+  EXPECT_THAT(demo.text(), Not(HasSubstr("\x1b")));
+  EXPECT_LE(Screen(demo.text()).longest(), 79U) << demo.text();
+}
+
+TEST(Demo, SaysWhatItWaitsForUntilTheFirstCloud) {
+  RunningDemo demo({"--seconds", "600"});
+  ASSERT_TRUE(demo.prints("published; ")) << demo.text();
+  EXPECT_THAT(demo.text(), AllOf(HasSubstr("Setting up the hosts ..."), HasSubstr("Not served yet: ")));
+}
+
+TEST(Demo, StopsOnCtrlCWhileItWaits) {
+  RunningDemo demo({"--seconds", "600"});
+  ASSERT_TRUE(demo.prints("Not served yet: ")) << demo.text();
+  demo.send(SIGINT);
+  EXPECT_EQ(demo.wait_for_end(), 1) << demo.text();
+  EXPECT_THAT(demo.text(), HasSubstr("stopped before anything was published"));
+  EXPECT_TRUE(demo.nothing_is_left());
+}
+
+/// Such a user has hosts where there are user namespaces, and no others anywhere.
+TEST(Demo, RunsForAnOrdinaryUserToo) {
+  RunningDemo demo({"--seconds", "1"}, RunningDemo::On::pipe, RunningDemo::As::ordinary_user);
+  const int code = demo.wait_for_end();
+  if (code == RunningDemo::cannot_run)
+    GTEST_SKIP() << "only root can become another user, who has to be able to read the build tree";
+  EXPECT_EQ(code, 0) << demo.text();
+  EXPECT_THAT(demo.text(), AllOf(HasSubstr("hosts"), HasSubstr(" % saved; nothing lost.")));
+  EXPECT_TRUE(demo.nothing_is_left());
+}
+
+TEST(Demo, HasAHelpThatFitsATerminal) {
+  RunningDemo demo({"--help"});
+  EXPECT_EQ(demo.wait_for_end(), 0);
+  const Screen screen(demo.text());
+  EXPECT_LE(screen.longest(), 79U) << demo.text();
+  EXPECT_LE(screen.rows().size(), 24U) << demo.text();
 }
 
 TEST(Demo, FailsOnInputThatItCannotRead) {

@@ -16,7 +16,7 @@ import unittest
 import captures
 
 DEMO = sys.argv.pop()
-PUBLISHER = "10.77.0.4"
+PUBLISHER = "10.77.0.5"
 UNFRAGMENTED = "udp and ip[6:2] & 0x3fff = 0"  # we never are; what nodes say of themselves to each other may be
 DATAGRAMS = 10000  # the first ones: what was agreed on, and two clouds
 
