@@ -1,6 +1,6 @@
 # cmake -D SOURCE=tree -D BUILD=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -D ISOLATE=program -P outside.cmake
 # Installs SFT from its build into a folder, builds a project and a program of one file with what is there, and runs them
-# on a host of their own.
+# on a host of their own; so does "Five minutes" of README.md, as it is printed there.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
 set(prefix ${WORK}/prefix)
@@ -24,10 +24,15 @@ separate_arguments(flags UNIX_COMMAND "${output}")
 cmake_path(GET package_folder PARENT_PATH library_folder)
 run(${CXX} -std=c++20 ${CMAKE_CURRENT_LIST_DIR}/one_file.cpp ${flags} -Wl,-rpath,${library_folder} -o ${WORK}/one_file)
 
+set(five_minutes ${WORK}/five_minutes)
+file(MAKE_DIRECTORY ${five_minutes})
+run(awk -v "heading=Five minutes" -v folder=${five_minutes} -f ${CMAKE_CURRENT_LIST_DIR}/readme_files.awk ${SOURCE}/README.md)
+
 # The new host keeps in sight the folder that this program is in, even if that lies below /tmp.
 file(COPY ${ISOLATE} ${CMAKE_CURRENT_LIST_DIR}/run_outside.sh DESTINATION ${WORK})
 cmake_path(GET ISOLATE FILENAME isolate)
-run(${WORK}/${isolate} /bin/sh ${WORK}/run_outside.sh ${prefix} ${WORK}/build ${WORK}/one_file)
+run(${CMAKE_COMMAND} -E env CXX=${CXX} CMAKE_GENERATOR=${GENERATOR}
+    ${WORK}/${isolate} /bin/sh ${WORK}/run_outside.sh ${prefix} ${WORK}/build ${WORK}/one_file ${five_minutes})
 file(GLOB_RECURSE daemon ${prefix}/sftd)
 set(sent "monitor is sent {serial, charge} by")
 set(printed "battery B-17: [0-9.]+ %")
@@ -35,3 +40,6 @@ expect("${output}" MATCHES "it says: hello")
 expect("${output}" MATCHES "the daemon in the prefix.*${sent} shm.*${printed}.*daemon: ${daemon}\n")
 expect("${output}" MATCHES "no daemon.*sftd could not be started: it is neither .* nor ${daemon} nor .* in PATH; install")
 expect("${output}" MATCHES "no daemon.*${sent} udp.*${printed}.*environment names.*${sent} shm.*${printed}")
+expect("${output}" MATCHES "five minutes.*monitor: 128 x 1024 points")
+expect("${output}" MATCHES "five minutes.*nanosec: [0-9]+\nwidth: 1024\n")
+expect("${output}" MATCHES "five minutes.*monitor.*shm.*height, width")

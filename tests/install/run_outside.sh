@@ -1,11 +1,11 @@
-# Usage: sh run_outside.sh PREFIX BUILD ONE_FILE
+# Usage: sh run_outside.sh PREFIX BUILD ONE_FILE FIVE_MINUTES
 # Runs the programs that were built with the SFT in PREFIX, on a host of their own. Prints what they print, and which
 # file the daemon of that host runs.
 [ $PPID = 1 ] || { # it would meet, and end, the daemon of this machine
   echo "skipped: needs root or user namespaces"
   exit 1
 }
-prefix=$1 build=$2 one_file=$3
+prefix=$1 build=$2 one_file=$3 five_minutes=$4
 PATH=/usr/bin:/bin
 unset SFT_DAEMON
 daemon=$prefix/libexec/sft/sftd
@@ -25,6 +25,15 @@ echo "== one file"
 echo "== the daemon in the prefix"
 publish_and_subscribe
 echo "daemon: $(daemons)"
+"$daemon" stop
+
+echo "== five minutes"
+(
+  cd "$five_minutes"
+  export PATH="$prefix/bin:$PATH" CMAKE_PREFIX_PATH="$prefix"
+  . ./commands.sh
+  wait
+)
 "$daemon" stop
 
 echo "== no daemon"

@@ -1,0 +1,135 @@
+// What README.md has instead of timers, services, parameters and exchange with DDS nodes ("What SFT does not
+// do").
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdio>
+#include <optional>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <span>
+#include <std_msgs/msg/Float64.hpp>
+#include <std_srvs/msg/SetBool_Request.hpp>
+#include <string>
+#include <thread>
+
+#include "sft/sft.h"
+#include "tests/support/eventually.h"
+
+using sensor_msgs::msg::PointCloud2;
+using std_msgs::msg::Float64;
+using std_srvs::msg::SetBool_Request;
+
+// In README.md.
+void count_clouds(sft::Node& node);
+sft::Subscriber<SetBool_Request> serve_lights(sft::Node& node);
+std::optional<std::string> switch_lights(sft::Node& node, bool on);
+sft::Publisher<Float64> exposure_parameter(sft::Node& node);
+sft::Subscriber<Float64> follow_exposure(sft::Node& node, std::atomic<double>& exposure_ms);
+sft::Result<sft::PublishStatus> pass_on(sft::Publisher<PointCloud2>& points,
+                                        std::span<const std::byte> serialized);
+
+namespace {
+
+using namespace std::chrono_literals;
+
+class RecipesTest : public testing::Test {
+ protected:
+  sft::Node node_ = sft::Node::open({.name = "here"}).value();
+  sft::Node other_ = sft::Node::open({.name = "there"}).value();
+};
+
+/// Standard output, of which the test reads line by line what is printed meanwhile.
+class PrintedLines {
+ public:
+  PrintedLines() {
+    int ends[2];
+    if (pipe(ends) != 0) return;
+    std::fflush(stdout);
+    before_ = dup(STDOUT_FILENO);
+    dup2(ends[1], STDOUT_FILENO);
+    close(ends[1]);
+    printed_ = fdopen(ends[0], "r");
+  }
+  ~PrintedLines() {
+    restore();
+    std::fclose(printed_);
+  }
+  PrintedLines(const PrintedLines&) = delete;
+  PrintedLines& operator=(const PrintedLines&) = delete;
+
+  /// Waits for it.
+  std::string next() {
+    std::string line;
+    for (int c = std::fgetc(printed_); c != EOF && c != '\n'; c = std::fgetc(printed_)) {
+      line += static_cast<char>(c);
+    }
+    return line;
+  }
+
+ private:
+  void restore() const {
+    std::fflush(stdout);
+    dup2(before_, STDOUT_FILENO);
+    close(before_);
+  }
+
+  int before_ = -1;
+  FILE* printed_ = nullptr;
+};
+
+TEST_F(RecipesTest, AnEventLoopCountsCloudsUntilItIsInterrupted) {
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
+  int clouds = 0;
+  {
+    PrintedLines printed;
+    std::thread loop([&] { count_clouds(node_); });
+    auto points = other_.publisher<PointCloud2>("points").value();
+    const bool served = points.wait_for_subscribers(1, 10s);
+    for (int i = 0; served && i < 3; ++i) points.publish(PointCloud2{});
+    while (served && clouds < 3) clouds += std::stoi(printed.next());
+    kill(getpid(), SIGINT);
+    loop.join();
+  }
+  EXPECT_EQ(clouds, 3);
+}
+
+TEST_F(RecipesTest, AServiceAnswersItsClient) {
+  EXPECT_EQ(switch_lights(node_, true), std::nullopt) << "nobody serves yet";
+  const auto server = serve_lights(other_);
+  EXPECT_EQ(switch_lights(node_, true), "on");
+  EXPECT_EQ(switch_lights(node_, false), "off");
+}
+
+TEST_F(RecipesTest, AParameterIsKnownToWhoeverComesLaterAndFollowed) {
+  auto parameter = exposure_parameter(node_);
+  parameter.publish({.data = 8.5});
+  std::atomic<double> exposure_ms = 0;
+  const auto follower = follow_exposure(other_, exposure_ms);
+  EXPECT_TRUE(sft::test::eventually([&] { return exposure_ms == 8.5; }));
+  parameter.publish({.data = 2});
+  EXPECT_TRUE(sft::test::eventually([&] { return exposure_ms == 2; }));
+}
+
+TEST_F(RecipesTest, ABridgePassesOnWhatIsEncodedAlready) {
+  auto source = node_.publisher<PointCloud2>("ros/points").value();
+  auto received = node_.subscriber<PointCloud2>("ros/points").value();
+  auto passed_on = other_.publisher<PointCloud2>("points").value();
+  auto subscriber = node_.subscriber<PointCloud2>("points").value();
+  ASSERT_TRUE(source.wait_for_subscribers(1, 10s));
+  ASSERT_TRUE(passed_on.wait_for_subscribers(1, 10s));
+  source.publish({.width = 1024});
+  ASSERT_TRUE(received.wait(10s));
+  const auto sample = received.take();
+  const auto result = pass_on(passed_on, sample.cdr());
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(*result, sft::PublishStatus::ok);
+  ASSERT_TRUE(subscriber.wait(10s));
+  const auto arrived = subscriber.take();
+  EXPECT_EQ(arrived->width(), 1024U);
+}
+
+}  // namespace
