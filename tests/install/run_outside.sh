@@ -22,6 +22,9 @@ daemons() { readlink /proc/[0-9]*/exe | grep '/sftd$' | sort -u; }
 echo "== one file"
 "$one_file"
 
+echo "== the command"
+"$prefix/bin/sft" pub numbers std_msgs/UInt32 'data: 7' --once --wait-for 0
+
 echo "== the daemon in the prefix"
 publish_and_subscribe
 echo "daemon: $(daemons)"
