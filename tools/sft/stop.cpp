@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <ctime>
 
 namespace sft::tool {
 
@@ -38,13 +39,14 @@ bool Stop::wait_for(std::chrono::nanoseconds time, int descriptor) {
   const auto end = time < std::chrono::hours(10'000) ? now + time : now + std::chrono::hours(10'000);
   look();
   while (!requested_) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()).count();
-    const auto pause = static_cast<int>(std::clamp<std::int64_t>(left, 0, 60'000));
+    const auto left = std::max<std::chrono::nanoseconds>(end - Clock::now(), std::chrono::nanoseconds(0));
+    const auto seconds = std::chrono::floor<std::chrono::seconds>(left);
+    const timespec pause{seconds.count(), (left - seconds).count()};
     std::array<pollfd, 2> watched{{{signals_, POLLIN, 0}, {descriptor, POLLIN, 0}}};
-    const int ready = poll(watched.data(), watched.size(), pause);
+    const int ready = ppoll(watched.data(), watched.size(), &pause, nullptr);
     if (ready < 0 && errno != EINTR) break;
     if (watched[0].revents != 0) look();
-    if (watched[1].revents != 0 || (ready == 0 && left <= pause)) break;
+    if (watched[1].revents != 0 || ready == 0) break;
   }
   return requested_;
 }
