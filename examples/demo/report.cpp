@@ -114,8 +114,8 @@ std::string format_losses(const RunFigures& run) {
 std::string format_measurement(const RunFigures& run) {
   if (!run.real_hosts()) {
     return "All of it ran on this machine, and what would go between hosts went over loopback, where bytes "
-           "on the wire cannot be told apart by subscriber: figures marked * are payload. Run as root for "
-           "hosts and a network of their own.";
+           "on the wire cannot be told apart by subscriber: figures marked * are payload. The first lines "
+           "say why there are no real hosts.";
   }
   std::string text =
       "Bytes are as counted by each host's network interface, packet headers included, without control "
