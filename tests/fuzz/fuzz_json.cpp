@@ -32,13 +32,13 @@ std::string printed(const TypeSupport& type, const std::vector<std::byte>& cdr) 
 }
 
 void check(const TypeSupport& type, std::string_view text) {
-  const auto cdr = cdr_from_json(type.type(), text, bytes_max);
+  const auto cdr = cdr_from_json(type.type(), text, {.bytes_max = bytes_max});
   if (!cdr) {
     require(!cdr.error().message.empty(), "an error says what is wrong");
     return require(cdr.error().message.size() < 1000, "in a few words");
   }
   require(cdr->size() >= encapsulation && cdr->size() <= bytes_max + encapsulation, "as large as is allowed");
-  const auto again = cdr_from_json(type.type(), printed(type, *cdr), 2 * bytes_max);
+  const auto again = cdr_from_json(type.type(), printed(type, *cdr), {.bytes_max = 2 * bytes_max});
   require(again && *again == *cdr, "what is printed is the same message");
 }
 

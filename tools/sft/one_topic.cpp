@@ -28,7 +28,7 @@ Result<OneTopic> look_at(std::string_view topic, const CommonOptions& common, Se
     name = Session::known_name(topic, domain);
     return name.has_value();
   };
-  const bool found = session.wait_until(is_known, common.timeout_s);
+  const bool found = session.wait_until(is_known);
   if (found) session.stop().wait_for(seconds(common.wait_s));
   name = Session::known_name(topic, session.domain());
   if (name) return part_of(session.domain(), *name);

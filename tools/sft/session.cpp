@@ -93,7 +93,7 @@ Result<FoundTopic> Session::find(std::string_view topic) {
     }
     return found.has_value() || error.code == Errc::type_mismatch;
   };
-  wait_until(look, options_.timeout_s);
+  wait_until(look);
   if (!found) return tl::unexpected(error);
   stop_->wait_for(settle_time);
   found->requested = common_offer(found->name, domain());

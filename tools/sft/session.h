@@ -36,6 +36,10 @@ class Session {
 
   /// Waits until `enough` holds of the domain, for so long at most; tells whether it does.
   bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough, double for_s);
+  /// As long as the user lets it look for a topic.
+  bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough) {
+    return wait_until(enough, options_.timeout_s);
+  }
 
   /// Without a slash in front, which counts for nothing.
   static std::string plain_name(std::string_view topic);
