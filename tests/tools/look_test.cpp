@@ -36,20 +36,20 @@ TEST_F(LookTest, LsListsNodesTopicsTypesAndEndpointsAsJson) {
   ASSERT_EQ(all["topics"].size(), 1U);
   EXPECT_EQ(all["topics"][0]["publishers"], 1);
   EXPECT_EQ(all["topics"][0]["subscribers"], 1);
-  EXPECT_EQ(all["types"][0]["name"], "sensor_msgs::msg::PointCloud2");
+  EXPECT_EQ(all["types"][0]["name"], "sensor_msgs/msg/PointCloud2");
   EXPECT_EQ(all["endpoints"].size(), 2U);
 }
 
 TEST_F(LookTest, LsPrintsTablesAndNamesThatFitATerminal) {
   EXPECT_EQ(run_tool({"ls"}).out,
-            "TOPIC   TYPE                           PUBLISHERS  SUBSCRIBERS\n"
-            "points  sensor_msgs::msg::PointCloud2  1           1\n");
+            "TOPIC   TYPE                         PUBLISHERS  SUBSCRIBERS\n"
+            "points  sensor_msgs/msg/PointCloud2  1           1\n");
   EXPECT_EQ(run_tool({"ls", "nodes"}).out,
             "NODE    PUBLISHES  SUBSCRIBES TO\n"
             "lidar   points     -\n"
             "logger  -          points\n");
   EXPECT_EQ(run_tool({"ls", "topics", "--names"}).out, "points\n");
-  EXPECT_THAT(run_tool({"ls", "types"}).out, HasSubstr("sensor_msgs::msg::PointCloud2"));
+  EXPECT_THAT(run_tool({"ls", "types"}).out, HasSubstr("sensor_msgs/msg/PointCloud2"));
   EXPECT_THAT(run_tool({"ls", "endpoints"}).out, HasSubstr("publisher   lidar"));
 }
 
@@ -68,7 +68,7 @@ TEST_F(LookTest, InfoTellsPoliciesWaysAndWhatIsAskedFor) {
 TEST_F(LookTest, TypeIsTheTextOfTheMessageFile) {
   const Ended ended = run_tool({"type", "points"});
   EXPECT_EQ(ended.code, 0) << ended.err;
-  EXPECT_THAT(ended.out, StartsWith("# sensor_msgs::msg::PointCloud2\n"
+  EXPECT_THAT(ended.out, StartsWith("# sensor_msgs/msg/PointCloud2\n"
                                     "std_msgs/Header header\n"
                                     "uint32 height\n"
                                     "uint32 width\n"
@@ -76,7 +76,7 @@ TEST_F(LookTest, TypeIsTheTextOfTheMessageFile) {
                                     "bool is_bigendian\n"));
   EXPECT_THAT(ended.out,
               HasSubstr("\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"));
-  EXPECT_EQ(run_tool({"type", "points", "--name"}).out, "sensor_msgs::msg::PointCloud2\n");
+  EXPECT_EQ(run_tool({"type", "points", "--name"}).out, "sensor_msgs/msg/PointCloud2\n");
   EXPECT_THAT(run_tool({"type", "points", "--fields"}).out, HasSubstr("fields[].name\n"));
   EXPECT_EQ(Json::parse(run_tool({"type", "points", "--json"}).out)["fields"][0], "header.stamp.sec");
 }
@@ -240,8 +240,8 @@ TEST_F(LookTest, AnUnknownTopicIsOneSentenceThatNamesThoseThatAreThere) {
 TEST_F(LookTest, ATopicWithASlashInFrontIsFoundEitherWay) {
   EXPECT_EQ(run_tool({"type", "/points", "--name"}).code, 0);
   auto slashed = robot.publisher<Odometry>("/odom").value();
-  EXPECT_EQ(run_tool({"type", "/odom", "--name"}).out, "nav_msgs::msg::Odometry\n");
-  EXPECT_EQ(run_tool({"type", "odom", "--name"}).out, "nav_msgs::msg::Odometry\n");
+  EXPECT_EQ(run_tool({"type", "/odom", "--name"}).out, "nav_msgs/msg/Odometry\n");
+  EXPECT_EQ(run_tool({"type", "odom", "--name"}).out, "nav_msgs/msg/Odometry\n");
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ TEST_F(PubTest, ACompiledSubscriberGetsWhatIsWrittenDown) {
   const Ended ended = run_tool({"pub", "/points", "sensor_msgs/msg/PointCloud2", "--once",
                                 "{header: {frame_id: lidar}, width: 3, fields: [{name: x}, {name: y}]}"});
   EXPECT_EQ(ended.code, 0) << ended.err;
-  EXPECT_EQ(ended.out, "points: 1 sample of sensor_msgs/PointCloud2; 1 subscriber now\n");
+  EXPECT_EQ(ended.out, "points: 1 sample of sensor_msgs/msg/PointCloud2; 1 subscriber now\n");
   const auto sample = next(points);
   ASSERT_TRUE(sample);
   EXPECT_EQ(sample->header().frame_id(), "lidar");
@@ -98,7 +98,7 @@ TEST_F(PubTest, ItPublishesSoManyAtTheRateAndTellsItAsJson) {
   EXPECT_EQ(next(numbers, 21), std::vector<std::uint32_t>(21, 7));
   const Json json = Json::parse(ended.out);
   EXPECT_EQ(json["topic"], "numbers");
-  EXPECT_EQ(json["type"], "std_msgs::msg::UInt32");
+  EXPECT_EQ(json["type"], "std_msgs/msg/UInt32");
   EXPECT_EQ(json["published"], 21);
   EXPECT_EQ(json["dropped"], 0);
   EXPECT_EQ(json["subscribers"][0]["node"], "lidar");

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "tools/sft/msg_text.h"
 #include "tools/sft/units.h"
 
 namespace sft::tool {
@@ -47,7 +48,7 @@ Json endpoint_json(const EndpointInfo& e, bool publishes) {
                {"node", e.node},
                {"node_id", hex_text(e.node_id)},
                {"topic", e.topic},
-               {"type", e.type_name},
+               {"type", ros_name(e.type_name)},
                {"type_hash", hex_text(e.type_hash)},
                {"type_described", e.type.has_value()},
                {"qos", qos_json(e.qos)},

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tools/sft/describe.h"
+#include "tools/sft/msg_text.h"
 #include "tools/sft/one_topic.h"
 #include "tools/sft/units.h"
 
@@ -39,7 +40,7 @@ void print_text(const OneTopic& topic, Output& output) {
   output.line(output.colored(topic.name, Color::bold));
   std::set<std::pair<std::string, std::uint64_t>> types;
   for (const auto* endpoints : {&topic.publishers, &topic.subscribers})
-    for (const EndpointInfo& e : *endpoints) types.insert({e.type_name, e.type_hash});
+    for (const EndpointInfo& e : *endpoints) types.insert({ros_name(e.type_name), e.type_hash});
   for (const auto& [name, hash] : types) output.line(fmt::format("  {}  {}", name, hex_text(hash)));
   if (types.size() > 1)
     output.line(output.colored("  These types differ, and so do not match: see 'sft why'.", Color::yellow));

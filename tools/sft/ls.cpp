@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tools/sft/describe.h"
+#include "tools/sft/msg_text.h"
 #include "tools/sft/table.h"
 #include "tools/sft/units.h"
 
@@ -45,9 +46,9 @@ struct Inventory {
     node.name = e.node;
     (publishes ? node.publishes : node.subscribes).insert(e.topic);
     TopicEntry& topic = topics[e.topic];
-    topic.types.insert(e.type_name);
+    topic.types.insert(ros_name(e.type_name));
     ++(publishes ? topic.publishers : topic.subscribers);
-    types[{e.type_name, e.type_hash}].insert(e.topic);
+    types[{ros_name(e.type_name), e.type_hash}].insert(e.topic);
   }
 };
 

@@ -53,16 +53,19 @@ void add_nested(const StructType& type, std::vector<const StructType*>& found) {
   }
 }
 
+std::string with_slashes(std::string text, std::string_view instead_of) {
+  for (std::size_t at = text.find(instead_of); at != std::string::npos; at = text.find(instead_of))
+    text.replace(at, instead_of.size(), "/");
+  return text;
+}
+
 }  // namespace
 
 std::string msg_name(std::string_view name) {
-  std::string text(name);
-  for (const std::string_view inner : {"::msg::", "::"}) {
-    for (std::size_t at = text.find(inner); at != std::string::npos; at = text.find(inner))
-      text.replace(at, inner.size(), "/");
-  }
-  return text;
+  return with_slashes(with_slashes(std::string(name), "::msg::"), "::");
 }
+
+std::string ros_name(std::string_view name) { return with_slashes(std::string(name), "::"); }
 
 std::string msg_text(const StructType& type) {
   std::vector<const StructType*> types{&type};

@@ -19,7 +19,9 @@ namespace sft::tool {
 /// there.
 std::string msg_text(const StructType& type);
 
-/// "sensor_msgs/PointCloud2" of "sensor_msgs::msg::PointCloud2".
+/// "sensor_msgs/PointCloud2" of "sensor_msgs::msg::PointCloud2": what .msg files call it.
 std::string msg_name(std::string_view name);
+/// "sensor_msgs/msg/PointCloud2" of "sensor_msgs::msg::PointCloud2": what ROS 2's tools call it.
+std::string ros_name(std::string_view name);
 
 }  // namespace sft::tool

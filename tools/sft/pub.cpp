@@ -129,7 +129,7 @@ Result<std::uint64_t> publish_all(Source& source, DynamicPublisher& publisher) {
 
 void report(const DynamicPublisher& publisher, const std::string& topic, bool json, Output& output) {
   const PublisherStatus status = publisher.status();
-  const std::string type = msg_name(publisher.type().name());
+  const std::string type = ros_name(publisher.type().name());
   if (!json) {
     const std::string dropped =
         status.dropped == 0 ? "" : fmt::format(", {} not handed to every reader", status.dropped);
@@ -148,7 +148,7 @@ void report(const DynamicPublisher& publisher, const std::string& topic, bool js
                        {"sent", reader.sent}});
   }
   output.record({{"topic", topic},
-                 {"type", std::string(publisher.type().name())},
+                 {"type", type},
                  {"published", status.published},
                  {"dropped", status.dropped},
                  {"subscribers", std::move(readers)}});

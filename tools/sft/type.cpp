@@ -11,7 +11,7 @@ ExitCode run(const TypeOptions& options, const CommonOptions& common, Session& s
   const Result<FoundTopic> topic = session.find(options.topic);
   if (!topic) return give_up(topic.error());
   const TypeSupport& support = topic->type.support();
-  const std::string name(topic->type.name());
+  const std::string name = ros_name(topic->type.name());
   Output& output = session.output();
   std::vector<std::string> fields;
   for (std::size_t leaf = 0; leaf < support.leaves(); ++leaf) fields.push_back(support.path(leaf));
