@@ -20,7 +20,7 @@
 #include "core/ordered_delivery.h"
 #include "core/other_releases.h"
 #include "core/participant_mark.h"
-#include "core/retry.h"
+#include "core/renewal_pace.h"
 #include "sft_control.h"
 
 namespace sft::core {
@@ -34,8 +34,6 @@ constexpr std::chrono::seconds look_at_interfaces_every{1};  // although netlink
 constexpr std::chrono::milliseconds merge_every{100};
 /// The old link stays so long at least, so that others find us by the new one before.
 constexpr std::chrono::seconds retire_after{2}, retire_at_last_after{60};
-constexpr std::chrono::seconds renewal_pause_max{20};
-constexpr std::chrono::seconds calm_after{120};
 /// Others believe a link that was made anew with the first sign of life that comes by it.
 constexpr std::chrono::milliseconds assert_often_for{700};
 constexpr std::size_t retiring_links_max = 2;
@@ -134,10 +132,6 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     OpenLink link;
     LinkId replaced_by = 0;
     Now since;
-  };
-  struct Renewal {
-    Retry retry;
-    Now last{};
   };
   /// What is in force of one of our endpoints, for links that come later.
   struct Own {
@@ -318,12 +312,10 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     const auto found = link_of(id);
     if (found == links_.end()) return false;
     auto& [spec, link] = *found;
-    Renewal& renewal = renewals_[spec];
-    if (now - renewal.last > calm_after) renewal.retry.succeeded();
-    if (!renewal.retry.due(now)) return false;
+    RenewalPace& pace = renewals_[spec];
+    if (!pace.is_needed(now)) return false;
+    pace.renewed(now);
     const std::string what = "on " + spec.interface + " " + why;
-    renewal.last = now;
-    renewal.retry.failed(what, now, renewal_pause_max);
     auto made = make_link(spec, link.domain.get());
     if (!made) {
       listener_.link_was_deaf(what + "; the link cannot be made anew: " + made.error().message);
@@ -543,7 +535,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   NewsDesk::Links specs_;  ///< of the links
   OrderedDelivery<News> delivery_;
 
-  std::map<LinkSpec, Renewal> renewals_;
+  std::map<LinkSpec, RenewalPace> renewals_;
   std::deque<RetiringLink> retiring_;   ///< which others still know us by; the oldest first
   std::map<LinkSpec, OpenLink> links_;  ///< goes first: its threads use the rest
 };
