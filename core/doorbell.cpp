@@ -17,6 +17,7 @@
 #include <string>
 #include <system_error>
 
+#include "core/process_limits.h"
 #include "core/random_id.h"
 #include "core/spin.h"
 
@@ -42,6 +43,7 @@ bool is_whole(int fd) {
 
 /// An open, locked file of a page's size, or -1.
 int create_file(const std::string& path) {
+  if (!check_file_size(page_bytes)) return -1;
   const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0660);
   if (fd < 0) return -1;
   // posix_fallocate, because writing to a page that a full tmpfs cannot give later would be a SIGBUS.
@@ -55,6 +57,7 @@ int create_file(const std::string& path) {
 
 /// The same without a path, so that no space in /dev/shm is needed.
 int create_nameless_file(std::uint64_t id) {
+  if (!check_file_size(page_bytes)) return -1;
   const int fd = memfd_create((std::string(prefix) + in_hex(id)).c_str(), MFD_CLOEXEC);
   if (fd < 0) return -1;
   if (posix_fallocate(fd, 0, page_bytes) == 0) return fd;

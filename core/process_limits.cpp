@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <linux/futex.h>
 #include <pthread.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -81,6 +82,26 @@ class SpareThreads {
   int error_ = 0;
 };
 
+/// For their stacks, and what they and the memory allocator take at once.
+Result<void> check_addresses(std::size_t threads) {
+  constexpr std::size_t besides = std::size_t{64} << 20;
+  pthread_attr_t usual;
+  std::size_t stack = 0;
+  ::pthread_attr_init(&usual);
+  ::pthread_attr_getstacksize(&usual, &stack);
+  ::pthread_attr_destroy(&usual);
+  const std::size_t bytes = threads * stack + besides;
+  void* const spare = ::mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (spare == MAP_FAILED)
+    return fail(Errc::limit_exceeded,
+                "there is too little address space: " + std::to_string(bytes >> 20) +
+                    " MiB more are needed, and this process may have " + limit_of(RLIMIT_AS) +
+                    " bytes in all: raise the limit RLIMIT_AS (ulimit -v, or LimitAS= of "
+                    "its service)");
+  ::munmap(spare, bytes);
+  return {};
+}
+
 bool is_far_from_the_limits(std::size_t threads) {
   constexpr std::uint64_t that_others_may_start = 200;
   rlimit of_user{};
@@ -105,7 +126,18 @@ Result<void> check_threads(std::size_t count) {
 
 Result<void> check_room_for(std::size_t descriptors, std::size_t threads) {
   if (Result<void> enough = check_descriptors(descriptors); !enough) return enough;
+  if (Result<void> enough = check_addresses(threads); !enough) return enough;
   return check_threads(threads);
+}
+
+Result<void> check_file_size(std::size_t bytes) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_FSIZE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur >= bytes)
+    return {};
+  return fail(Errc::limit_exceeded, "this process may write files of at most " + limit_of(RLIMIT_FSIZE) +
+                                        " bytes, and one of " + std::to_string(bytes) +
+                                        " bytes is needed: raise the limit RLIMIT_FSIZE (ulimit -f, or "
+                                        "LimitFSIZE= of its service)");
 }
 
 }  // namespace sft::core

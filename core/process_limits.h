@@ -8,8 +8,12 @@
 
 namespace sft::core {
 
-/// Errc::limit_exceeded says which limit it is, and how to raise it. Takes so many file descriptors, and
-/// starts so many threads unless all limits are far, and gives them back.
+/// Errc::limit_exceeded says which limit it is, and how to raise it. Takes so many file descriptors, the
+/// addresses that so many threads need, and starts so many unless all limits are far, and gives all back.
 Result<void> check_room_for(std::size_t descriptors, std::size_t threads);
+
+/// Errc::limit_exceeded where this process may not write files of that size (RLIMIT_FSIZE): the system would
+/// end it by a signal.
+Result<void> check_file_size(std::size_t bytes);
 
 }  // namespace sft::core

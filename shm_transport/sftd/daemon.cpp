@@ -2,6 +2,7 @@
 
 #include <signal.h>
 #include <sys/random.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -14,6 +15,7 @@
 
 #include "core/clock.h"
 #include "core/doorbell.h"
+#include "core/process_limits.h"
 #include "shm_transport/accepted_daemons.h"
 #include "shm_transport/access.h"
 #include "shm_transport/host_file.h"
@@ -49,6 +51,14 @@ Space shm_space() {
   struct statvfs status {};
   if (statvfs("/dev/shm", &status) != 0) return {};
   return {status.f_blocks * status.f_frsize, status.f_bavail * status.f_frsize};
+}
+
+/// Memory for samples is a file to the system. A program that starts the daemon may have a limit for its own.
+void raise_file_size_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_FSIZE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  std::ignore = setrlimit(RLIMIT_FSIZE, &limit);
 }
 
 tl::unexpected<StartFailure> refuse(ExitCode code, std::string message) {
@@ -194,6 +204,9 @@ Daemon::Daemon(const DaemonSettings& settings, const Log& log, FileLock only_one
 /// The order matters: our locks come before anything of iceoryx, which would abort where it finds a daemon
 /// running. Locks and sockets tell who lives; whatever else is there is only in the way.
 Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, EndProcess end) {
+  raise_file_size_limit();
+  if (const auto large_enough = core::check_file_size(smallest_shm_bytes); !large_enough)
+    return refuse(ExitCode::no_space, large_enough.error().message);
   auto groups = take_up_groups(settings.access);
   if (!groups) return refuse(code_of(groups.error()), groups.error().message);
   if (auto living = refuse_beside_the_living()) return tl::unexpected(*living);
@@ -215,6 +228,8 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, En
   core::DoorbellPage::sweep();
   auto plan = choose_pools(settings, daemon->groups_);
   if (!plan) return tl::unexpected(plan.error());
+  if (const auto large_enough = core::check_file_size(plan->bytes()); !large_enough)
+    return refuse(ExitCode::no_space, large_enough.error().message);
   error_sink().begin([&daemon, &end](const std::string& text) {
     daemon->remove_traces(false);
     end({ExitCode::failed, "it cannot start: " + text +

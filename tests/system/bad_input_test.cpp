@@ -5,7 +5,6 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <functional>
@@ -15,6 +14,7 @@
 #include <nav_msgs/msg/Odometry.hpp>
 
 #include "tests/system/fixture.h"
+#include "tests/system/opened_by_child.h"
 
 namespace sft::test {
 namespace {
@@ -41,35 +41,6 @@ TEST_F(BadInputTest, ABusyPortIsAnErrorThatNamesIt) {
   EXPECT_EQ(node.error().code, Errc::address_in_use);
   EXPECT_NE(node.error().message.find(std::to_string(options.udp.port)), std::string::npos)
       << node.error().message;
-}
-
-/// What became of Node::open() in a process of its own, which lacks something.
-enum class Opened : std::uint8_t { node, limit_exceeded, other_error, leaked, crashed };
-
-/// Descriptors and threads of this process.
-std::pair<std::size_t, std::size_t> in_use() {
-  std::pair<std::size_t, std::size_t> counts;
-  for (int fd = 0; fd < 1024; ++fd) counts.first += fcntl(fd, F_GETFD) >= 0 ? 1 : 0;
-  struct stat tasks {};
-  if (stat("/proc/self/task", &tasks) == 0) counts.second = tasks.st_nlink;
-  return counts;
-}
-
-Opened opened_by_child(const std::function<void()>& lack, const std::string& limit) {
-  const pid_t child = fork();
-  if (child == 0) {
-    alarm(30);  // one that hangs ends like one that crashes
-    lack();
-    const auto before = in_use();
-    const auto node = Node::open(node_options(Way::udp, "short of all"));
-    if (!node && in_use() != before) _exit(static_cast<int>(Opened::leaked));
-    const bool is_limit = !node && node.error().code == Errc::limit_exceeded &&
-                          node.error().message.find(limit) != std::string::npos;
-    _exit(static_cast<int>(node ? Opened::node : is_limit ? Opened::limit_exceeded : Opened::other_error));
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? static_cast<Opened>(WEXITSTATUS(status)) : Opened::crashed;
 }
 
 TEST_F(BadInputTest, WhoHasTooFewThreadsGetsAnErrorThatSaysSo) {
@@ -105,6 +76,19 @@ TEST_F(BadInputTest, WhoHasTooFewDescriptorsGetsAnErrorThatSaysSo) {
   for (rlim_t descriptors = 49; descriptors <= 80; ++descriptors)
     EXPECT_THAT(opened_with(descriptors), AnyOf(Opened::limit_exceeded, Opened::node)) << descriptors;
   EXPECT_EQ(opened_with(200), Opened::node);
+}
+
+TEST_F(BadInputTest, WhoMayNotWriteFilesHasANodeForUdp) {
+  for (const rlim_t bytes : {0, 1000, 65'535, 65'536, 10'000'000}) {
+    EXPECT_EQ(opened_by_child(
+                  [&] {
+                    const rlimit limit{bytes, bytes};
+                    setrlimit(RLIMIT_FSIZE, &limit);
+                  },
+                  "RLIMIT_FSIZE"),
+              Opened::node)
+        << bytes;
+  }
 }
 
 TEST_F(BadInputTest, TopicsHaveNamesAndDomainsAreSmallNumbers) {

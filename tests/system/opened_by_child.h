@@ -1,0 +1,47 @@
+// Opens a node in a process of its own, which lacks something.
+#pragma once
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "tests/system/fixture.h"
+
+namespace sft::test {
+
+/// What became of Node::open().
+enum class Opened : std::uint8_t { node, limit_exceeded, other_error, leaked, crashed };
+
+/// Descriptors and threads of this process.
+inline std::pair<std::size_t, std::size_t> in_use() {
+  std::pair<std::size_t, std::size_t> counts;
+  for (int fd = 0; fd < 1024; ++fd) counts.first += fcntl(fd, F_GETFD) >= 0 ? 1 : 0;
+  struct stat tasks {};
+  if (stat("/proc/self/task", &tasks) == 0) counts.second = tasks.st_nlink;
+  return counts;
+}
+
+/// `limit` is what the error has to name to be Opened::limit_exceeded.
+inline Opened opened_by_child(const std::function<void()>& lack, const std::string& limit) {
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(30);  // one that hangs ends like one that crashes
+    lack();
+    const auto before = in_use();
+    const auto node = Node::open(node_options(Way::udp, "short of all"));
+    if (!node && in_use() != before) _exit(static_cast<int>(Opened::leaked));
+    const bool is_limit = !node && node.error().code == Errc::limit_exceeded &&
+                          node.error().message.find(limit) != std::string::npos;
+    _exit(static_cast<int>(node ? Opened::node : is_limit ? Opened::limit_exceeded : Opened::other_error));
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? static_cast<Opened>(WEXITSTATUS(status)) : Opened::crashed;
+}
+
+}  // namespace sft::test
