@@ -29,6 +29,21 @@ class FanOutTest : public test::BridgeTest, public testing::WithParamInterface<b
     publish(samples);
     return static_cast<double>(test::traffic_of("bridge").sent - before) / samples;
   }
+  /// Of those samples that go out before the first reader is offered a group, which takes a while. There are fewer
+  /// of them where the machine is slow.
+  double bytes_of_a_sample_without_groups() {
+    publish();
+    const std::uint32_t before = test::traffic_of("bridge").sent;
+    std::uint32_t bytes = 0;
+    std::size_t count = 0;
+    for (; count < samples && !HasFatalFailure(); ++count) {
+      publish();
+      if (some_join_groups()) break;
+      bytes = test::traffic_of("bridge").sent - before;
+    }
+    EXPECT_GT(count, 0U);
+    return static_cast<double>(bytes) / static_cast<double>(count);
+  }
 };
 
 INSTANTIATE_TEST_SUITE_P(Each, FanOutTest, testing::Bool(),
@@ -38,7 +53,7 @@ TEST_P(FanOutTest, PutsBytesOnTheWireByMasksAndNotByReceivers) {
   serve(2);
   const double two_readers = bytes_of_a_sample();
   serve(hosts);
-  const double alone = bytes_of_a_sample();
+  const double alone = bytes_of_a_sample_without_groups();
   ASSERT_TRUE(publish_until([this] { return all_are_in_groups(); })) << publisher_->port().multicast(1);
   const double together = bytes_of_a_sample();
   std::printf("bytes for each sample: two readers %.0f; eight alone %.0f, by groups %.0f\n", two_readers,
