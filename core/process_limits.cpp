@@ -43,7 +43,7 @@ Result<void> check_descriptors(std::size_t count) {
                   " of them: raise the limit RLIMIT_NOFILE (ulimit -n, or LimitNOFILE= of its service)");
 }
 
-/// Threads that do nothing until it goes. They take no memory but small stacks.
+/// Threads that wait until this object is destroyed. They take no memory except small stacks.
 class SpareThreads {
  public:
   explicit SpareThreads(std::size_t count) {
@@ -66,7 +66,7 @@ class SpareThreads {
     for (const pthread_t thread : threads_) ::pthread_join(thread, nullptr);
   }
 
-  int error() const { return error_; }  ///< of the one that could not be started, or 0
+  int error() const { return error_; }  ///< why a thread could not be started, or 0
 
  private:
   static constexpr std::size_t stack_bytes = 128 * 1024;
@@ -82,7 +82,7 @@ class SpareThreads {
   int error_ = 0;
 };
 
-/// For their stacks, and what they and the memory allocator take at once.
+/// Reserves the addresses that the stacks of so many threads and the memory allocator take.
 Result<void> check_addresses(std::size_t threads) {
   constexpr std::size_t besides = std::size_t{64} << 20;
   pthread_attr_t usual;

@@ -1,8 +1,9 @@
-// How often a link may be made anew that does not hear somebody, or of which somebody complains. Pure.
+// Decides how often a discovery link may be made anew. A link is made anew if it does not hear a node, or if
+// another node complains about it. Pure.
 //
-// Making it anew costs all who are on it some work. So it is done ever more seldom where it does not help.
-// Where it helps for a while, and is needed again, somebody may be forging what is said on the link: then it
-// has to come before anybody is taken for dead for want of signs of life, and the pause stays short.
+// A new link costs work for every node on the network. Therefore the pauses grow if new links do not help. If
+// a new link helps for a while and is needed again, somebody may be forging datagrams. Then the pause stays
+// shorter than the lease of the signs of life, so that no living node is taken for dead.
 #pragma once
 
 #include <algorithm>
@@ -19,17 +20,17 @@ class RenewalPace {
   /// Well below the lease of signs of life (5 s).
   static constexpr std::chrono::milliseconds pause_where_it_helps{2000};
   static constexpr std::chrono::seconds helps_for{1};
-  /// After so long without one, all begins anew.
+  /// After this time without a renewal the pauses begin again with pause_min.
   static constexpr std::chrono::seconds calm_after{120};
 
-  /// Somebody is missed, or complains. Whether the link may be made anew for that.
+  /// Call this when a node is missed or complains. True if the link may be made anew now.
   bool is_needed(Now now) {
     if (!last_ || now - *last_ > calm_after) return true;
     if (!needed_since_) needed_since_ = now;
     const bool helped = *needed_since_ - *last_ >= helps_for;
     return now - *last_ >= (helped ? std::min(pause_, pause_where_it_helps) : pause_);
   }
-  /// It is made anew, or was tried to be.
+  /// Call this when the link is made anew, also if that fails.
   void renewed(Now now) {
     const bool is_calm = !last_ || now - *last_ > calm_after;
     pause_ = is_calm ? pause_min : std::min(2 * pause_, pause_max);

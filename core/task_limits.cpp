@@ -39,7 +39,7 @@ struct ControlGroup {
   fs::path path;  ///< of the group, below that
 };
 
-/// The one that counts threads: of the controller `pids`, or of the unified hierarchy.
+/// The control group that limits threads: that of the controller `pids`, or else of the unified hierarchy.
 std::optional<ControlGroup> control_group(const fs::path& root) {
   std::ifstream stream(root / "proc/self/cgroup");
   std::optional<ControlGroup> unified;
@@ -54,7 +54,7 @@ std::optional<ControlGroup> control_group(const fs::path& root) {
   return unified;
 }
 
-/// Of the group and those that it is in.
+/// The number of threads that the group and all groups above it leave.
 std::optional<std::uint64_t> left_by_control_groups(const fs::path& root) {
   const std::optional<ControlGroup> group = control_group(root);
   std::error_code missing;
@@ -62,7 +62,7 @@ std::optional<std::uint64_t> left_by_control_groups(const fs::path& root) {
   std::uint64_t left = unlimited;
   for (fs::path path = group->path;; path = path.parent_path()) {
     const fs::path directory = group->mounted_at / path;
-    const std::uint64_t limit = number_in(directory / "pids.max").value_or(unlimited);  // it has none
+    const std::uint64_t limit = number_in(directory / "pids.max").value_or(unlimited);  // no file: no limit
     if (limit != unlimited) {
       const auto current = number_in(directory / "pids.current");
       if (!current) return {};

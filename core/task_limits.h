@@ -9,9 +9,10 @@
 
 namespace sft::core {
 
-/// The least that any limit leaves: that of the user, of the control groups (cgroups(7), pids.max), and of
-/// the system (proc(5), threads-max and pid_max). All threads of the system count as the user's, so it may be
-/// less than there are. Empty where a file cannot be read. `root` is where /proc and /sys are.
+/// The number of threads that all limits together leave: the user's limit, the limits of the control groups
+/// (cgroups(7), pids.max), and those of the system (proc(5), threads-max and pid_max). All threads of the
+/// system are counted as the user's, so the true number may be greater. Empty if a file cannot be read.
+/// `root` is the directory that contains proc and sys.
 std::optional<std::uint64_t> threads_left(rlim_t of_user, const std::filesystem::path& root = "/");
 
 }  // namespace sft::core

@@ -151,7 +151,8 @@ Result<void> Demo::await_readiness() {
   }
 }
 
-/// Also makes the run long enough for a figure of the idle traffic, where publishing alone is not.
+/// Also makes the run long enough for a figure of the idle traffic, where publishing alone is not. While
+/// fields are learnt nodes are not idle: their requests change. Then publishing does not count.
 Result<void> Demo::let_it_settle() {
   if (!stage_.real_hosts()) return {};
   const Result<void> settled = wait_until(
@@ -162,7 +163,7 @@ Result<void> Demo::let_it_settle() {
   if (!now) return tl::unexpected(now.error());
   settled_ = std::move(*now);
   const auto publishing = std::chrono::floor<milliseconds>(std::chrono::duration<double>(options_.seconds));
-  const auto silence = control_period + 2 * refresh - publishing;
+  const auto silence = control_period + 2 * refresh - (options_.arr ? milliseconds(0) : publishing);
   if (silence <= silence.zero()) return {};
   return wait_until(settled_.at + silence,
                     fmt::format("Counting what nodes send while nothing is published, {:.0f} s",

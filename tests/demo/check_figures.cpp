@@ -20,8 +20,7 @@ constexpr double small_bytes_min = 60;
 constexpr double scalar_bytes_max = 90;
 constexpr double header_bytes_max = 130;  // it has a name in it
 constexpr double idle_bytes_per_s_max = 300;
-constexpr double learning_bytes_per_s_max = 400;  // requests change while fields are learnt
-constexpr double header_share_max = 0.06;         // of large messages: 58 bytes in 1514
+constexpr double header_share_max = 0.06;  // of large messages: 58 bytes in 1514
 
 int failures = 0;
 
@@ -93,8 +92,7 @@ void check_wire(const json& run, double full_bytes, bool recorded) {
          "wire_bytes_per_sample of localiser: " + std::to_string(large));
   expect(subscriber(run, "detector").at("wire_bytes_per_sample") == 0, "something was sent to detector");
   const double idle = run.at("idle_bytes_per_s");
-  expect(idle > 0 && idle <= (recorded ? learning_bytes_per_s_max : idle_bytes_per_s_max),
-         "idle_bytes_per_s: " + std::to_string(idle));
+  expect(idle > 0 && idle <= idle_bytes_per_s_max, "idle_bytes_per_s: " + std::to_string(idle));
 }
 
 void check_total(const json& run, std::uint64_t samples, double full_bytes) {

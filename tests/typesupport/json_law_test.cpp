@@ -22,56 +22,52 @@ namespace {
 using test::Encoded;
 using test::OwnedValue;
 
-using JsonLaw = test::RandomTest;
-
-TEST_F(JsonLaw, AMessageOfEveryTypeComesBackByteByByte) {
-  constexpr int rounds = 20;
-  test::RandomValues values{random};
-  for (const test::MessageType& each : test::every_type()) {
-    SCOPED_TRACE(each.support->name());
-    const DynamicType type = DynamicType::parse(describe(each.type())).value();
-    for (int round = 0; round < rounds; ++round) {
-      OwnedValue value = each.make();
-      values.fill(value.type(), value.get());
-      test::tame(value.type(), value.get());
-      const Encoded sample(value.type(), value.get(), each.support->full());
-      const auto json =
-          to_json(DynamicView(sample.state(), type.type()), {.bytes_as_base64 = random() % 2 == 0});
-      ASSERT_TRUE(json) << json.error().message;
-      const auto payload = cdr_from_json(type.type(), *json);
-      ASSERT_TRUE(payload) << payload.error().message << "\n" << *json;
-      const std::vector<std::byte> expected = sample.bytes();
-      ASSERT_TRUE(std::equal(payload->begin() + encapsulation_bytes, payload->end(), expected.begin(),
-                             expected.end()))
-          << *json;
+class JsonLaw : public test::RandomTest {
+ protected:
+  /// That random messages of each type are the same bytes again, once `print` has made text of a view of them
+  /// and `read` a payload of that text and the type.
+  template <class Print, class Read>
+  void expect_to_come_back(int rounds, Print print, Read read) {
+    test::RandomValues values{random};
+    for (const test::MessageType& each : test::every_type()) {
+      SCOPED_TRACE(each.support->name());
+      const DynamicType type = DynamicType::parse(describe(each.type())).value();
+      for (int round = 0; round < rounds; ++round) {
+        OwnedValue value = each.make();
+        values.fill(value.type(), value.get());
+        test::tame(value.type(), value.get());
+        const Encoded sample(value.type(), value.get(), each.support->full());
+        const Result<std::string> text = print(DynamicView(sample.state(), type.type()));
+        ASSERT_TRUE(text) << text.error().message;
+        const Result<std::vector<std::byte>> payload = read(type.type(), *text);
+        ASSERT_TRUE(payload) << payload.error().message << "\n" << *text;
+        const std::vector<std::byte> expected = sample.bytes();
+        ASSERT_TRUE(std::equal(payload->begin() + encapsulation_bytes, payload->end(), expected.begin(),
+                               expected.end()))
+            << *text;
+      }
     }
   }
+};
+
+TEST_F(JsonLaw, AMessageOfEveryTypeComesBackByteByByte) {
+  const auto print = [&](const DynamicView& view) {
+    return to_json(view, {.bytes_as_base64 = random() % 2 == 0});
+  };
+  const auto read = [](const StructType& type, const std::string& text) { return cdr_from_json(type, text); };
+  expect_to_come_back(20, print, read);
 }
 
 TEST_F(JsonLaw, AMessageOfEveryTypeComesBackByteByByteFromYamlToo) {
-  constexpr int rounds = 5;
-  test::RandomValues values{random};
-  for (const test::MessageType& each : test::every_type()) {
-    SCOPED_TRACE(each.support->name());
-    const DynamicType type = DynamicType::parse(describe(each.type())).value();
-    for (int round = 0; round < rounds; ++round) {
-      OwnedValue value = each.make();
-      values.fill(value.type(), value.get());
-      test::tame(value.type(), value.get());
-      const Encoded sample(value.type(), value.get(), each.support->full());
-      const auto yaml = to_yaml(DynamicView(sample.state(), type.type()),
-                                {.elements_max = SIZE_MAX, .text_bytes_max = SIZE_MAX});
-      ASSERT_TRUE(yaml) << yaml.error().message;
-      const auto payload = json_from_yaml(type.type(), *yaml).and_then([&](const std::string& json) {
-        return cdr_from_json(type.type(), json);
-      });
-      ASSERT_TRUE(payload) << payload.error().message << "\n" << *yaml;
-      const std::vector<std::byte> expected = sample.bytes();
-      ASSERT_TRUE(std::equal(payload->begin() + encapsulation_bytes, payload->end(), expected.begin(),
-                             expected.end()))
-          << *yaml;
-    }
-  }
+  const auto print = [](const DynamicView& view) {
+    return to_yaml(view, {.elements_max = SIZE_MAX, .text_bytes_max = SIZE_MAX});
+  };
+  const auto read = [](const StructType& type, const std::string& text) {
+    return json_from_yaml(type, text).and_then([&](const std::string& json) {
+      return cdr_from_json(type, json);
+    });
+  };
+  expect_to_come_back(5, print, read);
 }
 
 TEST_F(JsonLaw, AnEmptyObjectIsAMessageOfZeros) {
