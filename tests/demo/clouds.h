@@ -13,6 +13,7 @@
 
 #include "examples/demo/input_cloud.h"
 #include "tests/support/encoded.h"
+#include "tests/support/temporary_directory.h"
 
 namespace sft::demo {
 
@@ -62,26 +63,6 @@ inline Bytes record_of(const Bytes& payload) {
   return record;
 }
 
-/// A directory of its own, which goes with the test.
-class TemporaryDirectory {
- public:
-  TemporaryDirectory() {
-    std::string name = std::filesystem::temp_directory_path() / "sft_demo_test_XXXXXX";
-    path_ = mkdtemp(name.data());
-  }
-  ~TemporaryDirectory() { std::filesystem::remove_all(path_); }
-  TemporaryDirectory(const TemporaryDirectory&) = delete;
-  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path write(const std::string& name, const Bytes& content) const {
-    std::ofstream(path_ / name, std::ios::binary)
-        .write(reinterpret_cast<const char*>(content.data()), static_cast<std::streamsize>(content.size()));
-    return path_ / name;
-  }
-
- private:
-  std::filesystem::path path_;
-};
+using test::TemporaryDirectory;
 
 }  // namespace sft::demo

@@ -97,7 +97,7 @@ TEST_F(InputTest, ThatIsNeitherFileNorDirectoryIsRefused) {
 
 TEST_F(InputTest, ThatIsEmptyIsRefused) {
   for (const char* name : {"a.cdr", "b.cdrlog", "c.bin", "d.pcd"}) {
-    EXPECT_THAT(error_on(directory_.write(name, {})), HasSubstr(name));
+    EXPECT_THAT(error_on(directory_.write(name, Bytes{})), HasSubstr(name));
   }
 }
 

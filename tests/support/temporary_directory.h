@@ -1,9 +1,11 @@
 // A directory of a test's own, which goes with it.
 #pragma once
 
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -27,6 +29,9 @@ class TemporaryDirectory {
     std::filesystem::create_directories(file.parent_path());
     std::ofstream(file, std::ios::binary) << content;
     return file;
+  }
+  std::filesystem::path write(const std::string& name, std::span<const std::byte> content) const {
+    return write(name, std::string_view(reinterpret_cast<const char*>(content.data()), content.size()));
   }
 
  private:
