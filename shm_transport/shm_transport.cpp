@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "shm_transport/accepted_daemons.h"
-#include "shm_transport/doorbells.h"
-#include "shm_transport/iceoryx_runtime.h"
-#include "shm_transport/reader_port.h"
-#include "shm_transport/statistics.h"
-#include "shm_transport/writer_port.h"
+#include "shm_transport/daemon/accepted_daemons.h"
+#include "shm_transport/daemon/process_daemon.h"
+#include "shm_transport/host/statistics.h"
+#include "shm_transport/ports/reader_port.h"
+#include "shm_transport/ports/writer_port.h"
+#include "shm_transport/wake/doorbells.h"
 
 namespace sft::shm {
 
@@ -19,14 +19,14 @@ using core::Availability;
 /// it used is reported lost before another one is.
 class ShmTransport final : public core::Transport {
  public:
-  explicit ShmTransport(const ShmOptions& options) : options_(options), runtime_(IceoryxRuntime::shared()) {}
+  explicit ShmTransport(const ShmOptions& options) : options_(options), daemon_(ProcessDaemon::shared()) {}
 
   std::size_t max_sample_bytes() const noexcept override { return std::size_t{16} << 20; }  // sftd/pools.h
 
   std::uint32_t max_depth() const noexcept override { return options_.queue_limit; }
 
   Availability poll(Clock::time_point now) override {
-    DaemonLink::State state = runtime_->daemon().advance(options_, runtime_, now);
+    DaemonLink::State state = daemon_->advance(options_, now);
     if (session_ != nullptr && session_ != state.session) {
       session_.reset();
       return Availability::starting;
@@ -35,8 +35,8 @@ class ShmTransport final : public core::Transport {
     return state.availability;
   }
 
-  std::string description() const override { return runtime_->daemon().description(); }
-  bool lacks_daemon() const override { return runtime_->daemon().lacks_daemon(); }
+  std::string description() const override { return daemon_->description(); }
+  bool lacks_daemon() const override { return daemon_->lacks_daemon(); }
 
   core::HostToken host_token() const override {
     return session_ != nullptr ? session_->token() : core::HostToken{};
@@ -78,7 +78,7 @@ class ShmTransport final : public core::Transport {
   }
 
   const ShmOptions options_;
-  const std::shared_ptr<IceoryxRuntime> runtime_;
+  const std::shared_ptr<ProcessDaemon> daemon_;
   const std::shared_ptr<DoorbellPages> pages_ = std::make_shared<DoorbellPages>(options_.wake_thread);
   const std::shared_ptr<Statistics> statistics_ = std::make_shared<Statistics>();
   std::shared_ptr<Session> session_;

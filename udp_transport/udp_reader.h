@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "core/transport.h"
-#include "udp_transport/inbox.h"
-#include "udp_transport/receiver.h"
+#include "core/seam/transport.h"
+#include "udp_transport/receive/inbox.h"
+#include "udp_transport/receive/receiver.h"
 
 namespace sft::udp {
 

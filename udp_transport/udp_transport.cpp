@@ -7,16 +7,16 @@
 #include <utility>
 #include <vector>
 
-#include "core/network_watch.h"
-#include "udp_transport/ack_sender.h"
-#include "udp_transport/answers.h"
-#include "udp_transport/interfaces.h"
-#include "udp_transport/receiver.h"
-#include "udp_transport/socket_io.h"
+#include "core/platform/network_watch.h"
+#include "udp_transport/io/interfaces.h"
+#include "udp_transport/io/socket_io.h"
+#include "udp_transport/io/udp_socket.h"
+#include "udp_transport/io/uring_io.h"
+#include "udp_transport/receive/receiver.h"
+#include "udp_transport/send/ack_sender.h"
+#include "udp_transport/send/answers.h"
 #include "udp_transport/udp_reader.h"
-#include "udp_transport/udp_socket.h"
 #include "udp_transport/udp_writer.h"
-#include "udp_transport/uring_io.h"
 
 namespace sft::udp {
 

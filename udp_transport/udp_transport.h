@@ -1,5 +1,5 @@
-// Samples over UDP, behind the seam of core/transport.h. One socket that receives and one for each address
-// that is sent to; one receiving and one sending thread.
+// Samples over UDP, behind the seam of core/seam/transport.h. One socket that receives and one for each
+// address that is sent to; one receiving and one sending thread.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "core/buffer_pool.h"
-#include "core/thread.h"
-#include "core/transport.h"
-#include "udp_transport/datagram.h"
-#include "udp_transport/datagram_io.h"
-#include "udp_transport/multicast_links.h"
-#include "udp_transport/reassembly.h"
+#include "core/platform/thread.h"
+#include "core/seam/buffer_pool.h"
+#include "core/seam/transport.h"
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/io/multicast_links.h"
+#include "udp_transport/receive/reassembly.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {
 

@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "core/snapshot.h"
-#include "core/transport.h"
-#include "udp_transport/fan_out.h"
-#include "udp_transport/routes.h"
-#include "udp_transport/send_side.h"
-#include "udp_transport/variant_sender.h"
+#include "core/seam/transport.h"
+#include "core/sync/snapshot.h"
+#include "udp_transport/routing/routes.h"
+#include "udp_transport/send/fan_out.h"
+#include "udp_transport/send/send_side.h"
+#include "udp_transport/send/variant_sender.h"
 
 namespace sft::udp {
 

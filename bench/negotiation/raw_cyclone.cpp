@@ -1,6 +1,6 @@
 #include "bench/negotiation/raw_cyclone.h"
 
-#include "core/dds_config.h"
+#include "core/discovery/dds_config.h"
 #include "sft_control.h"
 
 namespace sft::bench {

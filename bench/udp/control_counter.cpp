@@ -27,7 +27,7 @@ constexpr std::uint32_t ip_fragment = ip_header + 6;
 constexpr std::uint32_t ip_protocol = ip_header + 9;
 constexpr std::uint32_t udp_payload = ip_header + 8;  // behind the IP header
 
-// The first byte of a datagram (udp_transport/datagram.h): version and kind.
+// The first byte of a datagram (udp_transport/wire/datagram.h): version and kind.
 constexpr std::uint32_t version_1 = 0x10;
 constexpr std::uint32_t version_bits = 0xf0;
 constexpr std::uint32_t first = version_1 | 1;

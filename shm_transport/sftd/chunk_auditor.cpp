@@ -6,7 +6,7 @@
 #include <iceoryx_posh/internal/mepoo/chunk_management.hpp>
 #include <iceoryx_posh/roudi/port_pool.hpp>
 
-#include "shm_transport/chunk_hand.h"
+#include "shm_transport/host/chunk_hand.h"
 
 namespace sft::shm {
 

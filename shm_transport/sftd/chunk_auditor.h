@@ -13,7 +13,7 @@
 #include <optional>
 #include <vector>
 
-#include "shm_transport/iceoryx.h"
+#include "shm_transport/host/iceoryx.h"
 #include "shm_transport/sftd/pool_layout.h"
 
 namespace iox::roudi {

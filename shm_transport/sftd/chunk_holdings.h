@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "shm_transport/iceoryx.h"
+#include "shm_transport/host/iceoryx.h"
 #include "shm_transport/sftd/status.h"
 
 namespace sft::shm {

@@ -7,7 +7,7 @@
 
 #include <cerrno>
 
-#include "shm_transport/host_file.h"
+#include "shm_transport/host/host_file.h"
 
 namespace sft::shm {
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "shm_transport/file_lock.h"
+#include "shm_transport/host/file_lock.h"
 
 namespace sft::shm {
 

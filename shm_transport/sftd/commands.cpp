@@ -8,7 +8,7 @@
 
 #include <cstdio>
 
-#include "core/clock.h"
+#include "core/platform/clock.h"
 #include "shm_transport/sftd/running_daemon.h"
 #include "shm_transport/sftd/status_file.h"
 

@@ -13,14 +13,14 @@
 #include <thread>
 #include <tuple>
 
-#include "core/clock.h"
-#include "core/doorbell.h"
-#include "core/process_limits.h"
-#include "shm_transport/accepted_daemons.h"
-#include "shm_transport/access.h"
-#include "shm_transport/host_file.h"
-#include "shm_transport/iceoryx.h"
-#include "shm_transport/launch_obstacles.h"
+#include "core/platform/clock.h"
+#include "core/platform/doorbell.h"
+#include "core/platform/process_limits.h"
+#include "shm_transport/daemon/accepted_daemons.h"
+#include "shm_transport/daemon/launch_obstacles.h"
+#include "shm_transport/host/access.h"
+#include "shm_transport/host/host_file.h"
+#include "shm_transport/host/iceoryx.h"
 #include "shm_transport/sftd/stale_files.h"
 #include "shm_transport/sftd/status_file.h"
 

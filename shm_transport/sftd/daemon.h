@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "shm_transport/file_lock.h"
+#include "shm_transport/host/file_lock.h"
 #include "shm_transport/sftd/exit_code.h"
 #include "shm_transport/sftd/groups.h"
 #include "shm_transport/sftd/host_memory.h"

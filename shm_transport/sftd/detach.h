@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "shm_transport/file_lock.h"
+#include "shm_transport/host/file_lock.h"
 #include "shm_transport/sftd/exit_code.h"
 
 namespace sft::shm {

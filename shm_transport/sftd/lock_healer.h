@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "shm_transport/port_lock.h"
+#include "shm_transport/host/port_lock.h"
 #include "shm_transport/sftd/client_table.h"
 #include "shm_transport/sftd/log.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "shm_transport/iceoryx.h"
+#include "shm_transport/host/iceoryx.h"
 #include "shm_transport/sftd/commands.h"
 #include "shm_transport/sftd/config.h"
 #include "shm_transport/sftd/daemon.h"

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <tuple>
 
-#include "shm_transport/file_lock.h"
+#include "shm_transport/host/file_lock.h"
 
 namespace sft::shm {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "shm_transport/iceoryx.h"
+#include "shm_transport/host/iceoryx.h"
 
 namespace sft::shm {
 

@@ -8,8 +8,8 @@
 #include <cstring>
 #include <tuple>
 
-#include "core/clock.h"
-#include "shm_transport/host_file.h"
+#include "core/platform/clock.h"
+#include "shm_transport/host/host_file.h"
 #include "shm_transport/sftd/stale_files.h"
 
 namespace sft::shm {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "shm_transport/host_file.h"
+#include "shm_transport/host/host_file.h"
 #include "shm_transport/sftd/exit_code.h"
 
 namespace sft::shm {

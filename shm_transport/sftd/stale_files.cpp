@@ -12,10 +12,10 @@
 #include <iterator>
 #include <system_error>
 
-#include "core/random_id.h"
-#include "core/trusted_file.h"
-#include "shm_transport/host_file.h"
-#include "shm_transport/launch_obstacles.h"
+#include "core/platform/random_id.h"
+#include "core/platform/trusted_file.h"
+#include "shm_transport/daemon/launch_obstacles.h"
+#include "shm_transport/host/host_file.h"
 #include "shm_transport/sftd/status_file.h"
 
 namespace sft::shm {

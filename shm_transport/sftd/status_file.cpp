@@ -12,9 +12,9 @@
 #include <string>
 #include <string_view>
 
-#include "core/random_id.h"
-#include "core/trusted_file.h"
-#include "shm_transport/file_lock.h"
+#include "core/platform/random_id.h"
+#include "core/platform/trusted_file.h"
+#include "shm_transport/host/file_lock.h"
 
 namespace sft::shm {
 

@@ -4,7 +4,7 @@
 
 #include <iceoryx_posh/roudi/port_pool.hpp>
 
-#include "shm_transport/host_file.h"
+#include "shm_transport/host/host_file.h"
 
 namespace sft::shm {
 

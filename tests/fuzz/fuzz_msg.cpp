@@ -10,7 +10,7 @@
 #include "from_msg/names.h"
 #include "from_msg/parse.h"
 #include "from_msg/utf8.h"
-#include "tests/msg/print_definition.h"
+#include "tests/generators/msg/print_definition.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/control_codec.h"
+#include "core/control/control_codec.h"
 
 namespace sft::core {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/control.h"
-#include "core/control_codec.h"
+#include "core/control/control.h"
+#include "core/control/control_codec.h"
 
 namespace sft::hostile {
 

@@ -15,7 +15,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "core/doorbell.h"
+#include "core/platform/doorbell.h"
 #include "tests/hostile/control_voice.h"
 #include "tests/hostile/names.h"
 

@@ -8,7 +8,7 @@
 
 #include "tests/hostile/control_voice.h"
 #include "tests/hostile/wire.h"
-#include "udp_transport/datagram.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft::hostile {
 

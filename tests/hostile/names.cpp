@@ -27,14 +27,9 @@ std::string group_name(gid_t group) {
 }  // namespace
 
 std::vector<std::string> names_of(uid_t account) {
-  return {"/dev/shm/sft_host",
-          "/dev/shm/sft_status",
-          "/dev/shm/iceoryx_mgmt",
-          "/dev/shm/" + group_name(account),
-          "/tmp/sftd.lock",
-          "/tmp/roudi",
-          "/tmp/roudi.lock",
-          "/tmp/iox-unique-roudi.lock"};
+  return {
+      "/dev/shm/sft_host", "/dev/shm/sft_status", "/dev/shm/iceoryx_mgmt", "/dev/shm/" + group_name(account),
+      "/tmp/sftd.lock",    "/tmp/roudi",          "/tmp/roudi.lock",       "/tmp/iox-unique-roudi.lock"};
 }
 
 std::vector<std::string> shared_files(const std::string& prefix) {
@@ -63,7 +58,8 @@ std::vector<pid_t> processes(const std::string& program) {
 std::vector<pid_t> honest_program(const std::string& name) {
   std::vector<pid_t> found = processes("negotiation_peer");
   std::erase_if(found, [&](pid_t process) {
-    return text_of("/proc/" + std::to_string(process) + "/cmdline").find("\"name\":\"" + name) == std::string::npos;
+    return text_of("/proc/" + std::to_string(process) + "/cmdline").find("\"name\":\"" + name) ==
+           std::string::npos;
   });
   return found;
 }

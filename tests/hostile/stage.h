@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "tests/hostile/act.h"
-#include "tests/negotiation/host.h"
-#include "tests/negotiation/network.h"
-#include "tests/negotiation/peer.h"
+#include "tests/pairs/host.h"
+#include "tests/pairs/network.h"
+#include "tests/pairs/peer.h"
 
 namespace sft::hostile {
 

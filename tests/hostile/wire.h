@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "core/control.h"
-#include "udp_transport/datagram.h"
+#include "core/control/control.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft::hostile {
 

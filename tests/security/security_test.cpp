@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cstdlib>
 
-#include "tests/negotiation/fixture.h"
+#include "tests/pairs/fixture.h"
 
 namespace sft::test {
 namespace {

@@ -23,7 +23,8 @@ namespace sft::test {
 namespace {
 
 constexpr int own_namespaces = CLONE_NEWNS | CLONE_NEWNET | CLONE_NEWPID;
-// sftd zeroes what it takes, half of this; where the machine below has to find that memory first, it takes long.
+// sftd zeroes what it takes, half of this; where the machine below has to find that memory first, it takes
+// long.
 constexpr const char* shm_size = "320m";
 
 std::string refusal = "run_isolated was not called";

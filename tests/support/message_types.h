@@ -44,8 +44,8 @@ std::vector<MessageType> generated_types();
 /// PointCloud2, LaserScan, BatteryState, Image, OccupancyGrid, Odometry.
 std::span<const MessageType> common_types();
 
-/// Those, and some made to be difficult (tests/idl/torture.idl, tests/typesupport/proof.idl). The order is
-/// kept: inputs of the fuzzer name types by their number.
+/// Those, and some made to be difficult (tests/generators/idl/torture.idl, tests/unit/typesupport/proof.idl).
+/// The order is kept: inputs of the fuzzer name types by their number.
 std::span<const MessageType> all_types();
 
 /// Those, and behind them all others that the tests and the common packages have, by name. Only for programs

@@ -17,7 +17,7 @@
 #include <utility>
 
 #include "examples/demo/descriptor.h"
-#include "udp_transport/datagram.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft::test {
 

@@ -4,7 +4,7 @@
 #include <cerrno>
 #include <thread>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 #include "tests/system/fixture.h"
 
 namespace sft::test {

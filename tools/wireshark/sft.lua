@@ -1,4 +1,4 @@
--- SFT in Wireshark: a dissector for its datagrams (udp_transport/wire_format.md).
+-- SFT in Wireshark: a dissector for its datagrams (udp_transport/wire/wire_format.md).
 --
 -- Copy it into the folder "Personal Lua Plugins" (Help, About Wireshark, Folders), or try it with
 -- `tshark -X lua_script:sft.lua -r capture.pcap`. Datagrams are recognised by what they look like, whatever their ports;

@@ -31,8 +31,8 @@ enum class LogLevel : std::uint8_t { debug, info, warning, error };
 using LogSink = std::function<void(LogLevel, std::string_view)>;
 
 /// Whether samples may be sent once for several hosts. `automatic`: where that puts fewer bytes on the wire,
-/// and not on wireless interfaces (udp_transport/multicast.md). A switch without IGMP snooping passes it on
-/// to all hosts, which their cables have to bear: there, off.
+/// and not on wireless interfaces (udp_transport/multicast/multicast.md). A switch without IGMP snooping
+/// passes it on to all hosts, which their cables have to bear: there, off.
 enum class MulticastUse : std::uint8_t { automatic, off };
 
 struct UdpSettings {

@@ -47,8 +47,8 @@ enum class PublishStatus : std::uint8_t {
   no_loan,    ///< the loan was published already, or moved away
   no_memory,  ///< no chunk or buffer free: readers hold too many samples
   dropped,    ///< a queue was full, or no chunk was free: at least one reader misses this sample, and counts
-            ///< it. With max_blocking: that was over, and it may also be an older sample that a reader
-            ///< misses.
+              ///< it. With max_blocking: that was over, and it may also be an older sample that a reader
+              ///< misses.
 };
 const char* to_string(PublishStatus status);
 

@@ -1,0 +1,133 @@
+// What the control topics carry, as the core uses it: checked, and without Cyclone's types.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/control/qos.h"
+#include "core/seam/transport.h"
+
+namespace sft::core {
+
+/// Bounds of the control topics (idl/sft_control.idl).
+inline constexpr std::size_t mask_words_max = 64;
+inline constexpr std::size_t writers_per_reader_max = 1024;
+inline constexpr std::size_t addresses_max = 16;
+inline constexpr std::size_t assertions_max = 1024;
+inline constexpr std::size_t progress_max = 64;
+inline constexpr std::size_t asked_about_max = 64;
+inline constexpr std::size_t accounts_max = 32;
+inline constexpr std::size_t name_bytes_max = 255;
+inline constexpr std::size_t type_description_bytes_max = 8192;
+
+/// No request has a greater sequence: there is always one that is behind.
+inline constexpr std::uint64_t request_sequence_max = std::uint64_t{1} << 63;
+
+using NodeId = std::uint64_t;  ///< random per incarnation, never 0
+
+enum class Role : std::uint8_t { writer, reader };
+
+/// An opaque number of the DDS participant that wrote a control sample; 0: unknown. A node may have several.
+using AnnouncerId = std::uint64_t;
+
+/// A selective transmission request (STR).
+struct Request {
+  EndpointId reader = 0;
+  std::uint64_t sequence = 0;
+  std::vector<std::uint64_t> mask_words;
+  std::uint32_t min_period_us = 0;    ///< one sample for each such period, no more; 0: all
+  std::vector<EndpointId> listening;  ///< writers of which the reader takes datagrams
+  std::vector<EndpointId> attached;   ///< writers that the reader hears through shared memory
+  std::vector<EndpointId> begun;      ///< durable writers of which samples for this reader alone have come
+  AnnouncerId announcer = 0;          ///< who said it; does not travel
+  friend bool operator==(const Request&, const Request&) = default;
+};
+
+/// How far one writer is.
+struct Progress {
+  EndpointId writer = 0;
+  std::uint64_t samples = 0;  ///< that it has sent to its readers so far
+  std::uint64_t bytes = 0;    ///< of their bodies, over the network, for each reader
+  friend bool operator==(const Progress&, const Progress&) = default;
+};
+
+/// A writer and a reader of one topic.
+struct PairId {
+  EndpointId writer = 0;
+  EndpointId reader = 0;
+  friend auto operator<=>(const PairId&, const PairId&) = default;
+};
+
+/// Each side of a pair has an account of it.
+struct AccountId {
+  PairId pair{};
+  Role said_by{};  ///< whose node counts
+  friend auto operator<=>(const AccountId&, const AccountId&) = default;
+};
+
+/// What one side of a pair has counted. Of the two parts the other side's is empty.
+struct Account {
+  AccountId id{};
+  struct OfWriter {
+    std::uint64_t sent = 0;
+    std::uint64_t withheld = 0;
+    std::uint64_t dropped = 0;
+    std::uint64_t retained = 0;
+    std::uint64_t bytes_sent = 0;
+    std::uint64_t bytes_saved = 0;
+    friend bool operator==(const OfWriter&, const OfWriter&) = default;
+  };
+  OfWriter by_writer{};
+  struct OfReader {
+    std::uint64_t received = 0;
+    std::uint64_t lost = 0;
+    friend bool operator==(const OfReader&, const OfReader&) = default;
+  };
+  OfReader by_reader{};
+  friend bool operator==(const Account&, const Account&) = default;
+};
+
+/// That a node lives, and these of its writers; how far those are that have sent something lately; and what
+/// it asks and answers about accounts.
+struct Assertion {
+  NodeId node = 0;
+  std::vector<EndpointId> writers;
+  std::vector<Progress> progress{};
+  std::uint32_t digest = 0;               ///< of all that the node has announced (control_digest.h)
+  std::vector<EndpointId> asked_about{};  ///< endpoints of others whose accounts it wants to know
+  std::vector<Account> accounts{};        ///< of its own endpoints that others have asked about
+  AnnouncerId announcer = 0;              ///< who said it; does not travel
+  friend bool operator==(const Assertion&, const Assertion&) = default;
+};
+
+/// A publisher or subscriber, of this node or another. The fields are those of idl/sft_control.idl.
+struct Endpoint {
+  EndpointId id = 0;
+  Role role{};
+  NodeId node_id = 0;
+  std::chrono::milliseconds life_lease{
+      5000};  ///< of its node, which lives if it was heard of within that time
+  std::string node;
+  std::string topic;
+  std::string type_name;
+  std::uint64_t type_hash = 0;
+  std::vector<std::byte> type_description;  ///< may be empty (described_type.h)
+  HostToken host;
+  std::uint64_t network = 0;
+  bool may_use_shm = false;
+  bool may_use_udp = false;
+  std::vector<UdpAddress> addresses;
+  DoorbellAddress doorbell;
+  std::uint64_t max_sample_bytes = 0;
+  bool waits = false;
+  Qos qos;
+  Request request;
+  std::uint64_t revision = 0;  ///< counts the announcements of this endpoint
+  AnnouncerId announcer = 0;   ///< who said it; does not travel
+  friend bool operator==(const Endpoint&, const Endpoint&) = default;
+};
+
+}  // namespace sft::core

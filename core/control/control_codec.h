@@ -1,0 +1,28 @@
+// Between the core's control structs and those that Cyclone's compiler made of idl/sft_control.idl. What
+// comes from outside is checked here: versions, roles, names.
+#pragma once
+
+#include <string>
+
+#include "core/control/control.h"
+#include "sft/typesupport/result.h"
+#include "sft_control.h"
+
+namespace sft::core {
+
+/// Views into what is given and `storage`, valid as long as these; nothing is to be freed.
+struct ControlStorage {
+  std::vector<sft_control_UdpLocator> addresses;
+  std::vector<sft_control_Progress> progress;
+  std::vector<sft_control_Account> accounts;
+};
+sft_control_Request to_dds(const Request& request);
+sft_control_Endpoint to_dds(const Endpoint& endpoint, ControlStorage& storage);
+
+sft_control_Assertion to_dds(const Assertion& assertion, ControlStorage& storage);
+
+Result<Assertion> from_dds(const sft_control_Assertion& assertion);
+Result<Request> from_dds(const sft_control_Request& request);
+Result<Endpoint> from_dds(const sft_control_Endpoint& endpoint);
+
+}  // namespace sft::core

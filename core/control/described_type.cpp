@@ -1,0 +1,32 @@
+#include "core/control/described_type.h"
+
+#include <string>
+
+namespace sft::core {
+
+namespace {
+constexpr DescriptionLimits limits{.bytes = type_description_bytes_max, .leaves = 64 * mask_words_max};
+}  // namespace
+
+std::vector<std::byte> announced_description(const StructType& type) {
+  std::vector<std::byte> description = describe(type);
+  if (!DynamicType::parse(description, limits)) description.clear();
+  return description;
+}
+
+Result<DynamicType> described_type(const Endpoint& endpoint) {
+  const std::string whose = "node '" + endpoint.node + "', topic '" + endpoint.topic + "': ";
+  if (endpoint.type_description.empty()) {
+    return fail(Errc::unavailable,
+                whose + endpoint.type_name + " is not described, it is too large for that");
+  }
+  Result<DynamicType> type = DynamicType::parse(endpoint.type_description, limits);
+  if (!type) return fail(type.error().code, whose + type.error().message);
+  if (type->name() != endpoint.type_name || type->hash() != endpoint.type_hash) {
+    return fail(Errc::malformed, whose + "the type description is not that of the " + endpoint.type_name +
+                                     " which is announced");
+  }
+  return type;
+}
+
+}  // namespace sft::core

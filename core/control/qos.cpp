@@ -1,0 +1,150 @@
+#include "core/control/qos.h"
+
+#include <cmath>
+
+namespace sft::core {
+
+namespace {
+
+using std::chrono::nanoseconds;
+
+constexpr std::uint32_t history_depth_max = 128;  // a writer can hold 256 chunks at a time
+constexpr std::uint32_t depth_max = 1'000'000;    // more is surely a mistake
+
+// What a period in whole microseconds can say well.
+constexpr double slowest_rate_hz = 0.001;
+constexpr double fastest_rate_hz = 100'000;
+
+constexpr std::chrono::milliseconds shortest_watched{1};  // the agent looks no more often
+
+Result<void> check_duration(const char* name, nanoseconds duration) {
+  if (duration.count() >= 0) return {};
+  return fail(Errc::invalid_argument, std::string(name) + " is negative; 0 is none");
+}
+
+/// Of what has to be looked after.
+Result<void> check_period(const char* name, nanoseconds period) {
+  if (auto ok = check_duration(name, period); !ok) return ok;
+  if (period.count() == 0 || period >= shortest_watched) return {};
+  return fail(Errc::invalid_argument,
+              std::string(name) + " " + text_of(period) + ": it is at least 1 ms, or 0 for none");
+}
+
+/// The agent waits for a publish() that is under way.
+Result<void> check_max_blocking(nanoseconds longest) {
+  if (auto ok = check_duration("max_blocking", longest); !ok) return ok;
+  if (longest <= std::chrono::seconds(1)) return {};
+  return fail(Errc::invalid_argument, "max_blocking " + text_of(longest) + ": it is at most 1 s");
+}
+
+Result<void> check_liveliness(Liveliness kind, nanoseconds lease) {
+  if (auto ok = check_period("liveliness_lease", lease); !ok) return ok;
+  if (kind == Liveliness::automatic || lease.count() != 0) return {};
+  return fail(Errc::invalid_argument, "liveliness manual_by_topic needs a liveliness_lease");
+}
+
+/// None is longer than any.
+bool at_most(nanoseconds offered, nanoseconds requested) {
+  if (requested.count() == 0) return true;
+  return offered.count() != 0 && offered <= requested;
+}
+
+class Conflicts {
+ public:
+  void note(QosPolicy policy, const std::string& offered, const std::string& requested) {
+    note(policy, to_string(policy), offered, requested);
+  }
+  void note(QosPolicy policy, const char* name, const std::string& offered, const std::string& requested) {
+    if (conflict_.policy == QosPolicy::none) {
+      conflict_ = {policy, "incompatible QoS: "};
+    } else {
+      conflict_.reason += "; ";
+    }
+    conflict_.reason += std::string(name) + " " + offered + " is offered, " + requested + " is requested";
+  }
+  QosConflict result() && { return std::move(conflict_); }
+
+ private:
+  QosConflict conflict_;
+};
+
+}  // namespace
+
+std::string text_of(nanoseconds duration) {
+  const auto ns = duration.count();
+  if (ns == 0) return "none";
+  if (ns % 1'000'000 == 0) return std::to_string(ns / 1'000'000) + " ms";
+  if (ns % 1'000 == 0) return std::to_string(ns / 1'000) + " us";
+  return std::to_string(ns) + " ns";
+}
+
+Result<Qos> qos_of(const PublisherOptions& options) {
+  const Qos qos{.reliability = options.reliability,
+                .durability = options.durability,
+                .deadline = options.deadline,
+                .liveliness = options.liveliness,
+                .liveliness_lease = options.liveliness_lease,
+                .lifespan = options.lifespan,
+                .history_depth = options.history_depth};
+  if (qos.history_depth < 1 || qos.history_depth > history_depth_max) {
+    return fail(Errc::invalid_argument, "history_depth is 1 to " + std::to_string(history_depth_max));
+  }
+  return check_period("deadline", qos.deadline)
+      .and_then([&] { return check_duration("lifespan", qos.lifespan); })
+      .and_then([&] { return check_max_blocking(options.max_blocking); })
+      .and_then([&] { return check_liveliness(qos.liveliness, qos.liveliness_lease); })
+      .map([&] { return qos; });
+}
+
+Result<Qos> qos_of(const SubscriberOptions& options) {
+  const Qos qos{.reliability = options.reliability,
+                .durability = options.durability,
+                .deadline = options.deadline,
+                .liveliness = options.liveliness,
+                .liveliness_lease = options.liveliness_lease,
+                .history_depth = options.depth};
+  if (options.depth < 1 || options.depth > depth_max) {
+    return fail(Errc::invalid_argument, "SubscriberOptions::depth is 1 to " + std::to_string(depth_max) +
+                                            ", not " + std::to_string(options.depth));
+  }
+  const Result<std::uint32_t> period = min_period_us_of(options.max_rate_hz);
+  if (!period) return tl::unexpected(period.error());
+  if (options.deadline.count() != 0 && options.deadline < std::chrono::microseconds(*period)) {
+    return fail(Errc::invalid_argument, "a deadline shorter than the period of max_rate_hz is always missed");
+  }
+  return check_period("deadline", qos.deadline)
+      .and_then([&] { return check_period("liveliness_lease", qos.liveliness_lease); })
+      .map([&] { return qos; });
+}
+
+Result<std::uint32_t> min_period_us_of(double max_rate_hz) {
+  if (max_rate_hz == 0) return 0;
+  if (max_rate_hz >= slowest_rate_hz && max_rate_hz <= fastest_rate_hz) {
+    return static_cast<std::uint32_t>(std::lround(1e6 / max_rate_hz));
+  }
+  return fail(Errc::invalid_argument,
+              "max_rate_hz " + std::to_string(max_rate_hz) + ": rates are 0.001 to 100000 Hz, or 0 for any");
+}
+
+QosConflict conflict_between(const Qos& offered, const Qos& requested) {
+  Conflicts conflicts;
+  if (offered.reliability < requested.reliability) {
+    conflicts.note(QosPolicy::reliability, to_string(offered.reliability), to_string(requested.reliability));
+  }
+  if (offered.durability < requested.durability) {
+    conflicts.note(QosPolicy::durability, to_string(offered.durability), to_string(requested.durability));
+  }
+  if (!at_most(offered.deadline, requested.deadline)) {
+    conflicts.note(QosPolicy::deadline, text_of(offered.deadline), text_of(requested.deadline));
+  }
+  if (offered.liveliness < requested.liveliness) {
+    conflicts.note(QosPolicy::liveliness, to_string(offered.liveliness), to_string(requested.liveliness));
+  }
+  if (!at_most(offered.liveliness_lease, requested.liveliness_lease)) {
+    conflicts.note(QosPolicy::liveliness, "liveliness lease", text_of(offered.liveliness_lease),
+                   text_of(requested.liveliness_lease));
+  }
+  return std::move(conflicts).result();
+}
+
+}  // namespace sft::core

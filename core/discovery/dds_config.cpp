@@ -1,0 +1,300 @@
+#include "core/discovery/dds_config.h"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <optional>
+#include <ranges>
+#include <string_view>
+
+#include "core/discovery/cyclone_settings.h"
+#include "core/platform/ip_address.h"
+
+namespace sft::core {
+
+namespace {
+
+constexpr std::array control_topics{"sft_endpoint", "sft_request", "sft_liveliness"};
+constexpr std::size_t fragment_bytes_min = 128;
+constexpr std::size_t sample_bytes_min = 65'536;  // of control samples; the largest have some 30,000
+
+std::string element(std::string_view name, std::string_view content) {
+  return "<" + std::string(name) + ">" + std::string(content) + "</" + std::string(name) + ">";
+}
+
+std::string document(std::string_view content) {
+  return "<CycloneDDS><Domain id=\"any\">" + std::string(content) + "</Domain></CycloneDDS>";
+}
+
+std::string list(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// "8 kB", as Cyclone writes sizes; malformed ones it refuses itself.
+double bytes_of(std::string_view text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{}) return sample_bytes_min;
+  std::string_view unit(end, text.data() + text.size());
+  unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
+  switch (unit.empty() ? 'b' : std::tolower(static_cast<unsigned char>(unit[0]))) {
+    case 'k':
+      return number * 1024;
+    case 'm':
+      return number * 1024 * 1024;
+    case 'g':
+      return number * 1024 * 1024 * 1024;
+    default:
+      return number;
+  }
+}
+
+/// What SFT cannot do without, where the user may have set it otherwise.
+struct Demand {
+  std::string_view group;
+  std::string_view name;
+  bool (*breaks_sft)(const std::string& value);
+  std::string_view instead;
+  std::string_view why;
+};
+
+constexpr std::array demands{
+    Demand{"SharedMemory", "Enable", [](const std::string& v) { return !equals(v, "false"); }, "false",
+           "Cyclone DDS and SFT cannot both use the one iceoryx runtime of a process"},
+    Demand{"General", "EnableMulticastLoopback", [](const std::string& v) { return equals(v, "false"); },
+           "true", "nodes of one host would not find each other"},
+    Demand{"General", "FragmentSize", [](const std::string& v) { return bytes_of(v) < fragment_bytes_min; },
+           "1344 B", "announcements would not get through, or in hundreds of datagrams"},
+    Demand{"Internal", "MaxSampleSize", [](const std::string& v) { return bytes_of(v) < sample_bytes_min; },
+           "2147483647 B", "announcements with the description of a type may have 64 kB"},
+    Demand{"Compatibility", "ManySocketsMode",
+           [](const std::string& v) { return equals(v, "none") || equals(v, "false"); }, "single",
+           "nodes could not be reached"},
+};
+
+constexpr std::string_view own_domain_number = "Discovery/ExternalDomainId";
+
+// Where the ports of nodes begin that look for each other without multicast on the loopback: beside those of
+// the other links, which would else take the first ones, of which there are few.
+constexpr int loopback_port_offset = 120;
+
+constexpr Demand predictable_port{
+    "Discovery", "ParticipantIndex", [](const std::string& v) { return equals(v, "none"); }, "auto",
+    "without multicast, nodes are looked for at the ports that DDS derives from the index"};
+
+std::string path_of(const Demand& demand) {
+  return std::string(demand.group) + "/" + std::string(demand.name);
+}
+
+// Our settings of the lease after which Cyclone forgets a participant of which nothing comes.
+constexpr std::chrono::seconds lease{20}, lease_if_asked_seldom{150};
+
+/// The settings of a domain, put together.
+class Composition {
+ public:
+  Composition(const DiscoverySettings& settings, const CycloneSettings& user)
+      : settings_(settings),
+        user_(user),
+        multicast_(user.value("General/AllowMulticast").value_or(multicast_by_ours())) {}
+
+  DdsConfig result(std::uint32_t domain, const std::string& user_config) const {
+    DdsConfig config;
+    config.domain_on_wire = user_.value(own_domain_number).value_or("default");
+    if (equals(config.domain_on_wire, "default")) config.domain_on_wire = std::to_string(domain);
+    config.multicast = !finds_by_peers_only() && !equals(multicast_, "spdp");
+    config.found_by_multicast = !finds_by_peers_only();
+    config.participant_lease = asks_seldom() ? lease_if_asked_seldom : lease;
+    config.is_secured = user_.sets("Security");
+    config.peers = settings_.peers;
+    config.user_peers = user_.values("Discovery/Peers/Peer/@Address");
+    std::string insisted;
+    for (const Demand& demand : demands) insisted += insist_on(demand, config.warnings);
+    if (finds_by_peers_only()) insisted += insist_on(predictable_port, config.warnings);
+    // What comes later wins.
+    const std::string users = of_user(user_config);
+    config.text = ours() + "," + (users.empty() ? "" : users + ",") + document(insisted);
+    add_remarks(config.warnings);
+    return config;
+  }
+
+ private:
+  /// To peers that it does not reach, nothing must go by it once they are found.
+  std::string multicast_by_ours() const {
+    if (!settings_.multicast) return "false";
+    return has_peers() ? "spdp" : "default";
+  }
+  bool finds_by_peers_only() const { return equals(multicast_, "false"); }
+  bool has_peers() const { return !settings_.peers.empty() || user_.sets("Discovery/Peers"); }
+  bool user_chose_interfaces() const {
+    return user_.sets("General/Interfaces") || user_.sets("General/NetworkInterfaceAddress");
+  }
+  /// Each link has its interface, and all have the domain number of the network: the user's choice of these
+  /// is applied to the links, and taken out here.
+  std::string of_user(const std::string& user_config) const {
+    const bool as_it_is =
+        !user_chose_interfaces() && !user_.sets(own_domain_number) && !user_.depends_on_domain();
+    if (as_it_is) return user_config;
+    return user_.for_any_domain({"General/Interfaces", "General/NetworkInterfaceAddress", own_domain_number});
+  }
+
+  /// Acknowledgements that do not wait and heartbeats that come at once make a newcomer's first request
+  /// arrive within milliseconds, and soon where datagrams get lost; what repeats while nothing happens is
+  /// kept rare. A link whose address is gone must not wait for acknowledgements when it is deleted.
+  std::string ours() const {
+    return document(element("General", element("AllowMulticast", multicast_by_ours())) +
+                    element("Discovery", discovery()) +
+                    element("Internal", element("PreEmptiveAckDelay", "0 ms") + element("NackDelay", "1 ms") +
+                                            "<HeartbeatInterval max=\"2 s\">20 ms</HeartbeatInterval>" +
+                                            element("MultipleReceiveThreads", "false") +
+                                            element("WriterLingerDuration", "0 s")));
+  }
+
+  bool asks_seldom() const { return finds_by_peers_only() || has_peers(); }
+
+  /// A peer is asked at every port that a node of it may have, each time: that has to be rare, and they few.
+  std::string discovery() const {
+    if (!asks_seldom())
+      return element("SPDPInterval", "10 s") + element("LeaseDuration", std::to_string(lease.count()) + " s");
+    return element("SPDPInterval", "120 s") +
+           element("LeaseDuration", std::to_string(lease_if_asked_seldom.count()) + " s") +
+           element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20");
+  }
+
+  /// Also where the user sets nothing, or nothing that could be found. Empty where the user's value will do.
+  std::string insist_on(const Demand& demand, std::vector<std::string>& warnings) const {
+    const auto value = user_.value(path_of(demand));
+    if (value && !demand.breaks_sft(*value)) return "";
+    if (value) {
+      warnings.push_back(path_of(demand) + " is '" + std::string(demand.instead) + "', not '" + *value +
+                         "' as CYCLONEDDS_URI says: " + std::string(demand.why));
+    }
+    return element(demand.group, element(demand.name, demand.instead));
+  }
+
+  void add_remarks(std::vector<std::string>& warnings) const {
+    if (user_.only_for_others()) {
+      warnings.emplace_back("nothing in CYCLONEDDS_URI is for this domain, only for others");
+    }
+    if (user_.sets("Security")) {
+      warnings.emplace_back("DDS Security protects who finds whom and who asks for what, not the samples");
+    }
+    if (!settings_.interfaces.empty() && user_chose_interfaces()) {
+      warnings.emplace_back(
+          "CYCLONEDDS_URI chooses the network interfaces, not DiscoverySettings::interfaces");
+    }
+    if (finds_by_peers_only() && !has_peers()) {
+      warnings.emplace_back("multicast is off and there are no peers: only nodes of this host are found");
+    }
+  }
+
+  const DiscoverySettings& settings_;
+  const CycloneSettings& user_;
+  const std::string multicast_;  ///< in force, of Cyclone's AllowMulticast
+};
+
+Result<void> check_names(const std::vector<std::string>& names, const char* what) {
+  const auto is_plain = [](const std::string& name) {
+    return !name.empty() && std::ranges::all_of(name, [](unsigned char c) {
+      return std::isalnum(c) != 0 ||
+             std::string_view(".:-_[]%@/").find(static_cast<char>(c)) != std::string_view::npos;
+    });
+  };
+  for (const std::string& name : names) {
+    if (is_plain(name)) continue;
+    return fail(Errc::invalid_argument, std::string("DiscoverySettings::") + what + ": '" + name +
+                                            "' is not the name or address of " +
+                                            (what == std::string_view("peers") ? "a host" : "an interface"));
+  }
+  return {};
+}
+
+/// Partitions cannot be taken off the list that they are on.
+Result<void> check_partitions(const CycloneSettings& user) {
+  for (const std::string& pattern :
+       user.values("Partitioning/IgnoredPartitions/IgnoredPartition/@DCPSPartitionTopic")) {
+    for (const char* topic : control_topics) {
+      if (fnmatch(pattern.c_str(), (std::string(".") + topic).c_str(), 0) != 0) continue;
+      return fail(Errc::invalid_argument, "CYCLONEDDS_URI: the ignored partition '" + pattern +
+                                              "' holds SFT's control topic " + topic + ": take it out");
+    }
+  }
+  return {};
+}
+
+/// Where Cyclone is to choose by itself, no interface is excluded.
+std::vector<std::string> chosen_interfaces(const CycloneSettings& user, const DiscoverySettings& settings) {
+  std::vector<std::string> names;
+  for (const char* attribute : {"@name", "@address"}) {
+    for (std::string& name : user.values(std::string("General/Interfaces/NetworkInterface/") + attribute))
+      names.push_back(std::move(name));
+  }
+  if (const auto deprecated = user.value("General/NetworkInterfaceAddress")) {
+    for (const auto name : std::views::split(*deprecated, ',')) names.emplace_back(name.begin(), name.end());
+  }
+  const std::vector<std::string> any = user.values("General/Interfaces/NetworkInterface/@autodetermine");
+  if (std::ranges::any_of(any, [](const std::string& value) { return equals(value, "true"); })) return {};
+  std::erase_if(names, [](const std::string& name) { return equals(name, "auto") || name.empty(); });
+  return user.sets("General/Interfaces") || user.sets("General/NetworkInterfaceAddress")
+             ? names
+             : settings.interfaces;
+}
+
+}  // namespace
+
+Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& settings,
+                             const std::string& user_config) {
+  if (const auto ok = check_names(settings.peers, "peers"); !ok) return tl::unexpected(ok.error());
+  if (const auto ok = check_names(settings.interfaces, "interfaces"); !ok) return tl::unexpected(ok.error());
+  const Result<CycloneSettings> user = CycloneSettings::read(user_config, domain);
+  if (!user) return tl::unexpected(user.error());
+  if (const auto ok = check_partitions(*user); !ok) return tl::unexpected(ok.error());
+  DdsConfig config = Composition(settings, *user).result(domain, user_config);
+  config.interfaces = chosen_interfaces(*user, settings);
+  return config;
+}
+
+std::string DdsConfig::summary(std::span<const LinkSpec> links) const {
+  std::vector<std::string> asked = peers;
+  asked.insert(asked.end(), user_peers.begin(), user_peers.end());
+  const std::string on_peers = asked.empty() ? "" : ", and on the peers " + list(asked);
+  return found_by_multicast ? "by multicast on " + describe(links) + on_peers
+                            : "on this host" + on_peers + ", by " + describe(links);
+}
+
+/// What is heard on a port of this host may come from any interface: without DontRoute each link would talk
+/// to addresses that are not of its network, too. Peers may be behind a router. Nodes of one host meet on the
+/// loopback, and would do so once more on every other link if its multicasts came back.
+std::string DdsConfig::text_for(const LinkSpec& link) const {
+  const std::string which = link.ip.is_any() ? "name=\"" + link.interface : "address=\"" + format(link.ip);
+  std::string general = element(
+      "Interfaces", "<NetworkInterface " + which + (link.loopback ? "\" multicast=\"true\"/>" : "\"/>"));
+  if (link.ip.is_any()) general += element("Transport", "udp6");
+  if (!rules().peers) general += element("DontRoute", "true");
+  if (!link.reaches_own_host) general += element("EnableMulticastLoopback", "false");
+  std::string discovery = element("ExternalDomainId", domain_on_wire);
+  std::string asked;
+  if (!found_by_multicast && link.reaches_own_host) asked += "<Peer Address=\"localhost\"/>";
+  if (!link.loopback) {
+    for (const std::string& peer : peers) asked += "<Peer Address=\"" + peer + "\"/>";
+  }
+  if (!asked.empty()) discovery += element("Peers", asked);
+  if (link.loopback && (!found_by_multicast || rules().peers)) {
+    discovery += element("Ports", element("UnicastMetaOffset", std::to_string(loopback_port_offset)) +
+                                      element("UnicastDataOffset", std::to_string(loopback_port_offset + 1)));
+  }
+  return text + "," + document(element("General", general) + element("Discovery", discovery));
+}
+
+Result<std::vector<std::string>> discovery_interfaces(std::uint32_t domain, const DiscoverySettings& settings,
+                                                      const std::string& user_config) {
+  return CycloneSettings::read(user_config, domain).map([&](const CycloneSettings& user) {
+    return chosen_interfaces(user, settings);
+  });
+}
+
+}  // namespace sft::core

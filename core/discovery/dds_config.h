@@ -1,0 +1,48 @@
+// How Cyclone DDS is configured for a domain: by ours first, then by the user's, so that it wins, and last by
+// what SFT cannot do without.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/discovery/desired_links.h"
+#include "sft/options.h"
+#include "sft/typesupport/result.h"
+
+namespace sft::core {
+
+struct DdsConfig {
+  std::string text;                ///< what all links have in common
+  std::string domain_on_wire;      ///< all links are one DDS domain, whatever their numbers in this process
+  bool multicast = true;           ///< one datagram can reach several nodes once they are found
+  bool found_by_multicast = true;  ///< else nodes elsewhere are found by peers only
+  std::chrono::seconds participant_lease{};  ///< after which nodes forget who is silent
+  bool is_secured = false;                   ///< the user's configuration has DDS Security
+  std::vector<std::string> peers;  ///< hosts that are looked for nodes, besides those that multicast reaches
+  std::vector<std::string> user_peers;  ///< the same, where `text` names them
+  std::vector<std::string> interfaces;  ///< that are chosen; empty: all
+  std::vector<std::string> warnings;    ///< what does not hold of the user's, and why; what to know of it
+
+  LinkRules rules() const {
+    return {.listed = interfaces,
+            .multicast = found_by_multicast,
+            .peers = !peers.empty() || !user_peers.empty()};
+  }
+  /// For dds_create_domain.
+  std::string text_for(const LinkSpec& link) const;
+  /// For people: how and where nodes are found.
+  std::string summary(std::span<const LinkSpec> links) const;
+};
+
+/// The error says what is wrong with a setting, or with the user's configuration.
+Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& settings,
+                             const std::string& user_config);
+
+/// Names and addresses of the interfaces that the user's configuration names, or else the settings.
+Result<std::vector<std::string>> discovery_interfaces(std::uint32_t domain, const DiscoverySettings& settings,
+                                                      const std::string& user_config);
+
+}  // namespace sft::core

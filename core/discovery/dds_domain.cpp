@@ -1,0 +1,181 @@
+#include "core/discovery/dds_domain.h"
+
+#include <dds/ddsrt/log.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <string_view>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "core/platform/process_limits.h"
+#include "core/platform/thread.h"
+
+namespace sft::core {
+
+namespace {
+thread_local CycloneMessages* listening = nullptr;
+
+constexpr std::uint32_t first_domain = 1000;  // DDS domains on a network are below 233
+/// A governance document can name no number above this one, and Cyclone looks up the number of this process.
+constexpr std::uint32_t last_secured_domain = 230;
+constexpr std::size_t descriptors_of_a_domain = 16;
+/// Cyclone's own, those of the node behind it, and the one that makes the domain.
+constexpr std::size_t threads_of_a_domain = 9;
+
+constexpr const char* name_of_maker = "sft-domain";
+constexpr int looks_for_names = 1000;  // once in a millisecond
+/// What the names of its threads begin with.
+constexpr std::array<std::string_view, 10> names_of_cyclone{"gc",  "tev",  "recv",      "dq.",    "lease",
+                                                            "fsm", "xmit", "threadmon", "debmon", "ws"};
+
+/// The domains of this process, kept where Cyclone keeps them.
+struct OpenDomains {
+  std::mutex mutex;
+  std::map<DomainPlan, std::weak_ptr<const CycloneDomain>> by_plan;
+  std::uint32_t made = 0;
+};
+OpenDomains open_domains;
+
+/// Under a number that is free, from the greatest one down: programs use small ones for themselves.
+std::pair<std::uint32_t, dds_entity_t> make_secured_domain(const std::string& config) {
+  for (std::uint32_t id = last_secured_domain; id > 0; --id) {
+    const dds_entity_t entity = dds_create_domain(id, config.c_str());
+    if (entity != DDS_RETCODE_PRECONDITION_NOT_MET) return {id, entity};
+  }
+  return {0, DDS_RETCODE_OUT_OF_RESOURCES};
+}
+
+std::pair<std::uint32_t, dds_entity_t> make_domain(const std::string& config, bool is_secured) {
+  if (is_secured) return make_secured_domain(config);
+  const std::uint32_t id = first_domain + open_domains.made++;
+  return {id, dds_create_domain(id, config.c_str())};
+}
+
+using ThreadNames = std::map<std::string, std::string>;  // by the number of the thread
+
+/// Of the threads of this process.
+ThreadNames thread_names() {
+  ThreadNames names;
+  std::error_code ignored;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task", ignored)) {
+    std::string name;
+    std::getline(std::ifstream(thread.path() / "comm"), name);
+    names[thread.path().filename().string()] = name;
+  }
+  return names;
+}
+
+bool is_name_of_cyclone(std::string_view name) {
+  return std::ranges::any_of(names_of_cyclone,
+                             [name](std::string_view known) { return name.starts_with(known); });
+}
+
+/// Cyclone's threads have the name of the one that started them until they have begun to run.
+ThreadNames names_once_given(const std::string& of_starter) {
+  ThreadNames names = thread_names();
+  for (int i = 0; i < looks_for_names; ++i) {
+    const auto nameless = std::ranges::count(names, of_starter, &ThreadNames::value_type::second);
+    if (nameless <= 1) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    names = thread_names();
+  }
+  return names;
+}
+
+/// Puts the prefix before the names of the threads that Cyclone has started since then. The program may have
+/// started some of its own meanwhile: these are called otherwise.
+void rename_threads_since(const ThreadNames& before, const std::string& prefix) {
+  for (const auto& [thread, name] : names_once_given(name_of_maker)) {
+    if (before.contains(thread) || !is_name_of_cyclone(name)) continue;
+    std::ofstream("/proc/self/task/" + thread + "/comm") << (prefix + name).substr(0, 15);
+  }
+}
+
+struct MadeDomain {
+  std::uint32_t id = 0;
+  dds_entity_t entity = 0;
+  std::string messages{};
+  std::vector<std::string> errors{};
+};
+
+MadeDomain make(const DomainPlan& plan) {
+  const CycloneMessages messages;
+  const std::string& prefix = plan.threads.name_prefix;
+  const ThreadNames before = prefix.empty() ? ThreadNames() : thread_names();
+  const auto [id, entity] = make_domain(plan.config, plan.is_secured);
+  if (entity >= 0 && !prefix.empty()) rename_threads_since(before, prefix);
+  return {id, entity, messages.text(), messages.errors()};
+}
+
+/// Cyclone's threads take CPUs and policy over from the one that makes the domain, which is a thread for just
+/// that.
+Result<MadeDomain> make_in_a_thread_with(const DomainPlan& plan) {
+  MadeDomain made;
+  ThreadSpec maker(name_of_maker);
+  maker.settings = plan.threads;
+  Result<std::thread> thread = start_thread(maker, [&] { made = make(plan); });
+  if (!thread) return tl::unexpected(thread.error());
+  thread->join();
+  return made;
+}
+
+}  // namespace
+
+CycloneMessages::CycloneMessages() : outer_(listening) {
+  listening = this;
+  dds_set_log_sink(&on_message, nullptr);
+}
+
+CycloneMessages::~CycloneMessages() { listening = outer_; }
+
+void CycloneMessages::on_message(void*, const dds_log_data_t* message) {
+  if (listening == nullptr) return;
+  std::string text(message->message, message->size);
+  while (text.ends_with('\n')) text.pop_back();
+  const bool is_error = (message->priority & (DDS_LC_FATAL | DDS_LC_ERROR)) != 0;
+  (is_error ? listening->errors_ : listening->warnings_).push_back(std::move(text));
+}
+
+std::string CycloneMessages::text() const {
+  std::string text;
+  for (const auto* messages : {&errors_, &warnings_}) {
+    for (const std::string& message : *messages) text += (text.empty() ? "" : "; ") + message;
+  }
+  return text.empty() ? "it does not say why" : text;
+}
+
+Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& plan,
+                                                            const CycloneDomain* instead_of,
+                                                            std::vector<std::string>& complaints) {
+  const std::scoped_lock lock(open_domains.mutex);  // so that two nodes do not make the same one
+  std::erase_if(open_domains.by_plan, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<const CycloneDomain>& known = open_domains.by_plan[plan];
+  if (auto domain = known.lock(); domain != nullptr && domain.get() != instead_of) return domain;
+  // Cyclone does not survive a lack of them while it makes a domain.
+  if (Result<void> enough = check_room_for(descriptors_of_a_domain, threads_of_a_domain); !enough)
+    return tl::unexpected(enough.error());
+  Result<MadeDomain> made = make_in_a_thread_with(plan);
+  if (!made) return tl::unexpected(made.error());
+  if (made->entity < 0)
+    return fail(Errc::invalid_argument, "Cyclone DDS refuses its configuration (" + made->messages +
+                                            "); check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");
+  complaints.insert(complaints.end(), made->errors.begin(), made->errors.end());
+  auto domain = std::make_shared<const CycloneDomain>(made->id, made->entity);
+  known = domain;
+  return domain;
+}
+
+/// Cyclone looks whether the domain exists before it reads the configuration, and refuses this one.
+bool program_has_opened(std::uint32_t domain) {
+  const CycloneMessages messages;
+  return dds_create_domain(domain, "<") == DDS_RETCODE_PRECONDITION_NOT_MET;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,60 @@
+// Which links discovery should have. A link is one address of one network interface: Cyclone DDS uses one
+// interface for all, chosen once, so each link gets a Cyclone domain of its own. Pure: interfaces and
+// settings go in, links come out. discovery.md has the rules.
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/platform/host_interfaces.h"
+
+namespace sft::core {
+
+/// Each link costs five threads, so a host does not get more than these.
+inline constexpr std::size_t links_max = 8;
+
+struct LinkSpec {
+  std::string interface;
+  IpAddress ip{};  ///< IPv4; none on a host that has only IPv6: the link is then the interface by its name
+  std::uint8_t prefix_bits = 0;
+  bool loopback = false;
+  /// Multicasts of the link come back to this host. They need to only where there is no loopback link by
+  /// which nodes of one host find each other.
+  bool reaches_own_host = false;
+  unsigned index = 0;  ///< of the interface: what sockets have joined goes with it
+  friend auto operator<=>(const LinkSpec&, const LinkSpec&) = default;
+};
+
+struct LinkRules {
+  std::vector<std::string> listed{};  ///< names, addresses or networks; empty: all interfaces
+  bool multicast = true;              ///< false: nodes elsewhere are found by peers only
+  bool peers = false;                 ///< there are hosts to look for nodes on, which needs no multicast
+};
+
+struct DesiredLinks {
+  std::vector<LinkSpec> links{};
+  /// For people: listed interfaces that are not in use, with the reason, and interfaces beyond the limit.
+  std::vector<std::string> remarks{};
+  /// No interface but the loopback is in use, although others are wanted.
+  bool waits_for_network = false;
+};
+
+/// `in_force` are the links that there are: they stay while their address does, even if the interface is
+/// down, since the kernel keeps what sockets have joined there.
+DesiredLinks desired_links(std::span<const HostInterface> interfaces, const LinkRules& rules,
+                           std::span<const LinkSpec> in_force);
+
+/// Whether the address is in the network of the link.
+bool leads_to(const LinkSpec& link, const IpAddress& address);
+
+/// For people: "lo, wlan0 (10.0.0.5)".
+std::string describe(std::span<const LinkSpec> links);
+
+/// Bridges and cables that container engines make, by their names: no other host is behind them.
+bool belongs_to_containers(const std::string& interface);
+
+}  // namespace sft::core

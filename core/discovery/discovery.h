@@ -1,0 +1,61 @@
+// Announces our endpoints and requests on all links of this host, and reports everybody else's: the control
+// topics of Cyclone DDS, once for each address of the host (discovery.md).
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/control/control.h"
+#include "core/discovery/discovery_listener.h"
+#include "core/discovery/life_signs.h"
+#include "sft/options.h"
+#include "sft/typesupport/result.h"
+
+namespace sft::core {
+
+struct DiscoveryOptions {
+  std::uint32_t domain = 0;
+  DiscoverySettings settings{};
+  std::string user_config{};  ///< XML texts or names of files
+  ThreadSettings threads{};   ///< of Cyclone's threads
+};
+
+/// Control samples of another version are refused.
+std::uint32_t control_protocol_version();
+
+class Discovery {
+ public:
+  /// `listener` outlives the discovery.
+  static Result<std::unique_ptr<Discovery>> open(const DiscoveryOptions& options,
+                                                 DiscoveryListener& listener);
+  virtual ~Discovery() = default;
+
+  virtual LifeSigns life_signs() const = 0;
+  struct Configuration {
+    std::string summary{};                ///< for people: how and where nodes are found
+    std::vector<std::string> warnings{};  ///< for people: which of the user's settings do not hold, and why
+    std::vector<std::string> remarks{};   ///< parts of the summary: interfaces that are not there, or not yet
+    std::vector<std::string> interfaces{};  ///< in use; empty where that is the program's own choice
+    bool waits_for_network = false;         ///< as of DesiredLinks
+  };
+  /// As it is at present. Any thread.
+  virtual Configuration configuration() const = 0;
+
+  // All that follows: one thread at a time.
+
+  /// Announces an endpoint of ours, or that it has changed.
+  virtual Result<void> announce(const Endpoint& endpoint) = 0;
+  virtual void withdraw(EndpointId id) = 0;
+  virtual Result<void> send(const Request& request) = 0;
+  /// Of this node, and of writers of ours. May get lost; to be called at least after each pause of the life
+  /// signs.
+  virtual void assert_liveliness(const Assertion& assertion) = 0;
+  /// To be called often: takes interfaces into use and out of use, and lets nodes that have not heard of us,
+  /// or have lost us, find us. Cyclone does that by itself every now and then.
+  virtual void look_after(std::chrono::steady_clock::time_point now, bool somebody_is_missing) = 0;
+};
+
+}  // namespace sft::core

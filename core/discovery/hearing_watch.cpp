@@ -1,0 +1,236 @@
+#include "core/discovery/hearing_watch.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sft::core {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Cyclone notices the end of a lease by itself, but on a thread that may have to wait for a processor.
+constexpr milliseconds slack_of_leases{300};
+constexpr milliseconds confirmed_after{400};
+/// If two looks are further apart, then this process itself was held up.
+constexpr milliseconds look_pause_max{1200};
+/// Announcements are repeated until they are acknowledged, but while many nodes start they take their time.
+constexpr milliseconds behind_after{1000}, behind_at_first_after{5000};
+/// A link that was made anew has heard it, and the one before has not.
+constexpr milliseconds lags_after{300};
+/// Announcements and signs of life overtake each other by less than that.
+constexpr milliseconds overtaking{100};
+/// Not while nodes start: then they may overtake each other by more.
+constexpr milliseconds start_takes{2000};
+/// All of these are longer where there are many participants.
+constexpr milliseconds longer_for_each{20};
+constexpr std::size_t crowd_max = 200;  // more may be made up
+/// So many links are tried for a participant whose digest never agreed: something else may be wrong with it.
+constexpr unsigned tries_max = 3;
+/// A participant that leaves withdraws its endpoints first, and then itself, within that time.
+constexpr milliseconds leaving{1500};
+/// A participant that is there says something within that time, unless many nodes start.
+constexpr milliseconds first_word_after{8000};
+/// From the complaint on: it has to come, and the link has to be made. It may get lost, and is repeated.
+constexpr milliseconds complaint_patience{1500}, complaint_pause{400};
+/// So much longer, on average, before each complaint, for each other participant that may complain as well.
+constexpr milliseconds complaint_spread{2};
+/// A participant whose node has come anew is gone by then.
+constexpr std::chrono::seconds goes_within{60};
+constexpr milliseconds look_pause{500}, look_pause_in_doubt{100};
+/// A speaker counts as heard on a link for so long after it was. Signs of life come more often.
+constexpr milliseconds heard_lately{2500};
+
+}  // namespace
+
+void HearingWatch::link_dropped(LinkId link) {
+  links_.erase(link);
+  std::erase_if(ears_, [&](const auto& entry) { return entry.first.link == link; });
+  std::erase_if(participants_, [&](const auto& participant) {
+    return std::ranges::none_of(ears_,
+                                [&](const auto& ear) { return ear.first.participant == participant.first; });
+  });
+}
+
+bool HearingWatch::is_replaced_by(LinkId before, LinkId after, Now now) const {
+  return std::ranges::all_of(ears_, [&](const auto& entry) {
+    const auto& [speaker, ear] = entry;
+    if (speaker.link != before || !ear.has_spoken || now - ear.last > heard_lately) return true;
+    const auto there = ears_.find({after, speaker.participant});
+    return there != ears_.end() && there->second.has_spoken;
+  });
+}
+
+void HearingWatch::endpoint_matched(const Speaker& speaker) {
+  const auto ear = ears_.find(speaker);
+  if (ear != ears_.end() && ear->second.unmatched > 0) --ear->second.unmatched;
+}
+
+void HearingWatch::endpoint_unmatched(const Speaker& speaker, Now now) {
+  const auto ear = ears_.find(speaker);
+  if (ear == ears_.end()) return;
+  ++ear->second.unmatched;
+  ear->second.unmatched_at = now;
+}
+
+HearingWatch::Ear* HearingWatch::ear_of(const Speaker& speaker, Now now) {
+  if (!links_.contains(speaker.link)) return nullptr;
+  const auto known = ears_.find(speaker);
+  if (known != ears_.end()) return &known->second;
+  if (ears_.size() >= speakers_max) return nullptr;
+  return &ears_.emplace(speaker, Ear{.last = now, .agreed = now}).first->second;
+}
+
+void HearingWatch::participant_came(const Speaker& speaker, Now now) {
+  if (const auto link = links_.find(speaker.link); link != links_.end()) link->second.newcomer = now;
+}
+
+void HearingWatch::participant_left(const Speaker& speaker) {
+  ears_.erase(speaker);
+  participants_.erase(speaker.participant);
+}
+
+void HearingWatch::heard(const Speaker& speaker, Now now) {
+  Ear* const ear = ear_of(speaker, now);
+  if (ear == nullptr) return;
+  ear->last = now;
+  ear->has_spoken = true;
+  is_in_doubt_ = true;
+}
+
+void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, milliseconds lease,
+                              Now now) {
+  Ear* const ear = ear_of(speaker, now);
+  if (ear == nullptr) return;
+  ear->last = now;
+  ear->has_spoken = true;
+  ear->node = node;
+  ear->lives = true;
+  ear->last_life = now;
+  ear->lease = lease;
+  ear->told = digest;
+  if (ear->told == ear->known) {
+    ear->agreed = now;
+    ear->has_agreed = true;
+    ear->shared = digest;
+    participants_[speaker.participant] = {.has_agreed = true, .tries = 0};
+  }
+  ear->is_contradicted =
+      ear->has_agreed && digest == ear->shared && digest != ear->known && now - ear->changed > overtaking;
+  ear->overdue_since.reset();
+}
+
+void HearingWatch::life_ended(LinkId link, NodeId node) {
+  for (auto& [speaker, ear] : ears_) {
+    if (speaker.link == link && ear.node == node) ear.lives = false;
+  }
+}
+
+std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::uint32_t>& known,
+                                                   milliseconds participant_lease, Now now) {
+  note_known(known, now);
+  is_in_doubt_ = false;
+  std::vector<Deaf> deaf;
+  for (auto& [speaker, ear] : ears_) {
+    is_in_doubt_ |= ear.lives && ear.known != ear.told && now - ear.agreed < behind_at_first_after;
+    const auto what = missing(speaker, ear, participant_lease, now);
+    if (!what) {
+      ear.missed_since.reset();
+      continue;
+    }
+    is_in_doubt_ = true;
+    const auto how = remedy(speaker, ear, *what, now);
+    const bool is_told = how == Remedy::renewal && std::ranges::any_of(deaf, [&](const Deaf& other) {
+                           return other.link == speaker.link && other.remedy == Remedy::renewal;
+                         });
+    if (how && !is_told) deaf.push_back({speaker.link, speaker.participant, ear.node, *what, *how});
+  }
+  return deaf;
+}
+
+void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Now now) {
+  const bool was_held_up = now - looked_ > look_pause_max;
+  looked_ = now;
+  for (auto& [speaker, ear] : ears_) {
+    if (was_held_up) {
+      ear.overdue_since.reset();
+      ear.is_contradicted = false;
+    }
+    const auto digest = known.find(speaker);
+    const std::uint32_t known_now = digest == known.end() ? 0 : digest->second;
+    if (known_now != ear.known) ear.changed = now;
+    if (known_now != ear.known || known_now == ear.told) ear.agreed = now;
+    if (known_now == ear.told) ear.is_contradicted = false;
+    ear.known = known_now;
+  }
+}
+
+bool HearingWatch::wants_look(Now now) const {
+  return now - looked_ >= (is_in_doubt_ ? look_pause_in_doubt : look_pause);
+}
+
+/// Its node is heard as it should be by another participant on the link, since it has made its link anew, or
+/// we have.
+bool HearingWatch::speaks_otherwise(const Speaker& speaker, const Ear& ear, Now now) const {
+  const LinkId link = links_.at(speaker.link).replaced_by.value_or(speaker.link);
+  return ear.node != 0 && std::ranges::any_of(ears_, [&](const auto& entry) {
+           const auto& [other, of_other] = entry;
+           return other.link == link && other != speaker && of_other.node == ear.node && of_other.lives &&
+                  of_other.told == of_other.known && now - of_other.last_life < heard_lately;
+         });
+}
+
+/// A participant that is not heard at all hears no complaint, either.
+std::optional<HearingWatch::Remedy> HearingWatch::remedy(const Speaker& speaker, Ear& ear, Missing missing,
+                                                         Now now) {
+  if (ear.disbelieved_since && now - *ear.disbelieved_since < goes_within) return {};
+  if (speaks_otherwise(speaker, ear, now)) {
+    ear.disbelieved_since = now;
+    return Remedy::disbelief;
+  }
+  if (links_.at(speaker.link).replaced_by) return {};
+  if (missing == Missing::everything) return Remedy::renewal;
+  const milliseconds spread = complaint_spread * (std::min(ears_.size(), crowd_max) - 1);
+  if (!ear.missed_since) {
+    ear.missed_since = now;
+    ear.complain_at = now + milliseconds(random_() % static_cast<std::uint64_t>(2 * spread.count() + 1));
+  }
+  if (now - *ear.missed_since > complaint_patience + 2 * spread) return Remedy::renewal;
+  if (now < ear.complain_at) return {};
+  ear.complain_at = now + complaint_pause;
+  return Remedy::complaint;
+}
+
+bool HearingWatch::is_behind(const Ear& ear, Now newcomer, Now now) const {
+  const milliseconds in_a_crowd = longer_for_each * std::min(ears_.size(), crowd_max);
+  if (!ear.lives || ear.known == ear.told) return false;
+  if (ear.missed_since) return true;  // whoever comes meanwhile
+  if (ear.is_contradicted && now - newcomer > start_takes + in_a_crowd) return true;
+  const milliseconds patience = (ear.has_agreed ? behind_after : behind_at_first_after) + in_a_crowd;
+  return ear.last_life - std::max(ear.agreed, newcomer) > patience;  // it still says so
+}
+
+std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speaker, Ear& ear,
+                                                           milliseconds participant_lease, Now now) const {
+  const auto known = participants_.find(speaker.participant);
+  const bool is_hopeless =
+      known != participants_.end() && !known->second.has_agreed && known->second.tries >= tries_max;
+  if (is_hopeless) return {};
+  const Link& link = links_.at(speaker.link);
+  if (link.replaced_by) {
+    const bool lags =
+        ear.lives && ear.known != ear.told && (ear.is_contradicted || now - ear.agreed > lags_after);
+    return lags ? std::optional(Missing::announcements) : std::nullopt;
+  }
+  const bool is_mute = !ear.has_spoken && now - std::max(ear.last, link.newcomer) > first_word_after;
+  if (is_mute || now - ear.last > participant_lease * 3 / 2) return Missing::everything;
+  if (ear.unmatched > 0 && now - ear.unmatched_at > leaving) return Missing::endpoints;
+  if (ear.lives && now - ear.last_life > ear.lease + slack_of_leases) {
+    if (!ear.overdue_since) ear.overdue_since = now;
+    if (now - *ear.overdue_since >= confirmed_after) return Missing::signs_of_life;
+    return {};
+  }
+  return is_behind(ear, link.newcomer, now) ? std::optional(Missing::announcements) : std::nullopt;
+}
+
+}  // namespace sft::core

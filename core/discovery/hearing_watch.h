@@ -1,0 +1,134 @@
+// HearingWatch tells whether each link still hears everybody whom it ought to hear. A datagram in somebody's
+// name with a sequence number far ahead makes Cyclone take all that this one says later for old, for as long
+// as both participants live; a withdrawal in somebody's name makes it forget his writers. Nobody can tell
+// that from one datagram, but from what is missing afterwards. Then the one in whose name it was said makes
+// its link anew, after a complaint, or else the one that hears it. Pure: (event, now) goes in. discovery.md
+// has the rules.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "core/discovery/speakers.h"
+
+namespace sft::core {
+
+class HearingWatch {
+ public:
+  using Now = Speakers::Now;
+
+  enum class Missing : std::uint8_t {
+    signs_of_life,  ///< Cyclone says that they come, and none is heard
+    announcements,  ///< the signs of life tell of others than are known
+    endpoints,      ///< of the control topics: they were withdrawn, though their participant stays
+    everything      ///< of a participant that is there
+  };
+  enum class Remedy : std::uint8_t {
+    complaint,  ///< the participant is told, and makes its own link anew, which is new to all who hear it
+    disbelief,  ///< it did: what came of the participant before does not count any more
+    renewal     ///< our own link has to be made anew
+  };
+  struct Deaf {
+    LinkId link = 0;
+    AnnouncerId participant = 0;
+    NodeId node = 0;  ///< 0: not known
+    Missing missing{};
+    Remedy remedy{};
+  };
+
+  /// `seed`: of the pauses before complaints, so that not all who miss the same complain at the same time.
+  explicit HearingWatch(std::uint64_t seed = 0) : random_(seed) {}
+
+  /// Events on a link count from link_made() until link_dropped().
+  void link_made(LinkId link) { links_.emplace(link, Link{}); }
+  void link_dropped(LinkId link);
+  /// Another one was made in its place. It is listened to for a while, and does not count as deaf, but what
+  /// comes there may be somebody else's word as well.
+  void link_replaced(LinkId link, LinkId by) { links_[link].replaced_by = by; }
+  /// Returns whether everybody who is heard on the link `before` is heard on the link `after`, too.
+  bool is_replaced_by(LinkId before, LinkId after, Now now) const;
+  void participant_came(const Speaker& speaker, Now now);
+  /// It has the mark of nodes that understand each other: it is expected to say something.
+  void participant_speaks(const Speaker& speaker, Now now) { (void)ear_of(speaker, now); }
+  void participant_left(const Speaker& speaker);
+  /// A reader or writer of it, of the control topics, is there from now on, or is not any more.
+  void endpoint_matched(const Speaker& speaker);
+  void endpoint_unmatched(const Speaker& speaker, Now now);
+  /// An announcement or a request of it came.
+  void heard(const Speaker& speaker, Now now);
+  /// A sign of life of it came. `digest`: of all that it has announced; `lease`: of its signs of life.
+  void heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, std::chrono::milliseconds lease,
+                  Now now);
+  /// 0 if it has not said that it lives.
+  NodeId node_of(const Speaker& speaker) const {
+    const auto ear = ears_.find(speaker);
+    return ear == ears_.end() ? 0 : ear->second.node;
+  }
+  /// Cyclone says that no signs of that node's life come any more.
+  void life_ended(LinkId link, NodeId node);
+  /// A link was made anew because of that one. If that does not help, and nothing ever did, then it is not
+  /// the link.
+  void tried(AnnouncerId participant) { ++participants_[participant].tries; }
+
+  /// Whether to look now: twice a second, and more often while something may be missing.
+  bool wants_look(Now now) const;
+  /// `known`: digests of what is known of each speaker. `participant_lease`: after which Cyclone forgets a
+  /// participant of which nothing comes. A renewal is told until something changes, for each link once.
+  std::vector<Deaf> look(const std::map<Speaker, std::uint32_t>& known,
+                         std::chrono::milliseconds participant_lease, Now now);
+
+ private:
+  struct Link {
+    Now newcomer{};  ///< when somebody was new there
+    std::optional<LinkId> replaced_by{};
+  };
+  struct Participant {
+    bool has_agreed = false;  ///< all that it had announced was known once
+    unsigned tries = 0;
+  };
+  struct Ear {
+    Now last;  ///< when anything came, or the participant itself
+    bool has_spoken = false;
+    bool has_agreed = false;
+    int unmatched = 0;  ///< endpoints that went, and did not come back
+    Now unmatched_at{};
+    NodeId node = 0;
+    bool lives = false;  ///< signs of life came, and Cyclone did not say that they ended
+    Now last_life{};
+    std::chrono::milliseconds lease{};
+    std::uint32_t told = 0;    ///< digests
+    std::uint32_t known = 0;   ///< when it was looked at last
+    std::uint32_t shared = 0;  ///< when both were equal last
+    Now agreed{};              ///< both were equal, or what is known changed
+    Now changed{};             ///< what is known did
+    /// Its signs of life go on to tell what was known before that changed: the change was not its own.
+    bool is_contradicted = false;
+    std::optional<Now> overdue_since{};
+    std::optional<Now> missed_since{};
+    Now complain_at{};
+    std::optional<Now> disbelieved_since{};
+  };
+  static constexpr std::size_t speakers_max = 4096;
+
+  Ear* ear_of(const Speaker& speaker, Now now);
+  bool is_behind(const Ear& ear, Now newcomer, Now now) const;
+  std::optional<Missing> missing(const Speaker& speaker, Ear& ear,
+                                 std::chrono::milliseconds participant_lease, Now now) const;
+  void note_known(const std::map<Speaker, std::uint32_t>& known, Now now);
+  bool speaks_otherwise(const Speaker& speaker, const Ear& ear, Now now) const;
+  std::optional<Remedy> remedy(const Speaker& speaker, Ear& ear, Missing missing, Now now);
+
+  std::map<LinkId, Link> links_;
+  std::map<Speaker, Ear> ears_;
+  std::map<AnnouncerId, Participant> participants_;
+  std::minstd_rand random_;
+  Now looked_{};
+  bool is_in_doubt_ = false;
+};
+
+}  // namespace sft::core

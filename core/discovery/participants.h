@@ -1,0 +1,62 @@
+// Numbers for DDS participants, by which the rest of the core tells them apart. Any thread.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+
+#include "core/control/control.h"
+
+namespace sft::core {
+
+class Participants {
+ public:
+  using Guid = std::array<std::uint8_t, 16>;
+
+  /// Never 0. A participant that comes back soon after it went has the number that it had.
+  AnnouncerId number_of(const Guid& guid) {
+    const std::scoped_lock lock(mutex_);
+    const auto [entry, is_new] = numbers_.try_emplace(guid, last_ + 1);
+    if (is_new) ++last_;
+    return entry->second;
+  }
+  /// Of the participant that has that number. Nothing if it is forgotten.
+  std::optional<Guid> guid_of(AnnouncerId number) const {
+    const std::scoped_lock lock(mutex_);
+    const auto entry = std::ranges::find(numbers_, number, [](const auto& known) { return known.second; });
+    return entry == numbers_.end() ? std::nullopt : std::optional(entry->first);
+  }
+  void gone(const Guid& guid) {
+    const std::scoped_lock lock(mutex_);
+    gone_.push_back(guid);
+    if (gone_.size() <= gone_max) return;
+    numbers_.erase(gone_.front());
+    gone_.pop_front();
+  }
+  /// One of the node itself, on any link.
+  void add_own(const Guid& guid) {
+    const std::scoped_lock lock(mutex_);
+    own_.insert(guid);
+  }
+  bool is_own(const Guid& guid) const {
+    const std::scoped_lock lock(mutex_);
+    return own_.contains(guid);
+  }
+
+ private:
+  static constexpr std::size_t gone_max = 1024;
+
+  mutable std::mutex mutex_;
+  std::map<Guid, AnnouncerId> numbers_;
+  std::deque<Guid> gone_;
+  std::set<Guid> own_;
+  AnnouncerId last_ = 0;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,61 @@
+// When each speaker was heard last. A speaker is one DDS participant on one link. Pure.
+#pragma once
+
+#include <chrono>
+#include <compare>
+#include <cstdint>
+#include <map>
+
+#include "core/control/control.h"
+
+namespace sft::core {
+
+using LinkId = std::uint32_t;
+
+struct Speaker {
+  LinkId link = 0;
+  AnnouncerId participant = 0;
+  friend auto operator<=>(const Speaker&, const Speaker&) = default;
+};
+
+class Speakers {
+ public:
+  using Now = std::chrono::steady_clock::time_point;
+
+  /// `silence`: after a longer pause than this the speaker counts as having begun to speak anew.
+  void heard(const Speaker& speaker, std::chrono::milliseconds silence, Now now) {
+    const auto [entry, is_new] = heard_.try_emplace(speaker, Heard{now, now});
+    if (!is_new && now - entry->second.last > silence) entry->second.since = now;
+    entry->second.last = now;
+  }
+  bool speaks(const Speaker& speaker, std::chrono::milliseconds silence, Now now) const {
+    const auto entry = heard_.find(speaker);
+    return entry != heard_.end() && now - entry->second.last <= silence;
+  }
+  /// Whether it has been heard for so long without a pause.
+  bool has_spoken_for(const Speaker& speaker, std::chrono::milliseconds duration, Now now) const {
+    const auto entry = heard_.find(speaker);
+    return entry != heard_.end() && now - entry->second.since >= duration;
+  }
+  /// The beginning of time if it was never heard.
+  Now last_heard(const Speaker& speaker) const {
+    const auto entry = heard_.find(speaker);
+    return entry == heard_.end() ? Now{} : entry->second.last;
+  }
+  void forget(const Speaker& speaker) { heard_.erase(speaker); }
+  void forget_link(LinkId link) {
+    std::erase_if(heard_, [&](const auto& entry) { return entry.first.link == link; });
+  }
+  void forget_before(Now time) {
+    std::erase_if(heard_, [&](const auto& entry) { return entry.second.last < time; });
+  }
+
+ private:
+  struct Heard {
+    Now last;
+    Now since;
+  };
+  std::map<Speaker, Heard> heard_;
+};
+
+}  // namespace sft::core

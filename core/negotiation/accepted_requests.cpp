@@ -1,0 +1,41 @@
+#include "core/negotiation/accepted_requests.h"
+
+#include <utility>
+
+namespace sft::core {
+
+AcceptedRequests::AcceptedRequests(Wanted first, bool reliable) : reliable_(reliable) {
+  asks_for(std::move(first), Now{});
+}
+
+void AcceptedRequests::asks_for(Wanted wanted, Now now) {
+  if (!requests_.empty()) requests_.back().replaced_at = now;
+  if (!reliable_) std::erase_if(requests_, [&](const Request& r) { return r.accepted.wanted == wanted; });
+  requests_.push_back({.accepted = {std::move(wanted), reliable_ ? ++last_ : 0}, .asked_at = now});
+  if (requests_.size() > (reliable_ ? reliable_max : best_effort_max)) requests_.erase(requests_.begin());
+}
+
+/// Best effort: for long an older one must not be accepted, since another reader in this process may ask for
+/// just that, and its samples would be taken for ours.
+bool AcceptedRequests::look(Now now) {
+  if (!reliable_) {
+    return std::erase_if(requests_, [&](const Request& r) {
+             return r.replaced_at != Now::max() && now - r.replaced_at > in_flight_max;
+           }) != 0;
+  }
+  bool changed = false;
+  for (auto request = requests_.rbegin(); request != requests_.rend(); ++request) {
+    if (request->accepted.heard) break;
+    request->accepted.heard = now - request->asked_at > in_flight_max;
+    changed = changed || request->accepted.heard;
+  }
+  return changed;
+}
+
+std::vector<Accepted> AcceptedRequests::all() const {
+  std::vector<Accepted> all;
+  for (const Request& request : requests_) all.push_back(request.accepted);
+  return all;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,46 @@
+// Under which of its requests samples for a reader may still come. A reliable reader gets what was sent
+// however late: for it no time tells when a request is over, but the order of what comes (Accepted::request).
+// Pure: calls and times in, answers out.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/seam/transport.h"
+
+namespace sft::core {
+
+class AcceptedRequests {
+ public:
+  using Now = std::chrono::steady_clock::time_point;
+  /// For so long datagrams may be in flight, and what a reader asks for is not known to all who send to it.
+  static constexpr std::chrono::seconds in_flight_max{2};
+  /// Of more the oldest are forgotten.
+  static constexpr std::size_t best_effort_max = 16, reliable_max = 64;
+
+  AcceptedRequests() = default;
+  AcceptedRequests(Wanted first, bool reliable);
+
+  /// From now on that, and no longer what was asked for before, once nothing of it can be under way any more.
+  void asks_for(Wanted wanted, Now now);
+  /// Whether all() has changed with time.
+  bool look(Now now);
+
+  const Wanted& latest() const { return requests_.back().accepted.wanted; }
+  /// The latest is the last.
+  std::vector<Accepted> all() const;
+
+ private:
+  struct Request {
+    Accepted accepted;
+    Now asked_at{};
+    Now replaced_at = Now::max();
+  };
+  bool reliable_ = false;
+  std::uint64_t last_ = 0;
+  std::vector<Request> requests_;
+};
+
+}  // namespace sft::core

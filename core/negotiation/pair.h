@@ -1,0 +1,52 @@
+// Whether a writer and a reader of one topic match, and by which paths samples can go between them, as one of
+// their nodes sees it. Pure.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/control/control.h"
+#include "core/negotiation/type_comparisons.h"
+#include "sft/status.h"
+
+namespace sft::core {
+
+/// This node, as far as it decides about paths.
+struct Self {
+  HostToken host;  ///< known while shared memory is ready
+  std::uint64_t network = 0;
+  std::string shm_state;      ///< why shared memory is not ready, for reasons given to people
+  bool may_write_shm = true;  ///< where it is
+  friend bool operator==(const Self&, const Self&) = default;
+};
+
+/// One of them is ours, or both.
+struct Pair {
+  const Endpoint& writer;
+  const Endpoint& reader;
+  bool we_write = false;  ///< or only read
+  const Endpoint& peer() const { return we_write ? reader : writer; }
+};
+
+struct Verdict {
+  std::string mismatch;  ///< not empty: never matches, and why
+  bool incompatible_type = false;
+  std::shared_ptr<const TypeMismatch> definitions;  ///< not null: they are two of one type
+  QosPolicy incompatible_policy = QosPolicy::none;
+  bool shm = false;  ///< both may and can use shared memory
+  bool udp = false;
+  std::string udp_reason;
+  bool shm_may_come = false;  ///< neither, as yet
+};
+
+/// `type`: of what is ours; of the writer if both are. Without `comparisons` two definitions of a type are
+/// told apart, and not compared.
+Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeComparisons* comparisons);
+
+/// How the reader hears the writer, as its request in force tells. `history_comes`: what was published before
+/// comes first, by UDP.
+WriterStatus heard_as(const Endpoint& writer, bool writer_lives, const Endpoint& reader,
+                      const Verdict& verdict, bool history_comes);
+
+}  // namespace sft::core

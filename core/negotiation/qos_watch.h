@@ -1,0 +1,91 @@
+// Whether what was promised comes in time: deadlines and liveliness, of our writers and of those that our
+// readers hear. Pure: counts of what has happened and times in, answers out. Nothing is asked of those who
+// publish or receive but to count, which they do anyway; so a sign is as old as the look that found it, and a
+// look is due twice in a period. What is told missed was missed; it is told up to half a period later.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "core/control/qos.h"
+
+namespace sft::core {
+
+using Now = std::chrono::steady_clock::time_point;
+
+/// A count that should change at least once in each period.
+class ActivityMonitor {
+ public:
+  ActivityMonitor(std::chrono::nanoseconds period, std::uint64_t count, Now now)
+      : period_(period), count_(count), active_at_(now) {}
+
+  /// Periods that have ended without a sign, beyond those that were told before.
+  std::uint64_t look(std::uint64_t count, Now now);
+  /// As of the last look.
+  bool quiet() const { return told_ != 0; }
+  std::chrono::nanoseconds pace() const { return period_ / 2; }
+
+ private:
+  std::chrono::nanoseconds period_;
+  std::uint64_t count_;
+  Now active_at_;
+  std::uint64_t told_ = 0;  ///< periods since then
+};
+
+/// One of our writers: what it offers to all, and when its readers have to be told that it lives.
+class OfferWatch {
+ public:
+  struct Signs {
+    std::uint64_t published = 0;
+    std::uint64_t asserted = 0;  ///< explicitly
+  };
+  OfferWatch(const Qos& offered, Now now);
+
+  void look(const Signs& signs, Now now);
+  std::uint64_t deadlines_missed() const { return deadlines_missed_; }
+  bool alive() const { return !lease_ || !lease_->quiet(); }
+
+  /// Whether an assertion should be sent, which then counts as sent. Samples are signs of life themselves, if
+  /// `samples_tell`: if every reader that wants to know gets each of them. Asked often.
+  bool assertion_due(const Signs& signs, bool samples_tell, Now now);
+  /// Until then assertions of the program are not sent one by one.
+  bool rests(Now now) const { return now < told_at_ + qos_.liveliness_lease / assertions_per_lease; }
+
+  /// How often to look.
+  std::optional<std::chrono::nanoseconds> pace() const;
+
+ private:
+  static constexpr int assertions_per_lease = 3;  // two may get lost
+
+  Qos qos_;
+  std::optional<ActivityMonitor> deadline_;
+  std::optional<ActivityMonitor> lease_;  ///< where the program has to assert
+  std::uint64_t deadlines_missed_ = 0;
+  Signs told_;  ///< what readers know of
+  Now told_at_ = Now::min();
+};
+
+/// One writer, as one of our readers that asked for something hears it.
+class RequestWatch {
+ public:
+  /// Of a lease. If less is offered, it is the requested one that is watched.
+  static constexpr std::chrono::milliseconds shortest_offer{10};
+
+  /// `arrived`: changes with each sample that arrives.
+  RequestWatch(const Qos& offered, const Qos& requested, std::uint64_t arrived, Now now);
+
+  void look(std::uint64_t arrived, Now now);
+  void asserted() { ++assertions_; }
+  std::uint64_t deadlines_missed() const { return deadlines_missed_; }
+  bool alive() const { return !lease_ || !lease_->quiet(); }
+  std::optional<std::chrono::nanoseconds> pace() const;
+
+ private:
+  std::optional<ActivityMonitor> deadline_;
+  std::optional<ActivityMonitor> lease_;
+  std::uint64_t deadlines_missed_ = 0;
+  std::uint64_t assertions_ = 0;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,52 @@
+#include "core/negotiation/type_comparisons.h"
+
+#include "core/control/described_type.h"
+#include "sft/typesupport/type_shape.h"
+
+namespace sft::core {
+
+namespace {
+
+constexpr std::size_t known_max = 256;
+constexpr std::size_t known_bytes_max = std::size_t{8} << 20;
+
+TypeMismatch explain(const TypeSupport& ours, const Endpoint& theirs) {
+  TypeMismatch mismatch{.difference = {}, .here = format_shape(ours.type()), .there = {}};
+  const Result<DynamicType> type = described_type(theirs);
+  if (!type) return mismatch;
+  mismatch.difference = first_difference(ours.type(), type->type());
+  mismatch.there = format_shape(type->type());
+  return mismatch;
+}
+
+}  // namespace
+
+std::shared_ptr<const TypeMismatch> TypeComparisons::compare(const TypeSupport& ours,
+                                                             const Endpoint& theirs) {
+  // A description that was accepted has the hash that was announced; without one, another may follow.
+  const bool described = !theirs.type_description.empty();
+  const Definitions both{theirs.type_name, ours.hash(), described ? theirs.type_hash : 0};
+  if (const auto found = known_.find(both); found != known_.end()) return found->second;
+  if (left_ == 0) return std::make_shared<const TypeMismatch>();
+  --left_;
+  ++compared_;
+  auto mismatch = std::make_shared<const TypeMismatch>(explain(ours, theirs));
+  bytes_ += bytes_of(*mismatch);
+  known_.emplace(both, mismatch);
+  order_.push_back(both);
+  while (known_.size() > known_max || (bytes_ > known_bytes_max && known_.size() > 1)) forget_the_oldest();
+  return mismatch;
+}
+
+std::size_t TypeComparisons::bytes_of(const TypeMismatch& mismatch) {
+  return mismatch.difference.size() + mismatch.here.size() + mismatch.there.size();
+}
+
+void TypeComparisons::forget_the_oldest() {
+  const auto oldest = known_.find(order_.front());
+  bytes_ -= bytes_of(*oldest->second);
+  known_.erase(oldest);
+  order_.pop_front();
+}
+
+}  // namespace sft::core

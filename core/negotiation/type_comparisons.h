@@ -1,0 +1,45 @@
+// Explains why two definitions of one type do not match. What was found is kept, since the same pairs are
+// judged again after every event, and the oldest is forgotten first. Others may announce as many definitions
+// as they like: no more than a few are compared between two refills.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+#include <tuple>
+
+#include "core/control/control.h"
+#include "sft/status.h"
+#include "sft/typesupport/type_support.h"
+
+namespace sft::core {
+
+class TypeComparisons {
+ public:
+  /// Each may have 4096 fields and take half a millisecond.
+  static constexpr int compared_at_once = 16;
+
+  /// Never null. There is no difference to name without a description of `theirs`, nor where it is not known
+  /// yet and no comparison is left.
+  std::shared_ptr<const TypeMismatch> compare(const TypeSupport& ours, const Endpoint& theirs);
+  void refill() { left_ = compared_at_once; }
+  /// So many definitions were compared so far.
+  std::uint64_t compared() const { return compared_; }
+
+ private:
+  /// The name of the type and the hashes of both definitions; hashes alone leave names of types out.
+  using Definitions = std::tuple<std::string, std::uint64_t, std::uint64_t>;
+  static std::size_t bytes_of(const TypeMismatch& mismatch);
+  void forget_the_oldest();
+
+  std::map<Definitions, std::shared_ptr<const TypeMismatch>> known_;
+  std::deque<Definitions> order_;  ///< in which they became known
+  std::size_t bytes_ = 0;
+  int left_ = compared_at_once;
+  std::uint64_t compared_ = 0;
+};
+
+}  // namespace sft::core

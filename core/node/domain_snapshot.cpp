@@ -1,0 +1,117 @@
+#include "core/node/domain_snapshot.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "core/control/described_type.h"
+#include "core/negotiation/pair.h"
+#include "core/platform/ip_address.h"
+#include "core/platform/network_id.h"
+
+namespace sft::core {
+
+namespace {
+
+/// The types that endpoints describe, each read once.
+class Types {
+ public:
+  const std::optional<DynamicType>& of(const Endpoint& endpoint) {
+    std::optional<DynamicType>& type = types_[{endpoint.type_name, endpoint.type_hash}];
+    if (!type) {
+      if (Result<DynamicType> described = described_type(endpoint)) type = *std::move(described);
+    }
+    return type;
+  }
+
+ private:
+  std::map<std::pair<std::string, std::uint64_t>, std::optional<DynamicType>> types_;
+};
+
+std::string fields_of(const Request& request, const TypeSupport& type) {
+  return type.format_mask(type.closed(FieldMask::from_words(type.leaves(), request.mask_words)));
+}
+
+EndpointInfo info_of(const KnownEndpoint& known, Types& types, NodeId id, std::uint64_t network) {
+  const Endpoint& e = known.endpoint;
+  EndpointInfo info{.id = e.id,
+                    .node_id = e.node_id,
+                    .node = e.node,
+                    .is_own = e.node_id == id,
+                    .topic = e.topic,
+                    .type_name = e.type_name,
+                    .type_hash = e.type_hash,
+                    .type = types.of(e),
+                    .qos = e.qos,
+                    .may_use_shm = e.may_use_shm,
+                    .may_use_udp = e.may_use_udp,
+                    .shm_ready = e.may_use_shm && e.host.known(),
+                    .same_machine = on_one_machine(e.network, network)};
+  for (const UdpAddress& address : e.addresses) info.addresses.push_back(format(address.ip, address.port));
+  if (e.role == Role::writer) {
+    info.max_sample_bytes = e.max_sample_bytes;
+    info.waits = e.waits;
+    if (known.progress) info.progress = {known.progress->samples, known.progress->bytes};
+    return info;
+  }
+  if (info.type) info.fields = fields_of(e.request, info.type->support());
+  info.max_rate_hz = e.request.min_period_us == 0 ? 0 : 1e6 / e.request.min_period_us;
+  info.requests = e.request.sequence;
+  return info;
+}
+
+/// As the writer's node judges it. That tells nobody why it has no shared memory.
+PairInfo pair_info(const Endpoint& writer, const Endpoint& reader, const std::optional<DynamicType>& type,
+                   TypeComparisons& comparisons) {
+  static const StructType no_members;
+  static const TypeSupport unknown(no_members);
+  const Self self{.host = writer.host,
+                  .network = writer.network,
+                  .shm_state = "the publisher's node has none at present; its status says why"};
+  const Verdict verdict =
+      judge({writer, reader, true}, type ? type->support() : unknown, self, type ? &comparisons : nullptr);
+  const bool durable = writer.qos.durability == Durability::transient_local &&
+                       reader.qos.durability == Durability::transient_local;
+  const bool begun = std::ranges::find(reader.request.begun, writer.id) != reader.request.begun.end();
+  WriterStatus status = heard_as(writer, true, reader, verdict, durable && verdict.udp && !begun);
+  return {.publisher = writer.id,
+          .subscriber = reader.id,
+          .matched = status.matched,
+          .connected = status.connected,
+          .transport = status.transport,
+          .reason = std::move(status.reason),
+          .incompatible_type = status.incompatible_type,
+          .mismatch = std::move(status.mismatch),
+          .incompatible_policy = status.incompatible_policy,
+          .no_path = status.no_path};
+}
+
+}  // namespace
+
+DomainSnapshot domain_snapshot(std::vector<KnownEndpoint> endpoints, const PairAccounts& accounts, NodeId id,
+                               std::uint64_t network) {
+  std::ranges::sort(endpoints, {}, [](const KnownEndpoint& k) {
+    return std::tie(k.endpoint.topic, k.endpoint.node, k.endpoint.id);
+  });
+  DomainSnapshot snapshot;
+  Types types;
+  TypeComparisons comparisons;
+  for (const KnownEndpoint& known : endpoints) {
+    const bool writes = known.endpoint.role == Role::writer;
+    (writes ? snapshot.publishers : snapshot.subscribers).push_back(info_of(known, types, id, network));
+  }
+  for (const auto& [writer, progress] : endpoints) {
+    if (writer.role != Role::writer) continue;
+    for (const auto& [reader, none] : endpoints) {
+      if (reader.role != Role::reader || reader.topic != writer.topic) continue;
+      PairInfo& pair = snapshot.pairs.emplace_back(pair_info(writer, reader, types.of(writer), comparisons));
+      if (const auto told = accounts.find({writer.id, reader.id}); told != accounts.end())
+        pair.account = told->second;
+    }
+  }
+  return snapshot;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,84 @@
+#include "core/node/endpoint_roster.h"
+
+#include <utility>
+
+#include "core/control/qos.h"
+
+namespace sft::core {
+
+namespace {
+
+PublisherSnapshot snapshot_of(const PublisherCore& publisher) {
+  const PublisherCore::Spec& spec = publisher.spec();
+  PublisherStatus status = publisher.status();
+  PublisherSnapshot snapshot{.id = spec.id,
+                             .topic = spec.topic,
+                             .type = std::string(spec.type->name()),
+                             .qos = spec.qos,
+                             .fields = spec.type->format_mask(status.mask),
+                             .published = status.published,
+                             .bytes_sent = status.bytes_sent,
+                             .bytes_saved = status.bytes_saved,
+                             .dropped = status.dropped,
+                             .diverted = status.diverted,
+                             .deadlines_missed = status.deadlines_missed,
+                             .alive = status.alive,
+                             .readers = {}};
+  for (ReaderStatus& reader : status.readers) {
+    // Of a reader that does not match there is no mask.
+    std::string fields = reader.mask.leaves() == 0 ? "" : spec.type->format_mask(reader.mask);
+    snapshot.readers.push_back({std::move(reader), std::move(fields)});
+  }
+  return snapshot;
+}
+
+SubscriberSnapshot snapshot_of(SubscriberCore& subscriber) {
+  const SubscriberCore::Spec& spec = subscriber.spec();
+  SubscriberStatus status = subscriber.status();
+  return {.id = spec.id,
+          .topic = spec.topic,
+          .type = std::string(spec.type->name()),
+          .qos = qos_of(spec.options).value_or(Qos{}),  // was checked when it was opened
+          .fields = spec.type->format_mask(status.mask),
+          .recorded = spec.requirement.recorded,
+          .max_rate_hz = status.max_rate_hz,
+          .requests = status.requests,
+          .received = status.received,
+          .lost = status.lost,
+          .withheld = status.withheld,
+          .expired = status.expired,
+          .discarded = status.discarded,
+          .held_too_many = status.held_too_many,
+          .restarts = status.restarts,
+          .writers = std::move(status.writers)};
+}
+
+}  // namespace
+
+void EndpointRoster::enter(const PublisherCore& publisher) {
+  const std::scoped_lock lock(mutex_);
+  publishers_.push_back(&publisher);
+}
+
+void EndpointRoster::enter(SubscriberCore& subscriber) {
+  const std::scoped_lock lock(mutex_);
+  subscribers_.push_back(&subscriber);
+}
+
+void EndpointRoster::strike_off(const PublisherCore& publisher) {
+  const std::scoped_lock lock(mutex_);
+  std::erase(publishers_, &publisher);
+}
+
+void EndpointRoster::strike_off(const SubscriberCore& subscriber) {
+  const std::scoped_lock lock(mutex_);
+  std::erase(subscribers_, &subscriber);
+}
+
+void EndpointRoster::describe(NodeSnapshot& snapshot) {
+  const std::scoped_lock lock(mutex_);
+  for (const PublisherCore* publisher : publishers_) snapshot.publishers.push_back(snapshot_of(*publisher));
+  for (SubscriberCore* subscriber : subscribers_) snapshot.subscribers.push_back(snapshot_of(*subscriber));
+}
+
+}  // namespace sft::core

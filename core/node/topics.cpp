@@ -1,0 +1,93 @@
+#include "core/node/topics.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "core/control/described_type.h"
+#include "core/control/names.h"
+#include "sft/typesupport/type_shape.h"
+
+namespace sft::core {
+
+namespace {
+
+constexpr std::size_t topics_named_max = 10;
+
+Error unknown_topic(std::string_view topic, const std::vector<const Endpoint*>& endpoints) {
+  std::set<std::string_view> names;
+  for (const Endpoint* e : endpoints) names.insert(e->topic);
+  std::string message = "nobody publishes or subscribes to " + in_quotes(topic) + "; ";
+  if (names.empty()) return {Errc::unavailable, message + "no other topics were seen either"};
+  message += "topics that were seen: ";
+  std::size_t n = 0;
+  for (const std::string_view name : names) {
+    if (n == topics_named_max) break;
+    message += (n++ == 0 ? "" : ", ") + std::string(name);
+  }
+  if (n < names.size()) message += ", and " + std::to_string(names.size() - n) + " more";
+  return {Errc::unavailable, message};
+}
+
+/// The first that describes its type, unless another one contradicts it.
+Result<DynamicType> common_type(const std::vector<const Endpoint*>& endpoints) {
+  std::optional<DynamicType> type;
+  const Endpoint* first = nullptr;
+  Error error;
+  for (const Endpoint* e : endpoints) {
+    if (first != nullptr && e->type_hash == first->type_hash && e->type_name == first->type_name) continue;
+    const Result<DynamicType> described = described_type(*e);
+    if (!described) {
+      error = described.error();
+    } else if (first == nullptr) {
+      first = e;
+      type = *described;
+    } else {
+      const std::string difference = first_difference(type->type(), described->type());
+      return fail(Errc::type_mismatch, "topic '" + e->topic + "' has several types: node '" + first->node +
+                                           "' has " + first->type_name + ", node '" + e->node + "' has " +
+                                           e->type_name +
+                                           (e->type_name == first->type_name ? " (" + difference + ")" : ""));
+    }
+  }
+  if (!type) return tl::unexpected(error);
+  return *type;
+}
+
+}  // namespace
+
+Result<DynamicType> type_of(std::string_view topic, const std::vector<const Endpoint*>& endpoints) {
+  std::vector<const Endpoint*> writers;
+  std::vector<const Endpoint*> readers;
+  for (const Endpoint* e : endpoints) {
+    if (e->topic == topic) (e->role == Role::writer ? writers : readers).push_back(e);
+  }
+  if (!writers.empty()) return common_type(writers);
+  if (!readers.empty()) return common_type(readers);
+  return tl::unexpected(unknown_topic(topic, endpoints));
+}
+
+std::vector<TopicInfo> topics_of(const std::vector<Endpoint>& endpoints) {
+  using TypeId = std::pair<std::string, std::uint64_t>;
+  std::map<std::string, std::map<TypeId, TopicType>> found;
+  for (const Endpoint& e : endpoints) {
+    TopicType& type = found[e.topic][{e.type_name, e.type_hash}];
+    type.name = e.type_name;
+    type.hash = e.type_hash;
+    (e.role == Role::writer ? type.publishers : type.subscribers).push_back(e.node);
+    if (type.type) continue;
+    if (const Result<DynamicType> described = described_type(e)) type.type = *described;
+  }
+  std::vector<TopicInfo> topics;
+  for (auto& [name, types] : found) {
+    TopicInfo& topic = topics.emplace_back();
+    topic.name = name;
+    for (auto& [id, type] : types) topic.types.push_back(std::move(type));
+  }
+  return topics;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,21 @@
+// What a table of endpoints says about topics and their types. Pure functions.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "core/control/control.h"
+#include "sft/topics.h"
+#include "sft/typesupport/dynamic_type.h"
+#include "sft/typesupport/result.h"
+
+namespace sft::core {
+
+/// Ordered by name.
+std::vector<TopicInfo> topics_of(const std::vector<Endpoint>& endpoints);
+
+/// The type that a topic is published with, or, without a publisher, subscribed with. Errc::unavailable,
+/// with what was seen, if it is not known (yet); Errc::type_mismatch if there are several definitions.
+Result<DynamicType> type_of(std::string_view topic, const std::vector<const Endpoint*>& endpoints);
+
+}  // namespace sft::core

@@ -1,0 +1,195 @@
+#include "sft/untyped.h"
+
+#include <array>
+#include <cstring>
+#include <utility>
+
+#include "core/control/control.h"
+#include "core/platform/forked.h"
+#include "core/publish/publisher_core.h"
+#include "core/seam/sample_buffer.h"
+#include "core/subscribe/recorder.h"
+#include "core/subscribe/subscriber_core.h"
+
+namespace sft {
+
+const char* to_string(PublishStatus status) {
+  switch (status) {
+    case PublishStatus::ok:
+      return "ok";
+    case PublishStatus::invalid:
+      return "the message breaks a bound, has a NUL in a string, or is too large: why_invalid() names the "
+             "field";
+    case PublishStatus::no_loan:
+      return "the loan was published already, or moved away";
+    case PublishStatus::no_memory:
+      return "no chunk or buffer is free";
+    case PublishStatus::dropped:
+      return "not handed to every reader";
+  }
+  return "unknown";
+}
+
+const char* to_string(ShrinkStatus status) {
+  switch (status) {
+    case ShrinkStatus::ok:
+      return "ok";
+    case ShrinkStatus::not_reserved:
+      return "the loan reserved nothing for this sequence: name its size in loan()";
+    case ShrinkStatus::too_long:
+      return "longer than what the loan reserved for this sequence";
+    case ShrinkStatus::no_loan:
+      return "the loan was published already, or moved away";
+  }
+  return "unknown";
+}
+
+namespace untyped {
+
+using core::SampleHandle;
+
+namespace {
+
+SampleState view_of(core::SampleBuffer& buffer, std::size_t slots) {
+  SampleState state = core::state_of(buffer, slots);
+  state.elements = &buffer.elements;
+  return state;
+}
+
+constexpr std::size_t slots_max = core::mask_words_max * 64;  // types of more have no subscribers
+
+constexpr std::array<std::uint32_t, slots_max> absent_slots = [] {
+  std::array<std::uint32_t, slots_max> slots{};
+  slots.fill(no_offset);
+  return slots;
+}();
+const FieldMask no_fields(slots_max);
+
+}  // namespace
+
+constinit const SampleState empty_state{.index = absent_slots.data(), .mask = &no_fields};
+
+Sample::Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
+               core::RecordedSample* record)
+    : state_(view_of(*buffer, type.slots())), info_(info), buffer_(buffer), record_(record) {
+  if (record_ != nullptr) state_.log = &record_->log();
+}
+
+std::span<const std::byte> Sample::cdr() const {
+  if (buffer_ == nullptr) return {};
+  return {state_.body - encapsulation_bytes, state_.body_bytes + encapsulation_bytes};
+}
+
+void Sample::reset() noexcept {
+  if (core::is_forked_copy()) return leave_to_the_parent();
+  if (auto* record = std::exchange(record_, nullptr)) core::Recorder::end(record);
+  SampleHandle::adopt(std::exchange(buffer_, nullptr)).reset();
+}
+
+/// What the buffer lies in is given back once, by the process that took it.
+void Sample::leave_to_the_parent() noexcept {
+  record_ = nullptr;
+  buffer_ = nullptr;
+}
+
+void Sample::swap(Sample& other) noexcept {
+  std::swap(state_, other.state_);
+  std::swap(info_, other.info_);
+  std::swap(buffer_, other.buffer_);
+  std::swap(record_, other.record_);
+}
+
+Loan::Loan(std::shared_ptr<core::PublisherCore> publisher, core::SampleBuffer* buffer)
+    : publisher_(std::move(publisher)), buffer_(buffer) {}
+
+Loan::~Loan() {
+  if (core::is_forked_copy()) {
+    // Not even the publisher, of which this may be the last handle.
+    static_cast<void>(new std::shared_ptr<core::PublisherCore>(std::move(publisher_)));
+    return;
+  }
+  SampleHandle::adopt(buffer_).reset();
+}
+
+void Loan::swap(Loan& other) noexcept {
+  std::swap(publisher_, other.publisher_);
+  std::swap(buffer_, other.buffer_);
+  std::swap(has_gaps_, other.has_gaps_);
+}
+
+std::byte* Loan::body() const {
+  return buffer_ == nullptr ? nullptr : buffer_->data + SampleLayout(publisher_->type().slots()).body_offset;
+}
+
+SampleState Loan::state() const {
+  return buffer_ == nullptr ? SampleState{} : view_of(*buffer_, publisher_->type().slots());
+}
+
+void Loan::write(std::size_t slot, const void* value, std::size_t bytes) noexcept {
+  if (buffer_ == nullptr) return;
+  const SampleState s = state();
+  const std::uint32_t at = checked_block(s, __atomic_load_n(s.index + slot, __ATOMIC_RELAXED), 1, bytes);
+  if (at != no_offset) std::memcpy(body() + at, value, bytes);
+}
+
+ShrinkStatus Loan::shrink(const Reservation& reserved, std::uint32_t length) noexcept {
+  if (buffer_ == nullptr) return ShrinkStatus::no_loan;
+  if (!reserved.length) return ShrinkStatus::not_reserved;
+  if (length > *reserved.length) return ShrinkStatus::too_long;
+  write(reserved.slot, &length, sizeof length);
+  has_gaps_ = has_gaps_ || length != *reserved.length;
+  return ShrinkStatus::ok;
+}
+
+PublishStatus Loan::publish() && {
+  if (buffer_ == nullptr) return PublishStatus::no_loan;
+  return publisher_->commit(SampleHandle::adopt(std::exchange(buffer_, nullptr)), has_gaps_);
+}
+
+PublishStatus Publisher::publish(const void* value) { return core_->publish(value); }
+
+PublishedSpan Publisher::publish(const void* values, std::size_t count, std::size_t stride) {
+  return core_->publish(values, count, stride);
+}
+
+Result<PublishStatus> Publisher::publish_cdr(std::span<const std::byte> payload) {
+  return core_->publish_cdr(payload);
+}
+
+Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation> reservations,
+                             ReservedMemory memory) {
+  return core_->loan(prototype, reservations, memory).map([this](SampleHandle&& sample) {
+    return Loan(core_, sample.release());
+  });
+}
+
+const std::string& Publisher::why_invalid() const { return core_->why_invalid(); }
+
+bool Publisher::wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
+  return core_->wait_for_readers(count, timeout);
+}
+
+void Publisher::assert_liveliness() { core_->assert_liveliness(); }
+
+PublisherStatus Publisher::status() const { return core_->status(); }
+
+const TypeSupport& Publisher::type() const { return core_->type(); }
+
+Sample Subscriber::take() { return core_->take(); }
+
+Sample Subscriber::take_latest() { return core_->take_latest(); }
+
+bool Subscriber::wait(std::chrono::nanoseconds timeout) { return core_->wait(timeout); }
+
+int Subscriber::file_descriptor() const { return core_->file_descriptor(); }
+
+Result<void> Subscriber::set_max_rate_hz(double max_rate_hz) { return core_->set_max_rate_hz(max_rate_hz); }
+
+SubscriberStatus Subscriber::status() const { return core_->status(); }
+
+Requirements Subscriber::requirements() const { return core_->requirements(); }
+
+const TypeSupport& Subscriber::type() const { return core_->type(); }
+
+}  // namespace untyped
+}  // namespace sft

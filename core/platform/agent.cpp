@@ -1,0 +1,52 @@
+#include "core/platform/agent.h"
+
+#include <utility>
+
+namespace sft::core {
+
+Result<void> Agent::start(const ThreadSpec& thread, Duties duties) {
+  duties_ = std::move(duties);
+  return start_thread(thread, [this] { run(); }).map([this](std::thread&& t) { thread_ = std::move(t); });
+}
+
+void Agent::stop() {
+  if (!thread_.joinable()) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    stopping_ = true;
+  }
+  posted_.notify_one();
+  thread_.join();
+}
+
+void Agent::post(Task task) {
+  {
+    const std::scoped_lock lock(mutex_);
+    tasks_.push_back(std::move(task));
+  }
+  posted_.notify_one();
+}
+
+void Agent::run() {
+  thread_id_.store(std::this_thread::get_id());
+  std::vector<Task> batch;
+  auto next_tick = std::chrono::steady_clock::now();
+  for (;;) {
+    bool stopping = false;
+    {
+      std::unique_lock lock(mutex_);
+      posted_.wait_until(lock, next_tick, [this] { return stopping_ || !tasks_.empty(); });
+      batch.swap(tasks_);
+      stopping = stopping_;
+    }
+    for (Task& task : batch) task();
+    if (stopping && batch.empty()) return;
+    if (!batch.empty()) duties_.idle();
+    batch.clear();
+    if (const auto now = std::chrono::steady_clock::now(); now >= next_tick) {
+      next_tick = now + duties_.tick();
+    }
+  }
+}
+
+}  // namespace sft::core

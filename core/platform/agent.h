@@ -1,0 +1,54 @@
+// The node's agent: one thread that does whatever may take a while or must not happen twice at once:
+// negotiation, opening and closing of ports, announcements, looking after transports. Others post to it.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/platform/thread.h"
+#include "sft/typesupport/result.h"
+
+namespace sft::core {
+
+class Agent {
+ public:
+  using Task = std::function<void()>;
+
+  /// `tick` is called when the time has come that its last call named, `idle` after each batch of tasks.
+  struct Duties {
+    std::function<std::chrono::milliseconds()> tick;
+    std::function<void()> idle;
+  };
+
+  Agent() = default;
+  ~Agent() { stop(); }
+  Agent(const Agent&) = delete;
+  Agent& operator=(const Agent&) = delete;
+
+  Result<void> start(const ThreadSpec& thread, Duties duties);
+
+  /// Any thread, before start() too; returns at once. Tasks run in the order in which they were posted.
+  void post(Task task);
+  /// Runs what was posted before, then ends the thread; what is posted later is not run.
+  void stop();
+  bool is_current_thread() const { return std::this_thread::get_id() == thread_id_.load(); }
+
+ private:
+  void run();
+
+  Duties duties_;
+  std::mutex mutex_;
+  std::condition_variable posted_;
+  std::vector<Task> tasks_;
+  bool stopping_ = false;
+  std::atomic<std::thread::id> thread_id_{};
+  std::thread thread_;
+};
+
+}  // namespace sft::core

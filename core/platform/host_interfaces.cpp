@@ -1,0 +1,128 @@
+#include "core/platform/host_interfaces.h"
+
+#include <ifaddrs.h>
+#include <linux/if_addr.h>
+#include <net/if.h>
+#include <netinet/in.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <set>
+
+namespace sft::core {
+
+namespace {
+
+struct IfaddrsDeleter {
+  void operator()(ifaddrs* list) const { ::freeifaddrs(list); }
+};
+
+IpAddress ip_of(const sockaddr& address) noexcept {
+  if (address.sa_family == AF_INET) {
+    sockaddr_in ipv4{};
+    std::memcpy(&ipv4, &address, sizeof ipv4);
+    return ntohl(ipv4.sin_addr.s_addr);
+  }
+  sockaddr_in6 ipv6{};
+  std::memcpy(&ipv6, &address, sizeof ipv6);
+  IpAddress ip;
+  std::memcpy(ip.bytes.data(), &ipv6.sin6_addr, ip.bytes.size());
+  if (ip.is_link_local()) ip.scope = ipv6.sin6_scope_id;
+  return ip;
+}
+
+/// Counts the set bits, since the address is a mask. The system may leave out the family of a mask.
+std::uint8_t prefix_bits(const sockaddr& netmask, int family) noexcept {
+  std::array<std::uint8_t, sizeof(sockaddr_in6)> bytes{};
+  const std::size_t begin =
+      family == AF_INET ? offsetof(sockaddr_in, sin_addr) : offsetof(sockaddr_in6, sin6_addr);
+  const std::size_t end = begin + (family == AF_INET ? sizeof(in_addr) : sizeof(in6_addr));
+  std::memcpy(bytes.data(), &netmask, end);
+  int bits = 0;
+  for (std::size_t i = begin; i < end; ++i) bits += std::popcount(bytes[i]);
+  return static_cast<std::uint8_t>(bits);
+}
+
+/// IPv6 addresses that are not to be announced: temporary ones, beside which there is a lasting one, and
+/// those that are not yet, or no longer, in use. proc(5) lists them; getifaddrs() does not tell.
+std::set<IpAddress::Bytes> ipv6_addresses_to_avoid() {
+  constexpr unsigned unfit = IFA_F_TEMPORARY | IFA_F_TENTATIVE | IFA_F_DADFAILED | IFA_F_DEPRECATED;
+  std::set<IpAddress::Bytes> avoid;
+  std::ifstream list("/proc/thread-self/net/if_inet6");
+  std::string address, index, bits, scope, flags, name;
+  while (list >> address >> index >> bits >> scope >> flags >> name) {
+    unsigned value = 0;
+    std::from_chars(flags.data(), flags.data() + flags.size(), value, 16);
+    if ((value & unfit) == 0 || (value & IFA_F_OPTIMISTIC) != 0 || address.size() != 32) continue;
+    IpAddress::Bytes bytes{};
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+      std::from_chars(&address[2 * i], &address[2 * i] + 2, bytes[i], 16);
+    avoid.insert(bytes);
+  }
+  return avoid;
+}
+
+HostInterface without_address(const ifaddrs& entry) {
+  HostInterface interface;
+  interface.name = entry.ifa_name;
+  interface.index = ::if_nametoindex(entry.ifa_name);
+  interface.up = (entry.ifa_flags & IFF_UP) != 0;
+  interface.running = (entry.ifa_flags & IFF_RUNNING) != 0;
+  interface.loopback = (entry.ifa_flags & IFF_LOOPBACK) != 0;
+  interface.multicast = (entry.ifa_flags & IFF_MULTICAST) != 0;
+  return interface;
+}
+
+/// Empty for an entry that is no address which others could use.
+std::optional<HostInterface> with_address(const ifaddrs& entry, const std::set<IpAddress::Bytes>& avoid) {
+  if (entry.ifa_addr == nullptr || entry.ifa_netmask == nullptr) return {};
+  const int family = entry.ifa_addr->sa_family;
+  if (family != AF_INET && family != AF_INET6) return {};
+  const IpAddress ip = ip_of(*entry.ifa_addr);
+  if (avoid.contains(ip.bytes)) return {};
+  HostInterface interface = without_address(entry);
+  interface.ip = ip;
+  interface.prefix_bits = prefix_bits(*entry.ifa_netmask, family);
+  return interface;
+}
+
+}  // namespace
+
+std::optional<std::vector<HostInterface>> host_interfaces() {
+  ifaddrs* first = nullptr;
+  if (::getifaddrs(&first) != 0) return {};
+  const std::unique_ptr<ifaddrs, IfaddrsDeleter> list(first);
+  const std::set<IpAddress::Bytes> avoid = ipv6_addresses_to_avoid();
+  std::vector<HostInterface> interfaces;
+  for (const ifaddrs* i = list.get(); i != nullptr; i = i->ifa_next) {
+    if (auto interface = with_address(*i, avoid)) interfaces.push_back(std::move(*interface));
+  }
+  for (const ifaddrs* i = list.get(); i != nullptr; i = i->ifa_next) {
+    const std::string name = i->ifa_name;
+    if (std::ranges::find(interfaces, name, &HostInterface::name) == interfaces.end())
+      interfaces.push_back(without_address(*i));
+  }
+  // An index takes a descriptor to ask for. Without one, or where an interface has just gone, the next look
+  // tells.
+  if (std::ranges::find(interfaces, 0U, &HostInterface::index) != interfaces.end()) return {};
+  return interfaces;
+}
+
+bool is_named(const HostInterface& interface, const std::string& text) {
+  const auto network = parse_ip_network(text);
+  if (!network) return text == interface.name;
+  if (interface.ip.is_any()) return false;
+  if (network->prefix_bits) return in_one_network(network->ip, interface.ip, *network->prefix_bits);
+  // The address of the interface, or of its network, in which all other bits are 0.
+  if (network->ip.bytes == interface.ip.bytes) return true;
+  return in_one_network(network->ip, interface.ip, interface.prefix_bits) &&
+         network_of(network->ip, interface.prefix_bits) == network->ip;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,27 @@
+#include "core/platform/network_id.h"
+
+#include <sys/stat.h>
+
+#include <fstream>
+#include <string>
+
+#include "core/platform/random_id.h"
+#include "sft/typesupport/fnv1a.h"
+
+namespace sft::core {
+
+std::uint64_t network_id() noexcept {
+  std::string boot;
+  std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
+  struct stat space {};
+  // Without /proc nobody is known to share our network: never take another host for this one.
+  if (boot.empty() || stat("/proc/self/ns/net", &space) != 0) return random_id();
+  Fnv1a hash;
+  hash.add(boot);
+  const std::uint64_t machine = hash.value() >> 32 << 32;
+  hash.add(space.st_dev);
+  hash.add(space.st_ino);
+  return machine | static_cast<std::uint32_t>(hash.value() ^ hash.value() >> 32);
+}
+
+}  // namespace sft::core

@@ -1,0 +1,29 @@
+#include "core/platform/network_watch.h"
+
+#include <linux/rtnetlink.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+
+namespace sft::core {
+
+NetworkWatch::NetworkWatch()
+    : netlink_(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, NETLINK_ROUTE)) {
+  sockaddr_nl groups{};
+  groups.nl_family = AF_NETLINK;
+  groups.nl_groups =
+      RTMGRP_LINK | RTMGRP_IPV4_IFADDR | RTMGRP_IPV4_ROUTE | RTMGRP_IPV6_IFADDR | RTMGRP_IPV6_ROUTE;
+  if (::bind(netlink_.get(), reinterpret_cast<const sockaddr*>(&groups), sizeof groups) != 0) netlink_ = {};
+}
+
+/// What changed is asked for elsewhere: the messages are only taken out of the way.
+bool NetworkWatch::changed() noexcept {
+  if (!netlink_) return true;
+  for (bool any = false;; any = true) {
+    char start_of_message = 0;
+    const bool came = ::recv(netlink_.get(), &start_of_message, sizeof start_of_message, 0) >= 0;
+    if (!came && errno != ENOBUFS && errno != EINTR) return any;  // ENOBUFS: more than the socket holds
+  }
+}
+
+}  // namespace sft::core

@@ -1,0 +1,206 @@
+#include "core/platform/thread.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <future>
+#include <system_error>
+
+namespace sft::core {
+
+namespace {
+
+/// New threads inherit the mask that is in force when they start.
+class BlockedSignals {
+ public:
+  BlockedSignals() {
+    sigset_t all;
+    ::sigfillset(&all);
+    // Those that a thread brings on itself stay: blocked they would end the process past its crash handler.
+    for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGABRT})
+      ::sigdelset(&all, fault);
+    ::pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+  ~BlockedSignals() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+
+ private:
+  sigset_t before_;
+};
+
+/// As the kernel has it, for as many CPUs as it can be built for.
+class CpuSet {
+ public:
+  static constexpr unsigned size = 8192;
+
+  static CpuSet of_thread(pid_t thread) {
+    CpuSet set;
+    if (::sched_getaffinity(thread, sizeof set.bits_, set.bits_.data()) != 0) set = {};
+    return set;
+  }
+  static CpuSet of(const std::vector<unsigned>& cpus) {
+    CpuSet set;
+    for (const unsigned cpu : cpus) CPU_SET_S(cpu, sizeof set.bits_, set.bits_.data());
+    return set;
+  }
+
+  bool empty() const { return *this == CpuSet(); }
+  bool contains(unsigned cpu) const { return CPU_ISSET_S(cpu, sizeof bits_, bits_.data()); }
+  bool give_to_this_thread() const { return ::sched_setaffinity(0, sizeof bits_, bits_.data()) == 0; }
+
+  friend bool operator==(const CpuSet& a, const CpuSet& b) {
+    return std::memcmp(a.bits_.data(), b.bits_.data(), sizeof a.bits_) == 0;
+  }
+
+ private:
+  std::array<cpu_set_t, size / CPU_SETSIZE> bits_{};
+};
+
+/// Looked at when the library is loaded, which is before the program can have pinned its threads. Whoever
+/// started the program may have chosen these (taskset, a service manager), and that choice holds for all
+/// threads.
+const CpuSet cpus_at_start = CpuSet::of_thread(::getpid());
+
+bool is_real_time(const ThreadSettings& settings) { return settings.policy != SchedulingPolicy::normal; }
+
+std::string name_of(SchedulingPolicy policy) {
+  switch (policy) {
+    case SchedulingPolicy::normal:
+      return "normal";
+    case SchedulingPolicy::fifo:
+      return "fifo";
+    case SchedulingPolicy::round_robin:
+      return "round_robin";
+  }
+  return "unknown";
+}
+
+tl::unexpected<Error> refused_policy(const ThreadSettings& settings, int error) {
+  const std::string priority = std::to_string(settings.priority);
+  return fail(error == EPERM ? Errc::no_permission : Errc::system,
+              "the system refuses the policy " + name_of(settings.policy) + " with priority " + priority +
+                  ": " + std::strerror(error) +
+                  "; give the program CAP_SYS_NICE, or raise its limit RLIMIT_RTPRIO to " + priority +
+                  " or more (ulimit -r, or LimitRTPRIO= of its service)");
+}
+
+Result<void> take_cpus(const std::vector<unsigned>& cpus) {
+  if (cpus.empty()) {
+    // What the program was started with may be gone since. Then the thread keeps what it has.
+    if (!cpus_at_start.empty() && cpus_at_start != CpuSet::of_thread(0))
+      (void)cpus_at_start.give_to_this_thread();
+    return {};
+  }
+  const bool given = CpuSet::of(cpus).give_to_this_thread();
+  const int error = errno;
+  if (!given && error != EINVAL)
+    return fail(Errc::system, std::string("the system refuses the CPUs: ") + std::strerror(error));
+  // Of those that do not exist the system takes the rest, if there is any.
+  const CpuSet granted = given ? CpuSet::of_thread(0) : CpuSet();
+  for (const unsigned cpu : cpus) {
+    if (!granted.contains(cpu))
+      return fail(Errc::invalid_argument, "this process may not use CPU " + std::to_string(cpu) +
+                                              "; see Cpus_allowed_list in /proc/self/status and lscpu");
+  }
+  return {};
+}
+
+Result<void> take_policy(const ThreadSettings& settings) {
+  if (is_real_time(settings)) {
+    const int policy = settings.policy == SchedulingPolicy::fifo ? SCHED_FIFO : SCHED_RR;
+    const sched_param parameters{.sched_priority = settings.priority};
+    if (::sched_setscheduler(0, policy, &parameters) == 0) return {};
+    return refused_policy(settings, errno);
+  }
+  // Others than the real-time policies are those of the whole program: of a batch job, for example.
+  const int inherited = ::sched_getscheduler(0);
+  const sched_param parameters{.sched_priority = 0};
+  if (inherited == SCHED_FIFO || inherited == SCHED_RR) ::sched_setscheduler(0, SCHED_OTHER, &parameters);
+  return {};
+}
+
+/// Pure.
+Result<void> check_values(const ThreadSettings& settings) {
+  const int least = is_real_time(settings) ? 1 : 0, most = is_real_time(settings) ? 99 : 0;
+  if (settings.priority < least || settings.priority > most)
+    return fail(Errc::invalid_argument,
+                "the priority " + std::to_string(settings.priority) +
+                    " is wrong: it is 1 to 99 under the policies fifo and round_robin, "
+                    "and 0 under the policy normal");
+  const auto out_of_reach =
+      std::ranges::find_if(settings.cpus, [](unsigned cpu) { return cpu >= CpuSet::size; });
+  if (out_of_reach != settings.cpus.end())
+    return fail(Errc::invalid_argument, "there is no CPU " + std::to_string(*out_of_reach));
+  return {};
+}
+
+/// Gives this thread what they say.
+Result<void> take(const ThreadSettings& settings) {
+  if (Result<void> sound = check_values(settings); !sound) return sound;
+  if (Result<void> taken = take_cpus(settings.cpus); !taken) return taken;
+  return take_policy(settings);
+}
+
+}  // namespace
+
+ThreadSpec::ThreadSpec(std::string_view what, const ThreadSettings& with)
+    : name((with.name_prefix.empty() ? "sft-" : with.name_prefix) + std::string(what)), settings(with) {}
+
+Result<std::thread> start_thread(const ThreadSpec& spec, std::function<void()> body) {
+  const BlockedSignals blocked;
+  std::promise<Result<void>> promise;
+  std::future<Result<void>> equipped = promise.get_future();
+  std::thread thread;
+  try {
+    thread = std::thread([&spec, promise = std::move(promise), body = std::move(body)]() mutable {
+      ::pthread_setname_np(::pthread_self(), spec.name.substr(0, 15).c_str());
+      const Result<void> taken = take(spec.settings);
+      const bool goes_on = taken.has_value();
+      promise.set_value(taken);  // `spec` may be gone from here on
+      if (goes_on) body();
+    });
+  } catch (const std::system_error& error) {
+    return fail(Errc::system,
+                "cannot start the thread " + spec.name + ": " + error.what() +
+                    "; raise the limit on threads (RLIMIT_NPROC: ulimit -u, or TasksMax= of the "
+                    "program's service)");
+  }
+  if (Result<void> taken = equipped.get(); !taken) {
+    thread.join();
+    return fail(taken.error().code, "the thread " + spec.name + ": " + taken.error().message);
+  }
+  return thread;
+}
+
+Result<void> check(const NodeThreads& threads) {
+  const std::array<std::pair<const char*, const ThreadSettings*>, 5> groups{
+      {{"receiver", &threads.receiver},
+       {"sender", &threads.sender},
+       {"agent", &threads.agent},
+       {"callbacks", &threads.callbacks},
+       {"discovery", &threads.discovery}}};
+  std::vector<ThreadSettings> tried{ThreadSettings()};
+  for (const auto& [name, settings] : groups) {
+    ThreadSettings nameless = *settings;
+    nameless.name_prefix.clear();
+    if (std::ranges::find(tried, nameless) != tried.end()) continue;
+    tried.push_back(nameless);
+    Result<void> taken;
+    Result<std::thread> trial = start_thread("sft-trial", [&] { taken = take(nameless); });
+    if (!trial) return tl::unexpected(trial.error());
+    trial->join();
+    if (!taken)
+      return fail(taken.error().code,
+                  std::string("NodeOptions::threads.") + name + ": " + taken.error().message);
+  }
+  return {};
+}
+
+}  // namespace sft::core

@@ -1,0 +1,56 @@
+// Where the samples of a publisher go, and what each has to have for that: made of what the negotiation
+// wants, for the publisher's thread. Immutable once in force.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/negotiation/negotiation.h"
+#include "core/publish/rate_gates.h"
+#include "core/seam/delivery.h"
+#include "core/seam/transport.h"
+#include "sft/typesupport/type_support.h"
+
+namespace sft::core {
+
+struct Outlets {
+  /// Readers in shared memory with one limit.
+  struct Locals {
+    std::shared_ptr<const RateGate> gate;
+    std::shared_ptr<DeliveryTally> tally;
+    bool spare;  ///< they can be sent by UDP what shared memory does not take
+    bool want() const { return gate == nullptr || gate->passes(); }
+  };
+
+  std::shared_ptr<WriterPort> shm;
+  bool is_wanted = false;  ///< a sample: somebody reads, or it is retained
+  bool to_shm = false;
+  bool to_udp = false;
+  bool has_spares = false;                       ///< some of `locals` are spare
+  std::vector<std::shared_ptr<RateGate>> gates;  ///< to be asked about each sample
+  /// Some reliable reader in shared memory can be sent nothing by UDP instead.
+  bool needs_shm = false;
+  bool to_all = false;  ///< some reader gets every sample
+  FieldMask mask;       ///< to be encoded: everything for shared memory, else the union of what is asked for
+  bool whole = false;   ///< which is all there is
+  std::vector<Locals> locals;
+  DeliveryBook::Page page;  ///< of these readers
+
+  /// Whether each sample is made so that the others' routes can send it.
+  bool provides_for(const Outlets& other) const;
+  /// The same places, and all that the others need.
+  Outlets with(const Outlets& other) const;
+};
+
+/// What a publisher has beside its routes.
+struct Means {
+  std::shared_ptr<WriterPort> shm;  ///< null while there is no shared memory
+  bool udp = false;                 ///< it may use that
+  bool retains = false;  ///< samples, for late readers, of which nobody knows what they will ask for
+};
+
+/// `gates` gave the routes in `serving` theirs.
+std::shared_ptr<Outlets> make_outlets(const TypeSupport& type, const Serving& serving, const RateGates& gates,
+                                      Means means);
+
+}  // namespace sft::core

@@ -1,0 +1,219 @@
+#include "core/report/events.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace sft {
+
+const char* to_string(EventKind kind) {
+  switch (kind) {
+    case EventKind::matched:
+      return "matched";
+    case EventKind::unmatched:
+      return "unmatched";
+    case EventKind::path_changed:
+      return "path changed";
+    case EventKind::incompatible_qos:
+      return "incompatible QoS";
+    case EventKind::incompatible_type:
+      return "incompatible type";
+    case EventKind::no_path:
+      return "no path";
+    case EventKind::deadline_missed:
+      return "deadline missed";
+    case EventKind::liveliness_lost:
+      return "liveliness lost";
+    case EventKind::liveliness_recovered:
+      return "liveliness recovered";
+    case EventKind::samples_lost:
+      return "samples lost";
+    case EventKind::samples_diverted:
+      return "samples diverted";
+    case EventKind::held_too_many:
+      return "too many samples held";
+    case EventKind::request_changed:
+      return "request changed";
+  }
+  return "unknown";
+}
+
+namespace core {
+
+namespace {
+
+// The two kinds of peer differ in a name only: a reader is served, a writer is heard.
+bool matched(const ReaderStatus& reader) { return reader.served; }
+bool matched(const WriterStatus& writer) { return writer.matched; }
+
+template <class Peer>
+Event event_of(EventKind kind, const Peer& peer, std::string text, std::uint64_t count = 1) {
+  return {.kind = kind,
+          .peer = peer.id,
+          .node = peer.node,
+          .policy = peer.incompatible_policy,
+          .count = count,
+          .text = std::move(text)};
+}
+
+template <class Peer>
+std::string path_of(const Peer& peer) {
+  return std::string(to_string(peer.transport)) + ": " + peer.reason;
+}
+
+/// `before` is a state of the same peer, or an empty one.
+template <class Peer>
+void add_changes(const Peer& before, const Peer& after, std::vector<Event>& events) {
+  if (matched(before) && !matched(after)) {
+    events.push_back(event_of(EventKind::unmatched, after, after.reason));
+  }
+  if (after.incompatible_type && !before.incompatible_type) {
+    events.push_back(event_of(EventKind::incompatible_type, after, after.reason));
+  }
+  if (after.incompatible_policy != QosPolicy::none &&
+      (before.incompatible_policy != after.incompatible_policy || before.reason != after.reason)) {
+    events.push_back(event_of(EventKind::incompatible_qos, after, after.reason));
+  }
+  if (after.no_path && (!before.no_path || before.no_path_yet != after.no_path_yet)) {
+    events.push_back(event_of(EventKind::no_path, after, after.reason));
+    events.back().yet = after.no_path_yet;
+  }
+  if (!matched(before) && matched(after)) {
+    events.push_back(event_of(EventKind::matched, after, path_of(after)));
+  } else if (matched(after) && before.transport != after.transport) {
+    events.push_back(event_of(EventKind::path_changed, after, path_of(after)));
+  }
+}
+
+/// "height, width, at most 10 Hz"
+std::string request_text(const FieldMask& mask, double max_rate_hz, const TypeSupport& type) {
+  std::string text = mask.empty() ? "no fields" : type.format_mask(mask);
+  if (max_rate_hz == 0) return text;
+  char rate[40];
+  std::snprintf(rate, sizeof rate, ", at most %g Hz", max_rate_hz);
+  return text + rate;
+}
+
+/// Both may be a reader as its publisher serves it, or a subscriber; where nothing is asked for yet there is
+/// no mask at all.
+template <class Asking>
+bool request_changed(const Asking& before, const Asking& after) {
+  if (before.mask.leaves() == 0 || after.mask.leaves() == 0) return false;
+  return before.mask != after.mask || before.max_rate_hz != after.max_rate_hz;
+}
+
+template <class Peer>
+const Peer* find(const std::vector<Peer>& peers, std::uint64_t id) {
+  const auto found = std::find_if(peers.begin(), peers.end(), [&](const Peer& p) { return p.id == id; });
+  return found == peers.end() ? nullptr : &*found;
+}
+
+/// Calls `changed(before, after)` for each peer that is there, and tells of those that are not any more.
+template <class Peer, class Changed>
+void compare(const std::vector<Peer>& before, const std::vector<Peer>& after, std::vector<Event>& events,
+             Changed changed) {
+  for (const Peer& gone : before) {
+    if (matched(gone) && find(after, gone.id) == nullptr) {
+      events.push_back(event_of(EventKind::unmatched, gone, "it is gone"));
+    }
+  }
+  for (const Peer& peer : after) {
+    const Peer* known = find(before, peer.id);
+    changed(known == nullptr ? Peer{} : *known, peer);
+  }
+}
+
+void add_promises(const WriterStatus& before, const WriterStatus& after, std::vector<Event>& events) {
+  if (after.deadlines_missed > before.deadlines_missed) {
+    const std::uint64_t missed = after.deadlines_missed - before.deadlines_missed;
+    events.push_back(
+        event_of(EventKind::deadline_missed, after, "no sample within the requested deadline", missed));
+  }
+  if (before.alive == after.alive) return;
+  events.push_back(event_of(after.alive ? EventKind::liveliness_recovered : EventKind::liveliness_lost, after,
+                            after.alive ? "it gives signs of life again" : after.reason));
+}
+
+void add_promises(const PublisherStatus& before, const PublisherStatus& after, std::vector<Event>& events) {
+  if (after.deadlines_missed > before.deadlines_missed) {
+    events.push_back({.kind = EventKind::deadline_missed,
+                      .count = after.deadlines_missed - before.deadlines_missed,
+                      .text = "nothing was published within the offered deadline"});
+  }
+  if (before.alive && !after.alive) {
+    events.push_back(
+        {.kind = EventKind::liveliness_lost, .text = "liveliness was not asserted within the lease"});
+  } else if (after.alive && !before.alive) {
+    events.push_back({.kind = EventKind::liveliness_recovered, .text = "liveliness is asserted again"});
+  }
+}
+
+void add_diverted(const Diverted& before, const Diverted& after, std::vector<Event>& events) {
+  const auto add = [&](std::uint64_t Diverted::*count, const char* why) {
+    if (after.*count == before.*count) return;
+    events.push_back(
+        {.kind = EventKind::samples_diverted, .count = after.*count - before.*count, .text = why});
+  };
+  add(&Diverted::exhausted, "by UDP within the host: no chunk of that size is free in shared memory");
+  add(&Diverted::too_large, "by UDP within the host: larger than the largest chunk of shared memory");
+  add(&Diverted::unavailable, "by UDP within the host: shared memory is not to be had at the moment");
+}
+
+/// What was lost although the subscriber asked for reliability, and what helps against that.
+std::string reliable_loss_text(const WriterStatus& writer, std::uint64_t lost) {
+  const bool by_shm = writer.transport == TransportKind::shm;
+  return std::to_string(lost) + " lost by " + to_string(writer.transport) +
+         ", although they were to come reliably: " +
+         (by_shm ? "its queue holds " : "the publisher keeps only so many for it, and its queue holds ") +
+         std::to_string(writer.depth) + " samples; take them sooner, raise SubscriberOptions::depth" +
+         (by_shm ? " (up to what shared memory keeps)" : "") +
+         ", or let the publisher wait (PublisherOptions::max_blocking)";
+}
+
+void add_counts(const WriterStatus& before, const WriterStatus& after, Reliability reliability,
+                std::vector<Event>& events) {
+  if (after.lost <= before.lost) return;
+  const std::uint64_t lost = after.lost - before.lost;
+  const bool reliable = reliability == Reliability::reliable;
+  events.push_back(event_of(EventKind::samples_lost, after,
+                            reliable ? reliable_loss_text(after, lost) : std::to_string(lost) + " lost",
+                            lost));
+  events.back().reliable = reliable;
+}
+
+}  // namespace
+
+std::vector<Event> events_between(const PublisherStatus& before, const PublisherStatus& after,
+                                  const TypeSupport& type) {
+  std::vector<Event> events;
+  compare(before.readers, after.readers, events, [&](const ReaderStatus& b, const ReaderStatus& a) {
+    add_changes(b, a, events);
+    if (!request_changed(b, a)) return;
+    events.push_back(event_of(EventKind::request_changed, a, request_text(a.mask, a.max_rate_hz, type)));
+  });
+  add_promises(before, after, events);
+  add_diverted(before.diverted, after.diverted, events);
+  return events;
+}
+
+std::vector<Event> events_between(const SubscriberStatus& before, const SubscriberStatus& after,
+                                  const TypeSupport& type, Reliability reliability) {
+  std::vector<Event> events;
+  if (request_changed(before, after)) {
+    events.push_back(
+        {.kind = EventKind::request_changed, .text = request_text(after.mask, after.max_rate_hz, type)});
+  }
+  if (after.held_too_many > before.held_too_many) {
+    events.push_back({.kind = EventKind::held_too_many,
+                      .count = after.held_too_many - before.held_too_many,
+                      .text = "no more of a publisher can be taken until samples of it are destroyed"});
+  }
+  compare(before.writers, after.writers, events, [&](const WriterStatus& b, const WriterStatus& a) {
+    add_changes(b, a, events);
+    add_promises(b, a, events);
+    add_counts(b, a, reliability, events);
+  });
+  return events;
+}
+
+}  // namespace core
+}  // namespace sft

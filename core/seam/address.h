@@ -1,0 +1,53 @@
+// Where readers are reached, and who an endpoint is.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <variant>
+
+#include "core/platform/ip_address.h"
+
+namespace sft::core {
+
+using EndpointId = std::uint64_t;  ///< random per incarnation, never 0; datagrams carry its low 32 bits
+
+/// Where datagrams for a reader go.
+struct UdpAddress {
+  IpAddress ip;
+  std::uint16_t port = 0;
+  std::uint32_t receive_buffer_bytes =
+      0;                  ///< of the socket, as the kernel counts: a sender paces bursts by it
+  bool wireless = false;  ///< the interface that has it is
+  /// Whose socket it is, random per incarnation: of equal ones with equal ports, one takes the other's place.
+  /// 0: it is not known what other addresses that socket has.
+  std::uint64_t node = 0;
+  friend bool operator==(const UdpAddress&, const UdpAddress&) = default;
+};
+
+/// One of our own addresses, and the network that it is in.
+struct Link {
+  IpAddress ip;  ///< a link-local one with its scope
+  std::uint8_t prefix_bits = 0;
+  bool running = true;  ///< its interface has a carrier
+  bool wireless = false;
+  friend bool operator==(const Link&, const Link&) = default;
+};
+
+/// The word that is rung when a sample for a reader was put into shared memory (core/platform/doorbell.h).
+struct DoorbellAddress {
+  std::uint64_t page = 0;
+  std::uint32_t slot = 0;
+  friend bool operator==(const DoorbellAddress&, const DoorbellAddress&) = default;
+};
+
+using Locator = std::variant<UdpAddress, DoorbellAddress>;
+
+/// Identity of the memory that co-located processes share: boot_id and the token that the daemon put into
+/// /dev/shm.
+struct HostToken {
+  std::array<std::uint8_t, 32> bytes{};
+  bool known() const { return bytes != std::array<std::uint8_t, 32>{}; }
+  friend bool operator==(const HostToken&, const HostToken&) = default;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,165 @@
+#include "core/seam/buffer_pool.h"
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <bit>
+#include <new>
+
+namespace sft::core {
+
+namespace {
+
+constexpr std::size_t min_shift = 9;  // 512 bytes; 19 classes go up to 128 MiB
+constexpr std::size_t extra_bytes_max = 8 * 1024;
+
+constexpr std::size_t capacity_of(std::size_t size_class) {
+  const std::size_t round = std::size_t{1} << (min_shift + size_class);
+  return round + std::min(round / 8, extra_bytes_max);
+}
+
+/// The smallest that holds so much.
+constexpr std::size_t class_for(std::size_t bytes) {
+  const auto shift = static_cast<std::size_t>(std::bit_width(bytes));  // 2^shift is more
+  if (shift <= min_shift) return 0;
+  const std::size_t below = shift - 1 - min_shift;
+  return bytes <= capacity_of(below) ? below : below + 1;
+}
+
+constexpr std::size_t huge_page_bytes = std::size_t{2} << 20;
+
+constexpr std::align_val_t alignment_of(std::size_t capacity) {
+  return std::align_val_t{capacity < huge_page_bytes ? 64 : huge_page_bytes};
+}
+
+/// Large ones lie in huge pages, where the system has them: copying from and to cold memory is faster there.
+std::byte* allocate(std::size_t capacity) noexcept {
+  auto* data = static_cast<std::byte*>(::operator new(capacity, alignment_of(capacity), std::nothrow));
+  if (data != nullptr && capacity >= huge_page_bytes)
+    ::madvise(data, capacity / huge_page_bytes * huge_page_bytes, MADV_HUGEPAGE);
+  return data;
+}
+
+void release(std::byte* data, std::size_t capacity) noexcept {
+  ::operator delete(data, alignment_of(capacity));
+}
+
+void destroy(SampleBuffer* buffer) noexcept {
+  release(buffer->data, buffer->capacity);
+  delete buffer;
+}
+
+}  // namespace
+
+std::shared_ptr<BufferPool> BufferPool::make(std::size_t limit_bytes) {
+  return std::shared_ptr<BufferPool>(new BufferPool(limit_bytes));
+}
+
+BufferPool::~BufferPool() {
+  for (auto& list : free_) std::for_each(list.begin(), list.end(), destroy);
+}
+
+SampleHandle BufferPool::take(std::size_t bytes, std::size_t leave_bytes) noexcept {
+  const std::size_t size_class = class_for(bytes);
+  if (size_class >= classes) return {};
+  const std::size_t capacity = capacity_of(size_class);
+  SampleBuffer* buffer = nullptr;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (lent_bytes_ + capacity + leave_bytes > limit_bytes_) return {};
+    lent_bytes_ += capacity;
+    auto& list = free_[size_class];
+    if (!list.empty()) {
+      buffer = list.back();
+      list.pop_back();
+    }
+  }
+  if (buffer == nullptr) buffer = make_buffer(capacity);
+  if (buffer == nullptr) {
+    const std::scoped_lock lock(mutex_);
+    lent_bytes_ -= capacity;
+    return {};
+  }
+  return hand_out(*buffer, shared_from_this());
+}
+
+SampleHandle BufferPool::hand_out(SampleBuffer& buffer, std::shared_ptr<BufferOwner> self) noexcept {
+  new (buffer.data) SampleHeader{};
+  buffer.receive_stamp_ns = 0;
+  buffer.min_period_us = buffer.ordinal = 0;
+  buffer.addressee = buffer.oldest_retained = 0;
+  buffer.numbering = 0;
+  buffer.merged = false;
+  buffer.owner = std::move(self);
+  return SampleHandle(buffer);
+}
+
+void BufferPool::take_kept(std::size_t bytes, std::size_t leave_bytes, std::size_t count,
+                           std::vector<SampleHandle>& buffers) {
+  const std::size_t size_class = class_for(bytes);
+  if (size_class >= classes) return;
+  const std::size_t capacity = capacity_of(size_class);
+  const std::shared_ptr<BufferOwner> self = shared_from_this();
+  buffers.reserve(buffers.size() + count);
+  const std::scoped_lock lock(mutex_);
+  auto& list = free_[size_class];
+  for (; count > 0 && !list.empty(); --count) {
+    if (lent_bytes_ + capacity + leave_bytes > limit_bytes_) return;
+    lent_bytes_ += capacity;
+    buffers.push_back(hand_out(*list.back(), self));
+    list.pop_back();
+  }
+}
+
+SampleBuffer* BufferPool::make_buffer(std::size_t capacity) noexcept {
+  shrink(capacity);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (held_bytes_ + capacity > limit_bytes_) return nullptr;
+    held_bytes_ += capacity;
+  }
+  auto* buffer = new (std::nothrow) SampleBuffer;
+  std::byte* const data = allocate(capacity);
+  if (buffer == nullptr || data == nullptr) {
+    release(data, capacity);
+    delete buffer;
+    const std::scoped_lock lock(mutex_);
+    held_bytes_ -= capacity;
+    return nullptr;
+  }
+  buffer->data = data;
+  buffer->capacity = capacity;
+  return buffer;
+}
+
+/// Frees kept buffers of other sizes until `needed` bytes fit within the limit.
+void BufferPool::shrink(std::size_t needed) noexcept {
+  for (;;) {
+    SampleBuffer* victim = nullptr;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (held_bytes_ + needed <= limit_bytes_) return;
+      for (auto list = free_.rbegin(); list != free_.rend() && victim == nullptr; ++list) {
+        if (list->empty()) continue;
+        victim = list->back();
+        list->pop_back();
+        held_bytes_ -= victim->capacity;
+      }
+    }
+    if (victim == nullptr) return;
+    destroy(victim);
+  }
+}
+
+void BufferPool::recycle(SampleBuffer& buffer) noexcept {
+  const std::scoped_lock lock(mutex_);
+  lent_bytes_ -= buffer.capacity;
+  try {
+    free_[class_for(buffer.capacity)].push_back(&buffer);
+  } catch (const std::bad_alloc&) {
+    held_bytes_ -= buffer.capacity;
+    destroy(&buffer);
+  }
+}
+
+}  // namespace sft::core

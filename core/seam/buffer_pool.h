@@ -1,0 +1,49 @@
+// Heap memory for samples: what publishers encode into when nobody on this host reads, and what datagrams are
+// put together in. Buffers are kept by size and reused, so that in steady state nothing is allocated. The
+// sizes are a little over powers of two, so that a round body with its header and index does not take twice
+// as much.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "core/seam/sample_buffer.h"
+
+namespace sft::core {
+
+class BufferPool final : public BufferOwner, public std::enable_shared_from_this<BufferPool> {
+ public:
+  /// At most `limit_bytes` are handed out and kept at a time.
+  static std::shared_ptr<BufferPool> make(std::size_t limit_bytes);
+  ~BufferPool() override;
+
+  /// A buffer of at least `bytes` with a fresh SampleHeader; empty without memory, and where less than
+  /// `leave_bytes` of the limit would remain for others. Any thread.
+  SampleHandle take(std::size_t bytes, std::size_t leave_bytes = 0) noexcept;
+
+  /// As many such buffers as are kept at present, but at most `count`, behind those in `buffers`. Any thread.
+  void take_kept(std::size_t bytes, std::size_t leave_bytes, std::size_t count,
+                 std::vector<SampleHandle>& buffers);
+
+  std::size_t limit_bytes() const { return limit_bytes_; }
+
+  void recycle(SampleBuffer& buffer) noexcept override;
+
+ private:
+  static constexpr std::size_t classes = 19;
+  explicit BufferPool(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
+  SampleHandle hand_out(SampleBuffer& buffer, std::shared_ptr<BufferOwner> self) noexcept;
+  SampleBuffer* make_buffer(std::size_t capacity) noexcept;
+  void shrink(std::size_t needed) noexcept;
+
+  std::mutex mutex_;  // held for a few instructions, never over an allocation
+  std::array<std::vector<SampleBuffer*>, classes> free_;
+  std::size_t held_bytes_ = 0;  ///< lent and kept
+  std::size_t lent_bytes_ = 0;
+  const std::size_t limit_bytes_;
+};
+
+}  // namespace sft::core

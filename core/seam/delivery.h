@@ -1,0 +1,139 @@
+// What became of samples, for each reader of a publisher.
+//
+// Counting is for groups of readers that get the same: whoever sends adds to the tally of a group, three
+// additions for a sample, however many readers there are. Which tallies are those of a reader is written in a
+// page; pages come with new routes, and tallies and pages go with old ones. The book carries each reader's
+// counts from page to page. It is the publisher's thread that turns the page, between two samples, at the
+// moment from which it counts by other tallies: so none is missed and none counts twice.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/seam/rate_gate.h"
+
+namespace sft::core {
+
+/// Of one reader, or added up. Bytes are those of bodies, without headers.
+struct Delivered {
+  std::uint64_t sent = 0;
+  std::uint64_t withheld = 0;
+  std::uint64_t dropped = 0;
+  std::uint64_t retained = 0;
+  std::uint64_t diverted = 0;     ///< of `sent`: by a spare route
+  std::uint64_t bytes = 0;        ///< of what was sent
+  std::uint64_t bytes_saved = 0;  ///< of the fields that were left out of it
+  friend bool operator==(const Delivered&, const Delivered&) = default;
+};
+
+/// Of one group of readers. Any thread.
+class DeliveryTally {
+ public:
+  /// `whole_bytes`: of the sample with all its fields.
+  void sent(std::uint64_t bytes, std::uint64_t whole_bytes, std::uint64_t samples = 1) noexcept {
+    sent_.fetch_add(samples, std::memory_order_relaxed);
+    bytes_.fetch_add(bytes, std::memory_order_relaxed);
+    whole_bytes_.fetch_add(whole_bytes, std::memory_order_relaxed);
+  }
+  void dropped() noexcept { dropped_.fetch_add(1, std::memory_order_relaxed); }
+
+ private:
+  friend class DeliveryMeter;
+  std::atomic<std::uint64_t> sent_{0}, dropped_{0}, bytes_{0}, whole_bytes_{0};
+};
+
+/// Of the readers behind one queue: samples that counted as sent and did not leave it. Any thread.
+class LossTally {
+ public:
+  void lost(std::uint64_t bytes, std::uint64_t whole_bytes, std::uint64_t samples = 1) noexcept {
+    lost_.fetch_add(samples, std::memory_order_relaxed);
+    bytes_.fetch_add(bytes, std::memory_order_relaxed);
+    whole_bytes_.fetch_add(whole_bytes, std::memory_order_relaxed);
+  }
+
+ private:
+  friend class DeliveryMeter;
+  std::atomic<std::uint64_t> lost_{0}, bytes_{0}, whole_bytes_{0};
+};
+
+/// What is counted for a reader while one page is open. Each part may be missing.
+class DeliveryMeter {
+ public:
+  /// Sums of the past; they only make sense as differences.
+  struct Reading {
+    std::uint64_t sent = 0, dropped = 0, bytes = 0, whole_bytes = 0;
+    std::uint64_t lost = 0, lost_bytes = 0, lost_whole_bytes = 0;
+    std::uint64_t withheld = 0;
+    std::uint64_t diverted = 0;
+    Reading& operator+=(const Reading& other) noexcept;
+    Reading& operator-=(const Reading& other) noexcept;
+    Delivered delivered() const noexcept;
+  };
+  Reading read() const noexcept;
+
+  std::shared_ptr<const DeliveryTally> tally{};
+  std::shared_ptr<const LossTally> losses{};
+  std::shared_ptr<const RateGate> gate{};
+  bool diverted = false;  ///< the tally is of a spare route
+};
+
+class DeliveryBook {
+ public:
+  /// Who counts: the publisher itself, or its port to the network. Each turns pages of its own.
+  enum class Teller : std::uint8_t { publisher, network };
+  using Page = std::vector<std::pair<std::uint64_t, DeliveryMeter>>;  ///< by id of the reader
+
+  // The agent's thread.
+
+  /// Before a page with these readers can be turned to.
+  void enter(const Page& page);
+  /// So many samples of the past were sent to a reader first.
+  void retained(std::uint64_t reader, std::uint64_t samples);
+  /// Those that are not among these do not come back: from here on they only count in total().
+  void keep(const std::set<std::uint64_t>& readers);
+
+  /// Tallies of the page before may still be added to, until the next turn: they must not be on this page
+  /// too.
+  enum class LateCounts : std::uint8_t { none, to_come };
+
+  /// The publisher's thread. Allocates nothing.
+  void turn_to(Teller teller, const Page& page, LateCounts late = LateCounts::none) noexcept;
+
+  // Any thread.
+
+  Delivered of(std::uint64_t reader) const;
+  /// Of all readers, those that are gone too.
+  Delivered total() const;
+
+ private:
+  struct Column {  ///< of one teller
+    DeliveryMeter::Reading before{};
+    DeliveryMeter::Reading at_first{};  ///< on the present page
+    DeliveryMeter meter{};
+    DeliveryMeter::Reading at_last{};  ///< on the page before
+    DeliveryMeter late{};              ///< its tally
+    void close(LateCounts late_counts) noexcept;
+    DeliveryMeter::Reading sum() const noexcept;
+  };
+  struct Account {
+    Column columns[2];
+    std::uint64_t retained = 0;
+    bool gone = false;
+    bool open() const noexcept;
+    Delivered delivered() const noexcept;
+  };
+  void forget_the_gone();
+
+  mutable std::mutex mutex_;
+  std::map<std::uint64_t, Account> accounts_;
+  Delivered gone_;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,123 @@
+// The receiving end of a transport, for one reader. transport.h says which thread calls what.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/seam/address.h"
+#include "core/seam/route.h"
+#include "core/seam/sample_buffer.h"
+#include "sft/typesupport/result.h"
+#include "sft/typesupport/type_support.h"
+
+namespace sft::core {
+
+struct Doorbell;
+
+class ArrivalListener {
+ public:
+  /// At least one sample can be taken. Called from a thread that receives, which does nothing else meanwhile.
+  virtual void arrived() noexcept = 0;
+
+ protected:
+  ~ArrivalListener() = default;
+};
+
+struct ReaderSpec {
+  EndpointId id = 0;
+  const TypeSupport* type = nullptr;  ///< outlives the port
+  std::uint32_t depth = 1;            ///< samples kept until taken, per writer; the oldest goes first
+  ArrivalListener* listener =
+      nullptr;               ///< outlives the port; not called by shared memory, where doorbells ring
+  DoorbellAddress doorbell;  ///< what writers in shared memory ring for this reader
+  /// Handles of one writer that may be out; take() gives no more of it then. For shared memory.
+  std::uint32_t max_held = 256;
+  /// All that its listener does is to ring `doorbell`, for threads in ReaderPort::receive(), which any of
+  /// them may do for the others.
+  bool only_waited_for = false;
+  /// How long the thread that calls the listener looks for more, and keeps a core busy with it, before it
+  /// sleeps.
+  std::chrono::nanoseconds spin{0};
+};
+
+/// Of a thread that waits for a sample, until its reader's doorbell is rung.
+struct Waiting {
+  Doorbell& bell;
+  std::uint32_t seen = 0;  ///< of its rings
+  std::chrono::steady_clock::time_point deadline;
+  std::chrono::steady_clock::time_point spin_until;  ///< keeps the core busy so long
+};
+
+/// How far a late reader is with what comes for it alone.
+enum class HistoryProgress : std::uint8_t {
+  awaited,  ///< nothing has come yet
+  coming,
+  came,  ///< nothing of it is under way any more
+};
+
+class ReaderPort {
+ public:
+  virtual ~ReaderPort() = default;
+
+  /// The oldest sample not yet taken, validated so far that every getter is safe; empty if there is none.
+  virtual SampleHandle take() noexcept = 0;
+  /// The same, of that writer only. Where writers do not pass each other there is no need for it.
+  virtual SampleHandle take_of(EndpointId writer) noexcept {
+    static_cast<void>(writer);
+    return {};
+  }
+
+  /// Wakes writers that wait for room that take() has made since this was called last. After take(), without
+  /// a lock: it may make a system call. Any thread.
+  virtual void tell_of_room() noexcept {}
+
+  /// Begins to accept a writer's samples. In shared memory asks the daemon, with a deadline of its own.
+  virtual Result<void> connect(const Source& source) = 0;
+  /// Whether samples that the writer sends from now on will arrive.
+  virtual bool connected(EndpointId writer) const noexcept = 0;
+  /// Of a writer that was connected to with `history_first`.
+  virtual HistoryProgress history(EndpointId writer) const noexcept {
+    static_cast<void>(writer);
+    return HistoryProgress::came;
+  }
+  /// Differs from what it was whenever a sample of that writer has arrived meanwhile, taken or not.
+  virtual std::uint64_t arrivals(EndpointId writer) noexcept = 0;
+  /// Waits on the spot where samples come in, and does the transport's receiving there, which spares what is
+  /// waited for the way from one thread to another; listeners of this and other readers are called meanwhile.
+  /// Spurious returns are possible. False, at once, where that cannot be: the transport has its own thread
+  /// for it, and the bell will be rung. Any thread.
+  virtual bool receive(const Waiting& waiting) noexcept {
+    static_cast<void>(waiting);
+    return false;
+  }
+  /// After somebody else than the transport rang the bell: whoever is in receive() looks at it. Any thread.
+  virtual void interrupt() noexcept {}
+  /// It has samples by another transport from now on, too, which those of this one must not be behind: the
+  /// transport's own thread receives, always.
+  virtual void share_reader() {}
+
+  /// A writer that is connected has announced something else than before, or its node answers, or does not.
+  /// `history_first` does not change.
+  virtual void announced(const Source& source) { static_cast<void>(source); }
+
+  /// Accepts no more of them; what has arrived can still be taken.
+  virtual void disconnect(EndpointId writer) noexcept = 0;
+
+  /// Which samples are for this reader: what it requests now, as the last, and what it requested before while
+  /// such samples may be under way. Only meaningful where variants share a destination (UDP).
+  virtual void accept(std::vector<Accepted> accepted) = 0;
+
+  /// Samples that arrived whole and were thrown away: pushed out of a full queue, or malformed.
+  virtual std::uint64_t discarded() const noexcept = 0;
+
+  /// Times that as many samples of a writer were held as may be, and the next one could not be taken.
+  virtual std::uint64_t held_too_many() const noexcept { return 0; }
+
+  /// Of those discarded, samples that no gap in the sequences of those taken shows: before the first of a
+  /// writer, or behind the last one of a writer that was disconnected.
+  virtual std::uint64_t lost_unnoticed() const noexcept { return 0; }
+};
+
+}  // namespace sft::core

@@ -1,0 +1,66 @@
+// Who is served with what: routes of a writer, and what a reader asks for and accepts.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/seam/address.h"
+#include "core/seam/rate_gate.h"
+#include "sft/typesupport/field_mask.h"
+
+namespace sft::core {
+
+/// A reader to be served, and with what. `mask` is closed.
+struct Route {
+  EndpointId reader = 0;
+  Locator destination;
+  FieldMask mask;
+  std::uint32_t min_period_us = 0;         ///< the limit that it asks for; 0: none
+  std::shared_ptr<const RateGate> gate{};  ///< which keeps that limit; null: every sample is for it
+  /// Not 0: it is served apart from all others, from so many retained samples on.
+  std::uint32_t history = 0;
+  /// It is served elsewhere, and by this only as WriterPort::include_spares() says.
+  bool spare = false;
+  bool reliable = false;  ///< what gets lost on the way is sent again
+  friend bool operator==(const Route&, const Route&) = default;
+};
+
+/// Where a writer's node can be reached: nobody else is answered in its name.
+struct Announced {
+  bool known = false;  ///< false: nothing is known of it, and it is answered wherever it says
+  std::vector<UdpAddress> addresses{};
+  bool same_network = false;  ///< as this process: it may be reached by loopback, too
+  friend bool operator==(const Announced&, const Announced&) = default;
+};
+
+/// What a reader has to know of a writer whose samples it wants.
+struct Source {
+  EndpointId writer = 0;
+  std::size_t max_sample_bytes = 0;
+  bool history_first = false;  ///< nothing of it is for the reader until something for it alone has come
+  bool reliable = false;       ///< in order, and what gets lost on the way is asked for
+  bool waits = false;          ///< its publisher does, for readers that do not keep up
+  Announced node{};
+  bool alive = true;  ///< its node answers
+  friend bool operator==(const Source&, const Source&) = default;
+};
+
+/// Which samples of a writer are for a reader, where several share a destination.
+struct Wanted {
+  FieldMask mask;  ///< closed
+  std::uint32_t min_period_us = 0;
+  friend bool operator==(const Wanted&, const Wanted&) = default;
+};
+
+/// What a reader asks its writers for, or has asked for while samples may be under way under that.
+struct Accepted {
+  Wanted wanted;
+  /// Counts up, for readers that get samples in order: once a writer has told how far it was when it knew of
+  /// a request, what comes behind that is under no earlier one. 0: nobody relies on that.
+  std::uint64_t request = 0;
+  bool heard = false;  ///< each writer that was asked knows of it by now
+};
+
+}  // namespace sft::core

@@ -1,0 +1,48 @@
+// The thread that calls back for samples in shared memory, and for those that came by UDP where callbacks
+// take long (short ones run on the receiving thread): it sleeps on one doorbell for all callback subscribers
+// of a node.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/platform/doorbell.h"
+#include "core/platform/thread.h"
+#include "core/subscribe/subscriber_core.h"
+
+namespace sft::core {
+
+class Dispatcher {
+ public:
+  /// `bell` outlives the dispatcher.
+  Dispatcher(Doorbell& bell, ThreadSpec spec) : bell_(bell), spec_(std::move(spec)) {}
+  ~Dispatcher();
+  Dispatcher(const Dispatcher&) = delete;
+  Dispatcher& operator=(const Dispatcher&) = delete;
+
+  /// Before the first add(); does nothing if it was called before. Any thread.
+  Result<void> start();
+
+  void add(std::shared_ptr<SubscriberCore> subscriber);
+  void remove(const SubscriberCore& subscriber);
+  bool is_current_thread() const { return std::this_thread::get_id() == thread_id_.load(); }
+
+ private:
+  using Subscribers = std::vector<std::shared_ptr<SubscriberCore>>;
+  void run();
+  std::shared_ptr<const Subscribers> subscribers() const;
+
+  Doorbell& bell_;
+  const ThreadSpec spec_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<const Subscribers> subscribers_ = std::make_shared<Subscribers>();
+  std::atomic<bool> stopping_{false};
+  std::atomic<std::thread::id> thread_id_{};
+  std::thread thread_;
+};
+
+}  // namespace sft::core

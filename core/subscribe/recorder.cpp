@@ -1,0 +1,177 @@
+#include "core/subscribe/recorder.h"
+
+#include <bit>
+#include <utility>
+
+namespace sft::core {
+
+namespace {
+
+constexpr std::uint64_t bit(std::size_t leaf) { return std::uint64_t{1} << (leaf % 64); }
+
+/// Of a sample that nobody reads any more.
+std::uint64_t take_bits(AccessWord& word) noexcept {
+  const std::uint64_t bits =
+      word.found.load(std::memory_order_relaxed) | word.missed.load(std::memory_order_relaxed);
+  if (bits == 0) return 0;
+  word.found.store(0, std::memory_order_relaxed);
+  word.missed.store(0, std::memory_order_relaxed);
+  return bits;
+}
+
+}  // namespace
+
+Result<void> Recorder::check(const RecordingSettings& settings) {
+  if (settings.learn_samples == 0) {
+    return fail(Errc::invalid_argument,
+                "recording.learn_samples is 0: what is needed is learnt from at least one sample");
+  }
+  return {};
+}
+
+std::shared_ptr<Recorder> Recorder::make(std::size_t leaves, const RecordingSettings& settings,
+                                         Changed changed) {
+  return std::shared_ptr<Recorder>(new Recorder(leaves, settings, std::move(changed)));
+}
+
+Recorder::Recorder(std::size_t leaves, const RecordingSettings& settings, Changed changed)
+    : settings_(settings),
+      changed_(std::move(changed)),
+      required_(FieldMask(leaves).words()),
+      leaves_(leaves),
+      order_(leaves) {
+  const FieldMask all = FieldMask::full(leaves);
+  for (std::size_t i = 0; i < required_.size(); ++i) required_[i].store(all.word(i));
+}
+
+void Recorder::detach() {
+  detached_.store(true);
+  while (const std::uint32_t telling = telling_.load()) telling_.wait(telling);
+}
+
+void Recorder::tell() noexcept {
+  telling_.fetch_add(1);
+  if (!detached_.load()) changed_();
+  if (telling_.fetch_sub(1) == 1) telling_.notify_all();
+}
+
+RecordedSample* Recorder::begin() {
+  RecordedSample* sample = nullptr;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (free_ != nullptr) sample = std::exchange(free_, free_->next_free_);
+  }
+  if (sample == nullptr) sample = add();
+  sample->recorder_ = shared_from_this();
+  return sample;
+}
+
+/// More are out than ever.
+RecordedSample* Recorder::add() {
+  AccessLog::Listener* const listener = this;
+  auto added = std::make_unique<RecordedSample>(required_.size(), listener);
+  const std::scoped_lock lock(mutex_);
+  return owned_.emplace_back(std::move(added)).get();
+}
+
+void Recorder::end(RecordedSample* sample) noexcept {
+  const std::shared_ptr<Recorder> recorder = std::move(sample->recorder_);
+  recorder->fold(*sample);
+}
+
+void Recorder::fold(RecordedSample& sample) noexcept {
+  bool changed = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    ++samples_;
+    changed = count(sample);
+    changed |= give_up_stale();
+    changed |= samples_ == settings_.learn_samples && finish_learning();
+    sample.next_free_ = std::exchange(free_, &sample);
+  }
+  if (changed) tell();
+}
+
+// ---- with the mutex held; true: required_ has changed ----
+
+bool Recorder::count(RecordedSample& sample) noexcept {
+  bool changed = false;
+  for (std::size_t i = 0; i < sample.words_.size(); ++i) {
+    for (std::uint64_t bits = take_bits(sample.words_[i]); bits != 0; bits &= bits - 1) {
+      const std::size_t leaf = i * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+      LeafUse& use = leaves_[leaf].use;
+      ++use.samples;
+      use.last_sample = samples_;
+      changed |= need(leaf, samples_);
+    }
+  }
+  return changed;
+}
+
+bool Recorder::need(std::size_t leaf, std::uint64_t sample) noexcept {
+  leaves_[leaf].needed_since = sample;
+  order_.was_read(leaf);
+  if (is_required(leaf)) return false;
+  required_[leaf / 64].fetch_or(bit(leaf), std::memory_order_relaxed);
+  return true;
+}
+
+/// Gives up what was not read for too long; all of it is at the front of the order.
+bool Recorder::give_up_stale() noexcept {
+  if (settings_.narrow_after_samples == 0) return false;
+  const bool learnt = samples_ >= settings_.learn_samples;
+  bool changed = false;
+  while (!order_.empty()) {
+    const std::size_t leaf = order_.oldest();
+    if (samples_ < leaves_[leaf].needed_since + settings_.narrow_after_samples) break;
+    order_.remove(leaf);
+    if (learnt) required_[leaf / 64].fetch_and(~bit(leaf), std::memory_order_relaxed);
+    changed |= learnt;
+  }
+  return changed;
+}
+
+/// From here on what was not read is not required.
+bool Recorder::finish_learning() noexcept {
+  bool changed = false;
+  for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf) {
+    if (order_.contains(leaf)) continue;
+    required_[leaf / 64].fetch_and(~bit(leaf), std::memory_order_relaxed);
+    changed = true;
+  }
+  return changed;
+}
+
+bool Recorder::is_required(std::size_t leaf) const noexcept {
+  return (required_[leaf / 64].load(std::memory_order_relaxed) & bit(leaf)) != 0;
+}
+
+// ---- any thread ----
+
+void Recorder::first_read(std::size_t leaf) noexcept {
+  if (is_required(leaf)) return;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!need(leaf, samples_ + 1)) return;  // the sample being read is not released before
+  }
+  tell();
+}
+
+FieldMask Recorder::required() const {
+  std::vector<std::uint64_t> words(required_.size());
+  {
+    const std::scoped_lock lock(mutex_);
+    for (std::size_t i = 0; i < words.size(); ++i) words[i] = required_[i].load(std::memory_order_relaxed);
+  }
+  return FieldMask::from_words(leaves_.size(), words);
+}
+
+Recorder::Use Recorder::use() const {
+  Use use{.samples = 0, .leaves = std::vector<LeafUse>(leaves_.size())};
+  const std::scoped_lock lock(mutex_);
+  use.samples = samples_;
+  for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf) use.leaves[leaf] = leaves_[leaf].use;
+  return use;
+}
+
+}  // namespace sft::core

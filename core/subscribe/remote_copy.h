@@ -1,0 +1,34 @@
+// What a reader on another host would get of a sample that lies whole in shared memory: the same projection,
+// put together and checked as if its datagrams had come.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "core/seam/buffer_pool.h"
+#include "core/seam/sample_buffer.h"
+#include "sft/typesupport/project.h"
+#include "sft/typesupport/type_support.h"
+
+namespace sft::core {
+
+class RemoteCopy {
+ public:
+  /// `type` outlives it; copies lie in memory of `pool`.
+  RemoteCopy(const TypeSupport& type, std::shared_ptr<BufferPool> pool)
+      : type_(type), pool_(std::move(pool)) {}
+
+  /// The sample itself if it has no more than is asked for. Empty where a reader on another host would miss
+  /// it: without memory, or if its bytes are not what they claim to be. One thread at a time.
+  SampleHandle of(SampleHandle sample, const ProjectionPlan& asked);
+
+ private:
+  bool project(const SampleBuffer& sample, const ProjectionPlan& asked);
+  bool fill(SampleBuffer& copy, const SampleBuffer& sample) const;
+
+  const TypeSupport& type_;
+  const std::shared_ptr<BufferPool> pool_;
+  Projection projection_;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,15 @@
+// What users are told of a subscriber's requirement (sft/requirements.h).
+#pragma once
+
+#include "core/subscribe/recorder.h"
+#include "sft/requirements.h"
+#include "sft/typesupport/type_support.h"
+
+namespace sft::core {
+
+/// `requested` is the mask in force.
+Requirements declared_requirements(const TypeSupport& type, const FieldMask& requested);
+Requirements recorded_requirements(const TypeSupport& type, const FieldMask& requested,
+                                   const Recorder& recorder);
+
+}  // namespace sft::core

@@ -1,0 +1,51 @@
+#include "core/subscribe/sequence_account.h"
+
+#include <algorithm>
+
+namespace sft::core {
+
+bool SequenceAccount::allows(const Numbered& sample) const {
+  if (sample.gated || asked_ != budget_.min_period_us()) return true;
+  return budget_.allows(sample.stamp_ns);
+}
+
+SequenceAccount::Missing SequenceAccount::enter(const Numbered& sample) {
+  const std::uint64_t gap = gap_before(sample);
+  Missing missing;
+  missing.lost = gap == 0 ? 0 : std::min(gap, lost_before(sample, gap));
+  missing.withheld = gap - missing.lost;
+  if (!allows(sample)) ++missing.withheld;
+  const std::uint32_t limit = limit_of(sample);
+  if (budget_.min_period_us() != limit) budget_ = RateBudget(limit);
+  budget_.take(sample.stamp_ns);
+  ordinal_.reset();
+  if (sample.gated && limit != 0) ordinal_ = sample.ordinal;
+  last_ = sample.sequence;
+  far_behind_ = 0;
+  numbering_ = std::max(numbering_, sample.numbering);
+  stamp_ns_ = sample.stamp_ns;
+  return missing;
+}
+
+/// Before the first sample that came nothing is missing, but what had been retained.
+/// Where sequences begin anew nobody knows what the wrong ones hid.
+std::uint64_t SequenceAccount::gap_before(const Numbered& sample) const {
+  if (last_ != 0) {
+    const std::uint64_t gap = sample.sequence - last_ - 1;
+    return begins_anew(sample) && gap >= gap_max ? 0 : gap;
+  }
+  if (sample.oldest_retained == 0) return std::min<std::uint64_t>(owed_, sample.sequence - 1);
+  return std::min(gap_max, sample.sequence - std::min(sample.oldest_retained, sample.sequence));
+}
+
+/// Of the `gap` samples between the last one and this. Where the limit has changed, the slower one counts.
+std::uint64_t SequenceAccount::lost_before(const Numbered& sample, std::uint64_t gap) const {
+  const std::uint32_t limit = limit_of(sample);
+  const std::uint32_t before = budget_.min_period_us();
+  if (last_ == 0 || (limit == 0 && before == 0)) return gap;
+  if (limit == before && sample.gated && ordinal_) return sample.ordinal - *ordinal_ - 1U;
+  if (limit <= before) return budget_.forfeited(sample.stamp_ns);
+  return RateBudget::spent(limit, stamp_ns_).forfeited(sample.stamp_ns);
+}
+
+}  // namespace sft::core

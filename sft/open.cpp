@@ -1,0 +1,163 @@
+// The one place where the parts are put together, and where the environment is read.
+#include <cstdlib>
+
+#include "core/discovery/dds_config.h"
+#include "core/discovery/domain_id.h"
+#include "core/node/node_core.h"
+#include "core/platform/forked.h"
+#include "core/platform/process_limits.h"
+#include "core/platform/thread.h"
+#include "sft/node.h"
+#include "shm_transport/shm_transport.h"
+#include "udp_transport/udp_transport.h"
+
+namespace sft {
+
+namespace {
+
+/// Of a node on one network interface and the loopback, with its first publishers and subscribers.
+constexpr std::size_t descriptors_of_a_node = 48;
+constexpr std::size_t threads_of_a_node = 16;
+
+NodeOptions with_defaults(const NodeOptions& options, std::uint32_t domain) {
+  NodeOptions result = options;
+  result.domain = domain;
+  const char* config = std::getenv("CYCLONEDDS_URI");
+  if (!result.cyclonedds_config) result.cyclonedds_config = config == nullptr ? "" : config;
+  return result;
+}
+
+/// `options` with its defaults resolved.
+Result<std::unique_ptr<core::Transport>> open_udp(const NodeOptions& options,
+                                                  std::shared_ptr<core::BufferPool> heap) {
+  Result<std::vector<std::string>> interfaces =
+      core::discovery_interfaces(*options.domain, options.discovery, *options.cyclonedds_config);
+  if (!interfaces) return tl::unexpected(interfaces.error());
+  udp::UdpOptions udp;
+  udp.interfaces = std::move(*interfaces);
+  udp.port = options.udp.port;
+  udp.receive_buffer_bytes = options.udp.receive_buffer_bytes;
+  udp.max_bytes_per_s = options.udp.max_bytes_per_s;
+  udp.multicast =
+      options.udp.multicast == MulticastUse::automatic ? udp::Multicast::automatic : udp::Multicast::off;
+  udp.receive_thread = {"udp-recv", options.threads.receiver};
+  udp.send_thread = {"udp-send", options.threads.sender};
+  udp.backend = options.udp.use_io_uring ? udp::Backend::automatic : udp::Backend::sockets;
+  return udp::open_udp_transport(udp, std::move(heap));
+}
+
+Result<std::unique_ptr<core::Transport>> open_shm(const NodeOptions& options) {
+  shm::ShmOptions shm;
+  shm.daemon_path = options.shm.daemon_path;
+  // Not in a program that has more rights than who started it: its environment is that one's.
+  const char* daemon = secure_getenv("SFT_DAEMON");
+  if (shm.daemon_path.empty() && daemon != nullptr && *daemon != '\0') {
+    shm.daemon_path = daemon;
+    shm.daemon_named_by = "the environment variable SFT_DAEMON";
+  }
+  shm.start_daemon = options.shm.start_daemon;
+  shm.daemon_idle_exit = options.shm.daemon_idle_exit;
+  shm.daemon_users = options.shm.daemon_users;
+  shm.wake_thread = {"wake", options.threads.sender};
+  return shm::open_shm_transport(shm);
+}
+
+}  // namespace
+
+Result<Node> Node::open(const NodeOptions& options) {
+  if (core::is_forked_copy())
+    return fail(
+        Errc::unavailable,
+        "this process was forked from one that has a node: open nodes only after fork(), or begin another "
+        "program in the new process (exec)");
+  const Result<std::uint32_t> domain = core::domain_id(options.domain, std::getenv("ROS_DOMAIN_ID"));
+  if (!domain) return tl::unexpected(domain.error());
+  if (const Result<void> room = core::check_room_for(descriptors_of_a_node, threads_of_a_node); !room)
+    return tl::unexpected(room.error());
+  if (const Result<void> settings = core::check(options.threads); !settings)
+    return tl::unexpected(settings.error());
+  const NodeOptions resolved = with_defaults(options, *domain);
+  core::NodeCore::Parts parts;
+  parts.heap = core::BufferPool::make(options.udp.memory_limit_bytes);
+  if (options.transport != TransportChoice::shm) {
+    auto udp = open_udp(resolved, parts.heap);
+    if (!udp) return tl::unexpected(udp.error());
+    parts.udp = std::move(*udp);
+  }
+  if (options.transport != TransportChoice::udp) {
+    auto shm = open_shm(options);
+    if (!shm) return tl::unexpected(shm.error());
+    parts.shm = std::move(*shm);
+  }
+  return core::NodeCore::open(resolved, std::move(parts)).map([](auto&& core) {
+    return Node(std::forward<decltype(core)>(core));
+  });
+}
+
+Result<untyped::Publisher> Node::open_publisher(std::string_view topic, const TypeSupport& type,
+                                                const PublisherOptions& options) {
+  return core_->open_publisher(core_, topic, type, options);
+}
+
+Result<untyped::Subscriber> Node::open_subscriber(std::string_view topic, const TypeSupport& type,
+                                                  untyped::Requirement requirement,
+                                                  const SubscriberOptions& options,
+                                                  untyped::Callback callback) {
+  return core_->open_subscriber(core_, topic, type, std::move(requirement), options, std::move(callback));
+}
+
+Result<DynamicType> Node::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
+  return core_->find_type(topic, timeout);
+}
+
+std::vector<TopicInfo> Node::topics() const { return core_->topics(); }
+
+Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const DynamicType& type,
+                                           std::string_view fields, const SubscriberOptions& options,
+                                           DynamicCallback callback) {
+  Result<FieldMask> mask = type.support().parse_mask(fields);
+  if (!mask) return tl::unexpected(mask.error());
+  return open_subscriber(topic, type, {std::move(*mask), false}, options, std::move(callback));
+}
+
+Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const DynamicType& type, Recorded,
+                                           const SubscriberOptions& options, DynamicCallback callback) {
+  return open_subscriber(topic, type, {type.support().full(), true}, options, std::move(callback));
+}
+
+Result<DynamicPublisher> Node::publisher(std::string_view topic, const DynamicType& type,
+                                         const PublisherOptions& options) {
+  return core_->open_publisher(core_, topic, core_->kept(type), options).map([&](untyped::Publisher&& p) {
+    return DynamicPublisher(type, std::move(p), options.max_sample_bytes);
+  });
+}
+
+Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const DynamicType& type,
+                                                untyped::Requirement requirement,
+                                                const SubscriberOptions& options, DynamicCallback callback) {
+  std::shared_ptr<const FieldMask> declared;
+  if (!requirement.recorded && !requirement.mask.is_full())
+    declared = std::make_shared<const FieldMask>(type.support().closed(requirement.mask));
+  untyped::Callback untyped;
+  if (callback) {
+    untyped = [type, declared, callback = std::move(callback)](untyped::Sample&& sample) {
+      callback(DynamicSample(type, std::move(sample), declared));
+    };
+  }
+  return core_
+      ->open_subscriber(core_, topic, type.support(), std::move(requirement), options, std::move(untyped),
+                        std::make_shared<DynamicType>(type))
+      .map([&](untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s), declared); });
+}
+
+DomainSnapshot Node::domain() const { return core_->domain(); }
+
+Result<AccountInquiry> Node::ask_accounts(std::string_view topic) const {
+  return core_->ask_accounts(core_, topic);
+}
+
+NodeStatus Node::status() const { return core_->status(); }
+
+NodeSnapshot Node::snapshot() const { return core_->snapshot(); }
+
+}  // namespace sft

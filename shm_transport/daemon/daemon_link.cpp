@@ -1,0 +1,262 @@
+#include "shm_transport/daemon/daemon_link.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cctype>
+#include <cstdio>
+#include <utility>
+
+#include "core/platform/random_id.h"
+#include "shm_transport/daemon/accepted_daemons.h"
+
+namespace sft::shm {
+
+namespace {
+
+using core::Availability;
+
+// After a daemon was started, which may be killed, or end by itself, as soon as it is ready. The pause does
+// not grow, because that start had no obstacle.
+constexpr std::chrono::milliseconds pause_after_a_start{500};
+// From a failed start to the next one where an obstacle is gone: whoever makes and removes files again and
+// again causes no more attempts than that.
+constexpr std::chrono::milliseconds shortest_pause_of_launches{200};
+
+/// sft_<prefix>_<pid>_<random>: unique among the processes that a daemon serves, as it must be.
+std::string make_runtime_name(const std::string& prefix) {
+  std::string name = runtime_name_stem;
+  for (const char c : prefix.substr(0, 32)) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  char rest[40];
+  std::snprintf(rest, sizeof rest, "_%d_%08x", static_cast<int>(getpid()),
+                static_cast<unsigned>(core::random_id()));
+  return name + rest;
+}
+
+/// Somebody serves iceoryx's programs in this /tmp, or has the lock of such a daemon.
+bool somebody_serves() {
+  return is_locked_at(daemon_lock_path) || listener_at(roudi_socket_path) == Listener::alive;
+}
+
+/// That somebody, of whom there is no sign in /dev/shm.
+std::string why_nobody_serves_us(const core::TrustedAccounts& accepted) {
+  struct stat socket {};
+  if (const auto daemon = read_daemon_lock()) {
+    if (!accepted.include_user(daemon->user)) return why_not_accepted(daemon->user);
+    if (daemon->serves_this_shm()) return names_are_gone(daemon->pid);
+    return "sftd is running with another /dev/shm than this program's; share it (docker run --ipc=host)";
+  }
+  const std::string whose =
+      lstat(roudi_socket_path, &socket) == 0 ? " of " + core::account_name(socket.st_uid) : "";
+  return "iceoryx is served by another daemon than sftd (its iox-roudi?)" + whose +
+         "; stop that one, and sftd will be started";
+}
+
+std::string daemon_name(pid_t pid) { return "sftd (pid " + std::to_string(pid) + ")"; }
+
+}  // namespace
+
+DaemonLink::State DaemonLink::advance(const ShmOptions& options,
+                                      const std::shared_ptr<IceoryxRuntime>& runtime, Clock::time_point now) {
+  if (advancing_.test_and_set(std::memory_order_acquire)) return current();
+  std::shared_ptr<Session> session;  // keeps a new one until the caller has it
+  switch (phase_) {
+    case Phase::looking:
+      look(options, now);
+      break;
+    case Phase::launching:
+      await_launch(options, now);
+      break;
+    case Phase::registering:
+      session = await_registration(runtime, now);
+      break;
+    case Phase::in_session:
+      session = watch_session();
+      break;
+  }
+  const State state = current();
+  advancing_.clear(std::memory_order_release);
+  return state;
+}
+
+void DaemonLink::look(const ShmOptions& options, Clock::time_point now) {
+  const core::TrustedAccounts accepted =
+      accepted_daemons(user_ids(options.daemon_users).value_or(std::vector<uid_t>{}));
+  HostWatch::Look found = HostWatch::look(accepted);
+  if (found.finding == HostWatch::Finding::starting) return await_host_file(options, now);
+  deadline_.reset();
+  if (found.finding == HostWatch::Finding::alive) {
+    const auto& token = found.watch->file().token;
+    if (std::exchange(registered_with_, token) != token) registering_.succeeded();
+    if (registering_.due(now)) begin_registration(options, std::move(*found.watch), now);
+  } else if (found.finding == HostWatch::Finding::foreign) {
+    publish(Availability::unavailable, why_not_accepted(found.user));
+  } else if (const auto lock = read_daemon_lock();
+             lock && lock->pid == 0 && accepted.include_user(lock->user)) {
+    publish(Availability::starting, "sftd is starting or ending");
+  } else if (somebody_serves()) {
+    publish(Availability::unavailable, why_nobody_serves_us(accepted));
+  } else if (!options.start_daemon) {
+    publish(Availability::unavailable, "no sftd is running, and starting one is turned off; run sftd",
+            nullptr, true);
+  } else if (may_launch(now)) {
+    launch(options, now);
+  } else {
+    publish(Availability::unavailable, launching_.reason());
+  }
+}
+
+void DaemonLink::await_host_file(const ShmOptions& options, Clock::time_point now) {
+  if (!deadline_) deadline_ = now + options.start_deadline;
+  if (now < *deadline_) {
+    publish(Availability::starting, "sftd is starting");
+  } else {
+    publish(Availability::unavailable,
+            "sftd does not get ready; is it stopped? Look for it with: pgrep -a sftd");
+  }
+}
+
+/// When its time has come, or as soon as something that was in the way of the last attempt is gone.
+bool DaemonLink::may_launch(Clock::time_point now) const {
+  if (launching_.due(now)) return true;
+  return failed_at_ && now >= *failed_at_ + shortest_pause_of_launches &&
+         LaunchObstacles::look(files_of_daemon_).have_eased_since(obstacles_);
+}
+
+void DaemonLink::launch(const ShmOptions& options, Clock::time_point now) {
+  if (files_of_daemon_.empty()) files_of_daemon_ = files_of_own_daemon();
+  obstacles_ = LaunchObstacles::look(files_of_daemon_);
+  failed_at_.reset();
+  auto launched = DaemonLaunch::begin(options);
+  if (!launched) return give_up(launching_, launched.error().message, now);
+  launch_.emplace(std::move(*launched));
+  deadline_ = now + options.start_deadline;
+  phase_ = Phase::launching;
+  publish(Availability::starting, "starts sftd");
+}
+
+void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) {
+  const auto outcome = launch_->poll();
+  if (!outcome && now >= *deadline_) {
+    launch_.reset();
+    return give_up_launch("sftd was started but does not get ready; is the machine overloaded?", now);
+  }
+  if (!outcome) return;
+  launch_.reset();
+  if (!outcome->complaint.empty()) return give_up_launch(outcome->complaint, now);
+  phase_ = Phase::looking;
+  deadline_.reset();
+  // A daemon that ends as soon as it is ready would be started again and again without this.
+  launching_.failed("sftd has ended again after it was started; it is started once more within 1 s", now,
+                    pause_after_a_start);
+  look(options, now);
+}
+
+/// Files that came while sftd started count as well: they may be what it met.
+void DaemonLink::give_up_launch(const std::string& reason, Clock::time_point now) {
+  obstacles_.add_files_of(LaunchObstacles::look(files_of_daemon_));
+  failed_at_ = now;
+  give_up(launching_, reason, now);
+}
+
+void DaemonLink::begin_registration(const ShmOptions& options, HostWatch watch, Clock::time_point now) {
+  if (watch.file().protocol != host_protocol) {
+    return give_up(
+        registering_,
+        daemon_name(watch.file().pid) +
+            " is of another version than this program; end it (sftd stop), and start that of this one",
+        now);
+  }
+  auto channel = RoudiChannel::open(make_runtime_name(options.runtime_name_prefix), watch.user());
+  if (!channel) {
+    return give_up(registering_,
+                   daemon_name(watch.file().pid) + " cannot be reached: " + channel.error().message, now);
+  }
+  channel_ = std::move(*channel);
+  watch_.emplace(std::move(watch));
+  deadline_ = now + options.connect_deadline;
+  phase_ = Phase::registering;
+  publish(Availability::starting, "registers with " + daemon_name(watch_->file().pid));
+}
+
+std::shared_ptr<Session> DaemonLink::await_registration(const std::shared_ptr<IceoryxRuntime>& runtime,
+                                                        Clock::time_point now) {
+  const auto answer = channel_->poll_registration();
+  const std::string name = daemon_name(watch_->file().pid);
+  if (!answer) {
+    give_up(registering_, answer.error().message, now);
+  } else if (!watch_->daemon_lives()) {
+    give_up(registering_, name + " went away while this process registered", now);
+  } else if (!*answer && now >= *deadline_) {
+    give_up(registering_,
+            name +
+                " does not answer; is it stopped, does it already serve 300 processes, or is it built with "
+                "another iceoryx than " ICEORYX_LATEST_RELEASE_VERSION "?",
+            now);
+  } else if (*answer) {
+    auto session = Session::open(runtime, std::move(*watch_), std::move(channel_), **answer);
+    watch_.reset();
+    if (!session) {
+      give_up(registering_, session.error().message, now);
+      return nullptr;
+    }
+    launching_.succeeded();
+    registering_.succeeded();
+    phase_ = Phase::in_session;
+    publish(Availability::ready, "iceoryx " ICEORYX_LATEST_RELEASE_VERSION ", hosted by " + name, *session);
+    return *session;
+  }
+  return nullptr;
+}
+
+std::shared_ptr<Session> DaemonLink::watch_session() {
+  std::shared_ptr<Session> session = current().session;
+  if (session != nullptr && session->daemon_lives()) {
+    session->collect();
+    return session;
+  }
+  // Without a session everybody let go of the last one, which said goodbye by that.
+  phase_ = Phase::looking;
+  publish(Availability::starting,
+          session != nullptr ? daemon_name(session->daemon_pid()) + " is gone" : "looks for sftd");
+  if (session != nullptr) session->lose();
+  return nullptr;
+}
+
+void DaemonLink::give_up(core::Retry& attempt, const std::string& reason, Clock::time_point now) {
+  channel_.reset();
+  watch_.reset();
+  deadline_.reset();
+  phase_ = Phase::looking;
+  attempt.failed(reason, now);
+  publish(Availability::unavailable, reason);
+}
+
+void DaemonLink::publish(Availability availability, std::string description, std::shared_ptr<Session> session,
+                         bool lacks_daemon) {
+  const std::scoped_lock lock(mutex_);
+  availability_ = availability;
+  lacks_daemon_ = lacks_daemon;
+  description_ = std::move(description);
+  session_ = session;
+}
+
+DaemonLink::State DaemonLink::current() const {
+  const std::scoped_lock lock(mutex_);
+  std::shared_ptr<Session> session = session_.lock();
+  // A session that everybody let go of is no longer there to be shared.
+  if (availability_ == Availability::ready && session == nullptr) return {Availability::starting, nullptr};
+  return {availability_, std::move(session)};
+}
+
+std::string DaemonLink::description() const {
+  const std::scoped_lock lock(mutex_);
+  return description_;
+}
+
+bool DaemonLink::lacks_daemon() const {
+  const std::scoped_lock lock(mutex_);
+  return lacks_daemon_;
+}
+
+}  // namespace sft::shm

@@ -1,0 +1,80 @@
+#include "shm_transport/daemon/launch_obstacles.h"
+
+#include <grp.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+
+#include "shm_transport/host/host_file.h"
+#include "shm_transport/host/iceoryx.h"
+
+namespace sft::shm {
+
+namespace {
+
+// Other programs take and give back space all the time: only so much more is a reason for an attempt.
+constexpr std::uint64_t least_growth_bytes = std::uint64_t{16} << 20;
+constexpr std::uint64_t least_growth_divisor = 8;  // of what was free before
+
+std::string own_group_name() {
+  group entry{};
+  group* found = nullptr;
+  std::array<char, 4096> text;
+  if (getgrgid_r(getegid(), &entry, text.data(), text.size(), &found) != 0 || found == nullptr) return {};
+  return found->gr_name;
+}
+
+bool contain(const std::vector<LaunchObstacles::File>& files, const LaunchObstacles::File& file) {
+  return std::ranges::find(files, file) != files.end();
+}
+
+}  // namespace
+
+std::vector<std::string> daemon_files(const std::string& segment_name) {
+  const std::string roudi = roudi_socket_path;
+  return {daemon_lock_path,
+          host_file_path,
+          roudi,
+          roudi + ".lock",
+          "/tmp/" + std::string(iox::roudi::ROUDI_LOCK_NAME) + ".lock",
+          std::string("/dev/shm/") + iox::roudi::SHM_NAME,
+          "/dev/shm/" + segment_name};
+}
+
+std::vector<std::string> files_of_own_daemon() {
+  const std::string group = own_group_name();
+  std::vector<std::string> files = daemon_files(group);
+  if (group.empty()) files.pop_back();
+  return files;
+}
+
+LaunchObstacles LaunchObstacles::look(const std::vector<std::string>& names, const char* directory) {
+  LaunchObstacles found;
+  for (const std::string& name : names) {
+    struct stat there {};
+    if (lstat(name.c_str(), &there) != 0) continue;
+    const bool is_replaceable =
+        there.st_uid == geteuid() && (S_ISREG(there.st_mode) || S_ISSOCK(there.st_mode));
+    if (is_replaceable) continue;
+    found.files.push_back({name, there.st_dev, there.st_ino, there.st_uid, there.st_mode & S_IFMT});
+  }
+  struct statvfs space {};
+  if (statvfs(directory, &space) == 0) found.free_bytes = std::uint64_t{space.f_bavail} * space.f_frsize;
+  return found;
+}
+
+void LaunchObstacles::add_files_of(const LaunchObstacles& later) {
+  std::ranges::copy_if(later.files, std::back_inserter(files),
+                       [this](const File& file) { return !contain(files, file); });
+}
+
+bool LaunchObstacles::have_eased_since(const LaunchObstacles& before) const {
+  const std::uint64_t growth = std::max(least_growth_bytes, before.free_bytes / least_growth_divisor);
+  return free_bytes >= before.free_bytes + growth ||
+         std::ranges::any_of(before.files, [this](const File& file) { return !contain(files, file); });
+}
+
+}  // namespace sft::shm

@@ -1,0 +1,25 @@
+#include "shm_transport/daemon/process_daemon.h"
+
+#include <mutex>
+
+namespace sft::shm {
+
+std::shared_ptr<ProcessDaemon> ProcessDaemon::shared() {
+  static std::mutex mutex;
+  static std::weak_ptr<ProcessDaemon> current;
+  const std::scoped_lock lock(mutex);
+  std::shared_ptr<ProcessDaemon> daemon = current.lock();
+  if (daemon == nullptr) {
+    daemon.reset(new ProcessDaemon);
+    current = daemon;
+  }
+  return daemon;
+}
+
+DaemonLink::State ProcessDaemon::advance(const ShmOptions& options, Clock::time_point now) {
+  // The session holds the runtime by a pointer that keeps all of this object alive: another link would make a
+  // second session while the first one lasts.
+  return link_.advance(options, std::shared_ptr<IceoryxRuntime>(shared_from_this(), &runtime_), now);
+}
+
+}  // namespace sft::shm

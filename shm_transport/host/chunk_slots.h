@@ -1,0 +1,74 @@
+// Sample buffers set up once, one for each chunk that a port can have out at a time: lending a chunk
+// allocates nothing.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "core/seam/sample_buffer.h"
+#include "shm_transport/host/iceoryx.h"
+
+namespace sft::shm {
+
+// iceoryx passes chunks on, and counts their references, with atomics that do not order what the chunks
+// contain: on CPUs that reorder, a reader's last loads could come after the chunk was given back and written
+// anew. So a fence stands on our side of each of these calls. (GCC tells that its thread sanitizer does not
+// see fences; it sees no other process either.)
+#ifndef __clang__
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wtsan"
+#endif
+inline void before_chunk_leaves() noexcept { std::atomic_thread_fence(std::memory_order_release); }
+inline void after_chunk_came() noexcept { std::atomic_thread_fence(std::memory_order_acquire); }
+#ifndef __clang__
+#pragma GCC diagnostic pop
+#endif
+
+struct ChunkSlot {
+  core::SampleBuffer buffer;
+  iox::mepoo::ChunkHeader* chunk = nullptr;
+  /// Of a writer's chunk, to make references from; counts for none itself.
+  iox::mepoo::ShmSafeUnmanagedChunk name{};
+  bool sent = false;  ///< by a writer: no longer to be written
+  ChunkSlot* next_free = nullptr;
+
+  static ChunkSlot& of(core::SampleBuffer& buffer) { return *static_cast<ChunkSlot*>(buffer.owner_data); }
+};
+
+/// Not thread-safe: guarded by its port's mutex.
+class ChunkSlots {
+ public:
+  ChunkSlots(std::uint32_t count, const FieldMask& mask) : slots_(std::make_unique<ChunkSlot[]>(count)) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      slots_[i].buffer.mask = mask;
+      slots_[i].buffer.owner_data = &slots_[i];
+      slots_[i].next_free = std::exchange(free_, &slots_[i]);
+    }
+  }
+
+  bool empty() const { return free_ == nullptr; }
+  bool all_back() const { return out_ == 0; }
+
+  ChunkSlot* take() noexcept {
+    ChunkSlot* slot = free_;
+    if (slot == nullptr) return nullptr;
+    free_ = slot->next_free;
+    ++out_;
+    return slot;
+  }
+
+  void give_back(ChunkSlot& slot) noexcept {
+    slot.chunk = nullptr;
+    slot.next_free = std::exchange(free_, &slot);
+    --out_;
+  }
+
+ private:
+  std::unique_ptr<ChunkSlot[]> slots_;
+  ChunkSlot* free_ = nullptr;
+  std::uint32_t out_ = 0;
+};
+
+}  // namespace sft::shm

@@ -1,0 +1,33 @@
+// Owns what iceoryx keeps once for each process: its error handler, its logger, and the table from segment
+// ids to addresses. A process can therefore have only one session with a daemon at a time
+// (daemon/process_daemon.h).
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <span>
+
+#include "shm_transport/host/iceoryx.h"
+
+namespace sft::shm {
+
+class IceoryxRuntime {
+ public:
+  /// Only one may exist at a time; ProcessDaemon sees to that.
+  IceoryxRuntime();
+  IceoryxRuntime(const IceoryxRuntime&) = delete;
+  IceoryxRuntime& operator=(const IceoryxRuntime&) = delete;
+
+  /// Enters a segment into iceoryx's table; false if its id is taken.
+  bool announce_segment(std::uint64_t id, std::span<std::byte> memory) noexcept;
+  void withdraw_segment(std::uint64_t id) noexcept;
+
+  /// Errors that iceoryx reported and went on from; it would have aborted the process at some of them.
+  static std::uint64_t errors() noexcept;
+
+ private:
+  iox::cxx::GenericRAII error_handler_;
+  std::mutex segments_mutex_;
+};
+
+}  // namespace sft::shm

@@ -1,0 +1,78 @@
+// How a reader tells a writer that waits for room in its queue that there is some: one word in the reader's
+// port, next to chunk_hand.h's. The writer writes into it that it waits, looks at the queue once more, and
+// sleeps on the word; the reader, once it has taken a sample, finds the word and wakes the writer. Both
+// fences are full ones, so that at least one side sees what the other did.
+//
+// A reader that is killed wakes nobody: a writer never sleeps long without looking whether the queue is still
+// there.
+#pragma once
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+
+#include "shm_transport/host/iceoryx.h"
+
+namespace sft::shm {
+
+#ifndef __clang__
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wtsan"
+#endif
+inline void full_fence() noexcept { std::atomic_thread_fence(std::memory_order_seq_cst); }
+#ifndef __clang__
+#pragma GCC diagnostic pop
+#endif
+
+/// Refers to a port's word; the port's memory has to stay mapped.
+class QueueRoom {
+ public:
+  static constexpr std::size_t offset = 88;  ///< in the name of the port's node, behind the label
+
+  explicit QueueRoom(const iox::popo::BasePortData& port) noexcept : word_(word_of(port)) {}
+
+  // The writer's thread.
+
+  /// Afterwards the writer looks at the queue once more before it sleeps.
+  void begin_waiting() noexcept {
+    word_->store(writer_waits, std::memory_order_seq_cst);
+    full_fence();
+  }
+  /// Until the reader has taken something, or the time is over. Spurious returns are possible.
+  void sleep(std::chrono::nanoseconds at_most) noexcept {
+    timespec timeout{};
+    timeout.tv_sec = at_most.count() / 1'000'000'000;
+    timeout.tv_nsec = at_most.count() % 1'000'000'000;
+    syscall(SYS_futex, word_, FUTEX_WAIT, writer_waits, &timeout, nullptr, 0);
+  }
+  void end_waiting() noexcept { word_->store(nobody_waits, std::memory_order_relaxed); }
+
+  // The reader's threads.
+
+  /// Whether the writer waits. After something was taken.
+  bool is_waited_for() const noexcept {
+    full_fence();
+    return word_->load(std::memory_order_relaxed) == writer_waits;
+  }
+  void wake() noexcept {
+    if (word_->exchange(nobody_waits, std::memory_order_seq_cst) == writer_waits)
+      syscall(SYS_futex, word_, FUTEX_WAKE, 1, nullptr, nullptr, 0);
+  }
+
+ private:
+  static constexpr std::uint32_t nobody_waits = 0, writer_waits = 1;
+
+  static std::atomic<std::uint32_t>* word_of(const iox::popo::BasePortData& port) noexcept {
+    static_assert(iox::NodeName_t::capacity() >= offset + sizeof(std::uint32_t));
+    static_assert(alignof(iox::NodeName_t) >= alignof(std::uint32_t));
+    return reinterpret_cast<std::atomic<std::uint32_t>*>(const_cast<char*>(port.m_nodeName.c_str()) + offset);
+  }
+
+  std::atomic<std::uint32_t>* word_;
+};
+
+}  // namespace sft::shm

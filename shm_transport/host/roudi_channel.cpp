@@ -1,0 +1,275 @@
+#include "shm_transport/host/roudi_channel.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <tuple>
+
+#include "core/platform/trusted_file.h"
+#include "shm_transport/host/access.h"
+#include "shm_transport/host/host_file.h"
+
+namespace sft::shm {
+
+using iox::runtime::IpcMessage;
+using iox::runtime::IpcMessageErrorType;
+using iox::runtime::IpcMessageType;
+
+namespace {
+
+sockaddr_un address_of(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+  return address;
+}
+
+std::string path_of(const std::string& runtime_name) {
+  return iox::platform::IOX_UDS_SOCKET_PATH_PREFIX + runtime_name;
+}
+
+/// The daemon may be another user. Where single users cannot be let in, its group is, if this process is in
+/// it.
+void let_daemon_answer(const std::string& path, const struct stat& daemon) {
+  if (daemon.st_uid == geteuid()) return;
+  if (grant_to_user(path, daemon.st_uid)) return;
+  if (chown(path.c_str(), geteuid(), daemon.st_gid) == 0) chmod(path.c_str(), 0660);
+}
+
+Result<Descriptor> listen_at(const std::string& path, const struct stat& daemon) {
+  Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  const sockaddr_un address = address_of(path);
+  if (!socket || bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    return fail(errno == EACCES ? Errc::no_permission : Errc::system,
+                path + ": " + std::strerror(errno) + "; shared memory needs a writable /tmp");
+  }
+  chmod(path.c_str(), 0600);
+  let_daemon_answer(path, daemon);
+  return socket;
+}
+
+/// The daemon's end, which is of its account: whoever else has put a socket there would get what is for it.
+/// What was looked at is connected to, whatever the path names by then.
+Result<Descriptor> connect_to(const char* path, uid_t daemon_user, struct stat& daemon) {
+  const Descriptor place(::open(path, O_PATH | O_NOFOLLOW | O_CLOEXEC));
+  const bool there = place && fstat(place.get(), &daemon) == 0;
+  if (there && (!S_ISSOCK(daemon.st_mode) || daemon.st_uid != daemon_user))
+    return fail(Errc::address_in_use, std::string(path) + " is not the daemon's socket, but something of " +
+                                          core::account_name(daemon.st_uid) +
+                                          "; remove it, and end the daemon: sftd stop");
+  Descriptor socket(there ? ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0) : -1);
+  const sockaddr_un address = address_of("/proc/self/fd/" + std::to_string(place.get()));
+  if (!socket || connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    if (errno == EACCES) {
+      return fail(Errc::no_permission,
+                  std::string(path) +
+                      ": permission denied; run this program as a member of a group that sftd serves");
+    }
+    return fail(Errc::unavailable, std::string(path) + ": " + std::strerror(errno) +
+                                       "; does this program have another /tmp than sftd (a container)?");
+  }
+  return socket;
+}
+
+/// Whether the descriptor became ready before the deadline.
+bool wait_for(int descriptor, short events, Clock::time_point deadline) {
+  const auto left = std::max(deadline - Clock::now(), Clock::duration::zero());
+  const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(left).count();
+  const timespec timeout{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
+  pollfd wanted{descriptor, events, 0};
+  return ppoll(&wanted, 1, &timeout, nullptr) > 0;
+}
+
+std::uint64_t number_at(const IpcMessage& message, std::uint32_t index) {
+  const std::string text = message.getElementAtIndex(index);
+  std::uint64_t number = 0;
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
+
+IpcMessageType type_of(const IpcMessage& message) {
+  return iox::runtime::stringToIpcMessageType(message.getElementAtIndex(0).c_str());
+}
+
+template <class T>
+std::string serialized(const T& value) {
+  return static_cast<iox::cxx::Serialization>(value).toString();
+}
+
+std::string reason_of(IpcMessageErrorType error) {
+  switch (error) {
+    case IpcMessageErrorType::PUBLISHER_LIST_FULL:
+      return "sftd has no room for another writer (it serves 506, or as many as its limits say; see sftd "
+             "status); "
+             "close some, or use UDP for this topic";
+    case IpcMessageErrorType::SUBSCRIBER_LIST_FULL:
+      return "sftd has no room for another reader (it serves 1024, or as many as its limits say, and writers "
+             "count "
+             "as one each; see sftd status); close some, or use UDP for this topic";
+    case IpcMessageErrorType::REQUEST_PUBLISHER_NO_WRITABLE_SHM_SEGMENT:
+      return "this user may not write to sftd's memory; run it as a member of the group that publishes";
+    default:
+      return "sftd refused the port (iceoryx error " + std::to_string(static_cast<int>(error)) + ")";
+  }
+}
+
+tl::unexpected<Error> too_late() {
+  return fail(Errc::unavailable, "sftd did not answer in time; is it stopped or is the machine overloaded?");
+}
+
+}  // namespace
+
+/// The right to have a request under way. Not a lock: it is waited for with a deadline, and kept over system
+/// calls.
+class RoudiChannel::Turn {
+ public:
+  Turn(RoudiChannel& channel, Clock::time_point deadline) : channel_(channel) {
+    std::unique_lock lock(channel.turn_mutex_);
+    taken_ = channel.turn_ends_.wait_until(lock, deadline, [&channel] { return !channel.turn_taken_; });
+    if (taken_) channel.turn_taken_ = true;
+  }
+  ~Turn() {
+    if (!taken_) return;
+    {
+      const std::scoped_lock lock(channel_.turn_mutex_);
+      channel_.turn_taken_ = false;
+    }
+    channel_.turn_ends_.notify_one();
+  }
+  explicit operator bool() const { return taken_; }
+
+ private:
+  RoudiChannel& channel_;
+  bool taken_ = false;
+};
+
+RoudiChannel::RoudiChannel(std::string runtime_name, Descriptor from_daemon, Descriptor to_daemon)
+    : runtime_name_(std::move(runtime_name)),
+      from_daemon_(std::move(from_daemon)),
+      to_daemon_(std::move(to_daemon)) {}
+
+RoudiChannel::~RoudiChannel() { unlink(path_of(runtime_name_).c_str()); }
+
+Result<std::unique_ptr<RoudiChannel>> RoudiChannel::open(const std::string& runtime_name, uid_t daemon_user) {
+  struct stat daemon {};
+  auto to_daemon = connect_to(roudi_socket_path, daemon_user, daemon);
+  if (!to_daemon) return tl::unexpected(to_daemon.error());
+  auto from_daemon = listen_at(path_of(runtime_name), daemon);
+  if (!from_daemon) return tl::unexpected(from_daemon.error());
+  std::unique_ptr<RoudiChannel> channel(
+      new RoudiChannel(runtime_name, std::move(*from_daemon), std::move(*to_daemon)));
+
+  channel->registration_stamp_ = std::chrono::system_clock::now().time_since_epoch().count();
+  IpcMessage request;
+  request << iox::runtime::IpcMessageTypeToString(IpcMessageType::REG) << runtime_name
+          << std::to_string(getpid()) << std::to_string(geteuid())
+          << std::to_string(channel->registration_stamp_)
+          << serialized(iox::version::VersionInfo::getCurrentVersion());
+  if (auto sent = channel->send(request, Clock::now()); !sent) return tl::unexpected(sent.error());
+  return channel;
+}
+
+Result<std::optional<Registration>> RoudiChannel::poll_registration() {
+  const auto answer = receive(Clock::now());
+  if (!answer) return std::optional<Registration>{};
+  if (type_of(*answer) == IpcMessageType::ERROR && answer->getElementAtIndex(1) == too_many_processes) {
+    return fail(Errc::limit_exceeded,
+                "sftd serves as many programs as its configuration allows; see sftd status, and raise "
+                "limits.processes");
+  }
+  const bool ours = type_of(*answer) == IpcMessageType::REG_ACK && answer->getNumberOfElements() == 5 &&
+                    number_at(*answer, 3) == static_cast<std::uint64_t>(registration_stamp_);
+  if (!ours)
+    return fail(Errc::malformed, "sftd answered a registration with \"" + answer->getMessage() + "\"");
+  return Registration{number_at(*answer, 1), number_at(*answer, 4), number_at(*answer, 2)};
+}
+
+Result<void> RoudiChannel::send(const IpcMessage& message, Clock::time_point deadline) {
+  const std::string text = message.getMessage();
+  for (;;) {
+    const ssize_t sent = ::send(to_daemon_.get(), text.c_str(), text.size() + 1, MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (sent >= 0) return {};
+    if (errno == EINTR) continue;
+    if (errno != EAGAIN) return fail(Errc::unavailable, std::string("sftd is gone: ") + std::strerror(errno));
+    if (!wait_for(to_daemon_.get(), POLLOUT, deadline)) return too_late();
+  }
+}
+
+Result<IpcMessage> RoudiChannel::receive(Clock::time_point deadline) {
+  for (;;) {
+    char text[iox::platform::IOX_UDS_SOCKET_MAX_MESSAGE_SIZE + 1];
+    const ssize_t bytes = recv(from_daemon_.get(), text, sizeof text - 1, MSG_DONTWAIT);
+    if (bytes >= 0) {
+      text[bytes] = '\0';
+      return IpcMessage(std::string(text));
+    }
+    if (errno == EINTR) continue;
+    if (errno != EAGAIN)
+      return fail(Errc::system, std::string("socket of this process: ") + std::strerror(errno));
+    if (!wait_for(from_daemon_.get(), POLLIN, deadline)) return too_late();
+  }
+}
+
+std::string RoudiChannel::next_label() {
+  const std::scoped_lock lock(turn_mutex_);
+  return runtime_name_ + "#" + std::to_string(++requests_);
+}
+
+Result<PortPlace> RoudiChannel::create_publisher(const iox::capro::ServiceDescription& service,
+                                                 iox::popo::PublisherOptions options, const Claim& claim,
+                                                 Clock::time_point deadline) {
+  const std::string label = next_label();
+  options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
+  IpcMessage request;
+  request << iox::runtime::IpcMessageTypeToString(IpcMessageType::CREATE_PUBLISHER) << runtime_name_
+          << serialized(service) << options.serialize().toString()
+          << serialized(iox::runtime::PortConfigInfo{});
+  return ask_for_port(std::move(request), IpcMessageType::CREATE_PUBLISHER_ACK, label, claim, deadline);
+}
+
+Result<PortPlace> RoudiChannel::create_subscriber(const iox::capro::ServiceDescription& service,
+                                                  iox::popo::SubscriberOptions options, const Claim& claim,
+                                                  Clock::time_point deadline, const std::string& remark) {
+  const std::string label = next_label() + remark;
+  options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
+  IpcMessage request;
+  request << iox::runtime::IpcMessageTypeToString(IpcMessageType::CREATE_SUBSCRIBER) << runtime_name_
+          << serialized(service) << options.serialize().toString()
+          << serialized(iox::runtime::PortConfigInfo{});
+  return ask_for_port(std::move(request), IpcMessageType::CREATE_SUBSCRIBER_ACK, label, claim, deadline);
+}
+
+Result<PortPlace> RoudiChannel::ask_for_port(IpcMessage request, IpcMessageType wanted,
+                                             const std::string& label, const Claim& claim,
+                                             Clock::time_point deadline) {
+  const Turn turn(*this, deadline);
+  if (!turn) return too_late();
+  if (auto sent = send(request, deadline); !sent) return tl::unexpected(sent.error());
+  for (;;) {
+    const auto answer = receive(deadline);
+    if (!answer) return tl::unexpected(answer.error());
+    if (type_of(*answer) == IpcMessageType::ERROR) {
+      const auto error = iox::runtime::stringToIpcMessageErrorType(answer->getElementAtIndex(1).c_str());
+      return fail(Errc::limit_exceeded, reason_of(error));
+    }
+    if (answer->getNumberOfElements() != 3) continue;
+    const PortPlace place{number_at(*answer, 2), number_at(*answer, 1)};
+    if (claim(place, label) && type_of(*answer) == wanted) return place;
+  }
+}
+
+void RoudiChannel::say_goodbye() noexcept {
+  IpcMessage message;
+  message << iox::runtime::IpcMessageTypeToString(IpcMessageType::TERMINATION) << runtime_name_;
+  std::ignore = send(message, Clock::now());
+}
+
+}  // namespace sft::shm

@@ -1,0 +1,28 @@
+#include "shm_transport/host/sample_check.h"
+
+#include <cstring>
+
+namespace sft::shm {
+
+std::optional<CheckedSample> check_sample(const std::byte* data, std::size_t size, const TypeSupport& type,
+                                          core::EndpointId writer) noexcept {
+  const std::size_t body_offset = SampleLayout(type.slots()).body_offset;
+  if (size < body_offset) return std::nullopt;
+  SampleHeader header;  // a copy: the writer could change its own after the check
+  std::memcpy(&header, data, sizeof header);
+  const bool ours = header.magic == sample_magic && header.slots == type.slots() &&
+                    header.type_hash == type.hash() && header.writer == writer &&
+                    header.body_offset == body_offset;
+  if (!ours || header.body_bytes > size - body_offset) return std::nullopt;
+
+  const auto* index = reinterpret_cast<const std::uint32_t*>(data + sizeof(SampleHeader));
+  for (std::size_t slot = 0; slot < type.slots(); ++slot) {
+    const std::uint32_t offset = __atomic_load_n(index + slot, __ATOMIC_RELAXED);
+    if (offset >= header.body_bytes && offset != no_offset) return std::nullopt;
+  }
+  return CheckedSample{
+      body_offset + header.body_bytes, header.writer,           header.sequence, header.source_stamp_ns,
+      header.diverted_sequence,        header.diverted_stamp_ns};
+}
+
+}  // namespace sft::shm

@@ -1,0 +1,321 @@
+#include "shm_transport/host/session.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <tuple>
+
+#include "core/platform/doorbell.h"
+#include "core/platform/random_id.h"
+#include "shm_transport/host/access.h"
+#include "shm_transport/host/iceoryx_runtime.h"
+#include "shm_transport/host/port_lock.h"
+
+namespace sft::shm {
+
+using iox::popo::BasePortData;
+using iox::popo::PublisherPortData;
+using iox::popo::SubscriberPortData;
+
+namespace {
+
+iox::capro::ServiceDescription service_of(core::EndpointId writer) {
+  return {"sft", "w", iox::capro::IdString_t(iox::cxx::TruncateToCapacity, core::in_hex(writer))};
+}
+
+using ChunkQueue = SubscriberPortData::ChunkQueueData_t;
+
+bool delivers_to(const PublisherPortData& publisher, const ChunkQueue& queue) {
+  const auto& queues = publisher.m_chunkSenderData.m_queues;
+  return std::any_of(queues.begin(), queues.end(),
+                     [&queue](const auto& known) { return known.get() == &queue; });
+}
+
+// Between the label of a port and the id of its reader, by what that wishes. (There is room for one id:
+// behind the name lie words of our own, chunk_hand.h and queue_room.h.)
+constexpr char late_mark = '@', awaited_mark = '!', late_and_awaited_mark = '*';
+constexpr std::string_view marks = "@!*";
+
+std::string in_words(const QueueWishes& wishes) {
+  if (!wishes.late && !wishes.awaited) return {};
+  const char mark = !wishes.awaited ? late_mark : !wishes.late ? awaited_mark : late_and_awaited_mark;
+  return mark + core::in_hex(wishes.reader);
+}
+
+QueueWishes wishes_in(std::string_view label) noexcept {
+  const auto at = label.find_last_of(marks);
+  if (at == std::string_view::npos) return {};
+  const std::string_view digits = label.substr(at + 1);
+  QueueWishes wishes{.late = label[at] != awaited_mark, .awaited = label[at] != late_mark};
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), wishes.reader, 16);
+  return error == std::errc{} && end == digits.data() + digits.size() ? wishes : QueueWishes{};
+}
+
+}  // namespace
+
+Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool writable, uid_t owner) {
+  const std::string path = "/dev/shm/" + name;
+  const auto file = core::open_trusted_file(path, writable ? O_RDWR : O_RDONLY, {.users = {owner}});
+  if (!file) {
+    const bool forbidden = file.error().code == Errc::no_permission;
+    return fail(file.error().code,
+                file.error().message +
+                    (forbidden ? "; run this program as a member of a group that sftd serves" : ""));
+  }
+  struct stat status {};
+  if (fstat(file->get(), &status) != 0 || static_cast<std::size_t>(status.st_size) < bytes)
+    return fail(Errc::malformed, path + " is shorter than sftd said");
+  void* memory =
+      mmap(nullptr, bytes, writable ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, file->get(), 0);
+  if (memory == MAP_FAILED) return fail(Errc::out_of_memory, path + ": " + std::strerror(errno));
+  // Once its name is gone, the memory would be in every core dump.
+  madvise(memory, bytes, MADV_DONTDUMP);
+  return Mapping({static_cast<std::byte*>(memory), bytes}, status.st_gid);
+}
+
+Mapping::~Mapping() {
+  if (!memory_.empty()) munmap(memory_.data(), memory_.size());
+}
+
+bool Mapping::contains(const void* data, std::size_t size) const {
+  const auto at = reinterpret_cast<std::uintptr_t>(data) - reinterpret_cast<std::uintptr_t>(memory_.data());
+  return at <= memory_.size() && size <= memory_.size() - at;
+}
+
+Session::Session(std::shared_ptr<IceoryxRuntime> runtime, HostWatch watch,
+                 std::unique_ptr<RoudiChannel> channel)
+    : runtime_(std::move(runtime)),
+      watch_(std::move(watch)),
+      channel_(std::move(channel)),
+      token_(host_token(watch_.file())) {}
+
+Session::~Session() {
+  if (!lost_) {
+    channel_->say_goodbye();
+    forget_segments();
+  }
+}
+
+Result<std::shared_ptr<Session>> Session::open(std::shared_ptr<IceoryxRuntime> runtime, HostWatch watch,
+                                               std::unique_ptr<RoudiChannel> channel,
+                                               const Registration& registration) {
+  std::shared_ptr<Session> session(new Session(std::move(runtime), std::move(watch), std::move(channel)));
+  if (auto mapped = session->map(registration); !mapped) return tl::unexpected(mapped.error());
+  // It was one and the same daemon throughout, if the one that wrote the token is still there.
+  if (!session->daemon_lives())
+    return fail(Errc::unavailable, "sftd went away while this process registered");
+  return session;
+}
+
+Result<void> Session::map(const Registration& registration) {
+  const auto management_bytes = static_cast<std::size_t>(registration.management_bytes);
+  auto added = add_segment(registration.management_id, iox::roudi::SHM_NAME, management_bytes, true);
+  if (!added) return added;
+  using SegmentManager = iox::mepoo::SegmentManager<>;
+  const std::span<std::byte> management = segments_.front().mapping.bytes();
+  if (registration.segment_manager_offset > management.size() ||
+      management.size() - registration.segment_manager_offset < sizeof(SegmentManager) ||
+      port_pool() == nullptr) {
+    return fail(Errc::malformed,
+                "sftd's management segment is not what it announced; is it of another version?");
+  }
+  return add_samples();
+}
+
+/// The kernel says which rights this process has: groups of a service manager or of a container are in no
+/// file that could be asked.
+Result<void> Session::add_samples() {
+  const HostFile& file = watch_.file();
+  auto added = add_segment(file.segment_id, file.segment, file.segment_bytes, true);
+  if (added || added.error().code != Errc::no_permission) return added;
+  can_write_ = false;
+  return add_segment(file.segment_id, file.segment, file.segment_bytes, false);
+}
+
+Result<void> Session::add_segment(std::uint64_t id, const std::string& name, std::size_t bytes,
+                                  bool writable) {
+  auto mapping = Mapping::open(name, bytes, writable, watch_.user());
+  if (!mapping) return tl::unexpected(mapping.error());
+  if (!runtime_->announce_segment(id, mapping->bytes())) {
+    return fail(Errc::address_in_use,
+                "this process already uses iceoryx by other means; keep it out of programs that "
+                "use SFT's shared memory");
+  }
+  segments_.push_back({id, std::move(*mapping)});
+  return {};
+}
+
+void Session::forget_segments() noexcept {
+  for (const Segment& segment : segments_) runtime_->withdraw_segment(segment.id);
+}
+
+const iox::roudi::PortPoolData* Session::port_pool() const {
+  const std::span<std::byte> management = segments_.front().mapping.bytes();
+  const std::uint64_t offset = watch_.file().port_pool_offset;
+  if (offset == 0 || offset > management.size()) return nullptr;
+  if (management.size() - offset < sizeof(iox::roudi::PortPoolData)) return nullptr;
+  return reinterpret_cast<const iox::roudi::PortPoolData*>(management.data() + offset);
+}
+
+BasePortData* Session::port_at(const PortPlace& place, std::size_t bytes) const {
+  const Segment& management = segments_.front();
+  const std::size_t size = management.mapping.bytes().size();
+  if (place.segment_id != management.id || place.offset > size || size - place.offset < bytes) return nullptr;
+  return reinterpret_cast<BasePortData*>(management.mapping.bytes().data() + place.offset);
+}
+
+bool Session::claim(const PortPlace& place, const std::string& label) const {
+  BasePortData* port = port_at(place, sizeof(BasePortData));
+  if (port == nullptr) return false;
+  if (port->m_nodeName == iox::NodeName_t(iox::cxx::TruncateToCapacity, label)) return true;
+  port->m_toBeDestroyed.store(true, std::memory_order_relaxed);
+  return false;
+}
+
+Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer, Clock::time_point deadline) {
+  if (!can_write_) {
+    return fail(Errc::no_permission,
+                "this user may read samples in shared memory but not write them; run it as a member of the "
+                "group that "
+                "owns /dev/shm/" +
+                    watch_.file().segment);
+  }
+  iox::popo::PublisherOptions options;
+  options.historyCapacity = 0;
+  options.subscriberTooSlowPolicy = iox::popo::ConsumerTooSlowPolicy::DISCARD_OLDEST_DATA;
+  const auto claim_port = [this](const PortPlace& place, const std::string& label) {
+    return claim(place, label);
+  };
+  const auto place = channel_->create_publisher(service_of(writer), options, claim_port, deadline);
+  if (!place) return tl::unexpected(place.error());
+  auto* port = static_cast<PublisherPortData*>(port_at(*place, sizeof(PublisherPortData)));
+  if (port == nullptr) return fail(Errc::malformed, "sftd answered with a port outside its memory");
+  return port;
+}
+
+Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, std::uint32_t depth,
+                                                       Clock::time_point deadline,
+                                                       const QueueWishes& wishes) {
+  iox::popo::SubscriberOptions options;
+  options.queueCapacity = std::max(depth, 1U);
+  options.historyRequest = 0;
+  options.subscribeOnCreate = depth != 0;
+  options.queueFullPolicy = iox::popo::QueueFullPolicy::DISCARD_OLDEST_DATA;
+  const auto claim_port = [this](const PortPlace& place, const std::string& label) {
+    return claim(place, label);
+  };
+  const auto place =
+      channel_->create_subscriber(service_of(writer), options, claim_port, deadline, in_words(wishes));
+  if (!place) return tl::unexpected(place.error());
+  auto* port = static_cast<SubscriberPortData*>(port_at(*place, sizeof(SubscriberPortData)));
+  if (port == nullptr) return fail(Errc::malformed, "sftd answered with a port outside its memory");
+  return port;
+}
+
+const SubscriberPortData* Session::port_of(const ChunkQueue& queue) const noexcept {
+  auto& table = const_cast<iox::roudi::PortPoolData*>(port_pool())->m_subscriberPortMembers;
+  for (const SubscriberPortData* port : table.content()) {
+    if (static_cast<const ChunkQueue*>(&port->m_chunkReceiverData) == &queue) return port;
+  }
+  return nullptr;
+}
+
+QueueWishes Session::wishes_of(const SubscriberPortData& port) noexcept {
+  return wishes_in({port.m_nodeName.c_str(), port.m_nodeName.size()});
+}
+
+void Session::admit_writers(std::uint64_t doorbell_page) const {
+  const std::string path = core::DoorbellPage::path_of(doorbell_page);
+  const auto page = core::open_trusted_file(path, O_RDWR);
+  if (!page) return;  // a writer that cannot open it says why
+  const gid_t writers = segments_.front().mapping.group();
+  if (fchown(page->get(), static_cast<uid_t>(-1), writers) == 0) return;
+  // Only members can give a file to a group: who only reads is in the other one.
+  if (const auto readers = watch_.file().readers)
+    std::ignore = fchown(page->get(), static_cast<uid_t>(-1), *readers);
+  std::ignore = grant_to_group(path, writers);
+}
+
+core::TrustedAccounts Session::reader_accounts() const {
+  core::TrustedAccounts accounts{.users = {watch_.user()}, .groups = {segments_.front().mapping.group()}};
+  if (const auto readers = watch_.file().readers) accounts.groups.push_back(*readers);
+  return accounts;
+}
+
+ChunkPools& Session::pools(const iox::mepoo::MemoryManager& pools) {
+  const std::scoped_lock lock(mutex_);
+  if (pools_ == nullptr) pools_ = std::make_unique<ChunkPools>(pools);
+  return *pools_;
+}
+
+/// iceoryx tells a subscriber nothing of this (in its N:M build a port says SUBSCRIBED as soon as it asks),
+/// so it is looked up where the daemon notes it. The table may change meanwhile: then the answer is that of a
+/// moment ago, or no.
+const PublisherPortData* Session::feeder_of(const SubscriberPortData& port) const noexcept {
+  auto& table = const_cast<iox::roudi::PortPoolData*>(port_pool())->m_publisherPortMembers;
+  const auto publishers = table.content();
+  const auto feeder = std::find_if(publishers.begin(), publishers.end(),
+                                   [&port](const auto* publisher) { return feeds(*publisher, port); });
+  return feeder == publishers.end() ? nullptr : *feeder;
+}
+
+bool Session::feeds(const PublisherPortData& feeder, const SubscriberPortData& port) noexcept {
+  return feeder.m_serviceDescription == port.m_serviceDescription &&
+         delivers_to(feeder, port.m_chunkReceiverData);
+}
+
+void Session::retire(SubscriberPortData* port) {
+  const std::scoped_lock lock(mutex_);
+  if (!lost_) retired_.push_back(port);
+}
+
+void Session::collect() {
+  const std::scoped_lock lock(mutex_);
+  if (lost_) return;
+  std::erase_if(retired_, [this](SubscriberPortData* port) {
+    const bool asked = port->m_subscriptionState.load() == iox::SubscribeState::NOT_SUBSCRIBED;
+    // A writer killed while it delivered leaves it locked until sftd has healed it, and sftd must not destroy
+    // it before.
+    if (!asked || feeder_of(*port) != nullptr || is_closed(port->m_chunkReceiverData)) return false;
+    port->m_toBeDestroyed.store(true, std::memory_order_relaxed);
+    return true;
+  });
+}
+
+bool Session::holds(const void* data, std::size_t size) const {
+  return std::any_of(segments_.begin() + 1, segments_.end(),
+                     [&](const Segment& segment) { return segment.mapping.contains(data, size); });
+}
+
+void Session::enlist(const std::shared_ptr<SessionMember>& member) {
+  {
+    const std::scoped_lock lock(mutex_);
+    std::erase_if(members_, [](const auto& other) { return other.expired(); });
+    if (!lost_) {
+      members_.push_back(member);
+      return;
+    }
+  }
+  member->lose();
+}
+
+void Session::lose() noexcept {
+  std::vector<std::weak_ptr<SessionMember>> members;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (std::exchange(lost_, true)) return;
+    members.swap(members_);
+  }
+  for (const auto& member : members) {
+    if (const auto held = member.lock()) held->lose();
+  }
+  forget_segments();
+}
+
+}  // namespace sft::shm

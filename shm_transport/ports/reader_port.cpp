@@ -1,0 +1,354 @@
+#include "shm_transport/ports/reader_port.h"
+
+#include <algorithm>
+
+#include "core/platform/clock.h"
+#include "shm_transport/host/chunk_hand.h"
+#include "shm_transport/host/queue_room.h"
+
+namespace sft::shm {
+
+using core::SampleBuffer;
+using core::SampleHandle;
+
+std::shared_ptr<ChunkBorrower> ChunkBorrower::make(std::shared_ptr<Session> session,
+                                                   iox::popo::SubscriberPortData& port,
+                                                   core::EndpointId writer, const TypeSupport& type,
+                                                   std::shared_ptr<Statistics> statistics,
+                                                   std::uint32_t held_limit, const QueueWishes& wishes) {
+  std::shared_ptr<ChunkBorrower> borrower(
+      new ChunkBorrower(session, port, writer, type, std::move(statistics), held_limit, wishes));
+  session->enlist(borrower);
+  return borrower;
+}
+
+ChunkBorrower::ChunkBorrower(std::shared_ptr<Session> session, iox::popo::SubscriberPortData& port,
+                             core::EndpointId writer, const TypeSupport& type,
+                             std::shared_ptr<Statistics> statistics, std::uint32_t held_limit,
+                             const QueueWishes& wishes)
+    : session_(std::move(session)),
+      writer_(writer),
+      type_(type),
+      statistics_(std::move(statistics)),
+      retained_first_(wishes.late),
+      is_awaited_(wishes.awaited),
+      data_(port),
+      port_(&port),
+      slots_(held_limit, type.full()) {}
+
+/// The last sample is back. The port goes once no writer delivers to it any more, which the session looks
+/// after.
+ChunkBorrower::~ChunkBorrower() {
+  close();
+  session_->retire(&data_);
+}
+
+bool ChunkBorrower::open() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  return open_;
+}
+
+bool ChunkBorrower::drained() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  return lost_ || (!open_ && arrived_ == 0);
+}
+
+bool ChunkBorrower::connected() noexcept {
+  if (!open()) return false;
+  if (feeder_ == nullptr || !Session::feeds(*feeder_, data_)) feeder_ = session_->feeder_of(data_);
+  return feeder_ != nullptr;
+}
+
+SampleHandle ChunkBorrower::take() noexcept {
+  while (ChunkSlot* slot = next_chunk()) {
+    after_chunk_came();
+    if (is_awaited_ && QueueRoom(data_).is_waited_for()) owes_wake_.store(true, std::memory_order_relaxed);
+    SampleBuffer& buffer = slot->buffer;
+    if (!check(*slot)) {
+      recycle(buffer);
+      continue;
+    }
+    buffer.receive_stamp_ns = core::realtime_ns();
+    buffer.owner = shared_from_this();
+    return SampleHandle(buffer);
+  }
+  return {};
+}
+
+void ChunkBorrower::wake_writer() noexcept {
+  if (owes_wake_.exchange(false, std::memory_order_relaxed)) QueueRoom(data_).wake();
+}
+
+/// Takes the oldest chunk out of the queue, if a slot is free for it; otherwise it stays there, and the queue
+/// overflows if it must. iceoryx itself would drop what exceeds its limit of held chunks.
+ChunkSlot* ChunkBorrower::next_chunk() noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (lost_ || (!open_ && arrived_ == 0)) return nullptr;
+  if (slots_.empty()) {
+    if (at_limit_ || !port_.hasNewChunks()) return nullptr;
+    at_limit_ = true;
+    held_too_many_.fetch_add(1, std::memory_order_relaxed);
+    statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
+    return nullptr;
+  }
+  if (!open_) --arrived_;
+  const ChunkInHand hand(data_);
+  // Asked before: what is reported later may be of samples behind this one.
+  overflowed_ |= std::exchange(overflow_is_news_, false);
+  overflowed_ |= port_.hasLostChunksSinceLastCall();
+  auto chunk = port_.tryGetChunk();
+  if (chunk.has_error()) return nullptr;
+  ++popped_;
+  ChunkSlot* slot = slots_.take();
+  slot->chunk = const_cast<iox::mepoo::ChunkHeader*>(chunk.value());
+  return slot;
+}
+
+/// The buffer says exactly what was checked, in this process's own memory: the header in the chunk can still
+/// be changed by a hostile writer, and must not be asked again.
+bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
+  SampleBuffer& buffer = slot.buffer;
+  buffer.data = static_cast<std::byte*>(slot.chunk->userPayload());
+  const std::size_t size = slot.chunk->userPayloadSize();
+  const bool in_place =
+      reinterpret_cast<std::uintptr_t>(buffer.data) % 8 == 0 && session_->holds(buffer.data, size);
+  const auto sample = in_place ? check_sample(buffer.data, size, type_, writer_) : std::nullopt;
+  if (!sample) {
+    statistics_->malformed.fetch_add(1, std::memory_order_relaxed);
+    discarded_.fetch_add(1, std::memory_order_relaxed);
+    return false;
+  }
+  buffer.capacity = sample->bytes;
+  buffer.writer = sample->writer;
+  buffer.sequence = sample->sequence;
+  buffer.source_stamp_ns = sample->source_stamp_ns;
+  buffer.diverted_sequence = sample->diverted_sequence;
+  buffer.diverted_stamp_ns = sample->diverted_stamp_ns;
+  const bool is_first = last_sequence_ == 0 && !overflowed_;
+  buffer.oldest_retained = retained_first_ && is_first ? sample->sequence : 0;
+  enter(sample->sequence);
+  return true;
+}
+
+/// iceoryx tells only that something was pushed out, not how much; sequences tell how much, but have gaps for
+/// other reasons too (samples that went another way). Together they give the number. What pushes a sample out
+/// tells it afterwards, and by then a queue of others may have been taken.
+void ChunkBorrower::enter(std::uint64_t sequence) noexcept {
+  const bool overflowed = std::exchange(overflowed_, false);
+  std::uint64_t lost = 0;
+  if (last_sequence_ == 0) {
+    dropped_at_begin_ = dropped_since_;
+    lost = 1;  // if anything is; nobody knows where the sequences began
+  } else if (sequence > last_sequence_ + 1) {
+    unexplained_gap_ += sequence - last_sequence_ - 1;
+    explicable_ = popped_ + data_.m_chunkReceiverData.m_queue.capacity() + 2;
+  }
+  if (overflowed) {
+    discarded_.fetch_add(lost + unexplained_gap_, std::memory_order_relaxed);
+    unexplained_gap_ = 0;
+  }
+  if (popped_ >= explicable_) unexplained_gap_ = 0;
+  dropped_since_ = 0;
+  last_sequence_ = sequence;
+}
+
+/// What was taken and what waits; once the queue is full, that something was pushed out.
+std::uint64_t ChunkBorrower::arrivals() noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (lost_) return popped_ + overflows_;
+  if (port_.hasLostChunksSinceLastCall()) {
+    overflow_is_news_ = true;
+    ++overflows_;
+  }
+  return popped_ + overflows_ + data_.m_chunkReceiverData.m_queue.size();
+}
+
+void ChunkBorrower::recycle(SampleBuffer& buffer) noexcept {
+  before_chunk_leaves();
+  ChunkSlot& slot = ChunkSlot::of(buffer);
+  const std::scoped_lock lock(mutex_);
+  if (!lost_) {
+    const ChunkInHand hand(data_);
+    port_.releaseChunk(slot.chunk);
+  }
+  slots_.give_back(slot);
+  at_limit_ = false;
+}
+
+void ChunkBorrower::close() noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (!std::exchange(open_, false)) return;
+  // The writer goes on delivering until the daemon has heard of it.
+  arrived_ = data_.m_chunkReceiverData.m_queue.size();
+  port_.unsubscribe();
+}
+
+std::uint64_t ChunkBorrower::left() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  return lost_ ? 0 : arrived_;
+}
+
+void ChunkBorrower::drop_oldest() noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (lost_ || arrived_ == 0) return;
+  --arrived_;
+  ++dropped_since_;
+  discarded_.fetch_add(1, std::memory_order_relaxed);
+  const ChunkInHand hand(data_);
+  // Where too many are held already, iceoryx gives it back itself.
+  if (auto chunk = port_.tryGetChunk(); !chunk.has_error()) port_.releaseChunk(chunk.value());
+}
+
+void ChunkBorrower::lose() noexcept {
+  const std::scoped_lock lock(mutex_);
+  open_ = false;
+  lost_ = true;
+}
+
+ShmReaderPort::ShmReaderPort(std::shared_ptr<Session> session, const core::ReaderSpec& spec,
+                             const ShmOptions& options, std::shared_ptr<Statistics> statistics)
+    : session_(std::move(session)), spec_(spec), options_(options), statistics_(std::move(statistics)) {}
+
+ShmReaderPort::~ShmReaderPort() {
+  for (const auto& writer : writers_) writer->close();
+}
+
+SampleHandle ShmReaderPort::take() noexcept {
+  Writers drained;  // destroyed after the lock is released
+  const std::scoped_lock lock(mutex_);
+  if (!departed_.empty()) {
+    if (SampleHandle sample = take_what_was_left(drained)) return sample;
+  }
+  for (std::size_t i = 0; i < writers_.size(); ++i) {
+    const std::size_t at = (next_writer_ + i) % writers_.size();
+    if (SampleHandle sample = writers_[at]->take()) {
+      next_writer_ = at + 1;
+      return sample;
+    }
+  }
+  return {};
+}
+
+SampleHandle ShmReaderPort::take_of(core::EndpointId writer) noexcept {
+  const std::scoped_lock lock(mutex_);
+  const auto found = std::ranges::find_if(writers_, [&](const auto& w) { return w->writer() == writer; });
+  return found == writers_.end() ? SampleHandle() : (*found)->take();
+}
+
+void ShmReaderPort::tell_of_room() noexcept {
+  for (;;) {
+    std::shared_ptr<ChunkBorrower> due;
+    {
+      const std::scoped_lock lock(mutex_);
+      const auto found = std::ranges::find_if(writers_, [](const auto& w) { return w->owes_wake(); });
+      if (found == writers_.end()) return;
+      due = *found;
+    }
+    due->wake_writer();
+  }
+}
+
+/// With the lock held, as the following.
+SampleHandle ShmReaderPort::take_what_was_left(Writers& drained) noexcept {
+  SampleHandle sample;
+  for (auto writer = departed_.begin(); writer != departed_.end() && !sample; ++writer)
+    sample = (*writer)->take();
+  drained = forget_drained();
+  return sample;
+}
+
+void ShmReaderPort::drop_excess() noexcept {
+  std::uint64_t left = 0;
+  for (const auto& writer : departed_) left += writer->left();
+  for (const auto& writer : departed_) {
+    for (; left > depth() && writer->left() > 0; --left) writer->drop_oldest();
+  }
+}
+
+/// Those of which everything was taken or dropped.
+ShmReaderPort::Writers ShmReaderPort::forget_drained() noexcept {
+  Writers drained;
+  std::erase_if(departed_, [&drained](const auto& writer) {
+    if (!writer->drained()) return false;
+    drained.push_back(writer);
+    return true;
+  });
+  for (const auto& writer : drained) {
+    discarded_before_ += writer->discarded();
+    held_too_many_before_ += writer->held_too_many();
+    lost_unnoticed_ += writer->lost_unnoticed();
+  }
+  return drained;
+}
+
+Result<void> ShmReaderPort::connect(const core::Source& source) {
+  if (find(source.writer) != nullptr) return {};
+  const QueueWishes wishes{
+      .reader = spec_.id, .late = source.history_first, .awaited = source.reliable && source.waits};
+  auto port =
+      session_->create_subscriber(source.writer, depth(), Clock::now() + options_.port_deadline, wishes);
+  if (!port) return tl::unexpected(port.error());
+  auto writer =
+      ChunkBorrower::make(session_, **port, source.writer, *spec_.type, statistics_, max_held(), wishes);
+  const std::scoped_lock lock(mutex_);
+  writers_.push_back(std::move(writer));
+  return {};
+}
+
+bool ShmReaderPort::connected(core::EndpointId writer) const noexcept {
+  const auto found = find(writer);
+  return found != nullptr && found->connected();
+}
+
+core::HistoryProgress ShmReaderPort::history(core::EndpointId writer) const noexcept {
+  const auto found = find(writer);
+  const bool awaited = found != nullptr && found->awaits_retained();
+  return awaited ? core::HistoryProgress::awaited : core::HistoryProgress::came;
+}
+
+std::uint64_t ShmReaderPort::arrivals(core::EndpointId writer) noexcept {
+  const auto found = find(writer);
+  return found == nullptr ? 0 : found->arrivals();
+}
+
+void ShmReaderPort::disconnect(core::EndpointId writer) noexcept {
+  const auto gone = find(writer);
+  if (gone == nullptr) return;
+  gone->close();
+  Writers drained;  // destroyed after the lock is released
+  const std::scoped_lock lock(mutex_);
+  std::erase(writers_, gone);
+  departed_.push_back(gone);
+  drop_excess();
+  drained = forget_drained();
+}
+
+std::uint64_t ShmReaderPort::discarded() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  std::uint64_t sum = discarded_before_;
+  for (const auto& writer : writers_) sum += writer->discarded();
+  for (const auto& writer : departed_) sum += writer->discarded();
+  return sum;
+}
+
+std::uint64_t ShmReaderPort::held_too_many() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  std::uint64_t sum = held_too_many_before_;
+  for (const auto& writer : writers_) sum += writer->held_too_many();
+  for (const auto& writer : departed_) sum += writer->held_too_many();
+  return sum;
+}
+
+std::uint64_t ShmReaderPort::lost_unnoticed() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  return lost_unnoticed_;
+}
+
+std::shared_ptr<ChunkBorrower> ShmReaderPort::find(core::EndpointId writer) const noexcept {
+  const std::scoped_lock lock(mutex_);
+  const auto found =
+      std::ranges::find_if(writers_, [&](const auto& w) { return w->writer() == writer && w->open(); });
+  return found == writers_.end() ? nullptr : *found;
+}
+
+}  // namespace sft::shm

@@ -1,0 +1,329 @@
+#include "shm_transport/ports/writer_port.h"
+
+#include <algorithm>
+#include <cassert>
+#include <new>
+#include <thread>
+#include <tuple>
+#include <utility>
+
+#include "core/sync/spin.h"
+#include "shm_transport/host/chunk_hand.h"
+#include "shm_transport/host/queue_room.h"
+
+namespace sft::shm {
+
+using core::SampleBuffer;
+using core::SampleHandle;
+using core::SendStatus;
+using iox::mepoo::ChunkHeader;
+using iox::mepoo::SharedChunk;
+using iox::mepoo::ShmSafeUnmanagedChunk;
+
+namespace {
+
+// Far above any pool; keeps sums of sizes below 2^32.
+constexpr std::size_t largest_sample_bytes = 1'000'000'000;
+
+// How long a send waits for a port's lock that the daemon holds, in steps.
+constexpr int lock_attempts = 20;
+constexpr std::chrono::microseconds lock_pause{50};
+
+// How long a writer that waits for room looks for it before it sleeps, and sleeps before it looks whether the
+// reader is still there: nobody wakes it for one that was killed.
+constexpr std::chrono::microseconds room_spin{20};
+constexpr std::chrono::milliseconds room_sleep_longest{10};
+
+}  // namespace
+
+std::shared_ptr<ChunkLender> ChunkLender::make(std::shared_ptr<Session> session,
+                                               iox::popo::PublisherPortData& publisher,
+                                               iox::popo::SubscriberPortData& keeper,
+                                               const core::WriterSpec& spec, std::uint32_t held_limit) {
+  std::shared_ptr<ChunkLender> lender(new ChunkLender(session, publisher, keeper, spec, held_limit));
+  session->enlist(lender);
+  return lender;
+}
+
+ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherPortData& publisher,
+                         iox::popo::SubscriberPortData& keeper, const core::WriterSpec& spec,
+                         std::uint32_t held_limit)
+    : full_mask_(spec.type->full()),
+      largest_bytes_(session->pools(*publisher.m_chunkSenderData.m_memoryMgr).largest_bytes()),
+      retains_(spec.retains),
+      waits_(spec.max_blocking.count() > 0),
+      session_(std::move(session)),
+      publisher_(publisher),
+      port_(&publisher),
+      keeper_(keeper),
+      pools_(session_->pools(*publisher.m_chunkSenderData.m_memoryMgr)),
+      slots_(held_limit, full_mask_) {}
+
+/// The last sample is back. Marking the ports is a write to mapped memory, allowed even if the daemon is
+/// gone.
+ChunkLender::~ChunkLender() {
+  if (session_ == nullptr) return;
+  port_.destroy();
+  keeper_.m_toBeDestroyed.store(true, std::memory_order_relaxed);
+}
+
+SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
+  if (bytes < sizeof(SampleHeader) || bytes > largest_sample_bytes) return {};
+  ChunkSlot* slot = nullptr;
+  {
+    const std::scoped_lock lock(mutex_);
+    if (lost_ || slots_.empty()) return {};
+    const ChunkInHand hand(publisher_);
+    ChunkHeader* chunk = allocate(bytes);
+    if (chunk == nullptr) return {};
+    slot = slots_.take();
+    hold(*slot, *chunk);
+  }
+  after_chunk_came();
+  SampleBuffer& buffer = slot->buffer;
+  buffer.data = static_cast<std::byte*>(slot->chunk->userPayload());
+  buffer.capacity = bytes;  // not the chunk's own word on it, which every client can overwrite
+  buffer.mask = full_mask_;
+  buffer.owner = shared_from_this();
+  new (buffer.data) SampleHeader{};
+  return SampleHandle(buffer);
+}
+
+ChunkHeader* ChunkLender::allocate(std::size_t bytes) noexcept {
+  // iceoryx gives a publisher its last chunk again, whatever is left in the pools, once nobody else holds it.
+  auto& last = publisher_.m_chunkSenderData.m_lastChunkUnmanaged;
+  if (last.isNotLogicalNullptrAndHasNoOtherOwners() &&
+      last.getChunkHeader()->chunkSize() >= payload_for(bytes) + chunk_header_size) {
+    auto again =
+        port_.tryAllocateChunk(static_cast<std::uint32_t>(payload_for(bytes)), alignof(SampleHeader), 0, 1);
+    return again.has_error() ? nullptr : again.value();
+  }
+  while (const auto choice = pools_.choose(bytes)) {
+    auto chunk = port_.tryAllocateChunk(choice->payload_bytes, alignof(SampleHeader), 0, 1);
+    if (!chunk.has_error()) return chunk.value();
+    if (chunk.get_error() != iox::popo::AllocationError::RUNNING_OUT_OF_CHUNKS) return nullptr;
+    pools_.note_empty(*choice);
+  }
+  return nullptr;
+}
+
+/// From iceoryx's own account of loans to the list of held chunks.
+void ChunkLender::hold(ChunkSlot& slot, ChunkHeader& chunk) noexcept {
+  SharedChunk lent;
+  publisher_.m_chunkSenderData.m_chunksInUse.remove(&chunk, lent);
+  ShmSafeUnmanagedChunk name(std::move(lent));
+  slot.name = name;
+  keeper_.m_chunkReceiverData.m_chunksInUse.insert(name.releaseToSharedChunk());
+  slot.chunk = &chunk;
+  slot.sent = false;
+}
+
+ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept {
+  const std::scoped_lock lock(mutex_);
+  if (lost_) return Commit::lost;
+  bool full = false;
+  if (to_readers) {
+    // The lock is recursive: with it in hand, sendChunk cannot block on a daemon that was stopped while it
+    // had it.
+    auto& port = publisher_.m_chunkSenderData;
+    if (!port.tryLock()) return Commit::busy;
+    if (retains_ || waits_) audience_.look(port.m_queues, *session_);
+    full = waits_ && audience_.without_room() != nullptr;
+    const bool waits = full && may_wait;
+    if (!waits) deliver(slot);
+    port.unlock();
+    if (waits) return Commit::full;
+  }
+  slot.sent = true;
+  return full ? Commit::displaced : Commit::done;
+}
+
+void ChunkLender::deliver(ChunkSlot& slot) noexcept {
+  auto& port = publisher_.m_chunkSenderData;
+  const ChunkInHand hand(publisher_);
+  if (!audience_.somebody_waits()) {
+    // On loan again by iceoryx's own account: only such chunks can be sent.
+    port.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
+    before_chunk_leaves();
+    port_.sendChunk(slot.chunk);
+    return;
+  }
+  audience_.hold_back();
+  for (const Audience::Listener& listener : audience_.listeners()) {
+    if (listener.waits_as == 0) Audience::deliver(port, listener, slot.name.cloneToSharedChunk());
+  }
+}
+
+std::optional<ChunkLender::FullQueue> ChunkLender::full_queue() noexcept {
+  const std::scoped_lock lock(mutex_);
+  auto& port = publisher_.m_chunkSenderData;
+  if (lost_ || !port.tryLock()) return std::nullopt;
+  audience_.look(port.m_queues, *session_);
+  const Audience::Listener* full = audience_.without_room();
+  port.unlock();
+  if (full == nullptr) return std::nullopt;
+  return FullQueue{*full, session_};
+}
+
+/// Without a lock: the port of a reader that goes meanwhile stays mapped, and nothing but its words is used.
+void ChunkLender::await_room(Clock::time_point until) noexcept {
+  const std::optional<FullQueue> full = full_queue();
+  if (!full) return;
+  const auto has_room = [&] { return Audience::has_room(full->listener); };
+  if (core::spin(std::min(until, Clock::now() + room_spin), has_room)) return;
+  QueueRoom room(*full->listener.port);
+  room.begin_waiting();
+  const Clock::duration left = until - Clock::now();
+  if (!has_room() && left.count() > 0)
+    room.sleep(std::min<std::chrono::nanoseconds>(left, room_sleep_longest));
+  room.end_waiting();
+}
+
+void ChunkLender::wait_for(std::set<core::EndpointId> readers) noexcept {
+  const std::scoped_lock lock(mutex_);
+  audience_.wait_for(std::move(readers));
+}
+
+std::optional<std::uint64_t> ChunkLender::held_back(core::EndpointId reader) noexcept {
+  const std::scoped_lock lock(mutex_);
+  auto& port = publisher_.m_chunkSenderData;
+  if (lost_ || !retains_ || !port.tryLock()) return std::nullopt;
+  audience_.look(port.m_queues, *session_);
+  port.unlock();
+  if (audience_.waiting(reader) == nullptr) return std::nullopt;
+  return audience_.held_back();
+}
+
+bool ChunkLender::begin(core::EndpointId reader, const std::vector<SampleHandle>& retained,
+                        std::uint64_t held_back) noexcept {
+  const std::scoped_lock lock(mutex_);
+  auto& port = publisher_.m_chunkSenderData;
+  if (lost_ || held_back != audience_.held_back() || !port.tryLock()) return false;
+  audience_.look(port.m_queues, *session_);
+  if (const Audience::Listener* listener = audience_.waiting(reader)) {
+    const ChunkInHand hand(publisher_);
+    for (const SampleHandle& sample : retained) {
+      ChunkSlot& slot = ChunkSlot::of(*sample);
+      Audience::deliver(port, *listener, slot.name.cloneToSharedChunk());
+      slot.sent = true;
+    }
+    audience_.begun(reader);
+  }
+  port.unlock();
+  return true;
+}
+
+void ChunkLender::owe_nothing(std::set<core::EndpointId> readers) noexcept {
+  const std::scoped_lock lock(mutex_);
+  audience_.owe_nothing(std::move(readers));
+}
+
+void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
+  before_chunk_leaves();
+  ChunkSlot& slot = ChunkSlot::of(buffer);
+  std::shared_ptr<Session> gone;  // unmaps after the lock is released
+  const std::scoped_lock lock(mutex_);
+  if (!lost_) {
+    const ChunkInHand hand(publisher_);
+    SharedChunk held;  // given back at the end of this block
+    keeper_.m_chunkReceiverData.m_chunksInUse.remove(slot.chunk, held);
+  }
+  slots_.give_back(slot);
+  gone = let_go();
+}
+
+void ChunkLender::lose() noexcept {
+  std::shared_ptr<Session> gone;
+  const std::scoped_lock lock(mutex_);
+  lost_ = true;
+  gone = let_go();
+}
+
+/// With the lock held: the session, where nothing here needs its memory any more.
+std::shared_ptr<Session> ChunkLender::let_go() noexcept {
+  return lost_ && slots_.all_back() ? std::move(session_) : nullptr;
+}
+
+bool ChunkLender::has_lent(const SampleBuffer& sample) const noexcept {
+  // The flag is written by commit(), which the thread that asks calls itself.
+  return sample.owner.get() == this && !static_cast<const ChunkSlot*>(sample.owner_data)->sent;
+}
+
+SampleHandle ShmWriterPort::loan(std::size_t bytes) noexcept {
+  SampleHandle handle = chunks_->lend(bytes);
+  if (!handle) statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
+  return handle;
+}
+
+SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
+  assert(can_send(*sample) && sample->mask.is_full());
+  if (!can_send(*sample)) return drop();
+  const Doorbells* bells = doorbells_.load();
+  const bool wanted = bells != nullptr && bells->wanted();
+  ChunkSlot& slot = ChunkSlot::of(*sample);
+  patience_ = std::min(max_blocking_, patience_max_);
+  auto committed = commit(slot, wanted, patience_.count() > 0);
+  if (committed == ChunkLender::Commit::full) [[unlikely]]
+    committed = commit_once_there_is_room(slot);
+  if (committed == ChunkLender::Commit::lost) return SendStatus::lost_port;
+  if (committed == ChunkLender::Commit::busy) return drop();
+  if (wanted) pages_->ring(doorbells_.loaded());
+  return committed == ChunkLender::Commit::displaced ? SendStatus::displaced : SendStatus::sent;
+}
+
+ChunkLender::Commit ShmWriterPort::commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept {
+  auto committed = chunks_->commit(slot, to_readers, may_wait);
+  for (int i = 0; i < lock_attempts && committed == ChunkLender::Commit::busy; ++i) {
+    std::this_thread::sleep_for(lock_pause);
+    committed = chunks_->commit(slot, to_readers, may_wait);
+  }
+  return committed;
+}
+
+/// Or once there is no patience left: then readers without room lose their oldest sample.
+ChunkLender::Commit ShmWriterPort::commit_once_there_is_room(ChunkSlot& slot) noexcept {
+  const Clock::time_point until = Clock::now() + patience_;
+  auto committed = ChunkLender::Commit::full;
+  while (committed == ChunkLender::Commit::full) {
+    chunks_->await_room(until);
+    committed = commit(slot, true, Clock::now() < until);
+  }
+  patience_ = std::max<std::chrono::nanoseconds>(until - Clock::now(), {});
+  return committed;
+}
+
+SendStatus ShmWriterPort::drop() noexcept {
+  statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
+  return SendStatus::dropped;
+}
+
+bool ShmWriterPort::begin_with(const core::Route& to, const std::vector<SampleHandle>& retained,
+                               std::uint64_t held_back) {
+  if (!chunks_->begin(to.reader, retained, held_back)) return false;
+  core::Route whatever_its_rate = to;
+  whatever_its_rate.gate = nullptr;
+  const auto bell = pages_->doorbells_of({whatever_its_rate}, reader_accounts_);
+  if (bell->announce() != 0) bell->run();
+  return true;
+}
+
+std::string ShmWriterPort::why_unreachable(const core::Route& to) {
+  auto page = pages_->page_of(to, reader_accounts_);
+  if (!page) return "it cannot be woken in shared memory: " + page.error().message;
+  reached_.push_back(std::move(*page));
+  return {};
+}
+
+void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
+  std::set<core::EndpointId> owed_nothing, awaited;
+  for (const core::Route& route : routes) {
+    if (route.history == 0) owed_nothing.insert(route.reader);
+    if (route.reliable) awaited.insert(route.reader);
+  }
+  chunks_->wait_for(std::move(awaited));
+  chunks_->owe_nothing(std::move(owed_nothing));
+  doorbells_.store(routes.empty() ? nullptr : pages_->doorbells_of(routes, reader_accounts_));
+  reached_.clear();
+}
+
+}  // namespace sft::shm

@@ -1,0 +1,108 @@
+#include "shm_transport/wake/doorbells.h"
+
+#include <algorithm>
+#include <iterator>
+#include <variant>
+
+namespace sft::shm {
+
+namespace {
+constexpr std::chrono::milliseconds search_interval{500};
+}
+
+void Doorbells::add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot,
+                    std::shared_ptr<const core::RateGate> gate) {
+  core::Doorbell* bell = page == nullptr ? nullptr : &page->at(slot);
+  auto known = std::ranges::find(bells_, bell, &Bell::bell);
+  if (known == bells_.end()) {
+    bells_.emplace_back().bell = bell;
+    known = std::prev(bells_.end());
+    pages_.push_back(std::move(page));
+  }
+  known->always |= gate == nullptr;
+  if (gate != nullptr) known->gates.push_back(std::move(gate));
+}
+
+bool Doorbells::Bell::wanted() const noexcept {
+  return always || std::ranges::any_of(gates, [](const auto& gate) { return gate->passes(); });
+}
+
+bool Doorbells::wanted() const noexcept { return std::ranges::any_of(bells_, &Bell::wanted); }
+
+std::size_t Doorbells::announce() const noexcept {
+  std::size_t sleepers = 0;
+  for (const Bell& bell : bells_) {
+    if (bell.bell == nullptr || !bell.wanted() || !bell.bell->announce()) continue;
+    bell.due.store(true, std::memory_order_release);
+    ++sleepers;
+  }
+  return sleepers;
+}
+
+void Doorbells::run() const noexcept {
+  for (const Bell& bell : bells_) {
+    // Who has woken up meanwhile looks before it sleeps again.
+    if (bell.due.exchange(false, std::memory_order_acq_rel) && bell.bell->has_sleepers()) bell.bell->wake();
+  }
+}
+
+void DoorbellPages::ring(const std::shared_ptr<const Doorbells>& bells) noexcept {
+  const std::size_t sleepers = bells->announce();
+  if (sleepers == 0) return;
+  // The waker has to be woken, too: for a single sleeper that would save nothing, and cost that one time.
+  if (sleepers == 1 || !waker_.run(bells)) bells->run();
+}
+
+Result<std::shared_ptr<core::DoorbellPage>> DoorbellPages::page_of(const core::Route& route,
+                                                                   const core::TrustedAccounts& accounts) {
+  const auto* address = std::get_if<core::DoorbellAddress>(&route.destination);
+  if (address == nullptr || address->slot >= core::DoorbellPage::slots)
+    return fail(Errc::malformed, "it has announced no doorbell that there can be");
+  return open(address->page, accounts);
+}
+
+std::shared_ptr<const Doorbells> DoorbellPages::doorbells_of(const std::vector<core::Route>& routes,
+                                                             const core::TrustedAccounts& accounts) {
+  auto doorbells = std::make_shared<Doorbells>();
+  for (const core::Route& route : routes) {
+    const auto* address = std::get_if<core::DoorbellAddress>(&route.destination);
+    if (address == nullptr || address->slot >= core::DoorbellPage::slots) continue;
+    doorbells->add(open(address->page, accounts).value_or(nullptr), address->slot, route.gate);
+  }
+  if (doorbells->size() > 1) waker_.start();
+  return doorbells;
+}
+
+/// Where others announce pages that there are not, processes are not looked through for each of these.
+std::string DoorbellPages::nameless_link(std::uint64_t id) {
+  const auto now = std::chrono::steady_clock::now();
+  if (now >= next_search_) {
+    nameless_ = core::DoorbellPage::nameless_pages();
+    next_search_ = now + search_interval;
+  }
+  const auto found = nameless_.find(id);
+  return found == nameless_.end() ? "" : found->second;
+}
+
+Result<std::shared_ptr<core::DoorbellPage>> DoorbellPages::open(std::uint64_t id,
+                                                                const core::TrustedAccounts& accounts) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (const auto known = pages_.find(id); known != pages_.end()) {
+      if (auto page = known->second.lock()) return page;
+    }
+  }
+  auto opened = core::DoorbellPage::open(id, accounts);
+  if (!opened && opened.error().code == Errc::unavailable) {
+    if (const std::string link = nameless_link(id); !link.empty())
+      opened = core::DoorbellPage::open_nameless(id, link);
+  }
+  if (!opened) return tl::unexpected(opened.error());
+  std::shared_ptr<core::DoorbellPage> page = std::move(*opened);
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(pages_, [](const auto& entry) { return entry.second.expired(); });
+  pages_[id] = page;
+  return page;
+}
+
+}  // namespace sft::shm

@@ -1,0 +1,154 @@
+// A writer that may wait for its reliable readers, on any medium: it loses them nothing as long as it waits,
+// waits for nobody else, and never longer than it may. Without that a reader knows what it lost.
+#include <utility>
+
+#include "tests/conformance/conformance.h"
+
+namespace sft::conformance {
+namespace {
+
+using core::SampleHandle;
+using core::SendStatus;
+using namespace std::chrono_literals;
+
+constexpr std::uint32_t depth = 8;
+constexpr std::uint64_t burst = 6'000;  // more than any medium keeps on its way (udp::ResendLimits: 4096)
+constexpr std::chrono::seconds for_good{60};
+
+/// Publishes so many, on a thread of its own.
+class Publishing {
+ public:
+  Publishing(Writer& writer, std::uint64_t samples)
+      : thread_([this, &writer, samples] {
+          for (std::uint64_t n = 0; n < samples; ++n, ++published_) writer.publish();
+        }) {}
+  std::uint64_t published() const { return published_; }
+
+ private:
+  std::atomic<std::uint64_t> published_{0};
+  std::jthread thread_;
+};
+
+/// What a reader took, and the gaps between.
+struct Taken {
+  std::uint64_t last = 0, count = 0, missed = 0;
+  bool in_order = true;
+  void enter(const SampleHandle& sample) {
+    in_order = in_order && sample->sequence > last;
+    missed += last == 0 ? 0 : sample->sequence - last - 1;
+    last = sample->sequence;
+    ++count;
+  }
+  void take_until(Reader& reader, std::uint64_t end) {
+    while (last < end) {
+      const SampleHandle sample = reader.next();
+      ASSERT_TRUE(sample) << "nothing comes behind " << last;
+      enter(sample);
+    }
+  }
+};
+
+TEST_P(BackPressure, LosesNothingOfABurstThatIsLargerThanAnyQueue) {
+  Writer writer(stage, 1, for_good);
+  Reader reader(stage, {.depth = depth});
+  writer.serve(reader);
+  const Publishing publishing(writer, burst);
+  EXPECT_EQ(reader.next_sequences(burst), numbers(1, burst));
+  EXPECT_EQ(reader.port().discarded(), 0U);
+}
+
+TEST_P(BackPressure, LosesNothingForAReaderThatStallsWhileItIsWaitedFor) {
+  Writer writer(stage, 1, for_good);
+  Reader reader(stage, {.depth = depth});
+  writer.serve(reader);
+  const Publishing publishing(writer, burst);
+  std::uint64_t before = 0;
+  const auto waits = [&] {
+    const std::uint64_t published = publishing.published();
+    return std::exchange(before, published) == published && published >= depth;
+  };
+  ASSERT_TRUE(eventually(waits, patience, 100ms));
+  EXPECT_LT(before, burst) << "there is no room for more";
+  EXPECT_EQ(reader.next_sequences(burst), numbers(1, burst));
+  EXPECT_EQ(reader.port().discarded(), 0U);
+}
+
+TEST_P(BackPressure, WaitsForTheSlowerOfTwoReadersAndLosesNeitherOfThemAnything) {
+  constexpr std::uint64_t samples = 1000;
+  Writer writer(stage, 1, for_good);
+  Reader slow(stage, {.depth = depth}), fast(stage, {.depth = depth});
+  slow.hear(writer);
+  fast.hear(writer);
+  writer.serve({slow.route(), fast.route()});
+  const Publishing publishing(writer, samples);
+  std::atomic<std::uint64_t> taken_by_fast{0};
+  std::jthread taking([&] {
+    for (std::uint64_t n = 1; n <= samples; ++n) {
+      EXPECT_EQ(fast.next_sequences(1), numbers(n, n));
+      taken_by_fast = n;
+    }
+  });
+  for (std::uint64_t n = 1; n <= samples; ++n) {
+    ASSERT_TRUE(eventually([&] { return taken_by_fast >= n; }, patience, {}))
+        << "the fast reader waits for more than it has to";
+    ASSERT_EQ(slow.next_sequences(1), numbers(n, n));
+  }
+}
+
+TEST_P(BackPressure, WaitsForNoBestEffortReader) {
+  Writer writer(stage, 1, for_good);
+  Reader careful(stage, {.depth = depth}), careless(stage, {.depth = depth, .best_effort = true});
+  careful.hear(writer);
+  careless.hear(writer);
+  writer.serve({careful.route(), careless.route()});
+  const auto begin = std::chrono::steady_clock::now();
+  const Publishing publishing(writer, burst);
+  EXPECT_EQ(careful.next_sequences(burst), numbers(1, burst));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, for_good);
+}
+
+TEST_P(BackPressure, DropsWhoTakesNothingBehindOnceItHasWaitedLongEnough) {
+  Writer writer(stage, 1, 100us);
+  Reader reader(stage, {.depth = depth});
+  writer.serve(reader);
+  Taken taken;
+  ASSERT_EQ(writer.publish(), SendStatus::sent);
+  taken.take_until(reader, 1);
+  std::uint64_t told = 0;
+  for (std::uint64_t n = 1; n < burst; ++n) told += writer.publish() == SendStatus::sent ? 0 : 1;
+  taken.take_until(reader, burst);
+  EXPECT_TRUE(taken.in_order);
+  EXPECT_GT(taken.missed, 0U);
+  EXPECT_EQ(taken.count + taken.missed, burst) << "each sample is taken or seen as a gap";
+  EXPECT_GT(told, 0U) << "the publisher knows that it did not wait long enough";
+}
+
+TEST_P(BackPressure, LosesNoMoreThanAReaderKnowsOfWhereItMayNotWait) {
+  Writer writer(stage);
+  Reader reader(stage, {.depth = depth});
+  writer.serve(reader);
+  Taken taken;
+  ASSERT_EQ(writer.publish(), SendStatus::sent);
+  taken.take_until(reader, 1);
+  for (std::uint64_t n = 1; n < burst; ++n) writer.publish();
+  taken.take_until(reader, burst);
+  EXPECT_TRUE(taken.in_order);
+  EXPECT_GT(taken.missed, 0U);
+  EXPECT_EQ(taken.count + taken.missed, burst) << "each sample is taken or seen as a gap";
+}
+
+TEST_P(BackPressure, EndsWithTheReaderThatIsWaitedFor) {
+  Writer writer(stage, 1, for_good);
+  Reader reader(stage, {.depth = depth});
+  writer.serve(reader);
+  const auto begin = std::chrono::steady_clock::now();
+  const Publishing publishing(writer, burst);
+  ASSERT_TRUE(eventually([&] { return publishing.published() >= depth; }, patience));
+  reader.destroy_port();
+  writer.serve(std::vector<core::Route>{});
+  ASSERT_TRUE(eventually([&] { return publishing.published() == burst; }, patience));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, for_good);
+}
+
+}  // namespace
+}  // namespace sft::conformance

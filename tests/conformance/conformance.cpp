@@ -1,0 +1,144 @@
+#include "tests/conformance/conformance.h"
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+#include <utility>
+
+namespace sft::conformance {
+
+using core::SampleHandle;
+using core::SendStatus;
+
+namespace {
+const TypeSupport& image_type() { return udp::test::type_support<Image>(); }
+using Clock = std::chrono::steady_clock;
+}  // namespace
+
+Reader::Reader(Stage& stage, const ReaderOptions& options)
+    : bell_(stage.bells->at(stage.readers)),
+      reliable_(stage.medium->traits().reliable && !options.best_effort) {
+  const core::DoorbellAddress bell{stage.bells->id(), stage.readers++};
+  const core::EndpointId id = 1000 + stage.readers;
+  core::ReaderSpec spec{.id = id, .type = &image_type(), .depth = options.depth, .doorbell = bell};
+  spec.listener = this;
+  spec.only_waited_for = true;
+  port_ = stage.here->open_reader(spec).value();
+  std::vector<core::Accepted> accepted;
+  for (const std::string& mask : options.masks) accepted.push_back({.wanted = {fields<Image>(mask)}});
+  route_ = {
+      .reader = id, .destination = stage.medium->locator(*stage.here, bell), .mask = accepted[0].wanted.mask};
+  route_.reliable = reliable_;
+  port_->accept(std::move(accepted));
+}
+
+void Reader::hear(const Writer& writer) {
+  const Result<void> asked = port_->connect(source(writer));
+  ASSERT_TRUE(asked) << asked.error().message;
+  ASSERT_TRUE(eventually([&] { return port_->connected(writer.id()); }, patience));
+}
+
+core::Source Reader::source(const Writer& writer) const {
+  return {.writer = writer.id(), .reliable = reliable_, .waits = writer.waits()};
+}
+
+core::Route Reader::route(const std::string& mask) const {
+  core::Route route = route_;
+  route.mask = fields<Image>(mask);
+  return route;
+}
+
+SampleHandle Reader::take() {
+  SampleHandle sample = port_->take();
+  port_->tell_of_room();
+  return sample;
+}
+
+SampleHandle Reader::next() {
+  SampleHandle sample;
+  const auto came = [&] { return sample || (sample = take()); };
+  for (const auto deadline = Clock::now() + patience; Clock::now() < deadline;) {
+    const std::uint32_t seen = bell_.rings;
+    if (came()) break;
+    if (!port_->receive({bell_, seen, deadline, {}})) bell_.wait(deadline, came);
+  }
+  return sample;
+}
+
+std::vector<std::uint64_t> Reader::next_sequences(std::size_t count) {
+  std::vector<std::uint64_t> sequences;
+  while (sequences.size() < count) {
+    const SampleHandle sample = next();
+    if (!sample) break;
+    sequences.push_back(sequence_of(sample));
+  }
+  return sequences;
+}
+
+std::vector<std::uint64_t> Reader::take_sequences() {
+  std::vector<std::uint64_t> sequences;
+  while (const SampleHandle sample = take()) sequences.push_back(sequence_of(sample));
+  return sequences;
+}
+
+Writer::Writer(Stage& stage, core::EndpointId id, std::chrono::nanoseconds max_blocking)
+    : id_(id),
+      waits_(max_blocking.count() > 0),
+      port_(stage.there->open_writer({id, &image_type(), true, max_blocking}).value()) {}
+
+void Writer::serve(Reader& reader) {
+  reader.hear(*this);
+  serve({reader.route()});
+}
+
+SampleHandle Writer::make(std::size_t data_bytes) {
+  const FieldMask all = image_type().full();
+  const Image image = make_image(data_bytes, static_cast<std::uint32_t>(sequence_ + 1));
+  const std::size_t bytes = udp::test::sample_bytes(image, all);
+  SampleHandle sample = pool_->take(bytes);
+  if (!sample || !port_->can_send(*sample)) sample = port_->loan(bytes);
+  if (sample) udp::test::fill(*sample, image, all, id_, ++sequence_);
+  return sample;
+}
+
+SendStatus Writer::publish(std::size_t data_bytes) {
+  const SampleHandle sample = make(data_bytes);
+  return sample ? port_->send(sample) : SendStatus::dropped;
+}
+
+void Writer::publish_to(Reader& reader, std::size_t data_bytes) {
+  const std::uint64_t before = reader.port().arrivals(id_);
+  ASSERT_EQ(publish(data_bytes), SendStatus::sent);
+  ASSERT_TRUE(eventually([&] { return reader.port().arrivals(id_) != before; }, patience)) << sequence_;
+}
+
+Flood::Flood(Stage& stage, std::vector<core::Route> routes, std::size_t data_bytes, core::EndpointId id)
+    : writer_(stage, id) {
+  writer_.serve(std::move(routes));
+  thread_ = std::jthread([this, data_bytes](const std::stop_token& stop) {
+    while (!stop.stop_requested()) writer_.publish(data_bytes);
+  });
+}
+
+std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t last) {
+  std::vector<std::uint64_t> all(last + 1 - first);
+  std::iota(all.begin(), all.end(), first);
+  return all;
+}
+
+testing::AssertionResult is_image(const SampleHandle& sample, std::size_t data_bytes) {
+  if (!sample) return testing::AssertionFailure() << "there is no sample";
+  const Image image = make_image(data_bytes, static_cast<std::uint32_t>(sample->sequence));
+  const SampleHeader& header = sample->header();
+  const std::span<const std::byte> body(sample->data + header.body_offset, header.body_bytes);
+  if (udp::test::same_bytes(body, encoded_body(image, sample->mask))) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "sample " << sample->sequence << " has other bytes";
+}
+
+void Conformance::SetUp() {
+  if (const std::string refusal = stage.medium->refusal(); !refusal.empty()) GTEST_SKIP() << refusal;
+  stage.there = stage.medium->open();
+  stage.here = stage.medium->open();
+}
+
+}  // namespace sft::conformance

@@ -1,0 +1,147 @@
+// The words that the conformance suite is written in: a writer on one node and readers on another, which
+// sleep until their transport wakes them. Nothing here polls for samples, so a lost wake-up is a failed test.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/platform/doorbell.h"
+#include "core/seam/buffer_pool.h"
+#include "core/seam/transport.h"
+#include "tests/conformance/medium.h"
+#include "tests/support/eventually.h"
+#include "tests/unit/udp/messages.h"
+
+namespace sft::conformance {
+
+using test::eventually;
+using udp::test::encoded_body;
+using udp::test::fields;
+using udp::test::Image;
+using udp::test::make_image;
+
+inline constexpr std::chrono::seconds patience{60};  ///< for what must happen
+
+/// Two nodes on one medium.
+struct Stage {
+  explicit Stage(std::unique_ptr<Medium> chosen) : medium(std::move(chosen)) {}
+
+  const std::unique_ptr<Medium> medium;
+  std::unique_ptr<core::Transport> there;  ///< of the writers
+  std::unique_ptr<core::Transport> here;   ///< of the readers
+  const std::unique_ptr<core::DoorbellPage> bells = core::DoorbellPage::create();
+  std::atomic<std::uint32_t> readers{0};  ///< so far
+};
+
+struct ReaderOptions {
+  std::vector<std::string> masks{"*"};  ///< what it accepts; asks for the first
+  std::uint32_t depth = 250;
+  bool best_effort = false;  ///< whatever the medium's readers ask for
+};
+
+class Writer;
+
+class Reader final : private core::ArrivalListener {
+ public:
+  explicit Reader(Stage& stage, const ReaderOptions& options = {});
+
+  /// Waits until it is connected.
+  void hear(const Writer& writer);
+  core::Source source(const Writer& writer) const;
+  /// What the writer has to know of it.
+  core::Route route() const { return route_; }
+  core::Route route(const std::string& mask) const;
+
+  core::SampleHandle take();
+  /// The next sample, as soon as it has come; empty after `patience`.
+  core::SampleHandle next();
+  /// Of so many samples, fewer where they do not come.
+  std::vector<std::uint64_t> next_sequences(std::size_t count);
+  /// Of what is there.
+  std::vector<std::uint64_t> take_sequences();
+
+  core::ReaderPort& port() { return *port_; }
+  void destroy_port() { port_.reset(); }
+
+ private:
+  void arrived() noexcept override { bell_.ring(); }
+
+  core::Doorbell& bell_;
+  const bool reliable_;
+  core::Route route_;
+  std::unique_ptr<core::ReaderPort> port_;  // goes first: then nobody calls any more
+};
+
+/// Its sample number n is an image made of the seed n.
+class Writer {
+ public:
+  /// Waits for reliable readers for so long.
+  explicit Writer(Stage& stage, core::EndpointId id = 1, std::chrono::nanoseconds max_blocking = {});
+
+  core::EndpointId id() const { return id_; }
+  std::uint64_t sequence() const { return sequence_; }
+  bool waits() const { return waits_; }
+  void serve(std::vector<core::Route> routes) { port_->set_routes(std::move(routes)); }
+  /// Makes it hear and be served, alone.
+  void serve(Reader& reader);
+
+  /// The next sample, not sent; empty where there is no memory for it.
+  core::SampleHandle make(std::size_t data_bytes);
+  core::SendStatus publish(std::size_t data_bytes = 50);
+  /// Waits until the reader has noticed it.
+  void publish_to(Reader& reader, std::size_t data_bytes = 50);
+
+  core::WriterPort& port() { return *port_; }
+  void destroy_port() { port_.reset(); }
+
+ private:
+  core::EndpointId id_;
+  const bool waits_;
+  std::unique_ptr<core::WriterPort> port_;
+  std::shared_ptr<core::BufferPool> pool_ = core::BufferPool::make(std::size_t{256} << 20);
+  std::uint64_t sequence_ = 0;
+};
+
+/// Publishes without pause, on a thread of its own.
+class Flood {
+ public:
+  Flood(Stage& stage, std::vector<core::Route> routes, std::size_t data_bytes, core::EndpointId id = 1);
+  const Writer& writer() const { return writer_; }
+  void serve(std::vector<core::Route> routes) { writer_.serve(std::move(routes)); }
+
+ private:
+  Writer writer_;
+  std::jthread thread_;
+};
+
+inline std::uint64_t sequence_of(const core::SampleHandle& sample) { return sample->sequence; }
+std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t last);
+
+/// Whether it has what its writer put there, of the fields that its mask names, and nothing else.
+testing::AssertionResult is_image(const core::SampleHandle& sample, std::size_t data_bytes);
+
+class Conformance : public testing::TestWithParam<MediumChoice> {
+ protected:
+  void SetUp() override;
+  Traits traits() const { return stage.medium->traits(); }
+
+  Stage stage{GetParam().make()};
+};
+
+/// Of media whose readers ask for reliability.
+class BackPressure : public Conformance {};
+
+/// Of transports that can send one reader something apart from all others.
+class LateReaders : public Conformance {};
+
+/// Of transports that send each reader its fields only.
+class Projection : public Conformance {};
+
+}  // namespace sft::conformance

@@ -1,0 +1,69 @@
+// What has arrived for one reader of the fake transport, and what was pushed out of there.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "core/seam/transport.h"
+
+namespace sft::test {
+
+/// Any thread. No lock is held while the listener is called.
+class FakeInbox {
+ public:
+  explicit FakeInbox(const core::ReaderSpec& spec);
+
+  /// False if the sample is not for this reader.
+  bool put(core::SampleHandle sample);
+  /// Calls the listener.
+  void announce() noexcept;
+  /// The listener is not called any more, and no call of it is under way but the one that this is part of.
+  void detach() noexcept;
+
+  core::SampleHandle take();
+  void connect(const core::Source& source);
+  void disconnect(core::EndpointId writer);
+  void accept(std::vector<core::Accepted> accepted);
+
+  bool connected(core::EndpointId writer) const;
+  core::HistoryProgress history(core::EndpointId writer) const;
+  std::uint64_t arrivals(core::EndpointId writer) const;
+  std::uint64_t discarded() const;
+  std::uint64_t lost_unnoticed() const;
+
+ private:
+  struct Writer {
+    core::EndpointId id;
+    bool connected = true;
+    bool history_first = false;  ///< still, see core::Source
+    std::uint64_t newest = 0;    ///< sequence that has arrived
+    std::uint64_t arrivals = 0;
+    bool begun = false;         ///< from the sample taken last on, gaps tell what is missing
+    std::uint64_t dropped = 0;  ///< since then
+  };
+  const Writer* find(core::EndpointId id) const;
+  Writer* find(core::EndpointId id);
+  bool wants(const core::SampleBuffer& sample) const;
+  template <class Condition>
+  void keep_newest(Condition is_counted, std::vector<core::SampleHandle>& surplus);
+  void forget_the_finished();
+
+  const core::EndpointId id_;
+  const std::size_t depth_;
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::vector<core::Accepted> accepted_;
+  std::vector<Writer> writers_;
+  std::deque<core::SampleHandle> queue_;  ///< of all writers, as they came
+  std::uint64_t discarded_ = 0;
+  std::uint64_t lost_unnoticed_ = 0;
+  core::ArrivalListener* listener_;  ///< null once detached
+  std::vector<std::thread::id> calling_;
+  std::condition_variable called_;
+};
+
+}  // namespace sft::test

@@ -1,0 +1,24 @@
+// The suite on the fake, so that what is tested with it is tested with what transports do.
+#include "tests/conformance/conformance.h"
+#include "tests/conformance/fake_transport.h"
+
+namespace sft::conformance {
+namespace {
+
+class FakeMedium final : public Medium {
+ public:
+  std::unique_ptr<core::Transport> open() override { return test::open_fake_transport(network_); }
+  core::Locator locator(const core::Transport&, const core::DoorbellAddress& bell) override { return bell; }
+
+ private:
+  const std::shared_ptr<test::FakeNetwork> network_ = test::make_fake_network();
+};
+
+const auto in_process = testing::Values(MediumChoice{"InProcess", std::make_unique<FakeMedium>});
+
+INSTANTIATE_TEST_SUITE_P(Fake, Conformance, in_process, name_of);
+INSTANTIATE_TEST_SUITE_P(Fake, LateReaders, in_process, name_of);
+INSTANTIATE_TEST_SUITE_P(Fake, Projection, in_process, name_of);
+
+}  // namespace
+}  // namespace sft::conformance

@@ -1,0 +1,144 @@
+// The suite on shared memory, each test on a host and with a daemon of its own.
+#include <optional>
+
+#include "tests/conformance/conformance.h"
+#include "tests/transports/shm/shm_fixture.h"
+
+namespace sft::conformance {
+namespace {
+
+class ShmMedium final : public Medium {
+ public:
+  explicit ShmMedium(bool reliable = false) : reliable_(reliable) {}
+  ~ShmMedium() override { test::end_daemon(); }
+
+  std::string refusal() override { return test::isolation_refusal(); }
+  Traits traits() const override {
+    return {.projects = false, .counts_before_first_taken = false, .reliable = reliable_};
+  }
+  std::unique_ptr<core::Transport> open() override {
+    auto transport = shm::open_shm_transport(test::own_daemon()).value();
+    const auto ready = [&] {
+      return transport->poll(std::chrono::steady_clock::now()) == core::Availability::ready;
+    };
+    EXPECT_TRUE(eventually(ready, patience)) << transport->description();
+    return transport;
+  }
+  core::Locator locator(const core::Transport&, const core::DoorbellAddress& bell) override { return bell; }
+
+ private:
+  const bool reliable_;
+};
+
+const auto iceoryx = testing::Values(MediumChoice{"Iceoryx", [] { return std::make_unique<ShmMedium>(); }});
+const auto reliable_iceoryx =
+    testing::Values(MediumChoice{"Iceoryx", [] { return std::make_unique<ShmMedium>(true); }});
+
+INSTANTIATE_TEST_SUITE_P(Shm, Conformance, iceoryx, name_of);
+INSTANTIATE_TEST_SUITE_P(Shm, BackPressure, reliable_iceoryx, name_of);
+
+// There is one sample, whole, for all of a writer's readers.
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(LateReaders);
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Projection);
+
+class ShmSamples : public Conformance {};
+INSTANTIATE_TEST_SUITE_P(Shm, ShmSamples, iceoryx, name_of);
+
+/// A reader that wants what was retained before all else, at a writer that has three samples retained.
+class ShmHistory : public Conformance {
+ protected:
+  void SetUp() override {
+    Conformance::SetUp();
+    if (IsSkipped()) return;
+    writer.emplace(stage);
+    early.emplace(stage);
+    late.emplace(stage);
+    early->hear(*writer);
+    connect();
+    for (int i = 0; i < 3; ++i) retained.push_back(writer->make(10));
+    to_late = late->route();
+    to_late.history = 4;
+  }
+  void connect() {
+    ASSERT_TRUE(late->port().connect({.writer = writer->id(), .history_first = true}));
+    ASSERT_TRUE(eventually([&] { return late->port().connected(writer->id()); }, patience));
+  }
+  std::optional<std::uint64_t> held_back() { return writer->port().held_back(to_late.reader); }
+  bool begin(std::optional<std::uint64_t> held_back) {
+    return held_back && writer->port().begin_with(to_late, retained, *held_back);
+  }
+
+  std::optional<Writer> writer;
+  std::optional<Reader> early, late;
+  std::vector<core::SampleHandle> retained;
+  core::Route to_late;
+};
+INSTANTIATE_TEST_SUITE_P(Shm, ShmHistory, iceoryx, name_of);
+
+TEST_P(ShmHistory, ComesBeforeWhatIsSentMeanwhileAndLacksNothingOfThat) {
+  writer->serve({early->route(), to_late});
+  const auto before = held_back();
+  const core::SampleHandle meanwhile = writer->make(10);
+  ASSERT_EQ(writer->port().send(meanwhile), core::SendStatus::sent);
+  EXPECT_EQ(early->next_sequences(1), numbers(4, 4)) << "it waits for nobody";
+  EXPECT_FALSE(late->take());
+  EXPECT_EQ(late->port().history(writer->id()), core::HistoryProgress::awaited);
+  EXPECT_FALSE(begin(before)) << "the sample sent meanwhile would be missing";
+  retained.push_back(meanwhile);
+  EXPECT_TRUE(begin(held_back()));
+  EXPECT_FALSE(held_back()) << "it waits no more";
+  ASSERT_EQ(writer->publish(), core::SendStatus::sent);
+  const core::SampleHandle first = late->next();
+  ASSERT_TRUE(is_image(first, 10));
+  EXPECT_EQ(first->sequence, 1U);
+  EXPECT_EQ(first->oldest_retained, 1U);
+  EXPECT_EQ(late->next_sequences(4), numbers(2, 5));
+  EXPECT_EQ(late->port().history(writer->id()), core::HistoryProgress::came);
+  EXPECT_EQ(early->next_sequences(1), numbers(5, 5));
+}
+
+TEST_P(ShmHistory, MayBeEmpty) {
+  writer->serve({to_late});
+  retained.clear();
+  EXPECT_TRUE(begin(held_back()));
+  ASSERT_EQ(writer->publish(), core::SendStatus::sent);
+  EXPECT_EQ(late->next_sequences(1), numbers(4, 4));
+}
+
+TEST_P(ShmHistory, IsGivenAgainToAReaderThatConnectsAgain) {
+  writer->serve({to_late});
+  EXPECT_TRUE(begin(held_back()));
+  EXPECT_EQ(late->next_sequences(3), numbers(1, 3));
+  late->port().disconnect(writer->id());
+  connect();
+  EXPECT_TRUE(eventually([&] { return begin(held_back()); }, patience));
+  EXPECT_EQ(late->next_sequences(3), numbers(1, 3));
+}
+
+TEST_P(ShmHistory, IsNotWaitedForByWhoIsOwedNone) {
+  to_late.history = 0;
+  writer->serve({to_late});
+  EXPECT_FALSE(held_back());
+  ASSERT_EQ(writer->publish(), core::SendStatus::sent);
+  EXPECT_EQ(late->next_sequences(1), numbers(4, 4));
+}
+
+TEST_P(ShmSamples, AreNotSentToOneLateReaderApartWhichGetsWhatComesInstead) {
+  Writer writer(stage);
+  Reader early(stage), late(stage);
+  early.hear(writer);
+  late.hear(writer);
+  core::Route to_late = late.route();
+  to_late.history = 1;
+  const core::SampleHandle retained = writer.make(10);
+  writer.serve({early.route(), to_late});
+  ASSERT_EQ(writer.publish(), core::SendStatus::sent);
+  writer.port().send_history(to_late, {retained});
+  EXPECT_TRUE(writer.port().history_sent(to_late.reader));
+  EXPECT_EQ(early.take_sequences(), numbers(2, 2));
+  EXPECT_EQ(late.take_sequences(), numbers(2, 2));
+  EXPECT_EQ(late.port().history(writer.id()), core::HistoryProgress::came) << "it awaits none";
+}
+
+}  // namespace
+}  // namespace sft::conformance

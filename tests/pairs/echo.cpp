@@ -1,0 +1,58 @@
+#include "tests/pairs/echo.h"
+
+#include <ranges>
+#include <stdexcept>
+
+namespace sft::test {
+
+namespace {
+
+void check(const Result<void>& done) {
+  if (!done) throw std::runtime_error(done.error().message);
+}
+
+core::Request marker_request(std::uint64_t sequence) {
+  core::Request request;
+  request.reader = 1;
+  request.sequence = sequence;
+  return request;
+}
+
+core::Endpoint marker_like(const core::Endpoint& model) {
+  core::Endpoint marker = model;
+  marker.role = core::Role::reader;
+  marker.node = "echo";
+  marker.addresses.clear();  // nobody can send it anything
+  marker.request = marker_request(1);
+  marker.id = marker.request.reader;
+  return marker;
+}
+
+}  // namespace
+
+Echo::Echo() {
+  auto discovery = core::Discovery::open({}, *this);
+  if (!discovery) throw std::runtime_error(discovery.error().message);
+  discovery_ = std::move(*discovery);
+}
+
+void Echo::endpoint_seen(core::Endpoint endpoint) {
+  const std::scoped_lock lock(mutex_);
+  endpoints_.push_back(std::move(endpoint));
+}
+
+void Echo::request_received(core::Request request) {
+  const std::scoped_lock lock(mutex_);
+  requests_.push_back(std::move(request));
+}
+
+void Echo::repeat() {
+  const std::scoped_lock lock(mutex_);
+  for (const core::Request& request : requests_ | std::views::reverse) check(discovery_->send(request));
+  for (const core::Endpoint& endpoint : endpoints_ | std::views::reverse)
+    check(discovery_->announce(endpoint));
+  check(discovery_->announce(marker_like(endpoints_.at(0))));
+  check(discovery_->send(marker_request(2)));
+}
+
+}  // namespace sft::test

@@ -1,0 +1,164 @@
+// A program on the network that withdraws what others announced, and asks in their name.
+#include "tests/pairs/fixture.h"
+
+namespace sft::test {
+namespace {
+
+class Forgeries : public NegotiationTest {
+ protected:
+  void SetUp() override {
+    NegotiationTest::SetUp();
+    if (IsSkipped()) return;
+    publisher_.emplace(here(), "publisher");
+    reader_.emplace(there(), "reader");
+    forger_.emplace(there(), "forger");
+  }
+
+  /// A pair to whom samples come, and somebody who listens to what both say.
+  void begin(const std::string& fields) {
+    publisher().advertise();
+    reader().subscribe(fields);
+    forger().forge("watch");
+    ASSERT_TRUE(agree(publisher(), reader()));
+    publisher().start_publishing();
+    ASSERT_TRUE(flows(reader()));
+  }
+
+  void TearDown() override {
+    if (!forger_) return;
+    publisher().stop_publishing();
+    EXPECT_TRUE(agree(publisher(), reader()));
+  }
+
+  Peer& publisher() { return *publisher_; }
+  Peer& reader() { return *reader_; }
+  Peer& forger() { return *forger_; }
+
+  /// Whether samples come again within a second and a half after the forger stops, on a machine that may be
+  /// slow.
+  bool flows(Peer& reader) {
+    const std::uint64_t received = reader.status()["subscriber"]["received"];
+    return comes_true([&] { return reader.status()["subscriber"]["received"] > received + 20; });
+  }
+  static std::uint64_t links_renewed(Peer& peer) { return peer.status()["node"]["links_renewed"]; }
+
+ private:
+  std::optional<Peer> publisher_, reader_, forger_;
+};
+
+TEST_F(Forgeries, APairWhoseEndpointsSomebodyElseWithdrawsWorksAgainAtOnce) {
+  begin("height, width");
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(flows(reader())) << i;
+    forger().forge("withdraw");
+  }
+  EXPECT_TRUE(flows(reader()));
+}
+
+TEST_F(Forgeries, AReaderInWhoseNameSomebodyElseAsksForNothingIsServedAgainAtOnce) {
+  begin("recorded");
+  for (const std::uint64_t ahead : {std::uint64_t{1}, std::uint64_t{1000}, std::uint64_t{1} << 31,
+                                    std::uint64_t{1} << 40, (std::uint64_t{1} << 63) - 1'000'000}) {
+    ASSERT_TRUE(flows(reader())) << ahead;
+    forger().forge("mute", ahead);
+  }
+  EXPECT_TRUE(flows(reader()));
+  reader().read("data");
+  EXPECT_TRUE(comes_true([&] { return is_served_with(publisher(), reader(), "data"); }))
+      << "what it asks for then counts";
+}
+
+TEST_F(Forgeries, AParticipantOfAnotherReleaseIsNamedOnceInTheLogOfEachNode) {
+  begin("height, width");
+  const auto lines = [](Peer& peer) {
+    int count = 0;
+    const json warnings = peer.status()["warnings"];
+    for (const std::string line : warnings) {
+      if (line.find(
+              "discovery: a participant with control protocol 7 is on eth0; this node has 9; they do not see "
+              "each other: use the same release") != std::string::npos)
+        ++count;
+    }
+    return count;
+  };
+  EXPECT_EQ(lines(publisher()), 0);
+  for (int i = 0; i < 3; ++i) {
+    forger().forge("claim version", 7);
+    EXPECT_TRUE(comes_true([&] { return lines(publisher()) == 1; })) << publisher().status()["warnings"];
+    forger().forge("claim version", 10);
+  }
+  EXPECT_TRUE(flows(reader()));
+  EXPECT_EQ(lines(publisher()), 1);
+}
+
+TEST_F(Forgeries, AComplaintThatSomebodyMakesUpCostsNoSampleAndFewLinks) {
+  begin("height, width");
+  const auto end = std::chrono::steady_clock::now() + 8s;
+  while (std::chrono::steady_clock::now() < end) {
+    forger().forge("complain");
+    ASSERT_TRUE(flows(reader()));
+  }
+  for (Peer* peer : {&publisher(), &reader()}) {
+    const std::uint64_t renewed = links_renewed(*peer);
+    EXPECT_GT(renewed, 0U) << "a complaint is heeded";
+    EXPECT_LT(renewed, 12U) << "ever more seldom, on each of two links";
+    EXPECT_FALSE(was_told(peer->status()["events"], "unmatched")) << peer->status()["events"];
+  }
+}
+
+/// Cyclone DDS takes all that a writer says for old once somebody has used a great sequence number in its
+/// name.
+class OutdatedByForgery : public Forgeries {
+ protected:
+  void SetUp() override {
+    Forgeries::SetUp();
+    if (!IsSkipped()) begin("height, width");
+  }
+};
+
+TEST_F(OutdatedByForgery, SignsOfLifeAreHeardAgainBeforeAnyNodeIsTakenForDead) {
+  forger().forge("outdate signs of life");
+  const auto end = std::chrono::steady_clock::now() + 13s;  // twice a lease, and what it takes to notice
+  while (std::chrono::steady_clock::now() < end) ASSERT_TRUE(flows(reader()));
+  EXPECT_GT(links_renewed(publisher()), 0);
+  EXPECT_GT(links_renewed(reader()), 0);
+  for (Peer* peer : {&publisher(), &reader()})
+    EXPECT_FALSE(was_told(peer->status()["events"], "unmatched")) << peer->status()["events"];
+}
+
+TEST_F(OutdatedByForgery, AnnouncementsAndRequestsAreHeardAgain) {
+  Peer late(there(), "late");
+  late.subscribe("height, width");
+  ASSERT_TRUE(agree(publisher(), late));
+  // Cyclone does not believe the first ones, while it waits for what was said before the nodes met. Once it
+  // does, nobody hears of a new subscriber.
+  const auto is_heard_by_a_new_link = [&] {
+    late.leave();
+    forger().forge("outdate announcements");
+    EXPECT_TRUE(flows(reader()));
+    late.subscribe("recorded");
+    late.read("height");
+    EXPECT_TRUE(comes_true([&] { return is_served_with(publisher(), late, "height"); }))
+        << reader_of(publisher(), late);
+    return links_renewed(late) > 0;
+  };
+  EXPECT_TRUE(comes_true(is_heard_by_a_new_link, 60s));
+  EXPECT_TRUE(flows(late));
+  EXPECT_TRUE(flows(reader()));
+  EXPECT_TRUE(agree(publisher(), late));
+}
+
+TEST_F(OutdatedByForgery, ARequestInAReadersOwnNameCountsNoLongerThanALinkTakesToBeMadeAnew) {
+  reader().set_max_rate_hz(500);  // a request
+  EXPECT_TRUE(comes_true([&] {
+    forger().forge("ask for nothing");
+    return !is_served(publisher(), reader());
+  })) << "it is believed at first: nothing tells it from a true one";
+  EXPECT_TRUE(comes_true([&] { return is_served_with(publisher(), reader(), "height, width"); }));
+  EXPECT_GT(links_renewed(reader()), 0) << "the one in whose name it was";
+  EXPECT_EQ(links_renewed(publisher()), 0);
+  EXPECT_TRUE(flows(reader()));
+}
+
+}  // namespace
+}  // namespace sft::test

@@ -1,0 +1,87 @@
+// Hosts that are real to every program on them: a network namespace with eth0 on the network of the test, and
+// their own /dev/shm and /tmp. They have no names and end with the test.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/pairs/network.h"
+#include "tests/support/isolated_host.h"
+
+namespace sft::test {
+
+class Host {
+ public:
+  /// On the network, as 10.78.0.x.
+  explicit Host(Network& network);
+  /// What a container shares with its neighbour. What it does not share is its own: eth0 is on the same
+  /// network.
+  struct Shared {
+    bool network = false;
+    bool shm = false;  ///< /dev/shm
+    bool tmp = false;
+  };
+  Host(const Host& neighbour, const Shared& shared);
+  ~Host();
+  Host(const Host&) = delete;
+  Host& operator=(const Host&) = delete;
+
+  /// `ip link set eth0 up`, or down.
+  void set_link(bool up) const;
+  /// Its cable.
+  void set_plugged(bool plugged) const { network_->set_plugged(port_, plugged); }
+
+  /// Moves the calling process, which has one thread, onto this host. False if that fails.
+  bool enter() const noexcept;
+
+ private:
+  void make(const std::function<void()>& furnish);
+  void join_network();
+
+  Network* network_;
+  std::size_t port_ = 0;
+  int network_namespace_ = -1;
+  int mount_namespace_ = -1;
+  int control_ = -1;  ///< a socket of that network, to set its interfaces
+};
+
+/// Who runs a program, and which directory the program lies in. The account must be able to reach that one.
+struct Account {
+  uid_t user = 0;  ///< also the number of its only group; 0: whoever runs the test
+  std::string programs = program_directory();
+};
+
+/// A program of the project, running on a host; killed with this at the latest.
+class Process {
+ public:
+  /// `input` becomes its standard input.
+  Process(const Host& host, const std::string& program, const std::vector<std::string>& arguments,
+          int input = -1, const Account& account = {});
+  ~Process() { kill_now(); }
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  /// SIGSTOP, SIGCONT
+  void signal(int number) const;
+  /// kill -9; returns when it is gone.
+  void kill_now();
+  pid_t pid() const { return pid_; }
+  /// Waits for its end. Its exit code, or minus the signal that ended it; or minus SIGALRM if it does not
+  /// end.
+  int wait_for_end();
+
+ private:
+  pid_t pid_ = -1;
+};
+
+/// The daemon that hosts the shared memory of a host. Peers of these tests start none themselves.
+class Daemon : public Process {
+ public:
+  explicit Daemon(const Host& host) : Process(host, "sftd", {"--foreground", "--pool-mib=32"}) {}
+};
+
+}  // namespace sft::test

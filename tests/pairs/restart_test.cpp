@@ -1,0 +1,96 @@
+// Rows "Reader restarts" and "Publisher restarts": what is killed and started anew.
+#include <memory>
+
+#include "tests/pairs/fixture.h"
+
+namespace sft::test {
+namespace {
+
+class Restarts : public NegotiationTest {
+ protected:
+  /// All at one address, so that datagrams to the one before come to the next.
+  std::unique_ptr<Peer> start(const Host& host, const std::string& name) {
+    return std::make_unique<Peer>(host, name, with_short_lease({{"port", 17'000}}));
+  }
+};
+
+TEST_F(Restarts, AReaderThatIsKilledAndStartedAnewGetsNothingOfTheMaskOfTheOneBefore) {
+  const auto publisher = start(here(), "publisher");
+  publisher->advertise();
+  auto before = start(there(), "before");
+  before->subscribe("*");
+  publisher->start_publishing();
+  ASSERT_TRUE(agree(*publisher, *before));
+  before->kill_now();
+  const auto after = start(there(), "after");
+  after->subscribe("height, width");
+  ASSERT_TRUE(agree(*publisher, *after));
+  EXPECT_TRUE(is_served_with(*publisher, *before, "*")) << "too late to see anything";
+  EXPECT_TRUE(comes_true([&] { return !is_served(*publisher, *before); }));
+  publisher->stop_publishing();
+  EXPECT_TRUE(agree(*publisher, *after));
+  EXPECT_TRUE(accounts_for_all(*publisher, *after));
+  EXPECT_EQ(writer_of(*publisher, *after)["lost"], 0);
+  EXPECT_EQ(taken_of(*publisher, *after)["masks"].size(), 1) << taken_of(*publisher, *after);
+}
+
+TEST_F(Restarts, AReaderWithTheMaskOfTheOneBeforeTakesEachSampleOnce) {
+  const auto publisher = start(here(), "publisher");
+  publisher->advertise();
+  publisher->start_publishing();
+  auto reader = start(there(), "reader 0");
+  for (int i = 1; i <= 3; ++i) {
+    reader->subscribe("data");
+    ASSERT_TRUE(agree(*publisher, *reader));
+    reader->kill_now();
+    reader = start(there(), "reader " + std::to_string(i));
+  }
+  reader->subscribe("data");
+  ASSERT_TRUE(agree(*publisher, *reader));
+  publisher->stop_publishing();
+  EXPECT_TRUE(accounts_for_all(*publisher, *reader));
+  EXPECT_EQ(writer_of(*publisher, *reader)["lost"], 0);
+}
+
+TEST_F(Restarts, APublisherThatIsKilledAndStartedAnewIsAnotherOneThatServesAtOnce) {
+  const auto reader = start(there(), "reader");
+  reader->subscribe("height, width");
+  auto before = start(here(), "before");
+  before->advertise();
+  before->start_publishing();
+  ASSERT_TRUE(comes_true([&] { return !taken_of(*before, *reader).is_null(); }));
+  before->kill_now();
+  const auto after = start(here(), "after");
+  after->advertise();
+  ASSERT_TRUE(agree(*after, *reader));
+  after->publish(100);
+  EXPECT_TRUE(accounts_for_all(*after, *reader));
+  EXPECT_EQ(taken_of(*after, *reader)["first"], 1);
+  EXPECT_EQ(writer_of(*after, *reader)["lost"], 0);
+  EXPECT_TRUE(comes_true([&] { return !writer_of(*before, *reader)["alive"]; }));
+  EXPECT_EQ(taken_of(*before, *reader)["wrong"], 0);
+}
+
+TEST_F(Restarts, OfEitherSideInAnyOrderTheNewPairAgreesAndAccountsForAll) {
+  constexpr std::array masks{"*", "data", "header", "height, width"};
+  auto publisher = start(here(), "publisher 0");
+  auto reader = start(there(), "reader 0");
+  publisher->advertise();
+  reader->subscribe("data");
+  for (int i = 1; i <= 8; ++i) {
+    publisher->start_publishing();
+    ASSERT_TRUE(agree(*publisher, *reader)) << "restart " << i;
+    const std::string number = std::to_string(i);
+    const bool of_publisher = random() % 2 == 0;
+    auto& restarted = of_publisher ? publisher : reader;
+    restarted->kill_now();
+    restarted = start(of_publisher ? here() : there(), (of_publisher ? "publisher " : "reader ") + number);
+    of_publisher ? restarted->advertise() : restarted->subscribe(masks[random() % masks.size()]);
+  }
+  ASSERT_TRUE(agree(*publisher, *reader));
+  publisher->stop_publishing();
+  EXPECT_TRUE(accounts_for_all(*publisher, *reader));
+}
+
+}  // namespace
+}  // namespace sft::test

@@ -1,0 +1,44 @@
+// What a subscriber took, by writer, and whether it was what that had published.
+#pragma once
+
+#include <sft/sft.h>
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/pairs/message.h"
+
+namespace sft::test {
+
+/// Any thread.
+class Taken {
+ public:
+  /// `sample` is of message n, where n is its sequence.
+  template <Req<PointCloud2> R>
+  void note(const Sample<PointCloud2, R>& sample) {
+    note(sample.info(), sample.mask(), is_message(sample.info().sequence, sample.mask(), sample.cdr()));
+  }
+
+  nlohmann::json to_json() const;
+
+ private:
+  struct OfWriter {
+    std::uint64_t first = 0;  ///< sequence
+    std::uint64_t last = 0;
+    std::uint64_t received = 0;
+    std::uint64_t by_shm = 0;
+    std::uint64_t wrong = 0;       ///< not what was published under the mask that the sample names
+    std::uint64_t disordered = 0;  ///< behind a later one, or twice
+    std::map<std::string, std::uint64_t> masks{};
+    std::string last_mask{};
+  };
+  void note(const SampleInfo& info, const FieldMask& mask, bool right);
+
+  mutable std::mutex mutex_;
+  std::map<std::uint64_t, OfWriter> writers_;
+};
+
+}  // namespace sft::test

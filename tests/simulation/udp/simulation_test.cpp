@@ -1,0 +1,48 @@
+// The protocol of reliable delivery, on simulated I/O and time, from thousands of seeds.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "tests/simulation/udp/world.h"
+#include "tests/support/test_seed.h"
+
+namespace sft::simulation {
+namespace {
+
+#ifdef SFT_SANITIZED
+constexpr std::uint64_t seeds = 500, beset_seeds = 20;
+#else
+constexpr std::uint64_t seeds = 10'000, beset_seeds = 200;
+#endif
+constexpr int shards = 4;
+
+class Simulation : public testing::TestWithParam<int> {};
+
+INSTANTIATE_TEST_SUITE_P(Shards, Simulation, testing::Range(0, shards));
+
+/// A seed that is given is simulated alone.
+TEST_P(Simulation, DeliversAllThatHistoryAllowsInOrderAndComesToRest) {
+  const bool alone = std::getenv("SFT_TEST_SEED") != nullptr;
+  const std::uint64_t count = alone ? 1 : test::test_rounds(seeds / shards);
+  const std::uint64_t first =
+      test::test_seed() + (alone ? 0 : count * static_cast<std::uint64_t>(GetParam()));
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    const std::string failure = World(seed).run();
+    ASSERT_EQ(failure, "") << "to repeat: SFT_TEST_SEED=" << seed;
+  }
+}
+
+/// Bits flip and fields are forged, in both directions, beside all that networks do.
+TEST_P(Simulation, DeliversAllASecondAfterTheLastForgedDatagram) {
+  const bool alone = std::getenv("SFT_TEST_SEED") != nullptr;
+  const std::uint64_t count = alone ? 1 : test::test_rounds(beset_seeds / shards);
+  const std::uint64_t first =
+      test::test_seed() + (alone ? 0 : count * static_cast<std::uint64_t>(GetParam()));
+  for (std::uint64_t seed = first; seed < first + count; ++seed) {
+    const std::string failure = World(seed, true).run();
+    ASSERT_EQ(failure, "") << "to repeat: SFT_TEST_SEED=" << seed;
+  }
+}
+
+}  // namespace
+}  // namespace sft::simulation

@@ -1,0 +1,248 @@
+// The command as such: what it is typed, how it ends, what it does with a terminal; doctor and top.
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+#include <regex>
+#include <sstream>
+#include <trajectory_msgs/msg/MultiDOFJointTrajectoryPoint.hpp>
+
+#include "tests/support/isolated_host.h"
+#include "tests/tools/sft/tool_fixture.h"
+
+namespace sft::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+class CommandTest : public ToolTest {
+ protected:
+  Publisher<PointCloud2> points = robot.publisher<PointCloud2>("points").value();
+};
+
+TEST_F(CommandTest, WrongUsageIsOneSentenceAndExitCodeTwo) {
+  const std::vector<std::vector<std::string>> wrong{{},
+                                                    {"dance"},
+                                                    {"echo"},
+                                                    {"echo", "points", "--fast"},
+                                                    {"echo", "points", "--json", "--csv"},
+                                                    {"ls", "robots"},
+                                                    {"pub", "points"},
+                                                    {"pub", "points", "std_msgs/Empty", "--once", "-n", "2"},
+                                                    {"pub", "points", "std_msgs/Empty", "-r", "0"},
+                                                    {"ls", "--domain", "300"},
+                                                    {"hz", "points", "--for", "soon"}};
+  for (const auto& arguments : wrong) {
+    const Ended ended = run_tool(arguments);
+    EXPECT_EQ(ended.code, 2) << ended.err;
+    EXPECT_EQ(ended.out, "");
+    EXPECT_THAT(ended.err, StartsWith("sft: "));
+    EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1) << ended.err;
+  }
+}
+
+TEST_F(CommandTest, HelpTellsOfExitCodes) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"--help"}, std::vector<std::string>{"echo", "--help"}}) {
+    const Ended ended = run_tool(arguments);
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_THAT(ended.out, HasSubstr("Exit codes: 0 done"));
+  }
+}
+
+/// Without escape sequences and returns.
+std::vector<std::string> shown_lines(const std::string& out) {
+  std::istringstream text(std::regex_replace(out, std::regex("\x1b\\[[0-9;]*m|\r"), ""));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST_F(CommandTest, TheHelpOfEachSubcommandFitsEightyColumns) {
+  std::vector<std::vector<std::string>> helps{{"--help"}};
+  for (const char* command :
+       {"ls", "info", "type", "echo", "pub", "hz", "bw", "delay", "why", "top", "doctor"})
+    helps.push_back({command, "--help"});
+  for (const auto& arguments : helps) {
+    const std::vector<std::string> lines = shown_lines(run_tool(arguments).out);
+    EXPECT_GT(lines.size(), 10U);
+    for (const std::string& line : lines) EXPECT_LE(line.size(), 80U) << arguments[0] << ": " << line;
+  }
+}
+
+TEST_F(CommandTest, WhatIsPrintedOnATerminalFitsIt) {
+  using Trajectory = trajectory_msgs::msg::MultiDOFJointTrajectoryPoint;
+  const std::string far = "building/floor/room/robot/arm/gripper/finger/trajectory";
+  std::vector<Publisher<Trajectory>> others;
+  for (const char* end : {"", "_next", "_last"})
+    others.push_back(robot.publisher<Trajectory>(far + end).value());
+  auto monitor = open("logger").subscriber<PointCloud2>("points", {.max_rate_hz = 5}).value();
+  const Publishing publishing(points, cloud(), 10ms, true);
+  const std::vector<std::vector<std::string>> commands{{"ls"},
+                                                       {"ls", "nodes"},
+                                                       {"ls", "types"},
+                                                       {"ls", "endpoints"},
+                                                       {"info", "points"},
+                                                       {"info", far},
+                                                       {"hz", "points", "--for", "1.5"},
+                                                       {"bw", "points", "--for", "1.5"},
+                                                       {"delay", "points", "--for", "1.5"},
+                                                       {"doctor"}};
+  std::vector<std::unique_ptr<ToolProcess>> tools;
+  for (const auto& arguments : commands)
+    tools.push_back(std::make_unique<ToolProcess>(arguments, ToolProcess::On::terminal));
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const std::vector<std::string> lines = shown_lines(tools[i]->end().out);
+    EXPECT_FALSE(lines.empty());
+    for (const std::string& line : lines) EXPECT_LE(line.size(), 80U) << commands[i][0] << ": " << line;
+  }
+}
+
+TEST_F(CommandTest, CtrlCEndsEachWithinATenthOfASecondAndItsSubscribersAreGone) {
+  const Publishing publishing(points, cloud(), 10ms, true);
+  const std::vector<std::vector<std::string>> commands{{"echo", "points", "--fields", "width"},
+                                                       {"hz", "points"},
+                                                       {"bw", "points"},
+                                                       {"delay", "points"},
+                                                       {"top", "--json"}};
+  for (const auto& arguments : commands) {
+    auto fastest = Clock::duration::max();
+    for (int attempt = 0; attempt < 3; ++attempt) {  // the machine may be busy
+      ToolProcess tool(arguments);
+      ASSERT_TRUE(tool.prints("\n")) << arguments[0];
+      const auto begun = Clock::now();
+      tool.send(SIGINT);
+      EXPECT_EQ(tool.end().code, 0) << arguments[0];
+      fastest = std::min(fastest, Clock::now() - begun);
+      EXPECT_TRUE(eventually([&] { return points.status().readers.empty(); }, 2s)) << arguments[0];
+    }
+    EXPECT_LT(fastest, 100ms) << arguments[0];
+  }
+}
+
+TEST_F(CommandTest, CtrlCEndsWhatWaits) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"ls", "--wait", "60"},
+        std::vector<std::string>{"echo", "nowhere", "--timeout", "60"}}) {
+    ToolProcess tool(arguments);
+    ASSERT_FALSE(eventually([&] { return false; }, 500ms));  // it is under way
+    const auto begun = Clock::now();
+    tool.send(SIGINT);
+    EXPECT_GE(tool.end().code, 0);
+    EXPECT_LT(Clock::now() - begun, 1s);
+  }
+}
+
+TEST_F(CommandTest, TopShowsAllOnTheScreenEndsOnQAndGivesTheTerminalBack) {
+  auto monitor = open("logger").subscriber<PointCloud2, F::width>("points").value();
+  const Publishing publishing(points, cloud());
+  ToolProcess top({"top"}, ToolProcess::On::terminal);
+  ASSERT_TRUE(top.prints("lidar -> logger")) << top.out();
+  EXPECT_THAT(top.out(), HasSubstr("\x1b[?1049h"));
+  EXPECT_TRUE(top.prints("1 topic, 1 pair"));
+  EXPECT_TRUE(top.prints(" Hz"));
+  EXPECT_TRUE(top.prints("WITHHELD"));
+  EXPECT_TRUE(top.prints(" %")) << "what was saved is told, too";
+  EXPECT_FALSE(top.echoes());
+  top.press("q");
+  ASSERT_TRUE(top.prints("\x1b[?1049l"));
+  EXPECT_EQ(top.end().code, 0);
+  EXPECT_TRUE(top.echoes());
+}
+
+TEST_F(CommandTest, TopWritesJsonForPrograms) {
+  auto monitor = open("logger").subscriber<PointCloud2, F::width>("points").value();
+  const Publishing publishing(points, cloud(), 20ms);
+  const Ended ended = run_tool({"top", "--json", "--for", "5"});
+  EXPECT_EQ(ended.code, 0);
+  std::istringstream lines(ended.out);
+  Json last;
+  for (std::string line; std::getline(lines, line);) last = Json::parse(line);
+  EXPECT_EQ(last["topics"][0]["topic"], "points");
+  EXPECT_NEAR(last["topics"][0]["samples_per_s"].get<double>(), 50, 15);
+  const Json& pair = last["topics"][0]["pairs"].at(0);
+  EXPECT_GT(pair["sent"], 100);
+  EXPECT_GT(pair["bytes_saved"], 100'000);
+  EXPECT_TRUE(pair["lost"].is_number());
+  EXPECT_EQ(run_tool({"top"}).code, 2);  // no terminal
+}
+
+TEST_F(CommandTest, ColoursAreForTerminalsAndCanBeRuledOut) {
+  const std::string escape = "\x1b[";
+  EXPECT_EQ(run_tool({"ls"}).out.find(escape), std::string::npos);
+  ToolProcess colored({"ls"}, ToolProcess::On::terminal);
+  EXPECT_TRUE(colored.prints("points"));
+  EXPECT_THAT(colored.out(), HasSubstr(escape));
+  ToolProcess plain({"ls", "--no-color"}, ToolProcess::On::terminal);
+  EXPECT_TRUE(plain.prints("points"));
+  EXPECT_EQ(plain.out().find(escape), std::string::npos);
+}
+
+TEST_F(CommandTest, DoctorTellsOfEachPartAndItsExitCodeIsTheWorst) {
+  const Ended ended = run_tool({"doctor", "--json"});
+  const Json json = Json::parse(ended.out);
+  int worst = 0;
+  std::set<std::string> parts;
+  for (const Json& check : json["checks"]) {
+    const std::string health = check["health"];
+    worst = std::max(worst, health == "ok" ? 0 : health == "warning" ? 1 : 2);
+    parts.insert(check["check"]);
+    EXPECT_EQ(check["to_do"] == "", health == "ok") << check.dump();
+  }
+  EXPECT_EQ(ended.code, worst);
+  for (const char* part : {"interfaces", "multicast", "io_uring", "memlock", "buffers", "/dev/shm", "sftd",
+                           "users", "clock", "kernel", "domain"}) {
+    EXPECT_TRUE(parts.contains(part)) << part;
+  }
+  const Ended text = run_tool({"doctor"});
+  EXPECT_EQ(text.code, ended.code);
+  std::istringstream lines(text.out);
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_TRUE(line.starts_with("ok ") || line.starts_with("warning ") || line.starts_with("error "))
+        << line;
+  }
+}
+
+TEST_F(CommandTest, DoctorWarnsOfAnInterfaceThatIsNotThereAndOfNoneThatIs) {
+  for (const auto& [interface, health] : {std::pair("eth9", "warning"), std::pair("lo", "ok")}) {
+    const Json json = Json::parse(run_tool({"doctor", "--json", "--interface", interface}).out);
+    const auto named = [&](const Json& check) { return check["check"] == "interfaces"; };
+    const auto found = std::ranges::find_if(json["checks"], named);
+    ASSERT_NE(found, json["checks"].end());
+    EXPECT_EQ((*found)["health"], health) << *found;
+  }
+}
+
+TEST_F(CommandTest, DoctorFindsTooLittleSharedMemory) {
+  if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+  const ShmOfSize small("16m");
+  const Ended ended = run_tool({"doctor"});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.out, HasSubstr("error   /dev/shm"));
+}
+
+TEST_F(CommandTest, NobodyInADomainIsExitCodeOne) {
+  const Ended ended = run_tool({"ls", "--domain", "17", "--json"});
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_EQ(Json::parse(ended.out)["topics"], Json::array());
+}
+
+TEST_F(CommandTest, BashCompletesSubcommandsOptionsTopicsAndFields) {
+  const std::string script =
+      "PATH=" + program_directory() +
+      ":$PATH; source " SFT_COMPLETION
+      "; complete_words() { COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _sft; "
+      "printf \"%s\\n\" \"${COMPREPLY[@]}\"; };"
+      "complete_words sft ec; complete_words sft echo /po; complete_words sft echo points --on;"
+      "complete_words sft echo points --fields fields[].na; complete_words sft ls ty; "
+      "complete_words sft pub /po; complete_words sft pub points sensor_msgs/PointCloud2";
+  FILE* const pipe = popen(("bash -c '" + script + "'").c_str(), "r");
+  if (pipe == nullptr) GTEST_SKIP() << "no bash";
+  std::string out;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) out += static_cast<char>(c);
+  pclose(pipe);
+  EXPECT_EQ(out, "echo\n/points\n--once\nfields[].name\ntypes\n/points\nsensor_msgs/PointCloud2\n");
+}
+
+}  // namespace
+}  // namespace sft::test

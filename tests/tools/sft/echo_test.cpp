@@ -1,0 +1,140 @@
+// Samples: echo in all formats.
+#include <diagnostic_msgs/msg/DiagnosticArray.hpp>
+#include <nav_msgs/msg/Odometry.hpp>
+#include <sensor_msgs/msg/LaserScan.hpp>
+
+#include "tests/tools/sft/tool_fixture.h"
+
+namespace sft::test {
+namespace {
+
+using diagnostic_msgs::msg::DiagnosticArray;
+using nav_msgs::msg::Odometry;
+using sensor_msgs::msg::LaserScan;
+
+constexpr const char* some_fields = "header.frame_id, width, fields[].name";
+
+class EchoTest : public ToolTest {
+ protected:
+  /// Each late subscriber gets the last sample.
+  template <class T>
+  static Publisher<T> keep(Node& node, const char* topic, const T& message) {
+    auto publisher = node.publisher<T>(topic, {.durability = transient_local}).value();
+    publisher.publish(message);
+    return publisher;
+  }
+  static Json echoed(const char* topic) {
+    const Ended ended = run_tool({"echo", topic, "--once", "--json"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return Json::parse(ended.out);
+  }
+};
+
+TEST_F(EchoTest, JsonIsWhatWasPublishedWithNestedArraysAndStrings) {
+  DiagnosticArray array;
+  array.header.frame_id = "base \"link\"\n\xc3\xa9";
+  array.status.resize(2);
+  array.status[0].name = "motor";
+  array.status[0].values.resize(2);
+  array.status[0].values[0].key = "current";
+  array.status[0].values[0].value = "1.5 A";
+  array.status[0].values[1].key = "";
+  array.status[1].message = "ok";
+  const auto publisher = keep(robot, "diagnostics", array);
+  const Json json = echoed("diagnostics");
+  EXPECT_EQ(json["header"]["frame_id"], array.header.frame_id);
+  ASSERT_EQ(json["status"].size(), 2U);
+  EXPECT_EQ(json["status"][0]["values"],
+            Json::parse(R"([{"key": "current", "value": "1.5 A"}, {"key": "", "value": ""}])"));
+  EXPECT_EQ(json["status"][1]["message"], "ok");
+  EXPECT_EQ(json["status"][1]["values"], Json::array());
+}
+
+TEST_F(EchoTest, JsonIsWhatWasPublishedWithNumbersOfAllKinds) {
+  Odometry odometry;
+  odometry.pose.pose.position.x = -0.1;
+  odometry.pose.covariance[35] = 1e-300;
+  odometry.twist.covariance[0] = 4;
+  const auto publisher = keep(robot, "odom", odometry);
+  const Json json = echoed("odom");
+  EXPECT_EQ(json["pose"]["pose"]["position"]["x"], -0.1);
+  EXPECT_EQ(json["pose"]["covariance"].get<std::vector<double>>(),
+            std::vector<double>(odometry.pose.covariance.begin(), odometry.pose.covariance.end()));
+  LaserScan scan;
+  scan.angle_min = 0.1F;
+  scan.ranges = {1.5F, 2.25F, 3e10F};
+  const auto scans = keep(robot, "scan", scan);
+  EXPECT_EQ(echoed("scan")["angle_min"], 0.1);
+  EXPECT_EQ(echoed("scan")["ranges"].get<std::vector<float>>(), scan.ranges);
+}
+
+TEST_F(EchoTest, OnlyTheseFieldsAreAskedForAndPrintedInEachFormat) {
+  auto points = robot.publisher<PointCloud2>("points").value();
+  const Publishing publishing(points, cloud());
+  const Ended yaml = run_tool({"echo", "points", "--once", "--fields", some_fields});
+  EXPECT_EQ(yaml.code, 0) << yaml.err;
+  EXPECT_EQ(
+      yaml.out,
+      "header:\n  frame_id: \"lidar, \\\"front\\\"\"\nwidth: 1024\nfields:\n- name: x\n- name: \"y\"\n---\n");
+  EXPECT_EQ(run_tool({"echo", "points", "--once", "--json", "--fields", some_fields}).out,
+            R"({"header":{"frame_id":"lidar, \"front\""},"width":1024,"fields":[{"name":"x"},{"name":"y"}]})"
+            "\n");
+  EXPECT_EQ(run_tool({"echo", "points", "--count", "2", "--csv", "--fields", some_fields}).out,
+            "header.frame_id,width,fields\n"
+            "\"lidar, \"\"front\"\"\",1024,\"[{\"\"name\"\":\"\"x\"\"},{\"\"name\"\":\"\"y\"\"}]\"\n"
+            "\"lidar, \"\"front\"\"\",1024,\"[{\"\"name\"\":\"\"x\"\"},{\"\"name\"\":\"\"y\"\"}]\"\n");
+}
+
+TEST_F(EchoTest, ThePublisherIsAskedForNoOtherFields) {
+  auto points = robot.publisher<PointCloud2>("points").value();
+  ToolProcess echo({"echo", "points", "--fields", "header.stamp, width"});
+  ASSERT_TRUE(eventually([&] { return points.status().readers.size() == 1; }));
+  EXPECT_EQ(points.status().readers[0].mask, FieldMask(F::header.stamp | F::width));
+}
+
+TEST_F(EchoTest, FromSharedMemoryToo) {
+  Node camera = open("camera", TransportChoice::shm);
+  auto points = camera.publisher<PointCloud2>("images").value();
+  const Publishing publishing(points, cloud());
+  ASSERT_TRUE(eventually([&] { return camera.status().shm_ready; }));
+  EXPECT_EQ(run_tool({"echo", "images", "--once", "--json", "--fields", "width, height"}).out,
+            "{\"height\":1,\"width\":1024}\n");
+}
+
+TEST_F(EchoTest, LongArraysAreShortenedOnTerminalsOnly) {
+  auto points = robot.publisher<PointCloud2>("points").value();
+  const Publishing publishing(points, cloud());
+  ToolProcess shortened({"echo", "points", "--once", "--fields", "data"}, ToolProcess::On::terminal);
+  EXPECT_TRUE(shortened.prints("... 984 more")) << shortened.out();
+  ToolProcess full({"echo", "points", "--once", "--fields", "data", "--full"}, ToolProcess::On::terminal);
+  EXPECT_TRUE(full.prints("---")) << full.out();
+  EXPECT_EQ(full.out().find("more"), std::string::npos);
+  EXPECT_GT(run_tool({"echo", "points", "--once", "--fields", "data"}).out.size(), 3000U);
+}
+
+TEST_F(EchoTest, AnUnknownFieldIsOneSentenceWithTheNearestOne) {
+  auto points = robot.publisher<PointCloud2>("points").value();
+  const Ended ended = run_tool({"echo", "points", "--fields", "hieght"});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_EQ(ended.err, "sft: sensor_msgs::msg::PointCloud2 has no field 'hieght'; did you mean 'height'?\n");
+}
+
+TEST_F(EchoTest, WhereNothingComesInTimeItSaysSo) {
+  auto points = robot.publisher<PointCloud2>("points").value();
+  const Ended ended = run_tool({"echo", "points", "--once", "--timeout", "0.5"});
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_THAT(ended.err, HasSubstr("No sample of 'points' came within 0.5 s"));
+}
+
+TEST_F(EchoTest, ItEndsWhenNobodyReadsItsOutput) {
+  auto points = robot.publisher<PointCloud2>("points").value();
+  const Publishing publishing(points, cloud());
+  ToolProcess echo({"echo", "points", "--fields", "width"});
+  ASSERT_TRUE(echo.prints("width: 1024"));
+  echo.close_output();
+  EXPECT_EQ(echo.end().code, 0);
+  EXPECT_TRUE(eventually([&] { return points.status().readers.empty(); }, 2s));
+}
+
+}  // namespace
+}  // namespace sft::test

@@ -1,0 +1,248 @@
+// What is there: ls, info, type, why.
+#include <iomanip>
+#include <nav_msgs/msg/Odometry.hpp>
+#include <sstream>
+
+#include "tests/tools/sft/tool_fixture.h"
+
+namespace sft::test {
+namespace {
+
+using nav_msgs::msg::Odometry;
+
+class LookTest : public ToolTest {
+ protected:
+  /// As `sft why` writes it.
+  static std::string id_of(const ReaderStatus& reader) {
+    std::ostringstream id;
+    id << std::hex << std::setfill('0') << std::setw(16) << reader.id;
+    return id.str();
+  }
+
+  Node logger = open("logger");
+  Publisher<PointCloud2> points = robot.publisher<PointCloud2>("points").value();
+  Subscriber<PointCloud2, F::width | F::height> monitor =
+      logger.subscriber<PointCloud2, F::width | F::height>("points", {.max_rate_hz = 20}).value();
+};
+
+TEST_F(LookTest, LsListsNodesTopicsTypesAndEndpointsAsJson) {
+  const Ended ended = run_tool({"ls", "--json"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const Json all = Json::parse(ended.out);
+  ASSERT_EQ(all["nodes"].size(), 2U) << ended.out;
+  EXPECT_EQ(all["nodes"][0]["name"], "lidar");
+  EXPECT_EQ(all["nodes"][0]["publishes"], Json::array({"points"}));
+  EXPECT_EQ(all["nodes"][1]["subscribes"], Json::array({"points"}));
+  ASSERT_EQ(all["topics"].size(), 1U);
+  EXPECT_EQ(all["topics"][0]["publishers"], 1);
+  EXPECT_EQ(all["topics"][0]["subscribers"], 1);
+  EXPECT_EQ(all["types"][0]["name"], "sensor_msgs/msg/PointCloud2");
+  EXPECT_EQ(all["endpoints"].size(), 2U);
+}
+
+TEST_F(LookTest, LsPrintsTablesAndNamesThatFitATerminal) {
+  EXPECT_EQ(run_tool({"ls"}).out,
+            "TOPIC   TYPE                         PUBLISHERS  SUBSCRIBERS\n"
+            "points  sensor_msgs/msg/PointCloud2  1           1\n");
+  EXPECT_EQ(run_tool({"ls", "nodes"}).out,
+            "NODE    PUBLISHES  SUBSCRIBES TO\n"
+            "lidar   points     -\n"
+            "logger  -          points\n");
+  EXPECT_EQ(run_tool({"ls", "topics", "--names"}).out, "points\n");
+  EXPECT_THAT(run_tool({"ls", "types"}).out, HasSubstr("sensor_msgs/msg/PointCloud2"));
+  EXPECT_THAT(run_tool({"ls", "endpoints"}).out, HasSubstr("publisher   lidar"));
+}
+
+TEST_F(LookTest, InfoTellsPoliciesWaysAndWhatIsAskedFor) {
+  const Ended text = run_tool({"info", "/points"});
+  EXPECT_EQ(text.code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("best_effort, volatile, keep last 1"));
+  EXPECT_THAT(text.out, HasSubstr("asks for   height, width; at most 20 Hz"));
+  EXPECT_THAT(text.out, HasSubstr("ways       udp, on this machine"));
+  const Json json = Json::parse(run_tool({"info", "points", "--json"}).out);
+  EXPECT_EQ(json["subscribers"][0]["fields"], "height, width");
+  EXPECT_EQ(json["subscribers"][0]["qos"]["reliability"], "best_effort");
+  EXPECT_EQ(json["publishers"][0]["node"], "lidar");
+}
+
+TEST_F(LookTest, TypeIsTheTextOfTheMessageFile) {
+  const Ended ended = run_tool({"type", "points"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.out, StartsWith("# sensor_msgs/msg/PointCloud2\n"
+                                    "std_msgs/Header header\n"
+                                    "uint32 height\n"
+                                    "uint32 width\n"
+                                    "sensor_msgs/PointField[] fields\n"
+                                    "bool is_bigendian\n"));
+  EXPECT_THAT(ended.out,
+              HasSubstr("\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"));
+  EXPECT_EQ(run_tool({"type", "points", "--name"}).out, "sensor_msgs/msg/PointCloud2\n");
+  EXPECT_THAT(run_tool({"type", "points", "--fields"}).out, HasSubstr("fields[].name\n"));
+  EXPECT_EQ(Json::parse(run_tool({"type", "points", "--json"}).out)["fields"][0], "header.stamp.sec");
+}
+
+TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatBothOfItsNodesHaveCounted) {
+  const Publishing publishing(points, cloud());
+  const Json json = Json::parse(run_tool({"why", "points", "--json", "--wait", "2"}).out);
+  const Json& pair = json["pairs"].at(0);
+  EXPECT_EQ(pair["matched"], true);
+  EXPECT_EQ(pair["connected"], true);
+  EXPECT_EQ(pair["transport"], "udp");
+  EXPECT_EQ(pair["publisher"]["node"], "lidar");
+  EXPECT_EQ(pair["subscriber"]["node"], "logger");
+  EXPECT_EQ(pair["fields"], "height, width");
+  EXPECT_EQ(pair["max_rate_hz"], 20.0);
+  EXPECT_GT(pair["sent_by_publisher"]["samples"], 0);
+  EXPECT_GT(pair["sent"], 0);
+  EXPECT_GT(pair["withheld"], 0) << "20 of 100 samples a second are sent";
+  EXPECT_EQ(pair["dropped"], 0);
+  EXPECT_TRUE(pair["lost"].is_number());
+  const Ended text = run_tool({"why", "points"});
+  EXPECT_EQ(text.code, 0);
+  EXPECT_THAT(text.out, HasSubstr("\nlidar -> logger  ("));
+  EXPECT_THAT(text.out,
+              HasSubstr("\n    matched by udp: the publisher or its node rules shared memory out\n"));
+}
+
+// Of a cloud of 6 MB, two numbers of four bytes.
+TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
+  PointCloud2 large = cloud();
+  large.data.resize(6'000'000);
+  auto all = logger.subscriber<PointCloud2, F::width | F::height>("points").value();
+  std::string id;
+  ASSERT_TRUE(eventually([&] {
+    for (const ReaderStatus& reader : points.status().readers) {
+      if (reader.served && reader.max_rate_hz == 0) id = id_of(reader);
+    }
+    return !id.empty();
+  }));
+  constexpr int samples = 10;
+  for (int i = 0; i < samples; ++i) {
+    points.publish(large);
+    ASSERT_TRUE(all.wait(5s));
+    while (all.take()) continue;
+  }
+  Json told;
+  ASSERT_TRUE(eventually([&] {
+    const Json json = Json::parse(run_tool({"why", "points", "--json"}).out);
+    for (const Json& pair : json["pairs"]) {
+      if (pair["max_rate_hz"] == 0.0) told = pair;
+    }
+    return told["received"] == samples;
+  })) << told.dump(2);
+  EXPECT_EQ(told["sent"], samples);
+  EXPECT_EQ(told["withheld"], 0);
+  EXPECT_EQ(told["lost"], 0);
+  EXPECT_EQ(told["bytes_sent"], samples * 8);
+  EXPECT_GT(told["bytes_saved"], samples * 6'000'000);
+  const std::string text = run_tool({"why", "points"}).out;
+  const std::size_t begin = text.find("-> " + id);
+  ASSERT_NE(begin, std::string::npos) << text;
+  EXPECT_THAT(text.substr(begin), HasSubstr("\n    fields     height, width\n"
+                                            "    sent       10 samples, 80 B over the network\n"
+                                            "    saved      60 MB, 99.9998 % of the whole samples\n"
+                                            "    withheld   0 samples; 0 dropped\n"
+                                            "    lost       0 samples; 10 received\n"));
+}
+
+TEST_F(LookTest, WhyTellsWhatWasNotToldYet) {
+  std::string text;
+  EXPECT_TRUE(eventually([&] {  // it does not wait until it knows both
+    text = run_tool({"why", "points", "--wait", "0"}).out;
+    return text.find("lidar -> logger") != std::string::npos;
+  }));
+  EXPECT_THAT(text, HasSubstr("\n    sent       not told yet\n"
+                              "    saved      not told yet\n"
+                              "    withheld   not told yet\n"
+                              "    lost       not told yet\n"));
+  Json pairs;
+  EXPECT_TRUE(eventually([&] {
+    pairs = Json::parse(run_tool({"why", "points", "--json", "--wait", "0"}).out)["pairs"];
+    return !pairs.empty();
+  }));
+  for (const char* count : {"sent", "bytes_saved", "withheld", "lost"})
+    EXPECT_TRUE(pairs.at(0)[count].is_null()) << count;
+}
+
+TEST_F(LookTest, NoLineOfWhyIsLongerThanEightyColumns) {
+  Node talkative = open("a node of which the name, " + std::string(120, 'n') + ", is long");
+  auto strict = talkative.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
+  auto many = talkative
+                  .subscriber<PointCloud2, F::header | F::height | F::width | F::fields | F::is_bigendian |
+                                               F::point_step | F::row_step>("points")
+                  .value();
+  const std::string text = run_tool({"why", "points"}).out;
+  EXPECT_THAT(text, HasSubstr("requested"));
+  EXPECT_THAT(text, HasSubstr("row_step"));
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
+}
+
+TEST_F(LookTest, WhyNamesThePolicyThatDoesNotFit) {
+  auto strict = logger.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
+  const Ended text = run_tool({"why", "points"});
+  EXPECT_EQ(text.code, 1);
+  EXPECT_THAT(text.out, HasSubstr("not matched: incompatible QoS: reliability best_effort is offered,"));
+  EXPECT_THAT(text.out, HasSubstr("requested  reliable, volatile, keep last 8"));
+  const Ended json = run_tool({"why", "points", "--json"});
+  EXPECT_EQ(json.code, 1);
+  std::size_t incompatible = 0;
+  const Json all = Json::parse(json.out);
+  for (const Json& pair : all["pairs"]) incompatible += pair["incompatible_policy"] == "reliability" ? 1 : 0;
+  EXPECT_EQ(incompatible, 1U);
+}
+
+TEST_F(LookTest, WhyTellsOfAnotherType) {
+  auto wrong = logger.subscriber<Odometry>("points").value();
+  const Ended text = run_tool({"why", "points"});
+  EXPECT_EQ(text.code, 1);
+  EXPECT_THAT(text.out, HasSubstr("not matched: type sensor_msgs::msg::PointCloud2 is published,\n"
+                                  "    nav_msgs::msg::Odometry is subscribed to"));
+}
+
+TEST_F(LookTest, WhyTellsWhereTwoDefinitionsDiffer) {
+  std::vector<Member> members(TypeTable<PointCloud2>::members.begin(), TypeTable<PointCloud2>::members.end());
+  members[1].kind = Kind::uint64;
+  const auto taller =
+      DynamicType::parse(describe(StructType(TypeTable<PointCloud2>::type.name, members))).value();
+  auto wrong = logger.subscriber("points", taller, "height").value();
+  const Ended text = run_tool({"why", "points", "--types"});
+  EXPECT_EQ(text.code, 1);
+  EXPECT_THAT(text.out, HasSubstr("two different definitions"));
+  EXPECT_THAT(text.out, HasSubstr("height: uint32 here, uint64 there\n    here: the publisher's definition"));
+  EXPECT_THAT(text.out, HasSubstr("uint64 height;"));
+}
+
+TEST_F(LookTest, WhyTellsOfSharedMemory) {
+  Node a = open("camera", TransportChoice::shm);
+  Node b = open("viewer", TransportChoice::automatic);
+  auto publisher = a.publisher<PointCloud2>("images").value();
+  auto subscriber = b.subscriber<PointCloud2, F::width>("images").value();
+  ASSERT_TRUE(eventually([&] {
+    const auto status = publisher.status();
+    return !status.readers.empty() && status.readers[0].served;
+  }));
+  const Json pair = Json::parse(run_tool({"why", "images", "--json"}).out)["pairs"].at(0);
+  EXPECT_EQ(pair["transport"], "shm");
+  EXPECT_EQ(pair["reason"], "same host");
+}
+
+TEST_F(LookTest, AnUnknownTopicIsOneSentenceThatNamesThoseThatAreThere) {
+  for (const char* command : {"info", "type", "echo", "hz", "bw", "delay", "why"}) {
+    const Ended ended = run_tool({command, "pints", "--timeout", "0.5"});
+    EXPECT_EQ(ended.code, 1) << command;
+    EXPECT_EQ(ended.out, "") << command;
+    EXPECT_EQ(ended.err, "sft: nobody publishes or subscribes to 'pints'; topics that were seen: points\n")
+        << command;
+  }
+}
+
+TEST_F(LookTest, ATopicWithASlashInFrontIsFoundEitherWay) {
+  EXPECT_EQ(run_tool({"type", "/points", "--name"}).code, 0);
+  auto slashed = robot.publisher<Odometry>("/odom").value();
+  EXPECT_EQ(run_tool({"type", "/odom", "--name"}).out, "nav_msgs/msg/Odometry\n");
+  EXPECT_EQ(run_tool({"type", "odom", "--name"}).out, "nav_msgs/msg/Odometry\n");
+}
+
+}  // namespace
+}  // namespace sft::test

@@ -1,0 +1,70 @@
+// What is measured: hz, bw, delay.
+#include "tests/tools/sft/tool_fixture.h"
+
+namespace sft::test {
+namespace {
+
+class MeasureTest : public ToolTest {
+ protected:
+  /// The last line.
+  static Json measured(std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--json", "--for", "3.5"});
+    const Ended ended = run_tool(std::move(arguments));
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    const std::size_t last = ended.out.rfind('\n', ended.out.size() - 2);
+    return Json::parse(ended.out.substr(last == std::string::npos ? 0 : last + 1));
+  }
+
+  Publisher<PointCloud2> points = robot.publisher<PointCloud2>("points").value();
+};
+
+TEST_F(MeasureTest, HzCountsSamplesWithoutAskingForAnyField) {
+  PointCloud2 large = cloud();
+  large.data.resize(1'000'000);
+  const Publishing publishing(points, large, 20ms);
+  const Json json = measured({"hz", "points"});
+  EXPECT_NEAR(json["rate_hz"].get<double>(), 50, 5);
+  EXPECT_NEAR(json["period_s"]["mean"].get<double>(), 0.02, 0.002);
+  EXPECT_EQ(json["lost"], 0);
+  EXPECT_LT(points.status().bytes_sent, 100U * json["samples"].get<std::uint64_t>());
+}
+
+TEST_F(MeasureTest, HzWatchesSeveralTopicsAndTellsOfThoseThatAreQuiet) {
+  auto quiet = robot.publisher<PointCloud2>("quiet").value();
+  const Publishing publishing(points, cloud());
+  const Ended ended = run_tool({"hz", "points", "/quiet", "--for", "1.5"});
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_THAT(ended.out, HasSubstr("points: "));
+  EXPECT_THAT(ended.out, HasSubstr(" Hz, periods of "));
+  EXPECT_THAT(ended.out, HasSubstr("quiet: no sample yet\n"));
+}
+
+TEST_F(MeasureTest, BwMeasuresWholeSamplesOfWhichItAsksForOneASecond) {
+  const Publishing publishing(points, cloud(), 20ms);
+  const Json json = measured({"bw", "points"});
+  const double size = json["sample_bytes"]["mean"].get<double>();
+  EXPECT_NEAR(size, 1120, 40);
+  EXPECT_NEAR(json["bytes_per_s"].get<double>(), 50 * size, 5 * size);
+  EXPECT_LE(json["sample_bytes"]["measured"], 5);
+  EXPECT_GT(measured({"bw", "points", "--every"})["sample_bytes"]["measured"], 100);
+  EXPECT_EQ(measured({"bw", "points", "--fields", "width, height"})["sample_bytes"]["max"], 12);
+}
+
+TEST_F(MeasureTest, DelayIsTheAgeOfTheStamp) {
+  const Publishing publishing(points, cloud(), 20ms, true);
+  const Json json = measured({"delay", "points"});
+  EXPECT_EQ(json["since"], "header.stamp");
+  EXPECT_GT(json["delay_s"]["min"], 0);
+  EXPECT_LT(json["delay_s"]["mean"], 0.1);
+  EXPECT_GT(measured({"delay", "points", "--published"})["samples"], 50);
+}
+
+TEST_F(MeasureTest, DelayNeedsAStamp) {
+  auto time = robot.publisher<builtin_interfaces::msg::Time>("time").value();
+  const Ended ended = run_tool({"delay", "time"});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.err, HasSubstr("builtin_interfaces::msg::Time has no field header.stamp"));
+}
+
+}  // namespace
+}  // namespace sft::test

@@ -1,0 +1,97 @@
+"""Captures made by hand, and what Wireshark's dissector reads in captures."""
+import pathlib
+import struct
+import subprocess
+
+SCRIPT = pathlib.Path(__file__).resolve().parents[3] / "tools/wireshark/sft.lua"
+SFT_PORT = 7777
+
+
+def write_pcap(path, payloads):
+    """One UDP datagram per payload, over IPv4 without a link layer."""
+    with open(path, "wb") as out:
+        out.write(struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, 101))
+        for number, payload in enumerate(payloads):
+            udp = struct.pack(">HHHH", 40000, SFT_PORT, 8 + len(payload), 0) + payload
+            ip = struct.pack(">BBHHHBBH4s4s", 0x45, 0, 20 + len(udp), number, 0, 64, 17, 0,
+                             bytes([10, 0, 0, 1]), bytes([10, 0, 0, 2]))
+            out.write(struct.pack("<IIII", number, 0, len(ip + udp), len(ip + udp)) + ip + udp)
+
+
+def dissect(path, fields, decode_as=False):
+    """For each datagram the values of these fields; of one that occurs more than once all, joined by commas."""
+    # The system gives out ports that other protocols are registered for: what a datagram looks like goes first.
+    command = ["tshark", "-n", "-o", "udp.try_heuristic_first:TRUE", "-X", f"lua_script:{SCRIPT}", "-r", str(path),
+               "-T", "fields", "-E", "separator=|"]
+    if decode_as:
+        command += ["-d", f"udp.port=={SFT_PORT},sft"]
+    for field in fields:
+        command += ["-e", field]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
+    assert "Lua: Error" not in done.stderr, done.stderr
+    return [dict(zip(fields, line.split("|"))) for line in done.stdout.splitlines()]
+
+
+def header(kind, at_2=3, flags=0, writer=0x04030201, at_8=9):
+    return struct.pack("<BBHII", 0x10 | kind, flags, at_2, writer, at_8)
+
+
+def first(body=b"body", flags=0, total=None, mask=0x87, marks=b""):
+    total = len(body) if total is None else total
+    return header(1, flags=flags) + struct.pack("<IQq", total, mask, 1_500_000_000_000_000_001) + marks + body
+
+
+def whole(body=b"body", flags=0, variant=3, channel=5, ordinal=12, stamp=1_500_000_000_000_000_001):
+    place = 0x1A | flags << 8 | variant << 10 | channel << 21
+    return struct.pack("<IIIIQq", place, 0x04030201, 9, ordinal, 0x87, stamp) + body
+
+
+def following(body=b"more", offset=1440):
+    return header(2) + struct.pack("<I", offset) + body
+
+
+def heartbeat(begin=4, end=9):
+    return header(3, at_2=5000) + struct.pack("<IQQ", 0, begin, end)
+
+
+def ack(parts, following_ordinal=6):
+    data = b"".join(struct.pack("<III", *part) for part in parts)
+    return header(4, at_2=len(parts)) + struct.pack("<IQ", 0, following_ordinal) + data
+
+
+def mark(position=1 << 33):
+    return header(8, at_2=5000, at_8=position % 2**32) + struct.pack("<IIIQQ", position >> 32, 0, 70, 0, 12345)
+
+
+def report(position=1 << 33, window=1 << 20):
+    return header(9, at_2=0, at_8=position % 2**32) + struct.pack("<IIIIIQ", position >> 32, window, 70, 69, 0, 12345)
+
+
+def packed(bodies, each, flags=0, marks=b"", padding=b""):
+    data = b"".join((b"" if each else struct.pack("<H", len(body))) + body for body in bodies)
+    return (header(5, flags=flags) + struct.pack("<HHQq", len(bodies), each, 0x3, 1_500_000_000_000_000_001) + marks +
+            data + padding)
+
+
+def group_offer(address=0xEFFF1002, ahead=-5):
+    return header(6, at_2=5000, at_8=2) + struct.pack("<IIIq", 1, address, 4, ahead)
+
+
+def group_report(heard=70):
+    return header(7, at_2=0, at_8=2) + struct.pack("<IQ", 1, heard)
+
+
+def rate(period=100_000, ordinal=7):
+    return struct.pack("<II", period, ordinal)
+
+
+def history(reader=0x1_0000_0002, oldest=5):
+    return struct.pack("<QQ", reader, oldest)
+
+
+def channel(ordinal=12):
+    return struct.pack("<IIQ", 1, 0, ordinal)
+
+
+def group(ordinal=12):
+    return struct.pack("<IIQ", 2, 0, ordinal)

@@ -1,0 +1,103 @@
+// When a node tries again to start sftd. The time is the test's own; the programs that are started are not
+// sftd, and end at once.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "tests/transports/shm/shm_fixture.h"
+
+namespace sft::test {
+namespace {
+
+using core::Availability;
+
+class LaunchTest : public ShmTest {
+ protected:
+  static shm::ShmOptions options(const char* program) {
+    shm::ShmOptions options = own_daemon();
+    options.daemon_path = program;
+    return options;
+  }
+  /// Refuses to start, because it does not know sftd's options.
+  static shm::ShmOptions refusing() { return options("/bin/cat"); }
+  static bool fails(Node& node, Clock::time_point at) {
+    return eventually([&] { return node->poll(at) == Availability::unavailable; });
+  }
+  static bool tries(Node& node, Clock::time_point at) { return node->poll(at) == Availability::starting; }
+
+  const Clock::time_point begin_ = Clock::now();
+};
+
+TEST_F(LaunchTest, IsTriedEverMoreSeldomWhileNothingChanges) {
+  Node node(refusing());
+  Clock::time_point now = begin_;
+  for (const auto pause : {500ms, 1000ms, 2000ms, 4000ms}) {
+    ASSERT_TRUE(tries(node, now));
+    ASSERT_TRUE(fails(node, now));
+    EXPECT_FALSE(tries(node, now + pause - 1ms));
+    now += pause;
+  }
+}
+
+TEST_F(LaunchTest, IsTriedAtOnceWhenAFileInTheWayIsGone) {
+  ASSERT_EQ(mkfifo("/tmp/roudi.lock", 0600), 0);
+  Node node(refusing());
+  Clock::time_point now = begin_;
+  for (const auto pause : {500ms, 1000ms, 2000ms}) {
+    ASSERT_TRUE(tries(node, now));
+    ASSERT_TRUE(fails(node, now));
+    now += pause;
+  }
+  ASSERT_TRUE(tries(node, now));
+  ASSERT_TRUE(fails(node, now));
+  EXPECT_FALSE(tries(node, now + 200ms)) << "it is still there";
+  std::filesystem::remove("/tmp/roudi.lock");
+  EXPECT_TRUE(tries(node, now + 200ms));
+}
+
+TEST_F(LaunchTest, IsTriedAtMostEach200MsByWhomeverMakesAndRemovesFiles) {
+  Node node(refusing());
+  Clock::time_point now = begin_;
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_EQ(mkfifo("/tmp/roudi.lock", 0600), 0);
+    ASSERT_TRUE(tries(node, now));
+    ASSERT_TRUE(fails(node, now));
+    std::filesystem::remove("/tmp/roudi.lock");
+    EXPECT_FALSE(tries(node, now + 199ms));
+    now += 200ms;
+  }
+}
+
+TEST_F(LaunchTest, PausesDoNotGrowWhereTheDaemonStartsAndEndsAgain) {
+  Node node(options("/bin/true"));
+  Clock::time_point now = begin_;
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(tries(node, now));
+    ASSERT_TRUE(fails(node, now));
+    EXPECT_FALSE(tries(node, now + 499ms));
+    now += 500ms;
+  }
+}
+
+TEST_F(LaunchTest, IsTriedAtOnceWhenThereIsSpaceAgain) {
+  const std::string full = "/dev/shm/full";
+  const auto space = std::filesystem::space("/dev/shm");
+  const int file = open(full.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0600);
+  ASSERT_GE(file, 0);
+  ASSERT_EQ(posix_fallocate(file, 0, static_cast<off_t>(space.available - space.available / 64)), 0);
+  close(file);
+  Node node;  // with the real sftd
+  ASSERT_TRUE(tries(node, begin_));
+  ASSERT_TRUE(fails(node, begin_));
+  EXPECT_NE(node->description().find("/dev/shm has"), std::string::npos) << node->description();
+  EXPECT_FALSE(tries(node, begin_ + 200ms));
+  std::filesystem::remove(full);
+  EXPECT_TRUE(tries(node, begin_ + 200ms));
+  EXPECT_TRUE(node.becomes_ready()) << node->description();
+}
+
+}  // namespace
+}  // namespace sft::test

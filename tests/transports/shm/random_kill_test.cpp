@@ -1,0 +1,232 @@
+// kill -9 of writers and readers at random moments of their lives, some stopped before: nobody else notices,
+// and all of their memory comes back. (Whole nodes: tests/system/kill_test.cpp.)
+#include <signal.h>
+
+#include <atomic>
+#include <optional>
+#include <ostream>
+#include <thread>
+
+#include "core/platform/clock.h"
+#include "shm_transport/sftd/status.h"
+#include "tests/support/test_seed.h"
+#include "tests/transports/shm/shm_fixture.h"
+
+namespace sft::test {
+namespace {
+
+using core::SendStatus;
+
+constexpr core::EndpointId daemons_killed = 8;
+constexpr int every_one_stopped_first = 15;       // of victims: 14 in all
+constexpr core::EndpointId survivor = 2'000'000;  // not one of a ChunkCounter's
+
+/// Told twice a second.
+shm::Usage usage_now() {
+  Process command({sftd_path(), "status", "--json"});
+  return shm::parse_status(command.all_output()).value_or(shm::Status{}).usage;
+}
+
+std::uint32_t chunks_in_use(const shm::Usage& usage) {
+  std::uint32_t sum = 0;
+  for (const shm::PoolUse& pool : usage.pools) sum += pool.in_use;
+  return sum;
+}
+
+class RandomKill : public ShmTest {
+ protected:
+  RandomKill() : ShmTest("1g") {}  // the dead leave theirs until all who have it open are gone
+  void SetUp() override {
+    ShmTest::SetUp();
+    if (IsSkipped()) return;
+    node_ = std::make_unique<Node>();
+    ASSERT_TRUE(node_->becomes_ready()) << (*node_)->description();
+    writer_ = std::make_unique<Writer>(*node_, survivor);
+    reader_ = std::make_unique<Reader>(*node_);
+    ASSERT_TRUE(reader_->connects_to(survivor));
+    daemon_ = daemon_pid();
+    ASSERT_EQ(writer_->send_frame(), SendStatus::sent);
+    ASSERT_TRUE(reader_->next());
+    chunks_before_ = chunks_.emplace(*node_, 100).free();
+  }
+  void TearDown() override {
+    reader_.reset();
+    writer_.reset();
+    chunks_.reset();
+    node_.reset();
+    ShmTest::TearDown();
+  }
+
+  std::uint32_t below(std::uint32_t end) { return static_cast<std::uint32_t>(random() % end); }
+
+  /// Lives for a random time and is killed, now and then while it is stopped.
+  void kill_some_time(Process& victim, int round) {
+    poll(nullptr, 0, static_cast<int>(below(30)));
+    if (round % every_one_stopped_first == every_one_stopped_first - 1) {
+      victim.signal(SIGSTOP);
+      ASSERT_TRUE(eventually([&] { return is_stopped(victim.pid()); }));
+      expect_others_go_on();
+      if (below(2) == 0) victim.signal(SIGCONT);
+    }
+    victim.kill();
+  }
+
+  void expect_others_go_on() {
+    ASSERT_EQ(writer_->send_frame(), SendStatus::sent);
+    const core::SampleHandle sample = reader_->next();
+    ASSERT_TRUE(sample);
+    ASSERT_EQ(sequence_of(sample), writer_->sequence());
+  }
+
+  /// Nothing is taken any more but the survivors' last sample, and all the rest can be had.
+  void expect_all_memory_back(int kills) {
+    shm::Usage usage;
+    const std::int64_t since_ns = core::realtime_ns();
+    const bool back = eventually(
+        [&] {
+          (*node_).poll();
+          usage = usage_now();
+          return usage.stamp_ns > since_ns && usage.users.size() == 1 && usage.unaudited == 0 &&
+                 chunks_in_use(usage) == 1;
+        },
+        30s, 100ms);
+    const std::string account = std::to_string(kills) + " kills, " + std::to_string(usage.deaths) +
+                                " deaths, " + std::to_string(usage.locks_healed) + " locks and " +
+                                std::to_string(usage.leaks_healed) + " chunks healed, " +
+                                std::to_string(chunks_in_use(usage)) + " in use, " +
+                                std::to_string(usage.users.size()) + " users";
+    EXPECT_TRUE(back) << account;
+    std::printf("%s; %s\n", account.c_str(), how_to_repeat().c_str());
+    // What it delivered, and what that pushed out of a queue.
+    EXPECT_LE(usage.leaks_healed, 2 * usage.deaths);
+    EXPECT_TRUE(chunks_->comes_to(chunks_before_));
+    EXPECT_EQ(daemon_pid(), daemon_) << "the daemon did not survive";
+  }
+
+  Random random{test_seed()};
+  const ::testing::ScopedTrace seed_{__FILE__, __LINE__, how_to_repeat()};
+  std::unique_ptr<Node> node_;
+  std::optional<ChunkCounter> chunks_;
+  std::size_t chunks_before_ = 0;
+  std::unique_ptr<Writer> writer_;
+  std::unique_ptr<Reader> reader_;
+  pid_t daemon_ = 0;
+};
+
+/// What victims do, and how many of them there are.
+struct Life {
+  const char* name;
+  const char* role;  ///< of shm_peer
+  int kills;
+  bool settled;  ///< when it is killed; or it has hardly begun
+  bool is_read = false;
+};
+void PrintTo(const Life& life, std::ostream* out) { *out << life.kills << " kills"; }
+std::string name_of(const ::testing::TestParamInfo<Life>& info) { return info.param.name; }
+
+class RandomKillOfWriters : public RandomKill, public ::testing::WithParamInterface<Life> {};
+
+TEST_P(RandomKillOfWriters, WedgesNobodyAndAllMemoryComesBack) {
+  const Life& life = GetParam();
+  for (int round = 0; round < life.kills; ++round) {
+    SCOPED_TRACE(round);
+    const auto id = static_cast<core::EndpointId>(1 + round);
+    Process victim =
+        start_peer({life.role, std::to_string(id), std::to_string(below(2) == 0 ? 100 : 60'000)});
+    std::optional<Reader> reader;
+    if (life.settled) {
+      const std::string line = victim.line();
+      ASSERT_EQ(line, "publishing") << victim.line() << victim.line();
+    }
+    if (life.is_read) {
+      reader.emplace(*node_);
+      ASSERT_TRUE(reader->connects_to(id));
+      ASSERT_TRUE(reader->next());
+    }
+    kill_some_time(victim, round);
+    expect_others_go_on();
+    ASSERT_FALSE(HasFatalFailure());
+  }
+  expect_all_memory_back(life.kills);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lives, RandomKillOfWriters,
+                         ::testing::Values(Life{"OnesThatNobodyReads", "publish", 45, true},
+                                           Life{"ReadOnes", "publish", 60, true, true},
+                                           Life{"PacedOnes", "publish-paced", 45, true, true},
+                                           Life{"OnesThatHaveHardlyBegun", "publish", 15, false}),
+                         name_of);
+
+class RandomKillOfReaders : public RandomKill, public ::testing::WithParamInterface<Life> {};
+
+// What one had in hand is its writer's, and comes back once that has gone, too.
+TEST_P(RandomKillOfReaders, CostsOthersNothingAndAllMemoryComesBack) {
+  const Life& life = GetParam();
+  for (int round = 0; round < life.kills; ++round) {
+    SCOPED_TRACE(round);
+    Process victim = start_peer({life.role, std::to_string(survivor)});
+    if (life.settled) {
+      ASSERT_EQ(victim.line(), "subscribed");
+      const std::uint32_t samples = below(2000);
+      for (std::uint32_t i = 0; i < samples; ++i) expect_others_go_on();
+    }
+    kill_some_time(victim, round);
+    expect_others_go_on();
+    ASSERT_FALSE(HasFatalFailure());
+  }
+  reader_.reset();
+  writer_ = std::make_unique<Writer>(*node_, survivor + 1);
+  ASSERT_EQ(writer_->send_frame(), SendStatus::sent);
+  expect_all_memory_back(life.kills);
+}
+
+INSTANTIATE_TEST_SUITE_P(Lives, RandomKillOfReaders,
+                         ::testing::Values(Life{"ThatTake", "subscribe", 25, true},
+                                           Life{"ThatTakeNowAndThen", "subscribe-paced", 10, true},
+                                           Life{"ThatHaveHardlyBegun", "subscribe", 15, false}),
+                         name_of);
+
+// Of the two peers nobody notices what happened: they go on in the memory of the dead.
+TEST_F(RandomKill, OfDaemonsNeitherHangsNorHarmsWhoIsInATightLoop) {
+  for (core::EndpointId round = 0; round < daemons_killed; ++round) {
+    SCOPED_TRACE(round);
+    Writer writer(*node_, 1);
+    Reader reader(*node_);
+    ASSERT_TRUE(reader.connects_to(1));
+    Process publisher = start_peer({"publish", "2"});
+    ASSERT_EQ(publisher.line(), "publishing");
+    Process subscriber = start_peer({"subscribe", "2"});
+    ASSERT_EQ(subscriber.line(), "subscribed");
+    std::atomic<bool> done{false}, taking{false};
+    std::thread writing([&] {
+      while (!done) writer.send_frame();
+    });
+    core::SampleHandle held;
+    std::uint64_t last = 0;
+    std::thread reading([&] {
+      while (!done) {
+        core::SampleHandle sample = reader.take();
+        if (!sample) continue;
+        EXPECT_GT(sequence_of(sample), last);
+        last = sequence_of(sample);
+        held = std::move(sample);
+        taking = true;
+      }
+    });
+    EXPECT_TRUE(eventually([&] { return taking.load(); }));
+    poll(nullptr, 0, static_cast<int>(below(30)));
+    ::kill(daemon_pid(), SIGKILL);
+    EXPECT_TRUE(eventually([&] { return (*node_).poll() != core::Availability::ready; }));
+    EXPECT_TRUE(node_->becomes_ready()) << (*node_)->description();
+    done = true;
+    writing.join();
+    reading.join();
+    ASSERT_TRUE(held);
+    EXPECT_EQ(sequence_of(held), last);
+    EXPECT_EQ(field_of(*held, 0), static_cast<std::uint32_t>(last));
+    EXPECT_TRUE(publisher.runs() && subscriber.runs());
+  }
+}
+
+}  // namespace
+}  // namespace sft::test

@@ -1,0 +1,166 @@
+// The words that the tests of shared memory are written in: nodes that become ready, writers and readers of
+// frames, daemons and peers that are started, stopped and killed.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/types.h>
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/seam/transport.h"
+#include "shm_transport/shm_transport.h"
+#include "tests/support/eventually.h"
+#include "tests/support/isolated_host.h"
+#include "tests/transports/shm/frame.h"
+
+namespace sft::test {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+/// Whom a process runs as. There need be no such user.
+struct Identity {
+  uid_t user;
+  gid_t group;
+  std::vector<gid_t> other_groups{};
+};
+
+/// Another program that the test starts; killed with the object.
+class Process {
+ public:
+  explicit Process(const std::vector<std::string>& command, const Identity* as = nullptr);
+  ~Process();
+  Process(Process&& other) noexcept;
+  Process& operator=(Process&&) = delete;
+
+  pid_t pid() const { return pid_; }
+  bool runs() const;
+  void signal(int signal) const;
+  void kill();
+  /// Waits for its end; -1 if it was killed.
+  int exit_code();
+  /// The next line that it writes, with a deadline; empty if none came.
+  std::string line(Clock::duration within = 30s);
+  std::string all_output();
+
+ private:
+  void reap();
+  pid_t pid_ = -1;
+  int output_ = -1;
+  int status_ = 0;
+  std::string text_;
+};
+
+std::string sftd_path();
+/// shm_peer with these arguments (shm_peer.cpp).
+Process start_peer(std::vector<std::string> arguments);
+
+/// 0 if none runs.
+pid_t daemon_pid();
+/// Waits for its end; stopped or not.
+void end_daemon();
+bool is_alive(pid_t pid);
+/// Whether all of its threads stand still: they do some time after SIGSTOP was sent.
+bool is_stopped(pid_t pid);
+
+shm::ShmOptions own_daemon();  ///< starts sftd if none runs
+shm::ShmOptions no_daemon();   ///< does not
+
+/// One node's transport.
+class Node {
+ public:
+  explicit Node(const shm::ShmOptions& options = own_daemon());
+
+  core::Availability poll() { return transport_->poll(Clock::now()); }
+  bool becomes(core::Availability wanted, std::chrono::milliseconds within = 30s);
+  bool becomes_ready() { return becomes(core::Availability::ready); }
+  core::Transport& transport() { return *transport_; }
+  core::Transport* operator->() { return transport_.get(); }
+
+ private:
+  std::unique_ptr<core::Transport> transport_;
+};
+
+class Writer {
+ public:
+  /// With a route to nobody in particular, so that samples are delivered.
+  Writer(Node& node, core::EndpointId id);
+
+  core::SampleHandle loan(std::uint32_t data);
+  /// Fills in the next frame and sends it.
+  core::SendStatus send(const core::SampleHandle& sample, std::uint32_t data);
+  core::SendStatus send_frame(std::uint32_t data = 100);
+  core::WriterPort& port() { return *port_; }
+  core::EndpointId id() const { return id_; }
+  std::uint64_t sequence() const { return sequence_; }
+
+ private:
+  core::EndpointId id_;
+  std::unique_ptr<core::WriterPort> port_;
+  std::uint64_t sequence_ = 0;
+};
+
+class Reader {
+ public:
+  explicit Reader(Node& node, std::uint32_t depth = 8);
+
+  bool connects_to(core::EndpointId writer);
+  core::SampleHandle take() { return port_->take(); }
+  core::SampleHandle next(std::chrono::milliseconds within = 5s);
+  core::ReaderPort& port() { return *port_; }
+
+ private:
+  std::unique_ptr<core::ReaderPort> port_;
+};
+
+inline std::uint64_t sequence_of(const core::SampleHandle& sample) { return sample->header().sequence; }
+
+/// How many chunks for that much data can be had now: the daemon's memory as its clients see it.
+class ChunkCounter {
+ public:
+  ChunkCounter(Node& node, std::uint32_t data) : node_(node), data_(data) {}
+  std::size_t free();
+  /// Whether so many are free before long; says how many came if not.
+  bool comes_to(std::size_t chunks);
+
+ private:
+  Node& node_;
+  std::uint32_t data_;
+  std::vector<std::unique_ptr<core::WriterPort>> ports_;
+};
+
+std::vector<std::string> names_in(const char* directory, const std::string& prefix = "");
+
+/// Skips where there is no machine of its own, and ends the daemon that a test left.
+class ShmTest : public ::testing::Test {
+ protected:
+  /// With a /dev/shm of another size than usual.
+  explicit ShmTest(const char* shm_size = nullptr) : shm_size_(shm_size) {}
+  void SetUp() override;
+  void TearDown() override;
+
+ private:
+  const char* const shm_size_;
+  std::optional<ShmOfSize> shm_;
+};
+
+/// With a node that is ready.
+class ShmNodeTest : public ShmTest {
+ protected:
+  using ShmTest::ShmTest;
+  void SetUp() override;
+  void TearDown() override;
+  Node& node() { return *node_; }
+  void leave() { node_.reset(); }
+
+ private:
+  std::unique_ptr<Node> node_;
+};
+
+}  // namespace sft::test

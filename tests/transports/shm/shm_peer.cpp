@@ -1,0 +1,203 @@
+// The other process in tests: does one thing, says so on its standard output, and goes on until it is killed.
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/platform/doorbell.h"
+#include "tests/support/pace.h"
+#include "tests/transports/shm/frame.h"
+#include "tests/transports/shm/shm_fixture.h"
+
+namespace {
+
+/// Longer than a daemon may take to start (ShmOptions::start_deadline), where the disk that programs are read
+/// from stands still for a while.
+constexpr std::chrono::seconds usual_patience{60};
+
+using namespace sft::test;
+using sft::core::Availability;
+using sft::core::SampleHandle;
+
+void say(const std::string& text) {
+  std::printf("%s\n", text.c_str());
+  std::fflush(stdout);
+}
+
+[[noreturn]] void stay() {
+  for (;;) pause();
+}
+
+/// Between two rounds of whoever does not go round and round as fast as it can.
+constexpr std::chrono::microseconds pause{200};
+
+/// Publishes frames of that much data without a pause.
+void publish(Node& node, sft::core::EndpointId id, std::uint32_t data) {
+  Writer writer(node, id);
+  say("publishing");
+  for (;;) writer.send_frame(data);
+}
+
+void publish_paced(Node& node, sft::core::EndpointId id, std::uint32_t data) {
+  Writer writer(node, id);
+  say("publishing");
+  for (sft::test::Pace pace(pause);; pace.await_turn()) writer.send_frame(data);
+}
+
+/// Takes 16 chunks and keeps them: half on loan, half sent, as a history would.
+void hoard(Node& node, sft::core::EndpointId id, std::uint32_t data) {
+  Writer writer(node, id);
+  std::vector<SampleHandle> loans(16);
+  for (SampleHandle& loan : loans) loan = writer.loan(data);
+  for (std::size_t i = 0; i < 8; ++i) writer.send(loans[i], data);
+  say("hoarded");
+  stay();
+}
+
+/// Takes samples, and always holds the last few.
+class Taker {
+ public:
+  Taker(Node& node, sft::core::EndpointId id) : reader_(node) {
+    if (!reader_.connects_to(id)) say("cannot connect");
+    say("subscribed");
+  }
+  void take() {
+    if (SampleHandle sample = reader_.take()) held_[taken_++ % held_.size()] = std::move(sample);
+  }
+
+ private:
+  Reader reader_;
+  std::array<SampleHandle, 4> held_;
+  std::size_t taken_ = 0;
+};
+
+void subscribe(Node& node, sft::core::EndpointId id, std::uint32_t) {
+  for (Taker taker(node, id);;) taker.take();
+}
+
+void subscribe_paced(Node& node, sft::core::EndpointId id, std::uint32_t) {
+  Taker taker(node, id);
+  for (sft::test::Pace pace(pause);; pace.await_turn()) taker.take();
+}
+
+long minor_faults() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_minflt;
+}
+
+/// Takes one sample, reads its two scalars and then its data; says how many pages each touched.
+void count_faults(Node& node, sft::core::EndpointId id, std::uint32_t data) {
+  Reader reader(node);
+  if (!reader.connects_to(id)) say("cannot connect");
+  reader.take();  // what the first call of anything touches
+  minor_faults();
+  say("subscribed");
+  SampleHandle sample;
+  while (!sample) {
+    const long before = minor_faults();
+    sample = reader.take();
+    if (!sample) continue;
+    const std::uint32_t sum = field_of(*sample, 0) + field_of(*sample, 1);
+    const long scalars = minor_faults() - before;
+    unsigned total = 0;
+    for (std::uint32_t i = 0; i < data; i += 4096) total += static_cast<unsigned>(data_of(*sample)[i]);
+    say(std::to_string(scalars) + " " + std::to_string(minor_faults() - before - scalars) + " " +
+        std::to_string(sum) + " " + std::to_string(total));
+  }
+  stay();
+}
+
+std::byte* target = nullptr;
+
+/// Says what this process may do with a sample that it reads: look at it, and not write to it.
+void try_to_write(Node& node, sft::core::EndpointId id, std::uint32_t) {
+  Reader reader(node);
+  if (!reader.connects_to(id)) say("cannot connect");
+  const SampleHandle sample = reader.next();
+  if (!sample) say("no sample");
+  signal(SIGSEGV, [](int) {
+    constexpr char text[] = "cannot write\n";
+    _exit(write(1, text, sizeof text - 1) > 0 ? 0 : 1);
+  });
+  target = sample->data;
+  say("reads " + std::to_string(field_of(*sample, 1)));
+  *const_cast<volatile std::byte*>(target) = std::byte{1};
+  say("wrote");
+}
+
+/// Opens a port to publish, or says why it cannot.
+void offer(Node& node, sft::core::EndpointId id, std::uint32_t) {
+  const auto port = node->open_writer({.id = id, .type = &frame_type()});
+  say(port ? "may publish" : port.error().message);
+  stay();
+}
+
+/// Reads with a doorbell of its own, and says which.
+void listen(Node& node, sft::core::EndpointId, std::uint32_t) {
+  const auto page = sft::core::DoorbellPage::create();
+  const auto port = node->open_reader({.id = 7, .type = &frame_type(), .doorbell = {page->id(), 0}});
+  say(port ? std::to_string(page->id()) : port.error().message);
+  stay();
+}
+
+/// Sends a sample to a reader with that doorbell, or says why it cannot be woken.
+void ring(Node& node, sft::core::EndpointId page, std::uint32_t) {
+  Writer writer(node, 1);
+  const sft::core::Route route{
+      .reader = 7, .destination = sft::core::DoorbellAddress{page, 0}, .mask = frame_type().full()};
+  const std::string why_not = writer.port().why_unreachable(route);
+  writer.port().set_routes({route});
+  const bool sent = writer.send_frame() == sft::core::SendStatus::sent;
+  say(why_not.empty() && sent ? "rang" : why_not);
+}
+
+/// Says whether the transport can be used, and if not, why, as soon as it knows.
+int knock(Node& node) {
+  const bool refused = node.becomes(Availability::unavailable, std::chrono::seconds(2));
+  say(refused ? node->description() : "not refused");
+  return 0;
+}
+
+/// Gets ready and stays; lets the daemon be started.
+void attend(Node&, sft::core::EndpointId, std::uint32_t) {
+  say("ready");
+  stay();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::map<std::string, void (*)(Node&, sft::core::EndpointId, std::uint32_t)> tasks{
+      {"publish", publish},
+      {"publish-paced", publish_paced},
+      {"hoard", hoard},
+      {"subscribe", subscribe},
+      {"subscribe-paced", subscribe_paced},
+      {"count-faults", count_faults},
+      {"try-to-write", try_to_write},
+      {"offer", offer},
+      {"listen", listen},
+      {"ring", ring},
+      {"attend", attend}};
+  const std::string wanted = argc > 1 ? argv[1] : "";
+  const auto task = tasks.find(wanted);
+  if (task == tasks.end() && wanted != "knock") return 2;
+  Node node;
+  if (wanted == "knock") return knock(node);
+  const bool own = wanted == "attend" && argc > 2;
+  const auto patience = own ? std::chrono::seconds(std::strtol(argv[2], nullptr, 10)) : usual_patience;
+  if (!node.becomes(Availability::ready, patience)) {
+    say("not ready: " + node->description());
+    return 1;
+  }
+  task->second(node, argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 0,
+               argc > 3 ? static_cast<std::uint32_t>(std::strtoul(argv[3], nullptr, 10)) : 100);
+}

@@ -1,0 +1,187 @@
+// `sftd status` and `sftd stop`: what they tell, with or without a daemon that answers.
+#include <signal.h>
+
+#include "shm_transport/sftd/exit_code.h"
+#include "shm_transport/sftd/status.h"
+#include "tests/transports/shm/shm_fixture.h"
+
+namespace sft::test {
+namespace {
+
+using shm::ExitCode;
+using shm::Status;
+
+struct Answer {
+  std::string text;
+  ExitCode code;
+};
+
+Answer call(std::vector<std::string> words) {
+  words.insert(words.begin(), sftd_path());
+  Process command(words);
+  std::string text = command.all_output();
+  return {std::move(text), static_cast<ExitCode>(command.exit_code())};
+}
+
+Status status_now() { return shm::parse_status(call({"status", "--json"}).text).value_or(Status{}); }
+
+/// Whether the status comes to be so; it is told twice a second.
+template <class Condition>
+bool status_becomes(Condition condition) {
+  return eventually([&] { return condition(status_now()); });
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class SftdCommands : public ShmTest {
+ protected:
+  static Process start_sftd() {
+    Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16", "--idle-exit=600"});
+    EXPECT_EQ(daemon.line(), "sftd: ready");
+    return daemon;
+  }
+};
+
+TEST_F(SftdCommands, SayThatNoneIsRunning) {
+  for (const char* command : {"status", "stop"}) {
+    const Answer answer = call({command});
+    EXPECT_EQ(answer.text, "sftd: no daemon is running\n");
+    EXPECT_EQ(answer.code, ExitCode::not_running);
+  }
+}
+
+TEST_F(SftdCommands, TellWhatTheDaemonIs) {
+  Process daemon = start_sftd();
+  const Status status = status_now();
+  EXPECT_EQ(status.pid, daemon.pid());
+  EXPECT_EQ(status.versions.iceoryx.rfind("2.0.", 0), 0U) << status.versions.iceoryx;
+  EXPECT_FALSE(status.versions.sftd.empty());
+  EXPECT_EQ(status.idle_exit_s, 600);
+  EXPECT_GT(status.since_ns, 0);
+  const Answer table = call({"status"});
+  EXPECT_EQ(table.code, ExitCode::done);
+  EXPECT_TRUE(contains(table.text, "idle exit after 600 s")) << table.text;
+}
+
+TEST_F(SftdCommands, TellWhoHoldsHowManyChunks) {
+  Process daemon = start_sftd();
+  Process hoarder = start_peer({"hoard", "5", "1000"});
+  ASSERT_EQ(hoarder.line(), "hoarded");
+  ASSERT_TRUE(status_becomes([](const Status& status) { return status.usage.publishers.size() == 1; }));
+  const Status status = status_now();
+  const shm::PublisherUse& publisher = status.usage.publishers.front();
+  EXPECT_EQ(publisher.publisher, "0000000000000005");
+  EXPECT_EQ(publisher.held.chunks, 16U);
+  EXPECT_EQ(publisher.held.bytes, 16U * (status.usage.pools[0].bytes + 40));
+  EXPECT_EQ(status.usage.pools[0].in_use, 16U);
+  ASSERT_EQ(status.usage.users.size(), 1U);
+  EXPECT_EQ(status.usage.users[0].pid, hoarder.pid());
+  EXPECT_EQ(status.usage.users[0].name, publisher.user);
+  EXPECT_EQ(status.usage.users[0].publishers, 1U);
+}
+
+TEST_F(SftdCommands, TellWhatWaitsForAReaderAndWhatItHolds) {
+  Process daemon = start_sftd();
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  Writer writer(node, 1);
+  Reader reader(node);
+  ASSERT_TRUE(reader.connects_to(1));
+  for (int i = 0; i < 3; ++i) writer.send_frame();
+  const core::SampleHandle held = reader.next();
+  const auto is_told = [](const Status& status) {
+    const auto& readers = status.usage.subscribers;
+    return readers.size() == 1 && readers[0].held.chunks == 1 && readers[0].waiting == 2;
+  };
+  EXPECT_TRUE(status_becomes(is_told)) << call({"status"}).text;
+  EXPECT_EQ(status_now().usage.publishers.at(0).subscribers, 1U);
+}
+
+TEST_F(SftdCommands, RememberTheMostThatAPortHeld) {
+  Process daemon = start_sftd();
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  Writer writer(node, 1);
+  const auto holds = [](const Status& status, std::uint32_t chunks) {
+    return status.usage.publishers.size() == 1 && status.usage.publishers[0].held.chunks == chunks;
+  };
+  {
+    std::vector<core::SampleHandle> loans(10);
+    for (core::SampleHandle& loan : loans) loan = writer.loan(100);
+    ASSERT_TRUE(status_becomes([&](const Status& status) { return holds(status, 10); }));
+  }
+  ASSERT_TRUE(status_becomes([&](const Status& status) { return holds(status, 0); }));
+  EXPECT_EQ(status_now().usage.publishers[0].held.peak, 10U);
+  EXPECT_EQ(status_now().usage.pools[0].peak, 10U);
+}
+
+TEST_F(SftdCommands, CountTheDead) {
+  Process daemon = start_sftd();
+  Process victim = start_peer({"publish", "1", "100"});
+  ASSERT_EQ(victim.line(), "publishing");
+  Process witness = start_peer({"attend"});  // without users the daemon would begin afresh
+  ASSERT_EQ(witness.line(), "ready");
+  victim.kill();
+  EXPECT_TRUE(status_becomes(
+      [](const Status& status) { return status.usage.deaths == 1 && status.usage.users.size() == 1; }));
+}
+
+TEST_F(SftdCommands, ShowTheLastStateOfAStoppedDaemonAndSayThatItDoesNotAnswer) {
+  Process daemon = start_sftd();
+  Process hoarder = start_peer({"hoard", "5", "1000"});
+  ASSERT_EQ(hoarder.line(), "hoarded");
+  ASSERT_TRUE(status_becomes([](const Status& status) { return status.usage.publishers.size() == 1; }));
+  daemon.signal(SIGSTOP);
+  ASSERT_TRUE(eventually([&] { return is_stopped(daemon.pid()); }));
+  const Answer answer = call({"status"});
+  EXPECT_EQ(answer.code, ExitCode::no_answer);
+  EXPECT_TRUE(contains(answer.text, "is stopped")) << answer.text;
+  EXPECT_TRUE(contains(answer.text, "0000000000000005")) << answer.text;
+}
+
+TEST_F(SftdCommands, StopEndsTheDaemonAndNamesWhoUsedIt) {
+  Process daemon = start_sftd();
+  Process user = start_peer({"attend"});
+  ASSERT_EQ(user.line(), "ready");
+  ASSERT_TRUE(status_becomes([](const Status& status) { return status.usage.users.size() == 1; }));
+  const Answer answer = call({"stop"});
+  EXPECT_EQ(answer.code, ExitCode::done);
+  EXPECT_TRUE(contains(answer.text, "(pid " + std::to_string(user.pid()) + ")")) << answer.text;
+  EXPECT_EQ(daemon.exit_code(), 0);
+  EXPECT_TRUE(is_alive(user.pid()));
+  EXPECT_EQ(call({"stop"}).code, ExitCode::not_running);
+}
+
+TEST_F(SftdCommands, StopDoesNotWaitForeverForAStoppedDaemon) {
+  Process daemon = start_sftd();
+  daemon.signal(SIGSTOP);
+  const Answer answer = call({"stop", "--patience=0.2"});
+  EXPECT_EQ(answer.code, ExitCode::no_answer);
+  EXPECT_TRUE(contains(answer.text, "kill -CONT")) << answer.text;
+  daemon.signal(SIGCONT);
+  EXPECT_EQ(daemon.exit_code(), 0) << "it was told, and ends when it can";
+}
+
+TEST_F(SftdCommands, AStatusThatIsNoneIsNotBelieved) {
+  EXPECT_FALSE(shm::parse_status(""));
+  EXPECT_FALSE(shm::parse_status("{\"pid\": \"many\"}"));
+  EXPECT_FALSE(shm::parse_status("[1, 2"));
+  EXPECT_FALSE(shm::parse_status("{\"usage\": {\"pools\": 3}}"));
+}
+
+TEST_F(SftdCommands, AStatusSurvivesTheWayThroughItsFile) {
+  Status status;
+  status.pid = 42;
+  status.usage.users = {{7, "sft_\xff_7", 1, 2}};  // not UTF-8: a program chose it
+  status.usage.publishers = {{"sft_a_7", "01", 3, {4, 5, 6}}};
+  const auto read = shm::parse_status(shm::to_json(status));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->pid, 42);
+  EXPECT_EQ(read->usage.users.at(0).subscribers, 2U);
+  EXPECT_EQ(read->usage.publishers.at(0).held.bytes, 6U);
+}
+
+}  // namespace
+}  // namespace sft::test

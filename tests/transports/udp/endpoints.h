@@ -1,0 +1,180 @@
+// A publisher and a subscriber of images, straight on the ports of a transport.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/seam/rate_gate.h"
+#include "core/seam/transport.h"
+#include "tests/unit/udp/messages.h"
+
+namespace sft::udp::test {
+
+inline constexpr std::chrono::seconds patience{20};  // for what must happen
+
+inline core::UdpAddress loopback_address(const core::Transport& transport) {
+  core::UdpAddress address = transport.addresses().at(0);
+  address.ip = address.ip.is_ipv4() ? core::loopback_ipv4 : core::loopback_ipv6;
+  return address;
+}
+
+/// Without it in the kernel, or with it switched off, there is no IPv6 loopback to test on.
+inline bool has_ipv6_loopback() {
+  const int fd = ::socket(AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in6 loopback{};
+  loopback.sin6_family = AF_INET6;
+  loopback.sin6_addr = in6addr_loopback;
+  const bool bound = ::bind(fd, reinterpret_cast<const sockaddr*>(&loopback), sizeof loopback) == 0;
+  if (fd >= 0) ::close(fd);
+  return bound;
+}
+
+/// Waits until it holds; false after `patience`.
+inline bool eventually(const std::function<bool()>& holds) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+inline std::shared_ptr<core::BufferPool> make_pool() {
+  return core::BufferPool::make(std::size_t{256} << 20);
+}
+
+class Subscriber final : private core::ArrivalListener {
+ public:
+  Subscriber(core::Transport& transport, const std::vector<std::string>& masks, std::uint32_t depth = 1000,
+             core::EndpointId id = 1) {
+    port_ =
+        transport
+            .open_reader(
+                {.id = id, .type = &type_support<Image>(), .depth = depth, .listener = this, .doorbell = {}})
+            .value();
+    std::vector<core::Accepted> accepted;
+    for (const std::string& mask : masks) accepted.push_back({.wanted = {fields<Image>(mask)}});
+    port_->accept(accepted);
+  }
+
+  void listen_to(core::EndpointId writer, std::size_t max_sample_bytes = 0) {
+    listen({.writer = writer, .max_sample_bytes = max_sample_bytes});
+  }
+  void listen_reliably_to(core::EndpointId writer) { listen({.writer = writer, .reliable = true}); }
+  void listen_late_to(core::EndpointId writer, bool reliable = false) {
+    listen({.writer = writer, .history_first = true, .reliable = reliable});
+  }
+
+  core::ReaderPort& port() { return *port_; }
+
+  /// Takes all samples as they come, until there are `count` in all. Fewer after `at_most`.
+  std::vector<core::SampleHandle> await(std::size_t count, std::chrono::seconds at_most = patience) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, at_most, [&] { return taken_.size() >= count; });
+    return taken_;
+  }
+  /// Those that have come since it was last asked, once there are `count`; fewer after a while.
+  std::vector<core::SampleHandle> await_new(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, patience, [&] { return taken_.size() >= count; });
+    return std::exchange(taken_, {});
+  }
+  std::vector<std::uint64_t> await_sequences(std::size_t count) {
+    std::vector<std::uint64_t> sequences;
+    for (const core::SampleHandle& sample : await(count)) sequences.push_back(sample->header().sequence);
+    return sequences;
+  }
+
+ private:
+  void listen(const core::Source& source) {
+    const Result<void> connected = port_->connect(source);
+    EXPECT_TRUE(connected) << connected.error().message;
+  }
+  void arrived() noexcept override {
+    {
+      const std::scoped_lock lock(mutex_);
+      while (core::SampleHandle sample = port_->take()) taken_.push_back(std::move(sample));
+    }
+    changed_.notify_all();
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<core::SampleHandle> taken_;
+  std::unique_ptr<core::ReaderPort> port_;  // goes first: then nobody calls any more
+};
+
+class Publisher {
+ public:
+  explicit Publisher(core::Transport& transport, core::EndpointId id = 0x1234'5678'0000'0001,
+                     std::uint64_t max_bytes_per_s = 0)
+      : id_(id),
+        port_(transport
+                  .open_writer({.id = id, .type = &type_support<Image>(), .max_bytes_per_s = max_bytes_per_s})
+                  .value()) {}
+
+  struct Reader {
+    core::UdpAddress address;
+    std::string mask = "*";
+    bool reliable = false;
+    std::shared_ptr<const core::RateGate> gate{};  ///< not null: of a maximum rate
+  };
+  void serve(const std::vector<Reader>& readers) {
+    std::vector<core::Route> routes;
+    for (const Reader& reader : readers) {
+      routes.push_back({routes.size() + 1, reader.address, fields<Image>(reader.mask)});
+      routes.back().reliable = reader.reliable;
+      routes.back().gate = reader.gate;
+      if (reader.gate != nullptr) routes.back().min_period_us = reader.gate->min_period_us();
+    }
+    port_->set_routes(std::move(routes));
+  }
+
+  /// As a program's: the image is another one as soon as this returns.
+  core::SendStatus publish(Image image) {
+    PostponedCopies postponed;
+    const core::SampleHandle sample = make(image, *pool_, &postponed);
+    if (!sample) return core::SendStatus::dropped;
+    if (!postponed.empty()) sample->postponed = &postponed;
+    const core::SendStatus status = port_->send(sample);
+    if (sample->postponed != nullptr) sample->postponed = nullptr;
+    std::fill(image.data.begin(), image.data.end(), std::uint8_t{0xee});
+    return status;
+  }
+  core::SendStatus publish(const Image& image, core::BufferPool& pool) {
+    const core::SampleHandle sample = make(image, pool);
+    return sample ? port_->send(sample) : core::SendStatus::dropped;
+  }
+  /// The next sample, not sent.
+  core::SampleHandle make(const Image& image) { return make(image, *pool_); }
+  core::SampleHandle make(const Image& image, core::BufferPool& pool, PostponedCopies* postponed = nullptr) {
+    const FieldMask all = fields<Image>("*");
+    core::SampleHandle sample = pool.take(sample_bytes(image, all));
+    if (sample) fill(*sample, image, all, id_, ++sequence_, postponed);
+    return sample;
+  }
+
+  core::EndpointId id() const { return id_; }
+  core::WriterPort& port() { return *port_; }
+
+ private:
+  core::EndpointId id_;
+  std::unique_ptr<core::WriterPort> port_;
+  std::shared_ptr<core::BufferPool> pool_ = make_pool();
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace sft::udp::test

@@ -1,0 +1,96 @@
+#include <gtest/gtest.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <thread>
+
+#include "tests/transports/udp/backends.h"
+#include "tests/transports/udp/endpoints.h"
+#include "udp_transport/udp_transport.h"
+
+namespace sft::udp {
+namespace {
+
+/// Runs the action on a thread whom that system call fails, with any first argument or that one.
+void without(unsigned call, std::optional<unsigned> argument, int error,
+             const std::function<void()>& action) {
+  std::thread([&] {
+    const sock_filter any_argument = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr));
+    const sock_filter first_argument = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, args));
+    sock_filter filter[] = {
+        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 3),
+        argument ? first_argument : any_argument,
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, argument.value_or(call), 0, 1),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | static_cast<unsigned>(error)),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+    };
+    const sock_fprog program{std::size(filter), filter};
+    ASSERT_EQ(::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0), 0);
+    ASSERT_EQ(::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program), 0);
+    action();
+  }).join();
+}
+
+/// As containers make it.
+void without_io_uring(int error, const std::function<void()>& action) {
+  without(SYS_io_uring_setup, {}, error, action);
+}
+
+TEST(Fallback, UsesPlainSocketsWhereIoUringIsForbiddenAndSaysWhy) {
+  without_io_uring(EPERM, [] {
+    const auto transport = open_udp_transport({}, test::make_pool()).value();
+    EXPECT_NE(transport->description().find("plain sockets"), std::string::npos);
+    EXPECT_NE(transport->description().find("seccomp"), std::string::npos) << transport->description();
+    EXPECT_EQ(transport->poll({}), core::Availability::ready);
+  });
+}
+
+TEST(Fallback, IsNotTakenWhereTheKernelGrantsIoUring) {
+  if (const std::string why = test::refusal_of(Backend::io_uring); !why.empty()) GTEST_SKIP() << why;
+  const auto transport = open_udp_transport({}, test::make_pool()).value();
+  EXPECT_TRUE(transport->description().starts_with("io_uring with ")) << transport->description();
+}
+
+TEST(Fallback, UsesPlainSocketsForEveryOtherRefusal) {
+  for (const int error : {ENOSYS, ENOMEM, EINVAL, EMFILE}) {
+    without_io_uring(error, [] {
+      EXPECT_NE(open_udp_transport({}, test::make_pool()).value()->description().find("plain sockets"),
+                std::string::npos);
+    });
+  }
+}
+
+TEST(Fallback, DoesNotReplaceIoUringWhereItIsDemanded) {
+  without_io_uring(EPERM, [] {
+    const auto transport = open_udp_transport({.backend = Backend::io_uring}, test::make_pool());
+    ASSERT_FALSE(transport);
+    EXPECT_EQ(transport.error().code, Errc::no_permission);
+  });
+}
+
+/// As with ipv6.disable=1 at the kernel's start.
+TEST(Fallback, UsesIPv4AloneWhereTheSystemHasNoIPv6) {
+  without(SYS_socket, AF_INET6, EAFNOSUPPORT, [] {
+    const auto there = open_udp_transport({}, test::make_pool()).value();
+    const auto here = open_udp_transport({}, test::make_pool()).value();
+    EXPECT_NE(here->description().find("IPv4 only"), std::string::npos) << here->description();
+    for (const core::UdpAddress& address : here->addresses()) EXPECT_TRUE(address.ip.is_ipv4());
+    test::Subscriber subscriber(*here, {"*"});
+    test::Publisher publisher(*there);
+    subscriber.listen_reliably_to(publisher.id());
+    publisher.serve({{test::loopback_address(*here), "*", true}});
+    publisher.publish(test::make_image(300'000));
+    EXPECT_EQ(subscriber.await(1).size(), 1U);
+    EXPECT_FALSE(open_udp_transport({.bind_address = core::loopback_ipv6}, test::make_pool()));
+  });
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,269 @@
+// Decorators of the I/O seam: a receiver whose datagrams get lost, repeated and swapped, and connections that
+// are full or refuse.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <random>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp::test {
+
+struct Faults {
+  double loss = 0;
+  double repetition = 0;
+  double swap = 0;  ///< with the datagram after it
+};
+
+/// Passes everything on; the base of receivers that look at what comes, or lose some of it.
+class PassingReceiver : public DatagramReceiver, private DatagramSink {
+ public:
+  explicit PassingReceiver(std::unique_ptr<DatagramReceiver> inner) : inner_(std::move(inner)) {}
+
+  bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
+    sink_ = &sink;
+    return inner_->receive(*this, deadline, spin);
+  }
+  bool receive_now(DatagramSink& sink) noexcept override {
+    sink_ = &sink;
+    return inner_->receive_now(*this);
+  }
+  Descriptors descriptors() const noexcept override { return inner_->descriptors(); }
+  void wake() noexcept override { inner_->wake(); }
+  void finish() noexcept override { inner_->finish(); }
+
+ protected:
+  void pass_on(std::span<const std::byte> bytes, const SocketAddress& from) { sink_->datagram(bytes, from); }
+
+ private:
+  void begin(ArrivalTime now) noexcept override { sink_->begin(now); }
+  void end() noexcept override { sink_->end(); }
+
+  std::unique_ptr<DatagramReceiver> inner_;
+  DatagramSink* sink_ = nullptr;
+};
+
+class FaultyReceiver final : public PassingReceiver {
+ public:
+  FaultyReceiver(std::unique_ptr<DatagramReceiver> inner, const Faults& faults, unsigned seed)
+      : PassingReceiver(std::move(inner)), faults_(faults), random_(seed) {}
+
+ private:
+  bool happens(double probability) { return std::uniform_real_distribution<>()(random_) < probability; }
+
+  void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override {
+    if (happens(faults_.loss)) return;
+    if (!held_ && happens(faults_.swap)) {
+      held_.emplace(bytes.begin(), bytes.end());
+      return;
+    }
+    pass_on(bytes, from);
+    if (happens(faults_.repetition)) pass_on(bytes, from);
+    if (held_) pass_on(*std::exchange(held_, {}), from);
+  }
+
+  Faults faults_;
+  std::mt19937 random_;
+  std::optional<std::vector<std::byte>> held_;
+};
+
+/// While it is deaf it hears nothing that was sent to a group.
+class DeafReceiver final : public PassingReceiver {
+ public:
+  DeafReceiver(std::unique_ptr<DatagramReceiver> inner, const std::atomic<bool>& deaf)
+      : PassingReceiver(std::move(inner)), deaf_(deaf) {}
+
+ private:
+  void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override {
+    const auto d = parse(bytes);
+    const bool of_group = d && d->kind == DatagramKind::first && (d->first.flags & group_follows) != 0;
+    if (!deaf_ || !of_group) pass_on(bytes, from);
+  }
+
+  const std::atomic<bool>& deaf_;
+};
+
+/// Passes everything on; the base of connections with faults.
+class Connected : public Connection {
+ public:
+  explicit Connected(std::unique_ptr<Connection> inner) : inner_(std::move(inner)) {}
+  Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+    return inner_->try_send(batches);
+  }
+  void reconnect() noexcept override { inner_->reconnect(); }
+  void redirect(const SocketAddress& to) noexcept override { inner_->redirect(to); }
+  void wait_for_room() noexcept override { inner_->wait_for_room(); }
+  bool full() const noexcept override { return inner_->full(); }
+
+ private:
+  std::unique_ptr<Connection> inner_;
+};
+
+/// Puts something around each connection of a sender.
+using DecorateConnection =
+    std::function<std::unique_ptr<Connection>(const SocketAddress&, std::unique_ptr<Connection>)>;
+
+/// Passes everything on; the base of senders with faults.
+class PassingSender : public DatagramSender {
+ public:
+  explicit PassingSender(std::unique_ptr<DatagramSender> inner) : inner_(std::move(inner)) {}
+
+  std::unique_ptr<Connection> connect(const SocketAddress& to) override { return inner_->connect(to); }
+  std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) override {
+    return inner_->connect_group(group, own);
+  }
+  void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept override {
+    inner_->send_to(to, datagram);
+  }
+  std::uint16_t answer_port() const noexcept override { return inner_->answer_port(); }
+  Answer take_answer(std::span<std::byte> to) noexcept override { return inner_->take_answer(to); }
+  void await(std::chrono::steady_clock::time_point deadline) noexcept override { inner_->await(deadline); }
+  void wake() noexcept override { inner_->wake(); }
+
+ private:
+  std::unique_ptr<DatagramSender> inner_;
+};
+
+class DecoratedSender final : public PassingSender {
+ public:
+  DecoratedSender(std::unique_ptr<DatagramSender> inner, DecorateConnection decorate)
+      : PassingSender(std::move(inner)), decorate_(std::move(decorate)) {}
+  std::unique_ptr<Connection> connect(const SocketAddress& to) override {
+    return decorate_(to, PassingSender::connect(to));
+  }
+  std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) override {
+    return decorate_(group, PassingSender::connect_group(group, own));
+  }
+
+ private:
+  DecorateConnection decorate_;
+};
+
+/// What comes back gets lost, and some of it comes twice.
+class SenderOfBadLink final : public PassingSender {
+ public:
+  SenderOfBadLink(std::unique_ptr<DatagramSender> inner, const Faults& faults, unsigned seed)
+      : PassingSender(std::move(inner)), faults_(faults), random_(seed) {}
+
+  Answer take_answer(std::span<std::byte> to) noexcept override {
+    if (!again_.empty()) {
+      const std::vector<std::byte> same = std::exchange(again_, {});
+      std::ranges::copy(same, to.begin());
+      return {same.size(), again_from_};
+    }
+    Answer answer = PassingSender::take_answer(to);
+    while (answer.bytes > 0 && happens(faults_.loss)) answer = PassingSender::take_answer(to);
+    if (happens(faults_.repetition)) {
+      again_.assign(to.begin(), to.begin() + static_cast<std::ptrdiff_t>(answer.bytes));
+      again_from_ = answer.from;
+    }
+    return answer;
+  }
+
+ private:
+  bool happens(double probability) { return std::uniform_real_distribution<>()(random_) < probability; }
+
+  Faults faults_;
+  std::mt19937 random_;
+  std::vector<std::byte> again_;
+  SocketAddress again_from_;
+};
+
+/// All that comes has faults: samples, and answers to those that are sent.
+inline DatagramIo with_faults(DatagramIo io, const Faults& faults, unsigned seed) {
+  io.receiver = std::make_unique<FaultyReceiver>(std::move(io.receiver), faults, seed);
+  io.sender = std::make_unique<SenderOfBadLink>(std::move(io.sender), faults, ~seed);
+  return io;
+}
+
+/// The send buffer of one address: full until it is opened.
+class Gate {
+ public:
+  explicit Gate(std::uint16_t port) : port_(port) {}
+
+  void open() {
+    open_ = true;
+    if (DatagramSender* sender = sender_; sender != nullptr) sender->wake();
+  }
+  void close() { open_ = false; }
+  bool somebody_waits() const { return waiting_; }
+
+  DatagramIo put_around(DatagramIo io) {
+    auto sender = std::make_unique<DecoratedSender>(
+        std::move(io.sender), [this](const SocketAddress& to, std::unique_ptr<Connection> inner) {
+          if (to.port == port_) inner = std::make_unique<Gated>(std::move(inner), *this);
+          return inner;
+        });
+    sender_ = sender.get();
+    io.sender = std::move(sender);
+    return io;
+  }
+
+ private:
+  class Gated final : public Connected {
+   public:
+    Gated(std::unique_ptr<Connection> inner, Gate& gate) : Connected(std::move(inner)), gate_(gate) {}
+    Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+      return gate_.open_ ? Connected::try_send(batches) : Sent{0, SendOutcome::would_wait};
+    }
+    void wait_for_room() noexcept override {
+      if (full()) gate_.waiting_ = true;
+      if (gate_.open_) Connected::wait_for_room();
+    }
+    bool full() const noexcept override { return !gate_.open_ || Connected::full(); }
+
+   private:
+    Gate& gate_;
+  };
+
+  const std::uint16_t port_;
+  std::atomic<bool> open_{false}, waiting_{false};
+  std::atomic<DatagramSender*> sender_{nullptr};
+};
+
+/// Sends one batch every second time, and is full then.
+class BusyConnection final : public Connected {
+ public:
+  using Connected::Connected;
+  Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+    if (++calls_ % 2 != 0) return {0, SendOutcome::would_wait};
+    Sent sent = Connected::try_send(batches.first(1));
+    if (sent.batches < batches.size() && sent.outcome == SendOutcome::sent)
+      sent.outcome = SendOutcome::would_wait;
+    return sent;
+  }
+
+ private:
+  std::atomic<unsigned> calls_{0};
+};
+
+/// A way out that refuses trains.
+template <SendOutcome refusal>
+class TrainRefusingConnection final : public Connected {
+ public:
+  using Connected::Connected;
+  Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+    const bool trains = std::any_of(batches.begin(), batches.end(),
+                                    [](const OutgoingBatch& batch) { return batch.segment_bytes != 0; });
+    return trains ? Sent{0, refusal} : Connected::try_send(batches);
+  }
+};
+
+template <class Faulty>
+DatagramIo with_connections(DatagramIo io) {
+  io.sender = std::make_unique<DecoratedSender>(std::move(io.sender),
+                                                [](const SocketAddress&, std::unique_ptr<Connection> inner) {
+                                                  return std::make_unique<Faulty>(std::move(inner));
+                                                });
+  return io;
+}
+
+}  // namespace sft::udp::test

@@ -1,0 +1,312 @@
+// Readers that are served by a multicast group, over loopback.
+#include <gtest/gtest.h>
+#include <net/if.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <random>
+#include <span>
+#include <string>
+
+#include "core/seam/rate_gate.h"
+#include "tests/support/test_seed.h"
+#include "tests/transports/udp/faulty_io.h"
+#include "tests/transports/udp/transport_fixture.h"
+#include "udp_transport/io/interfaces.h"
+#include "udp_transport/io/multicast_links.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using test::eventually;
+using test::make_image;
+using test::Publisher;
+using test::Subscriber;
+
+class MulticastTest : public TransportTest {
+ protected:
+  struct Process {
+    std::unique_ptr<core::Transport> transport;
+    std::unique_ptr<Subscriber> subscriber;
+    std::string mask;
+    bool reliable = false;
+    std::uint32_t since = 0;                 ///< so many were published before it came
+    std::shared_ptr<core::RateGate> gate{};  ///< of a reader with a maximum rate
+  };
+
+  static UdpOptions everywhere() { return {.multicast = Multicast::everywhere}; }
+
+  void SetUp() override {
+    TransportTest::SetUp();
+    if (IsSkipped()) return;
+    writer_ = open(everywhere());
+    publisher_ = std::make_unique<Publisher>(*writer_, own_id());
+  }
+  /// Groups are the host's: another test that runs at the same time may have one at the same address.
+  static core::EndpointId own_id() {
+    std::random_device random;
+    return core::EndpointId{random()} << 32 | random();
+  }
+
+  void add(const std::string& mask, bool reliable, const DecorateIo& decorate = {}) {
+    Process process{open(everywhere(), decorate), nullptr, mask, reliable, published_};
+    process.subscriber =
+        std::make_unique<Subscriber>(*process.transport, std::vector{mask}, 100'000, processes_.size() + 1);
+    if (reliable) process.subscriber->listen_reliably_to(publisher_->id());
+    if (!reliable) process.subscriber->listen_to(publisher_->id());
+    processes_.push_back(std::move(process));
+  }
+  void serve() { serve(processes_.size()); }
+  void serve(std::size_t first) {
+    std::vector<Publisher::Reader> readers;
+    for (const Process& process : std::span(processes_).first(first))
+      readers.push_back(
+          {test::loopback_address(*process.transport), process.mask, process.reliable, process.gate});
+    publisher_->serve(readers);
+  }
+  void publish(std::size_t bytes = 100) {
+    publisher_->publish(make_image(bytes, ++published_));
+    writer_->poll(std::chrono::steady_clock::now());
+  }
+  std::string state_of(core::EndpointId reader) { return publisher_->port().multicast(reader); }
+  bool hears(core::EndpointId reader) {
+    const std::string state = state_of(reader);
+    return state.starts_with("group ") && !state.ends_with("any more") && !state.ends_with("no more");
+  }
+  bool all_hear() {
+    for (std::size_t reader = 1; reader <= processes_.size(); ++reader) {
+      if (!hears(reader)) return false;
+    }
+    return true;
+  }
+  /// One more, once all have those before: nobody keeps what a free run would leave behind.
+  void publish_in_turn(std::size_t bytes = 100) {
+    await_all();
+    publish(bytes);
+  }
+  void await_all() {
+    for (const Process& process : processes_) process.subscriber->await(published_ - process.since);
+  }
+  /// Publishes until everybody is served by a group.
+  bool come_together() {
+    return eventually([this] {
+      publish_in_turn();
+      return all_hear();
+    });
+  }
+  /// What one more sample puts on the wire, on average. It is large enough that a heartbeat to each member,
+  /// which is due after a pause, does not count: four have 128 bytes.
+  std::uint64_t bytes_of_one() {
+    constexpr int samples = 3;
+    constexpr std::size_t data_bytes = 1000;
+    publish_in_turn(data_bytes);
+    await_all();
+    const std::uint64_t before = publisher_->port().bytes_sent();
+    for (int i = 0; i < samples; ++i) publish_in_turn(data_bytes);
+    await_all();
+    return (publisher_->port().bytes_sent() - before) / samples;
+  }
+  void expect_all_of(std::size_t process) {
+    const std::size_t count = published_ - processes_[process].since;
+    const auto sequences = processes_[process].subscriber->await_sequences(count);
+    ASSERT_EQ(sequences.size(), count) << "process " << process;
+    for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(sequences[i], processes_[process].since + 1 + i);
+  }
+
+  std::atomic<bool> deaf_{false};  ///< outlives the transport that looks at it
+  std::unique_ptr<core::Transport> writer_;
+  std::unique_ptr<Publisher> publisher_;
+  std::vector<Process> processes_;
+  std::uint32_t published_ = 0;
+};
+
+INSTANTIATE_TEST_SUITE_P(Backends, MulticastTest, test::both_backends, test::backend_name);
+
+TEST_P(MulticastTest, SendsOnceWhatSeveralAskFor) {
+  for (int i = 0; i < 4; ++i) add("*", false);
+  serve();
+  EXPECT_EQ(state_of(1), "alone: a group would put hardly fewer bytes on the wire");
+  const std::uint64_t alone = bytes_of_one();
+  ASSERT_TRUE(come_together()) << state_of(1);
+  EXPECT_LT(bytes_of_one(), alone / 3);
+  for (std::size_t i = 0; i < 4; ++i) expect_all_of(i);
+}
+
+TEST_P(MulticastTest, SendsReliablyToo) {
+  for (int i = 0; i < 4; ++i) add("*", true);
+  serve();
+  const std::uint64_t alone = bytes_of_one();
+  ASSERT_TRUE(come_together()) << state_of(1);
+  EXPECT_LT(bytes_of_one(), alone / 3);
+  for (const std::size_t bytes : {0, 5'000, 200'000, 1'000'000, 3}) publish(bytes);
+  for (std::size_t i = 0; i < 4; ++i) expect_all_of(i);
+  EXPECT_TRUE(all_hear());
+}
+
+TEST_P(MulticastTest, MergesMasksThatCostLessTogetherAndEachReaderTakesWhatContainsItsOwn) {
+  add("height", false);
+  add("width", true);
+  add("height, stamp", true);
+  serve();
+  ASSERT_TRUE(come_together()) << state_of(1);
+  publish();
+  for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
+  const auto samples = processes_[0].subscriber->await(published_);
+  EXPECT_EQ(samples.front()->mask, test::fields<test::Image>("height"));
+  EXPECT_EQ(samples.back()->mask, test::fields<test::Image>("height, width, stamp"));
+}
+
+/// A group is sent every sample, so that who has a maximum rate can be in none.
+TEST_P(MulticastTest, ServesAReaderWithAMaximumRateAloneAndAtThatRate) {
+  for (int i = 0; i < 3; ++i) add("*", false);
+  constexpr std::uint32_t an_hour_us = 3'600'000'000;
+  processes_[2].gate = std::make_shared<core::RateGate>(an_hour_us);
+  processes_[2].subscriber->port().accept({{.wanted = {test::fields<test::Image>("*"), an_hour_us}}});
+  serve();
+  const auto publish_in_turn_to_others = [this] {
+    for (const Process& process : std::span(processes_).first(2)) process.subscriber->await(published_);
+    processes_[2].gate->consider(published_);  // the first of an hour passes
+    publish();
+  };
+  ASSERT_TRUE(eventually([&] {
+    publish_in_turn_to_others();
+    return hears(1) && hears(2);
+  })) << state_of(1);
+  for (int i = 0; i < 50; ++i) publish_in_turn_to_others();
+  EXPECT_EQ(state_of(3), "alone: a reader there has a maximum rate");
+  for (std::size_t i = 0; i < 2; ++i) expect_all_of(i);
+  EXPECT_EQ(processes_[2].subscriber->await_sequences(1), (std::vector<std::uint64_t>{1}));
+}
+
+TEST_P(MulticastTest, TakesInWhoComesLaterAndGoesOnWithoutWhoLeaves) {
+  add("*", true);
+  add("*", false);
+  serve();
+  ASSERT_TRUE(come_together());
+  add("*", true);
+  serve();
+  ASSERT_TRUE(come_together()) << state_of(3);
+  for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
+  std::swap(processes_[0], processes_[2]);
+  processes_.pop_back();  // the first
+  serve();
+  ASSERT_TRUE(come_together());
+  expect_all_of(0);
+  expect_all_of(1);
+}
+
+/// The group carries what its readers ask for by now, and nothing that none does any more.
+TEST_P(MulticastTest, FollowsMasksThatChange) {
+  const std::string common = "name";
+  add("data", false);
+  for (int i = 0; i < 2; ++i) add(common, true);
+  serve();
+  ASSERT_TRUE(come_together());
+  for (const std::string mask : {"height", "stamp", "data", "width"}) {
+    Process& changing = processes_[0];
+    changing.subscriber->port().accept({{.wanted = {test::fields<test::Image>(changing.mask)}},
+                                        {.wanted = {test::fields<test::Image>(mask)}}});
+    changing.mask = mask;
+    serve();
+    const FieldMask together = test::fields<test::Image>(common + ", " + mask);
+    const auto carries_that = [&](const Process& process) {
+      return process.subscriber->await(published_ - process.since).back()->mask == together;
+    };
+    EXPECT_TRUE(eventually([&] {
+      publish_in_turn();
+      return all_hear() && std::ranges::all_of(processes_, carries_that);
+    })) << mask
+        << ": " << state_of(1);
+  }
+  for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
+}
+
+/// It is as if its switch had forgotten it.
+TEST_P(MulticastTest, ServesAloneAgainWhoHearsNothingMore) {
+  add("*", true);
+  add("*", true, [this](DatagramIo io) {
+    io.receiver = std::make_unique<test::DeafReceiver>(std::move(io.receiver), deaf_);
+    return io;
+  });
+  serve();
+  ASSERT_TRUE(come_together());
+  deaf_ = true;
+  ASSERT_TRUE(eventually([this] {
+    publish_in_turn();
+    return !hears(2);
+  }));
+  EXPECT_TRUE(hears(1));
+  expect_all_of(0);
+  expect_all_of(1);
+  deaf_ = false;
+  EXPECT_TRUE(come_together());
+  expect_all_of(1);
+}
+
+TEST_P(MulticastTest, LosesNothingThatIsReliableOnABadNetworkWhileOneComesAndGoes) {
+  const auto seed = static_cast<unsigned>(sft::test::test_seed());
+  SCOPED_TRACE(sft::test::how_to_repeat());
+  for (unsigned i = 0; i < 4; ++i) {
+    add("*", true, [seed, i](DatagramIo io) {
+      return test::with_faults(std::move(io), {.loss = 0.05, .repetition = 0.02, .swap = 0.02}, seed + i);
+    });
+  }
+  serve();
+  ASSERT_TRUE(come_together());
+  std::mt19937 random(seed);
+  for (int n = 0; n < 300; ++n) {
+    publish(random() % 8 == 0 ? random() % 100'000 : random() % 2000);
+    if (n % 60 != 59) continue;
+    serve(n % 120 == 59 ? 3 : 4);  // the last is not served for a while
+  }
+  for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
+}
+
+TEST_P(MulticastTest, IsOffWhereItWasSwitchedOff) {
+  writer_ = nullptr;
+  publisher_ = nullptr;
+  writer_ = open({.multicast = Multicast::off});
+  publisher_ = std::make_unique<Publisher>(*writer_, own_id());
+  add("*", false);
+  add("*", false);
+  serve();
+  publish();
+  EXPECT_EQ(state_of(1), "alone: multicast is off by option");
+}
+
+TEST_P(MulticastTest, IsNotForReadersOfThisHost) {
+  publisher_ = nullptr;
+  writer_ = open();
+  publisher_ = std::make_unique<Publisher>(*writer_, own_id());
+  add("*", false);
+  add("*", false);
+  serve();
+  publish();
+  EXPECT_EQ(state_of(2), "alone: it is on this host");
+}
+
+TEST(MulticastLinks, AreThoseThatCarryItWell) {
+  constexpr unsigned ethernet = IFF_UP | IFF_BROADCAST | IFF_MULTICAST;
+  const auto automatic = [](unsigned flags, bool wireless) {
+    return why_no_multicast("eth0", flags, wireless, Multicast::automatic);
+  };
+  EXPECT_EQ(automatic(ethernet, false), "");
+  EXPECT_EQ(automatic(ethernet, true), "interface eth0 is wireless");
+  EXPECT_EQ(automatic(IFF_UP | IFF_BROADCAST, false), "interface eth0 has no multicast");
+  EXPECT_EQ(automatic(ethernet | IFF_POINTOPOINT, false), "interface eth0 leads to one host only");
+  EXPECT_EQ(automatic(ethernet | IFF_LOOPBACK, false), "it is on this host");
+  EXPECT_EQ(why_no_multicast("eth0", ethernet, false, Multicast::off), "multicast is off by option");
+  EXPECT_EQ(why_no_multicast("eth0", ethernet | IFF_LOOPBACK, true, Multicast::everywhere), "");
+}
+
+TEST(MulticastLinks, LeaveOutTheLoopback) {
+  const auto links = multicast_links(Multicast::automatic);
+  const auto loopback = std::ranges::find(links, "lo", &MulticastLink::interface);
+  ASSERT_NE(loopback, links.end());
+  EXPECT_EQ(loopback->refusal, "it is on this host");
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,271 @@
+// Several readers of one publisher, of which one cannot be reached or does not keep up, on a network of the
+// test's own.
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "core/platform/network_watch.h"
+#include "tests/support/isolated_host.h"
+#include "tests/support/pace.h"
+#include "tests/support/test_seed.h"
+#include "tests/transports/udp/another_host.h"
+#include "tests/transports/udp/backends.h"
+#include "tests/transports/udp/endpoints.h"
+#include "tests/transports/udp/faulty_io.h"
+#include "tests/transports/udp/transfers.h"
+#include "udp_transport/udp_transport.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using test::make_image;
+using test::on_another_host;
+using test::Publisher;
+using test::run;
+using test::Subscriber;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::uint32_t dead_address = 0x0A090002;  // 10.9.0.2: on the link, and nobody answers for it
+
+class NetworkTest : public testing::TestWithParam<Backend> {
+ protected:
+  void SetUp() override {
+    if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
+    if (const std::string why = test::refusal_of(GetParam()); !why.empty()) GTEST_SKIP() << why;
+    run("ip link add near type veth peer name far 2> /dev/null");
+    if (!run("ip address replace 10.9.0.1/24 dev near && ip link set near up && ip link set far up"))
+      GTEST_SKIP() << "no pair of virtual network devices can be made here";
+  }
+
+  std::unique_ptr<core::Transport> open(UdpOptions options = {}) {
+    options.backend = GetParam();
+    return open_udp_transport(options, test::make_pool()).value();
+  }
+  static core::UdpAddress dead_reader() { return {dead_address, 5000, 32 << 20}; }
+};
+
+TEST(NetworkWatchTest, NoticesAnAddressThatComesAndGoesAndNothingElse) {
+  if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
+  core::NetworkWatch watch;
+  EXPECT_FALSE(watch.changed());
+  for (const char* change : {"add", "delete"}) {
+    ASSERT_TRUE(run(("ip address " + std::string(change) + " 10.8.0.1/24 dev lo").c_str()));
+    EXPECT_TRUE(watch.changed()) << change;
+    EXPECT_FALSE(watch.changed()) << "it was told";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, NetworkTest, test::both_backends, test::backend_name);
+
+/// What waits for the answer of the dead host takes some 3 s until the kernel gives up on it.
+TEST_P(NetworkTest, ServesOthersWhileOneAddressCannotBeReached) {
+  const auto there = open(), here = open();
+  Subscriber subscriber(*here, {"*", "stamp"});
+  Publisher to_both(*there, 1), to_other(*there, 2);
+  subscriber.listen_to(1);
+  subscriber.listen_to(2);
+  to_both.serve({{dead_reader()}, {test::loopback_address(*here)}});
+  to_other.serve({{test::loopback_address(*here), "stamp"}});
+  for (std::size_t n = 0; n < 100; n += 2) {
+    to_both.publish(make_image(200'000));
+    to_other.publish(make_image(5));
+    ASSERT_EQ(subscriber.await(n + 2, 1s).size(), n + 2) << "of a publisher with a dead reader, or another";
+  }
+}
+
+TEST_P(NetworkTest, KeepsThePaceOfAFastReaderBesideASlowOne) {
+  const auto there = open(), fast = open(), slow = open({.receive_buffer_bytes = 200'000});
+  Subscriber subscriber(*fast, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  const auto time_for = [&](std::size_t samples) {
+    const Clock::time_point begin = Clock::now();
+    for (const std::size_t end = subscriber.await(0).size() + samples; samples > 0; --samples) {
+      publisher.publish(make_image(4'000'000));
+      EXPECT_GT(subscriber.await(end + 1 - samples, 2s).size(), end - samples);
+    }
+    return Clock::now() - begin;
+  };
+  publisher.serve({{test::loopback_address(*fast)}});
+  const auto alone = time_for(20);
+  publisher.serve({{test::loopback_address(*slow)}, {test::loopback_address(*fast)}});
+  EXPECT_LT(time_for(20), 3 * alone + 400ms);  // the slow one takes 1.5 s for them
+}
+
+/// 1 Mbit/s, and behind it nobody answers.
+TEST_P(NetworkTest, ServesOthersWhileOneLinkIsSlow) {
+  if (!run("tc qdisc replace dev near root tbf rate 1mbit burst 70kb latency 40s") ||
+      !run("ip neighbour replace 10.9.0.3 lladdr 02:00:00:00:00:03 dev near"))
+    GTEST_SKIP() << "links of a given rate cannot be made here";
+  const auto there = open(), here = open();
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{{0x0A090003, 5000, 32 << 20}}, {test::loopback_address(*here)}});
+  for (std::size_t n = 1; n <= 50; ++n) {
+    publisher.publish(make_image(n % 5 == 0 ? 5 : 200'000));
+    ASSERT_EQ(subscriber.await(n, 1s).size(), n);
+  }
+}
+
+/// Between two hosts, either of which loses what comes, and also sees some of it twice and in another order.
+TEST_P(NetworkTest, TransfersAThousandSamplesOfAllSizesReliablyWhereDatagramsGetLost) {
+  sft::test::Random random{sft::test::test_seed()};
+  SCOPED_TRACE(sft::test::how_to_repeat());
+  const auto open_here = [&] {
+    const auto seed = static_cast<unsigned>(random());
+    return open_udp_transport({.backend = GetParam()}, test::make_pool(),
+                              [&](DatagramIo io) {
+                                return test::with_faults(
+                                    std::move(io), {.loss = 0.05, .repetition = 0.01, .swap = 0.01}, seed);
+                              })
+        .value();
+  };
+  std::unique_ptr<core::Transport> far;
+  core::UdpAddress address;
+  address.ip = on_another_host(GetParam() == Backend::io_uring ? 10 : 11, [&] { far = open_here(); });
+  if (address.ip == 0) GTEST_SKIP() << "a second host cannot be had here";
+  address.port = far->addresses().at(0).port;
+  address.receive_buffer_bytes = far->addresses().at(0).receive_buffer_bytes;
+  const auto near = open_here();
+  Subscriber subscriber(*far, {"*"}, 1000);
+  Publisher publisher(*near);
+  subscriber.listen_reliably_to(publisher.id());
+  publisher.serve({{address, "*", true}});
+  test::transfer_all_sizes(publisher, subscriber, random);
+}
+
+/// An announcement can name anybody's address.
+TEST_P(NetworkTest, SendsNextToNothingToAHostThatDidNotAskForIt) {
+  int socket = -1;
+  sockaddr_in at{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {}, .sin_zero = {}};
+  const std::uint32_t ip = on_another_host(GetParam() == Backend::io_uring ? 20 : 21, [&] {
+    socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    socklen_t length = sizeof at;
+    ::bind(socket, reinterpret_cast<sockaddr*>(&at), length);
+    ::getsockname(socket, reinterpret_cast<sockaddr*>(&at), &length);
+  });
+  if (ip == 0) GTEST_SKIP() << "a second host cannot be had here";
+  const auto there = open();
+  Publisher large(*there, 1), small(*there, 2);
+  const core::UdpAddress victim{ip, ntohs(at.sin_port), 32 << 20};
+  large.serve({{victim, "*", true}, {victim, "stamp"}});
+  small.serve({{victim, "*", true}, {victim, "*"}});
+  constexpr std::size_t ethernet_and_ip = 42;
+  std::size_t came = 0;
+  std::vector<std::byte> datagram(65'536);
+  sft::test::Pace pace(10ms, sft::test::Keeps::rate);
+  for (const auto end = Clock::now() + 2s; Clock::now() < end; pace.await_turn()) {
+    large.publish(make_image(1'000'000));
+    small.publish(make_image(100));
+    for (ssize_t n; (n = ::recv(socket, datagram.data(), datagram.size(), 0)) >= 0;)
+      came += static_cast<std::size_t>(n) + ethernet_and_ip;
+  }
+  ::close(socket);
+  EXPECT_GT(came, 0U) << "it is asked";
+  EXPECT_LT(came, 40'000U);
+  EXPECT_NE(small.port().silence(1), "");
+}
+
+TEST_P(NetworkTest, SendsNextToNothingToAPortOfThisHostThatNobodyAskedFor) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  sockaddr_in at{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {htonl(INADDR_LOOPBACK)}, .sin_zero = {}};
+  socklen_t length = sizeof at;
+  ASSERT_EQ(::bind(socket, reinterpret_cast<sockaddr*>(&at), length), 0);
+  ASSERT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&at), &length), 0);
+  const auto there = open();
+  Publisher publisher(*there);
+  publisher.serve({{{INADDR_LOOPBACK, ntohs(at.sin_port), 32 << 20}, "*", true}});
+  std::vector<std::byte> datagram(65'536);
+  std::size_t came = 0;
+  for (std::size_t n = 0; n < 200; ++n) publisher.publish(make_image(n % 2 == 0 ? 1'000'000 : 10'000));
+  for (ssize_t n; (n = ::recv(socket, datagram.data(), datagram.size(), 0)) >= 0;)
+    came += static_cast<std::size_t>(n);
+  EXPECT_LE(came, 26'000U);
+  ::close(socket);
+  for (int n = 0; n < 10; ++n) publisher.publish(make_image(10'000));
+  EXPECT_TRUE(test::eventually([&] { return !publisher.port().silence(1).empty(); })) << "the host says so";
+}
+
+TEST_P(NetworkTest, GoesOnWithinASecondAfterAHostThatCouldNotBeReachedIsBack) {
+  const unsigned net = GetParam() == Backend::io_uring ? 22 : 23;
+  std::unique_ptr<core::Transport> far;
+  core::UdpAddress address;
+  address.ip = on_another_host(net, [&] { far = open(); });
+  if (address.ip == 0) GTEST_SKIP() << "a second host cannot be had here";
+  address.port = far->addresses().at(0).port;
+  const auto near = open();
+  Subscriber reliable(*far, {"*"}), best_effort(*far, {"*"});
+  Publisher one(*near, 1), other(*near, 2);
+  reliable.listen_reliably_to(1);
+  best_effort.listen_to(2);
+  one.serve({{address, "*", true}});
+  other.serve({{address}});
+  sft::test::Pace pace(5ms);
+  const auto publish_until = [&](const auto& enough, std::chrono::milliseconds at_most) {
+    for (const auto end = Clock::now() + at_most; Clock::now() < end && !enough(); pace.await_turn()) {
+      one.publish(make_image(20'000));
+      other.publish(make_image(20'000));
+    }
+    return enough();
+  };
+  const auto both_get_more = [&] {
+    return [&, before = reliable.await(0).size(), before_other = best_effort.await(0).size()] {
+      return reliable.await(0).size() > before && best_effort.await(0).size() > before_other;
+    };
+  };
+  ASSERT_TRUE(publish_until(both_get_more(), 20s));
+  const std::string neighbour = "10.9." + std::to_string(net) + ".2", link = "to" + std::to_string(net);
+  ASSERT_TRUE(run("ip neighbour replace " + neighbour + " lladdr 02:00:00:00:00:03 dev " + link));
+  publish_until([] { return false; }, 3s);
+  EXPECT_NE(one.port().silence(1), "");
+  ASSERT_TRUE(run("ip neighbour delete " + neighbour + " dev " + link));
+  EXPECT_TRUE(publish_until(both_get_more(), 1s));
+  EXPECT_EQ(one.port().silence(1), "");
+}
+
+TEST_P(NetworkTest, GoesOnWhenThePathTakesShorterDatagrams) {
+  ASSERT_TRUE(
+      run("ip address replace 10.9.8.1/32 dev lo && ip route replace 10.9.8.1 dev lo table local mtu 60000"));
+  const auto there = open(), here = open();
+  Subscriber subscriber(*here, {"*"});
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{{0x0A090801, test::loopback_address(*here).port, 32 << 20}}});
+  std::size_t published = 0;
+  const auto arrives = [&] {
+    const std::size_t before = subscriber.await(0).size();
+    return test::eventually([&] {
+      publisher.publish(make_image(300'000 + ++published));
+      return subscriber.await(before + 1, 1s).size() > before;
+    });
+  };
+  EXPECT_TRUE(arrives());
+  ASSERT_TRUE(run("ip route replace 10.9.8.1 dev lo table local mtu 1500"));
+  EXPECT_TRUE(arrives());
+  EXPECT_EQ(published, 2U) << "what was refused is cut again";
+}
+
+TEST_P(NetworkTest, GoesOnWhenTheHostGetsAnotherAddress) {
+  const auto with_address = [](const std::string& address) {
+    return run(("ip address flush dev near && ip address add " + address + "/24 dev near").c_str()) &&
+           run("ip neighbour replace 10.9.0.3 lladdr 02:00:00:00:00:03 dev near");
+  };
+  ASSERT_TRUE(with_address("10.9.0.5"));
+  const auto there = open();
+  Publisher publisher(*there);
+  publisher.serve({{{0x0A090003, 5000, 32 << 20}}});
+  EXPECT_EQ(publisher.publish(make_image(5)), core::SendStatus::sent);
+  ASSERT_TRUE(with_address("10.9.0.6"));
+  publisher.publish(make_image(5));  // may find out
+  EXPECT_EQ(publisher.publish(make_image(5)), core::SendStatus::sent);
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,282 @@
+// Hosts behind links and routers that take packets of different lengths, over IPv4 and IPv6.
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "tests/support/isolated_host.h"
+#include "tests/transports/udp/endpoints.h"
+#include "tests/transports/udp/faulty_io.h"
+#include "udp_transport/io/interfaces.h"
+#include "udp_transport/udp_transport.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using test::make_image;
+using test::Publisher;
+using test::Subscriber;
+
+void run(const std::string& commands) {
+  ASSERT_EQ(std::system(("sh -ec '" + commands + "'").c_str()), 0) << commands;
+}
+
+/// Notes how long the longest datagram is that comes.
+class LengthWatch final : public test::PassingReceiver {
+ public:
+  LengthWatch(std::unique_ptr<DatagramReceiver> inner, std::atomic<std::size_t>& longest)
+      : PassingReceiver(std::move(inner)), longest_(longest) {}
+
+ private:
+  void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override {
+    longest_ = std::max(longest_.load(), bytes.size());
+    pass_on(bytes, from);
+  }
+
+  std::atomic<std::size_t>& longest_;
+};
+
+/// Addresses are in use at once: nobody looks for others that have them.
+constexpr const char* set_up =
+    "ip link set lo up; for f in /proc/sys/net/ipv6/conf/*/accept_dad; do echo 0 > $f; done";
+
+/// A network stack of its own, with a transport if need be.
+class Host {
+ public:
+  Host() {
+    keeper_ = std::thread([this] {
+      own_ = ::unshare(CLONE_NEWNET) == 0 && std::system(set_up) == 0;
+      thread_id_ = ::gettid();
+      std::unique_lock lock(mutex_);
+      for (;;) {
+        idle_.notify_all();
+        wanted_.wait(lock, [this] { return gone_ || task_; });
+        if (gone_) return;
+        std::exchange(task_, nullptr)();
+      }
+    });
+    while (thread_id_ == 0) std::this_thread::yield();
+  }
+  ~Host() {
+    {
+      const std::scoped_lock lock(mutex_);
+      gone_ = true;
+    }
+    wanted_.notify_all();
+    keeper_.join();
+  }
+  Host(const Host&) = delete;
+  Host& operator=(const Host&) = delete;
+
+  bool is_own() const { return own_; }
+  /// For `ip link ... netns`.
+  std::string name() const {
+    return "/proc/" + std::to_string(::getpid()) + "/task/" + std::to_string(thread_id_) + "/ns/net";
+  }
+  /// Runs that there, and waits for it.
+  void here(std::function<void()> task) {
+    std::unique_lock lock(mutex_);
+    task_ = std::move(task);
+    wanted_.notify_all();
+    idle_.wait(lock, [this] { return !task_; });
+  }
+  void run_here(const std::string& commands) {
+    here([&] { run(commands); });
+  }
+
+  core::Transport& open_transport(Backend backend) {
+    here([&] {
+      transport_ = open_udp_transport({.backend = backend}, test::make_pool(), [this](DatagramIo io) {
+                     io.receiver = std::make_unique<LengthWatch>(std::move(io.receiver), longest_);
+                     return io;
+                   }).value();
+    });
+    return *transport_;
+  }
+  core::UdpAddress at(const core::IpAddress& ip) const {
+    core::UdpAddress address = transport_->addresses().at(0);
+    address.ip = ip;
+    return address;
+  }
+  /// Bytes of the longest datagram that has come since this was asked last.
+  std::size_t longest() { return longest_.exchange(0); }
+
+ private:
+  std::thread keeper_;
+  std::atomic<pid_t> thread_id_{0};
+  std::atomic<bool> own_{false};
+  std::mutex mutex_;
+  std::condition_variable wanted_, idle_;
+  std::function<void()> task_;
+  bool gone_ = false;
+  std::atomic<std::size_t> longest_{0};
+  std::unique_ptr<core::Transport> transport_;
+};
+
+enum class Family : std::uint8_t { ipv4, ipv6 };
+
+class PathsTest : public testing::TestWithParam<Family> {
+ protected:
+  void SetUp() override {
+    if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
+    if (!Host().is_own()) GTEST_SKIP() << "a second host cannot be had here";
+  }
+  void TearDown() override { std::system("for l in out1 out2; do ip link del $l; done 2> /dev/null"); }
+
+  static bool ipv6() { return GetParam() == Family::ipv6; }
+  /// Host `number` of network `net`.
+  static std::string address(unsigned net, unsigned number) {
+    return (ipv6() ? "fd0" : "10.20.") + std::to_string(net) + (ipv6() ? "::" : ".") + std::to_string(number);
+  }
+  static core::IpAddress ip(unsigned net, unsigned number) {
+    return core::parse_ip_address(address(net, number)).value();
+  }
+  static std::string bits() { return ipv6() ? "/64" : "/24"; }
+  static std::string add_address(unsigned net, unsigned number, const std::string& device) {
+    return "ip address add " + address(net, number) + bits() + " dev " + device + (ipv6() ? " nodad" : "");
+  }
+  static std::size_t payload(std::size_t mtu) { return mtu - (ipv6() ? 48 : 28); }
+
+  /// A cable from this host to that one: network `net`, we are its number 1. Frames are cut before it.
+  static void plug_in(Host& host, unsigned net, unsigned mtu) {
+    const std::string number = std::to_string(net), out = "out" + number, mtus = std::to_string(mtu);
+    run("ip link add " + out + " mtu " + mtus + " type veth peer name in0 mtu " + mtus + " netns " +
+        host.name() + "; " + add_address(net, 1, out) + "; ip link set " + out + " up; ethtool -K " + out +
+        " tx-udp-segmentation off > /dev/null");
+    host.run_here(add_address(net, 2, "in0") + "; ip link set in0 up");
+  }
+
+  std::unique_ptr<core::Transport> open() {
+    return open_udp_transport({.backend = Backend::sockets}, test::make_pool()).value();
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Over, PathsTest, testing::Values(Family::ipv4, Family::ipv6),
+                         [](const auto& param) { return param.param == Family::ipv4 ? "IPv4" : "IPv6"; });
+
+TEST_P(PathsTest, SendsEachHostTheLongestDatagramsThatItsPathTakes) {
+  Host jumbo, usual;
+  plug_in(jumbo, 1, 9000);
+  plug_in(usual, 2, 1500);
+  Subscriber of_jumbo(jumbo.open_transport(Backend::io_uring), {"*"}),
+      of_usual(usual.open_transport(Backend::sockets), {"*"});
+  const auto near = open();
+  Publisher publisher(*near);
+  of_jumbo.listen_reliably_to(publisher.id());
+  of_usual.listen_reliably_to(publisher.id());
+  publisher.serve({{jumbo.at(ip(1, 2)), "*", true}, {usual.at(ip(2, 2)), "*", true}});
+  publisher.publish(make_image(300'000));
+  EXPECT_EQ(of_jumbo.await(1).size(), 1U);
+  EXPECT_EQ(of_usual.await(1).size(), 1U);
+  EXPECT_EQ(jumbo.longest(), payload(9000));
+  EXPECT_EQ(usual.longest(), payload(1500));
+
+  // Shorter from now on: what is refused is cut again, not lost. And longer again.
+  run("ip link set out1 mtu 1280");
+  publisher.publish(make_image(300'000));
+  EXPECT_EQ(of_jumbo.await(2).size(), 2U);
+  EXPECT_EQ(jumbo.longest(), payload(1280));
+  run("ip link set out1 mtu 9000");
+  EXPECT_TRUE(near->network_changed());
+  near->poll(std::chrono::steady_clock::now());
+  publisher.publish(make_image(300'000));
+  EXPECT_EQ(of_jumbo.await(3).size(), 3U);
+  EXPECT_EQ(jumbo.longest(), payload(9000));
+}
+
+class IPv4PathsTest : public PathsTest {};
+INSTANTIATE_TEST_SUITE_P(Over, IPv4PathsTest, testing::Values(Family::ipv4),
+                         [](const auto&) { return "IPv4"; });
+
+TEST_P(IPv4PathsTest, LeadToWhereIPv6IsSwitchedOff) {
+  Host far;
+  far.run_here("for f in /proc/sys/net/ipv6/conf/*/disable_ipv6; do echo 1 > $f; done");
+  plug_in(far, 1, 1500);
+  core::Transport& there = far.open_transport(Backend::io_uring);
+  Subscriber subscriber(there, {"*"});
+  far.here([&] { EXPECT_EQ(there.addresses().size(), 1U); });
+  const auto near = open();
+  Publisher publisher(*near);
+  subscriber.listen_reliably_to(publisher.id());
+  publisher.serve({{far.at(ip(1, 2)), "*", true}});
+  publisher.publish(make_image(300'000));
+  EXPECT_EQ(subscriber.await(1).size(), 1U);
+}
+
+TEST_P(PathsTest, LearnsFromARouterWhatThePathBehindItTakes) {
+  Host router, far;
+  plug_in(router, 1, 9000);
+  router.run_here("ip link add r1 mtu 1400 type veth peer name in0 mtu 1400 netns " + far.name() + "; " +
+                  add_address(2, 1, "r1") + "; ip link set r1 up; echo 1 > /proc/sys/net/" +
+                  (ipv6() ? "ipv6/conf/all/forwarding" : "ipv4/ip_forward"));
+  far.run_here(add_address(2, 2, "in0") + "; ip link set in0 up; ip route add default via " + address(2, 1));
+  run("ip route add " + address(2, 0) + bits() + " via " + address(1, 2));
+  Subscriber subscriber(far.open_transport(Backend::io_uring), {"*"});
+  const auto near = open();
+  Publisher publisher(*near);
+  subscriber.listen_reliably_to(publisher.id());
+  publisher.serve({{far.at(ip(2, 2)), "*", true}});
+  for (std::size_t n = 1; n <= 3; ++n) {
+    publisher.publish(make_image(300'000));
+    ASSERT_EQ(subscriber.await(n).size(), n);
+  }
+  EXPECT_EQ(far.longest(), payload(1400));
+}
+
+/// The far end of the cable takes less than the near one knows of: what is longer is dropped without a word.
+TEST_P(PathsTest, FindsOutReliablyWhatAPathTakesThatDropsLongerOnesSilently) {
+  Host far;
+  plug_in(far, 1, 9000);
+  far.run_here("ip link set in0 mtu 1450");
+  Subscriber subscriber(far.open_transport(Backend::io_uring), {"*"});
+  const auto near = open();
+  Publisher publisher(*near);
+  subscriber.listen_reliably_to(publisher.id());
+  publisher.serve({{far.at(ip(1, 2)), "*", true}});
+  const auto begin = std::chrono::steady_clock::now();
+  publisher.publish(make_image(30'000));
+  ASSERT_EQ(subscriber.await(1).size(), 1U);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 1s);
+  EXPECT_EQ(far.longest(), payload(1280));
+  std::size_t longest = 0;
+  for (std::size_t n = 2; n <= 500 && longest != payload(1450); ++n) {
+    near->poll(begin + n * 2s);
+    publisher.publish(make_image(30'000));
+    ASSERT_EQ(subscriber.await(n).size(), n);
+    longest = far.longest();
+  }
+  EXPECT_EQ(longest, payload(1450));
+}
+
+/// By best effort, where nothing is asked for again.
+TEST_P(PathsTest, LosesNoneOfManySmallSamplesWhereALinkTakesLessFromNowOn) {
+  Host far;
+  plug_in(far, 1, 9000);
+  Subscriber subscriber(far.open_transport(Backend::io_uring), {"*"}, 1000);
+  const auto near = open();
+  Publisher publisher(*near);
+  subscriber.listen_to(publisher.id());
+  publisher.serve({{far.at(ip(1, 2)), "*"}});
+  for (std::size_t n = 1; n <= 3; ++n) {
+    if (n == 2) run("ip link set out1 mtu 1300");
+    publisher.port().hold(false);
+    for (int i = 0; i < 100; ++i) {
+      const core::SampleHandle sample = publisher.make(make_image(40));
+      sample->source_stamp_ns = 7;
+      publisher.port().send(sample);
+    }
+    EXPECT_EQ(publisher.port().flush(), 0U);
+    EXPECT_EQ(subscriber.await(100 * n).size(), 100 * n);
+  }
+}
+
+}  // namespace
+}  // namespace sft::udp

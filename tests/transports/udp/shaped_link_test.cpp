@@ -1,0 +1,154 @@
+// Small samples beside large ones, on a link that is far too slow for these.
+#include <gtest/gtest.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/isolated_host.h"
+#include "tests/support/pace.h"
+#include "tests/transports/udp/another_host.h"
+#include "tests/transports/udp/backends.h"
+#include "tests/transports/udp/endpoints.h"
+#include "udp_transport/udp_transport.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using test::make_image;
+using test::Publisher;
+using test::Subscriber;
+
+constexpr auto bound = 20ms;
+constexpr auto duration = 5s;
+constexpr auto pause = 5ms;
+constexpr double link_bytes_per_s = 12.5e6;
+
+std::int64_t realtime_ns() { return std::chrono::system_clock::now().time_since_epoch() / 1ns; }
+
+/// A publisher here, and its reader there.
+struct Topic {
+  Topic(core::Transport& near, core::Transport& far, const Publisher::Reader& reader, core::EndpointId id,
+        std::uint32_t depth)
+      : publisher(near, id), subscriber(far, {"*"}, depth, id) {
+    reader.reliable ? subscriber.listen_reliably_to(id) : subscriber.listen_to(id);
+    publisher.serve({reader});
+  }
+  Publisher publisher;
+  Subscriber subscriber;
+};
+
+/// Its samples are small; and how long these take.
+class SmallTopic {
+ public:
+  SmallTopic(core::Transport& near, core::Transport& far, const Publisher::Reader& reader,
+             core::EndpointId id)
+      : topic_(near, far, reader, id, 2000) {}
+  void publish() {
+    published_at_.push_back(realtime_ns());
+    topic_.publisher.publish(make_image(100));
+  }
+  /// Of all that were published since it was asked last; those that were lost took forever.
+  std::chrono::nanoseconds p99() {
+    std::vector<std::int64_t> times;
+    for (const auto& sample : topic_.subscriber.await(published_at_.size(), 1s)) {
+      const std::uint64_t number = sample->header().sequence - 1;
+      if (number >= done_) times.push_back(sample->receive_stamp_ns - published_at_[number]);
+    }
+    times.resize(published_at_.size() - done_, INT64_MAX);
+    done_ = published_at_.size();
+    std::ranges::sort(times);
+    return std::chrono::nanoseconds(times[times.size() * 99 / 100]);
+  }
+
+ private:
+  Topic topic_;
+  std::vector<std::int64_t> published_at_;
+  std::size_t done_ = 0;
+};
+
+/// Publishes samples of 1 MB, every 10 ms.
+class LargeTopic {
+ public:
+  LargeTopic(core::Transport& near, core::Transport& far, const Publisher::Reader& reader,
+             core::EndpointId id)
+      : topic_(near, far, reader, id, 4) {}
+  static constexpr std::size_t bytes = 1'000'000;
+  void publish() { topic_.publisher.port().send(topic_.publisher.make(image_)); }
+  std::size_t came() { return topic_.subscriber.await(0).size(); }
+
+ private:
+  const test::Image image_ = make_image(bytes);
+  Topic topic_;
+};
+
+/// This thread, and those that it starts. Where threads of one side are on two CPUs, the kernel swaps what
+/// they take off the shaped link, and best effort drops what comes behind a newer one.
+void run_on(int cpu) {
+  cpu_set_t cpus;
+  CPU_ZERO(&cpus);
+  CPU_SET(cpu, &cpus);
+  ::sched_setaffinity(0, sizeof cpus, &cpus);  // on a machine with one it has nothing to do
+}
+
+class ShapedLinkTest : public testing::TestWithParam<Backend> {
+ protected:
+  void SetUp() override {
+    if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
+    const auto open = [] { return open_udp_transport({.backend = GetParam()}, test::make_pool()); };
+    run_on(0);
+    if (const std::string why = test::refusal_of(GetParam()); !why.empty()) GTEST_SKIP() << why;
+    near_ = open().value();
+    const unsigned net = GetParam() == Backend::io_uring ? 20 : 21;
+    reader_.address.ip = test::on_another_host(net, [&] {
+      run_on(1);
+      far_ = open().value();
+      run_on(0);
+    });
+    if (reader_.address.ip == 0) GTEST_SKIP() << "a second host cannot be had here";
+    reader_.address.port = far_->addresses().at(0).port;
+    reader_.address.receive_buffer_bytes = far_->addresses().at(0).receive_buffer_bytes;
+    const std::string shape = "tc qdisc add dev to" + std::to_string(net) + " root tbf ";
+    if (!test::run((shape + "rate 100mbit burst 70kb latency 1s").c_str()))
+      GTEST_SKIP() << "links of a given rate cannot be made here";
+  }
+  Publisher::Reader reader(bool reliable) const { return {reader_.address, "*", reliable}; }
+
+  std::unique_ptr<core::Transport> near_, far_;
+  Publisher::Reader reader_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Backends, ShapedLinkTest, test::both_backends, test::backend_name);
+
+/// On a schedule of its own, whatever the link takes.
+TEST_P(ShapedLinkTest, KeepsSmallSamplesFastWhileLargeOnesFillTheLink) {
+  std::vector<std::unique_ptr<LargeTopic>> large;
+  std::vector<std::unique_ptr<SmallTopic>> small;
+  for (core::EndpointId id = 1; id <= 4; ++id)
+    large.push_back(std::make_unique<LargeTopic>(*near_, *far_, reader(id % 2 == 0), id));
+  for (core::EndpointId id = 5; id <= 6; ++id)
+    small.push_back(std::make_unique<SmallTopic>(*near_, *far_, reader(id % 2 == 0), id));
+  small[0]->publish();  // has the kernel ask for the other host's address
+  ASSERT_LT(small[0]->p99(), 1s);
+
+  sft::test::Pace schedule(pause, sft::test::Keeps::rate);
+  for (int step = 0; step < duration / pause; ++step, schedule.await_turn()) {
+    for (const auto& topic : small) topic->publish();
+    if (step % 2 == 0) large[static_cast<std::size_t>(step / 2 % 4)]->publish();
+  }
+  std::size_t all = 0, least = SIZE_MAX;
+  for (const auto& topic : large) {
+    all += topic->came();
+    least = std::min(least, topic->came());
+  }
+  for (const auto& topic : small) EXPECT_LT(topic->p99() / 1us, bound / 1us) << "us";
+  EXPECT_GE(static_cast<double>(all * LargeTopic::bytes), 0.7 * link_bytes_per_s * (duration / 1s));
+  EXPECT_GE(least, all / 4 / 4) << "each has its share";
+}
+
+}  // namespace
+}  // namespace sft::udp

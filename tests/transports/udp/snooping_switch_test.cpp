@@ -1,0 +1,106 @@
+// A publisher, two readers and a host that wants nothing, on a switch that snoops on IGMP: with a querier it
+// passes a group on to those ports only from which membership was reported, without one it passes on nothing.
+#include <gtest/gtest.h>
+
+#include "tests/transports/udp/bridge_fixture.h"
+
+namespace sft::udp {
+namespace {
+
+constexpr std::size_t samples = 100;
+constexpr std::size_t sample_bytes = 8000;  // no less
+constexpr const char* bystander = "port4";
+
+/// The bridge asks by IGMPv3: by the older one it would for its first seconds pass on each host's report to
+/// all others, these would keep theirs back, and it would not learn of them. It holds back what nobody has
+/// joined once a querier has had its response interval, here 0.1 s.
+class SnoopingSwitchTest : public test::BridgeTest {
+ protected:
+  void SetUp() override {
+    if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
+    if (!make_bridge("mcast_snooping 1 mcast_igmp_version 3 mcast_query_response_interval 10") ||
+        !test::run("ip link set bridge arp off up"))
+      GTEST_SKIP() << "no bridge that snoops on IGMP can be made here";
+    ASSERT_TRUE(plug_in(1, "end1") && switch_on(1, "end1"));
+    open_publisher();
+  }
+
+  static void switch_querier_on() {
+    ASSERT_TRUE(test::run("ip link set bridge type bridge mcast_querier 1"));
+  }
+  void add_hosts(bool reliable) {
+    ASSERT_TRUE(add_reader(2, "*", reliable));
+    ASSERT_TRUE(add_reader(3, "*", reliable));
+    ASSERT_TRUE(on_host(4, [&] { bystander_ = open_udp_transport({}, test::make_pool()).value(); }));
+  }
+  /// Publishes until everybody is served by a group, and the switch has begun to snoop.
+  bool group_passes_to_members_only() {
+    return publish_until([this] {
+      if (!all_are_in_groups()) return false;
+      const std::uint32_t before = test::traffic_of(bystander).sent;
+      publish(samples);
+      return test::traffic_of(bystander).sent - before < sample_bytes;
+    });
+  }
+
+  std::unique_ptr<core::Transport> bystander_;  ///< for as long as this is open there is its host
+};
+
+TEST_F(SnoopingSwitchTest, PassesAGroupOnToItsMembersOnly) {
+  switch_querier_on();
+  add_hosts(false);
+  serve(2);
+  ASSERT_TRUE(group_passes_to_members_only() && !HasFatalFailure()) << publisher_->port().multicast(1);
+  const std::uint32_t sent = test::traffic_of("port1").received;
+  const std::uint32_t to_one = test::traffic_of("port2").sent, to_other = test::traffic_of("port3").sent;
+  const std::uint32_t to_bystander = test::traffic_of(bystander).sent;
+  publish(samples);
+  EXPECT_TRUE(all_came());
+  EXPECT_LT(test::traffic_of("port1").received - sent, samples * sample_bytes * 3 / 2) << "one copy";
+  EXPECT_GE(test::traffic_of("port2").sent - to_one, samples * sample_bytes);
+  EXPECT_GE(test::traffic_of("port3").sent - to_other, samples * sample_bytes);
+  EXPECT_LT(test::traffic_of(bystander).sent - to_bystander, sample_bytes);
+}
+
+/// As switches do that flood nothing, or have forgotten who is a member because nobody asks.
+TEST_F(SnoopingSwitchTest, CostsNoSampleWhilePassingNothingOnForWantOfAQuerier) {
+  add_hosts(false);
+  for (const char* port : {"port1", "port2", "port3", "port4"})
+    ASSERT_TRUE(test::run("bridge link set dev " + std::string(port) + " mcast_flood off"));
+  serve(2);
+  ASSERT_TRUE(publish_until([this] { return publisher_->port().multicast(1).starts_with("group "); }));
+  const std::uint32_t sent = test::traffic_of("port1").received, to_one = test::traffic_of("port2").sent;
+  for (std::size_t i = 0; i < samples; ++i) {
+    publish();
+    ASSERT_FALSE(HasFatalFailure() || hears(1) || hears(2));
+  }
+  EXPECT_TRUE(all_came());
+  EXPECT_GE(test::traffic_of("port1").received - sent, 3 * samples * sample_bytes) << "two, and the group's";
+  EXPECT_LT(test::traffic_of("port2").sent - to_one, samples * sample_bytes * 3 / 2);
+  switch_querier_on();
+  EXPECT_TRUE(group_passes_to_members_only()) << publisher_->port().multicast(1);
+}
+
+/// It was restarted, say, or the cable is at another port. Hosts report a membership by themselves only when
+/// it begins, once more within a second, and the next query is far off.
+TEST_F(SnoopingSwitchTest, IsToldAgainOfAMemberThatItHasForgotten) {
+  switch_querier_on();
+  add_hosts(true);
+  serve(2);
+  ASSERT_TRUE(group_passes_to_members_only() && !HasFatalFailure()) << publisher_->port().multicast(1);
+  const std::string state = publisher_->port().multicast(1);
+  const std::size_t begin = state.find(' ') + 1;
+  const std::string group = state.substr(begin, state.find(' ', begin) - begin);
+  const std::string forget = "bridge mdb delete dev bridge port port2 grp " + group + " 2> /dev/null";
+  ASSERT_TRUE(test::run(forget)) << state;
+  ASSERT_TRUE(publish_until([&] {
+    test::run(forget);
+    return !hears(1);
+  }));
+  EXPECT_TRUE(hears(2));
+  EXPECT_TRUE(group_passes_to_members_only()) << publisher_->port().multicast(1);
+  EXPECT_TRUE(all_came());
+}
+
+}  // namespace
+}  // namespace sft::udp

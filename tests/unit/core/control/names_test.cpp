@@ -1,0 +1,60 @@
+#include "core/control/names.h"
+
+#include <gtest/gtest.h>
+
+namespace sft::core {
+namespace {
+
+using namespace std::string_literals;
+
+TEST(NamesTest, WordsOfAllLanguagesAreNames) {
+  for (const std::string& name :
+       {"points"s, "/left/points"s, "größe"s, "点群"s, "🤖"s, "a b"s, std::string(255, 'n')}) {
+    EXPECT_EQ(fault_of_name(name), "") << name;
+    EXPECT_EQ(fault_of_topic(name), "") << name;
+  }
+}
+
+TEST(NamesTest, ANameHasOneTo255Bytes) {
+  EXPECT_EQ(fault_of_name(""), "is empty");
+  EXPECT_EQ(fault_of_name(std::string(256, 'n')), "has more than 255 bytes");
+}
+
+TEST(NamesTest, ControlCharactersAreInNoName) {
+  for (const std::string& name :
+       {"a\0b"s, "a\nb"s, "a\x1b[2Jb"s, "a\x7f"s, "a\tb"s, "\xc2\x9b"s /* C1: CSI */,
+        "\xe2\x80\xa8"s /* a line's end */, "\xe2\x80\xae"s /* backwards from here */})
+    EXPECT_EQ(fault_of_name(name), "has a control character in it") << in_quotes(name);
+}
+
+TEST(NamesTest, WhatIsNoUtf8IsNoName) {
+  for (const std::string& name :
+       {"\xff"s, "a\x80"s, "\xc3"s, "\xc3("s, "\xc0\xaf"s /* too long for '/' */, "\xe0\x80\xaf"s,
+        "\xed\xa0\x80"s /* a surrogate */, "\xf4\x90\x80\x80"s, "\xf5\x80\x80\x80"s})
+    EXPECT_EQ(fault_of_name(name), "is not UTF-8") << in_quotes(name);
+}
+
+TEST(NamesTest, ATopicHasNoEmptyPartsNoBlanksAtItsEndsAndNoTilde) {
+  for (const std::string& topic :
+       {"//a"s, "a//b"s, "a/"s, "/"s, " a"s, "a "s, "/ a"s, "~/x"s, "~"s, ""s, "a\nb"s})
+    EXPECT_NE(fault_of_topic(topic), "") << in_quotes(topic);
+}
+
+TEST(NamesTest, WhatIsQuotedIsShortAndCannotActOnATerminal) {
+  EXPECT_EQ(in_quotes("points"), "'points'");
+  EXPECT_EQ(in_quotes("a\nb\x1b"), "'a\\x0ab\\x1b'");
+  EXPECT_EQ(in_quotes("\xff\xe2\x80\xae"), "'\\xff\\xe2\\x80\\xae'");
+  EXPECT_EQ(in_quotes("grün"), "'grün'");
+  const std::string cut = in_quotes(std::string(10'000, 'x'));
+  EXPECT_LT(cut.size(), 100U);
+  EXPECT_NE(cut.find("(10000 bytes)"), std::string::npos) << cut;
+}
+
+TEST(NamesTest, ASlashInFrontOfATopicIsTakenAway) {
+  EXPECT_EQ(without_slash("points"), "points");
+  EXPECT_EQ(without_slash("/points"), "points");
+  EXPECT_EQ(without_slash("/left/points"), "left/points");
+}
+
+}  // namespace
+}  // namespace sft::core

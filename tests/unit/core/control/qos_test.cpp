@@ -1,0 +1,131 @@
+// The offered/requested rules, exhaustively, and what is refused on entry.
+#include "core/control/qos.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// From the least offered to the most.
+std::vector<Qos> weakest_to_strongest(QosPolicy policy) {
+  switch (policy) {
+    case QosPolicy::reliability:
+      return {{.reliability = best_effort}, {.reliability = reliable}};
+    case QosPolicy::durability:
+      return {{.durability = volatile_}, {.durability = transient_local}};
+    case QosPolicy::deadline:
+      return {{}, {.deadline = 2s}, {.deadline = 1s}, {.deadline = 1ns}};
+    case QosPolicy::liveliness:
+      return {{.liveliness = Liveliness::automatic}, {.liveliness = manual_by_topic}};
+    case QosPolicy::none:
+      break;
+  }
+  return {{}, {.liveliness_lease = 2s}, {.liveliness_lease = 1s}, {.liveliness_lease = 1ns}};  // leases
+}
+
+class RulesTest : public ::testing::TestWithParam<QosPolicy> {};
+
+TEST_P(RulesTest, AnOfferThatIsAtLeastTheRequestMatchesAndAnyOtherNamesThePolicy) {
+  const QosPolicy named = GetParam() == QosPolicy::none ? QosPolicy::liveliness : GetParam();
+  const std::vector<Qos> levels = weakest_to_strongest(GetParam());
+  for (std::size_t offered = 0; offered < levels.size(); ++offered) {
+    for (std::size_t requested = 0; requested < levels.size(); ++requested) {
+      const QosConflict conflict = conflict_between(levels[offered], levels[requested]);
+      EXPECT_EQ(conflict.policy, offered >= requested ? QosPolicy::none : named);
+      EXPECT_EQ(conflict.reason.empty(), offered >= requested) << conflict.reason;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Policies, RulesTest,
+                         ::testing::Values(QosPolicy::reliability, QosPolicy::durability, QosPolicy::deadline,
+                                           QosPolicy::liveliness, QosPolicy::none),
+                         [](const auto& param) {
+                           return param.param == QosPolicy::none ? "lease" : to_string(param.param);
+                         });
+
+// All policies at once match exactly where each of them does.
+TEST(RulesTest, PoliciesDoNotMix) {
+  std::vector<Qos> all;
+  for (const Reliability reliability : {best_effort, reliable}) {
+    for (const Durability durability : {volatile_, transient_local}) {
+      for (const auto deadline : {0ms, 20ms, 10ms}) {
+        for (const Liveliness liveliness : {Liveliness::automatic, manual_by_topic}) {
+          for (const auto lease : {0ms, 20ms, 10ms}) {
+            all.push_back({.reliability = reliability,
+                           .durability = durability,
+                           .deadline = deadline,
+                           .liveliness = liveliness,
+                           .liveliness_lease = lease});
+          }
+        }
+      }
+    }
+  }
+  const auto within = [](auto offered, auto requested) {
+    return requested.count() == 0 || (offered.count() != 0 && offered <= requested);
+  };
+  for (const Qos& offered : all) {
+    for (const Qos& requested : all) {
+      const bool fits =
+          offered.reliability >= requested.reliability && offered.durability >= requested.durability &&
+          within(offered.deadline, requested.deadline) && offered.liveliness >= requested.liveliness &&
+          within(offered.liveliness_lease, requested.liveliness_lease);
+      ASSERT_EQ(conflict_between(offered, requested).policy == QosPolicy::none, fits);
+    }
+  }
+}
+
+TEST(QosConflictTest, NamesEveryPolicyThatDoesNotFitWithBothValues) {
+  EXPECT_EQ(conflict_between({.deadline = 100ms}, {.reliability = reliable, .deadline = 1500us}).reason,
+            "incompatible QoS: reliability best_effort is offered, reliable is requested; deadline 100 ms is "
+            "offered, 1500 us is requested");
+  EXPECT_EQ(conflict_between({}, {.liveliness_lease = 1s}).reason,
+            "incompatible QoS: liveliness lease none is offered, 1000 ms is requested");
+}
+
+TEST(QosOptionsTest, WhatCanNeverWorkIsRefusedByName) {
+  EXPECT_TRUE(qos_of(PublisherOptions{}));
+  EXPECT_TRUE(qos_of(SubscriberOptions{}));
+  const auto negative = qos_of(PublisherOptions{.deadline = -1ns});
+  ASSERT_FALSE(negative);
+  EXPECT_NE(negative.error().message.find("deadline"), std::string::npos);
+  EXPECT_FALSE(qos_of(SubscriberOptions{.liveliness_lease = -1ns}));
+  const auto short_lease = qos_of(SubscriberOptions{.liveliness_lease = 999us});
+  ASSERT_FALSE(short_lease);
+  EXPECT_EQ(short_lease.error().message, "liveliness_lease 999 us: it is at least 1 ms, or 0 for none");
+  EXPECT_FALSE(qos_of(PublisherOptions{.liveliness_lease = 1ns}));
+  EXPECT_FALSE(qos_of(PublisherOptions{.deadline = 999'999ns}));
+  EXPECT_FALSE(qos_of(SubscriberOptions{.deadline = 1ns}));
+  EXPECT_TRUE(qos_of(PublisherOptions{.deadline = 1ms, .lifespan = 1ns, .liveliness_lease = 1ms}));
+  for (const std::uint32_t depth : {0U, 1'000'001U, 1'000'000'000U}) {
+    const auto refused = qos_of(SubscriberOptions{.depth = depth});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().message,
+              "SubscriberOptions::depth is 1 to 1000000, not " + std::to_string(depth));
+  }
+  EXPECT_TRUE(qos_of(SubscriberOptions{.depth = 1'000'000}));
+  EXPECT_FALSE(qos_of(PublisherOptions{.history_depth = 0}));
+  EXPECT_FALSE(qos_of(PublisherOptions{.history_depth = 129}));
+  EXPECT_FALSE(qos_of(PublisherOptions{.lifespan = -1ns}));
+  EXPECT_FALSE(qos_of(SubscriberOptions{.deadline = 50ms, .max_rate_hz = 10}));
+  EXPECT_TRUE(qos_of(SubscriberOptions{.deadline = 100ms, .max_rate_hz = 10}));
+  EXPECT_FALSE(qos_of(PublisherOptions{.liveliness = manual_by_topic})) << "who would notice?";
+}
+
+TEST(QosOptionsTest, RatesAreSentAsPeriods) {
+  EXPECT_EQ(min_period_us_of(0), 0U);
+  EXPECT_EQ(min_period_us_of(10), 100'000U);
+  EXPECT_EQ(min_period_us_of(30), 33'333U);
+  for (const double none : {-1.0, 1e-9, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_FALSE(min_period_us_of(none)) << none;
+  }
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,131 @@
+// What is read of a user's configuration is what Cyclone DDS reads: its liberties with XML and with names,
+// too.
+#include "core/discovery/cyclone_settings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace sft::core {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Optional;
+
+constexpr std::uint32_t our_domain = 5;
+
+CycloneSettings read(const std::string& config) { return CycloneSettings::read(config, our_domain).value(); }
+
+std::string in_file(const std::string& text) {
+  const std::string name = testing::TempDir() + "cyclone_settings_test.xml";
+  std::ofstream(name) << text;
+  return name;
+}
+
+TEST(CycloneSettings, AreFoundByTheirPathBelowTheDomain) {
+  const auto settings = read(
+      "<CycloneDDS><Domain Id='any'><General><FragmentSize> 9 kB "
+      "</FragmentSize></General></Domain></CycloneDDS>");
+  EXPECT_THAT(settings.value("General/FragmentSize"), Optional(std::string("9 kB")));
+  EXPECT_EQ(settings.value("General"), std::nullopt);
+  EXPECT_EQ(settings.value("Discovery/FragmentSize"), std::nullopt);
+  EXPECT_TRUE(settings.sets("General"));
+  EXPECT_FALSE(settings.sets("Discovery"));
+}
+
+TEST(CycloneSettings, InTextMayLackOuterElementsEndsAndPartsOfNames) {
+  for (const char* text :
+       {"<Domain><General><FragmentSize>9 B</></></>", "<General><FragmentSize>9 B</></>", "<gen><frag>9 B",
+        "<CycloneDDS><Dom><General><FragmentSize>9 B", "<CycloneDDS><General><FragmentSize>9 B",
+        "<Unsupported><FragmentSize>9 B</></>", "<DDSI2E><General><FragmentSize>9 B</></></>"}) {
+    EXPECT_THAT(read(text).value("General/FragmentSize"), Optional(std::string("9 B"))) << text;
+  }
+}
+
+TEST(CycloneSettings, OfTheLastOneHold) {
+  const auto settings = read("<General><FragmentSize>1 B</></>,<General><FragmentSize>2 B</></>");
+  EXPECT_THAT(settings.value("General/FragmentSize"), Optional(std::string("2 B")));
+}
+
+TEST(CycloneSettings, ThatAreListsHaveAllTheirValues) {
+  const auto settings = read("<Discovery><Peers><Peer Address='a'/><Peer Address='b'/></Peers></Discovery>");
+  EXPECT_THAT(settings.values("Discovery/Peers/Peer/@Address"), ElementsAre("a", "b"));
+}
+
+TEST(CycloneSettings, OfOtherDomainsAreSkipped) {
+  const auto settings = read(
+      "<CycloneDDS><Domain Id='6'><General><FragmentSize>6 B</FragmentSize></General></Domain>"
+      "<Domain Id='5'><Internal><MaxSampleSize>5 B</MaxSampleSize></Internal></Domain></CycloneDDS>");
+  EXPECT_EQ(settings.value("General/FragmentSize"), std::nullopt);
+  EXPECT_TRUE(settings.value("Internal/MaxSampleSize"));
+  EXPECT_FALSE(settings.only_for_others());
+  EXPECT_TRUE(read("<Domain id='6'><General><FragmentSize>6 B</></></>").only_for_others());
+  EXPECT_TRUE(read("<Domain><Id>6</Id><General><FragmentSize>6 B</></></>").only_for_others());
+  EXPECT_FALSE(read("").only_for_others());
+}
+
+TEST(CycloneSettings, OfFilesAndTextsAreReadInOrder) {
+  const std::string file = in_file(
+      "<CycloneDDS><Domain><General><FragmentSize>3 B</FragmentSize></General></Domain></CycloneDDS>");
+  const std::string text = "<General><FragmentSize>4 B</></>";
+  for (const std::string& name : {file, "file://" + file}) {
+    EXPECT_THAT(read(name + "," + text).value("General/FragmentSize"), Optional(std::string("4 B")));
+    EXPECT_THAT(read(" " + text + ", " + name).value("General/FragmentSize"), Optional(std::string("3 B")));
+  }
+}
+
+TEST(CycloneSettings, OfAFileThatCannotBeReadAreAnErrorThatNamesIt) {
+  const auto settings = CycloneSettings::read("<General/>,file:///nowhere/cyclone.xml", our_domain);
+  ASSERT_FALSE(settings);
+  EXPECT_THAT(settings.error().message,
+              HasSubstr("'file:///nowhere/cyclone.xml', which cannot be read: No such file"));
+}
+
+TEST(CycloneSettings, ThatAreMalformedAreAnErrorThatSaysWhere) {
+  const auto text = CycloneSettings::read("<General>\n<FragmentSize", our_domain);
+  ASSERT_FALSE(text);
+  EXPECT_THAT(text.error().message, HasSubstr("CYCLONEDDS_URI"));
+  EXPECT_THAT(text.error().message, HasSubstr("line 2"));
+  const auto file = CycloneSettings::read(in_file("<CycloneDDS><Domain></CycloneDDS>"), our_domain);
+  ASSERT_FALSE(file);
+  EXPECT_THAT(file.error().message, HasSubstr("cyclone_settings_test.xml"));
+}
+
+TEST(CycloneSettings, InFilesHaveTheirWholeNames) {
+  const auto settings =
+      read(in_file("<CycloneDDS><Domain><Gen><Frag>3 B</Frag></Gen></Domain></CycloneDDS>"));
+  EXPECT_THAT(settings.values("General/FragmentSize"), IsEmpty());
+}
+
+TEST(CycloneSettings, HoldTheValuesOfVariables) {
+  setenv("SFT_TEST_FRAGMENT", "7 B", 1);
+  EXPECT_THAT(read("<General><FragmentSize>${SFT_TEST_FRAGMENT}</></>").value("General/FragmentSize"),
+              Optional(std::string("7 B")));
+}
+
+TEST(CycloneSettings, CanBeWrittenOnceMoreForAnyDomainWithoutSomeOfThem) {
+  setenv("SFT_TEST_FRAGMENT", "7 B", 1);
+  const auto once = read(
+      "<General><FragmentSize>${SFT_TEST_FRAGMENT}</><Interfaces><NetworkInterface name='a&amp;\"b'/></></>"
+      "<Discovery><Peers><Peer Address='p'/><Peer Address='q'/></></>,<Domain Id='5'><Internal><NackDelay>5 "
+      "ms</>"
+      "</></>,<Domain Id='6'><Internal><NackDelay>6 ms</></></>");
+  EXPECT_TRUE(once.depends_on_domain());
+  const auto all = CycloneSettings::read(once.for_any_domain({}), 1000).value();
+  EXPECT_THAT(all.value("General/FragmentSize"), Optional(std::string("7 B")));
+  EXPECT_THAT(all.value("Internal/NackDelay"), Optional(std::string("5 ms")));
+  EXPECT_THAT(all.values("Discovery/Peers/Peer/@Address"), testing::ElementsAre("p", "q"));
+  EXPECT_THAT(all.values("General/Interfaces/NetworkInterface/@name"), testing::ElementsAre("a&\"b"));
+  const auto less = CycloneSettings::read(once.for_any_domain({"General/Interfaces"}), 1000).value();
+  EXPECT_FALSE(less.sets("General/Interfaces"));
+  EXPECT_TRUE(less.sets("General/FragmentSize"));
+  EXPECT_FALSE(read("<General><FragmentSize>4 B</></>").depends_on_domain());
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,197 @@
+// Ours, then the user's, then what SFT cannot do without: and what of the user's that costs is said.
+#include "core/discovery/dds_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/discovery/cyclone_settings.h"
+
+namespace sft::core {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Optional;
+
+DdsConfig config(const std::string& user, const DiscoverySettings& settings = {}) {
+  return dds_config(0, settings, user).value();
+}
+
+const LinkSpec lo{"lo", loopback_ipv4, 8, true, true, 1};
+const LinkSpec eth0{"eth0", IpAddress(0x0A000005), 24, false, false, 2};
+
+/// What Cyclone gets to hear in the end, for the loopback unless it is said otherwise.
+CycloneSettings heard(const DdsConfig& config, const LinkSpec& link = lo) {
+  return CycloneSettings::read(config.text_for(link), 0).value();
+}
+std::optional<std::string> in_force(const DdsConfig& config, std::string_view path,
+                                    const LinkSpec& link = lo) {
+  return heard(config, link).value(path);
+}
+auto is(const char* value) { return Optional(std::string(value)); }
+
+TEST(DdsConfig, OfTheUserWinsOverOurs) {
+  const auto plain = config("");
+  const auto theirs = config("<Discovery><LeaseDuration>77 s</></>,<Internal><NackDelay>5 ms</></>");
+  EXPECT_NE(in_force(plain, "Discovery/LeaseDuration"), std::nullopt);
+  EXPECT_THAT(in_force(theirs, "Discovery/LeaseDuration"), is("77 s"));
+  EXPECT_THAT(in_force(theirs, "Internal/NackDelay"), is("5 ms"));
+  EXPECT_TRUE(plain.multicast);
+  EXPECT_THAT(plain.warnings, IsEmpty());
+  EXPECT_THAT(theirs.warnings, IsEmpty());
+}
+
+struct Case {
+  const char* user;
+  const char* path;
+  const char* in_force;
+};
+
+class WhatBreaksSft : public testing::TestWithParam<Case> {};
+
+TEST_P(WhatBreaksSft, DoesNotHoldAndIsSaid) {
+  const auto c = config(GetParam().user);
+  EXPECT_THAT(in_force(c, GetParam().path), is(GetParam().in_force));
+  EXPECT_THAT(c.warnings, testing::Contains(HasSubstr(std::string(GetParam().path) + " is '" +
+                                                      GetParam().in_force + "', not '")));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    DdsConfig, WhatBreaksSft,
+    testing::Values(
+        Case{"<SharedMemory><Enable>true</></>", "SharedMemory/Enable", "false"},
+        Case{"<Shared><En>TRUE", "SharedMemory/Enable", "false"},
+        Case{"<General><EnableMulticastLoopback>false</></>", "General/EnableMulticastLoopback", "true"},
+        Case{"<General><FragmentSize>0 B</></>", "General/FragmentSize", "1344 B"},
+        Case{"<Internal><FragmentSize>100</></>", "General/FragmentSize", "1344 B"},
+        Case{"<Internal><MaxSampleSize>1 kB</></>", "Internal/MaxSampleSize", "2147483647 B"},
+        Case{"<Compatibility><ManySocketsMode>none</></>", "Compatibility/ManySocketsMode", "single"},
+        Case{"<General><AllowMulticast>false</></><Discovery><ParticipantIndex>none</></>",
+             "Discovery/ParticipantIndex", "auto"}),
+    [](const auto& param) { return "Case" + std::to_string(param.index); });
+
+TEST(DdsConfig, OfTheUserHoldsWhereItOnlyLooksDangerous) {
+  for (const char* user :
+       {"<SharedMemory><Enable>false</></>", "<General><FragmentSize>1 kB</></>",
+        "<Internal><MaxSampleSize>1 MB</></>", "<Compatibility><ManySocketsMode>many</></>",
+        "<Discovery><ParticipantIndex>none</></>"}) {
+    EXPECT_THAT(config(user).warnings, IsEmpty()) << user;
+  }
+}
+
+TEST(DdsConfig, OfAnotherDomainIsSaidNotToHold) {
+  EXPECT_THAT(config("<Domain Id='5'><Discovery><LeaseDuration>77 s</></></>").warnings,
+              ElementsAre(HasSubstr("only for others")));
+}
+
+TEST(DdsConfig, SaysWhatDdsSecurityDoesNotProtect) {
+  EXPECT_THAT(config("<Security><Authentication><IdentityCA>file:ca.pem</></></>").warnings,
+              ElementsAre(HasSubstr("not the samples")));
+}
+
+TEST(DdsConfig, ThatWouldSilenceTheControlTopicsIsAnError) {
+  for (const char* pattern : {"*.*", ".sft_*", "*.sft_request"}) {
+    const auto c = dds_config(0, {},
+                              "<Partitioning><IgnoredPartitions><IgnoredPartition DCPSPartitionTopic='" +
+                                  std::string(pattern) + "'/></></>");
+    ASSERT_FALSE(c) << pattern;
+    EXPECT_THAT(c.error().message, AllOf(HasSubstr(pattern), HasSubstr("control topic")));
+  }
+}
+
+TEST(DdsConfig, WithPeersPutsNodesAtPortsThatCanBeGuessed) {
+  const auto c = config("", {.peers = {"10.0.0.7", "robot.local"}});
+  EXPECT_THAT(in_force(c, "Discovery/ParticipantIndex"), is("auto"));
+  EXPECT_THAT(heard(c, eth0).values("Discovery/Peers/Peer/@Address"), ElementsAre("10.0.0.7", "robot.local"));
+  EXPECT_THAT(heard(c, lo).values("Discovery/Peers/Peer/@Address"), IsEmpty()) << "nobody is reached by it";
+  EXPECT_EQ(in_force(c, "General/DontRoute", eth0), std::nullopt) << "they may be behind a router";
+  EXPECT_THAT(in_force(config(""), "General/DontRoute", eth0), is("true"));
+  EXPECT_THAT(in_force(c, "General/AllowMulticast"), is("spdp")) << "what follows might not reach them";
+  EXPECT_FALSE(c.multicast);
+  EXPECT_EQ(c.summary(std::vector{lo, eth0}),
+            "by multicast on lo, eth0 (10.0.0.5), and on the peers 10.0.0.7, robot.local");
+  EXPECT_EQ(in_force(config(""), "Discovery/ParticipantIndex"), std::nullopt)
+      << "that limits how many there can be";
+  EXPECT_THAT(in_force(config("<Discovery><Peers><Peer Address='a'/></></>"), "Discovery/ParticipantIndex"),
+              is("auto"));
+}
+
+TEST(DdsConfig, WithoutMulticastFindsNodesOfThisHostAllTheSame) {
+  for (const auto& c :
+       {config("", {.peers = {"a"}, .multicast = false}),
+        config("<General><AllowMulticast>false</></><Discovery><Peers><Peer Address='a'/></></>")}) {
+    EXPECT_THAT(heard(c, lo).values("Discovery/Peers/Peer/@Address"), testing::Contains("localhost"));
+    EXPECT_THAT(heard(c, eth0).values("Discovery/Peers/Peer/@Address"), ElementsAre("a"));
+    EXPECT_THAT(in_force(c, "General/AllowMulticast"), is("false"));
+    EXPECT_FALSE(c.multicast);
+    EXPECT_THAT(in_force(c, "Discovery/ParticipantIndex"), is("auto"));
+    EXPECT_THAT(c.warnings, IsEmpty());
+    EXPECT_EQ(c.summary(std::vector{lo}), "on this host, and on the peers a, by lo");
+  }
+  EXPECT_THAT(config("", {.multicast = false}).warnings, ElementsAre(HasSubstr("only nodes of this host")));
+}
+
+TEST(DdsConfig, GivesEachLinkItsAddressAndTheUsersOfThemNone) {
+  const DiscoverySettings settings{.interfaces = {"eth1", "10.0.0.1", "10.1.0.0/16"}};
+  const char* user =
+      "<General><Interfaces><NetworkInterface name='wlan0' priority='2'/></><FragmentSize>2 kB</></>";
+  EXPECT_THAT(config("", settings).interfaces, ElementsAre("eth1", "10.0.0.1", "10.1.0.0/16"));
+  const auto theirs = config(user, settings);
+  EXPECT_THAT(theirs.interfaces, ElementsAre("wlan0"));
+  EXPECT_THAT(theirs.warnings, ElementsAre(HasSubstr("CYCLONEDDS_URI chooses the network interfaces")));
+  const CycloneSettings in_the_end = heard(theirs, eth0);
+  EXPECT_THAT(in_the_end.values("General/Interfaces/NetworkInterface/@name"), IsEmpty());
+  EXPECT_THAT(in_the_end.values("General/Interfaces/NetworkInterface/@address"), ElementsAre("10.0.0.5"));
+  EXPECT_THAT(in_the_end.value("General/FragmentSize"), is("2 kB"));
+  EXPECT_THAT(
+      heard(theirs, {"eth0", {}, 0, false, false, 2}).values("General/Interfaces/NetworkInterface/@name"),
+      ElementsAre("eth0"));
+}
+
+TEST(DdsConfig, TakesInterfacesThatCycloneIsToChooseForAll) {
+  EXPECT_THAT(config("<General><Interfaces><NetworkInterface autodetermine='true'/></></>").interfaces,
+              IsEmpty());
+  EXPECT_THAT(config("<General><NetworkInterfaceAddress>auto</></>").interfaces, IsEmpty());
+}
+
+TEST(DdsConfig, OfADomainHoldsForItsLinksWhateverTheirNumbersInTheProcess) {
+  const auto c = dds_config(5, {},
+                            "<Domain Id='5'><Discovery><LeaseDuration>77 s</></></><Domain "
+                            "Id='6'><Internal><NackDelay>6 s</></></>");
+  const auto in_the_end = CycloneSettings::read(c->text_for(eth0), 1001).value();
+  EXPECT_THAT(in_the_end.value("Discovery/LeaseDuration"), is("77 s"));
+  EXPECT_THAT(in_the_end.value("Internal/NackDelay"), is("1 ms"));
+  EXPECT_THAT(in_the_end.value("Discovery/ExternalDomainId"), is("5"));
+}
+
+TEST(DdsConfig, LetsNodesOfOneHostMeetOnTheLoopbackAlone) {
+  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", lo), is("true"));
+  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", eth0), is("false"));
+  EXPECT_THAT(in_force(config(""), "General/EnableMulticastLoopback", {"eth0", eth0.ip, 24, false, true, 2}),
+              is("true"));
+}
+
+TEST(DdsConfig, TellsTheInterfacesForSamplesToo) {
+  const DiscoverySettings settings{.interfaces = {"eth1"}};
+  EXPECT_THAT(discovery_interfaces(0, settings, "").value(), ElementsAre("eth1"));
+  EXPECT_THAT(
+      discovery_interfaces(0, settings, "<General><Interfaces><NetworkInterface address='10.0.0.1'/></></>")
+          .value(),
+      ElementsAre("10.0.0.1"));
+  EXPECT_THAT(discovery_interfaces(0, {}, "<General><NetworkInterfaceAddress>eth0,wlan0</></>").value(),
+              ElementsAre("eth0", "wlan0"));
+}
+
+TEST(DdsConfig, TakesNoNamesThatWouldBeConfiguration) {
+  for (const char* name : {"", "a b", "\"/><Peer Address=\"b", "a,b", "${HOME}", "a&amp;"}) {
+    EXPECT_FALSE(dds_config(0, {.peers = {name}}, "")) << name;
+    EXPECT_FALSE(dds_config(0, {.interfaces = {name}}, "")) << name;
+  }
+  EXPECT_THAT(dds_config(0, {.peers = {"a b"}}, "").error().message,
+              HasSubstr("DiscoverySettings::peers: 'a b'"));
+}
+
+}  // namespace
+}  // namespace sft::core

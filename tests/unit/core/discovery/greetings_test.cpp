@@ -1,0 +1,60 @@
+#include "core/discovery/greetings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+
+class GreetingsTest : public ::testing::Test {
+ protected:
+  /// Milliseconds since the start at which there was a greeting, in the next so many.
+  std::vector<int> within(std::chrono::milliseconds duration, bool somebody_is_missing = false) {
+    std::vector<int> times;
+    for (const auto end = now + duration; now < end; now += 10ms) {
+      if (greetings.due(now, somebody_is_missing)) times.push_back(static_cast<int>((now - start) / 1ms));
+    }
+    return times;
+  }
+  const Greetings::Now start{};
+  Greetings::Now now = start;
+  Greetings greetings{start};
+};
+
+TEST_F(GreetingsTest, AreManyAtFirstAndNoneLater) {
+  EXPECT_THAT(within(100s), ElementsAre(50, 150, 350, 750, 1550, 3150));
+}
+
+TEST_F(GreetingsTest, GoOnEachSecondWhileSomebodyIsMissing) {
+  within(100s);
+  EXPECT_EQ(within(32s, true).size(), 32U);
+  EXPECT_TRUE(within(32s, false).empty());
+}
+
+TEST_F(GreetingsTest, FollowANewcomerSoonAndACrowdOfThemOnceASecond) {
+  within(100s);
+  greetings.newcomer(now);
+  EXPECT_THAT(within(10s), ElementsAre(100'100));
+  std::size_t greeted = 0;
+  for (int i = 0; i < 100; ++i) {
+    greetings.newcomer(now);
+    greeted += within(50ms).size();
+  }
+  greeted += within(10s).size();
+  EXPECT_GE(greeted, 5U);
+  EXPECT_LE(greeted, 6U);
+}
+
+TEST_F(GreetingsTest, BeginAnewWhenOthersMayBeReached) {
+  within(100s);
+  greetings.begin(now);
+  EXPECT_EQ(within(100s).size(), 6U);
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,492 @@
+// A link that does not hear somebody who is there is found out, and one whose people are gone is not.
+#include "core/discovery/hearing_watch.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::IsEmpty;
+using Missing = HearingWatch::Missing;
+using Remedy = HearingWatch::Remedy;
+
+constexpr LinkId lan = 1;
+constexpr NodeId node = 77;
+constexpr Speaker peer{lan, 11}, other{lan, 12};
+constexpr std::uint32_t all = 1234;
+constexpr auto lease = 5000ms, participant_lease = 20'000ms;
+
+class HearingWatchTest : public ::testing::Test {
+ protected:
+  HearingWatchTest() {
+    watch.link_made(lan);
+    watch.participant_came(peer, now);
+    watch.participant_speaks(peer, now);
+  }
+
+  /// Time passes in which the peer says that it lives, and what it has announced; nothing if that is 0.
+  void passes(std::chrono::milliseconds duration, std::uint32_t said = all) {
+    for (const auto end = now + duration; now < end;) {
+      now += 500ms;
+      if (said != 0) watch.heard_life(peer, node, said, lease, now);
+      look();
+    }
+  }
+  void look() {
+    deaf.reset();
+    remedies.clear();
+    for (const auto& one : watch.look(known, participant_lease, now)) {
+      deaf = one.missing;
+      remedies.push_back(one.remedy);
+    }
+  }
+  /// A participant of the node comes, and says that the node lives.
+  void comes(Speaker speaker, NodeId of = node) {
+    watch.participant_came(speaker, now);
+    watch.participant_speaks(speaker, now);
+    known[speaker] = all;
+    watch.heard_life(speaker, of, all, lease, now);
+  }
+  /// Somebody else has said something in the peer's name, which says itself what it said before.
+  void is_forged() {
+    known[peer] = all + 7;
+    now += 50ms;
+    look();
+    now += 150ms;
+    watch.heard_life(peer, node, all, lease, now);
+    look();
+  }
+
+  HearingWatch watch;
+  HearingWatch::Now now{1000s};
+  std::map<Speaker, std::uint32_t> known{{peer, all}};
+  std::optional<Missing> deaf;
+  std::vector<Remedy> remedies;
+};
+
+TEST_F(HearingWatchTest, IsContentAsLongAsSignsOfLifeComeThatSayWhatIsKnown) {
+  passes(100s);
+  EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingWatchTest, MissesSignsOfLifeThatCycloneSaysCome) {
+  passes(3s);
+  passes(5s, 0);
+  EXPECT_FALSE(deaf) << "all of a lease may get lost";
+  passes(1500ms, 0);
+  EXPECT_EQ(deaf, Missing::signs_of_life);
+}
+
+TEST_F(HearingWatchTest, DoesNotMissANodeOfWhichCycloneSaysThatItIsSilent) {
+  passes(3s);
+  watch.life_ended(lan, node);
+  passes(20s, 0);
+  EXPECT_FALSE(deaf) << "it was killed, and its participant is not forgotten yet";
+  watch.participant_left(peer);
+  passes(100s, 0);
+  EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingWatchTest, DoesNotBlameOthersForItsOwnLongPause) {
+  passes(3s);
+  now += 20s;
+  look();
+  EXPECT_FALSE(deaf);
+  passes(100ms);
+  EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingWatchTest, MissesAnnouncementsThatSignsOfLifeTellOfAndThatDoNotCome) {
+  passes(5s, all + 1);
+  EXPECT_FALSE(deaf) << "many may be under way at first";
+  passes(10s);
+  passes(1s, all + 1);
+  EXPECT_FALSE(deaf) << "they may be under way";
+  passes(500ms, all + 1);
+  EXPECT_EQ(deaf, Missing::announcements);
+}
+
+TEST_F(HearingWatchTest, NoticesWithTheNextSignOfLifeThatAnAnnouncementWasSomebodyElses) {
+  passes(10s);
+  is_forged();
+  EXPECT_EQ(deaf, Missing::announcements);
+}
+
+TEST_F(HearingWatchTest, IsNotMisledByASignOfLifeThatAnAnnouncementHasOvertaken) {
+  passes(10s);
+  known[peer] = all + 7;
+  look();
+  now += 50ms;
+  watch.heard_life(peer, node, all, lease, now);
+  look();
+  EXPECT_FALSE(deaf);
+  now += 650ms;
+  watch.heard_life(peer, node, all + 7, lease, now);
+  look();
+  EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingWatchTest, ComplainsFirstAndOftenAndRenewsOnlyWhereThatDoesNotHelp) {
+  passes(10s);
+  is_forged();
+  EXPECT_EQ(remedies, std::vector{Remedy::complaint});
+  const auto first = now;
+  int complaints = 1;
+  while (remedies != std::vector{Remedy::renewal}) {
+    now += 100ms;
+    look();
+    complaints += remedies == std::vector{Remedy::complaint};
+    ASSERT_LT(now - first, 2s);
+  }
+  EXPECT_GT(now - first, 1500ms);
+  EXPECT_EQ(complaints, 4);
+}
+
+TEST_F(HearingWatchTest, DoesNotBelieveAParticipantAnyMoreWhoseNodeHasComeAnewAfterAComplaint) {
+  passes(10s);
+  is_forged();
+  ASSERT_EQ(remedies, std::vector{Remedy::complaint});
+  now += 300ms;
+  watch.participant_came(other, now);
+  watch.participant_speaks(other, now);
+  known[other] = all;
+  watch.heard(other, now);
+  watch.heard_life(other, node, all, lease, now);
+  look();
+  EXPECT_EQ(remedies, std::vector{Remedy::disbelief});
+  for (int i = 0; i < 20; ++i) {
+    now += 500ms;
+    watch.heard_life(peer, node, all, lease, now);
+    watch.heard_life(other, node, all, lease, now);
+    look();
+    EXPECT_THAT(remedies, IsEmpty()) << "it goes soon";
+  }
+  watch.participant_left(peer);
+  passes(2s, 0);
+  EXPECT_THAT(remedies, IsEmpty());
+}
+
+TEST_F(HearingWatchTest, NobodyWhoComesAfterAComplaintMakesItForgotten) {
+  passes(3s);
+  known[peer] = all + 7;
+
+  while (remedies != std::vector{Remedy::complaint}) passes(500ms);
+  comes(other);
+  now += 100ms;
+  look();
+  EXPECT_EQ(remedies, std::vector{Remedy::disbelief});
+}
+
+TEST_F(HearingWatchTest, WhatIsForgedOnALinkThatIsReplacedIsNotBelievedEither) {
+  constexpr LinkId next = 2;
+  constexpr Speaker there{next, peer.participant};
+  passes(10s);
+  watch.link_made(next);
+  watch.link_replaced(lan, next);
+  is_forged();
+  EXPECT_THAT(remedies, IsEmpty()) << "the other link has not heard it yet";
+  comes(there);
+  now += 100ms;
+  look();
+  EXPECT_EQ(remedies, std::vector{Remedy::disbelief});
+}
+
+TEST_F(HearingWatchTest, AParticipantOfAnotherNodeIsNoneThatHasComeAnew) {
+  passes(10s);
+  comes(other, node + 1);
+  look();
+  passes(4s);
+  watch.heard_life(other, node + 1, all, lease, now);
+  is_forged();
+  now += 10ms;  // of two who may complain
+  look();
+  EXPECT_EQ(remedies, std::vector{Remedy::complaint});
+}
+
+TEST_F(HearingWatchTest, ManyWhoMissTheSameDoNotAllComplainAtOnce) {
+  constexpr std::uint64_t nodes = 200;
+  std::vector<HearingWatch> watches;
+  for (std::uint64_t i = 0; i < nodes; ++i) watches.emplace_back(i);
+  std::map<Speaker, std::uint32_t> known_to_all;
+  for (AnnouncerId one = 1; one <= nodes; ++one) known_to_all[{lan, one}] = all;
+  const auto everybody_says = [&](std::uint32_t digest) {
+    for (HearingWatch& one : watches) {
+      for (AnnouncerId speaker = 1; speaker <= nodes; ++speaker)
+        one.heard_life({lan, speaker}, speaker, digest, lease, now);
+    }
+  };
+  for (HearingWatch& one : watches) {
+    one.link_made(lan);
+    for (AnnouncerId speaker = 1; speaker <= nodes; ++speaker) {
+      one.participant_came({lan, speaker}, now);
+      one.participant_speaks({lan, speaker}, now);
+    }
+  }
+  for (int i = 0; i < 4; ++i) {
+    now += 1s;
+    everybody_says(all);
+    for (HearingWatch& one : watches) EXPECT_THAT(one.look(known_to_all, participant_lease, now), IsEmpty());
+  }
+  known_to_all[{lan, 1}] = all + 7;  // forged, and heard by all
+  for (HearingWatch& one : watches) (void)one.look(known_to_all, participant_lease, now);
+  now += 500ms;
+  everybody_says(all);
+  const auto complaints_now = [&] {
+    std::size_t complaints = 0;
+    for (HearingWatch& one : watches) complaints += one.look(known_to_all, participant_lease, now).size();
+    return complaints;
+  };
+  EXPECT_LT(complaints_now(), nodes / 10);
+  now += 100ms;
+  EXPECT_LT(complaints_now(), nodes / 4);
+}
+
+TEST_F(HearingWatchTest, LooksMoreOftenWhileSomethingMayBeMissing) {
+  passes(10s);
+  EXPECT_FALSE(watch.wants_look(now + 400ms));
+  EXPECT_TRUE(watch.wants_look(now + 500ms));
+  watch.heard(peer, now);
+  EXPECT_TRUE(watch.wants_look(now + 100ms));
+  EXPECT_FALSE(watch.wants_look(now + 90ms));
+  look();
+  EXPECT_FALSE(watch.wants_look(now + 100ms));
+  is_forged();
+  EXPECT_TRUE(watch.wants_look(now + 100ms));
+}
+
+TEST_F(HearingWatchTest, GivesAnnouncementsTimeAsLongAsTheyCome) {
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    known[peer] = all + i;
+    passes(2s, all + 100);
+    EXPECT_FALSE(deaf) << i;
+  }
+  passes(6s, all + 100);
+  EXPECT_EQ(deaf, Missing::announcements);
+}
+
+TEST_F(HearingWatchTest, GivesAnnouncementsTimeWhileOtherNodesStart) {
+  passes(10s);
+  for (AnnouncerId one = 100; one < 110; ++one) {
+    watch.participant_came({lan, one}, now);
+    passes(1s, all + 1);
+    EXPECT_FALSE(deaf);
+  }
+  passes(3s, all + 1);
+  EXPECT_EQ(deaf, Missing::announcements);
+}
+
+TEST_F(HearingWatchTest, TakesOneSignOfLifeThatAgreesForAnAnswer) {
+  passes(10s);
+  for (int i = 0; i < 10; ++i) {
+    passes(2s, all + 1);
+    passes(500ms, all);
+    EXPECT_FALSE(deaf) << "somebody else says otherwise in its name";
+  }
+}
+
+TEST_F(HearingWatchTest, MissesOneWhoIsThereAndSaysNothingAnyMore) {
+  passes(3s);
+  watch.life_ended(lan, node);  // in its name
+  passes(participant_lease * 3 / 2, 0);
+  EXPECT_FALSE(deaf);
+  passes(1s, 0);
+  EXPECT_EQ(deaf, Missing::everything);
+}
+
+TEST_F(HearingWatchTest, MissesOneWhoHasNeverSaidAnythingSoonUnlessOthersStart) {
+  passes(8s, 0);
+  EXPECT_FALSE(deaf);
+  passes(500ms, 0);
+  EXPECT_EQ(deaf, Missing::everything);
+  watch.participant_came({lan, 100}, now);
+  passes(8s, 0);
+  EXPECT_FALSE(deaf) << "it may have much to do";
+  passes(500ms, 0);
+  EXPECT_EQ(deaf, Missing::everything);
+}
+
+TEST_F(HearingWatchTest, MissesSignsOfLifeALittleAfterTheirLeaseAndAnotherLook) {
+  passes(3s);
+  const auto last = now;
+  for (look(); !deaf && now < last + 1min; look()) now += 100ms;
+  EXPECT_EQ(deaf, Missing::signs_of_life);
+  EXPECT_EQ(now - last, lease + 400ms + 400ms);
+}
+
+TEST_F(HearingWatchTest, BeginsAnewWithEachSignOfLifeThatIsOverdue) {
+  passes(3s);
+  for (int i = 0; i < 3; ++i) {
+    passes(5500ms, 0);
+    EXPECT_FALSE(deaf) << "it is overdue, and comes";
+    passes(500ms);
+  }
+}
+
+TEST_F(HearingWatchTest, DoesNotBlameOthersForAPauseOfItsOwnThatBeginsWhenTheyAreOverdue) {
+  passes(3s);
+  passes(5500ms, 0);
+  now += 2s;
+  look();
+  EXPECT_FALSE(deaf);
+  passes(500ms, 0);
+  EXPECT_EQ(deaf, Missing::signs_of_life);
+}
+
+TEST_F(HearingWatchTest, MissesSignsOfLifeThoughThoseOfOthersEnd) {
+  passes(3s);
+  watch.life_ended(lan + 1, node);
+  watch.life_ended(lan, node + 1);
+  passes(6s, 0);
+  EXPECT_EQ(deaf, Missing::signs_of_life);
+}
+
+TEST_F(HearingWatchTest, DoesNotMissAnnouncementsOfOneWhoIsNotHeardAtPresent) {
+  passes(10s);
+  passes(500ms, all + 1);
+  for (int i = 0; i < 8; ++i) {
+    passes(500ms, 0);
+    EXPECT_FALSE(deaf) << "it may have told of them a moment ago";
+  }
+}
+
+TEST_F(HearingWatchTest, GivesAnnouncementsTimeSinceAllThatIsKnownWasSaidLast) {
+  passes(10s);
+  passes(2s, 0);
+  passes(1s, all + 1);
+  EXPECT_FALSE(deaf);
+  passes(1s, all + 1);
+  EXPECT_EQ(deaf, Missing::announcements);
+}
+
+TEST_F(HearingWatchTest, TakesASignOfLifeThatAgreesForAnAnswerThoughAnotherComesBeforeItLooks) {
+  passes(10s);
+  for (int i = 0; i < 20; ++i) {
+    watch.heard_life(peer, node, all, lease, now);
+    passes(500ms, all + 1);
+    EXPECT_FALSE(deaf) << i;
+  }
+}
+
+TEST_F(HearingWatchTest, TellsOfOneOnEachLink) {
+  const Speaker by_another_link{lan + 1, 13};
+  watch.link_made(lan + 1);
+  for (const Speaker& one : {peer, other, by_another_link}) watch.heard(one, now);
+  now += 1min;
+  std::vector<LinkId> links;
+  for (const auto& one : watch.look({}, participant_lease, now)) links.push_back(one.link);
+  EXPECT_EQ(links, (std::vector<LinkId>{lan, lan + 1}));
+}
+
+TEST_F(HearingWatchTest, ExpectsNothingOfALinkThatIsReplaced) {
+  passes(3s);
+  watch.link_made(lan + 1);
+  watch.link_replaced(lan, 2);
+  for (int i = 0; i < 60; ++i) {
+    passes(1s, 0);
+    EXPECT_FALSE(deaf);
+  }
+}
+
+TEST_F(HearingWatchTest, ExpectsSomethingOfSoManySpeakersAndNoMore) {
+  watch.link_made(lan + 1);
+  for (AnnouncerId one = 100; one < 100 + 4096; ++one) watch.heard({lan, one}, now);
+  watch.heard({lan + 1, 99}, now);
+  now += 1min;
+  const auto missed = watch.look({}, participant_lease, now);
+  ASSERT_EQ(missed.size(), 1U);
+  EXPECT_EQ(missed.front().link, lan);
+}
+
+TEST_F(HearingWatchTest, TriesThreeTimesForOneOfWhichTheNextLinkHearsNoMore) {
+  for (const std::uint32_t said : {all + 1, 0U}) {  // somebody who is made up, or does not get through
+    for (int i = 0; i < 3; ++i) {
+      passes(participant_lease * 2, said);
+      EXPECT_TRUE(deaf) << i;
+      watch.tried(peer.participant);
+    }
+    passes(participant_lease * 2, said);
+    EXPECT_FALSE(deaf) << "something else is wrong with it";
+    watch.participant_left(peer);
+    watch.participant_came(peer, now);
+    watch.participant_speaks(peer, now);
+  }
+}
+
+TEST_F(HearingWatchTest, TriesAgainAndAgainForOneWithWhichAllWasWellOnce) {
+  passes(3s);
+  for (int i = 0; i < 10; ++i) {
+    passes(participant_lease, all + 1);
+    EXPECT_TRUE(deaf) << i;
+    watch.tried(peer.participant);
+  }
+}
+
+TEST_F(HearingWatchTest, MissesEndpointsThatGoWithoutTheirParticipant) {
+  watch.endpoint_matched(peer);
+  passes(3s);
+  watch.endpoint_unmatched(peer, now);
+  watch.life_ended(lan, node);
+  passes(1s, 0);
+  EXPECT_FALSE(deaf) << "it may be leaving";
+  passes(1s, 0);
+  EXPECT_EQ(deaf, Missing::endpoints);
+  watch.endpoint_matched(peer);
+  passes(1s, 0);
+  EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingWatchTest, SaysWhenAnotherLinkHearsAllThatTheOneBeforeHears) {
+  constexpr LinkId next = 2;
+  passes(3s);
+  watch.link_made(next);
+  watch.link_replaced(lan, next);
+  EXPECT_FALSE(watch.is_replaced_by(lan, next, now));
+  watch.participant_came({next, peer.participant}, now);
+  watch.participant_speaks({next, peer.participant}, now);
+  EXPECT_FALSE(watch.is_replaced_by(lan, next, now));
+  watch.heard({next, peer.participant}, now);
+  EXPECT_TRUE(watch.is_replaced_by(lan, next, now));
+  watch.participant_came(other, now);
+  watch.participant_speaks(other, now);
+  EXPECT_TRUE(watch.is_replaced_by(lan, next, now)) << "it is not heard on the one before, either";
+  watch.heard_life(other, node + 1, all, lease, now);
+  EXPECT_FALSE(watch.is_replaced_by(lan, next, now));
+  now += 3s;
+  EXPECT_TRUE(watch.is_replaced_by(lan, next, now)) << "it is not heard any more there, either";
+}
+
+TEST_F(HearingWatchTest, ExpectsNothingOfParticipantsThatAreNoNodes) {
+  watch.participant_left(peer);
+  watch.participant_came(other, now);
+  passes(100s, 0);
+  EXPECT_FALSE(deaf);
+}
+
+TEST_F(HearingWatchTest, ForgetsHowOftenItTriedForWhomNoLinkHasAnyMore) {
+  passes(participant_lease * 2, 0);
+  for (int i = 0; i < 3; ++i) watch.tried(peer.participant);
+  look();
+  EXPECT_FALSE(deaf);
+  watch.link_dropped(lan);
+  watch.link_made(lan);
+  watch.participant_came(peer, now);
+  watch.participant_speaks(peer, now);
+  passes(participant_lease, 0);
+  EXPECT_EQ(deaf, Missing::everything);
+}
+
+TEST_F(HearingWatchTest, ForgetsALinkThatIsDropped) {
+  passes(3s);
+  watch.link_dropped(lan);
+  passes(100s, 0);
+  watch.heard(peer, now);
+  passes(100s, 0);
+  EXPECT_FALSE(deaf);
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,160 @@
+// Late readers: who is given what was published before, and when shared memory takes over.
+#include <gtest/gtest.h>
+
+#include "tests/unit/core/negotiation/negotiation_fixture.h"
+
+namespace sft::core {
+namespace {
+
+class LateReaderTest : public NegotiationTest {
+ protected:
+  LateReaderTest() {
+    Endpoint writer = endpoint(Role::writer, 100);
+    writer.qos = {.durability = transient_local, .history_depth = 5};
+    negotiation.local_added(writer, type);
+  }
+  /// On this host, and attached.
+  Endpoint late_reader(EndpointId id = 7) {
+    Endpoint reader = endpoint(Role::reader, id, here, 1);
+    reader.qos = {.durability = transient_local, .history_depth = 3};
+    reader.request.attached = {100};
+    return reader;
+  }
+  /// It says that what is for it alone has begun to come.
+  void begin(EndpointId reader, std::uint64_t sequence) {
+    Request begun = request(reader, sequence, F::data, {100});
+    begun.begun = {100};
+    negotiation.request_received(begun);
+  }
+};
+
+TEST_F(LateReaderTest, GetsByUdpWhatBothSidesKeepAndChangesOverToSharedMemoryThen) {
+  negotiation.endpoint_seen(late_reader());
+  Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.shm.empty());
+  ASSERT_EQ(serving.udp.size(), 1U);
+  EXPECT_EQ(serving.udp[0].history, 3U);
+  EXPECT_TRUE(serving.history_owed);
+  EXPECT_FALSE(negotiation.history_given(100, 7)) << "nothing of it has come yet";
+  begin(7, 2);
+  EXPECT_TRUE(negotiation.serving(100).history_owed) << "not all of it has left yet";
+  EXPECT_TRUE(negotiation.history_given(100, 7));
+  EXPECT_FALSE(negotiation.history_given(100, 7));
+  serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.udp.empty());
+  EXPECT_EQ(serving.shm.size(), 1U);
+  EXPECT_FALSE(serving.history_owed);
+}
+
+TEST_F(LateReaderTest, GetsThroughSharedMemoryAloneWhatBothSidesKeepUntilItSaysThatItHas) {
+  Endpoint reader = late_reader();
+  reader.may_use_udp = false;
+  negotiation.endpoint_seen(reader);
+  Serving serving = negotiation.serving(100);
+  EXPECT_EQ(serving.shm.at(0).history, 3U);
+  EXPECT_EQ(serving.readers.at(0).reason, "same host");
+  begin(7, 2);
+  EXPECT_EQ(negotiation.serving(100).shm.at(0).history, 0U);
+}
+
+TEST_F(LateReaderTest, ThatIsVolatileGetsNothing) {
+  Endpoint reader = late_reader();
+  reader.qos.durability = volatile_;
+  negotiation.endpoint_seen(reader);
+  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
+}
+
+TEST_F(LateReaderTest, ThatWasLostAndReturnsIsNotGivenItAgainAndOneThatWentIs) {
+  negotiation.endpoint_seen(late_reader());
+  begin(7, 2);
+  negotiation.history_given(100, 7);
+  negotiation.endpoint_lost(7, Now{});
+  negotiation.endpoint_seen(late_reader());
+  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
+  negotiation.endpoint_departed(7);
+  negotiation.endpoint_seen(late_reader());
+  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
+}
+
+TEST_F(LateReaderTest, ThatLostUsAndFoundUsAgainIsGivenItAgain) {
+  negotiation.endpoint_seen(late_reader());
+  begin(7, 2);
+  negotiation.history_given(100, 7);
+  negotiation.request_received(request(7, 3, F::data, {100}));
+  EXPECT_TRUE(negotiation.serving(100).history_owed);
+  begin(7, 4);
+  EXPECT_TRUE(negotiation.serving(100).history_owed) << "it has begun, but not all of it has left yet";
+}
+
+TEST_F(NegotiationTest, OurReaderIsAttachedOnlyOnceTheHistoryHasCome) {
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.qos.durability = transient_local;
+  negotiation.local_added(reader, type);
+  Endpoint writer = endpoint(Role::writer, 7, here, 1);
+  writer.qos.durability = transient_local;
+  negotiation.endpoint_seen(writer);
+  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
+  EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "same host, what was published before comes first");
+  negotiation.history_began(200, 7);
+  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
+  EXPECT_TRUE(negotiation.history_came(200, 7));
+  EXPECT_FALSE(negotiation.history_came(200, 7));
+  EXPECT_TRUE(negotiation.hearing(200).at(0).shm);
+}
+
+class OurLateReaderTest : public NegotiationTest {
+ protected:
+  OurLateReaderTest() {
+    Endpoint reader = endpoint(Role::reader, 200);
+    reader.qos.durability = transient_local;
+    negotiation.local_added(reader, type);
+    Endpoint writer = endpoint(Role::writer, 7, here, 1);
+    writer.qos.durability = transient_local;
+    negotiation.endpoint_seen(writer);
+  }
+  void changed(TransportKind path, bool connected) {
+    negotiation.connection_changed(200, 7, path, connected);
+  }
+  bool has_begun() const { return !negotiation.local(200)->request.begun.empty(); }
+};
+
+TEST_F(OurLateReaderTest, IsOwedTheHistoryAgainOnceThePathIsGoneThatItCameBy) {
+  changed(TransportKind::udp, true);
+  negotiation.history_began(200, 7);
+  negotiation.history_came(200, 7);
+  changed(TransportKind::shm, true);
+  changed(TransportKind::shm, false);
+  EXPECT_TRUE(has_begun()) << "it came by UDP, which is there still";
+  EXPECT_TRUE(negotiation.hearing(200).at(0).shm);
+  changed(TransportKind::udp, false);
+  EXPECT_FALSE(has_begun());
+  EXPECT_FALSE(negotiation.hearing(200).at(0).shm);
+}
+
+TEST_F(OurLateReaderTest, IsOwedTheHistoryAgainOnceSharedMemoryIsGoneThatItCameBy) {
+  changed(TransportKind::shm, true);
+  negotiation.history_began(200, 7);
+  changed(TransportKind::shm, false);
+  EXPECT_FALSE(has_begun());
+}
+
+TEST_F(NegotiationTest, OurReaderTakesNothingOfADurableWriterBeforeWhatThatRetained) {
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.qos.durability = transient_local;
+  negotiation.local_added(reader, type);
+  Endpoint writer = endpoint(Role::writer, 7);
+  negotiation.endpoint_seen(writer);
+  EXPECT_FALSE(negotiation.hearing(200).at(0).source.history_first);
+  writer.qos.durability = transient_local;
+  negotiation.endpoint_seen(writer);
+  EXPECT_TRUE(negotiation.hearing(200).at(0).source.history_first);
+  EXPECT_TRUE(negotiation.history_began(200, 7));
+  EXPECT_FALSE(negotiation.history_began(200, 7));
+  EXPECT_EQ(negotiation.local(200)->request.begun, std::vector<EndpointId>{7});
+  negotiation.connection_changed(200, 7, TransportKind::udp, true);
+  negotiation.connection_changed(200, 7, TransportKind::udp, false);
+  EXPECT_TRUE(negotiation.local(200)->request.begun.empty());
+}
+
+}  // namespace
+}  // namespace sft::core

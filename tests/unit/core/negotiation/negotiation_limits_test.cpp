@@ -1,0 +1,151 @@
+// What one participant that announces without end costs everybody else.
+#include <gtest/gtest.h>
+
+#include "tests/unit/core/negotiation/negotiation_fixture.h"
+
+namespace sft::core {
+namespace {
+
+constexpr AnnouncerId honest = 1, flooder = 2;
+
+class Limits : public NegotiationTest {
+ protected:
+  Endpoint of(AnnouncerId announcer, Endpoint endpoint) {
+    endpoint.announcer = endpoint.request.announcer = announcer;
+    endpoint.node = announcer == honest ? "honest" : "flooder";
+    return endpoint;
+  }
+  void flood(Role role, const std::string& topic) {
+    for (EndpointId id = 1000; id < 11'000; ++id) {
+      Endpoint made_up = of(flooder, endpoint(role, id));
+      made_up.topic = topic.empty() ? "topic " + std::to_string(id) : topic;
+      negotiation.endpoint_seen(made_up);
+    }
+  }
+};
+
+TEST_F(Limits, AReaderThatComesAfterTenThousandMadeUpOnesIsServed) {
+  our_writer();
+  flood(Role::reader, "");
+  negotiation.endpoint_seen(of(honest, endpoint(Role::reader, 7)));
+  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
+  EXPECT_EQ(negotiation.endpoints(), 4097U) << "with our own";
+  EXPECT_GT(negotiation.take_refusals().at("flooder"), 5000U);
+  EXPECT_TRUE(negotiation.take_refusals().empty()) << "they are told once";
+}
+
+TEST_F(Limits, OfOneTopicNobodyGetsMoreThanItsShareOnceThatIsCrowded) {
+  our_writer();
+  flood(Role::reader, "points");
+  negotiation.endpoint_seen(of(honest, endpoint(Role::reader, 7)));
+  const Serving serving = negotiation.serving(100);
+  EXPECT_LE(serving.readers.size(), 257U);
+  EXPECT_TRUE(std::ranges::any_of(serving.udp, [](const Route& route) { return route.reader == 7; }));
+}
+
+TEST_F(Limits, AReaderListensToAWriterThatComesAfterTenThousandMadeUpOnes) {
+  our_reader();
+  flood(Role::writer, "points");
+  negotiation.endpoint_seen(of(honest, endpoint(Role::writer, 7)));
+  const auto heard = negotiation.hearing(200);
+  const auto it = std::ranges::find_if(heard, [](const Hearing& h) { return h.source.writer == 7; });
+  ASSERT_NE(it, heard.end());
+  EXPECT_TRUE(it->udp);
+}
+
+TEST_F(Limits, ANodeWithThousandsOfEndpointsIsKnownWhole) {
+  for (EndpointId id = 1000; id < 4000; ++id) {
+    Endpoint one = of(honest, endpoint(Role::writer, id));
+    one.topic = "topic " + std::to_string(id);
+    ASSERT_TRUE(negotiation.endpoint_seen(one));
+  }
+  EXPECT_EQ(negotiation.ignored(), 0U);
+}
+
+TEST_F(Limits, OurOwnEndpointsTakeNothingOfTheRoomForOthers) {
+  Negotiation small({.endpoints = 2, .forget_lost_after = std::chrono::seconds(60)});
+  for (EndpointId id = 100; id < 110; ++id) small.local_added(endpoint(Role::writer, id), type);
+  for (EndpointId id = 1; id <= 3; ++id) small.endpoint_seen(endpoint(Role::reader, id));
+  EXPECT_EQ(small.endpoints(), 12U);
+}
+
+TEST_F(Limits, AReaderHearsTheWritersThatItHasKnownLongestAndThatAnswer) {
+  our_reader();
+  constexpr EndpointId first = 10'000;
+  for (EndpointId i = 0; i < writers_per_reader_max + 2; ++i) {
+    // The one that comes first has the greatest id.
+    Endpoint writer = endpoint(Role::writer, first - i);
+    writer.announcer = i / 50;
+    ASSERT_TRUE(negotiation.endpoint_seen(writer));
+  }
+  const auto heard = [&](EndpointId id) {
+    for (const Hearing& h : negotiation.hearing(200)) {
+      if (h.source.writer == id) return h;
+    }
+    return Hearing{};
+  };
+  const EndpointId last = first - writers_per_reader_max - 1;
+  EXPECT_TRUE(heard(first).udp);
+  EXPECT_FALSE(heard(last).udp || heard(last + 1).udp);
+  EXPECT_EQ(heard(last).status.reason, "the subscriber hears as many publishers as one can, 1024");
+  negotiation.endpoint_lost(first, Now{});
+  EXPECT_FALSE(heard(first).udp);
+  EXPECT_TRUE(heard(last + 1).udp);
+  EXPECT_FALSE(heard(last).udp);
+}
+
+TEST_F(Limits, OtherDefinitionsOfOurTypeAreComparedOnceAndOnlyTheFirstOfThem) {
+  our_writer();
+  our_reader();
+  for (EndpointId id = 1000; id < 3000; ++id) {
+    Endpoint other = endpoint(Role::reader, id);
+    other.announcer = id / 50;
+    other.type_hash = id;
+    other.type_description = {std::byte{1}};  // is no description, which is found out by comparing
+    negotiation.endpoint_seen(other);
+    negotiation.tick(Now{});
+    const std::uint64_t before = negotiation.definitions_compared();
+    const Serving serving = negotiation.serving(100);
+    EXPECT_LE(negotiation.definitions_compared() - before, 16U);
+    if (id % 100 == 0) {
+      EXPECT_NE(serving.readers.back().reason.find("two different definitions"), std::string::npos);
+    }
+  }
+  EXPECT_LE(negotiation.definitions_compared(), 32U) << "each was compared once";
+  EXPECT_GE(negotiation.definitions_compared(), 16U);
+}
+
+class Comparisons : public NegotiationTest {
+ protected:
+  Endpoint definition(std::uint64_t n) {
+    Endpoint other = endpoint(Role::reader, 1);
+    other.type_hash = n;
+    other.type_description = {std::byte{1}};
+    return other;
+  }
+  /// Whether it is known already.
+  bool compare(std::uint64_t n) {
+    comparisons.refill();
+    const std::uint64_t before = comparisons.compared();
+    comparisons.compare(type, definition(n));
+    return comparisons.compared() == before;
+  }
+  TypeComparisons comparisons;
+};
+
+TEST_F(Comparisons, TheOldestIsForgottenFirstAndTheOthersAreKept) {
+  for (std::uint64_t n = 1; n <= 257; ++n) EXPECT_FALSE(compare(n));
+  for (std::uint64_t n = 2; n <= 257; ++n) EXPECT_TRUE(compare(n)) << n;
+  EXPECT_FALSE(compare(1));
+}
+
+TEST_F(Comparisons, NoMoreThanAFewAreMadeBetweenTwoRefills) {
+  for (std::uint64_t n = 1; n <= 100; ++n) EXPECT_NE(comparisons.compare(type, definition(n)), nullptr);
+  EXPECT_EQ(comparisons.compared(), 16U);
+  comparisons.refill();
+  EXPECT_NE(comparisons.compare(type, definition(100)), nullptr);
+  EXPECT_EQ(comparisons.compared(), 17U);
+}
+
+}  // namespace
+}  // namespace sft::core

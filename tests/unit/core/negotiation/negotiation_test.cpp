@@ -1,0 +1,412 @@
+// The negotiation as pure functions of events: what each of our writers serves and each of our readers hears.
+#include "core/negotiation/negotiation.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "tests/unit/core/negotiation/negotiation_fixture.h"
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST_F(NegotiationTest, AWriterWithoutReadersServesNobody) {
+  our_writer();
+  const Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.udp.empty());
+  EXPECT_TRUE(serving.shm.empty());
+  EXPECT_FALSE(serving.shm_port);
+}
+
+TEST_F(NegotiationTest, AReaderOnAnotherHostIsServedByUdpWithTheMaskOfItsFirstRequest) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  const Serving serving = negotiation.serving(100);
+  ASSERT_EQ(serving.udp.size(), 1U);
+  EXPECT_EQ(serving.udp[0].mask, FieldMask(F::height | F::width));
+  EXPECT_EQ(std::get<UdpAddress>(serving.udp[0].destination).ip, 0x0a000001U);
+  EXPECT_EQ(serving.readers[0].reason, "another host");
+  EXPECT_FALSE(serving.shm_port);
+}
+
+TEST_F(NegotiationTest, NothingIsSentToAReaderBeforeItSaysThatItListens) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.request.listening.clear();
+  negotiation.endpoint_seen(reader);
+  EXPECT_TRUE(negotiation.serving(100).udp.empty());
+  EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "the subscriber is not listening yet");
+  negotiation.request_received(request(7, 2, F::data));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, WhatAReaderAskedForWhileItsNodeWasSilentHoldsOnceThatIsHeardAgain) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.node_id = 66;
+  negotiation.endpoint_seen(reader);
+  negotiation.node_lost(66);
+  EXPECT_FALSE(negotiation.request_received(request(7, 2, F::data)));
+  EXPECT_TRUE(negotiation.node_returned(66));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, WhatALostReaderAskedForIsKeptUntilItIsSeenAgainHoweverLong) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.node_id = 66;
+  negotiation.endpoint_seen(reader);
+  negotiation.endpoint_lost(7, Now{});
+  negotiation.node_lost(66);
+  negotiation.request_received(request(7, 2, F::data));
+  negotiation.node_returned(66);  // discovery has not found it again
+  EXPECT_TRUE(negotiation.serving(100).udp.empty());
+  EXPECT_TRUE(negotiation.tick(Now{} + 60s)) << "the reader is forgotten, but not its request";
+  negotiation.endpoint_seen(reader);
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, AReaderIsReachedInANetworkThatWeAreInToo) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.addresses.push_back({0x0b000001, 7000, 1 << 20});
+  negotiation.endpoint_seen(reader);
+  const auto destination = [&] {
+    return std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ip;
+  };
+  EXPECT_EQ(destination(), 0x0a000001U);
+  EXPECT_TRUE(negotiation.network_changed({}, {{0x0b000002, 24}}));
+  EXPECT_EQ(destination(), 0x0b000001U);
+}
+
+TEST_F(NegotiationTest, OurEndpointsAreAnnouncedWithTheAddressesOfNow) {
+  our_reader();
+  const std::vector<UdpAddress> before{{0x0a000001, 7000, 1 << 20}}, after{{0x0b000001, 7000, 1 << 20}};
+  EXPECT_EQ(negotiation.local(200)->addresses, before);
+  negotiation.network_changed(after, {});
+  EXPECT_EQ(negotiation.local(200)->addresses, after);
+  our_writer();  // made with those of before
+  EXPECT_EQ(negotiation.local(100)->addresses, after);
+}
+
+TEST_F(NegotiationTest, ANodeThatIsSilentIsNotServedUntilItIsHeardOfAgainAndNotForgotten) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7), other = endpoint(Role::reader, 8);
+  reader.node_id = 70;
+  other.node_id = 80;
+  negotiation.endpoint_seen(reader);
+  negotiation.endpoint_seen(other);
+  EXPECT_FALSE(negotiation.misses_somebody());
+  EXPECT_TRUE(negotiation.node_lost(70));
+  EXPECT_TRUE(negotiation.misses_somebody());
+  negotiation.tick(Now{} + 1h);
+  ASSERT_EQ(negotiation.serving(100).udp.size(), 1U);
+  EXPECT_EQ(negotiation.serving(100).udp[0].reader, 8U);
+  EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "its node does not answer");
+  EXPECT_TRUE(negotiation.node_returned(70));
+  EXPECT_EQ(negotiation.serving(100).udp.size(), 2U);
+  EXPECT_FALSE(negotiation.node_returned(70)) << "that is no news";
+}
+
+TEST_F(NegotiationTest, ANodeThatReturnsIsServedAsItAskedMeanwhile) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.node_id = 70;
+  negotiation.endpoint_seen(reader);
+  negotiation.node_lost(70);
+  negotiation.request_received(request(7, 2, F::data));
+  negotiation.node_returned(70);
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, ANodeThatDiscoveryHasGivenUpReturnsOnlyByDiscovery) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.node_id = 70;
+  negotiation.endpoint_seen(reader);
+  negotiation.node_lost(70);
+  negotiation.endpoint_lost(7, Now{});
+  negotiation.node_returned(70);
+  EXPECT_TRUE(negotiation.serving(100).udp.empty());
+  negotiation.endpoint_seen(reader);
+  EXPECT_EQ(negotiation.serving(100).udp.size(), 1U);
+}
+
+TEST_F(NegotiationTest, AReaderInTheSameNetworkStackIsReachedThroughLoopback) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 3));
+  EXPECT_EQ(std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ip, 0x7f000001U);
+}
+
+TEST_F(NegotiationTest, AReaderInTheSameNetworkStackThatHasOnlyIPv6IsReachedThroughThatLoopback) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7, here, 3);
+  reader.addresses = {{parse_ip_address("fd00::7").value(), 7000, 1 << 20}};
+  negotiation.endpoint_seen(reader);
+  EXPECT_EQ(std::get<UdpAddress>(negotiation.serving(100).udp.at(0).destination).ip, loopback_ipv6);
+}
+
+TEST_F(NegotiationTest, AReaderThatGetsAnotherAddressIsStillTheSame) {
+  our_writer();
+  Endpoint reader = endpoint(Role::reader, 7);
+  reader.node_id = 70;
+  negotiation.endpoint_seen(reader);
+  const Serving before = negotiation.serving(100);
+  reader.addresses = {{parse_ip_address("fd00::7").value(), 7000, 1 << 20}};
+  negotiation.endpoint_seen(reader);
+  const Serving after = negotiation.serving(100);
+  UdpAddress moved = std::get<UdpAddress>(before.udp.at(0).destination);
+  EXPECT_EQ(moved.node, reader.node_id);
+  moved.ip = reader.addresses[0].ip;
+  EXPECT_EQ(std::get<UdpAddress>(after.udp.at(0).destination), moved);
+}
+
+TEST_F(NegotiationTest, AReaderThatSharesMemoryIsServedByUdpUntilItIsAttachedAndThenByMemoryOnly) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));
+  Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.shm_port);
+  EXPECT_EQ(serving.udp.size(), 1U);
+  EXPECT_TRUE(serving.shm.empty());
+
+  negotiation.request_received(request(7, 2, F::height | F::width, {100}));
+  serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.udp.empty());
+  ASSERT_EQ(serving.shm.size(), 1U);
+  EXPECT_EQ(std::get<DoorbellAddress>(serving.shm[0].destination).page, 7U);
+  EXPECT_EQ(serving.readers[0].reason, "same host");
+}
+
+TEST_F(NegotiationTest, AnAttachedReaderThatListensByUdpTooGetsThereWhatSharedMemoryDoesNotTake) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));
+  negotiation.request_received(request(7, 2, F::height, {100}));
+  const Serving serving = negotiation.serving(100);
+  ASSERT_EQ(serving.spare.size(), 1U);
+  EXPECT_TRUE(serving.spare[0].spare);
+  EXPECT_EQ(serving.spare[0].mask, FieldMask(F::height));
+  EXPECT_TRUE(std::holds_alternative<UdpAddress>(serving.spare[0].destination));
+  Request deaf = request(7, 3, F::height, {100});
+  deaf.listening.clear();
+  negotiation.request_received(deaf);
+  EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
+  EXPECT_TRUE(negotiation.serving(100).spare.empty());
+}
+
+TEST_F(NegotiationTest, WhenTheMemoryIsLostItsReadersAreServedByUdpAgain) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7, here, 1));
+  negotiation.request_received(request(7, 2, F::height, {100}));
+  at_host({});
+  const Serving serving = negotiation.serving(100);
+  EXPECT_TRUE(serving.shm.empty());
+  EXPECT_EQ(serving.udp.size(), 1U);
+  EXPECT_EQ(serving.readers[0].reason, "no shared memory: off");
+}
+
+TEST_F(NegotiationTest, ALaterRequestReplacesTheMaskAndAReorderedOrRepeatedOneDoesNot) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_TRUE(negotiation.request_received(request(7, 5, F::data)));
+  EXPECT_FALSE(negotiation.request_received(request(7, 5, F::height)));
+  EXPECT_FALSE(negotiation.request_received(request(7, 4, F::height)));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, ARequestThatComesBeforeItsReaderIsKeptForIt) {
+  our_writer();
+  negotiation.request_received(request(7, 3, F::data));
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, ARepeatedAnnouncementDoesNotTakeALaterRequestBack) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  negotiation.request_received(request(7, 3, F::data));
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, ALostReaderIsNotServedButItsMaskIsKeptUntilItReturns) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  negotiation.request_received(request(7, 3, F::data));
+  negotiation.endpoint_lost(7, Now{});
+  EXPECT_TRUE(negotiation.serving(100).udp.empty());
+  EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "its node does not answer");
+
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+// The two control topics come back one after the other, and each tells what it has only once.
+TEST_F(NegotiationTest, ARequestThatComesBackBeforeItsLostReaderOutlivesThatThisIsForgottenMeanwhile) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  negotiation.endpoint_lost(7, Now{});
+  negotiation.request_received(request(7, 3, F::data));
+  EXPECT_TRUE(negotiation.tick(Now{} + 60s));
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+TEST_F(NegotiationTest, ALostReaderIsForgottenAfterAWhileAndADepartedOneAtOnce) {
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  negotiation.endpoint_seen(endpoint(Role::reader, 8));
+  negotiation.endpoint_departed(8);
+  negotiation.endpoint_lost(7, Now{});
+  EXPECT_FALSE(negotiation.tick(Now{} + 59s));
+  EXPECT_EQ(negotiation.serving(100).readers.size(), 1U);
+  EXPECT_TRUE(negotiation.tick(Now{} + 60s));
+  EXPECT_TRUE(negotiation.serving(100).readers.empty());
+}
+
+TEST_F(NegotiationTest, AWriterIsAssertedForReadersThatAskedForALease) {
+  Endpoint writer = endpoint(Role::writer, 100);
+  writer.qos.liveliness_lease = 1s;
+  negotiation.local_added(writer, type);
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_FALSE(negotiation.serving(100).lease_requested);
+  Endpoint reader = endpoint(Role::reader, 8);
+  reader.qos.liveliness_lease = 2s;
+  negotiation.endpoint_seen(reader);
+  EXPECT_TRUE(negotiation.serving(100).lease_requested);
+  EXPECT_TRUE(negotiation.serving(100).samples_tell);
+  Request slower = request(8, 2, F::data);
+  slower.min_period_us = 1;
+  negotiation.request_received(slower);
+  EXPECT_FALSE(negotiation.serving(100).samples_tell);
+}
+
+TEST_F(NegotiationTest, AWriterWhoseNodeDoesNotAnswerIsHeardOfAsNotAlive) {
+  our_reader();
+  negotiation.endpoint_seen(endpoint(Role::writer, 7));
+  EXPECT_TRUE(negotiation.hearing(200).at(0).status.alive);
+  negotiation.endpoint_lost(7, Now{});
+  EXPECT_FALSE(negotiation.hearing(200).at(0).status.alive);
+  EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "its node does not answer");
+}
+
+TEST_F(NegotiationTest, AWriterIsConnectedOnceOurReaderListensToItAndWhileItsNodeAnswers) {
+  our_reader();
+  negotiation.endpoint_seen(endpoint(Role::writer, 7));
+  const auto heard = [&] { return negotiation.hearing(200).at(0).status; };
+  EXPECT_TRUE(heard().matched);
+  EXPECT_FALSE(heard().connected);
+  negotiation.connection_changed(200, 7, TransportKind::udp, true);
+  EXPECT_TRUE(heard().connected);
+  negotiation.endpoint_lost(7, Now{});
+  EXPECT_TRUE(heard().matched);
+  EXPECT_FALSE(heard().connected);
+}
+
+TEST_F(NegotiationTest, EveryChangeOfARequirementOrAnAttachmentIsANewerRequest) {
+  our_reader();
+  const std::uint64_t first = negotiation.local(200)->request.sequence;
+  EXPECT_TRUE(negotiation.requirement_changed(200, FieldMask(F::data | F::height)));
+  EXPECT_FALSE(negotiation.requirement_changed(200, FieldMask(F::data | F::height)));
+  EXPECT_TRUE(negotiation.connection_changed(200, 7, TransportKind::shm, true));
+  EXPECT_FALSE(negotiation.connection_changed(200, 7, TransportKind::shm, true));
+  EXPECT_EQ(negotiation.local(200)->request.sequence, first + 2);
+  EXPECT_EQ(negotiation.local(200)->request.attached, std::vector<EndpointId>{7});
+}
+
+TEST_F(NegotiationTest, AReaderIsServedReliablyAndHearsSoIfItAsksForThat) {
+  Endpoint writer = endpoint(Role::writer, 100);
+  writer.qos.reliability = Reliability::reliable;
+  negotiation.local_added(writer, type);
+  for (const EndpointId id : {7U, 8U}) {
+    Endpoint reader = endpoint(Role::reader, id);
+    if (id == 7) reader.qos.reliability = Reliability::reliable;
+    negotiation.endpoint_seen(reader);
+  }
+  const Serving serving = negotiation.serving(100);
+  ASSERT_EQ(serving.udp.size(), 2U);
+  for (const Route& route : serving.udp) EXPECT_EQ(route.reliable, route.reader == 7);
+
+  Endpoint ours = endpoint(Role::reader, 200);
+  ours.qos.reliability = Reliability::reliable;
+  negotiation.local_added(ours, type);
+  for (const Hearing& hearing : negotiation.hearing(200)) EXPECT_TRUE(hearing.source.reliable);
+  EXPECT_EQ(negotiation.hearing(200).size(), 1U);
+}
+
+TEST_F(NegotiationTest, AMaximumRateTravelsInRequestsAndIsInForceInRoutes) {
+  our_reader();
+  EXPECT_TRUE(negotiation.rate_changed(200, 100'000));
+  EXPECT_FALSE(negotiation.rate_changed(200, 100'000));
+  EXPECT_EQ(negotiation.local(200)->request.min_period_us, 100'000U);
+  EXPECT_EQ(negotiation.local(200)->request.sequence, 2U);
+
+  our_writer();
+  negotiation.endpoint_seen(endpoint(Role::reader, 7));
+  Request slower = request(7, 2, F::data);
+  slower.min_period_us = 50'000;
+  negotiation.request_received(slower);
+  const Serving serving = negotiation.serving(100);
+  const auto route =
+      std::find_if(serving.udp.begin(), serving.udp.end(), [](auto& r) { return r.reader == 7; });
+  ASSERT_NE(route, serving.udp.end());
+  EXPECT_EQ(route->min_period_us, 50'000U);
+  EXPECT_EQ(serving.readers.at(0).max_rate_hz, 20);
+}
+
+TEST_F(NegotiationTest, AttachmentsEndWithTheMemoryTheyWereIn) {
+  our_reader();
+  negotiation.connection_changed(200, 7, TransportKind::shm, true);
+  const std::uint64_t before = negotiation.local(200)->request.sequence;
+  at_host(token(9));
+  EXPECT_TRUE(negotiation.local(200)->request.attached.empty());
+  EXPECT_GT(negotiation.local(200)->request.sequence, before);
+}
+
+TEST_F(NegotiationTest, EntriesBeyondTheLimitAreIgnoredAndCounted) {
+  Negotiation small({.endpoints = 2, .forget_lost_after = 60s});
+  for (EndpointId id = 1; id <= 4; ++id) small.endpoint_seen(endpoint(Role::reader, id));
+  for (EndpointId id = 11; id <= 14; ++id) small.request_received(request(id, 1, F::data));
+  EXPECT_EQ(small.endpoints(), 2U);
+  EXPECT_EQ(small.ignored(), 4U);
+}
+
+TEST_F(NegotiationTest, OfTooManyRequestsOfReadersThatHaveNotComeTheOldestMakesRoom) {
+  Negotiation small({.endpoints = 2, .forget_lost_after = 60s});
+  small.local_added(endpoint(Role::writer, 100), type);
+  for (const EndpointId id : {90, 91, 7, 8}) small.request_received(request(id, 2, F::data));
+  small.endpoint_seen(endpoint(Role::reader, 7));
+  EXPECT_EQ(small.serving(100).udp.at(0).mask, FieldMask(F::data));
+}
+
+// Whatever the order in which announcement, requests and shared memory come: once all came, the outcome is
+// the same.
+TEST_F(NegotiationTest, TheOutcomeDoesNotDependOnTheOrderOfEvents) {
+  std::random_device entropy;
+  const auto seed = entropy();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  std::vector<int> events{0, 1, 2, 3, 4, 5};
+  for (int round = 0; round < 2000; ++round) {
+    std::shuffle(events.begin(), events.end(), random);
+    Negotiation n;
+    for (const int event : events) {
+      if (event == 0) n.self_changed({.host = token(1), .network = here, .shm_state = ""});
+      if (event == 1) n.local_added(endpoint(Role::writer, 100), type);
+      if (event == 2) n.endpoint_seen(endpoint(Role::reader, 7, here, 1));
+      if (event == 3) n.request_received(request(7, 2, F::data));
+      if (event == 4) n.request_received(request(7, 3, F::width, {100}));
+      if (event == 5) n.endpoint_seen(endpoint(Role::reader, 8));
+    }
+    const Serving serving = n.serving(100);
+    ASSERT_EQ(serving.shm.size(), 1U);
+    ASSERT_EQ(serving.shm[0].mask, FieldMask(F::width | F::width));
+    ASSERT_EQ(serving.udp.size(), 1U);
+    ASSERT_EQ(serving.udp[0].reader, 8U);
+  }
+}
+
+}  // namespace
+}  // namespace sft::core

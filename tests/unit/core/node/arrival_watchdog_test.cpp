@@ -1,0 +1,187 @@
+// The watchdog of arrivals in simulated time: it restarts what is deaf, and nothing that works.
+#include "core/node/arrival_watchdog.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "tests/support/test_seed.h"
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::milliseconds;
+
+class ArrivalWatchdogTest : public test::RandomTest {
+ protected:
+  using Now = ArrivalWatchdog::Now;
+
+  struct Scene {
+    std::chrono::microseconds period = 10ms;  ///< of samples, while the writer is not quiet
+    std::uint64_t bytes = 1000;
+    double lost = 0;  ///< share of samples
+    double assertions_lost = 0;
+    std::chrono::milliseconds transit = 1ms;
+    std::chrono::milliseconds jitter = 0ms;  ///< more than transit, at random
+    std::uint64_t burst = 0;                 ///< not 0: so many samples, then as long a pause
+    ArrivalWatchdog::Pair pair{};
+  };
+
+  bool happens(double probability) { return std::uniform_real_distribution<>(0, 1)(random) < probability; }
+
+  /// What the reader's agent sees for so long, of a pair that works as the scene says, or of one that is
+  /// deaf.
+  void run(const Scene& scene, std::chrono::nanoseconds length, bool deaf = false) {
+    const Now end = now + length;
+    Now publish_at = now, passes_at = now;
+    while (now < end) {
+      now = std::min(publish_at, assert_at);
+      for (; !under_way.empty() && *under_way.begin() <= now; ++arrived) under_way.erase(under_way.begin());
+      if (now == publish_at) {
+        ++sent.samples;
+        sent.bytes += scene.bytes;
+        publish_at += scene.period;
+        if (scene.burst != 0 && sent.samples % scene.burst == 0)
+          publish_at += scene.period * static_cast<std::int64_t>(scene.burst);
+        const bool passes = now >= passes_at;
+        if (passes) passes_at = now + std::chrono::microseconds(scene.pair.min_period_us);
+        if (!deaf && passes && !happens(scene.lost)) {
+          const auto late = std::chrono::milliseconds(
+              std::uniform_int_distribution<std::int64_t>(0, scene.jitter.count())(random));
+          under_way.insert(now + scene.transit + late);
+        }
+      }
+      if (now == assert_at) {
+        const bool is_news = sent.samples != told;
+        told = sent.samples;
+        assert_at += 650ms;
+        if (happens(scene.assertions_lost)) continue;
+        if (watchdog.look(is_news ? &sent : nullptr, arrived, scene.pair, now)) {
+          restarted_at.push_back(now);
+          arrived = 0;  // a new connection counts anew
+        }
+      }
+    }
+  }
+
+  ArrivalWatchdog watchdog;
+  Now now{1h};
+  Now assert_at{1h};
+  Progress sent{1, 0, 0};
+  std::uint64_t told = 0, arrived = 0;
+  std::multiset<Now> under_way;
+  std::vector<Now> restarted_at;
+};
+
+TEST_F(ArrivalWatchdogTest, APairThatGoesDeafIsRestartedWithinFiveSeconds) {
+  for (const bool reliable : {false, true}) {
+    for (const auto period : {1ms, 10ms, 30ms}) {
+      restarted_at.clear();
+      watchdog = {};
+      const Scene scene{.period = period, .pair = {.reliable = reliable}};
+      run(scene, 10s);
+      ASSERT_TRUE(restarted_at.empty());
+      const Now begin = now;
+      run(scene, 5s, true);
+      ASSERT_FALSE(restarted_at.empty()) << period.count();
+      EXPECT_LE(restarted_at[0] - begin, 4s + 600ms);
+    }
+  }
+}
+
+TEST_F(ArrivalWatchdogTest, APairThatWasDeafFromTheBeginningIsRestarted) {
+  run({}, 6s, true);
+  EXPECT_FALSE(restarted_at.empty());
+}
+
+TEST_F(ArrivalWatchdogTest, WhatStaysDeafIsRestartedEverMoreSeldomAndAMinuteApartInTheEnd) {
+  run({}, 5s);
+  run({}, 600s, true);
+  ASSERT_GT(restarted_at.size(), 10U);
+  for (std::size_t i = 1; i < restarted_at.size(); ++i) {
+    const auto pause = restarted_at[i] - restarted_at[i - 1];
+    const auto least =
+        std::min<std::chrono::nanoseconds>(1s * (std::int64_t{1} << std::min<std::size_t>(i - 1, 10)), 60s);
+    EXPECT_GE(pause, least) << i;
+    EXPECT_LE(pause, std::max<std::chrono::nanoseconds>(least, 3s) + 1300ms) << i;
+  }
+  EXPECT_EQ(watchdog.restarts(), restarted_at.size());
+}
+
+TEST_F(ArrivalWatchdogTest, WhatWorksAgainIsRestartedSoonWhenItGoesDeafOnceMore) {
+  run({}, 300s, true);
+  run({}, 100s);
+  const std::size_t before = restarted_at.size();
+  const Now begin = now;
+  run({}, 5s, true);
+  ASSERT_GT(restarted_at.size(), before);
+  EXPECT_LE(restarted_at[before] - begin, 4s + 400ms);
+}
+
+TEST_F(ArrivalWatchdogTest, AQuietPairIsLeftAlone) {
+  run({}, 10s);
+  for (int i = 0; i < 1000; ++i) EXPECT_FALSE(watchdog.look(nullptr, arrived, {}, now += 650ms));
+  run({}, 10s);
+  EXPECT_TRUE(restarted_at.empty());
+}
+
+/// Whatever the random scene: it works, and is left alone.
+TEST_F(ArrivalWatchdogTest, APairThatWorksIsLeftAloneHoweverSlowLossyOrLimitedItIs) {
+  const auto up_to = [this](std::int64_t most) {
+    return std::uniform_int_distribution<std::int64_t>(0, most)(random);
+  };
+  for (int round = 0; round < 50; ++round) {
+    watchdog = {};
+    under_way.clear();
+    Scene scene;
+    scene.pair.reliable = up_to(1) == 0;
+    scene.period = std::chrono::microseconds(std::int64_t{500} << up_to(13));  // to 4 s
+    scene.bytes = std::uint64_t{100} << up_to(16);
+    scene.lost = scene.pair.reliable ? 0 : 0.2;
+    scene.assertions_lost = up_to(1) == 0 ? 0 : 0.2;
+    // On the slowest link that there may be.
+    scene.transit = milliseconds(scene.bytes * 1000 / ArrivalWatchdog::slowest_bytes_per_s + 1);
+    scene.jitter = milliseconds(up_to(700));
+    scene.burst = up_to(2) == 0 ? static_cast<std::uint64_t>(1 + up_to(100)) : 0;
+    scene.pair.min_period_us = up_to(1) == 0 ? 0 : static_cast<std::uint32_t>(1000U << up_to(13));
+    run(scene, std::clamp<std::chrono::nanoseconds>(scene.period * 20'000, 30s, 300s));
+    ASSERT_TRUE(restarted_at.empty())
+        << "round " << round << ": period " << scene.period.count() << " us, " << scene.bytes
+        << " bytes, reliable " << scene.pair.reliable << ", limit " << scene.pair.min_period_us
+        << " us, burst " << scene.burst;
+  }
+}
+
+TEST_F(ArrivalWatchdogTest, ALossOfAllForAMomentIsNoReason) {
+  run({}, 10s);
+  for (int i = 0; i < 20; ++i) {
+    run({}, 1s, true);
+    run({}, 1s);
+  }
+  EXPECT_TRUE(restarted_at.empty());
+}
+
+TEST_F(ArrivalWatchdogTest, WhatIsExcusedCountsFromThenOn) {
+  run({}, 10s);
+  for (int i = 0; i < 20; ++i) {
+    run({}, 1s, true);
+    watchdog.excuse();
+  }
+  EXPECT_TRUE(restarted_at.empty());
+  run({}, 5s, true);
+  EXPECT_FALSE(restarted_at.empty());
+}
+
+TEST_F(ArrivalWatchdogTest, WhoAwaitsHistoryIsGivenMoreTimeAndNotForEver) {
+  const Scene scene{.pair = {.reliable = true, .awaits_history = true}};
+  run(scene, 9s, true);
+  EXPECT_TRUE(restarted_at.empty());
+  run(scene, 6s, true);
+  EXPECT_FALSE(restarted_at.empty());
+}
+
+}  // namespace
+}  // namespace sft::core

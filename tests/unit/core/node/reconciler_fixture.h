@@ -1,0 +1,178 @@
+// A reconciler whose ports, transports and discovery are the test's.
+#pragma once
+
+#include "core/node/reconciler.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <set>
+
+#include "tests/support/eventually.h"
+
+namespace sft::core {
+
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class TestWriterPort final : public WriterPort {
+ public:
+  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
+  void set_routes(std::vector<Route> set) override {
+    routes = std::move(set);
+    ++changes;
+  }
+  void send_history(const Route&, std::vector<SampleHandle>) override {}
+  bool history_sent(EndpointId) noexcept override { return history_left; }
+  std::uint64_t bytes_sent() const noexcept override { return ++looks, 0; }
+  std::vector<Route> routes;
+  bool history_left = true;
+  int changes = 0;
+  mutable int looks = 0;  ///< at the state of its publisher
+};
+
+/// Whom it was told to take datagrams from.
+struct Connections {
+  std::set<EndpointId> writers;
+  std::vector<Source> announced;  ///< by writers that are connected
+  std::string refusal;            ///< why nothing can be connected at present
+  SampleHandle sample;            ///< to be taken
+  int ports_gone = 0;
+  int looks = 0;  ///< at the state of the subscriber
+};
+
+class TestReaderPort final : public ReaderPort {
+ public:
+  explicit TestReaderPort(Connections& connections) : connections_(connections) {}
+  ~TestReaderPort() override { ++connections_.ports_gone; }
+  SampleHandle take() noexcept override { return std::move(connections_.sample); }
+  Result<void> connect(const Source& source) override {
+    if (!connections_.refusal.empty()) return fail(Errc::unavailable, connections_.refusal);
+    connections_.writers.insert(source.writer);
+    return {};
+  }
+  bool connected(EndpointId writer) const noexcept override { return connections_.writers.contains(writer); }
+  std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
+  void announced(const Source& source) override { connections_.announced.push_back(source); }
+  void disconnect(EndpointId writer) noexcept override { connections_.writers.erase(writer); }
+  void accept(std::vector<Accepted>) override {}
+  std::uint64_t discarded() const noexcept override { return ++connections_.looks, 0; }
+
+ private:
+  Connections& connections_;
+};
+
+class TestDiscovery final : public Discovery {
+ public:
+  LifeSigns life_signs() const override { return life_signs_to_all; }
+  Configuration configuration() const override { return {}; }
+  Result<void> announce(const Endpoint& endpoint) override {
+    if (fails()) return fail(Errc::system, "a control sample was not written: Timeout");
+    announced.push_back(endpoint);
+    return {};
+  }
+  void withdraw(EndpointId) override {}
+  Result<void> send(const Request& request) override {
+    if (fails()) return fail(Errc::system, "a control sample was not written: Timeout");
+    sent.push_back(request);
+    return {};
+  }
+  void assert_liveliness(const Assertion& assertion) override { asserted.push_back(assertion); }
+  void look_after(std::chrono::steady_clock::time_point, bool) override {}
+  std::vector<Endpoint> announced;
+  std::vector<Request> sent;
+  std::vector<Assertion> asserted;
+  int failures = 0;  ///< to come
+
+ private:
+  bool fails() { return failures > 0 && failures-- > 0; }
+};
+
+/// A transport as far as it has addresses.
+class TestTransport final : public Transport {
+ public:
+  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
+  Availability poll(Now) override { return Availability::ready; }
+  std::string description() const override { return "test"; }
+  std::vector<UdpAddress> addresses() const override { return addresses_now; }
+  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }
+  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override { return nullptr; }
+  std::vector<UdpAddress> addresses_now{{0x0a000001, 7000, 1 << 20}};
+};
+
+class ReconcilerTest : public ::testing::Test {
+ protected:
+  Endpoint endpoint(Role role, EndpointId id) const {
+    Endpoint e;
+    e.id = id;
+    e.role = role;
+    e.topic = "points";
+    e.type_name = type.name();
+    e.type_hash = type.hash();
+    e.network = id;
+    e.may_use_udp = true;
+    e.addresses = {{0x0a000001, 7000, 1 << 20}};
+    e.request = {.reader = id,
+                 .sequence = 1,
+                 .mask_words = mask.to_words(),
+                 .listening = {},
+                 .attached = {},
+                 .begun = {}};
+    return e;
+  }
+
+  std::shared_ptr<SubscriberCore> our_reader(EndpointId id, untyped::Callback callback = nullptr) {
+    const auto port = std::make_shared<TestReaderPort>(connections);
+    auto core = std::make_shared<SubscriberCore>(SubscriberCore::Spec{.id = id,
+                                                                      .topic = "points",
+                                                                      .type = &type,
+                                                                      .requirement = {mask, false},
+                                                                      .options = {},
+                                                                      .callback = std::move(callback),
+                                                                      .rate_changed = [] {}},
+                                                 bells->at(1), nullptr);
+    core->set_port(TransportKind::udp, port);
+    reconciler.add_reader(endpoint(Role::reader, id), {core, nullptr, port});
+    reconciler.reconcile();
+    return core;
+  }
+  std::shared_ptr<PublisherCore> our_writer(EndpointId id, const std::shared_ptr<WriterPort>& port) {
+    PublisherCore::Spec spec{id, "points", &type, 1 << 16};
+    spec.on_readers_changed = [this](const PublisherStatus&) { ++readers_changed; };
+    auto core = std::make_shared<PublisherCore>(std::move(spec), BufferPool::make(1 << 20), port);
+    reconciler.add_writer(endpoint(Role::writer, id), core);
+    reconciler.reconcile();
+    return core;
+  }
+  void requested(Request request) {
+    reconciler.request_received(request);
+    reconciler.reconcile();
+  }
+  void writer_seen(EndpointId id) {
+    reconciler.endpoint_seen(endpoint(Role::writer, id));
+    reconciler.reconcile();
+  }
+  void writer_departed(EndpointId id) {
+    reconciler.endpoint_departed(id);
+    reconciler.reconcile();
+  }
+
+  static constexpr NodeId our_node = 55;
+  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const FieldMask mask = type.closed(FieldMask(F::height | F::width));
+  const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
+  int readers_changed = 0;
+  std::vector<std::string> logged;
+  Dispatcher dispatcher{bells->at(0), "test"};
+  Connections connections;
+  TestDiscovery discovery;
+  TestTransport udp;
+  NodeLog log{"node", LogLevel::warning,
+              [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
+  Reconciler reconciler{our_node, 1, nullptr, &udp, discovery, dispatcher, log};
+};
+
+}  // namespace sft::core

@@ -1,0 +1,266 @@
+// What the reconciler does where shared memory comes and goes.
+#include "tests/unit/core/node/reconciler_fixture.h"
+
+namespace sft::core {
+namespace {
+
+/// Shared memory that does not come up.
+class AbsentMemory final : public Transport {
+ public:
+  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
+  Availability poll(Now) override { return availability; }
+  std::string description() const override { return state; }
+  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }
+  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override { return nullptr; }
+  Availability availability = Availability::starting;
+  std::string state = "starting";
+};
+
+/// Ports in the memory of one daemon or another, as far as they come and go.
+class TestMemory final : public Transport {
+ public:
+  class Writer final : public WriterPort {
+   public:
+    explicit Writer(TestMemory& memory) : memory_(memory) { ++memory_.writers; }
+    ~Writer() override { --memory_.writers; }
+    SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
+    void set_routes(std::vector<Route>) override {}
+    std::uint64_t bytes_sent() const noexcept override { return 0; }
+
+   private:
+    TestMemory& memory_;
+  };
+  class Reader final : public ReaderPort {
+   public:
+    explicit Reader(TestMemory& memory) : memory_(memory) {}
+    SampleHandle take() noexcept override { return {}; }
+    Result<void> connect(const Source& source) override {
+      memory_.asked_for.push_back(source.writer);
+      if (memory_.refusal) return fail(*memory_.refusal, "it does not do that");
+      memory_.connections.insert(source.writer);
+      return {};
+    }
+    bool connected(EndpointId) const noexcept override { return memory_.attaches; }
+    HistoryProgress history(EndpointId) const noexcept override { return memory_.progress; }
+    std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
+    void disconnect(EndpointId writer) noexcept override { memory_.connections.erase(writer); }
+    void accept(std::vector<Accepted>) override {}
+    std::uint64_t discarded() const noexcept override { return 0; }
+
+   private:
+    TestMemory& memory_;
+  };
+
+  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
+  Availability poll(Now) override { return Availability::ready; }
+  std::string description() const override { return "test"; }
+  HostToken host_token() const override {
+    HostToken token;
+    token.bytes.fill(daemon);
+    return token;
+  }
+  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override {
+    if (is_full) return fail(Errc::unavailable, "no port is left");
+    return std::make_unique<Writer>(*this);
+  }
+  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override {
+    return std::make_unique<Reader>(*this);
+  }
+
+  std::uint8_t daemon = 1;
+  bool is_full = false;
+  bool attaches = true;
+  HistoryProgress progress = HistoryProgress::awaited;
+  int writers = 0;
+  std::set<EndpointId> connections;   ///< of readers, to these
+  std::vector<EndpointId> asked_for;  ///< in order
+  std::optional<Errc> refusal;        ///< why nothing can be connected at present
+};
+
+/// One node whose endpoints use shared memory only.
+class ReconcilerInMemoryTest : public ReconcilerTest {
+ protected:
+  Endpoint here(Role role, EndpointId id) const {
+    Endpoint e = endpoint(role, id);
+    e.network = 1;
+    e.may_use_udp = false;
+    e.may_use_shm = true;
+    e.addresses.clear();
+    e.host = memory.host_token();
+    e.qos = {.durability = transient_local, .history_depth = 3};
+    return e;
+  }
+  std::shared_ptr<SubscriberCore> our_core(EndpointId id) {
+    return std::make_shared<SubscriberCore>(SubscriberCore::Spec{.id = id,
+                                                                 .topic = "points",
+                                                                 .type = &type,
+                                                                 .requirement = {mask, false},
+                                                                 .options = {},
+                                                                 .callback = nullptr,
+                                                                 .rate_changed = [] {}},
+                                            bells->at(1), nullptr);
+  }
+  void open_reader(EndpointId id, Reliability reliability = Reliability::best_effort) {
+    Endpoint reader = here(Role::reader, id);
+    reader.qos.reliability = reliability;
+    node.add_reader(reader, {our_core(id), nullptr, nullptr});
+    node.tick();
+  }
+  void open_writer(EndpointId id) {
+    auto core = std::make_shared<PublisherCore>(PublisherCore::Spec{id, "points", &type, 1 << 16},
+                                                BufferPool::make(1 << 20), nullptr);
+    node.add_writer(here(Role::writer, id), core);
+    node.tick();
+  }
+
+  TestMemory memory;
+  Reconciler node{our_node, 1, &memory, nullptr, discovery, dispatcher, log};
+};
+
+TEST_F(ReconcilerInMemoryTest, PublishersThatAreMadeUpTakeFewPortsAndGiveThemBackWhenTheyAreLost) {
+  open_reader(200);
+  memory.attaches = false;
+  const auto seen = [&](EndpointId id, AnnouncerId by) {
+    Endpoint writer = here(Role::writer, id);
+    writer.node_id = id;
+    writer.announcer = by;
+    node.endpoint_seen(writer);
+    node.reconcile();
+  };
+  for (EndpointId id = 1000; id < 1200; ++id) seen(id, 1);
+  EXPECT_EQ(memory.connections.size(), 128U);
+  seen(7, 2);
+  EXPECT_FALSE(memory.connections.contains(7)) << "none is left";
+  for (EndpointId id = 1000; id < 1200; ++id) node.endpoint_lost(id);
+  node.reconcile();
+  const Now soon = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  EXPECT_TRUE(test::eventually([&] {
+    node.tick();
+    return memory.connections == std::set<EndpointId>{7};
+  }));
+  EXPECT_LT(std::chrono::steady_clock::now(), soon);
+}
+
+TEST_F(ReconcilerInMemoryTest, ConnectionsThatAreMadeTogetherAreLimitedUntilTheirPublishersShowUp) {
+  const auto see_many = [&] {
+    for (EndpointId id = 1000; id < 1200; ++id) {
+      Endpoint writer = here(Role::writer, id);
+      writer.node_id = id;
+      node.endpoint_seen(writer);
+    }
+    node.reconcile();
+  };
+  open_reader(200);
+  memory.attaches = false;
+  see_many();
+  EXPECT_EQ(memory.connections.size(), 128U);
+  memory.attaches = true;
+  Endpoint one_more = here(Role::writer, 7);
+  one_more.node_id = 7;
+  node.endpoint_seen(one_more);
+  node.reconcile();
+  EXPECT_TRUE(memory.connections.contains(7)) << "those have shown up";
+}
+
+TEST_F(ReconcilerInMemoryTest, AReaderLetsGoOfAPublisherThatWent) {
+  open_reader(200);
+  node.endpoint_seen(here(Role::writer, 7));
+  node.endpoint_seen(here(Role::writer, 8));
+  node.tick();
+  EXPECT_THAT(memory.connections, ElementsAre(7, 8));
+  node.endpoint_departed(7);
+  node.tick();
+  EXPECT_THAT(memory.connections, ElementsAre(8));
+}
+
+// The queue is made with what the publisher does about it. A best-effort publisher waits for nobody.
+TEST_F(ReconcilerInMemoryTest, AReaderConnectsAnewWhereItsPublisherBeginsToWaitAndIsReliable) {
+  for (const auto kind : {Reliability::best_effort, Reliability::reliable}) {
+    open_reader(kind == Reliability::reliable ? 201 : 200, kind);
+    const EndpointId id = kind == Reliability::reliable ? 8 : 7;
+    Endpoint writer = here(Role::writer, id);
+    writer.qos.reliability = kind;
+    writer.revision = 1;
+    node.endpoint_seen(writer);
+    node.reconcile();
+    memory.asked_for.clear();
+    writer.waits = true;
+    writer.revision = 2;
+    node.endpoint_seen(writer);
+    node.reconcile();
+    EXPECT_THAT(memory.connections, ::testing::Contains(id));
+    EXPECT_EQ(memory.asked_for.size(), kind == Reliability::reliable ? 1U : 0U);
+  }
+}
+
+TEST_F(ReconcilerInMemoryTest, ADaemonThatDoesNotAnswerIsNotAskedForOthersAtOnceAndOneThatRefusesIs) {
+  for (const Errc refusal : {Errc::unavailable, Errc::limit_exceeded}) {
+    Reconciler own(our_node, 1, &memory, nullptr, discovery, dispatcher, log);
+    memory.asked_for.clear();
+    memory.refusal = refusal;
+    logged.clear();
+    const auto begin = std::chrono::steady_clock::now();
+    own.add_reader(here(Role::reader, 200), {our_core(200), nullptr, nullptr});
+    own.tick();
+    own.endpoint_seen(here(Role::writer, 7));
+    own.reconcile();
+    own.endpoint_seen(here(Role::writer, 8));
+    own.reconcile();
+    if (std::chrono::steady_clock::now() - begin >= Retry::pause_min) GTEST_SKIP() << "it took too long";
+    if (refusal == Errc::unavailable) {
+      EXPECT_THAT(memory.asked_for, ElementsAre(7));
+    } else {
+      EXPECT_THAT(memory.asked_for, ElementsAre(7, 8)) << "of each once";
+    }
+    EXPECT_EQ(logged.size(), memory.asked_for.size());
+  }
+}
+
+TEST_F(ReconcilerInMemoryTest, AReaderSaysThatTheHistoryHasBegunOnceItComesThroughMemory) {
+  open_reader(200);
+  node.endpoint_seen(here(Role::writer, 7));
+  node.tick();
+  EXPECT_THAT(discovery.sent.back().attached, ElementsAre(7));
+  EXPECT_THAT(discovery.sent.back().begun, IsEmpty());
+  memory.progress = HistoryProgress::came;
+  node.tick();
+  EXPECT_THAT(discovery.sent.back().begun, ElementsAre(7));
+}
+
+TEST_F(ReconcilerInMemoryTest, AWriterLetsGoOfItsPortWhenTheDaemonIsAnotherOne) {
+  memory.attaches = false;
+  node.tick();
+  open_reader(200);
+  open_writer(7);
+  EXPECT_EQ(memory.writers, 1);
+  memory.daemon = 2;
+  memory.is_full = true;
+  node.tick();
+  EXPECT_EQ(memory.writers, 0) << "although nothing else is to be served than before";
+}
+
+TEST_F(ReconcilerTest, TheLogSaysWhySharedMemoryDoesNotComeUp) {
+  AbsentMemory memory;
+  std::vector<std::string> lines;
+  NodeLog all("node", LogLevel::info, [&](LogLevel level, std::string_view text) {
+    lines.push_back((level == LogLevel::warning ? "warning " : "info ") + std::string(text));
+  });
+  Reconciler own(our_node, 1, &memory, &udp, discovery, dispatcher, all);
+  const auto becomes = [&](Availability availability, const std::string& state) {
+    memory.availability = availability;
+    memory.state = state;
+    own.tick();
+    own.tick();
+  };
+  becomes(Availability::starting, "starts sftd");
+  becomes(Availability::unavailable, "sftd could not be started");
+  becomes(Availability::starting, "starts sftd");
+  becomes(Availability::unavailable, "sftd could not be started");
+  becomes(Availability::unavailable, "/dev/shm is too small");
+  EXPECT_THAT(lines, ElementsAre("info node: shared memory: starts sftd",
+                                 "warning node: shared memory: sftd could not be started",
+                                 "info node: shared memory: /dev/shm is too small"));
+}
+
+}  // namespace
+}  // namespace sft::core

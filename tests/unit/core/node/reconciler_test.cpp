@@ -1,0 +1,532 @@
+// What the reconciler makes of the negotiation: which ports are connected, and what others are told.
+#include "tests/unit/core/node/reconciler_fixture.h"
+
+namespace sft::core {
+namespace {
+
+TEST_F(ReconcilerTest, AReaderIsAnnouncedBeforeItListensToAnybody) {
+  our_reader(200);
+  ASSERT_EQ(discovery.announced.size(), 1U);
+  EXPECT_THAT(discovery.announced[0].request.listening, IsEmpty());
+  EXPECT_THAT(discovery.sent, IsEmpty());
+}
+
+TEST_F(ReconcilerTest, AReaderTakesDatagramsOfAWriterBeforeItSaysSo) {
+  our_reader(200);
+  writer_seen(7);
+  EXPECT_THAT(connections.writers, ElementsAre(7));
+  ASSERT_EQ(discovery.sent.size(), 1U);
+  EXPECT_THAT(discovery.sent[0].listening, ElementsAre(7));
+  EXPECT_EQ(discovery.sent[0].sequence, 2U);
+}
+
+// It may be that the writer is there still, and only this node hears nothing of it: it is to stop sending.
+TEST_F(ReconcilerTest, AReaderSaysThatItListensNoMoreToAWriterThatWent) {
+  our_reader(200);
+  writer_seen(7);
+  writer_seen(8);
+  writer_departed(7);
+  EXPECT_THAT(discovery.sent.back().listening, ElementsAre(8));
+}
+
+TEST_F(ReconcilerTest, WhatIsStillInFlightOfAWriterThatWentIsTaken) {
+  our_reader(200);
+  writer_seen(7);
+  writer_departed(7);
+  reconciler.tick();
+  EXPECT_THAT(connections.writers, ElementsAre(7));
+}
+
+TEST_F(ReconcilerTest, AWriterThatWentIsDisconnectedOnceNothingOfItCanBeInFlightAnyMore) {
+  our_reader(200);
+  writer_seen(7);
+  writer_seen(8);
+  writer_departed(7);
+  const Now went = std::chrono::steady_clock::now();
+  reconciler.tick(went + AcceptedRequests::in_flight_max - std::chrono::seconds(1));
+  EXPECT_THAT(connections.writers, ElementsAre(7, 8));
+  reconciler.tick(went + AcceptedRequests::in_flight_max + std::chrono::milliseconds(1));
+  EXPECT_THAT(connections.writers, ElementsAre(8));
+}
+
+TEST_F(ReconcilerTest, AWriterThatCameBackAtOnceIsListenedToForLong) {
+  our_reader(200);
+  writer_seen(7);
+  writer_departed(7);
+  writer_seen(7);
+  reconciler.tick(std::chrono::steady_clock::now() + 2 * AcceptedRequests::in_flight_max);
+  EXPECT_THAT(connections.writers, ElementsAre(7));
+  EXPECT_THAT(discovery.sent.back().listening, ElementsAre(7));
+}
+
+TEST_F(ReconcilerTest, WhatAWriterThatIsHeardAnnouncesAnewReachesItsConnection) {
+  our_reader(200);
+  Endpoint first = endpoint(Role::writer, 7);  // somebody else's, maybe
+  first.max_sample_bytes = 1;
+  first.waits = false;
+  first.revision = 1;
+  reconciler.endpoint_seen(first);
+  reconciler.reconcile();
+  EXPECT_TRUE(connections.announced.empty());
+  Endpoint second = first;
+  second.max_sample_bytes = 1000;
+  second.waits = true;
+  second.revision = 2;
+  reconciler.endpoint_seen(second);
+  reconciler.reconcile();
+  ASSERT_EQ(connections.announced.size(), 1U);
+  EXPECT_EQ(connections.announced[0].max_sample_bytes, 1000U);
+  EXPECT_TRUE(connections.announced[0].waits);
+  reconciler.endpoint_lost(7);
+  reconciler.reconcile();
+  ASSERT_EQ(connections.announced.size(), 2U);
+  EXPECT_FALSE(connections.announced[1].alive);
+}
+
+// Another writer may have the same short id, until it goes.
+TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainByItself) {
+  connections.refusal = "the same short id";
+  our_reader(200);
+  writer_seen(7);
+  writer_seen(8);
+  for (int i = 0; i < 10; ++i) {
+    reconciler.tick();
+    writer_seen(7);
+  }
+  EXPECT_THAT(logged, ElementsAre("node: the same short id", "node: the same short id"));
+  connections.refusal.clear();
+  EXPECT_THAT(connections.writers, IsEmpty());
+  EXPECT_TRUE(test::eventually([&] {
+    reconciler.tick();
+    return connections.writers.size() == 2;
+  }));
+}
+
+// It says for instance that it listens to another writer, too.
+TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNothing) {
+  const auto port = std::make_shared<TestWriterPort>();
+  const auto core = our_writer(7, port);
+  const Endpoint reader = endpoint(Role::reader, 200);
+  reconciler.endpoint_seen(reader);
+  Request request = reader.request;
+  request.sequence = 2;
+  request.listening = {7};
+  requested(request);
+  EXPECT_EQ(port->routes.size(), 1U);
+  const int changes = port->changes, told = readers_changed;
+
+  request.sequence = 3;
+  request.listening = {7, 8};
+  requested(request);
+  EXPECT_EQ(port->changes, changes);
+  EXPECT_EQ(readers_changed, told);
+  EXPECT_EQ(core->status().readers.at(0).request_sequence, 3U);
+
+  request.sequence = 4;
+  request.mask_words = type.full().to_words();
+  requested(request);
+  EXPECT_EQ(port->changes, changes + 1);
+  EXPECT_EQ(readers_changed, told + 1);
+}
+
+// Whoever wants events does not pay for them while nothing happens.
+TEST_F(ReconcilerTest, StatesAreComparedForEventsOnlyWhereSomethingHasHappened) {
+  const auto port = std::make_shared<TestWriterPort>();
+  our_writer(7, port);
+  const auto core = our_reader(200);
+  writer_seen(8);
+  reconciler.tick();
+  const auto looks_of_ten_ticks = [&] {
+    const int before = port->looks + connections.looks;
+    for (int i = 0; i < 10; ++i) reconciler.tick();
+    return port->looks + connections.looks - before;
+  };
+  EXPECT_EQ(looks_of_ten_ticks(), 0);
+  for (const std::uint64_t sequence : {1U, 3U}) {
+    connections.sample = BufferPool::make(1 << 20)->take(256);
+    connections.sample->writer = 8;
+    connections.sample->sequence = sequence;
+    EXPECT_TRUE(core->take());
+  }
+  EXPECT_EQ(looks_of_ten_ticks(), 1) << "a sample was lost";
+  writer_departed(8);
+  EXPECT_EQ(looks_of_ten_ticks(), 0) << "that was told with its batch";
+}
+
+// Two threads may set it at once, and the news of the one that came first be posted last.
+TEST_F(ReconcilerTest, TheMaximumRateThatWasSetLastIsAskedForInWhateverOrderTheNewsCome) {
+  const auto core = our_reader(200);
+  const auto asked = [&] { return discovery.sent.back().min_period_us; };
+  ASSERT_TRUE(core->set_max_rate_hz(10));
+  ASSERT_TRUE(core->set_max_rate_hz(20));
+  reconciler.rate_changed(200);
+  EXPECT_EQ(asked(), 50'000U);
+  reconciler.rate_changed(200);
+  EXPECT_EQ(asked(), 50'000U);
+  EXPECT_EQ(discovery.sent.size(), 1U);
+}
+
+// Its signs of life may be lost where other things get through, which are repeated until they do.
+TEST_F(ReconcilerTest, ANodeWhoseSignsOfLifeFailToComeIsServedAsLongAsItSaysAnythingElse) {
+  const auto port = std::make_shared<TestWriterPort>();
+  our_writer(7, port);
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.node_id = 66;
+  reader.life_lease = std::chrono::milliseconds(300);
+  reader.request.listening = {7};
+  reconciler.endpoint_seen(reader);
+  const auto served = [&] { return !port->routes.empty(); };
+  const auto tick = [&] { reconciler.tick(); };
+  tick();
+  ASSERT_TRUE(served());
+  reconciler.node_lost(66);
+  tick();
+  EXPECT_TRUE(served()) << "its announcement has just come";
+  EXPECT_TRUE(test::eventually([&] { return tick(), !served(); }))
+      << "although discovery does not tell again";
+
+  Request request = reader.request;
+  ++request.sequence;
+  requested(request);
+  EXPECT_TRUE(served());
+  EXPECT_TRUE(test::eventually([&] { return tick(), !served(); }));
+
+  reconciler.endpoint_seen(reader);
+  tick();
+  EXPECT_TRUE(served());
+  EXPECT_TRUE(test::eventually([&] { return tick(), !served(); }));
+  reconciler.liveliness_asserted({66, {}});
+  tick();
+  EXPECT_TRUE(served());
+}
+
+// The port would wait for the callback, and the agent with it.
+TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
+  std::shared_ptr<SubscriberCore> core;
+  int ports_gone_within = 0;
+  core = our_reader(200, [&](untyped::Sample&&) {
+    core->close();
+    reconciler.remove(200);
+    reconciler.tick();
+    ports_gone_within = connections.ports_gone;
+  });
+  connections.sample = BufferPool::make(1 << 20)->take(256);
+  connections.sample->writer = 7;
+  connections.sample->sequence = 1;
+  core->arrived();
+  EXPECT_EQ(ports_gone_within, 0);
+  reconciler.tick();
+  EXPECT_EQ(connections.ports_gone, 1);
+}
+
+// Only from a tick after it has left on may another path overtake what is still under way.
+TEST_F(ReconcilerTest, ALateReaderIsGivenTheHistoryATickAfterThatHasLeft) {
+  const auto port = std::make_shared<TestWriterPort>();
+  PublisherCore::Spec spec{7, "points", &type, 1 << 16};
+  spec.qos.durability = transient_local;
+  const auto core = std::make_shared<PublisherCore>(std::move(spec), BufferPool::make(1 << 20), port);
+  Endpoint writer = endpoint(Role::writer, 7);
+  writer.qos = {.durability = transient_local, .history_depth = 3};
+  reconciler.add_writer(writer, core);
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.qos = writer.qos;
+  reader.request.listening = reader.request.begun = {7};
+  reconciler.endpoint_seen(reader);
+  reconciler.reconcile();
+  const auto owed = [&] { return port->routes.at(0).history; };
+  EXPECT_EQ(owed(), 3U);
+  reconciler.tick();
+  EXPECT_EQ(owed(), 3U) << "it is known to have left since now";
+  port->history_left = false;
+  reconciler.tick();
+  port->history_left = true;
+  reconciler.tick();
+  EXPECT_EQ(owed(), 3U) << "more of it was sent meanwhile";
+  reconciler.tick();
+  EXPECT_EQ(owed(), 0U);
+}
+
+TEST_F(ReconcilerTest, AnAddressThatComesOrGoesIsAnnounced) {
+  our_reader(200);
+  reconciler.tick();
+  EXPECT_EQ(discovery.announced.size(), 1U) << "nothing has changed";
+  udp.addresses_now.insert(udp.addresses_now.begin(), {0x0b000001, 7000, 1 << 20});
+  ASSERT_TRUE(test::eventually([&] {
+    reconciler.tick();
+    return discovery.announced.size() > 1;
+  }));
+  EXPECT_EQ(discovery.announced.back().addresses, udp.addresses_now);
+}
+
+TEST_F(ReconcilerTest, ANodeSaysThatItLivesEveryNowAndThenAndToANewcomerAtOnce) {
+  reconciler.tick();
+  ASSERT_EQ(discovery.asserted.size(), 1U);
+  EXPECT_EQ(discovery.asserted[0], (Assertion{our_node, {}}));
+  reconciler.tick();
+  EXPECT_EQ(discovery.asserted.size(), 1U);
+  writer_seen(7);
+  reconciler.tick();
+  EXPECT_EQ(discovery.asserted.size(), 2U);
+}
+
+TEST_F(ReconcilerTest, AnAnnouncementThatCannotBeWrittenIsWrittenLaterAsItIsByThen) {
+  discovery.failures = 2;
+  our_reader(200);
+  EXPECT_THAT(discovery.announced, IsEmpty());
+  udp.addresses_now.push_back({0x0b000001, 7000, 1 << 20});
+  ASSERT_TRUE(test::eventually([&] {
+    reconciler.tick();
+    return !discovery.announced.empty();
+  }));
+  EXPECT_EQ(discovery.announced.back().addresses, udp.addresses_now);
+  EXPECT_THAT(
+      logged,
+      ElementsAre("node: a control sample was not written: Timeout; it is tried again until it succeeds"));
+  for (int i = 0; i < 10; ++i) reconciler.tick();
+  EXPECT_EQ(discovery.announced.size(), 1U);
+}
+
+/// Our reader 200, at times that the test chooses.
+class OutboxTest : public ReconcilerTest {
+ protected:
+  OutboxTest() { negotiation.local_added(endpoint(Role::reader, 200), type); }
+  void look_after(std::chrono::milliseconds pause) { outbox.look(now += pause); }
+
+  Now now{std::chrono::hours(1)};
+  Negotiation negotiation;
+  ControlOutbox outbox{negotiation, discovery, log};
+};
+
+TEST_F(OutboxTest, ARequestThatCannotBeWrittenIsWrittenEverMoreSeldomUntilItIsWritten) {
+  discovery.failures = 3;
+  outbox.request(200, now);
+  look_after(Retry::pause_min - std::chrono::milliseconds(1));
+  EXPECT_EQ(discovery.failures, 2) << "not yet";
+  look_after(std::chrono::milliseconds(1));
+  look_after(Retry::pause_min);
+  EXPECT_EQ(discovery.failures, 1) << "not yet again";
+  look_after(Retry::pause_min);
+  EXPECT_THAT(discovery.sent, IsEmpty());
+  negotiation.rate_changed(200, 1000);
+  look_after(Retry::pause_min * 4);
+  ASSERT_EQ(discovery.sent.size(), 1U);
+  EXPECT_EQ(discovery.sent[0].min_period_us, 1000U) << "as it is by then";
+  look_after(Retry::pause_max);
+  EXPECT_EQ(discovery.sent.size(), 1U);
+  EXPECT_EQ(logged.size(), 1U) << "the same failure is told once";
+}
+
+TEST_F(OutboxTest, ARequestIsNotLostWhereTheAnnouncementFailsBeforeIt) {
+  discovery.failures = 2;
+  outbox.announce(200, now);
+  outbox.request(200, now);
+  EXPECT_THAT(discovery.sent, IsEmpty());
+  look_after(Retry::pause_max);
+  EXPECT_EQ(discovery.announced.size(), 1U);
+  EXPECT_EQ(discovery.sent.size(), 1U);
+}
+
+TEST_F(OutboxTest, WhatCouldNotBeWrittenOfAnEndpointThatWentIsNotWrittenLater) {
+  discovery.failures = 2;
+  outbox.announce(200, now);
+  outbox.withdraw(200);
+  look_after(Retry::pause_max);
+  EXPECT_THAT(discovery.announced, IsEmpty());
+  outbox.announce(200, now);
+  negotiation.local_removed(200);
+  look_after(Retry::pause_max);
+  EXPECT_THAT(discovery.announced, IsEmpty());
+}
+
+TEST_F(ReconcilerTest, AnEndpointThatSomebodyElseWithdrawsIsAnnouncedAnewWithAWarning) {
+  our_reader(200);
+  reconciler.endpoint_departed(200);
+  reconciler.reconcile();
+  ASSERT_EQ(discovery.announced.size(), 2U);
+  EXPECT_GT(discovery.announced[1].revision, discovery.announced[0].revision);
+  EXPECT_EQ(discovery.sent.size(), 1U);
+  ASSERT_EQ(logged.size(), 1U);
+  EXPECT_NE(logged[0].find("our subscriber of topic 'points' was withdrawn by somebody else"),
+            std::string::npos)
+      << logged[0];
+}
+
+// Whoever forges a thousand times a second makes us neither as loud nor fill the log.
+TEST_F(ReconcilerTest, ManyForgeriesAreAnsweredAtAPaceAndToldOfOnceASecond) {
+  our_reader(200);
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 1000; ++i) {
+    Request forged = endpoint(Role::reader, 200).request;
+    forged.sequence = 1000U + static_cast<std::uint64_t>(i) * 10;
+    requested(forged);
+  }
+  const auto tenths =
+      static_cast<std::size_t>((std::chrono::steady_clock::now() - begin) / std::chrono::milliseconds(100));
+  EXPECT_LE(discovery.sent.size(), 1 + tenths + 1);
+  EXPECT_LE(logged.size(), 1 + tenths / 10 + 1);
+  ASSERT_TRUE(test::eventually([&] {
+    reconciler.tick();
+    return discovery.sent.back().sequence > 10'990;
+  }));
+}
+
+TEST_F(ReconcilerTest, WhoAnnouncesMoreThanThereIsRoomForIsNamed) {
+  for (EndpointId id = 1000; id < 5200; ++id) {
+    Endpoint made_up = endpoint(Role::writer, id);
+    made_up.topic = "topic " + std::to_string(id);
+    made_up.node = "flooder";
+    reconciler.endpoint_seen(made_up);
+  }
+  reconciler.tick();
+  reconciler.tick();
+  EXPECT_THAT(logged,
+              ElementsAre("node: the table of endpoints has no room for all that is announced; refused: "
+                          "104 of node 'flooder'; NodeStatus::control_ignored counts them"));
+}
+
+TEST_F(ReconcilerTest, AConnectionByWhichNothingArrivesIsSetUpAnewAndCounted) {
+  const auto core = our_reader(200);
+  Endpoint writer = endpoint(Role::writer, 7);
+  writer.node_id = 66;
+  writer.node = "camera";
+  reconciler.endpoint_seen(writer);
+  reconciler.reconcile();
+  ASSERT_THAT(discovery.sent.back().listening, ElementsAre(7));
+  logged.clear();
+  Now now = std::chrono::steady_clock::now() - std::chrono::minutes(1);
+  std::uint64_t samples = 0;
+  const std::size_t before = discovery.sent.size();
+  for (int i = 0; i < 8 && discovery.sent.size() == before; ++i) {
+    samples += 100;
+    reconciler.liveliness_asserted({66, {}, {{7, samples, 0}}}, now += std::chrono::milliseconds(650));
+  }
+  ASSERT_EQ(discovery.sent.size(), before + 1);
+  EXPECT_THAT(discovery.sent.back().listening, IsEmpty());
+  EXPECT_THAT(connections.writers, IsEmpty());
+  EXPECT_EQ(core->status().restarts, 1U);
+  EXPECT_EQ(core->status().writers.at(0).restarts, 1U);
+  EXPECT_THAT(logged,
+              ElementsAre("node: topic 'points', node 'camera': it sends, but nothing arrives by udp; the "
+                          "connection is set up anew, for the 1. time"));
+  reconciler.tick();  // the pause is over by now
+  EXPECT_THAT(connections.writers, ElementsAre(7));
+  EXPECT_THAT(discovery.sent.back().listening, ElementsAre(7));
+}
+
+TEST_F(ReconcilerTest, ProgressIsToldOfWritersThatSentSomethingAndHaveReaders) {
+  const auto core = our_writer(7, std::make_shared<TestWriterPort>());
+  const auto alone = our_writer(8, std::make_shared<TestWriterPort>());
+  Endpoint reader = endpoint(Role::reader, 200);
+  reader.request.listening = {7};
+  reconciler.endpoint_seen(reader);
+  reconciler.reconcile();
+  const PointCloud2 cloud;
+  core->publish(&cloud);
+  alone->publish(&cloud);
+  Now now = std::chrono::steady_clock::now();
+  reconciler.tick(now += std::chrono::seconds(1));
+  ASSERT_FALSE(discovery.asserted.empty());
+  ASSERT_EQ(discovery.asserted.back().progress.size(), 1U);
+  EXPECT_EQ(discovery.asserted.back().progress[0].writer, 7U);
+  EXPECT_EQ(discovery.asserted.back().progress[0].samples, 1U);
+  const std::size_t told = discovery.asserted.size();
+  reconciler.tick(now += std::chrono::seconds(1));
+  ASSERT_GT(discovery.asserted.size(), told);
+  EXPECT_THAT(discovery.asserted.back().progress, IsEmpty()) << "nothing more was sent";
+}
+
+/// One of our publishers has a reader of another node, and one of our own.
+class AccountsTest : public ReconcilerTest {
+ protected:
+  AccountsTest() {
+    our_reader(300);
+    Endpoint reader = endpoint(Role::reader, 200);
+    reader.node_id = other_node;
+    reader.announcer = other_participant;
+    reader.request.listening = {7};
+    reconciler.endpoint_seen(reader);
+    reconciler.reconcile();
+  }
+  Assertion sign(std::vector<EndpointId> asked_about, std::vector<Account> accounts = {}) const {
+    return {.node = other_node,
+            .writers = {},
+            .asked_about = std::move(asked_about),
+            .accounts = std::move(accounts),
+            .announcer = other_participant};
+  }
+  void hear(const Assertion& assertion) { reconciler.liveliness_asserted(assertion, now); }
+  /// Nothing if none came.
+  std::optional<Assertion> next_sign(std::chrono::milliseconds after = std::chrono::milliseconds(650)) {
+    const std::size_t before = discovery.asserted.size();
+    reconciler.tick(now += after);
+    return discovery.asserted.size() > before ? std::optional(discovery.asserted.back()) : std::nullopt;
+  }
+
+  static constexpr NodeId other_node = 66;
+  static constexpr AnnouncerId other_participant = 4;
+  const std::shared_ptr<PublisherCore> writer = our_writer(7, std::make_shared<TestWriterPort>());
+  Now now = std::chrono::steady_clock::now();
+};
+
+TEST_F(AccountsTest, AreToldInSignsOfLifeWhileSomebodyAsksAndNotLongerThanThreeSeconds) {
+  EXPECT_THAT(next_sign()->accounts, IsEmpty()) << "nobody has asked";
+  hear(sign({7, 300, 200, 12345}));  // the last two are not ours
+  const auto told = next_sign()->accounts;
+  ASSERT_EQ(told.size(), 3U) << "of our writer with two readers, and of our reader with it";
+  EXPECT_EQ(told[0].id, (AccountId{{7, 200}, Role::writer}));
+  EXPECT_EQ(told[1].id, (AccountId{{7, 300}, Role::writer}));
+  EXPECT_EQ(told[2].id, (AccountId{{7, 300}, Role::reader}));
+  int signs = 1;
+  for (; !next_sign()->accounts.empty(); ++signs) ASSERT_LT(signs, 10);
+  EXPECT_EQ(signs, 4) << "a sign each 650 ms";
+}
+
+TEST_F(AccountsTest, BringNoSignOfLifeForwardAndGoWithTwoInASecondAtMost) {
+  ASSERT_TRUE(next_sign());
+  hear(sign({7}));
+  EXPECT_FALSE(next_sign(std::chrono::milliseconds(100)));
+  EXPECT_FALSE(next_sign(std::chrono::milliseconds(500)));
+  EXPECT_FALSE(next_sign(std::chrono::milliseconds(50))->accounts.empty());
+  hear(sign({7}));
+  Endpoint newcomer = endpoint(Role::reader, 400);  // which is told at once that we live
+  newcomer.node_id = 77;
+  reconciler.endpoint_seen(newcomer);
+  const auto early = next_sign(std::chrono::milliseconds(10));
+  ASSERT_TRUE(early);
+  EXPECT_THAT(early->accounts, IsEmpty());
+}
+
+TEST_F(AccountsTest, OfAnEndpointThatIsGoneAreToldNoMore) {
+  hear(sign({7}));
+  reconciler.remove(7);
+  EXPECT_THAT(next_sign()->accounts, IsEmpty());
+}
+
+TEST_F(AccountsTest, AreAskedForOfOthersEndpointsOnTheTopicsThatTheProgramNames) {
+  EXPECT_THAT(next_sign()->asked_about, IsEmpty());
+  reconciler.ask_accounts("clouds");
+  EXPECT_THAT(next_sign()->asked_about, IsEmpty());
+  reconciler.ask_accounts("points");
+  reconciler.ask_accounts("points");
+  EXPECT_THAT(next_sign()->asked_about, ElementsAre(200));
+  reconciler.ask_accounts_no_more("points");
+  EXPECT_THAT(next_sign()->asked_about, ElementsAre(200)) << "it was asked twice";
+  reconciler.ask_accounts_no_more("points");
+  EXPECT_THAT(next_sign()->asked_about, IsEmpty());
+}
+
+TEST_F(AccountsTest, OfAPairAreWhatBothSidesTell) {
+  reconciler.ask_accounts("points");
+  hear(sign({}, {{.id = {{7, 200}, Role::reader}, .by_reader = {.received = 5, .lost = 6}}}));
+  const PairAccount pair = reconciler.known_accounts(now + std::chrono::seconds(1)).at({7, 200});
+  ASSERT_TRUE(pair.publisher);
+  EXPECT_EQ(pair.publisher->age, std::chrono::seconds(0)) << "this node counts";
+  ASSERT_TRUE(pair.subscriber);
+  EXPECT_EQ(pair.subscriber->received, 5U);
+  EXPECT_EQ(pair.subscriber->lost, 6U);
+  EXPECT_EQ(pair.subscriber->age, std::chrono::seconds(1));
+  EXPECT_EQ(reconciler.known_accounts(now + std::chrono::seconds(10)).at({7, 200}).subscriber, std::nullopt);
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,104 @@
+// What is said of topics and their types, from a table of endpoints.
+#include "core/node/topics.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nav_msgs/msg/Odometry.hpp>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "core/control/described_type.h"
+#include "sft/typesupport/type_support.h"
+
+namespace sft::core {
+namespace {
+
+using nav_msgs::msg::Odometry;
+using sensor_msgs::msg::PointCloud2;
+using ::testing::HasSubstr;
+
+class TopicsTest : public ::testing::Test {
+ protected:
+  Endpoint& add(Role role, const char* node, const char* topic, const StructType& type) {
+    Endpoint e;
+    e.role = role;
+    e.node = node;
+    e.topic = topic;
+    e.type_name = type.name;
+    e.type_hash = structure_hash(type);
+    e.type_description = announced_description(type);
+    endpoints.push_back(e);
+    return endpoints.back();
+  }
+  Result<DynamicType> type(std::string_view topic) const {
+    std::vector<const Endpoint*> all;
+    for (const Endpoint& e : endpoints) all.push_back(&e);
+    return type_of(topic, all);
+  }
+  std::string error(std::string_view topic) const {
+    const auto found = type(topic);
+    return found ? "" : found.error().message;
+  }
+
+  const StructType& cloud = TypeTable<PointCloud2>::type;
+  const StructType& odometry = TypeTable<Odometry>::type;
+  std::vector<Endpoint> endpoints;
+};
+
+TEST_F(TopicsTest, TheTypeOfATopicIsThatOfItsPublishersOrElseOfItsSubscribers) {
+  add(Role::reader, "b", "points", odometry);
+  EXPECT_EQ(type("points")->name(), odometry.name);
+  add(Role::writer, "a", "points", cloud);
+  EXPECT_EQ(type("points")->name(), cloud.name);
+}
+
+TEST_F(TopicsTest, AnUnknownTopicIsAnErrorThatNamesTheOthers) {
+  EXPECT_EQ(type("points").error().code, Errc::unavailable);
+  EXPECT_THAT(error("points"), HasSubstr("no other topics were seen"));
+  add(Role::writer, "a", "pointz", cloud);
+  add(Role::writer, "a", "odom", odometry);
+  EXPECT_THAT(error("points"), HasSubstr("topics that were seen: odom, pointz"));
+  for (const char* name : {"1", "2", "3", "4", "5", "6", "7", "8", "9", "10"})
+    add(Role::writer, "a", name, cloud);
+  EXPECT_THAT(error("points"), HasSubstr(", and 2 more"));
+}
+
+TEST_F(TopicsTest, PublishersOfDifferentTypesAreAnErrorThatNamesBoth) {
+  add(Role::writer, "a", "points", cloud);
+  add(Role::writer, "b", "points", cloud);
+  EXPECT_EQ(error("points"), "");
+  std::vector<Member> members(cloud.members.begin(), cloud.members.end());
+  members[1].name = "rows";
+  add(Role::writer, "c", "points", StructType(cloud.name, members));
+  EXPECT_EQ(type("points").error().code, Errc::type_mismatch);
+  EXPECT_THAT(error("points"), HasSubstr("node 'a' has sensor_msgs::msg::PointCloud2, node 'c' has "));
+  EXPECT_THAT(error("points"), HasSubstr("member 2 is 'height' here, 'rows' there"));
+}
+
+TEST_F(TopicsTest, APublisherThatDoesNotDescribeItsTypeLeavesItToOthers) {
+  add(Role::writer, "a", "points", cloud).type_description.clear();
+  EXPECT_EQ(type("points").error().code, Errc::unavailable);
+  EXPECT_THAT(error("points"), HasSubstr("is not described"));
+  add(Role::writer, "b", "points", cloud);
+  EXPECT_EQ(type("points")->name(), cloud.name);
+}
+
+TEST_F(TopicsTest, AreListedByNameWithTheirTypesAndWhoUsesThem) {
+  add(Role::writer, "a", "points", cloud);
+  add(Role::reader, "b", "points", cloud);
+  add(Role::reader, "c", "points", odometry);
+  add(Role::writer, "a", "odom", odometry).type_description.clear();
+  const auto topics = topics_of(endpoints);
+  ASSERT_EQ(topics.size(), 2U);
+  EXPECT_EQ(topics[0].name, "odom");
+  EXPECT_FALSE(topics[0].types.at(0).type);
+  ASSERT_EQ(topics[1].types.size(), 2U);
+  const TopicType& points = topics[1].types[1];
+  EXPECT_EQ(points.name, cloud.name);
+  EXPECT_EQ(points.publishers, std::vector<std::string>{"a"});
+  EXPECT_EQ(points.subscribers, std::vector<std::string>{"b"});
+  EXPECT_EQ(points.type.value().support().leaves(), 15U);
+}
+
+}  // namespace
+}  // namespace sft::core

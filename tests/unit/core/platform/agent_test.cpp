@@ -1,0 +1,69 @@
+#include "core/platform/agent.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <future>
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+
+Agent::Duties no_duties() {
+  return {.tick = [] { return 1000ms; }, .idle = [] {}};
+}
+
+TEST(AgentTest, TasksRunInTheOrderInWhichTheyWerePostedEvenBeforeTheStart) {
+  std::vector<int> order;
+  Agent agent;
+  agent.post([&] { order.push_back(1); });
+  ASSERT_TRUE(agent.start("test", no_duties()));
+  agent.post([&] { order.push_back(2); });
+  agent.stop();
+  EXPECT_EQ(order, (std::vector<int>{1, 2}));
+}
+
+TEST(AgentTest, StoppingRunsWhatRunningTasksPost) {
+  bool ran = false;
+  Agent agent;
+  ASSERT_TRUE(agent.start("test", no_duties()));
+  agent.post([&] { agent.post([&] { ran = true; }); });
+  agent.stop();
+  EXPECT_TRUE(ran);
+}
+
+TEST(AgentTest, IdleComesAfterABatchAndTicksKeepComing) {
+  std::promise<void> idle;
+  std::promise<void> third_tick;
+  int ticks = 0;
+  Agent agent;
+  const Agent::Duties duties{.tick =
+                                 [&] {
+                                   if (++ticks == 3) third_tick.set_value();
+                                   return 1ms;
+                                 },
+                             .idle = [&] { idle.set_value(); }};
+  ASSERT_TRUE(agent.start("test", duties));
+  agent.post([] {});
+  EXPECT_EQ(idle.get_future().wait_for(10s), std::future_status::ready);
+  EXPECT_EQ(third_tick.get_future().wait_for(10s), std::future_status::ready);
+}
+
+TEST(AgentTest, ManyThreadsMayPost) {
+  std::atomic<int> ran{0};
+  Agent agent;
+  ASSERT_TRUE(agent.start("test", no_duties()));
+  std::vector<std::thread> posters;
+  for (int t = 0; t < 4; ++t) {
+    posters.emplace_back([&] {
+      for (int i = 0; i < 1000; ++i) agent.post([&] { ++ran; });
+    });
+  }
+  for (auto& t : posters) t.join();
+  agent.stop();
+  EXPECT_EQ(ran, 4000);
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,70 @@
+// A publisher of one type with a port that keeps what is sent, in memory that held other samples before.
+#pragma once
+
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/publish/publisher_core.h"
+#include "sft/publisher.h"
+
+namespace sft::core::test {
+
+class KeepingPort final : public WriterPort {
+ public:
+  SampleHandle loan(std::size_t) noexcept override { return {}; }
+  SendStatus send(const SampleHandle& sample) noexcept override {
+    last = sample;
+    return SendStatus::sent;
+  }
+  void set_routes(std::vector<Route>) override {}
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+
+  SampleHandle last;
+};
+
+/// What memory is filled with that is lent next.
+inline constexpr std::byte canary{0xA5};
+
+template <class T>
+class PublisherOf {
+ public:
+  PublisherOf() {
+    const TypeSupport& type = type_support<T>();
+    auto core =
+        std::make_shared<PublisherCore>(PublisherCore::Spec{1, "topic", &type, 1 << 24}, pool_, port_);
+    Serving serving;
+    serving.udp = {Route{2, UdpAddress{}, type.full()}};
+    core->serve(serving, nullptr);
+    publisher_.emplace(untyped::Publisher(std::move(core)));
+  }
+
+  Publisher<T>* operator->() { return &*publisher_; }
+
+  /// Lets go of the last sample and overwrites all memory of the pool, of up to 1 MiB apiece.
+  void poison_memory() {
+    port_->last.reset();
+    std::vector<SampleHandle> all;
+    for (std::size_t bytes = 512; bytes <= 1 << 20; bytes *= 2) {
+      for (int i = 0; i < 3; ++i) all.push_back(pool_->take(bytes));
+    }
+    for (const SampleHandle& buffer : all)
+      std::memset(buffer->data, std::to_integer<int>(canary), buffer->capacity);
+  }
+
+  bool has_sent() const { return static_cast<bool>(port_->last); }
+  SampleBuffer& sent() { return *port_->last; }
+  std::vector<std::byte> sent_body() {
+    const std::byte* body = sent().data + sent().header().body_offset;
+    return {body, body + sent().header().body_bytes};
+  }
+
+ private:
+  std::shared_ptr<BufferPool> pool_ = BufferPool::make(64 << 20);
+  std::shared_ptr<KeepingPort> port_ = std::make_shared<KeepingPort>();
+  std::optional<Publisher<T>> publisher_;
+};
+
+}  // namespace sft::core::test

@@ -1,0 +1,330 @@
+// How a publisher changes over from one division of its readers to another.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+#include <future>
+#include <optional>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "core/publish/publisher_core.h"
+#include "sft/typesupport/encode.h"
+#include "sft/typesupport/project.h"
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+
+/// Sends as long as it is made to.
+class SlowPort final : public WriterPort {
+ public:
+  SendStatus send(const SampleHandle&) noexcept override {
+    sending.set_value();
+    go_on.get_future().wait();
+    return SendStatus::sent;
+  }
+  void set_routes(std::vector<Route>) override { ++routes_set; }
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+
+  std::promise<void> sending;
+  std::promise<void> go_on;
+  std::atomic<int> routes_set{0};
+};
+
+class PublisherServingTest : public ::testing::Test {
+ protected:
+  Serving to_one(const FieldMask& mask) const {
+    Serving serving;
+    serving.udp = {{2, UdpAddress{0x7f000001, 5000}, type.closed(mask)}};
+    return serving;
+  }
+
+  std::vector<std::byte> payload() const {
+    const FieldMask all = type.full();
+    std::vector<std::byte> bytes(encapsulation_bytes + encoded_size(type.type(), &cloud, all).bytes);
+    std::memcpy(bytes.data(), encapsulation_cdr_le.data(), encapsulation_bytes);
+    std::vector<std::uint32_t> index(type.slots());
+    encode(type.type(), &cloud, all, std::span(bytes).subspan(encapsulation_bytes), index);
+    return bytes;
+  }
+
+  /// `publish` is held in the port while a reader asks for more than before.
+  template <class Publish>
+  void expect_waited_for(Publish publish) {
+    publisher.serve(to_one(FieldMask(F::height)), nullptr);
+    auto publishing = std::async(std::launch::async, publish);
+    port->sending.get_future().wait();
+    auto serving = std::async(std::launch::async, [&] { publisher.serve(to_one(type.full()), nullptr); });
+    EXPECT_EQ(serving.wait_for(50ms), std::future_status::timeout);
+    EXPECT_EQ(port->routes_set, 1);
+    port->go_on.set_value();
+    serving.wait();
+    publishing.wait();
+    EXPECT_EQ(port->routes_set, 2);
+  }
+
+  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const PointCloud2 cloud{};
+  const std::shared_ptr<SlowPort> port = std::make_shared<SlowPort>();
+  PublisherCore publisher{{1, "points", &type, 1 << 16}, BufferPool::make(1 << 20), port};
+};
+
+TEST_F(PublisherServingTest, RoutesThatAskForMoreWaitForAPublishThatBeganBefore) {
+  expect_waited_for([&] { publisher.publish(&cloud); });
+}
+
+TEST_F(PublisherServingTest, RoutesThatAskForMoreWaitForALoanBeingPublished) {
+  expect_waited_for([&] {
+    Result<SampleHandle> loan = publisher.loan(&cloud, {}, ReservedMemory::zeroed);
+    ASSERT_TRUE(loan);
+    publisher.commit(std::move(*loan), false);
+  });
+}
+
+TEST_F(PublisherServingTest, RoutesThatAskForMoreWaitForAPayloadBeingPublished) {
+  expect_waited_for([&] { EXPECT_TRUE(publisher.publish_cdr(payload())); });
+}
+
+TEST_F(PublisherServingTest, APayloadIsWalkedOnlyIfSomebodyReads) {
+  std::vector<std::byte> cut = payload();
+  cut.resize(cut.size() / 2);
+  EXPECT_EQ(publisher.publish_cdr(cut).value(), PublishStatus::ok);
+  EXPECT_EQ(publisher.status().published, 1U);
+  publisher.serve(to_one(type.full()), nullptr);
+  EXPECT_EQ(publisher.publish_cdr(cut).error().code, Errc::malformed);
+  EXPECT_EQ(publisher.status().published, 1U);
+}
+
+TEST_F(PublisherServingTest, OfAPayloadThatNobodyReadsTheEncapsulationIsCheckedAllTheSame) {
+  EXPECT_FALSE(publisher.publish_cdr({}));
+}
+
+TEST_F(PublisherServingTest, OnceClosedItTellsTheProgramOfNoReaders) {
+  int told = 0;
+  PublisherCore::Spec spec{1, "points", &type, 1 << 16};
+  spec.on_readers_changed = [&](const PublisherStatus&) { ++told; };
+  PublisherCore telling(spec, BufferPool::make(1 << 20), port);
+  telling.serve(to_one(type.full()), nullptr);
+  EXPECT_EQ(told, 1);
+  telling.close();
+  telling.serve({}, nullptr);
+  EXPECT_EQ(told, 1);
+}
+
+/// Notes to which addresses it is given what was retained.
+class HistoryPort final : public WriterPort {
+ public:
+  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
+  void set_routes(std::vector<Route>) override {}
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+  void send_history(const Route& to, std::vector<SampleHandle> samples) override {
+    given.emplace_back(std::get<UdpAddress>(to.destination).port, samples.size());
+  }
+
+  std::vector<std::pair<int, std::size_t>> given;  ///< to that port, so many samples
+};
+
+TEST_F(PublisherServingTest, ALateReaderIsGivenTheHistoryOnceAndAgainWhereItHasMoved) {
+  PublisherCore::Spec spec{1, "points", &type, 1 << 16};
+  spec.qos = {.durability = transient_local, .history_depth = 3};
+  const auto network = std::make_shared<HistoryPort>();
+  PublisherCore durable(std::move(spec), BufferPool::make(1 << 20), network);
+  for (int i = 0; i < 4; ++i) durable.publish(&cloud);
+  const auto serve_at = [&](std::uint16_t socket, std::uint32_t history) {
+    Serving serving = to_one(type.full());
+    serving.udp[0].destination = UdpAddress{0x7f000001, socket};
+    serving.udp[0].history = history;
+    durable.serve(serving, nullptr);
+  };
+  using Given = decltype(network->given);
+  serve_at(5000, 2);
+  serve_at(5000, 2);
+  EXPECT_EQ(network->given, (Given{{5000, 2}}));
+  serve_at(6000, 2);
+  EXPECT_EQ(network->given, (Given{{5000, 2}, {6000, 2}}));
+  serve_at(7000, 0);
+  serve_at(7000, 2);
+  EXPECT_EQ(network->given, (Given{{5000, 2}, {6000, 2}, {7000, 2}}));
+}
+
+/// Counts what it is given, and lets the program publish while its routes change.
+class InterruptedPort final : public WriterPort {
+ public:
+  SampleHandle loan(std::size_t bytes) noexcept override { return memory->take(bytes); }
+  SendStatus send(const SampleHandle&) noexcept override { return ++sent, SendStatus::sent; }
+  void set_routes(std::vector<Route>) override {
+    if (meanwhile) meanwhile();
+  }
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+
+  const std::shared_ptr<BufferPool> memory = BufferPool::make(1 << 20);
+  std::function<void()> meanwhile;
+  int sent = 0;
+};
+
+TEST_F(PublisherServingTest, AReaderThatChangesOverToSharedMemoryIsSentASampleThereThatIsPublishedMeanwhile) {
+  const auto network = std::make_shared<InterruptedPort>(), in_memory = std::make_shared<InterruptedPort>();
+  PublisherCore changing({1, "points", &type, 1 << 16}, BufferPool::make(1 << 20), network);
+  changing.serve(to_one(type.full()), nullptr);
+  network->meanwhile = [&] { changing.publish(&cloud); };
+  Serving in_shm;
+  in_shm.shm_port = true;
+  in_shm.shm = {{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full()}};
+  changing.serve(in_shm, in_memory);
+  EXPECT_EQ(in_memory->sent, 1);
+}
+
+/// In memory of its own, where a late reader waits that a sample is held back from while somebody looks what
+/// is retained, as often as is said.
+class MemoryPort final : public WriterPort {
+ public:
+  SampleHandle loan(std::size_t bytes) noexcept override { return memory->take(bytes); }
+  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
+  void set_routes(std::vector<Route>) override {}
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+  bool holds(const SampleBuffer& sample) const noexcept override { return sample.owner == memory; }
+  std::optional<std::uint64_t> held_back(EndpointId) noexcept override {
+    return given ? std::nullopt : std::optional(interruptions);
+  }
+  bool begin_with(const Route&, const std::vector<SampleHandle>& retained, std::uint64_t before) override {
+    if (before > 0) {
+      --interruptions;
+      return false;
+    }
+    given.emplace();
+    for (const SampleHandle& sample : retained) {
+      EXPECT_TRUE(holds(*sample));
+      given->push_back(sample->sequence);
+    }
+    return true;
+  }
+
+  const std::shared_ptr<BufferPool> memory = BufferPool::make(1 << 20);
+  std::uint64_t interruptions = 0;
+  std::optional<std::vector<std::uint64_t>> given;
+};
+
+class LateInMemoryTest : public PublisherServingTest {
+ protected:
+  PublisherCore::Spec retaining() const {
+    PublisherCore::Spec spec{1, "points", &type, 1 << 16};
+    spec.qos.durability = Durability::transient_local;
+    spec.qos.history_depth = 3;
+    return spec;
+  }
+  Serving to_late_reader() const {
+    Serving serving;
+    serving.shm = {{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full(), .history = 2}};
+    return serving;
+  }
+  const std::shared_ptr<MemoryPort> memory = std::make_shared<MemoryPort>();
+};
+
+TEST_F(LateInMemoryTest, AReaderIsGivenWhatWasPublishedBeforeThereWasSharedMemory) {
+  PublisherCore durable(retaining(), BufferPool::make(1 << 20), nullptr);
+  for (int i = 0; i < 4; ++i) durable.publish(&cloud);
+  durable.serve(to_late_reader(), memory);
+  EXPECT_EQ(memory->given, (std::vector<std::uint64_t>{3, 4}));
+  durable.give_history();
+  EXPECT_EQ(memory->given->size(), 2U) << "once";
+}
+
+TEST_F(LateInMemoryTest, AReaderFromWhichSomethingIsHeldBackMeanwhileIsGivenThatToo) {
+  PublisherCore durable(retaining(), BufferPool::make(1 << 20), nullptr);
+  durable.publish(&cloud);
+  memory->interruptions = 30;
+  durable.serve(to_late_reader(), memory);
+  EXPECT_FALSE(memory->given) << "the agent has other things to do";
+  durable.publish(&cloud);
+  durable.give_history();
+  EXPECT_EQ(memory->given, (std::vector<std::uint64_t>{1, 2}));
+}
+
+/// Shared memory in which a send waits so long for readers, and that has no chunk for a number of loans.
+class FullMemoryPort final : public WriterPort {
+ public:
+  SampleHandle loan(std::size_t bytes) noexcept override {
+    if (refusals == 0) return memory_->take(bytes);
+    --refusals;
+    return {};
+  }
+  SendStatus send(const SampleHandle&) noexcept override {
+    patience_ -= waits;
+    return SendStatus::sent;
+  }
+  void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience_ = at_most; }
+  std::chrono::nanoseconds patience_left() const noexcept override { return patience_; }
+  void set_routes(std::vector<Route>) override {}
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+
+  std::chrono::nanoseconds waits{0};
+  int refusals = 0;
+
+ private:
+  const std::shared_ptr<BufferPool> memory_ = BufferPool::make(1 << 20);
+  std::chrono::nanoseconds patience_{0};
+};
+
+class PatientPort final : public WriterPort {
+ public:
+  SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
+  void be_patient(std::chrono::nanoseconds at_most) noexcept override { patience = at_most; }
+  void set_routes(std::vector<Route>) override {}
+  std::uint64_t bytes_sent() const noexcept override { return 0; }
+  std::chrono::nanoseconds patience{0};
+};
+
+class WaitingPublisherTest : public PublisherServingTest {
+ protected:
+  PublisherCore::Spec waiting() const {
+    PublisherCore::Spec spec{1, "points", &type, 1 << 16};
+    spec.max_blocking = std::chrono::milliseconds(100);
+    return spec;
+  }
+  Route local(bool reliable) const {
+    Route route{.reader = 2, .destination = DoorbellAddress{}, .mask = type.full()};
+    route.reliable = reliable;
+    return route;
+  }
+  const std::shared_ptr<FullMemoryPort> memory = std::make_shared<FullMemoryPort>();
+};
+
+TEST_F(WaitingPublisherTest, WaitsForReadersByBothPathsNoLongerThanForThoseByOne) {
+  const auto network = std::make_shared<PatientPort>();
+  PublisherCore core(waiting(), BufferPool::make(1 << 20), network);
+  Serving serving;
+  serving.shm = {local(true)};
+  serving.udp = {Route{3, UdpAddress{}, type.full()}};
+  core.serve(serving, memory);
+  memory->waits = std::chrono::milliseconds(30);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(core.publish(&cloud), PublishStatus::ok);
+    EXPECT_EQ(network->patience, std::chrono::milliseconds(70)) << "for each sample anew";
+  }
+}
+
+TEST_F(WaitingPublisherTest, WaitsForAChunkWhereAReliableReaderCanBeSentNothingByUdp) {
+  PublisherCore core(waiting(), BufferPool::make(1 << 20), nullptr);
+  Serving serving;
+  serving.shm = {local(true)};
+  core.serve(serving, memory);
+  memory->refusals = 3;
+  EXPECT_EQ(core.publish(&cloud), PublishStatus::ok);
+  EXPECT_EQ(memory->refusals, 0);
+}
+
+TEST_F(WaitingPublisherTest, WaitsForNoChunkOfBestEffortReaders) {
+  PublisherCore core(waiting(), BufferPool::make(1 << 20), nullptr);
+  Serving serving;
+  serving.shm = {local(false)};
+  core.serve(serving, memory);
+  memory->refusals = 3;
+  EXPECT_EQ(core.publish(&cloud), PublishStatus::no_memory);
+  EXPECT_EQ(memory->refusals, 2);
+}
+
+}  // namespace
+}  // namespace sft::core

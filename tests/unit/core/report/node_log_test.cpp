@@ -1,0 +1,132 @@
+// What reaches a program's log sink, and how little of what comes again and again.
+#include "core/report/node_log.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using Now = NodeLog::Now;
+
+class NodeLogTest : public ::testing::Test {
+ protected:
+  using Lines = std::vector<std::pair<LogLevel, std::string>>;
+  NodeLog log_from(LogLevel threshold) {
+    return {"node", threshold,
+            [this](LogLevel level, std::string_view text) { lines.emplace_back(level, text); }};
+  }
+  Lines lines;
+  const Now now{1h};
+};
+
+TEST_F(NodeLogTest, WritesFromItsLevelOn) {
+  NodeLog log = log_from(LogLevel::warning);
+  log.write(LogLevel::info, "no", now);
+  log.write(LogLevel::warning, "yes", now);
+  log.write(LogLevel::error, "yes, too", now);
+  EXPECT_EQ(lines, (Lines{{LogLevel::warning, "node: yes"}, {LogLevel::error, "node: yes, too"}}));
+  EXPECT_FALSE(log.wants(LogLevel::info));
+}
+
+TEST_F(NodeLogTest, WithoutASinkWantsNothing) {
+  NodeLog log("node", LogLevel::debug, nullptr);
+  EXPECT_FALSE(log.wants(LogLevel::error));
+  log.write(LogLevel::error, "to nobody", now);
+}
+
+TEST_F(NodeLogTest, AnEventNamesItsTopicItsPeerAndItsReason) {
+  NodeLog log = log_from(LogLevel::info);
+  log.write("points", {.kind = EventKind::path_changed, .peer = 7, .node = "other", .text = "shm: same host"},
+            now);
+  log.write("points", {.kind = EventKind::deadline_missed, .text = "nothing came"}, now);
+  log.write("points", {.kind = EventKind::incompatible_qos, .text = "incompatible QoS: deadline"}, now);
+  log.write("points", {.kind = EventKind::request_changed, .text = "for debugging"}, now);
+  EXPECT_EQ(lines,
+            (Lines{{LogLevel::info, "node: topic 'points', node 'other': path changed: shm: same host"},
+                   {LogLevel::warning, "node: topic 'points': deadline missed: nothing came"},
+                   {LogLevel::warning, "node: topic 'points': incompatible QoS: deadline"}}));
+}
+
+TEST_F(NodeLogTest, WhatWillNeverMatchIsAWarning) {
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::incompatible_qos}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::incompatible_type}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::no_path}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::no_path, .yet = true}), LogLevel::info);
+}
+
+TEST_F(NodeLogTest, ABrokenPromiseIsAWarning) {
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::deadline_missed}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::samples_lost, .reliable = true}), LogLevel::warning);
+  EXPECT_EQ(NodeLog::level_of({.kind = EventKind::samples_lost}), LogLevel::info);
+}
+
+TEST_F(NodeLogTest, OfAReliablePairThatLosesSamplesOneLineIsWrittenInASecondAndNoSampleLeftOut) {
+  NodeLog log = log_from(LogLevel::warning);
+  const Event lost{
+      .kind = EventKind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
+  Event other = lost;
+  other.peer = 8;
+  for (int i = 0; i < 5; ++i) log.write("points", lost, now + i * 1ms);
+  log.write("points", other, now + 5ms);
+  EXPECT_EQ(lines, (Lines{{LogLevel::warning, "node: topic 'points': samples lost: 3 lost"},
+                          {LogLevel::warning, "node: topic 'points': samples lost: 3 lost"}}))
+      << "one of each pair";
+  lines.clear();
+  log.tick(now + 999ms);
+  EXPECT_EQ(lines, Lines{});
+  log.write("points", lost, now + 1s);
+  EXPECT_EQ(lines, (Lines{{LogLevel::warning,
+                           "node: topic 'points': samples lost: 3 lost (12 more were lost before that)"}}));
+}
+
+TEST_F(NodeLogTest, WhatAReliablePairLostBehindItsLastLineIsWrittenASecondAfterThat) {
+  NodeLog log = log_from(LogLevel::warning);
+  const Event lost{
+      .kind = EventKind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
+  for (int i = 0; i < 2; ++i) log.write("points", lost, now);
+  lines.clear();
+  for (const auto after : {500ms, 1000ms, 1500ms, 2000ms, 2500ms}) log.tick(now + after);
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(
+      lines[0].second,
+      "node: topic 'points', publisher 0000000000000007: samples lost: 3 more, although they were to come "
+      "reliably");
+}
+
+TEST_F(NodeLogTest, OfAFloodAFewLinesAreWrittenThenOneNowAndThenThatSaysHowManyWereNot) {
+  NodeLog log = log_from(LogLevel::info);
+  for (int i = 0; i < 1000; ++i) log.write(LogLevel::warning, "again", now);
+  ASSERT_EQ(lines.size(), std::size_t{LineBudget::burst});
+  log.write(LogLevel::warning, "again", now + LineBudget::period);
+  ASSERT_EQ(lines.size(), LineBudget::burst + 1U);
+  EXPECT_EQ(lines.back().second, "node: again (990 more of its kind left out)");
+  log.write(LogLevel::warning, "again", now + LineBudget::period);
+  EXPECT_EQ(lines.size(), LineBudget::burst + 1U);
+}
+
+TEST_F(NodeLogTest, AFloodOfOneKindHoldsNoOtherBack) {
+  NodeLog log = log_from(LogLevel::info);
+  for (int i = 0; i < 1000; ++i)
+    log.write("points", {.kind = EventKind::samples_lost, .text = "1 lost"}, now);
+  lines.clear();
+  log.write("points", {.kind = EventKind::matched, .text = "udp: another host"}, now);
+  log.write(LogLevel::info, "shared memory: ready", now);
+  EXPECT_EQ(lines.size(), 2U);
+}
+
+TEST_F(NodeLogTest, AfterAQuietTimeTheBudgetIsWholeAndNoLarger) {
+  NodeLog log = log_from(LogLevel::info);
+  for (int round = 0; round < 3; ++round) {
+    lines.clear();
+    for (int i = 0; i < 100; ++i) log.write(LogLevel::info, "again", now + round * 1h);
+    EXPECT_EQ(lines.size(), std::size_t{LineBudget::burst});
+  }
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,141 @@
+#include "core/seam/buffer_pool.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
+
+namespace sft::core {
+namespace {
+
+TEST(BufferPoolTest, ABufferHasRoomIsAlignedAndBeginsWithAFreshHeader) {
+  const auto pool = BufferPool::make(1 << 20);
+  const SampleHandle buffer = pool->take(1000);
+  ASSERT_TRUE(buffer);
+  EXPECT_GE(buffer->capacity, 1000U);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(buffer->data) % 8, 0U);
+  EXPECT_EQ(buffer->header().magic, sample_magic);
+}
+
+TEST(BufferPoolTest, AReleasedBufferIsUsedAgain) {
+  const auto pool = BufferPool::make(1 << 20);
+  SampleHandle buffer = pool->take(1000);
+  const std::byte* memory = buffer->data;
+  buffer.reset();
+  EXPECT_EQ(pool->take(900)->data, memory);
+}
+
+TEST(BufferPoolTest, ABufferGoesBackOnlyWithItsLastHandle) {
+  const auto pool = BufferPool::make(1 << 20);
+  SampleHandle first = pool->take(1000);
+  const SampleHandle second = first;
+  first.reset();
+  EXPECT_NE(pool->take(1000)->data, second->data);
+}
+
+TEST(BufferPoolTest, BeyondTheLimitThereIsNoBufferUntilOneIsReleased) {
+  const auto pool = BufferPool::make(5000);
+  SampleHandle first = pool->take(4096);
+  EXPECT_TRUE(first);
+  EXPECT_FALSE(pool->take(1));
+  first.reset();
+  EXPECT_TRUE(pool->take(1));  // the large one that was kept is freed for it
+}
+
+TEST(BufferPoolTest, ARoundBodyWithItsHeaderAndIndexTakesLittleMoreThanItself) {
+  for (const std::size_t body : {4096U, 65'536U, 1U << 20, 4U << 20, 16U << 20}) {
+    const auto pool = BufferPool::make(body + body / 8);
+    const SampleHandle buffer = pool->take(body + 64 + 4 * 73 + 8);
+    ASSERT_TRUE(buffer) << body;
+    EXPECT_LE(buffer->capacity, body + std::min<std::size_t>(body / 8, 8192));
+  }
+}
+
+TEST(BufferPoolTest, EverySizeGetsRoomAndIsUsedAgain) {
+  const auto pool = BufferPool::make(std::size_t{1} << 30);
+  for (std::size_t bytes = 1; bytes < 64U << 20; bytes += 1 + bytes / 3) {
+    SampleHandle buffer = pool->take(bytes);
+    ASSERT_TRUE(buffer) << bytes;
+    EXPECT_GE(buffer->capacity, bytes);
+    const std::byte* memory = buffer->data;
+    const std::size_t capacity = buffer->capacity;
+    buffer.reset();
+    EXPECT_EQ(pool->take(capacity)->data, memory) << bytes;
+  }
+}
+
+TEST(BufferPoolTest, SomeCanBeLeftToOthers) {
+  const auto pool = BufferPool::make(10'000);
+  SampleHandle first = pool->take(4096, 5000);
+  EXPECT_TRUE(first);
+  EXPECT_FALSE(pool->take(4096, 5000));
+  EXPECT_TRUE(pool->take(4096));
+  EXPECT_FALSE(pool->take(4096, 5000)) << "what is kept for use again does not count";
+  first.reset();
+  EXPECT_TRUE(pool->take(4096, 5000));
+}
+
+TEST(BufferPoolTest, OfThoseThatAreKeptAsManyAreHandedOutAsWereAskedForAndAreThere) {
+  const auto pool = BufferPool::make(1 << 20);
+  { const std::array kept{pool->take(1000), pool->take(1000), pool->take(1000), pool->take(1000)}; }
+  std::vector<SampleHandle> buffers;
+  pool->take_kept(1000, 0, 3, buffers);
+  EXPECT_EQ(buffers.size(), 3U);
+  pool->take_kept(1000, 0, 3, buffers);
+  EXPECT_EQ(buffers.size(), 4U);
+}
+
+TEST(BufferPoolTest, OfThoseThatAreKeptSomeAreLeftToOthers) {
+  constexpr std::size_t limit = 10'000;
+  const auto pool = BufferPool::make(limit);
+  std::size_t capacity = 0;
+  {
+    const std::array kept{pool->take(1000), pool->take(1000), pool->take(1000), pool->take(1000)};
+    capacity = kept.front()->capacity;
+  }
+  std::vector<SampleHandle> buffers;
+  pool->take_kept(1000, limit - 2 * capacity, 4, buffers);
+  EXPECT_EQ(buffers.size(), 2U);
+  EXPECT_FALSE(pool->take(1000, limit - 2 * capacity)) << "these are lent";
+  EXPECT_TRUE(pool->take(1000, limit - 3 * capacity));
+  buffers.clear();
+  EXPECT_TRUE(pool->take(1000, limit - capacity)) << "all are back";
+}
+
+// The sanitizers end a process that has no memory.
+#ifndef SFT_TEST_SANITIZED
+TEST(BufferPoolTest, WhatTheSystemHasNoMemoryForDoesNotCount) {
+  constexpr std::size_t large = 32U << 20;
+  const auto pool = BufferPool::make(large + large / 8);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+  const rlimit none{.rlim_cur = 1, .rlim_max = before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &none), 0);
+  const bool taken = static_cast<bool>(pool->take(large));
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &before), 0);
+  EXPECT_FALSE(taken);
+  EXPECT_TRUE(pool->take(large));
+}
+#endif
+
+TEST(BufferPoolTest, AnImpossibleSizeIsRefused) {
+  EXPECT_FALSE(BufferPool::make(std::size_t{1} << 40)->take(std::size_t{1} << 33));
+}
+
+TEST(BufferPoolTest, AHandleKeepsItsPoolAlive) {
+  std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 20);
+  const std::weak_ptr<BufferPool> watched = pool;
+  SampleHandle buffer = pool->take(64);
+  pool.reset();
+  EXPECT_FALSE(watched.expired());
+  buffer->data[63] = std::byte{1};
+  EXPECT_EQ(buffer->data[63], std::byte{1});
+  buffer.reset();
+  EXPECT_TRUE(watched.expired());
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,164 @@
+// What a reader with as_remote gets of samples in shared memory: what it would get on another host.
+#include "core/subscribe/remote_copy.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "core/subscribe/subscriber_core.h"
+#include "tests/support/encoded.h"
+#include "tests/support/random_value.h"
+#include "tests/unit/core/seam/queue_port.h"
+
+namespace sft::core::test {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using sft::test::Encoded;
+using F = PointCloud2::Field;
+
+class RemoteCopyTest : public sft::test::RandomTest {
+ protected:
+  SampleHandle sample(const PointCloud2& cloud, const FieldMask& mask) {
+    const Encoded encoded(type.type(), &cloud, mask);
+    SampleHandle buffer = pool->take(layout.bytes(encoded.bytes().size()));
+    std::ranges::copy(encoded.bytes(), buffer->data + layout.body_offset);
+    std::copy_n(encoded.state().index, type.slots(), buffer->index());
+    buffer->header().body_bytes = static_cast<std::uint32_t>(encoded.bytes().size());
+    buffer->mask = mask;
+    buffer->writer = 9;
+    buffer->sequence = ++sequence;
+    return buffer;
+  }
+  SampleHandle whole(const PointCloud2& cloud) { return sample(cloud, type.full()); }
+  FieldMask closed(const FieldMask& mask) const { return type.closed(mask); }
+  ProjectionPlan asked(const FieldMask& mask) const { return {type.type(), closed(mask)}; }
+  std::vector<std::byte> body(const SampleBuffer& buffer) const {
+    const SampleState state = state_of(buffer, type.slots());
+    return {state.body, state.body + state.body_bytes};
+  }
+  PointCloud2 any_cloud() {
+    PointCloud2 cloud;
+    values.fill(type.type(), &cloud);
+    return cloud;
+  }
+
+  const TypeSupport& type = type_support<PointCloud2>();
+  const SampleLayout layout{type.slots()};
+  sft::test::RandomValues values{random};
+  const std::shared_ptr<BufferPool> pool = BufferPool::make(64 << 20);
+  RemoteCopy copies{type, BufferPool::make(64 << 20)};
+  std::uint64_t sequence = 0;
+};
+
+TEST_F(RemoteCopyTest, IsTheSampleProjectedByteForByte) {
+  for (int round = 0; round < 1000 && !HasFailure(); ++round) {
+    const PointCloud2 cloud = any_cloud();
+    const FieldMask has = round % 2 == 0 ? type.full() : closed(values.mask(type.leaves()));
+    const FieldMask mask = closed(values.mask(type.leaves()));
+    const SampleHandle copy = copies.of(sample(cloud, has), asked(mask));
+    ASSERT_TRUE(copy);
+    const Encoded expected(type.type(), &cloud, mask & has);
+    EXPECT_EQ(copy->mask, mask & has);
+    EXPECT_EQ(body(*copy), expected.bytes());
+    EXPECT_TRUE(std::equal(copy->index(), copy->index() + type.slots(), expected.state().index));
+    EXPECT_EQ(copy->sequence, sequence);
+    EXPECT_EQ(copy->writer, 9U);
+  }
+}
+
+TEST_F(RemoteCopyTest, IsTheSampleItselfIfThatHasNoMoreThanIsAskedFor) {
+  const SampleHandle buffer = sample(any_cloud(), closed(FieldMask(F::width)));
+  EXPECT_EQ(&*copies.of(buffer, asked(FieldMask(F::width | F::height))), &*buffer);
+}
+
+TEST_F(RemoteCopyTest, IsNotMadeOfBytesThatAreNotWhatTheyClaimToBe) {
+  const SampleHandle broken = whole(any_cloud());
+  std::fill_n(broken->index(), type.slots(), 0xFFFFFF00U);
+  EXPECT_FALSE(copies.of(broken, asked(FieldMask(F::width | F::data))));
+}
+
+TEST_F(RemoteCopyTest, IsNotMadeWithoutMemory) {
+  RemoteCopy poor(type, BufferPool::make(0));
+  EXPECT_FALSE(poor.of(whole(any_cloud()), asked(FieldMask(F::width))));
+}
+
+class AsRemoteSubscriberTest : public RemoteCopyTest {
+ protected:
+  AsRemoteSubscriberTest() { subscriber.set_port(TransportKind::shm, port); }
+
+  const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
+  const std::shared_ptr<QueuePort> port = std::make_shared<QueuePort>();
+  SubscriberCore subscriber{{.id = 1,
+                             .topic = "points",
+                             .type = &type,
+                             .requirement = {type.full(), true},
+                             .options = {},
+                             .callback = {},
+                             .as_remote = BufferPool::make(64 << 20)},
+                            bells->at(1),
+                            nullptr};
+};
+
+TEST_F(AsRemoteSubscriberTest, GetsWhatItsRequestInForceAsksForWhenItTakes) {
+  for (int i = 0; i < 3; ++i) port->samples.push_back(whole(any_cloud()));
+  EXPECT_TRUE(subscriber.take().state().mask->is_full());
+  subscriber.requests(FieldMask(F::width), 2);
+  EXPECT_EQ(*subscriber.take().state().mask, FieldMask(F::width));
+  subscriber.requests(FieldMask(F::height), 3);
+  EXPECT_EQ(*subscriber.take().state().mask, FieldMask(F::height));
+}
+
+TEST_F(AsRemoteSubscriberTest, CountsAsLostWhatItWouldNotHaveGotThere) {
+  subscriber.requests(FieldMask(F::width), 2);
+  for (int i = 0; i < 3; ++i) port->samples.push_back(whole(any_cloud()));
+  std::fill_n(port->samples[1]->index(), type.slots(), 0xFFFFFF00U);
+  EXPECT_EQ(subscriber.take().info().sequence, 1U);
+  const untyped::Sample behind = subscriber.take();
+  EXPECT_EQ(behind.info().sequence, 3U);
+  EXPECT_EQ(behind.info().lost_before, 1U);
+  EXPECT_EQ(subscriber.status().received, 2U);
+  EXPECT_EQ(subscriber.status().lost, 1U);
+}
+
+TEST_F(AsRemoteSubscriberTest, CountsThosePassedOverAsReceived) {
+  subscriber.requests(FieldMask(F::width), 2);
+  for (int i = 0; i < 3; ++i) port->samples.push_back(whole(any_cloud()));
+  EXPECT_EQ(subscriber.take_latest().info().sequence, 3U);
+  EXPECT_EQ(subscriber.status().received, 3U);
+}
+
+TEST_F(AsRemoteSubscriberTest, MayTakeOnSeveralThreadsAtOnce) {
+  constexpr std::uint64_t samples = 1000;
+  subscriber.requests(closed(FieldMask(F::data)), 2);
+  for (std::uint64_t i = 1; i <= samples; ++i) {
+    PointCloud2 cloud;
+    cloud.data.assign(i, static_cast<std::uint8_t>(i));
+    port->samples.push_back(whole(cloud));
+  }
+  std::atomic<std::uint64_t> wrong{0};
+  const auto take_all = [&] {
+    while (const untyped::Sample sample = subscriber.take()) {
+      PointCloud2 cloud;
+      cloud.data.assign(sample.info().sequence, static_cast<std::uint8_t>(sample.info().sequence));
+      const Encoded expected(type.type(), &cloud, closed(FieldMask(F::data)));
+      const SampleState& state = sample.state();
+      const std::span body(state.body, state.body_bytes);
+      wrong += std::ranges::equal(body, expected.bytes()) ? 0 : 1;
+    }
+  };
+  std::thread other(take_all);
+  take_all();
+  other.join();
+  EXPECT_EQ(wrong, 0U);
+  EXPECT_EQ(subscriber.status().received, samples);
+}
+
+}  // namespace
+}  // namespace sft::core::test

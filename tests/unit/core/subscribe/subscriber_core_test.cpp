@@ -1,0 +1,324 @@
+// What a subscriber makes of the samples that its two ports bring: order, duplicates, gaps, callbacks.
+#include "core/subscribe/subscriber_core.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "core/platform/clock.h"
+#include "core/seam/buffer_pool.h"
+#include "tests/unit/core/seam/queue_port.h"
+
+namespace sft::core {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+
+class SubscriberCoreTest : public ::testing::Test {
+ protected:
+  SubscriberCoreTest() { reopen({}); }
+
+  void reopen(untyped::Callback callback) {
+    subscriber = std::make_unique<SubscriberCore>(SubscriberCore::Spec{.id = 1,
+                                                                       .topic = "points",
+                                                                       .type = &type,
+                                                                       .requirement = {type.full(), false},
+                                                                       .options = {},
+                                                                       .callback = std::move(callback),
+                                                                       .rate_changed = [] {}},
+                                                  bells->at(1), nullptr);
+    subscriber->set_port(TransportKind::shm, shm);
+    subscriber->set_port(TransportKind::udp, udp);
+  }
+
+  void arrives(QueuePort& port, std::uint64_t sequence, EndpointId writer = 9) {
+    arrives(port, sequence, writer, static_cast<std::int64_t>(sequence));
+  }
+  void arrives(QueuePort& port, std::uint64_t sequence, EndpointId writer, std::int64_t stamp_ns) {
+    SampleHandle sample = pool->take(256);
+    sample->writer = writer;
+    sample->sequence = sequence;
+    sample->source_stamp_ns = stamp_ns;
+    sample->mask = type.full();
+    port.samples.push_back(std::move(sample));
+  }
+
+  /// Through shared memory, after one that went by UDP.
+  void arrives_after_diverted(std::uint64_t sequence, std::uint64_t diverted, std::int64_t diverted_at_ns) {
+    arrives(*shm, sequence);
+    shm->samples.back()->diverted_sequence = diverted;
+    shm->samples.back()->diverted_stamp_ns = diverted_at_ns;
+  }
+
+  std::vector<std::uint64_t> taken() {
+    std::vector<std::uint64_t> sequences;
+    while (const untyped::Sample sample = subscriber->take()) sequences.push_back(sample.info().sequence);
+    return sequences;
+  }
+
+  using Sequences = std::vector<std::uint64_t>;
+  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
+  const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 20);
+  const std::shared_ptr<QueuePort> shm = std::make_shared<QueuePort>();
+  const std::shared_ptr<QueuePort> udp = std::make_shared<QueuePort>();
+  std::unique_ptr<SubscriberCore> subscriber;
+};
+
+TEST_F(SubscriberCoreTest, SamplesOfBothPathsComeInTheOrderOfTheirWriter) {
+  arrives(*udp, 1);
+  arrives(*shm, 2);
+  arrives(*udp, 3);
+  EXPECT_EQ(taken(), (Sequences{1, 2, 3}));
+}
+
+TEST_F(SubscriberCoreTest, ASampleInSharedMemoryWaitsForOneBeforeItThatWentByUdp) {
+  arrives(*shm, 1);
+  arrives_after_diverted(3, 2, realtime_ns());
+  EXPECT_EQ(taken(), (Sequences{1}));
+  EXPECT_FALSE(subscriber->available());
+  arrives(*udp, 7, 8);  // of another writer
+  EXPECT_EQ(taken(), (Sequences{7}));
+  arrives(*udp, 2);
+  EXPECT_EQ(taken(), (Sequences{2, 3}));
+  EXPECT_EQ(subscriber->status().lost, 0U);
+}
+
+TEST_F(SubscriberCoreTest, WhatDoesNotComeByUdpIsNotWaitedForLong) {
+  const std::int64_t long_ago = realtime_ns() - 1'000'000'000;
+  const std::int64_t by_a_clock_that_was_set_back = realtime_ns() + 1'000'000'000'000;
+  arrives(*shm, 1);
+  arrives_after_diverted(3, 2, long_ago);
+  arrives_after_diverted(5, 4, by_a_clock_that_was_set_back);
+  EXPECT_EQ(taken(), (Sequences{1, 3, 5}));
+  EXPECT_EQ(subscriber->status().lost, 2U);
+}
+
+TEST_F(SubscriberCoreTest, WhatWentByUdpBeforeItsWriterWasLookedForIsNotWaitedFor) {
+  const std::int64_t before = realtime_ns() - 1;
+  Hearing hearing;
+  hearing.source.writer = 9;
+  subscriber->hears({hearing});
+  arrives_after_diverted(2, 1, before);
+  EXPECT_EQ(taken(), (Sequences{2}));
+}
+
+TEST_F(SubscriberCoreTest, WhatWentByUdpToOthersIsNotWaitedForWhereNobodyListensThere) {
+  udp->is_connected = false;
+  arrives(*shm, 1);
+  arrives_after_diverted(3, 2, realtime_ns());
+  EXPECT_EQ(taken(), (Sequences{1, 3}));
+  subscriber->set_port(TransportKind::udp, nullptr);
+  arrives_after_diverted(5, 4, realtime_ns());
+  EXPECT_EQ(taken(), (Sequences{5}));
+}
+
+TEST_F(SubscriberCoreTest, OneThatWaitsInVainIsLookedAtAgain) {
+  arrives_after_diverted(2, 1, realtime_ns());
+  EXPECT_FALSE(subscriber->wait({}));
+  std::jthread agent([&](const std::stop_token& end) {
+    while (!end.stop_requested()) subscriber->look_again();
+  });
+  EXPECT_TRUE(subscriber->wait(std::chrono::seconds(10)));
+  EXPECT_EQ(taken(), (Sequences{2}));
+}
+
+TEST_F(SubscriberCoreTest, WhatItsWriterSentBeforeIsFoundInSharedMemoryBehindSamplesOfOthers) {
+  arrives(*shm, 1, 8, 100);
+  arrives(*shm, 1, 9, 5);
+  arrives(*shm, 2, 9, 6);
+  arrives(*udp, 3, 9, 7);
+  EXPECT_EQ(taken(), (Sequences{1, 2, 3, 1}));
+  EXPECT_EQ(subscriber->status().lost, 0U);
+}
+
+TEST_F(SubscriberCoreTest, WhatAPortLostUnseenIsCountedAlsoWhenThePortIsGone) {
+  shm->unnoticed = 5;
+  EXPECT_EQ(subscriber->status().lost, 5U);
+  subscriber->set_port(TransportKind::shm, nullptr);
+  EXPECT_EQ(subscriber->status().lost, 5U);
+}
+
+TEST_F(SubscriberCoreTest, ASampleThatCameByBothPathsIsTakenOnce) {
+  arrives(*udp, 1);
+  arrives(*udp, 2);
+  arrives(*shm, 2);
+  arrives(*shm, 3);
+  EXPECT_EQ(taken(), (Sequences{1, 2, 3}));
+  EXPECT_EQ(subscriber->status().lost, 0U);
+}
+
+TEST_F(SubscriberCoreTest, AGapIsCountedWhereItIsSeen) {
+  arrives(*udp, 5);
+  arrives(*udp, 8);
+  EXPECT_EQ(subscriber->take().info().lost_before, 0U);
+  EXPECT_EQ(subscriber->take().info().lost_before, 2U);
+  EXPECT_EQ(subscriber->status().lost, 2U);
+}
+
+TEST_F(SubscriberCoreTest, LossesThatOnlyAPortKnowsAreCountedWithThoseSeen) {
+  arrives(*udp, 5);
+  arrives(*udp, 8);
+  udp->unnoticed = 3;
+  taken();
+  EXPECT_EQ(subscriber->status().lost, 5U);
+}
+
+TEST_F(SubscriberCoreTest, AnExpiredSampleIsNotDeliveredAndNotLost) {
+  Hearing hearing;
+  hearing.source.writer = hearing.status.id = 9;
+  hearing.offered.lifespan = std::chrono::minutes(1);
+  subscriber->hears({hearing});
+  arrives(*udp, 1);  // stamped in 1970
+  arrives(*udp, 2);
+  udp->samples.back()->source_stamp_ns = realtime_ns();
+  EXPECT_TRUE(subscriber->wait({}));
+  EXPECT_EQ(taken(), (Sequences{2}));
+  const SubscriberStatus status = subscriber->status();
+  EXPECT_EQ(status.expired, 1U);
+  EXPECT_EQ(status.lost, 0U);
+  EXPECT_EQ(status.writers.at(0).expired, 1U);
+}
+
+TEST_F(SubscriberCoreTest, WhetherASampleIsExpiredIsToldOfAnyStamp) {
+  constexpr std::int64_t first = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t last = std::numeric_limits<std::int64_t>::max();
+  for (const std::int64_t lifespan : {std::int64_t{1}, std::int64_t{60'000'000'000}, last}) {
+    reopen({});
+    Hearing hearing;
+    hearing.source.writer = hearing.status.id = 9;
+    hearing.offered.lifespan = std::chrono::nanoseconds(lifespan);
+    subscriber->hears({hearing});
+    arrives(*udp, 1, 9, first);
+    arrives(*udp, 2, 9, last);
+    EXPECT_EQ(taken(), (Sequences{2})) << lifespan;
+    EXPECT_EQ(subscriber->status().expired, 1U) << lifespan;
+  }
+}
+
+TEST_F(SubscriberCoreTest, AMaximumRateIsKeptWithAnyStamps) {
+  ASSERT_TRUE(subscriber->set_max_rate_hz(100'000));
+  std::uint64_t sequence = 0;
+  for (int round = 0; round < 3; ++round) {
+    for (const std::int64_t stamp : {std::numeric_limits<std::int64_t>::min(), std::int64_t{-1},
+                                     std::int64_t{0}, std::numeric_limits<std::int64_t>::max()}) {
+      arrives(*shm, ++sequence, 9, stamp);
+    }
+  }
+  const std::size_t delivered = taken().size();
+  EXPECT_GT(delivered, 0U);
+  EXPECT_EQ(delivered + subscriber->status().withheld, sequence);
+}
+
+TEST_F(SubscriberCoreTest, EveryWriterHasItsOwnSequence) {
+  arrives(*udp, 5, 9);
+  arrives(*udp, 6, 10);
+  arrives(*udp, 7, 9);
+  EXPECT_EQ(taken().size(), 3U);
+  EXPECT_EQ(subscriber->status().lost, 1U);
+}
+
+TEST_F(SubscriberCoreTest, TheLatestSampleCarriesTheLossesOfThosePassedOver) {
+  arrives(*udp, 1);
+  arrives(*udp, 3);
+  arrives(*udp, 4);
+  const untyped::Sample latest = subscriber->take_latest();
+  EXPECT_EQ(latest.info().sequence, 4U);
+  EXPECT_EQ(latest.info().lost_before, 1U);
+  EXPECT_FALSE(subscriber->take_latest());
+}
+
+TEST_F(SubscriberCoreTest, TheLatestOfSeveralWritersIsTheLastThatWasPublished) {
+  arrives(*udp, 1, 9, 100);
+  arrives(*udp, 1, 10, 300);
+  arrives(*udp, 2, 9, 200);
+  const untyped::Sample latest = subscriber->take_latest();
+  EXPECT_EQ(latest.info().writer, 10U);
+  EXPECT_FALSE(subscriber->take());
+}
+
+TEST_F(SubscriberCoreTest, TheLatestOfOneWriterIsTheOneOfTheHighestNumberAlsoWhenItsClockWasSetBack) {
+  arrives(*udp, 1, 9, 300);
+  arrives(*udp, 2, 9, 100);
+  EXPECT_EQ(subscriber->take_latest().info().sequence, 2U);
+}
+
+TEST_F(SubscriberCoreTest, LossesOfWritersThatWerePassedOverAreToldWithTheirNextSample) {
+  arrives(*udp, 1, 9, 100);
+  arrives(*udp, 5, 9, 200);
+  arrives(*udp, 1, 10, 300);
+  EXPECT_EQ(subscriber->take_latest().info().lost_before, 0U);
+  arrives(*udp, 7, 9, 400);
+  EXPECT_EQ(subscriber->take().info().lost_before, 4U);
+}
+
+TEST_F(SubscriberCoreTest, WaitReturnsAtOnceIfThereIsASampleAndAtTheDeadlineIfNot) {
+  EXPECT_FALSE(subscriber->wait(std::chrono::milliseconds(5)));
+  arrives(*shm, 1);
+  EXPECT_TRUE(subscriber->wait(std::chrono::hours(1)));
+}
+
+TEST_F(SubscriberCoreTest, ACallbackGetsAllThatArrived) {
+  Sequences called;
+  reopen([&](untyped::Sample&& sample) { called.push_back(sample.info().sequence); });
+  arrives(*udp, 1);
+  arrives(*shm, 2);
+  subscriber->arrived();
+  EXPECT_EQ(called, (Sequences{1, 2}));
+}
+
+TEST_F(SubscriberCoreTest, ASampleThatArrivesDuringACallbackIsCalledBackForAfterwards) {
+  Sequences called;
+  bool inside = false;
+  reopen([&](untyped::Sample&& sample) {
+    EXPECT_FALSE(inside);
+    inside = true;
+    called.push_back(sample.info().sequence);
+    if (called.size() == 1) {
+      arrives(*udp, 2);
+      subscriber->arrived();
+    }
+    inside = false;
+  });
+  arrives(*udp, 1);
+  subscriber->arrived();
+  EXPECT_EQ(called, (Sequences{1, 2}));
+}
+
+TEST_F(SubscriberCoreTest, AClosedSubscriberCallsNobody) {
+  int calls = 0;
+  reopen([&](untyped::Sample&&) {
+    ++calls;
+    subscriber->close();  // from within: returns at once
+  });
+  arrives(*udp, 1);
+  arrives(*udp, 2);
+  subscriber->arrived();
+  EXPECT_EQ(calls, 1);
+}
+
+// The transport's thread is not to be held up again.
+TEST_F(SubscriberCoreTest, AfterASlowCallbackTheDispatcherCallsBackUntilManyWereQuick) {
+  int calls = 0;
+  reopen([&](untyped::Sample&&) {
+    const auto begun = std::chrono::steady_clock::now();
+    if (++calls != 1) return;
+    while (std::chrono::steady_clock::now() - begun < std::chrono::milliseconds(1)) {
+    }
+  });
+  auto arrive_together = [&, sequence = std::uint64_t{0}](int count) mutable {
+    for (int i = 0; i < count; ++i) arrives(*udp, ++sequence);
+    subscriber->arrived();
+  };
+  arrive_together(101);
+  EXPECT_EQ(calls, 1);
+  EXPECT_TRUE(subscriber->waits_for_dispatch());
+  subscriber->dispatch();
+  EXPECT_EQ(calls, 101);
+  arrive_together(1);
+  EXPECT_EQ(calls, 102);
+}
+
+}  // namespace
+}  // namespace sft::core

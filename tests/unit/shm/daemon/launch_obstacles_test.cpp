@@ -1,0 +1,124 @@
+// When another attempt to start sftd is worth its process: what counts as an obstacle, and when one is gone.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "shm_transport/daemon/launch_obstacles.h"
+
+namespace sft::shm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t MiB = std::uint64_t{1} << 20;
+
+class LaunchObstaclesTest : public ::testing::Test {
+ protected:
+  ~LaunchObstaclesTest() override { fs::remove_all(directory_); }
+
+  std::string path(const std::string& name) const { return directory_ + "/" + name; }
+  void make_file(const std::string& name) const { std::ofstream(path(name)) << "text"; }
+  void make_fifo(const std::string& name) const { ASSERT_EQ(mkfifo(path(name).c_str(), 0600), 0); }
+  /// The space does not count.
+  LaunchObstacles look() const {
+    LaunchObstacles found = LaunchObstacles::look({path("a"), path("b")}, directory_.c_str());
+    EXPECT_GT(found.free_bytes, 0U);
+    found.free_bytes = 0;
+    return found;
+  }
+
+ private:
+  const std::string directory_ = [] {
+    std::string name = fs::temp_directory_path() / "sft_obstacles_XXXXXX";
+    return std::string(mkdtemp(name.data()));
+  }();
+};
+
+TEST_F(LaunchObstaclesTest, AreNoneWhereTheNamesAreFree) {
+  const LaunchObstacles found = look();
+  EXPECT_TRUE(found.files.empty());
+  EXPECT_FALSE(found.have_eased_since(found));
+}
+
+TEST_F(LaunchObstaclesTest, AreNoOrdinaryFilesOfThisAccountWhichEveryAttemptMakesAndRemoves) {
+  make_file("a");
+  EXPECT_TRUE(look().files.empty());
+}
+
+TEST_F(LaunchObstaclesTest, AreFilesOfOthers) {
+  if (geteuid() != 0) GTEST_SKIP() << "needs root, to give a file away";
+  make_file("a");
+  ASSERT_EQ(chown(path("a").c_str(), 65534, 65534), 0);
+  ASSERT_EQ(look().files.size(), 1U);
+  EXPECT_EQ(look().files[0].owner, 65534U);
+  EXPECT_EQ(look().files[0].path, path("a"));
+}
+
+TEST_F(LaunchObstaclesTest, AreLinksAlsoWhereTheyLeadNowhere) {
+  fs::create_symlink("/tmp/nowhere", path("a"));
+  fs::create_symlink(path("a"), path("b"));
+  EXPECT_EQ(look().files.size(), 2U);
+}
+
+TEST_F(LaunchObstaclesTest, HaveNotEasedWhileEachIsStillThere) {
+  make_fifo("a");
+  const LaunchObstacles before = look();
+  EXPECT_FALSE(look().have_eased_since(before));
+  make_fifo("b");
+  EXPECT_FALSE(look().have_eased_since(before)) << "another one came";
+}
+
+TEST_F(LaunchObstaclesTest, HaveEasedWhenOneOfThemIsGone) {
+  make_fifo("a");
+  make_fifo("b");
+  const LaunchObstacles before = look();
+  fs::remove(path("b"));
+  EXPECT_TRUE(look().have_eased_since(before));
+}
+
+TEST_F(LaunchObstaclesTest, HaveEasedWhenOneWasReplaced) {
+  make_fifo("a");
+  const LaunchObstacles before = look();
+  make_fifo("b");
+  fs::rename(path("b"), path("a"));
+  EXPECT_TRUE(look().have_eased_since(before)) << "by another of its kind";
+  fs::remove(path("a"));
+  make_file("a");
+  EXPECT_TRUE(look().have_eased_since(before)) << "by a file of this account";
+}
+
+TEST_F(LaunchObstaclesTest, ThatCameDuringTheAttemptCountToo) {
+  LaunchObstacles before = look();
+  make_fifo("a");
+  before.add_files_of(look());
+  before.add_files_of(look());
+  EXPECT_EQ(before.files.size(), 1U);
+  fs::remove(path("a"));
+  EXPECT_TRUE(look().have_eased_since(before));
+}
+
+TEST_F(LaunchObstaclesTest, EaseWithConsiderablyMoreSpaceAndNotWithALittle) {
+  const auto eases = [](std::uint64_t before, std::uint64_t after) {
+    return LaunchObstacles{.files = {}, .free_bytes = after}.have_eased_since(
+        {.files = {}, .free_bytes = before});
+  };
+  EXPECT_FALSE(eases(0, 16 * MiB - 1));
+  EXPECT_TRUE(eases(0, 16 * MiB));
+  EXPECT_FALSE(eases(800 * MiB, 900 * MiB - 1));
+  EXPECT_TRUE(eases(800 * MiB, 900 * MiB));
+  EXPECT_FALSE(eases(800 * MiB, 0));
+}
+
+TEST_F(LaunchObstaclesTest, AreLookedForAtAllNamesThatTheFirstAttemptNeeds) {
+  const std::vector<std::string> all = daemon_files("the_group");
+  EXPECT_EQ(all.back(), "/dev/shm/the_group");
+  const std::vector<std::string> own = files_of_own_daemon();
+  ASSERT_GE(own.size() + 1, all.size());
+  EXPECT_TRUE(std::equal(all.begin(), all.end() - 1, own.begin()));
+}
+
+}  // namespace
+}  // namespace sft::shm

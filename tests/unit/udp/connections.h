@@ -1,0 +1,94 @@
+// Connections to nowhere, for what only looks at who is connected to and what became of that.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tests/unit/udp/datagrams.h"
+#include "udp_transport/flow/destination.h"
+
+namespace sft::udp::test {
+
+class Connections {
+ public:
+  Connect connect() {
+    return [this](const SocketAddress&) { return std::make_unique<Nowhere>(*this); };
+  }
+  std::size_t open() const { return open_; }
+  std::size_t reconnected() const { return reconnected_; }
+  const std::vector<SocketAddress>& redirected() const { return redirected_; }
+  /// Datagrams.
+  const std::vector<Bytes>& sent() const { return sent_; }
+  /// What a receiver says to the last mark that was sent.
+  FlowReport answer_to_mark(std::uint32_t window_bytes = 1'000'000) const {
+    std::optional<FlowMark> last;
+    for (const Bytes& bytes : sent_) {
+      if (const auto mark = parse_mark(bytes)) last = mark;
+    }
+    if (!last) return {};
+    return {.flow = last->flow,
+            .position = last->position,
+            .window_bytes = window_bytes,
+            .datagrams = last->datagrams,
+            .came = last->datagrams,
+            .sent_at_ns = last->sent_at_ns};
+  }
+  /// Behind so many batches send buffers are full.
+  void take_batches(std::size_t count) { batches_left_ = count; }
+  /// What is done once a batch has left.
+  void behind_each(std::function<void()> act) { behind_each_ = std::move(act); }
+
+ private:
+  class Nowhere final : public Connection {
+   public:
+    explicit Nowhere(Connections& all) : all_(all) { ++all_.open_; }
+    ~Nowhere() override { --all_.open_; }
+    Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+      Sent sent;
+      for (; sent.batches < batches.size(); ++sent.batches) {
+        if (all_.batches_left_ == 0) return {sent.batches, SendOutcome::would_wait};
+        --all_.batches_left_;
+        append_datagrams(batches[sent.batches].parts, batches[sent.batches].segment_bytes, all_.sent_);
+        if (all_.behind_each_) all_.behind_each_();
+      }
+      return sent;
+    }
+    void reconnect() noexcept override { ++all_.reconnected_; }
+    void redirect(const SocketAddress& to) noexcept override { all_.redirected_.push_back(to); }
+    void wait_for_room() noexcept override {}
+    bool full() const noexcept override { return false; }
+
+   private:
+    Connections& all_;
+  };
+  std::function<void()> behind_each_;
+  std::vector<Bytes> sent_;
+  std::size_t batches_left_ = SIZE_MAX;
+  std::size_t open_ = 0;
+  std::size_t reconnected_ = 0;
+  std::vector<SocketAddress> redirected_;
+};
+
+/// A sender whose connections these are, and which never has anything to do.
+class NoSender final : public DatagramSender {
+ public:
+  explicit NoSender(Connections& connections) : connections_(connections) {}
+  std::unique_ptr<Connection> connect(const SocketAddress& to) override { return connections_.connect()(to); }
+  std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress&) override {
+    return connect(group);
+  }
+  void await(std::chrono::steady_clock::time_point) noexcept override {}
+  void send_to(const SocketAddress&, std::span<const std::byte>) noexcept override {}
+  void wake() noexcept override {}
+
+ private:
+  Connections& connections_;
+};
+
+}  // namespace sft::udp::test

@@ -1,0 +1,229 @@
+#include "udp_transport/flow/path_mtu.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t headers = 28, shortest = 548;
+constexpr std::size_t payload(std::size_t mtu) { return mtu - headers; }
+
+/// A path that takes so much, used by a writer that hears of it every 50 ms, and looks after it.
+class Path {
+ public:
+  explicit Path(std::size_t kernel_says, std::size_t takes)
+      : takes_(payload(takes)), mtu_(headers, shortest, payload(kernel_says)) {}
+
+  void use_for(PathMtu::Time::duration time) {
+    for (const auto end = now_ + time; now_ < end; now_ += 50ms) {
+      const std::size_t before = mtu_.datagram_bytes();
+      before <= takes_ ? mtu_.arrived(now_) : mtu_.lost(now_);
+      mtu_.look_after(now_);
+      if (mtu_.datagram_bytes() != before) lengths_.push_back(mtu_.datagram_bytes() + headers);
+    }
+  }
+  void takes(std::size_t mtu) { takes_ = payload(mtu); }
+  PathMtu& mtu() { return mtu_; }
+  std::vector<std::size_t> take_lengths() { return std::exchange(lengths_, {}); }
+
+ private:
+  std::size_t takes_;
+  PathMtu mtu_;
+  PathMtu::Time now_{1h};
+  std::vector<std::size_t> lengths_;
+};
+
+TEST(PathMtuTest, IsWhatTheKernelSaysAsLongAsThatArrives) {
+  Path path(9000, 9000);
+  path.use_for(1h);
+  EXPECT_TRUE(path.take_lengths().empty());
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(9000));
+  EXPECT_FALSE(path.mtu().in_doubt());
+  path.mtu().kernel_says(payload(1400));
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(1400));
+  path.mtu().kernel_says(payload(9000));
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(9000));
+}
+
+TEST(PathMtuTest, ShrinksWhereLongDatagramsVanishAndThenFindsHowLongTheyMayBe) {
+  Path path(9000, 1500);
+  path.use_for(250ms);
+  EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1280}));
+  path.use_for(20s);
+  EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1400, 1450, 1492, 1500, 4352, 1500}));
+  EXPECT_TRUE(path.mtu().in_doubt());
+}
+
+TEST(PathMtuTest, TriesMoreEverMoreSeldomWhereThatIsInVain) {
+  Path path(1500, 1400);
+  path.use_for(20s);
+  path.take_lengths();
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(1400));
+  path.use_for(1h);
+  const std::size_t tries = path.take_lengths().size() / 2;
+  EXPECT_GE(tries, 6U);
+  EXPECT_LE(tries, 14U);
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(1400));
+}
+
+TEST(PathMtuTest, GrowsAgainWhenThePathDoes) {
+  Path path(9000, 1400);
+  path.use_for(10h);
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(1400));
+  path.takes(9000);
+  path.use_for(11min);
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(9000));
+  EXPECT_FALSE(path.mtu().in_doubt());
+}
+
+TEST(PathMtuTest, ShrinksToWhatEveryPathTakesWhereNothingElseArrives) {
+  Path path(1500, 600);
+  path.use_for(2s);
+  EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1280, shortest + headers}));
+  PathMtu ipv6(48, 1232, 1452);
+  for (int i = 0; i < 100; ++i) ipv6.lost(PathMtu::Time{1h} + i * 50ms);
+  EXPECT_EQ(ipv6.datagram_bytes(), 1232U);
+}
+
+TEST(PathMtuTest, IsNotTakenInByLossOfAllLengths) {
+  PathMtu mtu(headers, shortest, payload(1500));
+  PathMtu::Time now{1h};
+  for (int i = 0; i < 10'000; ++i, now += 50ms) i % 5 == 4 ? mtu.arrived(now) : mtu.lost(now);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1500));
+}
+
+/// A reader with a long way asks several times before the first answer can have come.
+TEST(PathMtuTest, WaitsForAtLeastARoundTrip) {
+  PathMtu mtu(headers, shortest, payload(1500));
+  const PathMtu::Time now{1h};
+  for (int i = 0; i < 100; ++i) mtu.lost(now + i * 1ms);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1500));
+  mtu.lost(now + PathMtu::patience);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+}
+
+TEST(PathMtuTest, ForgetsWhatItFoundOnAnotherWay) {
+  Path path(1500, 1400);
+  path.use_for(10s);
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(1400));
+  path.mtu().kernel_says(payload(9000));
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(9000));
+  path.take_lengths();
+  path.use_for(250ms);
+  EXPECT_EQ(path.take_lengths(), std::vector<std::size_t>{1280}) << "1400 has not arrived on this one";
+}
+
+TEST(PathMtuTest, TriesMoreSoonAgainOnAnotherWay) {
+  Path path(1500, 1400);
+  path.use_for(10h);
+  path.mtu().kernel_says(payload(1480));
+  path.use_for(5s);
+  path.take_lengths();
+  path.use_for(21s);
+  EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1450, 1400}));
+}
+
+TEST(PathMtuTest, CountsNoLossesOfAnotherWay) {
+  PathMtu mtu(headers, shortest, payload(9000));
+  PathMtu::Time now{1h};
+  for (int i = 1; i < PathMtu::losses_max; ++i, now += 100ms) mtu.lost(now);
+  mtu.kernel_says(payload(1500));
+  EXPECT_FALSE(mtu.in_doubt());
+  mtu.lost(now);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1500));
+}
+
+TEST(PathMtuTest, ForgetsNothingWhereTheKernelSaysTheSameAgain) {
+  Path path(1500, 1400);
+  path.use_for(10s);
+  path.mtu().kernel_says(payload(1500));
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(1400));
+}
+
+TEST(PathMtuTest, IsNotShorterThanWhatEveryPathTakesWhateverTheKernelSays) {
+  PathMtu mtu(headers, shortest, 100);
+  EXPECT_EQ(mtu.datagram_bytes(), shortest);
+  mtu.kernel_says(payload(1500));
+  mtu.kernel_says(100);
+  EXPECT_EQ(mtu.datagram_bytes(), shortest);
+}
+
+TEST(PathMtuTest, ShrinksAlsoWhereLongDatagramsArrivedBeforeTheyVanished) {
+  Path path(9000, 9000);
+  path.use_for(1min);
+  path.takes(1500);
+  path.use_for(250ms);
+  EXPECT_EQ(path.take_lengths(), std::vector<std::size_t>{1280});
+  path.use_for(5s);
+  EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1400, 1450, 1492, 1500}));
+}
+
+TEST(PathMtuTest, TriesMoreAtThePaceOfASearchOnceWhatDidNotArriveArrives) {
+  Path path(9000, 1400);
+  path.use_for(1min);
+  path.takes(9000);
+  while (path.mtu().datagram_bytes() == payload(1400)) path.use_for(50ms);
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(1450));
+  path.take_lengths();
+  path.use_for(4s);
+  EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1492, 1500, 4352}));
+}
+
+TEST(PathMtuTest, GrowsToWhatTheKernelSaysAndNotBeyond) {
+  Path path(1420, 1280);
+  path.use_for(1s);
+  path.takes(1420);
+  path.use_for(1min);
+  EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1280, 1400, 1420}));
+}
+
+TEST(PathMtuTest, IsInDoubtFromTheFirstLossOn) {
+  PathMtu mtu(headers, shortest, payload(1500));
+  PathMtu::Time now{1h};
+  mtu.lost(now);
+  EXPECT_TRUE(mtu.in_doubt());
+  mtu.arrived(now);
+  EXPECT_FALSE(mtu.in_doubt());
+}
+
+TEST(PathMtuTest, TakesAsManyLossesForEachLength) {
+  PathMtu mtu(headers, shortest, payload(1500));
+  PathMtu::Time now{1h};
+  const auto lose = [&](int count) {
+    for (; count > 0; --count, now += PathMtu::patience) mtu.lost(now);
+  };
+  lose(PathMtu::losses_max);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+  lose(PathMtu::losses_max - 1);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+  lose(1);
+  EXPECT_EQ(mtu.datagram_bytes(), shortest);
+}
+
+TEST(PathMtuTest, TriesMoreAtTheMomentWhenItIsDue) {
+  PathMtu mtu(headers, shortest, payload(1500));
+  PathMtu::Time now{1h};
+  for (int i = 0; i < PathMtu::losses_max; ++i, now += 50ms) mtu.lost(now);
+  mtu.arrived(now);
+  mtu.look_after(now + PathMtu::search_pause - 1ns);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+  mtu.look_after(now + PathMtu::search_pause);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1400));
+}
+
+TEST(PathMtuTest, TriesNothingWhileNobodyTellsWhatArrives) {
+  PathMtu mtu(headers, shortest, payload(9000));
+  PathMtu::Time now{1h};
+  for (int i = 0; i < PathMtu::losses_max; ++i, now += 50ms) mtu.lost(now);
+  ASSERT_EQ(mtu.datagram_bytes(), payload(1280));
+  for (int i = 0; i < 10'000; ++i, now += 50ms) mtu.look_after(now);
+  EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+}
+
+}  // namespace
+}  // namespace sft::udp

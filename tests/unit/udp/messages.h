@@ -1,0 +1,170 @@
+// Message types of these tests, and samples of them as a publisher would encode them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/seam/buffer_pool.h"
+#include "sft/typesupport/encode.h"
+#include "sft/typesupport/type_support.h"
+
+namespace sft::udp::test {
+
+struct Stamp {
+  std::int32_t sec = 0;
+  std::uint32_t nanosec = 0;
+};
+
+struct Image {
+  Stamp stamp;
+  std::string name;
+  std::uint32_t height = 0;
+  std::uint32_t width = 0;
+  std::vector<std::uint8_t> data;
+};
+
+struct Ten {
+  std::array<std::uint32_t, 3> a{};
+  std::uint8_t b = 0, c = 0, d = 0, e = 0, f = 0, g = 0, h = 0, i = 0;
+  double j = 0;
+};
+
+struct Wide {  ///< 70 leaves
+  Ten first, second, third, fourth, fifth, sixth, seventh;
+};
+
+}  // namespace sft::udp::test
+
+template <>
+struct sft::TypeTable<sft::udp::test::Stamp> {
+  using T = sft::udp::test::Stamp;
+  static constexpr std::array members{member<std::int32_t>("sec", Kind::int32, offsetof(T, sec)),
+                                      member<std::uint32_t>("nanosec", Kind::uint32, offsetof(T, nanosec))};
+  static constexpr StructType type{"test::Stamp", members};
+};
+
+template <>
+struct sft::TypeTable<sft::udp::test::Image> {
+  using T = sft::udp::test::Image;
+  static constexpr std::array members{
+      member<sft::udp::test::Stamp>("stamp", Kind::structure, offsetof(T, stamp)),
+      member<std::string>("name", Kind::string, offsetof(T, name)),
+      member<std::uint32_t>("height", Kind::uint32, offsetof(T, height)),
+      member<std::uint32_t>("width", Kind::uint32, offsetof(T, width)),
+      member<std::vector<std::uint8_t>>("data", Kind::uint8, offsetof(T, data))};
+  static constexpr StructType type{"test::Image", members};
+};
+
+template <>
+struct sft::TypeTable<sft::udp::test::Ten> {
+  using T = sft::udp::test::Ten;
+  static constexpr std::array members{member<std::array<std::uint32_t, 3>>("a", Kind::uint32, offsetof(T, a)),
+                                      member<std::uint8_t>("b", Kind::uint8, offsetof(T, b)),
+                                      member<std::uint8_t>("c", Kind::uint8, offsetof(T, c)),
+                                      member<std::uint8_t>("d", Kind::uint8, offsetof(T, d)),
+                                      member<std::uint8_t>("e", Kind::uint8, offsetof(T, e)),
+                                      member<std::uint8_t>("f", Kind::uint8, offsetof(T, f)),
+                                      member<std::uint8_t>("g", Kind::uint8, offsetof(T, g)),
+                                      member<std::uint8_t>("h", Kind::uint8, offsetof(T, h)),
+                                      member<std::uint8_t>("i", Kind::uint8, offsetof(T, i)),
+                                      member<double>("j", Kind::float64, offsetof(T, j))};
+  static constexpr StructType type{"test::Ten", members};
+};
+
+template <>
+struct sft::TypeTable<sft::udp::test::Wide> {
+  using T = sft::udp::test::Wide;
+  using Ten = sft::udp::test::Ten;
+  static constexpr std::array members{member<Ten>("first", Kind::structure, offsetof(T, first)),
+                                      member<Ten>("second", Kind::structure, offsetof(T, second)),
+                                      member<Ten>("third", Kind::structure, offsetof(T, third)),
+                                      member<Ten>("fourth", Kind::structure, offsetof(T, fourth)),
+                                      member<Ten>("fifth", Kind::structure, offsetof(T, fifth)),
+                                      member<Ten>("sixth", Kind::structure, offsetof(T, sixth)),
+                                      member<Ten>("seventh", Kind::structure, offsetof(T, seventh))};
+  static constexpr StructType type{"test::Wide", members};
+};
+
+namespace sft::udp::test {
+
+template <class T>
+const TypeSupport& type_support() {
+  static const TypeSupport type(TypeTable<T>::type);
+  return type;
+}
+
+/// The fields of T that the text names: "stamp, data"; "*" for all.
+template <class T>
+FieldMask fields(std::string_view text) {
+  return type_support<T>().closed(type_support<T>().parse_mask(text).value());
+}
+
+template <class T>
+std::vector<std::byte> encoded_body(const T& value, const FieldMask& mask) {
+  const TypeSupport& type = type_support<T>();
+  std::vector<std::byte> body(encoded_size(type.type(), &value, mask).bytes);
+  std::vector<std::uint32_t> index(type.slots());
+  encode(type.type(), &value, mask, body, index);
+  return body;
+}
+
+/// Encodes into a buffer of sample_bytes().
+template <class T>
+std::size_t sample_bytes(const T& value, const FieldMask& mask) {
+  const TypeSupport& type = type_support<T>();
+  return SampleLayout(type.slots()).bytes(encoded_size(type.type(), &value, mask).bytes);
+}
+
+template <class T>
+void fill(core::SampleBuffer& buffer, const T& value, const FieldMask& mask, std::uint64_t writer,
+          std::uint64_t sequence, PostponedCopies* postponed = nullptr) {
+  const TypeSupport& type = type_support<T>();
+  const SampleLayout layout(type.slots());
+  const std::uint32_t bytes = encoded_size(type.type(), &value, mask).bytes;
+  SampleHeader& header = buffer.header();
+  header.slots = static_cast<std::uint32_t>(type.slots());
+  header.writer = writer;
+  header.sequence = sequence;
+  header.source_stamp_ns = static_cast<std::int64_t>(1000 + sequence);
+  header.type_hash = type.hash();
+  header.body_offset = static_cast<std::uint32_t>(layout.body_offset);
+  header.body_bytes = bytes;
+  buffer.trust_header();
+  buffer.mask = mask;
+  encode(type.type(), &value, mask, {buffer.data + layout.body_offset, bytes}, {buffer.index(), type.slots()},
+         {}, postponed);
+}
+
+/// Quickly, although nothing here is optimised.
+inline bool same_bytes(std::span<const std::byte> a, std::span<const std::byte> b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size()) == 0);
+}
+
+inline std::vector<std::byte> body_of(const core::SampleBuffer& sample) {
+  const std::byte* body = sample.data + sample.header().body_offset;
+  return {body, body + sample.header().body_bytes};
+}
+
+/// An image whose bytes tell how far they are from the beginning.
+inline Image make_image(std::size_t data_bytes, std::uint32_t seed = 1) {
+  Image image{.stamp = {static_cast<std::int32_t>(seed), 7},
+              .name = "camera",
+              .height = seed,
+              .width = 2,
+              .data = {}};
+  image.data.resize(data_bytes);
+  constexpr std::size_t period = 1 << 16;  // copied, since these loops are not optimised
+  for (std::size_t i = 0; i < std::min(data_bytes, period); ++i)
+    image.data[i] = static_cast<std::uint8_t>(i * 31 + (i >> 8) + seed);
+  for (std::size_t at = period; at < data_bytes; at += period)
+    std::memcpy(&image.data[at], image.data.data(), std::min(data_bytes - at, period));
+  return image;
+}
+
+}  // namespace sft::udp::test

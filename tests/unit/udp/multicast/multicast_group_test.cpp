@@ -1,0 +1,228 @@
+#include "udp_transport/multicast/multicast_group.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "tests/unit/udp/connections.h"
+#include "tests/unit/udp/messages.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Image;
+
+constexpr std::uint32_t writer = 7, number = 2;
+
+/// Members 0 to 2 are served reliably, and in the channel of each something else was before; member 3 is not.
+class MulticastGroupTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::vector<MulticastGroup::Member> members;
+    for (std::uint16_t i = 0; i < 4; ++i) {
+      const auto to = directory_.find({.ip = core::loopback_ipv4, .port = static_cast<std::uint16_t>(i + 1)});
+      auto channel = i == 3 ? nullptr : std::make_shared<Channel>(writer, i + 1U, to, tally_, 9);
+      for (std::uint16_t n = 0; channel != nullptr && n < i; ++n) keep(*channel, job(8), false);
+      members.push_back({std::make_shared<Lane>(to, 4, tally_), std::move(channel)});
+    }
+    const auto to = directory_.find({.ip = core::IpAddress(private_groups + 1), .port = group_port});
+    group = MulticastGroup::make({writer, number, private_groups + 1}, std::make_shared<Lane>(to, 4, tally_),
+                                 std::move(members), 9);
+  }
+
+  JobHandle job(std::size_t bytes) {
+    const FieldMask all = test::fields<Image>("*");
+    const Image image = test::make_image(bytes);
+    core::SampleHandle sample = memory_->take(test::sample_bytes(image, all));
+    test::fill(*sample, image, all, writer, 1);
+    JobHandle made = jobs_->take();
+    const TypeSupport& type = test::type_support<Image>();
+    made->projection.project(core::state_of(*sample, type.slots()), type.type(), all);
+    made->mask = std::make_shared<WireMask>(WireMask{5, all.hash(), {}});
+    made->first.label = {writer, 1, 5};
+    made->first.total = static_cast<std::uint32_t>(made->projection.bytes());
+    made->sample = std::move(sample);
+    return made;
+  }
+  static std::uint64_t keep(Channel& channel, const JobHandle& job, bool elsewhere) {
+    return channel.post_shared(job, job->first, elsewhere).kept.ordinal;
+  }
+  /// It has not left yet.
+  JobHandle place(std::size_t bytes = 8) {
+    const JobHandle sent = job(bytes);
+    const std::uint64_t ordinal = group->next_ordinal(now);
+    for (std::size_t i = 0; i < 3; ++i)
+      group->placed(i, ordinal, keep(*group->members()[i].channel, sent, group->hears(i)));
+    sent->first.group = {number, 0, ordinal};
+    return sent;
+  }
+  /// Returns the ordinal in the group.
+  std::uint64_t send(std::size_t bytes = 8) {
+    const JobHandle sent = place(bytes);
+    group->left(*sent, false);
+    return sent->first.group.ordinal;
+  }
+  std::uint32_t name_of(std::size_t member) const { return group->farewell(member).member; }
+  void report(std::size_t member, std::uint64_t heard) {
+    group->hear({writer, number, name_of(member), heard}, now);
+  }
+  void all_report() {
+    const std::uint64_t ordinal = send();
+    for (std::uint32_t i = 0; i < 4; ++i) report(i, ordinal);
+  }
+  /// What is left of a request for that sample to be answered alone.
+  std::size_t ask(std::size_t member, std::uint64_t ordinal) {
+    Ack ack{.writer = writer, .channel = static_cast<std::uint32_t>(member + 1), .next = 1};
+    ack.missing[ack.missing_count++] = {static_cast<std::uint32_t>(ordinal + member), 0, 0};
+    told += group->take_over_repairs(member, ack, now) ? 1 : 0;
+    return ack.missing_count;
+  }
+  /// Samples that wait to be sent to the group.
+  std::size_t sent_again() {
+    std::size_t count = 0;
+    while (group->lane()->next() != nullptr) ++count;
+    return count;
+  }
+
+  GroupMembership::Time now{1h};
+  std::shared_ptr<MulticastGroup> group;
+  int told = 0;
+
+ private:
+  std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
+  std::shared_ptr<JobPool> jobs_ = JobPool::make();
+  std::shared_ptr<WriterTally> tally_ = std::make_shared<WriterTally>();
+  test::Connections connections_;
+  DestinationDirectory directory_{DestinationLimits{}, connections_.connect()};
+};
+
+TEST_F(MulticastGroupTest, IsOfferedOnceItIsKnownHowFarTheChannelIsAhead) {
+  auto offers = group->offers(now);
+  ASSERT_EQ(offers.size(), 1U) << "of the one without a channel";
+  EXPECT_EQ(offers[0].member, 3U);
+  send();
+  offers = group->offers(now);
+  ASSERT_EQ(offers.size(), 3U);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    const GroupOffer offer{.writer = writer,
+                           .group = number,
+                           .member = name_of(i),
+                           .port = 9,
+                           .address = private_groups + 1,
+                           .channel = i + 1,
+                           .ahead = i};
+    EXPECT_EQ(offers[i].offer, offer);
+  }
+}
+
+TEST_F(MulticastGroupTest, BelievesNoReportOfWhatWasNotSent) {
+  report(0, 1);
+  EXPECT_FALSE(group->hears(0));
+  send();
+  report(0, 2);
+  EXPECT_FALSE(group->hears(0));
+  for (const std::uint32_t name : {0U, 1U, 4U, name_of(1) - 1, name_of(0) + 1, name_of(0) ^ 0x10000}) {
+    group->hear({writer, number, name, 1}, now);
+    EXPECT_FALSE(group->hears(0) || group->hears(1)) << "a report of one that was altered is nobody else's";
+  }
+  report(0, 1);
+  EXPECT_TRUE(group->hears(0));
+  EXPECT_FALSE(group->hears(1));
+}
+
+TEST_F(MulticastGroupTest, IsOverWhenSomethingElseTookAPlaceInAChannel) {
+  all_report();
+  keep(*group->members()[1].channel, job(8), false);
+  EXPECT_FALSE(group->broken());
+  send();
+  EXPECT_TRUE(group->broken());
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_FALSE(group->hears(i)) << i;
+  EXPECT_TRUE(group->members()[1].channel->sent_elsewhere(4)) << "and can be asked for";
+  now += 1min;
+  EXPECT_TRUE(group->offers(now).empty());
+}
+
+TEST_F(MulticastGroupTest, TellsOfWhatLeavesOnceTheSendingThreadHasLooked) {
+  all_report();
+  Channel& channel = *group->members()[0].channel;
+  const auto piece = channel.next(ResendWindow::Size::small).value();
+  static_cast<void>(channel.finished(piece, std::chrono::steady_clock::now()));
+  ASSERT_TRUE(channel.look_after().heartbeat);
+  static_cast<void>(channel.hear({.writer = writer, .channel = 1, .next = 2}));
+  ASSERT_TRUE(channel.look_after().at_rest);
+  const JobHandle sent = place();
+  EXPECT_EQ(channel.look_after().next_look, Channel::Time::max());
+  EXPECT_TRUE(group->has_left(*sent, false));
+  EXPECT_FALSE(group->has_left(*sent, false)) << "that was told";
+}
+
+TEST_F(MulticastGroupTest, IsThereAsLongAsSomethingWaitsInItsLane) {
+  all_report();
+  const std::shared_ptr<Channel> channel = group->members()[0].channel;
+  const std::shared_ptr<Lane> lane = MulticastGroup::lane_of(group);
+  lane->post(place());
+  group = nullptr;
+  ASSERT_NE(lane->next(), nullptr);
+  EXPECT_FALSE(channel->sent_elsewhere(2));
+  EXPECT_EQ(lane->next(), nullptr);
+  EXPECT_TRUE(channel->sent_elsewhere(2));
+}
+
+TEST_F(MulticastGroupTest, AnswersAloneWhoDoesNotHearIt) {
+  const std::uint64_t lost = send();
+  report(0, lost);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(ask(i, lost), 1U);
+}
+
+TEST_F(MulticastGroupTest, SendsAgainToAllWhatASecondOneAsksForAndAnswersOthersNoMore) {
+  all_report();
+  const std::uint64_t lost = send(), other = send();
+  EXPECT_EQ(ask(0, lost), 1U) << "the first is answered alone";
+  EXPECT_EQ(ask(0, lost), 1U) << "once more";
+  EXPECT_EQ(ask(1, other), 1U);
+  EXPECT_EQ(told, 0);
+  EXPECT_EQ(ask(1, lost), 0U);
+  EXPECT_EQ(ask(2, lost), 0U);
+  EXPECT_EQ(told, 1);
+  EXPECT_EQ(sent_again(), 1U);
+  EXPECT_EQ(ask(1, lost), 1U) << "it lost that as well";
+  now += 100ms;
+  EXPECT_EQ(ask(2, lost), 1U) << "that did not help it";
+}
+
+TEST_F(MulticastGroupTest, TakesWhatIsAskedForWithinATenthOfASecondForLostTogether) {
+  all_report();
+  const std::uint64_t first = send(), second = send();
+  EXPECT_EQ(ask(0, first), 1U);
+  now += 99ms;
+  EXPECT_EQ(ask(1, first), 0U);
+  EXPECT_EQ(ask(0, second), 1U);
+  now += 100ms;
+  EXPECT_EQ(ask(1, second), 1U);
+  EXPECT_EQ(sent_again(), 1U);
+}
+
+/// Each channel has places from before the group.
+TEST_F(MulticastGroupTest, AnswersEachAloneOfASampleThatAnotherGroupWasSent) {
+  all_report();
+  JobHandle sent = job(8);
+  const std::uint64_t ordinal = group->next_ordinal(now);
+  for (std::size_t i = 0; i < 3; ++i)
+    group->placed(i, ordinal, keep(*group->members()[i].channel, sent, group->hears(i)));
+  sent->first.group = {number + 1, 0, ordinal};
+  group->left(*sent, false);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(ask(i, ordinal), 1U);
+  EXPECT_EQ(sent_again(), 0U);
+}
+
+TEST_F(MulticastGroupTest, AnswersEachAloneOfALargeSample) {
+  all_report();
+  const std::uint64_t lost = send(20'000);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(ask(i, lost), 1U);
+  EXPECT_EQ(sent_again(), 0U);
+}
+
+}  // namespace
+}  // namespace sft::udp

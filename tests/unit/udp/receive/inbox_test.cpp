@@ -1,0 +1,165 @@
+#include "udp_transport/receive/inbox.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "core/seam/buffer_pool.h"
+
+namespace sft::udp {
+namespace {
+
+class InboxTest : public testing::Test {
+ protected:
+  using Taken = std::vector<std::pair<core::EndpointId, std::uint64_t>>;  ///< writers and sequences
+
+  void deliver(core::EndpointId writer, std::uint64_t from, std::uint64_t to,
+               std::uint64_t oldest_retained = 0) {
+    for (std::uint64_t sequence = from; sequence <= to; ++sequence) {
+      core::SampleHandle sample = memory_->take(1000);
+      ASSERT_TRUE(sample);
+      sample->header().writer = writer;
+      sample->header().sequence = sequence;
+      sample->oldest_retained = oldest_retained;
+      sample->addressee = oldest_retained == 0 ? 0 : 1;
+      inbox_.deliver(std::move(sample));
+    }
+  }
+  Taken take_all() {
+    Taken taken;
+    while (const core::SampleHandle sample = inbox_.take())
+      taken.emplace_back(sample->header().writer, sample->header().sequence);
+    return taken;
+  }
+
+  std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(20 * (1024 + 128));
+  Inbox inbox_{3, nullptr};
+};
+
+TEST_F(InboxTest, GivesWhatAWriterSentBeforeItWent) {
+  inbox_.connect({1});
+  deliver(1, 1, 2);
+  inbox_.disconnect(1);
+  deliver(1, 3, 3);
+  EXPECT_EQ(take_all(), (Taken{{1, 1}, {1, 2}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 0U);
+}
+
+TEST_F(InboxTest, KeepsNoMoreOfAllWritersThatWentThanOfOne) {
+  for (core::EndpointId writer = 1; writer <= 1000; ++writer) {
+    inbox_.connect({writer});
+    deliver(writer, 1, 2);
+    inbox_.disconnect(writer);
+  }
+  EXPECT_EQ(take_all(), (Taken{{999, 2}, {1000, 1}, {1000, 2}}));
+  EXPECT_EQ(inbox_.discarded(), 1997U);
+}
+
+TEST_F(InboxTest, LeavesTheQueuesOfConnectedWritersAlone) {
+  inbox_.connect({1});
+  inbox_.connect({2});
+  deliver(1, 1, 3);
+  for (core::EndpointId writer = 3; writer <= 10; ++writer) {
+    inbox_.connect({writer});
+    deliver(writer, 1, 3);
+    inbox_.disconnect(writer);
+  }
+  EXPECT_EQ(take_all(), (Taken{{1, 1}, {1, 2}, {1, 3}, {10, 1}, {10, 2}, {10, 3}}));
+}
+
+TEST_F(InboxTest, TellsHowManyMoreSamplesOfAWriterCanWait) {
+  inbox_.connect({.writer = 7});
+  inbox_.connect({.writer = 8});
+  EXPECT_EQ(inbox_.room(7), 3U);
+  deliver(7, 1, 2);
+  EXPECT_EQ(inbox_.room(7), 1U);
+  EXPECT_EQ(inbox_.room(8), 3U);
+  deliver(7, 3, 5);
+  EXPECT_EQ(inbox_.room(7), 0U);
+  take_all();
+  EXPECT_EQ(inbox_.room(7), 3U);
+}
+
+/// A subscriber counts the gaps in a writer's sequences; it sees none behind the last sample, nor before the
+/// first.
+TEST_F(InboxTest, CountsLossesThatNoSequenceShows) {
+  inbox_.connect({1});
+  deliver(1, 1, 3);
+  EXPECT_EQ(inbox_.take()->header().sequence, 1U);
+  inbox_.connect({2});
+  deliver(2, 1, 3);
+  inbox_.disconnect(1);
+  inbox_.disconnect(2);  // 5 samples: 2 and 3 of the first writer go
+  EXPECT_EQ(inbox_.lost_unnoticed(), 2U);
+
+  inbox_.connect({3});
+  deliver(3, 1, 1);
+  inbox_.disconnect(3);  // 1 of the second goes, of which nothing was taken yet
+  EXPECT_EQ(take_all(), (Taken{{2, 2}, {2, 3}, {3, 1}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 3U);
+}
+
+TEST_F(InboxTest, CountsWhatWasPushedOutBeforeTheFirstSampleWasTaken) {
+  inbox_.connect({1});
+  deliver(1, 1, 5);
+  EXPECT_EQ(take_all(), (Taken{{1, 3}, {1, 4}, {1, 5}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 2U);
+  deliver(1, 6, 10);
+  EXPECT_EQ(take_all(), (Taken{{1, 8}, {1, 9}, {1, 10}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 2U) << "a gap tells of 6 and 7";
+}
+
+TEST_F(InboxTest, CountsWhatWasPushedOutBeforeAllThatWasLeftBehind) {
+  inbox_.connect({1});
+  deliver(1, 1, 1);
+  EXPECT_EQ(take_all(), (Taken{{1, 1}}));
+  deliver(1, 2, 6);  // 2 and 3 go
+  inbox_.disconnect(1);
+  inbox_.connect({2});
+  deliver(2, 1, 3);
+  inbox_.disconnect(2);  // and the rest
+  EXPECT_EQ(take_all(), (Taken{{2, 1}, {2, 2}, {2, 3}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 5U);
+}
+
+TEST_F(InboxTest, LeavesLossesThatASequenceShowsToIt) {
+  inbox_.connect({1});
+  deliver(1, 1, 3);
+  EXPECT_EQ(inbox_.take()->header().sequence, 1U);
+  inbox_.connect({2});
+  deliver(2, 1, 2);
+  inbox_.disconnect(1);
+  inbox_.disconnect(2);  // 4 samples: 2 of the first writer goes
+  EXPECT_EQ(take_all(), (Taken{{1, 3}, {2, 1}, {2, 2}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 0U);
+}
+
+/// What was sent first of a writer's history is known from each sample of it.
+TEST_F(InboxTest, LeavesLossesOfRetainedSamplesToTheirReader) {
+  inbox_.connect({1});
+  deliver(1, 11, 13, 11);
+  inbox_.connect({2});
+  deliver(2, 1, 1);
+  inbox_.disconnect(1);
+  inbox_.disconnect(2);  // 4 samples: 11 of the first writer goes
+  EXPECT_EQ(take_all(), (Taken{{1, 12}, {1, 13}, {2, 1}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 0U);
+}
+
+TEST_F(InboxTest, TakesNothingOfADurableWriterUntilSomethingForItsReaderAloneCame) {
+  inbox_.connect({.writer = 1, .history_first = true});
+  deliver(1, 5, 6);
+  EXPECT_EQ(inbox_.history(1), core::HistoryProgress::awaited);
+  deliver(1, 4, 5, 4);
+  EXPECT_NE(inbox_.history(1), core::HistoryProgress::awaited);
+  deliver(1, 6, 6);
+  EXPECT_EQ(take_all(), (Taken{{1, 4}, {1, 5}, {1, 6}}));
+  EXPECT_EQ(inbox_.discarded(), 0U);
+  inbox_.disconnect(1);
+  inbox_.connect({.writer = 1, .history_first = true});
+  EXPECT_EQ(inbox_.history(1), core::HistoryProgress::awaited) << "it may have forgotten us";
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,90 @@
+#include "udp_transport/receive/keep_last_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "core/seam/buffer_pool.h"
+
+namespace sft::udp {
+namespace {
+
+class KeepLastQueueTest : public testing::Test {
+ protected:
+  using Put = KeepLastQueue::Put;
+  using Sequences = std::vector<std::uint64_t>;
+
+  Put put(std::uint64_t sequence) {
+    core::SampleHandle sample = pool_->take(100);
+    sample->header().sequence = sequence;
+    const Put result = queue_.put(sample, ++arrivals_);
+    if (result == Put::pushed_out) pushed_out_.push_back(sample->header().sequence);
+    return result;
+  }
+  std::uint64_t pop() { return queue_.pop()->header().sequence; }
+  Sequences pop_all() {
+    Sequences sequences;
+    while (!queue_.empty()) sequences.push_back(pop());
+    return sequences;
+  }
+
+  std::shared_ptr<core::BufferPool> pool_ = core::BufferPool::make(1 << 20);
+  KeepLastQueue queue_{3};
+  std::uint64_t arrivals_ = 0;
+  Sequences pushed_out_;
+};
+
+TEST_F(KeepLastQueueTest, GivesSamplesInTheOrderOfTheirSequences) {
+  for (const std::uint64_t sequence : {5U, 7U, 6U}) EXPECT_EQ(put(sequence), Put::kept);
+  EXPECT_EQ(pop_all(), (Sequences{5, 6, 7}));
+}
+
+TEST_F(KeepLastQueueTest, PushesTheOldestOut) {
+  for (std::uint64_t sequence = 1; sequence <= 10; ++sequence) put(sequence);
+  EXPECT_EQ(pushed_out_, (Sequences{1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_EQ(pop_all(), (Sequences{8, 9, 10}));
+}
+
+TEST_F(KeepLastQueueTest, TakesNoSampleTwice) {
+  put(1);
+  EXPECT_EQ(put(1), Put::repeated);
+  EXPECT_EQ(pop(), 1U);
+  EXPECT_EQ(put(1), Put::late);
+}
+
+TEST_F(KeepLastQueueTest, RefusesWhatIsOlderThanOneAlreadyTaken) {
+  put(5);
+  pop();
+  EXPECT_EQ(put(4), Put::late);
+  EXPECT_EQ(put(6), Put::kept);
+}
+
+TEST_F(KeepLastQueueTest, RefusesALateSampleThatWouldBeTheOldestOfAFullQueue) {
+  for (const std::uint64_t sequence : {5U, 6U, 7U}) put(sequence);
+  EXPECT_EQ(put(4), Put::late);
+  EXPECT_EQ(pop_all(), (Sequences{5, 6, 7}));
+}
+
+TEST_F(KeepLastQueueTest, SortsALateSampleIntoAFullQueue) {
+  for (const std::uint64_t sequence : {4U, 6U, 8U}) put(sequence);
+  EXPECT_EQ(put(7), Put::pushed_out);
+  EXPECT_EQ(pushed_out_, (Sequences{4}));
+  EXPECT_EQ(pop_all(), (Sequences{6, 7, 8}));
+}
+
+TEST_F(KeepLastQueueTest, KeepsItsOrderWhileItGrowsAndTurns) {
+  KeepLastQueue queue(100);
+  std::uint64_t next = 1, expected = 1;
+  for (int round = 0; round < 500; ++round) {
+    for (int i = 0; i < 3; ++i) {
+      core::SampleHandle sample = pool_->take(100);
+      sample->header().sequence = next++;
+      ASSERT_NE(queue.put(sample, next), Put::late);
+      if (sample) expected = sample->header().sequence + 1;
+    }
+    for (int i = 0; i < (round % 4 == 0 ? 1 : 2); ++i) ASSERT_EQ(queue.pop()->header().sequence, expected++);
+  }
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,53 @@
+// Which writers the readers of a transport may hear at the same time.
+#include "udp_transport/receive/subscriptions.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/udp/datagrams.h"
+
+namespace sft::udp {
+namespace {
+
+class SubscriptionsTest : public testing::Test {
+ protected:
+  SubscriptionsTest() { directory_.add(1, inbox_, test::type_support<test::Image>()); }
+
+  bool connects(core::EndpointId writer) {
+    return directory_.connect(*inbox_, {.writer = writer}).has_value();
+  }
+  void dies(core::EndpointId writer) { directory_.announced(*inbox_, {.writer = writer, .alive = false}); }
+  static core::EndpointId twin(std::uint64_t number) { return (number << 32) + 5; }
+
+  std::shared_ptr<Inbox> inbox_ = std::make_shared<Inbox>(1, nullptr);
+  SubscriptionDirectory directory_;
+};
+
+TEST_F(SubscriptionsTest, WritersWithOneShortIdAreHeardBesideEachOther) {
+  EXPECT_TRUE(connects(twin(0)));
+  EXPECT_TRUE(connects(twin(1)));
+  EXPECT_EQ(directory_.enter()->streams.size(), 2U);
+  directory_.leave();
+}
+
+TEST_F(SubscriptionsTest, AtMost64LivingWritersWithOneShortIdAreHeard) {
+  for (std::uint64_t number = 0; number < 64; ++number) EXPECT_TRUE(connects(twin(number))) << number;
+  EXPECT_FALSE(connects(twin(64)));
+  EXPECT_TRUE(connects(twin(3))) << "it is one of them";
+  EXPECT_TRUE(connects(6)) << "another short id";
+  dies(twin(7));
+  EXPECT_TRUE(connects(twin(64)));
+}
+
+TEST_F(SubscriptionsTest, WhatAWriterAnnouncesAnewIsTakenOver) {
+  ASSERT_TRUE(directory_.connect(*inbox_, {.writer = 6, .max_sample_bytes = 1}));
+  directory_.announced(*inbox_, {.writer = 6, .max_sample_bytes = 1000, .reliable = true, .waits = true});
+  const auto subscriptions = directory_.enter();
+  ASSERT_EQ(subscriptions->streams.size(), 1U);
+  EXPECT_EQ(subscriptions->streams[0].max_sample_bytes, 1000U);
+  EXPECT_TRUE(subscriptions->streams[0].reliable);
+  EXPECT_TRUE(subscriptions->streams[0].waits);
+  directory_.leave();
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,144 @@
+#include "udp_transport/reliable/channel.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "tests/unit/udp/connections.h"
+#include "tests/unit/udp/jobs.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t large = 5'000'000;  // two of them are more than stays in caches
+
+class ChannelTest : public testing::Test {
+ protected:
+  JobHandle job(std::size_t bytes) {
+    JobHandle made = jobs->take();
+    made->pack(std::vector<std::byte>(bytes));
+    made->seal();
+    return made;
+  }
+  Channel::Posted post(std::size_t bytes) {
+    const JobHandle posted = job(bytes);
+    return channel.post(posted, posted->first, false, &patience);
+  }
+  void ack(std::uint64_t next) {
+    while (const auto piece = channel.next(ResendWindow::Size::large))
+      static_cast<void>(channel.finished(*piece, {}));
+    static_cast<void>(channel.hear({.writer = 7, .channel = 3, .next = next}));
+  }
+
+  std::chrono::nanoseconds patience = 60s;
+  std::shared_ptr<JobPool> jobs = JobPool::make();
+  test::Connections connections;
+  DestinationDirectory destinations{{}, connections.connect()};
+  Channel channel{7, 3, destinations.find({.ip = 1, .port = 1}), std::make_shared<WriterTally>(), 5000};
+};
+
+TEST_F(ChannelTest, HoldsUpForAMomentWhoWouldRunAheadOfTheCaches) {
+  EXPECT_FALSE(post(large).waited);
+  EXPECT_FALSE(post(large).waited) << "one is encoded while the other one is sent";
+  EXPECT_EQ(patience, 60s);
+  const Channel::Posted third = post(large);
+  EXPECT_TRUE(third.waited);
+  EXPECT_EQ(third.kept.ordinal, 3u);
+  EXPECT_EQ(third.kept.dropped, 0u);
+  EXPECT_LT(patience, 60s);
+  EXPECT_GT(patience, 30s) << "nothing is lost by going on";
+}
+
+TEST_F(ChannelTest, HoldsUpNobodyOnceWhatWasSentIsAcknowledged) {
+  post(large);
+  post(large);
+  ack(2);
+  EXPECT_FALSE(post(large).waited);
+}
+
+TEST_F(ChannelTest, HoldsUpNobodyWhoIsNotPatient) {
+  patience = 0ns;
+  post(large);
+  post(large);
+  const JobHandle third = job(large);
+  EXPECT_FALSE(channel.post(third, third->first, false).waited);
+}
+
+TEST_F(ChannelTest, HoldsUpNoSmallSamples) {
+  for (int i = 0; i < 1000; ++i) ASSERT_FALSE(post(1000).waited) << i;
+}
+
+TEST_F(ChannelTest, UsesUpAllPatienceBeforeSamplesAreLost) {
+  bool lost = false;
+  for (int i = 0; i < 20 && !lost; ++i) {
+    patience = 20ms;
+    lost = post(large).kept.dropped > 0;
+  }
+  EXPECT_TRUE(lost);
+  EXPECT_EQ(patience, 0ns);
+}
+
+class ChannelHeartbeatTest : public testing::Test {
+ protected:
+  /// Sent by its publisher, at that time.
+  void send(std::uint64_t sequence, Channel::Time at) {
+    const JobHandle job = test::make_job(*jobs_, sequence);
+    const Channel::Posted posted = channel_.post(job, job->first, true);
+    ASSERT_TRUE(posted.piece);
+    static_cast<void>(channel_.finished(*posted.piece, at));
+  }
+  static Ack ack(std::uint64_t next) { return {.writer = 1, .channel = 1, .next = next}; }
+  static Ack asking_for(std::uint32_t ordinal, std::uint64_t next) {
+    Ack asking = ack(next);
+    asking.missing[asking.missing_count++] = {ordinal, 0, 0};
+    return asking;
+  }
+
+  std::shared_ptr<JobPool> jobs_ = JobPool::make();
+  test::Connections connections_;
+  DestinationDirectory destinations_{{}, connections_.connect()};
+  Channel channel_{1, 1, destinations_.find({.ip = 0x7F000001, .port = 1}), std::make_shared<WriterTally>(),
+                   7};
+  Channel::Time now_ = std::chrono::steady_clock::now();
+};
+
+TEST_F(ChannelHeartbeatTest, PartsWhereAcksAreOfWhatWasNeverSent) {
+  send(1, now_);
+  static_cast<void>(channel_.hear(ack(9)));
+  EXPECT_FALSE(channel_.went_wrong());
+  EXPECT_TRUE(channel_.hear(ack(10))) << "the sending thread has to look";
+  EXPECT_TRUE(channel_.went_wrong());
+  const Channel::Care care = channel_.look_after();
+  ASSERT_TRUE(care.heartbeat);
+  EXPECT_EQ(care.heartbeat->first, care.heartbeat->end) << "nothing is left";
+  EXPECT_TRUE(care.at_rest);
+  EXPECT_EQ(channel_.tally().dropped, 1U);
+  EXPECT_FALSE(channel_.look_after().heartbeat);
+}
+
+TEST_F(ChannelHeartbeatTest, WakesASendingThreadThatLookedWhileNothingHadLeft) {
+  send(1, now_);
+  static_cast<void>(channel_.hear(ack(2)));
+  const JobHandle job = test::make_job(*jobs_, 2);
+  const Channel::Posted posted = channel_.post(job, job->first, true);
+  EXPECT_FALSE(posted.was_at_rest || posted.waits) << "it is attended to, and its publisher sends";
+  EXPECT_EQ(channel_.look_after().next_look, Channel::Time::max());
+  EXPECT_TRUE(channel_.finished(*posted.piece, now_)) << "if it gets lost, nobody asks for it";
+}
+
+TEST_F(ChannelHeartbeatTest, WakesTheSendingThreadForAHeartbeatThatIsDueSooner) {
+  send(1, now_);
+  EXPECT_TRUE(channel_.look_after().heartbeat);
+  send(2, now_ + 1h);
+  EXPECT_FALSE(channel_.hear(ack(2)));
+  EXPECT_GT(channel_.look_after().next_look, now_ + 30min);
+  EXPECT_TRUE(channel_.hear(asking_for(1, 2))) << "it is gone, and that has to be said";
+  EXPECT_FALSE(channel_.hear(asking_for(1, 2))) << "it is awake";
+  EXPECT_LT(channel_.look_after().next_look, now_ + 30min);
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,385 @@
+// The small decisions by which a reader comes back to a stream: which sequences, ordinals and channels it
+// believes.
+#include <gtest/gtest.h>
+
+#include "core/seam/buffer_pool.h"
+#include "udp_transport/receive/keep_last_queue.h"
+#include "udp_transport/reliable/channel_watch.h"
+#include "udp_transport/reliable/ordinal_watch.h"
+#include "udp_transport/reliable/sequence_watch.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+
+class ResyncOfSequences : public testing::Test {
+ protected:
+  bool believes(std::uint64_t sequence, std::uint64_t place = 0) {
+    return watch.believes({sequence, place, ++datagram, ++stamp_ns}, now);
+  }
+  SequenceWatch watch;
+  SequenceWatch::Time now{1h};
+  std::uint64_t datagram = 0;
+  std::int64_t stamp_ns = 0;
+};
+
+TEST_F(ResyncOfSequences, BelievesAnyFirstSequenceAndStepsWithinReach) {
+  EXPECT_TRUE(believes(5'000'000));
+  EXPECT_TRUE(believes(5'000'000 + SequenceWatch::reach));
+  EXPECT_EQ(watch.newest(), 5'000'000 + SequenceWatch::reach);
+  EXPECT_EQ(watch.numbering(), 0U);
+}
+
+TEST_F(ResyncOfSequences, BelievesAJumpOutOfReachOnlyWhenAnotherDatagramConfirmsIt) {
+  believes(100);
+  EXPECT_FALSE(believes(101 + SequenceWatch::reach));
+  EXPECT_EQ(watch.newest(), 100U);
+  EXPECT_TRUE(believes(102 + SequenceWatch::reach));
+  EXPECT_EQ(watch.numbering(), 1U);
+}
+
+TEST_F(ResyncOfSequences, ForgetsAJumpOnceATrueSequenceComes) {
+  believes(100);
+  EXPECT_FALSE(believes(1'000'000'000));
+  EXPECT_TRUE(believes(101));
+  EXPECT_FALSE(believes(1'000'000'001));
+}
+
+TEST_F(ResyncOfSequences, DoesNotLetADatagramConfirmItself) {
+  believes(100);
+  EXPECT_FALSE(watch.believes({1'000'000'000, 0, 99}, now));
+  EXPECT_FALSE(watch.believes({1'000'000'001, 0, 99}, now));
+}
+
+TEST_F(ResyncOfSequences, TakesARepetitionForAConfirmationOnlyAfterAWhile) {
+  believes(100);
+  EXPECT_FALSE(believes(1'000'000'000));
+  now += 9ms;
+  EXPECT_FALSE(believes(1'000'000'000)) << "the network repeats datagrams, too";
+  now += 1ms;
+  EXPECT_TRUE(believes(1'000'000'000));
+}
+
+TEST_F(ResyncOfSequences, BelievesAtOnceWhatAWriterCanHavePublishedWhileItWasNotHeard) {
+  believes(100);
+  now += 1min;
+  EXPECT_TRUE(believes(100'000'000));
+  EXPECT_EQ(watch.numbering(), 0U) << "all of these are lost";
+}
+
+TEST_F(ResyncOfSequences, BeginsAnewWhereLateSamplesAscendAndNothingNewComes) {
+  believes(100);
+  believes(60'000);
+  EXPECT_TRUE(believes(101));
+  now += 250ms;
+  EXPECT_TRUE(believes(102));
+  EXPECT_EQ(watch.numbering(), 1U);
+  EXPECT_EQ(watch.newest(), 102U);
+}
+
+TEST_F(ResyncOfSequences, StaysWithTheNewestWhereASlowPathBringsOlderSamplesLate) {
+  believes(100);
+  const std::int64_t before_the_newest = stamp_ns;
+  stamp_ns += 100;
+  believes(129);
+  now += 1s;
+  for (const std::uint64_t late : {108U, 109U, 110U})
+    EXPECT_TRUE(watch.believes({late, 0, ++datagram, before_the_newest}, now)) << late;
+  EXPECT_EQ(watch.numbering(), 0U);
+}
+
+TEST_F(ResyncOfSequences, BeginsAnewAfterManyLateSamplesInARowThatComeOverAWhile) {
+  believes(60'000);
+  const std::int64_t stamp_of_each = stamp_ns - 1;  // earlier than that of the newest one
+  const auto comes = [&](std::uint64_t late) {
+    now += 4ms;
+    watch.believes({late, 0, ++datagram, stamp_of_each}, now);
+  };
+  for (std::uint64_t late = 1; late < SequenceWatch::late_in_a_row; ++late) comes(late);
+  EXPECT_EQ(watch.numbering(), 0U);
+  comes(1'000);
+  EXPECT_EQ(watch.numbering(), 1U);
+}
+
+TEST_F(ResyncOfSequences, StaysWithTheNewestWhereManyOlderSamplesThatWereHeldUpComeAllAtOnce) {
+  for (std::uint64_t sequence = 1; sequence <= 10; ++sequence) believes(sequence);
+  believes(150);
+  now += 1ms;
+  for (std::uint64_t late = 11; late < 150; ++late) {
+    now += 1us;
+    EXPECT_TRUE(believes(late)) << late;
+  }
+  EXPECT_EQ(watch.numbering(), 0U);
+  EXPECT_EQ(watch.newest(), 150U);
+}
+
+TEST_F(ResyncOfSequences, DoesNotTakeRepairsForASignOfAWrongSequence) {
+  believes(1'000, 1'000);
+  now += 1s;
+  for (std::uint64_t late = 1; late < 200; ++late) believes(late, late);
+  EXPECT_EQ(watch.numbering(), 0U);
+}
+
+TEST_F(ResyncOfSequences, DoesNotTakeTrueSamplesForRepairsForEver) {
+  believes(1'000, 1'000);
+  for (std::uint64_t n = 1; n < SequenceWatch::late_in_a_row; ++n) believes(n, n);
+  now += 250ms;
+  EXPECT_EQ(watch.numbering(), 0U);
+  believes(SequenceWatch::late_in_a_row, SequenceWatch::late_in_a_row);
+  EXPECT_EQ(watch.numbering(), 1U);
+  EXPECT_FALSE(watch.newest_was_wrong()) << "it may be a long repair";
+}
+
+TEST_F(ResyncOfSequences, KnowsByTheirStampsWhatWasPublishedAfterAWrongSequenceCame) {
+  const auto claim = [&](std::uint64_t sequence, SequenceWatch::Time published, std::uint64_t place = 0) {
+    const std::chrono::nanoseconds by_its_clock = published.time_since_epoch() + 7h;
+    return watch.believes({sequence, place, ++datagram, by_its_clock.count()}, now);
+  };
+  for (std::uint64_t n = 1; n <= 10; ++n, now += 10ms) claim(n, now, n);
+  claim(60'000, now + 24h, 1'000);  // its stamp and its place are wrong as well
+  now += 10ms;
+  for (std::uint64_t n = 11; n <= 14; ++n) claim(n, now - 50ms, n);
+  now += 300ms;
+  claim(15, now - 350ms, 15);
+  EXPECT_EQ(watch.numbering(), 0U) << "these were under way before that";
+  claim(16, now, 16);
+  now += 250ms;
+  claim(17, now, 17);
+  EXPECT_EQ(watch.numbering(), 1U);
+  EXPECT_TRUE(watch.newest_was_wrong());
+}
+
+TEST_F(ResyncOfSequences, DoesNotTakeSamplesThatOvertookForOne) {
+  believes(1'000);
+  for (std::uint64_t i = 1; i < 200; ++i) {
+    believes(900 + i);
+    believes(1'000 + i);
+  }
+  EXPECT_EQ(watch.numbering(), 0U);
+}
+
+TEST_F(ResyncOfSequences, WidensToWhatWentOnBeforeAWrongSequenceCame) {
+  for (std::uint64_t n = 1; n <= 20; ++n) believes(n);
+  believes(0xffff'fff0);
+  believes(0xffff'fff1);
+  EXPECT_EQ(watch.widen(21), 21U);
+}
+
+TEST(ResyncOfQueues, TakeLowerSequencesOnceTheNumberingBeganAnew) {
+  const auto memory = core::BufferPool::make(std::size_t{1} << 20);
+  const auto sample = [&](std::uint64_t sequence, std::uint32_t numbering) {
+    core::SampleHandle made = memory->take(sizeof(SampleHeader));
+    made->header().sequence = made->sequence = sequence;
+    made->numbering = numbering;
+    return made;
+  };
+  KeepLastQueue queue(4);
+  core::SampleHandle wrong = sample(60'000, 0), late = sample(5, 0), anew = sample(5, 1), next = sample(6, 1);
+  queue.put(wrong, 1);
+  queue.pop();
+  EXPECT_EQ(queue.put(late, 2), KeepLastQueue::Put::late);
+  EXPECT_EQ(queue.put(anew, 3), KeepLastQueue::Put::kept);
+  EXPECT_EQ(queue.put(next, 4), KeepLastQueue::Put::kept);
+  EXPECT_EQ(queue.pop()->sequence, 5U);
+  core::SampleHandle waits = sample(70'000, 1), again = sample(7, 2);
+  queue.put(waits, 5);
+  EXPECT_EQ(queue.put(again, 6), KeepLastQueue::Put::kept);
+  EXPECT_EQ(queue.take_dropped(), 1U) << "what waits under a wrong sequence is dropped, and counted";
+  EXPECT_EQ(queue.size(), 2U);
+}
+
+class ResyncOfChannels : public testing::Test {
+ protected:
+  using Verdict = ChannelWatch::Verdict;
+  Verdict judge(std::uint32_t channel, std::uint64_t ordinal) {
+    return watch.judge({channel, ordinal, ordinal}, now);
+  }
+  ResyncOfChannels() {
+    judge(100, 1);
+    watch.turn(100, 1);
+  }
+  ChannelWatch watch;
+  ChannelWatch::Time now{1h};
+};
+
+TEST_F(ResyncOfChannels, TurnToAChannelThatBeginsAtOnce) {
+  EXPECT_EQ(judge(100, 5), Verdict::present);
+  EXPECT_EQ(judge(101, 1), Verdict::turn);
+  EXPECT_EQ(judge(4'000'000, 64), Verdict::turn);
+}
+
+TEST_F(ResyncOfChannels, TurnToAChannelThatIsUnderWayWhenItIsConfirmed) {
+  EXPECT_EQ(judge(101, 65), Verdict::ignore);
+  EXPECT_EQ(judge(100, 5), Verdict::present);
+  EXPECT_EQ(judge(101, 66), Verdict::ignore);
+  EXPECT_EQ(judge(101, 67), Verdict::turn);
+}
+
+TEST_F(ResyncOfChannels, TurnBackWhereTheyLeftWhenOnlyTheFormerOneIsHeard) {
+  EXPECT_EQ(watch.turn(101, 7), 1U);
+  judge(101, 1);
+  EXPECT_EQ(judge(100, 7), Verdict::ignore) << "it may have been under way";
+  EXPECT_EQ(judge(100, 8), Verdict::ignore);
+  now += 250ms;
+  EXPECT_EQ(judge(100, 6), Verdict::ignore) << "that has come";
+  EXPECT_EQ(judge(100, 9), Verdict::turn);
+  EXPECT_EQ(watch.turn(100, 1), 7U);
+}
+
+TEST_F(ResyncOfChannels, TurnBackToAFormerOneThatWasFollowedTooFar) {
+  watch.turn(101, 1'000'000);
+  judge(101, 1);
+  for (std::uint32_t i = 1; i < ChannelWatch::behind_in_a_row; ++i)
+    EXPECT_EQ(judge(100, 6 + i), Verdict::ignore) << "these may be late";
+  now += 250ms;
+  EXPECT_EQ(judge(100, 20), Verdict::turn);
+  EXPECT_EQ(watch.turn(100, 1), 20U) << "it goes on with what comes";
+}
+
+TEST_F(ResyncOfChannels, DoNotTurnBackForLateOnesWhileThePresentOneIsHeard) {
+  watch.turn(101, 1'000);
+  for (std::uint64_t i = 1; i < 100; ++i) {
+    now += 100ms;
+    EXPECT_EQ(judge(100, i), Verdict::ignore);
+    EXPECT_EQ(judge(100, i), Verdict::ignore);
+    EXPECT_EQ(judge(101, i), Verdict::present);
+  }
+}
+
+TEST_F(ResyncOfChannels, DoNotTurnToChannelsOfWhichNoneIsConfirmed) {
+  for (std::uint64_t ordinal = 65; ordinal < 200; ++ordinal) {
+    EXPECT_EQ(judge(200, ordinal), Verdict::ignore);
+    EXPECT_EQ(judge(300, ordinal), Verdict::ignore);
+  }
+}
+
+TEST_F(ResyncOfChannels, TakeOneDatagramForOneWitnessWhateverElseItSays) {
+  EXPECT_EQ(judge(101, 65), Verdict::ignore);
+  EXPECT_EQ(watch.judge({101, 66, 66, true}, now), Verdict::ignore);
+  EXPECT_EQ(judge(101, 67), Verdict::turn);
+}
+
+TEST_F(ResyncOfChannels, DoNotTurnBackForALargeSampleThatIsStillUnderWay) {
+  watch.turn(101, 7);
+  for (std::uint32_t i = 0; i < 2 * ChannelWatch::in_a_row; ++i)
+    EXPECT_EQ(judge(100, 8), Verdict::ignore) << "it is one ordinal";
+}
+
+TEST_F(ResyncOfChannels, DoNotTurnBackAtOnceForManyThatAreBehind) {
+  watch.turn(101, 1'000);
+  for (std::uint32_t i = 1; i < 2 * ChannelWatch::in_a_row; ++i)
+    EXPECT_EQ(judge(100, i), Verdict::ignore) << "they may be late";
+}
+
+TEST_F(ResyncOfChannels, TurnBackForTheVeryNextOneOfAFormerChannel) {
+  watch.turn(101, 7);
+  EXPECT_EQ(judge(100, 7), Verdict::ignore);
+  now += 250ms;
+  EXPECT_EQ(judge(100, 7), Verdict::turn);
+}
+
+TEST_F(ResyncOfChannels, TurnBackForManySamplesInARowThatAreNotBehind) {
+  watch.turn(101, 7);
+  for (std::uint32_t i = 1; i < ChannelWatch::in_a_row; ++i) EXPECT_EQ(judge(100, 6 + i), Verdict::ignore);
+  EXPECT_EQ(judge(100, 6 + ChannelWatch::in_a_row), Verdict::turn);
+}
+
+TEST_F(ResyncOfChannels, TurnToOneWithTheSameLowBitsNotForTwoDatagrams) {
+  constexpr std::uint32_t alike = 100 + (1U << 24);
+  EXPECT_EQ(judge(alike, 1), Verdict::ignore);
+  now += 250ms;
+  for (std::uint32_t i = 2; i < ChannelWatch::alike_in_a_row; ++i)
+    EXPECT_EQ(judge(alike, i), Verdict::ignore);
+  EXPECT_EQ(judge(alike, 4), Verdict::turn);
+}
+
+TEST_F(ResyncOfChannels, GoOnWhereTheyLeftAChannelLast) {
+  watch.turn(101, 7);
+  EXPECT_EQ(watch.turn(100, 1), 7U);
+  watch.turn(101, 20);
+  EXPECT_EQ(watch.turn(100, 1), 20U);
+}
+
+TEST_F(ResyncOfChannels, RememberTheLastEightChannels) {
+  for (std::uint32_t channel = 101; channel <= 120; ++channel) watch.turn(channel, 1);
+  EXPECT_TRUE(watch.knows(120));
+  EXPECT_TRUE(watch.knows(112));
+  EXPECT_FALSE(watch.knows(111));
+}
+
+TEST_F(ResyncOfChannels, IgnoreThoseJustBefore) {
+  EXPECT_EQ(judge(99, 1), Verdict::ignore);
+  EXPECT_EQ(judge(99, 2), Verdict::ignore);
+}
+
+TEST_F(ResyncOfChannels, DoNotTurnToOneWithTheSameLowBitsWhileThePresentOneIsHeard) {
+  constexpr std::uint32_t alike = 100 + (1U << 24);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(judge(alike, 1), Verdict::ignore);
+    EXPECT_EQ(judge(alike, 2), Verdict::ignore);
+    EXPECT_EQ(judge(100, 5), Verdict::present);
+  }
+  for (std::uint32_t i = 1; i < ChannelWatch::alike_in_a_row; ++i)
+    EXPECT_EQ(judge(alike, i), Verdict::ignore);
+  now += 250ms;
+  EXPECT_EQ(judge(alike, 9), Verdict::turn) << "the writer may have had as many channels";
+}
+
+TEST_F(ResyncOfChannels, WidenLowBitsToAChannelThatIsKnown) {
+  watch.turn(1'000'000, 1);
+  EXPECT_EQ(watch.widen(1'000'000 % 2048, 2048), 1'000'000U);
+  EXPECT_EQ(watch.widen(100, 2048), 100U);
+  EXPECT_EQ(watch.widen(1'000'001 % 2048, 2048), 1'000'001U);
+  EXPECT_EQ(watch.widen(999'999 % 2048, 2048), 999'999U);
+}
+
+TEST(ResyncOfOrdinals, GoBackToWhatWasPassedOverWhenNothingElseComes) {
+  OrdinalWatch watch;
+  OrdinalWatch::Time now{1h};
+  for (std::uint64_t ordinal = 1; ordinal <= 10; ++ordinal) watch.came(ordinal);
+  watch.advanced();
+  EXPECT_TRUE(watch.has_come(10));
+  EXPECT_FALSE(watch.has_come(11));
+  EXPECT_FALSE(watch.passed_over(10, false, now)) << "that is a repetition";
+  for (std::uint32_t i = 1; i < OrdinalWatch::doubted_by; ++i)
+    EXPECT_FALSE(watch.passed_over(10 + i, false, now)) << "it may come late";
+  now += 250ms;
+  EXPECT_EQ(watch.passed_over(30, false, now), 11U);
+}
+
+TEST(ResyncOfOrdinals, GoBackAfterManyInARowAndNotBefore) {
+  OrdinalWatch watch;
+  const OrdinalWatch::Time now{1h};
+  watch.advanced();
+  for (std::uint64_t ordinal = 1; ordinal < OrdinalWatch::passed_over_in_a_row; ++ordinal)
+    EXPECT_FALSE(watch.passed_over(ordinal, false, now));
+  EXPECT_EQ(watch.passed_over(200, false, now), 1U);
+  watch.advanced();
+  EXPECT_FALSE(watch.passed_over(201, false, now));
+}
+
+TEST(ResyncOfOrdinals, RememberWhatCameOnlyAsFarAsTheyCan) {
+  OrdinalWatch watch;
+  watch.came(1);
+  watch.came(OrdinalWatch::remembered);
+  EXPECT_TRUE(watch.has_come(1));
+  EXPECT_FALSE(watch.has_come(2));
+  watch.came(OrdinalWatch::remembered + 1);
+  EXPECT_FALSE(watch.has_come(1));
+  watch.came(std::uint64_t{1} << 62);
+  EXPECT_FALSE(watch.has_come(OrdinalWatch::remembered));
+  EXPECT_TRUE(watch.has_come(std::uint64_t{1} << 62));
+}
+
+TEST(ResyncOfOrdinals, AreConfirmedByOthersNearThem) {
+  OrdinalWatch watch;
+  OrdinalWatch::Time now{1h};
+  EXPECT_FALSE(watch.confirmed(1'000'000, false, now));
+  EXPECT_FALSE(watch.confirmed(1'000'001, true, now));
+  EXPECT_FALSE(watch.confirmed(2'000'000, false, now));
+  EXPECT_TRUE(watch.confirmed(2'000'001, false, now));
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,106 @@
+#include "udp_transport/send/fan_out.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "tests/unit/udp/connections.h"
+#include "tests/unit/udp/messages.h"
+
+namespace sft::udp {
+namespace {
+
+using test::Image;
+
+/// What was left is carried out when a test says so.
+class FanOutTest : public testing::Test {
+ protected:
+  FanOutTest() { side_->max_sample_bytes = std::size_t{1} << 20; }
+
+  /// Of a mask whose samples the publisher's thread has left.
+  std::shared_ptr<const RouteTable> routes(bool reliable) {
+    auto table = std::make_shared<RouteTable>();
+    Group& group = table->groups.emplace_back(Group{ProjectionPlan(type_.type(), FieldMask(all_)),
+                                                    nullptr,
+                                                    0,
+                                                    false,
+                                                    std::make_shared<WireMask>(WireMask{5, all_.hash(), {}}),
+                                                    {}});
+    const auto to = side_->destinations.find({.ip = core::loopback_ipv4, .port = 1});
+    if (reliable) channel_ = std::make_shared<Channel>(7, 1, to, tally_, 9);
+    group.lanes.push_back(std::make_shared<Lane>(to, 1000, tally_));
+    group.channels.push_back(channel_);
+    return table;
+  }
+  /// Returns how many had to go.
+  std::size_t leave(std::size_t samples, std::size_t bytes, const std::shared_ptr<const RouteTable>& routes) {
+    std::size_t dropped = 0;
+    const Image image = test::make_image(bytes);
+    for (std::uint64_t sequence = 1; sequence <= samples; ++sequence) {
+      core::SampleHandle sample = memory_->take(test::sample_bytes(image, all_));
+      test::fill(*sample, image, all_, 7, sequence);
+      dropped += fan_out_.post({std::move(sample), routes, 0, 1}).dropped_oldest ? 1 : 0;
+    }
+    return dropped;
+  }
+  /// Sends what waits in the channel: sequences.
+  std::vector<std::uint32_t> send() {
+    std::vector<std::uint32_t> sent;
+    for (const auto size : {ResendWindow::Size::small, ResendWindow::Size::large}) {
+      while (const auto piece = channel_->next(size)) {
+        sent.push_back(piece->first.label.sequence);
+        static_cast<void>(channel_->finished(*piece, std::chrono::steady_clock::now()));
+      }
+    }
+    return sent;
+  }
+  Heartbeat heartbeat() {
+    send();
+    return channel_->look_after().heartbeat.value();
+  }
+
+  FanOut& fan_out() { return fan_out_; }
+
+ private:
+  const TypeSupport& type_ = test::type_support<Image>();
+  const FieldMask all_ = test::fields<Image>("*");
+  std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{256} << 20);
+  test::Connections connections_;
+  std::shared_ptr<SendSide> side_ =
+      std::make_shared<SendSide>(std::make_unique<test::NoSender>(connections_), DestinationLimits{});
+  std::shared_ptr<WriterTally> tally_ = std::make_shared<WriterTally>();
+  FanOut fan_out_{{.id = 7, .type = &type_}, side_, tally_, JobPool::make()};
+  std::shared_ptr<Channel> channel_;
+};
+
+TEST_F(FanOutTest, KeepsTheNewestFewOfWhatIsNotReliable) {
+  EXPECT_EQ(leave(64, 100, routes(false)), 0U);
+  EXPECT_EQ(leave(3, 100, routes(false)), 3U);
+}
+
+TEST_F(FanOutTest, KeepsOfWhatIsReliableAsMuchAsChannelsDo) {
+  const auto reliable = routes(true);
+  EXPECT_EQ(leave(100, 100, reliable), 0U);
+  EXPECT_EQ(leave(20, 100'000, reliable), 0U);
+  fan_out().carry_out();
+  EXPECT_TRUE(fan_out().done());
+  const Heartbeat kept = heartbeat();
+  EXPECT_EQ(kept.first, 1U);
+  EXPECT_EQ(kept.end, 121U);
+}
+
+TEST_F(FanOutTest, DropsTheOldestOfWhatIsReliableOnceItIsMoreThanChannelsKeep) {
+  const std::size_t dropped = leave(100, 1'000'000, routes(true));
+  EXPECT_GT(dropped, 0U);
+  fan_out().carry_out();
+  EXPECT_TRUE(fan_out().done());
+  const std::vector<std::uint32_t> sent = send();
+  ASSERT_FALSE(sent.empty());
+  for (std::size_t i = 0; i < sent.size(); ++i) EXPECT_EQ(sent[i], 101 - sent.size() + i);
+  EXPECT_EQ(sent.size(), 100 - dropped);
+}
+
+}  // namespace
+}  // namespace sft::udp

@@ -1,0 +1,100 @@
+#include "udp_transport/send/sender.h"
+
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <future>
+#include <mutex>
+#include <set>
+#include <vector>
+
+#include "tests/unit/udp/jobs.h"
+
+namespace sft::udp {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+/// Connections that never have room, and notices when one is waited for that is gone.
+class FullIo final : public DatagramSender {
+ public:
+  struct Seen {
+    std::set<const Connection*> open;
+    std::vector<const Connection*> waiting;
+    std::function<void()> when_one_waits;
+    std::promise<void> one_closed;
+    std::size_t awaited_closed = 0;
+  };
+  explicit FullIo(Seen& seen) : seen_(seen) {}
+
+  std::unique_ptr<Connection> connect(const SocketAddress&) override { return std::make_unique<Full>(seen_); }
+  std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress&) override {
+    return connect(group);
+  }
+  void await(Clock::time_point deadline) noexcept override {
+    for (const Connection* connection : seen_.waiting)
+      seen_.awaited_closed += seen_.open.contains(connection) ? 0 : 1;
+    seen_.waiting.clear();
+    std::unique_lock lock(mutex_);
+    const auto woken = [this] { return std::exchange(woken_, false); };
+    deadline == Clock::time_point::max() ? woken_up_.wait(lock, woken)
+                                         : void(woken_up_.wait_until(lock, deadline, woken));
+  }
+  void send_to(const SocketAddress&, std::span<const std::byte>) noexcept override {}
+  void wake() noexcept override {
+    const std::scoped_lock lock(mutex_);
+    woken_ = true;
+    woken_up_.notify_one();
+  }
+
+ private:
+  class Full final : public Connection {
+   public:
+    explicit Full(Seen& seen) : seen_(seen) { seen_.open.insert(this); }
+    ~Full() override {
+      seen_.open.erase(this);
+      seen_.one_closed.set_value();
+    }
+    Sent try_send(std::span<const OutgoingBatch>) noexcept override { return {0, SendOutcome::would_wait}; }
+    void reconnect() noexcept override {}
+    void redirect(const SocketAddress&) noexcept override {}
+    void wait_for_room() noexcept override {
+      seen_.waiting.push_back(this);
+      seen_.when_one_waits();
+    }
+    bool full() const noexcept override { return false; }
+
+   private:
+    Seen& seen_;
+  };
+
+  Seen& seen_;
+  std::mutex mutex_;
+  std::condition_variable woken_up_;
+  bool woken_ = false;
+};
+
+TEST(SenderTest, WaitsForNoConnectionOfAChannelThatIsAtRest) {
+  const auto jobs = JobPool::make();
+  FullIo::Seen seen;
+  Sender sender(std::make_unique<FullIo>(seen));
+  DestinationDirectory destinations({}, [&](const SocketAddress& to) { return sender.connect(to); });
+  auto channel = std::make_shared<Channel>(1, 1, destinations.find({.ip = 0x7F000001, .port = 1}),
+                                           std::make_shared<WriterTally>(), 7);
+  const std::weak_ptr<Channel> same = channel;
+  seen.when_one_waits = [same] {  // the last of its samples is acknowledged meanwhile
+    if (const auto known = same.lock())
+      static_cast<void>(known->hear({.writer = 1, .channel = 1, .next = 2}));
+  };
+  const JobHandle job = test::make_job(*jobs, 1);
+  channel->post(job, job->first, false);
+  sender.schedule(std::move(channel));
+  ASSERT_TRUE(sender.start("sender"));
+  EXPECT_EQ(seen.one_closed.get_future().wait_for(10s), std::future_status::ready);
+  sender.stop();
+  EXPECT_EQ(seen.awaited_closed, 0U);
+}
+
+}  // namespace
+}  // namespace sft::udp

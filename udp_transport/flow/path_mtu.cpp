@@ -1,0 +1,68 @@
+#include "udp_transport/flow/path_mtu.h"
+
+#include <algorithm>
+#include <array>
+
+namespace sft::udp {
+
+namespace {
+/// Packets that links and tunnels are made for: IPv6 at least, mobile networks, tunnels of overlay networks,
+/// PPPoE, Ethernet, FDDI, jumbo frames.
+constexpr std::array<std::size_t, 7> packets{1280, 1400, 1450, 1492, 1500, 4352, 9000};
+}  // namespace
+
+PathMtu::PathMtu(std::size_t headers, std::size_t shortest, std::size_t kernel_says)
+    : headers_(headers), shortest_(shortest), ceiling_(std::max(kernel_says, shortest)), bytes_(ceiling_) {}
+
+/// Where the way has become another one, what was found out about the old one does not hold.
+void PathMtu::kernel_says(std::size_t bytes) {
+  bytes = std::max(bytes, shortest_);
+  if (bytes == ceiling_) return;
+  ceiling_ = bytes_ = bytes;
+  proven_ = 0;
+  too_long_ = none;
+  retry_after_ = retry_pause;
+  losses_ = 0;
+}
+
+void PathMtu::lost(Time now) {
+  if (losses_++ == 0) first_loss_ = now;
+  if (losses_ >= losses_max && now - first_loss_ >= patience) shorten(now);
+}
+
+/// To what has been found to work, or else to what nearly every path takes, and then to what each does.
+void PathMtu::shorten(Time now) {
+  losses_ = 0;
+  if (bytes_ == shortest_) return;
+  too_long_ = bytes_;
+  const std::size_t base = std::max(packet(packets.front()), shortest_);
+  if (proven_ != 0 && proven_ < bytes_) {
+    bytes_ = proven_;
+  } else {
+    bytes_ = bytes_ > base ? base : shortest_;
+    proven_ = 0;
+  }
+  next_try_ = now + retry_after_;
+  retry_after_ = std::min<Time::duration>(2 * retry_after_, retry_pause_max);
+}
+
+void PathMtu::arrived(Time now) {
+  losses_ = 0;
+  if (bytes_ <= proven_) return;
+  proven_ = bytes_;
+  if (next_longer() < too_long_) next_try_ = now + search_pause;
+}
+
+/// From what has arrived only: else nobody would notice that more does not.
+void PathMtu::look_after(Time now) {
+  if (bytes_ >= ceiling_ || proven_ < bytes_ || now < next_try_) return;
+  if (next_longer() >= too_long_) too_long_ = none;  // it may have been mended meanwhile
+  bytes_ = next_longer();
+}
+
+std::size_t PathMtu::next_longer() const {
+  const auto* step = std::ranges::find_if(packets, [&](std::size_t bytes) { return packet(bytes) > bytes_; });
+  return step == packets.end() ? ceiling_ : std::min(packet(*step), ceiling_);
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,58 @@
+// How many bytes per second may be sent, by a writer or by all of a transport, whichever thread sends them.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+
+#include "udp_transport/flow/pacer.h"
+
+namespace sft::udp {
+
+/// Small samples go as long as anything is left, large ones leave them a quarter of a burst. Any thread.
+class RateLimit {
+ public:
+  using Time = Pacer::Time;
+
+  /// 0: none.
+  explicit RateLimit(std::uint64_t bytes_per_s)
+      : limited_(bytes_per_s != 0),
+        batch_(limited_ ? static_cast<std::size_t>(bytes_per_s / 500) : SIZE_MAX),
+        reserve_(burst_for(bytes_per_s) / 4),
+        pacer_(bytes_per_s, burst_for(bytes_per_s)) {}
+
+  bool ready(bool small, Time now) {
+    if (!limited_) return true;
+    const std::scoped_lock lock(mutex_);
+    return pacer_.ready(now, small ? 0 : reserve_);
+  }
+  void spend(std::size_t bytes) {
+    if (!limited_) return;
+    const std::scoped_lock lock(mutex_);
+    pacer_.spend(bytes);
+  }
+  /// Of a large sample at a time: small ones that come then have to wait for no more.
+  std::size_t batch_bytes() const { return batch_; }
+  /// When to ask again, if nothing is spent until then.
+  Time next_ready(bool small, Time now) {
+    if (!limited_) return now;
+    const std::scoped_lock lock(mutex_);
+    return pacer_.next_ready(now, small ? 0 : reserve_);
+  }
+
+ private:
+  /// A train of datagrams, or what comes in 10 ms.
+  static std::size_t burst_for(std::uint64_t bytes_per_s) {
+    return static_cast<std::size_t>(std::max<std::uint64_t>(64 * 1024, bytes_per_s / 100));
+  }
+
+  const bool limited_;
+  const std::size_t batch_;
+  const std::size_t reserve_;
+  std::mutex mutex_;
+  Pacer pacer_;
+};
+
+}  // namespace sft::udp

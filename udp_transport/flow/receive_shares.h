@@ -1,0 +1,58 @@
+// Who sends to our socket at present, and what each of them may have under way: together no more than its
+// buffer holds. All addresses get the same, whatever says to be behind each. Pure.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp {
+
+class ReceiveShares {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  /// Senders that are known by their marks; more than these are answered with a very small share.
+  static constexpr std::size_t senders_max = 256;
+  /// Whoever has not marked anything for so long needs no share.
+  static constexpr std::chrono::milliseconds at_rest_after{500};
+  static constexpr std::size_t of_one_address_max = 64;
+
+  explicit ReceiveShares(std::size_t receive_buffer_bytes);
+
+  /// A datagram came.
+  void count(const SocketAddress& from) {
+    if (last_ < senders_.size() && senders_[last_].from == from) {
+      ++senders_[last_].came;
+    } else {
+      find_and_count(from);
+    }
+  }
+  /// What to answer.
+  FlowReport answer(const FlowMark& mark, const SocketAddress& from, Time now);
+
+  std::size_t senders() const { return senders_.size(); }
+
+ private:
+  struct Sender {
+    SocketAddress from;
+    std::uint32_t flow = 0;
+    std::uint32_t came = 0;   ///< datagrams, and all that it sent before it was known
+    std::size_t granted = 0;  ///< as it was told last
+    Time marked_at{};
+  };
+  void find_and_count(const SocketAddress& from);
+  std::size_t grant(Sender& sender) const;
+  auto of_address(const core::IpAddress& ip) const;
+  std::size_t addresses() const;
+  Sender* known_or_new(const FlowMark& mark, const SocketAddress& from);
+
+  const std::size_t usable_bytes_;
+  std::vector<Sender> senders_;  ///< by address
+  std::size_t last_ = 0;         ///< whose datagram came last
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,89 @@
+// UnprovenBudget limits what all destinations on one host together are sent before they report. Each may have
+// a few datagrams and marks (FlowLimits); however many of them somebody makes up, the host gets no more than
+// this. Any thread.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "core/platform/ip_address.h"
+
+namespace sft::udp {
+
+class UnprovenBudget {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  static constexpr std::size_t datagrams_max = 64;
+  /// One more datagram may be sent after each such time.
+  static constexpr std::chrono::seconds refill{1};
+  /// A host counts as one that answers for so long after a report.
+  static constexpr std::chrono::seconds answers_for{10};
+
+  std::size_t left(Time now) {
+    const std::scoped_lock lock(mutex_);
+    recover(now);
+    return datagrams_max - spent_;
+  }
+  void spend(std::size_t datagrams, Time now) {
+    const std::scoped_lock lock(mutex_);
+    recover(now);
+    spent_ = std::min(spent_ + datagrams, datagrams_max);
+  }
+  /// A destination that was sent so many has reported: they were welcome.
+  void give_back(std::size_t datagrams) {
+    const std::scoped_lock lock(mutex_);
+    spent_ -= std::min(spent_, datagrams);
+  }
+  /// Some destination there reports. Marks are welcome there for a while.
+  void answered(Time now) {
+    const std::scoped_lock lock(mutex_);
+    answered_at_ = now;
+  }
+  /// Returns whether one more mark may go to a destination that has had its own ones, and counts it then.
+  bool takes_mark(Time now) {
+    const std::scoped_lock lock(mutex_);
+    if (answered_at_ && now - *answered_at_ < answers_for) return true;
+    recover(now);
+    if (spent_ == datagrams_max) return false;
+    ++spent_;
+    return true;
+  }
+  bool is_unused(Time now) { return left(now) == datagrams_max; }
+
+ private:
+  void recover(Time now) {
+    if (spent_ == 0) since_ = now;
+    const auto steps = static_cast<std::size_t>(std::max<Time::duration>(now - since_, {}) / refill);
+    since_ += steps * refill;
+    spent_ -= std::min(spent_, steps);
+  }
+
+  std::mutex mutex_;
+  std::size_t spent_ = 0;
+  Time since_{};  ///< when one datagram was forgiven last
+  std::optional<Time> answered_at_{};
+};
+
+/// One for each host. Not thread-safe.
+class UnprovenBudgets {
+ public:
+  std::shared_ptr<UnprovenBudget> of(const core::IpAddress& host, UnprovenBudget::Time now) {
+    std::erase_if(budgets_, [&](const auto& entry) {
+      return entry.second.use_count() == 1 && entry.second->is_unused(now);
+    });
+    std::shared_ptr<UnprovenBudget>& budget = budgets_[host];
+    if (budget == nullptr) budget = std::make_shared<UnprovenBudget>();
+    return budget;
+  }
+
+ private:
+  std::map<core::IpAddress, std::shared_ptr<UnprovenBudget>> budgets_;
+};
+
+}  // namespace sft::udp

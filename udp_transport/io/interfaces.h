@@ -1,0 +1,68 @@
+// What the host's network looks like: its own addresses, and how long a datagram for an address may be.
+#pragma once
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/seam/transport.h"
+#include "sft/typesupport/result.h"
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp {
+
+/// An address as the calls of the system take it, of the family of the socket that it is for.
+class SystemAddress {
+ public:
+  /// Of the address's own family; any address is one of `family_of_any`.
+  explicit SystemAddress(const SocketAddress& address, int family_of_any = AF_INET) noexcept;
+  /// For a socket that takes both families, IPv4 as IPv4-mapped (AF_INET6), or IPv4 only (AF_INET): that will
+  /// refuse others.
+  static SystemAddress for_socket(const SocketAddress& address, int family) noexcept;
+
+  const sockaddr* get() const noexcept { return reinterpret_cast<const sockaddr*>(&storage_); }
+  socklen_t bytes() const noexcept {
+    return family() == AF_INET ? sizeof(sockaddr_in) : sizeof(sockaddr_in6);
+  }
+  int family() const noexcept { return storage_.sin6_family; }
+
+ private:
+  SystemAddress() = default;
+  sockaddr_in6 storage_{};  ///< or the shorter sockaddr_in
+};
+
+/// What the system has filled in; any address of another family.
+SocketAddress to_address(const sockaddr_in6& of_either_family) noexcept;
+
+/// What DiscoverySettings::interfaces may hold: the name of an interface, an address of it, or the network
+/// that this is in, "10.0.0.0/24", or "10.0.0.0" as long as the interface says. The error names what is
+/// neither.
+Result<void> check_interfaces(const std::vector<std::string>& chosen);
+
+/// Of the interfaces that are up: those of the default routes first, then IPv4 before IPv6, and link-local
+/// ones last of those with a carrier; without temporary ones, and those not ready for use. 127.0.0.1 only
+/// where there is no other. If `chosen` is not empty, of these interfaces only. Nothing while the system
+/// cannot list them.
+std::optional<std::vector<core::Link>> own_links(const std::vector<std::string>& chosen = {});
+
+/// As the system says in the folder of that interface.
+bool is_wireless(const std::string& interface, const std::string& interfaces = "/sys/class/net");
+
+/// What IP and UDP put before a datagram.
+constexpr std::size_t headers_before_datagram(const core::IpAddress& to) { return to.is_ipv4() ? 28 : 48; }
+
+/// What every path takes: RFC 791 (576 bytes), RFC 8200 (1280).
+constexpr std::size_t datagram_bytes_of_every_path(const core::IpAddress& to) {
+  return to.is_ipv4() ? datagram_bytes_min : 1280 - headers_before_datagram(to);
+}
+
+/// Bytes of the longest UDP payload that reaches the address in one piece, as far as the kernel knows by now.
+std::uint16_t datagram_bytes_to(const SocketAddress& address) noexcept;
+
+}  // namespace sft::udp

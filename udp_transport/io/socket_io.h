@@ -1,0 +1,14 @@
+// Datagrams through plain socket calls: for kernels and containers that refuse io_uring. Same throughput, for
+// it comes from segmentation (GSO, GRO); one system call more for each wake-up.
+#pragma once
+
+#include <memory>
+
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/io/udp_socket.h"
+
+namespace sft::udp {
+
+Result<DatagramIo> open_socket_io(std::shared_ptr<const UdpSocket> socket);
+
+}  // namespace sft::udp

@@ -1,0 +1,217 @@
+#include "udp_transport/io/socket_sender.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "udp_transport/io/group_socket.h"
+
+namespace sft::udp {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+class SocketConnection;
+
+/// What a sender and its connections share.
+struct Shared {
+  std::shared_ptr<const UdpSocket> socket;
+  std::atomic<std::size_t> own_sockets{0};
+  std::vector<SocketConnection*> waiting;  ///< for room; of the thread that calls await()
+};
+
+class SocketConnection final : public Connection {
+ public:
+  SocketConnection(const SocketAddress& to, std::shared_ptr<Shared> shared)
+      : shared_(std::move(shared)), family_(SystemAddress(to).family()), to_(to) {
+    if (shared_->own_sockets.fetch_add(1, std::memory_order_relaxed) < sending_sockets_max)
+      own_ = open_sending_socket(shared_->socket->options, family_.load());
+    if (!own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
+    connect();
+  }
+  SocketConnection(const SocketAddress& group, const SocketAddress& own, std::shared_ptr<Shared> shared)
+      : shared_(std::move(shared)), family_(SystemAddress(group).family()), to_(group) {
+    own_ = open_sending_socket(shared_->socket->options, family_.load());
+    shared_->own_sockets.fetch_add(own_ ? 1 : 0, std::memory_order_relaxed);
+    if (own_) send_to_groups_by(own_.get(), own);
+    connect();
+  }
+  ~SocketConnection() override {
+    if (own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
+  }
+
+  /// With the address where it is not connected, or was not for a moment, while another thread did it anew.
+  Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
+    Sent sent{};
+    if (connected_.load(std::memory_order_relaxed)) {
+      sent = send_at_once(fd(), batches, nullptr);
+      if (sent.outcome != SendOutcome::failed) return sent;
+    }
+    const SystemAddress to =
+        own_ ? SystemAddress(address()) : SystemAddress::for_socket(address(), shared_->socket->family);
+    Sent rest = send_at_once(fd(), batches.subspan(sent.batches), &to);
+    rest.batches += sent.batches;
+    rest.refused = rest.refused || sent.refused;
+    return rest;
+  }
+
+  void carry_bulk() noexcept override {
+    if (own_) give_way(own_.get());
+  }
+
+  void reconnect() noexcept override { connect(); }
+
+  void redirect(const SocketAddress& to) noexcept override {
+    {
+      const std::scoped_lock lock(mutex_);
+      to_ = to;
+    }
+    connect();
+  }
+
+  void wait_for_room() noexcept override {
+    full_ = true;
+    shared_->waiting.push_back(this);
+  }
+  bool full() const noexcept override { return full_; }
+
+  void has_room() noexcept { full_ = false; }
+  int fd() const noexcept { return own_ ? own_.get() : shared_->socket->fd.get(); }
+
+ private:
+  SocketAddress address() noexcept {
+    const std::scoped_lock lock(mutex_);
+    return to_;
+  }
+
+  /// Again where it was redirected meanwhile, and may have been connected to where it went before that.
+  void connect() noexcept {
+    if (!own_) return;
+    SocketAddress to;
+    do {
+      to = address();
+      connect(SystemAddress(to));
+    } while (to != address());
+  }
+
+  /// Undone first: the kernel would keep the source address and the route that it chose before.
+  void connect(const SystemAddress& to) noexcept {
+    connected_.store(false, std::memory_order_relaxed);
+    if (to.family() != family_.load(std::memory_order_relaxed)) change_family(to.family());
+    const sockaddr nobody{.sa_family = AF_UNSPEC, .sa_data = {}};
+    ::connect(own_.get(), &nobody, sizeof nobody);
+    connected_.store(::connect(own_.get(), to.get(), to.bytes()) == 0, std::memory_order_relaxed);
+  }
+
+  /// Another socket takes the place of this one, also for those who are just using it.
+  void change_family(int family) noexcept {
+    const FileDescriptor other = open_sending_socket(shared_->socket->options, family);
+    if (other && ::dup3(other.get(), own_.get(), O_CLOEXEC) >= 0)
+      family_.store(family, std::memory_order_relaxed);
+  }
+
+  const std::shared_ptr<Shared> shared_;
+  FileDescriptor own_;       ///< invalid: the socket that receives sends for this one too
+  std::atomic<int> family_;  ///< of that socket
+  std::atomic<bool> connected_{false};
+  bool full_ = false;  ///< of the thread that calls await()
+  std::mutex mutex_;   ///< of the address
+  SocketAddress to_;
+};
+
+class SocketSender final : public DatagramSender {
+ public:
+  SocketSender(std::shared_ptr<const UdpSocket> socket, std::shared_ptr<const UdpSocket> answers,
+               FileDescriptor wake_event)
+      : shared_(std::make_shared<Shared>()),
+        answers_(std::move(answers)),
+        wake_event_(std::move(wake_event)) {
+    shared_->socket = std::move(socket);
+  }
+
+  std::uint16_t answer_port() const noexcept override { return answers_ == nullptr ? 0 : answers_->port; }
+  Answer take_answer(std::span<std::byte> to) noexcept override {
+    if (answers_ == nullptr) return {};
+    for (;;) {  // an empty one is not the last
+      sockaddr_in6 from{};
+      socklen_t from_bytes = sizeof from;
+      const ssize_t bytes = ::recvfrom(answers_->fd.get(), to.data(), to.size(), MSG_DONTWAIT,
+                                       reinterpret_cast<sockaddr*>(&from), &from_bytes);
+      if (bytes < 0) return {};
+      if (bytes > 0) return {static_cast<std::size_t>(bytes), to_address(from)};
+    }
+  }
+
+  std::unique_ptr<Connection> connect(const SocketAddress& to) override {
+    return std::make_unique<SocketConnection>(to, shared_);
+  }
+
+  std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) override {
+    return std::make_unique<SocketConnection>(group, own, shared_);
+  }
+
+  void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept override {
+    const SystemAddress address = SystemAddress::for_socket(to, shared_->socket->family);
+    const iovec part{const_cast<std::byte*>(datagram.data()), datagram.size()};  // it is only read
+    const OutgoingBatch batch{{&part, 1}, 0};
+    send_at_once(shared_->socket->fd.get(), {&batch, 1}, &address);
+  }
+
+  void await(Clock::time_point deadline) noexcept override {
+    std::vector<SocketConnection*>& waiting = shared_->waiting;
+    const int answers = answers_ == nullptr ? -1 : answers_->fd.get();  // which poll() passes over
+    polled_.assign({{.fd = wake_event_.get(), .events = POLLIN, .revents = 0},
+                    {.fd = answers, .events = POLLIN, .revents = 0}});
+    const std::size_t others = polled_.size();
+    for (const SocketConnection* connection : waiting)
+      polled_.push_back({.fd = connection->fd(), .events = POLLOUT, .revents = 0});
+    if (poll_until(polled_, deadline)) {
+      for (std::size_t i = 0; i < waiting.size(); ++i) {
+        if (polled_[others + i].revents != 0) waiting[i]->has_room();
+      }
+      eventfd_t ignored = 0;
+      if (polled_[0].revents != 0) ::eventfd_read(wake_event_.get(), &ignored);
+    }
+    waiting.clear();
+  }
+
+  void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
+
+ private:
+  const std::shared_ptr<Shared> shared_;
+  const std::shared_ptr<const UdpSocket> answers_;  ///< may be null
+  const FileDescriptor wake_event_;
+  std::vector<pollfd> polled_;
+};
+
+constexpr std::size_t answers_buffer_bytes = 256 * 1024;
+
+/// What comes back has a socket of its own, which the sending thread reads as it goes: nobody has to be woken
+/// for it. Not where a user has chosen the port: firewalls, and whoever translates addresses, know that one.
+std::shared_ptr<const UdpSocket> open_answers(const SocketOptions& options) {
+  if (options.bind.port != 0) return nullptr;
+  Result<std::shared_ptr<const UdpSocket>> socket =
+      open_udp_socket({.bind = options.bind, .receive_buffer_bytes = answers_buffer_bytes});
+  return socket ? std::move(*socket) : nullptr;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<DatagramSender>> open_socket_sender(std::shared_ptr<const UdpSocket> socket) {
+  FileDescriptor wake_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!wake_event)
+    return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
+  std::shared_ptr<const UdpSocket> answers = open_answers(socket->options);
+  return std::make_unique<SocketSender>(std::move(socket), std::move(answers), std::move(wake_event));
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,40 @@
+#include "udp_transport/io/train_reader.h"
+
+#include <cerrno>
+#include <span>
+#include <utility>
+
+namespace sft::udp {
+
+namespace {
+constexpr std::size_t train_bytes_max = 65536;
+}
+
+TrainReader::TrainReader(std::shared_ptr<const UdpSocket> socket)
+    : socket_(std::move(socket)), train_(train_bytes_max) {}
+
+bool TrainReader::read(DatagramSink& sink) noexcept {
+  if (read_from(socket_->fd.get(), sink)) return true;
+  return socket_->in_groups.load(std::memory_order_relaxed) &&
+         read_from(socket_->groups.group_fd.get(), sink);
+}
+
+bool TrainReader::read_from(int fd, DatagramSink& sink) noexcept {
+  sockaddr_in6 from{};
+  iovec whole{train_.data(), train_.size()};
+  msghdr message{};
+  message.msg_name = &from;
+  message.msg_namelen = sizeof from;
+  message.msg_iov = &whole;
+  message.msg_iovlen = 1;
+  message.msg_control = control_;
+  message.msg_controllen = sizeof control_;
+  const ssize_t bytes = ::recvmsg(fd, &message, MSG_DONTWAIT);
+  if (bytes < 0) return errno != EAGAIN;  // an error of an earlier datagram, which the call has cleared
+  if ((message.msg_flags & MSG_TRUNC) != 0) return true;
+  hand_over(std::span(train_).first(static_cast<std::size_t>(bytes)),
+            std::span(control_).first(message.msg_controllen), from, sink);
+  return true;
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,29 @@
+// Reads what has come to a socket, one train of datagrams at a time, with plain calls.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/io/udp_socket.h"
+
+namespace sft::udp {
+
+/// Used by one thread at a time.
+class TrainReader {
+ public:
+  explicit TrainReader(std::shared_ptr<const UdpSocket> socket);
+
+  /// Never waits. False if nothing is there.
+  bool read(DatagramSink& sink) noexcept;
+
+ private:
+  bool read_from(int fd, DatagramSink& sink) noexcept;
+
+  const std::shared_ptr<const UdpSocket> socket_;
+  std::vector<std::byte> train_;
+  alignas(cmsghdr) std::byte control_[train_control_bytes];
+};
+
+}  // namespace sft::udp

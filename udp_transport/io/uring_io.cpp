@@ -1,0 +1,346 @@
+#include "udp_transport/io/uring_io.h"
+
+#include <liburing.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <string>
+#include <system_error>
+
+#include "core/sync/spin.h"
+#include "udp_transport/io/socket_sender.h"
+#include "udp_transport/io/train_reader.h"
+
+namespace sft::udp {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+__kernel_timespec until(Clock::time_point deadline) {
+  using namespace std::chrono;
+  const auto left = std::max(duration_cast<nanoseconds>(deadline - Clock::now()), nanoseconds{0});
+  return {.tv_sec = left.count() / 1'000'000'000, .tv_nsec = left.count() % 1'000'000'000};
+}
+
+/// A ring that is opened by any thread and then belongs to the one that first calls enable().
+class Ring {
+ public:
+  Ring() = default;
+  Ring(const Ring&) = delete;
+  Ring& operator=(const Ring&) = delete;
+  ~Ring() { close(); }
+
+  /// 0 or a positive errno.
+  int open(unsigned entries, unsigned completions) noexcept {
+    io_uring_params params{};
+    params.flags = IORING_SETUP_R_DISABLED | IORING_SETUP_SINGLE_ISSUER | IORING_SETUP_DEFER_TASKRUN |
+                   IORING_SETUP_TASKRUN_FLAG | IORING_SETUP_SUBMIT_ALL | IORING_SETUP_CQSIZE |
+                   IORING_SETUP_CLAMP;
+    params.cq_entries = completions;
+    const int error = -io_uring_queue_init_params(entries, &ring_, &params);
+    open_ = error == 0;
+    return error;
+  }
+
+  /// They are named by their place here. 0 or a positive errno.
+  template <std::size_t n>
+  int register_files(const std::array<int, n>& files) noexcept {
+    return -io_uring_register_files(&ring_, files.data(), n);
+  }
+
+  bool enable() noexcept {
+    if (enabled_) return true;
+    // The function for it is declared by liburing 2.3, but not exported.
+    enabled_ = io_uring_register(ring_.ring_fd, IORING_REGISTER_ENABLE_RINGS, nullptr, 0) == 0;
+    if (enabled_) io_uring_register_ring_fd(&ring_);  // only saves time: where it is refused, all goes on
+    return enabled_;
+  }
+  bool enabled() const { return enabled_; }
+
+  void close() noexcept {
+    if (!open_) return;
+    io_uring_unregister_files(&ring_);  // at once, while the rest of a ring goes a little later
+    io_uring_queue_exit(&ring_);
+    open_ = enabled_ = false;
+  }
+
+  io_uring_sqe* next_submission() noexcept {
+    io_uring_sqe* submission = io_uring_get_sqe(&ring_);
+    while (submission == nullptr) {
+      io_uring_submit(&ring_);
+      submission = io_uring_get_sqe(&ring_);
+    }
+    return submission;
+  }
+
+  /// Submits, then waits for that many completions or the deadline. False if the ring is broken.
+  bool wait(unsigned completions, Clock::time_point deadline) noexcept {
+    int result = 0;
+    if (deadline == Clock::time_point::max()) {
+      result = io_uring_submit_and_wait(&ring_, completions);
+    } else {
+      __kernel_timespec timeout = until(deadline);
+      io_uring_cqe* ignored = nullptr;
+      result = io_uring_submit_and_wait_timeout(&ring_, &ignored, completions, &timeout, nullptr);
+    }
+    return result >= 0 || result == -ETIME || result == -EINTR || result == -EAGAIN || result == -EBUSY;
+  }
+
+  /// Whether wait() would return at once. Costs no system call: completions are put together only there, and
+  /// this sees the mark that something waits for that.
+  bool has_news() noexcept {
+    return (IO_URING_READ_ONCE(*ring_.sq.kflags) & IORING_SQ_TASKRUN) != 0 || io_uring_cq_ready(&ring_) != 0;
+  }
+  bool has_submissions() noexcept { return io_uring_sq_ready(&ring_) != 0; }
+
+  /// Calls `handle(completion)` for each one there is; a completion is
+  /// given back before the next is looked at.
+  template <class Handle>
+  void for_each_completion(Handle&& handle) noexcept {
+    io_uring_cqe* completion = nullptr;
+    while (io_uring_peek_cqe(&ring_, &completion) == 0) {
+      const io_uring_cqe copy = *completion;
+      io_uring_cqe_seen(&ring_, completion);
+      handle(copy);
+    }
+  }
+
+  io_uring* get() { return &ring_; }
+
+ private:
+  io_uring ring_{};
+  bool open_ = false;
+  bool enabled_ = false;
+};
+
+/// Memory straight from the kernel: page-aligned, and touched only where datagrams came.
+class Pages {
+ public:
+  Pages() = default;
+  Pages(const Pages&) = delete;
+  Pages& operator=(const Pages&) = delete;
+  ~Pages() {
+    if (data_ != nullptr) ::munmap(data_, bytes_);
+  }
+  bool map(std::size_t bytes) noexcept {
+    void* mapped = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (mapped == MAP_FAILED) return false;
+    data_ = static_cast<std::byte*>(mapped);
+    bytes_ = bytes;
+    return true;
+  }
+  std::byte* data() const { return data_; }
+
+ private:
+  std::byte* data_ = nullptr;
+  std::size_t bytes_ = 0;
+};
+
+/// Buffers that the kernel picks from as trains arrive; each holds one train and what recvmsg tells of it.
+class BufferRing {
+ public:
+  static constexpr unsigned buffers = 4;  // so few that they stay in the nearest cache until they are read
+  static constexpr std::size_t buffer_bytes = 65536 + 256;
+  static constexpr std::uint16_t group = 0;
+
+  /// 0 or a positive errno.
+  int open(io_uring* ring) noexcept {
+    if (!entries_.map(buffers * sizeof(io_uring_buf)) || !memory_.map(buffers * buffer_bytes)) return ENOMEM;
+    io_uring_buf_reg registration{};
+    registration.ring_addr = reinterpret_cast<std::uintptr_t>(entries_.data());
+    registration.ring_entries = buffers;
+    registration.bgid = group;
+    if (const int error = -io_uring_register_buf_ring(ring, &registration, 0); error != 0) return error;
+    io_uring_buf_ring_init(entries());
+    for (unsigned id = 0; id < buffers; ++id) give_back(id);
+    return 0;
+  }
+
+  std::byte* at(unsigned id) const { return memory_.data() + id * buffer_bytes; }
+
+  void give_back(unsigned id) noexcept {
+    io_uring_buf_ring_add(entries(), at(id), buffer_bytes, static_cast<unsigned short>(id),
+                          io_uring_buf_ring_mask(buffers), 0);
+    io_uring_buf_ring_advance(entries(), 1);
+  }
+
+ private:
+  io_uring_buf_ring* entries() const { return reinterpret_cast<io_uring_buf_ring*>(entries_.data()); }
+  Pages entries_;
+  Pages memory_;
+};
+
+class UringReceiver final : public DatagramReceiver {
+ public:
+  UringReceiver(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event)
+      : socket_(socket), wake_event_(std::move(wake_event)), trains_(std::move(socket)) {
+    layout_.msg_namelen = sender_address_bytes;
+    layout_.msg_controllen = train_control_bytes;
+  }
+
+  int open() noexcept {
+    if (const int error = ring_.open(8, 2 * BufferRing::buffers); error != 0) return error;
+    if (const int error = register_files(); error != 0) return error;
+    return buffers_.open(ring_.get());
+  }
+
+  bool receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept override {
+    if (broken_ || !ring_.enable()) return false;
+    arm();
+    if (spin.count() > 0 && !ring_.has_submissions())
+      core::spin(std::min(deadline, Clock::now() + spin), [this] { return ring_.has_news(); });
+    if (!ring_.wait(1, deadline)) return false;
+    ring_.for_each_completion([&](const io_uring_cqe& completion) { complete(completion, &sink); });
+    return !broken_;
+  }
+
+  void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
+
+  /// What is armed stays so: a ring whose thread is elsewhere takes nothing from the socket.
+  bool receive_now(DatagramSink& sink) noexcept override { return trains_.read(sink); }
+  Descriptors descriptors() const noexcept override { return {socket_->readable(), wake_event_.get()}; }
+
+  /// Closing an armed ring would keep the port in use for some time.
+  void finish() noexcept override {
+    if (ring_.enabled() && armed()) {
+      io_uring_sqe* s = ring_.next_submission();
+      io_uring_prep_cancel64(s, 0, IORING_ASYNC_CANCEL_ANY | IORING_ASYNC_CANCEL_ALL);
+      s->user_data = 0;
+      while (armed() && ring_.wait(1, Clock::time_point::max())) {
+        ring_.for_each_completion([this](const io_uring_cqe& completion) { complete(completion, nullptr); });
+      }
+    }
+    ring_.close();
+  }
+
+ private:
+  /// Of either family; what follows it is aligned.
+  static constexpr socklen_t sender_address_bytes = 32;
+  static_assert(sender_address_bytes >= sizeof(sockaddr_in6) && sender_address_bytes % alignof(cmsghdr) == 0);
+
+  // The registered files.
+  static constexpr int socket_place = 0;
+  static constexpr int wake_place = 1;
+  static constexpr int group_place = 2;
+
+  static constexpr std::uint64_t receive_tag = 1;
+  static constexpr std::uint64_t wake_tag = 2;
+  static constexpr std::uint64_t group_tag = 3;
+
+  int register_files() noexcept {
+    const int datagrams = socket_->fd.get(), wake = wake_event_.get();
+    if (!socket_->groups.group_fd) return ring_.register_files(std::array{datagrams, wake});
+    return ring_.register_files(std::array{datagrams, wake, socket_->groups.group_fd.get()});
+  }
+
+  bool armed() const { return receive_armed_ || group_armed_ || wake_armed_; }
+
+  /// A multishot receive ends when it finds no free buffer, and on errors; nothing is lost meanwhile.
+  void arm() noexcept {
+    if (!receive_armed_) arm_receive(socket_place, receive_tag, receive_armed_);
+    if (!group_armed_ && socket_->groups.group_fd) arm_receive(group_place, group_tag, group_armed_);
+    if (!wake_armed_) {
+      io_uring_sqe* s = ring_.next_submission();
+      io_uring_prep_poll_add(s, wake_place, POLLIN);
+      s->flags |= IOSQE_FIXED_FILE;
+      s->user_data = wake_tag;
+      wake_armed_ = true;
+    }
+  }
+
+  void arm_receive(int place, std::uint64_t tag, bool& is_armed) noexcept {
+    io_uring_sqe* s = ring_.next_submission();
+    io_uring_prep_recvmsg_multishot(s, place, &layout_, 0);
+    s->flags |= IOSQE_BUFFER_SELECT | IOSQE_FIXED_FILE;
+    s->buf_group = BufferRing::group;
+    s->user_data = tag;
+    is_armed = true;
+  }
+
+  /// Without a sink the train is thrown away.
+  void complete(const io_uring_cqe& completion, DatagramSink* sink) noexcept {
+    if (completion.user_data == wake_tag) {
+      eventfd_t ignored = 0;
+      ::eventfd_read(wake_event_.get(), &ignored);
+      wake_armed_ = false;
+    }
+    if (completion.user_data != receive_tag && completion.user_data != group_tag) return;
+    if ((completion.flags & IORING_CQE_F_MORE) == 0)
+      (completion.user_data == group_tag ? group_armed_ : receive_armed_) = false;
+    // Other errors are of single datagrams (an ICMP answer) or pass (no free buffer).
+    if (completion.res == -EINVAL || completion.res == -EOPNOTSUPP || completion.res == -EBADF)
+      broken_ = true;
+    if ((completion.flags & IORING_CQE_F_BUFFER) == 0) return;
+    const unsigned id = completion.flags >> IORING_CQE_BUFFER_SHIFT;
+    if (sink != nullptr) hand_over_buffer(buffers_.at(id), completion.res, *sink);
+    buffers_.give_back(id);
+  }
+
+  void hand_over_buffer(std::byte* buffer, int bytes, DatagramSink& sink) noexcept {
+    io_uring_recvmsg_out* out = io_uring_recvmsg_validate(buffer, bytes, &layout_);
+    if (out == nullptr || (out->flags & MSG_TRUNC) != 0) return;
+    const auto* from = static_cast<const sockaddr_in6*>(io_uring_recvmsg_name(out));
+    std::byte* control = static_cast<std::byte*>(io_uring_recvmsg_name(out)) + layout_.msg_namelen;
+    const auto* train = static_cast<const std::byte*>(io_uring_recvmsg_payload(out, &layout_));
+    hand_over({train, io_uring_recvmsg_payload_length(out, bytes, &layout_)},
+              {control, std::min<std::size_t>(out->controllen, train_control_bytes)}, *from, sink);
+  }
+
+  const std::shared_ptr<const UdpSocket> socket_;
+  const FileDescriptor wake_event_;
+  TrainReader trains_;
+  msghdr layout_{};  ///< how much room each buffer leaves before the train
+  BufferRing buffers_;
+  Ring ring_;  // closed before the buffers go
+  bool receive_armed_ = false;
+  bool group_armed_ = false;
+  bool wake_armed_ = false;
+  bool broken_ = false;
+};
+
+std::string why_refused(int error) {
+  switch (error) {
+    case EPERM:
+    case EACCES:
+      return "it is forbidden here (seccomp profile, or sysctl kernel.io_uring_disabled)";
+    case ENOSYS:
+      return "the kernel has none";
+    case EINVAL:
+      return "the kernel is older than 6.1";
+    case ENOMEM:
+      return "too little memory may be locked (ulimit -l)";
+    default:
+      return std::system_category().message(error);
+  }
+}
+
+tl::unexpected<Error> refused(int error) {
+  const bool forbidden = error == EPERM || error == EACCES;
+  return fail(forbidden ? Errc::no_permission : Errc::unavailable,
+              "io_uring cannot be used: " + why_refused(error));
+}
+
+}  // namespace
+
+Result<DatagramIo> open_uring_io(std::shared_ptr<const UdpSocket> socket) {
+  FileDescriptor wake_event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!wake_event)
+    return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
+  auto receiver = std::make_unique<UringReceiver>(socket, std::move(wake_event));
+  if (const int error = receiver->open(); error != 0) return refused(error);
+  Result<std::unique_ptr<DatagramSender>> sender = open_socket_sender(socket);
+  if (!sender) return tl::unexpected<Error>(std::move(sender.error()));
+  DatagramIo io;
+  io.description = socket->receives_trains ? "io_uring with GRO and GSO" : "io_uring with GSO";
+  io.uses_io_uring = true;
+  io.receiver = std::move(receiver);
+  io.sender = std::move(*sender);
+  return io;
+}
+
+}  // namespace sft::udp

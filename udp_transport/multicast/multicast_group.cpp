@@ -1,0 +1,222 @@
+#include "udp_transport/multicast/multicast_group.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/platform/random_id.h"
+
+namespace sft::udp {
+
+namespace {
+/// What is asked for within this time was lost together.
+constexpr std::chrono::milliseconds asked_together{100};
+/// Of a larger one only parts are missing: those that ask are sent these.
+constexpr std::size_t sent_again_bytes_max = std::size_t{16} << 10;
+
+/// The upper half is random.
+std::vector<std::uint32_t> names_for(std::size_t members) {
+  std::vector<std::uint32_t> names;
+  for (std::size_t i = 0; i < members; ++i)
+    names.push_back(static_cast<std::uint32_t>(core::random_id() << 16 | (i & 0xffff)));
+  return names;
+}
+}  // namespace
+
+std::shared_ptr<MulticastGroup> MulticastGroup::make(const Name& name, std::shared_ptr<Lane> lane,
+                                                     std::vector<Member> members, std::uint16_t report_port) {
+  std::shared_ptr<MulticastGroup> group(
+      new MulticastGroup(name, std::move(lane), std::move(members), report_port));
+  group->lane_->tell(group);
+  return group;
+}
+
+MulticastGroup::MulticastGroup(const Name& name, std::shared_ptr<Lane> lane, std::vector<Member> members,
+                               std::uint16_t report_port)
+    : name_(name),
+      lane_(std::move(lane)),
+      members_(std::move(members)),
+      report_port_(report_port),
+      member_names_(names_for(members_.size())),
+      hears_(std::make_unique<std::atomic<bool>[]>(members_.size())),
+      memberships_(members_.size()),
+      ahead_(members_.size()) {}
+
+std::uint64_t MulticastGroup::next_ordinal(Time now) noexcept {
+  const std::scoped_lock lock(mutex_);
+  for (GroupMembership& membership : memberships_) membership.sent(now);
+  return ++last_ordinal_;
+}
+
+/// A member in whose channel something else took a place would put what follows into wrong ones: the rest of
+/// a late reader's history can do that.
+void MulticastGroup::placed(std::size_t member, std::uint64_t ordinal, std::uint64_t in_channel) noexcept {
+  const auto ahead = static_cast<std::int64_t>(in_channel - ordinal);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!ahead_[member]) ahead_[member] = ahead;
+    if (*ahead_[member] == ahead) return;
+    broken_.store(true, std::memory_order_relaxed);
+    for (std::size_t i = 0; i < members_.size(); ++i) hears_[i].store(false, std::memory_order_relaxed);
+  }
+  static_cast<void>(members_[member].channel->left(in_channel));  // has_left() does not find it
+}
+
+std::shared_ptr<Lane> MulticastGroup::lane_of(const std::shared_ptr<MulticastGroup>& group) {
+  return {group, group->lane_.get()};
+}
+
+bool MulticastGroup::is_answered() const noexcept {
+  return std::ranges::any_of(members_,
+                             [](const Member& member) { return member.lane->destination().answers(); });
+}
+
+MulticastGroup::BestEffort MulticastGroup::best_effort() const noexcept {
+  BestEffort result;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (members_[i].channel == nullptr) (hears(i) ? result.some_hear : result.some_do_not) = true;
+  }
+  return result;
+}
+
+bool MulticastGroup::has_left(const Job& job, bool lost) noexcept {
+  bool tell = false;
+  const std::uint64_t ordinal = job.first.group.ordinal;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    const Member& member = members_[i];
+    if (member.channel == nullptr) {
+      if (lost && hears(i)) member.lane->losses()->lost(job.first.total, job.whole_bytes);
+      continue;
+    }
+    std::optional<std::int64_t> ahead;
+    {
+      const std::scoped_lock lock(mutex_);
+      ahead = ahead_[i];
+    }
+    if (ahead) tell = member.channel->left(ordinal + static_cast<std::uint64_t>(*ahead)) || tell;
+  }
+  return tell;
+}
+
+void MulticastGroup::hear(const GroupReport& report, Time now) {
+  const std::optional<std::size_t> member = member_named(report.member);
+  const std::scoped_lock lock(mutex_);
+  if (!member || report.heard > last_ordinal_ || broken()) return;
+  GroupMembership& membership = memberships_[*member];
+  if (report.heard == 0) {
+    membership.refused(last_ordinal_, now);
+  } else {
+    membership.reported(report.heard, now);
+  }
+  hears_[*member].store(membership.hears(), std::memory_order_relaxed);
+}
+
+std::optional<std::size_t> MulticastGroup::member_named(std::uint32_t name) const {
+  const std::size_t member = name & 0xffff;
+  if (member >= member_names_.size() || member_names_[member] != name) return {};
+  return member;
+}
+
+bool MulticastGroup::take_over_repairs(std::size_t member, Ack& ack, Time now) {
+  bool tell = false;
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < ack.missing_count; ++i) {
+    const std::uint64_t in_channel = widen_sequence(ack.next, ack.missing[i].ordinal);
+    if (!is_taken_over(member, in_channel, now, tell)) ack.missing[left++] = ack.missing[i];
+  }
+  ack.missing_count = left;
+  return tell;
+}
+
+/// The first that asks is answered alone, and so is who asks once more: what was sent again may be lost
+/// again.
+bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel, Time now, bool& tell) {
+  std::optional<std::int64_t> ahead;
+  {
+    const std::scoped_lock lock(mutex_);
+    ahead = ahead_[member];
+  }
+  if (!ahead || broken() || !hears(member)) return false;
+  const std::uint64_t ordinal = in_channel - static_cast<std::uint64_t>(*ahead);
+  const std::uint64_t bit = std::uint64_t{1} << member % 64;
+  const auto asked = std::ranges::find_if(asked_, [&](const Asked& one) {
+    return one.ordinal == ordinal && now - one.at < asked_together && one.ordinal != 0;
+  });
+  if (asked == asked_.end()) {
+    asked_[next_asked_++ % asked_.size()] = {ordinal, bit, false, now};
+    return false;
+  }
+  if ((std::exchange(asked->by, asked->by | bit) & bit) != 0) return false;
+  if (!asked->sent_again) asked->sent_again = send_again(member, in_channel, tell);
+  return asked->sent_again;
+}
+
+bool MulticastGroup::send_again(std::size_t member, std::uint64_t in_channel, bool& tell) {
+  JobHandle job = members_[member].channel->sent_elsewhere(in_channel);
+  const bool is_ours = job && job->first.group.group == name_.number;
+  if (!is_ours || job->first.total > sent_again_bytes_max || !lane_->has_room()) return false;
+  tell = lane_->post(std::move(job)).was_idle || tell;
+  return true;
+}
+
+std::string MulticastGroup::state_of(std::size_t member) const {
+  return hears(member) ? "" : "; it has not reported any sample of the group yet, or no more";
+}
+
+std::vector<MulticastGroup::Offer> MulticastGroup::offers(Time now) {
+  std::vector<Offer> due;
+  const std::scoped_lock lock(mutex_);
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    GroupMembership& membership = memberships_[i];
+    membership.look(now);
+    if (!membership.hears()) hears_[i].store(false, std::memory_order_relaxed);
+    const Channel* channel = members_[i].channel.get();
+    const bool known = channel == nullptr || ahead_[i].has_value();
+    if (!known || broken() || !membership.offer_due(now)) continue;
+    GroupOffer offer = farewell(i);
+    offer.address = name_.address;
+    offer.channel = channel == nullptr ? 0 : channel->number();
+    offer.ahead = channel == nullptr ? 0 : *ahead_[i];
+    due.push_back({i, offer});
+  }
+  return due;
+}
+
+std::vector<const Destination*> MulticastGroup::given_up() const {
+  std::vector<const Destination*> destinations;
+  const std::scoped_lock lock(mutex_);
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (memberships_[i].given_up()) destinations.push_back(&members_[i].lane->destination());
+  }
+  return destinations;
+}
+
+GroupOffer MulticastGroup::farewell(std::size_t member) const {
+  return {
+      .writer = name_.writer, .group = name_.number, .member = member_names_[member], .port = report_port_};
+}
+
+void GroupRoster::add(const std::shared_ptr<MulticastGroup>& group) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+  std::erase_if(by_channel_, [](const auto& entry) { return entry.second.group.expired(); });
+  known_[{group->name().writer, group->name().number}] = group;
+  for (std::size_t i = 0; i < group->members().size(); ++i) {
+    if (const Channel* channel = group->members()[i].channel.get())
+      by_channel_[{group->name().writer, channel->number()}] = {group, i};
+  }
+}
+
+std::shared_ptr<MulticastGroup> GroupRoster::find(std::uint32_t writer, std::uint32_t number) {
+  const std::scoped_lock lock(mutex_);
+  const auto known = known_.find({writer, number});
+  return known == known_.end() ? nullptr : known->second.lock();
+}
+
+GroupRoster::OfChannel GroupRoster::of_channel(std::uint32_t writer, std::uint32_t channel) {
+  const std::scoped_lock lock(mutex_);
+  const auto known = by_channel_.find({writer, channel});
+  if (known == by_channel_.end()) return {};
+  return {known->second.group.lock(), known->second.member};
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,105 @@
+#include "udp_transport/multicast/offered_groups.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "udp_transport/multicast/group_membership.h"
+
+namespace sft::udp {
+
+bool OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from, Time now) {
+  if (offer.address == 0) return take_back(offer, now), false;
+  SocketAddress report_to = from;
+  report_to.port = offer.port;
+  const auto known =
+      std::ranges::find_if(groups_, [&](const Offered& group) { return group.offer.group == offer.group; });
+  if (known != groups_.end()) {
+    if (known->offer != offer && !comes_again(offer)) {
+      known->is_doubted = true;
+      return false;
+    }
+    const bool was_right = known->misplaced < misplaced_max && in_use(*known, now);
+    if (known->offer != offer && was_right) part_from(*known);
+    known->is_doubted = false;
+    known->misplaced = 0;
+    known->offer = offer;
+    known->report_to = report_to;
+    known->reported_at = {};  // who offers again has not heard
+    if (now - known->alive_at < silence_max) return false;
+    known->alive_at = now;
+    return true;
+  }
+  if (groups_.size() == groups_max) {
+    const auto unused =
+        std::ranges::find_if(groups_, [&](const Offered& group) { return !in_use(group, now); });
+    if (unused == groups_.end()) return false;
+    groups_.erase(unused);
+  }
+  groups_.push_back({offer, report_to, now});
+  return false;
+}
+
+void OfferedGroups::take_back(const GroupOffer& offer, Time now) {
+  const auto is_meant = [&](const Offered& group) {
+    return static_cast<std::int32_t>(group.offer.group - offer.group) <= 0;
+  };
+  const auto is_lost = [&](const Offered& group) { return is_meant(group) && in_use(group, now); };
+  if (std::ranges::any_of(groups_, is_lost) && !comes_again(offer)) return;
+  for (const Offered& group : groups_) {
+    if (is_lost(group)) part_from(group);
+  }
+  std::erase_if(groups_, is_meant);
+}
+
+void OfferedGroups::part_from(const Offered& group) {
+  constexpr std::size_t partings_max = groups_max;
+  if (partings_.size() == partings_max) return;
+  partings_.push_back({group.report_to, {group.offer.writer, group.offer.group, group.offer.member, 0}});
+  due_ = true;
+}
+
+bool OfferedGroups::comes_again(const GroupOffer& offer) { return offer == std::exchange(doubted_, offer); }
+
+bool OfferedGroups::place(FirstHeader& first, Time now, const ChannelWatch* channels) {
+  const auto known = std::ranges::find_if(
+      groups_, [&](const Offered& group) { return group.offer.group == first.group.group; });
+  if (known == groups_.end()) return false;
+  if (known->offer.channel != 0) {
+    if (channels != nullptr && channels->present() && !channels->knows(known->offer.channel)) {
+      note(*known, true);
+      return false;
+    }
+    const std::uint64_t ordinal = first.group.ordinal + static_cast<std::uint64_t>(known->offer.ahead);
+    if (ordinal == 0 || ordinal > ordinal_max) return false;
+    first.flags |= channel_follows;
+    first.channel = {known->offer.channel, first.group.sequence_high, ordinal};
+  }
+  known->alive_at = now;
+  known->heard = std::max(known->heard, first.group.ordinal);
+  // Who is not told that its offer was heard repeats it.
+  if (known->is_doubted) return true;
+  if (known->reported_at == Time{} || now - known->reported_at >= group_report_pause) {
+    known->reported_at = now;
+    known->due = due_ = true;
+  }
+  return true;
+}
+
+void OfferedGroups::note(std::uint32_t group, bool misplaced) {
+  const auto known =
+      std::ranges::find_if(groups_, [&](const Offered& one) { return one.offer.group == group; });
+  if (known != groups_.end()) note(*known, misplaced);
+}
+
+void OfferedGroups::note(Offered& group, bool misplaced) {
+  group.misplaced = misplaced ? group.misplaced + 1 : 0;
+  if (group.misplaced < misplaced_max) return;
+  group.is_doubted = true;
+  if (group.misplaced % misplaced_max == 0) group.due = due_ = true;
+}
+
+void OfferedGroups::addresses(std::vector<std::uint32_t>& to) const {
+  for (const Offered& group : groups_) to.push_back(group.offer.address);
+}
+
+}  // namespace sft::udp

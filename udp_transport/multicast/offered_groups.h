@@ -1,0 +1,96 @@
+// The multicast groups of one writer that this process was offered (multicast.md): where the samples of a
+// group belong in its channel, and what to report. Pure: calls and times in, answers out.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/reliable/channel_watch.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp {
+
+class OfferedGroups {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// An offer of a group that is known already, but says something else, replaces the one before when it
+  /// comes twice. One without an address takes that group back and those with lower numbers, if nothing of
+  /// these was heard lately, or when it comes twice. True if the address is to be joined anew: nothing of
+  /// that group has come for so long that a switch may not know of the membership, or not any more.
+  bool hear(const GroupOffer& offer, const SocketAddress& from, Time now);
+
+  /// A first datagram came by a group: gives it its place in the channel, if it has one there. False if that
+  /// group was not offered, or with a channel that is none of those that `channels` knows while it knows
+  /// some: nothing can be said of it then, and it comes otherwise.
+  bool place(FirstHeader& first, Time now, const ChannelWatch* channels = nullptr);
+
+  /// What came by that group has no place in the channel any more, and had never come before; or it has one.
+  /// Where that goes on, the offer was not what its writer sent, and the writer is asked to repeat it.
+  void note(std::uint32_t group, bool misplaced);
+
+  /// Calls `send(address, report)` for each that is due. After place().
+  template <class Send>
+  void report(const Send& send) {
+    if (!due_) return;
+    due_ = false;
+    for (const Parting& parting : std::exchange(partings_, {})) send(parting.to, parting.report);
+    for (Offered& group : groups_) {
+      if (!group.due) continue;
+      group.due = false;
+      const std::uint64_t heard = group.misplaced < misplaced_max ? group.heard : 0;
+      send(group.report_to, GroupReport{group.offer.writer, group.offer.group, group.offer.member, heard});
+    }
+  }
+
+  bool due() const { return due_; }
+  bool empty() const { return groups_.empty(); }
+  /// Adds those that are to be joined.
+  void addresses(std::vector<std::uint32_t>& to) const;
+
+ private:
+  /// Whether an offer that contradicts what is known came before.
+  bool comes_again(const GroupOffer& offer);
+  void take_back(const GroupOffer& offer, Time now);
+
+  struct Offered;
+  bool in_use(const Offered& group, Time now) const {
+    return group.heard != 0 && now - group.alive_at < used_for;
+  }
+  void part_from(const Offered& group);
+  void note(Offered& group, bool misplaced);
+
+  struct Offered {
+    GroupOffer offer;
+    SocketAddress report_to;
+    Time alive_at;  ///< joined, or heard
+    std::uint64_t heard = 0;
+    Time reported_at{};
+    bool due = false;
+    bool is_doubted = false;      ///< an offer that says something else came last, or much was misplaced
+    std::uint32_t misplaced = 0;  ///< datagrams in a row
+  };
+  static constexpr std::uint32_t misplaced_max = 8;
+  /// The present one, and those of which something may still be under way.
+  static constexpr std::size_t groups_max = 4;
+  /// A switch knows of who joins sooner.
+  static constexpr std::chrono::milliseconds silence_max{250};
+  /// A group that was heard within that time does not make room for another one.
+  static constexpr std::chrono::milliseconds used_for{500};
+  /// A group that is in use was replaced or taken back, and its writer is told so. The writer knows whether
+  /// it has said that. If not, it offers the group again at once.
+  struct Parting {
+    SocketAddress to;
+    GroupReport report;
+  };
+  std::vector<Parting> partings_;
+  std::vector<Offered> groups_;  ///< the newest last
+  GroupOffer doubted_;           ///< an offer that contradicts what is known
+  bool due_ = false;
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,164 @@
+// One encoding of one sample, shared by all lanes that still have to send it.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "core/seam/sample_buffer.h"
+#include "sft/typesupport/project.h"
+#include "udp_transport/outgoing/kept_memory.h"
+#include "udp_transport/wire/fragmenter.h"
+
+namespace sft::udp {
+
+class JobPool;
+
+/// How one of a writer's masks is called on the wire.
+struct WireMask {
+  std::uint16_t variant = 0;
+  std::uint64_t mask = 0;            ///< as in the header
+  std::vector<std::uint64_t> words;  ///< empty where the header says it all
+};
+
+/// Larger bodies are sent by the sending thread: the publisher goes on after a few datagrams. But for those
+/// that it would have to copy, and can send from where they are.
+inline constexpr std::size_t direct_bytes_max = 16 * 1024;
+
+/// Written by the publisher's thread as long as no lane has it.
+///
+/// A job may also be a pack: copies of small samples, all under one mask and with one stamp, whose sequences
+/// follow one another. `first` is the first one's then, but for its total, which is that of all.
+struct Job {
+  core::SampleHandle sample;  ///< keeps what the projection refers to
+  Projection projection;
+  FirstHeader first;
+  std::shared_ptr<const WireMask> mask;
+  std::uint64_t sequence = 0;     ///< whole
+  std::uint32_t whole_bytes = 0;  ///< of the sample's body with all fields; of a pack: of all
+  std::uint32_t sent_bytes = 0;   ///< of the body; the lane that it is posted to sends the rest
+
+  EncodedBody body() const { return body(first); }
+  /// With another header.
+  EncodedBody body(const FirstHeader& header) const {
+    if (is_pack()) return {header, mask->words, packed_, true};
+    return {header, mask->words, copied_.data == nullptr ? projection.segments() : std::span(&copied_, 1)};
+  }
+  /// Of a pack only these; one alone is a sample like any other.
+  EncodedBody body(const FirstHeader& header, std::size_t part, std::size_t samples) const {
+    if (!is_pack()) return body(header);
+    return {header, mask->words, std::span(packed_).subspan(part, samples), samples > 1};
+  }
+
+  bool is_pack() const { return !packed_.empty(); }
+  bool is_small() const { return is_pack() || first.total <= direct_bytes_max; }
+  std::size_t samples() const { return is_pack() ? packed_.size() : 1; }
+  /// Of a sample's body.
+  std::uint32_t body_bytes(std::size_t part) const {
+    return is_pack() ? static_cast<std::uint32_t>(packed_[part].bytes) : first.total;
+  }
+
+  /// Makes the job independent of the sample that it was encoded from.
+  void copy_body();
+  /// The same, with memory of somebody else's for the copy, which is at least as large as the body.
+  void copy_body(core::SampleHandle to);
+  /// Its sample lies in borrowed memory, of which there is little.
+  void borrow();
+  /// A channel keeps it from now on: it counts until nobody has it any more. Of the one thread that gives it
+  /// to channels.
+  void keep();
+  /// Adds a sample to a pack, or begins one. It can be sent, and not be added to any more, after seal().
+  void pack(std::span<const Segment> body);
+  void pack(std::span<const std::byte> body) {
+    const Segment whole{body.data(), body.size()};
+    pack(std::span(&whole, 1));
+  }
+  void seal();
+  std::size_t packed_bytes() const { return packed_bytes_; }
+  /// Memory that a sample of it keeps from others.
+  std::size_t held_bytes(std::size_t part = 0) const {
+    if (is_pack()) return packed_[part].bytes;
+    return sample ? sample->capacity : copy_.size();
+  }
+  std::size_t held_bytes_in_all() const { return is_pack() ? packed_bytes_ : held_bytes(); }
+
+ private:
+  friend class JobHandle;
+  friend class JobPool;
+  std::vector<std::byte> copy_;  ///< of the body; empty if there is none
+  Segment copied_{};             ///< the copy, wherever it lies
+  std::size_t borrowed_bytes_ = 0;
+  std::size_t kept_bytes_ = 0;
+  std::vector<Segment> packed_;  ///< a pack's samples in the copy; until seal() only how long they are
+  std::size_t packed_bytes_ = 0;
+  std::shared_ptr<JobPool> pool_;  ///< while it is out
+  std::atomic<std::uint32_t> references_{0};
+};
+
+/// Handles share a job; with the last one it lets go of the sample and returns to its pool.
+class JobHandle {
+ public:
+  JobHandle() = default;
+  JobHandle(const JobHandle& other) : job_(other.job_) {
+    if (job_ != nullptr) job_->references_.fetch_add(1, std::memory_order_relaxed);
+  }
+  JobHandle(JobHandle&& other) noexcept : job_(std::exchange(other.job_, nullptr)) {}
+  JobHandle& operator=(JobHandle other) noexcept {
+    std::swap(job_, other.job_);
+    return *this;
+  }
+  ~JobHandle();
+
+  explicit operator bool() const { return job_ != nullptr; }
+  Job* operator->() const { return job_; }
+  Job& operator*() const { return *job_; }
+
+ private:
+  friend class JobPool;
+  explicit JobHandle(Job* job) : job_(job) { job->references_.store(1, std::memory_order_relaxed); }
+  Job* job_ = nullptr;
+};
+
+/// The jobs of one writer, kept for the memory that their projections have grown to. Any thread.
+class JobPool : public std::enable_shared_from_this<JobPool> {
+ public:
+  /// `memory` counts what channels keep.
+  static std::shared_ptr<JobPool> make(std::shared_ptr<KeptMemory> memory = std::make_shared<KeptMemory>()) {
+    return std::shared_ptr<JobPool>(new JobPool(std::move(memory)));
+  }
+
+  /// Without a sample.
+  JobHandle take();
+
+  /// Whether one more sample of so much borrowed memory may be held.
+  bool may_borrow(std::size_t bytes) const {
+    const std::size_t samples = borrowed_samples_.load(std::memory_order_relaxed);
+    const std::size_t in_all = borrowed_bytes_.load(std::memory_order_relaxed) + bytes;
+    return samples == 0 || (samples < borrowed_samples_max && in_all <= borrowed_bytes_max);
+  }
+
+ private:
+  friend class JobHandle;
+  friend struct Job;
+  explicit JobPool(std::shared_ptr<KeptMemory> memory) : memory_(std::move(memory)) {}
+  void recycle(std::unique_ptr<Job> job) noexcept;
+
+  /// Many masks, a few samples each, or what a process acknowledges at a time.
+  static constexpr std::size_t spare_max = 2048;
+  /// Longer copies are not kept for the next job.
+  static constexpr std::size_t spare_copy_bytes_max = 64 * 1024;
+  /// What may be on its way to readers that keep up, and a few more; others on this host need the rest.
+  static constexpr std::size_t borrowed_samples_max = 8;
+  static constexpr std::size_t borrowed_bytes_max = std::size_t{24} << 20;
+  const std::shared_ptr<KeptMemory> memory_;
+  std::atomic<std::size_t> borrowed_samples_{0}, borrowed_bytes_{0};
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Job>> spare_;  ///< with room for all that there are
+  std::size_t jobs_ = 0;                     ///< that are out or spare
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,19 @@
+// What one writer has sent and lost, and how fast it may send.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "udp_transport/flow/rate_limit.h"
+
+namespace sft::udp {
+
+/// Counts and limits of one writer, over all its lanes.
+struct WriterTally {
+  explicit WriterTally(std::uint64_t max_bytes_per_s = 0) : limit(max_bytes_per_s) {}
+  RateLimit limit;
+  std::atomic<std::uint64_t> bytes_sent{0};
+  std::atomic<std::uint64_t> dropped{0};  ///< taken from a lane, and then not sent
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,185 @@
+#include "udp_transport/receive/inbox.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace sft::udp {
+
+namespace {
+template <class Writers>
+auto* find_in(Writers& writers, core::EndpointId id) noexcept {
+  const auto found = std::find_if(writers.begin(), writers.end(), [&](const auto& w) { return w.id == id; });
+  return found == writers.end() ? nullptr : &*found;
+}
+}  // namespace
+
+void Inbox::deliver(std::span<core::SampleHandle> samples) noexcept {
+  while (!samples.empty()) {
+    Enqueued enqueued;
+    {
+      const std::scoped_lock lock(mutex_);
+      if (detached_) return;
+      enqueued = enqueue_some(samples);
+      if (enqueued.kept > 0 && listener_ != nullptr) calling_ = std::this_thread::get_id();
+    }
+    for (core::SampleHandle& pushed_out : samples.first(enqueued.samples)) pushed_out.reset();
+    samples = samples.subspan(enqueued.samples);
+    if (enqueued.kept > 0 && listener_ != nullptr) call();
+  }
+}
+
+void Inbox::call() noexcept {
+  listener_->arrived();
+  bool awaited = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    calling_ = {};
+    awaited = detached_;
+  }
+  if (awaited) called_.notify_all();
+}
+
+std::size_t Inbox::room(core::EndpointId id) const noexcept {
+  const std::scoped_lock lock(mutex_);
+  const Writer* writer = find(id);
+  return writer == nullptr ? depth_ : depth_ - std::min(depth_, writer->queue.size());
+}
+
+/// As many as can wait.
+Inbox::Enqueued Inbox::enqueue_some(std::span<core::SampleHandle> samples) noexcept {
+  Enqueued enqueued;
+  while (enqueued.samples < samples.size() && enqueued.kept < depth_)
+    enqueued.kept += enqueue(samples[enqueued.samples++]) ? 1 : 0;
+  return enqueued;
+}
+
+/// Leaves in `sample` what is to be released without the lock.
+bool Inbox::enqueue(core::SampleHandle& sample) noexcept {
+  Writer* writer = find(sample->header().writer);
+  if (writer == nullptr || !writer->connected) return false;
+  if (writer->filter.is_late() && !writer->filter.takes(*sample, std::chrono::steady_clock::now()))
+    return false;  // of those that are for others, or it will come again in its turn
+  ++writer->arrivals;
+  const KeepLastQueue::Put put = writer->queue.put(sample, ++arrivals_);
+  const std::size_t dropped = writer->queue.take_dropped();
+  discarded_ += dropped;
+  writer->dropped += dropped;
+  switch (put) {
+    case KeepLastQueue::Put::kept:
+      return true;
+    case KeepLastQueue::Put::pushed_out:
+      ++discarded_;
+      ++writer->dropped;
+      return true;
+    case KeepLastQueue::Put::late:
+      if (!writer->filter.is_late()) ++discarded_;  // else it may have come in both ways
+      return false;
+    case KeepLastQueue::Put::repeated:
+      return false;
+  }
+  return false;
+}
+
+template <class Condition>
+Inbox::Writer* Inbox::first_to_come(Condition condition) noexcept {
+  Writer* first = nullptr;
+  for (Writer& writer : writers_) {
+    if (writer.queue.empty() || !condition(writer)) continue;
+    if (first == nullptr || writer.queue.arrival() < first->queue.arrival()) first = &writer;
+  }
+  return first;
+}
+
+core::SampleHandle Inbox::take() noexcept {
+  const std::scoped_lock lock(mutex_);
+  Writer* first = first_to_come([](const Writer&) { return true; });
+  if (first == nullptr) return {};
+  core::SampleHandle sample = first->queue.pop();
+  const std::uint64_t dropped = std::exchange(first->dropped, 0);
+  if (!std::exchange(first->taken, true) && sample->oldest_retained == 0)
+    lost_unnoticed_ += dropped;  // nobody knew where its sequences began
+  forget_the_finished();
+  return sample;
+}
+
+void Inbox::connect(const core::Source& source) {
+  const std::scoped_lock lock(mutex_);
+  Writer* writer = find(source.writer);
+  if (writer == nullptr) writer = &writers_.emplace_back(Writer{source.writer, KeepLastQueue(depth_)});
+  writer->connected = true;
+  writer->filter = LateFilter(source.history_first);
+}
+
+void Inbox::disconnect(core::EndpointId id) noexcept {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (Writer* writer = find(id); writer != nullptr) writer->connected = false;
+    forget_the_finished();
+  }
+  while (drop_surplus()) {
+  }
+}
+
+void Inbox::forget_the_finished() noexcept {
+  std::erase_if(writers_, [](const Writer& w) { return !w.connected && w.queue.empty(); });
+}
+
+/// Takes the oldest sample of disconnected writers out, to be released without the lock; empty if there are
+/// no more of them than may be kept.
+core::SampleHandle Inbox::drop_surplus() noexcept {
+  const auto departed = [](const Writer& w) { return !w.connected; };
+  const std::scoped_lock lock(mutex_);
+  std::size_t kept = 0;
+  for (const Writer& writer : writers_) kept += departed(writer) ? writer.queue.size() : 0;
+  if (kept <= depth_) return {};
+  Writer& first = *first_to_come(departed);
+  core::SampleHandle sample = first.queue.pop();
+  ++discarded_;
+  ++first.dropped;
+  if (first.queue.empty()) lost_unnoticed_ += first.dropped;
+  forget_the_finished();
+  return sample;
+}
+
+bool Inbox::connected(core::EndpointId id) const noexcept {
+  const std::scoped_lock lock(mutex_);
+  const Writer* writer = find(id);
+  return writer != nullptr && writer->connected;
+}
+
+core::HistoryProgress Inbox::history(core::EndpointId id) const noexcept {
+  const std::scoped_lock lock(mutex_);
+  const Writer* writer = find(id);
+  return writer == nullptr ? core::HistoryProgress::awaited
+                           : writer->filter.progress(std::chrono::steady_clock::now());
+}
+
+std::uint64_t Inbox::arrivals(core::EndpointId id) noexcept {
+  const std::scoped_lock lock(mutex_);
+  const Writer* writer = find(id);
+  return writer == nullptr ? 0 : writer->arrivals;
+}
+
+std::uint64_t Inbox::discarded() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  return discarded_;
+}
+
+std::uint64_t Inbox::lost_unnoticed() const noexcept {
+  const std::scoped_lock lock(mutex_);
+  return lost_unnoticed_;
+}
+
+void Inbox::detach() noexcept {
+  std::unique_lock lock(mutex_);
+  detached_ = true;
+  if (calling_ == std::this_thread::get_id()) return;
+  called_.wait(lock, [this] { return calling_ == std::thread::id(); });
+}
+
+Inbox::Writer* Inbox::find(core::EndpointId id) noexcept { return find_in(writers_, id); }
+
+const Inbox::Writer* Inbox::find(core::EndpointId id) const noexcept { return find_in(writers_, id); }
+
+}  // namespace sft::udp

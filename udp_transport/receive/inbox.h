@@ -1,0 +1,85 @@
+// Between the receiving thread, which delivers, and the threads of one reader, which take.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "core/seam/transport.h"
+#include "udp_transport/receive/keep_last_queue.h"
+#include "udp_transport/receive/late_filter.h"
+
+namespace sft::udp {
+
+class Inbox {
+ public:
+  /// The listener may be null.
+  Inbox(std::size_t depth, core::ArrivalListener* listener)
+      : depth_(depth == 0 ? 1 : depth), listener_(listener) {}
+
+  /// Queues a sample of a connected writer and calls the listener, without a lock. The receiving thread.
+  void deliver(core::SampleHandle sample) noexcept { deliver(std::span(&sample, 1)); }
+  /// The same for several, which are gone or hold what was pushed out afterwards. The listener is called once
+  /// for all, but for no more than can wait: what it takes at once none of them pushes out.
+  void deliver(std::span<core::SampleHandle> samples) noexcept;
+
+  /// How many more samples of the writer can wait. None is refused: more push out the oldest.
+  std::size_t room(core::EndpointId writer) const noexcept;
+
+  core::SampleHandle take() noexcept;
+
+  void connect(const core::Source& source);
+  /// What is queued can still be taken: of all disconnected writers together as much as of one that is
+  /// connected, the newest.
+  void disconnect(core::EndpointId writer) noexcept;
+  bool connected(core::EndpointId writer) const noexcept;
+  core::HistoryProgress history(core::EndpointId writer) const noexcept;
+  std::uint64_t arrivals(core::EndpointId writer) noexcept;
+  std::uint64_t discarded() const noexcept;
+  std::uint64_t lost_unnoticed() const noexcept;
+
+  /// After this the listener is not called any more, and no call of it is
+  /// under way but the one that this is part of.
+  void detach() noexcept;
+
+ private:
+  struct Writer {
+    core::EndpointId id;
+    KeepLastQueue queue;
+    bool connected = true;
+    LateFilter filter{};
+    bool taken = false;         ///< some sample of it was
+    std::uint64_t dropped = 0;  ///< since then
+    std::uint64_t arrivals = 0;
+  };
+  Writer* find(core::EndpointId id) noexcept;
+  const Writer* find(core::EndpointId id) const noexcept;
+  bool enqueue(core::SampleHandle& sample) noexcept;
+  struct Enqueued {
+    std::size_t samples = 0;  ///< the first ones
+    std::size_t kept = 0;     ///< of these
+  };
+  Enqueued enqueue_some(std::span<core::SampleHandle> samples) noexcept;
+  void call() noexcept;
+  /// The writer whose oldest sample came first.
+  template <class Condition>
+  Writer* first_to_come(Condition condition) noexcept;
+  core::SampleHandle drop_surplus() noexcept;
+  void forget_the_finished() noexcept;
+
+  const std::size_t depth_;
+  mutable std::mutex mutex_;
+  std::vector<Writer> writers_;
+  std::uint64_t arrivals_ = 0;
+  std::uint64_t discarded_ = 0;
+  std::uint64_t lost_unnoticed_ = 0;
+  core::ArrivalListener* listener_;
+  bool detached_ = false;
+  std::thread::id calling_;  ///< the thread that calls the listener now; none otherwise
+  std::condition_variable called_;
+};
+
+}  // namespace sft::udp

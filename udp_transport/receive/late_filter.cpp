@@ -1,0 +1,37 @@
+#include "udp_transport/receive/late_filter.h"
+
+#include <algorithm>
+
+namespace sft::udp {
+
+bool LateFilter::takes(const core::SampleBuffer& sample, Now now) {
+  if (!history_first_) return true;
+  const bool alone = sample.addressee != 0;
+  if (alone) {
+    waits_ = false;
+    alone_at_ = now;
+  }
+  if (!alone && (waits_ || (now - alone_at_ < settling && !follows(sample)))) return false;
+  const bool anew = sample.numbering > numbering_;
+  if (sample.sequence <= sequence_ && !anew) return true;  // known or late: the queue tells
+  numbering_ = std::max(numbering_, sample.numbering);
+  sequence_ = sample.sequence;
+  min_period_us_ = sample.min_period_us;
+  ordinal_ = sample.ordinal;
+  return true;
+}
+
+/// Nothing is missing in between, but what was withheld.
+bool LateFilter::follows(const core::SampleBuffer& sample) const {
+  if (sample.sequence <= sequence_ + 1 || sample.numbering > numbering_) return true;
+  return sample.min_period_us != 0 && sample.min_period_us == min_period_us_ &&
+         sample.ordinal == ordinal_ + 1;
+}
+
+core::HistoryProgress LateFilter::progress(Now now) const {
+  if (!history_first_) return core::HistoryProgress::came;
+  if (waits_) return core::HistoryProgress::awaited;
+  return now - alone_at_ < settling ? core::HistoryProgress::coming : core::HistoryProgress::came;
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,171 @@
+#include "udp_transport/receive/subscriptions.h"
+
+#include <algorithm>
+#include <cassert>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+namespace sft::udp {
+
+namespace {
+
+constexpr std::size_t twins_max = 64;  // with one short id, of which something is heard
+
+template <class Container, class Value>
+bool holds(const Container& container, const Value& value) {
+  return std::find(container.begin(), container.end(), value) != container.end();
+}
+
+/// Puts the wishes of all readers of one writer together.
+void join(Stream& stream, const TypeSupport* type, const core::Source& source,
+          const std::vector<core::Accepted>& accepted) {
+  stream.writer = source.writer;
+  stream.type = type;
+  stream.reliable = stream.reliable || source.reliable;
+  stream.waits = source.waits;
+  stream.node = source.node;
+  stream.alive = source.alive;
+  stream.max_sample_bytes = std::max(stream.max_sample_bytes, source.max_sample_bytes);
+  for (const core::Accepted& a : accepted) {
+    if (!holds(stream.masks, a.wanted.mask)) stream.masks.push_back(a.wanted.mask);
+  }
+}
+
+}  // namespace
+
+/// What is for it alone has waited behind its history, and may come late.
+bool Subscriber::accepts(const core::SampleBuffer& sample, std::uint64_t first_request) const {
+  const bool for_one = sample.addressee != 0;
+  if (for_one && sample.addressee != reader) return false;
+  return std::ranges::any_of(accepted, [&](const core::Accepted& a) {
+    const core::Wanted& w = a.wanted;
+    if (!for_one && a.request < first_request) return false;
+    if (sample.merged) return w.min_period_us == 0 && sample.mask.contains(w.mask);
+    return (for_one || w.min_period_us == sample.min_period_us) && w.mask == sample.mask;
+  });
+}
+
+std::uint64_t Subscriber::heard_request() const {
+  std::uint64_t last = 0;
+  for (const core::Accepted& a : accepted) last = a.heard ? a.request : last;
+  return last;
+}
+
+void SubscriptionDirectory::add(core::EndpointId reader, const std::shared_ptr<Inbox>& inbox,
+                                const TypeSupport& type) {
+  const std::scoped_lock lock(mutex_);
+  readers_.push_back({reader, inbox, &type, {}, {}});
+}
+
+Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Source& source) {
+  const std::scoped_lock lock(mutex_);
+  Reader& reader = find(inbox);
+  if (Result<void> checked = check(reader, source); !checked) return checked;
+  std::erase_if(reader.sources, [&](const core::Source& s) { return s.writer == source.writer; });
+  reader.sources.push_back(source);
+  publish();
+  return {};
+}
+
+/// Datagrams carry half of the writer's id, and one writer has one type. A few writers with one short id are
+/// told apart by their addresses.
+Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Source& source) const {
+  std::set<core::EndpointId> twins;  // that live
+  for (const Reader& other : readers_) {
+    for (const core::Source& known : other.sources) {
+      if (static_cast<std::uint32_t>(known.writer) != static_cast<std::uint32_t>(source.writer)) continue;
+      if (known.writer != source.writer) {
+        if (known.alive) twins.insert(known.writer);
+        if (twins.size() < twins_max) continue;
+        return fail(Errc::unavailable, std::to_string(twins_max) + " writers have the same short id " +
+                                           std::to_string(static_cast<std::uint32_t>(source.writer)) +
+                                           "; open one of them again to give it another");
+      }
+      if (other.type->hash() != reader.type->hash()) {
+        return fail(Errc::type_mismatch, "the writer is read as " + std::string(other.type->name()) +
+                                             " already, not as " + std::string(reader.type->name()) +
+                                             " of the same structure");
+      }
+    }
+  }
+  return {};
+}
+
+void SubscriptionDirectory::announced(const Inbox& inbox, const core::Source& source) {
+  const std::scoped_lock lock(mutex_);
+  for (core::Source& known : find(inbox).sources) {
+    if (known.writer == source.writer) known = source;
+  }
+  publish();
+}
+
+void SubscriptionDirectory::disconnect(const Inbox& inbox, core::EndpointId writer) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(find(inbox).sources, [&](const core::Source& s) { return s.writer == writer; });
+  publish();
+}
+
+void SubscriptionDirectory::accept(const Inbox& inbox, std::vector<core::Accepted> accepted) {
+  const std::scoped_lock lock(mutex_);
+  find(inbox).accepted = std::move(accepted);
+  publish();
+}
+
+void SubscriptionDirectory::remove(const Inbox& inbox) {
+  std::unique_lock lock(mutex_);
+  std::erase_if(readers_, [&](const Reader& r) { return r.inbox.get() == &inbox; });
+  publish();
+  const std::shared_ptr<const Subscriptions> without = latest_;
+  ++waiting_;
+  left_.wait(lock, [&] { return !entered_ || followed_ == without || followed_ == latest_; });
+  --waiting_;
+}
+
+std::shared_ptr<const Subscriptions> SubscriptionDirectory::enter() {
+  std::shared_ptr<const Subscriptions> before;  // goes outside the lock
+  const std::scoped_lock lock(mutex_);
+  entered_ = true;
+  if (followed_ != latest_) {
+    before = std::exchange(followed_, latest_);
+  }
+  return followed_;
+}
+
+void SubscriptionDirectory::leave() {
+  bool awaited = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    entered_ = false;
+    awaited = waiting_ > 0;
+  }
+  if (awaited) left_.notify_all();
+}
+
+SubscriptionDirectory::Reader& SubscriptionDirectory::find(const Inbox& inbox) {
+  const auto found = std::find_if(readers_.begin(), readers_.end(),
+                                  [&](const Reader& r) { return r.inbox.get() == &inbox; });
+  assert(found != readers_.end());
+  return *found;
+}
+
+/// Makes a snapshot; with the lock held.
+void SubscriptionDirectory::publish() {
+  auto next = std::make_shared<Subscriptions>();
+  std::unordered_map<core::EndpointId, std::size_t> places;
+  for (const Reader& reader : readers_) {
+    for (const core::Source& source : reader.sources) {
+      const auto [place, is_new] = places.try_emplace(source.writer, next->streams.size());
+      if (is_new) {
+        next->streams.emplace_back();
+        next->subscribers.emplace_back();
+      }
+      join(next->streams[place->second], reader.type, source, reader.accepted);
+      next->subscribers[place->second].push_back({reader.id, reader.inbox, reader.accepted, source.reliable});
+    }
+  }
+  latest_ = std::move(next);
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,78 @@
+// One sample of which some datagrams came: its buffer once the first has described it, and until then the
+// bodies of those that were faster.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/seam/sample_buffer.h"
+#include "udp_transport/receive/interval_set.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp {
+
+class UnfinishedSample {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// Begins anew, with memory that is already there.
+  void begin(const SampleLabel& label, Time now);
+
+  const SampleLabel& label() const { return first_.label; }
+  Time last_progress() const { return last_progress_; }
+
+  /// In its channel; 0: in none.
+  std::uint64_t place() const { return place_; }
+  void set_place(std::uint64_t place) { place_ = place; }
+
+  bool described() const { return static_cast<bool>(buffer_); }
+  const FirstHeader& first() const { return first_; }
+  /// The buffer's body has room for first.total bytes.
+  void describe(const FirstHeader& first, std::size_t body_offset, core::SampleHandle buffer);
+
+  enum class Added : std::uint8_t {
+    yes,
+    beyond_body,    ///< nothing happened
+    too_many_gaps,  ///< likewise: it would make one more
+  };
+  /// Once described.
+  Added add(std::uint32_t offset, std::span<const std::byte> payload, std::size_t gaps_max, Time now);
+  bool whole() const { return described() && received_.covered() == first_.total; }
+  core::SampleHandle take_buffer() { return std::move(buffer_); }
+  const core::SampleHandle& buffer() const { return buffer_; }
+  const IntervalSet& received() const { return received_; }
+
+  /// Until described.
+  void park(std::uint32_t offset, std::span<const std::byte> payload, Time now);
+  std::size_t parked_bytes() const { return parked_.size(); }
+  static std::size_t bytes_to_park(std::span<const std::byte> payload) {
+    return sizeof(Parked) + payload.size();
+  }
+  /// Adds what was parked; if not all of it, says why. Afterwards nothing is parked.
+  Added unpark(std::size_t gaps_max, Time now);
+
+  /// Gives the sample's memory back, but for small vectors.
+  void clear();
+
+ private:
+  friend class UnfinishedSamples;
+  struct Parked {
+    std::uint32_t offset;
+    std::uint32_t bytes;
+  };
+
+  std::uint64_t place_ = 0;
+  FirstHeader first_;  ///< until described, only the label
+  core::SampleHandle buffer_;
+  std::byte* body_ = nullptr;
+  IntervalSet received_;
+  std::vector<std::byte> parked_;  ///< Parked and payload, in turns
+  Time last_progress_;
+  std::size_t index_ = 0;  ///< where it is among the others (unfinished_samples.h)
+  UnfinishedSample* next_in_bucket_ = nullptr;
+};
+
+}  // namespace sft::udp

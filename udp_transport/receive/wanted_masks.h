@@ -1,0 +1,43 @@
+// Under which masks somebody here reads a writer, and which of them a datagram names.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sft/typesupport/field_mask.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft {
+class TypeSupport;
+}
+
+namespace sft::udp {
+
+class WantedMasks {
+ public:
+  /// From now on; `type` outlives it.
+  void set(const TypeSupport& type, std::span<const FieldMask> masks);
+
+  struct Named {
+    const FieldMask* mask = nullptr;  ///< null: one that nobody wants; valid until the next call
+    bool malformed = false;
+  };
+  /// A first, whole or packed datagram. Takes the mask's words off its payload.
+  Named named_by(Datagram& d);
+
+ private:
+  struct Wanted {
+    FieldMask mask;
+    std::uint64_t hash;
+  };
+  Named merged(const Datagram& d, std::span<const std::byte> words);
+
+  static constexpr std::size_t merged_max = 8;
+  const TypeSupport* type_ = nullptr;
+  std::vector<Wanted> wanted_;
+  std::vector<FieldMask> merged_;  ///< unions that were met lately, each of something that is wanted
+};
+
+}  // namespace sft::udp

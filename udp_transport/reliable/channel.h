@@ -1,0 +1,146 @@
+// What one writer sends reliably to one process: a ResendWindow, shared by the threads that publish, send and
+// receive acks. The lock is held for a few instructions, never over a system call.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "udp_transport/flow/destination.h"
+#include "udp_transport/outgoing/writer_tally.h"
+#include "udp_transport/reliable/resend_window.h"
+
+namespace sft::udp {
+
+class Channel {
+ public:
+  using Time = ResendWindow::Time;
+  using Piece = ResendWindow::Piece;
+  /// Nobody waits for it any more; what was sent is repaired for so long.
+  static constexpr std::chrono::seconds linger{2};
+
+  /// `port` is where acks come in.
+  Channel(std::uint32_t writer, std::uint32_t number, std::shared_ptr<Destination> to,
+          std::shared_ptr<WriterTally> tally, std::uint16_t port,
+          std::shared_ptr<const KeptMemory> memory = {})
+      : writer_(writer),
+        number_(number),
+        to_(std::move(to)),
+        tally_(std::move(tally)),
+        port_(port),
+        memory_(std::move(memory)),
+        window_(writer, number, ResendLimits{}, 1, memory_) {}
+
+  // Any thread.
+
+  std::uint32_t writer() const { return writer_; }
+  std::uint32_t number() const { return number_; }
+  Destination& destination() const { return *to_; }
+  WriterTally& tally() const { return *tally_; }
+
+  struct Posted {
+    std::optional<Piece> piece{};  ///< to be sent by the caller, who then says finished() or put_back()
+    bool was_at_rest = false;      ///< the sending thread has to be told of this channel
+    bool waits = false;            ///< the sending thread has to be woken
+    bool waited = false;           ///< for room: it is later by now
+    ResendWindow::Kept kept{};
+  };
+  /// `at_once`: the caller would send it. Waits as long as `patience` lasts, which it uses up, until nothing
+  /// has to go for the sample; not at all without. A moment of it also where more is kept than stays in a
+  /// processor's caches: who publishes faster than is sent would encode into memory that has left them.
+  Posted post(JobHandle job, const FirstHeader& first, bool at_once,
+              std::chrono::nanoseconds* patience = nullptr);
+  /// Only where nothing else is still to be sent, and then the caller sends it, whose job is not read by
+  /// others until it says finished() or put_back().
+  std::optional<Posted> post_ahead(const JobHandle& job, const FirstHeader& first,
+                                   std::chrono::nanoseconds* patience = nullptr);
+  /// It has not been acknowledged yet, nor had to go.
+  bool keeps(std::uint64_t ordinal);
+  /// Whether the job can be posted and nothing has to go for it.
+  bool has_room(const Job& job);
+  /// The same, for the sending thread: where there is no room, hear() tells when to look again.
+  bool has_room_or_tells(const Job& job);
+  /// Whether all channels of the node together keep so much that one that keeps `bytes` has to give some up.
+  bool must_give_up_some_of(std::size_t bytes) const {
+    return memory_ != nullptr && memory_->wants_some_of(bytes);
+  }
+  /// The same as post(), of a sample that a group sends, too: if it is not `kept.elsewhere`, it waits here as
+  /// well.
+  Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
+  /// It has left there. Whether the sending thread has to be woken, to ask for acks in time.
+  [[nodiscard]] bool left(std::uint64_t ordinal);
+  /// What has; else none.
+  JobHandle sent_elsewhere(std::uint64_t ordinal);
+  /// It left about `now`. Whether the sending thread has to be woken, to ask for acks in time: it may have
+  /// looked while nothing had left yet.
+  [[nodiscard]] bool finished(const Piece& piece, Time now);
+  void put_back(const Piece& piece);
+  /// What its publisher has sent of a large one: heartbeats must not overtake it.
+  void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
+  std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
+  /// Whether the sending thread has to be woken. The ack may be of another channel of the writer.
+  [[nodiscard]] bool hear(const Ack& ack);
+  /// Acks of what was never sent have come: it ends, and another one has to begin.
+  bool went_wrong() const { return went_wrong_.load(std::memory_order_relaxed); }
+
+  // The agent's thread.
+
+  /// No reader is behind it any more.
+  void end();
+  /// At once: others are served there now.
+  void close();
+  bool closed();
+
+  // The sending thread.
+
+  std::optional<Piece> next(ResendWindow::Size size);
+  struct Care {
+    std::optional<Heartbeat> heartbeat{};
+    Time next_look{};
+    bool at_rest = false;  ///< nothing is left to do, until it is told of again
+  };
+  Care look_after();
+
+ private:
+  void judge_length(const Ack& ack, Time now);
+  static Time now() { return std::chrono::steady_clock::now(); }
+  Heartbeat addressed(Heartbeat heartbeat) const {
+    heartbeat.port = port_;
+    return heartbeat;
+  }
+
+  const std::uint32_t writer_;
+  const std::uint32_t number_;
+  const std::shared_ptr<Destination> to_;
+  const std::shared_ptr<WriterTally> tally_;
+  const std::uint16_t port_;
+  const std::shared_ptr<const KeptMemory> memory_;
+  bool has_room_for(const Job& job) const;
+  bool runs_ahead_with(const Job& job) const;
+  bool wait_for_room(const Job& job, std::chrono::nanoseconds& patience, std::unique_lock<std::mutex>& lock);
+  bool attend();
+  bool looks_sooner(Time now);
+
+  std::atomic<std::uint64_t> behind_{0};
+  std::mutex mutex_;
+  ResendWindow window_;
+  bool awaits_room_ = false;    ///< the publisher
+  bool tells_of_room_ = false;  ///< the sending thread has something that waits for room here
+  std::condition_variable room_;
+  bool attended_ = false;        ///< the sending thread knows of it
+  bool woken_ = false;           ///< and will look at it
+  Time looks_at_ = Time::max();  ///< then it does in any case
+  bool closed_ = false;          ///< it has parted
+  std::atomic<bool> went_wrong_{false};
+  std::optional<Time> ended_at_;
+  std::size_t length_ = 0;              ///< of datagrams, when an ack came last
+  std::uint64_t sent_so_from_ = 0;      ///< the first ordinal that was surely sent in such, and not judged
+  std::uint32_t moves_ = to_->moves();  ///< of the destination, as far as is known here
+};
+
+}  // namespace sft::udp

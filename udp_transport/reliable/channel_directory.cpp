@@ -1,0 +1,71 @@
+#include "udp_transport/reliable/channel_directory.h"
+
+#include <algorithm>
+
+namespace sft::udp {
+
+void ChannelRoster::add(const std::shared_ptr<Channel>& channel) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
+  known_[{channel->writer(), channel->number()}] = channel;
+}
+
+std::shared_ptr<Channel> ChannelRoster::find(std::uint32_t writer, std::uint32_t number) {
+  const std::scoped_lock lock(mutex_);
+  const auto known = known_.find({writer, number});
+  return known == known_.end() ? nullptr : known->second.lock();
+}
+
+std::vector<std::shared_ptr<Channel>> ChannelRoster::find_at(std::uint32_t writer,
+                                                             const core::IpAddress& ip) {
+  std::vector<std::shared_ptr<Channel>> found;
+  const std::scoped_lock lock(mutex_);
+  for (auto one = known_.lower_bound({writer, 0}); one != known_.end() && one->first.first == writer; ++one) {
+    std::shared_ptr<Channel> channel = one->second.lock();
+    if (channel != nullptr && channel->destination().is_at(ip)) found.push_back(std::move(channel));
+  }
+  return found;
+}
+
+/// Readers that are new must not get what was sent to others before, so that has to be another channel.
+std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destination>& to,
+                                                const std::set<core::EndpointId>& readers) {
+  Known& known = channels_[to.get()];
+  std::shared_ptr<Channel> channel = known.channel.lock();
+  const bool some_stay =
+      std::ranges::any_of(readers, [&](core::EndpointId reader) { return known.readers.contains(reader); });
+  known.readers = readers;
+  if (channel != nullptr && some_stay && !channel->closed()) return channel;
+  if (channel != nullptr) channel->close();
+  channel = std::make_shared<Channel>(writer_, unused_number(*to), to, tally_, ack_port_, memory_);
+  roster_.add(channel);
+  known.channel = channel;
+  return channel;
+}
+
+/// 0 is no channel; and numbers to different destinations can be equal by chance.
+std::uint32_t ChannelDirectory::unused_number(const Destination& to) {
+  for (;;) {
+    const std::uint32_t number = to.name_of_channel(++last_number_);
+    if (number != 0 && roster_.find(writer_, number) == nullptr) return number;
+  }
+}
+
+bool ChannelDirectory::some_went_wrong() const {
+  return std::ranges::any_of(channels_, [](const auto& item) {
+    const std::shared_ptr<Channel> channel = item.second.channel.lock();
+    return channel != nullptr && channel->went_wrong();
+  });
+}
+
+void ChannelDirectory::keep_to(const ReliableReaders& readers) {
+  std::erase_if(channels_, [](const auto& item) { return item.second.channel.expired(); });
+  for (auto& [to, known] : channels_) {
+    const std::shared_ptr<Channel> channel = known.channel.lock();
+    if (channel == nullptr || readers.contains(to)) continue;
+    channel->end();
+    known.readers.clear();
+  }
+}
+
+}  // namespace sft::udp

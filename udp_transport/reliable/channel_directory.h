@@ -1,0 +1,73 @@
+// The channels of one writer, one for each process that it serves reliably; and those of all writers of a
+// transport, so that acks find theirs.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "udp_transport/reliable/channel.h"
+
+namespace sft::udp {
+
+/// Any thread.
+class ChannelRoster {
+ public:
+  void add(const std::shared_ptr<Channel>& channel);
+  /// Null if there is none, or no more.
+  std::shared_ptr<Channel> find(std::uint32_t writer, std::uint32_t number);
+  /// Those of that writer to receivers at that address.
+  std::vector<std::shared_ptr<Channel>> find_at(std::uint32_t writer, const core::IpAddress& ip);
+
+ private:
+  std::mutex mutex_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<Channel>> known_;
+};
+
+/// By destination: those there that are served reliably, under whatever masks.
+using ReliableReaders = std::map<const Destination*, std::set<core::EndpointId>>;
+
+/// Of the agent's thread. The roster outlives it.
+class ChannelDirectory {
+ public:
+  ChannelDirectory(std::uint32_t writer, std::shared_ptr<WriterTally> tally, ChannelRoster& roster,
+                   std::uint16_t ack_port, std::shared_ptr<const KeptMemory> memory = {})
+      : writer_(writer),
+        tally_(std::move(tally)),
+        roster_(roster),
+        ack_port_(ack_port),
+        memory_(std::move(memory)) {}
+  ~ChannelDirectory() { keep_to({}); }
+  ChannelDirectory(const ChannelDirectory&) = delete;
+  ChannelDirectory& operator=(const ChannelDirectory&) = delete;
+
+  /// The one to these readers at that destination, known or new: it goes on as long as one of them stays.
+  std::shared_ptr<Channel> find(const std::shared_ptr<Destination>& to,
+                                const std::set<core::EndpointId>& readers);
+  /// Of one at least nothing can be relied on any more: find() gives another one for it.
+  bool some_went_wrong() const;
+  /// All others end.
+  void keep_to(const ReliableReaders& readers);
+
+ private:
+  std::uint32_t unused_number(const Destination& to);
+
+  const std::uint32_t writer_;
+  const std::shared_ptr<WriterTally> tally_;
+  ChannelRoster& roster_;
+  const std::uint16_t ack_port_;
+  const std::shared_ptr<const KeptMemory> memory_;
+  std::uint32_t last_number_ = 0;  ///< of all to whomever
+  /// By destination, which it keeps alive. Routes and the sending thread hold them.
+  struct Known {
+    std::weak_ptr<Channel> channel;
+    std::set<core::EndpointId> readers;
+  };
+  std::map<const Destination*, Known> channels_;
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,146 @@
+// What one writer has to send to one destination under one mask and limit and could not send at once: a queue
+// from the publisher's thread to the sending thread that keeps the newest. A destination that falls behind
+// loses samples of its own lanes only.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "core/seam/delivery.h"
+#include "udp_transport/flow/destination.h"
+#include "udp_transport/outgoing/job.h"
+#include "udp_transport/outgoing/writer_tally.h"
+#include "udp_transport/reliable/ordinal_ring.h"
+
+namespace sft::udp {
+
+class Channel;
+
+/// Told of each job of a lane once that is done with it. Calls nothing of the lane.
+class LaneListener {
+ public:
+  virtual ~LaneListener() = default;
+  /// Any thread. `lost`: it was not sent, or not all of it.
+  virtual void left(const Job& job, bool lost) noexcept = 0;
+};
+
+class Lane {
+ public:
+  enum class Start : std::uint8_t { open, held };
+
+  /// A held lane keeps what is posted until begin() gave it the history, which has to go first. Meanwhile
+  /// more may wait there than `depth`: 256 small samples, or with a channel as much as that may keep
+  /// (ResendLimits). In an open lane 4,096 small samples of 1 MiB in all may wait while its receiver is asked
+  /// to report for the first time, and for 250 ms after that if some have waited.
+  Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
+       Start start = Start::open, std::shared_ptr<Channel> channel = {});
+
+  /// Before anything else.
+  void tell(std::weak_ptr<LaneListener> listener) { listener_ = std::move(listener); }
+
+  // Any thread.
+
+  Destination& destination() const { return *to_; }
+  bool is_late() const { return late_; }
+  /// What waits here goes on through that; null: to the destination.
+  Channel* channel() const { return channel_.get(); }
+  const std::shared_ptr<Channel>& shared_channel() const { return channel_; }
+  /// Samples that were to go this way and did not.
+  const std::shared_ptr<core::LossTally>& losses() const { return losses_; }
+  /// Nobody waits there any more: what is queued is dropped, and nothing queued again.
+  void close();
+  bool closed() const { return closed_.load(std::memory_order_acquire); }
+
+  /// Where in what is sent to the destination its last large sample ended; 0: it had none.
+  std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
+
+  // The publisher's thread.
+
+  /// Nothing is queued or being sent: what is sent now overtakes nothing.
+  bool idle() const { return !busy_.load(std::memory_order_acquire); }
+
+  struct Posted {
+    bool was_idle = false;        ///< the sending thread has to be told of this lane
+    bool dropped_oldest = false;  ///< the queue was full
+  };
+  Posted post(JobHandle job);
+  /// One more can be queued and nothing has to go for it.
+  bool has_room();
+  /// Waits until the job can be queued and nothing has to go for it, as long as `patience` lasts, which it
+  /// uses up.
+  void await_room(const Job& job, std::chrono::nanoseconds& patience);
+
+  /// For a job that is sent here without being queued: which one was the first.
+  void mark(Job& job);
+  /// Nothing behind what has left may overtake it: the destination's position is that. The sending thread,
+  /// too.
+  void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
+
+  // The agent's thread.
+
+  /// Of a held lane: goes on, with retained samples, however many, before all that was posted; once. Whether
+  /// the sending thread has to be told of this lane.
+  [[nodiscard]] bool begin(std::vector<JobHandle> history);
+  /// Nothing is queued, and the reader has acknowledged what was retained, where it does that: from now on
+  /// nothing that is published can push that out.
+  bool history_has_left() const;
+
+  // The sending thread.
+
+  /// The next job, valid until the next call; null if there is none, which makes the lane idle.
+  const Job* next();
+  /// The one that next() gave.
+  const JobHandle& current() const { return current_; }
+  WriterTally& tally() const { return *tally_; }
+  /// The job that next() gave did not leave.
+  void lose_current();
+  /// The channel keeps the job that next() gave, under that ordinal.
+  void passed_on(std::uint64_t ordinal);
+
+ private:
+  void count_lost(const Job& job) const;
+  void done_with(const JobHandle& job, bool lost) const;
+  std::optional<Posted> queue_up(JobHandle& job, JobHandle& oldest);
+  using Clock = std::chrono::steady_clock;
+
+  bool has_room_for(const Job& job) const;
+  bool may_pile_up(Clock::time_point now) const;
+  void note_report(const Job& job);
+  JobHandle pop_oldest();
+
+  const std::shared_ptr<Destination> to_;
+  const std::size_t depth_;
+  const bool late_;  ///< began as held
+  const std::shared_ptr<Channel> channel_;
+  const std::shared_ptr<WriterTally> tally_;
+  std::weak_ptr<LaneListener> listener_;
+  const std::shared_ptr<core::LossTally> losses_ = std::make_shared<core::LossTally>();
+  std::atomic<bool> busy_;  ///< scheduled_ or held_, as the publisher sees it
+  std::atomic<bool> closed_{false};
+  std::atomic<std::uint64_t> behind_{0};
+  std::atomic<std::uint64_t> last_retained_{0};  ///< its ordinal in the channel; 0: none was passed on
+  JobHandle current_;                            ///< the sending thread's
+  bool is_retained_ = false;                     ///< likewise: what is current is no live sample
+  bool is_lost_ = false;                         ///< likewise: what is current did not leave
+  std::mutex mutex_;
+  std::condition_variable room_;  ///< the queue has become shorter
+  bool scheduled_ = false;        ///< the sending thread knows of it
+  bool held_;
+  std::uint64_t oldest_ = 0;         ///< sequence of the first sample, once there is one
+  std::vector<JobHandle> history_;   ///< goes first, the newest first
+  OrdinalRing<JobHandle> queue_{0};  ///< the oldest first
+  bool unproven_ = false;            ///< the receiver had not reported when something was posted last
+  bool small_ones_wait_ = false;     ///< for that report
+  /// It had when something was posted next, and small ones had waited for that.
+  std::optional<Clock::time_point> reported_at_;
+  std::size_t queued_bytes_ = 0;  ///< of memory that these hold
+};
+
+}  // namespace sft::udp

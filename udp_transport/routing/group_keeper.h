@@ -1,0 +1,123 @@
+// The multicast groups of one writer: which there are to be, by the cost model, and which there are
+// (multicast.md). Of the agent's thread, but for why().
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "udp_transport/io/multicast_links.h"
+#include "udp_transport/multicast/body_sizes.h"
+#include "udp_transport/multicast/multicast_group.h"
+#include "udp_transport/multicast/multicast_plan.h"
+#include "udp_transport/routing/gathered.h"
+
+namespace sft::udp {
+
+class GroupKeeper {
+ public:
+  using Time = GroupMembership::Time;
+  /// The way to a group on the link where we have that address, for datagrams of at most so many bytes.
+  using Connect = std::function<std::shared_ptr<Destination>(std::uint32_t group, std::uint32_t own,
+                                                             std::size_t datagram_bytes)>;
+  struct Setup {
+    std::uint32_t writer = 0;
+    const StructType* type = nullptr;  ///< outlives it
+    Multicast use = Multicast::automatic;
+    std::uint16_t report_port = 0;
+    std::size_t queue_depth = 4;
+    std::shared_ptr<WriterTally> tally;
+    GroupRoster* roster = nullptr;  ///< outlives it
+    Connect connect;
+    PlanLimits limits{};
+    /// The links that this host has at present.
+    std::function<std::vector<MulticastLink>(Multicast)> links = multicast_links;
+  };
+  explicit GroupKeeper(Setup setup);
+
+  // While routes are made anew, one after the other:
+
+  /// Puts what goes to the members of each group into one: under the union of their masks.
+  void merge(std::vector<Gathered>& routes, Time now);
+  /// The group at that place with these members, known or new.
+  std::shared_ptr<MulticastGroup> find(std::size_t place, std::vector<MulticastGroup::Member> members);
+  void merged(Time now);
+
+  /// What is to be measured; null where nobody can be in a group.
+  const std::shared_ptr<BodySizes>& sizes() const { return sizes_; }
+
+  /// Whether other groups would be better: routes are to be made anew then.
+  bool replan(Time now);
+  /// Tells members what they have to know.
+  void tend(Time now);
+
+  /// Any thread: of a reader, in which group it is or why in none.
+  std::string why(core::EndpointId reader) const;
+
+ private:
+  struct Candidate {
+    std::shared_ptr<Destination> to;
+    std::vector<FieldMask> masks{};
+    bool reliable = false;
+    std::optional<std::size_t> link{};  ///< in links_; empty: it cannot be in a group
+    std::string refusal{};              ///< why
+  };
+  struct Planned {
+    std::size_t place = 0;  ///< its address goes by this
+    std::vector<const Destination*> members{};
+  };
+  struct Retired {
+    std::shared_ptr<MulticastGroup> group;
+    Time at;
+  };
+
+  void look_at(const std::vector<Gathered>& routes, Time now);
+  bool any_given_up(Time now);
+  void choose_link(Candidate& candidate, Time now) const;
+  void choose_masks(Time now);
+  void keep_possible();
+  void merge(const Planned& planned, std::vector<Gathered>& routes) const;
+  std::vector<PlanDestination> plan_destinations(std::vector<const Destination*>& places) const;
+  std::uint32_t address(std::size_t place) const;
+  static void send(Destination& to, const GroupOffer& offer, Time now);
+  void explain(const std::vector<Gathered>& routes);
+
+  static constexpr std::chrono::milliseconds settling{100};  ///< routes come in bunches
+  static constexpr std::chrono::seconds replan_pause{1};
+  static constexpr std::chrono::minutes deaf_pause{1};  ///< before one that heard nothing is offered a group
+  static constexpr std::chrono::seconds packed_pause{10};   ///< since samples were published together
+  static constexpr std::chrono::seconds farewell_after{1};  ///< what is under way arrives before
+
+  const Setup setup_;
+  const bool too_many_leaves_;  ///< masks are not sent in words then
+  std::vector<MulticastLink> links_;
+  std::map<const Destination*, Candidate> candidates_;
+  std::shared_ptr<BodySizes> sizes_;
+  std::vector<Planned> planned_;
+  std::vector<std::shared_ptr<MulticastGroup>> groups_, found_;
+  std::vector<Retired> retired_;
+  std::map<const Destination*, Time> deaf_until_;
+  Time packed_until_{};
+  std::uint32_t last_number_ = 0;
+  Time replan_at_{};
+  Time counted_at_{};
+  std::uint64_t counted_ = 0;
+
+  mutable std::mutex why_mutex_;
+  struct Why {
+    const Destination* to = nullptr;
+    std::string refusal{};
+  };
+  std::map<core::EndpointId, Why> why_;
+  std::vector<std::shared_ptr<MulticastGroup>> shown_;
+  bool several_ = false;  ///< could be in a group
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,213 @@
+#include "udp_transport/routing/routes.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sft::udp {
+
+namespace {
+
+/// Words of longer masks are not sent; their hash has to do.
+constexpr std::size_t mask_words_max = 32;
+
+std::vector<std::uint64_t> words_to_send(const FieldMask& mask) {
+  std::vector<std::uint64_t> words;
+  if (mask.words() == 1 || mask.words() > mask_words_max) return words;
+  for (std::size_t i = 0; i < mask.words(); ++i) words.push_back(mask.word(i));
+  return words;
+}
+
+std::shared_ptr<const WireMask> make_wire_mask(const FieldMask& mask, std::uint16_t number) {
+  return std::make_shared<WireMask>(WireMask{number, mask.hash(), words_to_send(mask)});
+}
+
+/// What a gate withholds from those on spare routes is counted where they are served.
+void write_page(const Gathered& gathered, const Group& group, RouteTable& table) {
+  for (const auto& [reader, destination] : gathered.readers) {
+    const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };
+    const auto lane = std::find_if(group.lanes.begin(), group.lanes.end(), leads_there);
+    if (!group.spare) table.lanes_of[reader] = *lane;
+    table.page.push_back({reader,
+                          {.tally = group.tally,
+                           .losses = (*lane)->losses(),
+                           .gate = group.spare ? nullptr : group.gate,
+                           .diverted = group.spare}});
+  }
+}
+
+std::vector<MulticastGroup::Member> members_of(const Group& group) {
+  std::vector<MulticastGroup::Member> members;
+  for (std::size_t i = 0; i < group.lanes.size(); ++i) members.push_back({group.lanes[i], group.channels[i]});
+  return members;
+}
+
+ReliableReaders reliable_readers(const std::vector<Gathered>& groups) {
+  ReliableReaders all;
+  for (const Gathered& gathered : groups) {
+    for (const auto& [destination, readers] : gathered.reliable)
+      all[destination].insert(readers.begin(), readers.end());
+  }
+  return all;
+}
+
+/// Whether what is sent to a spare group goes that way for others as well: readers in one process share a
+/// socket.
+bool is_reached_anyway(const RouteTable& table, const Group& spare, std::size_t lane) {
+  return std::any_of(table.groups.begin(), table.groups.end(), [&](const Group& group) {
+    if (&group == &spare || group.wire != spare.wire) return false;
+    const auto same = std::find(group.lanes.begin(), group.lanes.end(), spare.lanes[lane]);
+    return same != group.lanes.end() && (spare.channels[lane] == nullptr ||
+                                         group.channels[same - group.lanes.begin()] == spare.channels[lane]);
+  });
+}
+
+void leave_out_the_reached(const RouteTable& table, Group& spare) {
+  for (std::size_t lane = spare.lanes.size(); lane-- > 0;) {
+    if (!is_reached_anyway(table, spare, lane)) continue;
+    spare.lanes.erase(spare.lanes.begin() + static_cast<std::ptrdiff_t>(lane));
+    spare.channels.erase(spare.channels.begin() + static_cast<std::ptrdiff_t>(lane));
+  }
+}
+
+}  // namespace
+
+const Group* RouteTable::of_late_reader(core::EndpointId reader) const {
+  const auto found =
+      std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.late_reader == reader; });
+  return found == groups.end() ? nullptr : &*found;
+}
+
+VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally,
+                                   ChannelDirectory* channels)
+    : queue_depth_(queue_depth), tally_(std::move(tally)), channels_(channels) {}
+
+VariantDirectory::Variant& VariantDirectory::find(const core::Wanted& wanted, core::EndpointId late_reader) {
+  auto known = std::find_if(variants_.begin(), variants_.end(), [&](const Variant& v) {
+    return v.wanted == wanted && v.late_reader == late_reader;
+  });
+  if (known == variants_.end()) {
+    variants_.push_back({wanted, late_reader, make_wire_mask(wanted.mask, unused_number()), {}, round_});
+    known = variants_.end() - 1;
+  }
+  known->last_use = round_;
+  return *known;
+}
+
+std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared_ptr<Destination>& to,
+                                             const std::shared_ptr<Channel>& channel) {
+  if (variant.late_reader != 0) return late_lane(variant.late_reader, to, channel);
+  for (const std::shared_ptr<Lane>& lane : variant.lanes) {
+    if (&lane->destination() == to.get()) return lane;
+  }
+  return variant.lanes.emplace_back(std::make_shared<Lane>(to, queue_depth_, tally_));
+}
+
+/// Held until its history is known; again if it has moved, since what was queued does not reach it any more.
+std::shared_ptr<Lane> VariantDirectory::late_lane(core::EndpointId reader,
+                                                  const std::shared_ptr<Destination>& to,
+                                                  const std::shared_ptr<Channel>& channel) {
+  std::shared_ptr<Lane>& lane = late_lanes_[reader];
+  if (lane != nullptr && &lane->destination() == to.get() && lane->channel() == channel.get()) return lane;
+  if (lane != nullptr) lane->close();
+  lane = std::make_shared<Lane>(to, queue_depth_, tally_, Lane::Start::held, channel);
+  return lane;
+}
+
+void VariantDirectory::keep_lanes_to(const std::set<const Destination*>& served,
+                                     const std::set<core::EndpointId>& late_readers) {
+  const auto close_if_unserved = [&](const std::shared_ptr<Lane>& lane) {
+    if (served.contains(&lane->destination())) return false;
+    lane->close();
+    return true;
+  };
+  for (Variant& variant : variants_) std::erase_if(variant.lanes, close_if_unserved);
+  std::erase_if(late_lanes_, [&](const auto& item) {
+    return close_if_unserved(item.second) || !late_readers.contains(item.first);
+  });
+}
+
+bool VariantDirectory::late_lane_idle(core::EndpointId reader) const {
+  const auto lane = late_lanes_.find(reader);
+  return lane == late_lanes_.end() || lane->second->history_has_left();
+}
+
+std::uint16_t VariantDirectory::unused_number() {
+  const auto used = [this](std::uint16_t number) {
+    return std::any_of(variants_.begin(), variants_.end(),
+                       [&](const Variant& v) { return v.wire->variant == number; });
+  };
+  while (used(next_number_)) ++next_number_;
+  return next_number_++;
+}
+
+void VariantDirectory::next_round() {
+  ++round_;
+  while (variants_.size() > remembered_max) {
+    const auto oldest =
+        std::min_element(variants_.begin(), variants_.end(),
+                         [](const Variant& a, const Variant& b) { return a.last_use < b.last_use; });
+    if (oldest->last_use + 1 >= round_) return;  // all that are left were in use until now
+    variants_.erase(oldest);
+  }
+}
+
+/// What passes a gate, and what is for one late reader, always leaves by itself.
+static void allow_packs(RouteTable& table) {
+  const auto may_pack = [](const Group& group) { return group.gate == nullptr && group.late_reader == 0; };
+  std::map<const Destination*, int> masks;
+  for (const Group& group : table.groups) {
+    for (const auto& lane : group.lanes) masks[&lane->destination()] += may_pack(group) ? 1 : 0;
+  }
+  for (Group& group : table.groups) {
+    group.packs = may_pack(group) && std::ranges::all_of(group.lanes, [&](const auto& lane) {
+                    return masks[&lane->destination()] == 1;
+                  });
+  }
+}
+
+std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
+                                                   std::span<const core::Route> routes,
+                                                   VariantDirectory& variants,
+                                                   DestinationDirectory& destinations, GroupKeeper* keeper) {
+  auto table = std::make_shared<RouteTable>();
+  std::set<const Destination*> served;
+  std::set<core::EndpointId> late_readers;
+  variants.next_round();
+  std::vector<Gathered> groups = gather(routes, destinations);
+  const ReliableReaders reliable = reliable_readers(groups);
+  const auto now = std::chrono::steady_clock::now();
+  if (keeper != nullptr) keeper->merge(groups, now);
+  for (Gathered& gathered : groups) {
+    VariantDirectory::Variant& variant = variants.find(gathered.wanted, gathered.late_reader);
+    Group& group = table->groups.emplace_back(Group{ProjectionPlan(type, std::move(gathered.wanted.mask)),
+                                                    std::move(gathered.gate),
+                                                    gathered.late_reader,
+                                                    gathered.spare,
+                                                    variant.wire,
+                                                    {}});
+    for (const std::shared_ptr<Destination>& to : gathered.destinations) {
+      const bool is_reliable = gathered.reliable.contains(to.get());
+      group.channels.push_back(is_reliable ? variants.channel(to, reliable.at(to.get())) : nullptr);
+      group.lanes.push_back(variants.lane(variant, to, group.channels.back()));
+      served.insert(to.get());
+    }
+    if (gathered.multicast) group.multicast = keeper->find(*gathered.multicast, members_of(group));
+    if (gathered.late_reader != 0) late_readers.insert(gathered.late_reader);
+    write_page(gathered, group, *table);
+    if (gathered.spare) {
+      leave_out_the_reached(*table, group);
+    } else {
+      table->usual = table->groups.size();
+    }
+  }
+  allow_packs(*table);
+  variants.keep_lanes_to(served, late_readers);
+  variants.keep_channels_to(reliable);
+  if (keeper != nullptr) {
+    keeper->merged(now);
+    table->sizes = keeper->sizes();
+  }
+  return table;
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,79 @@
+#include "udp_transport/send/answers.h"
+
+#include <memory>
+#include <new>
+
+namespace sft::udp {
+
+namespace {
+
+using Time = std::chrono::steady_clock::time_point;
+
+/// What several members of a group ask for.
+void hand_repairs_to_group(SendSide& side, Ack& ack, Time now) {
+  const GroupRoster::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
+  if (in.group != nullptr && in.group->take_over_repairs(in.member, ack, now))
+    side.sender.schedule(MulticastGroup::lane_of(in.group));
+}
+
+bool disbelieve(SendSide& side) {
+  side.answers_disbelieved.fetch_add(1, std::memory_order_relaxed);
+  return false;
+}
+
+/// The receiver may follow a channel that the writer does not have: its own channels there name themselves.
+bool hear_of_unknown_channel(SendSide& side, const Ack& ack, const SocketAddress& from) {
+  bool goes_on = disbelieve(side);
+  for (const std::shared_ptr<Channel>& channel : side.channels.find_at(ack.writer, from.ip))
+    goes_on = channel->hear(ack) || goes_on;
+  return goes_on;
+}
+
+bool hear(SendSide& side, const Ack& ack, const SocketAddress& from, Time now) {
+  const std::shared_ptr<Channel> channel = side.channels.find(ack.writer, ack.channel);
+  if (channel == nullptr) return hear_of_unknown_channel(side, ack, from);
+  if (!channel->destination().is_at(from.ip)) return disbelieve(side);
+  channel->destination().lives(now);
+  Ack alone = ack;
+  if (ack.missing_count > 0) hand_repairs_to_group(side, alone, now);
+  const bool goes_on = channel->hear(alone);
+  if (channel->went_wrong()) disbelieve(side);
+  return goes_on;
+}
+
+bool hear(SendSide& side, const FlowReport& report, const SocketAddress& from, Time now) {
+  const std::shared_ptr<Destination> to = side.destinations.of_flow(report.flow);
+  if (to == nullptr) return disbelieve(side);
+  const Destination::Heard heard = to->hear(report, from.ip, now);
+  return heard.believed ? heard.goes_on : disbelieve(side);
+}
+
+bool hear(SendSide& side, const GroupReport& report, const SocketAddress& from, Time now) {
+  const std::shared_ptr<MulticastGroup> group = side.groups.find(report.writer, report.group);
+  const auto member = group == nullptr ? std::nullopt : group->member_named(report.member);
+  const bool is_of_member = member && group->members()[*member].lane->destination().is_at(from.ip);
+  if (!is_of_member) return disbelieve(side);
+  group->hear(report, now);
+  return false;
+}
+
+template <class Answer>
+bool hear_if_sound(SendSide& side, const std::optional<Answer>& answer, const SocketAddress& from, Time now) {
+  if (answer) return hear(side, *answer, from, now);
+  side.malformed_answers.fetch_add(1, std::memory_order_relaxed);
+  return false;
+}
+
+}  // namespace
+
+bool hear_answer(SendSide& side, std::span<const std::byte> datagram, const SocketAddress& from,
+                 Time now) noexcept try {
+  const std::optional<DatagramKind> kind = kind_of(datagram);
+  if (kind == DatagramKind::report) return hear_if_sound(side, parse_report(datagram), from, now);
+  if (kind == DatagramKind::group_report) return hear_if_sound(side, parse_group_report(datagram), from, now);
+  return hear_if_sound(side, kind == DatagramKind::ack ? parse_ack(datagram) : std::nullopt, from, now);
+} catch (const std::bad_alloc&) {  // another one will come
+  return false;
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,101 @@
+// What the writers of one transport share.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "core/seam/buffer_pool.h"
+#include "udp_transport/flow/destination.h"
+#include "udp_transport/io/multicast_links.h"
+#include "udp_transport/multicast/multicast_group.h"
+#include "udp_transport/outgoing/kept_memory.h"
+#include "udp_transport/reliable/channel_directory.h"
+#include "udp_transport/send/sender.h"
+
+namespace sft::udp {
+
+/// What has something to do now and then, on the agent's thread.
+class Tended {
+ public:
+  virtual void tend(std::chrono::steady_clock::time_point now) = 0;
+
+ protected:
+  ~Tended() = default;
+};
+
+/// Any thread.
+class TendedRoster {
+ public:
+  void add(Tended& one) {
+    const std::scoped_lock lock(mutex_);
+    all_.push_back(&one);
+  }
+  /// Afterwards it is not called any more. Not from tend().
+  void remove(Tended& one) {
+    std::unique_lock lock(mutex_);
+    std::erase(all_, &one);
+    done_.wait(lock, [&] { return tended_ != &one; });
+  }
+  /// The agent's thread: each in its turn, without keeping others out meanwhile.
+  void tend(std::chrono::steady_clock::time_point now) {
+    std::unique_lock lock(mutex_);
+    const std::vector<Tended*> round = all_;
+    for (Tended* one : round) {
+      if (std::ranges::find(all_, one) == all_.end()) continue;
+      tended_ = one;
+      lock.unlock();
+      const Turn turn{*this, lock};
+      one->tend(now);
+    }
+  }
+
+ private:
+  struct Turn {  ///< is over at its end, however that comes
+    TendedRoster& roster;
+    std::unique_lock<std::mutex>& lock;
+    ~Turn() {
+      lock.lock();
+      roster.tended_ = nullptr;
+      roster.done_.notify_all();
+    }
+  };
+
+  std::mutex mutex_;
+  std::condition_variable done_;
+  std::vector<Tended*> all_;
+  Tended* tended_ = nullptr;  ///< at present
+};
+
+/// Outlives the transport as long as a writer does.
+struct SendSide {
+  SendSide(std::unique_ptr<DatagramSender> io, const DestinationLimits& to_each,
+           std::uint64_t max_bytes_per_s = 0)
+      : sender(std::move(io), max_bytes_per_s),
+        destinations(to_each, [this](const SocketAddress& to) { return sender.connect(to); }),
+        limits(to_each) {}
+
+  Sender sender;
+  DestinationDirectory destinations;
+  ChannelRoster channels;
+  GroupRoster groups;
+  TendedRoster writers;
+  DestinationLimits limits;  ///< of groups
+  Multicast multicast = Multicast::automatic;
+  std::uint16_t answer_port = 0;     ///< where acks and reports come in
+  std::size_t max_sample_bytes = 0;  ///< of a body
+  std::size_t queue_depth = 0;
+  /// The node's own: what lies elsewhere is borrowed. May be null.
+  std::shared_ptr<core::BufferPool> pool;
+  std::shared_ptr<KeptMemory> kept = std::make_shared<KeptMemory>();
+  std::atomic<std::uint64_t> over_limit{0}, malformed_answers{0}, answers_disbelieved{0};
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,162 @@
+#include "udp_transport/wire/fragmenter.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+
+namespace sft::udp {
+
+void Batch::clear() { part_count_ = staged_ = bytes_ = datagrams_ = 0; }
+
+/// Room for bytes that are sent right behind all that is there.
+std::byte* Batch::stage(std::size_t bytes) {
+  std::byte* place = staging_.get() + staged_;
+  const bool extends =
+      part_count_ > 0 &&
+      static_cast<std::byte*>(parts_[part_count_ - 1].iov_base) + parts_[part_count_ - 1].iov_len == place;
+  if (extends) {
+    parts_[part_count_ - 1].iov_len += bytes;
+  } else {
+    assert(part_count_ < parts_max);
+    parts_[part_count_++] = {place, bytes};
+  }
+  staged_ += bytes;
+  bytes_ += bytes;
+  return place;
+}
+
+/// The last datagram, since another one follows.
+void Batch::pad() {
+  const std::size_t missing = datagrams_ * segment_bytes_ - bytes_;
+  if (missing > 0) std::memset(stage(missing), 0, missing);
+}
+
+void Batch::refer(const std::byte* data, std::size_t bytes) {
+  assert(part_count_ < parts_max);
+  parts_[part_count_++] = {const_cast<std::byte*>(data), bytes};  // iovec has no const; it is only read
+  bytes_ += bytes;
+}
+
+Fragmenter::Fragmenter(const EncodedBody& body, std::size_t datagram_bytes, BodyRange range)
+    : body_(body),
+      datagram_bytes_(std::min(datagram_bytes, datagram_bytes_max)),
+      end_(std::min(range.end, body.first.total)) {
+  assert(datagram_bytes_ > body_.first.bytes() + body_.mask_words.size_bytes());
+  if (range.begin > 0) skip(std::min(range.begin, end_));
+  if (!body_.packed || body_.segments.empty()) return;
+  const std::size_t bytes = body_.segments.front().bytes;
+  if (std::ranges::all_of(body_.segments, [&](const Segment& sample) { return sample.bytes == bytes; }))
+    bytes_each_ = bytes;
+}
+
+void Fragmenter::skip(std::size_t bytes) {
+  begun_ = true;
+  offset_ = static_cast<std::uint32_t>(bytes);
+  while (segment_ < body_.segments.size() && bytes >= body_.segments[segment_].bytes)
+    bytes -= body_.segments[segment_++].bytes;
+  segment_offset_ = bytes;
+}
+
+void Fragmenter::next(Batch& batch, std::size_t bytes_max, std::size_t datagrams_max) {
+  batch.clear();
+  batch.segment_bytes_ = static_cast<std::uint16_t>(datagram_bytes_);
+  bytes_max = std::min(bytes_max, batch_bytes_max);
+  datagrams_max = std::min(datagrams_max, batch_datagrams_max);
+  do {
+    body_.packed ? append_packed(batch) : append_datagram(batch);
+  } while (!done() && batch.datagrams_ < datagrams_max && bytes_with_next(batch) <= bytes_max);
+}
+
+/// Of the batch with another datagram.
+std::size_t Fragmenter::bytes_with_next(const Batch& batch) const {
+  if (body_.packed) return batch.datagrams_ * batch.segment_bytes_ + next_pack().bytes;
+  return batch.bytes_ + std::min<std::size_t>(datagram_bytes_, following_header_bytes + end_ - offset_);
+}
+
+void Fragmenter::append_datagram(Batch& batch) {
+  const std::size_t before = batch.bytes_;
+  const std::uint32_t end = begun_ ? end_ : body_.first.total;
+  append_header(batch);
+  const std::size_t room = datagram_bytes_ - (batch.bytes_ - before);
+  append_payload(batch, std::min<std::size_t>(room, end - offset_));
+  ++batch.datagrams_;
+}
+
+void Fragmenter::append_header(Batch& batch) {
+  if (begun_) {
+    encode(FollowingHeader{body_.first.label, offset_}, batch.stage(following_header_bytes));
+    return;
+  }
+  begun_ = true;
+  const std::size_t in_short = first_header_bytes + body_.mask_words.size_bytes() + body_.first.total;
+  if (in_short <= datagram_bytes_ && fits_in_short(body_.first)) {
+    encode_in_short(body_.first, batch.stage(first_header_bytes));
+  } else {
+    encode(body_.first, batch.stage(body_.first.bytes()));
+  }
+  append_mask_words(batch);
+}
+
+void Fragmenter::append_mask_words(Batch& batch) const {
+  for (const std::uint64_t word : body_.mask_words) store_word(word, batch.stage(sizeof word));
+}
+
+/// As many samples as fit, at least one.
+Fragmenter::Pack Fragmenter::next_pack() const {
+  const std::size_t header = body_.first.bytes() + body_.mask_words.size_bytes();
+  const std::size_t most = std::min(packed_samples_max, body_.segments.size() - segment_);
+  if (bytes_each_ != 0) {
+    const std::size_t fit = (datagram_bytes_ - header) / bytes_each_;
+    const std::size_t samples = std::clamp<std::size_t>(fit, 1, most);
+    return {samples, header + samples * bytes_each_};
+  }
+  Pack pack{0, header};
+  while (pack.samples < most) {
+    const std::size_t bytes = length_bytes + body_.segments[segment_ + pack.samples].bytes;
+    if (pack.samples > 0 && pack.bytes + bytes > datagram_bytes_) break;
+    pack.bytes += bytes;
+    ++pack.samples;
+  }
+  return pack;
+}
+
+/// All datagrams of a batch but the last have to be equally long: where lengths differ, zeros fill the rest.
+void Fragmenter::append_packed(Batch& batch) {
+  if (batch.datagrams_ > 0) batch.pad();
+  const Pack pack = next_pack();
+  PackedHeader header{header_behind(body_.first, static_cast<std::uint32_t>(segment_), 0),
+                      static_cast<std::uint16_t>(pack.samples), static_cast<std::uint16_t>(bytes_each_)};
+  if (bytes_each_ == 0) header.first.flags |= lengths_follow;
+  encode(header, batch.stage(header.first.bytes()));
+  append_mask_words(batch);
+  for (const Segment& sample : body_.segments.subspan(segment_, pack.samples)) {
+    if (bytes_each_ == 0) store_length(sample.bytes, batch.stage(length_bytes));
+    if (sample.bytes > 0) std::memcpy(batch.stage(sample.bytes), sample.data, sample.bytes);
+  }
+  segment_ += pack.samples;
+  if (batch.datagrams_++ == 0 && bytes_each_ != 0)
+    batch.segment_bytes_ = static_cast<std::uint16_t>(pack.bytes);
+}
+
+void Fragmenter::append_payload(Batch& batch, std::size_t bytes) {
+  offset_ += static_cast<std::uint32_t>(bytes);
+  while (bytes > 0) {
+    assert(segment_ < body_.segments.size());
+    const Segment& segment = body_.segments[segment_];
+    const std::size_t run = std::min(bytes, segment.bytes - segment_offset_);
+    const std::byte* data = segment.data + segment_offset_;
+    if (run >= copy_bytes_max) {
+      batch.refer(data, run);
+    } else {
+      std::memcpy(batch.stage(run), data, run);
+    }
+    bytes -= run;
+    segment_offset_ += run;
+    if (segment_offset_ == segment.bytes) {
+      ++segment_;
+      segment_offset_ = 0;
+    }
+  }
+}
+
+}  // namespace sft::udp

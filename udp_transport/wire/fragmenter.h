@@ -1,0 +1,114 @@
+// Cuts one encoded body into datagrams and lays these end to end, as one system call sends them (GSO). Pure.
+#pragma once
+
+#include <sys/uio.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "sft/typesupport/project.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp {
+
+/// What one system call takes, and older kernels too.
+inline constexpr std::size_t batch_bytes_max = datagram_bytes_max;
+inline constexpr std::size_t batch_datagrams_max = 64;
+
+/// Runs of a body shorter than this are copied next to the header
+/// before them: cheaper than iovecs of their own for both.
+inline constexpr std::size_t copy_bytes_max = 2048;
+
+/// Datagrams for one call. Refers to the body that they were cut
+/// from, and holds headers and short runs itself.
+class Batch {
+ public:
+  Batch() : staging_(new std::byte[batch_bytes_max]) {}  // not touched before it is needed
+
+  std::span<const iovec> parts() const { return {parts_.data(), part_count_}; }
+  std::size_t bytes() const { return bytes_; }
+  std::size_t datagrams() const { return datagrams_; }
+  /// Of all datagrams but the last; 0 if there is one.
+  std::uint16_t segment_bytes() const { return datagrams_ > 1 ? segment_bytes_ : std::uint16_t{0}; }
+
+ private:
+  friend class Fragmenter;
+  void clear();
+  void pad();
+  std::byte* stage(std::size_t bytes);
+  void refer(const std::byte* data, std::size_t bytes);
+
+  // Each part is staged bytes or a run of at least copy_bytes_max; no two staged parts are neighbours.
+  static constexpr std::size_t parts_max = 2 * (batch_bytes_max / copy_bytes_max) + 1;
+  std::array<iovec, parts_max> parts_;
+  std::size_t part_count_ = 0;
+  std::unique_ptr<std::byte[]> staging_;
+  std::size_t staged_ = 0;
+  std::size_t bytes_ = 0;
+  std::size_t datagrams_ = 0;
+  std::uint16_t segment_bytes_ = 0;
+};
+
+/// A body and how it is called on the wire. The spans outlive the fragmenter.
+struct EncodedBody {
+  FirstHeader first;                          ///< total is the body's bytes
+  std::span<const std::uint64_t> mask_words;  ///< sent where the header's flag says so
+  std::span<const Segment> segments;
+  /// Each segment is a small sample, one behind the other: these are cut into packed datagrams.
+  bool packed = false;
+};
+
+/// A part of a body, [begin, end). From 0 on it has the first datagram, always as a whole.
+struct BodyRange {
+  std::uint32_t begin = 0;
+  std::uint32_t end = UINT32_MAX;
+  friend bool operator==(const BodyRange&, const BodyRange&) = default;
+};
+
+class Fragmenter {
+ public:
+  Fragmenter(const EncodedBody& body, std::size_t datagram_bytes, BodyRange range = {});
+
+  std::size_t bytes() const { return body_.first.total; }  ///< of the body
+  bool begun() const { return begun_; }
+  /// Of what has been cut, in the body.
+  std::uint32_t offset() const { return offset_; }
+  bool done() const { return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_; }
+
+  /// What is left is cut into datagrams of that length.
+  void set_datagram_bytes(std::size_t bytes) { datagram_bytes_ = std::min(bytes, datagram_bytes_max); }
+
+  /// Replaces the batch by the next datagrams: at least one, even where the limits have no room for it.
+  void next(Batch& batch, std::size_t bytes_max = batch_bytes_max,
+            std::size_t datagrams_max = batch_datagrams_max);
+
+ private:
+  void skip(std::size_t bytes);
+  std::size_t bytes_with_next(const Batch& batch) const;
+  void append_datagram(Batch& batch);
+  void append_header(Batch& batch);
+  void append_payload(Batch& batch, std::size_t bytes);
+  void append_mask_words(Batch& batch) const;
+
+  struct Pack {
+    std::size_t samples = 0;
+    std::size_t bytes = 0;  ///< of the datagram
+  };
+  Pack next_pack() const;
+  void append_packed(Batch& batch);
+
+  EncodedBody body_;
+  std::size_t datagram_bytes_;
+  std::uint32_t end_;
+  bool begun_ = false;
+  std::uint32_t offset_ = 0;  ///< of the next payload in the body
+  std::size_t segment_ = 0;
+  std::size_t segment_offset_ = 0;
+  std::size_t bytes_each_ = 0;  ///< of packed samples; 0: they differ
+};
+
+}  // namespace sft::udp
