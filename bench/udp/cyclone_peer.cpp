@@ -2,7 +2,7 @@
 
 #include "bench/common/cyclone.h"
 #include "bench/udp/contender.h"
-#include "tests/unit/udp/messages.h"
+#include "messages.h"
 
 namespace sft::bench {
 
