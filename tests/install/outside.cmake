@@ -1,6 +1,6 @@
 # cmake -D SOURCE=tree -D BUILD=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -D ISOLATE=program -P outside.cmake
 # Installs SFT from its build into a folder, builds a project and a program of one file with what is there, and runs them
-# on a host of their own; so does "Five minutes" of README.md, as it is printed there.
+# on a host of their own; so does "Five minutes" of docs/guide.md, as it is printed there.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
 set(prefix ${WORK}/prefix)
@@ -26,7 +26,8 @@ run(${CXX} -std=c++20 ${CMAKE_CURRENT_LIST_DIR}/one_file.cpp ${flags} -Wl,-rpath
 
 set(five_minutes ${WORK}/five_minutes)
 file(MAKE_DIRECTORY ${five_minutes})
-run(awk -v "heading=Five minutes" -v folder=${five_minutes} -f ${CMAKE_CURRENT_LIST_DIR}/readme_files.awk ${SOURCE}/README.md)
+run(awk -v "heading=Five minutes" -v folder=${five_minutes}
+    -f ${SOURCE}/tests/documents/code_blocks.awk ${SOURCE}/docs/guide.md)
 
 # The new host keeps in sight the folder that this program is in, even if that lies below /tmp.
 file(COPY ${ISOLATE} ${CMAKE_CURRENT_LIST_DIR}/run_outside.sh DESTINATION ${WORK})

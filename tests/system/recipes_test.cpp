@@ -1,5 +1,4 @@
-// What README.md has instead of timers, services, parameters and exchange with DDS nodes ("What SFT does not
-// do").
+// The recipes of docs/guide.md for timers, services, parameters and exchange with DDS nodes do what they say.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -23,7 +22,7 @@ using sensor_msgs::msg::PointCloud2;
 using std_msgs::msg::Float64;
 using std_srvs::msg::SetBool_Request;
 
-// In README.md.
+// These functions are printed in docs/guide.md.
 void count_clouds(sft::Node& node);
 sft::Subscriber<SetBool_Request> serve_lights(sft::Node& node);
 std::optional<std::string> switch_lights(sft::Node& node, bool on);

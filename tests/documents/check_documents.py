@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+"""check_documents.py ROOT: says what is wrong with the documents for users, by file and line.
+
+- A link to a file or a heading leads there.
+- README.md has at most 150 lines and fewer than 1,000 words.
+- Each constant or option that docs/limits.md names stands in the sources.
+"""
+
+import pathlib
+import re
+import sys
+
+DOCUMENTS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "docs/*.md")
+SOURCES = ("core", "shm_transport", "udp_transport", "typesupport", "cmake", "CMakeLists.txt")
+SOURCE_KINDS = {".h", ".cpp", ".toml", ".idl", ".txt"}
+README_LINES_MAX, README_WORDS_MAX = 150, 999
+
+LINK = re.compile(r"\]\(([^)\s]+)\)|(?:src|srcset)=\"([^\"]+)\"")
+NAME = re.compile(r"`([A-Za-z_][A-Za-z0-9_:.]*)`")
+
+
+def without_code(text):
+    """The lines of a document; those of code blocks are empty."""
+    in_code = False
+    for line in text.splitlines():
+        fence = line.startswith("```")
+        in_code ^= fence
+        yield "" if fence or in_code else line
+
+
+def anchors(file):
+    """As GitHub makes them of headings."""
+    headings = (line.lstrip("#").strip() for line in without_code(file.read_text()) if line.startswith("#"))
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def check_links(root, file):
+    for number, line in enumerate(without_code(file.read_text()), 1):
+        for match in LINK.finditer(line):
+            target, _, anchor = (match[1] or match[2]).partition("#")
+            if ":" in target:
+                continue
+            there = (file.parent / target).resolve() if target else file
+            if not there.exists():
+                yield f"{file.relative_to(root)}:{number}: there is no {target}"
+            elif anchor and anchor not in anchors(there):
+                yield f"{file.relative_to(root)}:{number}: {there.relative_to(root)} has no heading for #{anchor}"
+
+
+def check_size(root):
+    text = (root / "README.md").read_text()
+    for count, most, what in ((len(text.splitlines()), README_LINES_MAX, "lines"),
+                              (len(text.split()), README_WORDS_MAX, "words")):
+        if count > most:
+            yield f"README.md: {count} {what}; it may have {most}: move something to docs/"
+
+
+def words_of_sources(root):
+    words = set()
+    for top in (root / name for name in SOURCES):
+        for file in [top] if top.is_file() else top.rglob("*"):
+            if file.suffix in SOURCE_KINDS:
+                words.update(re.findall(r"[A-Za-z_]\w*", file.read_text(errors="replace")))
+    return words
+
+
+def check_limits(root):
+    """The last column of each table names what holds the limit."""
+    known = words_of_sources(root)
+    for number, line in enumerate(without_code((root / "docs/limits.md").read_text()), 1):
+        cells = line.strip("|").split("|")
+        if not line.startswith("|") or len(cells) < 3:
+            continue
+        for name in NAME.findall(cells[-1]):
+            for word in re.split(r"::|\.", name):
+                if word not in known:
+                    yield f"docs/limits.md:{number}: '{word}' of `{name}` is not in the sources: was it renamed?"
+
+
+def main(root):
+    wrong = [*check_size(root), *check_limits(root)]
+    for pattern in DOCUMENTS:
+        files = sorted(root.glob(pattern))
+        wrong += [] if files else [f"there is no {pattern}"]
+        for file in files:
+            wrong += check_links(root, file)
+    print("\n".join(wrong) or "All links lead somewhere, and every limit has its name.")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(pathlib.Path(sys.argv[1]).resolve()))

@@ -1,0 +1,21 @@
+// A block of functions, as they stand beside each other in a source file.
+#include <sft/sft.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace sft_document {
+
+using namespace std::chrono_literals;
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+
+#include BLOCK
+
+}  // namespace sft_document
