@@ -31,7 +31,7 @@ function(copy_control_file from name executable)
   configure_file(${debian}/${from} ${made}/${name} @ONLY FILE_PERMISSIONS ${mode})
 endfunction()
 math(EXPR next_minor "${PROJECT_VERSION_MINOR} + 1")
-set(first_incompatible_version ${PROJECT_VERSION_MAJOR}.${next_minor}~)  # CHANGELOG.md says why
+set(first_incompatible_version ${PROJECT_VERSION_MAJOR}.${next_minor}~)  # docs/operations.md says why, under "Versions"
 copy_control_file(libsft.shlibs.in library/shlibs OFF)
 copy_control_file(libsft.triggers library/triggers OFF)
 copy_control_file(sft-tools.conffiles sftd/conffiles OFF)
