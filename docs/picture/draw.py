@@ -23,15 +23,15 @@ THEMES = {
 
 WIDTH = 800
 MARGIN = 12
-TOP = 48  # of the boxes; the headings stand above
-LEFT_BOX = 330  # the width of the publisher's host
-RIGHT_BOX = 232  # the width of each other host
-ROW, GAP = 66, 12  # the height of each other host, and what is between two of them
-TRUNK = MARGIN + LEFT_BOX + 24  # where the network's line turns up and down
+TOP = 48  # The boxes begin here, below the headings.
+LEFT_BOX = 330  # This is the width of the publisher's host.
+RIGHT_BOX = 232  # This is the width of each other host.
+ROW, GAP = 66, 12  # These are the height of each other host, and the space between two of them.
+TRUNK = MARGIN + LEFT_BOX + 24  # The network's line goes up and down here.
 
 
 def bytes_text(count):
-    """As the demo writes them: "82 B", "6.29 MB"."""
+    """The text that the demo writes: "82 B", "6.29 MB"."""
     for unit, size in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
         if count >= size:
             return f"{count / size:.2f} {unit}"

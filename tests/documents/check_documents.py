@@ -3,6 +3,8 @@
 
 - A link to a file or a heading leads there.
 - README.md has at most 150 lines and fewer than 1,000 words.
+- Each number below "Four figures" in README.md stands in docs/performance.md, and the sentence below the picture in
+  README.md.
 - Each constant or option that docs/limits.md names stands in the sources.
 """
 
@@ -16,6 +18,7 @@ SOURCE_KINDS = {".h", ".cpp", ".toml", ".idl", ".txt"}
 README_LINES_MAX, README_WORDS_MAX = 150, 999
 
 LINK = re.compile(r"\]\(([^)\s]+)\)|(?:src|srcset)=\"([^\"]+)\"")
+NUMBER = re.compile(r"\d[\d,.]*\d|\d")
 NAME = re.compile(r"`([A-Za-z_][A-Za-z0-9_:.]*)`")
 
 
@@ -29,7 +32,7 @@ def without_code(text):
 
 
 def anchors(file):
-    """As GitHub makes them of headings."""
+    """The anchors of the headings of a document, by the rule of GitHub."""
     headings = (line.lstrip("#").strip() for line in without_code(file.read_text()) if line.startswith("#"))
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
@@ -55,6 +58,21 @@ def check_size(root):
             yield f"README.md: {count} {what}; it may have {most}: move something to docs/"
 
 
+def section(text, heading):
+    return text.split(f"\n## {heading}\n", 1)[1].split("\n## ", 1)[0]
+
+
+def check_figures(root):
+    readme = (root / "README.md").read_text()
+    measured = set(NUMBER.findall((root / "docs/performance.md").read_text()))
+    for number in NUMBER.findall(section(readme, "Four figures")):
+        if number not in measured:
+            yield f"README.md: {number}, below 'Four figures', is not in docs/performance.md"
+    sentence = re.search(r"The network carried [^<]+", (root / "docs/picture/light.svg").read_text())[0]
+    if sentence not in readme:
+        yield f"README.md: the picture says '{sentence}', and README.md does not"
+
+
 def words_of_sources(root):
     words = set()
     for top in (root / name for name in SOURCES):
@@ -78,13 +96,13 @@ def check_limits(root):
 
 
 def main(root):
-    wrong = [*check_size(root), *check_limits(root)]
+    wrong = [*check_size(root), *check_figures(root), *check_limits(root)]
     for pattern in DOCUMENTS:
         files = sorted(root.glob(pattern))
         wrong += [] if files else [f"there is no {pattern}"]
         for file in files:
             wrong += check_links(root, file)
-    print("\n".join(wrong) or "All links lead somewhere, and every limit has its name.")
+    print("\n".join(wrong) or "All links lead somewhere, and all figures and limits are in their places.")
     return 1 if wrong else 0
 
 
