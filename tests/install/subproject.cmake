@@ -38,7 +38,7 @@ file(STRINGS ${WORK}/build/CMakeCache.txt wanted REGEX "^SFT_(BUILD_TESTS|BUILD_
 expect("${wanted}" STREQUAL "")
 
 run(${CMAKE_COMMAND} --build ${WORK}/build --target help)
-string(REGEX MATCHALL "[^ \n]*(_tests?|bench_[a-z]+|sft_demo|readme_example|sft_shared)[ :\n]" unwanted "${output}")
+string(REGEX MATCHALL "[^ \n]*(_tests?|bench_[a-z]+|sft_demo|document_[a-z_]+|sft_shared)[ :\n]" unwanted "${output}")
 expect("${unwanted}" STREQUAL "")
 cmake_path(GET CMAKE_COMMAND PARENT_PATH programs)
 run(${programs}/ctest --test-dir ${WORK}/build --show-only)
