@@ -1,0 +1,210 @@
+"""What must hold. Each check yields what breaks it, and says what to do."""
+
+import os
+import re
+from typing import NamedTuple
+
+import comments
+import headers
+import rooms
+import structure
+from tree import line_at
+
+MID_SENTENCE_PERCENT_MAX = 5
+_TOOLS_OF_THE_LANGUAGE = re.compile(r"[a-z_0-9]+|(?:stdint|stddef|string|stdlib|stdio|stdbool|limits|inttypes)\.h")
+
+
+class Finding(NamedTuple):
+    path: str
+    line: int
+    message: str
+
+    def __str__(self):
+        return f"{self.path}:{self.line}: {self.message}"
+
+
+def includes_go_only_downward(tree, settings):
+    plan = rooms.Rooms(settings.rooms)
+    for error in plan.errors():
+        yield Finding(settings.file, 1, error)
+    for path in tree.code:
+        if not plan.room_of(path):
+            yield Finding(path, 1, f"folder {os.path.dirname(path)} is no room: give it a line in {settings.file}, "
+                                   "or move the file")
+    for include in sorted(rooms.upward(rooms.Includes(tree, settings), plan)):
+        source, target = plan.room_of(include.path), plan.room_of(include.target)
+        yield Finding(include.path, include.line,
+                      f"{source} may not include {target} ({include.name}): move what it needs to a room below "
+                      "both, or pass it in")
+
+
+def rooms_exist(tree, settings):
+    plan = rooms.Rooms(settings.rooms)
+    used = {plan.room_of(path) for path in tree.code}
+    for room in settings.rooms:
+        if room not in used:
+            yield Finding(settings.file, 1, f"room {room} has no source file: remove its line")
+
+
+def no_knots(tree, settings):
+    includes = rooms.Includes(tree, settings)
+    for knot in rooms.knots(includes):
+        lines = [f"{i.path}:{i.line}: {i.name}" for i in includes.all
+                 if i.target and rooms.pair_of(i.path) in knot and rooms.pair_of(i.target) in knot
+                 and rooms.pair_of(i.path) != rooms.pair_of(i.target)]
+        yield Finding(knot[0], 1, f"{len(knot)} file pairs include each other in a circle: {', '.join(knot)}. Move "
+                                  "what both sides need to a file of its own:\n    " + "\n    ".join(lines))
+
+
+def sizes_are_within_limits(tree, settings):
+    limits = settings.limits
+    unneeded = {kind: dict(table) for kind, table in settings.exceptions.items()}
+
+    def excepted(kind, name):
+        unneeded.get(kind, {}).pop(name, None)
+        return name in settings.exceptions.get(kind, {})
+
+    for path in tree.code:
+        lines = len(tree.lines(path))
+        if lines > limits["file_lines"] and not excepted("files", path):
+            yield Finding(path, 1, f"the file has {lines} lines, more than {limits['file_lines']}: divide it")
+        found = structure.read(tree.text(path))
+        if not found.balanced:
+            yield Finding(path, 1, "braces do not match: branches of #if and #else that open one each confuse readers "
+                                   "and this check; let each branch be whole")
+        for function in found.functions:
+            name = f"{path} {function.name}"
+            if function.lines > limits["function_lines"] and not excepted("functions", name):
+                yield Finding(path, function.line, f"function {function.name} has {function.lines} lines, more than "
+                                                   f"{limits['function_lines']}: divide it")
+        for made in found.classes:
+            name = f"{path} {made.name}"
+            if (made.data > limits["data_members"] or made.methods > limits["methods"]) and \
+                    not excepted("classes", name):
+                yield Finding(path, made.line,
+                              f"class {made.name} has {made.data} data members (limit {limits['data_members']}) and "
+                              f"{made.methods} methods (limit {limits['methods']}): divide it")
+    for kind, table in unneeded.items():
+        for name in table:
+            yield Finding(settings.file, 1, f"the exception {name} ({kind}) is not needed any more: remove its line")
+
+
+def sources_are_in_cmake_lists(tree, settings):
+    listed = [pattern for path in tree.scripts if path.endswith(("CMakeLists.txt", ".cmake"))
+              for pattern in _sources_in(tree.text(path), os.path.dirname(path))]
+    patterns = re.compile("|".join(listed) or "(?!)")
+    for path in tree.code:
+        if path.endswith((".c", ".cpp")) and not _excused(path, settings.unlisted) and not patterns.fullmatch(path):
+            yield Finding(path, 1, "no CMakeLists.txt names this source file: add it to its target, or remove the file")
+
+
+def _sources_in(text, folder):
+    """Patterns of the paths that a list names: relative to its folder, with a variable in front, or by file(GLOB)."""
+    text = re.sub(r"#.*", "", text)
+    for name in re.findall(r"[^\s\"();]+\.(?:cpp|c)\b", text):
+        name = name.removeprefix("${CMAKE_CURRENT_SOURCE_DIR}/")
+        if name.startswith("${PROJECT_SOURCE_DIR}/"):
+            yield re.escape(name.removeprefix("${PROJECT_SOURCE_DIR}/"))
+        elif re.match(r"\$\{\w+\}/", name):
+            yield r"(?:.*/)?" + re.escape(name.split("/", 1)[1])
+        elif "$" not in name:
+            yield re.escape(os.path.normpath(os.path.join(folder, name))).replace(r"\*", "[^/]*")
+
+
+def _excused(path, table):
+    return any(path.startswith(folder + "/") for folder in table)
+
+
+def lines_fit_their_columns(tree, settings):
+    for path in tree.files:
+        limit = _columns(path, settings.columns)
+        for number, line in enumerate(tree.lines(path) if limit else [], 1):
+            if len(line) > limit and not _cannot_be_broken(line):
+                yield Finding(path, number, f"{len(line)} columns, more than {limit}: break the line")
+
+
+def _columns(path, columns):
+    name = os.path.basename(path)
+    return columns.get(name, columns.get(os.path.splitext(name)[1], 0))
+
+
+def _cannot_be_broken(line):
+    """A table of Markdown, an address, or an include."""
+    return line.lstrip().startswith(("|", "#include")) or re.fullmatch(r"\s*\S*https?://\S*", line)
+
+
+def public_headers_include_public_ones(tree, settings):
+    public = set(headers.public_headers(tree, settings))
+    for include in rooms.Includes(tree, settings).all:
+        if include.path not in public or include.target in public:
+            continue
+        if include.target or include.quoted:
+            yield Finding(include.path, include.line,
+                          f"a public header may not include {include.name}, which is not installed: make that public, "
+                          "or include it in the .cpp file only")
+        elif include.name not in settings.public_libraries and \
+                not _TOOLS_OF_THE_LANGUAGE.fullmatch(include.name):
+            yield Finding(include.path, include.line,
+                          f"users need {include.name} for this public header: hide it in the .cpp file, or declare it "
+                          f"in {settings.file}")
+
+
+def words_are_plain(tree, settings):
+    if not settings.words:
+        return
+    pattern = re.compile("|".join(rf"\b{re.escape(word)}\b" for word in settings.words), re.IGNORECASE)
+    for path in [*tree.code, *tree.documents, *tree.scripts]:
+        for found in pattern.finditer(tree.text(path)):
+            better = settings.words[found[0].lower()]
+            yield Finding(path, line_at(tree.text(path), found.start()), f'"{found[0]}" is hard to read: {better}')
+
+
+def comments_begin_with_their_subject(tree, settings):
+    """Of all blocks, so many may begin in mid-sentence: the heuristic errs now and then."""
+    all_blocks, found = 0, []
+    for path, block, is_fragment in comment_blocks(tree, settings):
+        all_blocks += 1
+        if is_fragment:
+            start = " ".join(block.text.split()[:6])
+            found.append(Finding(path, block.line, f'"{start} ...": write a whole sentence that names its subject'))
+    if len(found) * 100 >= all_blocks * MID_SENTENCE_PERCENT_MAX:
+        yield from found
+
+
+def comment_blocks(tree, settings):
+    for path in tree.code:
+        names = comments.names_in(tree.text(path)) | settings.names
+        for block in comments.blocks(tree.text(path)):
+            yield path, block, comments.begins_in_mid_sentence(block, names)
+
+
+def includes_have_one_style(tree, settings):
+    """From the root of the project in double quotes; public headers as "sft/..." or <sft/...>."""
+    for include in rooms.Includes(tree, settings).all:
+        if not include.target or _excused(include.path, settings.private_folders):
+            continue
+        right = _without_folder(include.target, settings.public_folders)
+        is_public = right != include.target
+        private = _without_folder(include.target, settings.private_folders)
+        if include.name != right and (include.name != private or private == include.target):
+            yield Finding(include.path, include.line, f'write "{right}" instead of "{include.name}"')
+        elif not include.quoted and not is_public:
+            yield Finding(include.path, include.line, f'write "{right}" instead of <{right}>')
+
+
+def _without_folder(path, folders):
+    return next((path.removeprefix(folder + "/") for folder in folders if path.startswith(folder + "/")), path)
+
+
+ALL = {
+    "includes-go-only-downward": includes_go_only_downward,
+    "rooms-exist": rooms_exist,
+    "file-pairs-form-no-knots": no_knots,
+    "sizes-are-within-limits": sizes_are_within_limits,
+    "sources-are-in-cmake-lists": sources_are_in_cmake_lists,
+    "lines-fit-their-columns": lines_fit_their_columns,
+    "public-headers-include-public-ones": public_headers_include_public_ones,
+    "words-are-plain": words_are_plain,
+    "comments-begin-with-their-subject": comments_begin_with_their_subject,
+    "includes-have-one-style": includes_have_one_style,
+}

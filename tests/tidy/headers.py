@@ -1,0 +1,26 @@
+"""The public headers: what they include, and the types that they define in namespaces of users."""
+
+import structure
+
+
+def public_headers(tree, settings):
+    return [path for path in tree.code if path.startswith(tuple(folder + "/" for folder in settings.public_folders))]
+
+
+def is_detail(path):
+    return "/detail/" in path
+
+
+def public_types(tree, settings):
+    """(file, line, name) of classes and enums at namespace level; aliases, detail and nested types are not counted."""
+    for path in public_headers(tree, settings):
+        found = structure.read(tree.text(path))
+        types = [(c.line, c.name, c.namespace) for c in found.classes if c.public_type]
+        types += [(e.line, e.name, e.namespace) for e in found.enums]
+        for line, name, namespace in sorted(set(types)):
+            if not is_detail(path) and not _hidden(namespace) and "<" not in name:
+                yield path, line, name
+
+
+def _hidden(namespace):
+    return any(part in ("detail", "internal", "(unnamed)") for part in namespace.split("::"))

@@ -1,0 +1,70 @@
+"""Splits C and C++ into tokens, comments and lines, as far as tidiness needs it."""
+
+import functools
+import re
+from typing import NamedTuple
+
+_PIECES = re.compile(
+    r'(?P<raw>\b(?:u8|u|U|L)?R"(?P<mark>[^()\\ \n]*)\((?:.|\n)*?\)(?P=mark)")'
+    r"|(?P<comment>//(?:\\\n|[^\n])*|/\*(?:.|\n)*?\*/)"
+    r'|(?P<string>"(?:\\(?:.|\n)|[^"\\\n])*")'
+    r"|(?P<number>\b\d(?:'?[\w.])*)"
+    r"|(?P<character>'(?:\\.|[^'\\\n])+')"
+    r"|(?P<preprocessor>^[ \t]*\#(?:\\\n|/\*(?:.|\n)*?\*/|(?!//|/\*)[^\n])*)"
+    r"|(?P<word>[A-Za-z_]\w*)"
+    r"|(?P<symbol>::|->|\[\[|\]\]|==|<=|>=|!=|&&|\|\||[-+*/%^&|]=|<<|[^\s\w])",
+    re.MULTILINE)
+
+
+class Token(NamedTuple):
+    kind: str  # word, number, string, character, symbol
+    text: str
+    line: int
+
+
+class Comment(NamedTuple):
+    text: str
+    line: int
+    column: int
+    own_line: bool  # nothing but white space stands before it
+
+
+class Source(NamedTuple):
+    tokens: list
+    comments: list
+
+
+@functools.lru_cache(maxsize=None)
+def read(text):
+    tokens, comments = [], []
+    line, last = 1, 0
+    for piece in _PIECES.finditer(text):
+        line += text.count("\n", last, piece.start())
+        last = piece.start()
+        kind = piece.lastgroup if piece.lastgroup != "mark" else "raw"
+        if kind == "comment":
+            begin = text.rfind("\n", 0, piece.start()) + 1
+            before = text[begin:piece.start()]
+            comments.append(Comment(piece.group(), line, len(before), not before.strip()))
+        elif kind != "preprocessor":
+            tokens.append(Token("string" if kind == "raw" else kind, piece.group(), line))
+    return Source(tokens, comments)
+
+
+class LineCounts(NamedTuple):
+    code: int
+    comment: int
+    blank: int
+
+
+def count_lines(text):
+    """A line with code and a comment is a line of code."""
+    lines = text.splitlines()
+    with_code, with_comment = set(), set()
+    for piece in _PIECES.finditer(text):
+        first = text.count("\n", 0, piece.start()) + 1
+        last = first + piece.group().count("\n")
+        (with_comment if piece.lastgroup == "comment" else with_code).update(range(first, last + 1))
+    with_comment -= with_code
+    blank = sum(1 for line in lines if not line.strip())
+    return LineCounts(len(lines) - len(with_comment) - blank, len(with_comment), blank)
