@@ -1,10 +1,10 @@
-# What `cmake --install` takes, for programs that are built outside of this tree: one shared library with all parts,
-# the public headers, the message types with their generated headers, the message compilers, and the files by which CMake
-# and pkg-config find them. The daemon has its own rules (shm_transport/CMakeLists.txt).
+# Installs what programs outside of this tree need: one shared library with all parts, the public headers, the message
+# types with their generated headers, the message compilers, and the files by which CMake and pkg-config find them. The
+# rules of the daemon are in shm_transport/CMakeLists.txt.
 #
-# Within this tree the parts are static libraries, of which tests and benchmarks take what they need. A shared one is
-# installed, because it has a name and a version that a package can have, and keeps Cyclone DDS, iceoryx, liburing and
-# libacl to itself: whoever links to it needs none of their headers, libraries or CMake files.
+# Within this tree, the parts are static libraries, and tests and benchmarks link to the parts that they need. A shared
+# library is installed for two reasons: a package can have its name and version, and it hides Cyclone DDS, iceoryx,
+# liburing and libacl, so that programs need none of their headers, libraries or CMake files.
 include(CMakePackageConfigHelpers)
 
 set(objects)
@@ -13,7 +13,7 @@ foreach(part IN ITEMS sft sft_core sft_shm sft_udp sft_typesupport)
 endforeach()
 set(exported_names ${PROJECT_SOURCE_DIR}/cmake/libsft.map)
 add_library(sft_shared SHARED ${objects})
-target_link_libraries(sft_shared PRIVATE sft)  # for what its parts link to; all that these define is there already
+target_link_libraries(sft_shared PRIVATE sft)  # for the libraries behind its parts; the code of the parts is in `objects`
 target_link_options(sft_shared PRIVATE
   LINKER:--version-script=${exported_names} LINKER:-Bsymbolic-functions LINKER:--as-needed LINKER:--no-undefined)
 set_target_properties(sft_shared PROPERTIES
@@ -23,7 +23,7 @@ set_target_properties(sft_shared PROPERTIES
   VERSION ${PROJECT_VERSION}
   SOVERSION ${PROJECT_VERSION_MAJOR})
 
-# Messages lie below a folder of SFT's own, since ROS 2 has others of the same names.
+# Messages are installed below a folder of SFT, since ROS 2 has messages of the same names.
 set(sft_include_dir ${CMAKE_INSTALL_INCLUDEDIR})
 set(sft_interfaces_include_dir ${CMAKE_INSTALL_INCLUDEDIR}/sft/interfaces)
 set(sft_interfaces_dir ${CMAKE_INSTALL_DATADIR}/sft/interfaces)
@@ -36,7 +36,7 @@ install(TARGETS sft_shared
 install(DIRECTORY core/include/ typesupport/runtime/include/
   DESTINATION ${sft_include_dir} COMPONENT development FILES_MATCHING PATTERN *.h)
 
-# `cmake --build` makes them although nothing here may use them.
+# `cmake --build` generates the headers of all common messages, even if no target of this build uses them.
 set_target_properties(sft_common_interfaces_headers PROPERTIES EXCLUDE_FROM_ALL OFF)
 get_target_property(generated sft_common_interfaces INTERFACE_INCLUDE_DIRECTORIES)
 get_target_property(generated_idl sft_common_interfaces SFT_IDL_DIRS)
@@ -48,7 +48,7 @@ install(DIRECTORY ${generated_idl}/
 install(DIRECTORY ${typesupport}/interfaces/
   DESTINATION ${sft_interfaces_dir} COMPONENT development FILES_MATCHING PATTERN *.msg)
 
-# The second one is loaded by idlc and linked to by nobody.
+# idlc loads the second one at run time. No program links to it.
 install(TARGETS sft_msgc RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT development)
 install(TARGETS cycloneddsidlsft LIBRARY DESTINATION ${sft_compiler_dir} COMPONENT development)
 install(
@@ -60,7 +60,8 @@ install(
     ${typesupport}/cmake/run_idlc.sh
   DESTINATION ${sft_cmake_dir} COMPONENT development)
 
-# The files by which others find all of it. None of them has a path from the root, so that the whole can be moved.
+# CMake and pkg-config find the installation by these files. All paths in them are relative, so that an installation can
+# be moved.
 set(made ${PROJECT_BINARY_DIR}/CMakeFiles/sft_install)
 set(sft_library_file ${CMAKE_INSTALL_LIBDIR}/libsft.so.${PROJECT_VERSION})
 set(sft_daemon_file ${CMAKE_INSTALL_LIBEXECDIR}/sft/sftd)

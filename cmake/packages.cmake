@@ -1,18 +1,19 @@
-# What `cpack -G DEB` makes of the install components: libsft0 (the shared library), libsft-dev (headers, messages,
-# message compilers, and what CMake and pkg-config find them by) and sft-tools (the daemon with its unit). `./run package`
-# configures a build for that, since some paths are compiled in: the prefix is /usr, and configuration lies in /etc.
+# Makes Debian packages of the install components by `cpack -G DEB`: libsft0 (the shared library), libsft-dev (headers,
+# messages, message compilers, and the files of CMake and pkg-config) and sft-tools (the daemon with its unit). Some paths
+# are compiled in, so that `./run package` configures a build with the prefix /usr and the configuration in /etc.
 set(SFT_PACKAGE_CONTACT "SFT maintainers <sft@example.org>" CACHE STRING "Who maintains the Debian packages")
 
 set(library_package libsft${PROJECT_VERSION_MAJOR})
 set(debian ${PROJECT_SOURCE_DIR}/cmake/debian)
 set(made ${PROJECT_BINARY_DIR}/CMakeFiles/sft_packages)
 
-# What Debian wants in each package.
+# Debian wants a changelog and the copyright in each package.
 find_program(GZIP gzip REQUIRED NO_CACHE)
 string(TIMESTAMP package_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 foreach(package IN ITEMS ${library_package} libsft-dev sft-tools)
   configure_file(${debian}/changelog.in ${made}/${package}/changelog.Debian @ONLY)
-  execute_process(COMMAND ${GZIP} -9nfk changelog.Debian WORKING_DIRECTORY ${made}/${package} COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${GZIP} -9nfk changelog.Debian
+    WORKING_DIRECTORY ${made}/${package} COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
 function(install_documents package component)
   install(FILES ${debian}/copyright ${made}/${package}/changelog.Debian.gz
@@ -22,7 +23,7 @@ install_documents(${library_package} library)
 install_documents(libsft-dev development)
 install_documents(sft-tools sftd)
 
-# Control files have the rights that the archive gives them.
+# Control files keep in the package the permissions that they have here.
 function(copy_control_file from name executable)
   set(mode OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
   if(executable)
@@ -40,7 +41,7 @@ foreach(script IN ITEMS postinst prerm postrm)
 endforeach()
 
 set(CPACK_GENERATOR DEB)
-set(CPACK_SET_DESTDIR ON)  # what goes to /etc and /lib/systemd is named by its path from the root
+set(CPACK_SET_DESTDIR ON)  # files in /etc and /lib/systemd have absolute paths
 set(CPACK_INSTALL_PREFIX ${CMAKE_INSTALL_PREFIX})
 set(CPACK_STRIP_FILES ON)
 set(CPACK_PACKAGE_NAME sft)

@@ -1,2 +1,2 @@
-// What is generated in C for Cyclone DDS is a part of targets that are of C++ otherwise: for precompiled.cmake.
+// Some targets of C++ contain C that is generated for Cyclone DDS. precompiled.cmake needs a C source for them.
 typedef int sft_precompiled;

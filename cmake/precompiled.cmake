@@ -1,12 +1,13 @@
-# The headers that nearly every source includes, compiled once for all targets that are compiled alike. A compiler cache
-# does better than that, and would not know what to do with it: builds with one show that each source includes what it
-# uses.
+# Compiles the headers that nearly every source includes once for all targets with the same options. A build with a
+# compiler cache does without: the cache is faster, does not support precompiled headers, and shows that each source
+# includes what it uses.
 if(CMAKE_CXX_COMPILER_LAUNCHER)
   return()
 endif()
 
-# sft_precompiled_headers(VARIABLE TARGET): the target that has them for this one, made for the first of its kind. Those
-# of GoogleTest take long to read, and are for what is linked to it.
+# sft_precompiled_headers(VARIABLE TARGET): names the target that holds the precompiled headers for TARGET, and adds it
+# for the first TARGET of its kind. Only targets that link to GoogleTest get the headers of GoogleTest, which are slow to
+# load.
 function(sft_precompiled_headers variable target)
   get_target_property(type ${target} TYPE)
   get_target_property(options ${target} COMPILE_OPTIONS)
@@ -45,12 +46,12 @@ function(sft_precompiled_headers variable target)
     set(header ${PROJECT_SOURCE_DIR}/cmake/precompiled_tests.h)
   endif()
   target_link_libraries(${headers} PRIVATE sft_warnings)
-  target_include_directories(${headers} PRIVATE ${TL_EXPECTED_INCLUDE_DIR})
+  target_include_directories(${headers} PRIVATE ${PROJECT_SOURCE_DIR} ${TL_EXPECTED_INCLUDE_DIR})
   target_precompile_headers(${headers} PRIVATE
     $<$<COMPILE_LANGUAGE:CXX>:${header}> $<$<COMPILE_LANGUAGE:C>:<stddef.h$<ANGLE-R>>)
 endfunction()
 
-# sft_precompile(DIRECTORY): for all targets there and below.
+# sft_precompile(DIRECTORY): gives precompiled headers to all targets of the directory and of those below it.
 function(sft_precompile directory)
   get_property(targets DIRECTORY ${directory} PROPERTY BUILDSYSTEM_TARGETS)
   foreach(target IN LISTS targets)
@@ -58,8 +59,9 @@ function(sft_precompile directory)
     if(type MATCHES "^(EXECUTABLE|STATIC_LIBRARY)$" AND NOT target MATCHES "^sft_headers_of_")
       sft_precompiled_headers(headers ${target})
       target_precompile_headers(${target} REUSE_FROM ${headers})
-      # Of the standard library's own headers GCC warns falsely where they are precompiled.
-      target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds$<SEMICOLON>-Wno-stringop-overflow>)
+      # GCC gives false warnings about precompiled headers of the standard library.
+      set(false_warnings -Wno-array-bounds -Wno-stringop-overflow)
+      target_compile_options(${target} PRIVATE "$<$<CXX_COMPILER_ID:GNU>:${false_warnings}>")
     endif()
   endforeach()
   get_property(subdirectories DIRECTORY ${directory} PROPERTY SUBDIRECTORIES)

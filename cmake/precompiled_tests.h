@@ -1,7 +1,7 @@
-// For precompiled.cmake, as precompiled.h.
+// The headers that precompiled.cmake compiles once for tests.
 #pragma once
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "precompiled.h"
+#include "cmake/precompiled.h"

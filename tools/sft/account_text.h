@@ -1,4 +1,4 @@
-// What both sides of a pair have counted, as text.
+// The counters of both sides of a pair, as text.
 #pragma once
 
 #include <sft/domain.h>
@@ -6,10 +6,10 @@
 
 namespace sft::tool {
 
-/// Whether all that can be known of the pair has been told.
+/// True if both sides have reported their counters, or if the pair does not match and has none.
 bool is_told(const PairInfo& pair);
 
-// What its side did not tell is "not told yet".
+// Counters that their side has not reported are "not told yet".
 
 /// "5 samples, 40 B over the network"
 std::string sent_text(const PairInfo& pair);
@@ -20,8 +20,8 @@ std::string withheld_text(const PairInfo& pair);
 /// "0 samples; 5 received"
 std::string lost_text(const PairInfo& pair);
 
-/// The same in columns, and the headings of these. What was not told is "-". 80 columns wide in all: `names`
-/// and `by`, the transport, are cut if they are too long.
+/// One row of a table of pairs, 80 columns wide, and its headings. `by` is the transport. Names that are too
+/// long are cut, and counters that were not reported are "-".
 std::string account_headings();
 std::string account_columns(const std::string& names, const std::string& by, const PairInfo& pair);
 

@@ -35,7 +35,7 @@ Arrivals::Report Arrivals::report(double window_s) {
           .values = values_.spread(),
           .samples = samples_,
           .lost = lost,
-          .fresh = samples_ - std::exchange(told_, samples_)};
+          .fresh = samples_ - std::exchange(reported_, samples_)};
 }
 
 }  // namespace sft::tool

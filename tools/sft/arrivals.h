@@ -1,4 +1,4 @@
-// A topic that is subscribed to in order to measure it.
+// A subscription that measures the samples of a topic.
 #pragma once
 
 #include <functional>
@@ -11,10 +11,10 @@
 
 namespace sft::tool {
 
-/// Counts what comes, on threads of the node.
+/// Counts and measures samples as they arrive, on threads of the node.
 class Arrivals {
  public:
-  /// What is to be noted of a sample, besides when it came.
+  /// The value of a sample that is recorded beside its time of arrival.
   using Measure = std::function<double(const DynamicSample&)>;
 
   struct Request {
@@ -27,12 +27,12 @@ class Arrivals {
   struct Report {
     double rate_hz = 0;
     Spread periods;             ///< in seconds
-    Spread values;              ///< what was measured
+    Spread values;              ///< the results of Request::measure
     std::uint64_t samples = 0;  ///< since the beginning
-    std::uint64_t lost = 0;     ///< likewise
+    std::uint64_t lost = 0;     ///< since the beginning, as the subscriber counts
     std::uint64_t fresh = 0;    ///< since the last report
   };
-  /// Of so many seconds. With `lost` as the subscriber knows it.
+  /// Reports the last `window_s` seconds.
   Report report(double window_s);
 
   const std::string& topic() const { return topic_; }
@@ -47,8 +47,8 @@ class Arrivals {
   Periods periods_;
   Series values_;
   std::uint64_t samples_ = 0;
-  std::uint64_t told_ = 0;
-  std::optional<DynamicSubscriber> subscriber_;  // goes first: it calls back
+  std::uint64_t reported_ = 0;                   ///< the samples of the last report
+  std::optional<DynamicSubscriber> subscriber_;  ///< the last member: its callbacks use the others
 };
 
 }  // namespace sft::tool

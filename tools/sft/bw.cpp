@@ -14,7 +14,7 @@ namespace {
 
 double bytes_of(const DynamicSample& sample) { return static_cast<double>(sample.cdr().size()); }
 
-/// Of the fields that are asked for, as another host would get them.
+/// Measures the chosen fields in the size that another host would receive.
 Arrivals::Request sizes(const BwOptions& options) {
   Arrivals::Request request{.fields = options.fields, .options = {.depth = 64}, .measure = bytes_of};
   request.options.recording.as_remote = options.fields != "*";

@@ -1,4 +1,4 @@
-// `sft bw`: how many bytes a topic has in a second.
+// `sft bw`: measures how many bytes per second a topic has.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@ namespace sft::tool {
 struct BwOptions {
   std::string topic{};
   std::string fields = "*";
-  bool every = false;  ///< measure every sample, instead of one in a second and the rate
+  bool every = false;  ///< measure every sample, instead of one sample per second and the rate
   LiveOptions live{};
 };
 
-/// Unless every sample is to be measured, costs the network one whole sample a second, and of all others the
-/// headers.
+/// The network carries one whole sample per second, and only the headers of all others, unless `every` is
+/// set.
 ExitCode run(const BwOptions& options, const CommonOptions& common, Session& session);
 
 }  // namespace sft::tool

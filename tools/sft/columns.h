@@ -1,4 +1,4 @@
-// How wide text is, and text that is to be no wider. Characters that take two columns count as one.
+// The width of text on a terminal, and text cut to a width. Characters that take two columns count as one.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,11 @@
 
 namespace sft::tool {
 
-/// Of UTF-8 text in one line.
+/// The number of columns of one line of UTF-8 text.
 std::size_t columns_of(std::string_view text);
-/// The beginning of the text that takes no more columns.
+/// The longest beginning of the text that takes at most `columns`.
 std::string_view cut(std::string_view text, std::size_t columns);
-/// The text in lines that take no more columns. It is broken between words, and within one that is too long.
+/// The text in lines of at most `columns`. Lines break between words, and within a word that is too long.
 std::vector<std::string> wrapped(std::string_view text, std::size_t columns);
 
 }  // namespace sft::tool

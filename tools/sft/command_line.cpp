@@ -9,7 +9,7 @@ namespace sft::tool {
 
 namespace {
 
-/// All of this lives until the line is parsed; each subcommand fills its own.
+/// The options of all subcommands. CLI11 writes to those of the chosen one.
 struct Parsed {
   CommandLine line;
   LsOptions ls;
@@ -33,29 +33,30 @@ CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, const char* h
   command->add_flag("--json", common.json, "Write JSON, for programs")->group("Common");
   command
       ->add_flag("--no-color", common.no_color,
-                 "No colours on terminals, as NO_COLOR in the environment says too")
+                 "Use no colours on terminals; the environment variable NO_COLOR does the same")
       ->group("Common");
   command->add_option("--domain", common.domain, "The domain to look at (default: $ROS_DOMAIN_ID, or 0)")
       ->check(CLI::Range(0, 232))
       ->group("Common");
   command
       ->add_option("--interface", common.interfaces,
-                   "Look for nodes only there: a name, an address or a network")
+                   "Look for nodes on this interface only: a name, an address or a network")
       ->allow_extra_args(false)
       ->group("Common");
   command->add_option("--peer", common.peers, "Look for nodes on this host, too")
       ->allow_extra_args(false)
       ->group("Common");
   command
-      ->add_option("--wait", common.wait_s,
-                   "Look around for so many seconds before all that is there is told; 'why' then waits as "
-                   "long again for nodes that have not said what they sent")
+      ->add_option(
+          "--wait", common.wait_s,
+          "Collect for so many seconds before printing what is there; 'why' then waits as long again "
+          "for nodes that have not reported their counters")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str()
       ->group("Common");
   command
       ->add_option("--timeout", common.timeout_s,
-                   "Wait so many seconds for a topic or a sample that was named")
+                   "Wait so many seconds for the topic, or for its first sample")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str()
       ->group("Common");
@@ -63,9 +64,9 @@ CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, const char* h
   return command;
 }
 
-constexpr const char* one_topic = "The topic, with or without a slash in front";
+constexpr const char* one_topic = "The topic, with or without a leading slash";
 
-/// A subcommand of one topic.
+/// A subcommand with one topic.
 template <class Options>
 CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, Options Parsed::*options,
                   const char* help) {
@@ -75,7 +76,7 @@ CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, Options Parse
   return command;
 }
 
-/// --once, which is a --count of one.
+/// Adds --count, and --once, which is a --count of one.
 void add_count(CLI::App* command, std::uint64_t& count, const char* of_one, const char* of_many) {
   const auto one = [&count](std::int64_t) { count = 1; };
   CLI::Option* once = command->add_flag_function("--once", one, of_one);
@@ -85,7 +86,7 @@ void add_count(CLI::App* command, std::uint64_t& count, const char* of_one, cons
 void add_live(CLI::App* command, LiveOptions& live) {
   command->add_option("--for", live.for_s, "End after so many seconds (default: when Ctrl-C is pressed)")
       ->check(CLI::Range(0.1, 1e9));
-  command->add_option("--window", live.window_s, "Tell of the last so many seconds")
+  command->add_option("--window", live.window_s, "Measure over the last so many seconds")
       ->check(CLI::Range(1.0, 3600.0))
       ->capture_default_str();
 }
@@ -94,19 +95,19 @@ void declare_ls(CLI::App& app, Parsed& parsed) {
   CLI::App* command = declare(app, parsed, "ls", "List nodes, topics, types or endpoints");
   command->add_option("WHAT", parsed.ls.what, "nodes, topics (the default), types or endpoints")
       ->check(CLI::IsMember({"nodes", "topics", "types", "endpoints"}));
-  command->add_flag("--names", parsed.ls.names, "Only the names, one in a line");
+  command->add_flag("--names", parsed.ls.names, "Print the names only, one per line");
   command->callback([&parsed] { parsed.line.command = parsed.ls; });
 }
 
 void declare_info(CLI::App& app, Parsed& parsed) {
-  declare(app, parsed, "info", &Parsed::info, "Tell who publishes a topic and who subscribes to it, and how");
+  declare(app, parsed, "info", &Parsed::info, "Show the publishers and subscribers of a topic");
 }
 
 void declare_type(CLI::App& app, Parsed& parsed) {
   CLI::App* command = declare(app, parsed, "type", &Parsed::type,
                               "Print the message type of a topic as the text of .msg files");
-  command->add_flag("--name", parsed.type.name, "Only its name");
-  command->add_flag("--fields", parsed.type.fields, "Only its fields, one in a line");
+  command->add_flag("--name", parsed.type.name, "Print its name only");
+  command->add_flag("--fields", parsed.type.fields, "Print its fields only, one per line");
 }
 
 void declare_echo(CLI::App& app, Parsed& parsed) {
@@ -137,19 +138,19 @@ void declare_pub(CLI::App& app, Parsed& parsed) {
       declare(app, parsed, "pub", &Parsed::pub, "Publish a message that is written as YAML or JSON");
   command
       ->add_option("TYPE", pub.type.type,
-                   "sensor_msgs/PointCloud2, a file my_msgs/msg/Status.msg, or auto: what the topic has")
+                   "sensor_msgs/PointCloud2, a file my_msgs/msg/Status.msg, or auto: the type of the topic")
       ->required();
   command->add_option("VALUE", pub.value,
-                      "'{header: auto, width: 3}': what is left out is zero or empty, and a stamp may be "
-                      "now; -: messages from the standard input, YAML with --- between them or a line of "
-                      "JSON each");
-  command->add_option("-r,--rate", pub.rate_hz, "So many samples a second (default: 1)")
+                      "'{header: auto, width: 3}': fields that you leave out are zero or empty, and a stamp "
+                      "may be now; -: messages from the standard input, YAML with --- between them, or one "
+                      "line of JSON each");
+  command->add_option("-r,--rate", pub.rate_hz, "Publish so many samples a second (default: 1)")
       ->check(CLI::Range(0.001, 100000.0));
-  add_count(command, pub.count, "Publish it once", "Publish it so many times");
+  add_count(command, pub.count, "Publish the message once", "Publish the message so many times");
   command->add_option("-w,--wait-for", pub.wait_for,
-                      "First wait for so many subscribers, at most for --timeout (default: 1 where it ends "
-                      "by itself, else 0)");
-  command->add_flag("--reliable", pub.reliable, "Offer that what gets lost is sent again");
+                      "First wait for so many subscribers, at most for --timeout (default: 1 if the command "
+                      "ends by itself, else 0)");
+  command->add_flag("--reliable", pub.reliable, "Offer to send lost samples again");
   command->add_flag("--transient-local", pub.transient_local, "Keep the last sample for late subscribers");
   command
       ->add_option("-I,--include", pub.type.includes,
@@ -159,38 +160,39 @@ void declare_pub(CLI::App& app, Parsed& parsed) {
 
 void declare_hz(CLI::App& app, Parsed& parsed) {
   CLI::App* command =
-      declare(app, parsed, "hz", "Measure how often samples come, without asking for any field");
-  command->add_option("TOPIC", parsed.hz.topics, "The topics, with or without a slash in front")->required();
+      declare(app, parsed, "hz", "Measure how often samples arrive, without asking for any field");
+  command->add_option("TOPIC", parsed.hz.topics, "The topics, with or without a leading slash")->required();
   add_live(command, parsed.hz.live);
   command->callback([&parsed] { parsed.line.command = parsed.hz; });
 }
 
 void declare_bw(CLI::App& app, Parsed& parsed) {
   CLI::App* command =
-      declare(app, parsed, "bw", &Parsed::bw, "Measure how many bytes a topic has in a second");
-  command->add_option("--fields", parsed.bw.fields, "Of these fields only; * is all")->capture_default_str();
+      declare(app, parsed, "bw", &Parsed::bw, "Measure how many bytes per second a topic has");
+  command->add_option("--fields", parsed.bw.fields, "Measure these fields only; * is all")
+      ->capture_default_str();
   command->add_flag("--every", parsed.bw.every,
-                    "Ask for every sample as a whole, instead of one in a second and the number of all");
+                    "Ask for every sample, instead of one sample per second and the rate of all");
   add_live(command, parsed.bw.live);
 }
 
 void declare_delay(CLI::App& app, Parsed& parsed) {
   CLI::App* command = declare(app, parsed, "delay", &Parsed::delay,
-                              "Measure how old samples are when they come, by header.stamp");
-  command->add_flag("--published", parsed.delay.published, "Measure from when they were published, instead");
+                              "Measure how old samples are when they arrive, by header.stamp");
+  command->add_flag("--published", parsed.delay.published, "Measure from the time of publication instead");
   add_live(command, parsed.delay.live);
 }
 
 void declare_why(CLI::App& app, Parsed& parsed) {
   CLI::App* command = declare(
       app, parsed, "why", &Parsed::why,
-      "Tell whether publishers and subscribers of a topic match, by which path and why, and what was sent");
-  command->add_flag("--types", parsed.why.types, "Where two definitions of a type differ, print both");
+      "Show whether publishers and subscribers of a topic match, by which path and why, and what was sent");
+  command->add_flag("--types", parsed.why.types, "Print both definitions of a type if they differ");
 }
 
 void declare_top(CLI::App& app, Parsed& parsed) {
-  CLI::App* command = declare(app, parsed, "top", "Show all topics and pairs live; q ends it");
-  command->add_option("--every", parsed.top.every_s, "Show it anew after so many seconds")
+  CLI::App* command = declare(app, parsed, "top", "Show all topics and pairs live, until you press q");
+  command->add_option("--every", parsed.top.every_s, "Update the page after so many seconds")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   command->add_option("--for", parsed.top.for_s, "End after so many seconds")->check(CLI::Range(0.1, 1e9));
@@ -198,16 +200,17 @@ void declare_top(CLI::App& app, Parsed& parsed) {
 }
 
 void declare_doctor(CLI::App& app, Parsed& parsed) {
-  CLI::App* command = declare(app, parsed, "doctor", "Check this host, and tell what to do");
-  command->add_flag("--quiet", parsed.doctor.quiet, "Tell only what is not well");
+  CLI::App* command =
+      declare(app, parsed, "doctor", "Check whether this host is set up well, and say what to do");
+  command->add_flag("--quiet", parsed.doctor.quiet, "Print warnings and errors only");
   command->callback([&parsed] { parsed.line.command = parsed.doctor; });
 }
 
-/// Of CLI11, which leaves out the end of the sentence.
+/// Prints a mistake that CLI11 found. CLI11 does not end the sentence.
 ExitCode tell_of_mistake(const CLI::App& app, const std::string& what) {
   const auto chosen = app.get_subcommands();
   const std::string help = chosen.empty() ? "sft --help" : "sft " + chosen.front()->get_name() + " --help";
-  complain(what + "; '" + help + "' tells what there is.");
+  complain(what + "; '" + help + "' lists what is possible.");
   return ExitCode::failed;
 }
 

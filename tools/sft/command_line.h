@@ -1,4 +1,4 @@
-// What the user has typed.
+// The command line of the user, parsed.
 #pragma once
 
 #include <variant>
@@ -19,7 +19,7 @@
 
 namespace sft::tool {
 
-/// One of each subcommand.
+/// The options of the chosen subcommand.
 using Command = std::variant<LsOptions, InfoOptions, TypeOptions, EchoOptions, PubOptions, HzOptions,
                              BwOptions, DelayOptions, WhyOptions, TopOptions, DoctorOptions>;
 
@@ -29,7 +29,7 @@ struct CommandLine {
   Command command;
 };
 
-/// Where there is nothing to run, help was printed or a mistake was told, and this is the exit code.
+/// Returns an exit code if there is nothing to run: help was printed, or a mistake was reported.
 std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv);
 
 }  // namespace sft::tool

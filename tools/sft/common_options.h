@@ -15,8 +15,8 @@ struct CommonOptions {
   std::optional<std::uint32_t> domain{};
   std::vector<std::string> interfaces{};
   std::vector<std::string> peers{};
-  double wait_s = 1;     ///< to look around for, where everything that is there is to be told
-  double timeout_s = 5;  ///< for what was named to show up
+  double wait_s = 1;     ///< how long a command collects what it hears before it prints a complete list
+  double timeout_s = 5;  ///< how long a command waits for a topic or a sample that the user named
 };
 
 inline std::chrono::nanoseconds seconds(double s) {

@@ -1,5 +1,5 @@
-// Samples as rows of a table (RFC 4180), one column for each field that is outside of sequences and arrays of
-// structs. Collections are one cell each, which has them as JSON.
+// Samples as rows of a table (RFC 4180), with a column for each field outside of sequences and arrays of
+// structs. A collection is one cell, with its elements as JSON.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ class CsvTable {
   CsvTable(const TypeSupport& type, const FieldMask& mask) { add_columns(type.type(), mask, "", 0); }
 
   std::string header() const;
-  /// Without the end of the line. A field that a sample does not have is an empty cell.
+  /// Returns the row without a line break. A field that the sample lacks is an empty cell.
   Result<std::string> row(const DynamicView& sample, const JsonOptions& options) const;
 
  private:
@@ -26,7 +26,7 @@ class CsvTable {
 
   struct Column {
     std::string path;        ///< of the view
-    bool only_size = false;  ///< of a sequence of structs
+    bool only_size = false;  ///< the length of a sequence of structs, none of whose fields is chosen
   };
   std::vector<Column> columns_;
 };

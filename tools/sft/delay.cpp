@@ -13,7 +13,8 @@ namespace sft::tool {
 
 namespace {
 
-/// "header.stamp", or "stamp" of a message that is a header itself; empty if there is neither.
+/// The path of the time stamp: "header.stamp", or "stamp" if the message is a header itself; empty without
+/// one.
 std::string stamp_field(const TypeSupport& type) {
   for (const char* field : {"header.stamp", "stamp"}) {
     const std::string path = field;

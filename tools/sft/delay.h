@@ -1,4 +1,4 @@
-// `sft delay`: how old samples are when they come.
+// `sft delay`: measures how old samples are when they arrive.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace sft::tool {
 
 struct DelayOptions {
   std::string topic{};
-  bool published = false;  ///< since they were published, by the publisher's clock, and not by header.stamp
+  bool published = false;  ///< measure from the time of publication, instead of header.stamp
   LiveOptions live{};
 };
 

@@ -1,4 +1,4 @@
-// What endpoints and pairs are, as JSON for programs and as text for people.
+// Descriptions of endpoints and pairs, as JSON for programs and as text for people.
 #pragma once
 
 #include <sft/domain.h>
@@ -7,9 +7,9 @@
 
 namespace sft::tool {
 
-// The names in these objects stay what they are; later versions may add some.
+// The names in these objects are stable; later versions may add names.
 nlohmann::ordered_json endpoint_json(const EndpointInfo& endpoint, bool publishes);
-/// Counts that the node that has them did not tell are null.
+/// Counters that their node has not reported are null.
 nlohmann::ordered_json pair_json(const PairInfo& pair, const EndpointInfo& publisher,
                                  const EndpointInfo& subscriber);
 

@@ -1,4 +1,4 @@
-// `sft doctor`: whether this host is set up well for SFT, and what to do where it is not.
+// `sft doctor`: checks whether this host is set up well for SFT, and says how to correct what is not.
 #pragma once
 
 #include "tools/sft/session.h"
@@ -6,10 +6,10 @@
 namespace sft::tool {
 
 struct DoctorOptions {
-  bool quiet = false;  ///< only what is not well
+  bool quiet = false;  ///< print warnings and errors only
 };
 
-/// Opens its own node, since what keeps a node from opening is a finding.
+/// Opens its own node, since a node that does not open is a finding.
 ExitCode run(const DoctorOptions& options, const CommonOptions& common, Stop& stop, Output& output);
 
 }  // namespace sft::tool

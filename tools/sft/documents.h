@@ -1,4 +1,4 @@
-// Messages that come by the standard input, one after the other.
+// Messages from the standard input, one after the other.
 #pragma once
 
 #include <optional>
@@ -8,20 +8,20 @@
 
 namespace sft::tool {
 
-/// Documents as `sft echo` writes them: YAML, each with a line `---` behind it (or in front), or JSON, each
-/// in a line of its own.
+/// Reads documents as `sft echo` writes them: YAML with a line `---` between documents, or one JSON document
+/// per line.
 class Documents {
  public:
   explicit Documents(Stop& stop) : stop_(stop) {}
 
-  /// The next one, as soon as it is complete. Nothing at the end, or when the user wants to stop.
+  /// Waits for the next complete document. Nothing at the end of the input, or if the user wants to stop.
   std::optional<std::string> next();
 
  private:
   std::optional<std::string> line();
 
   Stop& stop_;
-  std::string read_;  ///< and not yet given out
+  std::string read_;  ///< read from the input, but not returned yet
   bool is_over_ = false;
 };
 

@@ -16,7 +16,7 @@ constexpr std::size_t elements_on_terminal = 16;
 constexpr std::size_t text_on_terminal = 400;
 constexpr std::size_t bytes_most = std::size_t{1} << 30;
 
-/// Puts samples into words. The name of a topic and its type stay the same meanwhile.
+/// Prints samples of one topic and type in the chosen format.
 class Printer {
  public:
   Printer(const EchoOptions& options, const TypeSupport& type, const FieldMask& mask, Output& output)
@@ -26,7 +26,7 @@ class Printer {
     if (!output.on_terminal() || options.full) return;
     yaml_.elements_max = json_.elements_max = elements_on_terminal;
     yaml_.text_bytes_max = text_on_terminal;
-    json_.bytes_as_base64 = false;  // which cannot be shortened
+    json_.bytes_as_base64 = false;  // base64 cannot be shortened
   }
 
   Result<void> print(const DynamicSample& sample) {
@@ -57,12 +57,13 @@ Result<DynamicSubscriber> subscribe(const EchoOptions& options, const FoundTopic
                                .depth = 64,
                                .max_rate_hz = options.max_rate_hz,
                                .pollable = true};
-  // A sample in shared memory has every field: it is cut down to what was asked for.
+  // A sample in shared memory has every field. This cuts it down to the fields that the user asked for.
   subscriber.recording.as_remote = options.fields != "*";
   return node.subscriber(topic.name, topic.type, options.fields, subscriber);
 }
 
-/// Prints what comes; returns how many samples that were. Who wants some of them does not wait for ever.
+/// Prints samples as they arrive and returns how many there were. A user who wants a number of samples waits
+/// for the first one for at most the timeout.
 Result<std::uint64_t> print_samples(const EchoOptions& options, const CommonOptions& common,
                                     DynamicSubscriber& subscriber, Printer& printer, Stop& stop) {
   using Clock = std::chrono::steady_clock;
@@ -96,12 +97,13 @@ ExitCode run(const EchoOptions& options, const CommonOptions& common, Session& s
   if (!printed) return give_up(printed.error());
   if (const std::uint64_t lost = subscriber->status().lost; lost > 0)
     complain(fmt::format(
-        "{} samples of '{}' were lost: they come faster than they are printed, or got lost on the way.", lost,
-        topic->name));
+        "{} samples of '{}' were lost: they arrive faster than they are printed, or got lost on the way.",
+        lost, topic->name));
   if (*printed > 0) return ExitCode::done;
   if (!session.stop().requested())
-    complain(fmt::format("No sample of '{}' came within {:g} s; 'sft why {}' tells how its publishers stand.",
-                         topic->name, common.timeout_s, topic->name));
+    complain(
+        fmt::format("No sample of '{}' came within {:g} s; 'sft why {}' shows the state of its publishers.",
+                    topic->name, common.timeout_s, topic->name));
   return ExitCode::nothing;
 }
 

@@ -13,9 +13,9 @@ enum class Format : std::uint8_t { yaml, json, csv };
 struct EchoOptions {
   std::string topic{};
   std::string fields = "*";
-  std::uint64_t count = 0;  ///< 0: until it is stopped
+  std::uint64_t count = 0;  ///< 0: until the user stops it
   Format format = Format::yaml;
-  bool full = false;       ///< long arrays and texts whole, on terminals too
+  bool full = false;       ///< print long arrays and texts whole on terminals, too
   double max_rate_hz = 0;  ///< 0: all samples
 };
 

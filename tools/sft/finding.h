@@ -1,4 +1,4 @@
-// What the doctor finds.
+// One result of `sft doctor`.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@ namespace sft::tool {
 enum class Health : std::uint8_t { ok, warning, error };
 
 struct Finding {
-  std::string what;  ///< "io_uring"
+  std::string what;  ///< the name of the check, such as "io_uring"
   Health health = Health::ok;
-  std::string text;     ///< what was found
-  std::string to_do{};  ///< empty where all is well
+  std::string text;     ///< the state that the check found
+  std::string to_do{};  ///< how to correct it; empty if all is well
 };
 
 }  // namespace sft::tool

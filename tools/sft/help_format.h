@@ -1,4 +1,4 @@
-// How the help of the command looks: CLI11's, in lines that fit a terminal of 80 columns.
+// Formats CLI11's help in lines that fit a terminal of 80 columns.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,7 +13,7 @@ class HelpFormat : public CLI::Formatter {
   std::string make_description(const CLI::App* app) const override;
 
  private:
-  /// Behind the column of names.
+  /// Breaks the text of an option or subcommand into lines that fit beside the column of names.
   std::string described(const std::string& text) const;
 };
 

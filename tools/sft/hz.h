@@ -1,4 +1,4 @@
-// `sft hz`: how often the samples of topics come.
+// `sft hz`: measures how often samples of topics arrive.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ struct HzOptions {
   LiveOptions live{};
 };
 
-/// Asks for no field at all, so that a sample costs the network its headers, however large it is.
+/// Asks for no field at all, so that the network carries only the headers of a sample, however large it is.
 ExitCode run(const HzOptions& options, const CommonOptions& common, Session& session);
 
 }  // namespace sft::tool

@@ -1,4 +1,4 @@
-// `sft info`: who publishes a topic and who subscribes to it, and how.
+// `sft info`: shows the publishers and subscribers of a topic, and their settings.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The options of what is measured and told once a second, and the loop of it.
+// Commands that measure and print a line per second: their options and their loop.
 #pragma once
 
 #include <cstddef>
@@ -8,15 +8,15 @@
 
 namespace sft::tool {
 
-/// Of what does not fit the line of a topic.
+/// The indentation of text that does not fit the line of its topic.
 inline constexpr std::size_t live_indent = 4;
 
 struct LiveOptions {
-  double for_s = 0;     ///< 0: until it is stopped
-  double window_s = 5;  ///< what is told is about so long
+  double for_s = 0;     ///< 0: until the user stops it
+  double window_s = 5;  ///< each line covers this time
 };
 
-/// Calls `tell` once a second, until that is over or the user wants to stop.
+/// Calls `tell` once a second, until options.for_s have passed or the user wants to stop.
 void tell_every_second(const LiveOptions& options, Stop& stop, const std::function<void()>& tell);
 
 }  // namespace sft::tool

@@ -29,11 +29,11 @@ struct TopicEntry {
   std::size_t subscribers = 0;
 };
 
-/// What there is, each once and in order.
+/// The nodes, topics and types of a domain, each once and in order.
 struct Inventory {
   std::map<std::pair<std::string, std::uint64_t>, NodeEntry> nodes;
   std::map<std::string, TopicEntry> topics;
-  std::map<std::pair<std::string, std::uint64_t>, std::set<std::string>> types;  ///< their topics
+  std::map<std::pair<std::string, std::uint64_t>, std::set<std::string>> types;  ///< the topics of each type
 
   explicit Inventory(const DomainSnapshot& domain) {
     for (const EndpointInfo& e : domain.publishers) add(e, true);
@@ -163,10 +163,7 @@ ExitCode run(const LsOptions& options, const CommonOptions& common, Session& ses
   } else if (found) {
     table_of(options.what, domain).print(session.output());
   } else {
-    complain(
-        "Nobody publishes or subscribes to anything in this domain, as far as this host can hear; 'sft "
-        "doctor' "
-        "checks the host.");
+    complain("This host hears no publisher and no subscriber in this domain; 'sft doctor' checks the host.");
   }
   return found ? ExitCode::done : ExitCode::nothing;
 }

@@ -1,4 +1,4 @@
-// `sft ls`: what is there.
+// `sft ls`: lists nodes, topics, types or endpoints.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 namespace sft::tool {
 
 struct LsOptions {
-  std::string what{};  ///< "nodes", "topics", "types" or "endpoints"; empty: topics, as JSON all of these
-  bool names = false;  ///< only names, one in a line
+  std::string what{};  ///< "nodes", "topics", "types" or "endpoints"; empty: topics, or all of these as JSON
+  bool names = false;  ///< print names only, one per line
 };
 
 ExitCode run(const LsOptions& options, const CommonOptions& common, Session& session);

@@ -12,14 +12,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Beside the program, wherever that is installed; a build has a link there.
+/// The messages of SFT, at a path relative to the program, wherever that is installed. The build tree has a
+/// link there.
 fs::path own_interfaces() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   return (program.parent_path() / SFT_INTERFACES_FROM_PROGRAM).lexically_normal();
 }
 
-/// All forms of a name as one.
+/// Maps all forms of a type's name to one: "sensor_msgs/PointCloud2".
 std::string short_name(std::string_view name) {
   std::string text = msg_name(name);
   if (const std::size_t at = text.find("/msg/"); at != text.npos) text.erase(at, 4);
@@ -54,7 +55,7 @@ Result<DynamicType> find_message_type(const TypeChoice& choice, const std::strin
     return found.has_value();
   });
   if (found) return *found;
-  return fail(defined.error().code, defined.error().message + "; nor does anybody announce such a type");
+  return fail(defined.error().code, defined.error().message + "; and no node announces such a type");
 }
 
 }  // namespace sft::tool

@@ -1,4 +1,4 @@
-// Where the type of a publisher comes from.
+// Finds the message type that a publisher is to use.
 #pragma once
 
 #include <string>
@@ -8,16 +8,16 @@
 
 namespace sft::tool {
 
-/// What the user names a type by.
+/// The type as the user names it.
 struct TypeChoice {
-  /// "sensor_msgs/PointCloud2" and its longer forms; a file, "my_msgs/msg/Status.msg"; or "auto": the type
-  /// that somebody announces for the topic.
+  /// "sensor_msgs/PointCloud2" and its longer forms; a file, "my_msgs/msg/Status.msg"; or "auto", which is
+  /// the type that another node announces for the topic.
   std::string type{};
-  std::vector<std::string> includes{};  ///< more directories of packages
+  std::vector<std::string> includes{};  ///< directories of packages, besides the messages of SFT
 };
 
-/// A name is looked for in the directories, in the messages that are installed with SFT, and then, for the
-/// timeout of the session, among the types that anybody announces. Errc::unavailable if it is nowhere.
+/// Looks for a name in the directories, in the messages that are installed with SFT, and then, for the
+/// timeout of the session, among the types that nodes announce. Errc::unavailable if no place has it.
 Result<DynamicType> find_message_type(const TypeChoice& choice, const std::string& topic, Session& session);
 
 }  // namespace sft::tool

@@ -44,7 +44,8 @@ std::string members_text(const StructType& type) {
   return text;
 }
 
-/// Breadth first, as `ros2 interface` has them.
+/// Adds the types that the members have. Called for each type found, it lists them breadth first, as
+/// `ros2 interface show` does.
 void add_nested(const StructType& type, std::vector<const StructType*>& found) {
   for (const Member& m : type.members) {
     if (m.type == nullptr) continue;

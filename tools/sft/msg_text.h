@@ -7,21 +7,21 @@
 
 namespace sft::tool {
 
-/// The message, and behind it all that it nests, each once, as rosbag and `ros2 interface show` separate
-/// them:
+/// The message, followed by each message that it nests, once, separated as rosbag and `ros2 interface show`
+/// do:
 ///
 ///   std_msgs/Header header
 ///   ================================================================================
 ///   MSG: std_msgs/Header
 ///   ...
 ///
-/// Units, enumerations and keys are comments. Defaults and constants do not travel with a type, and are not
-/// there.
+/// Units, enumerations and keys are comments. Defaults and constants are missing, since types are announced
+/// without them.
 std::string msg_text(const StructType& type);
 
-/// "sensor_msgs/PointCloud2" of "sensor_msgs::msg::PointCloud2": what .msg files call it.
+/// "sensor_msgs/PointCloud2" for "sensor_msgs::msg::PointCloud2": the name in .msg files.
 std::string msg_name(std::string_view name);
-/// "sensor_msgs/msg/PointCloud2" of "sensor_msgs::msg::PointCloud2": what ROS 2's tools call it.
+/// "sensor_msgs/msg/PointCloud2" for "sensor_msgs::msg::PointCloud2": the name in ROS 2's tools.
 std::string ros_name(std::string_view name);
 
 }  // namespace sft::tool

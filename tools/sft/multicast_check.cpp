@@ -24,7 +24,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* group = "239.255.83.70";  // of those that everybody may use within a site
+constexpr const char* group =
+    "239.255.83.70";  // in the range that any program may use within a site (RFC 2365)
 constexpr std::chrono::milliseconds patience{300};
 
 struct Interface {
@@ -49,7 +50,7 @@ std::vector<Interface> interfaces() {
   return found;
 }
 
-/// One socket for both ways.
+/// A socket that sends to a group by an interface and receives from the group by the same interface.
 class Loop {
  public:
   explicit Loop(const Interface& interface)
@@ -72,7 +73,7 @@ class Loop {
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
-  /// Empty if the datagram came back, and else why not.
+  /// Empty if the datagram came back, otherwise the reason why it did not.
   std::string round_trip(Stop& stop) {
     if (!open_) return why_not_;
     const std::uint64_t word = std::random_device()() | std::uint64_t{std::random_device()()} << 32;
@@ -104,17 +105,20 @@ std::vector<Finding> check_multicast(const std::vector<std::string>& in_use, Sto
     const std::string why_not = loop.round_trip(stop);
     const double passed = std::chrono::duration<double>(Clock::now() - begun).count();
     if (why_not.empty()) {
-      findings.push_back({"multicast", Health::ok,
-                          fmt::format("{}: it came back after {}", interface.name, duration_text(passed))});
+      findings.push_back(
+          {"multicast", Health::ok,
+           fmt::format("{}: a datagram came back after {}", interface.name, duration_text(passed))});
     } else {
-      findings.push_back({"multicast", Health::warning, fmt::format("{}: {}", interface.name, why_not),
-                          "Nodes are not found by it: allow multicast there, or name hosts as peers."});
+      findings.push_back(
+          {"multicast", Health::warning, fmt::format("{}: {}", interface.name, why_not),
+           "Nodes do not find each other by this interface: allow multicast on it, or name hosts as "
+           "peers."});
     }
   }
   if (findings.empty()) {
     findings.push_back({"multicast", Health::error,
                         "no interface in use has an IPv4 address, not even the loopback",
-                        "Nodes of this host find each other by it: ip link set lo up."});
+                        "Nodes of this host find each other by the loopback: run ip link set lo up."});
   }
   return findings;
 }

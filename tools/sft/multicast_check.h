@@ -1,4 +1,4 @@
-// Whether multicast works on the interfaces of this host, as far as one host can tell.
+// Checks multicast on the interfaces of this host, as far as one host can tell.
 #pragma once
 
 #include <string>
@@ -9,8 +9,9 @@
 
 namespace sft::tool {
 
-/// Sends a datagram to a group by each interface, and waits until it comes back by the same one. Whether a
-/// switch passes it on to other hosts is not seen. `in_use` names the interfaces; empty: all of them.
+/// Sends a datagram to a group by each interface and waits until the same interface receives it. The check
+/// cannot see whether a switch forwards the datagram to other hosts. `in_use` names the interfaces; empty:
+/// all of them.
 std::vector<Finding> check_multicast(const std::vector<std::string>& in_use, Stop& stop);
 
 }  // namespace sft::tool

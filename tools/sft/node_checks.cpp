@@ -18,21 +18,21 @@ using namespace std::chrono_literals;
 Finding interfaces_of(const NodeStatus& status) {
   const bool is_well = status.discovery_warnings.empty() && !status.waits_for_network;
   return {"interfaces", is_well ? Health::ok : Health::warning, status.discovery,
-          is_well ? "" : "Look at the interfaces (ip addr) and at the settings that are named."};
+          is_well ? "" : "Check the interfaces (ip addr) and the settings that this names."};
 }
 
-/// Which of the two it is, and why, is what the library says.
+/// The library says whether the node uses io_uring or plain sockets, and why.
 Finding udp_of(const NodeStatus& status) {
   if (status.io_uring_in_use) return {"io_uring", Health::ok, status.udp};
   return {"io_uring", Health::warning, status.udp,
-          "Plain sockets do the same work meanwhile, and take more processor time."};
+          "Plain sockets do the same work, but take more processor time."};
 }
 
-/// A node that finds no daemon starts one, which this node does not.
+/// Other nodes start a daemon if none is running. This node does not, and so a missing daemon is no fault.
 Finding daemon_of(const NodeStatus& status) {
   if (status.shm_ready) return {"sftd", Health::ok, status.shm};
   if (status.lacks_daemon)
-    return {"sftd", Health::ok, "none is running; the first program that wants it starts it"};
+    return {"sftd", Health::ok, "no sftd is running; the first program that needs it starts it"};
   return {"sftd", Health::warning, status.shm, "Samples within this host go by UDP: see 'sftd status'."};
 }
 
@@ -45,8 +45,10 @@ Finding domain_of(const NodeSnapshot& self, const DomainSnapshot& domain) {
       fmt::format("domain {}, SFT {}, protocol {}: {} with publishers or subscribers", self.domain,
                   self.version, self.control_protocol, count_text(nodes.size(), "node"));
   if (refused == 0) return {"domain", Health::ok, text};
-  return {"domain", Health::warning, text + fmt::format("; {} refused", count_text(refused, "announcement")),
-          "Somebody speaks another version of the protocol, or says what cannot be: see the logs of nodes."};
+  return {
+      "domain", Health::warning, text + fmt::format("; {} refused", count_text(refused, "announcement")),
+      "Another node speaks another version of the protocol, or announces what is invalid: see the logs of "
+      "nodes."};
 }
 
 }  // namespace
@@ -55,7 +57,7 @@ NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output)
   Result<Session> session = Session::open(common, "doctor", stop, output);
   if (!session) {
     return {{{"node", Health::error, "no node can be opened: " + session.error().message,
-              "No program of SFT works here until that is mended."}}};
+              "No program that uses SFT works on this host until this is corrected."}}};
   }
   const DomainSnapshot domain = session->look_around();
   const NodeSnapshot self = session->node().snapshot();

@@ -1,4 +1,4 @@
-// What the doctor finds by opening a node: what the library itself says of this host.
+// The checks of `sft doctor` that open a node and report what the library says about this host.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace sft::tool {
 
 struct NodeFindings {
   std::vector<Finding> findings;
-  /// Names; empty where no node can be opened, or where the library does not know.
+  /// Names; empty if no node can be opened, or if the library does not know them.
   std::vector<std::string> interfaces_in_use{};
 };
 NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output);

@@ -32,7 +32,7 @@ Result<OneTopic> look_at(std::string_view topic, const CommonOptions& common, Se
   if (found) session.stop().wait_for(seconds(common.wait_s));
   name = Session::known_name(topic, session.domain());
   if (name) return part_of(session.domain(), *name);
-  // The library's words for it name the topics that were seen.
+  // The library's error names the topics that it knows.
   const Result<DynamicType> type = session.node().find_type(topic, 0s);
   return fail(Errc::unavailable, type ? "the topic was withdrawn meanwhile" : type.error().message);
 }

@@ -1,4 +1,4 @@
-// All that a domain tells of one topic.
+// The part of a domain's snapshot that concerns one topic.
 #pragma once
 
 #include <string>
@@ -16,7 +16,8 @@ struct OneTopic {
   std::vector<PairInfo> pairs;
 };
 
-/// Errc::unavailable if nobody uses it within the timeout. Else looks around for a while, to find all who do.
+/// Errc::unavailable if no node uses the topic within the timeout. Otherwise collects the nodes that use it
+/// for common.wait_s.
 Result<OneTopic> look_at(std::string_view topic, const CommonOptions& common, Session& session);
 
 OneTopic part_of(const DomainSnapshot& domain, const std::string& topic);

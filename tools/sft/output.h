@@ -1,4 +1,4 @@
-// What commands print: on a terminal with colours and in its width, elsewhere plain and whole.
+// The standard output of commands: with colours and in the width of a terminal, elsewhere plain and in full.
 #pragma once
 
 #include <cstddef>
@@ -14,23 +14,23 @@ enum class Color : int { none = 0, red = 31, green = 32, yellow = 33, cyan = 36,
 
 class Output {
  public:
-  /// Colours need a terminal, and that neither `no_color` nor the environment variable NO_COLOR rules them
-  /// out.
+  /// Uses colours on a terminal, unless `no_color` or the environment variable NO_COLOR rules them out.
   Output(Stop& stop, bool no_color);
 
   bool on_terminal() const { return terminal_; }
   std::size_t columns() const;
   std::size_t rows() const;
   std::string colored(std::string_view text, Color color) const;
-  /// In lines that fit the terminal, as wrapped() makes them; elsewhere whole.
+  /// Breaks the text into lines that fit the terminal, as wrapped() does. Returns it unchanged without a
+  /// terminal.
   std::string fitted(std::string_view text, std::size_t indent, std::size_t before = 0) const;
 
-  /// At once. Where nobody reads it any more, the command is to stop.
+  /// Writes without a buffer. Asks the command to stop if the reader of the output has gone.
   void write(std::string_view text);
   void line(std::string_view text);
-  /// In one line, for programs that read line by line.
+  /// Writes JSON in one line, for programs that read line by line.
   void record(const nlohmann::ordered_json& json);
-  /// Indented, for people who look at it as well.
+  /// Writes indented JSON, for people and programs.
   void document(const nlohmann::ordered_json& json);
 
  private:
@@ -39,11 +39,11 @@ class Output {
   bool colors_;
 };
 
-/// One sentence on the standard error.
+/// Writes one sentence to the standard error.
 void complain(std::string_view sentence);
 
-/// Other nodes' words on a terminal: without what could steer it. Names that were announced have no such
-/// characters, reasons and types may quote what somebody else wrote.
+/// Replaces control characters, so that text of other nodes cannot steer the terminal. Announced names have
+/// no control characters, but reasons and types may quote what another program wrote.
 std::string printable(std::string_view text);
 
 }  // namespace sft::tool

@@ -18,10 +18,10 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr double usual_rate_hz = 1;
-constexpr auto most_behind = 20ms;  // of what was missed before that nothing is made up for
-constexpr auto afterglow = 100ms;   // for what was sent last to be received before the node is gone
+constexpr auto most_behind = 20ms;  // samples that are later than this are skipped, not made up for
+constexpr auto afterglow = 100ms;   // time for the last sample to be received before the node closes
 
-/// A message that has been checked. Encoded once, unless it has the time in it.
+/// A message that has been checked. It is encoded once, unless it contains the present time.
 class Value {
  public:
   static Result<Value> of(const DynamicType& type, const std::string& text) {
@@ -46,19 +46,19 @@ class Value {
   std::vector<std::byte> payload_;
 };
 
-/// The values of one run, and when they are due.
+/// The messages of one run, each at the time when it is due.
 class Source {
  public:
   Source(const PubOptions& options, DynamicType type, Stop& stop)
       : options_(options), type_(std::move(type)), stop_(stop), documents_(stop) {}
 
-  /// Before anything is published.
+  /// Checks the message of the command line before anything is published.
   Result<void> check() {
     if (from_input()) return {};
     return Value::of(type_, options_.value).map([&](Value&& value) { value_ = std::move(value); });
   }
 
-  /// Waits until it is time. Null: there is no more.
+  /// Waits until the next message is due. Null: there is none.
   Result<const Value*> next() {
     if (options_.count != 0 && given_ == options_.count) return nullptr;
     if (from_input()) {
@@ -99,7 +99,7 @@ std::size_t served(const PublisherStatus& status) {
   return static_cast<std::size_t>(std::ranges::count_if(status.readers, &ReaderStatus::served));
 }
 
-/// Whether enough subscribers are served. Where that does not come to pass in time, it says why.
+/// True if enough subscribers are served in time. Otherwise prints why they are not.
 bool wait_for(std::size_t subscribers, const DynamicPublisher& publisher, const std::string& topic,
               const CommonOptions& common, Stop& stop) {
   const auto end = Clock::now() + seconds(common.timeout_s);

@@ -1,4 +1,4 @@
-// `sft pub`: publishes messages that are written down.
+// `sft pub`: publishes messages that are written as YAML or JSON.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@ namespace sft::tool {
 struct PubOptions {
   std::string topic{};
   TypeChoice type{};
-  std::string value = "{}";         ///< YAML or JSON; "-": from the standard input, each once
-  std::optional<double> rate_hz{};  ///< nothing: 1; of the standard input as fast as it comes
-  std::uint64_t count = 0;          ///< 0: until it is stopped, or the input is at its end
+  std::string value = "{}";         ///< YAML or JSON; "-": messages from the standard input, each once
+  std::optional<double> rate_hz{};  ///< nothing: 1, or as fast as messages come from the standard input
+  std::uint64_t count = 0;          ///< 0: until the user stops it, or until the end of the input
   bool reliable = false;
   bool transient_local = false;
-  std::optional<std::size_t> wait_for{};  ///< subscribers; nothing: 1 where it ends by itself, else 0
+  std::optional<std::size_t> wait_for{};  ///< subscribers; nothing: 1 if the command ends by itself, else 0
 };
 
 ExitCode run(const PubOptions& options, const CommonOptions& common, Session& session);

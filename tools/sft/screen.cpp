@@ -16,10 +16,10 @@ Screen::Screen(Output& output) : output_(output) {
     keys_ = STDIN_FILENO;
     termios raw = before_;
     raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-    raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // stopped, it would leave its screen behind
+    raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // Ctrl-Z would leave the terminal in this state
     tcsetattr(keys_, TCSANOW, &raw);
   }
-  output_.write("\x1b[?1049h\x1b[?25l");  // another screen, no cursor
+  output_.write("\x1b[?1049h\x1b[?25l");  // the alternative screen, without a cursor
 }
 
 Screen::~Screen() {

@@ -1,4 +1,4 @@
-// A terminal that shows a page which changes, by plain escape sequences.
+// A terminal that shows a changing page, by plain escape sequences.
 #pragma once
 
 #include <termios.h>
@@ -10,7 +10,7 @@
 
 namespace sft::tool {
 
-/// Takes the whole screen, and gives it back as it was.
+/// Takes the whole screen, and restores what was there when it is destroyed.
 class Screen {
  public:
   explicit Screen(Output& output);
@@ -18,16 +18,16 @@ class Screen {
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
-  /// Lines that are too long or too many for the screen are cut; a colour is for a whole line.
+  /// A whole line has one colour. Lines that are too long or too many for the screen are cut.
   struct Line {
     std::string text;
     Color color = Color::none;
   };
   void show(const std::vector<Line>& lines);
 
-  /// Where keys come from; -1: from nowhere.
+  /// The descriptor from which keys are read; -1: the standard input is no terminal.
   int keys() const { return keys_; }
-  /// Whether the user has pressed this key. All others that were pressed are passed over.
+  /// True if the user has pressed this key. Discards all other keys.
   bool pressed(char key) const;
 
  private:

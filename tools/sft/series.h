@@ -1,4 +1,4 @@
-// What is measured again and again, over the last few seconds.
+// Statistics of values that were measured in the last few seconds.
 #pragma once
 
 #include <chrono>
@@ -20,7 +20,7 @@ struct Spread {
 class Series {
  public:
   void add(Stamp when, double value) { values_.push_back({when, value}); }
-  /// What is older than that is forgotten.
+  /// Removes values that are older than `when`.
   void forget_before(Stamp when);
   Spread spread() const;
 
@@ -38,7 +38,7 @@ class Periods {
   void add(Stamp when);
   void forget_before(Stamp when) { series_.forget_before(when); }
   Spread spread() const { return series_.spread(); }
-  /// Events in a second; 0 while fewer than two have come.
+  /// Events per second; 0 before the second event.
   double rate() const;
 
  private:

@@ -12,10 +12,11 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 constexpr std::chrono::milliseconds look_pause{20};
-constexpr std::chrono::milliseconds settle_time{100};  // for the other publishers of a topic to show up
+constexpr std::chrono::milliseconds settle_time{
+    100};  // time for the other publishers of a topic to be discovered
 
-/// What every publisher of the topic offers and helps to see samples that were published before. Reliability
-/// is not asked for: a publisher may wait for reliable readers, and a tool is not to hold anybody up.
+/// Requests the durability that every publisher of the topic offers, so that retained samples are seen, too.
+/// Does not request reliability: a publisher may wait for reliable readers, and a tool must not slow it down.
 Qos common_offer(const std::string& topic, const DomainSnapshot& domain) {
   Qos qos{.durability = Durability::transient_local};
   bool published = false;

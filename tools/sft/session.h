@@ -1,4 +1,4 @@
-// The node by which a command looks at a domain.
+// The node with which a command observes a domain.
 #pragma once
 
 #include <sft/sft.h>
@@ -13,16 +13,17 @@
 
 namespace sft::tool {
 
-/// A topic that somebody publishes or subscribes to, and its type.
+/// A topic that some node publishes or subscribes to, and its type.
 struct FoundTopic {
   std::string name;
   DynamicType type;
-  Qos requested;  ///< the most that all of its publishers offer
+  Qos requested;  ///< the strongest QoS that all of its publishers offer
 };
 
 class Session {
  public:
-  /// `command` is a part of the node's name. The node never starts a daemon: looking changes nothing.
+  /// `command` is a part of the node's name. The node never starts a daemon, since a command that only
+  /// observes must not change the host.
   static Result<Session> open(const CommonOptions& options, std::string_view command, Stop& stop,
                               Output& output);
 
@@ -30,24 +31,25 @@ class Session {
   Stop& stop() { return *stop_; }
   Output& output() { return *output_; }
 
-  /// Looks around for as long as the options say. Own publishers and subscribers are left out.
+  /// Waits for options.wait_s, so that other nodes are heard, and returns domain().
   DomainSnapshot look_around();
+  /// The domain as it is known now, without the publishers and subscribers of this session.
   DomainSnapshot domain() const;
 
-  /// Waits until `enough` holds of the domain, for so long at most; tells whether it does.
+  /// Waits until `enough` is true for the domain, at most for `for_s`. False if the time is over.
   bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough, double for_s);
-  /// As long as the user lets it look for a topic.
+  /// The same, for options.timeout_s.
   bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough) {
     return wait_until(enough, options_.timeout_s);
   }
 
-  /// Without a slash in front, which counts for nothing.
+  /// The name without its leading slash, which has no meaning.
   static std::string plain_name(std::string_view topic);
-  /// The name under which nodes know a topic that a user names: with or without a slash in front. Nothing
-  /// while nobody publishes or subscribes to it.
+  /// The name under which nodes announce a topic that the user wrote with or without a leading slash. Nothing
+  /// while no node publishes or subscribes to it.
   static std::optional<std::string> known_name(std::string_view topic, const DomainSnapshot& domain);
 
-  /// Errc::unavailable if it does not show up in time.
+  /// Errc::unavailable if no node announces the topic within the timeout.
   Result<FoundTopic> find(std::string_view topic);
 
  private:
@@ -60,7 +62,7 @@ class Session {
   Output* output_;
 };
 
-/// Says what went wrong, and returns the exit code for it.
+/// Prints the error, and returns its exit code.
 ExitCode give_up(const Error& error);
 
 }  // namespace sft::tool

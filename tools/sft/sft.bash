@@ -1,10 +1,10 @@
-# Completion of the command sft for bash: subcommands, options, messages, and the topics and fields that are there.
+# Completes subcommands, options, messages, topics and fields of the command sft in bash.
 
-_sft_names() { # ARGUMENT...: what sft prints, one word in a line
+_sft_names() { # ARGUMENT...: prints the names that sft lists, one per line
   sft "$@" --wait 0.3 --timeout 0.5 2>/dev/null
 }
 
-_sft_messages() { # those that are installed with sft, as package/Name
+_sft_messages() { # prints the messages that are installed with sft, as package/Name
   local program file
   program=$(command -v sft) || return
   for file in "${program%/*}"/../share/sft/interfaces/*/msg/*.msg; do

@@ -15,7 +15,7 @@ namespace sft::tool {
 using Clock = std::chrono::steady_clock;
 
 Stop::Stop() {
-  signal(SIGPIPE, SIG_IGN);  // output that nobody reads is noticed where it is written
+  signal(SIGPIPE, SIG_IGN);  // Output::write() notices that the reader has gone
   sigset_t signals;
   sigemptyset(&signals);
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, number);

@@ -1,5 +1,5 @@
-// Ctrl-C, as something that can be waited for. The signals that end a program only raise a flag from here on,
-// so that every command says goodbye to other nodes.
+// Turns Ctrl-C and the other signals that end a program into a flag that can be waited for, so that every
+// command closes its node and takes leave of other nodes.
 #pragma once
 
 #include <chrono>
@@ -8,16 +8,16 @@ namespace sft::tool {
 
 class Stop {
  public:
-  /// Before the program has threads, which inherit what is blocked.
+  /// Blocks the signals. Must run before the program has threads, since threads inherit the blocked signals.
   Stop();
   ~Stop();
   Stop(const Stop&) = delete;
   Stop& operator=(const Stop&) = delete;
 
-  /// The user wants to stop, or nobody reads the output any more.
+  /// True if the user wants to stop, or if the reader of the output has gone.
   bool requested() const;
   void request();
-  /// Until somebody wants to stop, which it tells, or the time is over. Ends sooner, with false, when
+  /// Waits until the time is over. Returns true at once if a stop is requested, and false at once if
   /// `descriptor` is readable.
   bool wait_for(std::chrono::nanoseconds time, int descriptor = -1);
 

@@ -26,9 +26,9 @@ namespace sft::tool {
 namespace {
 
 constexpr std::uint64_t mib = 1024 * 1024;
-constexpr rlim_t files_wanted = 256;             // each interface and each topic takes some
-constexpr std::uint64_t shm_least = 128 * mib;   // with less sftd does not start
-constexpr std::uint64_t shm_wanted = 256 * mib;  // from here on samples of 16 MiB fit
+constexpr rlim_t files_wanted = 256;             // each interface and each topic takes some descriptors
+constexpr std::uint64_t shm_least = 128 * mib;   // sftd does not start with less
+constexpr std::uint64_t shm_wanted = 256 * mib;  // samples of 16 MiB fit
 constexpr std::uint64_t memlock_wanted = 8 * mib;
 
 std::string limit_text(rlim_t limit) {
@@ -71,16 +71,17 @@ Finding check_kernel() {
 Finding check_memlock() {
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
-  const std::string text = limit_text(limit.rlim_cur) + " may be locked by a process";
+  const std::string text = "a process may lock " + limit_text(limit.rlim_cur);
   if (limit.rlim_cur >= memlock_wanted || geteuid() == 0) return {"memlock", Health::ok, text};
   return {"memlock", Health::warning, text,
-          "io_uring may be refused: raise it (ulimit -l 65536, or LimitMEMLOCK=64M of the service)."};
+          "The kernel may refuse io_uring: raise the limit (ulimit -l 65536, or LimitMEMLOCK=64M in the "
+          "service)."};
 }
 
-/// By a socket, since the setting cannot be read in a container.
+/// Tries a socket, since a container hides the setting.
 Finding check_receive_buffers() {
   const int wanted = static_cast<int>(UdpSettings{}.receive_buffer_bytes);
-  const int asked = wanted / 2;  // the kernel counts twice
+  const int asked = wanted / 2;  // the kernel doubles the number
   const int probe = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (setsockopt(probe, SOL_SOCKET, SO_RCVBUFFORCE, &asked, sizeof asked) != 0)
     setsockopt(probe, SOL_SOCKET, SO_RCVBUF, &asked, sizeof asked);
@@ -88,22 +89,23 @@ Finding check_receive_buffers() {
   socklen_t bytes = sizeof granted;
   getsockopt(probe, SOL_SOCKET, SO_RCVBUF, &granted, &bytes);
   close(probe);
-  int most = 0;  // for those who may not go beyond it, as root may
+  int most = 0;  // the limit for processes without the right to exceed it
   std::ifstream("/proc/sys/net/core/rmem_max") >> most;
   const std::string limit = most == 0 ? "" : fmt::format("; net.core.rmem_max is {}", most);
   const std::string text =
       fmt::format("a socket gets {} of {}{}", bytes_text(granted), bytes_text(wanted), limit);
   if (granted >= wanted) return {"buffers", Health::ok, text};
   return {"buffers", Health::warning, text,
-          fmt::format("Large samples by UDP go in small pieces: sysctl -w net.core.rmem_max={}", asked)};
+          fmt::format("Large samples go by UDP in small parts: run sysctl -w net.core.rmem_max={}", asked)};
 }
 
 Finding check_open_files() {
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);
-  const std::string text = fmt::format("{} files may be open in a process", limit.rlim_cur);
+  const std::string text = fmt::format("a process may open {} files", limit.rlim_cur);
   if (limit.rlim_cur >= files_wanted) return {"files", Health::ok, text};
-  return {"files", Health::warning, text, "Nodes may run out of descriptors: raise it (ulimit -n 1024)."};
+  return {"files", Health::warning, text,
+          "Nodes may run out of descriptors: raise the limit (ulimit -n 1024)."};
 }
 
 Finding check_dev_shm() {
@@ -116,10 +118,11 @@ Finding check_dev_shm() {
   const std::uint64_t free = std::uint64_t{space.f_bavail} * space.f_frsize;
   const std::string text = fmt::format("{} of {} are free", bytes_text(static_cast<double>(free)),
                                        bytes_text(static_cast<double>(total)));
-  const bool has_daemon = !users_of_daemons().empty();  // which has taken what it needs
+  const bool has_daemon = !users_of_daemons().empty();  // a running daemon has taken the memory that it needs
   if (total >= shm_wanted && (has_daemon || free >= shm_least)) return {"/dev/shm", Health::ok, text};
   if (total >= shm_least && (has_daemon || free >= shm_least))
-    return {"/dev/shm", Health::warning, text, "Samples of 16 MiB do not fit: give it 256 MiB or more."};
+    return {"/dev/shm", Health::warning, text,
+            "Samples of 16 MiB do not fit: give /dev/shm 256 MiB or more."};
   return {"/dev/shm", Health::error, text,
           "sftd needs 128 MiB: remount it (mount -o remount,size=512m /dev/shm; docker: --shm-size=512m)."};
 }
@@ -152,7 +155,8 @@ Finding check_clock() {
                         duration_text(static_cast<double>(clock.esterror) * 1e-6))};
   }
   return {"clock", Health::warning, "the system says that it is not synchronised",
-          "Lifespans and delays between hosts are off by as much: run chrony or systemd-timesyncd."};
+          "Lifespans and delays between hosts are wrong by the difference of clocks: run chrony or "
+          "systemd-timesyncd."};
 }
 
 }  // namespace sft::tool

@@ -1,4 +1,4 @@
-// What the doctor finds in the system, without a node. Each check looks once and takes no time.
+// The checks of `sft doctor` that need no node. Each reads a state of the system, without waiting.
 #pragma once
 
 #include "tools/sft/finding.h"

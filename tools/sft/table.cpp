@@ -29,7 +29,7 @@ std::size_t Table::width_of(std::size_t column) const {
   return width + gap;
 }
 
-/// Where the last column begins, whose cells may be broken.
+/// The position of the last column, whose cells may be broken into lines.
 std::size_t Table::last_column() const {
   std::size_t at = 0;
   for (std::size_t i = 0; i + 1 < headings_.size(); ++i) at += width_of(i);
@@ -48,7 +48,7 @@ bool Table::fits(const Output& output) const {
       rows_, [&](const auto& row) { return at + longest_word(row.back()) <= output.columns(); });
 }
 
-/// Each row as a paragraph.
+/// Prints each row as a paragraph.
 void Table::print_paragraphs(Output& output) const {
   const auto longest = std::ranges::max(headings_, {}, &std::string::size).size();
   for (const auto& row : rows_) {

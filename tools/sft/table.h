@@ -1,5 +1,5 @@
-// Rows of text under one another in columns. On a terminal that is too narrow for that the last column is
-// broken, or each row is a paragraph.
+// Prints rows of text in columns. If the terminal is too narrow, the cells of the last column are broken into
+// lines, or each row becomes a paragraph.
 #pragma once
 
 #include <cstddef>

@@ -25,7 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds look_pause{100};  // nodes tell of their progress about twice a second
+constexpr std::chrono::milliseconds look_pause{100};  // nodes report their progress about twice a second
 
 struct View {
   DomainSnapshot domain;
@@ -69,7 +69,7 @@ Screen::Line pair_line(const PairInfo& pair, const OneTopic& topic) {
   const EndpointInfo& publisher = *endpoint_of(pair.publisher, topic.publishers);
   const EndpointInfo& subscriber = *endpoint_of(pair.subscriber, topic.subscribers);
   const std::string names = publisher.node + " -> " + subscriber.node;
-  if (pair.connected) {  // what is behind the columns is for terminals that are wider
+  if (pair.connected) {  // wider terminals show the text behind the columns, too
     return {printable(fmt::format("{}  {}: {}", account_columns(names, to_string(pair.transport), pair),
                                   pair.reason, request_text(subscriber)))};
   }
@@ -116,7 +116,7 @@ Json json_of(const View& view, Clock::time_point now) {
 
 using Inquiries = std::map<std::string, AccountInquiry>;  // by topic
 
-/// The nodes of all pairs on these topics, and on no others.
+/// Keeps an inquiry open for each of these topics, and for no other topic.
 void ask_about(const std::set<std::string>& topics, Session& session, Inquiries& inquiries) {
   std::erase_if(inquiries, [&](const auto& item) { return !topics.contains(item.first); });
   for (const std::string& topic : topics) {
@@ -126,8 +126,8 @@ void ask_about(const std::set<std::string>& topics, Session& session, Inquiries&
   }
 }
 
-/// Until the user wants to stop. Looks more often than it shows, since rates are as exact as the times of
-/// looks.
+/// Runs until the user wants to stop. Reads the domain more often than it shows it, since the times of
+/// reading limit the precision of rates.
 template <class Show>
 void watch(const TopOptions& options, Session& session, const Screen* screen, Show show) {
   View view;

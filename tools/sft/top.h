@@ -1,4 +1,4 @@
-// `sft top`: what goes on in the domain, live, on the whole screen.
+// `sft top`: shows the topics and pairs of the domain live, on the whole screen.
 #pragma once
 
 #include "tools/sft/session.h"
@@ -7,7 +7,7 @@ namespace sft::tool {
 
 struct TopOptions {
   double every_s = 1;
-  double for_s = 0;  ///< 0: until it is stopped
+  double for_s = 0;  ///< 0: until the user stops it
 };
 
 ExitCode run(const TopOptions& options, const CommonOptions& common, Session& session);

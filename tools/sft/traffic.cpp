@@ -5,7 +5,7 @@
 namespace sft::tool {
 
 namespace {
-constexpr std::chrono::seconds idle_after{5};  // of a node that has not told of any progress
+constexpr std::chrono::seconds idle_after{5};  // a publisher without progress for this time is idle
 }  // namespace
 
 void Traffic::note(const DomainSnapshot& domain, Clock::time_point now) {

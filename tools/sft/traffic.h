@@ -1,4 +1,4 @@
-// How fast publishers send, from what their nodes tell of their progress now and then.
+// Computes how fast publishers send, from the progress that their nodes report now and then.
 #pragma once
 
 #include <sft/domain.h>
@@ -19,7 +19,7 @@ class Traffic {
   };
 
   void note(const DomainSnapshot& domain, Clock::time_point now);
-  /// Nothing while progress was told less than twice; zero when none was told for a while.
+  /// Nothing before the second report of progress; zero if there was no progress for a while.
   std::optional<Rate> of(std::uint64_t publisher, Clock::time_point now) const;
 
  private:

@@ -1,4 +1,4 @@
-// `sft type`: what a topic's messages look like.
+// `sft type`: prints the message type of a topic.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@ namespace sft::tool {
 
 struct TypeOptions {
   std::string topic{};
-  bool name = false;    ///< only the name of the type
-  bool fields = false;  ///< only the fields, as `sft echo --fields` takes them
+  bool name = false;    ///< print the name of the type only
+  bool fields = false;  ///< print the fields only, as `sft echo --fields` takes them
 };
 
 ExitCode run(const TypeOptions& options, const CommonOptions& common, Session& session);

@@ -1,4 +1,4 @@
-// Numbers for people.
+// Formats numbers for people.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@ std::string bytes_text(double bytes);        ///< "82 B", "6.29 MB"
 std::string duration_text(double seconds);   ///< "1.23 ms", "-4.00 us"
 std::string rate_text(double hz);            ///< "10.0 Hz"
 std::string hex_text(std::uint64_t number);  ///< an id, 16 digits
-/// "99.98 %": never more than it is, so that 100 % is all.
+/// "99.98 %". Rounds down, so that "100 %" means all.
 std::string percent_text(double part, double whole, int decimals);
-/// A count in no more than `width` columns, which are 7 at least: "1234567", "1.2e+09".
+/// A count in at most `width` columns: "1234567", "1.2e+09". REQUIRES: `width` is at least 7.
 std::string short_count_text(std::uint64_t count, std::size_t width);
 /// "1 topic", "2 topics"
 std::string count_text(std::size_t count, const char* noun);

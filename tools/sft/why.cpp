@@ -21,13 +21,13 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t width = 80;
 constexpr std::size_t indent = 4;
 
-/// In lines that fit a terminal, each of them indented and coloured.
+/// Prints the text in lines that fit a terminal, each of them indented and coloured.
 void print_indented(const std::string& text, Color color, Output& output) {
   for (const std::string& line : wrapped(printable(text), width - indent))
     output.line(std::string(indent, ' ') + output.colored(line, color));
 }
 
-/// The same with a name in front.
+/// Prints the text in the same way, with a name in front of its first line.
 void print_row(const char* name, const std::string& text, Output& output) {
   constexpr std::size_t name_width = 11;
   for (const std::string& line : wrapped(printable(text), width - indent - name_width)) {
@@ -36,7 +36,7 @@ void print_row(const char* name, const std::string& text, Output& output) {
   }
 }
 
-/// Their names, and where there is room behind these, or below, their ids.
+/// Prints the names of both nodes, with the ids of the endpoints behind them, or below if there is no room.
 void print_ends(const EndpointInfo& publisher, const EndpointInfo& subscriber, Output& output) {
   const std::string ids = fmt::format("({} -> {})", hex_text(publisher.id), hex_text(subscriber.id));
   const std::vector<std::string> names = wrapped(printable(publisher.node + " -> " + subscriber.node), width);
@@ -106,8 +106,8 @@ void print_json(const OneTopic& topic, Output& output) {
 
 }  // namespace
 
-/// From now on the nodes of all its pairs are asked what they have counted. They answer while the others are
-/// looked for, most of them.
+/// Asks the nodes of all pairs for their counters first. Most answer while the command still looks for other
+/// nodes.
 ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& session) {
   const Result<AccountInquiry> inquiry = session.node().ask_accounts(options.topic);
   if (!inquiry) return give_up(inquiry.error());

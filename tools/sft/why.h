@@ -1,5 +1,5 @@
-// `sft why`: whether publishers and subscribers of a topic match, by which path samples go and why, and what
-// was sent, saved, withheld and lost.
+// `sft why`: shows whether publishers and subscribers of a topic match, by which path samples go and why, and
+// how much was sent, saved, withheld and lost.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@ namespace sft::tool {
 
 struct WhyOptions {
   std::string topic{};
-  bool types = false;  ///< where definitions of a type differ, both as a whole
+  bool types = false;  ///< print both definitions of a type if they differ
 };
 
-/// ExitCode::nothing also if a pair does not match, or there is none.
+/// Returns ExitCode::nothing also if a pair does not match, or if there is no pair.
 ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& session);
 
 }  // namespace sft::tool

@@ -1,4 +1,4 @@
-// Sentences in lines of some width.
+// Breaks sentences into lines.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace sft::tool {
 
-/// The text with line breaks in the place of spaces, so that no line has more than `columns` bytes, but for
-/// words that are longer themselves. The first line begins behind `before` bytes that stand there already,
-/// and each other one with `indent` spaces.
+/// Replaces spaces by line breaks, so that no line has more than `columns` bytes. A longer word has a line of
+/// its own. The first line begins behind `before` bytes that the caller has printed, and each other line with
+/// `indent` spaces.
 std::string wrapped(std::string_view text, std::size_t columns, std::size_t indent = 0,
                     std::size_t before = 0);
 
