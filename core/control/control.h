@@ -1,4 +1,5 @@
-// What the control topics carry, as the core uses it: checked, and without Cyclone's types.
+// This file has the values that the control topics carry, as the core uses them: they are checked, and free
+// of Cyclone's types.
 #pragma once
 
 #include <chrono>
@@ -46,7 +47,7 @@ struct Request {
   friend bool operator==(const Request&, const Request&) = default;
 };
 
-/// How far one writer is.
+/// The progress of one writer.
 struct Progress {
   EndpointId writer = 0;
   std::uint64_t samples = 0;  ///< that it has sent to its readers so far
@@ -68,7 +69,7 @@ struct AccountId {
   friend auto operator<=>(const AccountId&, const AccountId&) = default;
 };
 
-/// What one side of a pair has counted. Of the two parts the other side's is empty.
+/// One side's counts of a pair. The members for the other side's counts are empty.
 struct Account {
   AccountId id{};
   struct OfWriter {
@@ -90,8 +91,8 @@ struct Account {
   friend bool operator==(const Account&, const Account&) = default;
 };
 
-/// That a node lives, and these of its writers; how far those are that have sent something lately; and what
-/// it asks and answers about accounts.
+/// A node's sign of life. It names the writers of the node that live, the progress of those that have sent
+/// something lately, and what the node asks and answers about accounts.
 struct Assertion {
   NodeId node = 0;
   std::vector<EndpointId> writers;

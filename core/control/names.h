@@ -9,8 +9,8 @@
 
 namespace sft::core {
 
-/// Why this cannot be a name: empty, more than 255 bytes, no UTF-8, or control characters in it; empty if it
-/// can be one. For a node the empty name will do.
+/// Returns the reason why this text cannot be a name: it is empty, has more than 255 bytes, is not UTF-8, or
+/// contains control characters. Returns an empty text if it can be one. A node may have the empty name.
 std::string_view fault_of_name(std::string_view name);
 /// The same of a topic, which has no empty parts between slashes, no blank at either end and no '~' either.
 std::string_view fault_of_topic(std::string_view topic);

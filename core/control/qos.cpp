@@ -11,7 +11,7 @@ using std::chrono::nanoseconds;
 constexpr std::uint32_t history_depth_max = 128;  // a writer can hold 256 chunks at a time
 constexpr std::uint32_t depth_max = 1'000'000;    // more is surely a mistake
 
-// What a period in whole microseconds can say well.
+// A period in whole microseconds expresses these rates well enough.
 constexpr double slowest_rate_hz = 0.001;
 constexpr double fastest_rate_hz = 100'000;
 
@@ -22,7 +22,7 @@ Result<void> check_duration(const char* name, nanoseconds duration) {
   return fail(Errc::invalid_argument, std::string(name) + " is negative; 0 is none");
 }
 
-/// Of what has to be looked after.
+/// Checks a period after which something has to be looked at again.
 Result<void> check_period(const char* name, nanoseconds period) {
   if (auto ok = check_duration(name, period); !ok) return ok;
   if (period.count() == 0 || period >= shortest_watched) return {};

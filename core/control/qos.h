@@ -16,7 +16,8 @@ using sft::Qos;
 /// Errors name the option and what it may be.
 Result<Qos> qos_of(const PublisherOptions& options);
 Result<Qos> qos_of(const SubscriberOptions& options);
-/// What is sent of a maximum rate, rounded; 0 where there is none.
+/// Returns the period that a request carries for a maximum rate, rounded to microseconds; 0 if there is no
+/// maximum rate.
 Result<std::uint32_t> min_period_us_of(double max_rate_hz);
 
 struct QosConflict {

@@ -1,6 +1,8 @@
-// Under which of its requests samples for a reader may still come. A reliable reader gets what was sent
-// however late: for it no time tells when a request is over, but the order of what comes (Accepted::request).
-// Pure: calls and times in, answers out.
+// This class knows under which of its requests samples for a reader may still arrive. A reliable reader gets
+// what was sent however late. For such a reader no time tells when a request is over, but the order of the
+// samples does (Accepted::request).
+//
+// The class is pure: calls and times go in, answers come out.
 #pragma once
 
 #include <chrono>
@@ -17,7 +19,7 @@ class AcceptedRequests {
   using Now = std::chrono::steady_clock::time_point;
   /// For so long datagrams may be in flight, and what a reader asks for is not known to all who send to it.
   static constexpr std::chrono::seconds in_flight_max{2};
-  /// Of more the oldest are forgotten.
+  /// If there are more requests, the oldest ones are forgotten.
   static constexpr std::size_t best_effort_max = 16, reliable_max = 64;
 
   AcceptedRequests() = default;
@@ -25,7 +27,7 @@ class AcceptedRequests {
 
   /// From now on that, and no longer what was asked for before, once nothing of it can be under way any more.
   void asks_for(Wanted wanted, Now now);
-  /// Whether all() has changed with time.
+  /// Returns true if time has changed all().
   bool look(Now now);
 
   const Wanted& latest() const { return requests_.back().accepted.wanted; }

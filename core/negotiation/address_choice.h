@@ -1,4 +1,4 @@
-// Which of a reader's addresses a publisher sends to, where a host has several.
+// Chooses the address of a reader that a publisher sends to, where the reader's host has several.
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,8 @@ bool holds(const std::vector<EndpointId>& writers, EndpointId id) {
   return std::find(writers.begin(), writers.end(), id) != writers.end();
 }
 
-/// Whether others may take what was said in our reader's name for its request, or have it already.
+/// Returns true if others may take, or have already taken, what was said in our reader's name for its
+/// request.
 bool outbids(const Request& said, const Request& ours) {
   Request copy = said;
   copy.announcer = ours.announcer;
@@ -24,7 +25,8 @@ Negotiation::Negotiation(const Limits& limits)
           {.entries = limits.endpoints, .of_announcer = limits.of_announcer, .of_topic = limits.of_topic}),
       early_requests_(limits.endpoints) {}
 
-/// Of our endpoints: a writer that may not write to that memory has none, so that nobody waits for it there.
+/// Returns the token of the shared memory that our endpoint can use. A writer that may not write to that
+/// memory has none, so that nobody waits for it there.
 HostToken Negotiation::host_of(Role role) const {
   return role == Role::writer && !self_.may_write_shm ? HostToken{} : self_.host;
 }
@@ -107,7 +109,7 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   const AnnouncerId* const entered_by = shares_.announcer_of(endpoint.id);
   if (entered_by == nullptr || *entered_by != endpoint.announcer)
     shares_.enter(endpoint.id, endpoint.announcer, endpoint.topic);
-  // What another node asked for in the reader's name is not its request.
+  // A request that another node made in the reader's name is not the reader's request.
   if (is_known && known_endpoint.node_id == endpoint.node_id) adopt(entry, known_endpoint.request);
   entry.lost_since.reset();
   entry.silent = false;
@@ -116,7 +118,7 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   return true;
 }
 
-/// Whether there is room for a newcomer, which another one may have to leave for.
+/// Returns true if there is room for a newcomer. Another endpoint may have to leave to make the room.
 bool Negotiation::admit(const Endpoint& endpoint) {
   const TableShares::Admission admission = shares_.admit(endpoint.announcer, endpoint.topic);
   if (!admission.granted) {
@@ -130,8 +132,8 @@ bool Negotiation::admit(const Endpoint& endpoint) {
   return admission.granted;
 }
 
-/// Whether it is an earlier announcement of the same announcer than the one that is known, come late. Whom to
-/// believe of several, discovery decides.
+/// Returns true if this is an earlier announcement of the same announcer, which has come late. Discovery
+/// decides which of several announcers is believed.
 bool Negotiation::is_outdated(const Entry& entry, const Endpoint& endpoint) {
   const Endpoint& known = entry.endpoint;
   return !entry.lost() && endpoint.announcer == known.announcer && endpoint.revision < known.revision;
@@ -151,7 +153,8 @@ void Negotiation::hear_of_our_own(Entry& own, const Endpoint& said) {
   contest(own, said.request, "is announced by somebody else, who calls the node '" + said.node + "'");
 }
 
-/// It is to be announced anew, with a request behind all that was said in its name.
+/// The endpoint is to be announced anew, with a request that is later than everything that was said in its
+/// name.
 void Negotiation::contest(Entry& own, const Request& said, std::string how) {
   Request& ours = own.endpoint.request;
   if (own.endpoint.role == Role::reader) {

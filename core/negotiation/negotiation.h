@@ -1,7 +1,8 @@
-// Who gets what, by which path, under which mask: a pure state machine. Events go in, desired states come
-// out; there is no I/O here and no clock. It keeps a table of endpoints, ours and others', and derives from
-// it what each of our writers should serve and each of our readers should hear, so that the order of events
-// does not matter. negotiation.md has the rules as a table.
+// The negotiation decides who gets what, by which path and under which mask. It is a pure state machine:
+// events go in, desired states come out, and there is no I/O and no clock in it. It keeps a table of
+// endpoints, ours and others', and derives from the table what each of our writers should serve and what each
+// of our readers should hear. The order of events therefore does not matter. negotiation.md has the rules as
+// a table.
 #pragma once
 
 #include <chrono>
@@ -24,7 +25,7 @@
 
 namespace sft::core {
 
-/// What one of our writers should do.
+/// The desired state of one of our writers.
 struct Serving {
   bool shm_port = false;  ///< be reachable in shared memory, even if no reader is attached yet
   std::vector<Route> shm;
@@ -36,7 +37,7 @@ struct Serving {
   bool samples_tell = true;           ///< and each of these gets every sample
   bool history_owed = false;          ///< some route has a history
 
-  /// Whether the same is to be sent to the same readers; what is told of these may differ.
+  /// Returns true if both send the same to the same readers. What status() tells of these readers may differ.
   bool serves_like(const Serving& other) const {
     return shm_port == other.shm_port && shm == other.shm && udp == other.udp && spare == other.spare;
   }
@@ -87,16 +88,17 @@ class Negotiation {
   /// One of our readers needs other fields now.
   bool requirement_changed(EndpointId reader, const FieldMask& mask);
   bool rate_changed(EndpointId reader, std::uint32_t min_period_us);
-  /// What a writer sends to one of our readers by that path arrives now, or does no longer.
+  /// Tells that samples of a writer now arrive at one of our readers by that path, or no longer arrive.
   bool connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected);
   /// Something of a durable writer has come for one of our readers alone.
   bool history_began(EndpointId reader, EndpointId writer);
-  /// And nothing of that is under way any more.
+  /// Tells that all retained samples for that reader have arrived.
   bool history_came(EndpointId reader, EndpointId writer);
   /// All that one of our writers has sent to a late reader alone has left. Takes effect once the reader says
   /// that it has begun to come.
   bool history_given(EndpointId writer, EndpointId reader);
-  /// Why the port of one of our writers cannot tell that reader of samples in shared memory; empty: it can.
+  /// Tells why the port of one of our writers cannot ring that reader's doorbell in shared memory; empty if
+  /// it can.
   bool reach_changed(EndpointId writer, EndpointId reader, const std::string& why_not);
   bool tick(Now now);
 
@@ -111,15 +113,16 @@ class Negotiation {
   std::uint64_t definitions_compared() const { return comparisons_.compared(); }
   /// All endpoints but the lost ones; ours too. Valid until the next event.
   std::vector<const Endpoint*> present() const;
-  /// Whether there is an endpoint of that node.
+  /// Returns true if the table has an endpoint of that node.
   bool knows(NodeId id) const;
-  /// How far a writer is, by the word of its node; nothing of a writer of another node changes.
+  /// Takes the progress of a writer as its node reports it. A report about a writer of another node changes
+  /// nothing.
   void progressed(NodeId node, const Progress& progress);
   /// Null while nothing was told of that. Valid until the next event.
   const Progress* progress_of(EndpointId id) const;
   /// Null if there is none of that id. Valid until the next event.
   const Endpoint* known(EndpointId id) const;
-  /// Whether some endpoint is lost.
+  /// Returns true if some endpoint is lost.
   bool misses_somebody() const;
 
   /// Announcements and requests that were refused or dropped, because a table was full.
@@ -132,8 +135,8 @@ class Negotiation {
     EndpointId id = 0;
     std::string how;  ///< for people
   };
-  /// Those since this was last asked. Their revision and the sequence of their request are greater by now
-  /// than what was said in their name: they are to be announced anew.
+  /// Returns the endpoints that were contested since the last call. Their revision, and the sequence of their
+  /// request, are now greater than what was said in their name. They have to be announced anew.
   std::vector<Contested> take_contested() { return std::exchange(contested_, {}); }
 
  private:

@@ -1,4 +1,5 @@
-// What follows from the table: whom each of our writers serves, and whom each of our readers hears.
+// This file derives the desired states from the table: whom each of our writers serves, and whom each of our
+// readers hears.
 #include <algorithm>
 #include <utility>
 
@@ -144,7 +145,7 @@ std::vector<Hearing> Negotiation::hearing(EndpointId reader) const {
     const Verdict verdict = judge(*writer, entry->second, definitions);
     const std::uint32_t owed = history_owed(*writer, r);
     const bool history_first = owed != 0 && verdict.udp;
-    // What others get through shared memory would overtake it.
+    // Samples that others get through shared memory would overtake the retained ones.
     const bool history_comes = history_first && !entry->second.history_came.contains(w.id);
     const bool awaited = history_first || (owed != 0 && !holds(r.request.begun, w.id));
     const bool reliable = r.qos.reliability == Reliability::reliable;

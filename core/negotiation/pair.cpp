@@ -23,7 +23,8 @@ std::string why_not_shm(const Pair& pair, const Self& self) {
   return "the other side has no shared memory yet; its status says why";
 }
 
-/// Of a pair on one machine, where tokens that differ may be those of a daemon that has just gone.
+/// Returns true if a pair on one machine may come to share memory: tokens that differ may be those of a
+/// daemon that has just gone.
 bool may_come_to_share(const Pair& pair, const Self& self) {
   const bool read_only = pair.we_write && self.host.known() && !self.may_write_shm;
   return pair.writer.may_use_shm && pair.reader.may_use_shm &&

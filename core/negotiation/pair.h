@@ -1,5 +1,5 @@
-// Whether a writer and a reader of one topic match, and by which paths samples can go between them, as one of
-// their nodes sees it. Pure.
+// Decides whether a writer and a reader of one topic match, and by which paths samples can go between them,
+// as one of their nodes sees it. All functions are pure.
 #pragma once
 
 #include <cstdint>
@@ -44,8 +44,8 @@ struct Verdict {
 /// told apart, and not compared.
 Verdict judge(const Pair& pair, const TypeSupport& type, const Self& self, TypeComparisons* comparisons);
 
-/// How the reader hears the writer, as its request in force tells. `history_comes`: what was published before
-/// comes first, by UDP.
+/// Returns how the reader hears the writer, as its request in force tells. With `history_comes` the samples
+/// that were published before come first, over UDP.
 WriterStatus heard_as(const Endpoint& writer, bool writer_lives, const Endpoint& reader,
                       const Verdict& verdict, bool history_comes);
 

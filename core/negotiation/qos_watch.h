@@ -1,7 +1,10 @@
-// Whether what was promised comes in time: deadlines and liveliness, of our writers and of those that our
-// readers hear. Pure: counts of what has happened and times in, answers out. Nothing is asked of those who
-// publish or receive but to count, which they do anyway; so a sign is as old as the look that found it, and a
-// look is due twice in a period. What is told missed was missed; it is told up to half a period later.
+// These classes watch whether what was promised comes in time: deadlines and liveliness, of our writers and
+// of the writers that our readers hear. They are pure: counts of what has happened and times go in, answers
+// come out.
+//
+// Publishing and receiving threads do nothing for it but count, which they do anyway. A sign is therefore as
+// old as the look that found it, and a look is due twice in a period. Whatever is reported as missed was
+// missed; the report comes up to half a period later.
 #pragma once
 
 #include <chrono>
@@ -22,7 +25,7 @@ class ActivityMonitor {
 
   /// Periods that have ended without a sign, beyond those that were told before.
   std::uint64_t look(std::uint64_t count, Now now);
-  /// As of the last look.
+  /// True if, at the last look, a whole period had passed without a sign.
   bool quiet() const { return told_ != 0; }
   std::chrono::nanoseconds pace() const { return period_ / 2; }
 
@@ -46,13 +49,13 @@ class OfferWatch {
   std::uint64_t deadlines_missed() const { return deadlines_missed_; }
   bool alive() const { return !lease_ || !lease_->quiet(); }
 
-  /// Whether an assertion should be sent, which then counts as sent. Samples are signs of life themselves, if
-  /// `samples_tell`: if every reader that wants to know gets each of them. Asked often.
+  /// Returns true if an assertion should be sent; it then counts as sent. If `samples_tell`, every reader
+  /// that wants to know gets each sample, so that samples are signs of life themselves. Asked often.
   bool assertion_due(const Signs& signs, bool samples_tell, Now now);
-  /// Until then assertions of the program are not sent one by one.
+  /// Until this time assertions of the program are not sent one by one.
   bool rests(Now now) const { return now < told_at_ + qos_.liveliness_lease / assertions_per_lease; }
 
-  /// How often to look.
+  /// Returns the time between two looks; empty if there is nothing to watch.
   std::optional<std::chrono::nanoseconds> pace() const;
 
  private:
@@ -69,7 +72,8 @@ class OfferWatch {
 /// One writer, as one of our readers that asked for something hears it.
 class RequestWatch {
  public:
-  /// Of a lease. If less is offered, it is the requested one that is watched.
+  /// The shortest lease that is watched as it was offered. If less is offered, the requested lease is
+  /// watched.
   static constexpr std::chrono::milliseconds shortest_offer{10};
 
   /// `arrived`: changes with each sample that arrives.

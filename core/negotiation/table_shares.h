@@ -1,12 +1,12 @@
-// Who may enter how much into a table that everybody on the network fills. A participant that enters without
-// end costs itself its newest entries and others nothing:
+// This class decides who may enter how much into a table that everybody on the network fills. A participant
+// that enters without end costs itself its newest entries and costs others nothing:
 //
-// - While the table has room, everybody may enter as much as it likes, but for one topic: once a topic has
-//   `topic_shares_from` entries, no announcer gets more than `of_topic` of these.
-// - When the table is full, an announcer that has `of_announcer` entries gets no more. Another one does: the
-//   announcer that has the most loses its newest entry for that.
+// - While the table has room, everybody may enter as much as it likes, with one exception: once a topic has
+// `topic_shares_from` entries, no announcer gets more than `of_topic` of these.
+// - When the table is full, an announcer that has `of_announcer` entries gets no more. Another announcer
+// does: the announcer that has the most entries then loses its newest one.
 //
-// Pure.
+// The class is pure.
 #pragma once
 
 #include <cstddef>
@@ -35,7 +35,7 @@ class TableShares {
     bool granted = false;
     std::optional<EndpointId> instead_of{};  ///< this one has to leave for it
   };
-  /// Whether one that is not in the table may enter.
+  /// Returns whether an endpoint that is not in the table may enter it.
   Admission admit(AnnouncerId announcer, std::string_view topic) const;
 
   void enter(EndpointId id, AnnouncerId announcer, std::string_view topic);

@@ -26,7 +26,7 @@ class TypeComparisons {
   /// yet and no comparison is left.
   std::shared_ptr<const TypeMismatch> compare(const TypeSupport& ours, const Endpoint& theirs);
   void refill() { left_ = compared_at_once; }
-  /// So many definitions were compared so far.
+  /// Returns the number of definitions that were compared so far.
   std::uint64_t compared() const { return compared_; }
 
  private:

@@ -12,13 +12,13 @@ inline std::int64_t realtime_ns() noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
-/// Whether a stamp, which may be anything, is more than `age_ns` before `now_ns`. Neither of these is
-/// negative.
+/// Returns true if a stamp lies more than `age_ns` before `now_ns`. The stamp may be any number; the other
+/// two are not negative.
 constexpr bool is_older(std::int64_t stamp_ns, std::int64_t age_ns, std::int64_t now_ns) noexcept {
   return stamp_ns < now_ns - age_ns;
 }
 
-/// After which a wait is over; the end of time where the timeout is too long for less.
+/// Returns the time at which a wait is over: the end of time if the timeout is too long for anything else.
 inline std::chrono::steady_clock::time_point deadline_after(std::chrono::nanoseconds timeout) noexcept {
   using Clock = std::chrono::steady_clock;
   const auto now = Clock::now();

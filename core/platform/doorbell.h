@@ -75,7 +75,7 @@ class DoorbellPage {
   /// links to open them by. Looks through all processes, which takes milliseconds.
   static std::map<std::uint64_t, std::string> nameless_pages();
   static Result<std::unique_ptr<DoorbellPage>> open_nameless(std::uint64_t id, const std::string& link);
-  /// Where a page with that id lies.
+  /// Returns the path of the page with that id.
   static std::string path_of(std::uint64_t id);
   /// Removes the pages of processes that are gone; returns how many.
   static std::size_t sweep() noexcept;

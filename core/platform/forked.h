@@ -1,7 +1,6 @@
-// What becomes of a node in a process that the program forks. The new process has a copy of the node's
-// memory, but none of its threads, and it shares the node's sockets, files and shared memory with its parent.
-// So what the copy does not touch is best: destroying a node there, or what it has opened or lent, does
-// nothing.
+// A program that has nodes may fork. The new process has a copy of the node's memory, but none of its
+// threads, and it shares the node's sockets, files and shared memory with its parent. The copy must not touch
+// any of these. Destroying a node there, or what the node has opened or lent, therefore does nothing.
 #pragma once
 
 namespace sft::core {
@@ -16,8 +15,8 @@ class OfOneProcess {
   OfOneProcess& operator=(const OfOneProcess&) = delete;
 };
 
-/// Whether this process was forked, directly or not, from one in which a node lived, and has not begun
-/// another program since.
+/// Returns true if this process was forked, directly or not, from one in which a node lived, and has not
+/// begun another program since.
 bool is_forked_copy() noexcept;
 
 }  // namespace sft::core

@@ -52,11 +52,12 @@ struct IpAddress {
 inline constexpr IpAddress loopback_ipv4{0x7f000001};
 inline constexpr IpAddress loopback_ipv6{IpAddress::Bytes{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}};
 
-/// With all bits 0 but the first `prefix_bits`: 0 to 32 of IPv4, 0 to 128 of IPv6.
+/// Returns the address with all bits 0 but the first `prefix_bits`: 0 to 32 of IPv4, 0 to 128 of IPv6.
 IpAddress network_of(const IpAddress& address, unsigned prefix_bits);
 
-/// Whether the first `prefix_bits` are the same, and the family. Link-local networks look all the same: of
-/// these the interface counts, too, as far as it is known of both.
+/// Returns true if both addresses are of one family and their first `prefix_bits` are equal. All link-local
+/// networks look the same, so for link-local addresses the interface counts, too, as far as it is known of
+/// both.
 bool in_one_network(const IpAddress& a, const IpAddress& b, unsigned prefix_bits);
 
 struct IpNetwork {

@@ -14,7 +14,8 @@ std::uint64_t network_id() noexcept {
   std::string boot;
   std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
   struct stat space {};
-  // Without /proc nobody is known to share our network: never take another host for this one.
+  // No process is known to share our network if there is no /proc. A random id never takes another host for
+  // this one.
   if (boot.empty() || stat("/proc/self/ns/net", &space) != 0) return random_id();
   Fnv1a hash;
   hash.add(boot);

@@ -1,5 +1,5 @@
-// Which network stack this process is in: equal for processes between which 127.0.0.1 is the same address.
-// One machine has several where there are containers.
+// The id of the network stack that this process is in. It is equal for processes between which 127.0.0.1 is
+// the same address. One machine has several network stacks if it runs containers.
 #pragma once
 
 #include <cstdint>

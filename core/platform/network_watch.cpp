@@ -16,7 +16,7 @@ NetworkWatch::NetworkWatch()
   if (::bind(netlink_.get(), reinterpret_cast<const sockaddr*>(&groups), sizeof groups) != 0) netlink_ = {};
 }
 
-/// What changed is asked for elsewhere: the messages are only taken out of the way.
+/// This function only takes the messages out of the way. The callers ask elsewhere for what has changed.
 bool NetworkWatch::changed() noexcept {
   if (!netlink_) return true;
   for (bool any = false;; any = true) {

@@ -8,10 +8,11 @@ namespace sft::core {
 
 class NetworkWatch {
  public:
-  /// Of the network namespace of this thread.
+  /// Watches the network namespace of the calling thread.
   NetworkWatch();
 
-  /// Whether anything may have changed since it was asked last; always where the system refuses the socket.
+  /// Returns true if anything may have changed since the last call. Always returns true if the system refuses
+  /// the socket.
   bool changed() noexcept;
 
  private:

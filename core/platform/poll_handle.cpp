@@ -23,7 +23,8 @@ void PollHandle::raise() noexcept {
   if (!raised_.exchange(true, std::memory_order_seq_cst)) ::eventfd_write(event_.get(), 1);
 }
 
-/// In this order: the other way round a raise() in between would be read away and still count as told.
+/// The order matters: in the other order a raise() between the two steps would be read away and still count
+/// as told.
 void PollHandle::lower() noexcept {
   std::uint64_t ignored = 0;
   ::eventfd_read(event_.get(), &ignored);

@@ -1,5 +1,5 @@
-// Whether the limits of the process leave room for what is about to be opened. Cyclone DDS ends the process
-// where they do not, and elsewhere the error would name a symptom.
+// These functions check whether the limits of the process leave room for what is about to be opened. Cyclone
+// DDS ends the process if they do not, and elsewhere the error would name a symptom.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// Something that failed and is tried again, ever more seldom, and whose reason for failing is told once for
-// as long as it stays the same. Pure.
+// This class times the attempts at something that has failed: each pause is longer than the one before. It
+// also tells whether the reason of a failure is new, so that the reason is reported once. The class is pure.
 #pragma once
 
 #include <algorithm>
@@ -15,9 +15,9 @@ class Retry {
   static constexpr std::chrono::milliseconds pause_min{500};
   static constexpr std::chrono::milliseconds pause_max{10'000};
 
-  /// Whether it may be tried.
+  /// True if the next attempt may be made.
   bool due(Now now) const { return now >= next_; }
-  /// Whether it has failed, and may be tried again.
+  /// True if the last attempt failed, and the next one may be made.
   bool due_again(Now now) const { return pause_.count() != 0 && due(now); }
 
   /// Returns whether that is news: it did not fail before, or for another reason. `longest`: until it may be
@@ -30,9 +30,9 @@ class Retry {
     return is_news;
   }
   void succeeded() { *this = {}; }
-  /// Why it failed last.
+  /// The reason of the last failure.
   const std::string& reason() const { return why_; }
-  /// Not to be tried before that, although it did not fail.
+  /// Postpones the next attempt to that time, although none failed.
   void hold(Now until) {
     next_ = until;
     pause_ = std::max(pause_, std::chrono::milliseconds(1));

@@ -1,4 +1,4 @@
-// How many threads this process may still start, as the files of the system tell.
+// Tells how many threads this process may still start, according to the files of the system.
 #pragma once
 
 #include <sys/resource.h>

@@ -22,7 +22,8 @@ class BlockedSignals {
   BlockedSignals() {
     sigset_t all;
     ::sigfillset(&all);
-    // Those that a thread brings on itself stay: blocked they would end the process past its crash handler.
+    // Signals that a thread brings on itself stay unblocked: blocked, they would end the process without its
+    // crash handler.
     for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGABRT})
       ::sigdelset(&all, fault);
     ::pthread_sigmask(SIG_SETMASK, &all, &before_);
@@ -35,7 +36,7 @@ class BlockedSignals {
   sigset_t before_;
 };
 
-/// As the kernel has it, for as many CPUs as it can be built for.
+/// A set of CPUs in the kernel's form, for as many CPUs as a kernel can be built for.
 class CpuSet {
  public:
   static constexpr unsigned size = 8192;
@@ -93,7 +94,8 @@ tl::unexpected<Error> refused_policy(const ThreadSettings& settings, int error) 
 
 Result<void> take_cpus(const std::vector<unsigned>& cpus) {
   if (cpus.empty()) {
-    // What the program was started with may be gone since. Then the thread keeps what it has.
+    // The CPUs that the program was started with may be gone since. The thread then keeps the CPUs that it
+    // has.
     if (!cpus_at_start.empty() && cpus_at_start != CpuSet::of_thread(0))
       (void)cpus_at_start.give_to_this_thread();
     return {};
@@ -102,7 +104,7 @@ Result<void> take_cpus(const std::vector<unsigned>& cpus) {
   const int error = errno;
   if (!given && error != EINVAL)
     return fail(Errc::system, std::string("the system refuses the CPUs: ") + std::strerror(error));
-  // Of those that do not exist the system takes the rest, if there is any.
+  // The system ignores CPUs that do not exist, as long as one of the set exists.
   const CpuSet granted = given ? CpuSet::of_thread(0) : CpuSet();
   for (const unsigned cpu : cpus) {
     if (!granted.contains(cpu))

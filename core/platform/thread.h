@@ -1,6 +1,6 @@
-// How all threads of a node are started: named for debuggers, never the ones that get the process's signals,
-// and with the CPUs and the scheduling policy that their settings say, whatever the thread has that starts
-// them. Where the system gives no more of them that is an error and no exception.
+// All threads of a node are started here. They have names for debuggers, they never get the signals of the
+// process, and they have the CPUs and the scheduling policy of their settings, whatever the starting thread
+// has. If the system gives no more threads, the result is an error and not an exception.
 #pragma once
 
 #include <functional>

@@ -16,7 +16,7 @@
 
 namespace sft::core {
 
-/// Whose files are believed. Those of root and of this process's own account always are.
+/// The accounts whose files are believed. Root and this process's own account always are among them.
 struct TrustedAccounts {
   std::vector<uid_t> users{};
   /// Only a member of a group can give a file to that group: such a file is by one of its members.
@@ -37,7 +37,7 @@ Result<FileDescriptor> open_trusted_file(const std::string& path, int access,
 /// "user alice", or "user 1234" where that has no name.
 std::string account_name(uid_t user);
 
-/// Whether the path names the file that is open: somebody may have removed or replaced it since.
+/// Returns true if the path still names the open file: somebody may have removed or replaced it.
 bool still_names(const std::string& path, int descriptor) noexcept;
 
 }  // namespace sft::core

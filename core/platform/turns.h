@@ -1,5 +1,5 @@
-// Whose turn it is where many have something to say again and again, and not all of them fit in at once.
-// Pure.
+// This class decides whose turn it is where many have something to say again and again, and not all of it
+// fits in at once. It is pure.
 #pragma once
 
 #include <cstddef>

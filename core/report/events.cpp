@@ -158,7 +158,7 @@ void add_diverted(const Diverted& before, const Diverted& after, std::vector<Eve
   add(&Diverted::unavailable, "by UDP within the host: shared memory is not to be had at the moment");
 }
 
-/// What was lost although the subscriber asked for reliability, and what helps against that.
+/// Says what was lost although the subscriber asked for reliability, and what helps against that.
 std::string reliable_loss_text(const WriterStatus& writer, std::uint64_t lost) {
   const bool by_shm = writer.transport == TransportKind::shm;
   return std::to_string(lost) + " lost by " + to_string(writer.transport) +

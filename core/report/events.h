@@ -1,4 +1,4 @@
-// What has happened between two states of a publisher or subscriber. Pure.
+// These functions find the events between two states of a publisher or subscriber. They are pure.
 #pragma once
 
 #include <vector>

@@ -1,8 +1,8 @@
-// What a node says to its program's log sink: from a level on, and of one kind never more than a few lines in
-// a row, so that neither a peer nor a fault that comes again and again can flood it. What was left out is
-// counted, and said with the next line of its kind.
+// The log of a node: lines for the log sink of the program, from one level on. Of one kind it writes never
+// more than a few lines in a row, so that neither a peer nor a repeated fault can flood the sink. It counts
+// the lines that it leaves out, and says their number with the next line of that kind.
 //
-// The agent's thread, so that no lock is needed and none is held. Other threads post to it.
+// Only the agent's thread uses it, so that no lock is needed. Other threads post to that thread.
 #pragma once
 
 #include <array>
@@ -25,9 +25,9 @@ class LineBudget {
   static constexpr int burst = 10;
   static constexpr std::chrono::seconds period{5};
 
-  /// Whether a line may be written now; if not, it is counted.
+  /// Returns true if a line may be written now; otherwise the line is counted.
   bool take(Now now);
-  /// Lines that were not written since the last that was; forgets them.
+  /// Returns the number of lines that were left out since the last line was written, and forgets it.
   std::uint64_t take_left_out();
 
  private:
@@ -43,9 +43,10 @@ class NodeLog {
   bool wants(LogLevel level) const { return sink_ && level >= threshold_; }
   /// Something that the node does or cannot do itself.
   void write(LogLevel level, const std::string& text, Now now = std::chrono::steady_clock::now());
-  /// What happened to a pair, or to one of our publishers or subscribers. A warning if it will never work as
-  /// it is set up, or if a promise was broken: a deadline, or samples that were to come reliably, of which a
-  /// pair has at most one line in a second. What a program asks for changes often, and is for debugging.
+  /// Writes what happened to a pair, or to one of our publishers or subscribers. The line is a warning if the
+  /// pair will never work as it is set up, or if a promise was broken: a deadline, or samples that were to
+  /// come reliably. Of such losses a pair has at most one line in a second. Programs change their requests
+  /// often; those lines are for debugging.
   void write(const std::string& topic, const Event& event, Now now = std::chrono::steady_clock::now());
   static LogLevel level_of(const Event& event);
   /// Writes what was left out of losses of reliable pairs, once its time has come. Called now and then.
@@ -57,7 +58,7 @@ class NodeLog {
   bool write(LineBudget& budget, LogLevel level, const std::string& text, Now now);
   void write_loss(const std::string& pair, const Event& event, Now now);
 
-  /// Of a reliable pair that has lost samples.
+  /// The losses of a reliable pair.
   struct Losses {
     Now next_line{};           ///< not before
     std::uint64_t untold = 0;  ///< samples

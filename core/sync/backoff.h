@@ -6,7 +6,8 @@
 
 namespace sft::core {
 
-/// Until `done()` says so. Sleeps after a few looks, because the other thread may need this processor.
+/// Waits until `done()` returns true. Sleeps after a few looks, because the other thread may need this
+/// processor.
 template <class Done>
 void wait_until(Done done) {
   constexpr int yields = 32;

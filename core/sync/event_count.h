@@ -26,7 +26,7 @@ class EventCount {
     return count_;
   }
 
-  /// Until the count is beyond `seen`; false if it is not at the deadline.
+  /// Waits until the count is beyond `seen`. Returns false if it is not at the deadline.
   bool wait_beyond(std::uint64_t seen, TimePoint deadline) {
     std::unique_lock lock(mutex_);
     return raised_.wait_until(lock, deadline, [&] { return count_ > seen; });

@@ -16,8 +16,8 @@ inline void pause_core() {
 #endif
 }
 
-/// Until `over()` holds or the time is over; tells which. Lets others run that wait for this core: it may be
-/// one of them that brings about what is waited for.
+/// Spins until `over()` holds or the time is over, and tells which. Yields to threads that wait for this
+/// core: one of them may bring about what is waited for.
 template <class Over>
 bool spin(std::chrono::steady_clock::time_point until, Over&& over) {
   constexpr int looks_per_yield = 8;
