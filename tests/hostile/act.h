@@ -1,5 +1,5 @@
-// What hostile programs and mishaps do to honest programs. An act begins, goes on for a while and ends. Each
-// act is a function that returns its three parts, and has a line in the table of acts.
+// An act is something that hostile programs or mishaps do to honest programs. It begins, goes on for a while,
+// and ends. Each act is a function that returns these three parts, and has a line in the table of acts.
 #pragma once
 
 #include <sys/types.h>
@@ -22,11 +22,11 @@ struct Act {
   std::function<void()> go_on{};
   /// Takes back what would go on by itself. What was broken stays broken.
   std::function<void()> end{};
-  /// What the act got that nobody may get: a sentence, or nothing.
+  /// Returns what the act got although nobody may get it: a sentence, or nothing.
   std::function<std::string()> loot{};
 };
 
-/// What an act knows of the programs that it is directed against.
+/// The facts that an act knows of the programs that it is directed against.
 struct Target {
   uid_t account = 0;  ///< that runs the honest programs and their daemon
   Random random{};
@@ -38,7 +38,7 @@ enum class Attacker : std::uint8_t {
   neighbour,  ///< root of another host of the network
 };
 
-/// What the honest programs cannot be spared.
+/// The harm that honest programs cannot be spared.
 enum class Harm : std::uint8_t {
   none,        ///< nothing: all pairs are served
   floods,      ///< the act takes so much of the network or the processor that samples may fail to come

@@ -48,7 +48,7 @@ Act crowd(Target& target, Role role, std::size_t count,
           }};
 }
 
-/// Where nobody listens: the port "discard".
+/// Addresses where nobody listens: the port "discard".
 std::vector<core::UdpAddress> nobody() { return {own_address(9)}; }
 
 std::uint64_t id_of(std::uint64_t node, std::uint64_t number) { return node + (number << 20) + number; }
@@ -58,8 +58,8 @@ std::string described(const std::string& name) {
   return std::string(1, static_cast<char>(name.size())) + name;
 }
 
-/// Of a type of that name with 4096 leaves, in some 200 bytes: twelve structs of two members, each of which
-/// is the struct before. `number` is part of each leaf's name.
+/// Describes a type of that name with 4096 leaves, in some 200 bytes: twelve structs of two members, each of
+/// which is the struct before. `number` is part of each leaf's name.
 std::vector<std::byte> deep_description(const std::string& type_name, std::uint64_t number) {
   constexpr int structs = 12;
   constexpr char uint8 = 4;
@@ -78,7 +78,7 @@ std::vector<std::byte> deep_description(const std::string& type_name, std::uint6
   return {first, first + text.size()};
 }
 
-/// Of the honest type, but that one member has another name.
+/// Describes the honest type with another name for one member.
 std::vector<std::byte> renamed_description(std::vector<std::byte> description, std::uint64_t number) {
   constexpr std::string_view member = "is_bigendian";
   auto* text = reinterpret_cast<char*>(description.data());
@@ -179,7 +179,7 @@ Act altered_announcements(Target& target) {
   });
 }
 
-/// As a cache or a network may do with what was said.
+/// Repeats announcements, as a cache or a network may do.
 Act repeated_announcements(Target&) {
   const auto voice = std::make_shared<ControlVoice>();
   const auto first = std::make_shared<std::vector<Endpoint>>();
@@ -280,7 +280,7 @@ Act false_life(Target& target) {
           }};
 }
 
-/// In the names of publishers: that they have sent far more than anybody has received.
+/// Says in the names of publishers that they have sent far more than anybody has received.
 Act false_progress(Target&) {
   const auto sent = std::make_shared<std::uint64_t>(1'000'000);
   return to_each(Role::writer, [sent](ControlVoice& voice, const Endpoint& writer) {
@@ -299,7 +299,7 @@ Act questions_without_end(Target& target) {
           }};
 }
 
-/// In the honest nodes' names: of pairs of each endpoint with all others.
+/// Gives accounts in the honest nodes' names, of pairs of each endpoint with all others.
 Act false_accounts(Target& target) {
   const auto voice = std::make_shared<ControlVoice>();
   return {.begin = {}, .go_on = [voice, &random = target.random] {

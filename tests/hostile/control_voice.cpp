@@ -17,7 +17,7 @@ struct QosDeleter {
 };
 using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
 
-/// Those that match what nodes use (core/negotiation/negotiation.md).
+/// The QoS that matches what nodes use (core/negotiation/negotiation.md).
 Qos lasting() {
   Qos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_SECS(1));

@@ -15,7 +15,7 @@ namespace sft::hostile {
 
 class ControlVoice {
  public:
-  /// In the domain that the honest nodes use. Throws if there is no network.
+  /// Speaks in the domain that the honest nodes use. Throws if there is no network.
   ControlVoice();
   ~ControlVoice();
   ControlVoice(const ControlVoice&) = delete;
@@ -28,7 +28,7 @@ class ControlVoice {
   // All of these may be said in anybody's name.
 
   void announce(const core::Endpoint& endpoint);
-  /// As the control topics have it: lengths, versions and names are not checked.
+  /// Writes the endpoint as it is: lengths, versions and names are not checked.
   void announce_raw(const sft_control_Endpoint& endpoint);
   void request(const core::Request& request);
   void dispose(core::EndpointId endpoint);

@@ -83,7 +83,7 @@ void open_own_files_to_all() {
   for_each_own_file([](const std::string& path) { chmod(path.c_str(), 0777); });
 }
 
-/// What an attacker announces as a reader that shares the memory of the publisher's host.
+/// An attacker that announces a reader which claims to share the memory of the publisher's host.
 class FalseNeighbour {
  public:
   explicit FalseNeighbour(Random& random) : random_(random) {}
@@ -146,13 +146,13 @@ void remove_quietly(const fs::path& path) {
   fs::remove_all(path, ignored);
 }
 
-/// Those of this account.
+/// Removes all files of this account in the directory.
 void remove_all_in(const char* directory) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(directory, ignored)) remove_quietly(entry.path());
 }
 
-/// Of a process that has run for a moment, so that it is not its start that fails: no descriptor more.
+/// Leaves a process that has run for a moment no further descriptor, so that its start is not what fails.
 class DescriptorLimits {
  public:
   void impose(const std::vector<pid_t>& processes) {

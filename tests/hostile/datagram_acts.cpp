@@ -77,7 +77,7 @@ Act to_each_writer(std::function<void(const Sender&, const Endpoint& writer, con
           }};
 }
 
-/// Of hosts that do not exist, in a network that nobody is in.
+/// Returns the address of a host that does not exist, in a network that nobody is in.
 sockaddr_in made_up_host(unsigned number) {
   sockaddr_in address{};
   address.sin_family = AF_INET;

@@ -60,7 +60,7 @@ bool make_socket(const std::string& path) {
   return bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
 }
 
-/// Of all files in /dev/shm and /tmp that can be opened for reading.
+/// Returns the paths of all files in /dev/shm and /tmp that can be opened for reading.
 std::vector<std::string> readable_files() {
   std::vector<std::string> files;
   for (const char* directory : {"/dev/shm", "/tmp", "/run"}) {
@@ -164,7 +164,7 @@ Act hard_links(Target& target) {
 
 Act sockets(Target& target) { return at_every_name(target, make_socket); }
 
-/// As the fifos, but at the very moment at which a name becomes free.
+/// Does the same as fifos(), but at the very moment at which a name becomes free.
 Act snatched_names(Target& target) {
   Act act = fifos(target);
   act.go_on = [snatch = act.go_on] {

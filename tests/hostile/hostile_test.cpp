@@ -1,5 +1,5 @@
-// Whatever is done to honest programs, it costs them no more than the act's own time: each act of the table,
-// begun before, while or after they start.
+// An act costs honest programs no more than the act's own time. The test tries each act of the table, begun
+// before, while, or after the programs start.
 #include <gtest/gtest.h>
 
 #include <array>

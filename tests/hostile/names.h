@@ -8,7 +8,7 @@
 
 namespace sft::hostile {
 
-/// Of sftd, where that account runs it (shm_transport/host/same_host.md).
+/// Returns the names that sftd uses if that account runs it (shm_transport/host/same_host.md).
 std::vector<std::string> names_of(uid_t account);
 
 /// Files in /dev/shm whose names begin so.

@@ -201,7 +201,8 @@ Act forged_reports(Target&) {
   });
 }
 
-/// In the name of the writer's channels: the acks would go to a host that never asked for them.
+/// Sends heartbeats in the name of the writer's channels; the acks would go to a host that never asked for
+/// them.
 Act heartbeats_that_name_another_host(Target&) {
   const auto drain = std::make_shared<Drain>();
   const auto sender = std::make_shared<Sender>();
@@ -227,7 +228,7 @@ Act replayed_datagrams(Target&) {
   });
 }
 
-/// What came first, again and again. It is late by ever more.
+/// Sends the first datagrams again and again. They come later and later.
 Act replayed_datagrams_of_long_ago(Target&) {
   const auto spoofer = std::make_shared<Spoofer>();
   const auto first = std::make_shared<std::vector<Overheard>>();

@@ -104,7 +104,7 @@ struct Stage::Pair {
   bool falls_back = false;  ///< served by UDP, while the status of shared memory names the file in its way
   bool is_stopped = false;  ///< by the present act: the subscriber cannot answer
 
-  /// Whether so many more came since the numbers were noted.
+  /// The numbers of samples at one moment; later ones show whether so many more have come.
   struct Noted {
     std::uint64_t received, received_by;
   };
@@ -143,7 +143,7 @@ class Stage::Actor {
   void await_begin() {
     if (hear() != "begun") throw std::runtime_error("act " + name_ + " does not begin");
   }
-  /// What it got.
+  /// Ends the act and returns what it got.
   std::string end() {
     has_ended_ = true;
     (void)!send(socket_, "end", 3, MSG_NOSIGNAL);
@@ -209,8 +209,9 @@ void Stage::launch() {
   }
 }
 
-/// Whether both sides say that it is served by the transport that is meant for it. A subscriber that the act
-/// has stopped is not asked, since it could not answer: nothing is demanded of it until the act ends.
+/// Returns true if both sides say that the pair is served by the transport that is meant for it. A subscriber
+/// that the act has stopped is not asked, since it could not answer: nothing is demanded of it until the act
+/// ends.
 bool Stage::look(Pair& pair) {
   if (pair.is_stopped) return true;
   const json reader = publisher_->look_at(pair.name)["reader"];
@@ -264,7 +265,7 @@ void Stage::note_stopped(const Entry& entry, Outcome& outcome) {
   }
 }
 
-/// By whatever path. A pair that is being set up gets a moment for that.
+/// Expects samples of every pair, by whatever path. A pair that is being set up gets a moment for that.
 void Stage::expect_samples(Outcome& outcome) {
   std::vector<Pair::Noted> noted;
   all_served();
@@ -322,7 +323,7 @@ Outcome Stage::perform(const Entry& entry, Moment moment, Ms length) {
     note_stopped(entry, outcome);
     launch();
     const auto begin = Clock::now();
-    // What can be set up during the act is not to count as recovery from it.
+    // A pair that can be set up during the act must not count as recovery from the act.
     if (moment != Moment::after_they_started)
       test::eventually([&] { return all_served(); }, patience_while_setting_up, 20ms);
     if (entry.harm != Harm::floods) expect_samples(outcome);

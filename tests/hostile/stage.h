@@ -22,10 +22,10 @@ using Ms = std::chrono::milliseconds;
 enum class Moment : std::uint8_t { before_they_start, while_they_start, after_they_started };
 std::string_view to_string(Moment moment);
 
-/// How an act went for the honest programs.
+/// The result of an act for the honest programs.
 struct Outcome {
   std::vector<std::string> complaints{};  ///< sentences; empty if all was well
-  /// From the end of the act until each pair was served as before; nothing if that did not come true.
+  /// The time from the end of the act until each pair was served as before; empty if that did not come true.
   std::optional<Ms> recovery{};
 };
 
@@ -33,7 +33,8 @@ struct Outcome {
 /// best-effort delivery.
 class Stage {
  public:
-  /// Why there can be none; empty if there can. REQUIRES: the program is isolated (isolated_host.h).
+  /// Returns why there can be no stage; empty if there can be one. REQUIRES: the program is isolated
+  /// (isolated_host.h).
   static std::string refusal();
 
   explicit Stage(std::uint64_t seed);

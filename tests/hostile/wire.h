@@ -15,12 +15,12 @@ namespace sft::hostile {
 
 using Bytes = std::vector<std::byte>;
 
-/// Of this host, as an endpoint's announcement has it.
+/// Returns an address of this host as an endpoint announces it.
 core::UdpAddress own_address(std::uint16_t port);
 
 /// Addresses in network byte order. IPv4 only: the hosts of these tests have nothing else.
 sockaddr_in to_sockaddr(const core::UdpAddress& address);
-/// Where an endpoint receives. Empty if it does not say.
+/// Returns where an endpoint receives; empty if it does not say.
 std::vector<sockaddr_in> addresses_of(const core::Endpoint& endpoint);
 
 sockaddr_in to_port(std::uint32_t address, std::uint16_t port);
@@ -83,15 +83,15 @@ struct Overheard {
   Bytes payload{};
 };
 
-/// What other hosts of this network send each other, as on a network without switches. Only datagrams that
-/// look like SFT's.
+/// Hears what other hosts of this network send each other, as on a network without switches. It hears only
+/// datagrams that look like SFT's.
 class Ear {
  public:
   Ear();
   ~Ear();
   Ear(const Ear&) = delete;
   Ear& operator=(const Ear&) = delete;
-  /// What came since the last call.
+  /// Returns what came since the last call.
   std::vector<Overheard> listen();
 
  private:

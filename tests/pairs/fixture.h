@@ -18,7 +18,7 @@ namespace sft::test {
 
 using namespace std::chrono_literals;
 
-/// Of a node whose end is to be noticed soon. Others have the 10 s that are the default.
+/// The lease of a node whose end is to be noticed soon. Others have the default, which is 10 s.
 inline constexpr std::chrono::milliseconds short_lease = 2s;
 json with_short_lease(json options = json::object());
 
@@ -46,21 +46,21 @@ bool comes_true(Condition condition, std::chrono::milliseconds within = 15s) {
 json reader_of(Peer& publisher, const Peer& subscriber);
 /// The subscriber's entry of the publisher, likewise.
 json writer_of(const Peer& publisher, Peer& subscriber);
-/// What was taken of the writer in that entry.
+/// Returns what the subscriber has taken of this publisher.
 json taken_of(const Peer& publisher, Peer& subscriber);
 
 bool is_served(Peer& publisher, const Peer& subscriber);
 bool is_served_by(Peer& publisher, const Peer& subscriber, const std::string& transport);
 bool is_served_with(Peer& publisher, const Peer& subscriber, const std::string& mask);
 
-/// Whether in the end both tell the same of each other: path, mask, request.
+/// Waits until both tell the same of each other: path, mask, request.
 testing::AssertionResult agree(Peer& publisher, Peer& subscriber);
 
 /// Lets the publisher publish until the newest has come. Whether then everything that it published since the
 /// first that came was received, lost or withheld, and what was received was right and in order.
 testing::AssertionResult accounts_for_all(Peer& publisher, Peer& subscriber);
 
-/// Whether an event of that kind came, and its text has that in it.
+/// Returns true if an event of that kind came, and its text contains that text.
 bool was_told(const json& events, const std::string& kind, const std::string& text = "");
 
 }  // namespace sft::test

@@ -34,8 +34,8 @@ class Forgeries : public NegotiationTest {
   Peer& reader() { return *reader_; }
   Peer& forger() { return *forger_; }
 
-  /// Whether samples come again within a second and a half after the forger stops, on a machine that may be
-  /// slow.
+  /// Returns true if samples come again within a second and a half after the forger stops, on a machine that
+  /// may be slow.
   bool flows(Peer& reader) {
     const std::uint64_t received = reader.status()["subscriber"]["received"];
     return comes_true([&] { return reader.status()["subscriber"]["received"] > received + 20; });

@@ -22,7 +22,7 @@ class LateReaders : public NegotiationTest {
   }
 };
 
-/// Without UDP.
+/// Returns the options without UDP.
 json in_memory(json options) {
   options["transport"] = "shm";
   return options;

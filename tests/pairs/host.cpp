@@ -56,7 +56,7 @@ void set_address(int control, unsigned long what, std::uint32_t ipv4) {
   checked(ioctl(control, what, &request), "the address of eth0");
 }
 
-/// Without any other group than its own.
+/// Takes over the account, with no group but the account's own.
 bool become(uid_t user) noexcept {
   return user == 0 || (setgroups(0, nullptr) == 0 && setgid(user) == 0 && setuid(user) == 0);
 }

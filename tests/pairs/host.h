@@ -18,8 +18,8 @@ class Host {
  public:
   /// On the network, as 10.78.0.x.
   explicit Host(Network& network);
-  /// What a container shares with its neighbour. What it does not share is its own: eth0 is on the same
-  /// network.
+  /// The parts that a container shares with its neighbour. It has parts of its own for all others; its eth0
+  /// is on the same network.
   struct Shared {
     bool network = false;
     bool shm = false;  ///< /dev/shm
@@ -32,7 +32,7 @@ class Host {
 
   /// `ip link set eth0 up`, or down.
   void set_link(bool up) const;
-  /// Its cable.
+  /// Plugs or unplugs the cable of this host.
   void set_plugged(bool plugged) const { network_->set_plugged(port_, plugged); }
 
   /// Moves the calling process, which has one thread, onto this host. False if that fails.
@@ -49,7 +49,8 @@ class Host {
   int control_ = -1;  ///< a socket of that network, to set its interfaces
 };
 
-/// Who runs a program, and which directory the program lies in. The account must be able to reach that one.
+/// The account that runs a program, and the directory that the program lies in. The account must be able to
+/// reach that directory.
 struct Account {
   uid_t user = 0;  ///< also the number of its only group; 0: whoever runs the test
   std::string programs = program_directory();

@@ -28,7 +28,7 @@ bool kill_daemons() {
 
 class Islands : public NegotiationTest, public testing::WithParamInterface<Host::Shared> {
  protected:
-  /// Those that nodes started outlive them.
+  /// Daemons that nodes have started outlive the nodes.
   void TearDown() override {
     if (IsSkipped()) return;
     EXPECT_TRUE(comes_true(kill_daemons));
@@ -37,14 +37,14 @@ class Islands : public NegotiationTest, public testing::WithParamInterface<Host:
   static bool share_memory() { return GetParam().shm && GetParam().tmp; }
   /// One for each /dev/shm that can have one: the sockets in a shared /tmp are of one only.
   static std::size_t daemons_wanted() { return GetParam().shm || GetParam().tmp ? 1 : 2; }
-  /// What somebody is told who shares half of the memory, or none.
+  /// The reason that a node is told if it shares half of the memory, or none.
   static std::string cause() {
     return GetParam().shm   ? "another /tmp than sftd"
            : GetParam().tmp ? "another /dev/shm"
                             : "a /dev/shm of its own";
   }
 
-  /// Whether the daemons run that are wanted, the nodes are where they stay, and both know that of each
+  /// Returns true if the wanted daemons run, the nodes are where they stay, and both nodes know that of each
   /// other.
   static bool are_settled(Peer& publisher, Peer& reader) {
     const std::set<pid_t> running = daemons();

@@ -1,4 +1,4 @@
-// What the peers of these tests publish: a message of which every leaf tells its number.
+// The peers of these tests publish this message. Every leaf of it tells the message's number.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ using sensor_msgs::msg::PointCloud2;
 /// Some kilobytes: several datagrams, unless a mask leaves the data out.
 PointCloud2 message(std::uint64_t number);
 
-/// Whether these are, byte for byte, the encapsulation and the CDR of that message under that mask.
+/// Returns true if these bytes are the encapsulation and the CDR of that message under that mask.
 bool is_message(std::uint64_t number, const FieldMask& mask, std::span<const std::byte> cdr);
 
 }  // namespace sft::test

@@ -113,7 +113,7 @@ void Network::judge(std::size_t from, const Frame& frame) {
   }
 }
 
-/// To all others: who is not meant does not listen.
+/// Delivers the frame to all other ports: a host that is not meant does not listen.
 void Network::deliver(std::size_t from, const Frame& frame) {
   if (!ports_[from].plugged) return;
   for (std::size_t to = 0; to < ports_.size(); ++to) {

@@ -15,7 +15,7 @@
 
 namespace sft::test {
 
-/// What becomes of a frame, as probabilities.
+/// The probabilities of what becomes of a frame.
 struct Faults {
   double lost = 0;
   double repeated = 0;
@@ -29,7 +29,7 @@ class Network {
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
 
-  /// Why there can be none; empty if there can.
+  /// Returns why there can be no network; empty if there can be one.
   static std::string refusal();
 
   /// Makes eth0 in the network namespace of the calling thread and returns the number of its port.

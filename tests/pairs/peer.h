@@ -33,13 +33,14 @@ class Peer {
   /// Publishes until it is stopped.
   void start_publishing(std::chrono::microseconds period = std::chrono::milliseconds(1));
   void stop_publishing() { ask({{"do", "stop"}}); }
-  /// Which fields a recorded subscriber reads of the last sample, and of those to come.
+  /// Sets the fields that a recorded subscriber reads of the last sample, and of those to come.
   void read(const std::string& fields) { ask({{"do", "read"}, {"fields", fields}}); }
   void set_max_rate_hz(double hz) { ask({{"do", "rate"}, {"hz", hz}}); }
   /// Publishers of so many other topics.
   void crowd(std::size_t count) { ask({{"do", "crowd"}, {"count", count}}); }
 
-  /// From now on it remembers what all say on the control topics; and says that once more (echo.h).
+  /// From now on the peer remembers what all say on the control topics; repeat_control() says that once more
+  /// (echo.h).
   void hear_control() { ask({{"do", "hear"}}); }
   void repeat_control() { ask({{"do", "repeat"}}); }
 
@@ -51,8 +52,8 @@ class Peer {
   }
 
   json status() { return ask({{"do", "status"}}); }
-  /// What it says of the nodes of that name alone: "reader" and "writer" are entries of such nodes, rather of
-  /// one that is served; "taken" is what was taken of that writer.
+  /// Returns the status as far as it concerns nodes of that name: "reader" and "writer" are entries of such
+  /// nodes, rather than of one that is served; "taken" is what was taken of that writer.
   json look_at(const std::string& node) { return ask({{"do", "look"}, {"node", node}}); }
   pid_t pid() const { return process_->pid(); }
 

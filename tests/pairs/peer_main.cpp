@@ -39,7 +39,7 @@ json entry_of(const Entries& entries, const std::string& node) {
 constexpr const char* topic = "points";
 constexpr std::size_t message_bytes_max = 256 * 1024;
 
-/// What the node logs from warnings on.
+/// The lines that the node logs from warnings on.
 class Warnings {
  public:
   LogSink sink() {
@@ -116,7 +116,7 @@ class Peer {
     publishing_.reset();
     subscribing_.reset();
   }
-  /// So many publishers of other topics.
+  /// Opens so many publishers of other topics.
   void crowd(const json& command) {
     for (std::size_t i = crowd_.size(); i < command.at("count"); ++i)
       crowd_.push_back(node_.publisher<PointCloud2>("other/" + std::to_string(i)).value());

@@ -127,7 +127,7 @@ class Taking final : public Subscribing {
   std::thread thread_;
 };
 
-/// Of another type than the publisher's: nothing may come.
+/// A subscriber of another type than the publisher's: nothing may come.
 template <class S>
 class Mismatched final : public Subscribing {
  public:

@@ -8,7 +8,7 @@ using nlohmann::json;
 
 namespace {
 
-/// What readers and writers have in common.
+/// The part that readers and writers have in common.
 template <class Peer>
 json peer_json(const Peer& peer) {
   return {{"id", peer.id},

@@ -1,4 +1,5 @@
-// What publishers, subscribers and nodes tell of themselves, for the pipe between a peer and its test.
+// Converts what publishers, subscribers and nodes tell of themselves, for the pipe between a peer and its
+// test.
 #pragma once
 
 #include <sft/sft.h>

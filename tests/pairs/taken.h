@@ -1,4 +1,4 @@
-// What a subscriber took, by writer, and whether it was what that had published.
+// Keeps what a subscriber took, by writer, and whether it was what that writer had published.
 #pragma once
 
 #include <sft/sft.h>

@@ -13,7 +13,7 @@ namespace {
 /// C has one width for all enumerations; in CDR and in our structs they are as wide as they need be.
 bool is_c_enum(const Member& m) { return m.enumeration != nullptr && !m.enumeration->is_bitmask; }
 
-/// Of one element.
+/// Returns the layout of one element.
 CLayout element_layout(const Member& m) {
   if (m.kind == Kind::structure) return c_layout(*m.type);
   if (is_c_enum(m)) return {sizeof(std::int32_t), alignof(std::int32_t)};

@@ -33,7 +33,8 @@ class CycloneReader {
   void* sample_ = nullptr;
 };
 
-/// Whether the type is written in the plain encoding of XCDR1: it is final and needs nothing of XCDR2.
+/// Returns true if the type is written in the plain encoding of XCDR1: it is final and needs nothing of
+/// XCDR2.
 bool cyclone_writes_plain_cdr(const dds_topic_descriptor_t& type);
 
 }  // namespace sft::test

@@ -29,7 +29,7 @@ class CycloneLoopback {
   bool ok() const { return error_.empty(); }
   const std::string& error() const { return error_; }
 
-  /// What the writer makes of a sample.
+  /// Returns the payload that the writer makes of a sample.
   CyclonePayload sent(const void* c_struct);
 
   /// Lets the reader take a sample with this body and shows the C struct to `visit`; false if none arrives.

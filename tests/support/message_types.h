@@ -44,12 +44,12 @@ std::vector<MessageType> generated_types();
 /// PointCloud2, LaserScan, BatteryState, Image, OccupancyGrid, Odometry.
 std::span<const MessageType> common_types();
 
-/// Those, and some made to be difficult (tests/generators/idl/torture.idl, tests/unit/typesupport/proof.idl).
-/// The order is kept: inputs of the fuzzer name types by their number.
+/// All types above, and some that are made to be difficult (tests/generators/idl/torture.idl,
+/// tests/unit/typesupport/proof.idl). The order is kept: inputs of the fuzzer name types by their number.
 std::span<const MessageType> all_types();
 
-/// Those, and behind them all others that the tests and the common packages have, by name. Only for programs
-/// that link to sft_every_type.
+/// all_types(), and behind them all other types of the tests and the common packages, by name. Only for
+/// programs that link to sft_every_type.
 std::span<const MessageType> every_type();
 
 }  // namespace sft::test

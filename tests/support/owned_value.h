@@ -39,7 +39,8 @@ Elements elements_of(const Member& member, const void* object);
 /// The same for writing; a sequence gets `count` elements, those that it has are kept.
 std::byte* resized(const Member& member, void* object, std::size_t count);
 
-/// Whether all leaves are equal bit by bit, so that a NaN equals itself. Names the first that is not.
+/// Compares all leaves bit by bit, so that a NaN equals itself. The failure names the first leaf that
+/// differs.
 ::testing::AssertionResult same_value(const StructType& type, const void* a, const void* b);
 inline ::testing::AssertionResult same_value(const OwnedValue& a, const OwnedValue& b) {
   return same_value(a.type(), a.get(), b.get());

@@ -13,8 +13,8 @@
 
 namespace sft::test {
 
-/// What a period is: the pause between two turns, or one turn's share of the time. Then a thread that was
-/// late takes some turns at once.
+/// A period is either the pause between two turns, or one turn's share of the time. In the second case a
+/// thread that was late takes some turns at once.
 enum class Keeps : std::uint8_t { pause, rate };
 
 class Pace {

@@ -8,7 +8,7 @@ namespace sft::test {
 /// Calls of operator new by all threads so far.
 std::uint64_t process_allocations();
 
-/// From now on notes from where the first few allocations come.
+/// Begins to note where the first few allocations come from.
 void note_allocations();
 /// Stops noting, and writes what was noted to stderr: one call stack each.
 void print_allocations();

@@ -29,8 +29,8 @@ class RandomMoment {
   Random random_;
 };
 
-/// Where one side waits for the other at the end of a round, without any of what is tested. False if it did
-/// not come for long.
+/// One side waits here for the other at the end of a round, without using anything that is under test.
+/// Returns false if the other side did not come for long.
 template <class T>
 bool comes_to(const std::atomic<T>& counter, std::uint64_t round) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);

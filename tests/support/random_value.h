@@ -12,8 +12,8 @@
 
 namespace sft::test {
 
-/// What enumerations and bitmasks get: any integer, or only what the IDL declares (which is all that Cyclone
-/// DDS accepts).
+/// The values that enumerations and bitmasks get: any integer, or only what the IDL declares (which is all
+/// that Cyclone DDS accepts).
 enum class Enumerated { any, declared };
 
 class RandomValues {

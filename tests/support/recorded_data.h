@@ -10,7 +10,7 @@ namespace sft::test {
 
 using Payload = std::vector<std::byte>;  ///< encapsulation and body
 
-/// Where recordings are looked for.
+/// The directory in which recordings are looked for.
 std::filesystem::path recorded_data();
 
 /// The whole of a file; one called .xz unpacked, or nothing where there is no xz.

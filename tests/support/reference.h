@@ -1,6 +1,6 @@
-// What masks mean, a second time and in the plainest way, to compare the runtime with: numbers of leaves,
-// closed masks, the projected value and its CDR follow from the sentences of the design and use nothing of
-// the runtime but the tables.
+// This file says a second time, and in the plainest way, what masks mean, to compare the runtime with.
+// Numbers of leaves, closed masks, the projected value and its CDR follow from the sentences of the design;
+// nothing of the runtime is used but the tables.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,8 @@ void project(const OwnedValue& from, const FieldMask& mask, OwnedValue& to);
 /// XCDR1, little-endian, of the struct that has only the members in `mask` (closed), without encapsulation.
 std::vector<std::byte> cdr(const OwnedValue& value, const FieldMask& mask);
 
-/// Whether `bytes` are that, but for what other writers do: any bytes as padding, empty strings of length 0.
+/// Returns true if `bytes` are that CDR, apart from what other writers do: any bytes as padding, empty
+/// strings of length 0.
 bool is_cdr_of(std::span<const std::byte> bytes, const OwnedValue& value, const FieldMask& mask);
 
 }  // namespace sft::test::reference

@@ -10,7 +10,7 @@
 
 namespace sft::test {
 
-/// What JSON keeps: ASCII, and of NaNs only that they are one.
+/// Restricts a value to what JSON keeps: ASCII, and of NaNs only that they are one.
 inline void tame(const StructType& type, void* object) {
   for (const Member& m : type.members) {
     const Elements values = elements_of(m, object);

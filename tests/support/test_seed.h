@@ -18,7 +18,7 @@ std::uint64_t test_seed();
 /// same.
 std::uint64_t test_rounds(std::uint64_t usual);
 
-/// What a failure says: "to repeat: SFT_TEST_SEED=7".
+/// Returns what a failure says: "to repeat: SFT_TEST_SEED=7".
 std::string how_to_repeat();
 
 /// A test with random inputs. Each of its failures names the seed, and so does its result.

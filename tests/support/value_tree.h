@@ -22,11 +22,11 @@ struct ValueTree {
 /// The leaves in `mask` (closed), which are those that were decoded.
 ValueTree value_tree(const OwnedValue& value, const FieldMask& mask);
 
-/// By iterating over all members and elements. Throws std::logic_error where something that is there cannot
-/// be read.
+/// Reads the view by iterating over all members and elements. Throws std::logic_error if something that is
+/// there cannot be read.
 ValueTree value_tree(const DynamicView& view);
 
-/// By asking for each member by its name and each element by its number.
+/// Reads the view by asking for each member by its name and for each element by its number.
 ValueTree value_tree_by_name(const DynamicView& view);
 
 void PrintTo(const ValueTree& tree, std::ostream* out);
