@@ -1,4 +1,4 @@
-// What the nodes of a pair have counted, as a third node is told that asks for it.
+// A third node asks the nodes of a pair what they have counted, and is told.
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -10,7 +10,7 @@ namespace {
 
 class AccountsBetweenNodes : public PubSubTest {
  protected:
-  /// As `node` knows them. Nothing while it does not know the pair.
+  /// Returns the counts as `node` knows them; empty while it does not know the pair.
   static std::optional<PairAccount> account_of(const Node& node, const std::string& topic) {
     const DomainSnapshot domain = node.domain();
     for (const PairInfo& pair : domain.pairs) {
@@ -23,7 +23,7 @@ class AccountsBetweenNodes : public PubSubTest {
   static bool is_silent(const std::optional<PairAccount>& account) {
     return account && !account->publisher && !account->subscriber;
   }
-  /// Whether both sides tell that so many samples were sent and received, before long.
+  /// Returns true if both sides soon tell that so many samples were sent and received.
   static bool tells(const Node& node, std::uint64_t samples) {
     return eventually([&] {
       const auto account = account_of(node, "points");

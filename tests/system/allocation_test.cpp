@@ -7,7 +7,7 @@ namespace {
 
 class AllocationTest : public PubSubTest {
  protected:
-  /// Of this thread, over 200 samples, after 50 for warming up.
+  /// Counts the allocations of this thread over 200 samples, after 50 for warming up.
   template <class Pass>
   static std::uint64_t allocations_of(Pass pass) {
     for (int i = 0; i < 50; ++i) pass();
@@ -70,7 +70,7 @@ TEST_P(AllocationTest, LoansAndRecordedReadersAllocateNothing) {
   // Only what it reads is asked for once 100 samples were recorded, which changes what is expected to come.
   const auto asked_for = [&] { return pub.status().readers.at(0).mask; };
   const FieldMask all = asked_for();
-  // And the first report of what has come is made, which opens the way there.
+  // The first report of what has come is made, too; it opens the way for more.
   for (int i = 0; i < 400; ++i) pass();
   ASSERT_TRUE(eventually([&] {
     pass();

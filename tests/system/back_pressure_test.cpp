@@ -30,7 +30,7 @@ class ReliablePairTest : public PubSubTest {
     }
     return numbers;
   }
-  /// On a thread of its own.
+  /// Publishes a burst on a thread of its own.
   template <class P>
   static std::jthread burst(P& publisher) {
     return std::jthread([&publisher] {

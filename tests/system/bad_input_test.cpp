@@ -1,4 +1,4 @@
-// What is refused, and what the refusal says.
+// Bad input is refused, and the refusal says what is wrong and what to do.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <netinet/in.h>

@@ -100,7 +100,7 @@ class BestEffortTest : public testing::TestWithParam<bool> {
     options.udp.use_io_uring = GetParam();
     return options;
   }
-  /// Of the samples up to that one, those that the cable did harm to.
+  /// Returns how many samples up to that one the cable has harmed.
   std::uint64_t harmed(std::uint32_t last) const {
     const auto& harmed = cable_->notes().harmed;
     return static_cast<std::uint64_t>(std::count(harmed.begin(), harmed.begin() + last + 1, true));

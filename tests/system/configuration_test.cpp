@@ -1,4 +1,4 @@
-// What nodes say of their configuration: of what does not hold, and of what is wrong with it.
+// Nodes report which parts of their configuration do not hold, and what is wrong with these.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ class ConfigurationTest : public ::testing::Test {
   void SetUp() override {
     if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
   }
-  /// In a domain that no other test of this process has opened.
+  /// Uses a domain that no other test of this process has opened.
   NodeOptions with(const std::string& cyclonedds_config) {
     NodeOptions options;
     options.domain = domain_;

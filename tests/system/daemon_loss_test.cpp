@@ -132,7 +132,8 @@ class Reading {
     });
     return heard;
   }
-  /// Whether each sample from the first to the last one was taken once and in order, or counted as lost.
+  /// Returns success if each sample from the first to the last one was taken once and in order, or counted as
+  /// lost.
   testing::AssertionResult accounts_for_all() const {
     const std::uint64_t published = last_ - first_ + 1;
     const std::uint64_t lost = subscriber_.status().lost;

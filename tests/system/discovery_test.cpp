@@ -22,7 +22,7 @@ using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
-/// What a process tells of itself while it runs.
+/// The things that a process tells of itself while it runs.
 struct Report {
   std::atomic<bool> failed{false};
   std::atomic<std::size_t> matched{0};  ///< publishers that are heard, or subscribers that are served
@@ -128,7 +128,7 @@ void publish_reliably(Node& node, Report& report) {
   }
 }
 
-/// Of what follows the first sample each has to come, in its turn.
+/// After the first sample each sample has to come, in its turn.
 void subscribe_reliably(Node& node, Report& report) {
   auto subscriber =
       node.subscriber<PointCloud2, F::height | F::data>("points", {.reliability = reliable, .depth = 1000})
@@ -167,8 +167,8 @@ class DiscoveryTest : public ::testing::Test {
     ASSERT_TRUE(run_on(1, "ip address add 10.78.0.2/24 dev eth1; ip link set dev eth1 up"));
   }
 
-  /// By a program for the kernel that returns 2 for what is to be dropped; skips the test where that is not
-  /// possible.
+  /// Filters by a program for the kernel that returns 2 for what is to be dropped. Skips the test where that
+  /// is not possible.
   bool filter_what_is_sent(std::size_t number, const std::string& program) const {
     const Result<void> done = host(number).run(
         {"sh", "-ec",
@@ -208,7 +208,7 @@ TEST_F(DiscoveryTest, NodesThatNameEachOtherFindEachOtherWithoutMulticast) {
 /// Several are there, so that one datagram for them would be worth while: it must not be sent by multicast.
 TEST_F(DiscoveryTest, PeersThatMulticastDoesNotReachAreFoundAndTheirEndIsNoticed) {
   for (const std::size_t number : {0U, 1U}) {
-    // ldb [0]; jeq 1, drop, pass: by the first byte of a multicast's hardware address
+    // ldb [0]; jeq 1, drop, pass: the program looks at the first byte of a multicast's hardware address.
     if (!filter_what_is_sent(number, "4,48 0 0 0,21 0 1 1,6 0 0 2,6 0 0 0")) return;
   }
   const DiscoverySettings here{.peers = {address(1)}, .interfaces = {}};
@@ -226,7 +226,7 @@ TEST_F(DiscoveryTest, PeersThatMulticastDoesNotReachAreFoundAndTheirEndIsNoticed
   EXPECT_TRUE(farther.takes_samples()) << "it has been heard of all the time";
 }
 
-/// They say more seldom that they live than one expects who has none.
+/// Nodes with peers give signs of life more seldom than a node without peers expects.
 TEST_F(DiscoveryTest, TheEndOfANodeThatHasPeersIsNoticedByOneThatHasNone) {
   const NodeProcess publisher(host(0), options(), publish);
   NodeProcess subscriber(host(1), options({.peers = {address(0)}, .interfaces = {}}), subscribe);
@@ -317,7 +317,8 @@ TEST_F(DiscoveryTest, ANodeBehindALinkThatWasDownIsServedAgainAtOnce) {
   EXPECT_TRUE(subscriber.takes_samples(3s));
 }
 
-/// Its default route is another network, where its address is best for all that it knows.
+/// The default route of that host leads to another network, and its address there is best for all that it
+/// knows.
 TEST_F(DiscoveryTest, AHostWithTwoNetworksIsSentSamplesInTheOneThatLeadsThere) {
   ASSERT_TRUE(run_on(1,
                      "ip link add out type veth peer name far; ip link set dev out multicast off\n"
@@ -329,7 +330,7 @@ TEST_F(DiscoveryTest, AHostWithTwoNetworksIsSentSamplesInTheOneThatLeadsThere) {
   EXPECT_TRUE(subscriber.takes_samples());
 }
 
-/// On each of them are nodes that the others do not reach.
+/// On each interface are nodes that the others do not reach.
 TEST_F(DiscoveryTest, NodesAreFoundOnAllInterfacesThatAreListed) {
   plug_in_another_cable();
   const NodeProcess publisher(host(0), options({.interfaces = {"eth0", "10.78.0.1"}}), publish);

@@ -138,7 +138,7 @@ class Talking {
   std::uint32_t number_ = 0;
 };
 
-/// While it lives this process can open no file. (Discovery has the sockets that it needs.)
+/// While this object lives the process can open no file. (Discovery has the sockets that it needs.)
 class NoDescriptors {
  public:
   NoDescriptors() {
@@ -169,7 +169,7 @@ TEST_F(DoorbellLoss, ForWantOfDescriptorsIsServedByUdpUntilThereAreSome) {
                reader.reason.find("Too many open files") != std::string::npos;
       });
     }));
-    // Its datagram is what wakes the second listener, which then may find the sample in shared memory.
+    // The datagram of that sample wakes the second listener, which then may find the sample in shared memory.
     EXPECT_TRUE(talking.is_heard_by(2));
     EXPECT_EQ(warned_of("Too many open files"), 1U);
   }
@@ -191,7 +191,7 @@ TEST_F(DoorbellLoss, OfNamesThatSomebodyRemovedCostsRunningPairsAndNewcomersNoth
   EXPECT_EQ(warned_of("/dev/shm/sft_bell_"), 0U);
 }
 
-/// As a service manager does at log-out, or a clean-up script.
+/// A service manager does that at log-out, or a clean-up script.
 TEST_F(DoorbellLoss, TogetherWithAllOfSharedMemoryIsOverInAMoment) {
   const Listening running;
   Talking talking(options());

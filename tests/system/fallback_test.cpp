@@ -1,5 +1,6 @@
-// What shared memory cannot take goes by UDP, in its place among the others: samples that are too large, and
-// those for which no chunk is free because somebody holds them all. The publisher never fails for it.
+// Samples that shared memory cannot take go by UDP, in their place among the others: samples that are too
+// large, and those for which no chunk is free because somebody holds them all. The publisher never fails
+// because of that.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -256,7 +257,8 @@ TEST_F(FallbackTest, AReaderWithoutUdpMissesWhatIsTooLargeAndThatIsCounted) {
   EXPECT_EQ(publisher.status().diverted, (Diverted{.too_large = 1}));
 }
 
-// Its samples are sent by the routes that are in force behind the history, so its pages turn otherwise.
+// The samples of a durable publisher are sent by the routes that are in force behind the history, so its
+// pages turn at another moment.
 TEST_F(FallbackTest, ADurablePublisherCountsEachSampleOnceByWhicheverWayItGoes) {
   const SmallDaemon daemon("[[pool]]\nsize_kib = 64\ncount = 200\n");
   Node a = Node::open(options("a")).value();

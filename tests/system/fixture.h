@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 enum class Way { shm, udp, udp_sockets };
 
-/// What the test provokes is logged.
+/// True if the test provokes lines in the log.
 inline std::atomic<bool> warnings_expected{false};
 
 inline NodeOptions node_options(Way way, const std::string& name) {

@@ -77,7 +77,7 @@ class ForkTest : public PubSubTest {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
 
-  /// That the pair is as it was, and has everything that is its own.
+  /// Expects that the pair is as it was, and has everything that is its own.
   void expect_undisturbed() {
     EXPECT_EQ(shared_files(), files_);
     EXPECT_EQ(held->sample ? (*held->sample)->height() : 0, 1U);
@@ -90,8 +90,8 @@ class ForkTest : public PubSubTest {
       EXPECT_EQ(sample.info().lost_before, 0U);
       ASSERT_TRUE(eventually([&] { return called_ >= called_before + static_cast<int>(i); })) << i;
     }
-    // What the other process might have told the daemon or other nodes has come by now: this one comes after
-    // it.
+    // Anything that the other process might have told the daemon or other nodes has come by now: this request
+    // comes after it.
     const auto later = held->reading.subscriber<PointCloud2, F::height>("points").value();
     expect_served(held->publisher, 3);
     EXPECT_EQ(disturbances_, 0);

@@ -193,7 +193,7 @@ TEST_F(KillTest, WhenTheDaemonIsKilledSamplesGoOnByUdpAndThenThroughANewOne) {
   publishing.join();
 }
 
-// With the three above and what else kills daemons: 30.
+// Together with the three tests above and the other tests that kill daemons, these are 30 kills.
 TEST_F(KillTest, OfTheDaemonAtRandomMomentsEachSampleIsTakenOnceOrCountedAndHeldOnesStayValid) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};

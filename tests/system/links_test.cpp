@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 
 constexpr std::chrono::seconds patience{15};  // the machine may be slow; 2 s are promised, and printed
 
-/// What a process tells of itself while it runs.
+/// The things that a process tells of itself while it runs.
 struct Report {
   std::atomic<bool> failed{false};
   std::atomic<bool> opened{false};
@@ -133,7 +133,7 @@ class LinksTest : public ::testing::Test {
     std::printf("samples came after %.2f s\n", took.count());
     return came ? testing::AssertionSuccess() : testing::AssertionFailure() << subscriber.report().told();
   }
-  /// What is under way has come.
+  /// Waits until everything that is under way has come.
   static bool falls_silent(const NodeProcess& subscriber) {
     return eventually(
         [&, last = std::uint64_t{0}]() mutable {
@@ -208,7 +208,7 @@ class ChangesOfNetwork : public LinksTest {
   }
   NodeProcess& publisher() { return *publisher_; }
   NodeProcess& subscriber() { return *subscriber_; }
-  /// Whether the robot sends 20 packets more by it within 0.3 s.
+  /// Returns true if the robot sends 20 more packets by that interface within 0.3 s.
   bool goes_by(const std::string& interface) const {
     return host(robot)
         .run({"sh", "-ec",
@@ -276,7 +276,7 @@ TEST_F(ChangesOfNetwork, ByASecondNetworkThatOutlivesTheFirst) {
   EXPECT_TRUE(comes_soon(subscriber()));
 }
 
-/// Neither host sees that, and the node is alive by the other network all the time: so samples have to go
+/// Neither host sees the cut, and the node is alive by the other network all the time. Samples have to go
 /// there, too.
 TEST_F(ChangesOfNetwork, ByACutThatNobodySeesBesideAnotherNetwork) {
   plug_in(robot, "lan1", "10.1.0.1", "second");

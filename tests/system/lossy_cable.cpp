@@ -50,7 +50,7 @@ std::uint64_t not_received(const demo::Descriptor& end) {
   return stats.tp_drops;
 }
 
-/// Of the sample that the frame carries something of; 0 if it does not.
+/// Returns the sequence of the sample that the frame carries a part of; 0 if it carries none.
 std::uint32_t sequence_in(Frame frame) {
   constexpr std::size_t ether_type = 12, protocol = 14 + 9;
   if (frame.size() <= udp_header_end || frame[ether_type] != std::byte{8} ||
@@ -62,7 +62,7 @@ std::uint32_t sequence_in(Frame frame) {
   return begin ? begin->label().sequence : 0;
 }
 
-/// From one end to the other.
+/// One direction of the cable.
 class Way {
  public:
   Way(const demo::Descriptor& from, const demo::Descriptor& to, LossyCable::Notes& notes)
@@ -136,7 +136,8 @@ LossyCable::~LossyCable() {
   waitpid(process_, nullptr, 0);
 }
 
-/// What is in the hands of a process has to be whole: with its checksums, and cut into frames.
+/// Frames that pass through a process have to be whole: with their checksums, and cut to the size of the
+/// link.
 Result<void> LossyCable::plug_in(std::size_t number) const {
   const std::string end = "end" + std::to_string(number);
   const std::string address = demo::EmulatedNetwork::address(number);

@@ -35,7 +35,7 @@ class LossyCable {
   void become(bool bad) { notes_->bad = bad; }
 
   static constexpr std::size_t samples_max = 4096;
-  /// What it did since it was made.
+  /// Counts what the cable did since it was made.
   struct Notes {
     std::atomic<bool> ready{false}, bad{false};
     std::atomic<std::uint64_t> lost{0}, repeated{0}, swapped{0};  ///< frames

@@ -37,7 +37,7 @@ std::map<int, Faults> faults() {
   return faults;
 }
 
-/// Which threads of those that samples pass through have met page faults, and how many.
+/// Names the threads on the path of samples that have met page faults, and how many.
 std::string faulting_since(const std::map<int, Faults>& before) {
   std::string faulting;
   for (const auto& [number, now] : faults()) {
@@ -81,7 +81,8 @@ TEST_P(MemoryLockTest, ThreadsThatPublishSendReceiveAndCallBackMeetNoPageFault) 
       while (const auto sample = taken.take()) bytes += sample->data().size();
     }
   };
-  // What is under way at a time, and so takes memory, has a most that a busy machine reaches late.
+  // The samples that are under way at a time take memory, and a busy machine reaches the largest number of
+  // them late.
   std::string faulting;
   EXPECT_TRUE(eventually(
       [&] {

@@ -54,7 +54,7 @@ class NodeProcessWith {
     waitpid(process_, nullptr, 0);
     process_ = -1;
   }
-  /// As a debugger does, or a machine that has no time for it.
+  /// Stops the process, as a debugger does, or a machine that has no time for it.
   void hold_up() const { kill(process_, SIGSTOP); }
   void let_go() const { kill(process_, SIGCONT); }
   Report& report() const { return *report_; }

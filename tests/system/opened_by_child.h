@@ -14,7 +14,7 @@
 
 namespace sft::test {
 
-/// What became of Node::open().
+/// The outcome of Node::open().
 enum class Opened : std::uint8_t { node, limit_exceeded, other_error, leaked, crashed };
 
 /// Descriptors and threads of this process.

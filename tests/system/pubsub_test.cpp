@@ -190,7 +190,7 @@ TEST_P(PubSubTest, NothingOfEarlierSamplesIsInALoan) {
     EXPECT_EQ(sample.to_owned(), expected);
     EXPECT_EQ(std::ranges::count(sample.cdr(), std::byte{0xA5}), 0);
     if (!in_shared_memory()) continue;
-    // What of the chunk stands in front of that: header, index and padding.
+    // The header, the index and padding stand in front of the body.
     const std::size_t body_offset = SampleLayout(pub.type().slots()).body_offset;
     const std::span chunk(sample.cdr().data() + encapsulation_bytes - body_offset, body_offset);
     EXPECT_TRUE(std::ranges::search_n(chunk, 3, std::byte{0xA5}).empty());
@@ -398,7 +398,7 @@ TEST_P(PubSubTest, ACallbackThatIsKnownToTakeLongHoldsUpNoOtherSubscriber) {
   may_return = true;
 }
 
-// What it asks is answered by the thread that takes the subscriber down.
+// The thread that takes the subscriber down answers the questions of the callback.
 TEST_P(PubSubTest, ACallbackThatHasDestroyedItsSubscriberMayAskTheNode) {
   Node a = open("a");
   Node b = open("b");

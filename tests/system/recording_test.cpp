@@ -187,7 +187,7 @@ TEST_P(RecordingTest, SettingsThatMakeNoSenseAreRefused) {
 INSTANTIATE_TEST_SUITE_P(Ways, RecordingTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
                          way_name);
 
-/// By all ways the same.
+/// as_remote() gives the same by every path.
 class AsRemoteTest : public RecordingTest {
  protected:
   AsRemoteTest() : RecordingTest(true) {}

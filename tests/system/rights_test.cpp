@@ -41,7 +41,7 @@ bool other_users_exist() {
          count > reader;
 }
 
-/// As a user that may only read: answers each sample that came through shared memory.
+/// Answers each sample that came through shared memory, as a user that may only read.
 [[noreturn]] void answer_what_comes_through_shared_memory() {
   if (setgroups(1, &readers_group) != 0 || setgid(reader) != 0 || setuid(reader) != 0) _exit(1);
   Node node = Node::open({.name = "reader"}).value();

@@ -19,7 +19,7 @@ class NodeSnapshotTest : public PubSubTest {
     while (subscriber.take()) ++taken;
     return taken;
   }
-  /// Until all that was published has come or is known not to come.
+  /// Waits until every published sample has come or is known not to come.
   template <class S>
   void expect_all_accounted_for(S& subscriber, std::uint64_t published) {
     EXPECT_TRUE(eventually([&] {

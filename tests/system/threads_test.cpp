@@ -38,7 +38,7 @@ std::set<unsigned> cpus_of(pid_t thread) {
   return cpus;
 }
 
-/// Those of this process, by number.
+/// Returns the threads of this process by number.
 std::map<pid_t, Thread> threads() {
   std::map<pid_t, Thread> threads;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {

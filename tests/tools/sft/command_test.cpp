@@ -50,7 +50,7 @@ TEST_F(CommandTest, HelpTellsOfExitCodes) {
   }
 }
 
-/// Without escape sequences and returns.
+/// Returns the lines without escape sequences and returns.
 std::vector<std::string> shown_lines(const std::string& out) {
   std::istringstream text(std::regex_replace(out, std::regex("\x1b\\[[0-9;]*m|\r"), ""));
   std::vector<std::string> lines;

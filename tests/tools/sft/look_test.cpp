@@ -1,4 +1,4 @@
-// What is there: ls, info, type, why.
+// The verbs ls, info, type and why tell what is there.
 #include <iomanip>
 #include <nav_msgs/msg/Odometry.hpp>
 #include <sstream>
@@ -12,7 +12,7 @@ using nav_msgs::msg::Odometry;
 
 class LookTest : public ToolTest {
  protected:
-  /// As `sft why` writes it.
+  /// Returns the id as `sft why` writes it.
   static std::string id_of(const ReaderStatus& reader) {
     std::ostringstream id;
     id << std::hex << std::setfill('0') << std::setw(16) << reader.id;
@@ -104,7 +104,7 @@ TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatBothOfItsNodesHaveCounted) {
               HasSubstr("\n    matched by udp: the publisher or its node rules shared memory out\n"));
 }
 
-// Of a cloud of 6 MB, two numbers of four bytes.
+// Two numbers of four bytes are asked for, of a cloud of 6 MB.
 TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
   PointCloud2 large = cloud();
   large.data.resize(6'000'000);

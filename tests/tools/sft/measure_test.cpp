@@ -1,4 +1,4 @@
-// What is measured: hz, bw, delay.
+// The verbs hz, bw and delay measure.
 #include "tests/tools/sft/tool_fixture.h"
 
 namespace sft::test {

@@ -233,8 +233,8 @@ TEST_F(PubTest, AfterAKillTheNextOneIsHeard) {
 
 class PubEveryType : public RandomTest {};
 
-/// Of types that are not installed with SFT the node of the test announces what they are. Many at once,
-/// since each waits most of its time.
+/// The node of the test announces the types that are not installed with SFT. Many commands run at once, since
+/// each waits most of its time.
 TEST_F(PubEveryType, IsEchoedAsItWasWritten) {
   constexpr std::size_t at_once = 16;
   Node node = Node::open({.name = "everything", .transport = TransportChoice::udp}).value();

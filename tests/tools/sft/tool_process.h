@@ -36,7 +36,7 @@ class ToolProcess {
   void close_output();
   Ended end();
   const std::string& out() const { return ended_.out; }
-  /// Of the terminal.
+  /// Returns true if the terminal echoes.
   bool echoes() const;
 
  private:
@@ -51,7 +51,7 @@ class ToolProcess {
   Ended ended_;
 };
 
-/// Until it ends by itself. `input` is all that comes by its standard input.
+/// Runs the tool until it ends by itself. `input` is everything on its standard input.
 Ended run_tool(std::vector<std::string> arguments, std::string_view input = {});
 
 }  // namespace sft::test

@@ -64,7 +64,7 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
     const std::shared_ptr<core::BufferPool> pool = test::make_pool();
     const Image image = test::make_image(GetParam().bytes);
     const FieldMask all = fields<Image>("*");
-    // What is kept for repair grows to what the other end acknowledges at a time.
+    // The memory that is kept for repair grows to the amount that the other end acknowledges at a time.
     const std::uint64_t warm_up = GetParam().reliable && GetParam().bytes < 100'000 ? 2'500 : 50;
     const auto send = [&](std::uint64_t sequence) {
       const core::SampleHandle sample = pool->take(test::sample_bytes(image, all));

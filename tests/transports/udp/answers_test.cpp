@@ -1,4 +1,4 @@
-// Where acks and reports come back to those who send.
+// Acks and reports come back to those who send.
 #include <gtest/gtest.h>
 
 #include <array>

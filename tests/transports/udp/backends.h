@@ -14,8 +14,9 @@
 
 namespace sft::udp::test {
 
-/// Why the system has no io_uring for us, as it says itself, whatever the code under test makes of that;
-/// empty if it has. Of plain sockets always empty: where they cannot be opened, a test fails.
+/// Returns why the system has no io_uring for us, as it says itself, whatever the code under test makes of
+/// that; empty if it has io_uring. For plain sockets it is always empty: where they cannot be opened, a test
+/// fails.
 inline std::string refusal_of(Backend backend) {
   if (backend != Backend::io_uring) return {};
   io_uring_params params{};
@@ -28,7 +29,7 @@ inline std::string refusal_of(Backend backend) {
 
 inline const auto both_backends = testing::Values(Backend::io_uring, Backend::sockets);
 
-/// For GoogleTest.
+/// Names the parameter for GoogleTest.
 inline constexpr auto backend_name = [](const auto& info) {
   const Backend backend = info.param;
   return std::string(backend == Backend::io_uring ? "IoUring" : "Sockets");

@@ -1,4 +1,4 @@
-// What a process that does not read for long costs others, and itself.
+// A process that does not read for long costs others nothing, and itself only samples.
 #include <gtest/gtest.h>
 
 #include <chrono>

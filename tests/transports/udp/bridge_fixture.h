@@ -19,7 +19,7 @@
 
 namespace sft::udp::test {
 
-/// What an interface of this host has sent, and what has come to it: bytes that wrap around.
+/// The bytes that an interface of this host has sent and received. The counters wrap around.
 struct Traffic {
   std::uint32_t sent = 0, received = 0;
 };
@@ -54,12 +54,12 @@ class BridgeTest : public testing::Test {
       run("ip link delete " + link + " 2> /dev/null");  // or gone with its host
   }
 
-  /// On this host.
+  /// Opens the publisher on this host.
   void open_publisher() {
     writer_ = open_udp_transport({}, make_pool()).value();
     publisher_ = std::make_unique<Publisher>(*writer_);
   }
-  /// With options of the kernel's bridge.
+  /// Makes a bridge with these options of the kernel's bridge.
   bool make_bridge(const std::string& options) {
     const bool made = run("ip link set lo up && ip link add bridge type bridge " + options);
     if (made) links_.emplace_back("bridge");
@@ -104,7 +104,7 @@ class BridgeTest : public testing::Test {
       readers.push_back({hosts_[i].address, hosts_[i].mask, hosts_[i].reliable});
     publisher_->serve(readers);
   }
-  /// Whether everybody has all.
+  /// Returns true if every reader has every sample.
   bool all_came() {
     for (std::size_t i = 0; i < served_; ++i) {
       const std::size_t count = published_ - hosts_[i].since;

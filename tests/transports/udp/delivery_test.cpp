@@ -1,5 +1,4 @@
-// What becomes of a writer's samples for each of its readers, counted while routes change and queues
-// overflow.
+// The fate of a writer's samples is counted for each of its readers, while routes change and queues overflow.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 

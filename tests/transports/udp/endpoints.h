@@ -86,7 +86,7 @@ class Subscriber final : private core::ArrivalListener {
     changed_.wait_for(lock, at_most, [&] { return taken_.size() >= count; });
     return taken_;
   }
-  /// Those that have come since it was last asked, once there are `count`; fewer after a while.
+  /// Returns the samples that have come since the last call, once there are `count`; fewer after a while.
   std::vector<core::SampleHandle> await_new(std::size_t count) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, patience, [&] { return taken_.size() >= count; });
@@ -143,7 +143,7 @@ class Publisher {
     port_->set_routes(std::move(routes));
   }
 
-  /// As a program's: the image is another one as soon as this returns.
+  /// Publishes as a program does: the image changes as soon as this returns.
   core::SendStatus publish(Image image) {
     PostponedCopies postponed;
     const core::SampleHandle sample = make(image, *pool_, &postponed);

@@ -38,7 +38,7 @@ void without(unsigned call, std::optional<unsigned> argument, int error,
   }).join();
 }
 
-/// As containers make it.
+/// Runs the action without io_uring, as containers do.
 void without_io_uring(int error, const std::function<void()>& action) {
   without(SYS_io_uring_setup, {}, error, action);
 }
@@ -75,7 +75,7 @@ TEST(Fallback, DoesNotReplaceIoUringWhereItIsDemanded) {
   });
 }
 
-/// As with ipv6.disable=1 at the kernel's start.
+/// The kernel behaves so if it was started with ipv6.disable=1.
 TEST(Fallback, UsesIPv4AloneWhereTheSystemHasNoIPv6) {
   without(SYS_socket, AF_INET6, EAFNOSUPPORT, [] {
     const auto there = open_udp_transport({}, test::make_pool()).value();

@@ -29,7 +29,7 @@ class FanOutTest : public test::BridgeTest, public testing::WithParamInterface<b
     publish(samples);
     return static_cast<double>(test::traffic_of("bridge").sent - before) / samples;
   }
-  /// Of those samples that go out before the first reader is offered a group, which takes a while. There are
+  /// Measures samples that go out before the first reader is offered a group, which takes a while. There are
   /// fewer of them where the machine is slow.
   double bytes_of_a_sample_without_groups() {
     publish();

@@ -75,7 +75,7 @@ class FaultyReceiver final : public PassingReceiver {
   std::optional<std::vector<std::byte>> held_;
 };
 
-/// While it is deaf it hears nothing that was sent to a group.
+/// While it is deaf, this receiver hears nothing that was sent to a group.
 class DeafReceiver final : public PassingReceiver {
  public:
   DeafReceiver(std::unique_ptr<DatagramReceiver> inner, const std::atomic<bool>& deaf)
@@ -147,7 +147,7 @@ class DecoratedSender final : public PassingSender {
   DecorateConnection decorate_;
 };
 
-/// What comes back gets lost, and some of it comes twice.
+/// A sender whose datagrams get lost, and sometimes arrive twice.
 class SenderOfBadLink final : public PassingSender {
  public:
   SenderOfBadLink(std::unique_ptr<DatagramSender> inner, const Faults& faults, unsigned seed)

@@ -1,4 +1,4 @@
-// What leaves the host of a loan in recycled memory: its message, and nothing of earlier samples.
+// Only the message of a loan leaves the host, and nothing of earlier samples in the recycled memory.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -79,8 +79,8 @@ class Wire {
   }
   std::uint32_t sequence() const { return sequence_; }  ///< of the last body
 
-  /// Whether four canaries stand in a row anywhere in what was received since the last call: ids and stamps
-  /// may have one by chance.
+  /// Returns true if four canaries stand in a row anywhere in what was received since the last call. Ids and
+  /// stamps may have one by chance.
   bool had_canaries() {
     const bool had = std::ranges::any_of(datagrams_, [](const std::vector<std::byte>& datagram) {
       return !std::ranges::search_n(datagram, 4, std::byte{canary}).empty();
@@ -90,7 +90,7 @@ class Wire {
   }
 
  private:
-  /// Without a report nothing large is sent.
+  /// Sends a report: without one nothing large is sent.
   void report_on(const FlowMark& mark, sockaddr_in to) {
     std::array<std::byte, report_bytes> report{};
     encode(FlowReport{.flow = mark.flow,

@@ -96,8 +96,8 @@ class MulticastTest : public TransportTest {
       return all_hear();
     });
   }
-  /// What one more sample puts on the wire, on average. It is large enough that a heartbeat to each member,
-  /// which is due after a pause, does not count: four have 128 bytes.
+  /// Returns the bytes that one more sample puts on the wire, on average. The sample is so large that a
+  /// heartbeat to each member, which is due after a pause, does not count: four have 128 bytes.
   std::uint64_t bytes_of_one() {
     constexpr int samples = 3;
     constexpr std::size_t data_bytes = 1000;
@@ -223,7 +223,7 @@ TEST_P(MulticastTest, FollowsMasksThatChange) {
   for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
 }
 
-/// It is as if its switch had forgotten it.
+/// The member behaves as if its switch had forgotten it.
 TEST_P(MulticastTest, ServesAloneAgainWhoHearsNothingMore) {
   add("*", true);
   add("*", true, [this](DatagramIo io) {

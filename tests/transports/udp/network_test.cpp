@@ -63,7 +63,7 @@ TEST(NetworkWatchTest, NoticesAnAddressThatComesAndGoesAndNothingElse) {
 
 INSTANTIATE_TEST_SUITE_P(Backends, NetworkTest, test::both_backends, test::backend_name);
 
-/// What waits for the answer of the dead host takes some 3 s until the kernel gives up on it.
+/// Datagrams that wait for the dead host's answer take some 3 s until the kernel gives up on it.
 TEST_P(NetworkTest, ServesOthersWhileOneAddressCannotBeReached) {
   const auto there = open(), here = open();
   Subscriber subscriber(*here, {"*", "stamp"});

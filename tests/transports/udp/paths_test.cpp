@@ -77,7 +77,7 @@ class Host {
   Host& operator=(const Host&) = delete;
 
   bool is_own() const { return own_; }
-  /// For `ip link ... netns`.
+  /// Returns the name for `ip link ... netns`.
   std::string name() const {
     return "/proc/" + std::to_string(::getpid()) + "/task/" + std::to_string(thread_id_) + "/ns/net";
   }

@@ -42,7 +42,7 @@ struct Topic {
   Subscriber subscriber;
 };
 
-/// Its samples are small; and how long these take.
+/// A topic of small samples, and how long these take.
 class SmallTopic {
  public:
   SmallTopic(core::Transport& near, core::Transport& far, const Publisher::Reader& reader,
@@ -52,7 +52,8 @@ class SmallTopic {
     published_at_.push_back(realtime_ns());
     topic_.publisher.publish(make_image(100));
   }
-  /// Of all that were published since it was asked last; those that were lost took forever.
+  /// Returns the 99th percentile of all samples that were published since the last call; a lost sample took
+  /// forever.
   std::chrono::nanoseconds p99() {
     std::vector<std::int64_t> times;
     for (const auto& sample : topic_.subscriber.await(published_at_.size(), 1s)) {

@@ -38,7 +38,7 @@ class SlowSubscriber final : private core::ArrivalListener {
     port_->accept({{.wanted = {fields<Image>("*")}}});
     EXPECT_TRUE(port_->connect(source));
   }
-  /// Until that one has come; fewer after a while.
+  /// Takes samples until that one has come; fewer after a while.
   std::vector<std::uint64_t> take_until(std::uint64_t last) {
     std::vector<std::uint64_t> sequences;
     eventually([&] {

@@ -62,7 +62,7 @@ TEST_F(SnoopingSwitchTest, PassesAGroupOnToItsMembersOnly) {
   EXPECT_LT(test::traffic_of(bystander).sent - to_bystander, sample_bytes);
 }
 
-/// As switches do that flood nothing, or have forgotten who is a member because nobody asks.
+/// Switches do so that flood nothing, or have forgotten who is a member because nobody asks.
 TEST_F(SnoopingSwitchTest, CostsNoSampleWhilePassingNothingOnForWantOfAQuerier) {
   add_hosts(false);
   for (const char* port : {"port1", "port2", "port3", "port4"})
@@ -81,8 +81,8 @@ TEST_F(SnoopingSwitchTest, CostsNoSampleWhilePassingNothingOnForWantOfAQuerier) 
   EXPECT_TRUE(group_passes_to_members_only()) << publisher_->port().multicast(1);
 }
 
-/// It was restarted, say, or the cable is at another port. Hosts report a membership by themselves only when
-/// it begins, once more within a second, and the next query is far off.
+/// The switch was restarted, for example, or the cable is at another port. Hosts report a membership by
+/// themselves only when it begins, once more within a second, and the next query is far off.
 TEST_F(SnoopingSwitchTest, IsToldAgainOfAMemberThatItHasForgotten) {
   switch_querier_on();
   add_hosts(true);

@@ -60,7 +60,7 @@ TEST_F(SocketSenderTest, OpensNoMoreSocketsThanItMay) {
   EXPECT_EQ(open_files(), before + 1);
 }
 
-/// In the second round through the one socket that all share.
+/// In the second round the datagrams go through the one socket that all share.
 TEST_F(SocketSenderTest, SendsOnToAnotherAddressOfEitherFamily) {
   const auto at_ipv6 = open_udp_socket({.bind = {core::loopback_ipv6, 0}, .receive_buffer_bytes = 200'000});
   if (!at_ipv6) GTEST_SKIP() << at_ipv6.error().message;

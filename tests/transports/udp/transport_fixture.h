@@ -31,7 +31,7 @@ struct Way {
 inline const auto all_ways = testing::Values(Way{Backend::io_uring}, Way{Backend::sockets},
                                              Way{Backend::sockets, core::loopback_ipv6});
 
-/// For GoogleTest.
+/// Names the parameter for GoogleTest.
 inline constexpr auto way_name = [](const testing::TestParamInfo<Way>& info) {
   return test::backend_name(info) + (info.param.loopback.is_ipv4() ? "" : "IPv6");
 };

@@ -1,4 +1,4 @@
-// Who gets which fields, where many ask for different ones.
+// Many readers ask for different fields, and each gets its own.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -48,7 +48,7 @@ class Audience {
 
   const std::vector<std::string>& masks() const { return masks_; }
   Subscriber& subscriber(std::size_t number) { return *subscribers_[number]; }
-  /// Whether each, in the end, has had these and no others.
+  /// Expects that each reader has had these samples and no others in the end.
   void expect_sequences(const std::vector<std::uint64_t>& sequences) {
     for (std::size_t i = 0; i < masks_.size(); ++i)
       EXPECT_EQ(subscribers_[i]->await_sequences(sequences.size()), sequences) << masks_[i];

@@ -216,7 +216,7 @@ TEST_P(TransportTest, DeliversEachSampleOnceOrCountsIt) {
   EXPECT_EQ(std::adjacent_find(sequences.begin(), sequences.end()), sequences.end());
 }
 
-/// It does not wait for others to share its datagram, nor for another thread.
+/// A single sample waits neither for others to share its datagram, nor for another thread.
 TEST_P(TransportTest, HandsASingleSampleToTheSystemBeforeItReturns) {
   const auto there = open(), here = open();
   Subscriber subscriber(*here, {"*"});

@@ -70,9 +70,9 @@ class Waited final : private core::ArrivalListener {
   void share() { port_->share_reader(); }
   int received() const { return received_; }
   int received_itself() const { return received_itself_; }
-  /// Its thread is in receive(), or about to be.
+  /// True if its thread is in receive(), or about to be.
   bool waits() const { return waits_; }
-  /// So many samples that thread received for it.
+  /// Returns how many samples that thread received for it.
   int received_by(std::thread::id thread) const {
     const std::scoped_lock lock(mutex_);
     return static_cast<int>(std::ranges::count(called_by_, thread));
@@ -127,7 +127,7 @@ TEST_P(WaitingThread, GetsWhatComesWithoutAnotherThreadBetween) {
   EXPECT_GT(reader.received_itself(), static_cast<int>(samples / 2));
 }
 
-/// How often this thread has slept.
+/// Returns how often this thread has slept.
 long times_asleep() {
   rusage usage{};
   ::getrusage(RUSAGE_THREAD, &usage);
@@ -246,7 +246,7 @@ TEST_P(WaitingThread, DoesNotReceiveForAReaderWithAnotherWay) {
   EXPECT_EQ(reader.received_itself(), 0);
 }
 
-/// Its listener answers each sample by asking for the next.
+/// The reader's listener answers each sample by asking for the next.
 TEST_P(WaitingThread, IsNotNeededForLookingBeforeSleeping) {
   class CalledBack final : public core::ArrivalListener {
    public:
@@ -278,7 +278,7 @@ TEST_P(WaitingThread, IsNotNeededForLookingBeforeSleeping) {
 
 std::atomic<bool> held{false}, may_go{false};
 
-/// As a debugger or an application's signal handler can do to any thread.
+/// A debugger or an application's signal handler can do that to any thread.
 TEST_P(WaitingThread, LosesTheRoleWhileItIsHeldUp) {
   struct sigaction action {};
   action.sa_handler = [](int) {
