@@ -147,7 +147,7 @@ class DecoratedSender final : public PassingSender {
   DecorateConnection decorate_;
 };
 
-/// A sender whose datagrams get lost, and sometimes arrive twice.
+/// The answers to this sender get lost, and some come twice.
 class SenderOfBadLink final : public PassingSender {
  public:
   SenderOfBadLink(std::unique_ptr<DatagramSender> inner, const Faults& faults, unsigned seed)
