@@ -1,4 +1,4 @@
-// What the snippets here use.
+// The snippets of this folder use these declarations.
 #pragma once
 
 #include <sft/sft.h>

@@ -1,4 +1,4 @@
-// What the bytes of an input of fuzz_decoder mean:
+// The bytes of an input of fuzz_decoder are:
 //
 //   u8 number of the type among every_type() (modulo their count) | its mask | the mask to project to | the
 //   body

@@ -16,7 +16,7 @@ constexpr std::size_t input_bytes_max = 400;
 
 std::size_t distance(std::size_t a, std::size_t b) { return a > b ? a - b : b - a; }
 
-/// Of some random inputs the one of which the body's size is best: small, but not empty all through.
+/// Returns the one of some random inputs whose body has the best size: small, but not empty all through.
 template <class RandomInput>
 std::vector<std::byte> small_input(RandomInput random_input) {
   std::vector<std::byte> best;

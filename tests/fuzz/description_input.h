@@ -1,4 +1,4 @@
-// What the bytes of an input of fuzz_type_description mean:
+// The bytes of an input of fuzz_type_description are:
 //
 //   u16 bytes of the description (little-endian) | the description | and, if that is one, a mask | a body
 //

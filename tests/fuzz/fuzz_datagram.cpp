@@ -54,7 +54,7 @@ std::vector<std::byte> to_bytes(std::span<const std::uint8_t> bytes) {
   return d;
 }
 
-/// Of some samples, with all the bytes that there are.
+/// Makes a packed datagram of some samples, from all the bytes that there are.
 void make_packed(udp::FirstHeader header, const FieldMask& mask, std::vector<std::byte>& d) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::size_t>(d[i]); };
   const bool forbidden = byte(14) % 16 == 0;  // packed ones go to no groups
@@ -76,7 +76,7 @@ void make_packed(udp::FirstHeader header, const FieldMask& mask, std::vector<std
     udp::store_word(mask.word(i), &d[header.bytes() + 8 * i]);
 }
 
-/// Into one of those that go between samples, of few channels and groups.
+/// Makes a control datagram, of few channels and groups.
 bool make_plausible_control(std::uint32_t writer, std::vector<std::byte>& d) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
   const std::uint32_t number = (byte(12) | byte(13) << 8) % 1024U;
@@ -167,7 +167,7 @@ void decode_all(const core::SampleBuffer& sample) {
   if (decode(state, TypeTable<T>::type, &value) != WalkStatus::ok) std::abort();  // it was validated
 }
 
-/// What two readers of the first stream get, of which one takes but one mask.
+/// Reads as two readers of the first stream do, of which one takes one mask only.
 void read_in_order(udp::ArrivalWindow& window) {
   window.set_readers({1, 2});
   const FieldMask all = fields<Image>("*");

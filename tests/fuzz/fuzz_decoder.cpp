@@ -51,7 +51,7 @@ class Body {
 
   WalkStatus decode_to(OwnedValue& value) const { return decode(state_, type_.type(), value.get()); }
 
-  /// Of a body that passed the walk. Nothing where a sequence of structs has a huge length and no elements.
+  /// Decodes a body that passed the walk. Empty if a sequence of structs has a huge length and no elements.
   std::optional<OwnedValue> decoded() const {
     OwnedValue value = type_.make();
     const WalkStatus status = decode_to(value);
@@ -75,7 +75,7 @@ class Body {
   std::uint32_t end_ = 0;
 };
 
-/// As a program knows it that was not compiled with it.
+/// Returns the type as a program knows it that was not compiled with it.
 const StructType& parsed(const MessageType& type) {
   static std::map<const TypeSupport*, DynamicType> types;
   const auto known = types.find(type.support);
@@ -212,7 +212,7 @@ void read_views(const Body& body) {
   static_cast<void>(seen);
 }
 
-/// What another process that may write to the chunk can do: body and index are not those that were checked.
+/// Simulates another process that may write to the chunk: body and index are not those that were checked.
 void survive_anything(Body& body, const FieldMask& narrower) {
   const std::span<const std::byte> bytes(body.state().body, body.state().body_bytes);
   for (std::size_t slot = 0; slot < body.index().size() && !bytes.empty(); ++slot) {

@@ -15,7 +15,7 @@ void require(bool condition, const char* what) {
   if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
 }
 
-/// So many of them, or some fewer, in memory that ends where they end.
+/// Returns at most so many elements, in memory that ends where they end.
 template <class Element>
 std::vector<Element> elements(FuzzedDataProvider& data, std::size_t most) {
   std::vector<Element> all(data.ConsumeIntegralInRange<std::size_t>(0, most));

@@ -78,7 +78,7 @@ void check_type(const DynamicType& type, std::span<const std::byte> description)
   require(first_difference(type.type(), DynamicType::parse(again)->type()).empty(), "and is like itself");
 }
 
-/// To every second leaf of the mask.
+/// Projects to every second leaf of the mask.
 void check_projection(const DynamicType& type, const Body& body) {
   FieldMask narrower(body.mask().leaves());
   for (std::size_t leaf = 0; leaf < narrower.leaves(); leaf += 2) {

@@ -1,4 +1,4 @@
-// What programs do with samples, and everything that they may include.
+// This file does what programs do with samples, and includes everything that they may include.
 #include <algorithm>
 #include <ranges>
 #include <sensor_msgs/msg/PointCloud2.hpp>

@@ -1,4 +1,4 @@
-// What the compiler makes of torture.idl.
+// These tests check what the compiler makes of torture.idl.
 #include "torture.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What texts of .msg files mean.
+// These tests check what texts of .msg files mean.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -17,7 +17,7 @@ Field field(std::string_view text) {
 
 Type type(std::string_view text) { return field(std::string(text) + " x").type; }
 
-/// Of one field with the unit that `comment` gives.
+/// Returns the unit of the one field in these lines.
 std::string unit(std::string_view lines) { return field(lines).unit; }
 
 template <class T>

@@ -20,7 +20,7 @@ inline Definition parsed(std::string_view text) {
   return {};
 }
 
-/// What is wrong with `text`, one line each: "LINE MEMBER: TEXT". Empty: nothing.
+/// Returns what is wrong with `text`, one line each: "LINE MEMBER: TEXT". Empty if nothing is.
 inline std::string problems(std::string_view text, const TypeName& name = example) {
   std::string lines;
   const auto result = parse(text, name);

@@ -1,4 +1,4 @@
-// What is refused: text in, line and message out.
+// Wrong texts are refused: text goes in, line and message come out.
 #include <gtest/gtest.h>
 
 #include "tests/generators/msg/parsed.h"

@@ -66,7 +66,7 @@ std::string NegotiationWorld::history() const {
   return text;
 }
 
-// What may happen.
+// The events that may happen.
 
 void NegotiationWorld::add(What what, std::size_t node, std::size_t other) {
   steps_.push_back({what, static_cast<std::uint8_t>(node), static_cast<std::uint8_t>(other)});
@@ -342,7 +342,8 @@ void NegotiationWorld::publish(std::size_t n, std::size_t which) {
   for (const Route& route : writer.in_force.udp) datagrams_.push_back({id, route.reader, route.mask});
 }
 
-/// It names its mask, so it is decoded under that; what counts is that its reader takes such samples.
+/// The datagram names its mask, so it is decoded under that mask. The check is that its reader takes such
+/// samples.
 void NegotiationWorld::arrive(std::size_t which) {
   const Datagram datagram = datagrams_[which];
   datagrams_.erase(datagrams_.begin() + static_cast<std::ptrdiff_t>(which));
@@ -401,7 +402,7 @@ void NegotiationWorld::history_comes(Id writer, Id reader, TransportKind path) {
   }
 }
 
-/// As a node was told by the reader.
+/// Returns true if the reader has told the node so.
 bool NegotiationWorld::has_begun(const Node& node, Id writer, Id reader) const {
   if (const auto own = node.readers.find(reader); own != node.readers.end())
     return holds(node.negotiation.local(reader)->request.begun, writer);

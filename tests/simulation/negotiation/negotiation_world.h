@@ -31,7 +31,7 @@ class NegotiationWorld {
     bool may_use_udp = true;
     core::Qos qos{};
   };
-  /// How often what is not the protocol's own doing may happen.
+  /// How often each event may happen that is not the protocol's own doing.
   struct Budget {
     int mask_changes = 0;
     int rate_changes = 0;
@@ -126,7 +126,8 @@ class NegotiationWorld {
     bool port = false;
     std::set<Id> history_given;  ///< to these readers
   };
-  /// What a node was told of an endpoint elsewhere: the specification that its negotiation is held against.
+  /// The state that a node was told of an endpoint elsewhere: the specification that its negotiation is held
+  /// against.
   struct Told {
     std::shared_ptr<const core::Endpoint> endpoint;
     std::optional<core::Now> lost_since;

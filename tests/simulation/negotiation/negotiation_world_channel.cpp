@@ -1,4 +1,4 @@
-// What the nodes of the world tell each other, and what comes of it.
+// The nodes of the world tell each other things here, and these arrive or get lost.
 #include <algorithm>
 #include <utility>
 
@@ -92,7 +92,7 @@ bool NegotiationWorld::knows_as_silent(std::size_t from, std::size_t to) const {
   });
 }
 
-/// What the node says of its life gets lost; all else comes.
+/// The node's signs of life get lost; everything else arrives.
 void NegotiationWorld::fall_silent(std::size_t from, std::size_t to) {
   Node& node = nodes_[to];
   for (auto& [id, told] : node.told) {

@@ -1,4 +1,4 @@
-// What must hold in the world after each step, and at rest.
+// These checks must hold in the world after each step, and at rest.
 #include <algorithm>
 
 #include "tests/simulation/negotiation/negotiation_world.h"

@@ -1,4 +1,4 @@
-// What the reconciler of each node and the daemon do in the world.
+// The reconciler of each node, and the daemon, as far as the world has them.
 #include <utility>
 
 #include "tests/simulation/negotiation/negotiation_world.h"
@@ -8,7 +8,7 @@ namespace sft::test {
 
 using core::Request;
 
-/// Of a node whose agent has not come to it: what the negotiation wants is checked at once.
+/// Notes that a node has work for its agent. What the negotiation wants is checked at once.
 void NegotiationWorld::changed(std::size_t n, bool dirty) {
   Node& node = nodes_[n];
   node.dirty |= dirty;

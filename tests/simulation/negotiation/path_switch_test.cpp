@@ -26,7 +26,7 @@ constexpr EndpointId neighbour_id = 2;
 /// Keeps what it sends until the test delivers it.
 class PathWriter final : public WriterPort {
  public:
-  /// In shared memory it is the reader that keeps a limit.
+  /// In shared memory the reader keeps the limit of the rate.
   PathWriter(TransportKind kind, std::shared_ptr<BufferPool> pool, std::function<void()> between)
       : by_datagrams_(kind == TransportKind::udp), pool_(std::move(pool)), between_(std::move(between)) {}
 
@@ -90,7 +90,7 @@ class PathSwitch : public test::RandomTest {
     ++published;
   }
 
-  /// What the reader asks for may come late.
+  /// The request of the reader may arrive late.
   std::uint32_t asked_period_us() { return periods_us[below(periods_us.size())]; }
 
   static Route spare(Route route) {
@@ -140,7 +140,7 @@ class PathSwitch : public test::RandomTest {
     }
   }
 
-  /// Whatever is under way.
+  /// Delivers everything that is under way.
   static void deliver_all_of(PathWriter& writer, QueuePort& reader) {
     for (; !writer.sent.empty(); writer.sent.pop_front()) reader.samples.push_back(writer.sent.front());
   }
@@ -224,7 +224,7 @@ class PatientPathSwitch : public PathSwitch {
   void expect_in_place(const Serving& by_udp, const Serving& by_shm);
 };
 
-// In shared memory a sample is there once it is published; datagrams are under way for a while.
+// In shared memory a sample arrives when it is published; datagrams are under way for a while.
 TEST_F(PatientPathSwitch, WhatSharedMemoryRefusesComesByUdpInItsPlaceHoweverLate) {
   refused_percent = 30;
   for (int step = 0; step < 100'000; ++step) {

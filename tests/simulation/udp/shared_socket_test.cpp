@@ -49,7 +49,8 @@ class SharedSocket {
       hear();
     }
   }
-  /// Until each has had an answer: before that it may send next to nothing. False if that takes so long.
+  /// Runs until each sender has had an answer; before that it may send next to nothing. Returns false if that
+  /// takes too long.
   bool run_until_all_are_answered(std::chrono::milliseconds at_most) {
     const auto answered = [this](const Sender& sender) { return sender.window.answers(now_); };
     for (const Time end = now_ + at_most; !std::ranges::all_of(senders_, answered);) {

@@ -140,7 +140,7 @@ void World::start_process() {
   follow();
 }
 
-/// What the readers want by now.
+/// Gives the process what its readers want by now.
 void World::follow() {
   subscriptions_ = directory_->enter();
   reassembly_->set_streams(subscriptions_->streams);
@@ -151,7 +151,7 @@ void World::follow() {
     reassembly_->window(0)->heard(subscriber.reader, subscriber.heard_request());
 }
 
-/// Its successor is served by another channel, once the writer has noticed.
+/// The process's successor is served by another channel, once the writer has noticed.
 void World::crash() {
   crash_at_ = Time::max();
   reassembly_.reset();
@@ -211,7 +211,8 @@ void World::publish_to_group(const Image& image, const FieldMask& all) {
   send_to_group();
 }
 
-/// What has waited long enough. The rest of its samples may go to another group by then, or to none.
+/// Sends the datagrams that have waited long enough. The rest of their samples may go to another group by
+/// then, or to none.
 void World::send_to_group() {
   while (!leaving_.empty() && leaving_.front().at <= now_) {
     const Leaving leaving = std::move(leaving_.front());
@@ -435,7 +436,7 @@ void World::receive(const Bytes& bytes) {
   answer();
 }
 
-/// With the first word of a channel all that is missing of the one before is lost.
+/// With the first word of a channel everything that is missing of the former channel is lost.
 void World::note_channel(const std::optional<udp::ArrivalWindow::Mark>& before,
                          const std::optional<udp::Heartbeat>& heartbeat) {
   const auto mark = reassembly_->window(0)->mark();
@@ -462,7 +463,7 @@ void World::report(const Bytes& bytes) {
   network_.send(Network::Side::writer, std::move(report), now_);
 }
 
-/// As a best-effort reader does.
+/// Takes a sample as a best-effort reader does.
 void World::take_at_once(const core::SampleBuffer& sample) {
   const std::string which = "sample " + std::to_string(sample.sequence);
   if (forgers_) return;
@@ -470,7 +471,7 @@ void World::take_at_once(const core::SampleBuffer& sample) {
     fail(which + " comes twice");
 }
 
-/// What comes for a process of before.
+/// Notes a datagram that comes for a former process.
 void World::note_unwanted(const Bytes& bytes) {
   if (forgers_) return;
   const auto datagram = udp::parse(bytes);
@@ -496,7 +497,7 @@ void World::answer() {
   reassembly_->expire(now_);
 }
 
-/// As for a reader whose queue is now and then full.
+/// Returns the room in the queue of a reader whose queue is now and then full.
 std::size_t World::room_now() {
   const bool lags = scenario_.readers_lag && !reassembly_->window(0)->overtakes();
   return lags ? from_to(random_, 0, 2) : SIZE_MAX;

@@ -29,7 +29,7 @@ namespace sft::simulation {
 
 inline constexpr core::EndpointId writer_id = 0x7'0000'0001;
 
-/// What a seed decides.
+/// The things that a seed decides.
 struct Scenario {
   Weather weather;
   std::size_t datagram_bytes = 1472;
@@ -87,7 +87,7 @@ class World {
     std::vector<Variant> to_get{};  ///< what was sent to it
     std::set<std::uint64_t> got{};  ///< sequences that came
   };
-  /// What was sent in a channel, and what the process knows of it.
+  /// The samples that were sent in a channel, and what the process knows of these.
   struct Channel {
     std::map<std::uint64_t, Variant> sent{};    ///< by ordinal
     std::optional<std::uint64_t> known_from{};  ///< the ordinal that the process began with
@@ -108,7 +108,7 @@ class World {
     std::optional<std::int64_t> ahead{};  ///< of these are the channel's
     udp::GroupMembership membership{};
   };
-  /// What waits to be sent to a group, whether that is the present one or not.
+  /// A datagram that waits to be sent to a group, whether that is the present group or not.
   struct Leaving {
     Time at;
     udp::JobHandle job;

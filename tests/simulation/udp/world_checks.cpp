@@ -1,4 +1,4 @@
-// What must hold in the world after each event, and in the end.
+// These checks must hold in the world after each event, and in the end.
 #include <algorithm>
 #include <span>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace sft::simulation {
 
-/// Whether it is what was published, under its mask.
+/// Returns true if the sample is what was published, under its mask.
 bool World::is_sound(const core::SampleBuffer& sample, const std::string& which) {
   if (sample.writer != writer_id) return fail(which + " names another writer"), false;
   const auto image = images_.find(sample.sequence);
@@ -33,8 +33,8 @@ void World::check_limits() {
   if (!forgers_) check_losses();
 }
 
-/// What was lost the process was told of, each once, and of the oldest first: all of it lies before what may
-/// still come.
+/// The process was told of each lost sample once, the oldest first: all of them lie before what may still
+/// come.
 void World::check_losses() {
   const udp::ArrivalWindow& arrivals = *reassembly_->window(0);
   const auto mark = arrivals.mark();
@@ -50,7 +50,7 @@ void World::check_losses() {
     fail(std::to_string(lost_) + " are said to be lost, and " + std::to_string(missing) + " did not come");
 }
 
-/// Of those that the process knows of, up to `end`.
+/// Returns how many samples are missing of those that the process knows of, up to `end`.
 std::uint64_t World::missing_of(const Channel& channel, std::uint64_t end) const {
   if (!channel.known_from) return 0;
   std::uint64_t missing = 0;

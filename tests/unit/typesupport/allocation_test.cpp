@@ -1,4 +1,4 @@
-// What allocates nothing.
+// These operations allocate nothing.
 #include <gtest/gtest.h>
 
 #include <ranges>

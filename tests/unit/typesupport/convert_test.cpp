@@ -42,7 +42,7 @@ struct Converted {
   std::vector<std::byte> body{};
 };
 
-/// As a publisher takes a payload in, from memory of exactly its size.
+/// Takes a payload in as a publisher does, from memory of exactly its size.
 Converted converted(const StructType& type, std::span<const std::byte> payload) {
   const std::unique_ptr<std::byte[]> memory(new std::byte[payload.size()]);
   std::copy(payload.begin(), payload.end(), memory.get());
@@ -174,7 +174,7 @@ INSTANTIATE_TEST_SUITE_P(Of, Conversion,
                            return std::get<0>(of.param).short_name() + "_from_" + std::get<1>(of.param).name;
                          });
 
-/// What is accepted is the same in every encoding.
+/// The same payloads are accepted in every encoding.
 class ForeignPayloads : public ::testing::TestWithParam<ForeignEncoding> {
  protected:
   static constexpr const StructType& type = TypeTable<sensor_msgs::msg::PointCloud2>::type;

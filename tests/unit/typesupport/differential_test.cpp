@@ -171,7 +171,7 @@ TEST_P(Differential, ACycloneReaderTakesOurPayload) {
   }
 }
 
-/// Of all types, also those that Cyclone does not know, and with any integers in enumerations.
+/// Tests all types, also those that Cyclone does not know, and with any integers in enumerations.
 class RoundTrip : public Differential {};
 
 TEST_P(RoundTrip, ThroughTheBytesOfThePlainestEncoderGivesTheSameValue) {

@@ -1,6 +1,6 @@
-// What a program with nothing but the description of a type reads by name, and prints: for a dozen types that
-// have everything, random values and random masks. That it reads and projects what one that was compiled with
-// the type does is in every_type_law_test.cpp.
+// A program that has only the description of a type reads fields by name, and prints them: for a dozen types
+// that have everything, random values and random masks. every_type_law_test.cpp shows that such a program
+// reads and projects what a program does that was compiled with the type.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What cannot be encoded, what must not be decoded, and what is written besides the leaves.
+// These tests check what cannot be encoded, what must not be decoded, and what is written besides the leaves.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -1,4 +1,5 @@
-// Why a value cannot be encoded: the field, its size and the limit, in the words that programs are told.
+// The reason why a value cannot be encoded names the field, its size and the limit, in the words that
+// programs are told.
 #include "sft/typesupport/encode_fault.h"
 
 #include <gtest/gtest.h>

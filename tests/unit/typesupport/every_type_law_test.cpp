@@ -40,7 +40,7 @@ std::vector<std::byte> bytes_of(const Projection& projection) {
   return bytes;
 }
 
-/// Of all sequences of structs.
+/// Returns the mask of the lengths of all sequences of structs.
 FieldMask lengths_of(const TypeSupport& type) {
   FieldMask lengths(type.leaves());
   for (const std::size_t leaf : type.full()) {
@@ -64,7 +64,8 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     return value;
   }
 
-  /// Of all kinds: of some density, a single leaf, all but one, only lengths, none, all. Not closed.
+  /// Returns a mask of a random kind: of some density, a single leaf, all but one, only lengths, none, all.
+  /// It is not closed.
   FieldMask random_mask() {
     const std::size_t leaves = compiled.leaves();
     switch (random() % 8) {
@@ -100,7 +101,7 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     shows_what_is_declared(expected, full, mask);
   }
 
-  /// By a plan of the compiled type and by one of the parsed type.
+  /// Projects by a plan of the compiled type and by one of the parsed type.
   void projections_are_the_sample(const Encoded& source, const Encoded& sample) {
     for (const StructType* of : {&type, &parsed.type()}) {
       ASSERT_TRUE(projection.project(source.state(), ProjectionPlan(*of, *sample.state().mask)));
@@ -109,7 +110,7 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     }
   }
 
-  /// Until then their bytes are found in the value.
+  /// Until the copies are made, their bytes are found in the value.
   void postponed_copies_are_made_later(const OwnedValue& value, const Encoded& sample) {
     std::vector<std::uint64_t> memory(sample.bytes().size() / 8 + 1, 0x5a5a5a5a5a5a5a5a);
     const std::span body(reinterpret_cast<std::byte*>(memory.data()), sample.bytes().size());
@@ -153,7 +154,7 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     ASSERT_FALSE(state.is_malformed());
   }
 
-  /// Of a sample with everything a reader sees what it declared, as if that were all.
+  /// A reader of a full sample sees what it declared, as if the sample had nothing else.
   void shows_what_is_declared(const OwnedValue& expected, const Encoded& full, const FieldMask& mask) {
     SampleState state = full.state();
     if (random() % 2 == 0) state.index = nullptr;

@@ -1,5 +1,5 @@
-// What a fuzzer does, for a moment and under any compiler: its kept inputs, and randomly damaged ones. What
-// has to hold for them is in its fuzz_*.cpp, which this is linked with.
+// This test does for a moment, and under any compiler, what a fuzzer does: it takes the kept inputs, and
+// randomly damaged ones. The fuzzer's fuzz_*.cpp, which this test is linked with, has the checks.
 #include <gtest/gtest.h>
 
 #include <filesystem>

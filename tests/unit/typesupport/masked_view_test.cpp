@@ -1,4 +1,4 @@
-// What the generated getters return, for samples that have only some fields: the values that were encoded.
+// The generated getters return the values that were encoded, for samples that have only some fields.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,7 +43,8 @@ bool same(std::span<const E> got, const std::array<E, N>& owned) {
 
 bool same(StringRange got, const std::vector<std::string>& owned) { return std::ranges::equal(got, owned); }
 
-/// Whether a range of views has as many elements as `owned`, and same_element(view, element) for each.
+/// Returns true if a range of views has as many elements as `owned`, and same_element(view, element) holds
+/// for each.
 template <class Range, class Owned, class SameElement>
 bool each_same(const Range& got, const Owned& owned, SameElement same_element) {
   return got.size() == owned.size() && std::ranges::equal(got, owned, same_element);
@@ -178,7 +179,8 @@ TEST_F(MaskedViewTest, EnumerationsStringsAndBooleansInSequences) {
   });
 }
 
-/// Whether an optional getter's result is there exactly if the leaf is in the mask, and is right then.
+/// Returns true if an optional getter has a result exactly if the leaf is in the mask, and the result is
+/// right.
 template <class V, class Owned>
 bool there_if(bool expected, const std::optional<V>& got, const Owned& owned) {
   return got.has_value() == expected && (!expected || same(*got, owned));

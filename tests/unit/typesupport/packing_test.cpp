@@ -1,4 +1,4 @@
-// Which structs are copied in one piece: those that CDR encodes without padding wherever they stand.
+// A struct is copied in one piece if CDR encodes it without padding wherever it stands.
 #include <gtest/gtest.h>
 
 #include <geometry_msgs/msg/PoseWithCovariance.hpp>

@@ -19,7 +19,7 @@ class PostponedCopiesTest : public ::testing::Test {
 
   bool postpone(std::size_t at, std::size_t bytes) { return copies_.add(place(at), source(at), bytes); }
   std::string body() const { return {body_.data(), body_.size()}; }
-  /// What somebody finds who looks for the whole body now.
+  /// Returns what somebody finds who looks for the whole body now.
   std::string located() {
     const Segment whole{place(0), body_.size()};
     std::vector<Segment> parts;

@@ -1,5 +1,5 @@
-// What follows from the projection law (every_type_law_test.cpp): for a dozen types that have everything,
-// random values and random masks.
+// These laws follow from the projection law (every_type_law_test.cpp): for a dozen types that have
+// everything, random values and random masks.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -123,7 +123,7 @@ TEST_P(ProjectionLaw, AnIndexThatWasWalkedServesTheProjectionAsWell) {
 
 TEST_P(ProjectionLaw, ReservedSequencesAreEncodedAsIfFilledLater) {
   for_random_values_and_masks([this](const OwnedValue& value, const FieldMask& mask) -> AssertionResult {
-    // What is reserved for each sequence outside of collections is the length that the value has there.
+    // For each sequence outside of collections the length is reserved that the value has there.
     OwnedValue prototype = GetParam().make();
     std::vector<Reservation> reservations;
     reference::project(value, support().full(), prototype);

@@ -1,4 +1,5 @@
-// How bytes are projected: what is copied, what is only referenced, and what the runtime refuses.
+// These tests check how bytes are projected: what is copied, what is only referenced, and what the runtime
+// refuses.
 #include "sft/typesupport/project.h"
 
 #include <gtest/gtest.h>

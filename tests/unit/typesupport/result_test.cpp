@@ -1,4 +1,4 @@
-// What becomes of an error that a program does not look at.
+// These tests check what becomes of an error that a program does not look at.
 #include "sft/typesupport/result.h"
 
 #include <gtest/gtest.h>

@@ -76,14 +76,14 @@ class FirstDifference : public ::testing::Test {
  protected:
   using Members = std::vector<Member>;
 
-  /// Wherever there is one, the hashes differ, too.
+  /// Returns the difference between the two; wherever there is one, the hashes differ, too.
   static std::string between(const Members& here, const Members& there) {
     const StructType a("T", here), b("T", there);
     const std::string difference = first_difference(a, b);
     EXPECT_EQ(difference.empty(), structure_hash(a) == structure_hash(b)) << difference;
     return difference;
   }
-  /// Those that differ from this one in a single thing, and what that is.
+  /// Returns members that differ from this one in a single thing, and what that is.
   static std::vector<std::pair<Member, std::string_view>> neighbours_of(const Member& original) {
     std::vector<std::pair<Member, std::string_view>> all;
     const auto add = [&](std::string_view what, const auto& change) {

@@ -25,7 +25,7 @@ class Connections {
   const std::vector<SocketAddress>& redirected() const { return redirected_; }
   /// Datagrams.
   const std::vector<Bytes>& sent() const { return sent_; }
-  /// What a receiver says to the last mark that was sent.
+  /// Returns the answer of a receiver to the last mark that was sent.
   FlowReport answer_to_mark(std::uint32_t window_bytes = 1'000'000) const {
     std::optional<FlowMark> last;
     for (const Bytes& bytes : sent_) {
@@ -39,9 +39,9 @@ class Connections {
             .came = last->datagrams,
             .sent_at_ns = last->sent_at_ns};
   }
-  /// Behind so many batches send buffers are full.
+  /// After so many batches the send buffers are full.
   void take_batches(std::size_t count) { batches_left_ = count; }
-  /// What is done once a batch has left.
+  /// Sets what is done once a batch has left.
   void behind_each(std::function<void()> act) { behind_each_ = std::move(act); }
 
  private:

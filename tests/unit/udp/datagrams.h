@@ -12,7 +12,7 @@ namespace sft::udp::test {
 
 using Bytes = std::vector<std::byte>;
 
-/// Whose samples they are, where a test has one writer.
+/// The writer of the samples, where a test has one writer.
 inline constexpr core::EndpointId writer = 0xaaaa'bbbb'0000'0001;
 
 inline void append_datagrams(std::span<const iovec> parts, std::size_t segment_bytes,

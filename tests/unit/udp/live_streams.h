@@ -69,7 +69,7 @@ class LiveStreams {
     if (captured_.size() > 4000) captured_.erase(captured_.begin(), captured_.begin() + 2000);
   }
 
-  /// Whatever it is, it comes to the process.
+  /// Gives the datagram to the process, whatever it is.
   void receive(std::span<const std::byte> datagram) {
     const std::optional<DatagramKind> kind = kind_of(datagram);
     const ArrivalTime now{now_, 1};
@@ -89,7 +89,7 @@ class LiveStreams {
   /// Honest datagrams of before, of all kinds.
   const std::vector<Bytes>& captured() const { return captured_; }
 
-  /// How many samples that were published from that time on have come, unharmed, of that stream.
+  /// Returns how many samples of that stream have arrived unharmed that were published from that time on.
   std::size_t came_since(StreamKind kind, Time time) const {
     const One& one = *streams_[static_cast<std::size_t>(kind)];
     std::size_t came = 0;
@@ -99,7 +99,7 @@ class LiveStreams {
   }
   /// Samples of that stream whose bytes are not those that were published.
   std::size_t harmed(StreamKind kind) const { return streams_[static_cast<std::size_t>(kind)]->harmed; }
-  /// How far both ends are, for whoever looks for a fault.
+  /// Describes how far both ends are, for those who look for a fault.
   std::string describe(StreamKind kind) {
     const auto i = static_cast<std::size_t>(kind);
     const One& one = *streams_[i];
@@ -256,7 +256,7 @@ class LiveStreams {
     window.release();
   }
 
-  /// As a subscriber does.
+  /// Takes samples as a subscriber does.
   void take(One& one) {
     while (const core::SampleHandle sample = one.inbox.take()) {
       const core::Numbered numbered{
@@ -264,7 +264,7 @@ class LiveStreams {
       if (!one.account.is_new(numbered)) continue;
       one.lost += one.account.enter(numbered).lost;
       one.last = sample->sequence;
-      // What has no channel says only the low half of its sequence.
+      // A sample without a channel carries only the low half of its sequence.
       const std::uint64_t said =
           is_reliable(one.kind) ? sample->sequence : static_cast<std::uint32_t>(sample->sequence);
       const auto published = one.published.find(said);

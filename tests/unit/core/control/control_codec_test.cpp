@@ -1,4 +1,4 @@
-// What comes from the control topics is checked before the core sees it.
+// Samples of the control topics are checked before the core sees them.
 #include "core/control/control_codec.h"
 
 #include <gtest/gtest.h>

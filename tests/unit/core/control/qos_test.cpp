@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// From the least offered to the most.
+/// Returns the values from the weakest offer to the strongest.
 std::vector<Qos> weakest_to_strongest(QosPolicy policy) {
   switch (policy) {
     case QosPolicy::reliability:

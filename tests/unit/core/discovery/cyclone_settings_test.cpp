@@ -1,5 +1,4 @@
-// What is read of a user's configuration is what Cyclone DDS reads: its liberties with XML and with names,
-// too.
+// SFT reads a user's configuration as Cyclone DDS reads it, with its liberties about XML and names.
 #include "core/discovery/cyclone_settings.h"
 
 #include <gmock/gmock.h>

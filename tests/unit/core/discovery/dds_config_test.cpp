@@ -22,7 +22,7 @@ DdsConfig config(const std::string& user, const DiscoverySettings& settings = {}
 const LinkSpec lo{"lo", loopback_ipv4, 8, true, true, 1};
 const LinkSpec eth0{"eth0", IpAddress(0x0A000005), 24, false, false, 2};
 
-/// What Cyclone gets to hear in the end, for the loopback unless it is said otherwise.
+/// Returns the settings that Cyclone gets in the end, for the loopback unless another link is given.
 CycloneSettings heard(const DdsConfig& config, const LinkSpec& link = lo) {
   return CycloneSettings::read(config.text_for(link), 0).value();
 }

@@ -1,4 +1,4 @@
-// Which links discovery should have, as a table of hosts.
+// A table of hosts, each with the links that discovery should have there.
 #include "core/discovery/desired_links.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// What is heard on several links is told once, and ids are bound to those who announced them first.
+// News that are heard on several links are told once, and ids are bound to those who announced them first.
 #include "core/discovery/link_merge.h"
 
 #include <gmock/gmock.h>
@@ -67,7 +67,7 @@ class LinkMergeTest : public ::testing::Test {
     }
   }
 
-  /// What was told since it was asked last, without signs of life.
+  /// Returns what was told since the last call, without signs of life.
   std::vector<std::string> told() {
     std::vector<std::string> all;
     for (const News& news : merge.take_news()) {
@@ -226,7 +226,7 @@ TEST_F(LinkMergeTest, RefusesIdsOfAnotherNode) {
   EXPECT_THAT(told(), ElementsAre("honest 1 by 11", HasSubstr("refused: another node announces")));
 }
 
-/// Its address has changed: it says farewell to nobody, and has another participant.
+/// The node's address has changed: it says farewell to nobody, and has another participant.
 TEST_F(LinkMergeTest, BelievesTheEndpointsOwnNodeSoonAlsoIfAnotherNodeAnnouncedTheEndpointFirst) {
   announces_as_another_node(1001);
   announces(by_lan, 1);

@@ -1,4 +1,4 @@
-// Which nodes of other releases are named, and how often.
+// Nodes of other releases are named, and not too often.
 #include "core/discovery/other_releases.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What the user data of participants say, and what becomes of those that make no sense.
+// These tests read the user data of participants, and data that make no sense.
 #include "core/discovery/participant_mark.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// How often links are made anew.
+// Links are made anew neither too often nor too seldom.
 #include "core/discovery/renewal_pace.h"
 
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@ using namespace std::chrono_literals;
 
 class RenewalPaceTest : public ::testing::Test {
  protected:
-  /// How often the link is made anew where that is needed `after` each time, for so long; and the longest
-  /// pause.
+  /// Returns how often the link is made anew if that is needed `after` each time, for so long; and the
+  /// longest pause.
   int renewals(std::chrono::milliseconds duration, std::chrono::milliseconds after) {
     int count = 0;
     longest = 0ms;

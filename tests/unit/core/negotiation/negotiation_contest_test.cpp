@@ -30,14 +30,14 @@ class Contests : public NegotiationTest {
     said.announcer = honest;
     there.request_received(said);
   }
-  /// As the reconciler does it. Returns how many endpoints were contested.
+  /// Takes the contested endpoints back, as the reconciler does. Returns how many there were.
   std::size_t take_back() {
     const auto contested = negotiation.take_contested();
     if (!contested.empty()) announce();
     if (!contested.empty()) send();
     return contested.size();
   }
-  /// As both hear it.
+  /// Gives the forged request to both negotiations.
   void forge(Request request) {
     request.announcer = forger;
     there.request_received(request);

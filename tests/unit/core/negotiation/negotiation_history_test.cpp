@@ -20,7 +20,7 @@ class LateReaderTest : public NegotiationTest {
     reader.request.attached = {100};
     return reader;
   }
-  /// It says that what is for it alone has begun to come.
+  /// The reader says that its retained samples have begun to arrive.
   void begin(EndpointId reader, std::uint64_t sequence) {
     Request begun = request(reader, sequence, F::data, {100});
     begun.begun = {100};

@@ -1,4 +1,4 @@
-// What one participant that announces without end costs everybody else.
+// One participant that announces without end costs everybody else little.
 #include <gtest/gtest.h>
 
 #include "tests/unit/core/negotiation/negotiation_fixture.h"
@@ -123,7 +123,7 @@ class Comparisons : public NegotiationTest {
     other.type_description = {std::byte{1}};
     return other;
   }
-  /// Whether it is known already.
+  /// Returns true if the comparison is known already.
   bool compare(std::uint64_t n) {
     comparisons.refill();
     const std::uint64_t before = comparisons.compared();

@@ -1,4 +1,5 @@
-// Which pairs of a writer and a reader match, by which ways, and what is said of those that do not.
+// These tests check which pairs of a writer and a reader match, by which paths, and what is said of those
+// that do not.
 #include <gtest/gtest.h>
 
 #include "sft/typesupport/type_description.h"

@@ -381,8 +381,8 @@ TEST_F(NegotiationTest, OfTooManyRequestsOfReadersThatHaveNotComeTheOldestMakesR
   EXPECT_EQ(small.serving(100).udp.at(0).mask, FieldMask(F::data));
 }
 
-// Whatever the order in which announcement, requests and shared memory come: once all came, the outcome is
-// the same.
+// Announcement, requests and shared memory may come in any order. Once all have come, the outcome is the
+// same.
 TEST_F(NegotiationTest, TheOutcomeDoesNotDependOnTheOrderOfEvents) {
   std::random_device entropy;
   const auto seed = entropy();

@@ -19,7 +19,7 @@ constexpr std::size_t batch_datagrams = 10, batch_bytes = 14'720;
 
 class FlowWindowTest : public testing::Test {
  protected:
-  /// As the sending thread does; returns socket bytes.
+  /// Sends as the sending thread does; returns socket bytes.
   std::size_t send_while_there_is_room(Size size = Size::large, std::size_t at_most = SIZE_MAX) {
     const std::uint64_t before = window.position();
     while (window.position() - before < at_most && window.room(size, now) > 0) {

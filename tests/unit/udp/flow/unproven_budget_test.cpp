@@ -1,4 +1,4 @@
-// What all made-up destinations on one host together are sent.
+// All made-up destinations on one host together are sent no more than a budget.
 #include "udp_transport/flow/unproven_budget.h"
 
 #include <gtest/gtest.h>

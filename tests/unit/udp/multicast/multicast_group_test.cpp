@@ -49,7 +49,7 @@ class MulticastGroupTest : public testing::Test {
   static std::uint64_t keep(Channel& channel, const JobHandle& job, bool elsewhere) {
     return channel.post_shared(job, job->first, elsewhere).kept.ordinal;
   }
-  /// It has not left yet.
+  /// Makes a job that has not left yet.
   JobHandle place(std::size_t bytes = 8) {
     const JobHandle sent = job(bytes);
     const std::uint64_t ordinal = group->next_ordinal(now);
@@ -72,7 +72,7 @@ class MulticastGroupTest : public testing::Test {
     const std::uint64_t ordinal = send();
     for (std::uint32_t i = 0; i < 4; ++i) report(i, ordinal);
   }
-  /// What is left of a request for that sample to be answered alone.
+  /// Returns what is left of a request for that sample to be answered alone.
   std::size_t ask(std::size_t member, std::uint64_t ordinal) {
     Ack ack{.writer = writer, .channel = static_cast<std::uint32_t>(member + 1), .next = 1};
     ack.missing[ack.missing_count++] = {static_cast<std::uint32_t>(ordinal + member), 0, 0};

@@ -42,7 +42,7 @@ class ArrivalWindowTest : public testing::Test {
   void hear(std::uint64_t first, std::uint64_t end, std::uint32_t channel = 1) {
     window.hear({.writer = 1, .channel = channel, .port = 1, .first = first, .end = end}, now);
   }
-  /// What that reader gets now; samples are for all, or name one.
+  /// Returns what that reader gets now; samples are for all, or name one.
   Numbers take(core::EndpointId reader = 1) {
     Numbers sequences;
     const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t) {
@@ -326,7 +326,7 @@ TEST_F(ArrivalWindowTest, HandsNothingOverThatItHasGivenUp) {
   EXPECT_EQ(take(), (Numbers{20, 30, 40, 50}));
 }
 
-/// Of many processes that miss the same, how long after they noticed.
+/// Returns how long after they noticed many processes ask that miss the same.
 std::vector<ArrivalWindow::Time::duration> times_of_asking(bool spread) {
   std::vector<ArrivalWindow::Time::duration> times;
   const ArrivalWindow::Time now{1h};

@@ -21,7 +21,7 @@ constexpr std::uint32_t writer = 7, channel = 3;
 
 class ResendWindowTest : public testing::Test {
  protected:
-  /// Of which so many bytes of memory are held.
+  /// Makes a job that holds so many bytes of memory.
   JobHandle job(std::size_t bytes, std::uint64_t sequence = 1) {
     const FieldMask all = test::fields<Image>("*");
     const Image image = test::make_image(bytes);

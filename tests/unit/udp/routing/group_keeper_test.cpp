@@ -1,4 +1,4 @@
-// Which readers of a writer are put into multicast groups, and when.
+// These tests check which readers of a writer are put into multicast groups, and when.
 #include "udp_transport/routing/group_keeper.h"
 
 #include <gtest/gtest.h>
@@ -66,7 +66,7 @@ class GroupKeeperTest : public testing::Test {
     for (std::uint32_t i = 0; i < count; ++i) reader(first_link + 10 + next_host_++, mask);
   }
 
-  /// As a table of routes is made.
+  /// Serves the routes as a table of routes is made.
   void serve() {
     merged_ = gather(routes_, destinations_);
     keeper_->merge(merged_, now_);

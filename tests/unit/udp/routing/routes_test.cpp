@@ -50,7 +50,7 @@ TEST_F(RoutesTest, SpareRoutesComeLastAndShareNumbersAndLanesWithOthers) {
   EXPECT_EQ(t->reached(false).size(), 1U);
   ASSERT_EQ(t->reached(true).size(), 2U);
   EXPECT_EQ(t->groups[1].wire, t->groups[0].wire);
-  // Who is behind a socket that the sample goes to anyway gets it there.
+  // A reader behind a socket that the sample goes to anyway gets it there.
   ASSERT_EQ(t->groups[1].lanes.size(), 1U);
   EXPECT_NE(t->groups[1].lanes[0], t->groups[0].lanes[0]);
   const auto after = table({route(2, data)});

@@ -104,7 +104,7 @@ TEST(Datagram, CarriesItsPlaceInAChannelBehindAllOthers) {
   EXPECT_FALSE(parse(bytes)) << "ordinals count from 1";
 }
 
-/// Of a sample that a whole datagram has room for.
+/// Returns the header of a sample that a whole datagram has room for.
 FirstHeader whole_header() {
   return {.label = {.writer = 0x04030201, .sequence = 0x14131211, .variant = 0x155},
           .flags = channel_follows,
