@@ -1,4 +1,4 @@
-// What the files of a system say about threads, in directories that stand for /proc and /sys.
+// The files of a system say how many threads may start. Directories stand for /proc and /sys here.
 #include "core/platform/task_limits.h"
 
 #include <gtest/gtest.h>

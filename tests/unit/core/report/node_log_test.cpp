@@ -1,4 +1,4 @@
-// What reaches a program's log sink, and how little of what comes again and again.
+// These tests check what reaches a program's log sink, and how little of what is repeated.
 #include "core/report/node_log.h"
 
 #include <gtest/gtest.h>

@@ -75,7 +75,7 @@ TEST_F(RateBudgetTest, AClockThatIsSetBackHoldsNothingUp) {
   EXPECT_TRUE(budget.take(now_ns - 3'600'000 * ms + 100 * ms));
 }
 
-// What lets a reader in shared memory follow its writer without a word between them.
+// This rule lets a reader in shared memory follow its writer without a word between them.
 TEST_F(RateBudgetTest, WhoSeesNoMoreThanTheWriterLetPassTakesAllOfIt) {
   for (int round = 0; round < 200; ++round) {
     RateBudget writer(10'000);
@@ -117,7 +117,7 @@ class SequenceAccountTest : public ::testing::Test {
     return {sequence, stamp(sequence), true, period, ordinal};
   }
   static Numbered by_memory(std::uint64_t sequence) { return {sequence, stamp(sequence), false, 0, 0}; }
-  /// Of a source of 100 Hz.
+  /// Returns the stamp of a sample of a source of 100 Hz.
   static std::int64_t stamp(std::uint64_t sequence) {
     return now_ns / (100 * ms) * (100 * ms) + static_cast<std::int64_t>(sequence) * 10 * ms;
   }
@@ -161,7 +161,8 @@ TEST_F(SequenceAccountTest, DoesNotBeginAnewForOneOldSampleOrForOnesThatAnotherP
   EXPECT_FALSE(account.is_new(by_memory(8))) << "the same sample again confirms nothing";
 }
 
-// Whatever is lost, and whatever pauses the source makes, over UDP the two are told apart exactly.
+// Over UDP lost and withheld samples are told apart exactly, whatever is lost and whatever pauses the source
+// makes.
 TEST_F(SequenceAccountTest, OverUdpLostAndWithheldAreExact) {
   std::mt19937_64 random(test::test_seed());
   SCOPED_TRACE(test::how_to_repeat());
