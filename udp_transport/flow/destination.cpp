@@ -103,7 +103,7 @@ void Destination::reconnect() noexcept {
   if (Connection* const bulk = bulk_in_use_.load(std::memory_order_acquire)) bulk->reconnect();
 }
 
-/// It may have moved before others know of that connection.
+/// The destination may have moved before others know of that connection.
 Connection& Destination::bulk() {
   if (bulk_ == nullptr) {
     const SocketAddress to = address();
@@ -128,7 +128,7 @@ std::size_t Destination::room(Size size, Time now) {
   return room;
 }
 
-/// With the mutex of the window held.
+/// REQUIRES: the mutex of the window is held.
 void Destination::note_answers(Time now) { answers_.store(window_.answers(now), std::memory_order_relaxed); }
 
 bool Destination::takes_control(Time now) {
@@ -208,7 +208,8 @@ bool Destination::is_at(const core::IpAddress& ip) const {
   return ip == address_.ip || std::ranges::find(also_at_, ip) != also_at_.end();
 }
 
-/// Its host has several addresses, or somebody on the way translates them.
+/// Learns another address of the destination: its host has several, or somebody on the way translates
+/// addresses.
 void Destination::learn(const core::IpAddress& from) {
   const std::scoped_lock lock(mutex_);
   if (also_at_.size() == also_at_max) also_at_.pop_front();
@@ -276,7 +277,8 @@ std::uint32_t DestinationDirectory::first_channel(const Key& key) const {
   return static_cast<std::uint32_t>(keyed_hash(channel_key_, words));
 }
 
-/// With the mutex held. Whoever does not know whose an address is may find one that is there at present.
+/// REQUIRES: the mutex is held. A caller that does not know whose an address is may find a destination that
+/// is there at present.
 std::shared_ptr<Destination> DestinationDirectory::known(const core::UdpAddress& address) {
   std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
   if (const auto found = known_.find(key_of(address)); found != known_.end()) return found->second.lock();

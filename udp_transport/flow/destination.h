@@ -46,21 +46,22 @@ class Destination {
 
   /// For what is small, and must not queue behind large samples.
   Connection& connection() { return *connection_; }
-  /// For what must not overtake anything that was sent up to `position`.
+  /// Returns the connection for datagrams that must not overtake anything that was sent up to `position`.
   Connection& connection_after(std::uint64_t position);
 
   std::size_t datagram_bytes() const { return datagram_bytes_.load(std::memory_order_relaxed); }
   std::size_t datagrams_per_call() const;
-  /// What its socket holds, as announced; 0: nothing was.
+  /// The size of the remote socket's receive buffer as announced; 0 if none was.
   std::uint32_t receive_buffer_bytes() const { return receive_buffer_bytes_.load(std::memory_order_relaxed); }
   void set_receive_buffer(std::uint32_t bytes);
 
-  // How much may be under way: FlowWindow says what these mean. Any thread.
+  // These functions tell how much may be under way, and take what was sent; FlowWindow explains them. Any
+  // thread.
 
   std::size_t room(Size size, Time now);
   bool takes_control(Time now);
   std::size_t batch_bytes();
-  /// What was sent through one of the connections. Tells the receiver, if it is time to.
+  /// Notes what was sent through one of the connections. Sends the receiver a mark if one is due.
   void sent(const Connection& by, std::size_t bytes, std::size_t datagrams, Time now);
   /// The host there says that nobody has that port.
   void refused(Time now);
@@ -81,12 +82,12 @@ class Destination {
   std::uint32_t name_of_channel(std::uint32_t number) const { return channels_ + number; }
   /// The shortest of late; 0: not known.
   Time::duration round_trip();
-  /// Whether what comes from that address can be the receiver's word: we send there, or it has reported from
-  /// there.
+  /// Returns true if a datagram from that address can be the receiver's word: we send there, or the receiver
+  /// has reported from there.
   bool is_at(const core::IpAddress& ip) const;
-  /// It has reported, and was not silent when somebody last looked.
+  /// True if the receiver has reported, and was not silent at the last look.
   bool answers() const { return answers_.load(std::memory_order_relaxed); }
-  /// It was asked for a second and does not answer.
+  /// True if the receiver was asked for a second and does not answer.
   bool is_mute(Time now);
 
   /// The sending thread: for large samples.
@@ -95,7 +96,7 @@ class Destination {
   Connection* bulk_in_use() { return bulk_in_use_.load(std::memory_order_acquire); }
 
   SocketAddress address() const;
-  /// To another address of the same socket: what is on its way there goes on. Any thread.
+  /// Moves to another address of the same socket; datagrams on their way go on. Any thread.
   void move_to(const SocketAddress& address, std::shared_ptr<UnprovenBudget> host) noexcept;
   /// Counts these moves, and the returns of a receiver that was silent: what it is told again, it is told at
   /// once.
@@ -104,7 +105,7 @@ class Destination {
   /// Learns from a send that was refused; the next one fits, and takes the way as it is now. Any thread.
   void note(SendOutcome outcome) noexcept;
 
-  // What the other end lets know of long datagrams (path_mtu.h). Any thread.
+  // These functions know what the other end tells about long datagrams (path_mtu.h). Any thread.
 
   bool length_in_doubt() const { return length_in_doubt_.load(std::memory_order_relaxed); }
   void long_ones_were_lost(PathMtu::Time now) noexcept;
@@ -120,11 +121,11 @@ class Destination {
   std::size_t ask_kernel(const SocketAddress& address) const noexcept;
   PathMtu path_to(const SocketAddress& address) const noexcept;
   void learn_from_kernel() noexcept;
-  /// With the mutex held.
+  /// REQUIRES: the mutex is held.
   void publish_length() noexcept;
   void reconnect() noexcept;
   void send(FlowMark mark, Time now);
-  /// Behind all that was sent.
+  /// Returns the connection that is behind everything that was sent.
   Connection& last_in_line() {
     Connection* const bulk = bulk_in_use_.load(std::memory_order_acquire);
     return bulk == nullptr ? *connection_ : *bulk;
@@ -168,7 +169,7 @@ class DestinationDirectory {
   /// The one that reports by that number; null if there is none any more.
   std::shared_ptr<Destination> of_flow(std::uint32_t flow);
 
-  /// Of all that are known. `anew`: routes or own addresses have changed.
+  /// Looks after all known destinations. `anew`: routes or own addresses have changed.
   void look_after(PathMtu::Time now, bool anew);
 
  private:

@@ -10,7 +10,7 @@ constexpr std::size_t receive_buffer_bytes_default = 212'992;  // Linux, where n
 constexpr std::chrono::seconds shortest_valid_for{10};
 /// While a receiver is kept from running, its buffer has to hold what comes.
 constexpr std::uint64_t receiver_pauses_per_s = 500;
-/// So many without an answer, not too far from each other: the receiver is silent.
+/// The receiver counts as silent after so many marks without an answer that are not too far from each other.
 constexpr int marks_of_silence = 3;
 constexpr std::chrono::seconds longest_pause_between_marks{3};
 
@@ -117,8 +117,8 @@ std::size_t FlowWindow::mark_spacing() const {
   return std::max(seldom, std::min(part, limits_.mark_spacing_max));
 }
 
-/// Who does not answer is asked ever more seldom. On a short way the pause stays short for as long as the
-/// receiver is not taken for silent: there an answer that does not come was lost, and a longer pause would
+/// A receiver that does not answer is asked more and more seldom. On a short way the pause stays short as
+/// long as the receiver does not count as silent: there a missing answer was lost, and a longer pause would
 /// only make the window stand still for longer.
 FlowWindow::Time::duration FlowWindow::retry_pause() const {
   if (is_mute(marked_at_)) {
@@ -215,7 +215,7 @@ void FlowWindow::refused(Time now) {
   if (!asked_since_) asked_since_ = now;
 }
 
-/// What is under way goes nowhere any more, and what was learnt was of another way.
+/// Datagrams that are under way no longer arrive, and everything that was learnt was about another way.
 void FlowWindow::move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host) {
   secret_ = secret;
   host_ = std::move(host);
@@ -238,7 +238,7 @@ FlowWindow::Time FlowWindow::next_ready(Time now) const {
   return now + std::chrono::nanoseconds(static_cast<std::int64_t>(seconds * 1e9));
 }
 
-/// Of the datagrams since the report before.
+/// Returns true if many of the datagrams since the previous report were lost.
 bool FlowWindow::lost_much(const FlowReport& report) const {
   const std::uint32_t sent = report.datagrams - datagrams_at_report_;
   const std::uint32_t came = report.came - came_at_report_;

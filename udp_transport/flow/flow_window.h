@@ -1,10 +1,12 @@
-// How much may be under way to one socket of somebody's: what its receiver reports that it has room for, and
-// no more than the way there carries without a queue that others have to stand in. A receiver has to answer:
-// before its first report a few small datagrams are sent there, and marks; after a second of silence, only
-// marks. So nobody can make us flood a host that did not ask for it. Pure: calls and times in, decisions out;
-// no I/O, no clock, no thread of its own.
+// Flow and congestion control towards one remote socket. It limits the bytes under way to what the receiver
+// reports that it has room for, and to what the way there carries without a queue that others have to stand
+// in.
 //
-// All amounts are in bytes as the receiving kernel counts them (socket_bytes). Positions count what was sent.
+// A receiver has to answer. Before its first report a few small datagrams are sent there, and marks; after a
+// second of silence only marks. So nobody can make this host flood another one that did not ask for it.
+//
+// The class is pure: calls and times go in, decisions come out. All amounts are in bytes as the receiving
+// kernel counts them (socket_bytes). Positions count what was sent.
 #pragma once
 
 #include <algorithm>
@@ -20,12 +22,14 @@
 
 namespace sft::udp {
 
-/// What datagrams take of a socket's receive buffer: each is kept with what the kernel knows of it.
+/// Returns how much of a socket's receive buffer datagrams take: the kernel keeps each of them with data of
+/// its own.
 constexpr std::size_t socket_bytes(std::size_t bytes, std::size_t datagrams) {
   constexpr std::size_t of_each_datagram = 832;
   return bytes + datagrams * of_each_datagram;
 }
-/// Of a receive buffer, what senders may fill: the kernel gives back what was read in steps of a quarter.
+/// Returns the part of a receive buffer that senders may fill: the kernel gives back what was read in steps
+/// of a quarter.
 constexpr std::size_t usable_bytes(std::size_t receive_buffer_bytes) { return receive_buffer_bytes / 4 * 3; }
 
 struct FlowLimits {
@@ -33,7 +37,7 @@ struct FlowLimits {
   std::uint64_t unheard_bytes_per_s = 600'000'000;  ///< that pass where nobody is asked
   std::uint64_t unasked_bytes_per_s = 1'000'000;    ///< that receivers take, as we believe without a report;
                                                     ///< here datagrams count as long as they are
-  // To a receiver that has not reported yet:
+  // These limits hold for a receiver that has not reported yet.
   std::size_t unproven_bytes = 24'000;
   std::size_t unproven_datagrams = 16;
   std::size_t unproven_marks = 8;                  ///< more of them count as datagrams to the host
@@ -77,24 +81,25 @@ class FlowWindow {
   std::size_t room(Size size, Time now);
   /// Somebody waits for more room than there is.
   void await_room() { waiting_ = true; }
-  /// Whether a heartbeat or an offer may go, which takes no room but for the few datagrams of the beginning.
+  /// Returns true if a heartbeat or an offer may go. It takes no room, apart from the few datagrams of the
+  /// beginning.
   bool takes_control(Time now);
-  /// What a batch should have at most, so that several fit into the window.
+  /// The largest batch of which several fit into the window.
   std::size_t batch_bytes() const;
   /// `aside`: not the way that marks go.
   void sent(std::size_t bytes, std::size_t datagrams, Time now, bool aside = false);
 
   /// If one is due: it goes the way that what was sent last has gone. Its port is left to the caller.
   std::optional<FlowMark> mark(Time now);
-  /// Whether a report can be the answer to one of our marks.
+  /// Returns true if a report can be the answer to one of our marks.
   bool answers_a_mark(const FlowReport& report) const;
-  /// What the other end says. Nonsense is ignored. True if somebody waits who may go on now.
+  /// Takes a report of the other end; nonsense is ignored. Returns true if somebody waits who may go on now.
   [[nodiscard]] bool hear(const FlowReport& report, Time now);
   /// The other end has said something else that only it can say.
   void lives(Time now);
   /// The host there says that nobody has this port. A receiver that has just reported is believed instead.
   void refused(Time now);
-  /// What is sent goes to another address from now on, which has to answer first.
+  /// From now on datagrams go to another address, which has to answer first.
   void move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host = {});
   /// When to try again, if nothing is heard until then.
   Time next_ready(Time now) const;
@@ -106,9 +111,9 @@ class FlowWindow {
   }
   /// The receiver has reported, and is not silent: nobody else decides that something is sent there.
   bool answers(Time now) const { return !limits_.asks || (heard_ && !silent(now)); }
-  /// It was asked for a second, and never answered or does not answer any more.
+  /// True if the receiver was asked for a second, and never answered or does not answer any more.
   bool is_mute(Time now) const;
-  /// What was sent up to there has arrived, or never will.
+  /// True if everything that was sent up to that position has arrived, or never will.
   bool passed(std::uint64_t position) const { return position <= (heard_ ? reported_ : passed_); }
   std::size_t under_way() const { return static_cast<std::size_t>(sent_ - passed_); }
   std::size_t window() const { return std::min(share_, sustainable_); }
@@ -127,7 +132,7 @@ class FlowWindow {
   bool mark_is_due(Time now) const;
   Time next_retry() const { return marked_at_ + retry_pause(); }
   void note_life(Time now);
-  /// And back.
+  /// The inverse of itself: hides a time in a mark, and recovers it from a report.
   std::int64_t hidden(std::int64_t ns) const {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(ns) ^ secret_);
   }
@@ -162,7 +167,7 @@ class FlowWindow {
   bool waiting_ = false;
   bool acks_come_ = false;
 
-  // Of the way:
+  // These members describe the way:
   Time::duration latest_ = limits_.mark_again_unheard;  ///< there and back
   Time::duration shortest_ = Time::duration::max();     ///< likewise
   Time shortest_at_{};

@@ -14,7 +14,7 @@ constexpr std::array<std::size_t, 7> packets{1280, 1400, 1450, 1492, 1500, 4352,
 PathMtu::PathMtu(std::size_t headers, std::size_t shortest, std::size_t kernel_says)
     : headers_(headers), shortest_(shortest), ceiling_(std::max(kernel_says, shortest)), bytes_(ceiling_) {}
 
-/// Where the way has become another one, what was found out about the old one does not hold.
+/// If the way has become another one, nothing that was found out about the old one holds.
 void PathMtu::kernel_says(std::size_t bytes) {
   bytes = std::max(bytes, shortest_);
   if (bytes == ceiling_) return;
@@ -53,7 +53,8 @@ void PathMtu::arrived(Time now) {
   if (next_longer() < too_long_) next_try_ = now + search_pause;
 }
 
-/// From what has arrived only: else nobody would notice that more does not.
+/// Tries a longer length only from a length that has arrived: otherwise nobody would notice that longer ones
+/// do not.
 void PathMtu::look_after(Time now) {
   if (bytes_ >= ceiling_ || proven_ < bytes_ || now < next_try_) return;
   if (next_longer() >= too_long_) too_long_ = none;  // it may have been mended meanwhile

@@ -1,7 +1,7 @@
-// How long the datagrams for one destination may be: as long as the kernel says, of the route and of routers
-// that told it (ICMP); and shorter where a path drops the long ones without a word (a black hole), which only
-// whoever hears what has arrived can notice. After RFC 8899, with samples as probes: what a probe loses is
-// sent again. Pure.
+// The largest length of datagrams for one destination. The kernel knows it of the route, and of routers that
+// have reported it (ICMP). It is shorter where a path drops long datagrams without a word (a black hole),
+// which only the receiver's reports can show. The algorithm follows RFC 8899 with samples as probes: a sample
+// that a probe loses is sent again. The class is pure.
 #pragma once
 
 #include <chrono>
@@ -27,11 +27,11 @@ class PathMtu {
   PathMtu(std::size_t headers, std::size_t shortest, std::size_t kernel_says);
 
   std::size_t datagram_bytes() const { return bytes_; }
-  /// Whether arrived() is of interest.
+  /// True if arrived() should be called.
   bool in_doubt() const { return bytes_ < ceiling_ || losses_ > 0; }
 
   void kernel_says(std::size_t bytes);
-  /// Of what was sent in datagrams of the present length all those were missing, again.
+  /// Tells that all datagrams of the present length were missing again.
   void lost(Time now);
   /// At least one of them has arrived.
   void arrived(Time now);

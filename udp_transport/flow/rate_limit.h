@@ -1,4 +1,4 @@
-// How many bytes per second may be sent, by a writer or by all of a transport, whichever thread sends them.
+// Limits the bytes per second that a writer, or all of a transport, may send, whichever thread sends them.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,8 @@ class RateLimit {
     const std::scoped_lock lock(mutex_);
     pacer_.spend(bytes);
   }
-  /// Of a large sample at a time: small ones that come then have to wait for no more.
+  /// The largest part of a large sample that is sent at a time, so that small samples do not have to wait for
+  /// more.
   std::size_t batch_bytes() const { return batch_; }
   /// When to ask again, if nothing is spent until then.
   Time next_ready(bool small, Time now) {

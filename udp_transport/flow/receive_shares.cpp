@@ -29,8 +29,9 @@ std::size_t ReceiveShares::addresses() const {
   return n;
 }
 
-/// What came of a new sender is not known: it counts as all, or else the sender would take it for lost. One
-/// that marks from another port has changed its way: what came before does not count with it.
+/// It is not known how much of a new sender's data has arrived. It counts as all, because the sender would
+/// take the rest for lost. A sender that marks from another port has changed its way: what arrived before
+/// does not count with it.
 ReceiveShares::Sender* ReceiveShares::known_or_new(const FlowMark& mark, const SocketAddress& from) {
   const auto found = std::ranges::find_if(
       senders_, [&](const Sender& known) { return known.flow == mark.flow && known.from.ip == from.ip; });
@@ -45,7 +46,7 @@ ReceiveShares::Sender* ReceiveShares::known_or_new(const FlowMark& mark, const S
   return &*found;
 }
 
-/// Its share, but while others have not been told of it yet, what they leave.
+/// Grants the sender its share. While others have not been told of it yet, it gets what they leave.
 std::size_t ReceiveShares::grant(Sender& sender) const {
   const std::size_t share = usable_bytes_ / addresses() / of_address(sender.from.ip).size();
   std::size_t left = usable_bytes_;

@@ -1,5 +1,6 @@
-// Who sends to our socket at present, and what each of them may have under way: together no more than its
-// buffer holds. All addresses get the same, whatever says to be behind each. Pure.
+// Divides the buffer of our socket among those who send to it at present: together they may have no more
+// under way than the buffer holds. All addresses get the same share, however many senders claim to be behind
+// each. The class is pure.
 #pragma once
 
 #include <chrono>
@@ -17,7 +18,7 @@ class ReceiveShares {
   using Time = std::chrono::steady_clock::time_point;
   /// Senders that are known by their marks; more than these are answered with a very small share.
   static constexpr std::size_t senders_max = 256;
-  /// Whoever has not marked anything for so long needs no share.
+  /// A sender that has not marked anything for so long needs no share.
   static constexpr std::chrono::milliseconds at_rest_after{500};
   static constexpr std::size_t of_one_address_max = 64;
 
@@ -31,7 +32,7 @@ class ReceiveShares {
       find_and_count(from);
     }
   }
-  /// What to answer.
+  /// Returns the answer to a mark.
   FlowReport answer(const FlowMark& mark, const SocketAddress& from, Time now);
 
   std::size_t senders() const { return senders_.size(); }

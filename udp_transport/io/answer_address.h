@@ -1,5 +1,5 @@
-// Where acks and reports may go. A datagram can come from anywhere and name any port: nobody is answered but
-// at an address that the node of a writer has announced. Pure.
+// Decides where acks and reports may go. A datagram can come from anywhere and name any port: answers go only
+// to an address that the node of a writer has announced. The functions are pure.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,13 @@
 
 namespace sft::udp {
 
-/// Whether that node has announced the address. Link-local addresses are compared without their scope.
+/// Returns true if that node has announced the address. Link-local addresses are compared without their
+/// scope.
 bool is_announced(const core::Announced& node, const core::IpAddress& ip);
 
-/// Where to answer a datagram of that node that came from `from`, and expects answers at `port`: there if the
-/// address was announced, and else at an announced one of the same family. Empty if there is none, or if the
-/// port is a privileged one that was not announced.
+/// Returns where to answer a datagram of that node that came from `from` and expects answers at `port`: at
+/// `from` if that address was announced, else at an announced one of the same family. Empty if there is none,
+/// or if the port is a privileged one that was not announced.
 std::optional<SocketAddress> answer_address(const core::Announced& node, const core::IpAddress& from,
                                             std::uint16_t port);
 

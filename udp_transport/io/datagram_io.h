@@ -57,7 +57,7 @@ class DatagramReceiver {
   /// Hands over what came next, without waiting; false if nothing is there. Any thread, while no other is in
   /// here or in receive().
   virtual bool receive_now(DatagramSink& sink) noexcept = 0;
-  /// For poll(2): readable while there are datagrams, and from wake() on until it is read.
+  /// Descriptors for poll(2): readable while there are datagrams, and after wake() until it is read.
   struct Descriptors {
     int datagrams;
     int wake;
@@ -88,8 +88,8 @@ class Connection {
   struct Sent {
     std::size_t batches = 0;                  ///< the first ones
     SendOutcome outcome = SendOutcome::sent;  ///< of the one after these, if there is one
-    /// Of an earlier one the host there has said that nobody has that port, or a router that there is no such
-    /// host.
+    /// True if, after an earlier datagram, the host there has said that nobody has that port, or a router has
+    /// said that there is no such host.
     bool refused = false;
   };
   /// Sends each batch as a whole, up to the first that cannot be sent. Never waits. Any thread.

@@ -20,8 +20,9 @@ class GroupJoins {
 
   explicit GroupJoins(std::shared_ptr<const UdpSocket> socket) : socket_(std::move(socket)) {}
 
-  /// On the link by which `towards` is reached. Of too many the oldest goes. One that was joined before is
-  /// left first if `anew`: that alone makes the system report the membership to switches again.
+  /// Joins the group on the link by which `towards` is reached. If there are too many groups, the oldest is
+  /// left. A group that was joined before is left first if `anew`: that alone makes the system report the
+  /// membership to switches again.
   void join(std::uint32_t group, const SocketAddress& towards, bool anew) noexcept;
   /// Leaves all but these.
   void keep_to(std::span<const std::uint32_t> groups) noexcept;

@@ -20,8 +20,9 @@ struct GroupSocket {
 /// that port is not to be had.
 GroupSocket open_group_socket(int unicast_fd, std::size_t receive_buffer_bytes) noexcept;
 
-/// What is sent to groups by this socket leaves where the host has that IPv4 address, and goes no further
-/// than the link. It does not come back to this host: who is reached by loopback is in no group.
+/// Datagrams that this socket sends to groups leave by the link where the host has that IPv4 address, and go
+/// no further than the link. They do not come back to this host: readers that are reached by loopback are in
+/// no group.
 void send_to_groups_by(int fd, const SocketAddress& own) noexcept;
 
 }  // namespace sft::udp

@@ -31,7 +31,7 @@ IpAddress address_towards(const IpAddress& elsewhere) {
   return known ? to_address(from).ip : IpAddress{};
 }
 
-// Of these nobody has any: RFC 5737, RFC 3849.
+// Nobody has these addresses: RFC 5737, RFC 3849.
 constexpr IpAddress elsewhere_ipv4{0xC0000201};
 constexpr IpAddress elsewhere_ipv6{
     IpAddress::Bytes{0x20, 0x01, 0x0d, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}};

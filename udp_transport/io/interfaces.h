@@ -1,4 +1,4 @@
-// What the host's network looks like: its own addresses, and how long a datagram for an address may be.
+// The host's network: its own addresses, and the largest datagram for an address.
 #pragma once
 
 #include <netinet/in.h>
@@ -20,7 +20,7 @@ namespace sft::udp {
 /// An address as the calls of the system take it, of the family of the socket that it is for.
 class SystemAddress {
  public:
-  /// Of the address's own family; any address is one of `family_of_any`.
+  /// Takes the address's own family; the address "any" gets `family_of_any`.
   explicit SystemAddress(const SocketAddress& address, int family_of_any = AF_INET) noexcept;
   /// For a socket that takes both families, IPv4 as IPv4-mapped (AF_INET6), or IPv4 only (AF_INET): that will
   /// refuse others.
@@ -37,27 +37,27 @@ class SystemAddress {
   sockaddr_in6 storage_{};  ///< or the shorter sockaddr_in
 };
 
-/// What the system has filled in; any address of another family.
+/// Converts an address that the system has filled in; returns the address "any" for another family.
 SocketAddress to_address(const sockaddr_in6& of_either_family) noexcept;
 
-/// What DiscoverySettings::interfaces may hold: the name of an interface, an address of it, or the network
-/// that this is in, "10.0.0.0/24", or "10.0.0.0" as long as the interface says. The error names what is
-/// neither.
+/// Checks what DiscoverySettings::interfaces may hold: the name of an interface, an address of it, or its
+/// network, as "10.0.0.0/24", or "10.0.0.0" with the length of the interface. The error names an entry that
+/// is none of these.
 Result<void> check_interfaces(const std::vector<std::string>& chosen);
 
-/// Of the interfaces that are up: those of the default routes first, then IPv4 before IPv6, and link-local
-/// ones last of those with a carrier; without temporary ones, and those not ready for use. 127.0.0.1 only
-/// where there is no other. If `chosen` is not empty, of these interfaces only. Nothing while the system
-/// cannot list them.
+/// Returns the addresses of the interfaces that are up, or, if `chosen` is not empty, of these interfaces
+/// only. The order is: those of the default routes first, then IPv4 before IPv6, and link-local ones last of
+/// those with a carrier. Temporary addresses and those that are not ready for use are left out. 127.0.0.1 is
+/// returned only if there is no other. Empty while the system cannot list them.
 std::optional<std::vector<core::Link>> own_links(const std::vector<std::string>& chosen = {});
 
-/// As the system says in the folder of that interface.
+/// Returns what the system says in the folder of that interface.
 bool is_wireless(const std::string& interface, const std::string& interfaces = "/sys/class/net");
 
-/// What IP and UDP put before a datagram.
+/// The bytes that IP and UDP put before a datagram.
 constexpr std::size_t headers_before_datagram(const core::IpAddress& to) { return to.is_ipv4() ? 28 : 48; }
 
-/// What every path takes: RFC 791 (576 bytes), RFC 8200 (1280).
+/// The largest datagram that every path takes: RFC 791 (576 bytes), RFC 8200 (1280).
 constexpr std::size_t datagram_bytes_of_every_path(const core::IpAddress& to) {
   return to.is_ipv4() ? datagram_bytes_min : 1280 - headers_before_datagram(to);
 }

@@ -20,11 +20,11 @@ struct MulticastLink {
   std::string refusal{};  ///< why not by this one; empty: it may be used
 };
 
-/// Those that are up.
+/// Returns the links that are up.
 std::vector<MulticastLink> multicast_links(Multicast use);
 
-/// Why not by an interface with these flags (netdevice(7)); empty: it may be used. Stations of a wireless
-/// network get multicast at the lowest rate, unacknowledged, and many drop it.
+/// Returns why an interface with these flags (netdevice(7)) is not used for multicast; empty if it may be
+/// used. Stations of a wireless network get multicast at the lowest rate, unacknowledged, and many drop it.
 std::string why_no_multicast(const std::string& interface, unsigned flags, bool wireless, Multicast use);
 
 }  // namespace sft::udp

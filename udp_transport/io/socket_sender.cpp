@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 class SocketConnection;
 
-/// What a sender and its connections share.
+/// The state that a sender and its connections share.
 struct Shared {
   std::shared_ptr<const UdpSocket> socket;
   std::atomic<std::size_t> own_sockets{0};
@@ -195,8 +195,9 @@ class SocketSender final : public DatagramSender {
 
 constexpr std::size_t answers_buffer_bytes = 256 * 1024;
 
-/// What comes back has a socket of its own, which the sending thread reads as it goes: nobody has to be woken
-/// for it. Not where a user has chosen the port: firewalls, and whoever translates addresses, know that one.
+/// Answers have a socket of their own, which the sending thread reads as it goes: nobody has to be woken for
+/// them. They do not if a user has chosen the port: firewalls, and routers that translate addresses, know
+/// that port.
 std::shared_ptr<const UdpSocket> open_answers(const SocketOptions& options) {
   if (options.bind.port != 0) return nullptr;
   Result<std::shared_ptr<const UdpSocket>> socket =

@@ -11,8 +11,8 @@ namespace sft::udp {
 /// More addresses than that are sent to through the socket that receives, whose send buffer they share.
 inline constexpr std::size_t sending_sockets_max = 256;
 
-/// Its connections send from the address that `socket` is bound to, with send buffers as large as was asked
-/// for that.
+/// The connections of this sender send from the address that `socket` is bound to, with the send buffers that
+/// were asked for `socket`.
 Result<std::unique_ptr<DatagramSender>> open_socket_sender(std::shared_ptr<const UdpSocket> socket);
 
 }  // namespace sft::udp

@@ -112,7 +112,7 @@ std::size_t segment_bytes(std::span<std::byte> control) noexcept {
 constexpr std::size_t messages_per_call = 8;
 constexpr int priority_interactive = 6, priority_bulk = 2;  // TC_PRIO_INTERACTIVE, TC_PRIO_BULK
 
-/// What sendmsg() takes for one batch. Points into itself.
+/// The argument of sendmsg() for one batch. It points into itself.
 class OutgoingMessage {
  public:
   const msghdr& set(const OutgoingBatch& batch, const SystemAddress* to) noexcept {
@@ -182,7 +182,7 @@ FileDescriptor open_sending_socket(const SocketOptions& options, int family) noe
 
 void give_way(int fd) noexcept { set_int(fd, SOL_SOCKET, SO_PRIORITY, priority_bulk); }
 
-/// Which takes the kernel less time, without a description of it all.
+/// True for a single buffer, which takes the kernel less time without a description of it all.
 static bool is_single(std::span<const OutgoingBatch> batches, const SystemAddress* to) noexcept {
   return to == nullptr && batches.size() == 1 && batches[0].segment_bytes == 0 &&
          batches[0].parts.size() == 1;

@@ -53,17 +53,17 @@ Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& op
 /// connected yet. Where a device has a choice, what it sends goes first. Invalid where the process may not
 /// open more.
 FileDescriptor open_sending_socket(const SocketOptions& options, int family) noexcept;
-/// From now on what others send goes first.
+/// From now on the datagrams of other sockets go first.
 void give_way(int fd) noexcept;
 
 /// sendmmsg() that never waits. `to` is null where the socket is connected.
 Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
                               const SystemAddress* to) noexcept;
 
-/// What a failed send means, by its errno; `segmented` if it was of several datagrams.
+/// Returns what a failed send means, by its errno; `segmented` if several datagrams were sent.
 SendOutcome outcome_of(int error, bool segmented) noexcept;
 
-/// What is left until then, as ppoll() takes it.
+/// Returns the time that is left until then, as ppoll() takes it.
 timespec time_until(std::chrono::steady_clock::time_point deadline) noexcept;
 
 /// ppoll() until then, or a signal. Whether any is ready; `revents` says which, and nothing otherwise.

@@ -47,7 +47,7 @@ class Ring {
     return error;
   }
 
-  /// They are named by their place here. 0 or a positive errno.
+  /// Registers files, which are then named by their position here. Returns 0 or a positive errno.
   template <std::size_t n>
   int register_files(const std::array<int, n>& files) noexcept {
     return -io_uring_register_files(&ring_, files.data(), n);
@@ -91,8 +91,8 @@ class Ring {
     return result >= 0 || result == -ETIME || result == -EINTR || result == -EAGAIN || result == -EBUSY;
   }
 
-  /// Whether wait() would return at once. Costs no system call: completions are put together only there, and
-  /// this sees the mark that something waits for that.
+  /// Returns true if wait() would return at once. It costs no system call: completions are put together only
+  /// in wait(), and this function sees the mark that something waits for that.
   bool has_news() noexcept {
     return (IO_URING_READ_ONCE(*ring_.sq.kflags) & IORING_SQ_TASKRUN) != 0 || io_uring_cq_ready(&ring_) != 0;
   }
@@ -201,7 +201,7 @@ class UringReceiver final : public DatagramReceiver {
 
   void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
 
-  /// What is armed stays so: a ring whose thread is elsewhere takes nothing from the socket.
+  /// Armed receives stay armed: a ring whose thread is elsewhere takes nothing from the socket.
   bool receive_now(DatagramSink& sink) noexcept override { return trains_.read(sink); }
   Descriptors descriptors() const noexcept override { return {socket_->readable(), wake_event_.get()}; }
 
@@ -219,7 +219,7 @@ class UringReceiver final : public DatagramReceiver {
   }
 
  private:
-  /// Of either family; what follows it is aligned.
+  /// Room for an address of either family; the bytes behind it are aligned.
   static constexpr socklen_t sender_address_bytes = 32;
   static_assert(sender_address_bytes >= sizeof(sockaddr_in6) && sender_address_bytes % alignof(cmsghdr) == 0);
 
@@ -262,7 +262,7 @@ class UringReceiver final : public DatagramReceiver {
     is_armed = true;
   }
 
-  /// Without a sink the train is thrown away.
+  /// Hands the train to the sink; without a sink the train is thrown away.
   void complete(const io_uring_cqe& completion, DatagramSink* sink) noexcept {
     if (completion.user_data == wake_tag) {
       eventfd_t ignored = 0;

@@ -1,5 +1,5 @@
-// How large a writer's bodies are under each union of a few masks: what the cost model asks for. Measured on
-// samples as they are published, seldom and a little at a time.
+// The sizes of a writer's bodies under each union of a few masks, which the cost model asks for. They are
+// measured on samples as these are published, seldom and a little at a time.
 #pragma once
 
 #include <array>
@@ -48,7 +48,7 @@ class BodySizes {
   std::unique_ptr<std::atomic<double>[]> bytes_;  ///< by set
   std::atomic<std::uint64_t> samples_{0};
   std::atomic<bool> known_{false}, several_{false};
-  // Of the publisher's thread.
+  // The publisher's thread alone uses these members:
   Projection projection_;
   std::size_t next_ = 0;
   Time round_at_{};

@@ -1,5 +1,5 @@
-// What a writer knows of one member of a multicast group: whether what is sent there comes to it. Pure: calls
-// and times in, answers out.
+// A writer's knowledge of one member of a multicast group: whether samples that are sent to the group arrive
+// at the member. The class is pure: calls and times go in, answers come out.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ class GroupMembership {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// It has reported, and lately enough: it needs no copy of its own.
+  /// True if the member has reported lately enough: it needs no copy of its own.
   bool hears() const { return hears_; }
 
   /// A sample was sent to the group.
@@ -24,7 +24,7 @@ class GroupMembership {
     if (hears_ && owed_since_ == never && now - reported_at_ >= report_expected) owed_since_ = now;
   }
 
-  /// It has heard the sample with that ordinal.
+  /// Tells that the member has heard the sample with that ordinal.
   void reported(std::uint64_t heard, Time now) {
     if (heard <= refused_at_) return;  // it says that of before
     hears_ = true;
@@ -42,7 +42,7 @@ class GroupMembership {
     lose(now);
   }
 
-  /// It was offered so often that it seems not to be reached by multicast at all.
+  /// True if the group was offered so often that multicast seems not to reach the member at all.
   bool given_up() const { return unanswered_ >= offers_max; }
 
   /// Notices what did not come.
@@ -50,8 +50,8 @@ class GroupMembership {
     if (owed_since_ != never && now - owed_since_ >= patience) lose(now);
   }
 
-  /// Whether the group is to be offered to it now; counts as done. Not again before something was sent that
-  /// it could have heard.
+  /// Returns true if the group is to be offered to the member now; it then counts as offered. It is not
+  /// offered again before something was sent that the member could have heard.
   bool offer_due(Time now) {
     if (hears_ || !sent_since_offer_ || now < offer_at_) return false;
     sent_since_offer_ = false;

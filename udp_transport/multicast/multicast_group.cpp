@@ -8,9 +8,10 @@
 namespace sft::udp {
 
 namespace {
-/// What is asked for within this time was lost together.
+/// Samples that are asked for within this time were lost together.
 constexpr std::chrono::milliseconds asked_together{100};
-/// Of a larger one only parts are missing: those that ask are sent these.
+/// A larger sample is not sent to the group again: only parts of it are missing, and members that ask are
+/// sent these.
 constexpr std::size_t sent_again_bytes_max = std::size_t{16} << 10;
 
 /// The upper half is random.

@@ -47,19 +47,19 @@ class MulticastGroup final : public LaneListener {
   /// Keeps the group, too, for who sends what waits there: it has to be told what has left.
   static std::shared_ptr<Lane> lane_of(const std::shared_ptr<MulticastGroup>& group);
 
-  // Who sends: the publisher's thread, or the sending one in its place.
+  // These functions are for the thread that sends: the publisher's, or the sending one in its place.
 
   /// The next sample is sent to it, at this place.
   std::uint64_t next_ordinal(Time now) noexcept;
-  /// What is sent now comes to that member.
+  /// True if samples that are sent now arrive at that member.
   bool hears(std::size_t member) const noexcept { return hears_[member].load(std::memory_order_relaxed); }
-  /// Where that sample is in the member's channel.
+  /// Tells where that sample is in the member's channel.
   void placed(std::size_t member, std::uint64_t ordinal, std::uint64_t in_channel) noexcept;
   /// A member's own socket has answered, and is not silent: somebody wants what is sent.
   bool is_answered() const noexcept;
   /// Nothing may be sent to it any more.
   bool broken() const noexcept { return broken_.load(std::memory_order_relaxed); }
-  /// Of those without a channel: whether one hears, and whether one does not.
+  /// Tells of members without a channel whether one hears, and whether one does not.
   struct BestEffort {
     bool some_hear = false;
     bool some_do_not = false;
@@ -85,11 +85,11 @@ class MulticastGroup final : public LaneListener {
     std::size_t member = 0;
     GroupOffer offer;
   };
-  /// What is to be told members now.
+  /// Returns the offers that members are to be sent now.
   std::vector<Offer> offers(Time now);
-  /// Those that hear nothing of it.
+  /// Returns the members that hear nothing of the group.
   std::vector<const Destination*> given_up() const;
-  /// What tells a member that it is in it no more.
+  /// Returns the offer that tells a member that it is no longer in the group.
   GroupOffer farewell(std::size_t member) const;
 
  private:
@@ -116,7 +116,7 @@ class MulticastGroup final : public LaneListener {
 
   mutable std::mutex mutex_;  ///< held for a few instructions
   std::vector<GroupMembership> memberships_;
-  /// Its channel's ordinals are ahead of ours by so many; empty: nothing was sent yet.
+  /// The number by which the ordinals of its channel are ahead of ours; empty if nothing was sent yet.
   std::vector<std::optional<std::int64_t>> ahead_;
   std::uint64_t last_ordinal_ = 0;
   std::atomic<bool> broken_{false};
@@ -124,7 +124,7 @@ class MulticastGroup final : public LaneListener {
   std::size_t next_asked_ = 0;
 };
 
-/// Those of all writers of a transport, so that reports find theirs. Any thread.
+/// The groups of all writers of a transport, so that reports find theirs. Any thread.
 class GroupRoster {
  public:
   void add(const std::shared_ptr<MulticastGroup>& group);

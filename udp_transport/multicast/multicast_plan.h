@@ -1,5 +1,5 @@
-// Which readers of a writer are sent one copy together: the cost model (multicast.md). Pure: sizes in, a
-// partition out; no I/O, no clock.
+// Decides which readers of a writer are sent one copy together, by the cost model of multicast.md. It is
+// pure: sizes go in, a partition comes out.
 #pragma once
 
 #include <cstddef>
@@ -29,7 +29,7 @@ struct PlannedGroup {
   std::vector<std::size_t> members;  ///< ascending; places of destinations
   friend bool operator==(const PlannedGroup&, const PlannedGroup&) = default;
 };
-/// In the order of their first members. Who is in none is served alone.
+/// The groups in the order of their first members. A reader in no group is served alone.
 using MulticastPlan = std::vector<PlannedGroup>;
 
 struct PlanLimits {
@@ -40,14 +40,14 @@ struct PlanLimits {
   std::size_t kinds_max = 7;  ///< of destinations, by masks; the rarest of more are served alone
 };
 
-/// What a sample says of its place where it is sent. In a channel that takes bytes of its own only if it does
+/// The position that a sample carries. A position in a channel takes bytes of its own only if the sample does
 /// not fit into one datagram.
 enum class PlaceMark : std::uint8_t { none, in_channel, in_group };
 
 /// Bytes on the wire of one sample with such a body: our headers and those of Ethernet, IP and UDP.
 double wire_bytes(double body_bytes, std::size_t datagram_bytes, PlaceMark place);
 
-/// What one sample costs under a plan.
+/// Returns the cost of one sample under a plan.
 double plan_cost(std::span<const PlanDestination> destinations, const BodyBytes& body_bytes,
                  const MulticastPlan& plan, const PlanLimits& limits);
 

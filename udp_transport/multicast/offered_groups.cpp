@@ -76,7 +76,7 @@ bool OfferedGroups::place(FirstHeader& first, Time now, const ChannelWatch* chan
   }
   known->alive_at = now;
   known->heard = std::max(known->heard, first.group.ordinal);
-  // Who is not told that its offer was heard repeats it.
+  // A writer that is not told that its offer was heard repeats the offer.
   if (known->is_doubted) return true;
   if (known->reported_at == Time{} || now - known->reported_at >= group_report_pause) {
     known->reported_at = now;

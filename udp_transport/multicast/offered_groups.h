@@ -29,8 +29,9 @@ class OfferedGroups {
   /// some: nothing can be said of it then, and it comes otherwise.
   bool place(FirstHeader& first, Time now, const ChannelWatch* channels = nullptr);
 
-  /// What came by that group has no place in the channel any more, and had never come before; or it has one.
-  /// Where that goes on, the offer was not what its writer sent, and the writer is asked to repeat it.
+  /// Notes that a sample of that group has no position in the channel any more and had never arrived before,
+  /// or that it has one. If the former goes on, the offer was not what its writer sent, and the writer is
+  /// asked to repeat it.
   void note(std::uint32_t group, bool misplaced);
 
   /// Calls `send(address, report)` for each that is due. After place().
@@ -53,7 +54,7 @@ class OfferedGroups {
   void addresses(std::vector<std::uint32_t>& to) const;
 
  private:
-  /// Whether an offer that contradicts what is known came before.
+  /// Returns true if an offer that contradicts what is known came before.
   bool comes_again(const GroupOffer& offer);
   void take_back(const GroupOffer& offer, Time now);
 
