@@ -31,25 +31,25 @@ struct PublisherProgress {
 
 /// One publisher or subscriber.
 struct EndpointInfo {
-  std::uint64_t id = 0;
-  std::uint64_t node_id = 0;  ///< another one for each node, also where names are equal
-  std::string node;
-  bool is_own = false;  ///< of the node that was asked
-  std::string topic;
-  std::string type_name;
-  std::uint64_t type_hash = 0;
-  std::optional<DynamicType> type{};  ///< its fields; nothing where it is too large to be described
-  Qos qos;
-  bool may_use_shm = false;
-  bool may_use_udp = false;
+  std::uint64_t id = 0;                  ///< random; a new one each time that an endpoint is opened
+  std::uint64_t node_id = 0;             ///< another one for each node, also where names are equal
+  std::string node;                      ///< the name of its node; several nodes may have the same name
+  bool is_own = false;                   ///< of the node that was asked
+  std::string topic;                     ///< without a slash at the beginning
+  std::string type_name;                 ///< as in the IDL: "sensor_msgs::msg::Imu"
+  std::uint64_t type_hash = 0;           ///< equal for equal definitions of the type
+  std::optional<DynamicType> type{};     ///< its fields; nothing where it is too large to be described
+  Qos qos;                               ///< a publisher offers it, a subscriber requests it
+  bool may_use_shm = false;              ///< its options allow shared memory
+  bool may_use_udp = false;              ///< its options allow UDP
   bool shm_ready = false;                ///< its node has shared memory that the endpoint may use
   bool same_machine = false;             ///< as the node that was asked
   std::vector<std::string> addresses{};  ///< for samples by UDP: "10.0.0.5:40123"
 
   // Publishers only.
-  std::uint64_t max_sample_bytes = 0;
-  bool waits = false;  ///< for reliable readers that do not keep up
-  std::optional<PublisherProgress> progress{};
+  std::uint64_t max_sample_bytes = 0;           ///< of a body
+  bool waits = false;                           ///< for reliable readers that do not keep up
+  std::optional<PublisherProgress> progress{};  ///< nothing while its node has not told it
 
   // Subscribers only.
   std::optional<std::string> fields{};  ///< asked for at present; nothing where no type is known to name them
@@ -62,10 +62,10 @@ struct SentAccount {
   std::chrono::nanoseconds age{};  ///< of what follows: since it came; 0 where the node that is asked counts
   std::uint64_t sent = 0;          ///< samples, and in the three that follow
   std::uint64_t withheld = 0;      ///< for the maximum rate
-  std::uint64_t dropped = 0;
-  std::uint64_t retained = 0;  ///< published before the subscriber was there; not in the counts above
-  std::uint64_t bytes_sent = 0;
-  std::uint64_t bytes_saved = 0;
+  std::uint64_t dropped = 0;       ///< a queue or the memory was full, or the system refused
+  std::uint64_t retained = 0;      ///< published before the subscriber was there; not in the counts above
+  std::uint64_t bytes_sent = 0;    ///< bytes of bodies over the network
+  std::uint64_t bytes_saved = 0;   ///< bytes of the fields that were left out of these bodies
 };
 
 /// What the subscriber's node has counted of one publisher, as WriterStatus has it.
@@ -78,8 +78,8 @@ struct ReceivedAccount {
 /// What the two nodes of a pair have told of it, each for itself: nothing while the program does not ask, or
 /// the node has not answered yet. What a node has told is kept for 10 s if it does not tell it again.
 struct PairAccount {
-  std::optional<SentAccount> publisher{};
-  std::optional<ReceivedAccount> subscriber{};
+  std::optional<SentAccount> publisher{};       ///< what the publisher's node has told
+  std::optional<ReceivedAccount> subscriber{};  ///< what the subscriber's node has told
 };
 
 /// Asks, as long as it or a copy of it lives, the nodes of all publishers and subscribers of a topic for what
@@ -101,17 +101,17 @@ class AccountInquiry {
 
 /// A publisher and a subscriber of one topic, as far as anybody can tell from what both announce.
 struct PairInfo {
-  std::uint64_t publisher = 0;
-  std::uint64_t subscriber = 0;
-  bool matched = false;    ///< false: `reason` says why
-  bool connected = false;  ///< the subscriber says that it hears the publisher, by `transport`
-  TransportKind transport{};
-  std::string reason{};
-  bool incompatible_type = false;
+  std::uint64_t publisher = 0;     ///< EndpointInfo::id
+  std::uint64_t subscriber = 0;    ///< EndpointInfo::id
+  bool matched = false;            ///< false: `reason` says why
+  bool connected = false;          ///< the subscriber says that it hears the publisher, by `transport`
+  TransportKind transport{};       ///< means something only while the pair is connected
+  std::string reason{};            ///< for the transport, or for there being none; for people
+  bool incompatible_type = false;  ///< the names or definitions of their types differ
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions; "here" is the publisher's
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
   bool no_path = false;                             ///< fits, but not the ways that both may use
-  PairAccount account{};
+  PairAccount account{};  ///< what both nodes have counted, while the program asks (Node::ask_accounts())
 };
 
 struct DomainSnapshot {

@@ -70,6 +70,7 @@ class DynamicSample {
                 std::shared_ptr<const FieldMask> declared = nullptr)
       : type_(std::move(type)), sample_(std::move(sample)), declared_(std::move(declared)) {}
 
+  /// False if there is no sample.
   explicit operator bool() const { return static_cast<bool>(sample_); }
 
   /// Fields by their names. It, and what is read through it, is valid as long as the sample, which must not
@@ -81,6 +82,7 @@ class DynamicSample {
   }
   void view() const&& = delete;
 
+  /// Sequence, stamps, publisher, and what was lost before this sample. Valid as long as the sample.
   const SampleInfo& info() const& { return sample_.info(); }
   void info() const&& = delete;
   /// Not of an empty sample.
@@ -89,6 +91,7 @@ class DynamicSample {
     return declared_ == nullptr || !sample_ ? *sample_.state().mask : *declared_;
   }
   void mask() const&& = delete;
+  /// The message type. Valid as long as the sample.
   const DynamicType& type() const& { return type_; }
   /// Whether bytes were met that are not what they claim to be.
   bool malformed() const { return sample_.state().is_malformed(); }
@@ -98,9 +101,11 @@ class DynamicSample {
   std::span<const std::byte> cdr() const&;
   void cdr() const&& = delete;
 
+  /// The fields that the sample has, as YAML. An error if the sample is empty or malformed.
   Result<std::string> to_yaml(const YamlOptions& options = {}) const {
     return sample_ ? sft::to_yaml(view(), options) : empty_error();
   }
+  /// The same as JSON.
   Result<std::string> to_json(const JsonOptions& options = {}) const {
     return sample_ ? sft::to_json(view(), options) : empty_error();
   }
@@ -148,8 +153,11 @@ class DynamicPublisher {
   bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
     return publisher_.wait_for_subscribers(count, timeout);
   }
+  /// As Publisher::assert_liveliness().
   void assert_liveliness() { publisher_.assert_liveliness(); }
+  /// Counts, and each subscriber of the topic.
   PublisherStatus status() const { return publisher_.status(); }
+  /// The message type. Valid as long as this object.
   const DynamicType& type() const { return type_; }
 
  private:
@@ -172,10 +180,14 @@ class DynamicSubscriber {
   [[nodiscard]] DynamicSample take_latest() { return {type_, subscriber_.take_latest(), declared_}; }
   /// Sleeps until there is something to take or the time is over; tells which.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
+  /// As Subscriber::file_descriptor().
   int file_descriptor() const { return subscriber_.file_descriptor(); }
 
+  /// Counts, and each publisher of the topic.
   SubscriberStatus status() const { return subscriber_.status(); }
+  /// As Subscriber::requirements().
   Requirements requirements() const { return subscriber_.requirements(); }
+  /// The message type. Valid as long as this object.
   const DynamicType& type() const { return type_; }
 
  private:

@@ -89,7 +89,7 @@ enum class SchedulingPolicy : std::uint8_t { normal, fifo, round_robin };
 struct ThreadSettings {
   /// The numbers of the CPUs that they may run on. Empty: those that the program was started with.
   std::vector<unsigned> cpus{};
-  SchedulingPolicy policy = SchedulingPolicy::normal;
+  SchedulingPolicy policy = SchedulingPolicy::normal;  ///< real-time policies need a right: see NodeThreads
   /// 1 (lowest) to 99 under a real-time policy, and 0 under the normal one.
   int priority = 0;
   /// What their names in /proc/PID/task/TID/comm begin with: "nav-" makes "sft-udp-recv" "nav-udp-recv". The
@@ -137,9 +137,10 @@ struct PublisherStatus;
 
 /// Durations of 0 mean none: no deadline, never expires, no lease. Deadlines and leases have at least 1 ms.
 struct PublisherOptions {
-  TransportChoice transport = TransportChoice::automatic;
-  Reliability reliability = Reliability::best_effort;  ///< sft/qos.h says what it means
-  Durability durability = Durability::volatile_;
+  TransportChoice transport = TransportChoice::automatic;  ///< the paths that samples may go by
+  Reliability reliability = Reliability::best_effort;      ///< sft/qos.h says what it means
+  Durability durability =
+      Durability::volatile_;  ///< transient_local: late subscribers get the last samples, too
   /// Samples kept for late subscribers where durability is transient_local, 1 to 128. They hold their memory,
   /// in shared memory too, and are encoded whole although nobody may ask for all of it.
   std::uint32_t history_depth = 1;
@@ -147,7 +148,8 @@ struct PublisherOptions {
   /// A sample that was published longer ago is not delivered any more, as far as the clocks of both hosts
   /// agree.
   std::chrono::nanoseconds lifespan{0};
-  Liveliness liveliness = Liveliness::automatic;
+  Liveliness liveliness =
+      Liveliness::automatic;  ///< who says that the publisher is alive: its node or the program
   std::chrono::nanoseconds liveliness_lease{0};  ///< promises a sign of life at least so often
   /// So long, up to 1 s, publish() may wait for reliable subscribers that do not keep up, on this host and on
   /// others, before it costs them their oldest sample (DDS calls it max_blocking_time). In shared memory it
@@ -170,7 +172,7 @@ struct PublisherOptions {
   /// callback it may come before the function that opens the publisher has returned: it must not rely on what
   /// that returns.
   std::function<void(const PublisherStatus&)> on_readers_changed{};
-  EventCallback on_event{};
+  EventCallback on_event{};  ///< called with what happens to its pairs, on the node's agent thread: be short
 };
 
 /// Of subscribers whose fields are recorded. Samples count when they are released.
@@ -188,16 +190,17 @@ struct RecordingSettings {
 
 /// Durations of 0 mean none: any deadline will do, any liveliness. Others have at least 1 ms.
 struct SubscriberOptions {
-  TransportChoice transport = TransportChoice::automatic;
-  Reliability reliability = Reliability::best_effort;
-  Durability durability = Durability::volatile_;
+  TransportChoice transport = TransportChoice::automatic;  ///< the paths that samples may come by
+  Reliability reliability = Reliability::best_effort;      ///< reliable matches reliable publishers only
+  Durability durability = Durability::volatile_;  ///< transient_local: asks for the last samples from before,
+                                                  ///< and for a publisher that retains them
   /// Samples kept until taken, per publisher, 1 to 1,000,000; then the oldest are lost, and counted. Shared
   /// memory keeps 256 at most: a subscriber that asks for more, and may use it, is told so in the log, and
   /// WriterStatus::depth says what is in force. Of publishers that are gone no more than this in all is kept.
   std::uint32_t depth = 8;
-  std::chrono::nanoseconds deadline{0};  ///< it expects a sample of each publisher at least so often
-  Liveliness liveliness = Liveliness::automatic;
-  std::chrono::nanoseconds liveliness_lease{0};  ///< it expects a sign of life at least so often
+  std::chrono::nanoseconds deadline{0};           ///< it expects a sample of each publisher at least so often
+  Liveliness liveliness = Liveliness::automatic;  ///< manual_by_topic matches publishers of that kind only
+  std::chrono::nanoseconds liveliness_lease{0};   ///< it expects a sign of life at least so often
   /// At most so many samples a second, evenly; 0: all. What is withheld for it is not sent, and is counted
   /// apart from what is lost. Subscriber::set_max_rate_hz() changes it.
   double max_rate_hz = 0;
@@ -216,8 +219,8 @@ struct SubscriberOptions {
   /// Gives it a Subscriber::file_descriptor(), and its node a thread that tells it what came in shared
   /// memory. Not with a callback.
   bool pollable = false;
-  RecordingSettings recording{};
-  EventCallback on_event{};
+  RecordingSettings recording{};  ///< how fields are found out where they are recorded
+  EventCallback on_event{};  ///< called with what happens to its pairs, on the node's agent thread: be short
 };
 
 }  // namespace sft

@@ -64,6 +64,8 @@ class Loan {
     if constexpr (number < std::tuple_size_v<Reservations>) return loan_.shrink(reserved_[number], length);
   }
 
+  /// Hands the message over, on the thread whose turn it is to publish. The loan is empty afterwards,
+  /// whatever the result.
   PublishStatus publish() && { return std::move(loan_).publish(); }
 
  private:
@@ -173,7 +175,9 @@ class Publisher {
   /// A sign of life where liveliness is manual_by_topic and there is nothing to publish. Any thread, cheap.
   void assert_liveliness() { publisher_.assert_liveliness(); }
 
+  /// Counts, and each subscriber of the topic. Any thread.
   PublisherStatus status() const { return publisher_.status(); }
+  /// The message type. Any thread; valid as long as the publisher.
   const TypeSupport& type() const { return publisher_.type(); }
 
  private:

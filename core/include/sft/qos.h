@@ -49,11 +49,11 @@ enum class QosPolicy : std::uint8_t { none, reliability, durability, deadline, l
 
 /// What a publisher offers or a subscriber requests. Durations of 0: none.
 struct Qos {
-  Reliability reliability = Reliability::best_effort;
-  Durability durability = Durability::volatile_;
-  std::chrono::nanoseconds deadline{0};
-  Liveliness liveliness = Liveliness::automatic;
-  std::chrono::nanoseconds liveliness_lease{0};
+  Reliability reliability = Reliability::best_effort;  ///< a reliable offer satisfies each request
+  Durability durability = Durability::volatile_;       ///< a transient_local offer satisfies each request
+  std::chrono::nanoseconds deadline{0};                ///< the longest time between two samples
+  Liveliness liveliness = Liveliness::automatic;       ///< a manual_by_topic offer satisfies each request
+  std::chrono::nanoseconds liveliness_lease{0};        ///< the longest time between two signs of life
   // These take no part in matching:
   std::chrono::nanoseconds lifespan{0};  ///< publishers
   std::uint32_t history_depth = 1;       ///< publishers: samples kept for late ones; subscribers: until taken

@@ -16,8 +16,8 @@ namespace sft {
 /// An owned message of which only the fields in `mask` were received; the others have their default values.
 template <class T>
 struct Partial {
-  T value{};
-  FieldMask mask{};
+  T value{};         ///< owned by this struct
+  FieldMask mask{};  ///< the fields of `value` that were received
 };
 
 /// What take() returns and callbacks get. `sample->field()` reads a field in place, on first access; spans,
@@ -36,6 +36,7 @@ class Sample {
   Sample() = default;
   explicit Sample(untyped::Sample&& sample) : sample_(std::move(sample)) {}
 
+  /// False if there is no sample.
   explicit operator bool() const { return static_cast<bool>(sample_); }
 
   /// The view's getters. Not on a temporary: what they return would be gone at once.
@@ -50,12 +51,15 @@ class Sample {
   Arrow operator->() const& { return Arrow(view()); }
   void operator->() const&& = delete;
 
+  /// All getters of the sample. Valid as long as the sample, which must not be moved meanwhile. Not of an
+  /// empty sample.
   View view() const& {
     assert(sample_ && "an empty sample is read: ask `if (sample)` first, take() had nothing to give");
     return view_of<T, R>(sample_.state());
   }
   void view() const&& = delete;
 
+  /// Sequence, stamps, publisher, and what was lost before this sample. Valid as long as the sample.
   const SampleInfo& info() const& { return sample_.info(); }
   void info() const&& = delete;
   /// Not of an empty sample.

@@ -29,20 +29,20 @@ struct TypeMismatch {
 
 /// One reader as its publisher serves it.
 struct ReaderStatus {
-  std::uint64_t id = 0;
-  std::string node;
-  bool served = false;  ///< false: `reason` says why nothing is sent
-  TransportKind transport{};
+  std::uint64_t id = 0;       ///< EndpointInfo::id of the subscriber
+  std::string node;           ///< the name of its node
+  bool served = false;        ///< false: `reason` says why nothing is sent
+  TransportKind transport{};  ///< means something only while it is served
   /// For the transport, or for not being served; and that its host does not answer, where that is so.
   std::string reason{};
   /// Of one that is served by UDP: with whom it shares a multicast group, or why with nobody.
   std::string multicast{};
-  bool incompatible_type = false;
+  bool incompatible_type = false;                   ///< the names or definitions of the types differ
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
   bool no_path = false;                             ///< fits, but not the ways that both may use
-  bool no_path_yet = false;  ///< the same, while shared memory may still come up here or there
-  FieldMask mask{};
+  bool no_path_yet = false;            ///< the same, while shared memory may still come up here or there
+  FieldMask mask{};                    ///< of the fields that it is sent
   double max_rate_hz = 0;              ///< that it asks for; 0: all samples
   std::uint64_t request_sequence = 0;  ///< of the STR in force
 
@@ -58,7 +58,7 @@ struct ReaderStatus {
   // Bytes over the network, loopback too, of the bodies of what was sent, without headers; in shared memory
   // nothing is sent and nothing counts as saved. Where several readers of a process ask for the same, what
   // travels once counts for each of them.
-  std::uint64_t bytes_sent = 0;
+  std::uint64_t bytes_sent = 0;  ///< see above
   /// Of the same samples: what whole bodies would have been, less bytes_sent. A sample that was not encoded
   /// whole is taken to have been as large as the last one measured, at most 10 ms before.
   std::uint64_t bytes_saved = 0;
@@ -71,16 +71,18 @@ struct Diverted {
   std::uint64_t exhausted = 0;  ///< no chunk of its size was free: readers, loans, the history hold them all
   std::uint64_t too_large = 0;  ///< larger than the largest chunk
   std::uint64_t unavailable = 0;  ///< the daemon was gone, which was about to be noticed, or held a lock
-  std::uint64_t total() const { return exhausted + too_large + unavailable; }
+  std::uint64_t total() const {
+    return exhausted + too_large + unavailable;
+  }  ///< samples, for whatever reason
   friend bool operator==(const Diverted&, const Diverted&) = default;
 };
 
 struct PublisherStatus {
-  std::uint64_t published = 0;    ///< samples
-  std::uint64_t bytes_sent = 0;   ///< bodies and SFT headers over the network, each datagram once
-  std::uint64_t bytes_saved = 0;  ///< of all readers, with those that are gone
-  std::uint64_t deadlines_missed = 0;
-  bool alive = true;  ///< or it did not assert its liveliness in time
+  std::uint64_t published = 0;         ///< samples
+  std::uint64_t bytes_sent = 0;        ///< bodies and SFT headers over the network, each datagram once
+  std::uint64_t bytes_saved = 0;       ///< of all readers, with those that are gone
+  std::uint64_t deadlines_missed = 0;  ///< periods of its own deadline without a sample
+  bool alive = true;                   ///< or it did not assert its liveliness in time
   /// Samples that could not be handed to some transport; and those that UDP queued and then could not send,
   /// once for each address that missed one.
   std::uint64_t dropped = 0;
@@ -91,26 +93,26 @@ struct PublisherStatus {
 
 /// One writer as its subscriber hears it.
 struct WriterStatus {
-  std::uint64_t id = 0;
-  std::string node;
-  bool matched = false;    ///< false: `reason` says why
-  bool connected = false;  ///< what it sends comes, by `transport`
-  bool alive = true;       ///< false: its lease or its node's is over, which `reason` says
-  TransportKind transport{};
-  std::string reason{};
+  std::uint64_t id = 0;       ///< EndpointInfo::id of the publisher
+  std::string node;           ///< the name of its node
+  bool matched = false;       ///< false: `reason` says why
+  bool connected = false;     ///< what it sends comes, by `transport`
+  bool alive = true;          ///< false: its lease or its node's is over, which `reason` says
+  TransportKind transport{};  ///< means something only while it is connected
+  std::string reason{};       ///< for the transport, or for there being none; for people
   /// Samples of it that are kept until they are taken: SubscriberOptions::depth, or as many as shared memory
   /// keeps.
   std::uint32_t depth = 0;
-  bool incompatible_type = false;
+  bool incompatible_type = false;                   ///< the names or definitions of the types differ
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
   bool no_path = false;                             ///< fits, but not the ways that both may use
-  bool no_path_yet = false;  ///< the same, while shared memory may still come up here or there
-  std::uint64_t received = 0;
-  std::uint64_t lost = 0;      ///< samples that should have come
-  std::uint64_t withheld = 0;  ///< samples that did not come, or were skipped, for max_rate_hz
-  std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
-  std::uint64_t deadlines_missed = 0;
+  bool no_path_yet = false;            ///< the same, while shared memory may still come up here or there
+  std::uint64_t received = 0;          ///< samples taken or given to the callback
+  std::uint64_t lost = 0;              ///< samples that should have come
+  std::uint64_t withheld = 0;          ///< samples that did not come, or were skipped, for max_rate_hz
+  std::uint64_t expired = 0;           ///< samples that were not delivered because their lifespan was over
+  std::uint64_t deadlines_missed = 0;  ///< periods of the subscriber's deadline without a sample of it
   /// Times that the connection was set up anew, since it sent and nothing arrived.
   std::uint64_t restarts = 0;
 };

@@ -49,9 +49,11 @@ class Subscriber {
   /// error if it is no rate.
   Result<void> set_max_rate_hz(double max_rate_hz) { return subscriber_.set_max_rate_hz(max_rate_hz); }
 
+  /// Counts, and each publisher of the topic. Any thread.
   SubscriberStatus status() const { return subscriber_.status(); }
   /// What it asks for and, where fields are recorded, how often each was read. Any thread.
   Requirements requirements() const { return subscriber_.requirements(); }
+  /// The message type. Any thread; valid as long as the subscriber.
   const TypeSupport& type() const { return subscriber_.type(); }
 
  private:

@@ -12,11 +12,11 @@ namespace sft {
 
 /// One type of a topic, and the names of the nodes that use it, one for each publisher and subscriber.
 struct TopicType {
-  std::string name;
-  std::uint64_t hash = 0;
-  std::optional<DynamicType> type{};  ///< its fields; nothing where it is too large to be described
-  std::vector<std::string> publishers{};
-  std::vector<std::string> subscribers{};
+  std::string name;                        ///< as in the IDL: "sensor_msgs::msg::Imu"
+  std::uint64_t hash = 0;                  ///< equal for equal definitions of the type
+  std::optional<DynamicType> type{};       ///< its fields; nothing where it is too large to be described
+  std::vector<std::string> publishers{};   ///< names of nodes
+  std::vector<std::string> subscribers{};  ///< names of nodes
 };
 
 struct TopicInfo {

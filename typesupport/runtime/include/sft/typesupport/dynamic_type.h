@@ -22,7 +22,9 @@ class DynamicType {
   static Result<DynamicType> parse(std::span<const std::byte> description,
                                    const DescriptionLimits& limits = {});
 
+  /// As in the IDL: "sensor_msgs::msg::Imu".
   std::string_view name() const { return type().name; }
+  /// The tables of the type. Valid as long as any handle of it.
   const StructType& type() const;
   /// Equal to the hash of the compiled type.
   std::uint64_t hash() const;
