@@ -114,6 +114,7 @@ struct PairInfo {
   PairAccount account{};  ///< what both nodes have counted, while the program asks (Node::ask_accounts())
 };
 
+/// All publishers and subscribers of a DDS domain that a node knows of, and how each pair stands. A copy.
 struct DomainSnapshot {
   std::vector<EndpointInfo> publishers;   ///< by topic, then by node
   std::vector<EndpointInfo> subscribers;  ///< likewise

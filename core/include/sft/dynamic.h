@@ -127,6 +127,7 @@ using DynamicCallback = std::function<void(const DynamicSample&)>;
 /// be called by any thread at any time.
 class DynamicPublisher {
  public:
+  /// Node::publisher() makes publishers.
   DynamicPublisher(DynamicType type, untyped::Publisher publisher, std::size_t max_sample_bytes)
       : type_(std::move(type)), publisher_(std::move(publisher)), max_sample_bytes_(max_sample_bytes) {}
 

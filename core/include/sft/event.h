@@ -28,10 +28,13 @@ enum class EventKind : std::uint8_t {
 };
 const char* to_string(EventKind kind);
 
+/// What has happened to a publisher, a subscriber or a pair of both.
 struct Event {
+  /// What has happened.
   EventKind kind{};
   std::uint64_t peer = 0;  ///< id of the subscriber or publisher at the other end; 0: concerns none
   std::string node{};      ///< and its node
+  /// Of incompatible_qos: the first policy that does not fit.
   QosPolicy policy = QosPolicy::none;
   std::uint64_t count = 1;  ///< of deadlines missed, samples lost or diverted since the last such event
   bool yet = false;         ///< of no_path: shared memory may still come up, here or there

@@ -32,11 +32,13 @@
 
 namespace sft {
 
+/// A participant: opens publishers and subscribers. A handle: copies are the same node.
 class Node {
  public:
   /// Joins the control topics, opens the transports, starts the threads.
   static Result<Node> open(const NodeOptions& options = {});
 
+  /// Opens a publisher of messages of type T.
   template <class T>
   Result<Publisher<T>> publisher(std::string_view topic, const PublisherOptions& options = {}) {
     return open_publisher(topic, type_support<T>(), options).map([](untyped::Publisher&& p) {
@@ -55,6 +57,7 @@ class Node {
         .map([](untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 
+  /// The same with a callback, which gets each sample (subscriber.h says on which thread).
   template <class T, Req<T> R = Req<T>(all<T>), SampleCallback<Sample<T, R>> F>
   Result<Subscriber<T, R>> subscriber(std::string_view topic, F&& callback,
                                       const SubscriberOptions& options = {}) {
@@ -107,6 +110,7 @@ class Node {
   Result<DynamicPublisher> publisher(std::string_view topic, const DynamicType& type,
                                      const PublisherOptions& options = {});
 
+  /// How discovery and the transports work at present.
   NodeStatus status() const;
   /// All that the node knows of its publishers, its subscribers and itself (snapshot.h); to_json() writes it.
   NodeSnapshot snapshot() const;

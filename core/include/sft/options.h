@@ -35,6 +35,7 @@ using LogSink = std::function<void(LogLevel, std::string_view)>;
 /// passes it on to all hosts, which their cables have to bear: there, off.
 enum class MulticastUse : std::uint8_t { automatic, off };
 
+/// UDP: port, buffers, limits.
 struct UdpSettings {
   /// 0: any free one, and another for what answers to samples that are sent. One that is chosen has it all.
   std::uint16_t port = 0;
@@ -44,9 +45,11 @@ struct UdpSettings {
   /// Of all that the node sends by UDP, headers of SFT included; 0: no limit. Small samples go first. What a
   /// queue cannot hold meanwhile is dropped, the oldest first, and counted.
   std::uint64_t max_bytes_per_s = 0;
+  /// Whether readers on several hosts may be sent one copy together.
   MulticastUse multicast = MulticastUse::automatic;
 };
 
+/// Shared memory: the daemon sftd, and whose daemon is trusted.
 struct ShmSettings {
   bool start_daemon = true;  ///< start sftd when none runs
   /// Of sftd. Empty: what $SFT_DAEMON names; else beside the program, in ../libexec/sft from there, where SFT
@@ -115,14 +118,21 @@ struct NodeThreads {
   ThreadSettings discovery{};
 };
 
+/// How a node finds others, which transports it uses and how, its threads and its log. Read once, by
+/// Node::open().
 struct NodeOptions {
+  /// For people, in UTF-8, at most 255 bytes. Several nodes may have one name.
   std::string name = "node";
   /// DDS domain of the control topics, 0 to 232; default: $ROS_DOMAIN_ID, else 0
   std::optional<std::uint32_t> domain{};
+  /// How nodes find each other.
   DiscoverySettings discovery{};
   TransportChoice transport = TransportChoice::automatic;  ///< bound for all endpoints of the node
+  /// Of samples over UDP.
   UdpSettings udp{};
+  /// Of samples in shared memory.
   ShmSettings shm{};
+  /// CPUs, scheduling and names of the threads.
   NodeThreads threads{};
   /// XML or names of files, behind ours, so that it wins; default: $CYCLONEDDS_URI. What SFT cannot do
   /// without wins over it, and is said, in the log and NodeStatus::discovery.

@@ -26,11 +26,15 @@ namespace sft {
 template <class T>
 class Loan {
  public:
+  /// The writable members of the loan.
   using View = typename T::template LoanView<LoanedPlace<T>>;
+  /// The sequences of T that a loan can reserve.
   using Reservations = decltype(View::reservations({}));
 
+  /// Publisher::loan() makes loans.
   Loan(untyped::Loan&& loan, const Reservations& reserved) : loan_(std::move(loan)), reserved_(reserved) {}
 
+  /// What operator->() returns.
   class Arrow {
    public:
     explicit Arrow(View view) : view_(view) {}
@@ -39,6 +43,7 @@ class Loan {
    private:
     View view_;
   };
+  /// The writable members, in place. Not of a temporary loan.
   Arrow operator->() & { return Arrow(View{LoanedPlace<T>{loan_.body(), loan_.state()}}); }
   void operator->() && = delete;
 
@@ -119,6 +124,7 @@ class Loan {
 template <class T>
 class Publisher {
  public:
+  /// Node::publisher() makes publishers.
   explicit Publisher(untyped::Publisher publisher) : publisher_(std::move(publisher)) {}
 
   /// Encodes once and sends: readers on this host get one full sample, remote ones the fields they asked for.

@@ -31,9 +31,11 @@ struct Partial {
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Sample {
  public:
+  /// The getters of the fields.
   using View = ViewOf<T, R>;
 
   Sample() = default;
+  /// take() and callbacks have samples.
   explicit Sample(untyped::Sample&& sample) : sample_(std::move(sample)) {}
 
   /// False if there is no sample.
@@ -48,6 +50,7 @@ class Sample {
    private:
     View view_;
   };
+  /// The getters: `sample->field()`. Not of an empty sample.
   Arrow operator->() const& { return Arrow(view()); }
   void operator->() const&& = delete;
 

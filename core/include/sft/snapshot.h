@@ -38,6 +38,7 @@
 
 namespace sft {
 
+/// One reader as its publisher serves it, with the names of the fields.
 struct ReaderSnapshot : ReaderStatus {
   std::string fields{};  ///< that it is sent
 };
@@ -79,11 +80,15 @@ struct SubscriberSnapshot {
   std::vector<WriterStatus> writers;  ///< all publishers of the topic, heard or not
 };
 
+/// What a node knows of itself at one moment. A copy.
 struct NodeSnapshot {
+  /// NodeOptions::name.
   std::string name;
+  /// The DDS domain.
   std::uint32_t domain = 0;
   std::string version;                 ///< of this library
   std::uint32_t control_protocol = 0;  ///< its version; nodes of another one are not seen
+  /// When the snapshot was taken.
   std::chrono::sys_time<std::chrono::nanoseconds> time{};
   NodeStatus status;                            ///< how shared memory and UDP work, and what was refused
   std::vector<PublisherSnapshot> publishers;    ///< in the order in which they were opened

@@ -77,6 +77,7 @@ struct Diverted {
   friend bool operator==(const Diverted&, const Diverted&) = default;
 };
 
+/// Counts of a publisher since it was opened, and its readers. A copy.
 struct PublisherStatus {
   std::uint64_t published = 0;         ///< samples
   std::uint64_t bytes_sent = 0;        ///< bodies and SFT headers over the network, each datagram once
@@ -86,6 +87,7 @@ struct PublisherStatus {
   /// Samples that could not be handed to some transport; and those that UDP queued and then could not send,
   /// once for each address that missed one.
   std::uint64_t dropped = 0;
+  /// Samples that shared memory could not take.
   Diverted diverted{};
   FieldMask mask;                     ///< what is encoded of a sample at present
   std::vector<ReaderStatus> readers;  ///< all of the topic, served or not
@@ -117,6 +119,7 @@ struct WriterStatus {
   std::uint64_t restarts = 0;
 };
 
+/// Counts of a subscriber since it was opened, and its publishers. A copy.
 struct SubscriberStatus {
   std::uint64_t received = 0;  ///< samples taken or given to the callback
   std::uint64_t lost = 0;      ///< with what writers left behind and was not taken in time
@@ -131,9 +134,11 @@ struct SubscriberStatus {
   double max_rate_hz = 0;      ///< likewise; 0: all samples
   std::uint64_t requests = 0;  ///< STRs sent
   std::uint64_t restarts = 0;  ///< of connections by which nothing arrived
+  /// All publishers of the topic, heard or not.
   std::vector<WriterStatus> writers;
 };
 
+/// How discovery and the transports work for a node, and what they have refused since it was opened.
 struct NodeStatus {
   std::string discovery;  ///< how nodes are found here, and which of the user's settings do not hold, and why
   /// Parts of that: what of the user's settings does not hold, and what else the log has as a warning.
@@ -142,10 +147,14 @@ struct NodeStatus {
   /// The names of those that nodes are found by; empty where the program itself has opened the DDS domain.
   std::vector<std::string> discovery_interfaces{};
   std::string udp;  ///< how UDP works here, or why it does not
+  /// False: plain sockets; `udp` says why.
   bool io_uring_in_use = false;
+  /// How shared memory works here, or why it does not and what to do.
   std::string shm;
+  /// Samples can go by shared memory.
   bool shm_ready = false;
   bool lacks_daemon = false;  ///< no sftd is running, and NodeOptions::shm.start_daemon forbids to start one
+  /// Datagrams whose bytes are not what they claim to be.
   std::uint64_t datagrams_malformed = 0;
   /// Of writers that nobody here reads; and answers that are of nothing that was sent, or come from others
   /// than it was sent to.

@@ -27,6 +27,7 @@ concept SampleCallback = std::invocable<F&, const S&> || std::invocable<F&, S>;
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Subscriber {
  public:
+  /// Node::subscriber() makes subscribers.
   explicit Subscriber(untyped::Subscriber subscriber) : subscriber_(std::move(subscriber)) {}
 
   /// The oldest sample not yet taken; empty if there is none.

@@ -19,7 +19,9 @@ struct TopicType {
   std::vector<std::string> subscribers{};  ///< names of nodes
 };
 
+/// One topic, and the types that it is used with.
 struct TopicInfo {
+  /// Without a slash at the beginning.
   std::string name;
   std::vector<TopicType> types{};  ///< more than one: these publishers and subscribers do not match
 };

@@ -39,6 +39,9 @@
 
 namespace sft {
 
+/// A sample, or a part of one, whose type is known at run time only. A view reads in place, on access. It
+/// owns nothing: it is valid as long as its sample and its type. Several threads may have views of one
+/// sample.
 class DynamicView {
  public:
   class Members;
@@ -74,6 +77,7 @@ class DynamicView {
 
   // ---- what it is ----
 
+  /// True if it is there: it was sent, and its bytes are what they claim to be.
   explicit operator bool() const {
     note();
     return error_ == nullptr && present_;
@@ -83,13 +87,17 @@ class DynamicView {
   /// Null unless it is an error.
   const Error* error() const { return error_.get(); }
 
+  /// True of a struct, also if that is an element.
   bool is_struct() const { return node_ == Node::structure; }
+  /// True of an array or a sequence as a whole.
   bool is_collection() const { return node_ == Node::collection; }
   /// Of a collection: of its elements.
   Kind kind() const { return member_ == nullptr ? Kind::structure : member_->kind; }
+  /// Of a collection array or sequence, else single.
   Shape shape() const { return is_collection() ? member_->shape : Shape::single; }
   /// The member that this is, or is an element of; null for the whole sample.
   const Member* member() const { return member_; }
+  /// Of member(); empty for the whole sample.
   std::string_view name() const { return member_ == nullptr ? std::string_view() : member_->name; }
   /// Of a struct or a collection of structs, else null.
   const StructType* type() const { return type_; }
@@ -101,6 +109,7 @@ class DynamicView {
   /// Elements of an array or a sequence.
   Result<std::size_t> size() const;
 
+  /// The value of a primitive or a string. An error if it is something else, absent or malformed.
   Result<Scalar> scalar() const;
 
   /// bool, char; any integer type that the integer fits into; float, double (also of integers that it holds
@@ -183,8 +192,11 @@ class DynamicView::Members {
     Place place_;
   };
 
+  /// DynamicView::members() makes these.
   explicit Members(DynamicView of) : of_(std::move(of)) {}
+  /// As of a range.
   iterator begin() const { return {&of_, 0}; }
+  /// As of a range.
   iterator end() const {
     return {&of_, of_.is_struct() && of_.error() == nullptr ? of_.type_->members.size() : 0};
   }
@@ -193,6 +205,7 @@ class DynamicView::Members {
   DynamicView of_;
 };
 
+/// The elements of an array or a sequence, to be iterated over. Holds what it needs of the view.
 class DynamicView::Elements {
  public:
   class iterator {
@@ -222,8 +235,11 @@ class DynamicView::Elements {
     std::size_t left_ = 0;
   };
 
+  /// DynamicView::elements() makes these.
   explicit Elements(DynamicView of);
+  /// As of a range.
   iterator begin() const { return {&of_, first_, left_}; }
+  /// As of a range.
   iterator end() const { return {&of_, 0, 0}; }
 
  private:

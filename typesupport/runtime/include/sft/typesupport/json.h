@@ -25,9 +25,11 @@
 
 namespace sft {
 
+/// Form and limits of a message as JSON.
 struct JsonOptions {
   int indent = -1;                      ///< spaces per level; -1: one line
   std::size_t elements_max = SIZE_MAX;  ///< of each array and sequence, but not of those in base64
+  /// Sequences and arrays of octets and uint8 as one string in base64; else as numbers.
   bool bytes_as_base64 = true;
   std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< about; more is an error
 };
@@ -36,6 +38,7 @@ struct JsonOptions {
 /// be.
 Result<std::string> to_json(const DynamicView& view, const JsonOptions& options = {});
 
+/// Limits and special words for reading messages as JSON.
 struct FromJsonOptions {
   std::size_t bytes_max = 64 * 1024 * 1024;  ///< of the body; more is an error
   /// What "now" stands for in the place of a builtin_interfaces/Time, and "auto" in the place of a

@@ -24,17 +24,26 @@
 
 namespace sft {
 
+/// A set of leaf fields of the message type T, as a constant expression: an argument of templates.
 template <class T>
 struct Mask {
+  /// The message type.
   using Type = T;
+  /// The number of a leaf.
   using value_type = std::size_t;
+  /// Over the numbers of the leaves, ascending.
   using const_iterator = LeafIterator<Mask>;
+  /// The same: sets are not changed through iterators.
   using iterator = const_iterator;
+  /// Leaves of the type, in the set or not.
   static constexpr std::size_t leaves = leaf_count_of<T>;
 
+  /// Bit i of word w is leaf 64 w + i.
   std::array<std::uint64_t, (leaves + 63) / 64> words{};  // public: a template argument has no private parts
 
+  /// `leaf` is less than `leaves`.
   constexpr bool contains(std::size_t leaf) const { return (words[leaf / 64] >> (leaf % 64) & 1) != 0; }
+  /// True if all leaves of the other are in this one.
   constexpr bool contains(const Mask& other) const {
     for (std::size_t i = 0; i < words.size(); ++i) {
       if ((other.words[i] & ~words[i]) != 0) return false;
@@ -42,12 +51,14 @@ struct Mask {
     return true;
   }
 
+  /// True if some leaf of [first, first + count) is in the set.
   constexpr bool intersects(std::size_t first, std::size_t count) const {
     for (std::size_t leaf = first; leaf < first + count; ++leaf) {
       if (contains(leaf)) return true;
     }
     return false;
   }
+  /// True if some leaf is in both.
   constexpr bool intersects(const Mask& other) const {
     for (std::size_t i = 0; i < words.size(); ++i) {
       if ((other.words[i] & words[i]) != 0) return true;
@@ -55,7 +66,9 @@ struct Mask {
     return false;
   }
 
+  /// True if no leaf is in the set.
   constexpr bool empty() const { return size() == 0; }
+  /// Leaves in the set.
   constexpr std::size_t size() const {
     std::size_t n = 0;
     for (const std::uint64_t word : words) n += static_cast<std::size_t>(std::popcount(word));
@@ -64,10 +77,14 @@ struct Mask {
 
   /// The numbers of the leaves, ascending.
   constexpr iterator begin() const { return iterator::first(*this); }
+  /// Behind the last one.
   constexpr iterator end() const { return iterator::end(*this); }
+  /// One of the words, from 0.
   constexpr std::uint64_t word(std::size_t i) const { return words[i]; }
+  /// How many words there are.
   static constexpr std::size_t word_count() { return (leaves + 63) / 64; }
 
+  /// The set of the leaves [first, first + count).
   static constexpr Mask range(std::size_t first, std::size_t count) {
     Mask m;
     for (std::size_t leaf = first; leaf < first + count; ++leaf)
@@ -155,16 +172,21 @@ struct Recorded {
 };
 inline constexpr Recorded recorded{};
 
+/// What a subscriber requires: fields of T that it declares, or recording.
 template <class T>
 struct Req {
+  /// The fields; of recording all.
   Mask<T> mask{};
+  /// Getters note what is read (ARR).
   bool is_recorded = false;
 
+  /// These fields are declared.
   constexpr Req(const Mask<T>& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
   /// A field or an inner node by its name (a class derived from FieldNode), or a combination of them.
   template <FieldSet F>
   requires std::same_as<T, TypeOfFields<F>>
-  constexpr Req(const F& declared) : mask(declared) {}          // NOLINT(google-explicit-constructor)
+  constexpr Req(const F& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
+  /// Which fields are needed is found out.
   constexpr Req(Recorded) : mask(all<T>), is_recorded(true) {}  // NOLINT(google-explicit-constructor)
 
   friend constexpr bool operator==(const Req&, const Req&) = default;

@@ -27,13 +27,16 @@ enum class Errc {
   system,  ///< the operating system refused, the message says what
 };
 
+/// Why something that was asked for could not be done.
 struct Error {
+  /// For programs to distinguish.
   Errc code;
   std::string message;  ///< names the thing and what to do about it
 };
 
 }  // namespace sft
 
+/// @cond not in the reference: Doxygen takes no specialization of a class that it does not know
 /// What value() throws where there is none. It is tl::expected's own exception but for what(), which there is
 /// the same for all errors.
 template <>
@@ -51,6 +54,7 @@ class tl::bad_expected_access<sft::Error> : public std::exception {
  private:
   sft::Error error_;
 };
+/// @endcond
 
 namespace sft {
 

@@ -14,14 +14,19 @@
 
 namespace sft {
 
+/// A message type: its leaf fields, their paths, and masks of them. Immutable: any thread.
 class TypeSupport {
  public:
   /// `type` must outlive this; generated tables are static.
   explicit TypeSupport(const StructType& type);
 
+  /// The tables that it was made of.
   const StructType& type() const { return *type_; }
+  /// As in the IDL: "sensor_msgs::msg::Imu".
   std::string_view name() const { return type_->name; }
+  /// How many leaf fields the type has.
   std::size_t leaves() const { return paths_.size(); }
+  /// How many entries the index of a sample has.
   std::size_t slots() const { return slots_; }
 
   /// FNV-1a over the canonical structure (names, kinds, shapes, bounds, keys, enumerators; not units): equal
@@ -39,13 +44,16 @@ class TypeSupport {
   /// Shortest list of paths that names exactly `mask`: "header, height, fields[].name"; "*" for all, "" for
   /// none.
   std::string format_mask(const FieldMask& mask) const;
+  /// The paths of the leaves in `mask`.
   std::vector<std::string> field_names(const FieldMask& mask) const;
 
   /// What is really sent for `mask`: with any leaf of a sequence's elements goes its length, and key members
   /// always. Closing twice is closing once.
   FieldMask closed(FieldMask mask) const;
 
+  /// The mask without a field.
   FieldMask none() const { return FieldMask(leaves()); }
+  /// The mask of all fields.
   FieldMask full() const { return FieldMask::full(leaves()); }
 
  private:

@@ -24,6 +24,7 @@
 
 namespace sft {
 
+/// Form and limits of a message as YAML.
 struct YamlOptions {
   std::size_t elements_max =
       128;  ///< of each array and sequence; how many more there are stands in a comment
