@@ -4,9 +4,8 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <sstream>
-#include <string>
+
+#include "tools/hosts/interface_counters.h"
 
 namespace sft::bench {
 
@@ -19,12 +18,12 @@ namespace {
 
 }  // namespace
 
-demo::EmulatedNetwork make_hosts(std::size_t hosts, Trains trains) {
-  auto network = demo::EmulatedNetwork::create(hosts);
+hosts::EmulatedNetwork make_hosts(std::size_t hosts, Trains trains) {
+  auto network = hosts::EmulatedNetwork::create(hosts);
   if (!network) give_up(network.error());
   for (std::size_t i = 0; i < hosts && trains == Trains::whole; ++i) {
     const auto done =
-        network->host(i).run({"ethtool", "-K", demo::host_interface, "tx-udp-segmentation", "on"});
+        network->host(i).run({"ethtool", "-K", hosts::host_interface, "tx-udp-segmentation", "on"});
     if (!done) give_up(done.error());
   }
   return std::move(*network);
@@ -43,22 +42,11 @@ Sides TwoHosts::sides(std::function<void(Exchange&)> sender, std::function<void(
           .enter_receiver = [this] { enter(1); }};
 }
 
-std::uint32_t TwoHosts::receiver_address() { return inet_addr(demo::EmulatedNetwork::address(1).c_str()); }
+std::uint32_t TwoHosts::receiver_address() { return inet_addr(hosts::EmulatedNetwork::address(1).c_str()); }
 
 LinkBytes link_bytes() {
-  std::ifstream table("/proc/self/net/dev");  // of this process's namespace, unlike /sys
-  for (std::string line; std::getline(table, line);) {
-    const auto name = line.find(std::string(demo::host_interface) + ":");
-    if (name == std::string::npos) continue;
-    std::istringstream fields(line.substr(line.find(':') + 1));
-    LinkBytes bytes;
-    std::int64_t skipped = 0;
-    fields >> bytes.received;
-    for (int i = 0; i < 7; ++i) fields >> skipped;
-    fields >> bytes.sent;
-    return bytes;
-  }
-  return {};
+  const auto bytes = hosts::interface_bytes(hosts::host_interface).value_or(hosts::InterfaceBytes{});
+  return {static_cast<std::int64_t>(bytes.received), static_cast<std::int64_t>(bytes.sent)};
 }
 
 }  // namespace sft::bench

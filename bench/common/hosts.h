@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "bench/common/pair.h"
-#include "examples/demo/network.h"
+#include "tools/hosts/network.h"
 
 namespace sft::bench {
 
@@ -15,7 +15,7 @@ enum class Trains {
 };
 
 /// Needs root; ends the program with a message where that is missing.
-demo::EmulatedNetwork make_hosts(std::size_t hosts, Trains trains);
+hosts::EmulatedNetwork make_hosts(std::size_t hosts, Trains trains);
 
 class TwoHosts {
  public:
@@ -30,10 +30,10 @@ class TwoHosts {
   static std::uint32_t receiver_address();
 
  private:
-  demo::EmulatedNetwork network_;
+  hosts::EmulatedNetwork network_;
 };
 
-/// Bytes that the calling process's eth0 has received and sent, with link-layer headers.
+/// Bytes that eth0 of the calling process's host has received and sent, with link-layer headers.
 struct LinkBytes {
   std::int64_t received = 0;
   std::int64_t sent = 0;

@@ -1,10 +1,7 @@
 #include "bench/udp/control_counter.h"
 
-#include <arpa/inet.h>
-#include <linux/filter.h>
 #include <linux/if_ether.h>
 #include <linux/if_packet.h>
-#include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
@@ -12,7 +9,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "examples/demo/network.h"
+#include "tools/hosts/network.h"
+#include "tools/hosts/packet_filter.h"
 
 namespace sft::bench {
 
@@ -20,12 +18,7 @@ namespace {
 
 constexpr int buffer_bytes = 16 << 20;  // nothing is taken out before the end
 
-// Offsets in an Ethernet frame, and in the IPv4 packet in it.
-constexpr std::uint32_t ether_type = 12;
-constexpr std::uint32_t ip_header = 14;
-constexpr std::uint32_t ip_fragment = ip_header + 6;
-constexpr std::uint32_t ip_protocol = ip_header + 9;
-constexpr std::uint32_t udp_payload = ip_header + 8;  // behind the IP header
+using namespace hosts;  // offsets in a frame
 
 // The first byte of a datagram (udp_transport/wire/datagram.h): version and kind.
 constexpr std::uint32_t version_1 = 0x10;
@@ -58,22 +51,13 @@ constexpr std::array control_only{
 
 }  // namespace
 
-ControlCounter::ControlCounter() : packets_(socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
-  const sock_fprog filter{.len = control_only.size(),
-                          .filter = const_cast<sock_filter*>(control_only.data())};
-  setsockopt(packets_.get(), SOL_SOCKET, SO_RCVBUF, &buffer_bytes, sizeof buffer_bytes);
-  const int filtered = setsockopt(packets_.get(), SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter);
-  // Bound to all protocols only once the filter is in place.
-  sockaddr_ll address{};
-  address.sll_family = AF_PACKET;
-  address.sll_protocol = htons(ETH_P_ALL);
-  address.sll_ifindex = static_cast<int>(if_nametoindex(demo::host_interface));
-  if (filtered == 0 &&
-      bind(packets_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
-    return;
+ControlCounter::ControlCounter() {
+  auto packets = open_packets(host_interface, control_only, buffer_bytes);
+  if (!packets) {
+    std::fprintf(stderr, "%s\n", packets.error().message.c_str());
+    std::exit(1);
   }
-  std::perror("the control traffic cannot be counted");
-  std::exit(1);
+  packets_ = std::move(*packets);
 }
 
 ControlTraffic ControlCounter::read() const {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "examples/demo/descriptor.h"
+#include "core/file_descriptor.h"
 
 namespace sft::bench {
 
@@ -21,7 +21,7 @@ class ControlCounter {
   ControlTraffic read() const;
 
  private:
-  demo::Descriptor packets_;
+  core::FileDescriptor packets_;
 };
 
 }  // namespace sft::bench

@@ -98,7 +98,7 @@ void receive_right(Board& board) {
 }
 
 /// Bytes that leave the publisher's host for a sample. Readers share the second core.
-double bytes_for(std::size_t readers, const demo::EmulatedNetwork& network) {
+double bytes_for(std::size_t readers, const hosts::EmulatedNetwork& network) {
   const Shared<Board> board;
   const auto start = [&](std::size_t host, const std::function<int()>& run) {
     return start_on_core(host == 0 ? 0 : 1, [&] { return network.host(host).enter() ? run() : 1; });
@@ -121,7 +121,7 @@ double bytes_for(std::size_t readers, const demo::EmulatedNetwork& network) {
 }  // namespace
 
 std::vector<Figure> fan_out(const Scale&) {
-  const demo::EmulatedNetwork network = make_hosts(hosts_max, Trains::cut);
+  const hosts::EmulatedNetwork network = make_hosts(hosts_max, Trains::cut);
   const double one = bytes_for(1, network);
   std::vector<Figure> figures{{"fanout_1_reader", one, "B", {}, "per sample"}};
   for (const std::size_t readers : {2, 4, 8}) {

@@ -15,11 +15,13 @@
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <stdexcept>
 #include <system_error>
 #include <thread>
 #include <utility>
 
 #include "tests/support/eventually.h"
+#include "tools/hosts/own_host.h"
 
 namespace sft::test {
 
@@ -61,8 +63,8 @@ bool become(uid_t user) noexcept {
   return user == 0 || (setgroups(0, nullptr) == 0 && setgid(user) == 0 && setuid(user) == 0);
 }
 
-void mounted(bool done) {
-  if (!done) throw std::system_error(errno, std::generic_category(), "mount");
+void mounted(const Result<void>& done) {
+  if (!done) throw std::runtime_error(done.error().message);
 }
 
 }  // namespace
@@ -85,7 +87,8 @@ Host::Host(const Host& neighbour, const Shared& shared) : network_(neighbour.net
     }
     checked(setns(neighbour.mount_namespace_, CLONE_NEWNS), "setns");
     checked(unshare(CLONE_NEWNS), "unshare");  // a copy: the neighbour's stay as they are
-    mounted((shared.shm || mount_own_shm()) && (shared.tmp || mount_own_tmp()));
+    if (!shared.shm) mounted(mount_own_shm());
+    if (!shared.tmp) mounted(hosts::mount_own_tmp());
   });
 }
 

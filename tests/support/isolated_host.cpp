@@ -1,6 +1,5 @@
 #include "tests/support/isolated_host.h"
 
-#include <fcntl.h>
 #include <net/if.h>
 #include <sched.h>
 #include <sys/ioctl.h>
@@ -15,8 +14,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
+#include <stdexcept>
+
+#include "tools/hosts/own_host.h"
+#include "tools/hosts/system_error.h"
 
 namespace sft::test {
 
@@ -25,28 +26,19 @@ namespace {
 constexpr int own_namespaces = CLONE_NEWNS | CLONE_NEWNET | CLONE_NEWPID;
 // sftd zeroes what it takes, half of this; where the machine below has to find that memory first, it takes
 // long.
-constexpr const char* shm_size = "320m";
+constexpr unsigned shm_mebibytes = 320;
 
 std::string refusal = "run_isolated was not called";
 
-bool refuse(const char* what) {
-  refusal = std::string("needs root or user namespaces: ") + what + ": " + std::strerror(errno);
+bool refuse(const Error& error) {
+  refusal = "needs root or user namespaces: " + error.message;
   return false;
 }
 
 bool enter_namespaces() {
   if (unshare(own_namespaces) == 0) return true;
-  const uid_t user = geteuid();
-  const gid_t group = getegid();
-  if (unshare(CLONE_NEWUSER | own_namespaces) != 0) return refuse("unshare");
-  std::ofstream("/proc/self/setgroups") << "deny";
-  std::ofstream("/proc/self/uid_map") << "0 " << user << " 1";
-  std::ofstream("/proc/self/gid_map") << "0 " << group << " 1";
-  return true;
-}
-
-bool mount_shm(const char* size) {
-  return mount("tmpfs", "/dev/shm", "tmpfs", 0, (std::string("mode=1777,size=") + size).c_str()) == 0;
+  const Result<void> entered = hosts::enter_user_namespace(own_namespaces);
+  return entered || refuse(entered.error());
 }
 
 /// Discovery multicasts, and there is no interface but this one.
@@ -62,10 +54,11 @@ bool bring_loopback_up() {
 }
 
 bool set_up() {
-  if (!bring_loopback_up()) return refuse("loopback");
-  if (mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0) return refuse("mount");
-  if (mount("proc", "/proc", "proc", 0, nullptr) != 0) return refuse("mount /proc");
-  if (!mount_own_memory()) return refuse("mount /dev/shm and /tmp");
+  const Result<void> done = hosts::checked(bring_loopback_up(), "loopback")
+                                .and_then(hosts::make_mounts_private)
+                                .and_then(hosts::mount_own_proc)
+                                .and_then(mount_own_memory);
+  if (!done) return refuse(done.error());
   refusal.clear();
   return true;
 }
@@ -87,25 +80,11 @@ int exit_code(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128
 
 const std::string& isolation_refusal() { return refusal; }
 
-const std::string& program_directory() {
-  static const std::string directory = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  return directory;
-}
+const std::string& program_directory() { return hosts::program_directory().native(); }
 
-bool mount_own_shm() { return mount_shm(shm_size); }
+Result<void> mount_own_shm() { return hosts::mount_own_shm(shm_mebibytes); }
 
-/// The build may itself lie in /tmp: its programs are put into the new one at the same place.
-bool mount_own_tmp() {
-  const std::string& programs = program_directory();
-  const int directory = open(programs.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-  if (mount("tmpfs", "/tmp", "tmpfs", 0, "mode=1777,size=256m") != 0) return false;
-  if (access(programs.c_str(), F_OK) == 0) return true;
-  std::filesystem::create_directories(programs);
-  const std::string source = "/proc/self/fd/" + std::to_string(directory);
-  return mount(source.c_str(), programs.c_str(), nullptr, MS_BIND, nullptr) == 0;
-}
-
-bool mount_own_memory() { return mount_own_shm() && mount_own_tmp(); }
+Result<void> mount_own_memory() { return mount_own_shm().and_then(hosts::mount_own_tmp); }
 
 int run_isolated(const std::function<int()>& run) {
   program_directory();  // while /proc is still the one of this process
@@ -119,7 +98,11 @@ int run_isolated(const std::function<int()>& run) {
   _exit(exit_code(status));  // what the program had to do at its end, it did there
 }
 
-ShmOfSize::ShmOfSize(const char* size) { mount_shm(size); }
+ShmOfSize::ShmOfSize(unsigned mebibytes) {
+  const Result<void> mounted = hosts::mount_own_shm(mebibytes);
+  if (!mounted) throw std::runtime_error(mounted.error().message);
+}
+
 ShmOfSize::~ShmOfSize() { umount2("/dev/shm", MNT_DETACH); }
 
 }  // namespace sft::test

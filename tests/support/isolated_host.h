@@ -5,6 +5,8 @@
 #include <functional>
 #include <string>
 
+#include "sft/typesupport/result.h"
+
 namespace sft::test {
 
 /// Calls `run` as a process of a new host, of which the only interface is the loopback, and ends this one
@@ -16,16 +18,15 @@ int run_isolated(const std::function<int()>& run);
 /// Empty if this program is isolated: tests that need it skip by this otherwise.
 const std::string& isolation_refusal();
 
-// Mount an empty /dev/shm, an empty /tmp, in which the programs stay in sight, or both. REQUIRES: a mount
-// namespace of one's own, made by a process that is isolated.
-bool mount_own_shm();
-bool mount_own_tmp();
-bool mount_own_memory();
+// These functions mount an empty /dev/shm, or that and an empty /tmp, in which the programs stay in sight.
+// REQUIRES: a mount namespace of one's own, made by a process that is isolated.
+Result<void> mount_own_shm();
+Result<void> mount_own_memory();
 
 /// A /dev/shm of another size, while it lives.
 class ShmOfSize {
  public:
-  explicit ShmOfSize(const char* size);
+  explicit ShmOfSize(unsigned mebibytes);
   ~ShmOfSize();
   ShmOfSize(const ShmOfSize&) = delete;
   ShmOfSize& operator=(const ShmOfSize&) = delete;

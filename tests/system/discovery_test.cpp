@@ -10,7 +10,7 @@
 #include <memory>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "examples/demo/network.h"
+#include "tools/hosts/network.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
 #include "tests/system/node_process.h"
@@ -148,13 +148,13 @@ class DiscoveryTest : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
-    auto made = demo::EmulatedNetwork::create(2);
+    auto made = hosts::EmulatedNetwork::create(2);
     if (!made) GTEST_SKIP() << made.error().message;
-    network_ = std::make_unique<demo::EmulatedNetwork>(std::move(*made));
+    network_ = std::make_unique<hosts::EmulatedNetwork>(std::move(*made));
   }
 
-  const demo::NetworkNamespace& host(std::size_t number) const { return network_->host(number); }
-  static std::string address(std::size_t number) { return demo::EmulatedNetwork::address(number); }
+  const hosts::NetworkNamespace& host(std::size_t number) const { return network_->host(number); }
+  static std::string address(std::size_t number) { return hosts::EmulatedNetwork::address(number); }
   bool run_on(std::size_t number, const std::string& commands) const {
     const Result<void> done = host(number).run({"sh", "-ec", commands});
     return done ? true : (ADD_FAILURE() << done.error().message, false);
@@ -187,7 +187,7 @@ class DiscoveryTest : public ::testing::Test {
  private:
   static void skip(const std::string& why) { GTEST_SKIP() << why; }
 
-  std::unique_ptr<demo::EmulatedNetwork> network_;
+  std::unique_ptr<hosts::EmulatedNetwork> network_;
 };
 
 TEST_F(DiscoveryTest, NodesFindEachOtherByMulticast) {

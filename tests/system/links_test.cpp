@@ -11,7 +11,7 @@
 #include <memory>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "examples/demo/network.h"
+#include "tools/hosts/network.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
 #include "tests/system/node_process.h"
@@ -92,7 +92,7 @@ class LinksTest : public ::testing::Test {
   void SetUp() override {
     if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
     for (int i = 0; i < 3; ++i) {
-      auto made = demo::NetworkNamespace::create();
+      auto made = hosts::NetworkNamespace::create();
       if (!made) GTEST_SKIP() << made.error().message;
       spaces_.push_back(std::move(*made));
     }
@@ -105,7 +105,7 @@ class LinksTest : public ::testing::Test {
 
   static constexpr std::size_t robot = 0, desk = 1, room = 2;
 
-  const demo::NetworkNamespace& host(std::size_t number) const { return spaces_[number]; }
+  const hosts::NetworkNamespace& host(std::size_t number) const { return spaces_[number]; }
   bool run(std::size_t where, const std::string& commands) const {
     const Result<void> done = host(where).run({"sh", "-ec", commands});
     return done ? true : (ADD_FAILURE() << done.error().message, false);
@@ -145,7 +145,7 @@ class LinksTest : public ::testing::Test {
   }
 
  private:
-  std::vector<demo::NetworkNamespace> spaces_;
+  std::vector<hosts::NetworkNamespace> spaces_;
 };
 
 /// A robot with these interfaces, of which "huc" leads to the desk, and what its user lists.

@@ -16,8 +16,8 @@
 #include <span>
 #include <utility>
 
-#include "examples/demo/descriptor.h"
-#include "udp_transport/wire/datagram.h"
+#include "core/file_descriptor.h"
+#include "udp_transport/datagram.h"
 
 namespace sft::test {
 
@@ -30,8 +30,8 @@ constexpr int quiet_ms = 10;  // what was kept for the next frame goes after tha
 using Frame = std::span<const std::byte>;
 
 /// One of the two ends, in this network namespace.
-demo::Descriptor open_end(const char* interface) {
-  demo::Descriptor end(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, htons(ETH_P_ALL)));
+core::FileDescriptor open_end(const char* interface) {
+  core::FileDescriptor end(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, htons(ETH_P_ALL)));
   const int bytes = 64 << 20, yes = 1;
   ::setsockopt(end.get(), SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes);
   ::setsockopt(end.get(), SOL_PACKET, PACKET_IGNORE_OUTGOING, &yes, sizeof yes);
@@ -43,7 +43,7 @@ demo::Descriptor open_end(const char* interface) {
   return end;
 }
 
-std::uint64_t not_received(const demo::Descriptor& end) {
+std::uint64_t not_received(const core::FileDescriptor& end) {
   tpacket_stats stats{};
   socklen_t bytes = sizeof stats;
   ::getsockopt(end.get(), SOL_PACKET, PACKET_STATISTICS, &stats, &bytes);
@@ -65,7 +65,7 @@ std::uint32_t sequence_in(Frame frame) {
 /// One direction of the cable.
 class Way {
  public:
-  Way(const demo::Descriptor& from, const demo::Descriptor& to, LossyCable::Notes& notes)
+  Way(const core::FileDescriptor& from, const core::FileDescriptor& to, LossyCable::Notes& notes)
       : from_(from), to_(to), notes_(notes) {}
 
   void pass_one_on(const LossyCable::Faults& faults, std::mt19937_64& random) {
@@ -91,7 +91,7 @@ class Way {
   void send_kept() {
     if (!kept_.empty()) send(std::exchange(kept_, {}));
   }
-  const demo::Descriptor& from() const { return from_; }
+  const core::FileDescriptor& from() const { return from_; }
 
  private:
   void lose(Frame frame) {
@@ -104,8 +104,8 @@ class Way {
     if (sent != static_cast<ssize_t>(frame.size())) ++notes_.failed;
   }
 
-  const demo::Descriptor& from_;
-  const demo::Descriptor& to_;
+  const core::FileDescriptor& from_;
+  const core::FileDescriptor& to_;
   LossyCable::Notes& notes_;
   std::vector<std::byte> kept_;
 };
@@ -113,11 +113,11 @@ class Way {
 }  // namespace
 
 Result<std::unique_ptr<LossyCable>> LossyCable::create(const Faults& faults, std::uint64_t seed) {
-  auto middle = demo::NetworkNamespace::create();
+  auto middle = hosts::NetworkNamespace::create();
   if (!middle) return tl::unexpected(middle.error());
-  std::vector<demo::NetworkNamespace> hosts;
+  std::vector<hosts::NetworkNamespace> hosts;
   for (int i = 0; i < 2; ++i) {
-    auto host = demo::NetworkNamespace::create();
+    auto host = hosts::NetworkNamespace::create();
     if (!host) return tl::unexpected(host.error());
     hosts.push_back(std::move(*host));
   }
@@ -140,7 +140,7 @@ LossyCable::~LossyCable() {
 /// link.
 Result<void> LossyCable::plug_in(std::size_t number) const {
   const std::string end = "end" + std::to_string(number);
-  const std::string address = demo::EmulatedNetwork::address(number);
+  const std::string address = hosts::EmulatedNetwork::address(number);
   const Result<void> laid = middle_.run({"sh", "-ec",
                                          "ip link add " + end + " type veth peer name eth0 netns " +
                                              hosts_[number].path() + "; ip link set dev " + end +
@@ -157,7 +157,7 @@ Result<void> LossyCable::plug_in(std::size_t number) const {
 void LossyCable::pass_on(const Faults& faults, std::uint64_t seed) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (!middle_.enter()) _exit(1);
-  const demo::Descriptor ends[] = {open_end("end0"), open_end("end1")};
+  const core::FileDescriptor ends[] = {open_end("end0"), open_end("end1")};
   if (!ends[0] || !ends[1]) _exit(1);
   Way ways[] = {{ends[0], ends[1], *notes_}, {ends[1], ends[0], *notes_}};
   std::mt19937_64 random(seed);

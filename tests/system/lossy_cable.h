@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "examples/demo/network.h"
+#include "tools/hosts/network.h"
 #include "tests/system/node_process.h"
 
 namespace sft::test {
@@ -30,7 +30,7 @@ class LossyCable {
   LossyCable(const LossyCable&) = delete;
   LossyCable& operator=(const LossyCable&) = delete;
 
-  const demo::NetworkNamespace& host(std::size_t number) const { return hosts_[number]; }
+  const hosts::NetworkNamespace& host(std::size_t number) const { return hosts_[number]; }
 
   void become(bool bad) { notes_->bad = bad; }
 
@@ -47,13 +47,13 @@ class LossyCable {
   const Notes& notes() const { return *notes_; }
 
  private:
-  LossyCable(demo::NetworkNamespace middle, std::vector<demo::NetworkNamespace> hosts)
+  LossyCable(hosts::NetworkNamespace middle, std::vector<hosts::NetworkNamespace> hosts)
       : middle_(std::move(middle)), hosts_(std::move(hosts)) {}
   Result<void> plug_in(std::size_t number) const;
   [[noreturn]] void pass_on(const Faults& faults, std::uint64_t seed);
 
-  demo::NetworkNamespace middle_;
-  std::vector<demo::NetworkNamespace> hosts_;
+  hosts::NetworkNamespace middle_;
+  std::vector<hosts::NetworkNamespace> hosts_;
   SharedWithChildren<Notes> notes_;
   pid_t process_ = -1;
 };

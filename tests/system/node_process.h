@@ -13,7 +13,7 @@
 #include <functional>
 #include <new>
 
-#include "examples/demo/network.h"
+#include "tools/hosts/network.h"
 
 namespace sft::test {
 
@@ -40,7 +40,7 @@ class NodeProcessWith {
  public:
   using Role = std::function<void(Node& node, Report& report)>;
 
-  NodeProcessWith(const demo::NetworkNamespace& host, const NodeOptions& options, const Role& role) {
+  NodeProcessWith(const hosts::NetworkNamespace& host, const NodeOptions& options, const Role& role) {
     process_ = fork();
     if (process_ == 0) run(host, options, role);
   }
@@ -60,7 +60,7 @@ class NodeProcessWith {
   Report& report() const { return *report_; }
 
  private:
-  [[noreturn]] void run(const demo::NetworkNamespace& host, const NodeOptions& options, const Role& role) {
+  [[noreturn]] void run(const hosts::NetworkNamespace& host, const NodeOptions& options, const Role& role) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     auto node = host.enter() ? Node::open(options) : fail(Errc::system, "the host cannot be entered");
     if (node) {

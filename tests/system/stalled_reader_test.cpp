@@ -75,7 +75,7 @@ void subscribe(Node& node, Taken& taken) {
 
 TEST(StalledReader, LosesTheOldestAndKnowsItWhileAnotherGetsAllInTime) {
   if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
-  const auto network = demo::EmulatedNetwork::create(2);
+  const auto network = hosts::EmulatedNetwork::create(2);
   if (!network) GTEST_SKIP() << network.error().message;
   const NodeOptions options{.transport = TransportChoice::udp};
   const NodeProcessWith<Published> publisher(network->host(0), options, publish);

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/sft/units.h"
+#include "tools/terminal/units.h"
 
 namespace sft::tool {
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/sft/arrivals.h"
-#include "tools/sft/units.h"
+#include "tools/terminal/units.h"
 
 namespace sft::tool {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/sft/stop.h"
+#include "tools/terminal/stop.h"
 
 namespace sft::tool {
 

@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "tools/sft/wrapped.h"
+#include "tools/terminal/wrapped.h"
 
 namespace sft::tool {
 

@@ -9,7 +9,7 @@
 #include "tools/sft/describe.h"
 #include "tools/sft/msg_text.h"
 #include "tools/sft/table.h"
-#include "tools/sft/units.h"
+#include "tools/terminal/units.h"
 
 namespace sft::tool {
 

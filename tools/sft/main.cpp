@@ -1,7 +1,9 @@
+#include <signal.h>
+
 #include "tools/sft/command_line.h"
 #include "tools/sft/output.h"
 #include "tools/sft/session.h"
-#include "tools/sft/stop.h"
+#include "tools/terminal/stop.h"
 
 namespace {
 
@@ -32,6 +34,7 @@ int main(int argc, char** argv) {
   const auto parsed = parse_command_line(argc, argv);
   if (const auto* code = std::get_if<ExitCode>(&parsed)) return static_cast<int>(*code);
   const auto& line = std::get<CommandLine>(parsed);
+  signal(SIGPIPE, SIG_IGN);  // Output notices where it writes that nobody reads
   Stop stop;
   Output output(stop, line.common.no_color);
   return static_cast<int>(run(line, stop, output));

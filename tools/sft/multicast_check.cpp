@@ -16,7 +16,7 @@
 #include <random>
 #include <string>
 
-#include "tools/sft/units.h"
+#include "tools/terminal/units.h"
 
 namespace sft::tool {
 

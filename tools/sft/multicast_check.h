@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/sft/finding.h"
-#include "tools/sft/stop.h"
+#include "tools/terminal/stop.h"
 
 namespace sft::tool {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "tools/sft/session.h"
-#include "tools/sft/units.h"
+#include "tools/terminal/units.h"
 
 namespace sft::tool {
 

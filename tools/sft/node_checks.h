@@ -7,7 +7,7 @@
 #include "tools/sft/common_options.h"
 #include "tools/sft/finding.h"
 #include "tools/sft/output.h"
-#include "tools/sft/stop.h"
+#include "tools/terminal/stop.h"
 
 namespace sft::tool {
 

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "tools/sft/wrapped.h"
+#include "tools/terminal/wrapped.h"
 
 namespace sft::tool {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "tools/sft/stop.h"
+#include "tools/terminal/stop.h"
 
 namespace sft::tool {
 

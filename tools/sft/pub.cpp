@@ -8,7 +8,7 @@
 
 #include "tools/sft/documents.h"
 #include "tools/sft/msg_text.h"
-#include "tools/sft/units.h"
+#include "tools/terminal/units.h"
 
 namespace sft::tool {
 

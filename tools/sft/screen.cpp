@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 
-#include "tools/sft/columns.h"
+#include "tools/terminal/columns.h"
 
 namespace sft::tool {
 

@@ -9,7 +9,7 @@
 #include "tools/sft/common_options.h"
 #include "tools/sft/exit_code.h"
 #include "tools/sft/output.h"
-#include "tools/sft/stop.h"
+#include "tools/terminal/stop.h"
 
 namespace sft::tool {
 

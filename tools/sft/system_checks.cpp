@@ -19,7 +19,7 @@
 #include <set>
 #include <string>
 
-#include "tools/sft/units.h"
+#include "tools/terminal/units.h"
 
 namespace sft::tool {
 

@@ -16,7 +16,7 @@
 #include "tools/sft/one_topic.h"
 #include "tools/sft/screen.h"
 #include "tools/sft/traffic.h"
-#include "tools/sft/units.h"
+#include "tools/terminal/units.h"
 
 namespace sft::tool {
 

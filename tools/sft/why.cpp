@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "tools/sft/account_text.h"
-#include "tools/sft/columns.h"
 #include "tools/sft/describe.h"
 #include "tools/sft/one_topic.h"
-#include "tools/sft/units.h"
+#include "tools/terminal/columns.h"
+#include "tools/terminal/units.h"
 
 namespace sft::tool {
 

@@ -4,8 +4,8 @@
 
 #include <thread>
 
-#include "examples/demo/protocol.h"
-#include "examples/demo/traffic.h"
+#include "tools/demo/roles/protocol.h"
+#include "tools/hosts/interface_counters.h"
 
 namespace sft::demo {
 namespace {
@@ -79,19 +79,19 @@ constexpr const char* proc_net_dev =
     "veth_eth0: 1 1 0 0 0 0 0 0 2 2 0 0 0 0 0\n";
 
 TEST(Counters, AreThoseOfTheInterface) {
-  Traffic traffic;
-  ASSERT_TRUE(parse_counters(proc_net_dev, "eth0", traffic));
-  EXPECT_EQ(traffic.received, 18446744073709551615ULL);
-  EXPECT_EQ(traffic.sent, 4096U);
-  ASSERT_TRUE(parse_counters(proc_net_dev, "lo", traffic));
-  EXPECT_EQ(traffic.received, 100U);
+  const auto eth0 = hosts::parse_interface_bytes(proc_net_dev, "eth0");
+  ASSERT_TRUE(eth0);
+  EXPECT_EQ(eth0->received, 18446744073709551615ULL);
+  EXPECT_EQ(eth0->sent, 4096U);
+  const auto lo = hosts::parse_interface_bytes(proc_net_dev, "lo");
+  ASSERT_TRUE(lo);
+  EXPECT_EQ(lo->received, 100U);
 }
 
 TEST(Counters, OfAnInterfaceThatIsNotThereAreNone) {
-  Traffic traffic;
-  EXPECT_FALSE(parse_counters(proc_net_dev, "eth", traffic));
-  EXPECT_FALSE(parse_counters(proc_net_dev, "eth1", traffic));
-  EXPECT_FALSE(parse_counters("", "eth0", traffic));
+  EXPECT_FALSE(hosts::parse_interface_bytes(proc_net_dev, "eth"));
+  EXPECT_FALSE(hosts::parse_interface_bytes(proc_net_dev, "eth1"));
+  EXPECT_FALSE(hosts::parse_interface_bytes("", "eth0"));
 }
 
 }  // namespace

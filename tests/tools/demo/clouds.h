@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "examples/demo/input_cloud.h"
 #include "tests/support/encoded.h"
 #include "tests/support/temporary_directory.h"
+#include "tools/demo/clouds/input_cloud.h"
 
 namespace sft::demo {
 

@@ -5,12 +5,14 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "examples/demo/figures.h"
-#include "examples/demo/latency.h"
-#include "examples/demo/measurement.h"
-#include "examples/demo/report.h"
-#include "examples/demo/text_lines.h"
-#include "examples/demo/wait_notice.h"
+#include "tools/demo/roles/latency.h"
+#include "tools/demo/screen/figures.h"
+#include "tools/demo/screen/measurement.h"
+#include "tools/demo/screen/report.h"
+#include "tools/demo/screen/wait_notice.h"
+#include "tools/terminal/columns.h"
+#include "tools/terminal/units.h"
+#include "tools/terminal/wrapped.h"
 
 namespace sft::demo {
 namespace {
@@ -254,16 +256,16 @@ TEST(Json, HasNullForWhatWasNotMeasured) {
 }
 
 TEST(Text, HasUnitsThatPeopleRead) {
-  EXPECT_EQ(format_bytes(0), "0 B");
-  EXPECT_EQ(format_bytes(81.6), "82 B");
-  EXPECT_EQ(format_bytes(1570), "1.57 kB");
-  EXPECT_EQ(format_bytes(6'291'725), "6.29 MB");
-  EXPECT_EQ(format_bytes(2.5e9), "2.50 GB");
-  EXPECT_EQ(format_bytes(3e12), "3.00 TB");
-  EXPECT_EQ(format_count(0), "0");
-  EXPECT_EQ(format_count(999), "999");
-  EXPECT_EQ(format_count(1000), "1,000");
-  EXPECT_EQ(format_count(6'291'725), "6,291,725");
+  EXPECT_EQ(tool::aligned_bytes_text(0), "0 B");
+  EXPECT_EQ(tool::aligned_bytes_text(81.6), "82 B");
+  EXPECT_EQ(tool::aligned_bytes_text(1570), "1.57 kB");
+  EXPECT_EQ(tool::aligned_bytes_text(6'291'725), "6.29 MB");
+  EXPECT_EQ(tool::aligned_bytes_text(2.5e9), "2.50 GB");
+  EXPECT_EQ(tool::aligned_bytes_text(3e12), "3.00 TB");
+  EXPECT_EQ(tool::grouped_count_text(0), "0");
+  EXPECT_EQ(tool::grouped_count_text(999), "999");
+  EXPECT_EQ(tool::grouped_count_text(1000), "1,000");
+  EXPECT_EQ(tool::grouped_count_text(6'291'725), "6,291,725");
 }
 
 TEST(Text, NamesFieldsTheShorterWayAndARateBehindThem) {
@@ -279,15 +281,15 @@ TEST(Text, NamesFieldsTheShorterWayAndARateBehindThem) {
 }
 
 TEST(Text, BreaksAtSpacesSoThatNoLineIsTooLong) {
-  EXPECT_THAT(wrap("one two three", 7), ElementsAre("one two", "three"));
-  EXPECT_THAT(wrap("one", 7), ElementsAre("one"));
-  EXPECT_THAT(wrap("", 7), ElementsAre(""));
-  EXPECT_THAT(wrap("a longerword b", 7), ElementsAre("a", "longerword", "b"));
+  EXPECT_THAT(tool::wrapped_lines("one two three", 7), ElementsAre("one two", "three"));
+  EXPECT_THAT(tool::wrapped_lines("one", 7), ElementsAre("one"));
+  EXPECT_THAT(tool::wrapped_lines("", 7), ElementsAre(""));
+  EXPECT_THAT(tool::wrapped_lines("a longerword b", 7), ElementsAre("a", "longerword", "b"));
 }
 
 TEST(Text, ThatDoesNotFitEndsWithDots) {
-  EXPECT_EQ(shorten("1234567", 7), "1234567");
-  EXPECT_EQ(shorten("12345678", 7), "1234...");
+  EXPECT_EQ(tool::shortened("1234567", 7), "1234567");
+  EXPECT_EQ(tool::shortened("12345678", 7), "1234...");
 }
 
 TEST(Wait, IsSaidAtOnceAndThenEverySecond) {

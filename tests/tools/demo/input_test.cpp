@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "examples/demo/point_cloud_files.h"
-#include "tests/tools/demo/clouds.h"
+#include "tests/demo/clouds.h"
+#include "tools/demo/clouds/point_cloud_files.h"
 
 namespace sft::demo {
 namespace {

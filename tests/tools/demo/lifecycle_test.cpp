@@ -18,8 +18,8 @@
 #include <regex>
 #include <sstream>
 
-#include "examples/demo/descriptor.h"
-#include "tests/tools/demo/clouds.h"
+#include "core/file_descriptor.h"
+#include "tests/demo/clouds.h"
 
 namespace sft::demo {
 namespace {
@@ -41,8 +41,8 @@ class RunningDemo {
     const winsize size{.ws_row = 24, .ws_col = 80, .ws_xpixel = 0, .ws_ypixel = 0};
     if ((on == On::pipe ? pipe(ends) : openpty(&ends[0], &ends[1], nullptr, nullptr, &size)) != 0) return;
     if (on == On::terminal) fcntl(ends[0], F_SETFD, FD_CLOEXEC);
-    output_ = Descriptor(ends[0]);
-    const Descriptor written(ends[1]);
+    output_ = core::FileDescriptor(ends[0]);
+    const core::FileDescriptor written(ends[1]);
     process_ = fork();
     if (process_ == 0) execute(std::move(arguments), written.get(), as);
   }
@@ -108,7 +108,7 @@ class RunningDemo {
     _exit(cannot_run);
   }
 
-  Descriptor output_;
+  core::FileDescriptor output_;
   pid_t process_ = -1;
   std::string text_;
 };

@@ -8,9 +8,9 @@
 #include <sensor_msgs/msg/Image.hpp>
 #include <sensor_msgs/msg/LaserScan.hpp>
 
-#include "examples/demo/cdrlog.h"
-#include "examples/demo/kitti.h"
-#include "tests/tools/demo/clouds.h"
+#include "tests/demo/clouds.h"
+#include "tools/demo/clouds/cdrlog.h"
+#include "tools/demo/clouds/kitti.h"
 
 namespace sft::demo {
 namespace {

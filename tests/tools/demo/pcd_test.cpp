@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "examples/demo/pcd.h"
-#include "tests/tools/demo/clouds.h"
+#include "tests/demo/clouds.h"
+#include "tools/demo/clouds/pcd.h"
 
 namespace sft::demo {
 namespace {

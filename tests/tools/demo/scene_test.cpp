@@ -5,7 +5,7 @@
 #include <cstring>
 #include <vector>
 
-#include "examples/demo/scene.h"
+#include "tools/demo/clouds/scene.h"
 
 namespace sft::demo {
 namespace {

@@ -215,7 +215,7 @@ TEST_F(CommandTest, DoctorWarnsOfAnInterfaceThatIsNotThereAndOfNoneThatIs) {
 
 TEST_F(CommandTest, DoctorFindsTooLittleSharedMemory) {
   if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
-  const ShmOfSize small("16m");
+  const ShmOfSize small(16);
   const Ended ended = run_tool({"doctor"});
   EXPECT_EQ(ended.code, 2);
   EXPECT_THAT(ended.out, HasSubstr("error   /dev/shm"));

@@ -117,7 +117,7 @@ std::vector<std::string> daemons() {
 
 // How long each daemon takes to zero its memory is the machine's matter: thirty are for longer runs.
 TEST_F(Sftd, IsOneWhenManyNodesStartItAtOnce) {
-  const ShmOfSize small("128m");  // which each that starts would zero
+  const ShmOfSize small(128);  // which each that starts would zero
   const std::uint64_t nodes = std::min<std::uint64_t>(test_rounds(8), 30);
   std::vector<Process> peers;
   for (std::uint64_t i = 0; i < nodes; ++i) peers.push_back(start_peer({"attend"}));
@@ -151,7 +151,7 @@ TEST_F(Sftd, ItsMemoryIsInNobodysCoreDump) {
 }
 
 TEST_F(Sftd, LendsSamplesOf16MiBWhere256MiBAreShared) {
-  const ShmOfSize small("256m");
+  const ShmOfSize small(256);
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
   ASSERT_EQ(daemon.line(), "sftd: ready");  // and no remark before that
   Node node(no_daemon());
@@ -180,7 +180,7 @@ TEST_F(Sftd, TakesThePoolsThatItsConfigurationNames) {
 }
 
 TEST_F(Sftd, RefusesPoolsThatDoNotFit) {
-  const ShmOfSize small("200m");
+  const ShmOfSize small(200);
   std::ofstream("/tmp/sftd.toml") << "[[pool]]\nsize_kib = 1024\ncount = 200\n";
   Process daemon({sftd_path(), "--foreground", "--config=/tmp/sftd.toml"});
   EXPECT_TRUE(contains(daemon.all_output(), "/dev/shm has 200.0 MiB"));
@@ -292,7 +292,7 @@ TEST_F(Sftd, RemovesSocketsOfDeadProgramsAndOnlyThose) {
 }
 
 TEST_F(Sftd, RefusesTooSmallASharedMemoryAndNamesTheRemedy) {
-  const ShmOfSize small("64m");
+  const ShmOfSize small(64);
   Process daemon({sftd_path()});
   const std::string output = daemon.all_output();
   EXPECT_EQ(daemon.exit_code(), 1);
@@ -301,7 +301,7 @@ TEST_F(Sftd, RefusesTooSmallASharedMemoryAndNamesTheRemedy) {
 }
 
 TEST_F(Sftd, LeavesLargeChunksOutWhereThereIsLittleRoomAndSaysSo) {
-  const ShmOfSize small("140m");
+  const ShmOfSize small(140);
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
   const std::string first = daemon.line();
   EXPECT_TRUE(contains(first, "do not fit")) << first;
@@ -389,7 +389,7 @@ TEST_F(Sftd, WhoseNamesSomebodyRemovedBeginsAfreshWithItsPrograms) {
 class NodeWithoutDaemon : public ShmTest {};
 
 TEST_F(NodeWithoutDaemon, NamesTooSmallASharedMemory) {
-  const ShmOfSize small("64m");
+  const ShmOfSize small(64);
   Node node;
   ASSERT_TRUE(node.becomes(Availability::unavailable));
   EXPECT_TRUE(contains(node->description(), "64.0 MiB")) << node->description();
@@ -448,7 +448,7 @@ TEST_F(NodeWithoutDaemon, NamesAnSftdThatHasAnotherSharedMemory) {
   Node first;
   ASSERT_TRUE(first.becomes_ready()) << first->description();
   Process peer = [] {
-    const ShmOfSize other("200m");
+    const ShmOfSize other(200);
     Process started = start_peer({"attend", "5"});
     EXPECT_TRUE(contains(started.line(), "another /dev/shm"));
     return started;

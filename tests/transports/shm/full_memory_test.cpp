@@ -16,7 +16,7 @@ using core::DoorbellPage;
 
 class FullMemory : public ShmTest {
  protected:
-  FullMemory() : ShmTest("1m") {}
+  FullMemory() : ShmTest(1) {}
   void SetUp() override {
     ShmTest::SetUp();
     if (IsSkipped()) return;

@@ -19,7 +19,7 @@ constexpr std::uint32_t megabyte = 1'000'000;
 
 class Kill : public ShmNodeTest {
  protected:
-  Kill() : ShmNodeTest("1g") {}  // what the dead had is missed until they are buried
+  Kill() : ShmNodeTest(1024) {}  // what the dead had is missed until they are buried
 };
 
 TEST_F(Kill, OfAWriterInATightLoopWedgesNobody) {

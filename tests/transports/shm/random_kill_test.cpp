@@ -35,7 +35,7 @@ std::uint32_t chunks_in_use(const shm::Usage& usage) {
 
 class RandomKill : public ShmTest {
  protected:
-  RandomKill() : ShmTest("1g") {}  // the dead leave theirs until all who have it open are gone
+  RandomKill() : ShmTest(1024) {}  // the dead leave theirs until all who have it open are gone
   void SetUp() override {
     ShmTest::SetUp();
     if (IsSkipped()) return;

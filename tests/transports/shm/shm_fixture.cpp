@@ -235,7 +235,7 @@ std::vector<std::string> names_in(const char* directory, const std::string& pref
 
 void ShmTest::SetUp() {
   if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
-  if (shm_size_ != nullptr) shm_.emplace(shm_size_);
+  if (shm_mebibytes_) shm_.emplace(*shm_mebibytes_);
 }
 
 void end_daemon() {

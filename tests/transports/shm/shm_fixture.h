@@ -141,12 +141,12 @@ std::vector<std::string> names_in(const char* directory, const std::string& pref
 class ShmTest : public ::testing::Test {
  protected:
   /// With a /dev/shm of another size than usual.
-  explicit ShmTest(const char* shm_size = nullptr) : shm_size_(shm_size) {}
+  explicit ShmTest(std::optional<unsigned> shm_mebibytes = {}) : shm_mebibytes_(shm_mebibytes) {}
   void SetUp() override;
   void TearDown() override;
 
  private:
-  const char* const shm_size_;
+  const std::optional<unsigned> shm_mebibytes_;
   std::optional<ShmOfSize> shm_;
 };
 

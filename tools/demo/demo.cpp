@@ -1,0 +1,254 @@
+#include "tools/demo/demo.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tools/demo/screen/measurement.h"
+#include "tools/demo/screen/report.h"
+
+namespace sft::demo {
+
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr seconds patience_for_matching{20};
+constexpr seconds patience_for_shared_memory{8};
+constexpr seconds patience_for_arrival{2};
+// For about so long after they met, DDS participants repeat their introductions, and daemons that the hosts
+// had to start become ready, which their nodes announce.
+constexpr milliseconds settling{5'000};
+// Then each says about every so often that it is still there (80 % of the lease that the library gives). Over
+// any whole number of such periods the control traffic is the same, over others it depends on luck.
+constexpr seconds control_period{8};
+constexpr const char* stopped_early = "stopped before anything was published, so there are no figures";
+constexpr milliseconds refresh{250};
+constexpr milliseconds poll_interval{20};
+constexpr milliseconds between_notices{200};
+
+/// Null if the publisher does not know it.
+const ReaderReport* reader_called(const PublisherReport& publisher, const std::string& name) {
+  const auto reader = std::find_if(publisher.readers.begin(), publisher.readers.end(),
+                                   [&](const ReaderReport& r) { return r.node == name; });
+  return reader == publisher.readers.end() ? nullptr : &*reader;
+}
+
+std::uint64_t withheld_from(const PublisherReport& publisher, const std::string& name) {
+  const ReaderReport* reader = reader_called(publisher, name);
+  return reader == nullptr ? 0 : reader->withheld;
+}
+
+}  // namespace
+
+Demo::Demo(const DemoOptions& options, const CloudSource& source, Stage& stage, tool::Stop& stop,
+           Display& display)
+    : options_(options), source_(source), stage_(stage), stop_(stop), display_(display) {}
+
+Result<RunFigures> Demo::run() {
+  return await_readiness()
+      .and_then([this] { return let_it_settle(); })
+      .and_then([this] { return publish(); })
+      .and_then([this] { return await_arrival(); })
+      .map([this] { return figures(last_); });
+}
+
+bool Demo::stop_asked_before(Clock::time_point then) {
+  const bool asked = stop_.wait_for(then - Clock::now());
+  stop_.forget();
+  return asked;
+}
+
+Result<void> Demo::wait_until(Clock::time_point then, const std::string& what) {
+  for (;;) {
+    const auto now = Clock::now();
+    display_.waiting(what, now);
+    if (stop_asked_before(std::min(then, now + between_notices)))
+      return fail(Errc::unavailable, stopped_early);
+    if (now >= then) return {};
+  }
+}
+
+Result<Demo::Snapshot> Demo::look(const Order& order) {
+  return look(order, [](const std::string&) { return WhileWaiting(); });
+}
+
+Result<Demo::Snapshot> Demo::first_look() {
+  return look({}, [this](const std::string& name) -> WhileWaiting {
+    return [this, what = "Waiting until the " + name + " has started"] { return wait_until({}, what); };
+  });
+}
+
+Result<Demo::Snapshot> Demo::look(const Order& order,
+                                  const std::function<WhileWaiting(const std::string&)>& waiting) {
+  Snapshot now;
+  for (const Stage::Subscriber& subscriber : stage_.subscribers()) {
+    Result<SubscriberReport> report = stage_.ask(subscriber, waiting(subscriber.name));
+    if (!report) return tl::unexpected(report.error());
+    now.subscribers.push_back(std::move(*report));
+  }
+  // The publisher last: what subscribers have received by now is published.
+  Result<PublisherReport> report = stage_.ask_publisher(order, waiting("lidar"));
+  if (!report) return tl::unexpected(report.error());
+  now.publisher = std::move(*report);
+  now.at = Clock::now();
+  if (settled_.at != Clock::time_point{}) note_idle_traffic(now);
+  return now;
+}
+
+bool Demo::served_as_wished(const Snapshot& now, std::size_t number, bool any_transport) const {
+  const Stage::Subscriber& subscriber = stage_.subscribers()[number];
+  const ReaderReport* reader = reader_called(now.publisher, subscriber.name);
+  if (reader == nullptr || !reader->served || !now.subscribers[number].matched) return false;
+  return any_transport || !subscriber.local ||
+         (reader->transport == "shm" && now.subscribers[number].transport == "shm");
+}
+
+Error Demo::not_ready(const Snapshot& now) const {
+  std::string text = fmt::format("not everybody was served within {} s:", patience_for_matching.count());
+  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    if (served_as_wished(now, i, true)) continue;
+    const SubscriberReport& report = now.subscribers[i];
+    const std::string& why = report.warning.empty() ? report.reason : report.warning;
+    text +=
+        fmt::format(" {} ({})", stage_.subscribers()[i].name, why.empty() ? "heard of no publisher" : why);
+  }
+  if (!now.publisher.warning.empty()) text += "; the publisher says: " + now.publisher.warning;
+  return {Errc::unavailable, text};
+}
+
+/// "health, localiser"
+std::string Demo::missing(const Snapshot& now, bool any_transport) const {
+  std::string names;
+  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    if (served_as_wished(now, i, any_transport)) continue;
+    names += (names.empty() ? "" : ", ") + stage_.subscribers()[i].name;
+  }
+  return names;
+}
+
+void Demo::introduce() const {
+  display_.say(fmt::format("  lidar    publishes clouds of {}, {:g} a second", source_.shape(), options_.hz));
+  for (const Stage::Subscriber& subscriber : stage_.subscribers()) {
+    const std::string host = stage_.real_hosts() ? subscriber.host : subscriber.local ? "shared" : "by UDP";
+    display_.say(fmt::format("  {:<8} {:<9} {}", host, subscriber.name, subscriber.purpose));
+  }
+}
+
+Result<void> Demo::await_readiness() {
+  introduce();
+  const auto start = Clock::now();
+  Result<Snapshot> now = first_look();
+  for (;; now = look()) {
+    if (!now) return tl::unexpected(now.error());
+    const auto waited = now->at - start;
+    const bool any_transport = waited > patience_for_shared_memory;
+    const std::string missing_names = missing(*now, any_transport);
+    if (missing_names.empty()) {
+      display_.say(fmt::format("All {} subscribers found the publisher within {:.1f} s.",
+                               now->subscribers.size(), std::chrono::duration<double>(waited).count()));
+      for (const std::string& line : format_refusals(now->publisher)) display_.say(line);
+      return {};
+    }
+    if (waited > patience_for_matching) return tl::unexpected(not_ready(*now));
+    const Result<void> waiting = wait_until(now->at + poll_interval, "Not served yet: " + missing_names);
+    if (!waiting) return waiting;
+  }
+}
+
+/// Also makes the run long enough for a figure of the idle traffic, where publishing alone is not. While
+/// fields are learnt nodes are not idle: their requests change. Then publishing does not count.
+Result<void> Demo::let_it_settle() {
+  if (!stage_.real_hosts()) return {};
+  const Result<void> settled = wait_until(
+      Clock::now() + settling,
+      fmt::format("Waiting until discovery is quiet, {} s", std::chrono::floor<seconds>(settling).count()));
+  if (!settled) return settled;
+  Result<Snapshot> now = look();
+  if (!now) return tl::unexpected(now.error());
+  settled_ = std::move(*now);
+  const auto publishing = std::chrono::floor<milliseconds>(std::chrono::duration<double>(options_.seconds));
+  const auto silence = control_period + 2 * refresh - (options_.arr ? milliseconds(0) : publishing);
+  if (silence <= silence.zero()) return {};
+  return wait_until(settled_.at + silence,
+                    fmt::format("Counting what nodes send while nothing is published, {:.0f} s",
+                                std::chrono::duration<double>(silence).count()));
+}
+
+Result<void> Demo::publish() {
+  Result<Snapshot> now = look({Order::Kind::publish, options_.hz, options_.samples()});
+  if (!now) return tl::unexpected(now.error());
+  begin_ = std::move(*now);
+  last_ = begin_;
+  while (!last_.publisher.finished) {
+    const bool stop = stop_asked_before(last_.at + refresh);
+    now = look({stop ? Order::Kind::halt : Order::Kind::report});
+    if (!now) return tl::unexpected(now.error());
+    last_ = std::move(*now);
+    display_.show(figures(last_), std::chrono::duration<double>(last_.at - begin_.at).count());
+  }
+  return {};
+}
+
+Result<void> Demo::await_arrival() {
+  const auto deadline = Clock::now() + patience_for_arrival;
+  for (;;) {
+    Result<Snapshot> now = look();
+    if (!now) return tl::unexpected(now.error());
+    last_ = std::move(*now);
+    bool all_there = true;
+    for (std::size_t i = 0; i < last_.subscribers.size(); ++i) {
+      const SubscriberReport& s = last_.subscribers[i];
+      const std::uint64_t withheld = withheld_from(last_.publisher, stage_.subscribers()[i].name);
+      all_there = all_there && s.received + s.lost + withheld >= last_.publisher.published;
+    }
+    is_over_ = all_there || last_.at > deadline || stop_asked_before(last_.at + poll_interval);
+    if (is_over_) return {};
+  }
+}
+
+/// Control traffic does not depend on what is published, so it may as well be measured meanwhile.
+void Demo::note_idle_traffic(const Snapshot& now) {
+  if (now.at - settled_.at < (control_periods_ + 1) * control_period) return;
+  ++control_periods_;
+  idle_bytes_per_s_ = control_per_node(now);
+}
+
+/// What one node sent since discovery was quiet, on the average of all nodes.
+double Demo::control_per_node(const Snapshot& now) const {
+  // Its host has two nodes.
+  double rate = control_bytes_per_s(settled_.publisher.traffic, now.publisher.traffic);
+  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    if (stage_.subscribers()[i].local) continue;
+    rate += control_bytes_per_s(settled_.subscribers[i].traffic, now.subscribers[i].traffic);
+  }
+  return rate / static_cast<double>(1 + now.subscribers.size());
+}
+
+RunFigures Demo::figures(const Snapshot& now) const {
+  RunFigures run;
+  run.input = source_.name();
+  run.message_shape = source_.shape();
+  run.hz = options_.hz;
+  run.samples = now.publisher.published;
+  run.dropped = now.publisher.dropped;
+  run.hosts = stage_.hosts();
+  run.idle_bytes_per_s = idle_bytes_per_s_;
+  const double published = std::max(1.0, static_cast<double>(now.publisher.published));
+  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
+    const Stage::Subscriber& who = stage_.subscribers()[i];
+    const Conditions conditions{options_.arr, stage_.real_hosts(), is_over_,
+                                withheld_from(now.publisher, who.name)};
+    SubscriberFigures subscriber =
+        measure(begin_.subscribers[i], now.subscribers[i], now.publisher.published, conditions);
+    subscriber.name = who.name;
+    subscriber.max_rate_hz = who.max_rate_hz;
+    subscriber.host = stage_.real_hosts() ? who.host : "-";
+    subscriber.full_bytes_per_sample = static_cast<double>(now.publisher.full_bytes) / published;
+    run.subscribers.push_back(std::move(subscriber));
+  }
+  return run;
+}
+
+}  // namespace sft::demo

@@ -1,0 +1,121 @@
+// sft_demo: what Selective Field Transmission does, on one machine. A LiDAR publishes point clouds;
+// subscribers on other hosts are sent the fields that they need, one on the LiDAR's own host reads all of
+// them in shared memory.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fstream>
+#include <future>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tools/demo/clouds/file_source.h"
+#include "tools/demo/clouds/scene_source.h"
+#include "tools/demo/demo.h"
+
+namespace sft::demo {
+
+namespace {
+
+constexpr std::chrono::milliseconds between_notices{200};
+
+/// What no-color.org says.
+bool colours_wanted() {
+  const char* unwanted = std::getenv("NO_COLOR");
+  return unwanted == nullptr || *unwanted == '\0';
+}
+
+Result<std::unique_ptr<CloudSource>> open_source(const DemoOptions& options, Display& display) {
+  if (!options.input) return std::make_unique<SceneSource>(options.hz);
+  // A thread of its own, which is gone before the stage is set up.
+  auto reading =
+      std::async(std::launch::async, [&] { return read_point_clouds(*options.input, options.samples()); });
+  while (reading.wait_for(between_notices) == std::future_status::timeout) {
+    display.waiting("Reading " + options.input->native(), WaitNotice::Clock::now());
+  }
+  Result<Input> input = reading.get();
+  if (!input) return tl::unexpected(input.error());
+  for (const std::string& note : input->notes) display.say(options.input->native() + ": " + note);
+  return std::make_unique<FileSource>(options.input->native(), std::move(input->clouds));
+}
+
+/// Before the run: afterwards it would be too late to say that it cannot be written.
+Result<void> check_writable(const std::filesystem::path& path) {
+  std::error_code error;
+  const bool exists = std::filesystem::exists(path, error);
+  const std::filesystem::path directory = path.has_parent_path() ? path.parent_path() : ".";
+  const bool writable = exists
+                            ? !std::filesystem::is_directory(path, error) && access(path.c_str(), W_OK) == 0
+                            : access(directory.c_str(), W_OK | X_OK) == 0;
+  if (writable) return {};
+  return fail(Errc::invalid_argument, path.native() + " cannot be written; give another file to --json");
+}
+
+Result<void> write_json(const std::filesystem::path& path, const RunFigures& figures) {
+  std::ofstream file(path);
+  file << to_json(figures).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+  if (file.flush()) return {};
+  return fail(Errc::system, path.native() + " could not be written");
+}
+
+Result<void> run(const DemoOptions& options) {
+  if (options.json) {
+    if (Result<void> writable = check_writable(*options.json); !writable) return writable;
+  }
+  Display display(colours_wanted());
+  const Result<std::unique_ptr<CloudSource>> source = open_source(options, display);
+  if (!source) return tl::unexpected(source.error());
+
+  tool::Stop stop;
+  display.waiting("Setting up the hosts", WaitNotice::Clock::now());
+  const Result<std::unique_ptr<Stage>> stage = Stage::set_up(**source, options.arr);
+  if (!stage) return tl::unexpected(stage.error());
+  display.say((*stage)->real_hosts()
+                  ? "Five hosts, each in namespaces of its own, on an emulated switch:"
+                  : "No real hosts (" + (*stage)->why_not() +
+                        "): everything runs on this machine, with the network path forced over loopback:");
+  const Result<RunFigures> figures = Demo(options, **source, **stage, stop, display).run();
+  if (!figures) return tl::unexpected(figures.error());
+  display.conclude(*figures);
+  return options.json ? write_json(*options.json, *figures) : Result<void>();
+}
+
+}  // namespace
+
+}  // namespace sft::demo
+
+int main(int argc, char** argv) try {
+  sft::demo::DemoOptions options;
+  CLI::App app("Point clouds from a LiDAR, and who is sent what of them.");
+  app.get_formatter()->column_width(20);
+  app.get_formatter()->label("TEXT", "PATH");
+  app.add_option("--input", options.input,
+                 "Publish the clouds of a file (.cdr, .cdrlog, KITTI .bin,\n"
+                 ".pcd) or of a directory of them, again and again.\n"
+                 "Default: a generated street of 128 x 1024 points");
+  app.add_option("--hz", options.hz, "Clouds per second, 0.1 to 1000")
+      ->capture_default_str()
+      ->type_name("HZ")
+      ->check(CLI::Range(0.1, 1000.0).description(""));
+  app.add_option("--seconds", options.seconds, "How long to publish, 0.1 to 86400")
+      ->capture_default_str()
+      ->type_name("S")
+      ->check(CLI::Range(0.1, 86400.0).description(""));
+  app.add_flag("--arr", options.arr, "Nobody declares fields: what each reads is recorded");
+  app.add_option("--json", options.json, "Write the figures to a file");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
+  const sft::Result<void> done = sft::demo::run(options);
+  if (!done) std::fprintf(stderr, "sft_demo: %s\n", done.error().message.c_str());
+  return done ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "sft_demo: %s\n", error.what());
+  return 1;
+}

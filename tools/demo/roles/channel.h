@@ -1,0 +1,41 @@
+// The wire between the demo and each of its processes: JSON messages over a pair of sockets. It ends with
+// either side, so that neither outlives the other unnoticed.
+#pragma once
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "core/file_descriptor.h"
+#include "sft/typesupport/result.h"
+
+namespace sft::demo {
+
+using Clock = std::chrono::steady_clock;
+
+class Channel {
+ public:
+  /// Both ends close on exec, but not on fork: see close_descriptors_except().
+  static Result<std::pair<Channel, Channel>> make_pair();
+
+  enum class Event { message, timeout, closed };
+  struct Received {
+    Event event;
+    nlohmann::json message;
+  };
+
+  /// False if the other side is gone.
+  bool send(const nlohmann::json& message);
+  /// The next message, waiting for it until the deadline (for ever without one).
+  Received receive(std::optional<Clock::time_point> deadline);
+
+  int descriptor() const { return socket_.get(); }
+
+ private:
+  explicit Channel(core::FileDescriptor socket) : socket_(std::move(socket)) {}
+
+  core::FileDescriptor socket_;
+};
+
+}  // namespace sft::demo

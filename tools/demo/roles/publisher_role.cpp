@@ -1,0 +1,100 @@
+#include "tools/demo/roles/publisher_role.h"
+
+#include <algorithm>
+
+#include "tools/demo/roles/protocol.h"
+
+namespace sft::demo {
+
+namespace {
+
+/// One thread: it answers orders, and publishes when it is time.
+class LidarRole {
+ public:
+  static Result<std::unique_ptr<LidarRole>> open(const NodePlan& plan, CloudSource& source) {
+    Result<std::unique_ptr<RoleNode>> node = RoleNode::open(plan);
+    if (!node) return tl::unexpected(node.error());
+    Result<Publisher<PointCloud2>> publisher = (*node)->node().publisher<PointCloud2>(topic);
+    if (!publisher) return tl::unexpected(publisher.error());
+    return std::unique_ptr<LidarRole>(new LidarRole(std::move(*node), std::move(*publisher), source));
+  }
+
+  /// Until the channel closes, or publishing fails in a way that will not pass.
+  Result<void> serve(Channel& channel) {
+    for (;;) {
+      const Channel::Received received = channel.receive(next_);
+      if (received.event == Channel::Event::closed) return {};
+      if (received.event == Channel::Event::message) {
+        follow(received.message.get<Order>());
+        channel.send(report());
+      } else if (Result<void> published = publish(); !published) {
+        return published;
+      }
+    }
+  }
+
+ private:
+  LidarRole(std::unique_ptr<RoleNode> node, Publisher<PointCloud2> publisher, CloudSource& source)
+      : node_(std::move(node)), publisher_(std::move(publisher)), source_(source) {}
+
+  void follow(const Order& order) {
+    if (order.kind == Order::Kind::report) return;
+    next_.reset();
+    ordered_ = published_;
+    if (order.kind == Order::Kind::halt) return;
+    ordered_ += order.samples;
+    period_ = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / order.hz));
+    next_ = Clock::now();
+  }
+
+  Result<void> publish() {
+    const Result<CloudSource::Published> result = source_.publish(publisher_, published_);
+    if (!result && result.error().code != Errc::out_of_memory) return tl::unexpected(result.error());
+    ++published_;
+    if (result) full_bytes_ += result->full_bytes;
+    if (!result || result->status != PublishStatus::ok) ++dropped_;
+    // When it is late it does not try to catch up: sensors do not either.
+    next_ = std::max(*next_ + period_, Clock::now());
+    if (published_ == ordered_) next_.reset();
+    return {};
+  }
+
+  PublisherReport report() {
+    PublisherReport report;
+    report.published = published_;
+    report.dropped = dropped_;
+    report.full_bytes = full_bytes_;
+    report.finished = !next_.has_value();
+    for (const ReaderStatus& reader : publisher_.status().readers) {
+      report.readers.push_back(
+          {reader.node, reader.served, to_string(reader.transport), reader.reason, reader.withheld});
+    }
+    const NodeStatus status = node_->node().status();
+    report.udp = status.udp;
+    report.shm = status.shm;
+    report.shm_ready = status.shm_ready;
+    report.warning = node_->last_warning();
+    report.traffic = node_->traffic();
+    return report;
+  }
+
+  std::unique_ptr<RoleNode> node_;
+  Publisher<PointCloud2> publisher_;
+  CloudSource& source_;
+  std::uint64_t ordered_ = 0;  // to be published in all
+  std::uint64_t published_ = 0;
+  std::uint64_t dropped_ = 0;
+  std::uint64_t full_bytes_ = 0;
+  Clock::duration period_{};
+  std::optional<Clock::time_point> next_;  // empty: nothing to publish
+};
+
+}  // namespace
+
+void run_publisher(const NodePlan& plan, CloudSource& source, Channel& channel) {
+  Result<std::unique_ptr<LidarRole>> role = LidarRole::open(plan, source);
+  const Result<void> served = role ? (*role)->serve(channel) : tl::unexpected(role.error());
+  if (!served) refuse(channel, served.error());
+}
+
+}  // namespace sft::demo

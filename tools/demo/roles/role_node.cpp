@@ -1,0 +1,38 @@
+#include "tools/demo/roles/role_node.h"
+
+namespace sft::demo {
+
+Result<std::unique_ptr<RoleNode>> RoleNode::open(const NodePlan& plan) {
+  std::unique_ptr<RoleNode> role(new RoleNode);
+  if (plan.interface) {
+    Result<std::unique_ptr<TrafficMeter>> meter = TrafficMeter::open(*plan.interface);
+    if (!meter) return tl::unexpected(meter.error());
+    role->meter_ = std::move(*meter);
+  }
+  Result<Node> node = Node::open({
+      .name = plan.name,
+      .domain = plan.domain,
+      .transport = plan.transport,
+      // What a subscriber costs is to be seen at its host, and the switch passes multicast on to all of them.
+      .udp = {.multicast = MulticastUse::off},
+      // The user's own configuration names interfaces of this machine, which other hosts do not have.
+      .cyclonedds_config = "",
+      .log = [self = role.get()](LogLevel level, std::string_view text) { self->note(level, text); },
+  });
+  if (!node) return tl::unexpected(node.error());
+  role->node_.emplace(std::move(*node));
+  return role;
+}
+
+std::string RoleNode::last_warning() {
+  const std::scoped_lock lock(mutex_);
+  return last_warning_;
+}
+
+void RoleNode::note(LogLevel level, std::string_view text) {
+  if (level < LogLevel::warning) return;
+  const std::scoped_lock lock(mutex_);
+  last_warning_ = text;
+}
+
+}  // namespace sft::demo

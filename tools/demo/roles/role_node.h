@@ -1,0 +1,40 @@
+// What every role has: a node, the traffic of its host, and an ear for what the library has to say.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "sft/node.h"
+#include "tools/demo/roles/traffic.h"
+
+namespace sft::demo {
+
+struct NodePlan {
+  std::string name;
+  std::uint32_t domain = 0;
+  TransportChoice transport = TransportChoice::automatic;
+  std::optional<std::string> interface {};  ///< whose traffic is measured; empty: none
+};
+
+class RoleNode {
+ public:
+  static Result<std::unique_ptr<RoleNode>> open(const NodePlan& plan);
+
+  Node& node() { return *node_; }
+  /// All zero where it is not measured.
+  Traffic traffic() { return meter_ == nullptr ? Traffic{} : meter_->read(); }
+  std::string last_warning();
+
+ private:
+  RoleNode() = default;
+  void note(LogLevel level, std::string_view text);
+
+  std::unique_ptr<TrafficMeter> meter_;
+  std::mutex mutex_;
+  std::string last_warning_;
+  std::optional<Node> node_;  // last: its threads note warnings
+};
+
+}  // namespace sft::demo

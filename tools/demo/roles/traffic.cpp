@@ -1,0 +1,80 @@
+#include "tools/demo/roles/traffic.h"
+
+#include <linux/if_ether.h>
+#include <linux/if_packet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <cerrno>
+
+#include "tools/hosts/interface_counters.h"
+#include "tools/hosts/packet_filter.h"
+
+namespace sft::demo {
+
+namespace {
+
+using namespace hosts;  // offsets in a frame
+
+constexpr std::uint32_t rtps_magic = 0x52545053;  // "RTPS", with which all messages of DDS begin
+
+/// Drops data, which is UDP over IPv4, not a later fragment (data is never fragmented by IP), and not DDS.
+/// The last two numbers of a jump tell how many lines to skip if the condition holds, and if it does not.
+constexpr std::array control_only{
+    sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ether_type),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ETH_P_IP, 0, 8),
+    sock_filter BPF_STMT(BPF_LD | BPF_B | BPF_ABS, ip_protocol),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, IPPROTO_UDP, 0, 6),
+    sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ip_fragment),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, 0x1fff, 4, 0),
+    sock_filter BPF_STMT(BPF_LDX | BPF_B | BPF_MSH, ip_header),  // X = length of the IP header
+    sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_IND, udp_payload),
+    sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, rtps_magic, 1, 0),
+    sock_filter BPF_STMT(BPF_RET | BPF_K, 0),
+    sock_filter BPF_STMT(BPF_RET | BPF_K, 0xffffffff),
+};
+
+}  // namespace
+
+Traffic operator-(const Traffic& after, const Traffic& before) {
+  return {after.at_ns - before.at_ns, after.received - before.received, after.sent - before.sent,
+          after.control_received - before.control_received, after.control_sent - before.control_sent};
+}
+
+Result<std::unique_ptr<TrafficMeter>> TrafficMeter::open(const std::string& interface) {
+  return hosts::open_packets(interface, control_only).map([&](core::FileDescriptor&& packets) {
+    return std::unique_ptr<TrafficMeter>(new TrafficMeter(interface, std::move(packets)));
+  });
+}
+
+void TrafficMeter::count_control() {
+  for (;;) {
+    char unused = 0;
+    sockaddr_ll from{};
+    socklen_t from_bytes = sizeof from;
+    // MSG_TRUNC returns the length of the packet, of which one byte is read.
+    const ssize_t bytes =
+        recvfrom(packets_.get(), &unused, 1, MSG_TRUNC, reinterpret_cast<sockaddr*>(&from), &from_bytes);
+    if (bytes < 0 && errno == EINTR) continue;
+    if (bytes < 0) return;
+    if (from.sll_pkttype == PACKET_OUTGOING) control_sent_ += static_cast<std::uint64_t>(bytes);
+    // PACKET_LOOPBACK marks this host's own copy of a multicast, which never was on the interface.
+    if (from.sll_pkttype <= PACKET_OTHERHOST) control_received_ += static_cast<std::uint64_t>(bytes);
+  }
+}
+
+Traffic TrafficMeter::read() {
+  const std::scoped_lock lock(mutex_);
+  const InterfaceBytes bytes = interface_bytes(interface_).value_or(InterfaceBytes{});
+  Traffic traffic;
+  traffic.received = bytes.received;
+  traffic.sent = bytes.sent;
+  count_control();
+  traffic.control_received = control_received_;
+  traffic.control_sent = control_sent_;
+  traffic.at_ns = std::chrono::steady_clock::now().time_since_epoch().count();
+  return traffic;
+}
+
+}  // namespace sft::demo

@@ -1,0 +1,61 @@
+#include "tools/demo/screen/measurement.h"
+
+#include <algorithm>
+
+namespace sft::demo {
+
+namespace {
+
+/// Bytes per sample are those of the steady state: where fields are recorded, of the samples after the mask
+/// had narrowed.
+void add_bytes(const SubscriberReport& begin, const SubscriberReport& now, const Conditions& conditions,
+               SubscriberFigures& figures) {
+  const LearningReport start =
+      now.learning.value_or(LearningReport{begin.received, begin.payload_bytes, begin.traffic});
+  if (conditions.metered) {
+    const bool still_learns = conditions.recorded && !now.learning && !figures.in_shared_memory();
+    const Traffic& learnt = still_learns ? now.traffic : start.traffic;
+    figures.learning_bytes = static_cast<double>((learnt - begin.traffic).data_received());
+  }
+  figures.payload_bytes = static_cast<double>(now.payload_bytes - begin.payload_bytes);
+  if (conditions.metered) {
+    const auto bytes = static_cast<double>((now.traffic - begin.traffic).data_received());
+    figures.wire_bytes = std::max(0.0, bytes);
+  }
+  if (now.received <= start.received) return;
+  const auto samples = static_cast<double>(now.received - start.received);
+  figures.payload_bytes_per_sample = static_cast<double>(now.payload_bytes - start.payload_bytes) / samples;
+  if (conditions.metered) {
+    const auto bytes = static_cast<double>((now.traffic - start.traffic).data_received());
+    figures.wire_bytes_per_sample = std::max(0.0, bytes) / samples;
+  }
+}
+
+}  // namespace
+
+SubscriberFigures measure(const SubscriberReport& begin, const SubscriberReport& now, std::uint64_t published,
+                          const Conditions& conditions) {
+  SubscriberFigures figures;
+  figures.transport = now.transport;
+  figures.reason = now.reason;
+  figures.fields = now.fields;
+  figures.other_fields = now.other_fields;
+  figures.recorded = conditions.recorded;
+  figures.received = now.received;
+  figures.withheld = conditions.withheld;
+  // A subscriber cannot know of those after the last that it got.
+  const std::uint64_t missing = published - std::min(published, now.received + figures.withheld);
+  figures.lost = conditions.is_over ? std::max(missing, now.lost) : now.lost;
+  figures.incomplete = now.incomplete;
+  figures.latency_p50_us = now.latency_p50_us;
+  figures.latency_p99_us = now.latency_p99_us;
+  add_bytes(begin, now, conditions, figures);
+  return figures;
+}
+
+double control_bytes_per_s(const Traffic& begin, const Traffic& now) {
+  const Traffic over = now - begin;
+  return over.at_ns > 0 ? static_cast<double>(over.control_sent) / over.seconds() : 0;
+}
+
+}  // namespace sft::demo

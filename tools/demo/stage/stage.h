@@ -1,0 +1,63 @@
+// The example's hosts and who runs on them.
+//
+//   host "lidar"     the publisher, and the detector
+//   host "monitor"   health              host "cockpit"  dashboard
+//   host "logger"    recorder            host "nav"      localiser
+//
+// Where namespaces are to be had, each is a host of its own on an emulated network. Otherwise all are
+// processes on this machine, and those that would be remote are held to UDP.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/demo/clouds/cloud_source.h"
+#include "tools/demo/roles/protocol.h"
+#include "tools/demo/stage/host.h"
+#include "tools/hosts/network.h"
+
+namespace sft::demo {
+
+class Stage {
+ public:
+  struct Subscriber {
+    std::string name;
+    std::string host;
+    std::string purpose;
+    double max_rate_hz = 0;  ///< 0: all clouds
+    bool local = false;      ///< on the host of the publisher
+    Channel* channel = nullptr;
+  };
+
+  /// Starts everything. `source` is published by a child process, which has its own copy. REQUIRES: one
+  /// thread.
+  static Result<std::unique_ptr<Stage>> set_up(CloudSource& source, bool arr);
+  /// Ends everything.
+  ~Stage();
+  Stage(const Stage&) = delete;
+  Stage& operator=(const Stage&) = delete;
+
+  /// Whether the hosts are namespaces; if not, `why_not` says why.
+  bool real_hosts() const { return network_.has_value(); }
+  const std::string& why_not() const { return why_not_; }
+  unsigned hosts() const { return real_hosts() ? static_cast<unsigned>(hosts_.size()) : 1; }
+
+  const std::vector<Subscriber>& subscribers() const { return subscribers_; }
+  Result<PublisherReport> ask_publisher(const Order& order, const WhileWaiting& while_waiting = {});
+  Result<SubscriberReport> ask(const Subscriber& subscriber, const WhileWaiting& while_waiting = {});
+
+ private:
+  Stage() = default;
+  Result<void> start_hosts(CloudSource& source, bool arr);
+  /// The subscriber of a host first.
+  std::vector<Role> roles_on(std::size_t number, std::uint32_t domain, CloudSource& source, bool arr) const;
+
+  std::string why_not_;
+  std::optional<hosts::EmulatedNetwork> network_;
+  std::vector<Host> hosts_;
+  std::vector<Subscriber> subscribers_;
+};
+
+}  // namespace sft::demo

@@ -1,0 +1,22 @@
+// The kernel's counters of a network interface, in the network namespace of the calling process.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace sft::hosts {
+
+/// Bytes with link-layer headers, since the interface was made.
+struct InterfaceBytes {
+  std::uint64_t received = 0;
+  std::uint64_t sent = 0;
+};
+
+/// Empty if there is no such interface.
+std::optional<InterfaceBytes> interface_bytes(const std::string& interface);
+
+/// Finds the counters of an interface in the text of /proc/net/dev.
+std::optional<InterfaceBytes> parse_interface_bytes(const std::string& text, const std::string& interface);
+
+}  // namespace sft::hosts

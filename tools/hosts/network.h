@@ -1,0 +1,55 @@
+// Hosts that are real to every program on them: one network namespace each, joined by virtual cables to a
+// switch.
+//
+// The namespaces have no names. They live as long as a process is in them or a descriptor refers to them, so
+// the kernel removes them with all that is in them, in whatever way the program ends (kill -9 included).
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/file_descriptor.h"
+#include "sft/typesupport/result.h"
+
+namespace sft::hosts {
+
+inline constexpr const char* host_interface = "eth0";  ///< of every host, besides "lo"
+
+class NetworkNamespace {
+ public:
+  /// A new one, empty. REQUIRES: the calling process has one thread, which is moved there and back.
+  static Result<NetworkNamespace> create();
+
+  /// Moves the calling process there.
+  Result<void> enter() const;
+  /// Runs a command there, with `input` as its standard input. The error is what the command printed.
+  Result<void> run(const std::vector<std::string>& command, std::string_view input = {}) const;
+  int descriptor() const { return descriptor_.get(); }
+  /// A name that other processes can open as long as this process lives.
+  std::string path() const;
+
+ private:
+  explicit NetworkNamespace(core::FileDescriptor descriptor) : descriptor_(std::move(descriptor)) {}
+
+  core::FileDescriptor descriptor_;
+};
+
+/// A switch and the hosts on it, each with an interface eth0 (MTU 1500) in 10.77.0.0/24.
+class EmulatedNetwork {
+ public:
+  static Result<EmulatedNetwork> create(std::size_t hosts);
+
+  const NetworkNamespace& host(std::size_t number) const { return hosts_[number]; }
+  static std::string address(std::size_t number);
+
+ private:
+  EmulatedNetwork(NetworkNamespace network_switch, std::vector<NetworkNamespace> hosts)
+      : switch_(std::move(network_switch)), hosts_(std::move(hosts)) {}
+  Result<void> plug_in(std::size_t number) const;
+
+  NetworkNamespace switch_;
+  std::vector<NetworkNamespace> hosts_;
+};
+
+}  // namespace sft::hosts

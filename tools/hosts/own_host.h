@@ -1,0 +1,25 @@
+// The parts that make a process tree a host of its own beside its network: rights to make namespaces, and its
+// own /dev/shm, /tmp and /proc, so that it has its own shared memory and its own daemon.
+#pragma once
+
+#include <filesystem>
+
+#include "sft/typesupport/result.h"
+
+namespace sft::hosts {
+
+/// Makes the calling process root of a new user namespace, and moves it into new namespaces of the other
+/// kinds (`CLONE_NEWNET | ...`) that belong to it. REQUIRES: the process has one thread.
+Result<void> enter_user_namespace(int other_kinds);
+
+/// Directory of the running program, which holds the other programs of the project, too.
+const std::filesystem::path& program_directory();
+
+// These functions mount over the directories of the machine. REQUIRES: the calling thread is in a mount
+// namespace of its own, and program_directory() was called while /proc still was that of the machine.
+Result<void> make_mounts_private();  ///< otherwise the mounts below would show up outside
+Result<void> mount_own_shm(unsigned mebibytes);
+Result<void> mount_own_tmp();  ///< the programs stay in sight, even if they were built in /tmp
+Result<void> mount_own_proc();
+
+}  // namespace sft::hosts

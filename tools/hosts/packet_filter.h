@@ -1,0 +1,27 @@
+// A socket that is shown the frames of an interface that a filter accepts. The filter runs in the kernel.
+#pragma once
+
+#include <linux/filter.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "core/file_descriptor.h"
+#include "sft/typesupport/result.h"
+
+namespace sft::hosts {
+
+// Offsets in an Ethernet frame, and in the IPv4 packet in it, for filters.
+inline constexpr std::uint32_t ether_type = 12;
+inline constexpr std::uint32_t ip_header = 14;
+inline constexpr std::uint32_t ip_fragment = ip_header + 6;
+inline constexpr std::uint32_t ip_protocol = ip_header + 9;
+inline constexpr std::uint32_t udp_payload = ip_header + 8;  ///< plus the length of the IP header
+
+/// Both ways, and never blocking. `buffer_bytes`: how much of accepted frames waits to be read; 0: the
+/// system's default.
+Result<core::FileDescriptor> open_packets(const std::string& interface, std::span<const sock_filter> filter,
+                                          int buffer_bytes = 0);
+
+}  // namespace sft::hosts

@@ -1,0 +1,24 @@
+// Formats numbers for people.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace sft::tool {
+
+std::string bytes_text(double bytes);  ///< "82 B", "6.29 MB", "72 MB"
+/// With two decimals, so that sizes below one another can be compared: "82 B", "6.29 MB", "72.00 MB".
+std::string aligned_bytes_text(double bytes);
+std::string duration_text(double seconds);   ///< "1.23 ms", "-4.00 us"
+std::string rate_text(double hz);            ///< "10.0 Hz"
+std::string hex_text(std::uint64_t number);  ///< an id, 16 digits
+/// "99.98 %". Rounds down, so that "100 %" means all.
+std::string percent_text(double part, double whole, int decimals);
+/// A count in at most `width` columns: "1234567", "1.2e+09". REQUIRES: `width` is at least 7.
+std::string short_count_text(std::uint64_t count, std::size_t width);
+/// "6,291,725"
+std::string grouped_count_text(std::uint64_t count);
+/// "1 topic", "2 topics"
+std::string count_text(std::size_t count, const char* noun);
+
+}  // namespace sft::tool
