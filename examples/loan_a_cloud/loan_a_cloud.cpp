@@ -1,0 +1,50 @@
+// Writes a cloud of up to 6 MB where its readers on this host read it: in shared memory, without a copy.
+#include <sft/sft.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <thread>
+
+using namespace std::chrono_literals;
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+
+struct Point {
+  float x, y, z, intensity;
+};
+constexpr std::uint32_t points_max = 400'000;
+
+int main() {
+  auto node = sft::Node::open({.name = "loan_a_cloud"});
+  if (!node) return std::fprintf(stderr, "%s\n", node.error().message.c_str()), 1;
+  auto clouds = node->publisher<PointCloud2>("cloud").value();
+  auto reader = node->subscriber<PointCloud2, F::width | F::data>("cloud").value();
+
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    // The number of points is not known yet, so there is room for the largest cloud. The room is not zeroed.
+    auto loan = clouds.loan_for_overwrite({.height = 1, .point_step = sizeof(Point)},
+                                          {.data = points_max * std::uint32_t{sizeof(Point)}});
+    if (!loan) return std::fprintf(stderr, "%s\n", loan.error().message.c_str()), 1;
+
+    const std::uint32_t points = points_max - 1000 * i;
+    const auto written = (*loan)->data();  // a span of bytes
+    for (std::uint32_t p = 0; p < points; ++p) {
+      const Point point{.x = 0.01F * static_cast<float>(p), .y = 0, .z = 0, .intensity = 1};
+      std::memcpy(&written[p * sizeof point], &point, sizeof point);
+    }
+    loan->set(F::width, points);
+    loan->shrink(F::data, points * std::uint32_t{sizeof(Point)});  // what was not needed is given back
+    const std::uint8_t* const written_at = written.data();
+    std::move(*loan).publish();
+
+    while (const auto cloud = reader.take()) {
+      const bool same_memory = cloud->data().data() == written_at;
+      std::printf("%u points, %zu bytes, read in the memory in which they were written: %s\n", cloud->width(),
+                  cloud->data().size(), same_memory ? "yes" : "no");
+    }
+    std::this_thread::sleep_for(100ms);
+  }
+  std::printf("shared memory: %s\n", node->status().shm.c_str());
+}

@@ -1,0 +1,51 @@
+// status_and_events [json]: shows how a program learns what happens to its publishers and subscribers. Events
+// tell of changes; status() and snapshot() tell how things stand.
+#include <sft/sft.h>
+
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <std_msgs/msg/Float64.hpp>
+#include <thread>
+
+using namespace std::chrono_literals;
+using std_msgs::msg::Float64;
+
+/// Events come on a thread of the node, which does nothing else meanwhile: they are to be handled quickly.
+sft::EventCallback print_events_of(const char* whose) {
+  return [whose](const sft::Event& event) {
+    std::printf("%s: %s (%s)\n", whose, to_string(event.kind), event.text.c_str());
+  };
+}
+
+int main(int argc, char**) {
+  sft::NodeOptions options{.name = "status_and_events"};
+  options.log_level = sft::LogLevel::warning;  // the same news as lines of text, from this level on
+  options.log = [](sft::LogLevel, std::string_view line) { std::cout << "log: " << line << std::endl; };
+  auto node = sft::Node::open(options);
+  if (!node) return std::fprintf(stderr, "%s\n", node.error().message.c_str()), 1;
+
+  auto speed =
+      node->publisher<Float64>("speed", {.deadline = 200ms, .on_event = print_events_of("publisher")});
+  const auto show = [](const auto& sample) { std::printf("display: %.1f m/s\n", sample->data()); };
+  auto display =
+      node->subscriber<Float64>("speed", show, {.deadline = 200ms, .on_event = print_events_of("display")});
+  // The publisher does not offer what this one asks for. They never match, and both are told why.
+  auto recorder = node->subscriber<Float64>(
+      "speed", {.reliability = sft::reliable, .on_event = print_events_of("recorder")});
+  if (!speed || !display || !recorder) return std::puts("a publisher or subscriber could not be opened"), 1;
+
+  speed->wait_for_subscribers(1, 5s);
+  for (int i = 0; i < 10; ++i) {
+    speed->publish({.data = 0.1 * i});
+    std::this_thread::sleep_for(50ms);
+  }
+  std::this_thread::sleep_for(500ms);  // too long for the deadline
+
+  for (const sft::ReaderStatus& reader : speed->status().readers) {
+    std::printf("reader: %s, %lu sent: %s\n", reader.served ? to_string(reader.transport) : "not served",
+                reader.sent, reader.reason.c_str());
+  }
+  std::printf("display: %lu received, %lu lost\n", display->status().received, display->status().lost);
+  if (argc > 1) std::cout << to_json(node->snapshot()) << std::endl;  // all that the node knows, for programs
+}

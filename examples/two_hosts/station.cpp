@@ -1,0 +1,31 @@
+// station [udp]: watches the clouds of a robot on another machine. With "udp" it does so on the same machine,
+// too.
+#include <sft/sft.h>
+
+#include <chrono>
+#include <cstdio>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <string_view>
+
+using namespace std::chrono_literals;
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+
+int main(int argc, char** argv) {
+  sft::NodeOptions options{.name = "station"};
+  // By default nodes use shared memory where they share a machine, and UDP elsewhere.
+  if (argc > 1 && std::string_view(argv[1]) == "udp") options.transport = sft::TransportChoice::udp;
+  auto node = sft::Node::open(options);
+  if (!node) return std::fprintf(stderr, "%s\n", node.error().message.c_str()), 1;
+
+  // Two numbers of each cloud, and of few clouds: the robot sends nothing else.
+  auto points = node->subscriber<PointCloud2, F::height | F::width>("robot/points", {.max_rate_hz = 5});
+  if (!points) return std::fprintf(stderr, "%s\n", points.error().message.c_str()), 1;
+  auto patience = 60s;  // for somebody to start the robot
+  while (points->wait(patience)) {
+    while (const auto cloud = points->take())
+      std::printf("%u x %u points\n", cloud->height(), cloud->width());
+    patience = 2s;
+  }
+  std::printf("%lu clouds came, %lu were lost\n", points->status().received, points->status().lost);
+}
