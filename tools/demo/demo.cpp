@@ -17,18 +17,19 @@ using std::chrono::seconds;
 constexpr seconds patience_for_matching{20};
 constexpr seconds patience_for_shared_memory{8};
 constexpr seconds patience_for_arrival{2};
-// For about so long after they met, DDS participants repeat their introductions, and daemons that the hosts
-// had to start become ready, which their nodes announce.
+// After they met, DDS participants repeat their introductions for about this long. Meanwhile the daemons that
+// the hosts had to start become ready, and nodes announce that.
 constexpr milliseconds settling{5'000};
-// Then each says about every so often that it is still there (80 % of the lease that the library gives). Over
-// any whole number of such periods the control traffic is the same, over others it depends on luck.
+// Later each participant says about once in this period that it is still there (80 % of the lease that the
+// library gives). The control traffic of any whole number of periods is the same; that of other times depends
+// on luck.
 constexpr seconds control_period{8};
 constexpr const char* stopped_early = "stopped before anything was published, so there are no figures";
 constexpr milliseconds refresh{250};
 constexpr milliseconds poll_interval{20};
 constexpr milliseconds between_notices{200};
 
-/// Null if the publisher does not know it.
+/// Null if the publisher does not know such a reader.
 const ReaderReport* reader_called(const PublisherReport& publisher, const std::string& name) {
   const auto reader = std::find_if(publisher.readers.begin(), publisher.readers.end(),
                                    [&](const ReaderReport& r) { return r.node == name; });
@@ -70,25 +71,18 @@ Result<void> Demo::wait_until(Clock::time_point then, const std::string& what) {
   }
 }
 
-Result<Demo::Snapshot> Demo::look(const Order& order) {
-  return look(order, [](const std::string&) { return WhileWaiting(); });
-}
-
-Result<Demo::Snapshot> Demo::first_look() {
-  return look({}, [this](const std::string& name) -> WhileWaiting {
+Result<Demo::Snapshot> Demo::look(const Order& order, bool says_so) {
+  const auto waiting = [&](const std::string& name) -> WhileWaiting {
+    if (!says_so) return {};
     return [this, what = "Waiting until the " + name + " has started"] { return wait_until({}, what); };
-  });
-}
-
-Result<Demo::Snapshot> Demo::look(const Order& order,
-                                  const std::function<WhileWaiting(const std::string&)>& waiting) {
+  };
   Snapshot now;
   for (const Stage::Subscriber& subscriber : stage_.subscribers()) {
     Result<SubscriberReport> report = stage_.ask(subscriber, waiting(subscriber.name));
     if (!report) return tl::unexpected(report.error());
     now.subscribers.push_back(std::move(*report));
   }
-  // The publisher last: what subscribers have received by now is published.
+  // The publisher is asked last, so that it counts all samples that subscribers have received by now.
   Result<PublisherReport> report = stage_.ask_publisher(order, waiting("lidar"));
   if (!report) return tl::unexpected(report.error());
   now.publisher = std::move(*report);
@@ -118,7 +112,7 @@ Error Demo::not_ready(const Snapshot& now) const {
   return {Errc::unavailable, text};
 }
 
-/// "health, localiser"
+/// The names of subscribers that are not served yet: "health, localiser"
 std::string Demo::missing(const Snapshot& now, bool any_transport) const {
   std::string names;
   for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
@@ -139,7 +133,7 @@ void Demo::introduce() const {
 Result<void> Demo::await_readiness() {
   introduce();
   const auto start = Clock::now();
-  Result<Snapshot> now = first_look();
+  Result<Snapshot> now = look({}, true);
   for (;; now = look()) {
     if (!now) return tl::unexpected(now.error());
     const auto waited = now->at - start;
@@ -157,8 +151,9 @@ Result<void> Demo::await_readiness() {
   }
 }
 
-/// Also makes the run long enough for a figure of the idle traffic, where publishing alone is not. While
-/// fields are learnt nodes are not idle: their requests change. Then publishing does not count.
+/// Also makes the run long enough to measure the idle traffic, where publishing alone is too short for that.
+/// The time of publishing does not count if fields are recorded: the requests of nodes change then, and cause
+/// traffic.
 Result<void> Demo::let_it_settle() {
   if (!stage_.real_hosts()) return {};
   const Result<void> settled = wait_until(
@@ -208,16 +203,16 @@ Result<void> Demo::await_arrival() {
   }
 }
 
-/// Control traffic does not depend on what is published, so it may as well be measured meanwhile.
+/// Control traffic does not depend on published samples, so it can be measured while they are published.
 void Demo::note_idle_traffic(const Snapshot& now) {
   if (now.at - settled_.at < (control_periods_ + 1) * control_period) return;
   ++control_periods_;
   idle_bytes_per_s_ = control_per_node(now);
 }
 
-/// What one node sent since discovery was quiet, on the average of all nodes.
+/// Bytes of control traffic in a second since discovery was quiet, on the average of all nodes.
 double Demo::control_per_node(const Snapshot& now) const {
-  // Its host has two nodes.
+  // The host of the publisher has two nodes, and one meter.
   double rate = control_bytes_per_s(settled_.publisher.traffic, now.publisher.traffic);
   for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
     if (stage_.subscribers()[i].local) continue;

@@ -1,9 +1,8 @@
-// One run of the demo: waits until everybody found each other and discovery is quiet, lets the LiDAR publish,
-// and collects what it cost.
+// One run of the demo: waits until all nodes have found each other and discovery is quiet, lets the LiDAR
+// publish, and measures what that costs.
 #pragma once
 
 #include <chrono>
-#include <functional>
 #include <vector>
 
 #include "tools/demo/options.h"
@@ -22,25 +21,24 @@ class Demo {
   Result<RunFigures> run();
 
  private:
-  /// What all roles report, asked one after the other.
+  /// The reports of all roles, which are asked one after the other.
   struct Snapshot {
     Clock::time_point at;
     PublisherReport publisher;
     std::vector<SubscriberReport> subscribers;
   };
 
-  Result<Snapshot> look(const Order& order = {});
-  /// The first one: waits until all roles have started, and says so.
-  Result<Snapshot> first_look();
-  Result<Snapshot> look(const Order& order, const std::function<WhileWaiting(const std::string&)>& waiting);
+  /// `says_so`: while a role does not answer, the user is told that it is waited for.
+  Result<Snapshot> look(const Order& order = {}, bool says_so = false);
   Result<void> await_readiness();
   Result<void> let_it_settle();
   Result<void> publish();
   Result<void> await_arrival();
 
-  /// Waits until then, or until the user asks to stop, which is true once for each time.
+  /// Waits until `then`, which is false, or until the user asks to stop, which is true once.
   bool stop_asked_before(Clock::time_point then);
-  /// Waits before anything is published, and says for what. The error is that the user wants to stop.
+  /// Waits before the first cloud is published, and says for what. If the user asks to stop, that is the
+  /// error.
   Result<void> wait_until(Clock::time_point then, const std::string& what);
   void introduce() const;
   std::string missing(const Snapshot& now, bool any_transport) const;
@@ -55,12 +53,12 @@ class Demo {
   Stage& stage_;
   tool::Stop& stop_;
   Display& display_;
-  Snapshot settled_;  ///< when all had found each other and nothing was published yet
+  Snapshot settled_;  ///< at a moment when all had found each other and nothing was published yet
   Snapshot begin_;    ///< just before the first sample
   Snapshot last_;
   unsigned control_periods_ = 0;  ///< in idle_bytes_per_s_
   std::optional<double> idle_bytes_per_s_;
-  bool is_over_ = false;  ///< what has not arrived by now is lost
+  bool is_over_ = false;  ///< samples that have not arrived by now are lost
 };
 
 }  // namespace sft::demo

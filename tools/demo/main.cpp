@@ -1,6 +1,6 @@
-// sft_demo: what Selective Field Transmission does, on one machine. A LiDAR publishes point clouds;
-// subscribers on other hosts are sent the fields that they need, one on the LiDAR's own host reads all of
-// them in shared memory.
+// sft_demo shows on one machine what Selective Field Transmission does. A LiDAR publishes point clouds.
+// Subscribers on other hosts are sent the fields that they need, and one on the LiDAR's own host reads its
+// fields in shared memory.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::chrono::milliseconds between_notices{200};
 
-/// What no-color.org says.
+/// The rule of no-color.org.
 bool colours_wanted() {
   const char* unwanted = std::getenv("NO_COLOR");
   return unwanted == nullptr || *unwanted == '\0';
@@ -31,7 +31,7 @@ bool colours_wanted() {
 
 Result<std::unique_ptr<CloudSource>> open_source(const DemoOptions& options, Display& display) {
   if (!options.input) return std::make_unique<SceneSource>(options.hz);
-  // A thread of its own, which is gone before the stage is set up.
+  // Another thread reads the files. It has ended before the stage is set up, which takes a single thread.
   auto reading =
       std::async(std::launch::async, [&] { return read_point_clouds(*options.input, options.samples()); });
   while (reading.wait_for(between_notices) == std::future_status::timeout) {
@@ -43,7 +43,8 @@ Result<std::unique_ptr<CloudSource>> open_source(const DemoOptions& options, Dis
   return std::make_unique<FileSource>(options.input->native(), std::move(input->clouds));
 }
 
-/// Before the run: afterwards it would be too late to say that it cannot be written.
+/// Called before the run, since a user does not want to learn after the run that the figures cannot be
+/// written.
 Result<void> check_writable(const std::filesystem::path& path) {
   std::error_code error;
   const bool exists = std::filesystem::exists(path, error);

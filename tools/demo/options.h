@@ -1,4 +1,4 @@
-// What the demo can be told on its command line.
+// The options of the command line.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ struct DemoOptions {
   std::optional<std::filesystem::path> input{};  ///< empty: the generated scene
   double hz = 10;
   double seconds = 10;
-  bool arr = false;  ///< all subscribers record what they read, instead of declaring it
+  bool arr = false;  ///< the fields of all subscribers are recorded, not declared
   std::optional<std::filesystem::path> json{};
 
   std::uint64_t samples() const {

@@ -1,16 +1,20 @@
 // Small clouds and the files that they are in, made by the tests themselves.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "sft/typesupport/decode.h"
 #include "tests/support/encoded.h"
 #include "tests/support/temporary_directory.h"
 #include "tools/demo/clouds/input_cloud.h"
@@ -53,6 +57,21 @@ Bytes payload_of(const T& message) {
   append(payload, encapsulation_cdr_le);
   append(payload, test::Encoded(message).bytes());
   return payload;
+}
+
+/// The cloud that a file became, as a struct.
+inline PointCloud2 message_in(const InputCloud& cloud) {
+  const std::span<const std::byte> body = std::span(cloud.payload).subspan(encapsulation_bytes);
+  const FieldMask mask = cloud_type().full();
+  std::vector<std::uint32_t> index(cloud_type().slots());
+  const SampleState state{.body = body.data(),
+                          .body_bytes = static_cast<std::uint32_t>(body.size()),
+                          .index = index.data(),
+                          .mask = &mask};
+  PointCloud2 message;
+  EXPECT_EQ(build_index(state, cloud_type().type(), index), WalkStatus::ok);
+  EXPECT_EQ(decode(state, cloud_type().type(), &message), WalkStatus::ok);
+  return message;
 }
 
 inline Bytes record_of(const Bytes& payload) {

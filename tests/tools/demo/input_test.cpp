@@ -21,7 +21,7 @@ class InputTest : public testing::Test {
   }
   static std::vector<std::string> shapes(const Input& input) {
     std::vector<std::string> shapes;
-    for (const InputCloud& cloud : input.clouds) shapes.push_back(shape_of(cloud));
+    for (const InputCloud& cloud : input.clouds) shapes.push_back(cloud.shape);
     return shapes;
   }
 

@@ -9,8 +9,7 @@
 #include <sensor_msgs/msg/LaserScan.hpp>
 
 #include "tests/demo/clouds.h"
-#include "tools/demo/clouds/cdrlog.h"
-#include "tools/demo/clouds/kitti.h"
+#include "tools/demo/clouds/file_formats.h"
 
 namespace sft::demo {
 namespace {
@@ -24,15 +23,13 @@ std::string error_of(const Result<T>& result) {
   return result ? "no error" : result.error().message;
 }
 
-const Bytes& payload_in(const InputCloud& cloud) { return std::get<EncodedCloud>(cloud).payload; }
-
 TEST(Cdr, IsTakenByteForByte) {
   const Bytes payload = payload_of(small_cloud());
   const auto clouds = read_cdr(payload, no_limit);
   ASSERT_TRUE(clouds) << error_of(clouds);
   ASSERT_EQ(clouds->size(), 1U);
-  EXPECT_EQ(payload_in(clouds->front()), payload);
-  EXPECT_EQ(shape_of(clouds->front()), "3 points");
+  EXPECT_EQ(clouds->front().payload, payload);
+  EXPECT_EQ(clouds->front().shape, "3 points");
 }
 
 TEST(Cdr, LosesThePaddingOfOtherImplementations) {
@@ -42,7 +39,7 @@ TEST(Cdr, LosesThePaddingOfOtherImplementations) {
     padded.resize(payload.size() + padding);
     const auto clouds = read_cdr(padded, no_limit);
     ASSERT_TRUE(clouds) << error_of(clouds);
-    EXPECT_EQ(payload_in(clouds->front()), payload);
+    EXPECT_EQ(clouds->front().payload, payload);
   }
 }
 
@@ -94,7 +91,7 @@ TEST(Cdr, WhoseFiguresContradictEachOtherIsRefused) {
 TEST(Cdr, WithoutPointsIsACloudToo) {
   const auto clouds = read_cdr(payload_of(small_cloud(0)), no_limit);
   ASSERT_TRUE(clouds) << error_of(clouds);
-  EXPECT_EQ(shape_of(clouds->front()), "0 points");
+  EXPECT_EQ(clouds->front().shape, "0 points");
 }
 
 TEST(Cdr, BeyondTheSizeOfASampleIsRefused) {
@@ -110,7 +107,7 @@ TEST(CdrLog, GivesAllItsRecordsInOrder) {
   ASSERT_TRUE(clouds) << error_of(clouds);
   ASSERT_EQ(clouds->size(), 5U);
   for (std::uint32_t points = 0; points < 5; ++points) {
-    EXPECT_EQ(payload_in((*clouds)[points]), payload_of(small_cloud(points)));
+    EXPECT_EQ((*clouds)[points].payload, payload_of(small_cloud(points)));
   }
 }
 
@@ -167,14 +164,14 @@ TEST(Kitti, BecomesACloudOfFourFloats) {
   for (const float value : {1.0F, 2.0F, 3.0F, 0.5F, 4.0F, 5.0F, 6.0F, 0.25F}) append(scan, value);
   const auto clouds = read_kitti(scan, no_limit);
   ASSERT_TRUE(clouds) << error_of(clouds);
-  const auto& cloud = std::get<ConvertedCloud>(clouds->front());
-  EXPECT_EQ(cloud.prototype.height, 1U);
-  EXPECT_EQ(cloud.prototype.width, 2U);
-  EXPECT_EQ(cloud.prototype.point_step, 16U);
-  EXPECT_EQ(cloud.prototype.row_step, 32U);
-  ASSERT_EQ(cloud.prototype.fields.size(), 4U);
-  EXPECT_EQ(cloud.prototype.fields[3].name, "intensity");
-  EXPECT_EQ(cloud.prototype.fields[3].offset, 12U);
+  const PointCloud2 cloud = message_in(clouds->front());
+  EXPECT_EQ(cloud.height, 1U);
+  EXPECT_EQ(cloud.width, 2U);
+  EXPECT_EQ(cloud.point_step, 16U);
+  EXPECT_EQ(cloud.row_step, 32U);
+  ASSERT_EQ(cloud.fields.size(), 4U);
+  EXPECT_EQ(cloud.fields[3].name, "intensity");
+  EXPECT_EQ(cloud.fields[3].offset, 12U);
   EXPECT_EQ(std::memcmp(cloud.data.data(), scan.data(), scan.size()), 0);
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "tests/demo/clouds.h"
-#include "tools/demo/clouds/pcd.h"
+#include "tools/demo/clouds/file_formats.h"
 
 namespace sft::demo {
 namespace {
@@ -35,7 +35,7 @@ struct PcdText {
 };
 
 template <class T>
-T number_at(const ConvertedCloud& cloud, std::size_t offset) {
+T number_at(const PointCloud2& cloud, std::size_t offset) {
   T value;
   std::memcpy(&value, cloud.data.data() + offset, sizeof value);
   return value;
@@ -44,11 +44,11 @@ T number_at(const ConvertedCloud& cloud, std::size_t offset) {
 TEST(Pcd, OfTextBecomesNumbers) {
   const auto clouds = PcdText().read();
   ASSERT_TRUE(clouds) << clouds.error().message;
-  const auto& cloud = std::get<ConvertedCloud>(clouds->front());
-  EXPECT_EQ(cloud.prototype.point_step, 14U);
-  EXPECT_EQ(cloud.prototype.row_step, 28U);
-  EXPECT_EQ(cloud.prototype.fields[1], point_field("y", 4, PointField::FLOAT64));
-  EXPECT_EQ(cloud.prototype.fields[2], point_field("intensity", 12, PointField::UINT16));
+  const PointCloud2 cloud = message_in(clouds->front());
+  EXPECT_EQ(cloud.point_step, 14U);
+  EXPECT_EQ(cloud.row_step, 28U);
+  EXPECT_EQ(cloud.fields[1], point_field("y", 4, PointField::FLOAT64));
+  EXPECT_EQ(cloud.fields[2], point_field("intensity", 12, PointField::UINT16));
   EXPECT_EQ(number_at<float>(cloud, 0), 1.5F);
   EXPECT_EQ(number_at<double>(cloud, 4), -2.25);
   EXPECT_EQ(number_at<std::uint16_t>(cloud, 12), 7);
@@ -62,7 +62,7 @@ TEST(Pcd, OfMemoryIsTakenAsItLies) {
   pcd.data = "DATA binary\n" + std::string("0123456789abcd\n\0\xff................", 28);
   const auto clouds = pcd.read();
   ASSERT_TRUE(clouds) << clouds.error().message;
-  const auto& cloud = std::get<ConvertedCloud>(clouds->front());
+  const PointCloud2 cloud = message_in(clouds->front());
   EXPECT_EQ(std::string(cloud.data.begin(), cloud.data.end()), pcd.data.substr(12));
 }
 
@@ -71,7 +71,7 @@ TEST(Pcd, WithRowsKeepsThem) {
   pcd.shape = "WIDTH 1\nHEIGHT 2\n";
   const auto clouds = pcd.read();
   ASSERT_TRUE(clouds) << clouds.error().message;
-  EXPECT_EQ(shape_of(clouds->front()), "2 x 1 points");
+  EXPECT_EQ(clouds->front().shape, "2 x 1 points");
 }
 
 TEST(Pcd, WithHistogramsAndPaddingHasThemInItsLayout) {
@@ -83,10 +83,10 @@ TEST(Pcd, WithHistogramsAndPaddingHasThemInItsLayout) {
   pcd.data = "DATA binary\n" + std::string(40, 'x');
   const auto clouds = pcd.read();
   ASSERT_TRUE(clouds) << clouds.error().message;
-  const auto& prototype = std::get<ConvertedCloud>(clouds->front()).prototype;
-  EXPECT_EQ(prototype.point_step, 20U);
-  ASSERT_EQ(prototype.fields.size(), 2U);
-  EXPECT_EQ(prototype.fields[1], point_field("histogram", 8, PointField::FLOAT32, 3));
+  const PointCloud2 cloud = message_in(clouds->front());
+  EXPECT_EQ(cloud.point_step, 20U);
+  ASSERT_EQ(cloud.fields.size(), 2U);
+  EXPECT_EQ(cloud.fields[1], point_field("histogram", 8, PointField::FLOAT32, 3));
 }
 
 TEST(Pcd, MayHaveTheLineEndsOfWindows) {

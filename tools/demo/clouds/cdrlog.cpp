@@ -1,4 +1,4 @@
-#include "tools/demo/clouds/cdrlog.h"
+#include "tools/demo/clouds/file_formats.h"
 
 #include <fmt/format.h>
 
@@ -12,11 +12,8 @@ constexpr std::size_t record_length_at = 8;
 }  // namespace
 
 Result<std::vector<InputCloud>> read_cdr(std::span<const std::byte> file, std::size_t /*limit*/) {
-  return check_payload(file).map([](EncodedCloud&& cloud) {
-    std::vector<InputCloud> clouds;
-    clouds.emplace_back(std::move(cloud));
-    return clouds;
-  });
+  return check_payload(file).map(
+      [](InputCloud&& cloud) { return std::vector<InputCloud>{std::move(cloud)}; });
 }
 
 Result<std::vector<InputCloud>> read_cdrlog(std::span<const std::byte> file, std::size_t limit) {
@@ -29,7 +26,7 @@ Result<std::vector<InputCloud>> read_cdrlog(std::span<const std::byte> file, std
     if (file.size() < record_header_bytes || file.size() - record_header_bytes < length) {
       return fail(Errc::malformed, fmt::format("it ends in the middle of record {}: truncated?", number));
     }
-    Result<EncodedCloud> cloud = check_payload(file.subspan(record_header_bytes, length));
+    Result<InputCloud> cloud = check_payload(file.subspan(record_header_bytes, length));
     if (!cloud) return fail(cloud.error().code, fmt::format("record {}: {}", number, cloud.error().message));
     clouds.emplace_back(std::move(*cloud));
     file = file.subspan(record_header_bytes + length);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "sft/typesupport/encode.h"
 #include "tools/terminal/units.h"
 
 namespace sft::demo {
@@ -12,26 +11,11 @@ std::string format_shape(std::uint32_t height, std::uint32_t width) {
                      : fmt::format("{} x {} points", height, width);
 }
 
-const TypeSupport& cloud_type() {
-  static const TypeSupport type(TypeTable<PointCloud2>::type);
-  return type;
-}
+const TypeSupport& cloud_type() { return type_support<PointCloud2>(); }
 
-std::uint64_t full_bytes(const PointCloud2& prototype, std::uint32_t data_bytes) {
-  const auto reservations =
-      PointCloud2::LoanView<LoanedPlace<PointCloud2>>::reservations({.data = data_bytes});
-  const TypeSupport& type = cloud_type();
-  return encapsulation_bytes + encoded_size(type.type(), &prototype, type.full(), reservations).bytes;
-}
-
-sensor_msgs::msg::PointField point_field(std::string name, std::uint32_t offset, std::uint8_t datatype,
+sensor_msgs::msg::PointField point_field(std::string_view name, std::uint32_t offset, std::uint8_t datatype,
                                          std::uint32_t count) {
-  sensor_msgs::msg::PointField field;
-  field.name = std::move(name);
-  field.offset = offset;
-  field.datatype = datatype;
-  field.count = count;
-  return field;
+  return {.name = std::string(name), .offset = offset, .datatype = datatype, .count = count};
 }
 
 }  // namespace sft::demo

@@ -1,4 +1,4 @@
-// Where the clouds that the LiDAR publishes come from.
+// The source of the clouds that the LiDAR publishes.
 #pragma once
 
 #include <cstdint>
@@ -21,25 +21,22 @@ class CloudSource {
 
   virtual ~CloudSource() = default;
 
-  /// What is published, in a few words: a path, or "generated scene".
+  /// A short name for people: a path, or "generated scene".
   virtual std::string name() const = 0;
-  /// How large the clouds are, for people: "128 x 1024 points".
+  /// The size of the clouds for people: "128 x 1024 points".
   virtual std::string shape() const = 0;
 
   /// Publishes message `number`, counted from 0.
   virtual Result<Published> publish(Publisher<PointCloud2>& publisher, std::uint64_t number) = 0;
 };
 
-/// "128 x 1024 points", or "64,000 points" of a cloud without rows
+/// "128 x 1024 points", or "64,000 points" for a cloud without rows
 std::string format_shape(std::uint32_t height, std::uint32_t width);
 
 const TypeSupport& cloud_type();
 
-/// Encapsulation and body of a message that is `prototype` with `data_bytes` bytes of data.
-std::uint64_t full_bytes(const PointCloud2& prototype, std::uint32_t data_bytes);
-
 /// One channel of the points: `count` numbers of a type that sensor_msgs/PointField names.
-sensor_msgs::msg::PointField point_field(std::string name, std::uint32_t offset, std::uint8_t datatype,
+sensor_msgs::msg::PointField point_field(std::string_view name, std::uint32_t offset, std::uint8_t datatype,
                                          std::uint32_t count = 1);
 
 }  // namespace sft::demo

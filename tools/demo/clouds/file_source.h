@@ -1,4 +1,4 @@
-// Clouds from files as a source: published one after the other, and then again from the first.
+// Clouds from files as a source. They are published one after the other, again and again.
 #pragma once
 
 #include "tools/demo/clouds/point_cloud_files.h"

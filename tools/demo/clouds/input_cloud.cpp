@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "sft/sample.h"
+#include "sft/typesupport/encode.h"
 #include "sft/typesupport/sample_format.h"
 #include "tools/terminal/units.h"
 
@@ -14,48 +15,6 @@ namespace sft::demo {
 namespace {
 
 constexpr Req<PointCloud2> everything = all<PointCloud2>;
-
-/// A payload, walked and indexed, so that its fields can be read.
-class PayloadReader {
- public:
-  explicit PayloadReader(std::span<const std::byte> payload)
-      : body_(payload.subspan(encapsulation_bytes)),
-        mask_(cloud_type().full()),
-        index_(cloud_type().slots()) {
-    status_ = build_index(state(), cloud_type().type(), index_, &body_end_);
-  }
-
-  WalkStatus status() const { return status_; }
-  std::size_t bytes() const { return encapsulation_bytes + body_end_; }
-  SampleState state() const {
-    return {.body = body_.data(),
-            .body_bytes = static_cast<std::uint32_t>(body_.size()),
-            .index = index_.data(),
-            .mask = &mask_};
-  }
-
- private:
-  std::span<const std::byte> body_;
-  FieldMask mask_;
-  std::vector<std::uint32_t> index_;
-  std::uint32_t body_end_ = 0;
-  WalkStatus status_ = WalkStatus::ok;
-};
-
-/// Bytes of another type may well have the shape of a PointCloud2; then its figures contradict each other.
-Result<void> check_figures(const PayloadReader& reader) {
-  const SampleState state = reader.state();
-  const auto cloud = view_of<PointCloud2, everything>(state);
-  const std::uint64_t row_bytes = std::uint64_t{cloud.width()} * cloud.point_step();
-  const std::uint64_t data_bytes = std::uint64_t{cloud.height()} * cloud.row_step();
-  if (cloud.row_step() >= row_bytes && cloud.data().size() == data_bytes) return {};
-  return fail(
-      Errc::type_mismatch,
-      fmt::format(
-          "not a sensor_msgs/PointCloud2: {} x {} points of {} bytes, in rows of {}, do not fit with {} "
-          "bytes of data",
-          cloud.height(), cloud.width(), cloud.point_step(), cloud.row_step(), cloud.data().size()));
-}
 
 Result<void> check_size(std::size_t bytes) {
   if (bytes <= cloud_bytes_max) return {};
@@ -67,7 +26,7 @@ Result<void> check_size(std::size_t bytes) {
 
 }  // namespace
 
-Result<EncodedCloud> check_payload(std::span<const std::byte> payload) {
+Result<InputCloud> check_payload(std::span<const std::byte> payload) {
   if (payload.size() < encapsulation_bytes) return fail(Errc::malformed, "too short for an encoded message");
   if (std::memcmp(payload.data(), encapsulation_cdr_le.data(), 2) != 0) {
     return fail(Errc::malformed,
@@ -76,41 +35,65 @@ Result<EncodedCloud> check_payload(std::span<const std::byte> payload) {
                             static_cast<unsigned>(payload[0]), static_cast<unsigned>(payload[1])));
   }
   if (Result<void> size = check_size(payload.size()); !size) return tl::unexpected(size.error());
-  const PayloadReader reader(payload);
-  if (reader.status() != WalkStatus::ok) {
+
+  const std::span<const std::byte> body = payload.subspan(encapsulation_bytes);
+  const FieldMask mask = cloud_type().full();
+  std::vector<std::uint32_t> index(cloud_type().slots());
+  const SampleState state{.body = body.data(),
+                          .body_bytes = static_cast<std::uint32_t>(body.size()),
+                          .index = index.data(),
+                          .mask = &mask};
+  std::uint32_t body_end = 0;
+  const WalkStatus status = build_index(state, cloud_type().type(), index, &body_end);
+  if (status != WalkStatus::ok) {
     return fail(Errc::malformed,
                 fmt::format("not a sensor_msgs/PointCloud2, or damaged ({}); give a file of point clouds",
-                            to_string(reader.status())));
+                            to_string(status)));
   }
-  return check_figures(reader).map([&] {
-    return EncodedCloud{{payload.begin(), payload.begin() + static_cast<std::ptrdiff_t>(reader.bytes())}};
-  });
+  // Bytes of another type may well have the shape of a PointCloud2. Then their figures contradict each other.
+  const auto cloud = view_of<PointCloud2, everything>(state);
+  const std::uint64_t row_bytes = std::uint64_t{cloud.width()} * cloud.point_step();
+  const std::uint64_t data_bytes = std::uint64_t{cloud.height()} * cloud.row_step();
+  if (cloud.row_step() < row_bytes || cloud.data().size() != data_bytes) {
+    return fail(
+        Errc::type_mismatch,
+        fmt::format("not a sensor_msgs/PointCloud2: {} x {} points of {} bytes, in rows of {}, do not "
+                    "fit with {} bytes of data",
+                    cloud.height(), cloud.width(), cloud.point_step(), cloud.row_step(),
+                    cloud.data().size()));
+  }
+  const auto end = static_cast<std::ptrdiff_t>(encapsulation_bytes + body_end);
+  return InputCloud{{payload.begin(), payload.begin() + end}, format_shape(cloud.height(), cloud.width())};
 }
 
-Result<ConvertedCloud> convert(std::uint32_t height, std::uint32_t width, std::uint32_t point_step,
-                               std::vector<sensor_msgs::msg::PointField> fields,
-                               std::span<const std::byte> data) {
+Result<std::vector<InputCloud>> convert(std::uint32_t height, std::uint32_t width, std::uint32_t point_step,
+                                        std::vector<sensor_msgs::msg::PointField> fields,
+                                        std::span<const std::byte> data) {
   if (Result<void> size = check_size(data.size()); !size) return tl::unexpected(size.error());
-  ConvertedCloud cloud;
-  cloud.prototype.header.frame_id = "lidar";
-  cloud.prototype.height = height;
-  cloud.prototype.width = width;
-  cloud.prototype.fields = std::move(fields);
-  cloud.prototype.point_step = point_step;
-  cloud.prototype.row_step = point_step * width;
+  PointCloud2 cloud;
+  cloud.header.frame_id = "lidar";
+  cloud.height = height;
+  cloud.width = width;
+  cloud.fields = std::move(fields);
+  cloud.point_step = point_step;
+  cloud.row_step = point_step * width;
   cloud.data.resize(data.size());
-  std::memcpy(cloud.data.data(), data.data(), data.size());
-  return cloud;
-}
+  std::transform(data.begin(), data.end(), cloud.data.begin(),
+                 [](std::byte b) { return std::to_integer<std::uint8_t>(b); });
 
-std::string shape_of(const InputCloud& cloud) {
-  if (const auto* converted = std::get_if<ConvertedCloud>(&cloud)) {
-    return format_shape(converted->prototype.height, converted->prototype.width);
-  }
-  const PayloadReader reader(std::get<EncodedCloud>(cloud).payload);
-  const SampleState state = reader.state();
-  const auto view = view_of<PointCloud2, everything>(state);
-  return format_shape(view.height(), view.width());
+  const StructType& type = cloud_type().type();
+  const FieldMask mask = cloud_type().full();
+  const EncodedSize size = encoded_size(type, &cloud, mask);
+  if (size.status != EncodeStatus::ok) return fail(Errc::malformed, to_string(size.status));
+  std::vector<std::uint64_t> body(size.bytes / 8 + 1);  // encode() takes aligned memory
+  std::vector<std::uint32_t> index(cloud_type().slots());
+  encode(type, &cloud, mask, std::as_writable_bytes(std::span(body)).first(size.bytes), index);
+
+  const std::span<const std::byte> encoded = std::as_bytes(std::span(body)).first(size.bytes);
+  const std::span<const std::byte> encapsulation = std::as_bytes(std::span(encapsulation_cdr_le));
+  InputCloud input{{encapsulation.begin(), encapsulation.end()}, format_shape(height, width)};
+  input.payload.insert(input.payload.end(), encoded.begin(), encoded.end());
+  return std::vector<InputCloud>{std::move(input)};
 }
 
 }  // namespace sft::demo

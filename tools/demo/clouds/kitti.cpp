@@ -1,4 +1,4 @@
-#include "tools/demo/clouds/kitti.h"
+#include "tools/demo/clouds/file_formats.h"
 
 #include <fmt/format.h>
 
@@ -20,15 +20,10 @@ Result<std::vector<InputCloud>> read_kitti(std::span<const std::byte> file, std:
             file.size(), point_bytes));
   }
   return convert(
-             1, static_cast<std::uint32_t>(file.size() / point_bytes), point_bytes,
-             {point_field("x", 0, PointField::FLOAT32), point_field("y", 4, PointField::FLOAT32),
-              point_field("z", 8, PointField::FLOAT32), point_field("intensity", 12, PointField::FLOAT32)},
-             file)
-      .map([](ConvertedCloud&& cloud) {
-        std::vector<InputCloud> clouds;
-        clouds.emplace_back(std::move(cloud));
-        return clouds;
-      });
+      1, static_cast<std::uint32_t>(file.size() / point_bytes), point_bytes,
+      {point_field("x", 0, PointField::FLOAT32), point_field("y", 4, PointField::FLOAT32),
+       point_field("z", 8, PointField::FLOAT32), point_field("intensity", 12, PointField::FLOAT32)},
+      file);
 }
 
 }  // namespace sft::demo

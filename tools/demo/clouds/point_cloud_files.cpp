@@ -11,9 +11,7 @@
 #include <cstring>
 
 #include "core/file_descriptor.h"
-#include "tools/demo/clouds/cdrlog.h"
-#include "tools/demo/clouds/kitti.h"
-#include "tools/demo/clouds/pcd.h"
+#include "tools/demo/clouds/file_formats.h"
 #include "tools/terminal/units.h"
 
 namespace sft::demo {
@@ -23,7 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<std::byte>;
 
-constexpr std::size_t memory_max = 1024 * 1024 * 1024;  // of clouds kept; they are published again and again
+constexpr std::size_t memory_max =
+    1024 * 1024 * 1024;  // for all clouds, which are kept and published again and again
 
 struct Format {
   std::string_view extension;
@@ -49,7 +48,7 @@ tl::unexpected<Error> fail_on(const fs::path& path, Errc code, std::string_view 
 
 Result<Bytes> read_file(const fs::path& path) {
   const core::FileDescriptor file(
-      open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // a pipe: no wait for its writer
+      open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // does not wait for the writer of a pipe
   struct stat status {};
   if (!file || fstat(file.get(), &status) != 0) {
     return fail_on(path, errno == EACCES ? Errc::no_permission : Errc::unavailable, std::strerror(errno));
@@ -82,11 +81,6 @@ Result<std::vector<InputCloud>> read_clouds(const fs::path& path, std::size_t li
   auto clouds = format->read(*bytes, limit);
   if (!clouds) return fail_on(path, clouds.error().code, clouds.error().message);
   return clouds;
-}
-
-std::size_t bytes_of(const InputCloud& cloud) {
-  const auto* encoded = std::get_if<EncodedCloud>(&cloud);
-  return encoded != nullptr ? encoded->payload.size() : std::get<ConvertedCloud>(cloud).data.size();
 }
 
 struct Listing {
@@ -152,7 +146,7 @@ Result<Input> read_point_clouds(const fs::path& path, std::size_t clouds_max) {
     auto clouds = read_clouds(listing.files[used], clouds_max - input.clouds.size());
     if (!clouds) return tl::unexpected(clouds.error());
     for (InputCloud& cloud : *clouds) {
-      bytes += bytes_of(cloud);
+      bytes += cloud.payload.size();
       input.clouds.push_back(std::move(cloud));
     }
   }

@@ -1,5 +1,4 @@
-// Reads what --input names: a file, or a directory of files, of any of the formats that the demo knows by
-// their extension.
+// Reads the input of the demo: a file, or a directory of files. The extension of a file tells its format.
 #pragma once
 
 #include <filesystem>
@@ -12,12 +11,12 @@ namespace sft::demo {
 
 struct Input {
   std::vector<InputCloud> clouds;
-  std::vector<std::string> notes;  ///< which files were used and which not, one sentence each
+  std::vector<std::string> notes;  ///< sentences about the files that were used, and those that were not
 };
 
-/// The first `clouds_max` clouds at most. A directory is read in the order of the names; encoded messages are
-/// preferred to other formats if both are there, since these are usually the same points again. Errors name
-/// the file.
+/// Reads the first `clouds_max` clouds at most. A directory is read in the order of the names. If it has
+/// encoded messages and other formats, only the messages are read, since the others usually have the same
+/// points again. Errors name the file.
 Result<Input> read_point_clouds(const std::filesystem::path& path, std::size_t clouds_max);
 
 }  // namespace sft::demo

@@ -10,7 +10,7 @@ namespace sft::demo {
 
 namespace {
 
-// The sensor is the origin, x along the street, z up. Metres.
+// The sensor is the origin, x points along the street, z up. All lengths are metres.
 constexpr float ground_z = -2.0F;
 constexpr float range_max = 120.0F;
 constexpr std::uint8_t road_reflectivity = 12;
@@ -67,12 +67,12 @@ Box driving_car(double seconds) {
   return car(driving_from - static_cast<float>(way), 2.4F, 140);
 }
 
-/// How far along the ray (of length 1, from the origin) the box begins; 0 if the ray misses it.
+/// The distance from the origin to the box along the ray, whose length is 1; 0 if the ray misses the box.
 float distance_to(const Box& box, const Vector& ray) {
   float nearest = 0;
   float farthest = range_max;
   const auto clip = [&](float low, float high, float direction) {
-    const float inverse = 1.0F / direction;  // of a zero: infinite, which compares as it should
+    const float inverse = 1.0F / direction;  // infinite for zero, which compares correctly
     const float to_low = low * inverse;
     const float to_high = high * inverse;
     nearest = std::max(nearest, std::min(to_low, to_high));
@@ -84,7 +84,7 @@ float distance_to(const Box& box, const Vector& ray) {
   return nearest < farthest ? nearest : 0.0F;
 }
 
-/// The same few millimetres for the same pixel and scan: measurement noise that needs no state.
+/// Measurement noise of a few millimetres, which depends on the pixel and the scan only.
 float noise_m(std::uint32_t pixel, std::uint32_t scan) {
   std::uint32_t bits = pixel * 2654435761U + scan * 40503U;
   bits = (bits ^ (bits >> 15)) * 2246822519U;

@@ -9,19 +9,19 @@
 
 namespace sft::demo {
 
-/// A point as Ouster's ROS driver lays it out.
+/// A point in the layout of Ouster's ROS driver.
 struct LidarPoint {
-  float x = 0;  ///< m; all three 0: no return
+  float x = 0;  ///< in metres; x, y and z are 0 if nothing was hit
   float y = 0;
   float z = 0;
   float unused_w = 0;
   float intensity = 0;
-  std::uint32_t t = 0;  ///< ns since the begin of the scan
+  std::uint32_t t = 0;  ///< nanoseconds since the scan began
   std::uint16_t reflectivity = 0;
-  std::uint16_t ring = 0;  ///< row
+  std::uint16_t ring = 0;  ///< number of the row
   std::uint16_t ambient = 0;
   std::uint16_t unused_after_ambient = 0;
-  std::uint32_t range = 0;  ///< mm; 0: no return
+  std::uint32_t range = 0;  ///< in millimetres; 0: nothing was hit
   std::uint32_t unused_at_end[3] = {};
 };
 static_assert(sizeof(LidarPoint) == 48);
@@ -32,7 +32,7 @@ struct Vector {
   float z = 0;
 };
 
-/// With faces along the axes, and how much light it sends back (0..255).
+/// A box with faces along the axes, and the light that it reflects (0 to 255).
 struct Box {
   Vector low;
   Vector high;
@@ -53,14 +53,14 @@ class Scene {
 
  private:
   struct Hit {
-    float range_m = 0;  ///< 0: none
+    float range_m = 0;  ///< 0: nothing was hit
     std::uint8_t reflectivity = 0;
   };
   Hit nearest_standing(const Vector& ray) const;
   static LidarPoint point_of(std::uint32_t pixel, const Vector& ray, const Hit& hit, std::uint32_t scan);
 
-  std::vector<Vector> rays_;   // of length 1, one per pixel
-  std::vector<Hit> standing_;  // what does not move, seen once for all scans
+  std::vector<Vector> rays_;   // one for each pixel, with length 1
+  std::vector<Hit> standing_;  // hits of objects that do not move, computed once
 };
 
 }  // namespace sft::demo

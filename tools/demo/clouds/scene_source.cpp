@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cstddef>
 
+#include "sft/typesupport/encode.h"
+
 namespace sft::demo {
 
 namespace {
@@ -31,6 +33,14 @@ PointCloud2 cloud_without_points() {
   return cloud;
 }
 
+/// Encapsulation and body of a cloud with all points.
+std::uint64_t full_bytes(const PointCloud2& prototype) {
+  const auto reservations =
+      PointCloud2::LoanView<LoanedPlace<PointCloud2>>::reservations({.data = std::uint32_t{Scene::bytes}});
+  const TypeSupport& type = cloud_type();
+  return encapsulation_bytes + encoded_size(type.type(), &prototype, type.full(), reservations).bytes;
+}
+
 }  // namespace
 
 SceneSource::SceneSource(double hz) : hz_(hz), prototype_(cloud_without_points()) {}
@@ -48,7 +58,7 @@ Result<CloudSource::Published> SceneSource::publish(Publisher<PointCloud2>& publ
             static_cast<std::uint32_t>(std::chrono::nanoseconds(now - seconds).count()));
   scene_.render(static_cast<double>(number) / hz_, (*loan)->data());
 
-  return Published{std::move(*loan).publish(), full_bytes(prototype_, Scene::bytes)};
+  return Published{std::move(*loan).publish(), full_bytes(prototype_)};
 }
 
 }  // namespace sft::demo

@@ -1,5 +1,5 @@
-// The generated scene as a source of clouds: each is computed where its readers will read it, in memory lent
-// by the publisher.
+// The generated scene as a source of clouds. Each cloud is computed where its readers will read it, in memory
+// that the publisher lends.
 #pragma once
 
 #include "tools/demo/clouds/cloud_source.h"
@@ -9,7 +9,7 @@ namespace sft::demo {
 
 class SceneSource final : public CloudSource {
  public:
-  /// `hz`: how much time lies between two clouds.
+  /// `hz` tells how much time lies between two clouds.
   explicit SceneSource(double hz);
 
   std::string name() const override { return "generated scene"; }

@@ -1,5 +1,5 @@
-// The wire between the demo and each of its processes: JSON messages over a pair of sockets. It ends with
-// either side, so that neither outlives the other unnoticed.
+// The connection between the demo and each of its processes: JSON messages over a pair of sockets. It ends
+// with either side, so that each side notices the end of the other.
 #pragma once
 
 #include <chrono>
@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 
 class Channel {
  public:
-  /// Both ends close on exec, but not on fork: see close_descriptors_except().
+  /// Both ends close on exec, but not on fork: see hosts::close_descriptors_except().
   static Result<std::pair<Channel, Channel>> make_pair();
 
   enum class Event { message, timeout, closed };
@@ -27,7 +27,7 @@ class Channel {
 
   /// False if the other side is gone.
   bool send(const nlohmann::json& message);
-  /// The next message, waiting for it until the deadline (for ever without one).
+  /// Waits for the next message until the deadline, or without limit if there is no deadline.
   Received receive(std::optional<Clock::time_point> deadline);
 
   int descriptor() const { return socket_.get(); }

@@ -1,5 +1,5 @@
-// The five subscribers of the example: what each is for, the fields that it declares, and the code that reads
-// them. With --arr nothing is declared, and the same code is what the fields are recorded from.
+// The five subscribers of the example: the purpose of each, the fields that it declares, and the code that
+// reads them. With --arr nothing is declared, and the fields that the same code reads are recorded.
 #pragma once
 
 #include <concepts>
@@ -16,18 +16,18 @@ namespace sft::demo {
 
 using sensor_msgs::msg::PointCloud2;
 
-/// Takes what is read and makes something of it, so that the compiler cannot leave the reading out.
+/// Uses all values that are read, so that the compiler cannot remove the reading.
 class Use {
  public:
   template <class T>
   requires std::integral<T> || std::floating_point<T>
   void operator()(T value) { sum_ += static_cast<std::uint64_t>(value); }
   void operator()(std::string_view text) { sum_ += text.size(); }
-  /// A byte of every cache line: as far as memory is concerned, all of it.
+  /// Reads one byte of every cache line, which moves as much memory as reading all bytes.
   void operator()(std::span<const std::uint8_t> bytes) {
     for (std::size_t i = 0; i < bytes.size(); i += 64) sum_ += bytes[i];
   }
-  /// Where fields are recorded: empty if the sample does not have it.
+  /// Recorded fields are empty if the sample does not have them.
   template <class T>
   void operator()(const std::optional<T>& value) {
     if (value) (*this)(*value);
@@ -37,18 +37,22 @@ class Use {
   std::uint64_t sum_ = 0;
 };
 
-/// What the subscribers have unless they say otherwise.
+/// The rate of a subscriber that does not name another one.
 struct EveryCloud {
   static constexpr double max_rate_hz = 0;  ///< all clouds
 };
+
+void read_stamp(const auto& cloud, Use& use) {
+  use(cloud.header().stamp().sec());
+  use(cloud.header().stamp().nanosec());
+}
 
 struct Health : EveryCloud {
   static constexpr const char* name = "health";
   static constexpr const char* purpose = "watches that the lidar is alive and sees something";
   static constexpr Mask<PointCloud2> fields = PointCloud2::Field::header | PointCloud2::Field::width;
   static void read(const auto& cloud, Use& use) {
-    use(cloud.header().stamp().sec());
-    use(cloud.header().stamp().nanosec());
+    read_stamp(cloud, use);
     use(cloud.header().frame_id());
     use(cloud.width());
   }
@@ -70,13 +74,10 @@ struct Recorder : EveryCloud {
   static constexpr const char* name = "recorder";
   static constexpr const char* purpose = "writes down when each cloud was taken";
   static constexpr Mask<PointCloud2> fields = PointCloud2::Field::header.stamp;
-  static void read(const auto& cloud, Use& use) {
-    use(cloud.header().stamp().sec());
-    use(cloud.header().stamp().nanosec());
-  }
+  static void read(const auto& cloud, Use& use) { read_stamp(cloud, use); }
 };
 
-/// How the points are laid out: what whoever reads x, y and z of `data` needs first.
+/// The layout of a point, which a program needs before it can read x, y and z in `data`.
 struct Layout {
   static void read(const auto& cloud, Use& use) {
     read_fields(cloud.fields(), use);
@@ -99,15 +100,14 @@ struct Layout {
   }
 };
 
-/// Corrects its odometry now and then, so that it needs few clouds, but nearly all of these.
+/// Corrects its odometry now and then: it needs few clouds, but nearly all fields of them.
 struct Localiser {
   static constexpr const char* name = "localiser";
   static constexpr const char* purpose = "finds the robot on a map, by one cloud a second";
   static constexpr double max_rate_hz = 1;
   static constexpr Mask<PointCloud2> fields = ~PointCloud2::Field::height;
   static void read(const auto& cloud, Use& use) {
-    use(cloud.header().stamp().sec());
-    use(cloud.header().stamp().nanosec());
+    read_stamp(cloud, use);
     use(cloud.header().frame_id());
     use(cloud.width());
     Layout::read(cloud, use);
@@ -118,7 +118,7 @@ struct Localiser {
   }
 };
 
-/// Needs x, y and z of every point. It runs on the LiDAR's own host, where these cost nothing.
+/// Needs x, y and z of every point. It runs on the LiDAR's own host, where reading them costs nothing.
 struct Detector : EveryCloud {
   static constexpr const char* name = "detector";
   static constexpr const char* purpose = "finds objects, in the lidar's own memory";

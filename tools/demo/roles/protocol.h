@@ -1,4 +1,4 @@
-// What the demo and its roles say to each other: the demo asks, the role answers with a report.
+// The messages between the demo and its roles: the demo asks, and the role answers with a report.
 #pragma once
 
 #include <cstdint>
@@ -24,16 +24,13 @@ namespace sft::demo {
 
 inline constexpr std::string_view topic = "points";
 
-/// Asked of every role. A closed channel tells it to end.
+/// The demo sends orders to every role. A closed channel tells the role to end.
 struct Order {
-  enum class Kind {
-    report,
-    publish,
-    halt
-  };  ///< the last two are for the publisher, and answered with a report as well
+  /// All are answered with a report. The last two are for the publisher.
+  enum class Kind { report, publish, halt };
   Kind kind = Kind::report;
-  double hz = 0;              ///< publish
-  std::uint64_t samples = 0;  ///< publish
+  double hz = 0;              ///< for Kind::publish
+  std::uint64_t samples = 0;  ///< likewise
 };
 
 /// A reader as its publisher sees it.
@@ -42,23 +39,23 @@ struct ReaderReport {
   bool served = false;
   std::string transport;
   std::string reason;
-  std::uint64_t withheld = 0;  ///< not sent to it, since it asks for a lower rate
+  std::uint64_t withheld = 0;  ///< samples that were not sent, since the reader asks for a lower rate
 };
 
 struct PublisherReport {
   std::uint64_t published = 0;
-  std::uint64_t dropped = 0;     ///< not handed over to some reader, which counts it as lost
-  std::uint64_t full_bytes = 0;  ///< of all that was published: encapsulation and body of the whole messages
-  bool finished = false;         ///< all that was ordered is published
+  std::uint64_t dropped = 0;     ///< samples that some reader was not sent, and counts as lost
+  std::uint64_t full_bytes = 0;  ///< encapsulation and body of all published messages, whole
+  bool finished = false;         ///< nothing remains to be published
   std::vector<ReaderReport> readers;
-  std::string udp;  ///< how UDP works on its host, as the library says it
-  std::string shm;  ///< likewise
+  std::string udp;  ///< NodeStatus::udp
+  std::string shm;  ///< NodeStatus::shm
   bool shm_ready = false;
-  std::string warning;  ///< the last one that the library gave
+  std::string warning;  ///< the last warning of the library
   Traffic traffic;
 };
 
-/// The state of a recorded subscriber when its mask had just narrowed for the first time.
+/// The state of a recorded subscriber at the moment when its mask narrowed for the first time.
 struct LearningReport {
   std::uint64_t received = 0;
   std::uint64_t payload_bytes = 0;
@@ -69,12 +66,12 @@ struct SubscriberReport {
   bool matched = false;
   std::string transport;
   std::string reason;
-  std::vector<std::string> fields;        ///< asked for at present
-  std::vector<std::string> other_fields;  ///< the rest
+  std::vector<std::string> fields;        ///< those that the subscriber asks for at present
+  std::vector<std::string> other_fields;  ///< all others
   std::uint64_t received = 0;
   std::uint64_t lost = 0;
-  std::uint64_t incomplete = 0;     ///< of the lost ones: some of it came
-  std::uint64_t payload_bytes = 0;  ///< of all that was received
+  std::uint64_t incomplete = 0;     ///< lost samples of which a part came
+  std::uint64_t payload_bytes = 0;  ///< sum over all received samples
   std::optional<double> latency_p50_us;
   std::optional<double> latency_p99_us;
   std::optional<LearningReport> learning;
@@ -92,11 +89,11 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SubscriberReport, matched, transport, reason,
                                    received, lost, incomplete, payload_bytes, latency_p50_us, latency_p99_us,
                                    learning, warning, traffic)
 
-/// The role's side where it cannot go on: answers the next order with the error.
+/// Answers the next order with the error. A role that cannot go on calls this.
 void refuse(Channel& channel, const Error& error);
 
-/// Called several times a second while an answer is waited for. An error ends the wait, and is what it
-/// returns.
+/// Called several times in a second by a function that waits for an answer. If it returns an error, the wait
+/// ends with that error.
 using WhileWaiting = std::function<Result<void>()>;
 
 namespace detail {

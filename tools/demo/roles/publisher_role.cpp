@@ -8,7 +8,7 @@ namespace sft::demo {
 
 namespace {
 
-/// One thread: it answers orders, and publishes when it is time.
+/// One thread answers orders, and publishes when it is time.
 class LidarRole {
  public:
   static Result<std::unique_ptr<LidarRole>> open(const NodePlan& plan, CloudSource& source) {
@@ -19,7 +19,7 @@ class LidarRole {
     return std::unique_ptr<LidarRole>(new LidarRole(std::move(*node), std::move(*publisher), source));
   }
 
-  /// Until the channel closes, or publishing fails in a way that will not pass.
+  /// Returns when the channel closes, or with the error of publishing unless that may pass.
   Result<void> serve(Channel& channel) {
     for (;;) {
       const Channel::Received received = channel.receive(next_);
@@ -53,7 +53,7 @@ class LidarRole {
     ++published_;
     if (result) full_bytes_ += result->full_bytes;
     if (!result || result->status != PublishStatus::ok) ++dropped_;
-    // When it is late it does not try to catch up: sensors do not either.
+    // A late publisher does not try to catch up, as a sensor would not.
     next_ = std::max(*next_ + period_, Clock::now());
     if (published_ == ordered_) next_.reset();
     return {};
@@ -81,7 +81,7 @@ class LidarRole {
   std::unique_ptr<RoleNode> node_;
   Publisher<PointCloud2> publisher_;
   CloudSource& source_;
-  std::uint64_t ordered_ = 0;  // to be published in all
+  std::uint64_t ordered_ = 0;  // the sum of all orders
   std::uint64_t published_ = 0;
   std::uint64_t dropped_ = 0;
   std::uint64_t full_bytes_ = 0;

@@ -1,4 +1,4 @@
-// The LiDAR: publishes the clouds of a source at a rate, on order.
+// The LiDAR publishes the clouds of a source at a rate when the demo orders it.
 #pragma once
 
 #include <memory>

@@ -13,7 +13,8 @@ Result<std::unique_ptr<RoleNode>> RoleNode::open(const NodePlan& plan) {
       .name = plan.name,
       .domain = plan.domain,
       .transport = plan.transport,
-      // What a subscriber costs is to be seen at its host, and the switch passes multicast on to all of them.
+      // The host of a subscriber is to show what that subscriber costs, but the switch passes multicast on to
+      // all hosts.
       .udp = {.multicast = MulticastUse::off},
       // The user's own configuration names interfaces of this machine, which other hosts do not have.
       .cyclonedds_config = "",

@@ -1,4 +1,4 @@
-// What every role has: a node, the traffic of its host, and an ear for what the library has to say.
+// The parts of every role: a node, the traffic of its host, and the last warning of the library.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ struct NodePlan {
   std::string name;
   std::uint32_t domain = 0;
   TransportChoice transport = TransportChoice::automatic;
-  std::optional<std::string> interface {};  ///< whose traffic is measured; empty: none
+  std::optional<std::string> interface {};  ///< its traffic is measured; empty: nothing is measured
 };
 
 class RoleNode {
@@ -23,7 +23,7 @@ class RoleNode {
   static Result<std::unique_ptr<RoleNode>> open(const NodePlan& plan);
 
   Node& node() { return *node_; }
-  /// All zero where it is not measured.
+  /// All figures are zero where traffic is not measured.
   Traffic traffic() { return meter_ == nullptr ? Traffic{} : meter_->read(); }
   std::string last_warning();
 
@@ -34,7 +34,7 @@ class RoleNode {
   std::unique_ptr<TrafficMeter> meter_;
   std::mutex mutex_;
   std::string last_warning_;
-  std::optional<Node> node_;  // last: its threads note warnings
+  std::optional<Node> node_;  // last, since its threads note warnings
 };
 
 }  // namespace sft::demo

@@ -11,8 +11,7 @@ namespace sft::demo {
 
 namespace {
 
-/// What is counted sample by sample. on_sample() is called by threads of the node, the rest by the role's
-/// own.
+/// Counts sample by sample. Threads of the node call on_sample(); the thread of the role calls the rest.
 class Record {
  public:
   explicit Record(RoleNode& node) : node_(node) {}
@@ -35,8 +34,8 @@ class Record {
   }
 
  private:
-  /// Learning took what had come until the last full sample was in. That it was the last one shows with the
-  /// next.
+  /// Learning cost all bytes until the last full sample had come. The next sample, which is not full, shows
+  /// that it was the last one.
   void watch_learning(bool full) {
     if (!full) {
       learnt_ = true;
@@ -111,8 +110,8 @@ class SubscriberRole {
 
   std::unique_ptr<RoleNode> node_;
   Record record_;
-  Use use_;                                               // of the callback
-  std::optional<Subscriber<PointCloud2, R>> subscriber_;  // last: its callback uses the others
+  Use use_;                                               // the callback uses it
+  std::optional<Subscriber<PointCloud2, R>> subscriber_;  // last, since its callback uses the others
 };
 
 template <class Consumer, Req<PointCloud2> R>

@@ -1,5 +1,5 @@
-// A subscriber of the example in a process of its own: reads its fields in the callback, and reports what it
-// got.
+// A subscriber of the example in a process of its own: it reads its fields in the callback, and reports what
+// came.
 #pragma once
 
 #include "tools/demo/roles/channel.h"

@@ -16,7 +16,7 @@ namespace sft::demo {
 
 namespace {
 
-/// A line that does not fit would wrap, and could not be replaced.
+/// The terminal would wrap longer lines, which could not be replaced then.
 std::size_t columns_shown() {
   winsize size{};
   const bool known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
@@ -44,7 +44,8 @@ std::string Display::painted_table(const RunFigures& figures, std::size_t column
 }
 
 void Display::replace(const std::string& lines, std::size_t count) {
-  if (shown_lines_ > 0) std::printf("\x1b[%zuA\x1b[J", shown_lines_);  // up to its first line, and clear
+  if (shown_lines_ > 0)
+    std::printf("\x1b[%zuA\x1b[J", shown_lines_);  // moves up to the first line, and clears the rest
   std::fputs(lines.c_str(), stdout);
   std::fflush(stdout);
   shown_lines_ = count;

@@ -1,5 +1,6 @@
-// Standard output: a table that stays in place on a terminal, a line now and then elsewhere. Colours are for
-// terminals only. No line has more than columns_max characters, but for words that are longer.
+// The standard output of the demo: a table that stays in place on a terminal, and a line now and then
+// elsewhere. Only terminals get colours. No line has more than columns_max characters, unless a single word
+// is longer.
 #pragma once
 
 #include <string>
@@ -13,15 +14,15 @@ namespace sft::demo {
 
 class Display {
  public:
-  /// Colours are used if they are wanted and this is a terminal.
+  /// Colours are used if they are wanted and the standard output is a terminal.
   explicit Display(bool colours_wanted);
 
   void say(const std::string& text);
-  /// What is being waited for, a sentence without its end. To be called several times a second.
+  /// Says what the demo waits for. `what` is a sentence without its end. Call this several times in a second.
   void waiting(std::string_view what, WaitNotice::Clock::time_point now);
-  /// Replaces what the previous call showed.
+  /// Replaces the table that the previous call showed.
   void show(const RunFigures& figures, double elapsed_s);
-  /// The table as it is to stay, and what it means.
+  /// Shows the final table, and explains it.
   void conclude(const RunFigures& figures);
 
  private:
@@ -32,7 +33,7 @@ class Display {
 
   bool terminal_;
   bool colours_;
-  std::size_t shown_lines_ = 0;  // on the terminal, to be replaced
+  std::size_t shown_lines_ = 0;  // that the next text on the terminal replaces
   double next_progress_s_ = 1;
   WaitNotice notice_;
 };

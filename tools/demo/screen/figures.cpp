@@ -10,7 +10,7 @@ namespace sft::demo {
 
 namespace {
 
-/// JSON has no figure for what was not measured but null. A tenth is more than is known.
+/// A figure that was not measured is null. One decimal is enough: no figure is more exact than that.
 nlohmann::ordered_json number(const std::optional<double>& value) {
   if (!value) return nullptr;
   return std::round(*value * 10) / 10;

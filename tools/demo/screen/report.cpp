@@ -13,7 +13,7 @@ namespace sft::demo {
 
 namespace {
 
-constexpr double worth_telling = 0.0005;  // of what whole messages would have been
+constexpr double worth_telling = 0.0005;  // as a share of the bytes of whole messages
 constexpr std::size_t request_columns = 24;
 constexpr std::size_t input_columns = 50;
 
@@ -26,7 +26,7 @@ std::string format_us(const std::optional<double>& latency_us) {
                        : fmt::format("{:.1f} s", us / 1e6);
 }
 
-/// Never rounded up to 100 %: something did cross the network.
+/// Rounds down, since 100 % would mean that nothing crossed the network.
 std::string format_percent(double share) {
   const double percent = share * 100;
   const double digits = percent > 99.9 ? 1e4 : 10;
@@ -53,7 +53,7 @@ std::string row(const SubscriberFigures& s) {
       columns_max);
 }
 
-/// What the samples of remote subscribers went by.
+/// The path of the samples of remote subscribers.
 std::string_view way_of(const RunFigures& run) { return run.real_hosts() ? "the network" : "UDP"; }
 
 std::string format_result(const RunFigures& run) {

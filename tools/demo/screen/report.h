@@ -1,5 +1,5 @@
-// The figures as text: a table while the demo runs, and what they mean at its end. No line has more than
-// columns_max characters, but for words that are longer; table and summary together fit 24 lines.
+// The figures as text: a table while the demo runs, and their meaning at its end. No line has more than
+// columns_max characters, unless a single word is longer. Table and summary together fit 24 lines.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,8 @@ inline constexpr std::size_t columns_max = 79;
 /// The table's lines: the head, and a line per subscriber.
 std::vector<std::string> format_table(const RunFigures& figures);
 
-/// What this system refuses the publisher's host, so that the demo is slower than it could be: a line each.
+/// One line for each service that this system refuses to the publisher's host, and that would make the demo
+/// faster.
 std::vector<std::string> format_refusals(const PublisherReport& publisher);
 
 /// One line: "12.0 s: 120 published; the network carried 78.61 MB, not 3.02 GB; 0 lost".

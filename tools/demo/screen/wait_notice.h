@@ -1,5 +1,5 @@
-// When the demo says what it waits for: at once when that is another thing, and once a second as long as it
-// goes on, so that it is never silent for long.
+// Decides when the demo says what it waits for: at once when it begins to wait for something else, and then
+// once in a second, so that it is never silent for long.
 #pragma once
 
 #include <chrono>
@@ -12,11 +12,11 @@ namespace sft::demo {
 class WaitNotice {
  public:
   using Clock = std::chrono::steady_clock;
-  /// The longest silence, where it is asked often enough.
+  /// The longest silence, if line() is called often enough.
   static constexpr std::chrono::seconds interval{1};
 
-  /// The line that is due: "Waiting for the health ... 3 s". Empty if none is. `what` is the sentence without
-  /// its end.
+  /// The line that is due ("Waiting for the health ... 3 s"), or nothing. `what` is the sentence without its
+  /// end.
   std::optional<std::string> line(std::string_view what, Clock::time_point now);
 
  private:

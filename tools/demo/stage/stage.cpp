@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::seconds;
 
-// The first answer takes until the node is open.
+// A role answers for the first time when its node is open.
 constexpr seconds patience{15};
 
 struct Actor {
@@ -36,12 +36,12 @@ constexpr std::array host_plans{
     HostPlan{"logger", false, actor<Recorder>}, HostPlan{"nav", false, actor<Localiser>},
     HostPlan{"lidar", true, actor<Detector>},
 };
-// Enough for the daemon; the publisher's host also has some samples of 6 MB in it.
+// The daemon needs this much; on the publisher's host some samples of 6 MB come on top.
 constexpr unsigned shared_memory_mib = 256;
 constexpr unsigned publishers_shared_memory_mib = 1024;
 constexpr std::size_t publisher_host_number = host_plans.size() - 1;
 
-/// On this machine others may be in the default domain; the upper ones are rarely used.
+/// Other programs of this machine may use the default domain. They rarely use one of the upper domains.
 std::uint32_t random_domain() {
   std::random_device random;
   return std::uniform_int_distribution<std::uint32_t>(100, 200)(random);
@@ -71,7 +71,7 @@ std::vector<Role> Stage::roles_on(std::size_t number, std::uint32_t domain, Clou
     return real_hosts() ? std::optional<std::string>(interface) : std::nullopt;
   };
   const bool remote = !host.has_publisher;
-  // The interface is the one that samples for it would come over.
+  // Samples for the subscriber would come over this interface.
   const NodePlan subscriber{
       .name = host.subscriber.name,
       .domain = domain,
@@ -107,7 +107,7 @@ Result<void> Stage::start_hosts(CloudSource& source, bool arr) {
 }
 
 Stage::~Stage() {
-  for (Host& host : hosts_) host.dismiss();  // all of them, before any is waited for
+  for (Host& host : hosts_) host.dismiss();  // all hosts end at the same time
 }
 
 Result<PublisherReport> Stage::ask_publisher(const Order& order, const WhileWaiting& while_waiting) {

@@ -1,11 +1,11 @@
-// The example's hosts and who runs on them.
+// The hosts of the example, and the roles on them.
 //
 //   host "lidar"     the publisher, and the detector
 //   host "monitor"   health              host "cockpit"  dashboard
 //   host "logger"    recorder            host "nav"      localiser
 //
-// Where namespaces are to be had, each is a host of its own on an emulated network. Otherwise all are
-// processes on this machine, and those that would be remote are held to UDP.
+// Where namespaces can be made, each host has namespaces of its own, on an emulated network. Otherwise all
+// roles are processes on this machine, and those that would be remote may use UDP only.
 #pragma once
 
 #include <memory>
@@ -31,15 +31,15 @@ class Stage {
     Channel* channel = nullptr;
   };
 
-  /// Starts everything. `source` is published by a child process, which has its own copy. REQUIRES: one
-  /// thread.
+  /// Starts all hosts. A child process publishes `source`, of which it has a copy. REQUIRES: the calling
+  /// process has one thread.
   static Result<std::unique_ptr<Stage>> set_up(CloudSource& source, bool arr);
-  /// Ends everything.
+  /// Ends all hosts.
   ~Stage();
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 
-  /// Whether the hosts are namespaces; if not, `why_not` says why.
+  /// True if the hosts are namespaces. If not, why_not() says why.
   bool real_hosts() const { return network_.has_value(); }
   const std::string& why_not() const { return why_not_; }
   unsigned hosts() const { return real_hosts() ? static_cast<unsigned>(hosts_.size()) : 1; }
@@ -51,7 +51,7 @@ class Stage {
  private:
   Stage() = default;
   Result<void> start_hosts(CloudSource& source, bool arr);
-  /// The subscriber of a host first.
+  /// The subscriber of the host comes first.
   std::vector<Role> roles_on(std::size_t number, std::uint32_t domain, CloudSource& source, bool arr) const;
 
   std::string why_not_;
