@@ -8,13 +8,13 @@
 
 namespace sft::bench {
 
-/// What the interfaces of hosts do with a train of datagrams that one system call hands over.
+/// The way in which interfaces of hosts send a train of datagrams that one system call hands over.
 enum class Trains {
-  cut,   ///< into frames, each of which is counted with its headers
+  cut,   ///< cut into frames, each of which is counted with its headers
   whole  ///< passed on in one piece, as fast as the system can
 };
 
-/// Needs root; ends the program with a message where that is missing.
+/// Ends the program with a message if it does not run as root.
 hosts::EmulatedNetwork make_hosts(std::size_t hosts, Trains trains);
 
 class TwoHosts {
@@ -26,7 +26,7 @@ class TwoHosts {
   /// Moves the calling process to the first host or to the second.
   void enter(std::size_t host) const;
 
-  /// Of the second host, as a number in network byte order.
+  /// The address of the second host, as a number in network byte order.
   static std::uint32_t receiver_address();
 
  private:

@@ -16,11 +16,11 @@ namespace sft::bench {
 
 namespace {
 
-constexpr int buffer_bytes = 16 << 20;  // nothing is taken out before the end
+constexpr int buffer_bytes = 16 << 20;  // nothing is read before the end
 
 using namespace hosts;  // offsets in a frame
 
-// The first byte of a datagram (udp_transport/wire/datagram.h): version and kind.
+// The first byte of a datagram has its version and kind (udp_transport/datagram.h).
 constexpr std::uint32_t version_1 = 0x10;
 constexpr std::uint32_t version_bits = 0xf0;
 constexpr std::uint32_t first = version_1 | 1;
@@ -28,8 +28,8 @@ constexpr std::uint32_t following = version_1 | 2;
 constexpr std::uint32_t packed = version_1 | 5;
 constexpr std::uint32_t whole = version_1 | 10;
 
-/// Accepts what is of SFT and no part of a sample. The last two figures of a jump are how many lines to skip
-/// if the condition holds and if not.
+/// Accepts datagrams of SFT that carry no part of a sample. The last two numbers of a jump tell how many
+/// lines to skip if the condition holds, and if it does not.
 constexpr std::array control_only{
     sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ether_type),
     sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ETH_P_IP, 0, 13),
@@ -63,7 +63,7 @@ ControlCounter::ControlCounter() {
 ControlTraffic ControlCounter::read() const {
   ControlTraffic traffic;
   char unused = 0;
-  // MSG_TRUNC: the length of the frame, of which a byte is enough.
+  // MSG_TRUNC returns the length of the frame, of which one byte is read.
   for (ssize_t bytes = 0; (bytes = recv(packets_.get(), &unused, 1, MSG_TRUNC)) > 0;) {
     traffic.bytes += bytes;
     ++traffic.datagrams;

@@ -14,10 +14,10 @@ struct ControlTraffic {
 
 class ControlCounter {
  public:
-  /// Ends the program with a message where that is not allowed.
+  /// Ends the program with a message if it may not count.
   ControlCounter();
 
-  /// Since the counter was made, or since the last time.
+  /// The traffic since the counter was made, or since the last call.
   ControlTraffic read() const;
 
  private:

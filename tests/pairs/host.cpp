@@ -58,7 +58,7 @@ void set_address(int control, unsigned long what, std::uint32_t ipv4) {
   checked(ioctl(control, what, &request), "the address of eth0");
 }
 
-/// Takes over the account, with no group but the account's own.
+/// Changes to that user, who is a member of no group but its own.
 bool become(uid_t user) noexcept {
   return user == 0 || (setgroups(0, nullptr) == 0 && setgid(user) == 0 && setuid(user) == 0);
 }
@@ -108,7 +108,7 @@ void Host::make(const std::function<void()>& furnish) {
   if (failure) std::rethrow_exception(failure);
 }
 
-/// With a network stack of its own, in the calling thread.
+/// Gives the calling thread a network stack of its own.
 void Host::join_network() {
   checked(unshare(CLONE_NEWNET), "unshare");
   control_ = checked(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0), "socket");
@@ -129,7 +129,8 @@ bool Host::enter() const noexcept {
   return setns(network_namespace_, CLONE_NEWNET) == 0 && setns(mount_namespace_, CLONE_NEWNS) == 0;
 }
 
-/// Between fork() and exec only what is safe while other threads of this process hold locks.
+/// Between fork() and exec it calls only functions that are safe while other threads of this process hold
+/// locks.
 Process::Process(const Host& host, const std::string& program, const std::vector<std::string>& arguments,
                  int input, const Account& account) {
   const std::string path = account.programs + "/" + program;

@@ -24,8 +24,7 @@ namespace sft::test {
 namespace {
 
 constexpr int own_namespaces = CLONE_NEWNS | CLONE_NEWNET | CLONE_NEWPID;
-// sftd zeroes what it takes, half of this; where the machine below has to find that memory first, it takes
-// long.
+// sftd takes half of this and zeroes it, which takes long on a machine that has to find free memory first.
 constexpr unsigned shm_mebibytes = 320;
 
 std::string refusal = "run_isolated was not called";
@@ -41,7 +40,7 @@ bool enter_namespaces() {
   return entered || refuse(entered.error());
 }
 
-/// Discovery multicasts, and there is no interface but this one.
+/// Discovery uses multicast, and the loopback is the only interface.
 bool bring_loopback_up() {
   const int control = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   ifreq request{};
@@ -65,7 +64,7 @@ bool set_up() {
 
 int exit_code(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
 
-/// Process 1 of the new host: buries orphans, and takes everything with it when the program ends.
+/// The first process of the new host: it reaps orphans, and all processes of the host end with it.
 [[noreturn]] void be_init(const std::function<int()>& run) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   set_up();
@@ -87,7 +86,7 @@ Result<void> mount_own_shm() { return hosts::mount_own_shm(shm_mebibytes); }
 Result<void> mount_own_memory() { return mount_own_shm().and_then(hosts::mount_own_tmp); }
 
 int run_isolated(const std::function<int()>& run) {
-  program_directory();  // while /proc is still the one of this process
+  program_directory();  // must be called while /proc is that of this process
   if (!enter_namespaces()) return run();
   std::fflush(nullptr);
   const pid_t init = fork();
@@ -95,7 +94,7 @@ int run_isolated(const std::function<int()>& run) {
   if (init == 0) be_init(run);
   int status = 0;
   waitpid(init, &status, 0);
-  _exit(exit_code(status));  // what the program had to do at its end, it did there
+  _exit(exit_code(status));  // the child has done all that is to be done at the end of the program
 }
 
 ShmOfSize::ShmOfSize(unsigned mebibytes) {

@@ -1,5 +1,5 @@
-// A cable between two hosts, frame by frame in the hands of a process: while it is bad it loses some of them,
-// passes some on twice, and some behind the next one. It notes which samples it did harm to.
+// A cable between two hosts. A process carries it frame by frame: while the cable is bad, the process loses
+// some frames, passes some on twice, and some behind the next one. It notes which samples were affected.
 #pragma once
 
 #include <sys/types.h>
@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/hosts/network.h"
 #include "tests/system/node_process.h"
+#include "tools/hosts/network.h"
 
 namespace sft::test {
 
@@ -24,7 +24,7 @@ class LossyCable {
     double repetition = 0.01;
     double swap = 0.01;
   };
-  /// Two new hosts and what is between them; each has an interface eth0 (MTU 1500).
+  /// Makes two hosts and the cable between them. Each host has an interface eth0 (MTU 1500).
   static Result<std::unique_ptr<LossyCable>> create(const Faults& faults, std::uint64_t seed);
   ~LossyCable();
   LossyCable(const LossyCable&) = delete;
@@ -35,13 +35,13 @@ class LossyCable {
   void become(bool bad) { notes_->bad = bad; }
 
   static constexpr std::size_t samples_max = 4096;
-  /// Counts what the cable did since it was made.
+  /// The faults since the cable was made.
   struct Notes {
     std::atomic<bool> ready{false}, bad{false};
     std::atomic<std::uint64_t> lost{0}, repeated{0}, swapped{0};  ///< frames
-    /// Frames that the kernel had no room for, or would not take: nobody asked for that.
+    /// Frames that the kernel had no room for, or did not take, which are unwanted losses.
     std::atomic<std::uint64_t> failed{0};
-    /// Sequences of which it lost a part, of whatever publisher there is.
+    /// Sequences of samples of which the cable lost a part, of any publisher.
     std::array<std::atomic<bool>, samples_max> harmed{};
   };
   const Notes& notes() const { return *notes_; }

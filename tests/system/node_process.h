@@ -1,4 +1,4 @@
-// A node in a process of its own, on a host.
+// A node that runs in a process of its own, on a host.
 #pragma once
 
 #include <sys/mman.h>
@@ -17,7 +17,7 @@
 
 namespace sft::test {
 
-/// A T that processes share which are forked while it lives. Its members are atomic.
+/// A T that this process shares with processes that are forked while it lives. Its members are atomic.
 template <class T>
 class SharedWithChildren {
  public:
@@ -34,7 +34,7 @@ class SharedWithChildren {
   T* value_;
 };
 
-/// Killed at the end of its life. Its role is played again and again, and tells how it goes in a report.
+/// Runs its role again and again. The role writes its progress to a report. The destructor kills the process.
 template <class Report>
 class NodeProcessWith {
  public:
@@ -54,7 +54,7 @@ class NodeProcessWith {
     waitpid(process_, nullptr, 0);
     process_ = -1;
   }
-  /// Stops the process, as a debugger does, or a machine that has no time for it.
+  /// Stops the process, as a debugger or a busy machine would.
   void hold_up() const { kill(process_, SIGSTOP); }
   void let_go() const { kill(process_, SIGCONT); }
   Report& report() const { return *report_; }

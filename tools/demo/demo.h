@@ -2,16 +2,32 @@
 // publish, and measures what that costs.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <vector>
 
-#include "tools/demo/options.h"
 #include "tools/demo/screen/display.h"
 #include "tools/demo/screen/figures.h"
 #include "tools/demo/stage/stage.h"
 #include "tools/terminal/stop.h"
 
 namespace sft::demo {
+
+/// The options of the command line.
+struct DemoOptions {
+  std::optional<std::filesystem::path> input{};  ///< empty: the generated scene
+  double hz = 10;
+  double seconds = 10;
+  bool arr = false;  ///< the fields of all subscribers are recorded, not declared
+  std::optional<std::filesystem::path> json{};
+
+  std::uint64_t samples() const {
+    return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(hz * seconds + 0.5));
+  }
+};
 
 class Demo {
  public:

@@ -6,15 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <future>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "tools/demo/clouds/file_source.h"
-#include "tools/demo/clouds/scene_source.h"
+#include "tools/demo/clouds/point_cloud_files.h"
 #include "tools/demo/demo.h"
 
 namespace sft::demo {
@@ -23,14 +21,8 @@ namespace {
 
 constexpr std::chrono::milliseconds between_notices{200};
 
-/// The rule of no-color.org.
-bool colours_wanted() {
-  const char* unwanted = std::getenv("NO_COLOR");
-  return unwanted == nullptr || *unwanted == '\0';
-}
-
 Result<std::unique_ptr<CloudSource>> open_source(const DemoOptions& options, Display& display) {
-  if (!options.input) return std::make_unique<SceneSource>(options.hz);
+  if (!options.input) return scene_source(options.hz);
   // Another thread reads the files. It has ended before the stage is set up, which takes a single thread.
   auto reading =
       std::async(std::launch::async, [&] { return read_point_clouds(*options.input, options.samples()); });
@@ -40,7 +32,7 @@ Result<std::unique_ptr<CloudSource>> open_source(const DemoOptions& options, Dis
   Result<Input> input = reading.get();
   if (!input) return tl::unexpected(input.error());
   for (const std::string& note : input->notes) display.say(options.input->native() + ": " + note);
-  return std::make_unique<FileSource>(options.input->native(), std::move(input->clouds));
+  return file_source(options.input->native(), std::move(input->clouds));
 }
 
 /// Called before the run, since a user does not want to learn after the run that the figures cannot be
@@ -67,7 +59,7 @@ Result<void> run(const DemoOptions& options) {
   if (options.json) {
     if (Result<void> writable = check_writable(*options.json); !writable) return writable;
   }
-  Display display(colours_wanted());
+  Display display;
   const Result<std::unique_ptr<CloudSource>> source = open_source(options, display);
   if (!source) return tl::unexpected(source.error());
 
@@ -106,7 +98,7 @@ int main(int argc, char** argv) try {
       ->capture_default_str()
       ->type_name("S")
       ->check(CLI::Range(0.1, 86400.0).description(""));
-  app.add_flag("--arr", options.arr, "Nobody declares fields: what each reads is recorded");
+  app.add_flag("--arr", options.arr, "Record the fields that each subscriber reads, and\ndeclare none");
   app.add_option("--json", options.json, "Write the figures to a file");
   try {
     app.parse(argc, argv);

@@ -37,7 +37,7 @@ std::string read_all(int descriptor) {
   return text;
 }
 
-/// The processes that this one is the parent of, by birth or adoption.
+/// The children of this process, by birth or adoption.
 std::vector<pid_t> children() {
   std::vector<pid_t> pids;
   std::ifstream list("/proc/thread-self/children");

@@ -21,7 +21,7 @@ Result<core::FileDescriptor> current_network() {
   return descriptor;
 }
 
-/// A file in memory, whose next byte to be read is the first.
+/// A file in memory that begins with the text. It is read from its first byte on.
 Result<core::FileDescriptor> file_with(std::string_view text) {
   core::FileDescriptor file(memfd_create("input", MFD_CLOEXEC));
   const bool written =
@@ -30,7 +30,7 @@ Result<core::FileDescriptor> file_with(std::string_view text) {
   return file;
 }
 
-/// Does not return, unless the command cannot be run.
+/// Returns only if the command cannot be run.
 Result<void> execute(std::vector<std::string> command, int input, int output) {
   dup2(input, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
@@ -47,8 +47,8 @@ Result<void> execute(std::vector<std::string> command, int input, int output) {
                           command[0], std::strerror(errno)));
 }
 
-/// A bridge that passes on what the hosts send and adds nothing: no spanning tree, no queries, no IPv6
-/// announcements.
+/// Makes a bridge that passes frames of the hosts on and sends none of its own: no spanning tree, no queries,
+/// no IPv6 announcements.
 Result<void> switch_on(const NetworkNamespace& network_switch) {
   return network_switch
       .run({"ip", "-batch", "-"},

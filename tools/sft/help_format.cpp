@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "tools/terminal/wrapped.h"
+#include "tools/terminal/columns.h"
 
 namespace sft::tool {
 

@@ -1,14 +1,10 @@
 #include "tools/sft/output.h"
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
-
-#include "tools/terminal/wrapped.h"
 
 namespace sft::tool {
 
@@ -20,37 +16,9 @@ std::string dumped(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
-winsize terminal_size() {
-  winsize size{};
-  ioctl(STDOUT_FILENO, TIOCGWINSZ, &size);
-  return size;
-}
-
 }  // namespace
 
-Output::Output(Stop& stop, bool no_color) : stop_(stop), terminal_(isatty(STDOUT_FILENO) != 0) {
-  const char* unwanted = std::getenv("NO_COLOR");
-  colors_ = terminal_ && !no_color && (unwanted == nullptr || *unwanted == '\0');
-}
-
-std::size_t Output::columns() const {
-  const std::size_t columns = terminal_ ? terminal_size().ws_col : 0;
-  return columns == 0 ? 80 : columns;
-}
-
-std::size_t Output::rows() const {
-  const std::size_t rows = terminal_ ? terminal_size().ws_row : 0;
-  return rows == 0 ? 24 : rows;
-}
-
-std::string Output::colored(std::string_view text, Color color) const {
-  if (!colors_ || color == Color::none) return std::string(text);
-  return "\x1b[" + std::to_string(static_cast<int>(color)) + "m" + std::string(text) + "\x1b[0m";
-}
-
-std::string Output::fitted(std::string_view text, std::size_t indent, std::size_t before) const {
-  return terminal_ ? wrapped(text, columns(), indent, before) : std::string(text);
-}
+Output::Output(Stop& stop, bool no_color) : Terminal(no_color), stop_(stop) {}
 
 void Output::write(std::string_view text) {
   while (!text.empty()) {

@@ -23,14 +23,14 @@ constexpr std::size_t indent = 4;
 
 /// Prints the text in lines that fit a terminal, each of them indented and coloured.
 void print_indented(const std::string& text, Color color, Output& output) {
-  for (const std::string& line : wrapped(printable(text), width - indent))
+  for (const std::string& line : lines_of(printable(text), width - indent, LongWords::broken))
     output.line(std::string(indent, ' ') + output.colored(line, color));
 }
 
 /// Prints the text in the same way, with a name in front of its first line.
 void print_row(const char* name, const std::string& text, Output& output) {
   constexpr std::size_t name_width = 11;
-  for (const std::string& line : wrapped(printable(text), width - indent - name_width)) {
+  for (const std::string& line : lines_of(printable(text), width - indent - name_width, LongWords::broken)) {
     output.line(fmt::format("{:{}}{:<{}}{}", "", indent, name, name_width, line));
     name = "";
   }
@@ -39,7 +39,8 @@ void print_row(const char* name, const std::string& text, Output& output) {
 /// Prints the names of both nodes, with the ids of the endpoints behind them, or below if there is no room.
 void print_ends(const EndpointInfo& publisher, const EndpointInfo& subscriber, Output& output) {
   const std::string ids = fmt::format("({} -> {})", hex_text(publisher.id), hex_text(subscriber.id));
-  const std::vector<std::string> names = wrapped(printable(publisher.node + " -> " + subscriber.node), width);
+  const std::vector<std::string> names =
+      lines_of(printable(publisher.node + " -> " + subscriber.node), width, LongWords::broken);
   for (const std::string& part : names) {
     if (&part != &names.back()) {
       output.line(output.colored(part, Color::bold));
@@ -85,7 +86,8 @@ void print_pair(const PairInfo& pair, const OneTopic& topic, const WhyOptions& o
 void print_text(const OneTopic& topic, const WhyOptions& options, Output& output) {
   const std::string numbers = fmt::format("{}, {}", count_text(topic.publishers.size(), "publisher"),
                                           count_text(topic.subscribers.size(), "subscriber"));
-  const std::vector<std::string> heading = wrapped(printable(topic.name) + ": " + numbers, width);
+  const std::vector<std::string> heading =
+      lines_of(printable(topic.name) + ": " + numbers, width, LongWords::broken);
   for (const std::string& line : heading) output.line(output.colored(line, Color::bold));
   for (const PairInfo& pair : topic.pairs) print_pair(pair, topic, options, output);
   if (topic.publishers.empty()) output.line("Nobody publishes it.");

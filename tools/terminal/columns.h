@@ -1,4 +1,5 @@
-// The width of text on a terminal, and text cut to a width. Characters that take two columns count as one.
+// The width of UTF-8 text on a terminal, and text in lines of some width. Every character counts as one
+// column.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +9,20 @@
 
 namespace sft::tool {
 
-/// The number of columns of one line of UTF-8 text.
+/// The width of text in one line.
 std::size_t columns_of(std::string_view text);
 /// The longest beginning of the text that takes at most `columns`.
 std::string_view cut(std::string_view text, std::size_t columns);
 /// The text itself if it takes no more columns, else its beginning and "...".
 std::string shortened(std::string_view text, std::size_t columns);
-/// The text in lines that take no more columns. It is broken between words, and within one that is too long.
-std::vector<std::string> wrapped(std::string_view text, std::size_t columns);
+
+enum class LongWords { broken, whole };
+/// The text in lines that take no more columns. It is broken between words. A word that is longer than a line
+/// is broken as well, or it is a line of its own.
+std::vector<std::string> lines_of(std::string_view text, std::size_t columns, LongWords long_words);
+/// The same as text with line breaks, without breaking words. The first line begins behind `before` columns,
+/// and each other line with `indent` spaces.
+std::string wrapped(std::string_view text, std::size_t columns, std::size_t indent = 0,
+                    std::size_t before = 0);
 
 }  // namespace sft::tool

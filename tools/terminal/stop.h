@@ -14,7 +14,7 @@ class Stop {
   Stop(const Stop&) = delete;
   Stop& operator=(const Stop&) = delete;
 
-  /// The user wants to stop, or nobody reads the output any more.
+  /// True if the user wants to stop, or if nobody reads the output any more.
   bool requested() const;
   void request();
   /// Forgets the request, so that the next one can be waited for.

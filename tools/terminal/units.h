@@ -1,4 +1,4 @@
-// Formats numbers for people.
+// Numbers as text for people.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ std::string aligned_bytes_text(double bytes);
 std::string duration_text(double seconds);   ///< "1.23 ms", "-4.00 us"
 std::string rate_text(double hz);            ///< "10.0 Hz"
 std::string hex_text(std::uint64_t number);  ///< an id, 16 digits
-/// "99.98 %". Rounds down, so that "100 %" means all.
+/// "99.98 %". The text is rounded down, so that only the whole is 100 %.
 std::string percent_text(double part, double whole, int decimals);
 /// A count in at most `width` columns: "1234567", "1.2e+09". REQUIRES: `width` is at least 7.
 std::string short_count_text(std::uint64_t count, std::size_t width);

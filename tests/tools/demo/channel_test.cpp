@@ -1,4 +1,4 @@
-// How the demo and its processes talk, and how the counters of an interface are found.
+// Tests of the messages between the demo and its processes, and of reading the counters of an interface.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Usage: check_figures FILE SAMPLES FULL_BYTES declared|recorded
-// Checks what sft_demo --json has written of a run in which SAMPLES messages of FULL_BYTES bytes were
-// published. Says what is wrong with it, and returns 1 then.
+// Checks the file that sft_demo --json has written for a run in which SAMPLES messages of FULL_BYTES bytes
+// were published. If a figure is wrong, the program says so, and returns 1.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -15,12 +15,12 @@ namespace {
 
 using nlohmann::json;
 
-// Link layer included: 14 of Ethernet, 20 of IP, 8 of UDP, 32 of SFT, 8 of fields, and some to spare.
+// This limit has room for the headers (Ethernet 14, IP 20, UDP 8, SFT 32), for fields (8), and some to spare.
 constexpr double small_bytes_min = 60;
 constexpr double scalar_bytes_max = 90;
-constexpr double header_bytes_max = 130;  // it has a name in it
+constexpr double header_bytes_max = 130;  // `header` contains a name
 constexpr double idle_bytes_per_s_max = 300;
-constexpr double header_share_max = 0.06;  // of large messages: 58 bytes in 1514
+constexpr double header_share_max = 0.06;  // in large messages: 58 of 1514 bytes
 
 int failures = 0;
 
@@ -66,7 +66,7 @@ void check_roles(const json& run, bool recorded) {
   expect(run.at("subscribers").size() == remote.size() + 1, "not five subscribers");
   for (const auto& [name, fields] : remote) {
     const json& s = subscriber(run, name);
-    const bool still_learns = recorded && name == "localiser";  // it has seen too few clouds
+    const bool still_learns = recorded && name == "localiser";  // the localiser has seen too few clouds
     expect(still_learns || s.at("fields") == fields, name + " asks for " + s.at("fields").dump());
     expect(s.at("transport") == "udp", name + " is not served by UDP");
   }

@@ -1,4 +1,4 @@
-// Small clouds and the files that they are in, made by the tests themselves.
+// Small clouds, and files of them, that tests make.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ void append(Bytes& bytes, const T& value) {
 
 inline void append(Bytes& bytes, const Bytes& more) { bytes.insert(bytes.end(), more.begin(), more.end()); }
 
-/// One row of `points` points of 4 bytes.
+/// A cloud of one row of `points` points of 4 bytes.
 inline PointCloud2 small_cloud(std::uint32_t points = 3) {
   PointCloud2 cloud;
   cloud.header.stamp.sec = 7;
@@ -50,7 +50,7 @@ inline PointCloud2 small_cloud(std::uint32_t points = 3) {
   return cloud;
 }
 
-/// Encapsulation and body, as DDS would send them.
+/// The encapsulation and body of a message, as DDS would send them.
 template <class T>
 Bytes payload_of(const T& message) {
   Bytes payload;

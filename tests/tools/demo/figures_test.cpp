@@ -1,4 +1,4 @@
-// From counters to figures, and from figures to JSON and text.
+// Tests of the way from counters to figures, and from figures to JSON and text.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,6 @@
 #include "tools/demo/screen/wait_notice.h"
 #include "tools/terminal/columns.h"
 #include "tools/terminal/units.h"
-#include "tools/terminal/wrapped.h"
 
 namespace sft::demo {
 namespace {
@@ -66,7 +65,7 @@ SubscriberFigures detector() {
   return s;
 }
 
-/// All but height, of every tenth sample.
+/// Asks for all fields except height, of every tenth sample.
 SubscriberFigures localiser() {
   SubscriberFigures s = health();
   s.name = "localiser";
@@ -101,7 +100,7 @@ std::string joined(const std::vector<std::string>& lines) {
   return text;
 }
 
-/// The same with what is broken into lines as one.
+/// The lines joined, so that a sentence that is broken into lines can be found.
 std::string unwrapped(std::vector<std::string> lines) {
   std::string text;
   for (const std::string& line : lines) text += line + " ";
@@ -281,10 +280,11 @@ TEST(Text, NamesFieldsTheShorterWayAndARateBehindThem) {
 }
 
 TEST(Text, BreaksAtSpacesSoThatNoLineIsTooLong) {
-  EXPECT_THAT(tool::wrapped_lines("one two three", 7), ElementsAre("one two", "three"));
-  EXPECT_THAT(tool::wrapped_lines("one", 7), ElementsAre("one"));
-  EXPECT_THAT(tool::wrapped_lines("", 7), ElementsAre(""));
-  EXPECT_THAT(tool::wrapped_lines("a longerword b", 7), ElementsAre("a", "longerword", "b"));
+  EXPECT_THAT(tool::lines_of("one two three", 7, tool::LongWords::whole), ElementsAre("one two", "three"));
+  EXPECT_THAT(tool::lines_of("one", 7, tool::LongWords::whole), ElementsAre("one"));
+  EXPECT_THAT(tool::lines_of("", 7, tool::LongWords::whole), ElementsAre(""));
+  EXPECT_THAT(tool::lines_of("a longerword b", 7, tool::LongWords::whole),
+              ElementsAre("a", "longerword", "b"));
 }
 
 TEST(Text, ThatDoesNotFitEndsWithDots) {
@@ -315,7 +315,7 @@ TEST(Table, HasALineForEachSubscriber) {
 
 TEST(Table, DoesNotPraiseSavingsThatAreNone) {
   SubscriberFigures s = health();
-  s.wire_bytes_per_sample = 6'542'152;  // headers cost more than the fields left out
+  s.wire_bytes_per_sample = 6'542'152;  // headers cost more than the missing field saves
   EXPECT_THAT(format_table(run_of({s}))[1], AllOf(HasSubstr("nothing"), Not(HasSubstr("%"))));
 }
 
@@ -371,7 +371,7 @@ TEST(Summary, SaysPlainlyThatThereWereNoHosts) {
   EXPECT_THAT(unwrapped(lines), AllOf(HasSubstr("over loopback"), Not(HasSubstr("network interface"))));
 }
 
-/// The longest that there is of everything, within reason.
+/// Every text and number has the greatest length that makes sense.
 RunFigures long_run() {
   SubscriberFigures s = localiser();
   s.name = "dashboard";

@@ -1,4 +1,4 @@
-// What --input may name.
+// Tests of the paths that --input may name.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The program as a whole: however it ends, it leaves nothing behind.
+// Tests of the whole program. In whatever way it ends, it leaves nothing behind.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <grp.h>
@@ -51,7 +51,7 @@ class RunningDemo {
     nothing_is_left();
   }
 
-  /// Reads its output, standard error included, until it has printed that or has ended.
+  /// Reads the output and the standard error until the program has printed that text or has ended.
   bool prints(std::string_view expected) {
     const auto deadline = Clock::now() + 60s;
     while (text_.find(expected) == text_.npos) {
@@ -66,20 +66,20 @@ class RunningDemo {
     return true;
   }
   void send(int signal) const { kill(process_, signal); }
-  /// Lets it publish something, and interrupts it then: that is sooner than any run that it ends by itself.
+  /// Lets the program publish something, and then interrupts it, which is sooner than the end of any run.
   int publish_and_stop() {
     if (prints("published; ")) send(SIGINT);
     return wait_for_end();
   }
-  /// Its exit code, or minus the signal that ended it.
+  /// The exit code, or minus the signal that ended the program.
   int wait_for_end() {
-    prints(std::string(1, '\0'));  // which it never does: all output until its end
+    prints(std::string(1, '\0'));  // the program never prints this: reads all output until its end
     int status = 0;
     while (waitpid(process_, &status, 0) < 0 && errno == EINTR) continue;
     process_ = -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
-  /// Whether everything that it has started is gone, or soon is.
+  /// True if all processes that the program has started are gone, or soon are.
   static bool nothing_is_left() {
     for (const auto deadline = Clock::now() + 15s; Clock::now() < deadline;) {
       const pid_t gone = waitpid(-1, nullptr, WNOHANG);
@@ -141,7 +141,8 @@ TEST(Demo, LeavesNothingBehindWhenItIsKilled) {
   EXPECT_TRUE(demo.nothing_is_left());
 }
 
-/// What is on a terminal of 24 rows after all of that was printed, and the longest line that ever was.
+/// The contents of a terminal of 24 rows after all of the text was printed, and the longest line that it ever
+/// had.
 class Screen {
  public:
   explicit Screen(const std::string& text) {
@@ -215,7 +216,7 @@ TEST(Demo, StopsOnCtrlCWhileItWaits) {
   EXPECT_TRUE(demo.nothing_is_left());
 }
 
-/// Such a user has hosts where there are user namespaces, and no others anywhere.
+/// An ordinary user gets hosts where user namespaces are allowed, and loopback elsewhere.
 TEST(Demo, RunsForAnOrdinaryUserToo) {
   RunningDemo demo({"--seconds", "600"}, RunningDemo::On::pipe, RunningDemo::As::ordinary_user);
   const int code = demo.publish_and_stop();

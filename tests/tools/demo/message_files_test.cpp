@@ -1,4 +1,4 @@
-// Files of encoded messages (.cdr, .cdrlog) and of KITTI scans (.bin).
+// Tests with files of encoded messages (.cdr, .cdrlog) and of KITTI scans (.bin).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Files of the Point Cloud Library.
+// Tests with files of the Point Cloud Library.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

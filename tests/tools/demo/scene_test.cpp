@@ -1,4 +1,4 @@
-// The generated street.
+// Tests of the generated street.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include <sensor_msgs/msg/PointCloud2.hpp>
@@ -29,6 +30,9 @@ class CloudSource {
   /// Publishes message `number`, counted from 0.
   virtual Result<Published> publish(Publisher<PointCloud2>& publisher, std::uint64_t number) = 0;
 };
+
+/// The generated street. `hz` tells how much time lies between two clouds.
+std::unique_ptr<CloudSource> scene_source(double hz);
 
 /// "128 x 1024 points", or "64,000 points" for a cloud without rows
 std::string format_shape(std::uint32_t height, std::uint32_t width);

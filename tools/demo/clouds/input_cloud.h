@@ -19,6 +19,9 @@ struct InputCloud {
   std::string shape;               ///< see CloudSource::shape()
 };
 
+/// Publishes the clouds one after the other, again and again. REQUIRES: there is at least one cloud.
+std::unique_ptr<CloudSource> file_source(std::string name, std::vector<InputCloud> clouds);
+
 /// Takes a payload if it is a little-endian PointCloud2 whose figures fit together; the error says what it is
 /// instead. Padding at the end of the payload is cut off.
 Result<InputCloud> check_payload(std::span<const std::byte> payload);

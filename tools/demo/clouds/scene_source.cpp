@@ -1,9 +1,10 @@
-#include "tools/demo/clouds/scene_source.h"
-
 #include <chrono>
 #include <cstddef>
 
+#include "sft/time.h"
 #include "sft/typesupport/encode.h"
+#include "tools/demo/clouds/cloud_source.h"
+#include "tools/demo/clouds/scene.h"
 
 namespace sft::demo {
 
@@ -41,24 +42,33 @@ std::uint64_t full_bytes(const PointCloud2& prototype) {
   return encapsulation_bytes + encoded_size(type.type(), &prototype, type.full(), reservations).bytes;
 }
 
+/// Computes each cloud where its readers will read it, in memory that the publisher lends.
+class SceneSource final : public CloudSource {
+ public:
+  explicit SceneSource(double hz) : hz_(hz), prototype_(cloud_without_points()) {}
+
+  std::string name() const override { return "generated scene"; }
+  std::string shape() const override { return format_shape(Scene::rows, Scene::columns); }
+  Result<Published> publish(Publisher<PointCloud2>& publisher, std::uint64_t number) override {
+    using F = PointCloud2::Field;
+    Result<Loan<PointCloud2>> loan =
+        publisher.loan_for_overwrite(prototype_, {.data = std::uint32_t{Scene::bytes}});
+    if (!loan) return tl::unexpected(loan.error());
+    const auto stamp = time_message<builtin_interfaces::msg::Time>(std::chrono::system_clock::now());
+    loan->set(F::header.stamp.sec, stamp.sec);
+    loan->set(F::header.stamp.nanosec, stamp.nanosec);
+    scene_.render(static_cast<double>(number) / hz_, (*loan)->data());
+    return Published{std::move(*loan).publish(), full_bytes(prototype_)};
+  }
+
+ private:
+  const double hz_;
+  const Scene scene_;
+  const PointCloud2 prototype_;  // all but the points
+};
+
 }  // namespace
 
-SceneSource::SceneSource(double hz) : hz_(hz), prototype_(cloud_without_points()) {}
-
-Result<CloudSource::Published> SceneSource::publish(Publisher<PointCloud2>& publisher, std::uint64_t number) {
-  using F = PointCloud2::Field;
-  Result<Loan<PointCloud2>> loan =
-      publisher.loan_for_overwrite(prototype_, {.data = std::uint32_t{Scene::bytes}});
-  if (!loan) return tl::unexpected(loan.error());
-
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(now);
-  loan->set(F::header.stamp.sec, static_cast<std::int32_t>(seconds.count()));
-  loan->set(F::header.stamp.nanosec,
-            static_cast<std::uint32_t>(std::chrono::nanoseconds(now - seconds).count()));
-  scene_.render(static_cast<double>(number) / hz_, (*loan)->data());
-
-  return Published{std::move(*loan).publish(), full_bytes(prototype_)};
-}
+std::unique_ptr<CloudSource> scene_source(double hz) { return std::make_unique<SceneSource>(hz); }
 
 }  // namespace sft::demo

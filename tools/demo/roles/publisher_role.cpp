@@ -1,8 +1,7 @@
-#include "tools/demo/roles/publisher_role.h"
-
 #include <algorithm>
 
 #include "tools/demo/roles/protocol.h"
+#include "tools/demo/roles/roles.h"
 
 namespace sft::demo {
 

@@ -1,11 +1,11 @@
-#include "tools/demo/roles/subscriber_role.h"
-
 #include <chrono>
 #include <memory>
 #include <mutex>
 
+#include "tools/demo/roles/consumers.h"
 #include "tools/demo/roles/latency.h"
 #include "tools/demo/roles/protocol.h"
+#include "tools/demo/roles/roles.h"
 
 namespace sft::demo {
 

@@ -1,44 +1,22 @@
 #include "tools/demo/screen/display.h"
 
-#include <fmt/format.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "tools/demo/screen/report.h"
 #include "tools/terminal/columns.h"
-#include "tools/terminal/wrapped.h"
 
 namespace sft::demo {
 
-namespace {
-
 /// The terminal would wrap longer lines, which could not be replaced then.
-std::size_t columns_shown() {
-  winsize size{};
-  const bool known = ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1;
-  return known ? std::min<std::size_t>(size.ws_col - 1, columns_max) : columns_max;
-}
+std::size_t Display::columns_shown() const { return std::min(terminal_.columns() - 1, columns_max); }
 
-}  // namespace
-
-Display::Display(bool colours_wanted)
-    : terminal_(isatty(STDOUT_FILENO) != 0), colours_(terminal_ && colours_wanted) {}
-
-std::string Display::painted(const std::string& line, Style style) const {
-  if (!colours_ || style == Style::plain) return line;
-  return fmt::format("\x1b[{}m{}\x1b[0m", style == Style::pitch ? "1;32" : "1", line);
-}
-
-std::string Display::painted_table(const RunFigures& figures, std::size_t columns) const {
+std::string Display::table(const RunFigures& figures, std::size_t columns) const {
   std::string text;
-  Style style = Style::head;
   for (const std::string& line : format_table(figures)) {
-    text += painted(line.substr(0, columns), style) + "\n";
-    style = Style::plain;
+    text += terminal_.colored(line.substr(0, columns), text.empty() ? tool::Color::bold : tool::Color::none) +
+            "\n";
   }
   return text;
 }
@@ -53,18 +31,19 @@ void Display::replace(const std::string& lines, std::size_t count) {
 
 void Display::say(const std::string& text) {
   std::string lines;
-  for (const std::string& line : tool::wrapped_lines(text, columns_max)) lines += line + "\n";
+  for (const std::string& line : tool::lines_of(text, columns_max, tool::LongWords::whole))
+    lines += line + "\n";
   replace(lines, 0);
 }
 
 void Display::waiting(std::string_view what, WaitNotice::Clock::time_point now) {
   const std::optional<std::string> line = notice_.line(what, now);
   if (!line) return;
-  terminal_ ? replace(tool::shortened(*line, columns_shown()) + "\n", 1) : say(*line);
+  terminal_.on_terminal() ? replace(tool::shortened(*line, columns_shown()) + "\n", 1) : say(*line);
 }
 
 void Display::show(const RunFigures& figures, double elapsed_s) {
-  if (!terminal_) {
+  if (!terminal_.on_terminal()) {
     if (elapsed_s < next_progress_s_) return;
     next_progress_s_ = std::floor(elapsed_s) + 1;
     say(format_progress(figures, elapsed_s));
@@ -72,16 +51,14 @@ void Display::show(const RunFigures& figures, double elapsed_s) {
   }
   const std::size_t columns = columns_shown();
   const std::string progress = format_progress(figures, elapsed_s).substr(0, columns);
-  replace("\n" + painted_table(figures, columns) + "\n" + progress + "\n", figures.subscribers.size() + 4);
+  replace("\n" + table(figures, columns) + "\n" + progress + "\n", figures.subscribers.size() + 4);
 }
 
 void Display::conclude(const RunFigures& figures) {
-  std::string text = "\n" + painted_table(figures, columns_max) + "\n";
-  Style style = Style::pitch;
-  for (const std::string& line : format_summary(figures)) {
-    text += painted(line, style) + "\n";
-    style = Style::plain;
-  }
+  std::string text = "\n" + table(figures, columns_max) + "\n";
+  const std::vector<std::string> summary = format_summary(figures);
+  text += terminal_.colored(terminal_.colored(summary.front(), tool::Color::green), tool::Color::bold) + "\n";
+  for (std::size_t i = 1; i < summary.size(); ++i) text += summary[i] + "\n";
   replace(text, 0);
 }
 

@@ -9,14 +9,12 @@
 
 #include "tools/demo/screen/figures.h"
 #include "tools/demo/screen/wait_notice.h"
+#include "tools/terminal/terminal.h"
 
 namespace sft::demo {
 
 class Display {
  public:
-  /// Colours are used if they are wanted and the standard output is a terminal.
-  explicit Display(bool colours_wanted);
-
   void say(const std::string& text);
   /// Says what the demo waits for. `what` is a sentence without its end. Call this several times in a second.
   void waiting(std::string_view what, WaitNotice::Clock::time_point now);
@@ -26,13 +24,11 @@ class Display {
   void conclude(const RunFigures& figures);
 
  private:
-  enum class Style { plain, head, pitch };
-  std::string painted(const std::string& line, Style style) const;
-  std::string painted_table(const RunFigures& figures, std::size_t columns) const;
+  std::size_t columns_shown() const;
+  std::string table(const RunFigures& figures, std::size_t columns) const;
   void replace(const std::string& lines, std::size_t count);
 
-  bool terminal_;
-  bool colours_;
+  tool::Terminal terminal_;
   std::size_t shown_lines_ = 0;  // that the next text on the terminal replaces
   double next_progress_s_ = 1;
   WaitNotice notice_;

@@ -7,7 +7,6 @@
 
 #include "tools/terminal/columns.h"
 #include "tools/terminal/units.h"
-#include "tools/terminal/wrapped.h"
 
 namespace sft::demo {
 
@@ -167,7 +166,8 @@ std::vector<std::string> format_summary(const RunFigures& run) {
         std::string("p50 is the median time from publish() to the subscriber's callback."),
         format_measurement(run)}) {
     if (paragraph.empty()) continue;
-    for (std::string& line : tool::wrapped_lines(paragraph, columns_max)) lines.push_back(std::move(line));
+    for (std::string& line : tool::lines_of(paragraph, columns_max, tool::LongWords::whole))
+      lines.push_back(std::move(line));
   }
   return lines;
 }

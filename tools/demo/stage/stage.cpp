@@ -3,8 +3,8 @@
 #include <array>
 #include <random>
 
-#include "tools/demo/roles/publisher_role.h"
-#include "tools/demo/roles/subscriber_role.h"
+#include "tools/demo/roles/consumers.h"
+#include "tools/demo/roles/roles.h"
 
 namespace sft::demo {
 

@@ -1,0 +1,19 @@
+// The roles of the example, each in a process of its own. They serve orders of the demo until the channel
+// closes.
+#pragma once
+
+#include "tools/demo/clouds/cloud_source.h"
+#include "tools/demo/roles/channel.h"
+#include "tools/demo/roles/role_node.h"
+
+namespace sft::demo {
+
+/// The LiDAR publishes the clouds of a source at a rate when the demo orders it.
+void run_publisher(const NodePlan& plan, CloudSource& source, Channel& channel);
+
+/// A subscriber reads its fields in the callback, and reports what came. Defined for the five consumers of
+/// consumers.h.
+template <class Consumer>
+void run_subscriber(const NodePlan& plan, bool is_recorded, Channel& channel);
+
+}  // namespace sft::demo

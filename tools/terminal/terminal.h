@@ -1,0 +1,31 @@
+// The standard output: its size and colours if it is a terminal. Elsewhere text is plain and whole.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace sft::tool {
+
+enum class Color : int { none = 0, red = 31, green = 32, yellow = 33, cyan = 36, bold = 1, dim = 2 };
+
+class Terminal {
+ public:
+  /// Colours need a terminal. `no_color` and the environment variable NO_COLOR (no-color.org) rule them out.
+  explicit Terminal(bool no_color = false);
+
+  /// True if the standard output is a terminal.
+  bool on_terminal() const { return terminal_; }
+  /// The size of the terminal; 80 and 24 where it is not known.
+  std::size_t columns() const;
+  std::size_t rows() const;
+  std::string colored(std::string_view text, Color color) const;
+  /// The text in lines that fit the terminal, as wrapped() makes them; elsewhere the whole text.
+  std::string fitted(std::string_view text, std::size_t indent, std::size_t before = 0) const;
+
+ private:
+  bool terminal_;
+  bool colors_;
+};
+
+}  // namespace sft::tool
