@@ -62,18 +62,22 @@ struct LearningReport {
   Traffic traffic;
 };
 
-struct SubscriberReport {
-  bool matched = false;
-  std::string transport;
-  std::string reason;
+/// The state of a subscription.
+struct Reception {
+  std::string transport;                  ///< "shm" or "udp"
+  std::string reason;                     ///< why this transport is used
   std::vector<std::string> fields;        ///< those that the subscriber asks for at present
   std::vector<std::string> other_fields;  ///< all others
   std::uint64_t received = 0;
   std::uint64_t lost = 0;
-  std::uint64_t incomplete = 0;     ///< lost samples of which a part came
-  std::uint64_t payload_bytes = 0;  ///< sum over all received samples
+  std::uint64_t incomplete = 0;  ///< lost samples of which a part came
   std::optional<double> latency_p50_us;
   std::optional<double> latency_p99_us;
+};
+
+struct SubscriberReport : Reception {
+  bool matched = false;
+  std::uint64_t payload_bytes = 0;  ///< sum over all received samples
   std::optional<LearningReport> learning;
   std::string warning;
   Traffic traffic;

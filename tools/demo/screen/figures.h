@@ -2,25 +2,19 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "tools/demo/roles/protocol.h"
+
 namespace sft::demo {
 
-struct SubscriberFigures {
+struct SubscriberFigures : Reception {
   std::string name;
   std::string host;
-  double max_rate_hz = 0;                 ///< 0: all samples
-  std::string transport;                  ///< "shm" or "udp"
-  std::string reason;                     ///< why this transport is used
-  std::vector<std::string> fields;        ///< those that the subscriber asks for
-  std::vector<std::string> other_fields;  ///< all others
+  double max_rate_hz = 0;  ///< 0: all samples
   bool recorded = false;
-  std::uint64_t received = 0;
-  std::uint64_t lost = 0;
-  std::uint64_t incomplete = 0;         ///< lost samples of which a part came
   std::uint64_t withheld = 0;           ///< samples that were not sent, since it asks for a lower rate
   double payload_bytes = 0;             ///< sum over all received samples
   std::optional<double> wire_bytes;     ///< the same on the wire, with learning; empty: not measured
@@ -28,8 +22,6 @@ struct SubscriberFigures {
   double payload_bytes_per_sample = 0;  ///< in shared memory: bytes that can be read
   std::optional<double> wire_bytes_per_sample;  ///< with link-layer headers; empty: not measured
   std::optional<double> learning_bytes;         ///< on the wire, until the recorded mask had narrowed
-  std::optional<double> latency_p50_us;
-  std::optional<double> latency_p99_us;
 
   bool in_shared_memory() const { return transport == "shm"; }
   /// The share of all whole messages that was not sent to it. Payload counts where the wire was not measured.

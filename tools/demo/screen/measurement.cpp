@@ -34,19 +34,12 @@ void add_bytes(const SubscriberReport& begin, const SubscriberReport& now, const
 SubscriberFigures measure(const SubscriberReport& begin, const SubscriberReport& now, std::uint64_t published,
                           const Conditions& conditions) {
   SubscriberFigures figures;
-  figures.transport = now.transport;
-  figures.reason = now.reason;
-  figures.fields = now.fields;
-  figures.other_fields = now.other_fields;
+  static_cast<Reception&>(figures) = now;
   figures.recorded = conditions.recorded;
-  figures.received = now.received;
   figures.withheld = conditions.withheld;
   // A subscriber cannot know about samples after the last one that it received.
   const std::uint64_t missing = published - std::min(published, now.received + figures.withheld);
   figures.lost = conditions.is_over ? std::max(missing, now.lost) : now.lost;
-  figures.incomplete = now.incomplete;
-  figures.latency_p50_us = now.latency_p50_us;
-  figures.latency_p99_us = now.latency_p99_us;
   add_bytes(begin, now, conditions, figures);
   return figures;
 }
