@@ -20,7 +20,7 @@ constexpr int buffer_bytes = 16 << 20;  // nothing is read before the end
 
 using namespace hosts;  // offsets in a frame
 
-// The first byte of a datagram has its version and kind (udp_transport/datagram.h).
+// The first byte of a datagram has its version and kind (udp_transport/wire/datagram.h).
 constexpr std::uint32_t version_1 = 0x10;
 constexpr std::uint32_t version_bits = 0xf0;
 constexpr std::uint32_t first = version_1 | 1;

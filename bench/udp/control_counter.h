@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 
 namespace sft::bench {
 

@@ -16,8 +16,8 @@
 #include <span>
 #include <utility>
 
-#include "core/file_descriptor.h"
-#include "udp_transport/datagram.h"
+#include "core/platform/file_descriptor.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft::test {
 

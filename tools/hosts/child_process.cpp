@@ -10,7 +10,7 @@
 #include <fstream>
 #include <string>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 #include "tools/hosts/system_error.h"
 
 namespace sft::hosts {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 #include "sft/typesupport/result.h"
 
 namespace sft::hosts {

@@ -5,7 +5,7 @@
 #include <sys/mount.h>
 #include <unistd.h>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 #include "tools/hosts/system_error.h"
 
 namespace sft::hosts {

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 #include "sft/typesupport/result.h"
 
 namespace sft::hosts {

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/demo/clouds.h"
+#include "tests/tools/demo/clouds.h"
 #include "tools/demo/clouds/point_cloud_files.h"
 
 namespace sft::demo {

@@ -18,8 +18,8 @@
 #include <regex>
 #include <sstream>
 
-#include "core/file_descriptor.h"
-#include "tests/demo/clouds.h"
+#include "core/platform/file_descriptor.h"
+#include "tests/tools/demo/clouds.h"
 
 namespace sft::demo {
 namespace {

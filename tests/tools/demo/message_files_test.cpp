@@ -8,7 +8,7 @@
 #include <sensor_msgs/msg/Image.hpp>
 #include <sensor_msgs/msg/LaserScan.hpp>
 
-#include "tests/demo/clouds.h"
+#include "tests/tools/demo/clouds.h"
 #include "tools/demo/clouds/file_formats.h"
 
 namespace sft::demo {

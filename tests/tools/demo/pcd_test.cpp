@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/demo/clouds.h"
+#include "tests/tools/demo/clouds.h"
 #include "tools/demo/clouds/file_formats.h"
 
 namespace sft::demo {

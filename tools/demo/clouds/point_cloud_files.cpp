@@ -10,7 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 #include "tools/demo/clouds/file_formats.h"
 #include "tools/terminal/units.h"
 

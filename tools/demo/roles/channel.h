@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 #include "sft/typesupport/result.h"
 
 namespace sft::demo {

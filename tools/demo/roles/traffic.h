@@ -13,7 +13,7 @@
 #include <mutex>
 #include <string>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 #include "sft/typesupport/result.h"
 
 namespace sft::demo {
