@@ -94,15 +94,15 @@ Result<Node> Node::open(const NodeOptions& options) {
   });
 }
 
-Result<untyped::Publisher> Node::open_publisher(std::string_view topic, const TypeSupport& type,
-                                                const PublisherOptions& options) {
+Result<detail::untyped::Publisher> Node::open_publisher(std::string_view topic, const TypeSupport& type,
+                                                        const PublisherOptions& options) {
   return core_->open_publisher(core_, topic, type, options);
 }
 
-Result<untyped::Subscriber> Node::open_subscriber(std::string_view topic, const TypeSupport& type,
-                                                  untyped::Requirement requirement,
-                                                  const SubscriberOptions& options,
-                                                  untyped::Callback callback) {
+Result<detail::untyped::Subscriber> Node::open_subscriber(std::string_view topic, const TypeSupport& type,
+                                                          detail::untyped::Requirement requirement,
+                                                          const SubscriberOptions& options,
+                                                          detail::untyped::Callback callback) {
   return core_->open_subscriber(core_, topic, type, std::move(requirement), options, std::move(callback));
 }
 
@@ -127,27 +127,28 @@ Result<DynamicSubscriber> Node::subscriber(std::string_view topic, const Dynamic
 
 Result<DynamicPublisher> Node::publisher(std::string_view topic, const DynamicType& type,
                                          const PublisherOptions& options) {
-  return core_->open_publisher(core_, topic, core_->kept(type), options).map([&](untyped::Publisher&& p) {
-    return DynamicPublisher(type, std::move(p), options.max_sample_bytes);
-  });
+  return core_->open_publisher(core_, topic, core_->kept(type), options)
+      .map([&](detail::untyped::Publisher&& p) {
+        return DynamicPublisher(type, std::move(p), options.max_sample_bytes);
+      });
 }
 
 Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const DynamicType& type,
-                                                untyped::Requirement requirement,
+                                                detail::untyped::Requirement requirement,
                                                 const SubscriberOptions& options, DynamicCallback callback) {
   std::shared_ptr<const FieldMask> declared;
   if (!requirement.recorded && !requirement.mask.is_full())
     declared = std::make_shared<const FieldMask>(type.support().closed(requirement.mask));
-  untyped::Callback untyped;
+  detail::untyped::Callback untyped;
   if (callback) {
-    untyped = [type, declared, callback = std::move(callback)](untyped::Sample&& sample) {
+    untyped = [type, declared, callback = std::move(callback)](detail::untyped::Sample&& sample) {
       callback(DynamicSample(type, std::move(sample), declared));
     };
   }
   return core_
       ->open_subscriber(core_, topic, type.support(), std::move(requirement), options, std::move(untyped),
                         std::make_shared<DynamicType>(type))
-      .map([&](untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s), declared); });
+      .map([&](detail::untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s), declared); });
 }
 
 DomainSnapshot Node::domain() const { return core_->domain(); }

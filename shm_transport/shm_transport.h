@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "core/seam/transport.h"
-#include "sft/typesupport/result.h"
-#include "shm_transport/host/shm_options.h"
+#include "core/thread.h"
+#include "core/transport.h"
+#include "sft/result.h"
 
 namespace sft::shm {
 

@@ -7,14 +7,16 @@
 
 #include "bench/common/contest.h"
 #include "bench/negotiation/negotiation.h"
-#include "core/seam/buffer_pool.h"
-#include "core/subscribe/recorder.h"
+#include "core/buffer_pool.h"
+#include "core/recorder.h"
+#include "sft/detail/encode.h"
 #include "sft/sample.h"
-#include "sft/typesupport/encode.h"
 
 namespace sft::bench {
 
 namespace {
+
+using namespace detail;
 
 using core::Recorder;
 using sensor_msgs::msg::PointCloud2;

@@ -1,4 +1,4 @@
-#include "sft/typesupport/decode.h"
+#include "sft/detail/decode.h"
 
 #include <nav_msgs/msg/Odometry.h>
 #include <sensor_msgs/msg/PointCloud2.h>
@@ -8,11 +8,13 @@
 #include "bench/typesupport/cyclone.h"
 #include "bench/typesupport/messages.h"
 #include "bench/typesupport/typesupport.h"
-#include "sft/typesupport/view.h"
+#include "sft/detail/view.h"
 
 namespace sft::bench {
 
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;

@@ -1,4 +1,4 @@
-#include "sft/typesupport/encode.h"
+#include "sft/detail/encode.h"
 
 #include <nav_msgs/msg/Odometry.h>
 #include <sensor_msgs/msg/PointCloud2.h>
@@ -14,6 +14,8 @@
 namespace sft::bench {
 
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;

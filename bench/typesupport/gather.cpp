@@ -1,11 +1,13 @@
 #include "bench/common/contest.h"
 #include "bench/typesupport/messages.h"
 #include "bench/typesupport/typesupport.h"
-#include "sft/typesupport/project.h"
+#include "sft/detail/project.h"
 
 namespace sft::bench {
 
 namespace {
+
+using namespace detail;
 
 template <class T>
 double projection_ns(const T& message, const char* fields, int rounds) {

@@ -17,6 +17,8 @@ namespace sft::bench {
 
 namespace {
 
+using namespace detail;
+
 namespace fs = std::filesystem;
 
 Figure lines_per_field() {

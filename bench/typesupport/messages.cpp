@@ -2,6 +2,7 @@
 
 namespace sft::bench {
 
+using namespace detail;
 nav_msgs::msg::Odometry odometry() {
   nav_msgs::msg::Odometry odometry{.header = header("odom"), .child_frame_id = "base_link"};
   odometry.pose.pose.position = {.x = 1, .y = 2, .z = 3};

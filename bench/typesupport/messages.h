@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "bench/common/cloud.h"
-#include "sft/typesupport/encode.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/encode.h"
+#include "sft/detail/walk.h"
 
 namespace sft::bench {
 
@@ -27,7 +27,7 @@ class Sample {
   /// With room for `value` under `mask` (closed), and encoded already.
   template <class T>
   explicit Sample(const T& value, const FieldMask& mask = FieldMask(all<T>))
-      : Sample(TypeTable<T>::type, &value, mask) {}
+      : Sample(detail::TypeTable<T>::type, &value, mask) {}
   Sample(const StructType& type, const void* value, const FieldMask& mask);
   Sample(const Sample&) = delete;
   Sample& operator=(const Sample&) = delete;
@@ -37,7 +37,7 @@ class Sample {
 
   std::span<std::byte> body() { return {reinterpret_cast<std::byte*>(memory_.data()), bytes_}; }
   std::span<std::uint32_t> index() { return index_; }
-  const SampleState& state() const { return state_; }
+  const detail::SampleState& state() const { return state_; }
 
  private:
   const StructType& type_;
@@ -45,7 +45,7 @@ class Sample {
   std::uint32_t bytes_;
   std::vector<std::uint64_t> memory_;
   std::vector<std::uint32_t> index_;
-  SampleState state_;
+  detail::SampleState state_;
 };
 
 }  // namespace sft::bench

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "core/control/control.h"
-#include "sft/typesupport/result.h"
+#include "core/control.h"
+#include "sft/result.h"
 #include "sft_control.h"
 
 namespace sft::core {

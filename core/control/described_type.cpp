@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "sft/detail/type_description.h"
+
 namespace sft::core {
 
 namespace {
@@ -9,7 +11,7 @@ constexpr DescriptionLimits limits{.bytes = type_description_bytes_max, .leaves 
 }  // namespace
 
 std::vector<std::byte> announced_description(const StructType& type) {
-  std::vector<std::byte> description = describe(type);
+  std::vector<std::byte> description = detail::describe(type);
   if (!DynamicType::parse(description, limits)) description.clear();
   return description;
 }

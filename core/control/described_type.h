@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/control/control.h"
-#include "sft/typesupport/dynamic_type.h"
-#include "sft/typesupport/result.h"
+#include "core/control.h"
+#include "sft/dynamic_type.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

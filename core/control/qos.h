@@ -7,7 +7,7 @@
 
 #include "sft/options.h"
 #include "sft/qos.h"
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sft/options.h"
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

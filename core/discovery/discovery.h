@@ -12,7 +12,7 @@
 #include "core/discovery/discovery_listener.h"
 #include "core/discovery/life_signs.h"
 #include "sft/options.h"
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

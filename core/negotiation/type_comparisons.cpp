@@ -1,7 +1,7 @@
 #include "core/negotiation/type_comparisons.h"
 
-#include "core/control/described_type.h"
-#include "sft/typesupport/type_shape.h"
+#include "core/described_type.h"
+#include "sft/detail/type_shape.h"
 
 namespace sft::core {
 
@@ -11,11 +11,11 @@ constexpr std::size_t known_max = 256;
 constexpr std::size_t known_bytes_max = std::size_t{8} << 20;
 
 TypeMismatch explain(const TypeSupport& ours, const Endpoint& theirs) {
-  TypeMismatch mismatch{.difference = {}, .here = format_shape(ours.type()), .there = {}};
+  TypeMismatch mismatch{.difference = {}, .here = detail::format_shape(ours.type()), .there = {}};
   const Result<DynamicType> type = described_type(theirs);
   if (!type) return mismatch;
-  mismatch.difference = first_difference(ours.type(), type->type());
-  mismatch.there = format_shape(type->type());
+  mismatch.difference = detail::first_difference(ours.type(), type->type());
+  mismatch.there = detail::format_shape(type->type());
   return mismatch;
 }
 

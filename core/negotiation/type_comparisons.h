@@ -13,7 +13,7 @@
 
 #include "core/control/control.h"
 #include "sft/status.h"
-#include "sft/typesupport/type_support.h"
+#include "sft/type_support.h"
 
 namespace sft::core {
 

@@ -2,24 +2,25 @@
 
 #include <cstring>
 
-#include "sft/typesupport/project.h"
-#include "sft/typesupport/sample_format.h"
+#include "sft/detail/project.h"
+#include "sft/detail/sample_format.h"
 
 namespace sft {
 
 namespace {
 
 /// Encapsulation and body. Empty if the bytes are not what they claim to be.
-std::vector<std::byte> projected(const SampleState& state, const StructType& type, const FieldMask& mask) {
-  Projection projection;
+std::vector<std::byte> projected(const detail::SampleState& state, const StructType& type,
+                                 const FieldMask& mask) {
+  detail::Projection projection;
   if (!projection.project(state, type, mask & *state.mask)) {
     state.flag_malformed();
     return {};
   }
-  std::vector<std::byte> bytes(encapsulation_bytes + projection.bytes());
-  std::memcpy(bytes.data(), encapsulation_cdr_le.data(), encapsulation_bytes);
-  std::byte* to = bytes.data() + encapsulation_bytes;
-  for (const Segment& segment : projection.segments()) {
+  std::vector<std::byte> bytes(detail::encapsulation_bytes + projection.bytes());
+  std::memcpy(bytes.data(), detail::encapsulation_cdr_le.data(), detail::encapsulation_bytes);
+  std::byte* to = bytes.data() + detail::encapsulation_bytes;
+  for (const detail::Segment& segment : projection.segments()) {
     std::memcpy(to, segment.data, segment.bytes);
     to += segment.bytes;
   }
@@ -29,7 +30,7 @@ std::vector<std::byte> projected(const SampleState& state, const StructType& typ
 }  // namespace
 
 std::span<const std::byte> DynamicSample::cdr() const& {
-  const SampleState& state = sample_.state();
+  const detail::SampleState& state = sample_.state();
   if (!sample_ || declared_ == nullptr || declared_->contains(*state.mask)) return sample_.cdr();
   return declared_cdr_.get([&] { return projected(state, type_.type(), *declared_); });
 }

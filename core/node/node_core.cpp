@@ -186,9 +186,9 @@ Result<void> NodeCore::keep_ways_for(Endpoint& writer) const {
   return {};
 }
 
-Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCore>& self,
-                                                    std::string_view topic, const TypeSupport& type,
-                                                    const PublisherOptions& options) {
+Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCore>& self,
+                                                            std::string_view topic, const TypeSupport& type,
+                                                            const PublisherOptions& options) {
   if (auto ok = check_endpoint(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
   const Result<Qos> qos = qos_of(options);
   if (!qos) return tl::unexpected(qos.error());
@@ -227,7 +227,7 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
     self->roster_.strike_off(*core);
     self->agent_.post([node = self.get(), id] { node->reconciler_->remove(id); });
   });
-  return untyped::Publisher(std::move(handle));
+  return detail::untyped::Publisher(std::move(handle));
 }
 
 const TypeSupport& NodeCore::kept(const DynamicType& type) {
@@ -253,12 +253,12 @@ std::uint32_t NodeCore::shm_depth_of(const Endpoint& reader) {
   return most;
 }
 
-Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self,
-                                                      std::string_view topic, const TypeSupport& type,
-                                                      untyped::Requirement requirement,
-                                                      const SubscriberOptions& options,
-                                                      untyped::Callback callback,
-                                                      std::shared_ptr<const void> type_owner) {
+Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self,
+                                                              std::string_view topic, const TypeSupport& type,
+                                                              detail::untyped::Requirement requirement,
+                                                              const SubscriberOptions& options,
+                                                              detail::untyped::Callback callback,
+                                                              std::shared_ptr<const void> type_owner) {
   if (auto ok = check_endpoint(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
   const Result<Qos> qos = qos_of(options);
   if (!qos) return tl::unexpected(qos.error());
@@ -337,7 +337,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
     });
   };
   std::shared_ptr<SubscriberCore> handle(core.get(), close);
-  return untyped::Subscriber(std::move(handle));
+  return detail::untyped::Subscriber(std::move(handle));
 }
 
 void NodeCore::endpoint_seen(Endpoint endpoint) {

@@ -12,22 +12,21 @@
 #include <string>
 #include <vector>
 
-#include "core/discovery/discovery.h"
-#include "core/node/endpoint_roster.h"
-#include "core/node/reconciler.h"
-#include "core/platform/agent.h"
-#include "core/platform/doorbell.h"
-#include "core/platform/forked.h"
-#include "core/report/node_log.h"
-#include "core/seam/buffer_pool.h"
-#include "core/seam/transport.h"
-#include "core/subscribe/dispatcher.h"
-#include "core/sync/event_count.h"
+#include "core/agent.h"
+#include "core/buffer_pool.h"
+#include "core/discovery.h"
+#include "core/dispatcher.h"
+#include "core/doorbell.h"
+#include "core/endpoint_roster.h"
+#include "core/event_count.h"
+#include "core/forked.h"
+#include "core/node_log.h"
+#include "core/reconciler.h"
+#include "core/transport.h"
+#include "sft/detail/untyped.h"
 #include "sft/domain.h"
+#include "sft/dynamic_type.h"
 #include "sft/options.h"
-#include "sft/topics.h"
-#include "sft/typesupport/dynamic_type.h"
-#include "sft/untyped.h"
 
 namespace sft::core {
 
@@ -43,14 +42,17 @@ class NodeCore final : private DiscoveryListener {
   static Result<std::shared_ptr<NodeCore>> open(const NodeOptions& options, Parts parts);
   ~NodeCore();
 
-  Result<untyped::Publisher> open_publisher(const std::shared_ptr<NodeCore>& self, std::string_view topic,
-                                            const TypeSupport& type, const PublisherOptions& options);
+  Result<detail::untyped::Publisher> open_publisher(const std::shared_ptr<NodeCore>& self,
+                                                    std::string_view topic, const TypeSupport& type,
+                                                    const PublisherOptions& options);
   /// The type, which then lives as long as the node: what publishes, sends and remembers refers to it.
   const TypeSupport& kept(const DynamicType& type);
-  Result<untyped::Subscriber> open_subscriber(const std::shared_ptr<NodeCore>& self, std::string_view topic,
-                                              const TypeSupport& type, untyped::Requirement requirement,
-                                              const SubscriberOptions& options, untyped::Callback callback,
-                                              std::shared_ptr<const void> type_owner = {});
+  Result<detail::untyped::Subscriber> open_subscriber(const std::shared_ptr<NodeCore>& self,
+                                                      std::string_view topic, const TypeSupport& type,
+                                                      detail::untyped::Requirement requirement,
+                                                      const SubscriberOptions& options,
+                                                      detail::untyped::Callback callback,
+                                                      std::shared_ptr<const void> type_owner = {});
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   std::vector<TopicInfo> topics();
   DomainSnapshot domain();

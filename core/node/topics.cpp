@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "core/control/described_type.h"
-#include "core/control/names.h"
-#include "sft/typesupport/type_shape.h"
+#include "core/described_type.h"
+#include "core/names.h"
+#include "sft/detail/type_shape.h"
 
 namespace sft::core {
 
@@ -46,7 +46,7 @@ Result<DynamicType> common_type(const std::vector<const Endpoint*>& endpoints) {
       first = e;
       type = *described;
     } else {
-      const std::string difference = first_difference(type->type(), described->type());
+      const std::string difference = detail::first_difference(type->type(), described->type());
       return fail(Errc::type_mismatch, "topic '" + e->topic + "' has several types: node '" + first->node +
                                            "' has " + first->type_name + ", node '" + e->node + "' has " +
                                            e->type_name +

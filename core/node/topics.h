@@ -4,10 +4,10 @@
 #include <string_view>
 #include <vector>
 
-#include "core/control/control.h"
-#include "sft/topics.h"
-#include "sft/typesupport/dynamic_type.h"
-#include "sft/typesupport/result.h"
+#include "core/control.h"
+#include "sft/domain.h"
+#include "sft/dynamic_type.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

@@ -1,4 +1,4 @@
-#include "sft/untyped.h"
+#include "sft/detail/untyped.h"
 
 #include <array>
 #include <cstring>
@@ -44,7 +44,7 @@ const char* to_string(ShrinkStatus status) {
   return "unknown";
 }
 
-namespace untyped {
+namespace detail::untyped {
 
 using core::SampleHandle;
 
@@ -191,5 +191,5 @@ Requirements Subscriber::requirements() const { return core_->requirements(); }
 
 const TypeSupport& Subscriber::type() const { return core_->type(); }
 
-}  // namespace untyped
+}  // namespace detail::untyped
 }  // namespace sft

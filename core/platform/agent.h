@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "core/platform/thread.h"
-#include "sft/typesupport/result.h"
+#include "core/thread.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

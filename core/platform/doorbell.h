@@ -14,8 +14,8 @@
 #include <memory>
 #include <string>
 
-#include "core/platform/trusted_file.h"
-#include "sft/typesupport/result.h"
+#include "core/trusted_file.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

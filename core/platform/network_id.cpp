@@ -5,8 +5,8 @@
 #include <fstream>
 #include <string>
 
-#include "core/platform/random_id.h"
-#include "sft/typesupport/fnv1a.h"
+#include "core/random_id.h"
+#include "sft/detail/fnv1a.h"
 
 namespace sft::core {
 
@@ -17,7 +17,7 @@ std::uint64_t network_id() noexcept {
   // No process is known to share our network if there is no /proc. A random id never takes another host for
   // this one.
   if (boot.empty() || stat("/proc/self/ns/net", &space) != 0) return random_id();
-  Fnv1a hash;
+  detail::Fnv1a hash;
   hash.add(boot);
   const std::uint64_t machine = hash.value() >> 32 << 32;
   hash.add(space.st_dev);

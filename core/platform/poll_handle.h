@@ -6,8 +6,8 @@
 #include <memory>
 #include <utility>
 
-#include "core/platform/file_descriptor.h"
-#include "sft/typesupport/result.h"
+#include "core/file_descriptor.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

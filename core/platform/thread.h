@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "sft/options.h"
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "core/platform/file_descriptor.h"
-#include "sft/typesupport/result.h"
+#include "core/file_descriptor.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

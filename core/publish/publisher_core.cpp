@@ -6,10 +6,10 @@
 #include <new>
 #include <thread>
 
-#include "core/platform/clock.h"
-#include "sft/typesupport/convert.h"
-#include "sft/typesupport/encode.h"
-#include "sft/typesupport/encode_fault.h"
+#include "core/clock.h"
+#include "sft/detail/convert.h"
+#include "sft/detail/encode.h"
+#include "sft/detail/encode_fault.h"
 
 namespace sft::core {
 
@@ -255,8 +255,8 @@ PublishStatus PublisherCore::withhold() noexcept {
 PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void* value,
                                              std::int64_t stamp_ns) {
   const StructType& type = spec_.type->type();
-  const EncodedSize size = encoded_size(type, value, outlets.mask);
-  if (size.status != EncodeStatus::ok || size.bytes > spec_.max_sample_bytes) [[unlikely]]
+  const detail::EncodedSize size = detail::encoded_size(type, value, outlets.mask);
+  if (size.status != detail::EncodeStatus::ok || size.bytes > spec_.max_sample_bytes) [[unlikely]]
     return refuse(value, outlets.mask);
   const SampleHandle sample = lend(outlets, size.bytes);
   if (!sample) return no_memory(outlets, size.bytes);
@@ -265,8 +265,8 @@ PublishStatus PublisherCore::encode_and_send(const Outlets& outlets, const void*
   // Readers in shared memory and late ones get this very sample.
   const bool may_postpone =
       outlets.to_udp && !outlets.to_shm && history_ == nullptr && udp_->takes_postponed();
-  encode(type, value, outlets.mask, {sample->data + layout_.body_offset, size.bytes},
-         {sample->index(), spec_.type->slots()}, {}, may_postpone ? &postponed_ : nullptr);
+  detail::encode(type, value, outlets.mask, {sample->data + layout_.body_offset, size.bytes},
+                 {sample->index(), spec_.type->slots()}, {}, may_postpone ? &postponed_ : nullptr);
   if (postponed_.empty()) return send(outlets, sample, stamp_ns);
   sample->postponed = &postponed_;
   const PublishStatus status = send(outlets, sample, stamp_ns);
@@ -282,12 +282,12 @@ PublishStatus PublisherCore::refuse(const void* value, const FieldMask& mask) {
 }
 
 Error PublisherCore::fault_of(const void* value, const FieldMask& mask,
-                              std::span<const Reservation> reservations) const {
+                              std::span<const detail::Reservation> reservations) const {
   const std::size_t most = spec_.max_sample_bytes;
   std::string text =
-      "topic '" + spec_.topic + "': " + encode_fault(*spec_.type, value, mask, most, reservations);
-  const EncodedSize size = encoded_size(spec_.type->type(), value, mask, reservations);
-  if (size.status != EncodeStatus::ok) return {Errc::invalid_argument, std::move(text)};
+      "topic '" + spec_.topic + "': " + detail::encode_fault(*spec_.type, value, mask, most, reservations);
+  const detail::EncodedSize size = detail::encoded_size(spec_.type->type(), value, mask, reservations);
+  if (size.status != detail::EncodeStatus::ok) return {Errc::invalid_argument, std::move(text)};
   return {Errc::limit_exceeded, text + ": raise PublisherOptions::max_sample_bytes"};
 }
 
@@ -295,8 +295,8 @@ Error PublisherCore::fault_of(const void* value, const FieldMask& mask,
 std::uint32_t PublisherCore::whole_bytes(const void* value, std::uint32_t encoded_bytes,
                                          std::int64_t stamp_ns) noexcept {
   if (stamp_ns - measured_at_ns_ >= measured_every_ns || stamp_ns < measured_at_ns_) {
-    const EncodedSize size = encoded_size(spec_.type->type(), value, full_);
-    if (size.status == EncodeStatus::ok) measured_bytes_ = size.bytes;
+    const detail::EncodedSize size = detail::encoded_size(spec_.type->type(), value, full_);
+    if (size.status == detail::EncodeStatus::ok) measured_bytes_ = size.bytes;
     measured_at_ns_ = stamp_ns;
   }
   return std::max(measured_bytes_, encoded_bytes);
@@ -322,13 +322,13 @@ void PublisherCore::count_refusal(const Outlets& outlets, std::uint32_t body_byt
 
 Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> bytes) {
   const StructType& type = spec_.type->type();
-  const Result<Payload> payload = parse_payload(bytes);
+  const Result<detail::Payload> payload = detail::parse_payload(bytes);
   if (!payload) return tl::unexpected(payload.error());
   const CallCount::Call call(calls_);
   const Outlets& outlets = this->outlets();
   if (!outlets.is_wanted) return withhold();
-  ConvertedSize size = converted_size(*payload, type);
-  if (size.status != WalkStatus::ok) return malformed(size.status);
+  detail::ConvertedSize size = detail::converted_size(*payload, type);
+  if (size.status != detail::WalkStatus::ok) return malformed(size.status);
   if (size.bytes > spec_.max_sample_bytes) {
     return fail(Errc::limit_exceeded, "topic '" + spec_.topic + "': the payload has " +
                                           std::to_string(size.bytes) + " bytes; at most " +
@@ -340,23 +340,24 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
   const SampleHandle sample = lend(outlets, size.bytes);
   if (!sample) return admit(outlets, stamp_ns) ? no_memory(outlets, size.bytes) : withhold();
   const std::span<std::byte> body(sample->data + layout_.body_offset, size.bytes);
-  const SampleState state{.body = body.data(), .body_bytes = size.bytes, .mask = &full_};
-  WalkStatus status = convert(*payload, type, body);
-  if (status == WalkStatus::ok)
-    status = build_index(state, type, {sample->index(), spec_.type->slots()}, &size.bytes);
-  if (status != WalkStatus::ok) return malformed(status);
+  const detail::SampleState state{.body = body.data(), .body_bytes = size.bytes, .mask = &full_};
+  detail::WalkStatus status = detail::convert(*payload, type, body);
+  if (status == detail::WalkStatus::ok)
+    status = detail::build_index(state, type, {sample->index(), spec_.type->slots()}, &size.bytes);
+  if (status != detail::WalkStatus::ok) return malformed(status);
   fill_header(*sample, full_, size.bytes);
   return admit(outlets, stamp_ns) ? send(outlets, sample, stamp_ns) : withhold();
 }
 
-tl::unexpected<Error> PublisherCore::malformed(WalkStatus why) const {
+tl::unexpected<Error> PublisherCore::malformed(detail::WalkStatus why) const {
   return fail(Errc::malformed, "not a " + std::string(spec_.type->name()) + ": " + to_string(why));
 }
 
-Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const Reservation> reservations,
-                                         ReservedMemory memory) {
-  const EncodedSize size = encoded_size(spec_.type->type(), prototype, full_, reservations);
-  if (size.status != EncodeStatus::ok || size.bytes > spec_.max_sample_bytes)
+Result<SampleHandle> PublisherCore::loan(const void* prototype,
+                                         std::span<const detail::Reservation> reservations,
+                                         detail::ReservedMemory memory) {
+  const detail::EncodedSize size = detail::encoded_size(spec_.type->type(), prototype, full_, reservations);
+  if (size.status != detail::EncodeStatus::ok || size.bytes > spec_.max_sample_bytes)
     return tl::unexpected(fault_of(prototype, full_, reservations));
   const CallCount::Call call(calls_);
   patience_ = spec_.max_blocking;
@@ -364,10 +365,11 @@ Result<SampleHandle> PublisherCore::loan(const void* prototype, std::span<const 
   if (!sample) return fail(Errc::out_of_memory, "no memory free for a loan: readers or loans hold too much");
   fill_header(*sample, full_, size.bytes);
   const std::span body(sample->data + layout_.body_offset, size.bytes);
-  const auto is_reserved = [](const Reservation& r) { return r.length.has_value(); };
-  if (memory == ReservedMemory::zeroed && std::ranges::any_of(reservations, is_reserved))
+  const auto is_reserved = [](const detail::Reservation& r) { return r.length.has_value(); };
+  if (memory == detail::ReservedMemory::zeroed && std::ranges::any_of(reservations, is_reserved))
     std::memset(body.data(), 0, body.size());
-  encode(spec_.type->type(), prototype, full_, body, {sample->index(), spec_.type->slots()}, reservations);
+  detail::encode(spec_.type->type(), prototype, full_, body, {sample->index(), spec_.type->slots()},
+                 reservations);
   return sample;
 }
 
@@ -391,20 +393,21 @@ PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
 /// then than before, so that it can be moved front to back within the same memory; what a segment is copied
 /// over was moved already.
 PublishStatus PublisherCore::close_gaps(SampleBuffer& sample) noexcept try {
-  SampleHeader& header = sample.header();
+  detail::SampleHeader& header = sample.header();
   std::byte* const body = sample.data + layout_.body_offset;
-  SampleState state = state_of(sample, spec_.type->slots());
+  detail::SampleState state = state_of(sample, spec_.type->slots());
   // In shared memory a broken program may have changed lengths and index meanwhile.
   if (!closing_.project(state, onto_itself_) || closing_.bytes() > state.body_bytes)
     return PublishStatus::invalid;
   std::byte* to = body;
-  for (const Segment& segment : closing_.segments()) {
+  for (const detail::Segment& segment : closing_.segments()) {
     if (to != segment.data) std::memmove(to, segment.data, segment.bytes);
     to += segment.bytes;
   }
   state.body_bytes = header.body_bytes = sample.whole_bytes = static_cast<std::uint32_t>(closing_.bytes());
-  const WalkStatus walked = build_index(state, spec_.type->type(), {sample.index(), spec_.type->slots()});
-  return walked == WalkStatus::ok ? PublishStatus::ok : PublishStatus::invalid;
+  const detail::WalkStatus walked =
+      detail::build_index(state, spec_.type->type(), {sample.index(), spec_.type->slots()});
+  return walked == detail::WalkStatus::ok ? PublishStatus::ok : PublishStatus::invalid;
 } catch (const std::bad_alloc&) {
   return PublishStatus::no_memory;
 }
@@ -443,8 +446,8 @@ SampleHandle PublisherCore::take_heap(std::size_t bytes) noexcept {
 
 void PublisherCore::fill_header(SampleBuffer& buffer, const FieldMask& mask,
                                 std::uint32_t body_bytes) noexcept {
-  SampleHeader& header = buffer.header();
-  header = SampleHeader{};
+  detail::SampleHeader& header = buffer.header();
+  header = detail::SampleHeader{};
   header.slots = static_cast<std::uint32_t>(spec_.type->slots());
   header.writer = spec_.id;
   header.type_hash = spec_.type->hash();
@@ -453,16 +456,16 @@ void PublisherCore::fill_header(SampleBuffer& buffer, const FieldMask& mask,
   buffer.mask = mask;
   buffer.whole_bytes = body_bytes;
   // Between index and encapsulation nothing may remain of what the memory held before.
-  std::byte* const encapsulation = buffer.data + layout_.body_offset - encapsulation_bytes;
+  std::byte* const encapsulation = buffer.data + layout_.body_offset - detail::encapsulation_bytes;
   auto* const index_end = reinterpret_cast<std::byte*>(buffer.index() + spec_.type->slots());
   std::fill(index_end, encapsulation, std::byte{0});
-  std::memcpy(encapsulation, encapsulation_cdr_le.data(), encapsulation_bytes);
+  std::memcpy(encapsulation, detail::encapsulation_cdr_le.data(), detail::encapsulation_bytes);
 }
 
 /// `before`: what was in force when the sample was made.
 PublishStatus PublisherCore::send(const Outlets& before, const SampleHandle& sample,
                                   std::int64_t stamp_ns) noexcept {
-  SampleHeader& header = sample->header();
+  detail::SampleHeader& header = sample->header();
   header.sequence = sequence_.fetch_add(1, std::memory_order_relaxed) + 1;
   header.source_stamp_ns = stamp_ns;
   header.diverted_sequence = diverted_sequence_;

@@ -17,19 +17,19 @@
 #include <span>
 #include <string>
 
-#include "core/negotiation/negotiation.h"
-#include "core/negotiation/qos_watch.h"
-#include "core/publish/history.h"
-#include "core/publish/outlets.h"
-#include "core/report/event_sink.h"
-#include "core/seam/buffer_pool.h"
-#include "core/seam/delivery.h"
-#include "core/seam/transport.h"
-#include "core/sync/call_count.h"
-#include "core/sync/snapshot.h"
-#include "sft/typesupport/project.h"
-#include "sft/typesupport/walk.h"
-#include "sft/untyped.h"
+#include "core/buffer_pool.h"
+#include "core/call_count.h"
+#include "core/delivery.h"
+#include "core/event_sink.h"
+#include "core/history.h"
+#include "core/negotiation.h"
+#include "core/outlets.h"
+#include "core/qos_watch.h"
+#include "core/snapshot.h"
+#include "core/transport.h"
+#include "sft/detail/project.h"
+#include "sft/detail/untyped.h"
+#include "sft/detail/walk.h"
 
 namespace sft::core {
 
@@ -55,8 +55,8 @@ class PublisherCore {
   /// So many values, each `stride` bytes behind the one before.
   PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
   Result<PublishStatus> publish_cdr(std::span<const std::byte> bytes);
-  Result<SampleHandle> loan(const void* prototype, std::span<const Reservation> reservations,
-                            ReservedMemory memory);
+  Result<SampleHandle> loan(const void* prototype, std::span<const detail::Reservation> reservations,
+                            detail::ReservedMemory memory);
   /// `has_gaps`: sequences of it were shortened where they lie.
   PublishStatus commit(SampleHandle sample, bool has_gaps);
 
@@ -120,10 +120,10 @@ class PublisherCore {
   PublishStatus encode_and_send(const Outlets& outlets, const void* value, std::int64_t stamp_ns);
   [[gnu::cold, gnu::noinline]] PublishStatus refuse(const void* value, const FieldMask& mask);
   Error fault_of(const void* value, const FieldMask& mask,
-                 std::span<const Reservation> reservations = {}) const;
+                 std::span<const detail::Reservation> reservations = {}) const;
   PublishStatus no_memory(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
   void count_refusal(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
-  tl::unexpected<Error> malformed(WalkStatus why) const;
+  tl::unexpected<Error> malformed(detail::WalkStatus why) const;
   SampleHandle await_chunk(const Outlets& outlets, std::size_t bytes) noexcept;
   SampleHandle take_heap(std::size_t bytes) noexcept;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes) noexcept;
@@ -141,9 +141,9 @@ class PublisherCore {
 
   const Spec spec_;
   const FieldMask full_;
-  const ProjectionPlan onto_itself_;  ///< closes the gaps of a loan that was shortened
-  Projection closing_;
-  const SampleLayout layout_;
+  const detail::ProjectionPlan onto_itself_;  ///< closes the gaps of a loan that was shortened
+  detail::Projection closing_;
+  const detail::SampleLayout layout_;
   const std::shared_ptr<BufferPool> heap_;
   const std::shared_ptr<WriterPort> udp_;
   const std::unique_ptr<History> history_;  ///< null unless durability asks for it
@@ -171,7 +171,7 @@ class PublisherCore {
   std::chrono::nanoseconds patience_{0};  ///< for readers, what is left of it in the present call
   const Outlets* counted_ = nullptr;      ///< whose page is open
   SampleHandle spare_;                    ///< from the heap; the next sample's, if nobody else has it by then
-  PostponedCopies postponed_;             ///< of the present sample
+  detail::PostponedCopies postponed_;     ///< of the present sample
   std::uint32_t measured_bytes_ = 0;      ///< of a sample with all its fields, and when it was published
   std::int64_t measured_at_ns_ = 0;
   std::uint64_t diverted_sequence_ = 0;  ///< the last one sent by UDP alone, and when it was published

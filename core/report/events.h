@@ -5,7 +5,7 @@
 
 #include "sft/event.h"
 #include "sft/status.h"
-#include "sft/typesupport/type_support.h"
+#include "sft/type_support.h"
 
 namespace sft::core {
 

@@ -9,8 +9,8 @@
 #include "core/seam/address.h"
 #include "core/seam/route.h"
 #include "core/seam/sample_buffer.h"
-#include "sft/typesupport/result.h"
-#include "sft/typesupport/type_support.h"
+#include "sft/result.h"
+#include "sft/type_support.h"
 
 namespace sft::core {
 

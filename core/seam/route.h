@@ -8,7 +8,7 @@
 
 #include "core/seam/address.h"
 #include "core/seam/rate_gate.h"
-#include "sft/typesupport/field_mask.h"
+#include "sft/mask.h"
 
 namespace sft::core {
 

@@ -10,11 +10,11 @@
 #include <memory>
 #include <utility>
 
-#include "sft/typesupport/element_index.h"
-#include "sft/typesupport/field_mask.h"
-#include "sft/typesupport/postponed_copies.h"
-#include "sft/typesupport/sample_format.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/element_index.h"
+#include "sft/detail/postponed_copies.h"
+#include "sft/detail/sample_format.h"
+#include "sft/detail/walk.h"
+#include "sft/mask.h"
 
 namespace sft::core {
 
@@ -32,7 +32,7 @@ struct SampleBuffer {
   std::byte* data = nullptr;  ///< 8-aligned; begins with a SampleHeader
   std::size_t capacity = 0;
   FieldMask mask;                     ///< leaves that the sample has
-  ElementIndex elements;              ///< what readers found out about this sample
+  detail::ElementIndex elements;      ///< what readers found out about this sample
   std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
   /// On the sending side, for what is counted as saved: of the body with all fields; 0: unknown.
   std::uint32_t whole_bytes = 0;
@@ -55,12 +55,12 @@ struct SampleBuffer {
   bool merged = false;
   /// On the sending side, while publish() runs: what of the body is still in the program's own memory; null:
   /// nothing.
-  PostponedCopies* postponed = nullptr;
+  detail::PostponedCopies* postponed = nullptr;
   std::shared_ptr<BufferOwner> owner;
   void* owner_data = nullptr;  ///< the owner's own
   std::atomic<std::uint32_t> references{0};
 
-  SampleHeader& header() const { return *reinterpret_cast<SampleHeader*>(data); }
+  detail::SampleHeader& header() const { return *reinterpret_cast<detail::SampleHeader*>(data); }
   /// Takes over what the header says, which only this process can write so far.
   void trust_header() noexcept {
     writer = header().writer;
@@ -71,18 +71,20 @@ struct SampleBuffer {
   }
   /// Before anybody else sees the body, or publish() returns.
   void complete() noexcept {
-    if (PostponedCopies* const copies = std::exchange(postponed, nullptr)) copies->make_all();
+    if (detail::PostponedCopies* const copies = std::exchange(postponed, nullptr)) copies->make_all();
   }
-  std::uint32_t* index() const { return reinterpret_cast<std::uint32_t*>(data + sizeof(SampleHeader)); }
+  std::uint32_t* index() const {
+    return reinterpret_cast<std::uint32_t*>(data + sizeof(detail::SampleHeader));
+  }
 };
 
 /// What getters and projections read, of a sample with so many slots. A header in shared memory can be
 /// written by every process of the host, also after it was checked: where the body begins is known, and it is
 /// bounded by the buffer. Without the buffer's `elements`, which are a reader's.
-inline SampleState state_of(const SampleBuffer& buffer, std::size_t slots) noexcept {
-  const std::size_t body_offset = SampleLayout(slots).body_offset;
+inline detail::SampleState state_of(const SampleBuffer& buffer, std::size_t slots) noexcept {
+  const std::size_t body_offset = detail::SampleLayout(slots).body_offset;
   const std::size_t body_bytes = __atomic_load_n(&buffer.header().body_bytes, __ATOMIC_RELAXED);
-  SampleState state;
+  detail::SampleState state;
   state.body = buffer.data + body_offset;
   state.body_bytes = static_cast<std::uint32_t>(std::min(body_bytes, buffer.capacity - body_offset));
   state.index = buffer.index();

@@ -22,7 +22,7 @@
 #include "core/seam/reader_port.h"
 #include "core/seam/writer_port.h"
 #include "sft/status.h"
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

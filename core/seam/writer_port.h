@@ -14,7 +14,7 @@
 #include "core/seam/delivery.h"
 #include "core/seam/route.h"
 #include "core/seam/sample_buffer.h"
-#include "sft/typesupport/type_support.h"
+#include "sft/type_support.h"
 
 namespace sft::core {
 

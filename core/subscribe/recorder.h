@@ -13,11 +13,11 @@
 #include <mutex>
 #include <vector>
 
-#include "core/subscribe/read_order.h"
+#include "core/read_order.h"
+#include "sft/detail/access_log.h"
+#include "sft/mask.h"
 #include "sft/options.h"
-#include "sft/typesupport/access_log.h"
-#include "sft/typesupport/field_mask.h"
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::core {
 
@@ -26,18 +26,19 @@ class Recorder;
 /// The accesses of one sample that is being read. Belongs to its recorder, which lives as long as any is out.
 class RecordedSample {
  public:
-  RecordedSample(std::size_t words, AccessLog::Listener* listener) : words_(words), log_(words_, listener) {}
-  AccessLog& log() { return log_; }
+  RecordedSample(std::size_t words, detail::AccessLog::Listener* listener)
+      : words_(words), log_(words_, listener) {}
+  detail::AccessLog& log() { return log_; }
 
  private:
   friend class Recorder;
-  std::vector<AccessWord> words_;
-  AccessLog log_;
+  std::vector<detail::AccessWord> words_;
+  detail::AccessLog log_;
   std::shared_ptr<Recorder> recorder_;  ///< while it is out
   RecordedSample* next_free_ = nullptr;
 };
 
-class Recorder final : public std::enable_shared_from_this<Recorder>, private AccessLog::Listener {
+class Recorder final : public std::enable_shared_from_this<Recorder>, private detail::AccessLog::Listener {
  public:
   /// Told that required() has changed, on the thread of a getter or of whoever released a sample, with no
   /// lock held. It posts, and returns. Since required() is asked for then, it does not matter in which order

@@ -5,10 +5,10 @@
 #include <memory>
 #include <utility>
 
-#include "core/seam/buffer_pool.h"
-#include "core/seam/sample_buffer.h"
-#include "sft/typesupport/project.h"
-#include "sft/typesupport/type_support.h"
+#include "core/buffer_pool.h"
+#include "core/sample_buffer.h"
+#include "sft/detail/project.h"
+#include "sft/type_support.h"
 
 namespace sft::core {
 
@@ -20,15 +20,15 @@ class RemoteCopy {
 
   /// The sample itself if it has no more than is asked for. Empty where a reader on another host would miss
   /// it: without memory, or if its bytes are not what they claim to be. One thread at a time.
-  SampleHandle of(SampleHandle sample, const ProjectionPlan& asked);
+  SampleHandle of(SampleHandle sample, const detail::ProjectionPlan& asked);
 
  private:
-  bool project(const SampleBuffer& sample, const ProjectionPlan& asked);
+  bool project(const SampleBuffer& sample, const detail::ProjectionPlan& asked);
   bool fill(SampleBuffer& copy, const SampleBuffer& sample) const;
 
   const TypeSupport& type_;
   const std::shared_ptr<BufferPool> pool_;
-  Projection projection_;
+  detail::Projection projection_;
 };
 
 }  // namespace sft::core

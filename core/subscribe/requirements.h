@@ -3,7 +3,7 @@
 
 #include "core/subscribe/recorder.h"
 #include "sft/requirements.h"
-#include "sft/typesupport/type_support.h"
+#include "sft/type_support.h"
 
 namespace sft::core {
 

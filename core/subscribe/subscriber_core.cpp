@@ -73,7 +73,7 @@ void SubscriberCore::ring() {
 }
 
 void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
-  auto asked = remote_ ? std::make_shared<const ProjectionPlan>(type().type(), mask) : nullptr;
+  auto asked = remote_ ? std::make_shared<const detail::ProjectionPlan>(type().type(), mask) : nullptr;
   const std::scoped_lock lock(mutex_);
   requested_ = mask;
   requests_ = sequence;
@@ -326,7 +326,7 @@ SubscriberCore::Next SubscriberCore::newest() {
 }
 
 template <class Choose>
-untyped::Sample SubscriberCore::take(Choose choose) {
+detail::untyped::Sample SubscriberCore::take(Choose choose) {
   for (;;) {
     Next next;
     {
@@ -340,11 +340,11 @@ untyped::Sample SubscriberCore::take(Choose choose) {
   }
 }
 
-untyped::Sample SubscriberCore::take() {
+detail::untyped::Sample SubscriberCore::take() {
   return take([this] { return next(); });
 }
 
-untyped::Sample SubscriberCore::take_latest() {
+detail::untyped::Sample SubscriberCore::take_latest() {
   return take([this] { return newest(); });
 }
 
@@ -373,9 +373,9 @@ bool SubscriberCore::as_remote(Next& next) {
   return false;
 }
 
-untyped::Sample SubscriberCore::wrap(Next next) {
-  return untyped::Sample(next.sample.release(), *spec_.type, next.info,
-                         recorder_ == nullptr ? nullptr : recorder_->begin());
+detail::untyped::Sample SubscriberCore::wrap(Next next) {
+  return detail::untyped::Sample(next.sample.release(), *spec_.type, next.info,
+                                 recorder_ == nullptr ? nullptr : recorder_->begin());
 }
 
 bool SubscriberCore::available() {
@@ -481,7 +481,7 @@ bool SubscriberCore::call_back_for_all(Caller caller) {
   bool goes_on = true;
   Now time = Clock::now();
   while (goes_on && !closed_.load()) {
-    untyped::Sample sample = take();
+    detail::untyped::Sample sample = take();
     if (!sample) break;
     time = call_back(std::move(sample), time);
     goes_on = caller == Caller::dispatcher || !is_slow_.load();
@@ -492,7 +492,7 @@ bool SubscriberCore::call_back_for_all(Caller caller) {
 
 /// Returns when it was done. `before`: when the one before was, or the first of them was looked for. Taking
 /// the sample counts, which takes no time beside a slow callback, and saves a look at the clock.
-SubscriberCore::Now SubscriberCore::call_back(untyped::Sample sample, Now before) {
+SubscriberCore::Now SubscriberCore::call_back(detail::untyped::Sample sample, Now before) {
   ++callback_depth;
   spec_.callback(std::move(sample));
   --callback_depth;

@@ -17,15 +17,15 @@
 #include <thread>
 #include <vector>
 
-#include "core/negotiation/negotiation.h"
-#include "core/platform/doorbell.h"
-#include "core/platform/poll_handle.h"
-#include "core/report/event_sink.h"
-#include "core/seam/transport.h"
-#include "core/subscribe/recorder.h"
-#include "core/subscribe/remote_copy.h"
-#include "core/subscribe/sequence_account.h"
-#include "sft/untyped.h"
+#include "core/doorbell.h"
+#include "core/event_sink.h"
+#include "core/negotiation.h"
+#include "core/poll_handle.h"
+#include "core/recorder.h"
+#include "core/remote_copy.h"
+#include "core/sequence_account.h"
+#include "core/transport.h"
+#include "sft/detail/untyped.h"
 
 namespace sft::core {
 
@@ -35,9 +35,9 @@ class SubscriberCore final : public ArrivalListener {
     EndpointId id = 0;
     std::string topic;
     const TypeSupport* type = nullptr;
-    untyped::Requirement requirement;
+    detail::untyped::Requirement requirement;
     SubscriberOptions options;
-    untyped::Callback callback;                ///< empty: samples are taken
+    detail::untyped::Callback callback;        ///< empty: samples are taken
     std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
     std::uint32_t min_period_us = 0;           ///< of options.max_rate_hz
     std::function<void()>
@@ -54,8 +54,8 @@ class SubscriberCore final : public ArrivalListener {
   /// `bell` is what is rung when samples arrive; `recorder` is null unless the requirement is recorded.
   SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Recorder> recorder);
 
-  untyped::Sample take();
-  untyped::Sample take_latest();
+  detail::untyped::Sample take();
+  detail::untyped::Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout);
   bool available();
   /// -1 if it has none.
@@ -137,7 +137,7 @@ class SubscriberCore final : public ArrivalListener {
   struct Next {
     SampleHandle sample;
     SampleInfo info;
-    std::shared_ptr<const ProjectionPlan>
+    std::shared_ptr<const detail::ProjectionPlan>
         asked;  ///< not null: it is to have no more than that, and not counted as received yet
   };
 
@@ -164,7 +164,7 @@ class SubscriberCore final : public ArrivalListener {
   Next next();
   Next newest();
   template <class Choose>
-  untyped::Sample take(Choose choose);
+  detail::untyped::Sample take(Choose choose);
   void settle_descriptor();
   bool wait_until(std::chrono::steady_clock::time_point deadline);
   void sleep_until(std::chrono::steady_clock::time_point deadline);
@@ -174,10 +174,10 @@ class SubscriberCore final : public ArrivalListener {
   void tell_of_room();
   std::uint32_t depth_by(TransportKind kind) const;
   bool as_remote(Next& next);
-  untyped::Sample wrap(Next next);
+  detail::untyped::Sample wrap(Next next);
   void dispatch(Caller caller);
   bool call_back_for_all(Caller caller);
-  Now call_back(untyped::Sample sample, Now before);
+  Now call_back(detail::untyped::Sample sample, Now before);
 
   const Spec spec_;
   Doorbell& bell_;
@@ -197,7 +197,8 @@ class SubscriberCore final : public ArrivalListener {
   std::atomic<bool> writers_wait_{false};  ///< some writer in shared memory waits for room; likewise
   std::vector<WriterStatus> writers_;
   FieldMask requested_;
-  std::shared_ptr<const ProjectionPlan> asked_;  ///< the same, where samples are to look as on another host
+  std::shared_ptr<const detail::ProjectionPlan>
+      asked_;  ///< the same, where samples are to look as on another host
   std::uint64_t requests_ = 1;
   std::uint32_t min_period_us_;  ///< asked for
 

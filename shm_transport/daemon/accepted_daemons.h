@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/platform/trusted_file.h"
-#include "sft/typesupport/result.h"
+#include "core/trusted_file.h"
+#include "sft/result.h"
 
 namespace sft::shm {
 

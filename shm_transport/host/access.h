@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::shm {
 

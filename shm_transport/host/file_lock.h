@@ -12,8 +12,8 @@
 #include <string>
 #include <utility>
 
-#include "core/platform/file_descriptor.h"
-#include "sft/typesupport/result.h"
+#include "core/file_descriptor.h"
+#include "sft/result.h"
 
 namespace sft::shm {
 

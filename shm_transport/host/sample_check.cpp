@@ -6,19 +6,19 @@ namespace sft::shm {
 
 std::optional<CheckedSample> check_sample(const std::byte* data, std::size_t size, const TypeSupport& type,
                                           core::EndpointId writer) noexcept {
-  const std::size_t body_offset = SampleLayout(type.slots()).body_offset;
+  const std::size_t body_offset = detail::SampleLayout(type.slots()).body_offset;
   if (size < body_offset) return std::nullopt;
-  SampleHeader header;  // a copy: the writer could change its own after the check
+  detail::SampleHeader header;  // a copy: the writer could change its own after the check
   std::memcpy(&header, data, sizeof header);
-  const bool ours = header.magic == sample_magic && header.slots == type.slots() &&
+  const bool ours = header.magic == detail::sample_magic && header.slots == type.slots() &&
                     header.type_hash == type.hash() && header.writer == writer &&
                     header.body_offset == body_offset;
   if (!ours || header.body_bytes > size - body_offset) return std::nullopt;
 
-  const auto* index = reinterpret_cast<const std::uint32_t*>(data + sizeof(SampleHeader));
+  const auto* index = reinterpret_cast<const std::uint32_t*>(data + sizeof(detail::SampleHeader));
   for (std::size_t slot = 0; slot < type.slots(); ++slot) {
     const std::uint32_t offset = __atomic_load_n(index + slot, __ATOMIC_RELAXED);
-    if (offset >= header.body_bytes && offset != no_offset) return std::nullopt;
+    if (offset >= header.body_bytes && offset != detail::no_offset) return std::nullopt;
   }
   return CheckedSample{
       body_offset + header.body_bytes, header.writer,           header.sequence, header.source_stamp_ns,

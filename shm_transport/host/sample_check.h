@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/seam/transport.h"
-#include "sft/typesupport/type_support.h"
+#include "core/transport.h"
+#include "sft/type_support.h"
 
 namespace sft::shm {
 

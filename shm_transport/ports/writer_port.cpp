@@ -68,7 +68,7 @@ ChunkLender::~ChunkLender() {
 }
 
 SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
-  if (bytes < sizeof(SampleHeader) || bytes > largest_sample_bytes) return {};
+  if (bytes < sizeof(detail::SampleHeader) || bytes > largest_sample_bytes) return {};
   ChunkSlot* slot = nullptr;
   {
     const std::scoped_lock lock(mutex_);
@@ -85,7 +85,7 @@ SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   buffer.capacity = bytes;  // not the chunk's own word on it, which every client can overwrite
   buffer.mask = full_mask_;
   buffer.owner = shared_from_this();
-  new (buffer.data) SampleHeader{};
+  new (buffer.data) detail::SampleHeader{};
   return SampleHandle(buffer);
 }
 
@@ -94,12 +94,12 @@ ChunkHeader* ChunkLender::allocate(std::size_t bytes) noexcept {
   auto& last = publisher_.m_chunkSenderData.m_lastChunkUnmanaged;
   if (last.isNotLogicalNullptrAndHasNoOtherOwners() &&
       last.getChunkHeader()->chunkSize() >= payload_for(bytes) + chunk_header_size) {
-    auto again =
-        port_.tryAllocateChunk(static_cast<std::uint32_t>(payload_for(bytes)), alignof(SampleHeader), 0, 1);
+    auto again = port_.tryAllocateChunk(static_cast<std::uint32_t>(payload_for(bytes)),
+                                        alignof(detail::SampleHeader), 0, 1);
     return again.has_error() ? nullptr : again.value();
   }
   while (const auto choice = pools_.choose(bytes)) {
-    auto chunk = port_.tryAllocateChunk(choice->payload_bytes, alignof(SampleHeader), 0, 1);
+    auto chunk = port_.tryAllocateChunk(choice->payload_bytes, alignof(detail::SampleHeader), 0, 1);
     if (!chunk.has_error()) return chunk.value();
     if (chunk.get_error() != iox::popo::AllocationError::RUNNING_OUT_OF_CHUNKS) return nullptr;
     pools_.note_empty(*choice);

@@ -24,7 +24,7 @@
 #include <optional>
 #include <string>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 #include "shm_transport/sftd/log.h"
 #include "shm_transport/sftd/settings.h"
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 #include "shm_transport/sftd/settings.h"
 
 namespace sft::shm {

@@ -8,8 +8,8 @@
 #include <memory>
 #include <span>
 
-#include "sft/typesupport/result.h"
-#include "shm_transport/host/iceoryx.h"
+#include "sft/result.h"
+#include "shm_transport/iceoryx.h"
 #include "shm_transport/sftd/groups.h"
 #include "shm_transport/sftd/pools.h"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 #include "shm_transport/sftd/status.h"
 
 namespace sft::shm {

@@ -3,7 +3,7 @@
 
 enum class Size { small };
 template <>
-struct sft::EnumTable<Size> {
+struct sft::detail::EnumTable<Size> {
   static constexpr EnumType type{"Size", false, {}};
 };
 

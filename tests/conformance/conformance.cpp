@@ -7,6 +7,7 @@
 
 namespace sft::conformance {
 
+using namespace detail;
 using core::SampleHandle;
 using core::SendStatus;
 

@@ -5,6 +5,8 @@
 namespace sft::conformance {
 namespace {
 
+using namespace detail;
+
 class FakeMedium final : public Medium {
  public:
   std::unique_ptr<core::Transport> open() override { return test::open_fake_transport(network_); }

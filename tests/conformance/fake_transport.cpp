@@ -13,6 +13,7 @@
 
 namespace sft::test {
 
+using namespace detail;
 using core::EndpointId;
 using core::HistoryProgress;
 using core::SampleHandle;

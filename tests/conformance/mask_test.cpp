@@ -5,6 +5,8 @@
 namespace sft::conformance {
 namespace {
 
+using namespace detail;
+
 using core::SampleHandle;
 using core::SendStatus;
 

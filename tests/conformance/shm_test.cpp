@@ -7,6 +7,8 @@
 namespace sft::conformance {
 namespace {
 
+using namespace detail;
+
 class ShmMedium final : public Medium {
  public:
   explicit ShmMedium(bool reliable = false) : reliable_(reliable) {}

@@ -10,6 +10,8 @@
 namespace sft::conformance {
 namespace {
 
+using namespace detail;
+
 class UdpMedium final : public Medium {
  public:
   enum class Link : std::uint8_t { good, bad };

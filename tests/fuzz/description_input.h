@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "sft/typesupport/field_mask.h"
+#include "sft/mask.h"
 
 namespace sft::test {
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "sft/typesupport/type_description.h"
+#include "sft/detail/type_description.h"
 #include "tests/fuzz/description_input.h"
 #include "tests/support/encoded.h"
 #include "tests/support/message_types.h"
@@ -11,6 +11,8 @@
 
 namespace sft::test {
 namespace {
+
+using namespace detail;
 
 constexpr std::size_t input_bytes_max = 1000;
 

@@ -9,16 +9,17 @@
 #include <span>
 #include <vector>
 
-#include "sft/typesupport/decode.h"
-#include "tests/unit/udp/live_streams.h"
-#include "tests/unit/udp/messages.h"
-#include "udp_transport/flow/flow_window.h"
-#include "udp_transport/flow/receive_shares.h"
-#include "udp_transport/receive/reassembly.h"
+#include "sft/detail/decode.h"
+#include "tests/udp/live_streams.h"
+#include "tests/udp/messages.h"
+#include "udp_transport/flow_window.h"
+#include "udp_transport/reassembly.h"
+#include "udp_transport/receive_shares.h"
 
 namespace {
 
 using namespace sft;
+using namespace sft::detail;
 using udp::test::fields;
 using udp::test::Image;
 using udp::test::type_support;

@@ -10,13 +10,14 @@
 #include <stdexcept>
 #include <string>
 
-#include "sft/typesupport/convert.h"
-#include "sft/typesupport/decode.h"
-#include "sft/typesupport/dynamic_type.h"
-#include "sft/typesupport/dynamic_view.h"
-#include "sft/typesupport/project.h"
-#include "sft/typesupport/view.h"
-#include "sft/typesupport/yaml.h"
+#include "sft/detail/convert.h"
+#include "sft/detail/decode.h"
+#include "sft/detail/project.h"
+#include "sft/detail/type_description.h"
+#include "sft/detail/view.h"
+#include "sft/dynamic_type.h"
+#include "sft/dynamic_view.h"
+#include "sft/yaml.h"
 #include "tests/fuzz/decoder_input.h"
 #include "tests/support/encoded.h"
 #include "tests/support/foreign_cdr.h"
@@ -25,6 +26,8 @@
 
 namespace sft::test {
 namespace {
+
+using namespace detail;
 
 void require(bool condition, const char* what) {
   if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash

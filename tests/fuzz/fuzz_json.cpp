@@ -5,12 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "sft/typesupport/dynamic_view.h"
-#include "sft/typesupport/json.h"
+#include "sft/dynamic_view.h"
+#include "sft/json.h"
 #include "tests/support/message_types.h"
 
 namespace sft::test {
 namespace {
+
+using namespace detail;
 
 constexpr std::size_t bytes_max = 100'000, encapsulation = 4;
 

@@ -4,11 +4,13 @@
 #include <stdexcept>
 #include <string>
 
-#include "sft/typesupport/dynamic_view.h"
+#include "sft/dynamic_view.h"
 #include "tests/support/message_types.h"
 
 namespace sft::test {
 namespace {
+
+using namespace detail;
 
 void require(bool condition, const char* what) {
   if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash

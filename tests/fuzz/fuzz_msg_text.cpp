@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "sft/typesupport/msg_text.h"
+#include "sft/msg_text.h"
 
 namespace {
 

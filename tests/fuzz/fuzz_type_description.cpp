@@ -5,16 +5,19 @@
 #include <memory>
 #include <stdexcept>
 
-#include "sft/typesupport/dynamic_type.h"
-#include "sft/typesupport/dynamic_view.h"
-#include "sft/typesupport/json.h"
-#include "sft/typesupport/project.h"
-#include "sft/typesupport/type_shape.h"
-#include "sft/typesupport/yaml.h"
+#include "sft/detail/project.h"
+#include "sft/detail/type_description.h"
+#include "sft/detail/type_shape.h"
+#include "sft/dynamic_type.h"
+#include "sft/dynamic_view.h"
+#include "sft/json.h"
+#include "sft/yaml.h"
 #include "tests/fuzz/description_input.h"
 
 namespace sft::test {
 namespace {
+
+using namespace detail;
 
 constexpr std::size_t text_bytes_max = 100'000;
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <set>
 
-#include "sft/typesupport/dynamic_type.h"
+#include "sft/dynamic_type.h"
 #include "tests/hostile/control_voice.h"
 #include "tests/hostile/wire.h"
 

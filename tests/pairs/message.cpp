@@ -2,11 +2,12 @@
 
 #include <algorithm>
 
-#include "sft/typesupport/sample_format.h"
+#include "sft/detail/sample_format.h"
 #include "tests/support/encoded.h"
 
 namespace sft::test {
 
+using namespace detail;
 PointCloud2 message(std::uint64_t number) {
   const auto n = static_cast<std::uint32_t>(number);
   PointCloud2 m;

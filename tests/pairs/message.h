@@ -6,7 +6,7 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <span>
 
-#include "sft/typesupport/field_mask.h"
+#include "sft/mask.h"
 
 namespace sft::test {
 

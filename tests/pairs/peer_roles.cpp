@@ -6,11 +6,12 @@
 #include <thread>
 #include <vector>
 
-#include "sft/typesupport/type_description.h"
-#include "tests/pairs/status_json.h"
+#include "sft/detail/type_description.h"
+#include "tests/negotiation/status_json.h"
 
 namespace sft::test {
 
+using namespace detail;
 using nlohmann::json;
 using F = PointCloud2::Field;
 using namespace std::chrono_literals;

@@ -10,6 +10,8 @@ namespace sft::test {
 
 namespace {
 
+using namespace detail;
+
 /// C has one width for all enumerations; in CDR and in our structs they are as wide as they need be.
 bool is_c_enum(const Member& m) { return m.enumeration != nullptr && !m.enumeration->is_bitmask; }
 

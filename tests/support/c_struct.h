@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "sft/typesupport/type_table.h"
+#include "sft/detail/type_table.h"
 #include "tests/support/owned_value.h"
 
 namespace sft::test {

@@ -5,11 +5,13 @@
 #include <cstring>
 #include <random>
 
-#include "sft/typesupport/sample_format.h"
+#include "sft/detail/sample_format.h"
 
 namespace sft::test {
 
 namespace {
+
+using namespace detail;
 
 constexpr const char* config =
     "<Domain><General><Interfaces><NetworkInterface name=\"lo\" multicast=\"false\"/></Interfaces>"

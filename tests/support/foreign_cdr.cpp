@@ -9,6 +9,8 @@ namespace sft::test {
 
 namespace {
 
+using namespace detail;
+
 class Writer {
  public:
   explicit Writer(const ForeignEncoding& encoding) : encoding_(encoding) {}

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::test {
 

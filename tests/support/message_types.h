@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sft/typesupport/type_support.h"
+#include "sft/type_support.h"
 #include "tests/support/owned_value.h"
 
 namespace sft::test {
@@ -34,7 +34,7 @@ inline void PrintTo(const MessageType& type, std::ostream* out) { *out << type.s
 
 template <class T>
 MessageType message_type() {
-  static const TypeSupport support(TypeTable<T>::type);
+  static const TypeSupport support(detail::TypeTable<T>::type);
   return {&support, &OwnedValue::of<T>};
 }
 

@@ -7,6 +7,8 @@ namespace sft::test {
 
 namespace {
 
+using namespace detail;
+
 using ::testing::AssertionFailure;
 using ::testing::AssertionResult;
 using ::testing::AssertionSuccess;

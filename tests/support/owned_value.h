@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <memory>
 
-#include "sft/typesupport/type_table.h"
+#include "sft/detail/type_table.h"
 
 namespace sft::test {
 
@@ -15,7 +15,7 @@ class OwnedValue {
  public:
   template <class T>
   static OwnedValue of() {
-    return OwnedValue(TypeTable<T>::type, std::make_shared<T>());
+    return OwnedValue(detail::TypeTable<T>::type, std::make_shared<T>());
   }
 
   const StructType& type() const { return *type_; }

@@ -6,12 +6,14 @@
 #include <cstring>
 #include <span>
 
-#include "sft/typesupport/project.h"
+#include "sft/detail/project.h"
 #include "tests/support/owned_value.h"
 
 namespace sft::test {
 
 namespace {
+
+using namespace detail;
 
 // Zero, one (a denormal, as a float), the ends of the ranges, negative zero, infinities, quiet and signalling
 // NaNs with payloads.

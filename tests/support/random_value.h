@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <string>
 
-#include "sft/typesupport/field_mask.h"
-#include "sft/typesupport/type_table.h"
+#include "sft/detail/type_table.h"
+#include "sft/mask.h"
 #include "tests/support/test_seed.h"
 
 namespace sft::test {
@@ -33,9 +33,9 @@ class RandomValues {
  private:
   void structure(const StructType& type, void* object, int depth);
   std::size_t elements(const Member& member, int depth);
-  void block(Kind kind, std::byte* first, std::size_t count);
+  void block(detail::Kind kind, std::byte* first, std::size_t count);
   std::uint64_t declared(const EnumType& type);
-  void primitive(Kind kind, std::byte* value);
+  void primitive(detail::Kind kind, std::byte* value);
   std::string text(std::size_t most, int depth);
   std::size_t log_uniform(std::size_t most);
   bool one_in(std::uint64_t n) { return random_() % n == 0; }

@@ -10,6 +10,8 @@ namespace sft::test::reference {
 
 namespace {
 
+using namespace detail;
+
 std::size_t leaves(const Member& m) {
   if (m.kind != Kind::structure) return 1;
   return (m.shape == Shape::sequence ? 1 : 0) + reference::leaves(*m.type);

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "sft/typesupport/field_mask.h"
-#include "sft/typesupport/type_table.h"
+#include "sft/detail/type_table.h"
+#include "sft/mask.h"
 #include "tests/support/owned_value.h"
 
 namespace sft::test::reference {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string>
 
-#include "sft/typesupport/type_table.h"
+#include "sft/detail/type_table.h"
 #include "tests/support/owned_value.h"
 
 namespace sft::test {
@@ -16,16 +16,16 @@ inline void tame(const StructType& type, void* object) {
     const Elements values = elements_of(m, object);
     for (std::size_t i = 0; i < values.count; ++i) {
       auto* at = const_cast<std::byte*>(values.first) + i * m.stride;
-      if (m.kind == Kind::structure) tame(*m.type, at);
-      if (m.kind == Kind::character) *at &= std::byte{0x7f};
-      if (m.kind == Kind::string) {
+      if (m.kind == detail::Kind::structure) tame(*m.type, at);
+      if (m.kind == detail::Kind::character) *at &= std::byte{0x7f};
+      if (m.kind == detail::Kind::string) {
         for (char& c : *reinterpret_cast<std::string*>(at))
           c = static_cast<char>((c & 0x7f) == 0 ? 'x' : c & 0x7f);
       }
       auto* number32 = reinterpret_cast<float*>(at);
       auto* number64 = reinterpret_cast<double*>(at);
-      if (m.kind == Kind::float32 && std::isnan(*number32)) *number32 = NAN;
-      if (m.kind == Kind::float64 && std::isnan(*number64)) *number64 = NAN;
+      if (m.kind == detail::Kind::float32 && std::isnan(*number32)) *number32 = NAN;
+      if (m.kind == detail::Kind::float64 && std::isnan(*number64)) *number64 = NAN;
     }
   }
 }

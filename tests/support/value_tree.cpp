@@ -8,6 +8,8 @@ namespace sft::test {
 
 namespace {
 
+using namespace detail;
+
 std::size_t leaves_of(const Member& m) {
   if (m.kind != Kind::structure) return 1;
   std::size_t n = m.shape == Shape::sequence ? 1 : 0;

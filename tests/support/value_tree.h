@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sft/typesupport/dynamic_view.h"
+#include "sft/dynamic_view.h"
 #include "tests/support/owned_value.h"
 
 namespace sft::test {

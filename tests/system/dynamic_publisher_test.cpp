@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "sft/detail/type_description.h"
 #include "tests/support/encoded.h"
 #include "tests/support/message_types.h"
 #include "tests/support/random_value.h"
@@ -12,6 +13,8 @@
 
 namespace sft::test {
 namespace {
+
+using namespace detail;
 
 using ::testing::HasSubstr;
 

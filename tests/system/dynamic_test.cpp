@@ -9,14 +9,18 @@
 #include <mutex>
 #include <nav_msgs/msg/Odometry.hpp>
 
-#include "core/control/described_type.h"
-#include "core/discovery/discovery.h"
+#include "core/described_type.h"
+#include "core/discovery.h"
+#include "sft/detail/type_description.h"
+#include "sft/detail/type_shape.h"
 #include "tests/support/isolated_host.h"
 #include "tests/support/small_cloud.h"
 #include "tests/system/fixture.h"
 
 namespace sft::test {
 namespace {
+
+using namespace detail;
 
 using ::testing::HasSubstr;
 

@@ -10,6 +10,8 @@
 namespace sft::test {
 namespace {
 
+using namespace detail;
+
 TEST_P(PubSubTest, ASampleArrivesWhole) {
   Node a = open("a");
   Node b = open("b");

@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::hosts {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/platform/file_descriptor.h"
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::hosts {
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::hosts {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/platform/file_descriptor.h"
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::hosts {
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <string_view>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::hosts {
 

@@ -27,10 +27,10 @@ void CsvTable::add_columns(const StructType& type, const FieldMask& mask, const 
   for (const Member& m : type.members) {
     const std::size_t leaves = leaf_count(m);
     const std::string path = prefix + std::string(m.name);
-    if (m.kind == Kind::structure && m.shape == Shape::single) {
+    if (m.kind == Member::Kind::structure && m.shape == Member::Shape::single) {
       add_columns(*m.type, mask, path + ".", leaf);
     } else if (mask.any_of(leaf, leaves)) {
-      const bool has_length = m.kind == Kind::structure && m.shape == Shape::sequence;
+      const bool has_length = m.kind == Member::Kind::structure && m.shape == Member::Shape::sequence;
       columns_.push_back({path, has_length && !mask.any_of(leaf + 1, leaves - 1)});
     }
     leaf += leaves;

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "sft/typesupport/dynamic_view.h"
-#include "sft/typesupport/field_mask.h"
-#include "sft/typesupport/json.h"
-#include "sft/typesupport/type_support.h"
+#include "sft/dynamic_view.h"
+#include "sft/json.h"
+#include "sft/mask.h"
+#include "sft/type_support.h"
 
 namespace sft::tool {
 

@@ -14,15 +14,15 @@ namespace {
 std::string element_text(const Member& m) {
   static constexpr std::array names{"bool",  "byte",   "char",  "int8",   "uint8",   "int16",   "uint16",
                                     "int32", "uint32", "int64", "uint64", "float32", "float64", "string"};
-  if (m.kind == Kind::structure) return msg_name(m.type->name);
+  if (m.kind == Member::Kind::structure) return msg_name(m.type->name);
   std::string text = names[static_cast<std::size_t>(m.kind)];
-  if (m.kind == Kind::string && m.string_bound != 0) text += fmt::format("<={}", m.string_bound);
+  if (m.kind == Member::Kind::string && m.string_bound != 0) text += fmt::format("<={}", m.string_bound);
   return text;
 }
 
 std::string shape_text(const Member& m) {
-  if (m.shape == Shape::single) return "";
-  if (m.shape == Shape::array) return fmt::format("[{}]", m.count);
+  if (m.shape == Member::Shape::single) return "";
+  if (m.shape == Member::Shape::array) return fmt::format("[{}]", m.count);
   return m.bound == 0 ? "[]" : fmt::format("[<={}]", m.bound);
 }
 
@@ -32,7 +32,8 @@ std::string comment_of(const Member& m) {
   if (m.key) text += " key";
   if (m.enumeration != nullptr) {
     text += fmt::format(" {}:", msg_name(m.enumeration->name));
-    for (const Enumerator& e : m.enumeration->enumerators) text += fmt::format(" {}={}", e.name, e.value);
+    for (const EnumType::Enumerator& e : m.enumeration->enumerators)
+      text += fmt::format(" {}={}", e.name, e.value);
   }
   return text.empty() ? "" : "  #" + text;
 }

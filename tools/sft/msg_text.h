@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "sft/typesupport/type_table.h"
+#include "sft/detail/type_table.h"
 
 namespace sft::tool {
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "core/seam/transport.h"
-#include "sft/typesupport/result.h"
-#include "udp_transport/io/datagram_io.h"
-#include "udp_transport/wire/datagram.h"
+#include "core/transport.h"
+#include "sft/result.h"
+#include "udp_transport/datagram.h"
+#include "udp_transport/datagram_io.h"
 
 namespace sft::udp {
 

@@ -14,11 +14,10 @@
 #include <memory>
 #include <span>
 
-#include "core/platform/file_descriptor.h"
-#include "sft/typesupport/result.h"
-#include "udp_transport/io/datagram_io.h"
-#include "udp_transport/io/group_socket.h"
-#include "udp_transport/io/interfaces.h"
+#include "core/file_descriptor.h"
+#include "sft/result.h"
+#include "udp_transport/datagram_io.h"
+#include "udp_transport/interfaces.h"
 
 namespace sft::udp {
 

@@ -20,7 +20,7 @@ FieldMask BodySizes::union_of(MaskSet set) const {
 }
 
 /// Each new value counts for a quarter.
-void BodySizes::measure(const SampleState& sample, Time now, bool of_several) noexcept try {
+void BodySizes::measure(const detail::SampleState& sample, Time now, bool of_several) noexcept try {
   if (of_several) several_.store(true, std::memory_order_relaxed);
   samples_.fetch_add(1, std::memory_order_relaxed);
   if (next_ == 0 && now - round_at_ < pause) return;

@@ -10,8 +10,8 @@
 #include <memory>
 #include <vector>
 
-#include "sft/typesupport/project.h"
-#include "udp_transport/multicast/multicast_plan.h"
+#include "sft/detail/project.h"
+#include "udp_transport/multicast_plan.h"
 
 namespace sft::udp {
 
@@ -28,7 +28,7 @@ class BodySizes {
   FieldMask union_of(MaskSet set) const;
 
   /// The publisher's thread: a sample is sent, by itself or of several that are published together.
-  void measure(const SampleState& sample, Time now, bool of_several = false) noexcept;
+  void measure(const detail::SampleState& sample, Time now, bool of_several = false) noexcept;
 
   // Any thread.
 
@@ -44,12 +44,12 @@ class BodySizes {
   static constexpr std::chrono::milliseconds pause{100};  ///< between two rounds
 
   const std::vector<FieldMask> masks_;
-  std::vector<ProjectionPlan> plans_;             ///< of set i + 1
+  std::vector<detail::ProjectionPlan> plans_;     ///< of set i + 1
   std::unique_ptr<std::atomic<double>[]> bytes_;  ///< by set
   std::atomic<std::uint64_t> samples_{0};
   std::atomic<bool> known_{false}, several_{false};
-  // The publisher's thread alone uses these members:
-  Projection projection_;
+  // Of the publisher's thread.
+  detail::Projection projection_;
   std::size_t next_ = 0;
   Time round_at_{};
 };

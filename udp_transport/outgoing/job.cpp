@@ -13,14 +13,15 @@ JobHandle::~JobHandle() {
 void Job::copy_body() {
   copy_.reserve(projection.bytes());
   copy_.clear();
-  for (const Segment& segment : projection.segments())
+  for (const detail::Segment& segment : projection.segments())
     copy_.insert(copy_.end(), segment.data, segment.data + segment.bytes);
   copied_ = {copy_.data(), copy_.size()};
 }
 
 void Job::copy_body(core::SampleHandle to) {
   std::byte* at = to->data;
-  for (const Segment& segment : projection.segments()) at = std::copy_n(segment.data, segment.bytes, at);
+  for (const detail::Segment& segment : projection.segments())
+    at = std::copy_n(segment.data, segment.bytes, at);
   copied_ = {to->data, projection.bytes()};
   sample = std::move(to);
 }
@@ -37,19 +38,19 @@ void Job::keep() {
   pool_->memory_->add(kept_bytes_);
 }
 
-void Job::pack(std::span<const Segment> body) {
+void Job::pack(std::span<const detail::Segment> body) {
   std::size_t bytes = 0;
-  for (const Segment& segment : body) bytes += segment.bytes;
+  for (const detail::Segment& segment : body) bytes += segment.bytes;
   copy_.resize(packed_bytes_ + bytes);
   packed_.push_back({nullptr, bytes});
   std::byte* to = copy_.data() + packed_bytes_;
-  for (const Segment& segment : body) to = std::copy_n(segment.data, segment.bytes, to);
+  for (const detail::Segment& segment : body) to = std::copy_n(segment.data, segment.bytes, to);
   packed_bytes_ += bytes;
 }
 
 void Job::seal() {
   const std::byte* at = copy_.data();
-  for (Segment& body : packed_) {
+  for (detail::Segment& body : packed_) {
     body.data = at;
     at += body.bytes;
   }

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/seam/sample_buffer.h"
-#include "sft/typesupport/project.h"
-#include "udp_transport/outgoing/kept_memory.h"
-#include "udp_transport/wire/fragmenter.h"
+#include "core/sample_buffer.h"
+#include "sft/detail/project.h"
+#include "udp_transport/fragmenter.h"
+#include "udp_transport/kept_memory.h"
 
 namespace sft::udp {
 
@@ -35,7 +35,7 @@ inline constexpr std::size_t direct_bytes_max = 16 * 1024;
 /// follow one another. `first` is the first one's then, but for its total, which is that of all.
 struct Job {
   core::SampleHandle sample;  ///< keeps what the projection refers to
-  Projection projection;
+  detail::Projection projection;
   FirstHeader first;
   std::shared_ptr<const WireMask> mask;
   std::uint64_t sequence = 0;     ///< whole
@@ -72,9 +72,9 @@ struct Job {
   /// to channels.
   void keep();
   /// Adds a sample to a pack, or begins one. It can be sent, and not be added to any more, after seal().
-  void pack(std::span<const Segment> body);
+  void pack(std::span<const detail::Segment> body);
   void pack(std::span<const std::byte> body) {
-    const Segment whole{body.data(), body.size()};
+    const detail::Segment whole{body.data(), body.size()};
     pack(std::span(&whole, 1));
   }
   void seal();
@@ -90,10 +90,11 @@ struct Job {
   friend class JobHandle;
   friend class JobPool;
   std::vector<std::byte> copy_;  ///< of the body; empty if there is none
-  Segment copied_{};             ///< the copy, wherever it lies
+  detail::Segment copied_{};     ///< the copy, wherever it lies
   std::size_t borrowed_bytes_ = 0;
   std::size_t kept_bytes_ = 0;
-  std::vector<Segment> packed_;  ///< a pack's samples in the copy; until seal() only how long they are
+  std::vector<detail::Segment>
+      packed_;  ///< a pack's samples in the copy; until seal() only how long they are
   std::size_t packed_bytes_ = 0;
   std::shared_ptr<JobPool> pool_;  ///< while it is out
   std::atomic<std::uint32_t> references_{0};

@@ -4,11 +4,11 @@
 #include <cstring>
 #include <utility>
 
-#include "sft/typesupport/walk.h"
-#include "udp_transport/io/answer_address.h"
-#include "udp_transport/multicast/offered_groups.h"
-#include "udp_transport/receive/answer_credit.h"
-#include "udp_transport/receive/recent_labels.h"
+#include "sft/detail/walk.h"
+#include "udp_transport/answer_address.h"
+#include "udp_transport/answer_credit.h"
+#include "udp_transport/offered_groups.h"
+#include "udp_transport/recent_labels.h"
 
 namespace sft::udp {
 
@@ -215,7 +215,7 @@ Reassembly::Arrival Reassembly::accept_packed(Incoming& in, const Datagram& pack
     return {};
   }
   if (packed.bytes_each != 0 && named.mask != nullptr && packed.bytes_each <= in.sample_bytes) {
-    const std::size_t bytes = SampleLayout(in.type->slots()).bytes(packed.bytes_each);
+    const std::size_t bytes = detail::SampleLayout(in.type->slots()).bytes(packed.bytes_each);
     const std::size_t left = in.window == nullptr ? 0 : left_for_first_missing(in);
     pool_->take_kept(bytes, pool_->limit_bytes() / 4 + left, packed.samples, ahead_);
   }
@@ -260,7 +260,7 @@ Reassembly::Arrival Reassembly::accept_first(Incoming& in, const Datagram& d, co
   core::SampleHandle buffer;
   if (const Refusal why = describe(in, d, named, met.place, buffer); why != Refusal::none)
     return refuse(in, d, met.place, why);
-  const std::size_t body_offset = SampleLayout(in.type->slots()).body_offset;
+  const std::size_t body_offset = detail::SampleLayout(in.type->slots()).body_offset;
   if (sample == nullptr && d.payload.size() == d.first.total) {  // the whole sample
     if (!d.payload.empty()) std::memcpy(buffer->data + body_offset, d.payload.data(), d.payload.size());
     in.finished.add(d.label());
@@ -407,8 +407,8 @@ Reassembly::Arrival Reassembly::proceed(Incoming& in, UnfinishedSample& sample, 
 
 Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample, const FirstHeader& first,
                                          std::uint64_t place, ArrivalTime now) {
-  const SampleLayout layout(in.type->slots());
-  SampleHeader& header = sample->header();
+  const detail::SampleLayout layout(in.type->slots());
+  detail::SampleHeader& header = sample->header();
   header.slots = static_cast<std::uint32_t>(in.type->slots());
   header.writer = in.writer;
   header.sequence = sequence_of(first, in.sequences);
@@ -419,14 +419,16 @@ Reassembly::Arrival Reassembly::complete(Incoming& in, core::SampleHandle sample
   sample->trust_header();
   sample->receive_stamp_ns = now.realtime_ns;
   std::byte* body = sample->data + layout.body_offset;
-  std::memcpy(body - encapsulation_bytes, encapsulation_cdr_le.data(), encapsulation_bytes);
+  std::memcpy(body - detail::encapsulation_bytes, detail::encapsulation_cdr_le.data(),
+              detail::encapsulation_bytes);
 
-  SampleState state;
+  detail::SampleState state;
   state.body = body;
   state.body_bytes = first.total;
   state.mask = &sample->mask;
-  const WalkStatus status = build_index(state, in.type->type(), {sample->index(), in.type->slots()});
-  if (status != WalkStatus::ok || header.sequence == 0) {
+  const detail::WalkStatus status =
+      detail::build_index(state, in.type->type(), {sample->index(), in.type->slots()});
+  if (status != detail::WalkStatus::ok || header.sequence == 0) {
     ++counters_.malformed;
     if (place != 0) in.window->refuse_or_pass(place);
     return {{}, in.place, place != 0};
@@ -484,7 +486,7 @@ core::SampleHandle Reassembly::take_buffer(Incoming& in, const Datagram& d) {
   const bool unfinished = d.payload.size() != total;
   while (unfinished && in.unfinished_bytes + total > limits_.unfinished_bytes && drop_oldest(in, d.label())) {
   }
-  const std::size_t bytes = SampleLayout(in.type->slots()).bytes(total);
+  const std::size_t bytes = detail::SampleLayout(in.type->slots()).bytes(total);
   const std::size_t left_bytes = pool_->limit_bytes() / 4;
   core::SampleHandle buffer = pool_->take(bytes, left_bytes);
   while (!buffer && drop_oldest(in, d.label())) buffer = pool_->take(bytes, left_bytes);
@@ -497,11 +499,11 @@ core::SampleHandle Reassembly::take_reliable_buffer(Incoming& in, const Datagram
   const std::size_t total = d.first.total;
   if (in.unfinished_bytes > 0 && in.unfinished_bytes + total > limits_.unfinished_bytes) return {};
   const std::size_t left = place == in.window->next_place() ? 0 : left_for_first_missing(in);
-  return pool_->take(SampleLayout(in.type->slots()).bytes(total), pool_->limit_bytes() / 4 + left);
+  return pool_->take(detail::SampleLayout(in.type->slots()).bytes(total), pool_->limit_bytes() / 4 + left);
 }
 
 std::size_t Reassembly::left_for_first_missing(const Incoming& in) const {
-  return std::min(SampleLayout(in.type->slots()).bytes(in.sample_bytes), pool_->limit_bytes() / 4);
+  return std::min(detail::SampleLayout(in.type->slots()).bytes(in.sample_bytes), pool_->limit_bytes() / 4);
 }
 
 void Reassembly::park(Incoming& in, UnfinishedSample& sample, const Following& d, Time now) {

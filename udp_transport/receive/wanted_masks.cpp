@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "sft/typesupport/type_support.h"
+#include "sft/type_support.h"
 
 namespace sft::udp {
 

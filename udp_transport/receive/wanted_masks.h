@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "sft/typesupport/field_mask.h"
-#include "udp_transport/wire/datagram.h"
+#include "sft/mask.h"
+#include "udp_transport/datagram.h"
 
 namespace sft {
 class TypeSupport;

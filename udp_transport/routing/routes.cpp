@@ -179,12 +179,13 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
   if (keeper != nullptr) keeper->merge(groups, now);
   for (Gathered& gathered : groups) {
     VariantDirectory::Variant& variant = variants.find(gathered.wanted, gathered.late_reader);
-    Group& group = table->groups.emplace_back(Group{ProjectionPlan(type, std::move(gathered.wanted.mask)),
-                                                    std::move(gathered.gate),
-                                                    gathered.late_reader,
-                                                    gathered.spare,
-                                                    variant.wire,
-                                                    {}});
+    Group& group =
+        table->groups.emplace_back(Group{detail::ProjectionPlan(type, std::move(gathered.wanted.mask)),
+                                         std::move(gathered.gate),
+                                         gathered.late_reader,
+                                         gathered.spare,
+                                         variant.wire,
+                                         {}});
     for (const std::shared_ptr<Destination>& to : gathered.destinations) {
       const bool is_reliable = gathered.reliable.contains(to.get());
       group.channels.push_back(is_reliable ? variants.channel(to, reliable.at(to.get())) : nullptr);

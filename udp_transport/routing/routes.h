@@ -8,19 +8,19 @@
 #include <span>
 #include <vector>
 
-#include "core/seam/transport.h"
-#include "sft/typesupport/project.h"
-#include "udp_transport/flow/destination.h"
-#include "udp_transport/reliable/channel_directory.h"
-#include "udp_transport/reliable/lane.h"
-#include "udp_transport/routing/group_keeper.h"
+#include "core/transport.h"
+#include "sft/detail/project.h"
+#include "udp_transport/channel_directory.h"
+#include "udp_transport/destination.h"
+#include "udp_transport/group_keeper.h"
+#include "udp_transport/lane.h"
 
 namespace sft::udp {
 
 /// Readers with equal masks and limits: they share an encoding, and each destination has a lane of its own. A
 /// late reader is served apart, so that what it gets can begin with what was retained.
 struct Group {
-  ProjectionPlan plan;
+  detail::ProjectionPlan plan;
   std::shared_ptr<const core::RateGate> gate;  ///< null: every sample is for them
   core::EndpointId late_reader = 0;            ///< 0: it serves others
   bool spare = false;                          ///< only for samples that are meant for spare routes, too

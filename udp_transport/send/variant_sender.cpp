@@ -72,8 +72,8 @@ void VariantSender::keep_in_channels(const core::SampleHandle& sample) {
     keep_for_later(sample);
     return blank_->borrow();
   }
-  core::SampleHandle copy = side_->pool->take(std::max(blank_->projection.bytes(), sizeof(SampleHeader)),
-                                              side_->pool->limit_bytes() / 4);
+  core::SampleHandle copy = side_->pool->take(
+      std::max(blank_->projection.bytes(), sizeof(detail::SampleHeader)), side_->pool->limit_bytes() / 4);
   copy ? blank_->copy_body(std::move(copy)) : blank_->copy_body();
   blank_kept_ = true;
 }
@@ -287,7 +287,7 @@ VariantSender::Held& VariantSender::held_for(const Group& group) {
 VariantSender::Hold VariantSender::hold(const Group& group, const core::SampleHandle& sample) noexcept try {
   if (!group.packs || group.multicast != nullptr) return Hold::unfit;
   if (!projected_) projected_ = jobs_->take();
-  Projection& body = projected_->projection;
+  detail::Projection& body = projected_->projection;
   if (!body.project(core::state_of(*sample, type_.slots()), group.plan)) return Hold::unfit;
   Held& held = held_for(group);
   if (body.bytes() > held.sample_bytes_max) return Hold::unfit;
@@ -398,7 +398,7 @@ void VariantSender::send_now(Channel& channel, const Channel::Piece& piece, Cloc
 
 bool VariantSender::encode(const Group& group, const core::SampleBuffer& sample, Job& job) const {
   assert(sample.mask.contains(group.plan.mask()));
-  const SampleState source = core::state_of(sample, type_.slots());
+  const detail::SampleState source = core::state_of(sample, type_.slots());
   if (!job.projection.project(source, group.plan)) return false;
   if (job.projection.bytes() > side_->max_sample_bytes) {
     side_->over_limit.fetch_add(1, std::memory_order_relaxed);

@@ -98,8 +98,8 @@ class VariantSender {
   Batch batch_;              ///< of the present sample
   std::size_t cut_for_ = 0;  ///< bytes of the datagrams in the batch; 0: none of the present sample
   std::chrono::nanoseconds patience_{0};
-  std::vector<Segment> located_;  ///< where the present body is
-  JobHandle projected_;           ///< what is to be held next
+  std::vector<detail::Segment> located_;  ///< where the present body is
+  JobHandle projected_;                   ///< what is to be held next
   std::vector<Held> held_;
 };
 

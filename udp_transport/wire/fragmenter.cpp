@@ -45,7 +45,8 @@ Fragmenter::Fragmenter(const EncodedBody& body, std::size_t datagram_bytes, Body
   if (range.begin > 0) skip(std::min(range.begin, end_));
   if (!body_.packed || body_.segments.empty()) return;
   const std::size_t bytes = body_.segments.front().bytes;
-  if (std::ranges::all_of(body_.segments, [&](const Segment& sample) { return sample.bytes == bytes; }))
+  if (std::ranges::all_of(body_.segments,
+                          [&](const detail::Segment& sample) { return sample.bytes == bytes; }))
     bytes_each_ = bytes;
 }
 
@@ -129,7 +130,7 @@ void Fragmenter::append_packed(Batch& batch) {
   if (bytes_each_ == 0) header.first.flags |= lengths_follow;
   encode(header, batch.stage(header.first.bytes()));
   append_mask_words(batch);
-  for (const Segment& sample : body_.segments.subspan(segment_, pack.samples)) {
+  for (const detail::Segment& sample : body_.segments.subspan(segment_, pack.samples)) {
     if (bytes_each_ == 0) store_length(sample.bytes, batch.stage(length_bytes));
     if (sample.bytes > 0) std::memcpy(batch.stage(sample.bytes), sample.data, sample.bytes);
   }
@@ -142,7 +143,7 @@ void Fragmenter::append_payload(Batch& batch, std::size_t bytes) {
   offset_ += static_cast<std::uint32_t>(bytes);
   while (bytes > 0) {
     assert(segment_ < body_.segments.size());
-    const Segment& segment = body_.segments[segment_];
+    const detail::Segment& segment = body_.segments[segment_];
     const std::size_t run = std::min(bytes, segment.bytes - segment_offset_);
     const std::byte* data = segment.data + segment_offset_;
     if (run >= copy_bytes_max) {

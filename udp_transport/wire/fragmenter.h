@@ -10,8 +10,8 @@
 #include <memory>
 #include <span>
 
-#include "sft/typesupport/project.h"
-#include "udp_transport/wire/datagram.h"
+#include "sft/detail/project.h"
+#include "udp_transport/datagram.h"
 
 namespace sft::udp {
 
@@ -57,7 +57,7 @@ class Batch {
 struct EncodedBody {
   FirstHeader first;                          ///< total is the body's bytes
   std::span<const std::uint64_t> mask_words;  ///< sent where the header's flag says so
-  std::span<const Segment> segments;
+  std::span<const detail::Segment> segments;
   /// Each segment is a small sample, one behind the other: these are cut into packed datagrams.
   bool packed = false;
 };

@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "sft/dynamic_type.h"
 #include "sft/qos.h"
 #include "sft/status.h"
-#include "sft/typesupport/dynamic_type.h"
 
 namespace sft {
 
@@ -80,6 +80,20 @@ struct ReceivedAccount {
 struct PairAccount {
   std::optional<SentAccount> publisher{};       ///< what the publisher's node has told
   std::optional<ReceivedAccount> subscriber{};  ///< what the subscriber's node has told
+};
+
+/// One type of a topic, and the names of the nodes that use it, one for each publisher and subscriber.
+struct TopicType {
+  std::string name;
+  std::uint64_t hash = 0;
+  std::optional<DynamicType> type{};  ///< its fields; nothing where it is too large to be described
+  std::vector<std::string> publishers{};
+  std::vector<std::string> subscribers{};
+};
+
+struct TopicInfo {
+  std::string name;
+  std::vector<TopicType> types{};  ///< more than one: these publishers and subscribers do not match
 };
 
 /// Asks, as long as it or a copy of it lives, the nodes of all publishers and subscribers of a topic for what

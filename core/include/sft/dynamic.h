@@ -12,7 +12,6 @@
 // Types also come from .msg text: from_msg() (typesupport/msg_text.h).
 #pragma once
 
-#include <atomic>
 #include <cassert>
 #include <chrono>
 #include <cstddef>
@@ -22,42 +21,16 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
-#include "sft/typesupport/dynamic_type.h"
-#include "sft/typesupport/dynamic_view.h"
-#include "sft/typesupport/json.h"
-#include "sft/typesupport/msg_text.h"
-#include "sft/typesupport/yaml.h"
-#include "sft/untyped.h"
+#include "sft/detail/bytes_on_demand.h"
+#include "sft/detail/untyped.h"
+#include "sft/dynamic_type.h"
+#include "sft/dynamic_view.h"
+#include "sft/json.h"
+#include "sft/msg_text.h"
+#include "sft/yaml.h"
 
 namespace sft {
-
-/// Bytes that are made when they are first asked for, by any thread, and then stay.
-class BytesOnDemand {
- public:
-  using Bytes = std::vector<std::byte>;
-
-  BytesOnDemand() = default;
-  BytesOnDemand(BytesOnDemand&& other) noexcept : bytes_(other.bytes_.exchange(nullptr)) {}
-  BytesOnDemand& operator=(BytesOnDemand&& other) noexcept {
-    delete bytes_.exchange(other.bytes_.exchange(nullptr));
-    return *this;
-  }
-  ~BytesOnDemand() { delete bytes_.load(); }
-
-  template <class Make>
-  const Bytes& get(Make make) {
-    if (const Bytes* made = bytes_.load(std::memory_order_acquire)) return *made;
-    auto mine = std::make_unique<const Bytes>(make());
-    const Bytes* known = nullptr;
-    if (!bytes_.compare_exchange_strong(known, mine.get(), std::memory_order_acq_rel)) return *known;
-    return *mine.release();
-  }
-
- private:
-  std::atomic<const Bytes*> bytes_{nullptr};
-};
 
 /// What take() returns and callbacks get. Has the fields that its subscriber declared and no others, also
 /// where a sample in shared memory has more; of a subscriber that records, all that the sample has. Keeps its
@@ -66,7 +39,7 @@ class BytesOnDemand {
 class DynamicSample {
  public:
   /// `declared` is closed; null: all fields that the sample has.
-  DynamicSample(DynamicType type, untyped::Sample&& sample,
+  DynamicSample(DynamicType type, detail::untyped::Sample&& sample,
                 std::shared_ptr<const FieldMask> declared = nullptr)
       : type_(std::move(type)), sample_(std::move(sample)), declared_(std::move(declared)) {}
 
@@ -116,9 +89,9 @@ class DynamicSample {
   }
 
   DynamicType type_;
-  untyped::Sample sample_;
+  detail::untyped::Sample sample_;
   std::shared_ptr<const FieldMask> declared_;
-  mutable BytesOnDemand declared_cdr_;
+  mutable detail::BytesOnDemand declared_cdr_;
 };
 
 using DynamicCallback = std::function<void(const DynamicSample&)>;
@@ -127,8 +100,7 @@ using DynamicCallback = std::function<void(const DynamicSample&)>;
 /// be called by any thread at any time.
 class DynamicPublisher {
  public:
-  /// Node::publisher() makes publishers.
-  DynamicPublisher(DynamicType type, untyped::Publisher publisher, std::size_t max_sample_bytes)
+  DynamicPublisher(DynamicType type, detail::untyped::Publisher publisher, std::size_t max_sample_bytes)
       : type_(std::move(type)), publisher_(std::move(publisher)), max_sample_bytes_(max_sample_bytes) {}
 
   /// A payload that is already encoded, as Publisher::publish_cdr() says. The error says what is wrong with
@@ -163,7 +135,7 @@ class DynamicPublisher {
 
  private:
   DynamicType type_;
-  untyped::Publisher publisher_;
+  detail::untyped::Publisher publisher_;
   std::size_t max_sample_bytes_;
 };
 
@@ -171,7 +143,7 @@ class DynamicPublisher {
 class DynamicSubscriber {
  public:
   /// `declared`: as of DynamicSample.
-  DynamicSubscriber(DynamicType type, untyped::Subscriber subscriber,
+  DynamicSubscriber(DynamicType type, detail::untyped::Subscriber subscriber,
                     std::shared_ptr<const FieldMask> declared = nullptr)
       : type_(std::move(type)), subscriber_(std::move(subscriber)), declared_(std::move(declared)) {}
 
@@ -193,7 +165,7 @@ class DynamicSubscriber {
 
  private:
   DynamicType type_;
-  untyped::Subscriber subscriber_;
+  detail::untyped::Subscriber subscriber_;
   std::shared_ptr<const FieldMask> declared_;
 };
 

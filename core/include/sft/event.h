@@ -1,4 +1,4 @@
-// What publishers and subscribers tell of by themselves, so that nobody needs to poll status().
+// What publishers and subscribers report by themselves, so that a program need not poll status().
 #pragma once
 
 #include <cstdint>
@@ -10,45 +10,46 @@
 namespace sft {
 
 enum class EventKind : std::uint8_t {
-  matched,               ///< `text`: by which path, and why
-  unmatched,             ///< `text`: why
-  path_changed,          ///< `text`: to which, and why
-  incompatible_qos,      ///< `policy`; never matches
-  incompatible_type,     ///< the same name of a topic, another type; never matches
-  no_path,               ///< all fits but the ways that both may use; `text`: why there is none
-  deadline_missed,       ///< offered, on a publisher: `peer` is 0; requested, on a subscriber
-  liveliness_lost,       ///< on a publisher, its own: `peer` is 0; on a subscriber, that of a publisher
+  matched,               ///< `text` says by which path, and why
+  unmatched,             ///< `text` says why
+  path_changed,          ///< `text` says to which path, and why
+  incompatible_qos,      ///< `policy` does not fit; the two will never match
+  incompatible_type,     ///< the topic has the same name but another type; the two will never match
+  no_path,               ///< all fits, but no path is allowed to both; `text` says why there is none
+  deadline_missed,       ///< the own promise on a publisher (`peer` is 0), the requested one on a subscriber
+  liveliness_lost,       ///< of the publisher itself (`peer` is 0), or of a publisher, on a subscriber
   liveliness_recovered,  ///< likewise
-  samples_lost,          ///< on subscribers
-  samples_diverted,      ///< on publishers: by UDP, since shared memory could not take them; `text`: why
-  held_too_many,  ///< on subscribers: as many samples as they may, and take() gives no more; `peer` is 0
-  /// A subscriber asks for other fields or another rate, which `text` names; on the subscriber itself `peer`
+  samples_lost,          ///< only on subscribers
+  samples_diverted,      ///< only on publishers: sent by UDP because shared memory could not take them
+  held_too_many,  ///< only on subscribers: it holds max_held samples, and take() gives no more; `peer` is 0
+  /// A subscriber asks for other fields or another rate, which `text` names. On the subscriber itself `peer`
   /// is 0.
   request_changed,
 };
+/// The name of the enumerator; lives as long as the program.
 const char* to_string(EventKind kind);
 
-/// What has happened to a publisher, a subscriber or a pair of both.
+/// A value; callbacks may copy and keep it.
 struct Event {
   /// What has happened.
   EventKind kind{};
   std::uint64_t peer = 0;  ///< id of the subscriber or publisher at the other end; 0: concerns none
-  std::string node{};      ///< and its node
-  /// Of incompatible_qos: the first policy that does not fit.
+  std::string node{};      ///< the name of the node of `peer`
   QosPolicy policy = QosPolicy::none;
-  std::uint64_t count = 1;  ///< of deadlines missed, samples lost or diverted since the last such event
-  bool yet = false;         ///< of no_path: shared memory may still come up, here or there
-  bool reliable = false;    ///< of samples_lost: the subscriber asked for reliability
-  std::string text{};       ///< for people
+  std::uint64_t count = 1;  ///< deadlines missed, samples lost or diverted since the last event of the kind
+  bool yet = false;         ///< with no_path: shared memory may still come up, on this side or the other
+  bool reliable = false;    ///< with samples_lost: the subscriber asked for reliability
+  std::string text{};       ///< a sentence for people
   friend bool operator==(const Event&, const Event&) = default;
 };
 
-/// Called on the node's agent thread, which does nothing else meanwhile: be short. If it holds that up for a
-/// few seconds (5, or 14 with peers or without multicast), other nodes take this one for dead and serve it no
-/// more until it goes on. No lock is held, everything of SFT may be called and destroyed. The node's log gets
-/// the same, whether there is a callback or not. What comes and goes within one batch of news may not be
-/// told. After the destructor of the publisher or subscriber it is not called any more (unless that runs in
-/// the call itself).
+/// A callback for events. It runs on the node's agent thread, which does nothing else meanwhile, so it must
+/// be short. If it blocks that thread for a few seconds (5, or 14 with peers or without multicast), other
+/// nodes take this node for dead and do not serve it until it goes on. No lock is held during the call: the
+/// callback may call any function of SFT and destroy any object of it. The node's log gets the same events,
+/// whether there is a callback or not. An event and its opposite within one batch of news may both be left
+/// out. After the destructor of the publisher or subscriber the callback is not called any more (unless the
+/// destructor runs within the callback itself).
 using EventCallback = std::function<void(const Event&)>;
 
 }  // namespace sft

@@ -28,7 +28,6 @@
 #include "sft/snapshot.h"
 #include "sft/status.h"
 #include "sft/subscriber.h"
-#include "sft/topics.h"
 
 namespace sft {
 
@@ -41,7 +40,7 @@ class Node {
   /// Opens a publisher of messages of type T.
   template <class T>
   Result<Publisher<T>> publisher(std::string_view topic, const PublisherOptions& options = {}) {
-    return open_publisher(topic, type_support<T>(), options).map([](untyped::Publisher&& p) {
+    return open_publisher(topic, type_support<T>(), options).map([](detail::untyped::Publisher&& p) {
       return Publisher<T>(std::move(p));
     });
   }
@@ -54,14 +53,13 @@ class Node {
   template <class T, Req<T> R = Req<T>(all<T>)>
   Result<Subscriber<T, R>> subscriber(std::string_view topic, const SubscriberOptions& options = {}) {
     return open_subscriber(topic, type_support<T>(), requirement<T, R>(), options, {})
-        .map([](untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
+        .map([](detail::untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 
-  /// The same with a callback, which gets each sample (subscriber.h says on which thread).
-  template <class T, Req<T> R = Req<T>(all<T>), SampleCallback<Sample<T, R>> F>
+  template <class T, Req<T> R = Req<T>(all<T>), detail::SampleCallback<Sample<T, R>> F>
   Result<Subscriber<T, R>> subscriber(std::string_view topic, F&& callback,
                                       const SubscriberOptions& options = {}) {
-    auto typed = [callback = std::forward<F>(callback)](untyped::Sample&& untyped) mutable {
+    auto typed = [callback = std::forward<F>(callback)](detail::untyped::Sample&& untyped) mutable {
       Sample<T, R> sample(std::move(untyped));
       if constexpr (std::invocable<F&, const Sample<T, R>&>) {
         callback(std::as_const(sample));
@@ -70,12 +68,12 @@ class Node {
       }
     };
     return open_subscriber(topic, type_support<T>(), requirement<T, R>(), options, std::move(typed))
-        .map([](untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
+        .map([](detail::untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 
   /// Only says what a callback takes, where it takes something else.
   template <class T, Req<T> R = Req<T>(all<T>), class F>
-  requires(!SampleCallback<F, Sample<T, R>> && !std::convertible_to<F, const SubscriberOptions&>)
+  requires(!detail::SampleCallback<F, Sample<T, R>> && !std::convertible_to<F, const SubscriberOptions&>)
       Result<Subscriber<T, R>> subscriber(std::string_view, F&&, const SubscriberOptions& = {}) {
     static_assert(sizeof(F) == 0,
                   "the callback of a subscriber takes a sample and not the message: write [](const auto& "
@@ -117,18 +115,19 @@ class Node {
 
  private:
   template <class T, Req<T> R>
-  static untyped::Requirement requirement() {
+  static detail::untyped::Requirement requirement() {
     return {FieldMask(R.mask), R.is_recorded};
   }
 
   explicit Node(std::shared_ptr<core::NodeCore> core) : core_(std::move(core)) {}
-  Result<untyped::Publisher> open_publisher(std::string_view topic, const TypeSupport& type,
-                                            const PublisherOptions& options);
-  Result<untyped::Subscriber> open_subscriber(std::string_view topic, const TypeSupport& type,
-                                              untyped::Requirement requirement,
-                                              const SubscriberOptions& options, untyped::Callback callback);
+  Result<detail::untyped::Publisher> open_publisher(std::string_view topic, const TypeSupport& type,
+                                                    const PublisherOptions& options);
+  Result<detail::untyped::Subscriber> open_subscriber(std::string_view topic, const TypeSupport& type,
+                                                      detail::untyped::Requirement requirement,
+                                                      const SubscriberOptions& options,
+                                                      detail::untyped::Callback callback);
   Result<DynamicSubscriber> open_subscriber(std::string_view topic, const DynamicType& type,
-                                            untyped::Requirement requirement,
+                                            detail::untyped::Requirement requirement,
                                             const SubscriberOptions& options, DynamicCallback callback);
 
   std::shared_ptr<core::NodeCore> core_;

@@ -12,9 +12,9 @@
 #include <type_traits>
 #include <utility>
 
-#include "sft/typesupport/loan_view.h"
-#include "sft/typesupport/view.h"
-#include "sft/untyped.h"
+#include "sft/detail/loan_view.h"
+#include "sft/detail/untyped.h"
+#include "sft/detail/view.h"
 
 namespace sft {
 
@@ -26,13 +26,11 @@ namespace sft {
 template <class T>
 class Loan {
  public:
-  /// The writable members of the loan.
-  using View = typename T::template LoanView<LoanedPlace<T>>;
-  /// The sequences of T that a loan can reserve.
+  using View = typename T::template LoanView<detail::LoanedPlace<T>>;
   using Reservations = decltype(View::reservations({}));
 
-  /// Publisher::loan() makes loans.
-  Loan(untyped::Loan&& loan, const Reservations& reserved) : loan_(std::move(loan)), reserved_(reserved) {}
+  Loan(detail::untyped::Loan&& loan, const Reservations& reserved)
+      : loan_(std::move(loan)), reserved_(reserved) {}
 
   /// What operator->() returns.
   class Arrow {
@@ -43,15 +41,14 @@ class Loan {
    private:
     View view_;
   };
-  /// The writable members, in place. Not of a temporary loan.
-  Arrow operator->() & { return Arrow(View{LoanedPlace<T>{loan_.body(), loan_.state()}}); }
+  Arrow operator->() & { return Arrow(View{detail::LoanedPlace<T>{loan_.body(), loan_.state()}}); }
   void operator->() && = delete;
 
   /// Writes one scalar outside collections of structs: a number, or an enumerator of the field's own
   /// enumeration.
   template <std::size_t Leaf, class V>
-  void set(const FieldNode<T, Leaf, 1>&, V value) {
-    constexpr ScalarPlace place = scalar_place(TypeTable<T>::type, Leaf);
+  void set(const detail::FieldNode<T, Leaf, 1>&, V value) {
+    constexpr ScalarPlace place = scalar_place(detail::TypeTable<T>::type, Leaf);
     static_assert(place.found, "set() takes a scalar field outside sequences of structs");
     static_assert(!place.found || can_hold<V>(place), "set() takes a value of the field's own type");
     using Scalar = typename detail::ScalarOf<place.kind>::type;
@@ -62,7 +59,7 @@ class Loan {
   /// Of a reserved sequence only the first `length` elements are published. Spans of it stay valid; what
   /// lies behind moves up at publish(). It can be called again, for any length up to what was reserved.
   template <std::size_t Leaf>
-  ShrinkStatus shrink(const FieldNode<T, Leaf, 1>&, std::uint32_t length) {
+  ShrinkStatus shrink(const detail::FieldNode<T, Leaf, 1>&, std::uint32_t length) {
     constexpr std::size_t number = reservation_number(Leaf);
     static_assert(number < std::tuple_size_v<Reservations>,
                   "shrink() takes a sequence of numbers or enumerators, which loan() can reserve");
@@ -76,7 +73,7 @@ class Loan {
  private:
   struct ScalarPlace {
     bool found = false;
-    Kind kind = Kind::octet;
+    Member::Kind kind = Member::Kind::octet;
     const EnumType* enumeration = nullptr;
     std::size_t slot = 0;
   };
@@ -85,14 +82,14 @@ class Loan {
     for (const Member& m : type.members) {
       const std::size_t leaves = leaf_count(m);
       if (leaf < leaves) {
-        if (m.shape != Shape::single || m.kind == Kind::string) return {};
-        if (is_primitive(m.kind)) return {true, m.kind, m.enumeration, slot};
+        if (m.shape != Member::Shape::single || m.kind == Member::Kind::string) return {};
+        if (detail::is_primitive(m.kind)) return {true, m.kind, m.enumeration, slot};
         ScalarPlace below = scalar_place(*m.type, leaf);
         below.slot += slot;
         return below;
       }
       leaf -= leaves;
-      slot += slot_count(m);
+      slot += detail::slot_count(m);
     }
     return {};
   }
@@ -101,7 +98,7 @@ class Loan {
   template <class V>
   static constexpr bool can_hold(const ScalarPlace& place) {
     if constexpr (std::is_enum_v<V>) {
-      return place.enumeration == &EnumTable<V>::type;
+      return place.enumeration == &detail::EnumTable<V>::type;
     } else {
       return std::is_arithmetic_v<V> && (place.enumeration == nullptr || place.enumeration->is_bitmask);
     }
@@ -109,11 +106,11 @@ class Loan {
 
   static constexpr std::size_t reservation_number(std::size_t leaf) {
     const Reservations all = View::reservations({});
-    const auto is_it = [leaf](const Reservation& r) { return r.leaf == leaf; };
+    const auto is_it = [leaf](const detail::Reservation& r) { return r.leaf == leaf; };
     return static_cast<std::size_t>(std::find_if(all.begin(), all.end(), is_it) - all.begin());
   }
 
-  untyped::Loan loan_;
+  detail::untyped::Loan loan_;
   Reservations reserved_;
 };
 
@@ -124,8 +121,7 @@ class Loan {
 template <class T>
 class Publisher {
  public:
-  /// Node::publisher() makes publishers.
-  explicit Publisher(untyped::Publisher publisher) : publisher_(std::move(publisher)) {}
+  explicit Publisher(detail::untyped::Publisher publisher) : publisher_(std::move(publisher)) {}
 
   /// Encodes once and sends: readers on this host get one full sample, remote ones the fields they asked for.
   /// Without a reader it costs a few nanoseconds. A large message that goes to one process elsewhere alone is
@@ -144,7 +140,7 @@ class Publisher {
   }
 
   /// A payload that is already encoded (4 bytes of encapsulation and a body), as in ROS 2 bags: XCDR1 and
-  /// plain XCDR2 in both byte orders, see sft/typesupport/convert.h. It is checked on the way; without a
+  /// plain XCDR2 in both byte orders, see sft/detail/convert.h. It is checked on the way; without a
   /// reader, and where nothing is retained, only the encapsulation is, and it costs a few nanoseconds.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
@@ -154,7 +150,7 @@ class Publisher {
   /// enumerators, also those in nested structs, get so many elements, all zero: `pub.loan(prototype, {.data =
   /// 6'291'456})`, `pub.loan(prototype, {.cloud = {.data = 1000}})`.
   Result<Loan<T>> loan(const T& prototype, const typename T::LoanSizes& sizes = {}) {
-    return loan(prototype, sizes, ReservedMemory::zeroed);
+    return loan(prototype, sizes, detail::ReservedMemory::zeroed);
   }
 
   /// The same, but reserved elements are left as they are, which saves the time to zero them. The memory was
@@ -162,7 +158,7 @@ class Publisher {
   /// written goes out to all readers as it is: pieces of earlier samples, of this publisher or of others on
   /// this host.
   Result<Loan<T>> loan_for_overwrite(const T& prototype, const typename T::LoanSizes& sizes = {}) {
-    return loan(prototype, sizes, ReservedMemory::as_it_is);
+    return loan(prototype, sizes, detail::ReservedMemory::as_it_is);
   }
 
   /// After publish() returned PublishStatus::invalid: which field is wrong, its size and the limit, as in
@@ -187,14 +183,15 @@ class Publisher {
   const TypeSupport& type() const { return publisher_.type(); }
 
  private:
-  Result<Loan<T>> loan(const T& prototype, const typename T::LoanSizes& sizes, ReservedMemory memory) {
+  Result<Loan<T>> loan(const T& prototype, const typename T::LoanSizes& sizes,
+                       detail::ReservedMemory memory) {
     const auto reserved = Loan<T>::View::reservations(sizes);
-    return publisher_.loan(&prototype, reserved, memory).map([&](untyped::Loan&& loan) {
+    return publisher_.loan(&prototype, reserved, memory).map([&](detail::untyped::Loan&& loan) {
       return Loan<T>(std::move(loan), reserved);
     });
   }
 
-  untyped::Publisher publisher_;
+  detail::untyped::Publisher publisher_;
 };
 
 }  // namespace sft

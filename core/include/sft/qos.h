@@ -1,5 +1,6 @@
-// Quality of service, with the names and rules of DDS (ROS 2 has the same): what a publisher offers must be
-// at least what a subscriber requests, or the two never match, and both are told which policy is to blame.
+// Quality of service, with the names and rules of DDS, which ROS 2 has, too. What a publisher offers must be
+// at least what a subscriber requests. Otherwise the two never match, and both are told which policy does not
+// fit.
 //
 //   policy       matches if
 //   reliability  offered >= requested, best_effort < reliable
@@ -7,7 +8,8 @@
 //   deadline     offered <= requested, none is the longest
 //   liveliness   kind: offered >= requested, automatic < manual_by_topic; lease: offered <= requested
 //
-// History, lifespan and rate are each side's own affair.
+// History, lifespan and rate concern only one side, and do not take part in matching. All of this header is
+// plain values.
 #pragma once
 
 #include <chrono>
@@ -15,39 +17,46 @@
 
 namespace sft {
 
+/// What is done about samples that are lost on the way.
 enum class Reliability : std::uint8_t {
-  best_effort,
-  /// Nothing is lost but beyond the subscriber's depth, and in order. Over UDP what was lost on the way is
-  /// sent again, as long as the publisher keeps it: the last 64 MB or 4096 samples that were not
-  /// acknowledged (ResendLimits); less where many subscribers lag, for all of which the node keeps at most
-  /// half of its memory (UdpSettings::memory_limit_bytes). In shared memory the depth is all there is, up to
-  /// 256 samples. A publisher that is faster than a subscriber loses it the oldest of these, or waits for it,
-  /// on whichever path (PublisherOptions::max_blocking): then nothing is lost beyond the depth either, as
-  /// long as it waits. What is lost nevertheless is counted, and logged as a warning.
+  best_effort,  ///< nothing: a lost sample is counted
+  /// Samples come in order, and none is lost as long as the subscriber does not lag by more than its depth.
+  /// Over UDP a lost sample is sent again as long as the publisher keeps it. The publisher keeps the last
+  /// 64 MB or 4096 samples that were not acknowledged (ResendLimits), and fewer if many subscribers lag: for
+  /// all of them the node keeps at most half of its memory (UdpSettings::memory_limit_bytes). In shared
+  /// memory only the samples within the depth are kept, at most 256. If a publisher is faster than a
+  /// subscriber, that subscriber loses the oldest of these samples, on either path. The publisher can wait
+  /// instead (PublisherOptions::max_blocking); as long as it waits, nothing is lost. Samples that are lost
+  /// nevertheless are counted, and logged as a warning.
   reliable,
 };
+/// What a subscriber gets of the samples that were published before it came.
 enum class Durability : std::uint8_t {
-  volatile_,  ///< a subscriber gets what is published from when it is served
-  /// And before that the last samples of each publisher, as many as both sides keep
-  /// (PublisherOptions::history_depth, SubscriberOptions::depth). They come by UDP, within a host too, or in
-  /// shared memory where the pair rules UDP out. A reliable subscriber gets all of them, whatever their size:
-  /// they leave as it acknowledges them, and what is published meanwhile follows. Until they have left they
-  /// stay in memory, although the publisher may retain newer ones by then.
+  volatile_,  ///< nothing: it gets the samples that are published from the time when it is served
+  /// The last samples of each publisher, as many as both sides keep (PublisherOptions::history_depth,
+  /// SubscriberOptions::depth). They come by UDP, within a host, too, or in shared memory if the pair must
+  /// not use UDP. A reliable subscriber gets all of them, whatever their size: they are sent at the pace at
+  /// which it acknowledges them, and samples that are published meanwhile follow. Until they have been sent
+  /// they stay in memory, even if the publisher retains newer ones by then.
   transient_local,
 };
+/// How a publisher shows that it is alive.
 enum class Liveliness : std::uint8_t {
-  /// A publisher is alive as long as its node is. Where a subscriber asks for a lease, the node says so three
-  /// times in each, for all its publishers at once, in some 155 bytes.
+  /// A publisher is alive as long as its node is. If a subscriber asks for a lease, the node sends a sign of
+  /// life three times in each lease, for all its publishers at once, in some 155 bytes.
   automatic,
-  manual_by_topic,  ///< as long as it publishes, or says so by assert_liveliness()
+  /// A publisher is alive as long as it publishes, or calls assert_liveliness(), once in each lease.
+  manual_by_topic,
 };
 using enum Reliability;
 using enum Durability;
 using Liveliness::manual_by_topic;
 
+/// A policy that can fail to fit, or none.
+/// A policy that can fail to fit, or none.
 enum class QosPolicy : std::uint8_t { none, reliability, durability, deadline, liveliness };
 
-/// What a publisher offers or a subscriber requests. Durations of 0: none.
+/// What a publisher offers or a subscriber requests. A duration of 0 means none.
 struct Qos {
   Reliability reliability = Reliability::best_effort;  ///< a reliable offer satisfies each request
   Durability durability = Durability::volatile_;       ///< a transient_local offer satisfies each request
@@ -55,8 +64,9 @@ struct Qos {
   Liveliness liveliness = Liveliness::automatic;       ///< a manual_by_topic offer satisfies each request
   std::chrono::nanoseconds liveliness_lease{0};        ///< the longest time between two signs of life
   // These take no part in matching:
-  std::chrono::nanoseconds lifespan{0};  ///< publishers
-  std::uint32_t history_depth = 1;       ///< publishers: samples kept for late ones; subscribers: until taken
+  std::chrono::nanoseconds lifespan{0};  ///< only of publishers
+  /// Publishers: samples kept for late subscribers. Subscribers: samples kept until they are taken.
+  std::uint32_t history_depth = 1;
   friend bool operator==(const Qos&, const Qos&) = default;
 };
 

@@ -1,4 +1,4 @@
-// What a subscriber asks for and, where its fields are recorded, what its code was seen to read:
+// What a subscriber asks for and, where its fields are recorded, which fields its program was seen to read:
 //
 //   const sft::Requirements seen = recorded.requirements();                   // after it ran for a while
 //   auto declared = node.subscriber("points", type, seen.text);               // asks for just that, for good
@@ -8,26 +8,28 @@
 #include <string>
 #include <vector>
 
-#include "sft/typesupport/field_mask.h"
+#include "sft/mask.h"
 
 namespace sft {
 
-/// A leaf of the message type. Samples are numbered from 1 in the order in which they were released.
+/// One leaf of the message type (type.h). Samples are numbered from 1, in the order in which the program
+/// released them.
 struct FieldRequirement {
   std::string path;               ///< "fields[].name"
-  std::uint64_t samples = 0;      ///< in so many it was read
-  std::uint64_t last_sample = 0;  ///< the number of the last of them; 0: it never was
-  bool requested = false;         ///< it is asked for at present
+  std::uint64_t samples = 0;      ///< the number of samples in which the field was read
+  std::uint64_t last_sample = 0;  ///< the number of the last of these samples; 0: the field was never read
+  bool requested = false;         ///< true: the subscriber asks for the field at present
 };
 
-/// A snapshot. Reads count once their sample has been released, on whatever thread they were; those by
-/// getters do, copies of the whole sample (cdr(), to_partial()) do not.
+/// A copy of what Subscriber::requirements() knew when it was called; a value that any thread may use. A read
+/// counts once its sample has been released, on whatever thread it happened. Reads by getters count; copies
+/// of the whole sample (cdr(), to_partial()) do not.
 struct Requirements {
-  bool recorded = false;      ///< false: declared, and nothing is counted
-  std::uint64_t samples = 0;  ///< that were released
-  FieldMask mask;             ///< what was read in at least one of them; or what is declared
-  std::string text;           ///< the same, as Node::subscriber and TypeSupport::parse_mask take it
-  std::vector<FieldRequirement> fields;  ///< all of the type
+  bool recorded = false;      ///< false: the fields are declared, and nothing is counted
+  std::uint64_t samples = 0;  ///< the number of samples that were released
+  FieldMask mask;             ///< the fields that were read in at least one sample, or that are declared
+  std::string text;           ///< the mask, as Node::subscriber and TypeSupport::parse_mask take it
+  std::vector<FieldRequirement> fields;  ///< all leaves of the type
 };
 
 }  // namespace sft

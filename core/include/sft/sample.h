@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "sft/typesupport/decode.h"
-#include "sft/typesupport/view.h"
-#include "sft/untyped.h"
+#include "sft/detail/decode.h"
+#include "sft/detail/untyped.h"
+#include "sft/detail/view.h"
 
 namespace sft {
 
@@ -31,12 +31,10 @@ struct Partial {
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Sample {
  public:
-  /// The getters of the fields.
-  using View = ViewOf<T, R>;
+  using View = detail::ViewOf<T, R>;
 
   Sample() = default;
-  /// take() and callbacks have samples.
-  explicit Sample(untyped::Sample&& sample) : sample_(std::move(sample)) {}
+  explicit Sample(detail::untyped::Sample&& sample) : sample_(std::move(sample)) {}
 
   /// False if there is no sample.
   explicit operator bool() const { return static_cast<bool>(sample_); }
@@ -58,7 +56,7 @@ class Sample {
   /// empty sample.
   View view() const& {
     assert(sample_ && "an empty sample is read: ask `if (sample)` first, take() had nothing to give");
-    return view_of<T, R>(sample_.state());
+    return detail::view_of<T, R>(sample_.state());
   }
   void view() const&& = delete;
 
@@ -79,7 +77,7 @@ class Sample {
   Result<T> to_owned() const requires(!R.is_recorded && R.mask == all<T>) {
     if (!sample_) return empty_error();
     Result<T> value{};
-    if (const WalkStatus status = decode_to(*value); status != WalkStatus::ok)
+    if (const detail::WalkStatus status = decode_to(*value); status != detail::WalkStatus::ok)
       value = malformed_error(status);
     return value;
   }
@@ -88,7 +86,7 @@ class Sample {
     if (!sample_) return empty_error();
     Result<Partial<T>> partial{};
     partial->mask = mask();
-    if (const WalkStatus status = decode_to(partial->value); status != WalkStatus::ok)
+    if (const detail::WalkStatus status = decode_to(partial->value); status != detail::WalkStatus::ok)
       partial = malformed_error(status);
     return partial;
   }
@@ -98,17 +96,19 @@ class Sample {
   void cdr() const&& = delete;
 
  private:
-  WalkStatus decode_to(T& value) const { return decode(sample_.state(), TypeTable<T>::type, &value); }
+  detail::WalkStatus decode_to(T& value) const {
+    return detail::decode(sample_.state(), detail::TypeTable<T>::type, &value);
+  }
   static tl::unexpected<Error> empty_error() {
     return fail(Errc::unavailable, "the sample is empty: take() had nothing to give");
   }
-  tl::unexpected<Error> malformed_error(WalkStatus status) const {
+  tl::unexpected<Error> malformed_error(detail::WalkStatus status) const {
     sample_.state().flag_malformed();
-    return fail(Errc::malformed,
-                std::string("not a ") + std::string(TypeTable<T>::type.name) + ": " + to_string(status));
+    return fail(Errc::malformed, std::string("not a ") + std::string(detail::TypeTable<T>::type.name) + ": " +
+                                     to_string(status));
   }
 
-  untyped::Sample sample_;
+  detail::untyped::Sample sample_;
 };
 
 }  // namespace sft

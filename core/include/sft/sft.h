@@ -1,17 +1,29 @@
-// Everything a program needs, beside the headers generated for its message types.
+// Everything a program needs, beside the headers generated for its message types: all public headers. Headers
+// in sft/detail/ and names in sft::detail are for generated code and for SFT's own libraries; they may change
+// with every version.
 #pragma once
 
 #include "sft/domain.h"        // IWYU pragma: export
 #include "sft/dynamic.h"       // IWYU pragma: export
+#include "sft/dynamic_type.h"  // IWYU pragma: export
+#include "sft/dynamic_view.h"  // IWYU pragma: export
 #include "sft/event.h"         // IWYU pragma: export
+#include "sft/json.h"          // IWYU pragma: export
+#include "sft/mask.h"          // IWYU pragma: export
+#include "sft/msg_text.h"      // IWYU pragma: export
 #include "sft/node.h"          // IWYU pragma: export
+#include "sft/optional.h"      // IWYU pragma: export
 #include "sft/options.h"       // IWYU pragma: export
 #include "sft/publisher.h"     // IWYU pragma: export
 #include "sft/qos.h"           // IWYU pragma: export
 #include "sft/requirements.h"  // IWYU pragma: export
+#include "sft/result.h"        // IWYU pragma: export
 #include "sft/sample.h"        // IWYU pragma: export
+#include "sft/sample_info.h"   // IWYU pragma: export
 #include "sft/snapshot.h"      // IWYU pragma: export
 #include "sft/status.h"        // IWYU pragma: export
 #include "sft/subscriber.h"    // IWYU pragma: export
 #include "sft/time.h"          // IWYU pragma: export
-#include "sft/topics.h"        // IWYU pragma: export
+#include "sft/type.h"          // IWYU pragma: export
+#include "sft/type_support.h"  // IWYU pragma: export
+#include "sft/yaml.h"          // IWYU pragma: export

@@ -5,14 +5,18 @@
 #include <concepts>
 #include <utility>
 
+#include "sft/detail/untyped.h"
 #include "sft/sample.h"
-#include "sft/untyped.h"
 
 namespace sft {
 
-/// What is called for each sample S: with a `const S&`, or with an `S` that it may keep.
+namespace detail {
+
+/// A callback for samples of type S takes a `const S&`, or an `S` that it may keep.
 template <class F, class S>
 concept SampleCallback = std::invocable<F&, const S&> || std::invocable<F&, S>;
+
+}  // namespace detail
 
 /// Moved, not copied. All of its functions may be called by any thread at any time, also at once: each sample
 /// is taken by one of them. Without a callback samples are taken. With one: the callback is called for each
@@ -27,8 +31,7 @@ concept SampleCallback = std::invocable<F&, const S&> || std::invocable<F&, S>;
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Subscriber {
  public:
-  /// Node::subscriber() makes subscribers.
-  explicit Subscriber(untyped::Subscriber subscriber) : subscriber_(std::move(subscriber)) {}
+  explicit Subscriber(detail::untyped::Subscriber subscriber) : subscriber_(std::move(subscriber)) {}
 
   /// The oldest sample not yet taken; empty if there is none.
   [[nodiscard]] Sample<T, R> take() { return Sample<T, R>(subscriber_.take()); }
@@ -58,7 +61,7 @@ class Subscriber {
   const TypeSupport& type() const { return subscriber_.type(); }
 
  private:
-  untyped::Subscriber subscriber_;
+  detail::untyped::Subscriber subscriber_;
 };
 
 }  // namespace sft

@@ -61,14 +61,14 @@ constexpr Message seconds_message(std::chrono::nanoseconds time) {
   return message;
 }
 
-}  // namespace detail
-
 template <class S>
-concept SecondsMessage = detail::OwnedSeconds<S> || detail::ReadSeconds<S>;
+concept SecondsMessage = OwnedSeconds<S> || ReadSeconds<S>;
+
+}  // namespace detail
 
 /// builtin_interfaces/Duration in ns. Of a sample whose fields are recorded a std::optional: empty if it does
 /// not have both fields. No value of a message is out of range.
-template <SecondsMessage S>
+template <detail::SecondsMessage S>
 constexpr auto to_duration(const S& duration) {
   if constexpr (detail::OwnedSeconds<S>) {
     return detail::together(duration.sec, duration.nanosec);
@@ -85,7 +85,7 @@ constexpr auto to_duration(const S& duration) {
 
 /// builtin_interfaces/Time as a point in time since 1970-01-01 in UTC, as std::chrono::system_clock counts,
 /// and SampleInfo's stamps; of a stamp of simulated time, since that began. Optional as to_duration() is.
-template <SecondsMessage S>
+template <detail::SecondsMessage S>
 constexpr auto to_time(const S& stamp) {
   using Time = std::chrono::sys_time<std::chrono::nanoseconds>;
   const auto since_epoch = to_duration(stamp);

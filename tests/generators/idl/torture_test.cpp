@@ -14,14 +14,14 @@
 #include <utility>
 #include <vector>
 
-#include "sft/typesupport/encode.h"
-#include "sft/typesupport/field_mask.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/encode.h"
+#include "sft/detail/walk.h"
+#include "sft/mask.h"
 
 namespace {
 
 template <class T>
-constexpr auto& members = sft::TypeTable<T>::members;
+constexpr auto& members = sft::detail::TypeTable<T>::members;
 
 template <class T>
 const sft::Member& member(std::string_view name) {
@@ -37,22 +37,23 @@ template <class T, sft::Req<T> R = sft::all<T>>
 class Encoded {
  public:
   explicit Encoded(const T& value) {
-    const sft::StructType& type = sft::TypeTable<T>::type;
-    const std::uint32_t size = sft::encoded_size(type, &value, mask_).bytes;
+    const sft::StructType& type = sft::detail::TypeTable<T>::type;
+    const std::uint32_t size = sft::detail::encoded_size(type, &value, mask_).bytes;
     body_.resize(size / 8 + 1);
     const auto body = std::as_writable_bytes(std::span(body_)).first(size);
-    sft::encode(type, &value, mask_, body, index_);
+    sft::detail::encode(type, &value, mask_, body, index_);
     state_ = {.body = body.data(), .body_bytes = size, .index = index_.data(), .mask = &mask_};
   }
   Encoded(const Encoded&) = delete;
 
-  sft::ViewOf<T, R> view() const { return sft::view_of<T, R>(state_); }
+  sft::detail::ViewOf<T, R> view() const { return sft::detail::view_of<T, R>(state_); }
 
  private:
   sft::FieldMask mask_{R.mask};
   std::vector<std::uint64_t> body_;  // 8-aligned
-  std::vector<std::uint32_t> index_ = std::vector<std::uint32_t>(sft::slot_count(sft::TypeTable<T>::type));
-  sft::SampleState state_;
+  std::vector<std::uint32_t> index_ =
+      std::vector<std::uint32_t>(sft::detail::slot_count(sft::detail::TypeTable<T>::type));
+  sft::detail::SampleState state_;
 };
 
 template <class T>
@@ -90,8 +91,8 @@ TEST(Constants, GiveWayToMembersAndToTheStructItself) {
 TEST(Enumerations, HaveTheirValuesAndWidth) {
   static_assert(static_cast<int>(torture::Color::BLUE) == 7);
   static_assert(sizeof(torture::Color) == 4 && sizeof(torture::Tiny) == 1);
-  EXPECT_EQ(member<torture::Defaults>("color").kind, sft::Kind::int32);
-  EXPECT_EQ(member<torture::Defaults>("tiny").kind, sft::Kind::int8);
+  EXPECT_EQ(member<torture::Defaults>("color").kind, sft::detail::Kind::int32);
+  EXPECT_EQ(member<torture::Defaults>("tiny").kind, sft::detail::Kind::int8);
 }
 
 TEST(Bitmasks, AreUnsignedIntegersOfTheirWidth) {
@@ -100,10 +101,10 @@ TEST(Bitmasks, AreUnsignedIntegersOfTheirWidth) {
   static_assert(std::is_same_v<std::underlying_type_t<torture::Doors>, std::uint16_t>);
   static_assert(std::is_same_v<std::underlying_type_t<torture::Flags>, std::uint32_t>);
   static_assert(std::is_same_v<std::underlying_type_t<torture::Seats>, std::uint64_t>);
-  EXPECT_EQ(member<Bitmasks>("lamps").kind, sft::Kind::uint8);
-  EXPECT_EQ(member<Bitmasks>("three").kind, sft::Kind::uint16);
-  EXPECT_EQ(member<Bitmasks>("state").kind, sft::Kind::uint32);
-  EXPECT_EQ(member<Bitmasks>("many").kind, sft::Kind::uint64);
+  EXPECT_EQ(member<Bitmasks>("lamps").kind, sft::detail::Kind::uint8);
+  EXPECT_EQ(member<Bitmasks>("three").kind, sft::detail::Kind::uint16);
+  EXPECT_EQ(member<Bitmasks>("state").kind, sft::detail::Kind::uint32);
+  EXPECT_EQ(member<Bitmasks>("many").kind, sft::detail::Kind::uint64);
 }
 
 TEST(Bitmasks, HaveABitForEachFlag) {
@@ -207,27 +208,27 @@ TEST(OwnedTypes, HoldBooleansOfCollectionsAsBytes) {
   static_assert(std::is_same_v<decltype(torture::Primitives::a_boolean), bool>);
   static_assert(std::is_same_v<decltype(torture::Arrays::flags), std::array<std::uint8_t, 4>>);
   static_assert(std::is_same_v<decltype(torture::Sequences::flags), std::vector<std::uint8_t>>);
-  EXPECT_EQ(member<torture::Arrays>("flags").kind, sft::Kind::boolean);
-  EXPECT_EQ(member<torture::Sequences>("flags").kind, sft::Kind::boolean);
+  EXPECT_EQ(member<torture::Arrays>("flags").kind, sft::detail::Kind::boolean);
+  EXPECT_EQ(member<torture::Sequences>("flags").kind, sft::detail::Kind::boolean);
 }
 
 TEST(Table, HasAKindForEachPrimitive) {
-  using enum sft::Kind;
+  using enum sft::detail::Kind;
   const std::vector expected{boolean, octet,  character, int8,    uint8,   int16,  int16,
                              uint16,  uint16, int32,     int32,   uint32,  uint32, int64,
                              int64,   uint64, uint64,    float32, float64, string};
-  std::vector<sft::Kind> kinds;
+  std::vector<sft::detail::Kind> kinds;
   for (const sft::Member& m : members<torture::Primitives>) kinds.push_back(m.kind);
   EXPECT_EQ(kinds, expected);
 }
 
 TEST(Table, HasShapesAndCounts) {
-  EXPECT_EQ(member<torture::Primitives>("a_long").shape, sft::Shape::single);
-  EXPECT_EQ(member<torture::Arrays>("grid").shape, sft::Shape::array);
+  EXPECT_EQ(member<torture::Primitives>("a_long").shape, sft::detail::Shape::single);
+  EXPECT_EQ(member<torture::Arrays>("grid").shape, sft::detail::Shape::array);
   EXPECT_EQ(member<torture::Arrays>("grid").count, 6U);
   EXPECT_EQ(member<torture::Arrays>("matrices").count, 30U);
-  EXPECT_EQ(member<torture::Sequences>("dots").shape, sft::Shape::sequence);
-  EXPECT_EQ(member<torture::Sequences>("dots").type, &sft::TypeTable<torture_base::Point>::type);
+  EXPECT_EQ(member<torture::Sequences>("dots").shape, sft::detail::Shape::sequence);
+  EXPECT_EQ(member<torture::Sequences>("dots").type, &sft::detail::TypeTable<torture_base::Point>::type);
 }
 
 TEST(Table, HasBounds) {
@@ -250,14 +251,14 @@ TEST(Table, KeepsNamesOfTheIdl) {
   using torture::names::Words;
   EXPECT_EQ(member<Words>("class").offset, offsetof(Words, class_));
   EXPECT_EQ(member<Words>("std").offset, offsetof(Words, std));
-  EXPECT_EQ(sft::TypeTable<torture::names::View_>::type.name, "torture::names::View");
-  EXPECT_EQ(sft::TypeTable<torture::std_::sft_::std_>::type.name, "torture::std::sft::std");
+  EXPECT_EQ(sft::detail::TypeTable<torture::names::View_>::type.name, "torture::names::View");
+  EXPECT_EQ(sft::detail::TypeTable<torture::std_::sft_::std_>::type.name, "torture::std::sft::std");
 }
 
 TEST(Numbering, CountsLeavesDepthFirst) {
-  static_assert(sft::leaf_count_of<torture::Primitives> == 20);
-  static_assert(sft::leaf_count_of<torture::Arrays> == 8 + 2 + 2 + 3);
-  static_assert(sft::leaf_count_of<torture::Sequences> == 8 + 3 + 3 + 4 + 1 + 3 + 1);
+  static_assert(sft::detail::leaf_count_of<torture::Primitives> == 20);
+  static_assert(sft::detail::leaf_count_of<torture::Arrays> == 8 + 2 + 2 + 3);
+  static_assert(sft::detail::leaf_count_of<torture::Sequences> == 8 + 3 + 3 + 4 + 1 + 3 + 1);
   using F = torture::Nested::Field;
   EXPECT_TRUE(mask_of(F::header.stamp.sec).contains(0));
   EXPECT_TRUE(mask_of(F::speed).contains(3));
@@ -337,32 +338,32 @@ concept can_read_name = requires(const V& view) {
 
 TEST(Views, LackGettersOfFieldsOutsideTheDeclaredMask) {
   using F = torture::Nested::Field;
-  static_assert(can_read_name<sft::ViewOf<torture::Nested, sft::all<torture::Nested>>>);
-  static_assert(can_read_name<sft::ViewOf<torture::Nested, F::header | F::name>>);
-  static_assert(!can_read_name<sft::ViewOf<torture::Nested, F::header | F::speed>>);
+  static_assert(can_read_name<sft::detail::ViewOf<torture::Nested, sft::all<torture::Nested>>>);
+  static_assert(can_read_name<sft::detail::ViewOf<torture::Nested, F::header | F::name>>);
+  static_assert(!can_read_name<sft::detail::ViewOf<torture::Nested, F::header | F::speed>>);
 }
 
 TEST(LoanSizes, NameTheSequencesOfPrimitivesAndEnumerations) {
   using torture::Sequences;
-  using Loan = Sequences::LoanView<sft::LoanedPlace<Sequences>>;
+  using Loan = Sequences::LoanView<sft::detail::LoanedPlace<Sequences>>;
   static_assert(Loan::reservations({}).size() == 7);
   const auto reservations = Loan::reservations({.bytes = 3, .ids = 5});
   EXPECT_EQ(reservations[1].leaf, 1U);
   EXPECT_EQ(reservations[1].length, 3U);
   EXPECT_EQ(reservations[2].length, std::nullopt);
-  EXPECT_EQ(reservations[6].leaf, sft::leaf_count_of<Sequences> - 1);
+  EXPECT_EQ(reservations[6].leaf, sft::detail::leaf_count_of<Sequences> - 1);
   EXPECT_EQ(reservations[6].length, 5U);
 }
 
 TEST(LoanViews, GiveWritableSpans) {
   using torture::Sequences;
-  using Loan = Sequences::LoanView<sft::LoanedPlace<Sequences>>;
+  using Loan = Sequences::LoanView<sft::detail::LoanedPlace<Sequences>>;
   static_assert(std::is_same_v<decltype(std::declval<Loan>().flags()), std::span<std::uint8_t>>);
   static_assert(std::is_same_v<decltype(std::declval<Loan>().colors()), std::span<torture::Color>>);
 }
 
 TEST(LoanViews, ReserveNothingWhereThereIsNoSequence) {
-  using Loan = torture::Primitives::LoanView<sft::LoanedPlace<torture::Primitives>>;
+  using Loan = torture::Primitives::LoanView<sft::detail::LoanedPlace<torture::Primitives>>;
   EXPECT_TRUE(Loan::reservations({}).empty());
 }
 
@@ -371,7 +372,7 @@ TEST(Modules, WithNamesThatHideOthersStillMeanWhatTheIdlSays) {
   static_assert(std::is_same_v<decltype(Both::point), ::torture_base::Point>);
   static_assert(std::is_same_v<decltype(Both::own), torture::namespace_::torture::torture_base::Point>);
   static_assert(std::is_same_v<decltype(Both::outer), ::torture::Primitives>);
-  EXPECT_EQ(sft::leaf_count_of<Both>, 20U + 2 + 3 + 1);
+  EXPECT_EQ(sft::detail::leaf_count_of<Both>, 20U + 2 + 3 + 1);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ TEST(UnguardedFiles, MayAllDeclareTheSameAliases) {
 TEST(UnguardedFiles, MayHaveNamesThatDifferInCaseOnly) {
   static_assert(Base::INT8 == 1);
   EXPECT_EQ(Base{}.value, -2);
-  EXPECT_EQ(sft::TypeTable<Base>::members[0].unit, "m");
+  EXPECT_EQ(sft::detail::TypeTable<Base>::members[0].unit, "m");
 }
 
 }  // namespace

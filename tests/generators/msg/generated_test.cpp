@@ -12,13 +12,15 @@
 #include <torture_msgs/msg/Mixed.hpp>
 #include <torture_msgs/msg/Windows.hpp>
 
-#include "sft/typesupport/decode.h"
+#include "sft/detail/decode.h"
 #include "tests/support/encoded.h"
 #include "tests/support/owned_value.h"
 #include "tests/support/random_value.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 namespace interfaces = ::test_interface_files::msg;
 namespace torture = ::torture_msgs::msg;

@@ -12,11 +12,13 @@
 #include <torture_msgs/msg/Windows.hpp>
 #include <torture_msgs/msg/Words.hpp>
 
-#include "sft/typesupport/type_support.h"
+#include "sft/type_support.h"
 #include "tests/support/encoded.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 namespace torture = ::torture_msgs::msg;
 using test::Encoded;

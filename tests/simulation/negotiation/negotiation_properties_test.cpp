@@ -18,6 +18,8 @@
 namespace sft::test {
 namespace {
 
+using namespace detail;
+
 using core::Role;
 using Plan = NegotiationWorld::Plan;
 using Step = NegotiationWorld::Step;

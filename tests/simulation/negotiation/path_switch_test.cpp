@@ -19,6 +19,8 @@
 namespace sft::core {
 namespace {
 
+using namespace detail;
+
 using sensor_msgs::msg::PointCloud2;
 constexpr EndpointId reader_id = 1;
 constexpr EndpointId neighbour_id = 2;

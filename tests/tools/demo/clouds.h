@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sft/typesupport/decode.h"
+#include "sft/detail/decode.h"
 #include "tests/support/encoded.h"
 #include "tests/support/temporary_directory.h"
 #include "tools/demo/clouds/input_cloud.h"
@@ -54,7 +54,7 @@ inline PointCloud2 small_cloud(std::uint32_t points = 3) {
 template <class T>
 Bytes payload_of(const T& message) {
   Bytes payload;
-  append(payload, encapsulation_cdr_le);
+  append(payload, detail::encapsulation_cdr_le);
   append(payload, test::Encoded(message).bytes());
   return payload;
 }

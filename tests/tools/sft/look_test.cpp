@@ -3,10 +3,13 @@
 #include <nav_msgs/msg/Odometry.hpp>
 #include <sstream>
 
-#include "tests/tools/sft/tool_fixture.h"
+#include "sft/detail/type_description.h"
+#include "tests/tools/tool_fixture.h"
 
 namespace sft::test {
 namespace {
+
+using namespace detail;
 
 using nav_msgs::msg::Odometry;
 

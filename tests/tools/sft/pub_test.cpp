@@ -6,6 +6,7 @@
 #include <span>
 #include <std_msgs/msg/UInt32.hpp>
 
+#include "sft/detail/type_description.h"
 #include "tests/support/encoded.h"
 #include "tests/support/message_types.h"
 #include "tests/support/random_value.h"
@@ -248,7 +249,7 @@ TEST_F(PubEveryType, IsEchoedAsItWasWritten) {
     const auto part = types.subspan(begin, std::min(at_once, types.size() - begin));
     for (const MessageType& each : part) {
       const std::string name(each.support->name());
-      const DynamicType type = DynamicType::parse(describe(each.type())).value();
+      const DynamicType type = DynamicType::parse(detail::describe(each.type())).value();
       OwnedValue value = each.make();
       values.fill(value.type(), value.get());
       tame(value.type(), value.get());

@@ -18,6 +18,8 @@
 namespace sft::test {
 namespace {
 
+using namespace detail;
+
 constexpr std::size_t MiB = 1 << 20;
 
 TEST(HostFile, IsReadBackAsItWasWritten) {

@@ -8,9 +8,9 @@
 #include <cstring>
 #include <vector>
 
-#include "core/seam/transport.h"
-#include "sft/typesupport/sample_format.h"
-#include "sft/typesupport/type_support.h"
+#include "core/transport.h"
+#include "sft/detail/sample_format.h"
+#include "sft/type_support.h"
 
 namespace sft::test {
 
@@ -23,23 +23,23 @@ struct Frame {
 }  // namespace sft::test
 
 template <>
-struct sft::TypeTable<sft::test::Frame> {
+struct sft::detail::TypeTable<sft::test::Frame> {
   using T = sft::test::Frame;
   static constexpr std::array members{
-      sft::member<std::uint32_t>("height", sft::Kind::uint32, offsetof(T, height)),
-      sft::member<std::uint32_t>("width", sft::Kind::uint32, offsetof(T, width)),
-      sft::member<std::vector<std::uint8_t>>("data", sft::Kind::uint8, offsetof(T, data))};
+      sft::detail::member<std::uint32_t>("height", sft::detail::Kind::uint32, offsetof(T, height)),
+      sft::detail::member<std::uint32_t>("width", sft::detail::Kind::uint32, offsetof(T, width)),
+      sft::detail::member<std::vector<std::uint8_t>>("data", sft::detail::Kind::uint8, offsetof(T, data))};
   static constexpr sft::StructType type{"sft::test::Frame", members};
 };
 
 namespace sft::test {
 
 inline const TypeSupport& frame_type() {
-  static const TypeSupport type(TypeTable<Frame>::type);
+  static const TypeSupport type(detail::TypeTable<Frame>::type);
   return type;
 }
 
-inline constexpr SampleLayout frame_layout{3};
+inline constexpr detail::SampleLayout frame_layout{3};
 inline constexpr std::uint32_t data_offset = 12;  ///< in the body
 
 /// Bytes of a sample with that much data.
@@ -48,7 +48,7 @@ constexpr std::size_t frame_bytes(std::uint32_t data) { return frame_layout.byte
 /// Writes header, index and the fixed fields; the data stays as it is.
 inline void write_frame(core::SampleBuffer& sample, core::EndpointId writer, std::uint64_t sequence,
                         std::uint32_t data) {
-  SampleHeader& header = sample.header();
+  detail::SampleHeader& header = sample.header();
   header.slots = 3;
   header.writer = writer;
   header.sequence = sequence;

@@ -10,6 +10,8 @@
 namespace sft::udp {
 namespace {
 
+using namespace detail;
+
 using core::Delivered;
 using test::fields;
 using test::Image;

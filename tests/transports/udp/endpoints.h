@@ -145,7 +145,7 @@ class Publisher {
 
   /// Publishes as a program does: the image changes as soon as this returns.
   core::SendStatus publish(Image image) {
-    PostponedCopies postponed;
+    detail::PostponedCopies postponed;
     const core::SampleHandle sample = make(image, *pool_, &postponed);
     if (!sample) return core::SendStatus::dropped;
     if (!postponed.empty()) sample->postponed = &postponed;
@@ -160,7 +160,8 @@ class Publisher {
   }
   /// The next sample, not sent.
   core::SampleHandle make(const Image& image) { return make(image, *pool_); }
-  core::SampleHandle make(const Image& image, core::BufferPool& pool, PostponedCopies* postponed = nullptr) {
+  core::SampleHandle make(const Image& image, core::BufferPool& pool,
+                          detail::PostponedCopies* postponed = nullptr) {
     const FieldMask all = fields<Image>("*");
     core::SampleHandle sample = pool.take(sample_bytes(image, all));
     if (sample) fill(*sample, image, all, id_, ++sequence_, postponed);

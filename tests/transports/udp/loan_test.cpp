@@ -22,6 +22,8 @@
 namespace sft::udp {
 namespace {
 
+using namespace detail;
+
 using views::Recording;
 using F = Recording::Field;
 

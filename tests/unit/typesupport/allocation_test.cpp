@@ -4,13 +4,15 @@
 #include <ranges>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "sft/typesupport/type_support.h"
-#include "sft/typesupport/view.h"
+#include "sft/detail/view.h"
+#include "sft/type_support.h"
 #include "tests/support/encoded.h"
 #include "tests/support/thread_allocations.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;

@@ -19,7 +19,7 @@
 #include <sensor_msgs/msg/LaserScan.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "sft/typesupport/convert.h"
+#include "sft/detail/convert.h"
 #include "tests/support/c_struct.h"
 #include "tests/support/cyclone_cdr.h"
 #include "tests/support/encoded.h"
@@ -33,6 +33,8 @@
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 constexpr int rounds = SFT_TEST_ROUNDS;  // per type and encoding
 

@@ -1,5 +1,5 @@
 // Payloads of other implementations become the bytes that we would have written, or are refused.
-#include "sft/typesupport/convert.h"
+#include "sft/detail/convert.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <memory>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "sft/typesupport/decode.h"
+#include "sft/detail/decode.h"
 #include "tests/support/encoded.h"
 #include "tests/support/foreign_cdr.h"
 #include "tests/support/message_types.h"
@@ -22,6 +22,8 @@
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 constexpr int rounds = SFT_TEST_ROUNDS;  // per type and encoding
 

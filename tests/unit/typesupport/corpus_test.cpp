@@ -12,16 +12,18 @@
 #include <sensor_msgs/msg/LaserScan.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "sft/typesupport/decode.h"
-#include "sft/typesupport/project.h"
-#include "sft/typesupport/sample_format.h"
-#include "sft/typesupport/view.h"
+#include "sft/detail/decode.h"
+#include "sft/detail/project.h"
+#include "sft/detail/sample_format.h"
+#include "sft/detail/view.h"
 #include "tests/support/encoded.h"
 #include "tests/support/random_value.h"
 #include "tests/support/recorded_data.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using nav_msgs::msg::Odometry;
 using sensor_msgs::msg::BatteryState;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "sft/typesupport/decode.h"
+#include "sft/detail/decode.h"
 #include "tests/support/c_struct.h"
 #include "tests/support/contestant.h"
 #include "tests/support/cyclone_cdr.h"
@@ -18,6 +18,8 @@
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using test::Contestant;
 using test::CStruct;

@@ -7,11 +7,12 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "sft/typesupport/decode.h"
-#include "sft/typesupport/dynamic_type.h"
-#include "sft/typesupport/dynamic_view.h"
-#include "sft/typesupport/json.h"
-#include "sft/typesupport/yaml.h"
+#include "sft/detail/decode.h"
+#include "sft/detail/type_description.h"
+#include "sft/dynamic_type.h"
+#include "sft/dynamic_view.h"
+#include "sft/json.h"
+#include "sft/yaml.h"
 #include "tests/support/encoded.h"
 #include "tests/support/message_types.h"
 #include "tests/support/random_value.h"
@@ -24,6 +25,8 @@
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using test::Encoded;
 using test::MessageType;

@@ -1,5 +1,5 @@
 // Reading by name: what can be asked, and what is said where there is nothing to read.
-#include "sft/typesupport/dynamic_view.h"
+#include "sft/dynamic_view.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,6 +17,8 @@
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;

@@ -1,5 +1,5 @@
 // Ranges of structs and strings: random access, with the elements that walking finds.
-#include "sft/typesupport/element_range.h"
+#include "sft/detail/element_range.h"
 
 #include <gtest/gtest.h>
 
@@ -13,13 +13,15 @@
 #include <thread>
 #include <vector>
 
-#include "sft/typesupport/view.h"
+#include "sft/detail/view.h"
 #include "tests/support/encoded.h"
 #include "tests/support/message_types.h"
 #include "tests/support/random_value.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using test::Encoded;

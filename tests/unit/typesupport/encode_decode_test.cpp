@@ -7,12 +7,14 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <torture.hpp>
 
-#include "sft/typesupport/decode.h"
-#include "sft/typesupport/sample_format.h"
+#include "sft/detail/decode.h"
+#include "sft/detail/sample_format.h"
 #include "tests/support/encoded.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::BatteryState;
 using sensor_msgs::msg::PointCloud2;

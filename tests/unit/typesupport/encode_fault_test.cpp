@@ -1,6 +1,5 @@
-// The reason why a value cannot be encoded names the field, its size and the limit, in the words that
-// programs are told.
-#include "sft/typesupport/encode_fault.h"
+// Why a value cannot be encoded: the field, its size and the limit, in the words that programs are told.
+#include "sft/detail/encode_fault.h"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +10,8 @@
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using proof::Bounded;
 using sensor_msgs::msg::PointCloud2;

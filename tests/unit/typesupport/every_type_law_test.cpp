@@ -8,10 +8,11 @@
 #include <iostream>
 #include <set>
 
-#include "sft/typesupport/decode.h"
-#include "sft/typesupport/dynamic_type.h"
-#include "sft/typesupport/dynamic_view.h"
-#include "sft/typesupport/project.h"
+#include "sft/detail/decode.h"
+#include "sft/detail/project.h"
+#include "sft/detail/type_description.h"
+#include "sft/dynamic_type.h"
+#include "sft/dynamic_view.h"
 #include "tests/support/encoded.h"
 #include "tests/support/message_types.h"
 #include "tests/support/random_value.h"
@@ -24,6 +25,8 @@
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using test::Encoded;
 using test::MessageType;

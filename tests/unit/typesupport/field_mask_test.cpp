@@ -1,4 +1,4 @@
-#include "sft/typesupport/field_mask.h"
+#include "sft/mask.h"
 
 #include <gtest/gtest.h>
 

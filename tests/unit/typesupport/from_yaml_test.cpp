@@ -11,13 +11,15 @@
 #include <std_msgs/msg/UInt64.hpp>
 #include <visualization_msgs/msg/MarkerArray.hpp>
 
-#include "sft/typesupport/json.h"
-#include "sft/typesupport/yaml.h"
+#include "sft/json.h"
+#include "sft/yaml.h"
 #include "tests/support/encoded.h"
 #include "tests/support/test_seed.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using test::Encoded;

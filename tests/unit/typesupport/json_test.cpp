@@ -1,5 +1,5 @@
 // Samples as JSON; that it holds every value is in dynamic_law_test.cpp.
-#include "sft/typesupport/json.h"
+#include "sft/json.h"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +12,8 @@
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;

@@ -1,5 +1,5 @@
 // Sets of fields at compile time, and with their types at run time.
-#include "sft/typesupport/mask.h"
+#include "sft/mask.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <vector>
 #include <views.hpp>
 
-#include "sft/typesupport/type_support.h"
+#include "sft/type_support.h"
 
 namespace sft {
 namespace {

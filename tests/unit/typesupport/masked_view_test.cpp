@@ -12,12 +12,14 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <torture.hpp>
 
-#include "sft/typesupport/view.h"
+#include "sft/detail/view.h"
 #include "tests/support/encoded.h"
 #include "tests/support/random_value.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using nav_msgs::msg::Odometry;
 using sensor_msgs::msg::BatteryState;

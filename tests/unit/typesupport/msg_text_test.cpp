@@ -1,5 +1,5 @@
 // Types as .msg text, there and back, and from files.
-#include "sft/typesupport/msg_text.h"
+#include "sft/msg_text.h"
 
 #include <unistd.h>
 
@@ -14,11 +14,13 @@
 #include <torture.hpp>
 #include <vector>
 
-#include "sft/typesupport/type_shape.h"
+#include "sft/detail/type_shape.h"
 #include "tests/support/message_types.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using ::testing::HasSubstr;

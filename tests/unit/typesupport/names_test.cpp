@@ -4,12 +4,14 @@
 #include <ranges>
 #include <views.hpp>
 
-#include "sft/typesupport/mask.h"
-#include "sft/typesupport/type_support.h"
+#include "sft/mask.h"
+#include "sft/type_support.h"
 #include "tests/support/encoded.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using test::Encoded;
 using views::InSequences;

@@ -6,11 +6,13 @@
 #include <proof.hpp>
 #include <torture_base.hpp>
 
-#include "sft/typesupport/walk.h"
+#include "sft/detail/walk.h"
 #include "tests/support/encoded.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 template <class T>
 constexpr const StructType& type = TypeTable<T>::type;

@@ -1,5 +1,5 @@
 // Copies that are made later: a few bytes at a time, and never more than was said.
-#include "sft/typesupport/postponed_copies.h"
+#include "sft/detail/postponed_copies.h"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +11,8 @@
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 /// The value is "abcdefghijklmnopqrstuvwxyz"; the body has its letters once they are copied, and else dots.
 class PostponedCopiesTest : public ::testing::Test {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "sft/typesupport/decode.h"
-#include "sft/typesupport/project.h"
+#include "sft/detail/decode.h"
+#include "sft/detail/project.h"
 #include "tests/support/encoded.h"
 #include "tests/support/message_types.h"
 #include "tests/support/random_value.h"
@@ -18,6 +18,8 @@
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using test::Encoded;
 using test::MessageType;

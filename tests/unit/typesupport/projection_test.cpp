@@ -1,6 +1,5 @@
-// These tests check how bytes are projected: what is copied, what is only referenced, and what the runtime
-// refuses.
-#include "sft/typesupport/project.h"
+// How bytes are projected: what is copied, what is only referenced, and what the runtime refuses.
+#include "sft/detail/project.h"
 
 #include <gtest/gtest.h>
 
@@ -10,11 +9,13 @@
 #include <proof.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "sft/typesupport/decode.h"
+#include "sft/detail/decode.h"
 #include "tests/support/encoded.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using test::Encoded;

@@ -1,5 +1,5 @@
-// These tests check what becomes of an error that a program does not look at.
-#include "sft/typesupport/result.h"
+// What becomes of an error that a program does not look at.
+#include "sft/result.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Types as bytes: what is described comes back, and nothing else is accepted.
-#include "sft/typesupport/type_description.h"
+#include "sft/detail/type_description.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,12 +8,14 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <torture.hpp>
 
-#include "sft/typesupport/dynamic_type.h"
+#include "sft/dynamic_type.h"
 #include "tests/support/message_types.h"
 #include "tests/support/test_seed.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using test::MessageType;

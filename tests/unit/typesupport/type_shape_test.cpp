@@ -1,5 +1,6 @@
 // Types for people.
-#include "sft/typesupport/type_shape.h"
+#include "sft/detail/type_shape.h"
+#include "sft/detail/type_description.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,11 +14,13 @@
 #include <utility>
 #include <vector>
 
-#include "sft/typesupport/dynamic_type.h"
+#include "sft/dynamic_type.h"
 #include "tests/support/message_types.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using ::testing::HasSubstr;

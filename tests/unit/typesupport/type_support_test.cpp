@@ -1,5 +1,6 @@
 // Numbering, paths, hashes and the text form of masks.
-#include "sft/typesupport/type_support.h"
+#include "sft/type_support.h"
+#include "sft/detail/type_shape.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +9,8 @@
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;

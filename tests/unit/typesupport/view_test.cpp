@@ -1,5 +1,5 @@
 // Views: what getters return, for full and masked samples, declared and recorded.
-#include "sft/typesupport/view.h"
+#include "sft/detail/view.h"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +13,8 @@
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;

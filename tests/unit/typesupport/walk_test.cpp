@@ -1,17 +1,19 @@
 // The validating walk over hostile bytes: every malformation is named, nothing outside is read.
-#include "sft/typesupport/walk.h"
+#include "sft/detail/walk.h"
 
 #include <gtest/gtest.h>
 
 #include <sensor_msgs/msg/BatteryState.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "sft/typesupport/decode.h"
+#include "sft/detail/decode.h"
 #include "tests/support/encoded.h"
 #include "tests/support/test_seed.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using test::Encoded;

@@ -1,5 +1,6 @@
 // Samples as YAML.
-#include "sft/typesupport/yaml.h"
+#include "sft/yaml.h"
+#include "sft/detail/type_description.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +9,13 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <torture.hpp>
 
-#include "sft/typesupport/dynamic_type.h"
+#include "sft/dynamic_type.h"
 #include "tests/support/encoded.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;

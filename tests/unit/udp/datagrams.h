@@ -46,7 +46,7 @@ template <class T>
 std::vector<Bytes> datagrams_of(const T& value, const FieldMask& mask, SampleLabel label,
                                 std::size_t datagram_bytes = 1472) {
   const Bytes body = encoded_body(value, mask);
-  const Segment whole{body.data(), body.size()};
+  const detail::Segment whole{body.data(), body.size()};
   std::vector<std::uint64_t> words;
   for (std::size_t i = 0; mask.words() > 1 && i < mask.words(); ++i) words.push_back(mask.word(i));
   FirstHeader first{.label = label, .flags = 0, .total = 0, .mask = mask.hash(), .stamp_ns = 5};

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "core/seam/buffer_pool.h"
-#include "sft/typesupport/encode.h"
-#include "sft/typesupport/type_support.h"
+#include "core/buffer_pool.h"
+#include "sft/detail/encode.h"
+#include "sft/type_support.h"
 
 namespace sft::udp::test {
 
@@ -42,52 +42,54 @@ struct Wide {  ///< 70 leaves
 }  // namespace sft::udp::test
 
 template <>
-struct sft::TypeTable<sft::udp::test::Stamp> {
+struct sft::detail::TypeTable<sft::udp::test::Stamp> {
   using T = sft::udp::test::Stamp;
-  static constexpr std::array members{member<std::int32_t>("sec", Kind::int32, offsetof(T, sec)),
-                                      member<std::uint32_t>("nanosec", Kind::uint32, offsetof(T, nanosec))};
+  static constexpr std::array members{
+      member<std::int32_t>("sec", detail::Kind::int32, offsetof(T, sec)),
+      member<std::uint32_t>("nanosec", detail::Kind::uint32, offsetof(T, nanosec))};
   static constexpr StructType type{"test::Stamp", members};
 };
 
 template <>
-struct sft::TypeTable<sft::udp::test::Image> {
+struct sft::detail::TypeTable<sft::udp::test::Image> {
   using T = sft::udp::test::Image;
   static constexpr std::array members{
-      member<sft::udp::test::Stamp>("stamp", Kind::structure, offsetof(T, stamp)),
-      member<std::string>("name", Kind::string, offsetof(T, name)),
-      member<std::uint32_t>("height", Kind::uint32, offsetof(T, height)),
-      member<std::uint32_t>("width", Kind::uint32, offsetof(T, width)),
-      member<std::vector<std::uint8_t>>("data", Kind::uint8, offsetof(T, data))};
+      member<sft::udp::test::Stamp>("stamp", detail::Kind::structure, offsetof(T, stamp)),
+      member<std::string>("name", detail::Kind::string, offsetof(T, name)),
+      member<std::uint32_t>("height", detail::Kind::uint32, offsetof(T, height)),
+      member<std::uint32_t>("width", detail::Kind::uint32, offsetof(T, width)),
+      member<std::vector<std::uint8_t>>("data", detail::Kind::uint8, offsetof(T, data))};
   static constexpr StructType type{"test::Image", members};
 };
 
 template <>
-struct sft::TypeTable<sft::udp::test::Ten> {
+struct sft::detail::TypeTable<sft::udp::test::Ten> {
   using T = sft::udp::test::Ten;
-  static constexpr std::array members{member<std::array<std::uint32_t, 3>>("a", Kind::uint32, offsetof(T, a)),
-                                      member<std::uint8_t>("b", Kind::uint8, offsetof(T, b)),
-                                      member<std::uint8_t>("c", Kind::uint8, offsetof(T, c)),
-                                      member<std::uint8_t>("d", Kind::uint8, offsetof(T, d)),
-                                      member<std::uint8_t>("e", Kind::uint8, offsetof(T, e)),
-                                      member<std::uint8_t>("f", Kind::uint8, offsetof(T, f)),
-                                      member<std::uint8_t>("g", Kind::uint8, offsetof(T, g)),
-                                      member<std::uint8_t>("h", Kind::uint8, offsetof(T, h)),
-                                      member<std::uint8_t>("i", Kind::uint8, offsetof(T, i)),
-                                      member<double>("j", Kind::float64, offsetof(T, j))};
+  static constexpr std::array members{
+      member<std::array<std::uint32_t, 3>>("a", detail::Kind::uint32, offsetof(T, a)),
+      member<std::uint8_t>("b", detail::Kind::uint8, offsetof(T, b)),
+      member<std::uint8_t>("c", detail::Kind::uint8, offsetof(T, c)),
+      member<std::uint8_t>("d", detail::Kind::uint8, offsetof(T, d)),
+      member<std::uint8_t>("e", detail::Kind::uint8, offsetof(T, e)),
+      member<std::uint8_t>("f", detail::Kind::uint8, offsetof(T, f)),
+      member<std::uint8_t>("g", detail::Kind::uint8, offsetof(T, g)),
+      member<std::uint8_t>("h", detail::Kind::uint8, offsetof(T, h)),
+      member<std::uint8_t>("i", detail::Kind::uint8, offsetof(T, i)),
+      member<double>("j", detail::Kind::float64, offsetof(T, j))};
   static constexpr StructType type{"test::Ten", members};
 };
 
 template <>
-struct sft::TypeTable<sft::udp::test::Wide> {
+struct sft::detail::TypeTable<sft::udp::test::Wide> {
   using T = sft::udp::test::Wide;
   using Ten = sft::udp::test::Ten;
-  static constexpr std::array members{member<Ten>("first", Kind::structure, offsetof(T, first)),
-                                      member<Ten>("second", Kind::structure, offsetof(T, second)),
-                                      member<Ten>("third", Kind::structure, offsetof(T, third)),
-                                      member<Ten>("fourth", Kind::structure, offsetof(T, fourth)),
-                                      member<Ten>("fifth", Kind::structure, offsetof(T, fifth)),
-                                      member<Ten>("sixth", Kind::structure, offsetof(T, sixth)),
-                                      member<Ten>("seventh", Kind::structure, offsetof(T, seventh))};
+  static constexpr std::array members{member<Ten>("first", detail::Kind::structure, offsetof(T, first)),
+                                      member<Ten>("second", detail::Kind::structure, offsetof(T, second)),
+                                      member<Ten>("third", detail::Kind::structure, offsetof(T, third)),
+                                      member<Ten>("fourth", detail::Kind::structure, offsetof(T, fourth)),
+                                      member<Ten>("fifth", detail::Kind::structure, offsetof(T, fifth)),
+                                      member<Ten>("sixth", detail::Kind::structure, offsetof(T, sixth)),
+                                      member<Ten>("seventh", detail::Kind::structure, offsetof(T, seventh))};
   static constexpr StructType type{"test::Wide", members};
 };
 
@@ -95,7 +97,7 @@ namespace sft::udp::test {
 
 template <class T>
 const TypeSupport& type_support() {
-  static const TypeSupport type(TypeTable<T>::type);
+  static const TypeSupport type(detail::TypeTable<T>::type);
   return type;
 }
 
@@ -108,9 +110,9 @@ FieldMask fields(std::string_view text) {
 template <class T>
 std::vector<std::byte> encoded_body(const T& value, const FieldMask& mask) {
   const TypeSupport& type = type_support<T>();
-  std::vector<std::byte> body(encoded_size(type.type(), &value, mask).bytes);
+  std::vector<std::byte> body(detail::encoded_size(type.type(), &value, mask).bytes);
   std::vector<std::uint32_t> index(type.slots());
-  encode(type.type(), &value, mask, body, index);
+  detail::encode(type.type(), &value, mask, body, index);
   return body;
 }
 
@@ -118,16 +120,16 @@ std::vector<std::byte> encoded_body(const T& value, const FieldMask& mask) {
 template <class T>
 std::size_t sample_bytes(const T& value, const FieldMask& mask) {
   const TypeSupport& type = type_support<T>();
-  return SampleLayout(type.slots()).bytes(encoded_size(type.type(), &value, mask).bytes);
+  return detail::SampleLayout(type.slots()).bytes(detail::encoded_size(type.type(), &value, mask).bytes);
 }
 
 template <class T>
 void fill(core::SampleBuffer& buffer, const T& value, const FieldMask& mask, std::uint64_t writer,
-          std::uint64_t sequence, PostponedCopies* postponed = nullptr) {
+          std::uint64_t sequence, detail::PostponedCopies* postponed = nullptr) {
   const TypeSupport& type = type_support<T>();
-  const SampleLayout layout(type.slots());
-  const std::uint32_t bytes = encoded_size(type.type(), &value, mask).bytes;
-  SampleHeader& header = buffer.header();
+  const detail::SampleLayout layout(type.slots());
+  const std::uint32_t bytes = detail::encoded_size(type.type(), &value, mask).bytes;
+  detail::SampleHeader& header = buffer.header();
   header.slots = static_cast<std::uint32_t>(type.slots());
   header.writer = writer;
   header.sequence = sequence;
@@ -137,8 +139,8 @@ void fill(core::SampleBuffer& buffer, const T& value, const FieldMask& mask, std
   header.body_bytes = bytes;
   buffer.trust_header();
   buffer.mask = mask;
-  encode(type.type(), &value, mask, {buffer.data + layout.body_offset, bytes}, {buffer.index(), type.slots()},
-         {}, postponed);
+  detail::encode(type.type(), &value, mask, {buffer.data + layout.body_offset, bytes},
+                 {buffer.index(), type.slots()}, {}, postponed);
 }
 
 /// Quickly, although nothing here is optimised.

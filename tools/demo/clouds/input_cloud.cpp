@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "sft/sample.h"
-#include "sft/typesupport/encode.h"
-#include "sft/typesupport/sample_format.h"
+#include "sft/detail/encode.h"
+#include "sft/detail/sample_format.h"
 #include "tools/terminal/units.h"
 
 namespace sft::demo {

@@ -2,7 +2,7 @@
 #include <cstddef>
 
 #include "sft/time.h"
-#include "sft/typesupport/encode.h"
+#include "sft/detail/encode.h"
 #include "tools/demo/clouds/cloud_source.h"
 #include "tools/demo/clouds/scene.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/platform/file_descriptor.h"
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::demo {
 

@@ -30,7 +30,7 @@ void emit_preamble(Code& code, const sft_file& file, const Roots& roots) {
   code.line("// Generated from {}. Do not edit.", roots.relative(file.path).generic_string());
   code.line("#pragma once");
   code.blank();
-  code.line("#include \"sft/typesupport/generated.h\"");
+  code.line("#include \"sft/detail/generated.h\"");
   for (const char* included : std::span(file.includes, file.include_count)) {
     code.line("#include <{}>", roots.relative(included).replace_extension(".hpp").generic_string());
   }

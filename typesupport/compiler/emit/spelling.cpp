@@ -80,7 +80,7 @@ bool is_bitmask(const sft_type& type) {
   return type.name != nullptr && is_unsigned;
 }
 
-std::string kind_name(sft_kind kind) { return fmt::format("sft::Kind::{}", spellings[kind].kind); }
+std::string kind_name(sft_kind kind) { return fmt::format("sft::detail::Kind::{}", spellings[kind].kind); }
 
 std::string element_type(const sft_type& type) {
   if (type.name != nullptr) return qualified_type(type.name);

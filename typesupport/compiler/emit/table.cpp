@@ -8,7 +8,7 @@
 namespace sft::idl {
 namespace {
 
-/// The sft::MemberOptions of a field, with a comma before, or nothing.
+/// The sft::detail::MemberOptions of a field, with a comma before, or nothing.
 std::string options(const sft_member& member) {
   std::string given;
   const auto add = [&](std::string_view option, const std::string& value) {
@@ -23,18 +23,18 @@ std::string options(const sft_member& member) {
 
 void emit_row(Code& code, const Field& field) {
   const sft_member& member = *field.idl;
-  code.line("      sft::member<{}>(\"{}\", {}, offsetof(T, {}){}),", owned_type(member.type), member.name,
-            kind_name(member.type.kind), field.name, options(member));
+  code.line("      sft::detail::member<{}>(\"{}\", {}, offsetof(T, {}){}),", owned_type(member.type),
+            member.name, kind_name(member.type.kind), field.name, options(member));
 }
 
 }  // namespace
 
 void emit_enum_table(Code& code, const sft_declaration& enumeration) {
   code.line("template <>");
-  code.line("struct sft::EnumTable<{}> {{", qualified_type(enumeration.name));
+  code.line("struct sft::detail::EnumTable<{}> {{", qualified_type(enumeration.name));
   code.line("  static constexpr std::array enumerators{{");
   for (const sft_enumerator& e : std::span(enumeration.enumerators, enumeration.enumerator_count))
-    code.line("      sft::Enumerator{{\"{}\", {}}},", e.name, natural_text(e.value));
+    code.line("      sft::detail::Enumerator{{\"{}\", {}}},", e.name, natural_text(e.value));
   code.line("  }};");
   code.line("  static constexpr sft::EnumType type{{\"{}\", {}, enumerators}};",
             std::string_view(enumeration.name).substr(2), enumeration.kind == SFT_BITMASK);
@@ -44,7 +44,7 @@ void emit_enum_table(Code& code, const sft_declaration& enumeration) {
 
 void emit_table(Code& code, const Message& message) {
   code.line("template <>");
-  code.line("struct sft::TypeTable<{}> {{", message.qualified);
+  code.line("struct sft::detail::TypeTable<{}> {{", message.qualified);
   code.line("  using T = {};", message.qualified);
   code.line("  static constexpr std::array members{{");
   for (const Field& field : message.fields) emit_row(code, field);

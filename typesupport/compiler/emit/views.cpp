@@ -10,7 +10,8 @@ namespace {
 
 void emit_getter(Code& code, const Field& field, std::size_t index) {
   const sft_type& type = field.idl->type;
-  code.line("  auto {}() const requires sft::field_is_in_declared_mask<Place_, {}> {{", field.name, index);
+  code.line("  auto {}() const requires sft::detail::field_is_in_declared_mask<Place_, {}> {{", field.name,
+            index);
   code.line("    return at_.template get<{}{}>();", index,
             type.name == nullptr ? "" : ", " + element_type(type));
   code.line("  }}");
@@ -22,11 +23,11 @@ void emit_reservations(Code& code, const Message& message) {
     const Field& field = message.fields[i];
     if (!has_loan_size(field)) continue;
     const std::string inner = is_reservable(field) ? "" : ", " + element_type(field.idl->type);
-    parts += fmt::format("{}\n        sft::reservations_of<{}, {}{}>(sizes.{})", parts.empty() ? "" : ",",
-                         message.qualified, i, inner, field.name);
+    parts += fmt::format("{}\n        sft::detail::reservations_of<{}, {}{}>(sizes.{})",
+                         parts.empty() ? "" : ",", message.qualified, i, inner, field.name);
   }
   code.line("  static constexpr auto reservations([[maybe_unused]] const LoanSizes& sizes) {{");
-  code.line("    return sft::joined({});", parts);
+  code.line("    return sft::detail::joined({});", parts);
   code.line("  }}");
 }
 

@@ -9,10 +9,10 @@
 #include <cstring>
 #include <span>
 
-#include "sft/typesupport/postponed_copies.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/postponed_copies.h"
+#include "sft/detail/walk.h"
 
-namespace sft {
+namespace sft::detail {
 
 class BodyCounter {
  public:
@@ -112,4 +112,4 @@ class BodyWriter {
   PostponedCopies* postponed_;
 };
 
-}  // namespace sft
+}  // namespace sft::detail

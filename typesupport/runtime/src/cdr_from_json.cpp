@@ -10,13 +10,15 @@
 #include <optional>
 #include <utility>
 
-#include "sft/typesupport/json.h"
-#include "sft/typesupport/sample_format.h"
-#include "sft/typesupport/type_table.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/sample_format.h"
+#include "sft/detail/type_table.h"
+#include "sft/detail/walk.h"
+#include "sft/json.h"
 #include "text.h"
 
 namespace sft {
+
+using namespace detail;
 
 namespace {
 

@@ -1,13 +1,13 @@
-#include "sft/typesupport/convert.h"
+#include "sft/detail/convert.h"
 
 #include <algorithm>
 #include <array>
 #include <string>
 
 #include "body_writer.h"
-#include "sft/typesupport/sample_format.h"
+#include "sft/detail/sample_format.h"
 
-namespace sft {
+namespace sft::detail {
 
 namespace {
 
@@ -189,4 +189,4 @@ WalkStatus convert(const Payload& payload, const StructType& type, std::span<std
   return WalkStatus::ok;
 }
 
-}  // namespace sft
+}  // namespace sft::detail

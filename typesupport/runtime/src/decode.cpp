@@ -1,8 +1,8 @@
-#include "sft/typesupport/decode.h"
+#include "sft/detail/decode.h"
 
 #include <string>
 
-namespace sft {
+namespace sft::detail {
 
 namespace {
 
@@ -124,4 +124,4 @@ WalkStatus decode(const SampleState& s, const StructType& type, void* value) {
   return Decoder(s).structure(type, static_cast<std::byte*>(value), 0);
 }
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -1,4 +1,4 @@
-#include "sft/typesupport/dynamic_type.h"
+#include "sft/dynamic_type.h"
 
 #include <algorithm>
 #include <limits>
@@ -9,9 +9,13 @@
 #include <vector>
 
 #include "description_format.h"
+#include "sft/detail/type_description.h"
+#include "sft/detail/type_shape.h"
 #include "text.h"
 
 namespace sft {
+
+using namespace detail;
 
 namespace {
 

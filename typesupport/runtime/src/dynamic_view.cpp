@@ -1,12 +1,14 @@
-#include "sft/typesupport/dynamic_view.h"
+#include "sft/dynamic_view.h"
 
 #include <algorithm>
 #include <charconv>
 
-#include "sft/typesupport/type_shape.h"
+#include "sft/detail/type_shape.h"
 #include "text.h"
 
 namespace sft {
+
+using namespace detail;
 
 namespace {
 

@@ -1,11 +1,11 @@
-#include "sft/typesupport/element_index.h"
+#include "sft/detail/element_index.h"
 
 #include <array>
 #include <new>
 #include <utility>
 #include <vector>
 
-namespace sft {
+namespace sft::detail {
 
 namespace {
 
@@ -239,4 +239,4 @@ std::uint32_t element_begin(const SampleState& s, const Elements& elements, std:
   return walk(s, elements, position, known);
 }
 
-}  // namespace sft
+}  // namespace sft::detail

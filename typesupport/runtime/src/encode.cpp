@@ -1,4 +1,4 @@
-#include "sft/typesupport/encode.h"
+#include "sft/detail/encode.h"
 
 #include <algorithm>
 #include <bit>
@@ -8,10 +8,10 @@
 
 #include "body_writer.h"
 #include "packed.h"
-#include "sft/typesupport/sample_format.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/sample_format.h"
+#include "sft/detail/walk.h"
 
-namespace sft {
+namespace sft::detail {
 
 namespace {
 
@@ -192,4 +192,4 @@ const char* to_string(EncodeStatus status) {
   return "unknown";
 }
 
-}  // namespace sft
+}  // namespace sft::detail

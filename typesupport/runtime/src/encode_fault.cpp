@@ -1,14 +1,14 @@
-#include "sft/typesupport/encode_fault.h"
+#include "sft/detail/encode_fault.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <vector>
 
-#include "sft/typesupport/encode.h"
-#include "sft/typesupport/sample_format.h"
-#include "sft/typesupport/type_table.h"
+#include "sft/detail/encode.h"
+#include "sft/detail/sample_format.h"
+#include "sft/detail/type_table.h"
 
-namespace sft {
+namespace sft::detail {
 
 namespace {
 
@@ -126,4 +126,4 @@ std::string encode_fault(const TypeSupport& type, const void* value, const Field
          std::to_string(std::min<std::size_t>(bytes_max, no_offset - 1)) + " bytes may be sent";
 }
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -1,13 +1,15 @@
-#include "sft/typesupport/field_mask.h"
+#include "sft/mask.h"
 
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <functional>
 
-#include "sft/typesupport/fnv1a.h"
+#include "sft/detail/fnv1a.h"
 
 namespace sft {
+
+using namespace detail;
 
 namespace {
 

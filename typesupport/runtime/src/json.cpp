@@ -1,4 +1,4 @@
-#include "sft/typesupport/json.h"
+#include "sft/json.h"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +8,8 @@
 #include <optional>
 
 namespace sft {
+
+using namespace detail;
 
 namespace {
 

@@ -8,11 +8,13 @@
 #include <sstream>
 #include <utility>
 
-#include "sft/typesupport/type_table.h"
-#include "sft/typesupport/yaml.h"
+#include "sft/detail/type_table.h"
+#include "sft/yaml.h"
 #include "text.h"
 
 namespace sft {
+
+using namespace detail;
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "sft/typesupport/msg_text.h"
+#include "sft/msg_text.h"
 
 #include <algorithm>
 #include <map>
@@ -12,10 +12,12 @@
 #include "from_msg/nested.h"
 #include "from_msg/parse.h"
 #include "from_msg/type.h"
-#include "sft/typesupport/type_description.h"
+#include "sft/detail/type_description.h"
 #include "text.h"
 
 namespace sft {
+
+using namespace detail;
 
 namespace {
 

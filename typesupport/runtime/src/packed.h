@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "sft/typesupport/type_table.h"
+#include "sft/detail/type_table.h"
 
-namespace sft {
+namespace sft::detail {
 
 /// Writes the offset of every slot of a packed struct that begins at `at` to `index`, which is advanced.
 inline void write_packed_slots(const StructType& type, std::uint32_t at, std::uint32_t*& index) {
@@ -19,4 +19,4 @@ inline void write_packed_slots(const StructType& type, std::uint32_t at, std::ui
   }
 }
 
-}  // namespace sft
+}  // namespace sft::detail

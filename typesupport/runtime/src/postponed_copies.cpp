@@ -1,9 +1,9 @@
-#include "sft/typesupport/postponed_copies.h"
+#include "sft/detail/postponed_copies.h"
 
 #include <cstring>
 #include <functional>
 
-namespace sft {
+namespace sft::detail {
 
 void PostponedCopies::make(std::size_t bytes_max) noexcept {
   for (; first_ < count_ && bytes_max > 0; ++first_) {
@@ -37,4 +37,4 @@ void PostponedCopies::locate(std::span<const Segment> segments, std::vector<Segm
   }
 }
 
-}  // namespace sft
+}  // namespace sft::detail

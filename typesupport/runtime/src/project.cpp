@@ -1,10 +1,10 @@
-#include "sft/typesupport/project.h"
+#include "sft/detail/project.h"
 
 #include <algorithm>
 #include <cstring>
 #include <utility>
 
-namespace sft {
+namespace sft::detail {
 
 ProjectionPlan::ProjectionPlan(const StructType& type, FieldMask mask) : mask_(std::move(mask)) {
   std::size_t leaf = 0;
@@ -236,4 +236,4 @@ bool Projection::project(const SampleState& source, const ProjectionPlan& plan) 
   return ok;
 }
 
-}  // namespace sft
+}  // namespace sft::detail

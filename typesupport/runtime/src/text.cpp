@@ -4,7 +4,7 @@
 #include <numeric>
 #include <vector>
 
-namespace sft {
+namespace sft::detail {
 
 CodePoint first_code_point(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
@@ -53,4 +53,4 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-}  // namespace sft
+}  // namespace sft::detail

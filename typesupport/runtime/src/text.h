@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace sft {
+namespace sft::detail {
 
 struct CodePoint {
   std::uint32_t value = 0;
@@ -25,4 +25,4 @@ bool is_printable(std::string_view text);
 /// Levenshtein distance: how unlike two names are.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -1,12 +1,13 @@
-#include "sft/typesupport/type_description.h"
+#include "sft/detail/type_description.h"
 
 #include <map>
 #include <string>
 #include <string_view>
 
 #include "description_format.h"
+#include "sft/detail/type_table.h"
 
-namespace sft {
+namespace sft::detail {
 
 namespace {
 
@@ -106,4 +107,4 @@ std::vector<std::byte> describe(const StructType& type) {
   return {first, first + all.size()};
 }
 
-}  // namespace sft
+}  // namespace sft::detail

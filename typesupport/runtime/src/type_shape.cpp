@@ -1,11 +1,13 @@
-#include "sft/typesupport/type_shape.h"
+#include "sft/detail/type_shape.h"
 
 #include <algorithm>
 #include <array>
 #include <set>
 #include <string_view>
 
-namespace sft {
+#include "sft/detail/type_table.h"
+
+namespace sft::detail {
 
 namespace {
 
@@ -191,4 +193,4 @@ std::string first_difference(const StructType& here, const StructType& there) {
   return Comparison().structs(here, there, "");
 }
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -1,11 +1,14 @@
-#include "sft/typesupport/type_support.h"
+#include "sft/type_support.h"
 
 #include <algorithm>
 
-#include "sft/typesupport/fnv1a.h"
+#include "sft/detail/fnv1a.h"
+#include "sft/detail/type_shape.h"
 #include "text.h"
 
 namespace sft {
+
+using namespace detail;
 
 namespace {
 
@@ -32,7 +35,7 @@ void add_structure(Fnv1a& hash, const StructType& type) {
 
 }  // namespace
 
-std::uint64_t structure_hash(const StructType& type) {
+std::uint64_t detail::structure_hash(const StructType& type) {
   Fnv1a hash;
   add_structure(hash, type);
   return hash.value();

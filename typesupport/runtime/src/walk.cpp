@@ -1,10 +1,10 @@
-#include "sft/typesupport/walk.h"
+#include "sft/detail/walk.h"
 
 #include <algorithm>
 
 #include "packed.h"
 
-namespace sft {
+namespace sft::detail {
 
 namespace {
 
@@ -216,4 +216,4 @@ const char* to_string(WalkStatus status) {
   return "unknown";
 }
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -1,4 +1,4 @@
-#include "sft/typesupport/yaml.h"
+#include "sft/yaml.h"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +8,8 @@
 #include "text.h"
 
 namespace sft {
+
+using namespace detail;
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "sft/typesupport/type_support.h"
+#include "sft/type_support.h"
 
 namespace {
 
@@ -21,41 +21,41 @@ json initial(const sft::StructType& type, const std::byte* object);
 
 json element(const sft::Member& member, const std::byte* at) {
   switch (member.kind) {
-    case sft::Kind::boolean:
+    case sft::detail::Kind::boolean:
       return *at != std::byte{0};
-    case sft::Kind::octet:
-    case sft::Kind::uint8:
+    case sft::detail::Kind::octet:
+    case sft::detail::Kind::uint8:
       return number<std::uint8_t>(at);
-    case sft::Kind::character:
-    case sft::Kind::int8:
+    case sft::detail::Kind::character:
+    case sft::detail::Kind::int8:
       return number<std::int8_t>(at);
-    case sft::Kind::int16:
+    case sft::detail::Kind::int16:
       return number<std::int16_t>(at);
-    case sft::Kind::uint16:
+    case sft::detail::Kind::uint16:
       return number<std::uint16_t>(at);
-    case sft::Kind::int32:
+    case sft::detail::Kind::int32:
       return number<std::int32_t>(at);
-    case sft::Kind::uint32:
+    case sft::detail::Kind::uint32:
       return number<std::uint32_t>(at);
-    case sft::Kind::int64:
+    case sft::detail::Kind::int64:
       return number<std::int64_t>(at);
-    case sft::Kind::uint64:
+    case sft::detail::Kind::uint64:
       return number<std::uint64_t>(at);
-    case sft::Kind::float32:
+    case sft::detail::Kind::float32:
       return number<float>(at);
-    case sft::Kind::float64:
+    case sft::detail::Kind::float64:
       return number<double>(at);
-    case sft::Kind::string:
+    case sft::detail::Kind::string:
       return number<std::string>(at);
-    case sft::Kind::structure:
+    case sft::detail::Kind::structure:
       return initial(*member.type, at);
   }
   return {};
 }
 
 json value(const sft::Member& member, const std::byte* at) {
-  if (member.shape == sft::Shape::single) return element(member, at);
-  const bool is_sequence = member.shape == sft::Shape::sequence;
+  if (member.shape == sft::detail::Shape::single) return element(member, at);
+  const bool is_sequence = member.shape == sft::detail::Shape::sequence;
   const std::size_t count = is_sequence ? member.access->size(at) : member.count;
   const auto* first = is_sequence ? static_cast<const std::byte*>(member.access->data(at)) : at;
   json elements = json::array();
@@ -71,7 +71,7 @@ json initial(const sft::StructType& type, const std::byte* object) {
 
 template <class T>
 void describe(json& types) {
-  const sft::TypeSupport support(sft::TypeTable<T>::type);
+  const sft::TypeSupport support(sft::detail::TypeTable<T>::type);
   json& type = types[std::string(support.name())];
   type["hash"] = support.hash();
   for (std::size_t i = 0; i < support.leaves(); ++i) type["paths"].push_back(support.path(i));
@@ -83,7 +83,7 @@ void describe(json& types) {
 
 template <class T, class V>
 void constant(json& types, const char* name, const V& constant_value) {
-  types[std::string(sft::TypeTable<T>::type.name)]["constants"][name] = constant_value;
+  types[std::string(sft::detail::TypeTable<T>::type.name)]["constants"][name] = constant_value;
 }
 
 }  // namespace

@@ -7,10 +7,13 @@
 #include <nav_msgs/msg/Odometry.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "sft/typesupport/type_support.h"
+#include "sft/detail/type_shape.h"
+#include "sft/type_support.h"
 
 namespace sft::core {
 namespace {
+
+using namespace detail;
 
 using nav_msgs::msg::Odometry;
 using sensor_msgs::msg::PointCloud2;

@@ -69,7 +69,7 @@ class NegotiationTest : public ::testing::Test {
   void our_writer() { negotiation.local_added(endpoint(Role::writer, 100), type); }
   void our_reader() { negotiation.local_added(endpoint(Role::reader, 200), type); }
 
-  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const TypeSupport type{detail::TypeTable<PointCloud2>::type};
   Negotiation negotiation;
 };
 

@@ -2,12 +2,14 @@
 // that do not.
 #include <gtest/gtest.h>
 
-#include "sft/typesupport/type_description.h"
-#include "sft/typesupport/type_shape.h"
-#include "tests/unit/core/negotiation/negotiation_fixture.h"
+#include "sft/detail/type_description.h"
+#include "sft/detail/type_shape.h"
+#include "tests/core/negotiation_fixture.h"
 
 namespace sft::core {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::PointCloud2;
 using namespace std::chrono_literals;

@@ -7,11 +7,14 @@
 #include <nav_msgs/msg/Odometry.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "core/control/described_type.h"
-#include "sft/typesupport/type_support.h"
+#include "core/described_type.h"
+#include "sft/detail/type_shape.h"
+#include "sft/type_support.h"
 
 namespace sft::core {
 namespace {
+
+using namespace detail;
 
 using nav_msgs::msg::Odometry;
 using sensor_msgs::msg::PointCloud2;

@@ -124,7 +124,7 @@ class ReconcilerTest : public ::testing::Test {
     return e;
   }
 
-  std::shared_ptr<SubscriberCore> our_reader(EndpointId id, untyped::Callback callback = nullptr) {
+  std::shared_ptr<SubscriberCore> our_reader(EndpointId id, detail::untyped::Callback callback = nullptr) {
     const auto port = std::make_shared<TestReaderPort>(connections);
     auto core = std::make_shared<SubscriberCore>(SubscriberCore::Spec{.id = id,
                                                                       .topic = "points",
@@ -161,7 +161,7 @@ class ReconcilerTest : public ::testing::Test {
   }
 
   static constexpr NodeId our_node = 55;
-  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const TypeSupport type{detail::TypeTable<PointCloud2>::type};
   const FieldMask mask = type.closed(FieldMask(F::height | F::width));
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   int readers_changed = 0;

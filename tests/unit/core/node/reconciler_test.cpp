@@ -4,6 +4,8 @@
 namespace sft::core {
 namespace {
 
+using namespace detail;
+
 TEST_F(ReconcilerTest, AReaderIsAnnouncedBeforeItListensToAnybody) {
   our_reader(200);
   ASSERT_EQ(discovery.announced.size(), 1U);

@@ -15,6 +15,8 @@
 namespace sft {
 namespace {
 
+using namespace detail;
+
 using builtin_interfaces::msg::Duration;
 using builtin_interfaces::msg::Time;
 using std_msgs::msg::Header;

@@ -17,37 +17,40 @@ struct Switches {
   Flags flags{};
 
   template <class Root = Switches, std::size_t First = 0>
-  struct Fields : sft::FieldNode<Root, First, 2> {
-    static constexpr sft::FieldNode<Root, First, 1> lead{};
-    static constexpr sft::FieldNode<Root, First + 1, 1> flags{};
+  struct Fields : sft::detail::FieldNode<Root, First, 2> {
+    static constexpr sft::detail::FieldNode<Root, First, 1> lead{};
+    static constexpr sft::detail::FieldNode<Root, First + 1, 1> flags{};
   };
   using Field = Fields<>;
   struct LoanSizes {};
   template <class Loaned>
   struct LoanView {
-    static constexpr auto reservations(const LoanSizes&) { return sft::joined(); }
+    static constexpr auto reservations(const LoanSizes&) { return sft::detail::joined(); }
     explicit LoanView(Loaned) {}
   };
 };
 }  // namespace switches
 
 template <>
-struct sft::EnumTable<switches::Flags> {
-  static constexpr std::array enumerators{sft::Enumerator{"left", 1}, sft::Enumerator{"right", 2}};
+struct sft::detail::EnumTable<switches::Flags> {
+  static constexpr std::array enumerators{sft::detail::Enumerator{"left", 1},
+                                          sft::detail::Enumerator{"right", 2}};
   static constexpr sft::EnumType type{"switches::Flags", true, enumerators};
 };
 
 template <>
-struct sft::TypeTable<switches::Switches> {
+struct sft::detail::TypeTable<switches::Switches> {
   using T = switches::Switches;
   static constexpr std::array members{
-      sft::member<std::uint8_t>("lead", sft::Kind::uint8, offsetof(T, lead)),
-      sft::member<switches::Flags>("flags", sft::Kind::uint16, offsetof(T, flags))};
+      sft::detail::member<std::uint8_t>("lead", sft::detail::Kind::uint8, offsetof(T, lead)),
+      sft::detail::member<switches::Flags>("flags", sft::detail::Kind::uint16, offsetof(T, flags))};
   static constexpr sft::StructType type{"switches::Switches", members};
 };
 
 namespace sft::core::test {
 namespace {
+
+using namespace detail;
 
 using sft::test::Encoded;
 using views::Color;

@@ -38,7 +38,7 @@ class PublisherOf {
     Serving serving;
     serving.udp = {Route{2, UdpAddress{}, type.full()}};
     core->serve(serving, nullptr);
-    publisher_.emplace(untyped::Publisher(std::move(core)));
+    publisher_.emplace(detail::untyped::Publisher(std::move(core)));
   }
 
   Publisher<T>* operator->() { return &*publisher_; }

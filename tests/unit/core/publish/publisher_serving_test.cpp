@@ -7,12 +7,14 @@
 #include <optional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "core/publish/publisher_core.h"
-#include "sft/typesupport/encode.h"
-#include "sft/typesupport/project.h"
+#include "core/publisher_core.h"
+#include "sft/detail/encode.h"
+#include "sft/detail/project.h"
 
 namespace sft::core {
 namespace {
+
+using namespace detail;
 
 using namespace std::chrono_literals;
 using sensor_msgs::msg::PointCloud2;

@@ -8,6 +8,8 @@
 namespace sft::core {
 namespace {
 
+using namespace detail;
+
 using sensor_msgs::msg::PointCloud2;
 
 class CountingPort final : public WriterPort {

@@ -11,6 +11,8 @@
 namespace sft::core {
 namespace {
 
+using namespace detail;
+
 TEST(BufferPoolTest, ABufferHasRoomIsAlignedAndBeginsWithAFreshHeader) {
   const auto pool = BufferPool::make(1 << 20);
   const SampleHandle buffer = pool->take(1000);

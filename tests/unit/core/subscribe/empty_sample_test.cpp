@@ -5,11 +5,14 @@
 #include <sensor_msgs/msg/CameraInfo.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
+#include "sft/detail/type_description.h"
 #include "sft/dynamic.h"
 #include "sft/sample.h"
 
 namespace sft {
 namespace {
+
+using namespace detail;
 
 using sensor_msgs::msg::CameraInfo;
 using sensor_msgs::msg::PointCloud2;

@@ -19,6 +19,8 @@
 namespace sft::core::test {
 namespace {
 
+using namespace detail;
+
 using sensor_msgs::msg::PointCloud2;
 using sft::test::Encoded;
 using F = PointCloud2::Field;

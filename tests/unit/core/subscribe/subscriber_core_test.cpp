@@ -13,6 +13,8 @@
 namespace sft::core {
 namespace {
 
+using namespace detail;
+
 using sensor_msgs::msg::PointCloud2;
 
 class SubscriberCoreTest : public ::testing::Test {

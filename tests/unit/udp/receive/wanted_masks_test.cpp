@@ -21,12 +21,14 @@ using test::Wide;
 
 /// Of a sequence of structs: leaves are elements.size, elements[].a, elements[].b and last.
 const TypeSupport& type_with_elements() {
-  static const std::array element_members{Member{.name = "a", .kind = Kind::uint32},
-                                          Member{.name = "b", .kind = Kind::uint32}};
+  static const std::array element_members{Member{.name = "a", .kind = Member::Kind::uint32},
+                                          Member{.name = "b", .kind = Member::Kind::uint32}};
   static const StructType element("test::Element", element_members);
-  static const std::array members{
-      Member{.name = "elements", .kind = Kind::structure, .shape = Shape::sequence, .type = &element},
-      Member{.name = "last", .kind = Kind::uint32}};
+  static const std::array members{Member{.name = "elements",
+                                         .kind = Member::Kind::structure,
+                                         .shape = Member::Shape::sequence,
+                                         .type = &element},
+                                  Member{.name = "last", .kind = Member::Kind::uint32}};
   static const StructType type("test::Elements", members);
   static const TypeSupport support(type);
   return support;

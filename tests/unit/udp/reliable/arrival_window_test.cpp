@@ -12,6 +12,8 @@
 namespace sft::udp {
 namespace {
 
+using namespace detail;
+
 using namespace std::chrono_literals;
 using Standing = ArrivalWindow::Standing;
 using Numbers = std::vector<std::uint64_t>;

@@ -11,6 +11,8 @@
 namespace sft::udp {
 namespace {
 
+using namespace detail;
+
 using test::fields;
 using test::Image;
 using test::Wide;

@@ -12,6 +12,8 @@
 namespace sft::udp {
 namespace {
 
+using namespace detail;
+
 using test::Image;
 
 /// What was left is carried out when a test says so.

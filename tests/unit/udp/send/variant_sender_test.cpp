@@ -14,6 +14,8 @@
 namespace sft::udp {
 namespace {
 
+using namespace detail;
+
 using test::Bytes;
 using test::Image;
 

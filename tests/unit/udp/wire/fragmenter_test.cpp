@@ -11,6 +11,8 @@
 namespace sft::udp {
 namespace {
 
+using namespace detail;
+
 /// A body in several runs, cut and put together again.
 class FragmenterTest : public testing::Test {
  protected:

@@ -13,10 +13,10 @@
 #include <iterator>
 #include <ranges>
 
-#include "sft/typesupport/element_index.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/element_index.h"
+#include "sft/detail/walk.h"
 
-namespace sft {
+namespace sft::detail {
 
 /// Step says what the elements are (as in struct Elements) and how one is read. What
 /// std::ranges::view_interface would add is written out, because Clang up to 15 looks at the constraints of
@@ -147,7 +147,7 @@ class ElementRange : public std::ranges::view_base {
   Extent extent_{0, 0};
 };
 
-}  // namespace sft
+}  // namespace sft::detail
 
 template <class Step>
-inline constexpr bool std::ranges::enable_borrowed_range<sft::ElementRange<Step>> = true;
+inline constexpr bool std::ranges::enable_borrowed_range<sft::detail::ElementRange<Step>> = true;

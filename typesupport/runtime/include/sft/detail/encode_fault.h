@@ -6,11 +6,11 @@
 #include <span>
 #include <string>
 
-#include "sft/typesupport/field_mask.h"
-#include "sft/typesupport/loan_view.h"
-#include "sft/typesupport/type_support.h"
+#include "sft/detail/loan_view.h"
+#include "sft/mask.h"
+#include "sft/type_support.h"
 
-namespace sft {
+namespace sft::detail {
 
 /// Names the field that breaks its bound, has a NUL or is no boolean, its size and the limit: "'tags[1]' has
 /// 9 characters; its bound is 8". If the body would have more than `bytes_max` bytes, it names the field that
@@ -18,4 +18,4 @@ namespace sft {
 std::string encode_fault(const TypeSupport& type, const void* value, const FieldMask& mask,
                          std::size_t bytes_max, std::span<const Reservation> reservations = {});
 
-}  // namespace sft
+}  // namespace sft::detail

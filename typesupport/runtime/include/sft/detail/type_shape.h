@@ -1,11 +1,12 @@
 // Types for people: a type as text, and where two definitions of one differ.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
-#include "sft/typesupport/type_table.h"
+#include "sft/type.h"
 
-namespace sft {
+namespace sft::detail {
 
 /// All structs and enumerations that `type` is made of, each once and before it is used, and `type` last, in
 /// the syntax of IDL (without modules: names are whole).
@@ -18,4 +19,7 @@ std::string format_type(const Member& member);
 /// structure_hash() tells apart counts: not the names of types, not units. Empty if nothing differs.
 std::string first_difference(const StructType& here, const StructType& there);
 
-}  // namespace sft
+/// 64-bit hash of a type's canonical structure: see TypeSupport::hash().
+std::uint64_t structure_hash(const StructType& type);
+
+}  // namespace sft::detail

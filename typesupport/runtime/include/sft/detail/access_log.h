@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-namespace sft {
+namespace sft::detail {
 
 /// Of 64 leaves, those that were read. Two words, so that one bit tells a getter both that there is nothing
 /// left to note and that it has something to return.
@@ -50,4 +50,4 @@ class AccessLog {
   Listener* listener_;
 };
 
-}  // namespace sft
+}  // namespace sft::detail

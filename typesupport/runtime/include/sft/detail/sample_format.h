@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace sft {
+namespace sft::detail {
 
 inline constexpr std::uint32_t no_offset = 0xFFFF'FFFF;
 inline constexpr std::uint32_t sample_magic = 0x31544653;  // "SFT1"
@@ -28,8 +28,8 @@ struct SampleHeader {
   std::uint64_t type_hash = 0;
   std::uint32_t body_offset = 0;  ///< from the header's first byte
   std::uint32_t body_bytes = 0;
-  // Of the writer's newest sample before this one that went by UDP alone, because shared memory was not in use
-  // yet or could not take it: it may arrive later than this one. 0: there was none.
+  // Of the writer's newest sample before this one that went by UDP alone, because shared memory was not in
+  // use yet or could not take it: it may arrive later than this one. 0: there was none.
   std::uint64_t diverted_sequence = 0;
   std::int64_t diverted_stamp_ns = 0;
 };
@@ -46,4 +46,4 @@ struct SampleLayout {
   constexpr std::size_t bytes(std::size_t body_bytes) const { return body_offset + body_bytes; }
 };
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "sft/typesupport/loan_view.h"
-#include "sft/typesupport/mask.h"
-#include "sft/typesupport/type_table.h"
-#include "sft/typesupport/view.h"
+#include "sft/detail/loan_view.h"
+#include "sft/detail/type_table.h"
+#include "sft/detail/view.h"
+#include "sft/mask.h"
 
-namespace sft {
+namespace sft::detail {
 
 /// Base of the generated names of S's fields, S being at leaf First of Root: S's own node, and nodes for its
 /// members.
@@ -40,4 +40,4 @@ struct ArrayFields : FieldNode<Root, First, leaf_count_of<E>> {
   static constexpr typename E::template Fields<Root, First> each{};
 };
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -10,10 +10,10 @@
 #include <memory>
 #include <mutex>
 
-#include "sft/typesupport/type_table.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/type_table.h"
+#include "sft/detail/walk.h"
 
-namespace sft {
+namespace sft::detail {
 
 /// Strings (`type` is null) or structs that lie behind one another in a body.
 struct Elements {
@@ -69,4 +69,4 @@ class ElementIndex {
   std::mutex mutex_;                      ///< guards what changes them; never held over a walk
 };
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <iterator>
 
-namespace sft {
+namespace sft::detail {
 
 /// Set has word(i), in which bit b stands for leaf 64 * i + b, and word_count(). Refers to the set, which
 /// must not change meanwhile.
@@ -58,4 +58,4 @@ class LeafIterator {
   std::uint64_t bits_ = 0;  ///< of the word, those not yet visited
 };
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -1,12 +1,8 @@
-// The description of a message type that everything at run time works from: a constexpr tree of members that
-// the IDL compiler emits (names, kinds, places in the owned struct) and the numbering that is computed from
-// it.
+// How the structure of a message type (type.h) is made from generated tables, and the numbering that is
+// computed from it.
 //
-// Numbering. Leaves are counted depth-first: a primitive, a string, an array or a sequence of those is one
-// leaf; a nested struct contributes the leaves of its members; an array of structs those of its element; a
-// sequence of structs one leaf for its length followed by those of its element. Slots are the leaves that a
-// sample's index has an offset for: every leaf outside collections of structs, and one slot for each
-// outermost collection of structs.
+// Slots are the leaves for which a sample's index has an offset: every leaf outside collections of structs,
+// and one slot for each outermost collection of structs.
 #pragma once
 
 #include <array>
@@ -18,27 +14,13 @@
 #include <type_traits>
 #include <vector>
 
-namespace sft {
+#include "sft/type.h"
 
-enum class Kind : std::uint8_t {
-  boolean,
-  octet,
-  character,
-  int8,
-  uint8,
-  int16,
-  uint16,
-  int32,
-  uint32,
-  int64,
-  uint64,
-  float32,
-  float64,
-  string,
-  structure
-};
+namespace sft::detail {
 
-enum class Shape : std::uint8_t { single, array, sequence };
+using Kind = Member::Kind;
+using Shape = Member::Shape;
+using Enumerator = EnumType::Enumerator;
 
 /// Bytes that one primitive takes in CDR, which is also its alignment (XCDR1). A string's is that of its
 /// length.
@@ -77,64 +59,9 @@ struct SequenceAccess {
   void* (*resize)(void* vector, std::size_t elements);  ///< returns the first element; existing ones are kept
 };
 
-/// One name of an enumeration with its value, or one flag of a bitmask with its bit set.
-struct Enumerator {
-  std::string_view name;
-  std::uint64_t value;
-};
-
-struct EnumType {
-  std::string_view name;  ///< "my_pkg::msg::Color"
-  bool is_bitmask;
-  std::span<const Enumerator> enumerators;
-};
-
 /// Specialised for every generated enumeration: `static constexpr EnumType type`.
 template <class E>
 struct EnumTable;
-
-struct StructType;
-
-struct Member {
-  std::string_view name;
-  Kind kind{};  ///< of one element
-  Shape shape{};
-  std::uint32_t count = 1;                ///< elements of an array (all dimensions); 1 otherwise
-  std::uint32_t bound = 0;                ///< most elements of a sequence; 0: unbounded
-  std::uint32_t string_bound = 0;         ///< most characters of each string, without NUL; 0: unbounded
-  const StructType* type = nullptr;       ///< the element's type where kind is structure
-  const EnumType* enumeration = nullptr;  ///< what the integer stands for, if it is an enumeration or bitmask
-  std::size_t offset = 0;                 ///< of the member in the owned struct
-  std::size_t stride = 0;                 ///< of one element in the owned struct
-  const SequenceAccess* access = nullptr;  ///< where shape is sequence
-  bool key = false;
-  std::string_view unit{};  ///< from @unit, for display
-};
-
-struct StructType {
-  std::string_view name;  ///< "sensor_msgs::msg::PointCloud2"
-  std::span<const Member> members;
-  std::size_t leaves = 0;
-  std::size_t slots = 0;
-
-  /// Of a packed struct, such as a point: one that CDR always encodes as that many bytes, without padding,
-  /// from the next multiple of `alignment` on. It has neither strings nor sequences nor booleans, which would
-  /// have to be looked at. 0 of others.
-  std::uint32_t packed_bytes = 0;
-  std::uint32_t alignment = 1;       ///< the largest of all primitives and lengths below
-  bool is_packed_in_memory = false;  ///< and the owned struct has the very same bytes
-
-  /// Of a type that was not compiled in: first leaf of each member, counted from the first leaf of the
-  /// struct. Then walks find the members of which something is selected without looking at all others: nobody
-  /// vouches that those are few.
-  std::span<const std::uint32_t> first_leaves{};
-
-  constexpr StructType() = default;
-  constexpr StructType(std::string_view name, std::span<const Member> members);
-
- private:
-  constexpr void find_packing();
-};
 
 /// Specialised for every generated type: `static constexpr StructType type`.
 template <class T>
@@ -144,24 +71,9 @@ constexpr bool is_collection(const Member& m) {
   return m.kind == Kind::structure && m.shape != Shape::single;
 }
 
-constexpr std::size_t leaf_count(const StructType& type) { return type.leaves; }
-constexpr std::size_t leaf_count(const Member& m) {
-  if (m.kind != Kind::structure) return 1;
-  return m.type->leaves + (m.shape == Shape::sequence ? 1 : 0);
-}
-
 constexpr std::size_t slot_count(const StructType& type) { return type.slots; }
 constexpr std::size_t slot_count(const Member& m) {
   return m.kind == Kind::structure && m.shape == Shape::single ? m.type->slots : 1;
-}
-
-constexpr StructType::StructType(std::string_view type_name, std::span<const Member> type_members)
-    : name(type_name), members(type_members) {
-  for (const Member& m : members) {
-    leaves += leaf_count(m);
-    slots += slot_count(m);
-  }
-  find_packing();
 }
 
 constexpr std::uint32_t alignment_of(const Member& m) {
@@ -183,27 +95,45 @@ constexpr std::uint32_t packed_bytes_of(const Member& m) {
   return is_primitive(m.kind) && m.kind != Kind::boolean ? static_cast<std::uint32_t>(size_of(m.kind)) : 0;
 }
 
+}  // namespace sft::detail
+
+namespace sft {
+
+constexpr StructType::StructType(std::string_view type_name, std::span<const Member> type_members)
+    : name(type_name), members(type_members) {
+  for (const Member& m : members) {
+    leaves += leaf_count(m);
+    slots += detail::slot_count(m);
+  }
+  find_packing();
+}
+
 constexpr void StructType::find_packing() {
   std::uint64_t bytes = 0;
   bool is_packed = !members.empty();
   bool is_same_in_memory = true;
   for (const Member& m : members) {
-    const std::uint32_t own = packed_bytes_of(m);
-    is_packed = is_packed && own != 0 && m.shape != Shape::sequence && bytes % alignment_of(m) == 0;
+    const std::uint32_t own = detail::packed_bytes_of(m);
+    is_packed =
+        is_packed && own != 0 && m.shape != Member::Shape::sequence && bytes % detail::alignment_of(m) == 0;
     is_same_in_memory = is_same_in_memory && m.offset == bytes && m.stride == own &&
-                        (m.kind != Kind::structure || m.type->is_packed_in_memory);
-    if (alignment_of(m) > alignment) alignment = alignment_of(m);
+                        (m.kind != Member::Kind::structure || m.type->is_packed_in_memory);
+    if (detail::alignment_of(m) > alignment) alignment = detail::alignment_of(m);
     bytes += std::uint64_t{m.count} * own;
     if (bytes >> 32 != 0) {  // before a sum of more overflows
       is_packed = false;
       bytes = 0;
     }
   }
-  // Without padding in front of it wherever it stands, and none between two of them.
-  if (!is_packed || alignment_of(members[0]) != alignment || bytes % alignment != 0) return;
+  // A packed struct needs no padding in front of it wherever it stands, nor between two of them.
+  if (!is_packed || detail::alignment_of(members[0]) != alignment || bytes % alignment != 0) return;
   packed_bytes = static_cast<std::uint32_t>(bytes);
   is_packed_in_memory = is_same_in_memory;
 }
+
+}  // namespace sft
+
+namespace sft::detail {
 
 /// First leaf of a member, counted from the first leaf of its struct.
 constexpr std::size_t leaf_offset(const StructType& type, std::size_t member) {
@@ -220,10 +150,6 @@ constexpr std::size_t slot_offset(const StructType& type, std::size_t member) {
 
 template <class T>
 inline constexpr std::size_t leaf_count_of = leaf_count(TypeTable<T>::type);
-
-/// A value of the owned struct's member type V is described without naming its shape twice: it follows from
-/// V.
-namespace detail {
 
 template <class V>
 struct SequenceAccessOf {
@@ -282,8 +208,6 @@ constexpr const EnumType* enum_type_of() {
   }
 }
 
-}  // namespace detail
-
 struct MemberOptions {
   std::uint32_t bound = 0;
   std::uint32_t string_bound = 0;
@@ -295,7 +219,7 @@ struct MemberOptions {
 /// IDL (it tells octet from uint8 and a sequence of booleans, held as std::uint8_t, from one of octets).
 template <class V>
 constexpr Member member(std::string_view name, Kind kind, std::size_t offset, MemberOptions options = {}) {
-  using Place = detail::ShapeOf<V>;
+  using Place = ShapeOf<V>;
   using Element = typename Place::Element;
   return {.name = name,
           .kind = kind,
@@ -303,8 +227,8 @@ constexpr Member member(std::string_view name, Kind kind, std::size_t offset, Me
           .count = Place::count,
           .bound = options.bound,
           .string_bound = options.string_bound,
-          .type = detail::struct_type_of<Element>(),
-          .enumeration = detail::enum_type_of<Element>(),
+          .type = struct_type_of<Element>(),
+          .enumeration = enum_type_of<Element>(),
           .offset = offset,
           .stride = sizeof(Element),
           .access = Place::access,
@@ -312,4 +236,4 @@ constexpr Member member(std::string_view name, Kind kind, std::size_t offset, Me
           .unit = options.unit};
 }
 
-}  // namespace sft
+}  // namespace sft::detail

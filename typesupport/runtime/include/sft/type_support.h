@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "sft/typesupport/field_mask.h"
-#include "sft/typesupport/result.h"
-#include "sft/typesupport/type_table.h"
+#include "sft/mask.h"
+#include "sft/result.h"
+#include "sft/type.h"
 
 namespace sft {
 
@@ -77,22 +77,19 @@ class TypeSupport {
 /// That of a generated message type, made on first use: the numbers, names and text of its fields.
 template <class T>
 const TypeSupport& type_support() {
-  static const TypeSupport support(TypeTable<T>::type);
+  static const TypeSupport support(detail::TypeTable<T>::type);
   return support;
 }
 
 /// As TypeSupport::format_mask: of a Mask<T>, a combination of fields or the name of one.
-template <FieldSet F>
+template <detail::FieldSet F>
 std::string to_string(const F& fields) {
-  return type_support<TypeOfFields<F>>().format_mask(FieldMask(fields));
+  return type_support<detail::TypeOfFields<F>>().format_mask(FieldMask(fields));
 }
 /// Of a mask of T at run time: `sft::to_string<PointCloud2>(sample.mask())`.
 template <class T>
 std::string to_string(const FieldMask& mask) {
   return type_support<T>().format_mask(mask);
 }
-
-/// 64-bit hash of a type's canonical structure (see TypeSupport::hash).
-std::uint64_t structure_hash(const StructType& type);
 
 }  // namespace sft

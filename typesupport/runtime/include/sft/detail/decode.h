@@ -1,9 +1,9 @@
 // From CDR under a mask to the owned struct.
 #pragma once
 
-#include "sft/typesupport/walk.h"
+#include "sft/detail/walk.h"
 
-namespace sft {
+namespace sft::detail {
 
 /// Writes the members that are in `s.mask` to `value` (an owned struct of `type`); others keep what they
 /// hold. The body may be hostile: where the status is not ok, some members were written and some not.
@@ -11,4 +11,4 @@ namespace sft {
 /// which only the length was sent, at most max_empty_elements are made.
 WalkStatus decode(const SampleState& s, const StructType& type, void* value);
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "sft/typesupport/type_support.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/walk.h"
+#include "sft/type_support.h"
 
-namespace sft {
+namespace sft::detail {
 
 struct Segment {
   const std::byte* data = nullptr;
@@ -85,4 +85,4 @@ class Projection {
   std::size_t bytes_ = 0;
 };
 
-}  // namespace sft
+}  // namespace sft::detail

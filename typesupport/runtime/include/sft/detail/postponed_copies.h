@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "sft/typesupport/project.h"
+#include "sft/detail/project.h"
 
-namespace sft {
+namespace sft::detail {
 
 /// Of one body; valid as long as the value is, and does not change. Allocates nothing.
 class PostponedCopies {
@@ -50,4 +50,4 @@ class PostponedCopies {
   std::size_t count_ = 0;
 };
 
-}  // namespace sft
+}  // namespace sft::detail

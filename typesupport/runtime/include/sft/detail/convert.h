@@ -29,11 +29,11 @@
 #include <cstdint>
 #include <span>
 
-#include "sft/typesupport/result.h"
-#include "sft/typesupport/type_table.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/type_table.h"
+#include "sft/detail/walk.h"
+#include "sft/result.h"
 
-namespace sft {
+namespace sft::detail {
 
 /// A payload's body and how it is encoded. Owns nothing.
 struct Payload {
@@ -60,4 +60,4 @@ ConvertedSize converted_size(const Payload& payload, const StructType& type) noe
 /// the payload and lie within it; what else a valid body has to be, build_index() checks.
 WalkStatus convert(const Payload& payload, const StructType& type, std::span<std::byte> body) noexcept;
 
-}  // namespace sft
+}  // namespace sft::detail

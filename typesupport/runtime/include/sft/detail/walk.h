@@ -8,12 +8,12 @@
 #include <cstring>
 #include <span>
 
-#include "sft/typesupport/access_log.h"
-#include "sft/typesupport/field_mask.h"
-#include "sft/typesupport/sample_format.h"
-#include "sft/typesupport/type_table.h"
+#include "sft/detail/access_log.h"
+#include "sft/detail/sample_format.h"
+#include "sft/detail/type_table.h"
+#include "sft/mask.h"
 
-namespace sft {
+namespace sft::detail {
 
 /// Elements of a sequence of structs of which only the length was sent: more are neither made nor walked
 /// over.
@@ -137,4 +137,4 @@ inline constexpr std::uint32_t max_trailing_bytes = 3;
 WalkStatus build_index(const SampleState& s, const StructType& type, std::span<std::uint32_t> index,
                        std::uint32_t* body_end = nullptr) noexcept;
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace sft {
+namespace sft::detail {
 
 class Fnv1a {
  public:
@@ -23,4 +23,4 @@ class Fnv1a {
   std::uint64_t hash_ = 0xcbf29ce484222325;
 };
 
-}  // namespace sft
+}  // namespace sft::detail

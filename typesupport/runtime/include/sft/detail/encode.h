@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <span>
 
-#include "sft/typesupport/field_mask.h"
-#include "sft/typesupport/loan_view.h"
-#include "sft/typesupport/postponed_copies.h"
-#include "sft/typesupport/type_table.h"
+#include "sft/detail/loan_view.h"
+#include "sft/detail/postponed_copies.h"
+#include "sft/detail/type_table.h"
+#include "sft/mask.h"
 
-namespace sft {
+namespace sft::detail {
 
 enum class EncodeStatus : std::uint8_t {
   ok,
@@ -37,4 +37,4 @@ void encode(const StructType& type, const void* value, const FieldMask& mask, st
             std::span<std::uint32_t> index, std::span<const Reservation> reservations = {},
             PostponedCopies* postponed = nullptr) noexcept;
 
-}  // namespace sft
+}  // namespace sft::detail

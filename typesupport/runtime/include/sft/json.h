@@ -20,8 +20,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sft/typesupport/dynamic_view.h"
-#include "sft/typesupport/result.h"
+#include "sft/dynamic_view.h"
+#include "sft/result.h"
 
 namespace sft {
 

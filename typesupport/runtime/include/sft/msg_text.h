@@ -20,8 +20,8 @@
 #include <string>
 #include <string_view>
 
-#include "sft/typesupport/dynamic_type.h"
-#include "sft/typesupport/result.h"
+#include "sft/dynamic_type.h"
+#include "sft/result.h"
 
 namespace sft {
 

@@ -19,8 +19,8 @@
 #include <string>
 #include <string_view>
 
-#include "sft/typesupport/dynamic_view.h"
-#include "sft/typesupport/result.h"
+#include "sft/dynamic_view.h"
+#include "sft/result.h"
 
 namespace sft {
 

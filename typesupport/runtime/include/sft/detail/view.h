@@ -16,16 +16,16 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <type_traits>
 
-#include "sft/typesupport/element_range.h"
-#include "sft/typesupport/mask.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/element_range.h"
+#include "sft/detail/walk.h"
+#include "sft/mask.h"
+#include "sft/optional.h"
 
-namespace sft {
+namespace sft::detail {
 
 static_assert(std::endian::native == std::endian::little, "views read little-endian CDR in place");
 
@@ -34,23 +34,8 @@ static_assert(std::endian::native == std::endian::little, "views read little-end
 template <class Place, std::size_t Member>
 concept field_is_in_declared_mask = Place::template has<Member>;
 
-/// What a getter of a recorded sample returns: a std::optional whose `*` gives the value itself and not a
-/// reference into the optional, so that `for (auto f : *sample->fields())` does not walk what is gone. Values
-/// are numbers and views: small.
-template <class V>
-class Optional : public std::optional<V> {
- public:
-  using std::optional<V>::optional;
-  /// The value itself. REQUIRES: there is one.
-  V operator*() const { return std::optional<V>::operator*(); }
-  /// The value itself. Throws std::bad_optional_access if there is none.
-  V value() const { return std::optional<V>::value(); }
-};
-
 template <auto R, class V>
 using Got = std::conditional_t<R.is_recorded, Optional<V>, V>;
-
-namespace detail {
 
 template <Kind K>
 struct ScalarOf;
@@ -150,15 +135,12 @@ struct StringStep {
   static Value read(const SampleState& s, std::uint64_t offset) { return string_at(s, offset); }
 };
 
-}  // namespace detail
-
 /// What a getter of several strings returns.
-using StringRange = ElementRange<detail::StringStep>;
+using StringRange = ElementRange<StringStep>;
 
 template <auto R, class S, std::size_t Leaf>
 class ElementPlace;
 
-namespace detail {
 template <auto R, class S, std::size_t Leaf>
 struct ElementStep {
   using Value = typename S::template View<ElementPlace<R, S, Leaf>>;
@@ -235,13 +217,12 @@ struct PlaceBase {
     return Got<R, V>{read_leaf<R, S, M, leaf_of<M>, As>(s, offset_of())};
   }
 };
-}  // namespace detail
 
 /// Members of struct S, of which the first leaf and slot in the root type are Leaf and Slot, found through
 /// the index.
 template <auto R, class S, std::size_t Leaf, std::size_t Slot>
-class IndexedPlace : public detail::PlaceBase<R, S, Leaf> {
-  using Base = detail::PlaceBase<R, S, Leaf>;
+class IndexedPlace : public PlaceBase<R, S, Leaf> {
+  using Base = PlaceBase<R, S, Leaf>;
 
  public:
   explicit IndexedPlace(const SampleState* s) : s_(s) {}
@@ -265,8 +246,8 @@ class IndexedPlace : public detail::PlaceBase<R, S, Leaf> {
 
 /// Members of one struct S inside a collection, which begins at an offset and is walked to reach a member.
 template <auto R, class S, std::size_t Leaf>
-class ElementPlace : public detail::PlaceBase<R, S, Leaf> {
-  using Base = detail::PlaceBase<R, S, Leaf>;
+class ElementPlace : public PlaceBase<R, S, Leaf> {
+  using Base = PlaceBase<R, S, Leaf>;
 
  public:
   ElementPlace(const SampleState* s, std::uint64_t offset) : s_(s), offset_(offset) {}
@@ -302,4 +283,4 @@ ViewOf<T, R> view_of(const SampleState& s) {
   return ViewOf<T, R>{IndexedPlace<R, T, 0, 0>{&s}};
 }
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -1,5 +1,5 @@
 // The compiled side of publishers and subscribers. The templates over message types (publisher.h,
-// subscriber.h, sample.h) only add names and types to this; programs use those.
+// subscriber.h, sample.h) only add names and types to it.
 #pragma once
 
 #include <chrono>
@@ -12,13 +12,14 @@
 #include <string_view>
 #include <utility>
 
+#include "sft/detail/loan_view.h"
+#include "sft/detail/walk.h"
 #include "sft/options.h"
 #include "sft/requirements.h"
+#include "sft/result.h"
+#include "sft/sample_info.h"
 #include "sft/status.h"
-#include "sft/typesupport/loan_view.h"
-#include "sft/typesupport/result.h"
-#include "sft/typesupport/type_support.h"
-#include "sft/typesupport/walk.h"
+#include "sft/type_support.h"
 
 namespace sft::core {
 struct SampleBuffer;
@@ -28,43 +29,7 @@ class SubscriberCore;
 class RecordedSample;
 }  // namespace sft::core
 
-namespace sft {
-
-struct SampleInfo {
-  std::uint64_t sequence = 0;  ///< of the writer, from 1
-  std::uint64_t writer = 0;
-  std::chrono::sys_time<std::chrono::nanoseconds> source_stamp{};  ///< at publish, by the publisher's clock
-  /// When it was complete here; in shared memory, where that is when it was sent, when it was taken.
-  std::chrono::sys_time<std::chrono::nanoseconds> receive_stamp{};
-  std::uint64_t lost_before = 0;  ///< samples of this writer between the previous one taken and this one
-  TransportKind transport{};
-};
-
-enum class PublishStatus : std::uint8_t {
-  ok,
-  invalid,    ///< a string with a NUL in it, a bound exceeded, or larger than max_sample_bytes:
-              ///< Publisher::why_invalid() names the field
-  no_loan,    ///< the loan was published already, or moved away
-  no_memory,  ///< no chunk or buffer free: readers hold too many samples
-  dropped,    ///< a queue was full, or no chunk was free: at least one reader misses this sample, and counts
-              ///< it. With max_blocking: that was over, and it may also be an older sample that a reader
-              ///< misses.
-};
-const char* to_string(PublishStatus status);
-
-/// What became of the messages of publish(span).
-struct PublishedSpan {
-  std::size_t published = 0;                 ///< so many of them were ok
-  PublishStatus status = PublishStatus::ok;  ///< of the first one that was not; ok if all were
-};
-
-enum class ShrinkStatus : std::uint8_t {
-  ok,
-  not_reserved,  ///< the loan named no size for this sequence
-  too_long,      ///< longer than what was reserved
-  no_loan,       ///< the loan was published already, or moved away
-};
-const char* to_string(ShrinkStatus status);
+namespace sft::detail {
 
 /// What reserved memory holds at first: zeros, or whatever was there before.
 enum class ReservedMemory : std::uint8_t { zeroed, as_it_is };
@@ -196,4 +161,4 @@ class Subscriber {
 };
 
 }  // namespace untyped
-}  // namespace sft
+}  // namespace sft::detail

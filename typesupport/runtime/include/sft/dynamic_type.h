@@ -9,11 +9,23 @@
 #include <span>
 #include <string_view>
 
-#include "sft/typesupport/result.h"
-#include "sft/typesupport/type_description.h"
-#include "sft/typesupport/type_support.h"
+#include "sft/result.h"
+#include "sft/type.h"
+#include "sft/type_support.h"
 
 namespace sft {
+
+/// What is accepted of a description. `leaves` and what follows it count the type expanded: every struct as
+/// often as it is used.
+struct DescriptionLimits {
+  std::size_t bytes = 65'536;
+  std::size_t name_bytes = 255;  ///< of each name and unit
+  std::uint32_t array_elements = 1U << 28;
+  std::size_t depth = 16;            ///< of structs in structs; real types have some 5
+  std::size_t leaves = 4096;         ///< as many as a request can name
+  std::size_t members = 32'768;      ///< and enumerators
+  std::size_t path_bytes = 1 << 20;  ///< of the paths of all leaves, about
+};
 
 /// A handle: copies share the type, which lives, unmoved, as long as any of them. Any thread.
 class DynamicType {

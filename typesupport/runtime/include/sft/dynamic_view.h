@@ -34,8 +34,8 @@
 #include <utility>
 #include <variant>
 
-#include "sft/typesupport/result.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/walk.h"
+#include "sft/result.h"
 
 namespace sft {
 
@@ -51,10 +51,10 @@ class DynamicView {
 
   /// The whole sample, of which the mask is one of `type`. `s.index` may be null: then members are found by
   /// walking.
-  DynamicView(const SampleState& s, const StructType& type);
+  DynamicView(const detail::SampleState& s, const StructType& type);
   /// The same for a reader that declared fewer fields than the sample may have: all others are absent.
   /// `declared` is closed (TypeSupport::closed) and outlives the view.
-  DynamicView(const SampleState& s, const StructType& type, const FieldMask& declared);
+  DynamicView(const detail::SampleState& s, const StructType& type, const FieldMask& declared);
 
   // ---- navigation ----
 
@@ -92,9 +92,8 @@ class DynamicView {
   /// True of an array or a sequence as a whole.
   bool is_collection() const { return node_ == Node::collection; }
   /// Of a collection: of its elements.
-  Kind kind() const { return member_ == nullptr ? Kind::structure : member_->kind; }
-  /// Of a collection array or sequence, else single.
-  Shape shape() const { return is_collection() ? member_->shape : Shape::single; }
+  Member::Kind kind() const { return member_ == nullptr ? Member::Kind::structure : member_->kind; }
+  Member::Shape shape() const { return is_collection() ? member_->shape : Member::Shape::single; }
   /// The member that this is, or is an element of; null for the whole sample.
   const Member* member() const { return member_; }
   /// Of member(); empty for the whole sample.
@@ -132,7 +131,7 @@ class DynamicView {
   };
   static constexpr std::size_t no_slot = SIZE_MAX;
 
-  DynamicView(const SampleState* s, const FieldMask* declared, const Member& member)
+  DynamicView(const detail::SampleState* s, const FieldMask* declared, const Member& member)
       : state_(s), declared_(declared), member_(&member) {}
   /// Whether the reader is to see any of these leaves, and they are there.
   bool has_any_of(std::size_t leaf, std::size_t count) const {
@@ -145,7 +144,7 @@ class DynamicView {
   void pass(const Member& m, Place& place) const;
   std::uint64_t behind_element(std::uint64_t offset) const;
   std::size_t element_leaf() const;
-  Extent extent() const;
+  detail::Extent extent() const;
   DynamicView failed(Errc code, std::string message) const;
   DynamicView malformed() const;
   Error not_readable(const char* wanted) const;
@@ -155,9 +154,9 @@ class DynamicView {
   }
   std::string label() const;
   Result<std::span<const std::byte>> primitives(std::size_t element_bytes, const char* wanted,
-                                                bool (*matches)(Kind)) const;
+                                                bool (*matches)(Member::Kind)) const;
 
-  const SampleState* state_;
+  const detail::SampleState* state_;
   const FieldMask* declared_ = nullptr;  ///< null: all that the sample has
   const Member* member_ = nullptr;
   const StructType* type_ = nullptr;
@@ -218,10 +217,10 @@ class DynamicView::Elements {
     iterator(const DynamicView* of, std::uint64_t offset, std::size_t left)
         : of_(of), offset_(offset), left_(left) {}
     DynamicView operator*() const {
-      return offset_ == no_offset ? of_->malformed() : of_->element_at(offset_);
+      return offset_ == detail::no_offset ? of_->malformed() : of_->element_at(offset_);
     }
     iterator& operator++() {
-      const bool at_end = --left_ == 0 || offset_ == no_offset;
+      const bool at_end = --left_ == 0 || offset_ == detail::no_offset;
       if (at_end) left_ = 0;
       if (!at_end) offset_ = of_->behind_element(offset_);
       return *this;
@@ -244,7 +243,7 @@ class DynamicView::Elements {
 
  private:
   DynamicView of_;
-  std::uint64_t first_ = no_offset;
+  std::uint64_t first_ = detail::no_offset;
   std::size_t left_ = 0;
 };
 
@@ -283,7 +282,7 @@ inline constexpr bool is_number =
 
 /// The value as a T, if it is one.
 template <class T, class V>
-std::optional<T> convert(V v) {
+std::optional<T> converted(V v) {
   if constexpr (std::is_same_v<V, T> || (std::is_same_v<V, float> && std::is_same_v<T, double>)) {
     return v;
   } else if constexpr (std::is_same_v<V, std::string_view> && std::is_same_v<T, std::string>) {
@@ -309,7 +308,7 @@ Result<T> DynamicView::as() const {
   } else {
     const Result<Scalar> value = scalar();
     if (!value) return tl::unexpected(value.error());
-    std::optional<T> converted = std::visit([](auto v) { return detail::convert<T>(v); }, *value);
+    std::optional<T> converted = std::visit([](auto v) { return detail::converted<T>(v); }, *value);
     if (!converted) return fail(Errc::type_mismatch, label() + " does not fit into what was asked for");
     return *std::move(converted);
   }

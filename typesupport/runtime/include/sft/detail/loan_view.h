@@ -8,10 +8,10 @@
 #include <optional>
 #include <span>
 
-#include "sft/typesupport/type_table.h"
-#include "sft/typesupport/walk.h"
+#include "sft/detail/type_table.h"
+#include "sft/detail/walk.h"
 
-namespace sft {
+namespace sft::detail {
 
 /// That the sequence at `leaf`, which has its own `slot`, is to be encoded with `length` elements that are
 /// not written. Without a length it is encoded as it is.
@@ -81,4 +81,4 @@ class LoanedPlace {
   std::size_t slot_;
 };
 
-}  // namespace sft
+}  // namespace sft::detail

@@ -1,0 +1,23 @@
+// What is known of a received sample besides its fields.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include "sft/status.h"
+
+namespace sft {
+
+/// A part of each sample, as old as the sample. Stamps are in UTC, as std::chrono::system_clock counts.
+struct SampleInfo {
+  std::uint64_t sequence = 0;  ///< number of the sample among those of its publisher, from 1
+  std::uint64_t writer = 0;    ///< id of the publisher
+  std::chrono::sys_time<std::chrono::nanoseconds> source_stamp{};  ///< at publish, by the publisher's clock
+  /// When the sample was complete on this host. A sample in shared memory is complete when it is published;
+  /// its stamp tells when it was taken.
+  std::chrono::sys_time<std::chrono::nanoseconds> receive_stamp{};
+  std::uint64_t lost_before = 0;  ///< samples of this publisher between the previous one taken and this one
+  TransportKind transport{};      ///< the path by which the sample came
+};
+
+}  // namespace sft

@@ -1,0 +1,295 @@
+// Sets of fields. A field set is a set of leaves (type.h) of one message type. There are two forms of it:
+//
+//   Mask<T>      known when the program is compiled, from the generated names of the fields of message type T
+//   FieldMask    known at run time, as wide as the type needs; holds no heap memory up to 64 leaves
+//
+//   using F = PointCloud2::Field;
+//   node.subscriber<PointCloud2, F::header.stamp | F::data>(...)
+//   node.subscriber<PointCloud2, F::fields.each.name>(...)    // of each element of the sequence, its name
+//   node.subscriber<PointCloud2, F::fields.size>(...)         // only how many elements it has
+//
+// Sets of one type combine by | & - ^ ~ and compare by ==, whether they are masks or names of fields;
+// sft::Mask(F::header) is the mask of a name. F::a | F::b names the same type as F::b | F::a, so that both
+// are the same template argument. A set does not know the names of its type: to_string() and TypeSupport
+// (type_support.h) print it and read it from text.
+//
+// Sets are values: several threads may read one, and a set that one thread changes belongs to that thread.
+// No function here fails; a FieldMask of more than 64 leaves allocates when it is made or copied.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "sft/detail/leaf_iterator.h"
+#include "sft/detail/type_table.h"
+
+namespace sft {
+
+/// A set of leaves of message type T that is known when the program is compiled; a template argument.
+template <class T>
+struct Mask {
+  using Type = T;
+  using value_type = std::size_t;
+  using const_iterator = detail::LeafIterator<Mask>;
+  using iterator = const_iterator;
+  static constexpr std::size_t leaves = detail::leaf_count_of<T>;
+
+  std::array<std::uint64_t, (leaves + 63) / 64> words{};  // public: a template argument has no private parts
+
+  /// True if the leaf, or all leaves of the other mask, are in this one.
+  constexpr bool contains(std::size_t leaf) const { return (words[leaf / 64] >> (leaf % 64) & 1) != 0; }
+  constexpr bool contains(const Mask& other) const {
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      if ((other.words[i] & ~words[i]) != 0) return false;
+    }
+    return true;
+  }
+
+  /// True if any leaf of [first, first + count), or of the other mask, is in this one.
+  constexpr bool intersects(std::size_t first, std::size_t count) const {
+    for (std::size_t leaf = first; leaf < first + count; ++leaf) {
+      if (contains(leaf)) return true;
+    }
+    return false;
+  }
+  constexpr bool intersects(const Mask& other) const {
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      if ((other.words[i] & words[i]) != 0) return true;
+    }
+    return false;
+  }
+
+  constexpr bool empty() const { return size() == 0; }
+  constexpr std::size_t size() const {
+    std::size_t n = 0;
+    for (const std::uint64_t word : words) n += static_cast<std::size_t>(std::popcount(word));
+    return n;
+  }
+
+  /// Iterate over the numbers of the leaves, ascending.
+  constexpr iterator begin() const { return iterator::first(*this); }
+  constexpr iterator end() const { return iterator::end(*this); }
+  constexpr std::uint64_t word(std::size_t i) const { return words[i]; }
+  static constexpr std::size_t word_count() { return (leaves + 63) / 64; }
+
+  static constexpr Mask range(std::size_t first, std::size_t count) {
+    Mask m;
+    for (std::size_t leaf = first; leaf < first + count; ++leaf)
+      m.words[leaf / 64] |= std::uint64_t{1} << (leaf % 64);
+    return m;
+  }
+
+  friend constexpr bool operator==(const Mask&, const Mask&) = default;
+};
+
+/// All fields of message type T.
+template <class T>
+inline constexpr Mask<T> all = Mask<T>::range(0, detail::leaf_count_of<T>);
+
+namespace detail {
+
+/// All leaves below one node of T's tree. The struct has no members of its own but a conversion, so that the
+/// names of a message's fields, which are members of classes derived from it, never collide with it.
+template <class T, std::size_t First, std::size_t Count>
+struct FieldNode {
+  using Type = T;
+  constexpr operator Mask<T>() const {
+    return Mask<T>::range(First, Count);
+  }  // NOLINT(google-explicit-constructor)
+};
+
+template <class T, std::size_t First, std::size_t Count>
+T type_of_fields(const FieldNode<T, First, Count>&);
+template <class T>
+T type_of_fields(const Mask<T>&);
+
+/// A mask or the name of a field.
+template <class F>
+concept FieldSet = requires(const F& fields) {
+  detail::type_of_fields(fields);
+};
+
+template <FieldSet F>
+using TypeOfFields = decltype(detail::type_of_fields(std::declval<const F&>()));
+
+}  // namespace detail
+
+template <detail::FieldSet F>
+Mask(const F&) -> Mask<detail::TypeOfFields<F>>;
+
+namespace detail {
+
+template <FieldSet A, FieldSet B, class Combine>
+constexpr auto combined(const A& a, const B& b, Combine combine) {
+  using T = TypeOfFields<A>;
+  static_assert(std::same_as<T, TypeOfFields<B>>, "fields of two message types in one mask");
+  Mask<T> result = a;
+  const Mask<T> other = b;
+  for (std::size_t i = 0; i < result.words.size(); ++i)
+    result.words[i] = combine(result.words[i], other.words[i]);
+  return result;
+}
+
+template <FieldSet A, FieldSet B>
+constexpr auto operator|(const A& a, const B& b) {
+  return combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x | y; });
+}
+template <FieldSet A, FieldSet B>
+constexpr auto operator&(const A& a, const B& b) {
+  return combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x & y; });
+}
+/// The leaves of `a` that are not in `b`.
+template <FieldSet A, FieldSet B>
+constexpr auto operator-(const A& a, const B& b) {
+  return combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x & ~y; });
+}
+/// The leaves in exactly one of them.
+template <FieldSet A, FieldSet B>
+constexpr auto operator^(const A& a, const B& b) {
+  return combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x ^ y; });
+}
+template <FieldSet A>
+constexpr auto operator~(const A& fields) {
+  return all<TypeOfFields<A>> - fields;
+}
+template <FieldSet A, FieldSet B>
+constexpr bool operator==(const A& a, const B& b) {
+  return (a ^ b).empty();
+}
+
+}  // namespace detail
+
+// Argument-dependent lookup finds these for masks here and for names of fields in sft::detail.
+using detail::operator|;
+using detail::operator&;
+using detail::operator-;
+using detail::operator^;
+using detail::operator~;
+using detail::operator==;
+
+/// The type of sft::recorded.
+struct Recorded {
+  friend constexpr bool operator==(Recorded, Recorded) = default;
+};
+/// Instead of a mask: the getters of the subscriber's samples note which fields the program reads, and these
+/// fields are requested.
+inline constexpr Recorded recorded{};
+
+/// What the type of a subscriber says that it needs of message type T: a mask, the name of a field, or
+/// sft::recorded.
+template <class T>
+struct Req {
+  Mask<T> mask{};
+  bool is_recorded = false;
+
+  constexpr Req(const Mask<T>& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
+  /// A field or an inner node by its name, or a combination of them.
+  template <detail::FieldSet F>
+  requires std::same_as<T, detail::TypeOfFields<F>>
+  constexpr Req(const F& declared) : mask(declared) {}          // NOLINT(google-explicit-constructor)
+  constexpr Req(Recorded) : mask(all<T>), is_recorded(true) {}  // NOLINT(google-explicit-constructor)
+
+  friend constexpr bool operator==(const Req&, const Req&) = default;
+};
+
+/// A set of leaves at run time. A default-made one is of a type without leaves. Numbers of leaves that are
+/// passed are below leaves().
+class FieldMask {
+ public:
+  using value_type = std::size_t;
+  using const_iterator = detail::LeafIterator<FieldMask>;
+  using iterator = const_iterator;
+
+  FieldMask() = default;
+  explicit FieldMask(std::size_t leaves) : leaves_(leaves), more_(leaves > 64 ? (leaves - 1) / 64 : 0) {}
+
+  /// Converts a Mask<T> or the name of a field.
+  template <detail::FieldSet F>
+  explicit FieldMask(const F& fields) : FieldMask(detail::leaf_count_of<detail::TypeOfFields<F>>) {
+    const Mask mask(fields);
+    for (std::size_t i = 0; i < mask.words.size(); ++i) mutable_word(i) = mask.words[i];
+  }
+
+  /// All leaves of a type that has so many.
+  static FieldMask full(std::size_t leaves);
+  /// Bit b of word i stands for leaf 64 * i + b. Bits beyond `leaves` are ignored, missing words count as
+  /// zero.
+  static FieldMask from_words(std::size_t leaves, std::span<const std::uint64_t> words);
+
+  std::vector<std::uint64_t> to_words() const;
+
+  std::size_t leaves() const { return leaves_; }
+  std::size_t words() const { return 1 + more_.size(); }
+  std::size_t word_count() const { return words(); }
+  std::uint64_t word(std::size_t i) const { return i == 0 ? first_ : more_[i - 1]; }
+
+  bool contains(std::size_t leaf) const { return (word(leaf / 64) >> (leaf % 64) & 1) != 0; }
+  /// True if all leaves of the other set are in this one, or any of them. Both sets are of one type.
+  bool contains(const FieldMask& other) const;
+  bool intersects(const FieldMask& other) const;
+  /// The same for a Mask<T> or the name of a field: `sample.mask().contains(F::data)`.
+  template <detail::FieldSet F>
+  bool contains(const F& fields) const {
+    return contains(FieldMask(fields));
+  }
+  template <detail::FieldSet F>
+  bool intersects(const F& fields) const {
+    return intersects(FieldMask(fields));
+  }
+  /// True if any leaf of [first, first + count) is in the set, or all of them.
+  bool any_of(std::size_t first, std::size_t count) const {
+    return more_.empty() ? (first_ & bits(first, count)) != 0 : any_of_words(first, count);
+  }
+  bool all_of(std::size_t first, std::size_t count) const {
+    return more_.empty() ? (~first_ & bits(first, count)) == 0 : all_of_words(first, count);
+  }
+  /// The lowest leaf of [first, end) in the set, or `end`.
+  std::size_t next(std::size_t first, std::size_t end) const noexcept;
+  bool empty() const;
+  bool is_full() const { return all_of(0, leaves_); }
+  std::size_t size() const;
+
+  void insert(std::size_t leaf) { mutable_word(leaf / 64) |= std::uint64_t{1} << (leaf % 64); }
+  void erase(std::size_t leaf) { mutable_word(leaf / 64) &= ~(std::uint64_t{1} << (leaf % 64)); }
+
+  FieldMask& operator|=(const FieldMask& other);
+  FieldMask& operator&=(const FieldMask& other);
+  FieldMask& operator-=(const FieldMask& other);
+  FieldMask& operator^=(const FieldMask& other);
+  friend FieldMask operator|(FieldMask a, const FieldMask& b) { return a |= b; }
+  friend FieldMask operator&(FieldMask a, const FieldMask& b) { return a &= b; }
+  friend FieldMask operator-(FieldMask a, const FieldMask& b) { return a -= b; }
+  friend FieldMask operator^(FieldMask a, const FieldMask& b) { return a ^= b; }
+  friend FieldMask operator~(const FieldMask& a) { return full(a.leaves_) - a; }
+  friend bool operator==(const FieldMask&, const FieldMask&) = default;
+
+  /// Iterate over the numbers of the leaves, ascending. The set must not change meanwhile.
+  iterator begin() const { return iterator::first(*this); }
+  iterator end() const { return iterator::end(*this); }
+
+  /// Equal sets have equal hashes. The hash of a set of a type with at most 64 leaves is its bits.
+  std::uint64_t hash() const;
+
+ private:
+  /// The bits of these leaves in the first word, if it has all of them.
+  static constexpr std::uint64_t bits(std::size_t first, std::size_t count) {
+    return count == 0 ? 0 : ~std::uint64_t{0} >> (64 - count) << first;
+  }
+  bool any_of_words(std::size_t first, std::size_t count) const;
+  bool all_of_words(std::size_t first, std::size_t count) const;
+  template <class Combine>
+  FieldMask& combine(const FieldMask& other, Combine combine);
+  std::uint64_t& mutable_word(std::size_t i) { return i == 0 ? first_ : more_[i - 1]; }
+
+  std::size_t leaves_ = 0;
+  std::uint64_t first_ = 0;
+  std::vector<std::uint64_t> more_;
+};
+
+}  // namespace sft

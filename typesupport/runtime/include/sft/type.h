@@ -1,0 +1,114 @@
+// The structure of a message type: its members with their names, kinds, shapes and units. A program that
+// handles types which it was not compiled with walks this tree: `sft type` prints it, and a table of columns
+// can be made from it. TypeSupport::type(), DynamicType::type() and DynamicView lead to it.
+//
+// Generated code and DynamicType make these structs; a program only reads them. All of them are immutable, so
+// that any thread may read them at any time. Those of a compiled type live as long as the program; those of a
+// DynamicType live as long as any copy of it. The pointers, spans and texts in them have the same lifetime.
+//
+// Leaves are the units in which fields are requested and sent. They are counted depth-first: a primitive, a
+// string, and an array or a sequence of those is one leaf each; a nested struct has the leaves of its
+// members; an array of structs has those of its element; a sequence of structs has one leaf for its length,
+// followed by those of its element.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace sft {
+
+struct StructType;
+
+namespace detail {
+struct SequenceAccess;
+}
+
+/// An enumeration or a bitmask.
+struct EnumType {
+  /// One name of an enumeration with its value, or one flag of a bitmask with its bit set.
+  struct Enumerator {
+    std::string_view name;
+    std::uint64_t value;
+  };
+
+  std::string_view name;  ///< "my_pkg::msg::Color"
+  bool is_bitmask;
+  std::span<const Enumerator> enumerators;
+};
+
+/// One member of a struct.
+struct Member {
+  /// The type of one element, as IDL names it.
+  enum class Kind : std::uint8_t {
+    boolean,
+    octet,
+    character,
+    int8,
+    uint8,
+    int16,
+    uint16,
+    int32,
+    uint32,
+    int64,
+    uint64,
+    float32,
+    float64,
+    string,
+    structure
+  };
+  enum class Shape : std::uint8_t { single, array, sequence };
+
+  std::string_view name;
+  Kind kind{};  ///< of one element; an enumeration has the kind of the integer that holds it
+  Shape shape{};
+  std::uint32_t count = 1;                ///< elements of an array, over all its dimensions; otherwise 1
+  std::uint32_t bound = 0;                ///< most elements of a sequence; 0: unbounded
+  std::uint32_t string_bound = 0;         ///< most characters of each string, without the NUL; 0: unbounded
+  const StructType* type = nullptr;       ///< the element's type if the kind is structure, otherwise null
+  const EnumType* enumeration = nullptr;  ///< what the integer stands for; null: it is only an integer
+  // Where the member lies in the struct of a compiled program; without meaning in a DynamicType.
+  std::size_t offset = 0;
+  std::size_t stride = 0;                          ///< of one element
+  const detail::SequenceAccess* access = nullptr;  ///< if the shape is sequence
+  bool key = false;                                ///< @key: the member is always sent
+  std::string_view unit{};                         ///< from @unit, to be shown to people
+};
+
+/// A message type, or a struct that is nested in one.
+struct StructType {
+  std::string_view name;  ///< "sensor_msgs::msg::PointCloud2"
+  std::span<const Member> members;
+  std::size_t leaves = 0;
+
+  // What follows is for SFT's own code.
+  std::size_t slots = 0;  ///< offsets that a sample's index has for this type (detail/type_table.h)
+  /// Size of a packed struct, such as a point: CDR always encodes it as that many bytes, without padding,
+  /// from the next multiple of `alignment` on. It has no strings, sequences or booleans, which would have to
+  /// be checked. 0 for other structs.
+  std::uint32_t packed_bytes = 0;
+  std::uint32_t alignment = 1;       ///< the largest of all primitives and lengths in it
+  bool is_packed_in_memory = false;  ///< packed, and the compiled struct has the very same bytes
+  /// Only in a DynamicType: the first leaf of each member, counted from the first leaf of the struct. With it
+  /// a walk finds the members of which something is selected without looking at all the others: a type that
+  /// was received may have very many.
+  std::span<const std::uint32_t> first_leaves{};
+
+  constexpr StructType() = default;
+  /// Counts leaves and slots and finds the packing. Both arguments outlive the struct. Defined in
+  /// detail/type_table.h.
+  constexpr StructType(std::string_view name, std::span<const Member> members);
+
+ private:
+  constexpr void find_packing();
+};
+
+/// The number of leaves of a struct or of a member.
+constexpr std::size_t leaf_count(const StructType& type) { return type.leaves; }
+constexpr std::size_t leaf_count(const Member& m) {
+  if (m.kind != Member::Kind::structure) return 1;
+  return m.type->leaves + (m.shape == Member::Shape::sequence ? 1 : 0);
+}
+
+}  // namespace sft
