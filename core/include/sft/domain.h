@@ -1,8 +1,11 @@
-// What the nodes of a domain announce of themselves: all publishers and subscribers that a node has seen, and
-// of each pair of them on one topic whether it matches, by which path and why, found by the rules that both
-// of them follow. For tools. What was sent, saved, withheld or lost is counted by the two nodes of a pair,
-// and they tell it only while somebody asks for it (AccountInquiry). Of its own publishers and subscribers a
-// node knows more (snapshot.h).
+// The domain as a node knows it, for tools: all topics, publishers and subscribers that it has seen, and
+// for each pair of a publisher and a subscriber whether they match, by which path, and why. The node finds
+// that by the rules that both of them follow. The two nodes of a pair count the samples that were sent,
+// saved, withheld or lost; they tell these counts only while somebody asks for them (AccountInquiry). A node
+// knows more of its own publishers and subscribers (snapshot.h).
+//
+// All structs are copies that the program owns, made when Node::topics() or Node::domain() was called. Any
+// thread may call these functions, also in callbacks.
 #pragma once
 
 #include <chrono>
@@ -23,86 +26,88 @@ namespace core {
 class NodeCore;
 }
 
-/// Of one publisher, as its node tells every now and then while it has readers.
+/// The amount that a publisher has sent so far. Its node announces it now and then while the publisher has
+/// readers.
 struct PublisherProgress {
-  std::uint64_t samples = 0;  ///< that it has sent to its readers so far
-  std::uint64_t bytes = 0;    ///< of their bodies, over the network, for each reader
+  std::uint64_t samples = 0;  ///< samples that were sent to its readers
+  std::uint64_t bytes = 0;    ///< bytes of their bodies that went over the network, for each reader
 };
 
 /// One publisher or subscriber.
 struct EndpointInfo {
-  std::uint64_t id = 0;                  ///< random; a new one each time that an endpoint is opened
-  std::uint64_t node_id = 0;             ///< another one for each node, also where names are equal
-  std::string node;                      ///< the name of its node; several nodes may have the same name
-  bool is_own = false;                   ///< of the node that was asked
-  std::string topic;                     ///< without a slash at the beginning
-  std::string type_name;                 ///< as in the IDL: "sensor_msgs::msg::Imu"
-  std::uint64_t type_hash = 0;           ///< equal for equal definitions of the type
-  std::optional<DynamicType> type{};     ///< its fields; nothing where it is too large to be described
-  Qos qos;                               ///< a publisher offers it, a subscriber requests it
-  bool may_use_shm = false;              ///< its options allow shared memory
-  bool may_use_udp = false;              ///< its options allow UDP
-  bool shm_ready = false;                ///< its node has shared memory that the endpoint may use
-  bool same_machine = false;             ///< as the node that was asked
-  std::vector<std::string> addresses{};  ///< for samples by UDP: "10.0.0.5:40123"
+  std::uint64_t id = 0;
+  std::uint64_t node_id = 0;  ///< different for each node, also if names are equal
+  std::string node;           ///< the name of its node
+  bool is_own = false;        ///< true: it belongs to the node that was asked
+  std::string topic;
+  std::string type_name;
+  std::uint64_t type_hash = 0;
+  std::optional<DynamicType> type{};  ///< its fields; empty if the type is too large to be described
+  Qos qos;
+  bool may_use_shm = false;
+  bool may_use_udp = false;
+  bool shm_ready = false;                ///< its node has shared memory that it may use
+  bool same_machine = false;             ///< it is on the host of the node that was asked
+  std::vector<std::string> addresses{};  ///< where it sends and receives samples by UDP: "10.0.0.5:40123"
 
   // Publishers only.
-  std::uint64_t max_sample_bytes = 0;           ///< of a body
-  bool waits = false;                           ///< for reliable readers that do not keep up
-  std::optional<PublisherProgress> progress{};  ///< nothing while its node has not told it
+  std::uint64_t max_sample_bytes = 0;
+  bool waits = false;  ///< it waits for reliable readers that do not keep up
+  std::optional<PublisherProgress> progress{};
 
   // Subscribers only.
-  std::optional<std::string> fields{};  ///< asked for at present; nothing where no type is known to name them
-  double max_rate_hz = 0;               ///< asked for; 0: all samples
-  std::uint64_t requests = 0;           ///< so far
+  std::optional<std::string> fields{};  ///< that it asks for at present; empty if the type is not known
+  double max_rate_hz = 0;               ///< the rate that it asks for; 0: all samples
+  std::uint64_t requests = 0;           ///< the number of its requests so far
 };
 
-/// What the publisher's node has counted for one subscriber, as ReaderStatus has it.
+/// The counts of the publisher's node for one subscriber, with the meanings of ReaderStatus.
 struct SentAccount {
-  std::chrono::nanoseconds age{};  ///< of what follows: since it came; 0 where the node that is asked counts
-  std::uint64_t sent = 0;          ///< samples, and in the three that follow
-  std::uint64_t withheld = 0;      ///< for the maximum rate
-  std::uint64_t dropped = 0;       ///< a queue or the memory was full, or the system refused
-  std::uint64_t retained = 0;      ///< published before the subscriber was there; not in the counts above
-  std::uint64_t bytes_sent = 0;    ///< bytes of bodies over the network
-  std::uint64_t bytes_saved = 0;   ///< bytes of the fields that were left out of these bodies
+  std::chrono::nanoseconds age{};  ///< the time since the counts came; 0 if the asked node made them itself
+  std::uint64_t sent = 0;          ///< samples
+  std::uint64_t withheld = 0;      ///< samples that were not sent, to keep to the maximum rate
+  std::uint64_t dropped = 0;       ///< samples
+  std::uint64_t retained = 0;      ///< samples from before the subscriber came; not in the counts above
+  std::uint64_t bytes_sent = 0;
+  std::uint64_t bytes_saved = 0;
 };
 
-/// What the subscriber's node has counted of one publisher, as WriterStatus has it.
+/// The counts of the subscriber's node for one publisher, with the meanings of WriterStatus.
 struct ReceivedAccount {
-  std::chrono::nanoseconds age{};  ///< likewise
+  std::chrono::nanoseconds age{};  ///< as in SentAccount
   std::uint64_t received = 0;      ///< samples taken or given to the callback
   std::uint64_t lost = 0;          ///< samples that should have come
 };
 
-/// What the two nodes of a pair have told of it, each for itself: nothing while the program does not ask, or
-/// the node has not answered yet. What a node has told is kept for 10 s if it does not tell it again.
+/// The counts that the two nodes of a pair have told. A side is empty if the program does not ask,
+/// or if the node has not answered yet. An answer is kept for 10 s if the node does not repeat it.
 struct PairAccount {
   std::optional<SentAccount> publisher{};       ///< what the publisher's node has told
   std::optional<ReceivedAccount> subscriber{};  ///< what the subscriber's node has told
 };
 
-/// One type of a topic, and the names of the nodes that use it, one for each publisher and subscriber.
+/// One type of a topic, and the nodes that use it. A list has the name of a node once for each of its
+/// publishers or subscribers.
 struct TopicType {
   std::string name;
   std::uint64_t hash = 0;
-  std::optional<DynamicType> type{};  ///< its fields; nothing where it is too large to be described
+  std::optional<DynamicType> type{};  ///< its fields; empty if the type is too large to be described
   std::vector<std::string> publishers{};
   std::vector<std::string> subscribers{};
 };
 
+/// One topic that the node has seen.
 struct TopicInfo {
   std::string name;
-  std::vector<TopicType> types{};  ///< more than one: these publishers and subscribers do not match
+  std::vector<TopicType> types{};  ///< publishers and subscribers of different types do not match
 };
 
-/// Asks, as long as it or a copy of it lives, the nodes of all publishers and subscribers of a topic for what
-/// they have counted of each pair; Node::domain() then has the answers. The question goes with the signs of
-/// life that a node gives anyway, as do the answers. So the first ones come after some 0.7 s, 1.3 s at most
-/// (4 s where there are peers or no multicast), and are told anew as often. 64 publishers and subscribers are
-/// asked at once, and a node tells 32 accounts at once; where there are more they take turns.
-///
-/// It keeps its node alive. Like a node it may be destroyed by any thread.
+/// Asks the nodes of all publishers and subscribers of a topic for their counts of each pair, as long as it
+/// or a copy of it lives; Node::domain() has the answers. Questions and answers travel with the signs of life
+/// of the nodes. So the first answers come after some 0.7 s, at most 1.3 s (4 s with peers or without
+/// multicast), and are repeated as often. 64 publishers and subscribers are asked at a time, and a node tells
+/// 32 accounts at a time; if there are more, they take turns.
+/// An inquiry keeps its node alive. Any thread may destroy it.
 class AccountInquiry {
  public:
   AccountInquiry() = default;  ///< asks nobody
@@ -113,25 +118,26 @@ class AccountInquiry {
   std::shared_ptr<const void> asking_;
 };
 
-/// A publisher and a subscriber of one topic, as far as anybody can tell from what both announce.
+/// A publisher and a subscriber of one topic, as far as their announcements tell. Members that have no
+/// comment are as in ReaderStatus.
 struct PairInfo {
-  std::uint64_t publisher = 0;     ///< EndpointInfo::id
-  std::uint64_t subscriber = 0;    ///< EndpointInfo::id
-  bool matched = false;            ///< false: `reason` says why
-  bool connected = false;          ///< the subscriber says that it hears the publisher, by `transport`
-  TransportKind transport{};       ///< means something only while the pair is connected
-  std::string reason{};            ///< for the transport, or for there being none; for people
-  bool incompatible_type = false;  ///< the names or definitions of their types differ
+  std::uint64_t publisher = 0;   ///< id
+  std::uint64_t subscriber = 0;  ///< id
+  bool matched = false;          ///< false: `reason` says why
+  bool connected = false;        ///< the subscriber says that it hears the publisher, by `transport`
+  TransportKind transport{};
+  std::string reason{};
+  bool incompatible_type = false;
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions; "here" is the publisher's
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
-  bool no_path = false;                             ///< fits, but not the ways that both may use
-  PairAccount account{};  ///< what both nodes have counted, while the program asks (Node::ask_accounts())
+  bool no_path = false;                             ///< all fits, but no path is allowed to both
+  PairAccount account{};
 };
 
-/// All publishers and subscribers of a DDS domain that a node knows of, and how each pair stands. A copy.
+/// The result of Node::domain().
 struct DomainSnapshot {
-  std::vector<EndpointInfo> publishers;   ///< by topic, then by node
-  std::vector<EndpointInfo> subscribers;  ///< likewise
+  std::vector<EndpointInfo> publishers;   ///< ordered by topic, then by node
+  std::vector<EndpointInfo> subscribers;  ///< in the same order
   std::vector<PairInfo> pairs;            ///< in the order of the publishers, then of the subscribers
 };
 

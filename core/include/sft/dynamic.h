@@ -1,4 +1,4 @@
-// Subscribing to a topic, and publishing it, without having been compiled with its type:
+// Subscribing to a topic and publishing it in a program that was not compiled with its type:
 //
 //   const auto type = node.find_type("points", 2s);                              // Result<DynamicType>
 //   auto sub = node.subscriber("points", *type, "header.stamp, fields[].name");  // Result<DynamicSubscriber>
@@ -8,8 +8,8 @@
 //   const auto status = pub->publish_json(R"({"width": 1024, "fields": [{"name": "x"}]})");
 //   const auto status = pub->publish_yaml("{header: auto, width: 1024}");
 //
-// Others see no difference from compiled subscribers and publishers: the same transports, the same masks.
-// Types also come from .msg text: from_msg() (typesupport/msg_text.h).
+// To other programs these are subscribers and publishers like all others: the same transports, the same
+// masks. Types also come from .msg text: from_msg() (msg_text.h).
 #pragma once
 
 #include <cassert>
@@ -32,13 +32,14 @@
 
 namespace sft {
 
-/// What take() returns and callbacks get. Has the fields that its subscriber declared and no others, also
-/// where a sample in shared memory has more; of a subscriber that records, all that the sample has. Keeps its
-/// type alive. May be destroyed on any thread; several threads may read it at once. May be empty, as Sample
-/// (sample.h) says: all fields are absent then, and texts are errors.
+/// A sample, as take() returns it and callbacks get it. It has the fields that its subscriber declared, and
+/// no others, also if a sample in shared memory has more. If the subscriber records, it has all fields of the
+/// sample. It keeps its type alive. Any thread may destroy it, and several threads may read it at once. It
+/// may be empty, as Sample (sample.h) may; then all fields are absent, and to_yaml() and to_json() return
+/// errors.
 class DynamicSample {
  public:
-  /// `declared` is closed; null: all fields that the sample has.
+  /// For SFT's own code. `declared` is closed (TypeSupport::closed); null: all fields that the sample has.
   DynamicSample(DynamicType type, detail::untyped::Sample&& sample,
                 std::shared_ptr<const FieldMask> declared = nullptr)
       : type_(std::move(type)), sample_(std::move(sample)), declared_(std::move(declared)) {}
@@ -46,8 +47,8 @@ class DynamicSample {
   /// False if there is no sample.
   explicit operator bool() const { return static_cast<bool>(sample_); }
 
-  /// Fields by their names. It, and what is read through it, is valid as long as the sample, which must not
-  /// be moved meanwhile.
+  /// Reads fields by their names. The view, and everything that is read through it, is valid as long as the
+  /// sample, which must not be moved meanwhile.
   DynamicView view() const& {
     assert(sample_ && "an empty sample is read: ask `if (sample)` first, take() had nothing to give");
     if (declared_ == nullptr) return {sample_.state(), type_.type()};
@@ -58,7 +59,7 @@ class DynamicSample {
   /// Sequence, stamps, publisher, and what was lost before this sample. Valid as long as the sample.
   const SampleInfo& info() const& { return sample_.info(); }
   void info() const&& = delete;
-  /// Not of an empty sample.
+  /// The fields that view() has. Not for an empty sample.
   const FieldMask& mask() const& {
     assert(sample_ && "an empty sample is asked for its mask: ask `if (sample)` first");
     return declared_ == nullptr || !sample_ ? *sample_.state().mask : *declared_;
@@ -66,11 +67,11 @@ class DynamicSample {
   void mask() const&& = delete;
   /// The message type. Valid as long as the sample.
   const DynamicType& type() const& { return type_; }
-  /// Whether bytes were met that are not what they claim to be.
+  /// True if a read met bytes that are not what they claim to be.
   bool malformed() const { return sample_.state().is_malformed(); }
-  /// Encapsulation and body: standard CDR of the type projected to mask(). The sample's own bytes where it
-  /// has no other fields, else a copy of those that were declared, which the first call makes. Nothing if the
-  /// bytes are not what they claim to be.
+  /// The encoded sample, valid as long as the sample: 4 bytes of encapsulation, and standard CDR of those
+  /// members of the type that are in mask(). If the sample has other fields, too, the first call makes a copy
+  /// without them. Empty if the bytes are not what they claim to be.
   std::span<const std::byte> cdr() const&;
   void cdr() const&& = delete;
 
@@ -94,35 +95,37 @@ class DynamicSample {
   mutable detail::BytesOnDemand declared_cdr_;
 };
 
+/// A callback with the rules of those of Subscriber (subscriber.h). The sample is destroyed after the call.
 using DynamicCallback = std::function<void(const DynamicSample&)>;
 
-/// Moved, not copied. As of Publisher (publisher.h), one thread at a time publishes; the other functions may
-/// be called by any thread at any time.
+/// A publisher that is moved, not copied. One thread at a time publishes, as with Publisher (publisher.h);
+/// any thread may call the other functions at any time.
 class DynamicPublisher {
  public:
+  /// For SFT's own code: Node::publisher() opens one.
   DynamicPublisher(DynamicType type, detail::untyped::Publisher publisher, std::size_t max_sample_bytes)
       : type_(std::move(type)), publisher_(std::move(publisher)), max_sample_bytes_(max_sample_bytes) {}
 
-  /// A payload that is already encoded, as Publisher::publish_cdr() says. The error says what is wrong with
-  /// it.
+  /// Publishes a message that is already encoded, as Publisher::publish_cdr() does. The error says what is
+  /// wrong with it.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
   }
-  /// A message as JSON, as cdr_from_json() says (typesupport/json.h); a stamp may be "now", and a header
-  /// "auto". Errors name the path of the field and what was expected, whether there are readers or not. Takes
-  /// memory: for tools, not for data in bulk.
+  /// Publishes a message that is given as JSON (cdr_from_json() in json.h); a stamp may be "now", and a
+  /// header "auto". Errors name the path of the field and what was expected, also if there are no readers. It
+  /// allocates memory, and is for tools rather than for large data.
   Result<PublishStatus> publish_json(std::string_view json) {
     return cdr_from_json(type_.type(), json, {max_sample_bytes_, std::chrono::system_clock::now()})
         .and_then([this](const auto& payload) { return publisher_.publish_cdr(payload); });
   }
-  /// The same as YAML, as json_from_yaml() says (typesupport/yaml.h).
+  /// The same for YAML (json_from_yaml() in yaml.h).
   Result<PublishStatus> publish_yaml(std::string_view yaml) {
     return json_from_yaml(type_.type(), yaml).and_then([this](const std::string& json) {
       return publish_json(json);
     });
   }
 
-  /// As Publisher::wait_for_subscribers().
+  /// See Publisher::wait_for_subscribers().
   bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
     return publisher_.wait_for_subscribers(count, timeout);
   }
@@ -139,21 +142,21 @@ class DynamicPublisher {
   std::size_t max_sample_bytes_;
 };
 
-/// Like Subscriber (subscriber.h), which says what there is to know of threads and callbacks.
+/// A subscriber with the rules of Subscriber (subscriber.h) for threads, callbacks and lifetimes.
 class DynamicSubscriber {
  public:
-  /// `declared`: as of DynamicSample.
+  /// For SFT's own code: Node::subscriber() opens one. `declared` is as in DynamicSample.
   DynamicSubscriber(DynamicType type, detail::untyped::Subscriber subscriber,
                     std::shared_ptr<const FieldMask> declared = nullptr)
       : type_(std::move(type)), subscriber_(std::move(subscriber)), declared_(std::move(declared)) {}
 
-  /// The oldest sample not yet taken; empty if there is none.
+  /// Returns the oldest sample that was not taken yet; an empty one if there is none.
   [[nodiscard]] DynamicSample take() { return {type_, subscriber_.take(), declared_}; }
-  /// The newest sample, as Subscriber::take_latest() says.
+  /// Returns the newest sample; see Subscriber::take_latest().
   [[nodiscard]] DynamicSample take_latest() { return {type_, subscriber_.take_latest(), declared_}; }
-  /// Sleeps until there is something to take or the time is over; tells which.
+  /// Returns true as soon as there is a sample to take, or false when the time is over.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
-  /// As Subscriber::file_descriptor().
+  /// See Subscriber::file_descriptor().
   int file_descriptor() const { return subscriber_.file_descriptor(); }
 
   /// Counts, and each publisher of the topic.

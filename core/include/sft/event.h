@@ -1,4 +1,4 @@
-// What publishers and subscribers report by themselves, so that a program need not poll status().
+// Events: publishers and subscribers report them by themselves, so that a program need not poll status().
 #pragma once
 
 #include <cstdint>

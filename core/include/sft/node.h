@@ -1,17 +1,19 @@
-// A node: the participant through which a program publishes and subscribes. It owns its threads; several in
-// one process are fine. Publishers and subscribers keep their node alive.
+// The node: the participant through which a program publishes and subscribes.
 //
-// fork() is harmless: in the new process the node, and all that it opened or lent, may be destroyed, which
-// does nothing, and the process may begin another program (exec) or end. Nothing else may be done with them
-// there, and no other node can be opened.
+// A Node is a handle: copies are the same node. The node owns its threads, and lives as long as any handle,
+// publisher or subscriber of it. A process may have several nodes.
 //
-// All functions of a node may be called by any thread, also at once, and within callbacks of its publishers
-// and subscribers, but for find_type(). Copies are the same node. What a node has opened may call back before
-// the function that opened it has returned.
+// Any thread may call any function of a node, also several threads at once, and also in callbacks of its
+// publishers and subscribers, except find_type(). A publisher or subscriber may call back before the function
+// that opens it has returned. Functions that return a Result never throw; the error says what is wrong and
+// what to do.
 //
-// Topics are names in UTF-8 of up to 255 bytes, with slashes in them as one likes: "points", "left/points". A
-// slash in front is taken away: "/points" and "points" are one topic, which is shown as "points" wherever it
-// is shown.
+// fork() is harmless. In the new process the node, and everything that it opened or lent, may be destroyed,
+// which does nothing, and the process may start another program (exec) or end. Nothing else may be done with
+// them there, and no other node can be opened.
+//
+// A topic is a name in UTF-8 of up to 255 bytes, which may have slashes: "points", "left/points". A slash in
+// front is removed: "/points" and "points" are one topic, which is always shown as "points".
 #pragma once
 
 #include <chrono>
@@ -31,10 +33,12 @@
 
 namespace sft {
 
-/// A participant: opens publishers and subscribers. A handle: copies are the same node.
+/// A handle to a node; see the top of this header for threads and lifetimes.
 class Node {
  public:
-  /// Joins the control topics, opens the transports, starts the threads.
+  /// Joins the control topics, opens the transports and starts the threads. An error if a setting is wrong or
+  /// the system refuses it. A transport that does not work is no error if the other one does: status() says
+  /// why.
   static Result<Node> open(const NodeOptions& options = {});
 
   /// Opens a publisher of messages of type T.
@@ -45,17 +49,19 @@ class Node {
     });
   }
 
-  /// Declared: `node.subscriber<PointCloud2, F::height | F::width>("points")`; recorded: `<PointCloud2,
-  /// sft::recorded>`. Of a field that is a sequence or an array of structs, `fields` say, `F::fields` names
-  /// all of it, `F::fields.each.name` one member of each element and `F::fields.size` how many there are
-  /// (sequences only); with a member their number always comes. In text these are "fields", "fields[].name"
-  /// and "fields.size".
+  /// Opens a subscriber that is asked for its samples. With declared fields: `node.subscriber<PointCloud2,
+  /// F::height | F::width>("points")`; with recorded fields: `<PointCloud2, sft::recorded>`. If the field
+  /// `fields` is a sequence of structs, `F::fields` names all of it, `F::fields.each.name` one member of each
+  /// element, and `F::fields.size` the number of elements, which also comes with any member. An array of
+  /// structs has no `size`. As text these are "fields", "fields[].name" and "fields.size".
   template <class T, Req<T> R = Req<T>(all<T>)>
   Result<Subscriber<T, R>> subscriber(std::string_view topic, const SubscriberOptions& options = {}) {
     return open_subscriber(topic, type_support<T>(), requirement<T, R>(), options, {})
         .map([](detail::untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 
+  /// Opens a subscriber that calls `callback` with each sample. The callback takes a `const Sample<T, R>&`,
+  /// or a `Sample<T, R>`, which it may keep.
   template <class T, Req<T> R = Req<T>(all<T>), detail::SampleCallback<Sample<T, R>> F>
   Result<Subscriber<T, R>> subscriber(std::string_view topic, F&& callback,
                                       const SubscriberOptions& options = {}) {
@@ -71,7 +77,7 @@ class Node {
         .map([](detail::untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 
-  /// Only says what a callback takes, where it takes something else.
+  /// Never compiles: explains what a callback takes if it takes something else.
   template <class T, Req<T> R = Req<T>(all<T>), class F>
   requires(!detail::SampleCallback<F, Sample<T, R>> && !std::convertible_to<F, const SubscriberOptions&>)
       Result<Subscriber<T, R>> subscriber(std::string_view, F&&, const SubscriberOptions& = {}) {
@@ -83,34 +89,36 @@ class Node {
 
   // For programs that were not compiled with the type of a topic (dynamic.h).
 
-  /// Waits until somebody who publishes the topic (or, if nobody does, subscribes to it) has announced its
-  /// type. The error says what was seen instead. Not for callbacks: it would hold up the node (in
+  /// Waits until a publisher of the topic (or a subscriber, if it has no publisher) has announced the type.
+  /// The error says what was seen instead. Not for callbacks, because it would block the node (in
   /// on_readers_changed it does not wait).
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
-  /// All topics that are known at present, those of this node too.
+  /// All topics that are known at present, also those of this node.
   std::vector<TopicInfo> topics() const;
-  /// All publishers and subscribers that are known at present, those of this node too, and how each pair
-  /// stands.
+  /// All publishers and subscribers that are known at present, also those of this node, and the state of each
+  /// pair (domain.h).
   DomainSnapshot domain() const;
-  /// As long as what it returns lives, domain() also has what both sides of each pair on that topic have
-  /// counted (domain.h).
+  /// As long as the returned object lives, domain() also has the counts of both sides of each pair on that
+  /// topic (domain.h).
   Result<AccountInquiry> ask_accounts(std::string_view topic) const;
-  /// `fields` as text: "header.stamp, fields[].name", "*" for all. Without a callback samples are taken.
+  /// Opens a subscriber of a topic of any type. `fields` is a text: "header.stamp, fields[].name", or "*" for
+  /// all. Without a callback the subscriber is asked for its samples.
   Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
                                        std::string_view fields, const SubscriberOptions& options = {},
                                        DynamicCallback callback = {});
-  /// Recorded: `node.subscriber("points", type, sft::recorded)`.
+  /// The same with recorded fields: `node.subscriber("points", type, sft::recorded)`.
   Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type, Recorded,
                                        const SubscriberOptions& options = {}, DynamicCallback callback = {});
 
-  /// Publishes what is encoded already, or JSON. The node keeps the type until it is closed, once for all
-  /// publishers of it.
+  /// Opens a publisher of messages that are encoded already, or are JSON or YAML. The node keeps the type
+  /// until the node is closed, once for all publishers of it.
   Result<DynamicPublisher> publisher(std::string_view topic, const DynamicType& type,
                                      const PublisherOptions& options = {});
 
-  /// How discovery and the transports work at present.
+  /// How discovery, UDP and shared memory work, and what was refused (status.h).
   NodeStatus status() const;
-  /// All that the node knows of its publishers, its subscribers and itself (snapshot.h); to_json() writes it.
+  /// Everything that the node knows of its publishers, its subscribers and itself (snapshot.h); to_json()
+  /// prints it.
   NodeSnapshot snapshot() const;
 
  private:

@@ -1,4 +1,4 @@
-// Publishing messages of type T. A publisher is used by one thread at a time.
+// Publishing messages of type T: Publisher<T>, and Loan<T>, a message that is filled in place.
 #pragma once
 
 #include <algorithm>
@@ -18,11 +18,15 @@
 
 namespace sft {
 
-/// A message being filled in the memory that readers on this host will read: nothing is copied at publish().
-/// `loan->data()` is a writable span of a reserved sequence, `loan.set(F::width, 1024)` writes a scalar,
-/// `loan.shrink(F::data, n)` gives back what was reserved beyond n elements. An unpublished loan gives its
-/// memory back. Of a loan that was published or moved away spans are empty, set() does nothing and calls that
-/// have a status return no_loan. Used by one thread at a time, and destroyed on any.
+/// A message that is filled in the memory from which readers on this host will read it, so that publish()
+/// copies nothing. `loan->data()` is a writable span of a reserved sequence, `loan.set(F::width, 1024)`
+/// writes a scalar, and `loan.shrink(F::data, n)` gives back what was reserved beyond n elements.
+///
+/// A loan is moved, not copied. It owns its memory until it is published; an unpublished loan gives the
+/// memory back when it is destroyed. A loan may outlive its publisher. One thread at a time uses it; any
+/// thread may destroy it. Spans are valid until the loan is published, moved or destroyed. After a loan was
+/// published or moved away its spans are empty, set() does nothing, and functions with a status return
+/// no_loan.
 template <class T>
 class Loan {
  public:
@@ -44,8 +48,8 @@ class Loan {
   Arrow operator->() & { return Arrow(View{detail::LoanedPlace<T>{loan_.body(), loan_.state()}}); }
   void operator->() && = delete;
 
-  /// Writes one scalar outside collections of structs: a number, or an enumerator of the field's own
-  /// enumeration.
+  /// Writes one scalar field that is not in a sequence or an array of structs. The value is a number, or an
+  /// enumerator of the field's own enumeration; anything else does not compile.
   template <std::size_t Leaf, class V>
   void set(const detail::FieldNode<T, Leaf, 1>&, V value) {
     constexpr ScalarPlace place = scalar_place(detail::TypeTable<T>::type, Leaf);
@@ -56,8 +60,8 @@ class Loan {
     loan_.write(place.slot, &scalar, sizeof scalar);
   }
 
-  /// Of a reserved sequence only the first `length` elements are published. Spans of it stay valid; what
-  /// lies behind moves up at publish(). It can be called again, for any length up to what was reserved.
+  /// Only the first `length` elements of a reserved sequence will be published. Spans of it stay valid;
+  /// publish() moves what follows them. It can be called again, for any length up to what was reserved.
   template <std::size_t Leaf>
   ShrinkStatus shrink(const detail::FieldNode<T, Leaf, 1>&, std::uint32_t length) {
     constexpr std::size_t number = reservation_number(Leaf);
@@ -66,8 +70,7 @@ class Loan {
     if constexpr (number < std::tuple_size_v<Reservations>) return loan_.shrink(reserved_[number], length);
   }
 
-  /// Hands the message over, on the thread whose turn it is to publish. The loan is empty afterwards,
-  /// whatever the result.
+  /// Publishes the message, and gives the memory to its readers. For the thread that uses the publisher.
   PublishStatus publish() && { return std::move(loan_).publish(); }
 
  private:
@@ -94,7 +97,7 @@ class Loan {
     return {};
   }
 
-  /// Bitmasks take any combination of their flags, whatever holds it.
+  /// True if the field takes a V. A bitmask takes any number, because every combination of flags is one.
   template <class V>
   static constexpr bool can_hold(const ScalarPlace& place) {
     if constexpr (std::is_enum_v<V>) {
@@ -114,67 +117,73 @@ class Loan {
   Reservations reserved_;
 };
 
-/// Moved, not copied. One thread at a time publishes and takes loans; a loan may be filled on another, but is
-/// published by the thread whose turn it is. assert_liveliness(), wait_for_subscribers() and status() may be
-/// called by any thread at any time. Its loans may outlive it. After its destructor and theirs neither of its
-/// callbacks runs any more (unless one of these is called from within that callback).
+/// Publishes messages of type T on one topic; Node::publisher() opens it. It is moved, not copied, and keeps
+/// its node alive. One thread at a time publishes and takes loans. A loan may be filled on another thread,
+/// but the thread that uses the publisher at that time publishes it. Any thread may call assert_liveliness(),
+/// wait_for_subscribers(), status() and type() at any time. Loans may outlive the publisher. After the
+/// destructors of the publisher and of its loans none of its callbacks runs any more (unless such a
+/// destructor is called from within the callback).
 template <class T>
 class Publisher {
  public:
   explicit Publisher(detail::untyped::Publisher publisher) : publisher_(std::move(publisher)) {}
 
-  /// Encodes once and sends: readers on this host get one full sample, remote ones the fields they asked for.
-  /// Without a reader it costs a few nanoseconds. A large message that goes to one process elsewhere alone is
-  /// sent by the calling thread, from where it is, as far as the receiver has room, and copied only then;
-  /// what is sent of loans, and to several, is left to a thread of the node's.
+  /// Encodes the message once and sends it: readers on this host get one sample with all fields, readers on
+  /// other hosts get the fields that they asked for. Without a reader it takes a few nanoseconds. A large
+  /// message for only one process on another host is sent by the calling thread, without a copy, as far as
+  /// the receiver has room; only the rest is copied. A thread of the node sends loans, and messages for
+  /// several processes. The message may be changed or destroyed when the function returns.
   PublishStatus publish(const T& message) { return publisher_.publish(&message); }
 
-  /// A span, vector or array of them: the same as to publish one after the other, each a sample of its own,
-  /// but much cheaper where they are small and readers elsewhere: over UDP small ones share datagrams, and
-  /// these system calls. All are stamped with the time of this call. publish() of a single message never
-  /// waits for others to share anything with.
+  /// Publishes a span, vector or array of messages. Each becomes a sample of its own, as if they were
+  /// published one after the other. For small messages to other hosts this is much cheaper: over UDP small
+  /// samples share datagrams and system calls. All have the time of this call as their stamp. publish() of a
+  /// single message never waits for others to share a datagram with.
   template <std::convertible_to<std::span<const T>> Messages>
   requires(!std::convertible_to<Messages, const T&>) PublishedSpan publish(const Messages& messages) {
     const std::span<const T> all = messages;
     return publisher_.publish(all.data(), all.size(), sizeof(T));
   }
 
-  /// A payload that is already encoded (4 bytes of encapsulation and a body), as in ROS 2 bags: XCDR1 and
-  /// plain XCDR2 in both byte orders, see sft/detail/convert.h. It is checked on the way; without a
-  /// reader, and where nothing is retained, only the encapsulation is, and it costs a few nanoseconds.
+  /// Publishes a message that is already encoded (4 bytes of encapsulation and a body), as in ROS 2 bags:
+  /// XCDR1 and plain XCDR2 in both byte orders (sft/detail/convert.h has the table). The payload is checked;
+  /// an error says what is wrong with it. Without a reader, and if nothing is retained, only the
+  /// encapsulation is checked, which takes a few nanoseconds.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
   }
 
-  /// Memory for a message whose small fields are those of `prototype` and whose named sequences of numbers or
-  /// enumerators, also those in nested structs, get so many elements, all zero: `pub.loan(prototype, {.data =
-  /// 6'291'456})`, `pub.loan(prototype, {.cloud = {.data = 1000}})`.
+  /// Lends memory for a message. Its fields are those of `prototype`, except that the sequences which `sizes`
+  /// names have so many elements, all zero: `pub.loan(prototype, {.data = 6'291'456})`. Sequences of numbers
+  /// or enumerators can be named, also those in nested structs: `{.cloud = {.data = 1000}}`. An error if
+  /// `prototype` cannot be encoded, if the message is larger than PublisherOptions::max_sample_bytes, or if
+  /// no memory is free.
   Result<Loan<T>> loan(const T& prototype, const typename T::LoanSizes& sizes = {}) {
     return loan(prototype, sizes, detail::ReservedMemory::zeroed);
   }
 
-  /// The same, but reserved elements are left as they are, which saves the time to zero them. The memory was
-  /// used before: write every element, or shrink() the sequence to those that were written. What is not
-  /// written goes out to all readers as it is: pieces of earlier samples, of this publisher or of others on
-  /// this host.
+  /// Lends memory like loan(), but does not set the reserved elements to zero, which saves time. The memory
+  /// was used before: write every element, or shrink() the sequence to the elements that were written.
+  /// Elements that are not written go to all readers as they are: pieces of earlier samples, of this
+  /// publisher or of others on this host.
   Result<Loan<T>> loan_for_overwrite(const T& prototype, const typename T::LoanSizes& sizes = {}) {
     return loan(prototype, sizes, detail::ReservedMemory::as_it_is);
   }
 
-  /// After publish() returned PublishStatus::invalid: which field is wrong, its size and the limit, as in
-  /// "topic 'map': 'names[3]' has 300 characters; its bound is 255". Of a span it is the last message that
-  /// was wrong. It is put into words only then, and stays until the next message is refused; empty before
-  /// that. The thread that publishes.
+  /// After publish() returned PublishStatus::invalid: names the field that is wrong, its size and the limit,
+  /// as in "topic 'map': 'names[3]' has 300 characters; its bound is 255". For a span it is about the last
+  /// message that was wrong. The text stays until the next message is refused, and is empty before the first
+  /// one. For the thread that publishes.
   const std::string& why_invalid() const { return publisher_.why_invalid(); }
 
-  /// Sleeps until at least so many subscribers are served, so that what is published from then on is sent to
-  /// them, or until the time is over; tells which. Any thread, but not in callbacks: the subscribers that it
-  /// waits for would not be served meanwhile.
+  /// Sleeps until at least so many subscribers are served, and returns true, or until the time is over, and
+  /// returns false. Messages that are published after true are sent to these subscribers. Not for callbacks:
+  /// the node would not serve these subscribers meanwhile.
   bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
     return publisher_.wait_for_subscribers(count, timeout);
   }
 
-  /// A sign of life where liveliness is manual_by_topic and there is nothing to publish. Any thread, cheap.
+  /// Gives a sign of life, if liveliness is manual_by_topic and there is nothing to publish. Cheap.
   void assert_liveliness() { publisher_.assert_liveliness(); }
 
   /// Counts, and each subscriber of the topic. Any thread.

@@ -17,7 +17,7 @@
 
 namespace sft {
 
-/// What is done about samples that are lost on the way.
+/// Treatment of samples that are lost on the way.
 enum class Reliability : std::uint8_t {
   best_effort,  ///< nothing: a lost sample is counted
   /// Samples come in order, and none is lost as long as the subscriber does not lag by more than its depth.
@@ -30,9 +30,10 @@ enum class Reliability : std::uint8_t {
   /// nevertheless are counted, and logged as a warning.
   reliable,
 };
-/// What a subscriber gets of the samples that were published before it came.
+/// Treatment of samples that were published before a subscriber came.
 enum class Durability : std::uint8_t {
-  volatile_,  ///< nothing: it gets the samples that are published from the time when it is served
+  volatile_,  ///< the subscriber does not get them, only the samples that are published from the time when it
+              ///< is served
   /// The last samples of each publisher, as many as both sides keep (PublisherOptions::history_depth,
   /// SubscriberOptions::depth). They come by UDP, within a host, too, or in shared memory if the pair must
   /// not use UDP. A reliable subscriber gets all of them, whatever their size: they are sent at the pace at
@@ -56,7 +57,7 @@ using Liveliness::manual_by_topic;
 /// A policy that can fail to fit, or none.
 enum class QosPolicy : std::uint8_t { none, reliability, durability, deadline, liveliness };
 
-/// What a publisher offers or a subscriber requests. A duration of 0 means none.
+/// The offer of a publisher or the request of a subscriber. A duration of 0 means none.
 struct Qos {
   Reliability reliability = Reliability::best_effort;  ///< a reliable offer satisfies each request
   Durability durability = Durability::volatile_;       ///< a transient_local offer satisfies each request

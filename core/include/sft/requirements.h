@@ -1,4 +1,4 @@
-// What a subscriber asks for and, where its fields are recorded, which fields its program was seen to read:
+// The fields that a subscriber asks for and, if they are recorded, those that its program was seen to read:
 //
 //   const sft::Requirements seen = recorded.requirements();                   // after it ran for a while
 //   auto declared = node.subscriber("points", type, seen.text);               // asks for just that, for good

@@ -1,4 +1,14 @@
-// A received sample of message type T as a subscriber with requirement R sees it.
+// A received sample of message type T, as a subscriber with requirement R sees it. Its fields are read in
+// place:
+//
+//   field                 a getter returns       ... of an array or a sequence of these
+//   number, enumerator    its value              std::span
+//   string                std::string_view       a range of std::string_view
+//   struct                a view with getters    a range of views
+//
+// Ranges have random access, and work with range-for and std::ranges. If a mask is declared, a getter of a
+// field that is not in it does not compile. If fields are recorded, getters return sft::Optional
+// (optional.h), which is empty if the sample does not have the field, and note the access.
 #pragma once
 
 #include <cassert>
@@ -13,21 +23,24 @@
 
 namespace sft {
 
-/// An owned message of which only the fields in `mask` were received; the others have their default values.
+/// A message of the program's own, of which only the fields in `mask` were received. Other fields have their
+/// default values.
 template <class T>
 struct Partial {
   T value{};         ///< owned by this struct
   FieldMask mask{};  ///< the fields of `value` that were received
 };
 
-/// What take() returns and callbacks get. `sample->field()` reads a field in place, on first access; spans,
+/// A sample, as take() returns it and callbacks get it. `sample->field()` reads a field in place. Spans,
 /// strings and ranges that getters return are valid as long as the sample, which must not be moved meanwhile.
-/// May be destroyed on any thread; several threads may read it at once.
+/// A sample is moved, not copied; it owns its place in shared memory or in a buffer until it is destroyed.
+/// Any thread may destroy it, and several threads may read it at once. Of one publisher a program can hold
+/// SubscriberOptions::max_held samples in shared memory.
 ///
-/// It may be empty: take() had nothing to give, or the sample was moved away. Only `if (sample)`, info() and
-/// to_partial(), which is an error then, are for such a one. To read its fields is a mistake that an
-/// assertion finds in programs that are built with assertions; in others every field of a sample from take()
-/// is zero or empty then, and malformed() is true.
+/// A sample is empty if take() found none, or after it was moved away. Only `if (sample)`, info() and
+/// to_partial(), which returns an error, may be called on an empty sample. In programs that are built with
+/// assertions an assertion finds reads of an empty sample. In others every field of an empty sample from
+/// take() is zero or empty, and malformed() is true.
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Sample {
  public:
@@ -39,7 +52,8 @@ class Sample {
   /// False if there is no sample.
   explicit operator bool() const { return static_cast<bool>(sample_); }
 
-  /// The view's getters. Not on a temporary: what they return would be gone at once.
+  /// Leads to the view's getters. It does not compile on a temporary sample, because what getters return
+  /// would refer to a destroyed sample.
   class Arrow {
    public:
     explicit Arrow(View view) : view_(view) {}
@@ -63,17 +77,17 @@ class Sample {
   /// Sequence, stamps, publisher, and what was lost before this sample. Valid as long as the sample.
   const SampleInfo& info() const& { return sample_.info(); }
   void info() const&& = delete;
-  /// Not of an empty sample.
+  /// The fields that the sample has. Not for an empty sample.
   const FieldMask& mask() const& {
     assert(sample_ && "an empty sample is asked for its mask: ask `if (sample)` first");
     return *sample_.state().mask;
   }
   void mask() const&& = delete;
-  /// Whether a getter met bytes that are not what they claim to be (and returned an empty value).
+  /// True if a getter met bytes that are not what they claim to be, and returned an empty value.
   bool malformed() const { return sample_.state().is_malformed(); }
 
-  /// The whole message; copies. Only for samples that have all fields. An error where the bytes are not what
-  /// they claim to be, which a broken program on this host can cause.
+  /// Copies the whole message. Only for samples that have all fields. An error if the bytes are not what they
+  /// claim to be, which a broken program on this host can cause.
   Result<T> to_owned() const requires(!R.is_recorded && R.mask == all<T>) {
     if (!sample_) return empty_error();
     Result<T> value{};
@@ -81,7 +95,7 @@ class Sample {
       value = malformed_error(status);
     return value;
   }
-  /// The fields that this sample has; copies.
+  /// Copies the fields that this sample has. Errors as of to_owned().
   Result<Partial<T>> to_partial() const {
     if (!sample_) return empty_error();
     Result<Partial<T>> partial{};
@@ -91,7 +105,8 @@ class Sample {
     return partial;
   }
 
-  /// Encapsulation and body as they are: standard CDR of the type projected to mask().
+  /// The encoded sample, valid as long as the sample: 4 bytes of encapsulation, and standard CDR of those
+  /// members of the type that are in mask().
   std::span<const std::byte> cdr() const& { return sample_.cdr(); }
   void cdr() const&& = delete;
 

@@ -1,4 +1,4 @@
-// What is known of a received sample besides its fields.
+// The origin of a received sample: its number, publisher, stamps and path.
 #pragma once
 
 #include <chrono>

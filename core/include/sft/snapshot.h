@@ -1,14 +1,15 @@
-// Everything that a node knows of its own doings, at one time: node.snapshot(). For people, tools and tests.
+// Everything that a node knows of its own publishers and subscribers at one time: Node::snapshot(). For
+// people, tools and tests.
 //
-// Any thread, callbacks of SFT included. It takes the states of all publishers and subscribers one after the
-// other, each as status() does (sft/status.h says what counts mean and when they agree), and writes masks as
-// field names: some microseconds for each pair, and memory. Nobody who publishes or receives waits for it. A
-// publisher or subscriber that is being opened or destroyed waits until it is taken.
+// A snapshot is a copy that the program owns. Any thread may take one, also in callbacks of SFT. The call
+// copies the status of all publishers and subscribers one after the other (status.h says what the counts mean
+// and when they agree), and writes masks as names of fields. That takes some microseconds for each pair, and
+// memory. Neither publishing nor receiving waits for it; opening or destroying a publisher or subscriber
+// does.
 //
-// As JSON it is one object. Names stay what they are; later versions may add some. Ids are strings of 16 hex
-// digits, durations are nanoseconds, 0 means none, `fields` are as parse_mask() takes them, and `transport`
-// is "shm", "udp" or, where nothing travels (a reader that is not served, a writer that is not connected),
-// null:
+// As JSON it is one object. Later versions keep the names and may add some. Ids are strings of 16 hex digits,
+// durations are nanoseconds, 0 means none, `fields` are as parse_mask() takes them, and `transport` is "shm",
+// "udp" or, for a reader that is not served and a writer that is not connected, null:
 //
 //   node          name, domain, version, control_protocol, time_ns (CLOCK_REALTIME)
 //   shm           ready, state, refused {malformed, over_limit}
@@ -38,67 +39,67 @@
 
 namespace sft {
 
-/// One reader as its publisher serves it, with the names of the fields.
+/// One reader of a publisher.
 struct ReaderSnapshot : ReaderStatus {
-  std::string fields{};  ///< that it is sent
+  std::string fields{};  ///< the fields that it is sent
 };
 
-/// What has no comment is as in PublisherStatus.
+/// One publisher. Members without a comment are as in PublisherStatus.
 struct PublisherSnapshot {
-  std::uint64_t id = 0;                 ///< EndpointInfo::id
-  std::string topic;                    ///< without a slash at the beginning
-  std::string type;                     ///< the name of the type
-  Qos qos;                              ///< offered
-  std::string fields;                   ///< that are encoded at present
-  std::uint64_t published = 0;          ///< as in PublisherStatus
-  std::uint64_t bytes_sent = 0;         ///< as in PublisherStatus
-  std::uint64_t bytes_saved = 0;        ///< as in PublisherStatus
-  std::uint64_t dropped = 0;            ///< as in PublisherStatus
-  Diverted diverted{};                  ///< as in PublisherStatus
-  std::uint64_t deadlines_missed = 0;   ///< as in PublisherStatus
-  bool alive = true;                    ///< as in PublisherStatus
-  std::vector<ReaderSnapshot> readers;  ///< all subscribers of the topic, served or not
+  std::uint64_t id = 0;
+  std::string topic;
+  std::string type;
+  Qos qos;
+  std::string fields;  ///< the fields that are encoded at present
+  std::uint64_t published = 0;
+  std::uint64_t bytes_sent = 0;
+  std::uint64_t bytes_saved = 0;
+  std::uint64_t dropped = 0;
+  Diverted diverted{};
+  std::uint64_t deadlines_missed = 0;
+  bool alive = true;
+  std::vector<ReaderSnapshot> readers;
 };
 
-/// What has no comment is as in SubscriberStatus.
+/// One subscriber. Members without a comment are as in SubscriberStatus.
 struct SubscriberSnapshot {
-  std::uint64_t id = 0;               ///< EndpointInfo::id
-  std::string topic;                  ///< without a slash at the beginning
-  std::string type;                   ///< the name of the type
-  Qos qos;                            ///< requested
-  std::string fields;                 ///< asked for at present
-  bool recorded = false;              ///< and found out by recording
-  double max_rate_hz = 0;             ///< asked for; 0: all samples
-  std::uint64_t requests = 0;         ///< as in SubscriberStatus
-  std::uint64_t received = 0;         ///< as in SubscriberStatus
-  std::uint64_t lost = 0;             ///< as in SubscriberStatus
-  std::uint64_t withheld = 0;         ///< as in SubscriberStatus
-  std::uint64_t expired = 0;          ///< as in SubscriberStatus
-  std::uint64_t discarded = 0;        ///< as in SubscriberStatus
-  std::uint64_t held_too_many = 0;    ///< as in SubscriberStatus
-  std::uint64_t restarts = 0;         ///< as in SubscriberStatus
-  std::vector<WriterStatus> writers;  ///< all publishers of the topic, heard or not
+  std::uint64_t id = 0;
+  std::string topic;
+  std::string type;
+  Qos qos;
+  std::string fields;      ///< the fields that it asks for at present
+  bool recorded = false;   ///< true: they were found by recording
+  double max_rate_hz = 0;  ///< the rate that it asks for; 0: all samples
+  std::uint64_t requests = 0;
+  std::uint64_t received = 0;
+  std::uint64_t lost = 0;
+  std::uint64_t withheld = 0;
+  std::uint64_t expired = 0;
+  std::uint64_t discarded = 0;
+  std::uint64_t held_too_many = 0;
+  std::uint64_t restarts = 0;
+  std::vector<WriterStatus> writers;
 };
 
-/// What a node knows of itself at one moment. A copy.
+/// The result of Node::snapshot().
 struct NodeSnapshot {
   /// NodeOptions::name.
   std::string name;
   /// The DDS domain.
   std::uint32_t domain = 0;
-  std::string version;                 ///< of this library
-  std::uint32_t control_protocol = 0;  ///< its version; nodes of another one are not seen
-  /// When the snapshot was taken.
+  std::string version;                 ///< the version of this library
+  std::uint32_t control_protocol = 0;  ///< nodes with another version of the control protocol are not seen
   std::chrono::sys_time<std::chrono::nanoseconds> time{};
   NodeStatus status;                            ///< how shared memory and UDP work, and what was refused
   std::vector<PublisherSnapshot> publishers;    ///< in the order in which they were opened
-  std::vector<SubscriberSnapshot> subscribers;  ///< likewise
+  std::vector<SubscriberSnapshot> subscribers;  ///< in the same order
 };
 
-/// The part that it has of each publisher and subscriber.
+/// The object `qos` of a publisher or subscriber, in one line.
 std::string to_json(const Qos& qos);
 
-/// `indent`: spaces for each level; -1: all in one line. Whatever was announced by others stays valid UTF-8.
+/// The snapshot as JSON. `indent` is the number of spaces for each level; -1: all in one line. The text is
+/// valid UTF-8, also if names that others announced are not.
 std::string to_json(const NodeSnapshot& snapshot, int indent = 2);
 
 }  // namespace sft

@@ -1,4 +1,4 @@
-// What publish() and shrink() return, and the status of nodes, publishers and subscribers: what was
+// The results of publish() and shrink(), and the status of nodes, publishers and subscribers: what was
 // negotiated and what was counted.
 //
 // A status is a copy of what was true when status() was called; the program owns it. Any thread may call
@@ -82,7 +82,7 @@ struct Diverted {
   friend bool operator==(const Diverted&, const Diverted&) = default;
 };
 
-/// What became of a message that was published.
+/// The result of publishing a message.
 enum class PublishStatus : std::uint8_t {
   ok,
   /// Nothing was sent: a string has a NUL in it, a bound is exceeded, or the sample is larger than
@@ -97,13 +97,13 @@ enum class PublishStatus : std::uint8_t {
 /// A sentence about the status; lives as long as the program.
 const char* to_string(PublishStatus status);
 
-/// What became of the messages of publish(span).
+/// The result of publish(span).
 struct PublishedSpan {
   std::size_t published = 0;                 ///< the number of messages with the status ok
   PublishStatus status = PublishStatus::ok;  ///< of the first message that has another one, otherwise ok
 };
 
-/// What Loan::shrink() did.
+/// The result of Loan::shrink().
 enum class ShrinkStatus : std::uint8_t {
   ok,
   not_reserved,  ///< nothing: the loan named no size for this sequence

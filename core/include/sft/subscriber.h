@@ -1,4 +1,4 @@
-// Receiving messages of type T with requirement R: a declared mask, or sft::recorded.
+// Receiving messages of type T with requirement R: a declared mask, or sft::recorded (mask.h).
 #pragma once
 
 #include <chrono>
@@ -18,44 +18,49 @@ concept SampleCallback = std::invocable<F&, const S&> || std::invocable<F&, S>;
 
 }  // namespace detail
 
-/// Moved, not copied. All of its functions may be called by any thread at any time, also at once: each sample
-/// is taken by one of them. Without a callback samples are taken. With one: the callback is called for each
-/// sample, never twice at once, from threads of the node; while it runs, further samples queue up to the
-/// depth. After the destructor no callback runs any more (unless it is called from within the callback
-/// itself).
+/// Receives the samples of one topic; Node::subscriber() opens it. It is moved, not copied, and keeps its
+/// node alive. Any thread may call any of its functions at any time, also several threads at once: each
+/// sample is taken by one of them.
 ///
-/// Callbacks for what comes by UDP run on the thread that receives, which is quickest, as long as they are
-/// quick. After one that took 0.2 ms or more that subscriber's run on a thread that all callbacks of the node
-/// for samples in shared memory share, until 100 in a row were quick: a callback that takes long holds up
-/// other callbacks of its node, but, except for the first time, no reception.
+/// A subscriber without a callback is asked for its samples by take(). A callback is called for each sample,
+/// from threads of the node, and never twice at once; while it runs, further samples wait in the queue, up to
+/// SubscriberOptions::depth. After the destructor no callback runs any more (unless the destructor is called
+/// from within the callback). A callback must not throw: the exception would end the program.
+///
+/// Callbacks for samples that came by UDP run on the receiving thread, which has the least latency, as long
+/// as they are short. After one that took 0.2 ms or more, the callbacks of that subscriber run on the thread
+/// of the node's callbacks for shared memory, until 100 in a row were short. So a long callback delays other
+/// callbacks of its node, but delays reception only once.
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Subscriber {
  public:
   explicit Subscriber(detail::untyped::Subscriber subscriber) : subscriber_(std::move(subscriber)) {}
 
-  /// The oldest sample not yet taken; empty if there is none.
+  /// Returns the oldest sample that was not taken yet; an empty one if there is none.
   [[nodiscard]] Sample<T, R> take() { return Sample<T, R>(subscriber_.take()); }
-  /// The newest sample of all publishers, by the clocks of these; of one publisher it is its last. All others
-  /// that are there are passed over and not counted as lost. What was lost before it is told of its own
-  /// publisher; of others, with the next sample of these that is taken.
+  /// Returns the newest sample of all publishers, by their stamps; an empty one if there is none. All other
+  /// samples in the queue are skipped, and do not count as lost. SampleInfo::lost_before is about the
+  /// publisher of the sample; losses of other publishers are told with the next sample of these that is
+  /// taken.
   [[nodiscard]] Sample<T, R> take_latest() { return Sample<T, R>(subscriber_.take_latest()); }
-  /// Until there is something to take or the time is over; tells which. Looks for SubscriberOptions::spin,
-  /// then sleeps. Where the subscribers of its node are only waited for, and hear nobody on this host in
-  /// shared memory, the thread does the node's receiving meanwhile: nobody has to wake it.
+  /// Returns true as soon as there is a sample to take, or false when the time is over. It spins for
+  /// SubscriberOptions::spin, and then sleeps. If all subscribers of the node are used by wait(), and none of
+  /// them has a publisher in shared memory, the calling thread receives for the node meanwhile, so that no
+  /// other thread has to wake it.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
-  /// For an event loop (epoll, poll, asio), in any trigger mode: readable while there is something to take,
-  /// no longer once the last sample was taken. Another thread that takes, or a sample that expires, can leave
-  /// it readable without a sample: take() then finds none, and it ends. It belongs to the subscriber and
-  /// lasts as long; it is to be waited on, not read. -1 without SubscriberOptions::pollable.
+  /// A file descriptor for an event loop (epoll, poll, asio), in any trigger mode. It is readable while there
+  /// is a sample to take. It can also be readable without a sample, if another thread took it or it expired;
+  /// then take() returns an empty sample and the descriptor is no longer readable. Wait on it, do not read
+  /// it. The subscriber owns it and closes it. -1 without SubscriberOptions::pollable.
   int file_descriptor() const { return subscriber_.file_descriptor(); }
 
-  /// Another SubscriberOptions::max_rate_hz from now on, on any thread; publishers follow in a moment. An
-  /// error if it is no rate.
+  /// Changes SubscriberOptions::max_rate_hz; publishers follow in a moment. An error if the number is
+  /// negative or not finite.
   Result<void> set_max_rate_hz(double max_rate_hz) { return subscriber_.set_max_rate_hz(max_rate_hz); }
 
   /// Counts, and each publisher of the topic. Any thread.
   SubscriberStatus status() const { return subscriber_.status(); }
-  /// What it asks for and, where fields are recorded, how often each was read. Any thread.
+  /// The fields that it asks for and, if they are recorded, how often each was read.
   Requirements requirements() const { return subscriber_.requirements(); }
   /// The message type. Any thread; valid as long as the subscriber.
   const TypeSupport& type() const { return subscriber_.type(); }

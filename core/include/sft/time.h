@@ -1,12 +1,13 @@
-// Stamps and durations of messages as std::chrono has them. For builtin_interfaces/Time and Duration and what
-// looks like them: `sec` and `nanosec`, of owned messages or of samples that are read in place.
+// Stamps and durations of messages as std::chrono types. They work with builtin_interfaces/Time and Duration,
+// and with other messages that have `sec` and `nanosec`, both in messages of the program's own and in samples
+// that are read in place.
 //
 //   const auto age = std::chrono::system_clock::now() - sft::to_time(sample->header().stamp());
-//   message.header.stamp =
-//   sft::time_message<builtin_interfaces::msg::Time>(std::chrono::system_clock::now()); message.lifetime =
-//   sft::duration_message<builtin_interfaces::msg::Duration>(100ms);
+//   message.header.stamp = sft::time_message<Time>(std::chrono::system_clock::now());
+//   message.lifetime = sft::duration_message<Duration>(100ms);
 //
-// All of it is pure, and costs a multiplication or a division.
+// All functions are pure: any thread may call them, they have no errors, and each takes a multiplication or a
+// division.
 #pragma once
 
 #include <algorithm>
@@ -42,8 +43,8 @@ constexpr std::chrono::nanoseconds together(std::int64_t sec, std::int64_t nanos
   return std::chrono::seconds(sec) + std::chrono::nanoseconds(nanosec);
 }
 
-/// Whole seconds, rounded down, and the rest from 0 to 999,999,999: what does not fit is the nearest that
-/// does.
+/// Whole seconds, rounded down, and the rest from 0 to 999,999,999. A time that does not fit becomes the
+/// nearest one that does.
 template <class Message>
 constexpr Message seconds_message(std::chrono::nanoseconds time) {
   using Sec = std::remove_cvref_t<decltype(Message{}.sec)>;
@@ -66,8 +67,8 @@ concept SecondsMessage = OwnedSeconds<S> || ReadSeconds<S>;
 
 }  // namespace detail
 
-/// builtin_interfaces/Duration in ns. Of a sample whose fields are recorded a std::optional: empty if it does
-/// not have both fields. No value of a message is out of range.
+/// A builtin_interfaces/Duration in ns. For a sample whose fields are recorded it is a std::optional, which
+/// is empty if the sample does not have both fields. Every value of a message is in range.
 template <detail::SecondsMessage S>
 constexpr auto to_duration(const S& duration) {
   if constexpr (detail::OwnedSeconds<S>) {
@@ -83,8 +84,9 @@ constexpr auto to_duration(const S& duration) {
   }
 }
 
-/// builtin_interfaces/Time as a point in time since 1970-01-01 in UTC, as std::chrono::system_clock counts,
-/// and SampleInfo's stamps; of a stamp of simulated time, since that began. Optional as to_duration() is.
+/// A builtin_interfaces/Time as a point in time since 1970-01-01 in UTC, as std::chrono::system_clock and the
+/// stamps of SampleInfo count. A stamp of simulated time counts from the begin of the simulation. For a
+/// sample whose fields are recorded it is a std::optional, as for to_duration().
 template <detail::SecondsMessage S>
 constexpr auto to_time(const S& stamp) {
   using Time = std::chrono::sys_time<std::chrono::nanoseconds>;
@@ -96,14 +98,14 @@ constexpr auto to_time(const S& stamp) {
   }
 }
 
-/// The message of a duration: seconds rounded down, so that the nanoseconds are never negative. Beyond what
-/// `sec` can hold (32 bits) it is the nearest that it can.
+/// A duration as a message. Seconds are rounded down, so that the nanoseconds are never negative. A duration
+/// that does not fit into `sec` (32 bits) becomes the nearest one that does.
 template <detail::OwnedSeconds Message>
 constexpr Message duration_message(std::chrono::nanoseconds duration) {
   return detail::seconds_message<Message>(duration);
 }
 
-/// The message of a point in time; likewise, so up to 2038-01-19.
+/// A point in time as a message, in the same way; a 32-bit `sec` reaches to 2038-01-19.
 template <detail::OwnedSeconds Message>
 constexpr Message time_message(std::chrono::sys_time<std::chrono::nanoseconds> time) {
   return detail::seconds_message<Message>(time.time_since_epoch());

@@ -1,6 +1,5 @@
-// A message type that was not compiled in but read from its description. Everything that works from a
-// StructType or a TypeSupport works with it, except for what needs an owned C++ struct (encoded_size, encode,
-// decode): its members have no offsets, strides and access.
+// A message type that is not compiled into the program but read from the description that travels with its
+// topic. Node::find_type() and from_msg() (msg_text.h) return one, too.
 #pragma once
 
 #include <cstddef>
@@ -15,22 +14,24 @@
 
 namespace sft {
 
-/// What is accepted of a description. `leaves` and what follows it count the type expanded: every struct as
-/// often as it is used.
+/// Limits of what is accepted from a description or a text. `leaves` and the limits after it count every
+/// struct as often as it is used.
 struct DescriptionLimits {
-  std::size_t bytes = 65'536;
+  std::size_t bytes = 65'536;    ///< of the description
   std::size_t name_bytes = 255;  ///< of each name and unit
   std::uint32_t array_elements = 1U << 28;
   std::size_t depth = 16;            ///< of structs in structs; real types have some 5
   std::size_t leaves = 4096;         ///< as many as a request can name
-  std::size_t members = 32'768;      ///< and enumerators
-  std::size_t path_bytes = 1 << 20;  ///< of the paths of all leaves, about
+  std::size_t members = 32'768;      ///< members and enumerators together
+  std::size_t path_bytes = 1 << 20;  ///< approximately, of the paths of all leaves
 };
 
-/// A handle: copies share the type, which lives, unmoved, as long as any of them. Any thread.
+/// A handle: copies share the type, which lives, at the same address, as long as any copy. It is immutable;
+/// any thread may use it. Its members have no offset, stride and access (type.h).
 class DynamicType {
  public:
-  /// The bytes may be hostile. Takes time and memory in proportion to them; what is refused is named.
+  /// Reads a description (type_description.md). The bytes may be hostile; time and memory are in proportion
+  /// to their number. The error names what is refused.
   static Result<DynamicType> parse(std::span<const std::byte> description,
                                    const DescriptionLimits& limits = {});
 
@@ -38,11 +39,11 @@ class DynamicType {
   std::string_view name() const { return type().name; }
   /// The tables of the type. Valid as long as any handle of it.
   const StructType& type() const;
-  /// Equal to the hash of the compiled type.
+  /// Equal to TypeSupport::hash() of the compiled type.
   std::uint64_t hash() const;
-  /// Made on first use, for all copies.
+  /// Reads and prints masks of the type. The first call makes it, for all copies.
   const TypeSupport& support() const;
-  /// What it was parsed from; describe(type()) gives the same.
+  /// The bytes from which it was read, valid as long as the type.
   std::span<const std::byte> description() const;
 
  private:

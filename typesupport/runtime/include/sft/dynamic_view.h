@@ -1,23 +1,23 @@
-// Reading a sample by the names of its fields, without the compiled type: a lazy view over a sample's bytes
-// and a StructType. Nothing is decoded before it is asked for, and what has a slot in the index is found
-// there.
+// Reading a sample by the names of its fields, without the compiled type. DynamicSample::view() returns a
+// view. Nothing is decoded before it is asked for.
 //
-//   const DynamicView cloud(state, type);
+//   const sft::DynamicView cloud = sample.view();
 //   cloud["header"]["stamp"]["sec"].as<std::int32_t>()      -> Result<std::int32_t>
 //   cloud.find("fields[1].name").as<std::string_view>()
 //   for (const DynamicView& field : cloud["fields"].elements()) ...
 //
-// Navigation never fails at once: what cannot be reached is a view that says so. There are three cases:
+// Navigation always returns a view, which is in one of three states:
 //   - it can be read: the view is true
-//   - absent: this sample was sent without the field; asking for its value is an error, never zero
-//   - error(): no such field or element, or bytes that are not what they claim to be (the sample is flagged
-//     malformed as well)
+//   - absent: the sample was sent without the field; to read its value is an error, never zero
+//   - error(): there is no such field or element, or the bytes are not what they claim to be (then the sample
+//   is
+//     flagged malformed, too)
 //
-// Where the reader records, asking whether a view is true notes an access as asking for its value does; of a
-// struct, to its first leaf. is_absent() notes nothing.
+// If the subscriber records, a test whether a view is true counts as an access, as a read of its value does;
+// for a struct it is an access to its first leaf. is_absent() is no access.
 //
-// A view owns nothing and must not outlive the sample and the type that it came from. Several threads may
-// read one sample.
+// A view owns nothing. It must not outlive the sample and the type that it came from. Several threads may
+// read one sample. Errors of a read are values (result.h); no function throws.
 #pragma once
 
 #include <concepts>
@@ -39,9 +39,7 @@
 
 namespace sft {
 
-/// A sample, or a part of one, whose type is known at run time only. A view reads in place, on access. It
-/// owns nothing: it is valid as long as its sample and its type. Several threads may have views of one
-/// sample.
+/// A sample or a part of it: a struct, an array or a sequence, or one value.
 class DynamicView {
  public:
   class Members;
@@ -49,10 +47,9 @@ class DynamicView {
   /// One primitive or string. Integers of all widths and octets are widened; an enumeration is its integer.
   using Scalar = std::variant<bool, char, std::int64_t, std::uint64_t, float, double, std::string_view>;
 
-  /// The whole sample, of which the mask is one of `type`. `s.index` may be null: then members are found by
-  /// walking.
+  /// For SFT's own code: a whole sample of `type`. `s.index` may be null: then members are found by walking.
   DynamicView(const detail::SampleState& s, const StructType& type);
-  /// The same for a reader that declared fewer fields than the sample may have: all others are absent.
+  /// The same for a reader that declared fewer fields than the sample may have: all other fields are absent.
   /// `declared` is closed (TypeSupport::closed) and outlives the view.
   DynamicView(const detail::SampleState& s, const StructType& type, const FieldMask& declared);
 
@@ -60,19 +57,19 @@ class DynamicView {
 
   /// A member of a struct.
   DynamicView operator[](std::string_view member) const;
-  /// An element of an array or a sequence, from 0. Of strings and structs those before it are walked over:
-  /// to read them all, use elements().
+  /// An element of an array or a sequence, from 0. To find a string or a struct it walks over the elements
+  /// before it: use elements() to read all of them.
   template <std::integral I>
   DynamicView operator[](I i) const {
     return element(std::in_range<std::size_t>(i) ? static_cast<std::size_t>(i) : SIZE_MAX);
   }
-  /// "header.stamp.sec", "fields[1].name"
+  /// A part by its path: "header.stamp.sec", "fields[1].name".
   DynamicView find(std::string_view path) const;
-  /// All members of a struct in order, absent ones too; none if it is no struct.
+  /// All members of a struct in order, also absent ones; none if it is not a struct.
   Members members() const;
-  /// All elements of an array or a sequence; none if it is none, or only its length was sent (absent ones
-  /// where the reader records: how else would it see which fields are missed). If the bytes end early, the
-  /// last one is an error.
+  /// All elements of an array or a sequence; none if it is neither. If only the length of a sequence was
+  /// sent, it has no elements; if the subscriber records, it has absent ones, so that their fields can be
+  /// found missing. If the bytes end early, the last element is an error.
   Elements elements() const;
 
   // ---- what it is ----
@@ -82,48 +79,50 @@ class DynamicView {
     note();
     return error_ == nullptr && present_;
   }
-  /// It could be read, had it been sent.
+  /// True if the sample was sent without it.
   bool is_absent() const { return error_ == nullptr && !present_; }
-  /// Null unless it is an error.
+  /// The error, valid as long as the view; null if there is none.
   const Error* error() const { return error_.get(); }
 
   /// True of a struct, also if that is an element.
   bool is_struct() const { return node_ == Node::structure; }
   /// True of an array or a sequence as a whole.
   bool is_collection() const { return node_ == Node::collection; }
-  /// Of a collection: of its elements.
+  /// The kind of a value, or of the elements of an array or a sequence.
   Member::Kind kind() const { return member_ == nullptr ? Member::Kind::structure : member_->kind; }
   Member::Shape shape() const { return is_collection() ? member_->shape : Member::Shape::single; }
-  /// The member that this is, or is an element of; null for the whole sample.
+  /// The member that this is, or of which it is an element; null for the whole sample.
   const Member* member() const { return member_; }
   /// Of member(); empty for the whole sample.
   std::string_view name() const { return member_ == nullptr ? std::string_view() : member_->name; }
-  /// Of a struct or a collection of structs, else null.
+  /// The type of a struct or of the elements of a collection of structs, otherwise null.
   const StructType* type() const { return type_; }
-  /// Whether a sequence of structs was sent without any field of its elements: only size() is known.
+  /// True if a sequence of structs was sent without any field of its elements: only size() is known.
   bool has_only_size() const;
 
   // ---- values ----
 
-  /// Elements of an array or a sequence.
+  /// The number of elements of an array or a sequence.
   Result<std::size_t> size() const;
 
-  /// The value of a primitive or a string. An error if it is something else, absent or malformed.
+  /// The value of a number, a text or an enumeration; texts are valid as long as the sample.
   Result<Scalar> scalar() const;
 
-  /// bool, char; any integer type that the integer fits into; float, double (also of integers that it holds
-  /// exactly); std::string_view, std::string; std::span<const E> for a collection of the primitive E
-  /// (booleans: std::uint8_t; octets: also std::byte). Views and spans point into the sample.
+  /// The value as a T, which is: bool or char; an integer type into which the integer fits; float or double,
+  /// also for an integer that it holds exactly; std::string_view or std::string; std::span<const E> for a
+  /// collection of the primitive E (std::uint8_t for booleans; also std::byte for octets). Texts and spans
+  /// refer to the sample.
   template <class T>
   Result<T> as() const;
 
-  /// The name that an enumeration has for this value ("GREEN"), the flags of a bitmask ("READ | WRITE");
-  /// nothing if a part of the value has no name, or it is neither.
+  /// The name of the value of an enumeration ("GREEN"), or the flags of a bitmask ("READ | WRITE"). Empty if
+  /// a part of the value has no name, or if it is neither.
   std::optional<std::string> enumerator() const;
 
  private:
   enum class Node : std::uint8_t { structure, collection, value };
-  /// Where a struct's members are: at slots of the index from `slot` on, or behind one another from `offset`.
+  /// Where the members of a struct are: at slots of the index from `slot` on, or one after the other from
+  /// `offset`.
   struct Place {
     std::size_t leaf = 0;  ///< first of the struct, or of the member that is next
     std::size_t slot = no_slot;
@@ -133,7 +132,7 @@ class DynamicView {
 
   DynamicView(const detail::SampleState* s, const FieldMask* declared, const Member& member)
       : state_(s), declared_(declared), member_(&member) {}
-  /// Whether the reader is to see any of these leaves, and they are there.
+  /// True if the reader declared any of these leaves, and the sample has it.
   bool has_any_of(std::size_t leaf, std::size_t count) const {
     return state_->mask->any_of(leaf, count) && (declared_ == nullptr || declared_->any_of(leaf, count));
   }
@@ -166,7 +165,7 @@ class DynamicView {
   std::shared_ptr<const Error> error_;
 };
 
-/// Iterated over once or more; holds what it needs of the view.
+/// The members of a struct, to iterate over once or more. It keeps its own copy of the view.
 class DynamicView::Members {
  public:
   class iterator {
@@ -204,7 +203,7 @@ class DynamicView::Members {
   DynamicView of_;
 };
 
-/// The elements of an array or a sequence, to be iterated over. Holds what it needs of the view.
+/// The elements of an array or a sequence, to iterate over once or more. It keeps its own copy of the view.
 class DynamicView::Elements {
  public:
   class iterator {
@@ -257,7 +256,7 @@ inline constexpr bool is_span = false;
 template <class E>
 inline constexpr bool is_span<std::span<const E>> = true;
 
-/// Whether a collection of that kind is one of E in memory.
+/// True if a collection of that kind consists of E in memory.
 template <class E>
 constexpr bool holds(Kind kind) {
   if constexpr (std::is_same_v<E, std::byte>) return kind == Kind::octet || kind == Kind::uint8;
@@ -280,7 +279,7 @@ template <class T>
 inline constexpr bool is_number =
     std::is_arithmetic_v<T> && !std::is_same_v<T, bool> && !std::is_same_v<T, char>;
 
-/// The value as a T, if it is one.
+/// The value as a T, if a T can hold it.
 template <class T, class V>
 std::optional<T> converted(V v) {
   if constexpr (std::is_same_v<V, T> || (std::is_same_v<V, float> && std::is_same_v<T, double>)) {

@@ -42,8 +42,9 @@ struct Mask {
 
   std::array<std::uint64_t, (leaves + 63) / 64> words{};  // public: a template argument has no private parts
 
-  /// True if the leaf, or all leaves of the other mask, are in this one.
+  /// True if the leaf is in the mask.
   constexpr bool contains(std::size_t leaf) const { return (words[leaf / 64] >> (leaf % 64) & 1) != 0; }
+  /// True if all leaves of the other mask are in this one.
   constexpr bool contains(const Mask& other) const {
     for (std::size_t i = 0; i < words.size(); ++i) {
       if ((other.words[i] & ~words[i]) != 0) return false;
@@ -51,13 +52,14 @@ struct Mask {
     return true;
   }
 
-  /// True if any leaf of [first, first + count), or of the other mask, is in this one.
+  /// True if any leaf of [first, first + count) is in the mask.
   constexpr bool intersects(std::size_t first, std::size_t count) const {
     for (std::size_t leaf = first; leaf < first + count; ++leaf) {
       if (contains(leaf)) return true;
     }
     return false;
   }
+  /// True if any leaf of the other mask is in this one.
   constexpr bool intersects(const Mask& other) const {
     for (std::size_t i = 0; i < words.size(); ++i) {
       if ((other.words[i] & words[i]) != 0) return true;
@@ -181,7 +183,7 @@ struct Recorded {
 /// fields are requested.
 inline constexpr Recorded recorded{};
 
-/// What the type of a subscriber says that it needs of message type T: a mask, the name of a field, or
+/// The needs of a subscriber, as a template argument: a mask, the name of a field, or
 /// sft::recorded.
 template <class T>
 struct Req {
@@ -230,8 +232,9 @@ class FieldMask {
   std::uint64_t word(std::size_t i) const { return i == 0 ? first_ : more_[i - 1]; }
 
   bool contains(std::size_t leaf) const { return (word(leaf / 64) >> (leaf % 64) & 1) != 0; }
-  /// True if all leaves of the other set are in this one, or any of them. Both sets are of one type.
+  /// True if all leaves of the other set, which is of the same type, are in this one.
   bool contains(const FieldMask& other) const;
+  /// True if any leaf of the other set, which is of the same type, is in this one.
   bool intersects(const FieldMask& other) const;
   /// The same for a Mask<T> or the name of a field: `sample.mask().contains(F::data)`.
   template <detail::FieldSet F>
@@ -242,10 +245,11 @@ class FieldMask {
   bool intersects(const F& fields) const {
     return intersects(FieldMask(fields));
   }
-  /// True if any leaf of [first, first + count) is in the set, or all of them.
+  /// True if any leaf of [first, first + count) is in the set.
   bool any_of(std::size_t first, std::size_t count) const {
     return more_.empty() ? (first_ & bits(first, count)) != 0 : any_of_words(first, count);
   }
+  /// True if all leaves of [first, first + count) are in the set.
   bool all_of(std::size_t first, std::size_t count) const {
     return more_.empty() ? (~first_ & bits(first, count)) == 0 : all_of_words(first, count);
   }

@@ -1,5 +1,6 @@
-// Types as .msg text, as bags (MCAP's "ros2msg") and ROS 2's tools have it: the definition of the message,
-// and behind it those of all messages that it nests, each after a line of '=' and one that names it:
+// Types as .msg text, in the form of bags (MCAP's "ros2msg") and of ROS 2's tools: the definition of the
+// message, followed by those of all messages that it nests, each after a line of '=' and a line with its
+// name:
 //
 //   std_msgs/Header header
 //   float64 speed  # [m/s]
@@ -11,8 +12,10 @@
 //   MSG: builtin_interfaces/Time
 //   ...
 //
-// The syntax is that of .msg files, and so is the parser (typesupport/compiler/msg.md). Constants, defaults
-// and comments but for units are no part of a type: they are read over, and not written.
+// Syntax and parser are those of .msg files (typesupport/compiler/msg.md). Constants, defaults and comments
+// other than units are not a part of a type: they are skipped when a text is read, and are not written.
+//
+// All functions are pure, except that two of them read files; any thread may call them. They allocate memory.
 #pragma once
 
 #include <filesystem>
@@ -25,24 +28,24 @@
 
 namespace sft {
 
-/// The text of which from_msg() makes the same type. An error that names the member where .msg has no word
-/// for it: enumerations, characters, keys, and names that ROS 2 does not allow. IDL has them.
+/// Writes the text from which from_msg() makes the same type. An error, which names the member, if .msg
+/// cannot express it: enumerations, characters, keys, and names that ROS 2 does not allow. IDL can.
 Result<std::string> to_msg(const DynamicType& type);
 
-/// The type `name`, "sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2" or
-/// "sensor_msgs::msg::PointCloud2", as `text` defines it. The text may be hostile. An error names the
+/// Makes the type `name` ("sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2" or
+/// "sensor_msgs::msg::PointCloud2") as `text` defines it. The text may be hostile. An error names the
 /// message, the line within its definition and the field, and says what to do.
 Result<DynamicType> from_msg(std::string_view name, std::string_view text,
                              const DescriptionLimits& limits = {});
 
-/// The type `name` as the first of `roots` defines it, directories of packages, as /opt/ros/humble/share is
-/// one: in ROOT/sensor_msgs/msg/PointCloud2.msg. What it nests is looked for likewise. Errc::unavailable if
-/// no root has the message.
+/// Makes the type `name` as the first of `roots` that has it defines it. A root is a directory of packages,
+/// such as /opt/ros/humble/share; the file is ROOT/sensor_msgs/msg/PointCloud2.msg. Nested messages are
+/// looked for in the same way. Errc::unavailable if no root has the message.
 Result<DynamicType> find_msg(std::string_view name, std::span<const std::filesystem::path> roots,
                              const DescriptionLimits& limits = {});
 
-/// The type of a file, ROOT/my_msgs/msg/Status.msg. What it nests is looked for below its own ROOT, and then
-/// below `roots`.
+/// Makes the type of a file, ROOT/my_msgs/msg/Status.msg. Nested messages are looked for below its own ROOT,
+/// and then below `roots`.
 Result<DynamicType> from_msg_file(const std::filesystem::path& file,
                                   std::span<const std::filesystem::path> roots = {},
                                   const DescriptionLimits& limits = {});

@@ -1,4 +1,4 @@
-// What a getter of a sample whose fields are recorded returns.
+// The result of a getter of a sample whose fields are recorded.
 #pragma once
 
 #include <optional>

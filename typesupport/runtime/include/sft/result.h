@@ -1,10 +1,12 @@
-// Errors of set-up calls: a category that a program can act on and a sentence that says what to do.
+// Errors of functions that set something up: a category, on which a program can act, and a sentence that says
+// what is wrong and what to do.
 //
-//   auto node = sft::Node::open(options);             // asks: if (!node) print(node.error().message)
-//   auto node = sft::Node::open(options).value();     // or throws tl::bad_expected_access<sft::Error>
+//   auto node = sft::Node::open(options);             // a program asks: if (!node)
+//   print(node.error().message) auto node = sft::Node::open(options).value();     // or throws
+//   tl::bad_expected_access<sft::Error>
 //
-// The exception says what the error says: what() is its message, which is also what a program that does not
-// catch it prints when it ends.
+// what() of the exception is the message of the error. A program that does not catch the exception prints it
+// when it ends. All of this header is plain values.
 #pragma once
 
 #include <exception>
@@ -14,20 +16,21 @@
 
 namespace sft {
 
+/// The category of an error.
 enum class Errc {
   invalid_argument,  ///< the caller passed something that can never work
   unknown_field,     ///< a mask or path names a field that the type does not have
   type_mismatch,     ///< bytes or an endpoint of another type
-  malformed,         ///< bytes that are not what they claim to be
-  limit_exceeded,    ///< larger than a limit in force
-  unavailable,       ///< a daemon, device or file that is not there (now)
+  malformed,         ///< bytes are not what they claim to be
+  limit_exceeded,    ///< something is larger than a limit in force
+  unavailable,       ///< a daemon, a device or a file is not there at present
   no_permission,
   address_in_use,
   out_of_memory,
-  system,  ///< the operating system refused, the message says what
+  system,  ///< the operating system refused; the message says what
 };
 
-/// Why something that was asked for could not be done.
+/// An error.
 struct Error {
   /// For programs to distinguish.
   Errc code;
@@ -36,9 +39,8 @@ struct Error {
 
 }  // namespace sft
 
-/// @cond not in the reference: Doxygen takes no specialization of a class that it does not know
-/// What value() throws where there is none. It is tl::expected's own exception but for what(), which there is
-/// the same for all errors.
+/// The exception that value() throws if there is an error. It is the exception of tl::expected, except for
+/// what(), which is the same text for all errors there.
 template <>
 class tl::bad_expected_access<sft::Error> : public std::exception {
  public:
@@ -58,9 +60,11 @@ class tl::bad_expected_access<sft::Error> : public std::exception {
 
 namespace sft {
 
+/// A T or an Error; tl::expected has the interface of std::expected.
 template <class T>
 using Result = tl::expected<T, Error>;
 
+/// Makes the error that a function returns as its Result.
 inline tl::unexpected<Error> fail(Errc code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }

@@ -68,10 +68,9 @@ struct Member {
   std::uint32_t string_bound = 0;         ///< most characters of each string, without the NUL; 0: unbounded
   const StructType* type = nullptr;       ///< the element's type if the kind is structure, otherwise null
   const EnumType* enumeration = nullptr;  ///< what the integer stands for; null: it is only an integer
-  // Where the member lies in the struct of a compiled program; without meaning in a DynamicType.
-  std::size_t offset = 0;
-  std::size_t stride = 0;                          ///< of one element
-  const detail::SequenceAccess* access = nullptr;  ///< if the shape is sequence
+  std::size_t offset = 0;  ///< of the member in the compiled struct; 0 in a DynamicType, like the next two
+  std::size_t stride = 0;  ///< of one element in the compiled struct
+  const detail::SequenceAccess* access = nullptr;  ///< to the compiled std::vector if the shape is sequence
   bool key = false;                                ///< @key: the member is always sent
   std::string_view unit{};                         ///< from @unit, to be shown to people
 };
@@ -82,7 +81,7 @@ struct StructType {
   std::span<const Member> members;
   std::size_t leaves = 0;
 
-  // What follows is for SFT's own code.
+  // The members from here on are for SFT's own code.
   std::size_t slots = 0;  ///< offsets that a sample's index has for this type (detail/type_table.h)
   /// Size of a packed struct, such as a point: CDR always encodes it as that many bytes, without padding,
   /// from the next multiple of `alignment` on. It has no strings, sequences or booleans, which would have to

@@ -1,4 +1,5 @@
-// A message type as the runtime uses it: its table flattened once, when a topic is opened.
+// The names of the fields of a message type, and masks as text: type_support<T>() for a compiled type,
+// DynamicType::support() for any other.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +15,11 @@
 
 namespace sft {
 
-/// A message type: its leaf fields, their paths, and masks of them. Immutable: any thread.
+/// A type with the paths of its leaves (type.h). It is immutable; any thread may use it. Leaves that are
+/// passed are below leaves(), and masks are of this type.
 class TypeSupport {
  public:
-  /// `type` must outlive this; generated tables are static.
+  /// Lists the leaves of `type`, which must outlive this object.
   explicit TypeSupport(const StructType& type);
 
   /// The tables that it was made of.
@@ -26,29 +28,29 @@ class TypeSupport {
   std::string_view name() const { return type_->name; }
   /// How many leaf fields the type has.
   std::size_t leaves() const { return paths_.size(); }
-  /// How many entries the index of a sample has.
-  std::size_t slots() const { return slots_; }
+  std::size_t slots() const { return slots_; }  ///< for SFT's own code: offsets in a sample's index
 
-  /// FNV-1a over the canonical structure (names, kinds, shapes, bounds, keys, enumerators; not units): equal
-  /// for compatible types.
+  /// FNV-1a of the structure (names, kinds, shapes, bounds, keys and enumerators, but no units). Compatible
+  /// types have equal hashes.
   std::uint64_t hash() const { return hash_; }
 
-  /// "header.stamp.sec", "fields.size", "fields[].name"
+  /// The path of a leaf: "header.stamp.sec", "fields.size", "fields[].name".
   const std::string& path(std::size_t leaf) const { return paths_[leaf]; }
 
-  /// The mask of a leaf or an inner node by its path; inner nodes mean all leaves below. The error names the
-  /// nearest existing field.
+  /// The mask of a leaf by its path. The path of a struct, or of an array or a sequence of structs, means all
+  /// leaves in it. The error names the nearest existing field.
   Result<FieldMask> find(std::string_view path) const;
-  /// Several paths, separated by commas and spaces; "*" means all.
+  /// The mask of several paths, separated by commas and spaces; "*" means all fields. Errors as of find().
   Result<FieldMask> parse_mask(std::string_view text) const;
-  /// Shortest list of paths that names exactly `mask`: "header, height, fields[].name"; "*" for all, "" for
-  /// none.
+  /// The shortest list of paths that names exactly `mask`: "header, height, fields[].name"; "*" for all
+  /// fields,
+  /// "" for none. parse_mask() reads it.
   std::string format_mask(const FieldMask& mask) const;
-  /// The paths of the leaves in `mask`.
+  /// The paths of format_mask(), each by itself.
   std::vector<std::string> field_names(const FieldMask& mask) const;
 
-  /// What is really sent for `mask`: with any leaf of a sequence's elements goes its length, and key members
-  /// always. Closing twice is closing once.
+  /// The fields that are sent for `mask`: the length of a sequence is sent with any leaf of its elements, and
+  /// key members are always sent. A closed mask stays the same if it is closed again.
   FieldMask closed(FieldMask mask) const;
 
   /// The mask without a field.
@@ -57,7 +59,7 @@ class TypeSupport {
   FieldMask full() const { return FieldMask::full(leaves()); }
 
  private:
-  struct Node {  ///< an inner node or a leaf of the tree, in depth-first order
+  struct Node {  ///< an inner node or a leaf of the tree; in depth-first order
     std::string path;
     std::size_t first;
     std::size_t count;
@@ -74,19 +76,19 @@ class TypeSupport {
   std::uint64_t hash_ = 0;
 };
 
-/// That of a generated message type, made on first use: the numbers, names and text of its fields.
+/// The TypeSupport of a generated message type. The first call makes it; it lives as long as the program.
 template <class T>
 const TypeSupport& type_support() {
   static const TypeSupport support(detail::TypeTable<T>::type);
   return support;
 }
 
-/// As TypeSupport::format_mask: of a Mask<T>, a combination of fields or the name of one.
+/// TypeSupport::format_mask() of a Mask<T>, a combination of fields or the name of one.
 template <detail::FieldSet F>
 std::string to_string(const F& fields) {
   return type_support<detail::TypeOfFields<F>>().format_mask(FieldMask(fields));
 }
-/// Of a mask of T at run time: `sft::to_string<PointCloud2>(sample.mask())`.
+/// TypeSupport::format_mask() of a FieldMask of T: `sft::to_string<PointCloud2>(sample.mask())`.
 template <class T>
 std::string to_string(const FieldMask& mask) {
   return type_support<T>().format_mask(mask);

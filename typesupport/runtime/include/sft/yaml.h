@@ -1,4 +1,4 @@
-// Samples as YAML, to be read by people and by YAML's parsers, and messages from YAML.
+// Samples as YAML, for people and for parsers of YAML, and messages from YAML.
 //
 //   header:
 //     stamp:
@@ -10,9 +10,11 @@
 //     offset: 0
 //   data: [0, 97, 194]  # ... 997 more
 //
-// What is not in the sample is left out; of a sequence of structs of which only the length was sent stands
-// `fields.size: 2`. Text is quoted where YAML demands it; in it, bytes that are not UTF-8 and control
-// characters are escaped (\xff). Enumerations are their names, or numbers where they have none.
+// Fields that are not in the sample are left out; a sequence of structs of which only the length was sent is
+// `fields.size: 2`. Text is quoted if YAML demands it; bytes that are not UTF-8 and control characters in it
+// are escaped (\xff). Enumerations are names, or numbers if the value has no name.
+//
+// All functions are pure; any thread may call them. They allocate memory.
 #pragma once
 
 #include <cstddef>
@@ -24,24 +26,24 @@
 
 namespace sft {
 
-/// Form and limits of a message as YAML.
+/// How YAML is written.
 struct YamlOptions {
-  std::size_t elements_max =
-      128;  ///< of each array and sequence; how many more there are stands in a comment
-  std::size_t text_bytes_max = 4096;                ///< of each string, likewise
-  bool units = false;                               ///< in comments
-  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< more is an error
+  /// The most elements that are written of each array and sequence; a comment has the number of the others.
+  std::size_t elements_max = 128;
+  std::size_t text_bytes_max = 4096;                ///< the same for the bytes of each string
+  bool units = false;                               ///< true: comments have the units of members
+  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< a longer text is an error
 };
 
-/// `view` is usually a whole sample, but may be any part of it that is there. An error if the bytes are not
-/// what they claim to be.
+/// Writes a whole sample, or any part of it that is present. An error if the bytes are not what they claim to
+/// be.
 Result<std::string> to_yaml(const DynamicView& view, const YamlOptions& options = {});
 
-/// One document of YAML as the JSON of the same message, which cdr_from_json() takes (json.h) and checks: a
-/// scalar is what the field needs that it stands for, so that `frame_id: 7` is text, and `x: 7` a number.
-/// JSON is YAML, and comes back as it is. An error where the text is no YAML, where a name stands twice in
-/// one mapping, and where aliases would make much of little. For people's texts: it takes memory, and time,
-/// many times those of JSON.
+/// Turns one document of YAML into the JSON of the same message, which cdr_from_json() (json.h) takes and
+/// checks. A scalar becomes what its field needs: in `frame_id: 7` it is a text, in `x: 7` a number. JSON is
+/// also YAML, and is returned as it is. An error if the text is not YAML, if a mapping has a name twice, and
+/// if aliases would make a large text of a small one. It is for texts that people write: it takes many times
+/// the memory and time of JSON.
 Result<std::string> json_from_yaml(const StructType& type, std::string_view yaml);
 
 }  // namespace sft
