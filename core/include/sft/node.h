@@ -36,9 +36,9 @@ namespace sft {
 /// A handle to a node; see the top of this header for threads and lifetimes.
 class Node {
  public:
-  /// Joins the control topics, opens the transports and starts the threads. An error if a setting is wrong or
-  /// the system refuses it. A transport that does not work is no error if the other one does: status() says
-  /// why.
+  /// Joins the control topics, opens the transports and starts the threads. An error if a setting is wrong,
+  /// if the system refuses it, or if a limit of the process is too low. It is no error if the daemon of
+  /// shared memory is missing: NodeStatus::shm says so, and samples use UDP.
   static Result<Node> open(const NodeOptions& options = {});
 
   /// Opens a publisher of messages of type T.

@@ -54,7 +54,6 @@ using enum Durability;
 using Liveliness::manual_by_topic;
 
 /// A policy that can fail to fit, or none.
-/// A policy that can fail to fit, or none.
 enum class QosPolicy : std::uint8_t { none, reliability, durability, deadline, liveliness };
 
 /// The offer of a publisher or the request of a subscriber. A duration of 0 means none.

@@ -54,8 +54,8 @@ class Subscriber {
   /// it. The subscriber owns it and closes it. -1 without SubscriberOptions::pollable.
   int file_descriptor() const { return subscriber_.file_descriptor(); }
 
-  /// Changes SubscriberOptions::max_rate_hz; publishers follow in a moment. An error if the number is
-  /// negative or not finite.
+  /// Changes SubscriberOptions::max_rate_hz; publishers follow in a moment. An error if the rate is neither 0
+  /// nor from 0.001 to 100000.
   Result<void> set_max_rate_hz(double max_rate_hz) { return subscriber_.set_max_rate_hz(max_rate_hz); }
 
   /// Counts, and each publisher of the topic. Any thread.
