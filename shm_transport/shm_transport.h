@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "core/thread.h"
-#include "core/transport.h"
+#include "core/seam/transport.h"
 #include "sft/result.h"
+#include "shm_transport/host/shm_options.h"
 
 namespace sft::shm {
 

@@ -7,8 +7,8 @@
 
 #include "bench/common/contest.h"
 #include "bench/negotiation/negotiation.h"
-#include "core/buffer_pool.h"
-#include "core/recorder.h"
+#include "core/seam/buffer_pool.h"
+#include "core/subscribe/recorder.h"
 #include "sft/detail/encode.h"
 #include "sft/sample.h"
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "core/control.h"
+#include "core/control/control.h"
 #include "sft/result.h"
 #include "sft_control.h"
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/control.h"
+#include "core/control/control.h"
 #include "sft/dynamic_type.h"
 #include "sft/result.h"
 

@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/control.h"
-#include "core/participants.h"
-#include "core/speakers.h"
+#include "core/control/control.h"
+#include "core/discovery/life_signs.h"
+#include "core/discovery/participants.h"
+#include "core/discovery/speakers.h"
 #include "sft/result.h"
 
 namespace sft::core {

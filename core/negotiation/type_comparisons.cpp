@@ -1,6 +1,6 @@
 #include "core/negotiation/type_comparisons.h"
 
-#include "core/described_type.h"
+#include "core/control/described_type.h"
 #include "sft/detail/type_shape.h"
 
 namespace sft::core {

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "core/described_type.h"
-#include "core/names.h"
+#include "core/control/described_type.h"
+#include "core/control/names.h"
 #include "sft/detail/type_shape.h"
 
 namespace sft::core {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/control.h"
+#include "core/control/control.h"
 #include "sft/domain.h"
 #include "sft/dynamic_type.h"
 #include "sft/result.h"

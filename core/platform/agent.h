@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/thread.h"
+#include "core/platform/thread.h"
 #include "sft/result.h"
 
 namespace sft::core {

@@ -14,7 +14,7 @@
 #include <memory>
 #include <string>
 
-#include "core/trusted_file.h"
+#include "core/platform/trusted_file.h"
 #include "sft/result.h"
 
 namespace sft::core {

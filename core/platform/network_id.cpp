@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "core/random_id.h"
+#include "core/platform/random_id.h"
 #include "sft/detail/fnv1a.h"
 
 namespace sft::core {

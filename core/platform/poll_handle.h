@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 #include "sft/result.h"
 
 namespace sft::core {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 #include "sft/result.h"
 
 namespace sft::core {

@@ -5,10 +5,10 @@
 #include <memory>
 #include <vector>
 
-#include "core/delivery.h"
-#include "core/negotiation.h"
-#include "core/rate_gates.h"
-#include "core/transport.h"
+#include "core/negotiation/negotiation.h"
+#include "core/publish/rate_gates.h"
+#include "core/seam/delivery.h"
+#include "core/seam/transport.h"
 #include "sft/type_support.h"
 
 namespace sft::core {

@@ -6,7 +6,7 @@
 #include <new>
 #include <thread>
 
-#include "core/clock.h"
+#include "core/platform/clock.h"
 #include "sft/detail/convert.h"
 #include "sft/detail/encode.h"
 #include "sft/detail/encode_fault.h"

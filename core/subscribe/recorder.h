@@ -13,7 +13,7 @@
 #include <mutex>
 #include <vector>
 
-#include "core/read_order.h"
+#include "core/subscribe/read_order.h"
 #include "sft/detail/access_log.h"
 #include "sft/mask.h"
 #include "sft/options.h"

@@ -5,8 +5,8 @@
 #include <memory>
 #include <utility>
 
-#include "core/buffer_pool.h"
-#include "core/sample_buffer.h"
+#include "core/seam/buffer_pool.h"
+#include "core/seam/sample_buffer.h"
 #include "sft/detail/project.h"
 #include "sft/type_support.h"
 

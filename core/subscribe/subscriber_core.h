@@ -17,14 +17,14 @@
 #include <thread>
 #include <vector>
 
-#include "core/doorbell.h"
-#include "core/event_sink.h"
-#include "core/negotiation.h"
-#include "core/poll_handle.h"
-#include "core/recorder.h"
-#include "core/remote_copy.h"
-#include "core/sequence_account.h"
-#include "core/transport.h"
+#include "core/negotiation/negotiation.h"
+#include "core/platform/doorbell.h"
+#include "core/platform/poll_handle.h"
+#include "core/report/event_sink.h"
+#include "core/seam/transport.h"
+#include "core/subscribe/recorder.h"
+#include "core/subscribe/remote_copy.h"
+#include "core/subscribe/sequence_account.h"
 #include "sft/detail/untyped.h"
 
 namespace sft::core {

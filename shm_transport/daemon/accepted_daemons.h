@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/trusted_file.h"
+#include "core/platform/trusted_file.h"
 #include "sft/result.h"
 
 namespace sft::shm {

@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 #include "sft/result.h"
 
 namespace sft::shm {

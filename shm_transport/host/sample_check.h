@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/transport.h"
+#include "core/seam/transport.h"
 #include "sft/type_support.h"
 
 namespace sft::shm {

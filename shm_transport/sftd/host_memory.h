@@ -9,7 +9,7 @@
 #include <span>
 
 #include "sft/result.h"
-#include "shm_transport/iceoryx.h"
+#include "shm_transport/host/iceoryx.h"
 #include "shm_transport/sftd/groups.h"
 #include "shm_transport/sftd/pools.h"
 

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "sft/detail/decode.h"
-#include "tests/udp/live_streams.h"
-#include "tests/udp/messages.h"
-#include "udp_transport/flow_window.h"
-#include "udp_transport/reassembly.h"
-#include "udp_transport/receive_shares.h"
+#include "tests/unit/udp/live_streams.h"
+#include "tests/unit/udp/messages.h"
+#include "udp_transport/flow/flow_window.h"
+#include "udp_transport/flow/receive_shares.h"
+#include "udp_transport/receive/reassembly.h"
 
 namespace {
 

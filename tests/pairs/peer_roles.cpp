@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sft/detail/type_description.h"
-#include "tests/negotiation/status_json.h"
+#include "tests/pairs/status_json.h"
 
 namespace sft::test {
 

@@ -9,8 +9,8 @@
 #include <mutex>
 #include <nav_msgs/msg/Odometry.hpp>
 
-#include "core/described_type.h"
-#include "core/discovery.h"
+#include "core/control/described_type.h"
+#include "core/discovery/discovery.h"
 #include "sft/detail/type_description.h"
 #include "sft/detail/type_shape.h"
 #include "tests/support/isolated_host.h"

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "core/transport.h"
+#include "core/seam/transport.h"
 #include "sft/result.h"
-#include "udp_transport/datagram.h"
-#include "udp_transport/datagram_io.h"
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {
 

@@ -14,10 +14,11 @@
 #include <memory>
 #include <span>
 
-#include "core/file_descriptor.h"
+#include "core/platform/file_descriptor.h"
 #include "sft/result.h"
-#include "udp_transport/datagram_io.h"
-#include "udp_transport/interfaces.h"
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/io/group_socket.h"
+#include "udp_transport/io/interfaces.h"
 
 namespace sft::udp {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sft/detail/project.h"
-#include "udp_transport/multicast_plan.h"
+#include "udp_transport/multicast/multicast_plan.h"
 
 namespace sft::udp {
 

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/sample_buffer.h"
+#include "core/seam/sample_buffer.h"
 #include "sft/detail/project.h"
-#include "udp_transport/fragmenter.h"
-#include "udp_transport/kept_memory.h"
+#include "udp_transport/outgoing/kept_memory.h"
+#include "udp_transport/wire/fragmenter.h"
 
 namespace sft::udp {
 

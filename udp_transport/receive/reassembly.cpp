@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "sft/detail/walk.h"
-#include "udp_transport/answer_address.h"
-#include "udp_transport/answer_credit.h"
-#include "udp_transport/offered_groups.h"
-#include "udp_transport/recent_labels.h"
+#include "udp_transport/io/answer_address.h"
+#include "udp_transport/multicast/offered_groups.h"
+#include "udp_transport/receive/answer_credit.h"
+#include "udp_transport/receive/recent_labels.h"
 
 namespace sft::udp {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sft/mask.h"
-#include "udp_transport/datagram.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft {
 class TypeSupport;

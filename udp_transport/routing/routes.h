@@ -8,12 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "core/transport.h"
+#include "core/seam/transport.h"
 #include "sft/detail/project.h"
-#include "udp_transport/channel_directory.h"
-#include "udp_transport/destination.h"
-#include "udp_transport/group_keeper.h"
-#include "udp_transport/lane.h"
+#include "udp_transport/flow/destination.h"
+#include "udp_transport/reliable/channel_directory.h"
+#include "udp_transport/reliable/lane.h"
+#include "udp_transport/routing/group_keeper.h"
 
 namespace sft::udp {
 

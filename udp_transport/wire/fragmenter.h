@@ -11,7 +11,7 @@
 #include <span>
 
 #include "sft/detail/project.h"
-#include "udp_transport/datagram.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {
 

@@ -33,8 +33,8 @@ enum class LogLevel : std::uint8_t { debug, info, warning, error };
 using LogSink = std::function<void(LogLevel, std::string_view)>;
 
 /// When samples are sent once for several hosts. `automatic`: whenever that puts fewer bytes on the wire, but
-/// not on wireless interfaces (udp_transport/multicast.md). A switch without IGMP snooping passes multicast
-/// on to all hosts, and loads all their cables: choose `off` there.
+/// not on wireless interfaces (udp_transport/multicast/multicast.md). A switch without IGMP snooping passes
+/// multicast on to all hosts, and loads all their cables: choose `off` there.
 enum class MulticastUse : std::uint8_t { automatic, off };
 
 /// UDP of one node.

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "sft/detail/type_description.h"
-#include "tests/tools/tool_fixture.h"
+#include "tests/tools/sft/tool_fixture.h"
 
 namespace sft::test {
 namespace {

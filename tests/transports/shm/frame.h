@@ -8,7 +8,7 @@
 #include <cstring>
 #include <vector>
 
-#include "core/transport.h"
+#include "core/seam/transport.h"
 #include "sft/detail/sample_format.h"
 #include "sft/type_support.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/buffer_pool.h"
+#include "core/seam/buffer_pool.h"
 #include "sft/detail/encode.h"
 #include "sft/type_support.h"
 

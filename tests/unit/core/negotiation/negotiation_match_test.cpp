@@ -4,7 +4,7 @@
 
 #include "sft/detail/type_description.h"
 #include "sft/detail/type_shape.h"
-#include "tests/core/negotiation_fixture.h"
+#include "tests/unit/core/negotiation/negotiation_fixture.h"
 
 namespace sft::core {
 namespace {

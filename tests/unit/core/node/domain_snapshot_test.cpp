@@ -7,7 +7,7 @@
 #include <nav_msgs/msg/Odometry.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "core/described_type.h"
+#include "core/control/described_type.h"
 #include "sft/detail/type_shape.h"
 #include "sft/type_support.h"
 

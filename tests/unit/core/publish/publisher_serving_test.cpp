@@ -7,7 +7,7 @@
 #include <optional>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
-#include "core/publisher_core.h"
+#include "core/publish/publisher_core.h"
 #include "sft/detail/encode.h"
 #include "sft/detail/project.h"
 
