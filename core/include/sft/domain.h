@@ -35,25 +35,25 @@ struct PublisherProgress {
 
 /// One publisher or subscriber.
 struct EndpointInfo {
-  std::uint64_t id = 0;
-  std::uint64_t node_id = 0;  ///< different for each node, also if names are equal
-  std::string node;           ///< the name of its node
-  bool is_own = false;        ///< true: it belongs to the node that was asked
-  std::string topic;
-  std::string type_name;
-  std::uint64_t type_hash = 0;
-  std::optional<DynamicType> type{};  ///< its fields; empty if the type is too large to be described
-  Qos qos;
-  bool may_use_shm = false;
-  bool may_use_udp = false;
+  std::uint64_t id = 0;                  ///< random; a new one each time that an endpoint is opened
+  std::uint64_t node_id = 0;             ///< different for each node, also if names are equal
+  std::string node;                      ///< the name of its node
+  bool is_own = false;                   ///< true: it belongs to the node that was asked
+  std::string topic;                     ///< without a slash at the beginning
+  std::string type_name;                 ///< as in the IDL: "sensor_msgs::msg::Imu"
+  std::uint64_t type_hash = 0;           ///< equal for equal definitions of the type
+  std::optional<DynamicType> type{};     ///< its fields; empty if the type is too large to be described
+  Qos qos;                               ///< a publisher offers it, a subscriber requests it
+  bool may_use_shm = false;              ///< its options allow shared memory
+  bool may_use_udp = false;              ///< its options allow UDP
   bool shm_ready = false;                ///< its node has shared memory that it may use
   bool same_machine = false;             ///< it is on the host of the node that was asked
   std::vector<std::string> addresses{};  ///< where it sends and receives samples by UDP: "10.0.0.5:40123"
 
   // Publishers only.
-  std::uint64_t max_sample_bytes = 0;
-  bool waits = false;  ///< it waits for reliable readers that do not keep up
-  std::optional<PublisherProgress> progress{};
+  std::uint64_t max_sample_bytes = 0;           ///< of a body
+  bool waits = false;                           ///< it waits for reliable readers that do not keep up
+  std::optional<PublisherProgress> progress{};  ///< nothing while its node has not told it
 
   // Subscribers only.
   std::optional<std::string> fields{};  ///< that it asks for at present; empty if the type is not known
@@ -68,8 +68,8 @@ struct SentAccount {
   std::uint64_t withheld = 0;      ///< samples that were not sent, to keep to the maximum rate
   std::uint64_t dropped = 0;       ///< samples
   std::uint64_t retained = 0;      ///< samples from before the subscriber came; not in the counts above
-  std::uint64_t bytes_sent = 0;
-  std::uint64_t bytes_saved = 0;
+  std::uint64_t bytes_sent = 0;    ///< bytes of bodies over the network
+  std::uint64_t bytes_saved = 0;   ///< bytes of the fields that were left out of these bodies
 };
 
 /// The counts of the subscriber's node for one publisher, with the meanings of WriterStatus.
@@ -89,15 +89,16 @@ struct PairAccount {
 /// One type of a topic, and the nodes that use it. A list has the name of a node once for each of its
 /// publishers or subscribers.
 struct TopicType {
-  std::string name;
-  std::uint64_t hash = 0;
-  std::optional<DynamicType> type{};  ///< its fields; empty if the type is too large to be described
-  std::vector<std::string> publishers{};
-  std::vector<std::string> subscribers{};
+  std::string name;                        ///< as in the IDL: "sensor_msgs::msg::Imu"
+  std::uint64_t hash = 0;                  ///< equal for equal definitions of the type
+  std::optional<DynamicType> type{};       ///< its fields; empty if the type is too large to be described
+  std::vector<std::string> publishers{};   ///< names of nodes
+  std::vector<std::string> subscribers{};  ///< names of nodes
 };
 
 /// One topic that the node has seen.
 struct TopicInfo {
+  /// The name has no slash at its beginning.
   std::string name;
   std::vector<TopicType> types{};  ///< publishers and subscribers of different types do not match
 };
@@ -121,17 +122,17 @@ class AccountInquiry {
 /// A publisher and a subscriber of one topic, as far as their announcements tell. Members that have no
 /// comment are as in ReaderStatus.
 struct PairInfo {
-  std::uint64_t publisher = 0;   ///< id
-  std::uint64_t subscriber = 0;  ///< id
-  bool matched = false;          ///< false: `reason` says why
-  bool connected = false;        ///< the subscriber says that it hears the publisher, by `transport`
-  TransportKind transport{};
-  std::string reason{};
-  bool incompatible_type = false;
+  std::uint64_t publisher = 0;     ///< id
+  std::uint64_t subscriber = 0;    ///< id
+  bool matched = false;            ///< false: `reason` says why
+  bool connected = false;          ///< the subscriber says that it hears the publisher, by `transport`
+  TransportKind transport{};       ///< means something only while the pair is connected
+  std::string reason{};            ///< for the transport, or for there being none; for people
+  bool incompatible_type = false;  ///< the names or definitions of their types differ
   std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions; "here" is the publisher's
   QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
   bool no_path = false;                             ///< all fits, but no path is allowed to both
-  PairAccount account{};
+  PairAccount account{};  ///< what both nodes have counted, while the program asks (Node::ask_accounts())
 };
 
 /// The result of Node::domain().

@@ -129,7 +129,7 @@ class DynamicPublisher {
   bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
     return publisher_.wait_for_subscribers(count, timeout);
   }
-  /// As Publisher::assert_liveliness().
+  /// See Publisher::assert_liveliness().
   void assert_liveliness() { publisher_.assert_liveliness(); }
   /// Counts, and each subscriber of the topic.
   PublisherStatus status() const { return publisher_.status(); }
@@ -161,7 +161,7 @@ class DynamicSubscriber {
 
   /// Counts, and each publisher of the topic.
   SubscriberStatus status() const { return subscriber_.status(); }
-  /// As Subscriber::requirements().
+  /// See Subscriber::requirements().
   Requirements requirements() const { return subscriber_.requirements(); }
   /// The message type. Valid as long as this object.
   const DynamicType& type() const { return type_; }

@@ -31,10 +31,11 @@ const char* to_string(EventKind kind);
 
 /// A value; callbacks may copy and keep it.
 struct Event {
-  /// What has happened.
+  /// The kind of news.
   EventKind kind{};
   std::uint64_t peer = 0;  ///< id of the subscriber or publisher at the other end; 0: concerns none
   std::string node{};      ///< the name of the node of `peer`
+  /// The first policy that does not fit, for incompatible_qos.
   QosPolicy policy = QosPolicy::none;
   std::uint64_t count = 1;  ///< deadlines missed, samples lost or diverted since the last event of the kind
   bool yet = false;         ///< with no_path: shared memory may still come up, on this side or the other

@@ -47,7 +47,7 @@ struct UdpSettings {
   /// The most that the node sends by UDP, with the headers of SFT; 0: no limit. Small samples go first.
   /// Samples that no longer fit into a queue meanwhile are dropped, the oldest first, and counted.
   std::uint64_t max_bytes_per_s = 0;
-  /// Whether readers on several hosts may be sent one copy together.
+  /// Multicast: readers on several hosts may be sent one copy together.
   MulticastUse multicast = MulticastUse::automatic;
 };
 
@@ -126,11 +126,12 @@ struct NodeOptions {
   std::string name = "node";  ///< shown to people; several nodes may have the same name
   /// DDS domain of the control topics, 0 to 232. Default: $ROS_DOMAIN_ID, otherwise 0.
   std::optional<std::uint32_t> domain{};
-  /// How nodes find each other.
+  /// Settings by which nodes find each other.
   DiscoverySettings discovery{};
   TransportChoice transport = TransportChoice::automatic;  ///< limits all publishers and subscribers of it
+  /// Settings of samples over UDP.
   UdpSettings udp{};
-  /// Of samples in shared memory.
+  /// Settings of samples in shared memory.
   ShmSettings shm{};
   /// CPUs, scheduling and names of the threads.
   NodeThreads threads{};
@@ -150,9 +151,10 @@ struct PublisherStatus;
 /// One publisher. A duration of 0 means none: no deadline, no end of the lifespan, no lease. Deadlines and
 /// leases are at least 1 ms.
 struct PublisherOptions {
-  TransportChoice transport = TransportChoice::automatic;
-  Reliability reliability = Reliability::best_effort;  ///< qos.h explains it
-  Durability durability = Durability::volatile_;
+  TransportChoice transport = TransportChoice::automatic;  ///< the paths that samples may go by
+  Reliability reliability = Reliability::best_effort;      ///< qos.h explains it
+  Durability durability =
+      Durability::volatile_;  ///< transient_local: late subscribers get the last samples, too
   /// Number of samples that are kept for late subscribers if durability is transient_local, 1 to 128. They
   /// occupy their memory, in shared memory, too, and are encoded with all fields, whatever is asked for.
   std::uint32_t history_depth = 1;
@@ -161,7 +163,8 @@ struct PublisherOptions {
   /// A sample that was published longer ago is not delivered any more. Clocks of two hosts may differ, and
   /// the time with them.
   std::chrono::nanoseconds lifespan{0};
-  Liveliness liveliness = Liveliness::automatic;
+  Liveliness liveliness =
+      Liveliness::automatic;  ///< who says that the publisher is alive: its node or the program
   std::chrono::nanoseconds liveliness_lease{0};  ///< the publisher promises a sign of life at least so often
   /// The longest time, up to 1 s, that publish() waits for reliable subscribers that do not keep up, on this
   /// host and on others, before they lose their oldest sample (DDS: max_blocking_time). In shared memory
@@ -202,17 +205,18 @@ struct RecordingSettings {
 
 /// One subscriber. A duration of 0 means none: any deadline and any liveliness fit. Others are at least 1 ms.
 struct SubscriberOptions {
-  TransportChoice transport = TransportChoice::automatic;
-  Reliability reliability = Reliability::best_effort;
-  Durability durability = Durability::volatile_;
+  TransportChoice transport = TransportChoice::automatic;  ///< the paths that samples may come by
+  Reliability reliability = Reliability::best_effort;      ///< reliable matches reliable publishers only
+  Durability durability = Durability::volatile_;  ///< transient_local: asks for the last samples from before,
+                                                  ///< and for a publisher that retains them
   /// Number of samples of each publisher that are kept until they are taken, 1 to 1,000,000. Beyond it the
   /// oldest are lost, and counted. Shared memory keeps at most 256; if a subscriber that may use it asks for
   /// more, the log says so, and WriterStatus::depth tells the number in force. Of all publishers that are
   /// gone together no more than this number is kept.
   std::uint32_t depth = 8;
   std::chrono::nanoseconds deadline{0};  ///< it expects a sample from each publisher at least so often
-  Liveliness liveliness = Liveliness::automatic;
-  std::chrono::nanoseconds liveliness_lease{0};  ///< it expects a sign of life at least so often
+  Liveliness liveliness = Liveliness::automatic;  ///< manual_by_topic matches publishers of that kind only
+  std::chrono::nanoseconds liveliness_lease{0};   ///< it expects a sign of life at least so often
   /// The most samples per second, evenly spaced; 0: all. Other samples are withheld: they are not sent, and
   /// are counted apart from lost ones. Subscriber::set_max_rate_hz() changes the rate.
   double max_rate_hz = 0;

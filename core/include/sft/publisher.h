@@ -30,13 +30,16 @@ namespace sft {
 template <class T>
 class Loan {
  public:
+  /// The writable members of the loan.
   using View = typename T::template LoanView<detail::LoanedPlace<T>>;
+  /// The sequences of T that a loan can reserve.
   using Reservations = decltype(View::reservations({}));
 
+  /// Publisher::loan() makes loans.
   Loan(detail::untyped::Loan&& loan, const Reservations& reserved)
       : loan_(std::move(loan)), reserved_(reserved) {}
 
-  /// What operator->() returns.
+  /// The value that operator->() returns.
   class Arrow {
    public:
     explicit Arrow(View view) : view_(view) {}
@@ -45,6 +48,7 @@ class Loan {
    private:
     View view_;
   };
+  /// The writable members, in place. Not of a temporary loan.
   Arrow operator->() & { return Arrow(View{detail::LoanedPlace<T>{loan_.body(), loan_.state()}}); }
   void operator->() && = delete;
 
@@ -126,6 +130,7 @@ class Loan {
 template <class T>
 class Publisher {
  public:
+  /// Node::publisher() makes publishers.
   explicit Publisher(detail::untyped::Publisher publisher) : publisher_(std::move(publisher)) {}
 
   /// Encodes the message once and sends it: readers on this host get one sample with all fields, readers on

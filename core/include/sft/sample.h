@@ -44,9 +44,11 @@ struct Partial {
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Sample {
  public:
+  /// The getters of the fields.
   using View = detail::ViewOf<T, R>;
 
   Sample() = default;
+  /// take() and callbacks have samples.
   explicit Sample(detail::untyped::Sample&& sample) : sample_(std::move(sample)) {}
 
   /// False if there is no sample.

@@ -36,10 +36,10 @@ struct TypeMismatch {
 
 /// One subscriber of the topic, as the publisher serves it.
 struct ReaderStatus {
-  std::uint64_t id = 0;
-  std::string node;
-  bool served = false;  ///< false: `reason` says why nothing is sent
-  TransportKind transport{};
+  std::uint64_t id = 0;       ///< EndpointInfo::id of the subscriber
+  std::string node;           ///< the name of its node
+  bool served = false;        ///< false: `reason` says why nothing is sent
+  TransportKind transport{};  ///< means something only while it is served
   /// Why this transport is used, or why the reader is not served; says also if its host does not answer.
   std::string reason{};
   /// If it is served by UDP: with whom it shares a multicast group, or why it shares none.
@@ -65,7 +65,7 @@ struct ReaderStatus {
   // Bytes of the bodies that went over the network or the loopback, without headers. A sample in shared
   // memory counts neither as sent nor as saved. If several readers of a process ask for the same fields,
   // bytes that travel once count for each of these readers.
-  std::uint64_t bytes_sent = 0;
+  std::uint64_t bytes_sent = 0;  ///< see above
   /// The size of the same samples with all fields, less bytes_sent. A sample that was not encoded with all
   /// fields counts as large as the last one that was measured, at most 10 ms before.
   std::uint64_t bytes_saved = 0;
@@ -78,6 +78,7 @@ struct Diverted {
   std::uint64_t exhausted = 0;    ///< readers, loans and the history held all chunks of that size
   std::uint64_t too_large = 0;    ///< the sample was larger than the largest chunk
   std::uint64_t unavailable = 0;  ///< the daemon had just ended, or held a lock
+  /// Samples, for whatever reason.
   std::uint64_t total() const { return exhausted + too_large + unavailable; }
   friend bool operator==(const Diverted&, const Diverted&) = default;
 };
@@ -115,14 +116,15 @@ const char* to_string(ShrinkStatus status);
 
 /// One publisher.
 struct PublisherStatus {
-  std::uint64_t published = 0;    ///< the number of samples
-  std::uint64_t bytes_sent = 0;   ///< bodies and SFT headers over the network, each datagram once
-  std::uint64_t bytes_saved = 0;  ///< for all readers, also those that are gone
-  std::uint64_t deadlines_missed = 0;
-  bool alive = true;  ///< false: it did not assert its liveliness in time
+  std::uint64_t published = 0;         ///< the number of samples
+  std::uint64_t bytes_sent = 0;        ///< bodies and SFT headers over the network, each datagram once
+  std::uint64_t bytes_saved = 0;       ///< for all readers, also those that are gone
+  std::uint64_t deadlines_missed = 0;  ///< periods of its own deadline without a sample
+  bool alive = true;                   ///< false: it did not assert its liveliness in time
   /// Samples that some transport did not take, and those that UDP queued and then could not send; the latter
   /// count once for each address that missed one.
   std::uint64_t dropped = 0;
+  /// Samples that shared memory could not take.
   Diverted diverted{};
   FieldMask mask;                     ///< the fields of a sample that are encoded at present
   std::vector<ReaderStatus> readers;  ///< all subscribers of the topic, served or not
@@ -130,13 +132,13 @@ struct PublisherStatus {
 
 /// One publisher of the topic, as the subscriber receives from it.
 struct WriterStatus {
-  std::uint64_t id = 0;
-  std::string node;
-  bool matched = false;    ///< false: `reason` says why
-  bool connected = false;  ///< its samples come, by `transport`
-  bool alive = true;       ///< false: its lease or that of its node is over; `reason` says which
-  TransportKind transport{};
-  std::string reason{};
+  std::uint64_t id = 0;       ///< EndpointInfo::id of the publisher
+  std::string node;           ///< the name of its node
+  bool matched = false;       ///< false: `reason` says why
+  bool connected = false;     ///< its samples come, by `transport`
+  bool alive = true;          ///< false: its lease or that of its node is over; `reason` says which
+  TransportKind transport{};  ///< means something only while it is connected
+  std::string reason{};       ///< for the transport, or for there being none; for people
   /// The number of its samples that are kept until they are taken: SubscriberOptions::depth, or as many as
   /// shared memory keeps.
   std::uint32_t depth = 0;
@@ -149,7 +151,7 @@ struct WriterStatus {
   std::uint64_t lost = 0;      ///< samples that should have come, and did not
   std::uint64_t withheld = 0;  ///< samples that were not sent, or were skipped, to keep to max_rate_hz
   std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
-  std::uint64_t deadlines_missed = 0;
+  std::uint64_t deadlines_missed = 0;  ///< periods of the subscriber's deadline without a sample of it
   /// How often the connection was set up anew because the publisher sent and nothing arrived.
   std::uint64_t restarts = 0;
 };
@@ -169,6 +171,7 @@ struct SubscriberStatus {
   double max_rate_hz = 0;      ///< the rate that it asks for at present; 0: all samples
   std::uint64_t requests = 0;  ///< requests for fields and rates that were sent
   std::uint64_t restarts = 0;  ///< connections that were set up anew because nothing arrived
+  /// All publishers of the topic, heard or not.
   std::vector<WriterStatus> writers;
 };
 
@@ -184,6 +187,7 @@ struct NodeStatus {
   /// False: plain sockets; `udp` says why.
   bool io_uring_in_use = false;
   std::string shm;  ///< how shared memory works here, or why it does not
+  /// Samples can go by shared memory.
   bool shm_ready = false;
   bool lacks_daemon = false;  ///< no sftd is running, and NodeOptions::shm.start_daemon forbids to start one
   /// Datagrams whose bytes are not what they claim to be.

@@ -34,6 +34,7 @@ concept SampleCallback = std::invocable<F&, const S&> || std::invocable<F&, S>;
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Subscriber {
  public:
+  /// Node::subscriber() makes subscribers.
   explicit Subscriber(detail::untyped::Subscriber subscriber) : subscriber_(std::move(subscriber)) {}
 
   /// Returns the oldest sample that was not taken yet; an empty one if there is none.

@@ -17,13 +17,13 @@ namespace sft {
 /// Limits of what is accepted from a description or a text. `leaves` and the limits after it count every
 /// struct as often as it is used.
 struct DescriptionLimits {
-  std::size_t bytes = 65'536;    ///< of the description
-  std::size_t name_bytes = 255;  ///< of each name and unit
-  std::uint32_t array_elements = 1U << 28;
-  std::size_t depth = 16;            ///< of structs in structs; real types have some 5
-  std::size_t leaves = 4096;         ///< as many as a request can name
-  std::size_t members = 32'768;      ///< members and enumerators together
-  std::size_t path_bytes = 1 << 20;  ///< approximately, of the paths of all leaves
+  std::size_t bytes = 65'536;               ///< of the description
+  std::size_t name_bytes = 255;             ///< of each name and unit
+  std::uint32_t array_elements = 1U << 28;  ///< of each array, over all its dimensions
+  std::size_t depth = 16;                   ///< of structs in structs; real types have some 5
+  std::size_t leaves = 4096;                ///< as many as a request can name
+  std::size_t members = 32'768;             ///< members and enumerators together
+  std::size_t path_bytes = 1 << 20;         ///< approximately, of the paths of all leaves
 };
 
 /// A handle: copies share the type, which lives, at the same address, as long as any copy. It is immutable;
@@ -35,7 +35,7 @@ class DynamicType {
   static Result<DynamicType> parse(std::span<const std::byte> description,
                                    const DescriptionLimits& limits = {});
 
-  /// As in the IDL: "sensor_msgs::msg::Imu".
+  /// The name as in the IDL: "sensor_msgs::msg::Imu".
   std::string_view name() const { return type().name; }
   /// The tables of the type. Valid as long as any handle of it.
   const StructType& type() const;

@@ -90,10 +90,11 @@ class DynamicView {
   bool is_collection() const { return node_ == Node::collection; }
   /// The kind of a value, or of the elements of an array or a sequence.
   Member::Kind kind() const { return member_ == nullptr ? Member::Kind::structure : member_->kind; }
+  /// Array or sequence if this is a collection, else single.
   Member::Shape shape() const { return is_collection() ? member_->shape : Member::Shape::single; }
   /// The member that this is, or of which it is an element; null for the whole sample.
   const Member* member() const { return member_; }
-  /// Of member(); empty for the whole sample.
+  /// The name of member(); empty for the whole sample.
   std::string_view name() const { return member_ == nullptr ? std::string_view() : member_->name; }
   /// The type of a struct or of the elements of a collection of structs, otherwise null.
   const StructType* type() const { return type_; }
@@ -192,9 +193,9 @@ class DynamicView::Members {
 
   /// DynamicView::members() makes these.
   explicit Members(DynamicView of) : of_(std::move(of)) {}
-  /// As of a range.
+  /// Iterates over the range.
   iterator begin() const { return {&of_, 0}; }
-  /// As of a range.
+  /// Iterates over the range.
   iterator end() const {
     return {&of_, of_.is_struct() && of_.error() == nullptr ? of_.type_->members.size() : 0};
   }
@@ -235,9 +236,9 @@ class DynamicView::Elements {
 
   /// DynamicView::elements() makes these.
   explicit Elements(DynamicView of);
-  /// As of a range.
+  /// Iterates over the range.
   iterator begin() const { return {&of_, first_, left_}; }
-  /// As of a range.
+  /// Iterates over the range.
   iterator end() const { return {&of_, 0, 0}; }
 
  private:

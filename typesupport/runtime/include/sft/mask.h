@@ -34,12 +34,18 @@ namespace sft {
 /// A set of leaves of message type T that is known when the program is compiled; a template argument.
 template <class T>
 struct Mask {
+  /// The message type.
   using Type = T;
+  /// The number of a leaf.
   using value_type = std::size_t;
+  /// Over the numbers of the leaves, ascending.
   using const_iterator = detail::LeafIterator<Mask>;
+  /// The same: sets are not changed through iterators.
   using iterator = const_iterator;
+  /// Leaves of the type, in the set or not.
   static constexpr std::size_t leaves = detail::leaf_count_of<T>;
 
+  /// Bit i of word w is leaf 64 w + i.
   std::array<std::uint64_t, (leaves + 63) / 64> words{};  // public: a template argument has no private parts
 
   /// True if the leaf is in the mask.
@@ -67,7 +73,9 @@ struct Mask {
     return false;
   }
 
+  /// True if no leaf is in the set.
   constexpr bool empty() const { return size() == 0; }
+  /// Leaves in the set.
   constexpr std::size_t size() const {
     std::size_t n = 0;
     for (const std::uint64_t word : words) n += static_cast<std::size_t>(std::popcount(word));
@@ -76,10 +84,14 @@ struct Mask {
 
   /// Iterate over the numbers of the leaves, ascending.
   constexpr iterator begin() const { return iterator::first(*this); }
+  /// The end, behind the last one.
   constexpr iterator end() const { return iterator::end(*this); }
+  /// One of the words, from 0.
   constexpr std::uint64_t word(std::size_t i) const { return words[i]; }
+  /// The number of words.
   static constexpr std::size_t word_count() { return (leaves + 63) / 64; }
 
+  /// The set of the leaves [first, first + count).
   static constexpr Mask range(std::size_t first, std::size_t count) {
     Mask m;
     for (std::size_t leaf = first; leaf < first + count; ++leaf)
@@ -187,14 +199,18 @@ inline constexpr Recorded recorded{};
 /// sft::recorded.
 template <class T>
 struct Req {
+  /// The fields; of recording all.
   Mask<T> mask{};
+  /// Getters note what is read (ARR).
   bool is_recorded = false;
 
+  /// These fields are declared.
   constexpr Req(const Mask<T>& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
   /// A field or an inner node by its name, or a combination of them.
   template <detail::FieldSet F>
   requires std::same_as<T, detail::TypeOfFields<F>>
-  constexpr Req(const F& declared) : mask(declared) {}          // NOLINT(google-explicit-constructor)
+  constexpr Req(const F& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
+  /// Recording finds out which fields are needed.
   constexpr Req(Recorded) : mask(all<T>), is_recorded(true) {}  // NOLINT(google-explicit-constructor)
 
   friend constexpr bool operator==(const Req&, const Req&) = default;
@@ -204,11 +220,15 @@ struct Req {
 /// passed are below leaves().
 class FieldMask {
  public:
+  /// The number of a leaf.
   using value_type = std::size_t;
+  /// Over the numbers of the leaves, ascending.
   using const_iterator = detail::LeafIterator<FieldMask>;
+  /// The same: sets are not changed through iterators.
   using iterator = const_iterator;
 
   FieldMask() = default;
+  /// The empty set of a type with so many leaves.
   explicit FieldMask(std::size_t leaves) : leaves_(leaves), more_(leaves > 64 ? (leaves - 1) / 64 : 0) {}
 
   /// Converts a Mask<T> or the name of a field.
@@ -224,13 +244,19 @@ class FieldMask {
   /// zero.
   static FieldMask from_words(std::size_t leaves, std::span<const std::uint64_t> words);
 
+  /// Bit i of word w is leaf 64 w + i.
   std::vector<std::uint64_t> to_words() const;
 
+  /// Leaves of the type, in the set or not.
   std::size_t leaves() const { return leaves_; }
+  /// The number of words of 64 leaves each; at least one.
   std::size_t words() const { return 1 + more_.size(); }
+  /// The same as words().
   std::size_t word_count() const { return words(); }
+  /// One of the words, from 0.
   std::uint64_t word(std::size_t i) const { return i == 0 ? first_ : more_[i - 1]; }
 
+  /// `leaf` is less than leaves().
   bool contains(std::size_t leaf) const { return (word(leaf / 64) >> (leaf % 64) & 1) != 0; }
   /// True if all leaves of the other set, which is of the same type, are in this one.
   bool contains(const FieldMask& other) const;
@@ -241,6 +267,7 @@ class FieldMask {
   bool contains(const F& fields) const {
     return contains(FieldMask(fields));
   }
+  /// True if some leaf is in both.
   template <detail::FieldSet F>
   bool intersects(const F& fields) const {
     return intersects(FieldMask(fields));
@@ -255,16 +282,25 @@ class FieldMask {
   }
   /// The lowest leaf of [first, end) in the set, or `end`.
   std::size_t next(std::size_t first, std::size_t end) const noexcept;
+  /// True if no leaf is in the set.
   bool empty() const;
+  /// True if all leaves are in the set.
   bool is_full() const { return all_of(0, leaves_); }
+  /// Leaves in the set.
   std::size_t size() const;
 
+  /// Adds a leaf.
   void insert(std::size_t leaf) { mutable_word(leaf / 64) |= std::uint64_t{1} << (leaf % 64); }
+  /// Removes a leaf.
   void erase(std::size_t leaf) { mutable_word(leaf / 64) &= ~(std::uint64_t{1} << (leaf % 64)); }
 
+  /// Adds the leaves of the other.
   FieldMask& operator|=(const FieldMask& other);
+  /// Keeps the leaves that are in both.
   FieldMask& operator&=(const FieldMask& other);
+  /// Removes the leaves of the other.
   FieldMask& operator-=(const FieldMask& other);
+  /// Keeps the leaves that are in one of both only.
   FieldMask& operator^=(const FieldMask& other);
   friend FieldMask operator|(FieldMask a, const FieldMask& b) { return a |= b; }
   friend FieldMask operator&(FieldMask a, const FieldMask& b) { return a &= b; }
@@ -275,6 +311,7 @@ class FieldMask {
 
   /// Iterate over the numbers of the leaves, ascending. The set must not change meanwhile.
   iterator begin() const { return iterator::first(*this); }
+  /// The end, behind the last one.
   iterator end() const { return iterator::end(*this); }
 
   /// Equal sets have equal hashes. The hash of a set of a type with at most 64 leaves is its bits.

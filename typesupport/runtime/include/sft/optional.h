@@ -14,7 +14,9 @@ template <class V>
 class Optional : public std::optional<V> {
  public:
   using std::optional<V>::optional;
+  /// The value itself. REQUIRES: there is one.
   V operator*() const { return std::optional<V>::operator*(); }
+  /// The value itself. Throws std::bad_optional_access if there is none.
   V value() const { return std::optional<V>::value(); }
 };
 

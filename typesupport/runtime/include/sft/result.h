@@ -32,13 +32,14 @@ enum class Errc {
 
 /// An error.
 struct Error {
-  /// For programs to distinguish.
+  /// The kind of error, for programs.
   Errc code;
   std::string message;  ///< names the thing and what to do about it
 };
 
 }  // namespace sft
 
+/// @cond not in the reference: Doxygen takes no specialization of a class that it does not know
 /// The exception that value() throws if there is an error. It is the exception of tl::expected, except for
 /// what(), which is the same text for all errors there.
 template <>

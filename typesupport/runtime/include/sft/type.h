@@ -29,13 +29,13 @@ struct SequenceAccess;
 struct EnumType {
   /// One name of an enumeration with its value, or one flag of a bitmask with its bit set.
   struct Enumerator {
-    std::string_view name;
-    std::uint64_t value;
+    std::string_view name;  ///< as in the IDL
+    std::uint64_t value;    ///< of a flag: with its bit set
   };
 
-  std::string_view name;  ///< "my_pkg::msg::Color"
-  bool is_bitmask;
-  std::span<const Enumerator> enumerators;
+  std::string_view name;                    ///< "my_pkg::msg::Color"
+  bool is_bitmask;                          ///< false: an enumeration
+  std::span<const Enumerator> enumerators;  ///< at least one
 };
 
 /// One member of a struct.
@@ -58,28 +58,29 @@ struct Member {
     string,
     structure
   };
+  /// One element, a fixed number of them, or a variable number.
   enum class Shape : std::uint8_t { single, array, sequence };
 
-  std::string_view name;
-  Kind kind{};  ///< of one element; an enumeration has the kind of the integer that holds it
-  Shape shape{};
-  std::uint32_t count = 1;                ///< elements of an array, over all its dimensions; otherwise 1
-  std::uint32_t bound = 0;                ///< most elements of a sequence; 0: unbounded
+  std::string_view name;    ///< as in the IDL
+  Kind kind{};              ///< of one element; an enumeration has the kind of the integer that holds it
+  Shape shape{};            ///< of the member
+  std::uint32_t count = 1;  ///< elements of an array, over all its dimensions; otherwise 1
+  std::uint32_t bound = 0;  ///< most elements of a sequence; 0: unbounded
   std::uint32_t string_bound = 0;         ///< most characters of each string, without the NUL; 0: unbounded
   const StructType* type = nullptr;       ///< the element's type if the kind is structure, otherwise null
   const EnumType* enumeration = nullptr;  ///< what the integer stands for; null: it is only an integer
   std::size_t offset = 0;  ///< of the member in the compiled struct; 0 in a DynamicType, like the next two
   std::size_t stride = 0;  ///< of one element in the compiled struct
   const detail::SequenceAccess* access = nullptr;  ///< to the compiled std::vector if the shape is sequence
-  bool key = false;                                ///< @key: the member is always sent
-  std::string_view unit{};                         ///< from @unit, to be shown to people
+  bool key = false;                                ///< `@key`: the member is always sent
+  std::string_view unit{};                         ///< from `@unit`, to be shown to people
 };
 
 /// A message type, or a struct that is nested in one.
 struct StructType {
-  std::string_view name;  ///< "sensor_msgs::msg::PointCloud2"
-  std::span<const Member> members;
-  std::size_t leaves = 0;
+  std::string_view name;            ///< "sensor_msgs::msg::PointCloud2"
+  std::span<const Member> members;  ///< in the order of the IDL; at least one
+  std::size_t leaves = 0;           ///< all that a mask can select in it
 
   // The members from here on are for SFT's own code.
   std::size_t slots = 0;  ///< offsets that a sample's index has for this type (detail/type_table.h)

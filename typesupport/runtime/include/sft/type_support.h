@@ -24,9 +24,9 @@ class TypeSupport {
 
   /// The tables that it was made of.
   const StructType& type() const { return *type_; }
-  /// As in the IDL: "sensor_msgs::msg::Imu".
+  /// The name as in the IDL: "sensor_msgs::msg::Imu".
   std::string_view name() const { return type_->name; }
-  /// How many leaf fields the type has.
+  /// The number of leaf fields that the type has.
   std::size_t leaves() const { return paths_.size(); }
   std::size_t slots() const { return slots_; }  ///< for SFT's own code: offsets in a sample's index
 
