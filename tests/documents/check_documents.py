@@ -1,24 +1,32 @@
 #!/usr/bin/env python3
-"""check_documents.py ROOT: says what is wrong with the documents for users, by file and line.
+"""check_documents.py ROOT: says what is wrong with the documents, by file and line.
 
 - A link to a file or a heading leads there.
 - README.md has at most 150 lines and fewer than 1,000 words.
 - Each number below "Four figures" in README.md stands in docs/performance.md, and the sentence below the picture in
   README.md.
 - Each constant or option that docs/limits.md names stands in the sources.
+- ARCHITECTURE.md and the documents beside the code name files, tests, classes and constants that exist.
 """
 
 import pathlib
 import re
 import sys
 
-DOCUMENTS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "docs/*.md")
+FOR_USERS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "docs/*.md")
+BESIDE_CODE = ("ARCHITECTURE.md", "core/*/*.md", "udp_transport/*/*.md", "shm_transport/*/*.md", "tests/*/*.md",
+               "typesupport/*/*.md")
 SOURCES = ("core", "shm_transport", "udp_transport", "typesupport", "cmake", "CMakeLists.txt")
 SOURCE_KINDS = {".h", ".cpp", ".toml", ".idl", ".txt"}
 README_LINES_MAX, README_WORDS_MAX = 150, 999
 
 LINK = re.compile(r"\]\(([^)\s]+)\)|(?:src|srcset)=\"([^\"]+)\"")
 NUMBER = re.compile(r"\d[\d,.]*\d|\d")
+CODE = re.compile(r"`([^`]+)`")
+FILE = re.compile(r"\b\w+\.(?:h|cpp|md|pml|lua|cmake|awk|py|toml)\b")
+TEST = re.compile(r"(?:^|[\s/])([A-Z]\w+)\.([A-Z]\w*)(\*?)$")
+TESTS_OF_SOURCES = re.compile(r"^(?:TEST|TEST_F|TEST_P|TYPED_TEST)\((\w+),\s*(\w+)", re.MULTILINE)
+IDENTIFIER = re.compile(r"^[A-Za-z_]\w*(?:::[A-Za-z_]\w*)+(?:\(\))?$")
 NAME = re.compile(r"`([A-Za-z_][A-Za-z0-9_:.]*)`")
 
 
@@ -73,9 +81,9 @@ def check_figures(root):
         yield f"README.md: the picture says '{sentence}', and README.md does not"
 
 
-def words_of_sources(root):
+def words_of_sources(root, *more):
     words = set()
-    for top in (root / name for name in SOURCES):
+    for top in (root / name for name in SOURCES + more):
         for file in [top] if top.is_file() else top.rglob("*"):
             if file.suffix in SOURCE_KINDS:
                 words.update(re.findall(r"[A-Za-z_]\w*", file.read_text(errors="replace")))
@@ -95,14 +103,47 @@ def check_limits(root):
                     yield f"docs/limits.md:{number}: '{word}' of `{name}` is not in the sources: was it renamed?"
 
 
+def tests_of_sources(root):
+    for file in (root / "tests").rglob("*.cpp"):
+        for match in TESTS_OF_SOURCES.finditer(file.read_text(errors="replace")):
+            yield match[1], match[2]
+
+
+def check_names(root, file, files, tests, words):
+    """What a document puts into `code`, if it looks like a file, a test, or a member of a class."""
+    where = file.relative_to(root)
+    for number, line in enumerate(without_code(file.read_text()), 1):
+        for code in CODE.findall(line):
+            for name in FILE.findall(code):
+                if name not in files:
+                    yield f"{where}:{number}: there is no file {name}"
+            test = TEST.search(code)
+            matches = [] if not test else [
+                name for suite, name in tests
+                if suite == test[1] and (name == test[2] or test[3] and name.startswith(test[2]))]
+            if test and not matches:
+                yield f"{where}:{number}: there is no test {code}"
+            if IDENTIFIER.match(code):
+                for word in re.split(r"::", code.removesuffix("()")):
+                    if word not in words:
+                        yield f"{where}:{number}: '{word}' of `{code}` is not in the sources: was it renamed?"
+
+
 def main(root):
     wrong = [*check_size(root), *check_figures(root), *check_limits(root)]
-    for pattern in DOCUMENTS:
-        files = sorted(root.glob(pattern))
-        wrong += [] if files else [f"there is no {pattern}"]
-        for file in files:
-            wrong += check_links(root, file)
-    print("\n".join(wrong) or "All links lead somewhere, and all figures and limits are in their places.")
+    for pattern in FOR_USERS + BESIDE_CODE:
+        documents = sorted(root.glob(pattern))
+        wrong += [] if documents else [f"there is no {pattern}"]
+        for document in documents:
+            wrong += check_links(root, document)
+    folders = ("core", "shm_transport", "sft", "tests", "tools", "typesupport", "udp_transport")
+    files = {file.name for folder in folders for file in (root / folder).rglob("*")}
+    files.update(file.name for file in root.glob("*.md"))
+    tests = set(tests_of_sources(root))
+    words = words_of_sources(root, "tests", "tools")
+    for document in (file for pattern in BESIDE_CODE for file in sorted(root.glob(pattern))):
+        wrong += check_names(root, document, files, tests, words)
+    print("\n".join(wrong) or "All links and names lead somewhere, and all figures and limits are in their places.")
     return 1 if wrong else 0
 
 
