@@ -7,7 +7,7 @@ set(prefix ${WORK}/prefix)
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix} --strip)
 file(GLOB_RECURSE headers RELATIVE ${prefix}/include ${prefix}/include/*.h)
-list(FILTER headers EXCLUDE REGEX "^sft/([a-z_]+|typesupport/[a-z0-9_]+)[.]h$")
+list(FILTER headers EXCLUDE REGEX "^sft/(detail/)?[a-z0-9_]+[.]h$")
 expect("${headers}" STREQUAL "")
 
 run(${prefix}/bin/sft --version)

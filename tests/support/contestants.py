@@ -24,7 +24,7 @@ for file in arguments.cyclone.rglob("*.c") if arguments.cyclone else []:
 
 def types(header):
     """C++ names, and the descriptors or None."""
-    pattern = r'^struct sft::TypeTable<([^>]+)> {.*?StructType type{"([^"]+)"'
+    pattern = r'^struct sft::detail::TypeTable<([^>]+)> {.*?StructType type{"([^"]+)"'
     found = re.findall(pattern, header.read_text(), re.M | re.S)
     missing = [idl for _, idl in found if idl not in descriptors]
     if arguments.cyclone and missing and header.name not in arguments.ours_only:
@@ -46,7 +46,7 @@ def entry(ours, theirs):
 def views(ours):
     """Of full and of recorded samples; of the type as a whole message and as an element of a collection."""
     requirements = (f"sft::Req<{ours}>{{sft::all<{ours}>}}", f"sft::Req<{ours}>{{sft::recorded}}")
-    places = ("sft::IndexedPlace<{0}, {1}, 0, 0>", "sft::ElementPlace<{0}, {1}, 0>")
+    places = ("sft::detail::IndexedPlace<{0}, {1}, 0, 0>", "sft::detail::ElementPlace<{0}, {1}, 0>")
     return "".join(f"template class {ours}::View<{place.format(requirement, ours)}>;\n"
                    for requirement in requirements for place in places)
 

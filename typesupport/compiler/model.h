@@ -16,7 +16,7 @@ extern "C" {
 
 enum { SFT_DIMENSIONS_MAX = 8 };
 
-// The kinds of sft::Kind; primitives come first.
+// The kinds of sft::detail::Kind; primitives come first.
 enum sft_kind {
   SFT_BOOLEAN,
   SFT_OCTET,

@@ -1,6 +1,8 @@
 // Types as .msg text, there and back, and from files.
 #include "sft/msg_text.h"
 
+#include "sft/detail/type_description.h"
+
 #include <unistd.h>
 
 #include <gmock/gmock.h>

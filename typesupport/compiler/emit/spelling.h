@@ -14,7 +14,7 @@ bool is_structure(const sft_type& type);
 bool is_enumeration(const sft_type& type);
 bool is_bitmask(const sft_type& type);
 
-/// "sft::Kind::int32".
+/// "sft::detail::Kind::int32".
 std::string kind_name(sft_kind kind);
 
 /// Of one element in the owned struct. A boolean in an array or a sequence is its byte, as in views.
