@@ -1,8 +1,6 @@
 // Types as .msg text, there and back, and from files.
 #include "sft/msg_text.h"
 
-#include "sft/detail/type_description.h"
-
 #include <unistd.h>
 
 #include <gmock/gmock.h>
@@ -16,6 +14,7 @@
 #include <torture.hpp>
 #include <vector>
 
+#include "sft/detail/type_description.h"
 #include "sft/detail/type_shape.h"
 #include "tests/support/message_types.h"
 
