@@ -1,28 +1,28 @@
-# C++ headers from message definitions: ROS 2's .msg files and IDL, mixed as you like.
+# Generates C++ headers from message definitions: ROS 2's .msg files and IDL, in any mixture.
 #
 #   sft_generate(TARGET my_interfaces
 #                FILES my_pkg/msg/Status.msg other_pkg/msg/Plan.idl ...
 #                [BASE_DIR dir]       # default: the current source directory
-#                [INCLUDES dir...]    # more directories of packages, as /opt/ros/humble/share
+#                [INCLUDES dir...]    # more directories of packages, such as /opt/ros/humble/share
 #                [LINK target...])    # targets made by sft_generate
 #
-# makes an interface library. Targets that link to it are built after its headers, which follow changes of the
-# definitions, of all that they nest or include, and of the compilers.
+# adds an interface library. Targets that link to it are built after its headers. The headers are generated again when
+# the definitions, the definitions that these nest or include, or the compilers change.
 #
-# BASE_DIR, INCLUDES and those of LINK are the roots. FILES are absolute, or relative to the current source directory or
-# to a root. The header of ROOT/my_pkg/msg/Status.msg is <my_pkg/msg/Status.hpp>, whatever ROOT is; that of an IDL file
-# mirrors its path below the innermost root that it is in.
+# The roots are BASE_DIR, INCLUDES, and the roots of the LINK targets. FILES are absolute, or relative to the current
+# source directory or to a root. The header of ROOT/my_pkg/msg/Status.msg is <my_pkg/msg/Status.hpp>, whatever ROOT is.
+# The header of an IDL file has the same path as the file, relative to the innermost root that contains it.
 #
-# What FILES nest or include, directly or not, is looked for below the roots (a .msg file first, then .idl) and is
-# generated too, unless a LINK target has it: what those generate is always taken from there, even if FILES lists it.
-# IDL files include a message as "my_pkg/msg/Status.idl", which is made of it on the way.
+# Definitions that FILES nest or include, directly or not, are searched below the roots (first .msg, then .idl) and
+# generated, too. If a LINK target generates a definition, that one is used, even if FILES lists the definition. IDL
+# files include a message as "my_pkg/msg/Status.idl", which sft_generate() makes of the .msg file.
 include_guard(GLOBAL)
 include(${CMAKE_CURRENT_LIST_DIR}/SftNested.cmake)
 
-# Whoever has no IDL files of their own needs none.
+# Only projects with .idl files need idlc.
 find_program(SFT_IDLC idlc DOC "The IDL compiler of Cyclone DDS (Debian package cyclonedds-tools)")
 
-# Makes the custom command for one .msg file.
+# Adds the custom command for one .msg file.
 function(sft_generate_from_msg name file root output_dir idl_dir roots)
   list(TRANSFORM roots PREPEND -I OUTPUT_VARIABLE include_options)
   set(header ${output_dir}/${name}.hpp)
@@ -35,7 +35,7 @@ function(sft_generate_from_msg name file root output_dir idl_dir roots)
     VERBATIM)
 endfunction()
 
-# Makes the custom command for one .idl file, which may include those that are made from the messages `from_msg`.
+# Adds the custom command for one .idl file, which may include the IDL files in `from_msg`, made of .msg files.
 function(sft_generate_from_idl name file root output_dir roots from_msg)
   if(NOT SFT_IDLC)
     message(FATAL_ERROR
@@ -51,14 +51,15 @@ function(sft_generate_from_idl name file root output_dir roots from_msg)
     COMMAND sh ${script} ${header} ${SFT_IDLC} -l $<TARGET_FILE:sft::cycloneddsidlsft>
             -f case-sensitive -Wno-unsupported-annotations -Wno-implicit-extensibility
             ${include_options} -r ${root_list} -b ${root} -o ${output_dir} -d ${header}.d ${file}
-    DEPENDS ${file} ${from_msg} $<TARGET_FILE:sft::cycloneddsidlsft> ${script} ${script_dir}/idlc_copy.awk ${script_dir}/idlc_messages.awk
+    DEPENDS ${file} ${from_msg} $<TARGET_FILE:sft::cycloneddsidlsft>
+            ${script} ${script_dir}/idlc_copy.awk ${script_dir}/idlc_messages.awk
     DEPFILE ${header}.d
     COMMENT "Generating ${name}.hpp"
     VERBATIM)
 endfunction()
 
-# Makes the commands for files with their names and roots, of which there are as many, and sets `outputs` to what they
-# write. The first of `idl_dirs` is for the IDL of messages.
+# Adds the commands for all files, and sets `outputs` to the files that the commands write. The lists `names`, `files`
+# and `file_roots` have the same length. IDL that is made of messages goes to the first of `idl_dirs`.
 function(sft_generate_all names files file_roots roots idl_dirs output_dir outputs)
   list(GET idl_dirs 0 idl_dir)
   set(headers)
@@ -78,7 +79,7 @@ function(sft_generate_all names files file_roots roots idl_dirs output_dir outpu
   set(${outputs} ${headers} ${from_msg} PARENT_SCOPE)
 endfunction()
 
-# Directories made absolute and without a slash at the end.
+# Makes directories absolute, without a trailing slash.
 function(sft_absolute_directories result)
   set(absolute)
   foreach(directory IN LISTS ARGN)
@@ -90,13 +91,13 @@ function(sft_absolute_directories result)
   set(${result} ${absolute} PARENT_SCOPE)
 endfunction()
 
-# What the targets `linked` offer: roots, directories of IDL made from messages, names of what they generate, and targets
-# that do it.
+# Collects from the targets `linked` their roots, the directories with IDL made of messages, the names of the
+# definitions that they generate, and the targets that generate these.
 function(sft_read_linked linked roots idl_dirs names generators)
   foreach(target IN LISTS linked)
     get_property(is_ours TARGET ${target} PROPERTY SFT_ROOTS SET)
     if(NOT is_ours)
-      message(FATAL_ERROR "sft_generate: LINK ${target}, which sft_generate did not make")
+      message(FATAL_ERROR "sft_generate: LINK ${target}: name a target that sft_generate() made")
     endif()
     foreach(result IN ITEMS ROOTS IDL_DIRS NAMES GENERATORS)
       string(TOLOWER ${result} variable)
@@ -124,7 +125,7 @@ function(sft_generate)
   list(APPEND roots ${linked_roots})
   list(REMOVE_DUPLICATES roots)
   sft_find_all_listed("${arg_FILES}" "${roots}" "${linked_names}" names files file_roots)
-  list(PREPEND roots ${file_roots})  # a package's own files before others of its name
+  list(PREPEND roots ${file_roots})  # files of the same root come before others of the same name
   list(REMOVE_DUPLICATES roots)
   sft_add_nested("${roots}" "${linked_names}" names files file_roots)
 

@@ -1,11 +1,12 @@
-# Which files sft_generate has to generate headers of. A definition goes by its name: the path below its root, without
-# the extension, as in std_msgs/msg/Header.
+# Finds the files whose headers sft_generate() has to generate. The name of a definition is its path relative to its
+# root, without the extension: std_msgs/msg/Header.
 include_guard(GLOBAL)
 
-# The file of FILES that is meant by `file`.
+# Finds the file that an entry of FILES names.
 function(sft_find_listed file roots result)
   if(file MATCHES "\\.(srv|action)$")
-    message(FATAL_ERROR "sft_generate: ${file}: services and actions are not supported: put each part into a .msg file")
+    message(FATAL_ERROR
+      "sft_generate: ${file}: services and actions are not supported: put each part into a .msg file")
   elseif(NOT file MATCHES "\\.(msg|idl)$")
     message(FATAL_ERROR "sft_generate: ${file}: expected a .msg or an .idl file")
   endif()
@@ -27,7 +28,7 @@ function(sft_find_listed file roots result)
   set(${result} ${file} PARENT_SCOPE)
 endfunction()
 
-# The name of a file, and the root that it is relative to.
+# Finds the name of a file, and the root to which the name is relative.
 function(sft_name_of file roots name_variable root_variable)
   set(root)
   if(file MATCHES "^(.*)/[^/]+/msg/[^/]+\\.msg$")
@@ -48,7 +49,8 @@ function(sft_name_of file roots name_variable root_variable)
       endif()
     endforeach()
     if(NOT root)
-      message(FATAL_ERROR "sft_generate: ${file} is below no root: name a directory above it as BASE_DIR or in INCLUDES")
+      message(FATAL_ERROR
+        "sft_generate: ${file} is below no root: name a directory above it as BASE_DIR or in INCLUDES")
     endif()
   endif()
   cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${root} OUTPUT_VARIABLE name)
@@ -57,7 +59,7 @@ function(sft_name_of file roots name_variable root_variable)
   set(${root_variable} ${root} PARENT_SCOPE)
 endfunction()
 
-# The file of a name below the first of the roots that has it; empty if there is none.
+# Finds the file of a name below the first root that has it. The file is empty if no root has it.
 function(sft_find_name name roots file_variable root_variable)
   foreach(root IN LISTS roots)
     foreach(extension IN ITEMS msg idl)
@@ -71,7 +73,7 @@ function(sft_find_name name roots file_variable root_variable)
   set(${file_variable} "" PARENT_SCOPE)
 endfunction()
 
-# The text of a file such that CMake can match lines in it: each begins with a newline, and nothing is special in lists.
+# Reads a file so that CMake can match its lines: each begins with a newline, and no character is special in lists.
 function(sft_read_lines file result)
   file(READ ${file} text)
   string(ASCII 239 187 191 byte_order_mark)
@@ -81,7 +83,7 @@ function(sft_read_lines file result)
   set(${result} "\n${text}" PARENT_SCOPE)
 endfunction()
 
-# Names of the messages that a .msg file nests. One that is in none of `roots`, nor of `known`, ends the configuration.
+# Finds the names of the messages that a .msg file nests. A name that neither `roots` nor `known` have is a fatal error.
 function(sft_nested_of_msg file package roots known result)
   sft_read_lines(${file} text)
   string(REGEX MATCHALL "\n *([a-z0-9_]+/)?(msg/)?[A-Z][A-Za-z0-9_]* " uses "${text}")
@@ -118,7 +120,7 @@ function(sft_refuse_unknown file text use name roots)
   message(FATAL_ERROR "sft_generate: ${file}:${line}: there is no ${name}.msg or .idl below ${root_list}: ${advice}")
 endfunction()
 
-# Names of the files that an .idl file includes. Those that are not found are left to idlc.
+# Finds the names of the files that an .idl file includes. Reports no missing file, since idlc does so.
 function(sft_nested_of_idl file roots result)
   sft_read_lines(${file} text)
   string(REGEX MATCHALL "\n *# *include *[\"<][^\"<>\n]*\\.idl[\">]" uses "${text}")
@@ -136,7 +138,7 @@ function(sft_nested_of_idl file roots result)
   set(${result} ${names} PARENT_SCOPE)
 endfunction()
 
-# What FILES lists and `known` has not, as three lists of the same length: names, files, roots of these.
+# Finds the definitions that FILES lists and `known` lacks, as three lists of the same length: names, files, roots.
 function(sft_find_all_listed listed roots known names_variable files_variable roots_variable)
   set(names)
   set(files)
@@ -155,7 +157,7 @@ function(sft_find_all_listed listed roots known names_variable files_variable ro
   set(${roots_variable} ${file_roots} PARENT_SCOPE)
 endfunction()
 
-# Names that a file nests or includes, all of which are to be generated.
+# Finds the names that a file nests or includes.
 function(sft_nested_of file name roots known result)
   set(nested)
   get_source_file_property(is_generated ${file} GENERATED)
@@ -171,7 +173,7 @@ function(sft_nested_of file name roots known result)
   set(${result} ${nested} PARENT_SCOPE)
 endfunction()
 
-# Appends to the three lists what the files in them nest, and what that nests, but for `known`.
+# Appends to the three lists the definitions that their files nest, directly or not, without those in `known`.
 function(sft_add_nested roots known names_variable files_variable roots_variable)
   set(names ${${names_variable}})
   set(files ${${files_variable}})

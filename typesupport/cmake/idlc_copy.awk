@@ -1,12 +1,12 @@
-# A copy of an IDL file for idlc to read, which makes up for what this does:
-# - It includes a file again that has no include guard: the copy ends with `#pragma once`.
+# Copies an IDL file for idlc. The copy avoids these faults of idlc:
+# - idlc includes a file without an include guard twice. The copy ends with `#pragma once`.
 # - rosidl_adapter declares an alias for each type of array, `typedef double double__36[36];`, in every file that needs
-#   it. ROS reads each file on its own; idlc reads them together and takes the second for a collision. The name tells
-#   what it stands for, so that the first is as good as any. Only what stands before the first declaration is looked
-#   at: there, the modules so far are the scope.
-# - It counts lines wrongly beside comments, and sometimes elsewhere: the copy has no comments, and numbers each line.
-#   Columns stay what they are.
-# - It misreads the letters in "\x7e": the copy has "\176".
+#   it. ROS reads each file on its own, but idlc reads all together and reports the second alias as a collision. The
+#   copy guards each alias, since its name says what it means. It does so only before the first declaration, where the
+#   modules so far are the scope.
+# - idlc counts lines wrongly beside comments, and sometimes elsewhere. The copy has no comments, and a number for each
+#   line. Columns do not change.
+# - idlc misreads the letters in "\x7e". The copy has "\176".
 function blank(width, spaces) {
   while (length(spaces) < width) spaces = spaces " "
   return spaces
@@ -18,7 +18,7 @@ function hex_value(digits, i, value) {
   return value
 }
 
-# A string or character literal without hexadecimal escapes.
+# Replaces the hexadecimal escapes of a string or character literal by octal ones.
 function without_hex(literal, result, escape) {
   while (match(literal, /\\([xX][0-9A-Fa-f][0-9A-Fa-f]?|.)/)) {
     escape = substr(literal, RSTART, RLENGTH)
@@ -29,7 +29,7 @@ function without_hex(literal, result, escape) {
   return result literal
 }
 
-# `line` with spaces for comments, and without hexadecimal escapes. A comment of several lines is remembered.
+# Replaces comments in `line` by spaces, and hexadecimal escapes by octal ones. Remembers a comment of several lines.
 function without_comments(line, result, literal) {
   result = ""
   while (line != "") {
@@ -50,13 +50,13 @@ function without_comments(line, result, literal) {
       line = substr(line, 3)
       in_comment = 1
     } else {
-      return result  # of a comment to the end of the line
+      return result  # the rest of the line is a comment
     }
   }
   return result
 }
 
-# The name that an alias of rosidl_adapter's has, or nothing.
+# The name of an alias if rosidl_adapter would declare it so; otherwise nothing.
 function alias_of(line, name, dimension) {
   sub(/^[ \t]*typedef[ \t]+/, "", line)
   name = line

@@ -1,5 +1,5 @@
-# idlc's messages as they are about the files themselves, not about the copies below $COPIES that it read. What it says
-# of syntax errors is little: here they show the line, and name what most often causes them.
+# Rewrites idlc's messages: they name the original files, and not the copies below $COPIES that idlc read. Syntax errors
+# also show the line, and advice for the most frequent causes.
 BEGIN {
   advice["wstring"] = "wide strings are not supported: use string, which holds UTF-8"
   advice["map"] = "maps are not supported: use a sequence of structs of key and value"
@@ -17,7 +17,7 @@ function line_of(file, number, line, i) {
   return i == number ? line : ""
 }
 
-# The word or sign of a line that starts at a column.
+# The word or sign that starts at a column of a line.
 function token_at(line, column) {
   line = substr(line, column)
   if (match(line, /^[A-Za-z_0-9]+/) || match(line, /^>+/)) return substr(line, 1, RLENGTH)

@@ -1,11 +1,11 @@
 # Usage: sh run_idlc.sh OUTPUT IDLC ARGUMENT... FILE
-# Runs idlc on FILE to write OUTPUT, and makes up for what it lacks:
-# - The files that ROS 2's tool generates have no include guards. So idlc reads copies of FILE and of what it includes
-#   (idlc_copy.awk); its messages, and what our generator writes, name the files themselves.
-# - Some recursive types make it take all memory there is.
-# - It returns 0 when it cannot load its generator: only OUTPUT tells.
-# - Its syntax errors do not say what is wrong (idlc_messages.awk).
-# Paths are to be absolute, directories to be given as -I<dir> and -b <dir>.
+# Runs idlc on FILE to write OUTPUT, and avoids these faults of idlc:
+# - idlc cannot read the files that ROS 2's tool generates, which have no include guards. So idlc reads copies of FILE
+#   and of the files that it includes (idlc_copy.awk). Messages and generated headers name the originals.
+# - Some recursive types make idlc take all memory. So its memory is limited.
+# - idlc returns 0 if it cannot load its generator. So OUTPUT must exist in the end.
+# - Syntax errors do not say what is wrong. So idlc_messages.awk adds advice.
+# Paths must be absolute, and directories must be given as -I<dir> and -b <dir>.
 output=$1
 shift
 
@@ -18,7 +18,7 @@ newline='
 '
 include_dirs=
 
-# Copies the file $1 and all that it includes, wherever idlc may look for that, to below $copies.
+# Copies the file $1, and all files that it includes in any directory that idlc searches, to $copies.
 copy() {
   [ -f "$1" ] && [ ! -e "$copies$1" ] || return 0
   mkdir -p "$copies${1%/*}" && awk -f "$script_dir/idlc_copy.awk" "$1" >"$copies$1" || return
@@ -29,7 +29,7 @@ copy() {
     done
 }
 
-# Each argument as it is among the copies; what these lack is still found where it is.
+# Adds the directory of copies to each argument that is a path. idlc finds files without a copy at their own path.
 option=
 left=$#
 for argument; do
@@ -42,7 +42,7 @@ for argument; do
       set -- "$@" "-I$copies${argument#-I}"
       ;;
     -b:*) argument=$copies$argument ;;
-    :-r) set -- "$@" -c "$copies" ;; # both are options of our generator
+    :-r) set -- "$@" -c "$copies" ;; # -r and -c are options of SFT's generator
   esac
   option=
   [ "$original" != -b ] || option=-b
@@ -59,7 +59,7 @@ COPIES=$copies awk -f "$script_dir/idlc_messages.awk" "$copies/messages" >&2
 if [ $status -gt 128 ]; then
   echo "$original: idlc crashed (status $status): see above; it accepts some files that it cannot handle" >&2
 elif [ $status -eq 0 ] && [ ! -s "$output" ]; then
-  echo "idlc did not write $output: see above; could it load its generator?" >&2
+  echo "idlc did not write $output: see above; check that idlc can load its generator" >&2
   status=1
 fi
 exit $status

@@ -1,9 +1,9 @@
-// What one .idl or .msg file declares, as the emitters need it: names resolved, typedefs seen through, and
-// nothing left that no C++ is emitted for. Plain C, because idlc's headers, from which the IDL reader fills
-// it, cannot be included in C++.
+// The declarations of one .idl or .msg file, from which the emitters write C++. Names and typedefs are
+// resolved, and everything in the model has a counterpart in C++. The model is plain C, because the IDL
+// reader includes idlc's headers, which are no C++.
 //
-// Who fills it owns what it points to: text of the IDL reader is in idlc's tree, its arrays are freed with
-// sft_file_free(). Scoped names begin with "::".
+// The front end that fills the model owns what it points to. The IDL reader leaves texts in idlc's tree, and
+// frees its arrays with sft_file_free(). Scoped names begin with "::".
 #pragma once
 
 #include <stdbool.h>
@@ -37,7 +37,7 @@ enum sft_kind {
 
 // A single value, an array (dimension_count > 0) or a sequence of elements.
 struct sft_type {
-  enum sft_kind kind;     ///< of one element; of an enumeration or bitmask, the integer that carries it
+  enum sft_kind kind;     ///< of one element; for an enumeration or bitmask, its integer
   const char* name;       ///< scoped, of the element's struct, enumeration or bitmask; null otherwise
   uint32_t string_bound;  ///< most characters of each string; 0: unbounded
   bool is_sequence;
@@ -46,7 +46,7 @@ struct sft_type {
   uint32_t dimensions[SFT_DIMENSIONS_MAX];  ///< outermost first
 };
 
-// Which alternative holds the value follows from the type it belongs to.
+// A value. Its type says which alternative holds it.
 struct sft_value {
   bool is_set;
   union {
@@ -55,7 +55,7 @@ struct sft_value {
     int64_t integer;   ///< of int8 to int64
     uint64_t natural;  ///< of octet, uint8 to uint64, a bitmask
     double real;
-    const char* text;  ///< of a string; of an enumeration, the enumerator's identifier
+    const char* text;  ///< of a string; for an enumeration, the enumerator's identifier
   };
 };
 
@@ -63,13 +63,13 @@ struct sft_member {
   const char* name;
   struct sft_type type;
   struct sft_value initial;            ///< of a single value; unset: value-initialized
-  struct sft_value* initial_elements;  ///< of an array, all of them, the last index fastest; of a sequence
+  struct sft_value* initial_elements;  ///< of a sequence, or of an array in which the last index runs fastest
   size_t initial_element_count;        ///< 0: value-initialized
   bool is_key;
   const char* unit;  ///< null: none given
 };
 
-// Or a flag of a bitmask: the value is then its bit.
+// An enumerator, or a flag of a bitmask, whose value is its bit.
 struct sft_enumerator {
   const char* name;
   uint64_t value;
@@ -77,11 +77,11 @@ struct sft_enumerator {
 
 enum sft_declaration_kind { SFT_CONSTANT, SFT_ALIAS, SFT_ENUMERATION, SFT_BITMASK, SFT_STRUCT };
 
-// Which members count follows from the kind.
+// A declaration. Its kind says which members are set.
 struct sft_declaration {
   enum sft_declaration_kind kind;
   const char* name;        ///< scoped
-  struct sft_type type;    ///< of a constant, an alias; of an enumeration or bitmask, what carries it
+  struct sft_type type;    ///< of a constant or an alias; for an enumeration or bitmask, its integer
   struct sft_value value;  ///< of a constant
   struct sft_enumerator* enumerators;
   size_t enumerator_count;
@@ -89,17 +89,17 @@ struct sft_declaration {
   size_t member_count;
 };
 
-// All paths are absolute, and of the originals where files are copies.
+// All paths are absolute. If files are copies, the paths are those of the originals.
 struct sft_file {
-  const char* copies;  ///< "", or below which idlc was given copies: that of /a/b.idl is <copies>/a/b.idl
+  const char* copies;  ///< "", or a directory of copies that idlc reads: /a/b.idl is <copies>/a/b.idl
   const char* path;
-  const char** includes;  ///< files that it includes itself
+  const char** includes;  ///< files that this file includes directly
   size_t include_count;
-  const char** sources;  ///< it, and all that it includes directly or not
+  const char** sources;  ///< this file, and all that it includes directly or not
   size_t source_count;
-  struct sft_declaration* declarations;  ///< its own, in their order
+  struct sft_declaration* declarations;  ///< of this file, in their order
   size_t declaration_count;
-  char** texts;  ///< that the IDL reader made itself
+  char** texts;  ///< texts that the IDL reader allocated
   size_t text_count;
 };
 

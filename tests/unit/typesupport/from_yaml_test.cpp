@@ -110,7 +110,7 @@ TEST(FromYamlTest, AliasesThatMakeMuchOfLittleAreRefused) {
   yaml += "], colors: [], text: a}, ";
   for (int i = 0; i < 5000; ++i) yaml += "*m, ";
   EXPECT_THAT(fault<visualization_msgs::msg::MarkerArray>(yaml + "]}"),
-              HasSubstr("aliases make far more of the text than it has"));
+              HasSubstr("aliases multiply the values of the text too often"));
 }
 
 TEST(FromYamlTest, DeepNestingIsRefusedAndNoHarm) {

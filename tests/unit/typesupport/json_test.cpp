@@ -162,8 +162,8 @@ TEST(FromJsonTest, AMemberThatTheTypeDoesNotHaveIsAnErrorThatNamesTheNearest) {
 TEST(FromJsonTest, TextsWithANulAndTextsThatAreNoJsonAreErrors) {
   EXPECT_EQ(fault<PointCloud2>(R"({"header": {"frame_id": "a\u0000"}})"),
             "'header.frame_id' has a NUL in it; a string ends at its first one");
-  EXPECT_EQ(fault<PointCloud2>(R"({"width": )"), "byte 11 of the text is where it is no JSON");
-  EXPECT_EQ(fault<PointCloud2>(""), "byte 1 of the text is where it is no JSON");
+  EXPECT_EQ(fault<PointCloud2>(R"({"width": )"), "the text is no JSON: the error is at byte 11");
+  EXPECT_EQ(fault<PointCloud2>(""), "the text is no JSON: the error is at byte 1");
 }
 
 TEST(FromJsonTest, AMessageThatIsTooLargeIsRefusedWhereItBecomesThat) {

@@ -1,4 +1,4 @@
-// The text of a header while it grows.
+// The text of a header, to which the emitters append lines.
 #pragma once
 
 #include <fmt/format.h>

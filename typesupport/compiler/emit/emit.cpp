@@ -53,7 +53,7 @@ std::string header_text(const sft_file& file, const Roots& roots) {
   return code.text();
 }
 
-/// A path in a make rule.
+/// Escapes a path for a make rule.
 std::string make_path(std::string_view path) {
   std::string result;
   for (const char c : path) {
@@ -75,7 +75,7 @@ std::string make_rule(const sft_file& file, const char* header) {
 
 bool sft_emit(const sft_file* file, const sft_output* output) try {
   using namespace sft::idl;
-  const Roots roots(*output, file->path);
+  const Roots roots(output->roots, output->base_dir, file->path);
   const std::string header = header_text(*file, roots);
   const std::string_view dependencies = output->dependencies;
   if (!dependencies.empty()) write_file(dependencies, make_rule(*file, output->header));

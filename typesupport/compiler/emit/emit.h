@@ -1,4 +1,4 @@
-// Writes the C++ header of a file.
+// Writes the C++ header of an .idl or .msg file.
 #pragma once
 
 #include "model.h"
@@ -8,15 +8,15 @@ extern "C" {
 #endif
 
 struct sft_output {
-  const char* header;        ///< path to write to, in a directory that exists
+  const char* header;        ///< path of the header to write; its directory exists
   const char* dependencies;  ///< path of the make rule to write; "": none
-  const char* roots;     ///< colon-separated: an included a/b/C.idl below one of them, the innermost if there
-                         ///< are several, is <a/b/C.hpp> in C++
-  const char* base_dir;  ///< one more root, may be null
+  const char* roots;  ///< colon-separated directories: <root>/a/b/C.idl is included as <a/b/C.hpp>, and the
+                      ///< innermost root counts
+  const char* base_dir;  ///< another root; may be null
 };
 
-/// Writes the files that `output` names, each complete or not at all. False after an error, which is reported
-/// on stderr.
+/// Writes the files that `output` names, each of them complete or not at all. Reports errors on stderr and
+/// returns false after one.
 bool sft_emit(const struct sft_file* file, const struct sft_output* output);
 
 #ifdef __cplusplus

@@ -1,4 +1,5 @@
-// Third section: names of fields as static members, so that Cloud::Field::header.stamp.sec names a leaf.
+// Writes the third section of a header: names of fields as static members, so that
+// Cloud::Field::header.stamp.sec names a leaf.
 #pragma once
 
 #include "code.h"

@@ -5,8 +5,8 @@
 namespace sft::idl {
 namespace {
 
-// As GCC 12 and Clang 16 with glibc 2.36 define them when a generated header, <cfenv>, <cfloat>, <cmath> and
-// <csignal> are included. Each between spaces.
+// The macros that GCC 12 and Clang 16 with glibc 2.36 define when a generated header, <cfenv>, <cfloat>,
+// <cmath> and <csignal> are included. Each name stands between spaces.
 constexpr std::string_view names =
     " ADJ_ESTERROR ADJ_FREQUENCY ADJ_MAXERROR ADJ_MICRO ADJ_NANO ADJ_OFFSET ADJ_OFFSET_SINGLESHOT "
     "ADJ_OFFSET_SS_READ ADJ_SETOFFSET ADJ_STATUS ADJ_TAI ADJ_TICK ADJ_TIMECONST AIO_PRIO_DELTA_MAX "

@@ -5,7 +5,7 @@
 
 namespace sft::idl {
 
-/// EOF, EINVAL, INT8_MAX, ...
+/// True for EOF, EINVAL, INT8_MAX, ...
 bool is_macro(std::string_view name);
 
 }  // namespace sft::idl

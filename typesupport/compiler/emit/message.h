@@ -1,4 +1,4 @@
-// A struct of the model with the C++ names of all that is in it.
+// A struct of the model, with the C++ names of its fields and constants.
 #pragma once
 
 #include <string>
@@ -27,21 +27,23 @@ struct Message {
   std::vector<Constant> constants;
   std::vector<Field> fields;
 
-  /// How a nested class's definition at global scope names this class: C++ allows no "::" in front there.
+  /// The name of this class in the definition of a nested class at global scope, where C++ allows no leading
+  /// "::".
   std::string_view class_head() const { return std::string_view(qualified).substr(2); }
 };
 
-/// `declaration` is a struct of `file`. Its constants are those that the file declares, as ROS does, in a
-/// module X_Constants beside the struct X.
+/// `declaration` is a struct of `file`. The constants of a struct X are those in the module X_Constants
+/// beside it, as in ROS.
 Message make_message(const sft_file& file, const sft_declaration& declaration);
 
-/// Whether a constant is one of a struct of this file, and so not one of its namespace.
+/// True if a constant belongs to a struct of this file, and not to its namespace.
 bool belongs_to_struct(const sft_file& file, const sft_declaration& constant);
 
-/// Whether a loan can reserve the field, to be written in place: sequences of primitives and enumerations.
+/// True if a loan can reserve the field to be written in place: a sequence of primitives or enumerations.
 bool is_reservable(const Field& field);
 
-/// Whether LoanSizes and LoanView name the field: that, or a struct, in which there may be such.
+/// True if LoanSizes and LoanView name the field: it is reservable, or a struct, which may contain such
+/// fields.
 bool has_loan_size(const Field& field);
 
 }  // namespace sft::idl

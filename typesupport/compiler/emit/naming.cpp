@@ -25,7 +25,7 @@ constexpr std::array keywords = std::to_array<std::string_view>(
      "using",       "virtual",  "void",       "volatile",  "wchar_t",   "while",        "xor",
      "xor_eq"});
 
-/// Members of every generated struct, and those of its LoanView that are not message fields.
+/// Names that every generated struct and its LoanView define besides the fields of the message.
 constexpr std::array class_names =
     std::to_array<std::string_view>({"Field", "Fields", "LoanSizes", "LoanView", "View", "reservations"});
 
@@ -47,7 +47,7 @@ std::string marked(std::string_view name, bool needs_mark) {
   return std::string(name) + (needs_mark ? "_" : "");
 }
 
-/// Generated code says std:: and sft:: wherever it needs them, and no inner name may get in between.
+/// Generated code names std:: and sft::, and an inner name must not hide them.
 bool hides_a_namespace(std::string_view name) { return name == "std" || name == "sft"; }
 
 std::string module_name(std::string_view name, bool is_outermost) {
@@ -89,7 +89,7 @@ std::vector<std::string> member_names(std::string_view type_name,
   const auto is_free = [&](std::string_view name) { return !is_taken_in_class(name) && name != type_name; };
   std::vector<std::string> result(names.begin(), names.end());
   for (std::string& name : result) {
-    // Whoever has to give way does so until it meets no name of the IDL and no one that gave way before.
+    // A name that is not free gets underscores until it differs from all other names, changed or not.
     while (!is_free(name) || std::count(result.begin(), result.end(), name) > 1) name += '_';
   }
   return result;

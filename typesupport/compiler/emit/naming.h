@@ -1,4 +1,4 @@
-// How IDL names are spelled in C++. A name that C++ or the generated code needs for itself gets a trailing
+// The spelling of IDL names in C++. A name that C++ or the generated code needs for itself gets a trailing
 // underscore; type tables keep the IDL name.
 #pragma once
 
@@ -8,23 +8,24 @@
 
 namespace sft::idl {
 
-/// Of an enumerator or a constant in a namespace: no keyword, and no macro of the standard headers.
+/// The name of an enumerator, or of a constant in a namespace. Avoids keywords, and macros of standard
+/// headers.
 std::string identifier(std::string_view name);
 
 /// The last name of "::pkg::msg::X": "X".
 std::string_view last_name(std::string_view scoped);
 
-/// Of a type: besides, none of the names that every generated struct has inside.
+/// The name of a type. Avoids also the names that every generated struct defines.
 std::string type_name(std::string_view scoped);
 
 /// The namespace of "::pkg::msg::X": "pkg::msg", empty at global scope.
 std::string namespace_of(std::string_view scoped);
 
-/// "::pkg::msg::X", from the global namespace, so that it means the same inside every scope.
+/// "::pkg::msg::X", which begins at the global namespace and so means the same in every scope.
 std::string qualified_type(std::string_view scoped);
 
-/// Members and constants of the struct `type_name` (as in C++), in the order of `names`: besides, not the
-/// struct's own name, and all different.
+/// The names of members and constants of the struct whose C++ name is `type_name`, in the order of `names`.
+/// They differ from each other and from the struct's own name.
 std::vector<std::string> member_names(std::string_view type_name, const std::vector<std::string_view>& names);
 
 }  // namespace sft::idl

@@ -1,4 +1,4 @@
-// Files as the compiler leaves them: complete, or not there.
+// Writes files that are either complete or do not exist.
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace sft::idl {
 
-/// Replaces `path` in one step: no reader and no interrupted build ever sees a part of it. Throws
+/// Replaces `path` in one step, so that readers and interrupted builds never see a part of it. Throws
 /// std::system_error.
 void write_file(const std::filesystem::path& path, std::string_view text);
 

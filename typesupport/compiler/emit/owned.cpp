@@ -18,7 +18,7 @@ void emit_alias(Code& code, const sft_declaration& alias) {
   code.line("using {} = {};", type_name(alias.name), owned_type(alias.type));
 }
 
-/// Or a bitmask.
+/// Writes the enum class of an enumeration or of a bitmask.
 void emit_enumeration(Code& code, const sft_declaration& enumeration) {
   code.line("enum class {} : {} {{", type_name(enumeration.name), element_type(enumeration.type));
   for (const sft_enumerator& e : std::span(enumeration.enumerators, enumeration.enumerator_count)) {
@@ -27,8 +27,8 @@ void emit_enumeration(Code& code, const sft_declaration& enumeration) {
   code.line("}};");
 }
 
-/// What the standard library's bitmask types have; on the integers, because enumerators only name single
-/// bits.
+/// Writes the operators of the standard library's bitmask types. They work on the integers, because
+/// enumerators name single bits only.
 void emit_flag_operators(Code& code, const sft_declaration& bitmask) {
   const std::string type = qualified_type(bitmask.name);
   const std::string integer = element_type(bitmask.type);
@@ -85,8 +85,8 @@ void emit_struct(Code& code, const Message& message) {
   code.line("}};");
 }
 
-/// Where the next declaration stands: opens and closes namespaces, and puts blank lines between declarations
-/// but for runs of constants and of aliases.
+/// Opens and closes namespaces, and puts blank lines between declarations, except within runs of constants or
+/// aliases.
 class Layout {
  public:
   explicit Layout(Code& code) : code_(code) {}

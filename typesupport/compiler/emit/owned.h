@@ -1,4 +1,5 @@
-// First section of a header: constants, aliases, enumerations, and the structs that own a message's values.
+// Writes the first section of a header: constants, aliases, enumerations, and the structs that own a
+// message's values.
 #pragma once
 
 #include <vector>
@@ -8,8 +9,8 @@
 
 namespace sft::idl {
 
-/// All declarations of `file` in their order, each in its namespace; `messages` are the file's structs in
-/// that order.
+/// Writes all declarations of `file` in their order, each in its namespace. `messages` are the structs of the
+/// file in the same order.
 void emit_owned(Code& code, const sft_file& file, const std::vector<Message>& messages);
 
 }  // namespace sft::idl

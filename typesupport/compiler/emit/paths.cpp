@@ -12,10 +12,10 @@ namespace sft::idl {
 
 namespace fs = std::filesystem;
 
-Roots::Roots(const sft_output& output, const fs::path& main_file) {
-  if (output.base_dir != nullptr) roots_.emplace_back(output.base_dir);
-  std::istringstream list(output.roots);
-  for (std::string root; std::getline(list, root, ':');)
+Roots::Roots(const char* list, const char* base_dir, const fs::path& main_file) {
+  if (base_dir != nullptr) roots_.emplace_back(base_dir);
+  std::istringstream listed(list);
+  for (std::string root; std::getline(listed, root, ':');)
     roots_.push_back(fs::absolute(root).lexically_normal());
   if (roots_.empty()) roots_.push_back(main_file.parent_path());
 }

@@ -1,21 +1,21 @@
-// Where the header of an IDL file is included from.
+// The path by which generated code includes the header of an IDL file.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "emit.h"
-
 namespace sft::idl {
 
-/// Directories below which headers mirror IDL files.
+/// Directories in which headers have the same relative paths as IDL files.
 class Roots {
  public:
-  /// `main_file` gives the root that is used where the caller named none: its directory.
-  Roots(const sft_output& output, const std::filesystem::path& main_file);
+  /// `list` is separated by colons, and `base_dir` may be null. Without any root, the directory of
+  /// `main_file` is one.
+  Roots(const char* list, const char* base_dir, const std::filesystem::path& main_file);
 
-  /// Path of `file` below the innermost root that it is below of. Throws std::runtime_error if there is none.
+  /// The path of `file` relative to the innermost root that contains it. Throws std::runtime_error if no root
+  /// does.
   std::filesystem::path relative(const std::filesystem::path& file) const;
 
  private:

@@ -18,7 +18,7 @@ struct Spelling {
   std::string_view type;
 };
 
-/// In the order of sft_kind.
+/// Indexed by sft_kind.
 constexpr std::array<Spelling, SFT_STRUCTURE + 1> spellings{{
     {"boolean", "bool"},
     {"octet", "std::uint8_t"},
@@ -52,12 +52,12 @@ std::string quoted(std::string_view text, char quote) {
 }
 
 std::string integer_text(std::int64_t value) {
-  // The least integer has no literal: it would be the negation of one that is too large.
+  // The least integer has no literal, since -9223372036854775808 negates a number that is too large.
   if (value == std::numeric_limits<std::int64_t>::min()) return fmt::format("({} - 1)", value + 1);
   return fmt::to_string(value);
 }
 
-/// Reads back as the same value, and as a floating-point one.
+/// A literal of floating-point type that has exactly this value.
 template <class Real>
 std::string real_text(Real value) {
   const std::string digits = fmt::to_string(value);

@@ -17,23 +17,24 @@ bool is_bitmask(const sft_type& type);
 /// "sft::detail::Kind::int32".
 std::string kind_name(sft_kind kind);
 
-/// Of one element in the owned struct. A boolean in an array or a sequence is its byte, as in views.
+/// The C++ type of one element in the owned struct. A boolean in an array or a sequence is a byte, as in
+/// views.
 std::string element_type(const sft_type& type);
 
-/// Of a member of the owned struct: an element, or std::array or std::vector of them.
+/// The C++ type of a member of the owned struct: an element, or a std::array or std::vector of elements.
 std::string owned_type(const sft_type& type);
 
-/// Of a constant: as owned, but a string is a std::string_view.
+/// The C++ type of a constant: the owned type, but std::string_view for strings.
 std::string constant_type(const sft_type& type);
 
 /// A literal, the qualified name of an enumerator, or a bitmask made of its integer.
 std::string value_text(const sft_type& type, const sft_value& value);
 std::string natural_text(std::uint64_t value);
 
-/// What a member of the owned struct starts with, from the '=' or '{' on.
+/// The initializer of a member of the owned struct, with its '=' or '{'.
 std::string initializer(const sft_member& member);
 
-/// With quotes and escapes.
+/// The text as a C++ string literal.
 std::string string_literal(std::string_view text);
 
 }  // namespace sft::idl

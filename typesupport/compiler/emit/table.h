@@ -1,4 +1,4 @@
-// Second section: the tables that everything at run time works from.
+// Writes the second section of a header: the type tables, on which all code at run time is based.
 #pragma once
 
 #include "code.h"

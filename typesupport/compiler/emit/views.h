@@ -1,4 +1,4 @@
-// Last sections: the getters of lazy views, and the writable spans of loans.
+// Writes the last sections of a header: the getters of lazy views, and the writable spans of loans.
 #pragma once
 
 #include "code.h"

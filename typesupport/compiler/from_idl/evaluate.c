@@ -43,7 +43,7 @@ static bool ends_with(const char* content, const char* end, const char* word) {
   return (size_t)(end - content) >= length && strncmp(end - length, word, length) == 0;
 }
 
-// Behind the "@default(" or "@default(value=" before `at`.
+// The position behind the last "@default(" or "@default(value=" in front of `at`.
 static const char* start_of_argument(const char* content, const char* at) {
   for (; at > content; --at) {
     if (at[-1] != '(') continue;
@@ -79,7 +79,7 @@ static size_t length_of_argument(const char* start) {
   return (size_t)(end - start);
 }
 
-// Macros make idlc's columns wrong: where it says that the expression is has to be within what is found.
+// Macros make idlc's columns wrong. The text counts only if it contains the position that idlc gives.
 char* sft_source_text(const struct sft_reading* reading, const void* expression) {
   const idl_position_t* place = &idl_location(expression)->first;
   char* content = content_of(sft_original_path(reading->file->copies, place->source->path->name));
@@ -101,7 +101,7 @@ static const char* spelling_of(enum sft_kind kind) {
   return names[kind];
 }
 
-// Its messages name the expression's place.
+// The "#" line makes idlc's messages name the place of the expression.
 static char* constant_declaration(enum sft_kind kind, const char* text, const void* expression) {
   const idl_position_t* place = &idl_location(expression)->first;
   const char* format = "const %s value =\n# %" PRIu32 " \"%s\"\n%*s%s;\n";

@@ -1,4 +1,4 @@
-// The generator as idlc loads it (idlc -l libcycloneddsidlsft.so): its options and its entry point.
+// The options and the entry point of the generator, which idlc loads (idlc -l libcycloneddsidlsft.so).
 #include <stdlib.h>
 
 #include "emit/emit.h"
@@ -9,7 +9,8 @@
 
 #define EXPORTED __attribute__((visibility("default")))
 
-// idlc stores option arguments through pointers that it gets before there is anything to hang them on.
+// idlc stores the arguments of options by pointers, which it asks for before it calls generate(). Hence
+// static variables.
 static const char* include_roots = "";
 static const char* dependency_file = "";
 static const char* copies = "";

@@ -26,7 +26,7 @@ static void check_value(struct sft_reading* reading, const struct sft_type* type
   }
 }
 
-// Of one value of the type, or one element.
+// Evaluates a single value, or one element of a collection.
 static struct sft_value evaluated(struct sft_reading* reading, const struct sft_type* type, const char* text,
                                   const void* expression) {
   struct sft_value value =
@@ -35,7 +35,7 @@ static struct sft_value evaluated(struct sft_reading* reading, const struct sft_
   return value;
 }
 
-// The end of the element that starts here: of a quoted text, or the next comma or bracket.
+// The end of the element that starts at `at`: behind its closing quote, or at the next comma or bracket.
 static const char* end_of_element(const char* at) {
   const char quote = *at;
   if (quote != '\'' && quote != '"') return at + strcspn(at, ",)");
@@ -45,7 +45,7 @@ static const char* end_of_element(const char* at) {
   return *at == quote ? at + 1 : at;
 }
 
-// Python's spelling of a value, from `start` to `end`, as IDL; to be freed.
+// Translates the Python spelling of a value, from `start` to `end`, to IDL. The caller frees the result.
 static char* idl_spelling(enum sft_kind kind, const char* start, const char* end) {
   while (end > start && isspace((unsigned char)end[-1])) --end;
   const size_t length = (size_t)(end - start);

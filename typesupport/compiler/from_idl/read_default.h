@@ -1,9 +1,9 @@
-// Values of @default.
+// Reads values of @default.
 #pragma once
 
 #include "model.h"
 #include "reading.h"
 
-/// Sets what `member`, whose type is known, starts with, from the @default of `node`, which has one. Refuses
-/// what does not fit the type.
+/// Sets the initial value of `member` from the @default of `node`. Refuses a value that does not fit the
+/// type. REQUIRES: `node` has a @default, and the type of `member` is set.
 void sft_read_default(struct sft_reading* reading, const idl_member_t* node, struct sft_member* member);

@@ -32,7 +32,7 @@ static void read_primitive(struct sft_reading* reading, idl_type_t type, struct 
   }
 }
 
-// All the file's structs that are complete stand before the one that is being read.
+// The declarations of the file before the last one are complete. The last one is being read.
 static bool is_complete(const struct sft_file* file, const void* definition, const char* name) {
   if (!sft_is_of_main_file(file, definition)) return true;
   for (size_t i = 0; i + 1 < file->declaration_count; ++i) {

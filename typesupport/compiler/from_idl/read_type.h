@@ -1,23 +1,23 @@
-// Types and values of idlc's tree as those of the model.
+// Translates types and values of idlc's tree to those of the model.
 #pragma once
 
 #include "model.h"
 #include "reading.h"
 
-/// The type that `spec` with the dimensions of `declarator` (may be null) makes, typedefs seen through.
-/// Refuses what has no counterpart in the model; the result is then not to be used.
+/// The type of `spec` with the dimensions of `declarator`, which may be null; typedefs are resolved. Refuses
+/// types that the model lacks. The caller must not use the result of a refused type.
 struct sft_type sft_read_type(struct sft_reading* reading, const idl_type_spec_t* spec,
                               const idl_declarator_t* declarator);
 
-/// The value of a constant expression (a literal or an enumerator) that idlc has converted to `type`.
+/// The value of a constant expression, a literal or an enumerator, which idlc has converted to `type`.
 struct sft_value sft_read_value(const struct sft_type* type, const void* expression);
 
-/// Whether it is one of a bitmask, and carried by an unsigned integer therefore, or a collection of those.
+/// True for a bitmask, whose values are unsigned integers, and for a collection of bitmasks.
 bool sft_is_bitmask(const struct sft_type* type);
 
-/// Of an integer, no matter whether signed.
+/// The greatest value of a signed or unsigned integer kind.
 uint64_t sft_greatest_value(enum sft_kind kind);
 
-/// The integer that carries an enumeration, or a bitmask.
+/// The integer kind that holds the values of an enumeration, or of a bitmask.
 enum sft_kind sft_enumeration_kind(const idl_enum_t* enumeration);
 enum sft_kind sft_bitmask_kind(const idl_bitmask_t* bitmask);

@@ -82,8 +82,8 @@ static void check_annotations(struct sft_reading* reading, const idl_member_t* n
   }
 }
 
-// XTypes: a member without @default starts with its enumeration's default literal. It is set only where zero
-// is not it.
+// XTypes says that a member without @default starts with its enumeration's default literal. The value is
+// unset if that literal is zero, as in any value-initialized member.
 static struct sft_value enumeration_default(const idl_type_spec_t* spec) {
   const idl_enum_t* enumeration = idl_strip(spec, IDL_STRIP_ALIASES | IDL_STRIP_ALIASES_ARRAY);
   const idl_enumerator_t* first = enumeration->default_enumerator;
@@ -134,7 +134,7 @@ static void read_struct(struct sft_reading* reading, const idl_struct_t* node) {
   }
 }
 
-// What a file declares but never uses is refused like what it uses.
+// Refuses an unsupported declaration even if no member uses it.
 static void refuse_declaration(struct sft_reading* reading, const void* node) {
   enter(reading, node);
   sft_read_type(reading, node, NULL);

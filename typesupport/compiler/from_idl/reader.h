@@ -6,8 +6,8 @@
 #include "idl/processor.h"
 #include "model.h"
 
-/// Reads the main file of `state` into `file`, which is zero before but for `copies`, and the caller's to
-/// free after, whatever the result. False if the file has something that is not supported: each such thing
-/// was reported on stderr, one per line, as `file:line: scoped::Struct.member: what is wrong: what to do`.
-/// Ends the process when memory runs out.
+/// Reads the main file of `state` into `file`. Returns false if the file contains something unsupported,
+/// after it has reported each such case on stderr, in a line `file:line: scoped::Struct.member: what is
+/// wrong: what to do`. The caller frees `file` in both cases. Ends the process if memory runs out. REQUIRES:
+/// `file` is zero except for `copies`.
 bool sft_read_file(const idl_pstate_t* state, struct sft_file* file);

@@ -1,4 +1,4 @@
-// What one .msg file says: names and values checked, nested types known by name only.
+// The content of one .msg file. Names and values are checked; nested types are known by name only.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sft::msg {
 
-/// A message type, "geometry_msgs/msg/Point"; empty where there is none.
+/// The name of a message type, "geometry_msgs/msg/Point"; empty for other types.
 struct TypeName {
   std::string package;
   std::string name;
@@ -19,10 +19,10 @@ struct TypeName {
   auto operator<=>(const TypeName&) const = default;
 };
 
-/// Of a field or a constant. .msg knows single values, arrays of one dimension and sequences.
+/// The type of a field or a constant: a single value, an array of one dimension, or a sequence.
 struct Type {
   sft_kind kind = SFT_BOOLEAN;     ///< of one element
-  TypeName nested;                 ///< where kind is SFT_STRUCTURE
+  TypeName nested;                 ///< if kind is SFT_STRUCTURE
   std::uint32_t string_bound = 0;  ///< most bytes of each string; 0: unbounded
   std::uint32_t array_size = 0;    ///< 0: no array
   bool is_sequence = false;
@@ -32,7 +32,8 @@ struct Type {
   bool operator==(const Type&) const = default;
 };
 
-/// std::int64_t for int8 to int64, std::uint64_t for byte, char and uint8 to uint64, double for both floats.
+/// Holds std::int64_t for int8 to int64, std::uint64_t for byte, char and uint8 to uint64, and double for
+/// both floats.
 using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
 
 struct Constant {
@@ -47,7 +48,7 @@ struct Constant {
 struct Field {
   Type type;
   std::string name;
-  std::vector<Value> initial;  ///< one, or as many as there are elements; empty: none given
+  std::vector<Value> initial;  ///< the default: one value, or one per element; empty: none given
   std::string unit;            ///< "m/s"; empty: none given
   std::uint32_t line;
 
@@ -62,11 +63,11 @@ struct Definition {
   bool operator==(const Definition&) const = default;
 };
 
-/// Something that is wrong with a definition: what, and what to do.
+/// An error in a definition.
 struct Problem {
   std::uint32_t line;
   std::string member;  ///< field or constant; empty: the line or the whole message
-  std::string text;
+  std::string text;    ///< what is wrong, and what to do
 };
 
 }  // namespace sft::msg

@@ -10,7 +10,7 @@
 namespace sft::msg {
 namespace {
 
-// IDL takes the underscore off a name that begins with one, which then may be any of its own words.
+// A leading underscore escapes a name in IDL: the name may then be a keyword, and IDL drops the underscore.
 std::string scoped(const TypeName& type) { return fmt::format("_{}::_msg::_{}", type.package, type.name); }
 
 std::string_view primitive(sft_kind kind) {
@@ -54,7 +54,7 @@ std::string member(const Field& field) {
   const Type& type = field.type;
   if (type.array_size != 0) return fmt::format("{} _{}[{}];", element(type), field.name, type.array_size);
   if (!type.is_sequence) return fmt::format("{} _{};", element(type), field.name);
-  // The space keeps two closing brackets apart.
+  // The space separates two closing brackets, which IDL would read as a shift.
   const std::string bound = type.bound == 0 ? "" : fmt::format(", {}", type.bound);
   return fmt::format("sequence<{}{} > _{};", element(type), bound, field.name);
 }

@@ -1,4 +1,4 @@
-// A definition as IDL.
+// Writes a definition as IDL.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace sft::msg {
 
-/// What IDL files include to nest the message: its constants and its struct, without defaults and units,
-/// which its own header has.
+/// The text that IDL files include to nest the message: its constants and its struct. Defaults and units are
+/// left out, since the message's own header has them.
 std::string idl_text(const Definition& definition);
 
 }  // namespace sft::msg

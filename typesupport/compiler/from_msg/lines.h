@@ -1,4 +1,4 @@
-// A text as lines, what they say apart from comments.
+// Splits a text into lines, and each line into code and comment.
 #pragma once
 
 #include <cstdint>
@@ -8,20 +8,19 @@
 
 namespace sft::msg {
 
-/// Refers to the text.
+/// One line; its parts refer to the text.
 struct Line {
   std::uint32_t number;      ///< from 1
   std::string_view code;     ///< before the comment, without spaces around it; may be empty
-  std::string_view comment;  ///< behind all the '#' that begin it
+  std::string_view comment;  ///< without the '#' in front
   bool has_comment;
   bool is_indented;
 };
 
-/// `text` with nothing but '\n' at the end of lines and nothing but spaces for white space; without a byte
-/// order mark.
+/// Normalizes `text`: lines end with '\n', other white space is spaces, and there is no byte order mark.
 std::string with_plain_spaces(std::string_view text);
 
-/// Goes through a text with plain spaces, which must outlive it.
+/// Iterates over the lines of a text with plain spaces, which must outlive the iterator.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}

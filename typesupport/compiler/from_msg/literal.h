@@ -1,4 +1,4 @@
-// Values as .msg files write them.
+// Parses the values of .msg files.
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@
 
 namespace sft::msg {
 
-/// The value of a constant, or the default of a field: of a single value one, of an array or a sequence one
-/// per element, from "[1, 2, 3]". `text` has no spaces around it. The error says what is wrong and what was
-/// expected.
+/// Parses the value of a constant, or the default of a field. The result has one value for a single field,
+/// and one per element for an array or a sequence, "[1, 2, 3]". The error says what is wrong and what was
+/// expected. REQUIRES: `text` has no spaces around it.
 tl::expected<std::vector<Value>, std::string> parse_values(const Type& type, std::string_view text);
 
 }  // namespace sft::msg

@@ -1,4 +1,4 @@
-// sft_msgc: the C++ header of one .msg file, and IDL for .idl files that include it.
+// sft_msgc: writes the C++ header of one .msg file, and IDL for .idl files that include it.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -32,15 +32,14 @@ struct Arguments {
 void declare(CLI::App& app, Arguments& arguments) {
   app.add_option("file", arguments.file, "The message: ROOT/PACKAGE/msg/NAME.msg")->required();
   app.add_option("-b", arguments.base_dir, "ROOT, if it is not the third directory above the file");
-  app.add_option("-I", arguments.roots,
-                 "Another directory with packages that nested types are looked for in; may be repeated")
+  app.add_option("-I", arguments.roots, "Another directory of packages with nested types; may be repeated")
       ->allow_extra_args(false);
   app.add_option("-o", arguments.output_dir, "Write the header to <dir>/PACKAGE/msg/NAME.hpp")
       ->capture_default_str();
   app.add_option("-i", arguments.idl_dir,
-                 "Write <dir>/PACKAGE/msg/NAME.idl as well, for .idl files that include it");
+                 "Also write <dir>/PACKAGE/msg/NAME.idl, for .idl files that include it");
   app.add_option("-d", arguments.dependency_file,
-                 "Write to this file, as a make rule, which files the header depends on");
+                 "Write a make rule with the files that the header depends on to this file");
 }
 
 int fail(std::string_view file, std::uint32_t line, std::string_view place, std::string_view text) {
@@ -57,7 +56,7 @@ int fail(const Arguments& arguments, const TypeName& type, const std::vector<Pro
   return 1;
 }
 
-/// Absolute, and without a slash at its end.
+/// The absolute path of a directory, without a trailing slash.
 fs::path directory(const fs::path& path) {
   return (fs::absolute(path) / "").lexically_normal().parent_path();
 }

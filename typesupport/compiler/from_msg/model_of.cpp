@@ -14,7 +14,7 @@ std::string scoped(const TypeName& type) { return fmt::format("::{}::msg::{}", t
 ModelOf::ModelOf(const Definition& definition, const Files& files) {
   const auto path_of = [&](const TypeName& type) { return (files.root / (type.text() + ".msg")).string(); };
   file_.path = keep(path_of(definition.type));
-  // Whichever root nested files are below of, headers are all below one.
+  // Nested files may be below several roots, but all headers are below one.
   for (const TypeName& nested : nested_types(definition)) includes_.push_back(keep(path_of(nested)));
   sources_.push_back(file_.path);
   for (const auto& nested : files.nested) sources_.push_back(keep(nested.string()));

@@ -1,4 +1,4 @@
-// A definition as the model that the emitters take.
+// Translates a definition to the model, from which the emitters write a header.
 #pragma once
 
 #include <deque>
@@ -11,20 +11,20 @@
 
 namespace sft::msg {
 
-/// Where a message is and what it depends on.
+/// The place of a message, and the files that it depends on.
 struct Files {
   std::filesystem::path root;  ///< the message is <root>/<package>/msg/<Name>.msg
   std::vector<std::filesystem::path> nested;
 };
 
-/// A file of the model with all that it points to.
+/// A file of the model, with everything that it points to.
 class ModelOf {
  public:
   ModelOf(const Definition& definition, const Files& files);
   ModelOf(const ModelOf&) = delete;
   ModelOf& operator=(const ModelOf&) = delete;
 
-  /// Lives as long as this. Its arrays are not for sft_file_free().
+  /// Lives as long as this object. The caller must not pass it to sft_file_free().
   const sft_file& file() const { return file_; }
 
  private:

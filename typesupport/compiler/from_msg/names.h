@@ -1,19 +1,20 @@
-// The rules that ROS 2 has for names, and a limit: 255 bytes.
+// ROS 2's rules for names, and a limit of 255 bytes.
 #pragma once
 
 #include <string_view>
 
 namespace sft::msg {
 
-/// Lower case, digits and single underscores; begins with a letter, ends with none of the underscores.
+/// True for lower-case letters, digits and single underscores; the first one is a letter, the last one no
+/// underscore.
 bool is_package_name(std::string_view name);
 bool is_field_name(std::string_view name);
 
-/// The same in upper case.
+/// True for the same with upper-case letters.
 bool is_constant_name(std::string_view name);
 
-/// Letters and digits, the first one a capital; the prefix and the suffixes that ROS 2 makes names of may be
-/// around that.
+/// True for letters and digits that begin with a capital, with or without the prefixes and suffixes of ROS
+/// 2's generated names.
 bool is_message_name(std::string_view name);
 
 }  // namespace sft::msg

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Goes through what a definition nests, depth first.
+/// Visits the messages that a definition nests, depth first.
 class Walk {
  public:
   Walk(const Definition& definition, const SearchPath& search_path)
@@ -115,7 +115,7 @@ tl::expected<std::vector<fs::path>, std::vector<Problem>> nested_files(const Def
 std::string read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::string text;
-  // One byte more than a message may have is enough to see that it has too many.
+  // Reads one byte more than the limit, so that the parser notices a text that is too long.
   text.resize(Limits::bytes + 1);
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (in.bad() || !in.is_open()) {

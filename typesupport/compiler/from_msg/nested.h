@@ -1,4 +1,4 @@
-// The files of nested types.
+// Finds the files of nested types.
 #pragma once
 
 #include <filesystem>
@@ -11,28 +11,27 @@
 
 namespace sft::msg {
 
-/// Directories of packages. A type is defined by the first of them that has <package>/msg/<Name>.msg, or
-/// .idl.
+/// Directories of packages. The first one that has <package>/msg/<Name>.msg or .idl defines a type.
 class SearchPath {
  public:
   explicit SearchPath(std::vector<std::filesystem::path> roots) : roots_(std::move(roots)) {}
 
-  /// Empty: there is none.
+  /// The file that defines the type; empty if there is none.
   std::optional<std::filesystem::path> find(const TypeName& type) const;
 
-  /// For messages.
+  /// The directories, for error messages.
   std::string text() const;
 
  private:
   std::vector<std::filesystem::path> roots_;
 };
 
-/// The types that `definition` nests itself, each once.
+/// The types of the fields of `definition`, each once.
 std::vector<TypeName> nested_types(const Definition& definition);
 
-/// The files of all types that `definition` nests, directly or not, each once; of those that are not read
-/// because they are .idl or have problems of their own only they. Problems are types that do not exist and
-/// types that contain themselves. Reads files.
+/// The files of all types that `definition` nests, directly or not, each once. The search does not go on
+/// inside .idl files and inside .msg files with errors. Reports types that do not exist, and types that
+/// contain themselves.
 tl::expected<std::vector<std::filesystem::path>, std::vector<Problem>> nested_files(
     const Definition& definition, const SearchPath& search_path);
 

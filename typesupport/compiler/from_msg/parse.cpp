@@ -18,7 +18,7 @@
 namespace sft::msg {
 namespace {
 
-/// "int32 x 5" or "int32 X=5", cut but not understood.
+/// The parts of "int32 x 5" or "int32 X=5", not parsed yet.
 struct Statement {
   std::string_view type;
   std::string_view name;
@@ -62,7 +62,7 @@ class Parser {
   }
 
  private:
-  /// What a message without fields has instead, as in ROS 2: the same byte on the wire.
+  /// Adds the member that a message without fields has in ROS 2, so that both have the same byte on the wire.
   void add_member_of_empty_message() {
     Type type;
     type.kind = SFT_UINT8;
@@ -85,7 +85,7 @@ class Parser {
     }
   }
 
-  /// False if there is no use in reading it.
+  /// False if the text cannot be read at all.
   bool check_text(std::string_view text) {
     if (text.size() > Limits::bytes) {
       refuse("", "{} bytes: expected at most {}: put parts into messages of their own", text.size(),
@@ -102,7 +102,7 @@ class Parser {
 
   void read(const std::string& text) {
     Lines lines(text);
-    bool is_head = true;  // which is the comment of the message
+    bool is_head = true;  // the comment at the top belongs to the message
     while (const auto line = lines.next()) {
       line_ = line->number;
       is_head = is_head && line->has_comment && line->code.empty() && !line->is_indented;
@@ -113,8 +113,8 @@ class Parser {
     }
   }
 
-  /// Comments belong to what follows them, on a line of their own or not, but indented ones to what was
-  /// before.
+  /// A comment belongs to the definition that follows it or stands in its line. An indented comment in a line
+  /// of its own belongs to the definition before it.
   void read_line(const Line& line) {
     if (line.has_comment && line.code.empty() && line.is_indented) {
       if (previous_field_) append_line(field_comments_[*previous_field_], line.comment);
@@ -204,9 +204,9 @@ class Parser {
   Definition definition_;
   std::vector<Problem> problems_;
   std::uint32_t line_ = 1;
-  std::string comment_;                        // of what comes next
+  std::string comment_;                        // of the next definition
   std::vector<std::string> field_comments_;    // one per field
-  std::optional<std::size_t> previous_field_;  // empty behind a constant
+  std::optional<std::size_t> previous_field_;  // empty if the previous definition is a constant
   std::unordered_map<std::string, std::uint32_t> lines_of_names_;
 };
 

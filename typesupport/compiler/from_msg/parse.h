@@ -1,4 +1,4 @@
-// Reads the text of a .msg file, with the syntax that ROS 2 gives it (msg.md).
+// Parses the text of a .msg file, in ROS 2's syntax (msg.md).
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,16 @@
 
 namespace sft::msg {
 
-/// What a text may have at most, so that none takes more than a second and 64 MiB.
+/// Limits of a text. Within them, parsing takes at most a second and 64 MiB.
 struct Limits {
   static constexpr std::size_t bytes = 1 << 20;
   static constexpr std::size_t members = 4096;  ///< fields and constants together
-  static constexpr std::size_t problems = 100;  ///< that are reported
+  static constexpr std::size_t problems = 100;  ///< parsing ends after so many reports
   static constexpr std::size_t levels = 256;    ///< of nested messages
 };
 
-/// The definition of the type `name`, or all that is wrong with it, at least one problem, in the order of
-/// lines. The result depends on nothing but the arguments and refers to none of them.
+/// Returns the definition of the type `name`, or its errors in the order of lines. The result depends on
+/// nothing but the arguments, and does not refer to them.
 tl::expected<Definition, std::vector<Problem>> parse(std::string_view text, const TypeName& name);
 
 }  // namespace sft::msg

@@ -16,7 +16,7 @@ using Error = tl::unexpected<std::string>;
 
 bool begins_with_quote(std::string_view text) { return text.starts_with('"') || text.starts_with('\''); }
 
-/// Reads the escapes of a string that has no quotes any more.
+/// Resolves the escapes of a string whose quotes have been removed.
 class Unescaping {
  public:
   explicit Unescaping(std::string_view text) : rest_(text) {}
@@ -35,7 +35,7 @@ class Unescaping {
   }
 
  private:
-  /// Takes the escape that `rest_` begins with.
+  /// Resolves the escape at the beginning of `rest_`, and removes it.
   bool escape() {
     constexpr std::string_view names = "nrtabfv\\\"'";
     constexpr std::string_view meanings = "\n\r\t\a\b\f\v\\\"'";
@@ -50,7 +50,7 @@ class Unescaping {
     if (name == 'u') return hexadecimal(4, false);
     if (name == 'U') return hexadecimal(8, false);
     if (name >= '0' && name <= '7') return octal();
-    result_ += '\\';  // of anything else it is a backslash, as in Python, which ROS 2 reads it with
+    result_ += '\\';  // a backslash in front of any other character stands for itself, as in ROS 2
     rest_.remove_prefix(1);
     return true;
   }

@@ -1,4 +1,4 @@
-// Strings as .msg files write them: in quotes of either kind, or without.
+// Parses the strings of .msg files: in quotes of either kind, or without quotes.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,12 @@
 
 namespace sft::msg {
 
-/// Behind the quote that ends the string which `text` begins with, a quote; npos: there is none.
+/// The position behind the closing quote of the string at the beginning of `text`; npos: there is no closing
+/// quote. REQUIRES: `text` begins with a quote.
 std::size_t quoted_end(std::string_view text);
 
-/// What the whole of `text` means, its escapes resolved. UTF-8 without NUL. The error says what is wrong and
-/// what was expected.
+/// The string that `text` stands for, with escapes resolved; UTF-8 without NUL. The error says what is wrong
+/// and what was expected.
 tl::expected<std::string, std::string> parse_string(std::string_view text);
 
 }  // namespace sft::msg

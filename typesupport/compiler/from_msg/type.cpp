@@ -36,10 +36,10 @@ constexpr auto primitives = std::to_array<Primitive>({
     {"float32", SFT_FLOAT32},
     {"float64", SFT_FLOAT64},
     {"string", SFT_STRING},
-    {"char", SFT_UINT8},  // not a character: ROS 2 made it a number
+    {"char", SFT_UINT8},  // a number in ROS 2, and no character
 });
 
-/// From 1 to `most`.
+/// Parses a number from 1 to `most`.
 std::optional<std::uint32_t> parse_count(std::string_view digits, std::uint32_t most) {
   std::uint32_t count = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), count);
@@ -51,7 +51,7 @@ Error no_count(std::string_view digits, std::uint32_t most) {
   return Error(fmt::format("{} is not a size: expected a whole number from 1 to {}", shown(digits), most));
 }
 
-/// Takes "[...]" off the end of `text` and notes in `type` what it says.
+/// Removes "[...]" from the end of `text`, and sets the array size or bound of `type`.
 tl::expected<void, std::string> parse_brackets(std::string_view& text, Type& type) {
   if (!text.ends_with(']')) return {};
   const std::size_t open = text.rfind('[');
@@ -61,7 +61,7 @@ tl::expected<void, std::string> parse_brackets(std::string_view& text, Type& typ
   if (text.ends_with(']')) {
     return Error("arrays have one dimension: put the inner one into a message of its own");
   }
-  // The limits are those of the emitted C++, in which arrays are members and bounds are 32 bits wide.
+  // The emitted C++ sets the limits: arrays are members of structs, and bounds have 32 bits.
   const bool is_bound = size.starts_with(at_most);
   const std::uint32_t most =
       is_bound ? std::numeric_limits<std::uint32_t>::max() : std::numeric_limits<std::int32_t>::max();
@@ -83,7 +83,7 @@ tl::expected<void, std::string> parse_string_bound(std::string_view digits, Type
   return {};
 }
 
-/// Refuses what ROS has or had, so that the name alone would be no help.
+/// Refuses types of ROS that SFT lacks, with an error that says what to use instead.
 tl::expected<void, std::string> check_support(std::string_view name) {
   if (name == "wstring" || name.starts_with("wstring<=")) {
     return Error("wide characters are not supported: use string, which holds UTF-8");

@@ -1,4 +1,4 @@
-// Types as .msg files spell them: "float32", "string<=8[<=4]", "Point[]", "geometry_msgs/Point".
+// Parses the types of .msg files: "float32", "string<=8[<=4]", "Point[]", "geometry_msgs/Point".
 #pragma once
 
 #include <optional>
@@ -10,10 +10,10 @@
 
 namespace sft::msg {
 
-/// The error says what is wrong and what was expected. A name without package means a type of `package`.
+/// A name without a package means a type of `package`. The error says what is wrong and what was expected.
 tl::expected<Type, std::string> parse_type(std::string_view text, std::string_view package);
 
-/// "bool" ... "string": how a kind is spelled; of uint8 that, not "char".
+/// The name of a kind, "bool" to "string". The name of SFT_UINT8 is "uint8", not "char".
 std::string_view spelling_of(sft_kind kind);
 
 }  // namespace sft::msg

@@ -1,4 +1,4 @@
-// UTF-8, which is what .msg files and the strings in them are.
+// UTF-8, the encoding of .msg files and of the strings in them.
 #pragma once
 
 #include <cstddef>
@@ -7,13 +7,13 @@
 
 namespace sft::msg {
 
-/// Where the first byte is that is no UTF-8; npos: nowhere.
+/// The position of the first byte that is no UTF-8; npos: all of `text` is UTF-8.
 std::size_t find_invalid_utf8(std::string_view text);
 
-/// False where Unicode has no such character.
+/// Appends a character. False if Unicode has no such character.
 bool append_utf8(char32_t character, std::string& text);
 
-/// `text` in quotes for a message, shortened if it is long.
+/// `text` in quotes, for error messages, and shortened if it is long.
 std::string shown(std::string_view text);
 
 }  // namespace sft::msg

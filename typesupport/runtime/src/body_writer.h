@@ -1,6 +1,6 @@
-// Where encoded members go: a BodyWriter writes them, a BodyCounter only counts what that would take. Neither
-// keeps a position: each call takes where it begins and returns where it ends, so that compilers keep it in a
-// register while bytes are written.
+// The output of encoders: a BodyWriter writes members, and a BodyCounter only counts their bytes. Neither
+// keeps a position. Each call takes the position where it begins and returns the one where it ends, so that
+// compilers keep the position in a register.
 #pragma once
 
 #include <cassert>
@@ -24,7 +24,8 @@ class BodyCounter {
   }
 };
 
-/// What is put must fit. Padding is zero. `postponed`: gets runs that are long; null: they are written.
+/// Writes into `body`, which must be large enough; padding is zero. If `postponed` is not null, it gets long
+/// runs instead.
 class BodyWriter {
  public:
   explicit BodyWriter(std::span<std::byte> body, PostponedCopies* postponed = nullptr)
@@ -65,14 +66,14 @@ class BodyWriter {
     return at + bytes;
   }
 
-  /// Primitives that nothing reads again while the body is made or projected.
+  /// Puts primitives that nobody reads while the body is written or projected, and that may be copied later.
   std::uint64_t put_run(std::uint64_t at, const std::byte* data, std::size_t bytes) const {
     if (postponed_ == nullptr || !postponed_->add(body_.data() + at, data, bytes))
       return put(at, data, bytes);
     return at + bytes;
   }
 
-  /// `count` primitives of `size` bytes, those of each in reverse order.
+  /// Puts `count` primitives of `size` bytes, each with its bytes in reverse order.
   std::uint64_t put_swapped(std::uint64_t at, const void* data, std::size_t count, std::size_t size) const {
     assert(at + count * size <= body_.size());
     const auto* from = static_cast<const std::byte*>(data);

@@ -26,7 +26,7 @@ using Json = nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little, "primitives are written as they are");
 
-/// Nothing if the text is no base64 (RFC 4648, padded).
+/// Decodes base64 (RFC 4648, padded); nothing if the text is no base64.
 std::optional<std::vector<std::byte>> from_base64(std::string_view text) {
   static constexpr std::array<std::uint8_t, 256> values = [] {
     constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -55,7 +55,7 @@ std::optional<std::vector<std::byte>> from_base64(std::string_view text) {
   return bytes;
 }
 
-/// What the JSON has, short enough for a message.
+/// The JSON value in a few words, for error messages.
 std::string shown(const Json& json) {
   constexpr std::size_t most = 40;
   if (json.is_object()) return "an object";
@@ -65,7 +65,7 @@ std::string shown(const Json& json) {
   return text;
 }
 
-/// Writes the body of a whole message, member by member. Stops at the first thing that is wrong.
+/// Writes the body of a whole message, member by member. Stops at the first error.
 class CdrWriter {
  public:
   explicit CdrWriter(const FromJsonOptions& options) : options_(options), out_(encapsulation_bytes) {
@@ -79,7 +79,7 @@ class CdrWriter {
   }
 
  private:
-  /// What stands between a member's name and the ones around it, while this lives.
+  /// Appends a member's name or an element's index to the path for error messages, and removes it in the end.
   class Step {
    public:
     Step(std::string& path, std::string_view name) : path_(path), before_(path.size()) {
@@ -95,7 +95,7 @@ class CdrWriter {
     const std::size_t before_;
   };
 
-  /// `json` is null where it is left out: then all is zero or empty.
+  /// Writes a struct. `json` is null if the struct is left out: then all members are zero or empty.
   void structure(const StructType& type, const Json* json) {
     if (json != nullptr && !json->is_object()) {
       if (const auto meant = meant_by_a_word(type, *json)) return structure(type, &*meant);
@@ -120,7 +120,7 @@ class CdrWriter {
   static constexpr std::string_view stamp_name = "builtin_interfaces::msg::Time";
   static constexpr std::string_view header_name = "std_msgs::msg::Header";
 
-  /// "now" and "auto", where the options give them a meaning.
+  /// The value that the word "now" or "auto" stands for, if the options allow these words.
   std::optional<Json> meant_by_a_word(const StructType& type, const Json& json) const {
     if (!options_.now) return {};
     if (type.name == header_name && json == "auto") return Json{{"stamp", "now"}};
@@ -130,7 +130,7 @@ class CdrWriter {
     return Json{{"sec", seconds.count()}, {"nanosec", (since_epoch - seconds).count()}};
   }
 
-  /// What an error says of them.
+  /// The part of an error message that names these words.
   const char* word_for(const StructType& type) const {
     if (!options_.now) return "";
     return type.name == stamp_name ? R"(, or "now",)" : type.name == header_name ? R"(, or "auto",)" : "";
@@ -175,7 +175,7 @@ class CdrWriter {
     out_.insert(out_.end(), bytes->begin(), bytes->end());
   }
 
-  /// The length of a sequence; of an array it must be right.
+  /// Writes the length of a sequence, or checks the length of an array.
   bool begin_elements(const Member& m, std::size_t count) {
     if (m.shape == Shape::array && count != m.count) {
       fail(Errc::type_mismatch, "'" + path_ + "' has " + std::to_string(count) + " elements; " +
@@ -253,7 +253,7 @@ class CdrWriter {
     expected(*json, m.enumeration == nullptr ? range : names_of(*m.enumeration) + " or " + range);
   }
 
-  /// "GREEN"; of a bitmask also "READ | WRITE".
+  /// The value of "GREEN", or of "READ | WRITE" for a bitmask.
   static std::optional<std::uint64_t> value_of(const EnumType& type, std::string_view text) {
     std::uint64_t value = 0;
     for (;;) {
@@ -346,8 +346,7 @@ Result<std::vector<std::byte>> cdr_from_json(const StructType& type, std::string
   try {
     return CdrWriter(options).write(type, Json::parse(json));
   } catch (const Json::parse_error& error) {
-    return fail(Errc::malformed,
-                "byte " + std::to_string(error.byte) + " of the text is where it is no JSON");
+    return fail(Errc::malformed, "the text is no JSON: the error is at byte " + std::to_string(error.byte));
   } catch (const Json::exception& error) {
     return fail(Errc::malformed, std::string("this is no JSON: ") + error.what());
   }

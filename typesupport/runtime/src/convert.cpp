@@ -11,8 +11,8 @@ namespace sft::detail {
 
 namespace {
 
-/// Reads the members of a whole type in the payload's encoding and hands them to Out (BodyCounter or
-/// BodyWriter), which gets no more than `most_bytes`.
+/// Reads the members of a whole type in the payload's encoding, and puts at most `most_bytes` into Out, a
+/// BodyCounter or a BodyWriter.
 template <class Out>
 class Converter {
  public:
@@ -28,7 +28,7 @@ class Converter {
     return status_;
   }
 
-  /// Bytes that Out got.
+  /// The number of bytes put into Out.
   std::uint64_t written() const { return to_; }
 
  private:
@@ -117,13 +117,13 @@ class Converter {
   const bool is_xcdr2_;
   const Out out_;
   const std::uint64_t most_bytes_;
-  std::uint64_t at_ = 0;  ///< in the payload's body
-  std::uint64_t to_ = 0;  ///< in the converted one
+  std::uint64_t at_ = 0;  ///< position in the payload's body
+  std::uint64_t to_ = 0;  ///< position in the converted body
   WalkStatus status_ = WalkStatus::ok;
 };
 
 struct Encoding {
-  std::uint16_t code;  ///< of the big-endian one; the little-endian one's is the next
+  std::uint16_t code;  ///< of the big-endian encoding; the little-endian one has the next code
   const char* name;
   bool is_plain;
   bool is_xcdr2;

@@ -1,5 +1,5 @@
-// Bits of a member's form and attributes in a type description (type_description.md), for the two sides that
-// write and read it.
+// The bits of a member's form and attributes in a type description (type_description.md), for its writer and
+// its reader.
 #pragma once
 
 namespace sft::description {

@@ -19,7 +19,7 @@ using namespace detail;
 
 namespace {
 
-/// Largest value of an integer kind; 0 for all others.
+/// The largest value of an integer kind; 0 for all other kinds.
 std::uint64_t largest_value(Kind kind) {
   if (kind < Kind::int8 || kind > Kind::uint64) return 0;
   const bool is_signed =
@@ -34,7 +34,7 @@ bool is_identifier(std::string_view text) {
          std::all_of(text.begin(), text.end(), [&](char c) { return is_letter(c) || is_digit(c); });
 }
 
-/// Identifiers joined by "::".
+/// True for identifiers joined by "::".
 bool is_type_name(std::string_view text) {
   for (;;) {
     const std::size_t end = text.find("::");
@@ -46,7 +46,7 @@ bool is_type_name(std::string_view text) {
 
 }  // namespace
 
-/// Names are views of `bytes`; types and enumerations are pointed to, and do not move any more.
+/// Owns a type. Names are views of `bytes`. Types and enumerations do not move, since others point to them.
 class DynamicType::Storage {
  public:
   explicit Storage(std::span<const std::byte> description) : bytes(description.begin(), description.end()) {}
@@ -75,17 +75,17 @@ class DynamicType::Parser {
  public:
   Parser(Storage& storage, const DescriptionLimits& limits) : out_(storage), limits_(limits) {}
 
-  /// Nothing if all is well, else what is wrong.
+  /// Returns nothing if the description is valid, otherwise its first error.
   std::optional<std::string> run() {
     if (!whole()) return "byte " + std::to_string(at_) + " of the type description: " + wrong_;
     return std::nullopt;
   }
 
  private:
-  /// What a struct amounts to, with those that it is made of.
+  /// The size of a struct together with the structs in it.
   struct Expanded {
     std::size_t leaves = 0;
-    std::size_t members = 0;  ///< and enumerators
+    std::size_t members = 0;  ///< members and enumerators
     std::size_t path_bytes = 0;
     std::size_t depth = 1;
   };
@@ -215,7 +215,7 @@ class DynamicType::Parser {
     return largest->value <= largest_value(m.kind) || fail(of(m) + " is too small for its enumerators");
   }
 
-  /// Counts a member in; every step is checked, so that sums stay far from overflowing.
+  /// Adds the size of a member. Every step is checked against the limits, so that sums cannot overflow.
   bool add(const Member& m, Expanded& sum) {
     Expanded inner{.leaves = 1, .members = 0, .path_bytes = 0, .depth = 0};
     if (m.type != nullptr) inner = expanded_[static_cast<std::size_t>(m.type - out_.structs.data())];
@@ -258,7 +258,8 @@ class DynamicType::Parser {
     return n != 0 || fail(std::string(what) + ": 0");
   }
 
-  /// A number of things of which each takes some bytes: more than the bytes that are left is refused at once.
+  /// Reads a number of items of at least `least_bytes_each`. Refuses a number that the remaining bytes cannot
+  /// hold.
   bool count(std::size_t& n, std::size_t least_bytes_each, const char* what) {
     std::uint64_t value = 0;
     if (!number(value, UINT64_MAX, what)) return false;
@@ -302,14 +303,14 @@ class DynamicType::Parser {
   Storage& out_;
   const DescriptionLimits& limits_;
   std::size_t at_ = 0;
-  std::vector<Expanded> expanded_;  // of the structs read so far
+  std::vector<Expanded> expanded_;  // sizes of the structs read so far
   Names type_names_;
   std::string wrong_;
 };
 
 Result<DynamicType> DynamicType::parse(std::span<const std::byte> description,
                                        const DescriptionLimits& limits) {
-  if (description.size() > limits.bytes) {  // not even copied
+  if (description.size() > limits.bytes) {  // before it is copied
     return fail(Errc::limit_exceeded, "a type description of " + std::to_string(description.size()) +
                                           " bytes; " + std::to_string(limits.bytes) + " are allowed");
   }

@@ -14,7 +14,7 @@ namespace {
 
 using Scalar = DynamicView::Scalar;
 
-/// Where the length of a string ends, and the next string begins.
+/// The offset behind a string, where the next string of a collection begins.
 std::uint64_t behind_string(const SampleState& s, std::uint64_t offset) {
   const Extent length = checked_length(s, offset);
   return length ? checked_block(s, length.first + std::uint64_t{length.count}, 0, 1) : no_offset;
@@ -127,7 +127,7 @@ DynamicView DynamicView::find(std::string_view path) const {
   return at;
 }
 
-/// Where member number `member` is: its slot, or where the one before it ends.
+/// The place of member number `member`: its slot, or the offset behind the member before it.
 DynamicView::Place DynamicView::place_of(std::size_t member) const {
   Place place = place_;
   place.leaf += leaf_offset(*type_, member);
@@ -139,7 +139,7 @@ DynamicView::Place DynamicView::place_of(std::size_t member) const {
   return place;
 }
 
-/// From a member to the one behind it.
+/// Moves `place` from a member to the next one.
 void DynamicView::pass(const Member& m, Place& place) const {
   if (place.slot != no_slot) {
     place.slot += slot_count(m);
@@ -200,7 +200,7 @@ std::uint64_t DynamicView::behind_element(std::uint64_t offset) const {
   return skip(*state_, *type_, element_leaf(), offset);
 }
 
-/// The length of a sequence of structs is a leaf of its own, before those of the elements.
+/// The first leaf of the elements. A sequence of structs has a leaf for its length in front of them.
 std::size_t DynamicView::element_leaf() const {
   return place_.leaf + (kind() == Kind::structure && shape() == Shape::sequence ? 1 : 0);
 }
@@ -215,14 +215,14 @@ DynamicView::Elements::Elements(DynamicView of) : of_(std::move(of)) {
   const bool empty_ones = of_.has_only_size();
   if (empty_ones && of_.state_->log == nullptr) return;
   const Extent all = of_.extent();
-  left_ = all ? all.count : 1;  // one that says that the bytes are malformed
+  left_ = all ? all.count : 1;  // a malformed sequence has one element, which reports the error
   if (empty_ones) left_ = std::min<std::size_t>(left_, max_empty_elements);
   first_ = all.first;
 }
 
 // ---- values ----
 
-/// Of a collection, checked: where its first element is, and how many there are.
+/// The first element of a collection, and the number of elements, checked against the bytes of the sample.
 Extent DynamicView::extent() const {
   note();
   const Member& m = *member_;

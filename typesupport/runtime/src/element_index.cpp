@@ -9,10 +9,10 @@ namespace sft::detail {
 
 namespace {
 
-/// So many elements ahead are walked over rather than looked up.
+/// A position that is at most so many elements ahead is found by walking, not by a table.
 constexpr std::uint32_t near_elements = 8;
 
-/// What an element without a constant stride has at least: the length of a string or a sequence.
+/// The least number of bytes of an element without a constant stride: the length of a string or a sequence.
 constexpr std::uint32_t variable_bytes_min = 4;
 
 constexpr std::uint64_t not_fixed = ~std::uint64_t{0};
@@ -20,8 +20,8 @@ constexpr std::uint64_t not_fixed = ~std::uint64_t{0};
 std::uint64_t fixed_begin(const FieldMask& mask, const StructType& type, std::size_t leaf,
                           std::uint64_t first, std::uint32_t position) noexcept;
 
-/// End of the selected members of a struct that begins at `offset`; not_fixed with strings or sequences among
-/// them.
+/// The end of the selected members of a struct that begins at `offset`; not_fixed if strings or sequences are
+/// among them.
 std::uint64_t fixed_end(const FieldMask& mask, const StructType& type, std::size_t leaf,
                         std::uint64_t offset) noexcept {
   for (const Member& m : type.members) {
@@ -38,8 +38,9 @@ std::uint64_t fixed_end(const FieldMask& mask, const StructType& type, std::size
   return offset;
 }
 
-/// Behind a member of the largest alignment everything lies relative to that: where an element ends, modulo
-/// that alignment, does not depend on where it begins. So from the second on all take the same bytes.
+/// The offset of the element at `position`. Behind a member with the largest alignment, all offsets are
+/// relative to that member, so that the end of an element modulo that alignment does not depend on its
+/// beginning. Hence all elements from the second on have the same size.
 std::uint64_t fixed_begin(const FieldMask& mask, const StructType& type, std::size_t leaf,
                           std::uint64_t first, std::uint32_t position) noexcept {
   if (position == 0) return first;
@@ -94,10 +95,10 @@ class ElementIndex::Table {
   friend struct ElementIndex::Tables;
   Elements elements_;
   std::vector<std::uint32_t> offsets_;
-  Table* next_ = nullptr;  ///< in its chain, or of those that are free
+  Table* next_ = nullptr;  ///< the next table of the chain, or of the free ones
 };
 
-/// A hash table of chains that only grow while anybody reads: a chain is read without the mutex.
+/// A hash table of chains. Readers take no mutex, since chains only grow while there are readers.
 struct ElementIndex::Tables {
   std::array<std::atomic<Table*>, 64> chains{};
   Table* free = nullptr;
@@ -183,7 +184,7 @@ const ElementIndex::Table* ElementIndex::table(const SampleState& s, const Eleme
   return publish(blank);
 }
 
-/// Null where the sample has its share.
+/// An empty table; null if the sample has used up its share of tables or memory.
 ElementIndex::Table* ElementIndex::blank_table(const SampleState& s, const Elements& elements) {
   Table* blank = nullptr;
   {
@@ -206,7 +207,7 @@ ElementIndex::Table* ElementIndex::blank_table(const SampleState& s, const Eleme
   return blank;
 }
 
-/// Another thread may have come first.
+/// Publishes the table, or returns the same table of another thread that was faster.
 const ElementIndex::Table* ElementIndex::publish(Table* table) noexcept {
   const std::scoped_lock lock(mutex_);
   Tables* tables = tables_.load(std::memory_order_relaxed);

@@ -17,20 +17,20 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "primitives are copied as they are");
 
-/// Visits the selected members of an owned struct in CDR order and hands them to Out. With a BodyCounter it
-/// checks values as well; a BodyWriter gets only what was counted before, and its index is written. Functions
-/// take the offset at which they begin and return the one at which they end.
+/// Puts the selected members of an owned struct into Out, in CDR order. With a BodyCounter, it checks values
+/// as well. With a BodyWriter, it writes the index, and relies on values that were counted before. Functions
+/// take the offset where they begin and return the one where they end.
 template <class Out>
 class Encoder {
  public:
-  /// `index` receives an offset per slot; unused while counting.
+  /// `index` receives an offset per slot. A BodyCounter does not use it.
   Encoder(const Out& out, const FieldMask& mask, std::span<const Reservation> reservations,
           std::uint32_t* index)
       : out_(out), mask_(mask), reservations_(reservations), index_(index) {}
 
   EncodeStatus status() const { return status_; }
 
-  /// `in_slots`: its members have slots of their own, that is, no collection is around it.
+  /// `in_slots` is true if the members have slots, because the struct is in no collection.
   std::uint64_t structure(const StructType& type, const std::byte* object, std::size_t leaf, bool in_slots,
                           std::uint64_t at) {
     for (const Member& m : type.members) {
@@ -62,7 +62,7 @@ class Encoder {
     if constexpr (is_counting) status_ = why;
   }
 
-  /// Whether the struct's bytes are its encoding.
+  /// True if the encoding of the struct equals its bytes in memory.
   bool is_verbatim(const StructType& type, std::size_t leaf) const {
     return type.is_packed_in_memory && mask_.all_of(leaf, leaf_count(type));
   }
@@ -145,7 +145,8 @@ class Encoder {
     }
   }
 
-  /// Collections of booleans are held as bytes; receivers refuse what is neither 0 nor 1.
+  /// Checks a collection of booleans, which is an array of bytes, since receivers refuse values other than 0
+  /// and 1.
   void check_booleans(const std::byte* first, std::size_t n) {
     const auto is_none = [](std::byte b) { return b > std::byte{1}; };
     if (std::any_of(first, first + n, is_none)) fail(EncodeStatus::bad_boolean);

@@ -13,7 +13,7 @@ using namespace detail;
 
 namespace {
 
-/// Bits of word `i` that lie within [first, first + count).
+/// The bits of word `i` that are within [first, first + count).
 std::uint64_t bits_within(std::size_t i, std::size_t first, std::size_t count) {
   const std::size_t begin = std::max(first, i * 64);
   const std::size_t end = std::min(first + count, (i + 1) * 64);

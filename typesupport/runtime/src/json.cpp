@@ -29,7 +29,7 @@ std::string base64(std::span<const std::byte> bytes) {
   return out;
 }
 
-/// The number with the fewest digits that is this float.
+/// The double whose shortest decimal text is that of the float.
 double shortest(float value) {
   std::array<char, 32> digits{};
   const auto written = std::to_chars(digits.begin(), digits.end(), value);
@@ -122,7 +122,7 @@ class JsonWriter {
     return std::visit([](const auto& v) { return json_of(v); }, *value);
   }
 
-  /// Counts what will be printed, about, before it takes memory; false beyond the limit.
+  /// Counts the approximate size of the output before memory is taken for it. False beyond the limit.
   bool count(std::size_t bytes) {
     bytes_ += bytes;
     if (bytes_ <= options_.output_bytes_max) return true;

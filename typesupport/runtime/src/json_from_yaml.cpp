@@ -26,7 +26,7 @@ std::string place(const YAML::Mark& mark) {
   return "line " + std::to_string(mark.line + 1) + ", column " + std::to_string(mark.column + 1);
 }
 
-/// Passes over a document.
+/// Ignores the events of a document.
 class Nothing final : public YAML::EventHandler {
  public:
   using Mark = YAML::Mark;
@@ -43,8 +43,8 @@ class Nothing final : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-/// Load() says nothing of what stands behind the first document, and LoadAll() of yaml-cpp 0.7 takes all the
-/// memory there is where a text begins with a comma.
+/// True if the text has a second document. Load() ignores further documents, and LoadAll() of yaml-cpp 0.7
+/// takes all memory for a text that begins with a comma.
 bool has_more_than_one(const std::string& text) {
   std::istringstream in(text);
   YAML::Parser parser(in);
@@ -53,11 +53,12 @@ bool has_more_than_one(const std::string& text) {
   return static_cast<bool>(parser);
 }
 
-/// Goes as deep as the type does, whatever the text says: what does not fit becomes something that
-/// cdr_from_json() refuses in its place.
+/// Translates YAML to JSON, as deep as the type and no deeper. A value that does not fit the type becomes one
+/// that cdr_from_json() refuses with its path.
 class JsonMaker {
  public:
-  /// Without aliases a text has no more values than bytes.
+  /// Limits the number of values, which aliases may multiply. A text without aliases has fewer values than
+  /// bytes.
   explicit JsonMaker(std::size_t text_bytes) : values_left_(values_per_byte_max * text_bytes) {}
 
   Result<Json> make(const StructType& type, const YAML::Node& root) {
@@ -100,7 +101,7 @@ class JsonMaker {
     return node.IsScalar() ? scalar(m, node) : other(node);
   }
 
-  /// By the rules of YAML, but for text, which is what stands there. Quoted scalars are always text.
+  /// Reads a scalar by the rules of YAML. Quoted scalars, and scalars of text fields, are text.
   static Json scalar(const Member& m, const YAML::Node& node) {
     const bool is_text = node.Tag() == "!" || node.Tag() == "tag:yaml.org,2002:str";
     if (m.kind == Kind::string || m.kind == Kind::character || is_text) return node.Scalar();
@@ -115,7 +116,7 @@ class JsonMaker {
     return node.Scalar();
   }
 
-  /// Where nothing of the kind can stand.
+  /// Translates a value that the type does not allow here.
   static Json other(const YAML::Node& node) {
     if (node.IsMap()) return Json::object();
     if (node.IsSequence()) return Json::array();
@@ -124,7 +125,7 @@ class JsonMaker {
 
   bool count() {
     if (values_left_ == 0 && !wrong_)
-      wrong_ = Error{Errc::limit_exceeded, "aliases make far more of the text than it has: write it out"};
+      wrong_ = Error{Errc::limit_exceeded, "aliases multiply the values of the text too often: write it out"};
     values_left_ -= values_left_ == 0 ? 0 : 1;
     return !wrong_;
   }

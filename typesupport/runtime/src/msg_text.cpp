@@ -32,7 +32,7 @@ constexpr std::size_t unit_bytes_max = 255;
 
 static_assert(static_cast<int>(SFT_STRUCTURE) == static_cast<int>(Kind::structure));
 
-/// "pkg/Name", "pkg/msg/Name" or "pkg::msg::Name".
+/// Parses "pkg/Name", "pkg/msg/Name" or "pkg::msg::Name".
 std::optional<TypeName> type_name(std::string_view text) {
   std::string path(text);
   for (std::size_t at = path.find("::"); at != path.npos; at = path.find("::")) path.replace(at, 2, "/");
@@ -93,7 +93,7 @@ class MsgWriter {
     if (m.kind == Kind::structure) {
       if (std::find(queue_.begin(), queue_.end(), m.type) == queue_.end()) queue_.push_back(m.type);
       const auto name = message_name(*m.type);
-      return name ? spelled(*name) : "?";  // it is refused when it is its turn
+      return name ? spelled(*name) : "?";  // refused when the nested message is written
     }
     const std::string bound = m.string_bound == 0 ? "" : "<=" + std::to_string(m.string_bound);
     return std::string(msg::spelling_of(static_cast<sft_kind>(m.kind))) + bound;
@@ -105,7 +105,7 @@ class MsgWriter {
     return m.bound == 0 ? "[]" : "[<=" + std::to_string(m.bound) + "]";
   }
 
-  /// Where brackets can hold it.
+  /// The comment with the unit, if brackets can hold the unit.
   static std::string unit(const Member& m) {
     if (m.unit.empty() || m.unit.find_first_of("[],") != m.unit.npos) return "";
     return "  # [" + std::string(m.unit) + "]";
@@ -115,21 +115,22 @@ class MsgWriter {
     if (fault_.empty()) fault_ = std::string(type.name) + (what.starts_with('.') ? "" : " ") + what;
   }
 
-  std::vector<const StructType*> queue_;  // each once, in the order in which they are met
+  std::vector<const StructType*> queue_;  // each type once, in the order of the text
   std::string text_;
   std::string fault_;
 };
 
 // ---- from text ----
 
-/// The definitions of one text or of files, and types that are made of them.
+/// Reads the definitions of one text or of files, and makes types of them.
 class MsgReader {
  public:
   MsgReader() = default;
-  /// What is not defined otherwise is looked for there.
+  /// Looks in the search path for types that no text defines.
   explicit MsgReader(msg::SearchPath search_path) : search_path_(std::move(search_path)) {}
 
-  /// Nothing if all is well, else what is wrong.
+  /// Reads a text with the definition of `root`, and of others behind it. Returns the first error, or
+  /// nothing.
   std::optional<Error> read(const TypeName& root, std::string_view text) {
     TypeName name = root;
     std::size_t begin = 0;
@@ -191,7 +192,7 @@ class MsgReader {
   }
 
  private:
-  struct Made {  ///< stays where it is, since the type refers to the rest
+  struct Made {  ///< does not move, since `type` refers to the other members
     std::string name;
     std::vector<Member> members;
     StructType type;
@@ -213,7 +214,7 @@ class MsgReader {
     return is_printable(text) ? std::string(text.substr(0, most)) : "something unprintable";
   }
 
-  /// In files, where there are any and the type is not defined yet.
+  /// Reads the file of a type that is not defined yet, if there is a search path.
   std::optional<Error> look_for(const TypeName& name) {
     if (!search_path_ || definitions_.contains(name)) return {};
     const auto file = search_path_->find(name);
@@ -223,7 +224,7 @@ class MsgReader {
     }
     if (file->extension() != ".msg") {
       return Error{Errc::unavailable,
-                   file->string() + " is IDL, of which no types are made while a program runs"};
+                   file->string() + " is IDL, which a running program cannot read: use a .msg file"};
     }
     try {
       return add(name, msg::read_file(*file), file->string());
@@ -236,7 +237,7 @@ class MsgReader {
     return add(name, text, name.text());
   }
 
-  /// `source` is what errors call it.
+  /// Parses a definition. Errors name `source`.
   std::optional<Error> add(const TypeName& name, std::string_view text, const std::string& source) {
     auto parsed = msg::parse(text, name);
     if (!parsed) {
@@ -249,7 +250,7 @@ class MsgReader {
     return {};
   }
 
-  /// Refers to the field.
+  /// The result refers to the field.
   static Member member_of(const msg::Field& field) {
     Member m{.name = field.name, .kind = static_cast<Kind>(field.type.kind)};
     if (field.type.is_sequence) m.shape = Shape::sequence;
@@ -266,7 +267,7 @@ class MsgReader {
   std::optional<msg::SearchPath> search_path_;
   std::map<TypeName, Definition> definitions_;
   std::map<TypeName, Made> types_;
-  std::vector<TypeName> chain_;  // of types that are being made, each in the one before
+  std::vector<TypeName> chain_;  // types that are being made; each nests the next one
 };
 
 Result<TypeName> name_of_message(std::string_view text) {

@@ -1,4 +1,4 @@
-// What is known of a packed struct (StructType::packed_bytes) without looking at its bytes.
+// Offsets in a packed struct (StructType::packed_bytes), which do not depend on its bytes.
 #pragma once
 
 #include <cstdint>

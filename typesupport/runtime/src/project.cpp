@@ -74,7 +74,7 @@ class Projection::Writer {
     return true;
   }
 
-  /// Points the staged segments into the staging buffer, which does not move any more.
+  /// Sets the pointers of the staged segments, now that the staging buffer moves no more.
   void finish() {
     close_staged();
     out_.bytes_ = to_;
@@ -118,7 +118,7 @@ class Projection::Writer {
     return true;
   }
 
-  /// `has_slot`: what follows is found by the index, not behind this.
+  /// `has_slot` is true if the index finds the next member, so that the end of this one is not needed.
   bool member(const Member& m, std::size_t leaf, bool has_slot) {
     if (m.kind == Kind::structure && m.shape == Shape::single) return structure(*m.type, leaf);
     std::uint32_t n = m.count;
@@ -209,7 +209,7 @@ class Projection::Writer {
     to_ += bytes;
   }
 
-  /// What was staged since the last segment is one.
+  /// Makes a segment of the bytes that were staged since the last one.
   void close_staged() {
     if (staged_ == closed_) return;
     out_.segments_.push_back({nullptr, staged_ - closed_});
@@ -220,10 +220,10 @@ class Projection::Writer {
   const SampleState& s_;
   const ProjectionPlan& plan_;
   const FieldMask& mask_;
-  std::uint64_t from_ = 0;  ///< in the source
-  std::uint64_t to_ = 0;    ///< in the projected body
-  std::size_t staged_ = 0;  ///< of it, in the staging buffer
-  std::size_t closed_ = 0;  ///< of that, in segments
+  std::uint64_t from_ = 0;  ///< position in the source
+  std::uint64_t to_ = 0;    ///< position in the projected body
+  std::size_t staged_ = 0;  ///< bytes in the staging buffer
+  std::size_t closed_ = 0;  ///< bytes in the staging buffer that segments contain
 };
 
 bool Projection::project(const SampleState& source, const ProjectionPlan& plan) {

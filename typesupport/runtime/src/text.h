@@ -1,4 +1,4 @@
-// Text of unknown origin: is it UTF-8, can it be shown, what may have been meant?
+// Checks for text of unknown origin, and a distance between names to suggest what the author meant.
 #pragma once
 
 #include <cstddef>
@@ -9,20 +9,21 @@ namespace sft::detail {
 
 struct CodePoint {
   std::uint32_t value = 0;
-  std::size_t bytes = 0;  ///< 0: what stands there is not UTF-8
+  std::size_t bytes = 0;  ///< 0: the text does not begin with UTF-8
 };
 
-/// The first code point of a text that is not empty. Surrogates, overlong forms and what lies beyond U+10FFFF
-/// are not UTF-8.
+/// The first code point of a text that is not empty. Surrogates, overlong forms and code points beyond
+/// U+10FFFF are no UTF-8.
 CodePoint first_code_point(std::string_view text);
 
-/// Control characters, and what is not a character: nothing to be sent to a terminal.
+/// True for control characters and for code points that are no characters, which must not be sent to a
+/// terminal.
 bool is_control(std::uint32_t code_point);
 
-/// UTF-8 without control characters.
+/// True for UTF-8 without control characters.
 bool is_printable(std::string_view text);
 
-/// Levenshtein distance: how unlike two names are.
+/// The Levenshtein distance of two names.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
 }  // namespace sft::detail

@@ -11,7 +11,7 @@ namespace sft::detail {
 
 namespace {
 
-using Bytes = std::string;  // comparable, and short ones need no memory of their own
+using Bytes = std::string;  // comparable, and short ones need no allocation
 
 void put(Bytes& out, std::uint64_t number) {
   for (; number >= 0x80; number >>= 7) out.push_back(static_cast<char>(number | 0x80));
@@ -23,7 +23,7 @@ void put(Bytes& out, std::string_view text) {
   out += text;
 }
 
-/// Descriptions of one sort of thing, each once, in the order in which they came.
+/// The descriptions of all structs, or of all enumerations, each once and in the order of their arrival.
 class Table {
  public:
   std::size_t number_of(const Bytes& entry) {
@@ -43,7 +43,7 @@ class Table {
 
 class Describer {
  public:
-  /// Number of the struct. Those that it is made of come before it.
+  /// The number of the struct. The structs that it contains have lower numbers.
   std::size_t add(const StructType& type) {
     if (const auto known = numbers_.find(&type); known != numbers_.end()) return known->second;
     Bytes out;

@@ -30,7 +30,7 @@ std::string in_collection(const Member& m, const std::string& element) {
   return "sequence<" + element + (m.bound == 0 ? "" : ", " + std::to_string(m.bound)) + ">";
 }
 
-/// A text in double quotes.
+/// The text in double quotes.
 std::string quoted(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -96,7 +96,7 @@ std::string differ(const std::string& here, const std::string& there) {
 std::string_view name_of(const Member& m) { return m.name; }
 std::string_view name_of(const Enumerator& e) { return e.name; }
 
-/// Names in order, of members as of enumerators; empty where they are the same.
+/// Compares the names of members or enumerators in their order. Returns the first difference, or nothing.
 template <class Named>
 std::string name_difference(std::span<const Named> here, std::span<const Named> there,
                             const std::string& noun) {
@@ -137,7 +137,8 @@ std::string difference(const EnumType& here, const EnumType& there) {
   return {};
 }
 
-/// Like format_type, but types that have a structure of their own are told apart by that, not by their names.
+/// Like format_type(), but without the names of structs and enumerations, which are compared by their
+/// members.
 std::string outline(const Member& m) {
   const bool has_structure = m.kind == Kind::structure || m.enumeration != nullptr;
   return in_collection(m, has_structure ? "" : element_type(m));
@@ -146,7 +147,7 @@ std::string outline(const Member& m) {
 class Comparison {
  public:
   std::string structs(const StructType& here, const StructType& there, const std::string& prefix) const {
-    // Members before the first that is named differently may differ themselves, and come first.
+    // Differences inside members come first, up to the first member whose name differs.
     for (std::size_t i = 0; i < std::min(here.members.size(), there.members.size()); ++i) {
       if (here.members[i].name != there.members[i].name) break;
       std::string found = members(here.members[i], there.members[i], prefix);
@@ -173,7 +174,7 @@ class Comparison {
     return structs(*here.type, *there.type, path + (is_collection(here) ? "[]." : "."));
   }
 
-  /// The type of a member; of an enumeration the integer as well, since that may be what differs.
+  /// The type of a member. For an enumeration, it includes the integer, which may be the difference.
   static std::string full(const Member& m) {
     return format_type(m) + (m.enumeration == nullptr ? "" : " (" + name_of(m.kind) + ")");
   }

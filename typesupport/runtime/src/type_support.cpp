@@ -68,7 +68,7 @@ Result<FieldMask> TypeSupport::find(std::string_view path) const {
   const auto found =
       std::find_if(nodes_.begin(), nodes_.end(), [&](const Node& n) { return n.path == path; });
   if (found == nodes_.end()) {
-    const std::string_view meant = path.substr(0, 255);  // of more there is no near one, only work
+    const std::string_view meant = path.substr(0, 255);  // a longer path is near to no field, and costs time
     const auto nearest = std::min_element(nodes_.begin(), nodes_.end(), [&](const Node& a, const Node& b) {
       return edit_distance(a.path, meant) < edit_distance(b.path, meant);
     });
@@ -97,7 +97,7 @@ Result<FieldMask> TypeSupport::parse_mask(std::string_view text) const {
 
 std::vector<std::string> TypeSupport::field_names(const FieldMask& mask) const {
   std::vector<std::string> names;
-  std::size_t covered = 0;  // leaves below this one are named already
+  std::size_t covered = 0;  // leaves below this number are named already
   for (const Node& node : nodes_) {
     if (node.first < covered || !mask.all_of(node.first, node.count)) continue;
     names.push_back(node.path);
@@ -119,8 +119,8 @@ FieldMask TypeSupport::closed(FieldMask mask) const {
   return mask;
 }
 
-/// As in DDS: of a member that is a key and a struct, its own key members, or all where it has none. Keys
-/// within other members mean nothing here.
+/// Adds the key fields, as DDS defines them: a key member that is a struct adds its own key members, or all
+/// members if it has no key. Keys inside other members do not count.
 void TypeSupport::add_keys(const StructType& type, std::size_t leaf, FieldMask& mask) const {
   const auto is_key = [](const Member& m) { return m.key; };
   for (const Member& m : type.members) {

@@ -8,7 +8,8 @@ namespace sft::detail {
 
 namespace {
 
-/// One pass over a body. With Check it validates contents, without it only finds where things end.
+/// Walks over a body once. With Check, it validates the contents. Without Check, it only finds the ends of
+/// members.
 template <bool Check>
 class Walker {
  public:
@@ -26,7 +27,7 @@ class Walker {
     return true;
   }
 
-  /// Walks and writes the offset of every slot to `index`, which is advanced.
+  /// Walks over a struct, and writes the offset of every slot to `index`, which it advances.
   bool indexed_structure(const StructType& type, std::size_t leaf, std::uint32_t*& index) {
     for (const Member& m : type.members) {
       if (m.kind == Kind::structure && m.shape == Shape::single) {
@@ -73,9 +74,9 @@ class Walker {
 
   bool selected_members(const StructType& type, std::size_t first_leaf) {
     const std::size_t end = first_leaf + leaf_count(type);
-    auto behind = type.first_leaves.begin();  // the member from which on is looked for the next one
+    auto behind = type.first_leaves.begin();  // the search for the next member begins here
     for (std::size_t leaf = s_.mask->next(first_leaf, end); leaf < end; leaf = s_.mask->next(leaf, end)) {
-      if (*behind != leaf - first_leaf)  // not the neighbour
+      if (*behind != leaf - first_leaf)  // the next member is not adjacent
         behind = std::upper_bound(behind, type.first_leaves.end(), leaf - first_leaf) - 1;
       const Member& m = type.members[static_cast<std::size_t>(behind - type.first_leaves.begin())];
       const std::size_t member_leaf = first_leaf + *behind++;

@@ -13,7 +13,7 @@ using namespace detail;
 
 namespace {
 
-bool is_word(std::string_view text) {  // that YAML takes for something else than a string
+bool is_word(std::string_view text) {  // true if YAML takes the text for something other than a string
   static constexpr std::array words{"null", "true", "false", "yes", "no", "on", "off", "y", "n"};
   const auto same = [&](std::string_view word) {
     return std::equal(word.begin(), word.end(), text.begin(), text.end(),
@@ -22,7 +22,7 @@ bool is_word(std::string_view text) {  // that YAML takes for something else tha
   return std::any_of(words.begin(), words.end(), same);
 }
 
-/// Text that can stand without quotes: it begins like a name, and nothing in it means anything to YAML.
+/// True for text that needs no quotes: it begins like a name, and no character in it is special to YAML.
 bool is_plain(std::string_view text) {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   const auto is_allowed = [&](char c) {
@@ -83,13 +83,13 @@ void append_float(std::string& out, F value) {
   } else {
     std::array<char, 32> buffer{};
     const auto written = std::to_chars(buffer.begin(), buffer.end(), value);
-    std::string digits(buffer.begin(), written.ptr);  // the fewest that tell it from all others
+    std::string digits(buffer.begin(), written.ptr);  // the fewest digits that identify the value
     if (digits.find('.') == std::string::npos) digits.insert(std::min(digits.find('e'), digits.size()), ".0");
     out += digits;
   }
 }
 
-/// No character is cut in two.
+/// Cuts the text to at most `most` bytes, between characters.
 std::string_view cut(std::string_view text, std::size_t most) {
   if (text.size() <= most) return text;
   while (most > 0 && (static_cast<std::uint8_t>(text[most]) & 0xc0U) == 0x80) --most;
@@ -143,8 +143,8 @@ class YamlWriter {
     out_ += '\n';
   }
 
-  /// Single letters, as coordinates are called, stand as they are: no reader of today takes them for
-  /// booleans.
+  /// Writes a member's name. Single letters, such as coordinates, get no quotes, since today's readers do not
+  /// take them for booleans.
   void name(const DynamicView& m) {
     if (m.name().size() > 1 && is_word(m.name()) && !m.has_only_size()) {
       append_quoted(out_, m.name());
@@ -177,7 +177,7 @@ class YamlWriter {
       check_length();
     }
     out_ += ']';
-    comment(m, size - std::min(size, printed));  // in shared memory a length may change
+    comment(m, size - std::min(size, printed));  // a length in shared memory may change
     out_ += '\n';
   }
 
@@ -207,7 +207,7 @@ class YamlWriter {
     out_ += "# ... " + std::to_string(size - printed) + " more\n";
   }
 
-  /// Begins a line; the first one of an element of a block has a dash in its indentation.
+  /// Begins a line. The first line of an element of a block has a dash in its indentation.
   void line(std::size_t indent) {
     check_length();
     out_.append(dash_ ? indent - 2 : indent, ' ');
