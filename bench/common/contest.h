@@ -1,5 +1,5 @@
-// Short operations, timed against each other: in turns, in batches that are long against the clock's
-// resolution. The best batch counts: whatever else the machine does only adds to a time.
+// Times short operations against each other, in turns and in batches that are long against the clock's
+// resolution. The best batch counts, since other work of the machine only adds to a time.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,8 @@
 
 namespace sft::bench {
 
-/// What an operation wrote is used, and what it reads may have changed.
+/// Tells the compiler that all memory has been read and may have changed, so that no operation is optimised
+/// away.
 inline void clobber_memory() { asm volatile("" ::: "memory"); }
 
 template <class T>
@@ -28,7 +29,7 @@ Batch batch_of(Operation operation) {
   };
 }
 
-/// Nanoseconds of one operation of each.
+/// The best time in nanoseconds of one operation of each contender.
 std::vector<double> best_times_ns(std::vector<Batch> contenders, int rounds);
 
 }  // namespace sft::bench

@@ -1,4 +1,4 @@
-// Cyclone DDS as a program uses it that has nothing else.
+// Cyclone DDS, as a program without SFT uses it.
 #pragma once
 
 #include <dds/dds.h>
@@ -8,14 +8,14 @@
 
 namespace sft::bench {
 
-/// Ends the program with a message where Cyclone DDS refused.
+/// Ends the program with a message if Cyclone DDS returned an error.
 dds_entity_t checked(dds_entity_t entity);
 
 using CycloneQos = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
-/// Volatile, and keeps the last sample only.
+/// Best effort, volatile, keep last 1.
 CycloneQos cyclone_best_effort();
 
-/// One participant in domain 0, and that domain with it.
+/// One participant in domain 0. Creates and deletes the domain, too.
 class CycloneParticipant {
  public:
   explicit CycloneParticipant(const char* config);
@@ -24,11 +24,11 @@ class CycloneParticipant {
   CycloneParticipant& operator=(const CycloneParticipant&) = delete;
 
   dds_entity_t writer(const dds_topic_descriptor_t& type, const char* topic, const dds_qos_t* qos) const;
-  /// `on_data`, if not null, gets `context`.
+  /// `on_data` may be null. It is called with `context`.
   dds_entity_t reader(const dds_topic_descriptor_t& type, const char* topic, const dds_qos_t* qos,
                       dds_on_data_available_fn on_data, void* context) const;
 
-  /// How many read what the writer writes, and how many write what the reader reads.
+  /// The number of readers that are matched with a writer, and of writers that are matched with a reader.
   static std::size_t readers(dds_entity_t writer);
   static std::size_t writers(dds_entity_t reader);
 

@@ -1,4 +1,4 @@
-// The benchmark's messages as Fast CDR reads and writes them: member by member, as its own generated code
+// Reads and writes the benchmark's messages with Fast CDR, member by member, as Fast CDR's generated code
 // does.
 #pragma once
 
@@ -65,11 +65,11 @@ void members(Io& io, nav_msgs::msg::Odometry& m) {
 
 class FastCdrStream {
  public:
-  /// The body is at least as aligned as the first byte of `memory`.
+  /// The body has at least the alignment of `memory`.
   explicit FastCdrStream(std::span<std::byte> memory)
       : buffer_(reinterpret_cast<char*>(memory.data()), memory.size()), cdr_(buffer_) {}
 
-  /// Of the body, read or written so far.
+  /// The number of bytes of the body that were read or written so far.
   std::size_t bytes() const { return cdr_.getSerializedDataLength(); }
 
  protected:

@@ -1,5 +1,5 @@
-// Fast DDS as a program uses it that has nothing else. In one header, since its own take long to compile and
-// each program includes them once.
+// Fast DDS, as a program without SFT uses it. It is one header, since Fast DDS's headers are slow to compile
+// and each program includes them in one source only.
 #pragma once
 
 #include <cstdio>
@@ -42,7 +42,7 @@ T& checked(T* entity, const char* what) {
   return *entity;
 }
 
-/// What is generated for a type, by hand.
+/// The type support of a message, which Fast DDS's generator would write.
 template <class T>
 class Type : public dds::TopicDataType {
  public:
@@ -68,7 +68,7 @@ class Type : public dds::TopicDataType {
   }
 };
 
-/// Of messages that are the same bytes in memory and on the wire.
+/// The type support of messages whose bytes in memory are those on the wire.
 template <class T>
 class PlainType : public Type<T> {
  public:
@@ -94,7 +94,8 @@ class PlainType : public Type<T> {
   }
 };
 
-/// For writers and readers: volatile, and keeps the last sample only, whose memory grows to what it takes.
+/// Makes the QoS of a writer or reader best effort, volatile and keep last 1. The memory of the sample grows
+/// as needed.
 template <class Qos>
 Qos best_effort(Qos qos) {
   qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
@@ -105,7 +106,7 @@ Qos best_effort(Qos qos) {
   return qos;
 }
 
-/// In domain 0, with that transport only.
+/// A participant in domain 0 with one transport.
 class Participant {
  public:
   template <class TransportDescriptor>
@@ -122,7 +123,7 @@ class Participant {
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
-  /// Owns `type`.
+  /// Takes ownership of `type`.
   dds::Topic& topic(const char* name, dds::TopicDataType* type) {
     const dds::TypeSupport support(type);
     support.register_type(participant_);
@@ -144,7 +145,7 @@ class Participant {
   dds::DomainParticipant* participant_ = nullptr;
 };
 
-/// How many read what the writer writes, and how many write what the reader reads.
+/// The number of readers that are matched with a writer, and of writers that are matched with a reader.
 inline std::size_t readers(const dds::DataWriter& writer) {
   dds::PublicationMatchedStatus status;
   writer.get_publication_matched_status(status);

@@ -12,7 +12,7 @@ namespace sft::bench {
 namespace {
 
 [[noreturn]] void give_up(const Error& error) {
-  std::fprintf(stderr, "the hosts cannot be made (it takes root): %s\n", error.message.c_str());
+  std::fprintf(stderr, "cannot make the hosts (run this as root): %s\n", error.message.c_str());
   std::exit(1);
 }
 

@@ -9,8 +9,8 @@
 
 namespace sft::bench {
 
-/// All threads of the node stay on the CPUs of the calling thread, which has a core of its own in most
-/// benchmarks. Without this a node's threads do not take over the CPUs of the thread that opens it
+/// Keeps all threads of the node on the CPUs of the calling thread, which has a core of its own in most
+/// benchmarks. By default, a node's threads do not inherit the CPUs of the thread that opens it
 /// (NodeThreads).
 inline NodeOptions node_options(std::string name, TransportChoice transport) {
   cpu_set_t set;

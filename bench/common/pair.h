@@ -1,5 +1,4 @@
-// Two processes, each pinned to a core, that pass something back and forth: the shape of every latency
-// measurement here.
+// Two processes, each pinned to a core, that pass messages. All measurements of latency have this form.
 #pragma once
 
 #include <atomic>
@@ -22,21 +21,21 @@ class Exchange {
  public:
   static constexpr std::size_t samples_max = 20'000;
 
-  alignas(64) std::atomic<std::uint64_t> sent{0};      ///< number of the message under way
-  alignas(64) std::atomic<std::uint64_t> received{0};  ///< number of the last one that was read
+  alignas(64) std::atomic<std::uint64_t> sent{0};      ///< number of the last message that was sent
+  alignas(64) std::atomic<std::uint64_t> received{0};  ///< number of the last message that was read
   alignas(64) std::atomic<bool> ready{false};          ///< the receiver has begun
   std::atomic<bool> failed{false};
   std::int64_t sent_at[samples_max] = {};
   std::int64_t received_at[samples_max] = {};
 
-  /// The sender: waits until the receiver has read message n; gives up after a second.
+  /// Called by the sender: waits until the receiver has read message n. False after a second.
   bool wait_for_receipt(std::uint64_t n);
-  /// The receiver: it has read message n now.
+  /// Called by the receiver when it has read message n.
   void note_receipt(std::uint64_t n);
 };
 
-/// Where each side runs, and how: `enter` is called in the process before its role (to join a namespace,
-/// say).
+/// The functions that the two processes run. Each process first calls `enter`, for example to join a
+/// namespace.
 struct Sides {
   std::function<void(Exchange&)> sender;
   std::function<void(Exchange&)> receiver;
@@ -44,15 +43,15 @@ struct Sides {
   std::function<void()> enter_receiver = [] {};
 };
 
-/// Runs both sides to their end and returns the one-way times in microseconds of the messages that were read,
-/// without the first tenth. Empty if a side failed.
+/// Runs both sides to their end, and returns the one-way times in microseconds of the messages that were
+/// read, without the first tenth. Empty if a side failed.
 std::vector<double> run_pair(const Sides& sides, std::uint64_t messages);
 
-/// Lets the receiver fall asleep between two messages, without this core going into a deep idle state.
+/// Pauses so that the receiver falls asleep between two messages. Keeps this core out of deep idle states.
 void pause_us(std::int64_t us);
-/// Leaves the core to others meanwhile.
+/// Sleeps, and leaves the core to other threads.
 void sleep_us(std::int64_t us);
-/// Looks every millisecond, for what sides that start wait for; false after 20 s.
+/// Waits until `holds` is true, which it checks every millisecond. False after 20 s.
 bool wait_until(const std::function<bool()>& holds);
 
 }  // namespace sft::bench

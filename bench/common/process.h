@@ -9,10 +9,10 @@ namespace sft::bench {
 
 void pin_to_core(int core);
 
-/// Runs it in a new process, pinned to a core, which ends with its result as exit code, when this process
-/// ends, or after five minutes, since it hangs then.
+/// Calls `run` in a new process, pinned to a core, whose exit code is the result. The process is killed when
+/// this process ends, or after five minutes, since it then hangs.
 pid_t start_on_core(int core, const std::function<int()>& run);
-/// Waits until it has ended; whether its exit code was 0.
+/// Waits until the process has ended. True if its exit code was 0.
 bool succeeds(pid_t process);
 
 }  // namespace sft::bench

@@ -10,7 +10,7 @@ Program::Program(const std::string& description, std::vector<Group> groups)
     : options_(description), groups_(std::move(groups)) {
   std::vector<std::string> names;
   for (const Group& group : groups_) names.push_back(group.name);
-  options_.add_option("--json", json_, "also write the figures to this file");
+  options_.add_option("--json", json_, "also write the figures as JSON to this file");
   options_.add_option("--only", only_, "one group")->check(CLI::IsMember(names));
 }
 
@@ -22,7 +22,7 @@ std::optional<int> Program::parse(int argc, char** argv) {
   }
   if (!json_.empty()) file_.open(json_);
   if (!file_.fail()) return std::nullopt;
-  fmt::print(stderr, "{} cannot be written\n", json_);
+  fmt::print(stderr, "cannot write {}\n", json_);
   return 1;
 }
 

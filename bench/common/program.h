@@ -1,5 +1,5 @@
-// What the programs of all benchmarks do: measure their groups of figures, or the one that is asked for,
-// print a table and write the figures to a file.
+// The main program of each benchmark: it measures its groups of figures, or a chosen one, prints a table, and
+// writes the figures to a file.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -20,14 +20,14 @@ struct Group {
 
 class Program {
  public:
-  /// `groups` are measured in this order.
+  /// Measures `groups` in this order.
   Program(const std::string& description, std::vector<Group> groups);
 
-  /// For options of the benchmark's own, beside --json and --only.
+  /// Takes the options of the benchmark, besides --json and --only.
   CLI::App& options() { return options_; }
 
-  /// The exit code, if the program is to end at once. What it is to write is opened here: a run that is
-  /// isolated has a /tmp of its own.
+  /// Returns the exit code if the program must end at once. Opens the file for the figures here, since an
+  /// isolated run has its own /tmp.
   std::optional<int> parse(int argc, char** argv);
   /// Returns the exit code.
   int run();

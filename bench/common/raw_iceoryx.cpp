@@ -12,7 +12,7 @@ namespace sft::bench {
 
 namespace {
 
-/// Joins sftd, which serves only names that begin with "sft_", before there is a port.
+/// Joins sftd before it makes a port. sftd serves only programs whose names begin with "sft_".
 iox::capro::ServiceDescription service() {
   iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kOff,
                                                            iox::log::LogLevelOutput::kHideLogLevel);

@@ -1,4 +1,4 @@
-// iceoryx as its own examples use it, on sftd's memory, in the words of transfer.h.
+// iceoryx as its own examples use it, in sftd's memory, with the interface of transfer.h.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +9,15 @@
 
 namespace sft::bench {
 
-/// REQUIRES: sftd runs, which what begins with our own side has seen to; one of these in a process.
+/// REQUIRES: sftd runs, as it does after a contest has run SFT's side; the process has no other writer of
+/// this class.
 class RawIceoryxWriter {
  public:
-  /// `bytes` is the size of its messages, at least 16.
+  /// `bytes` is the size of the messages, at least 16.
   explicit RawIceoryxWriter(std::uint32_t bytes);
 
-  /// At least one: iceoryx does not say how many, but each reader knows its part.
+  /// True for at least one reader, since iceoryx does not say how many there are. Each reader knows its own
+  /// state.
   bool serves(std::size_t) const { return publisher_.hasSubscribers(); }
   void prepare(std::uint64_t number);
   void publish() { publisher_.publish(chunk_); }

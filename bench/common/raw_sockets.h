@@ -1,4 +1,4 @@
-// The reference for small samples over UDP: two processes with a socket each.
+// The reference for small samples over UDP: two processes with one socket each.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace sft::bench {
 
-/// Half round trips in microseconds, with blocking sockets, or with both sides asking theirs again and again.
-/// So long after one has come back the next one goes.
+/// Half round trips in microseconds. Both sides block in their socket, or poll it in a loop. The next
+/// datagram is sent `pause_us` after the last one has come back.
 std::vector<double> raw_socket_ping_pong(std::uint64_t messages, std::size_t bytes, Reading reading,
                                          const TwoHosts& hosts, std::int64_t pause_us = 0);
 

@@ -1,4 +1,4 @@
-// What a benchmark found: a table for people and, if asked for, JSON for programs.
+// The results of a benchmark, as a table for people and as JSON for programs.
 #pragma once
 
 #include <iosfwd>
@@ -14,9 +14,9 @@ struct Figure {
   std::string unit;
   std::optional<double> reference{};  ///< measured in the same run, same unit
   std::string reference_name{};
-  std::optional<double> bound{};   ///< of the ratio, or of the value where there is no reference
-  bool bound_is_of_value = false;  ///< although there is one
-  bool at_least = false;           ///< the bound; otherwise at most
+  std::optional<double> bound{};   ///< for the ratio, or for the value if there is no reference
+  bool bound_is_of_value = false;  ///< the bound is for the value, although there is a reference
+  bool at_least = false;           ///< the bound is a minimum, and no maximum
 
   double measure() const { return reference ? value / *reference : value; }
   bool within_bound() const {
@@ -28,7 +28,7 @@ struct Figure {
 
 void print_table(const std::vector<Figure>& figures);
 
-/// A list of {"name", "value", "unit", "reference", "ratio"}.
+/// Writes a list of {"name", "value", "unit", "reference", "ratio"}.
 void write_json(std::ostream& out, const std::vector<Figure>& figures);
 
 }  // namespace sft::bench

@@ -1,4 +1,4 @@
-// Point clouds in shared memory with SFT, in the words of transfer.h.
+// Point clouds in shared memory with SFT, with the interface of transfer.h.
 #pragma once
 
 #include <sft/sft.h>
@@ -9,7 +9,7 @@
 
 namespace sft::bench {
 
-/// Of loans, whose data is left as it is.
+/// Publishes loans. Does not write the data of a cloud.
 class SftLoanWriter {
  public:
   explicit SftLoanWriter(std::uint32_t data_bytes);
@@ -26,7 +26,7 @@ class SftLoanWriter {
   std::optional<Loan<sensor_msgs::msg::PointCloud2>> loan_;
 };
 
-/// Of a message in the program's own memory.
+/// Publishes a message in the program's own memory.
 class SftOwnedWriter {
  public:
   explicit SftOwnedWriter(std::uint32_t data_bytes);
@@ -41,7 +41,7 @@ class SftOwnedWriter {
   sensor_msgs::msg::PointCloud2 cloud_;
 };
 
-/// Reads height and width.
+/// Reads the height and width of a cloud.
 class SftReader {
   using F = sensor_msgs::msg::PointCloud2::Field;
 

@@ -1,4 +1,4 @@
-// A value that this process and those that it forks from then on have in common.
+// A value that this process shares with the processes that it forks later.
 #pragma once
 
 #include <sys/mman.h>
@@ -7,7 +7,7 @@
 
 namespace sft::bench {
 
-/// `T` is of plain numbers and atomics; it is value-initialized.
+/// `T` consists of plain numbers and atomics. The value is value-initialized.
 template <class T>
 class Shared {
  public:

@@ -1,14 +1,14 @@
-// Messages from a process to another one on the same host, one after the other, in the words of any
-// contender:
+// Passes messages from one process to another one on the same host, one after the other. Each contender has
+// the same interface:
 //
-//   Writer   serves(readers)   whether so many get what is published from now on
-//            prepare(number)   the next message, up to where it can be handed over
-//            publish()         hands it over
-//   Reader   wait()            until there is something to take
-//            take()            the number of the next message, after reading it, or 0
-//            writers()         how many it gets messages from
+//   Writer   serves(readers)   true if so many readers get what is published from now on
+//            prepare(number)   makes the next message, so that publish() can hand it over
+//            publish()         hands the message over
+//   Reader   wait()            waits until there is a message to take
+//            take()            reads the next message and returns its number; 0: there is none
+//            writers()         the number of writers that it is connected to
 //
-// Readers that are called by a thread of their library's are made with an Arrived, and have only writers().
+// Readers that a thread of their library calls are made with an Arrived, and have only writers().
 #pragma once
 
 #include "bench/common/pair.h"
@@ -23,7 +23,7 @@ struct Transfer {
   bool preparing_counts = false;
 };
 
-/// Microseconds; enough for the reader to fall asleep, if it does.
+/// The pause in microseconds in which a reader that sleeps falls asleep.
 constexpr std::int64_t pause_between(Reading reading) { return reading == Reading::sleeping ? 150 : 5; }
 
 template <class Writer>
@@ -49,7 +49,7 @@ void receive_each(Exchange& exchange, const Transfer& transfer, Reader& reader) 
   }
 }
 
-/// Told the number of each message after it was read.
+/// Called with the number of each message after it was read.
 using Arrived = std::function<void(std::uint64_t)>;
 
 template <class CalledReader>
@@ -60,7 +60,7 @@ void be_called(Exchange& exchange, const Transfer& transfer) {
   while (exchange.received.load() < transfer.messages && !exchange.failed.load()) sleep_us(10'000);
 }
 
-/// One-way times in microseconds. The arguments are those of the writer's constructor.
+/// One-way times in microseconds. `arguments` are for the writer's constructor.
 template <class Writer, class Reader, class... Arguments>
 std::vector<double> transfer_times(const Transfer& transfer, const Arguments&... arguments) {
   return run_pair({.sender =

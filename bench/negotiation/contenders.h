@@ -1,4 +1,5 @@
-// A program with SFT and one with Cyclone DDS alone, in the same words, so that each question is put to both.
+// A program with SFT and one with Cyclone DDS alone. Both have the same interface, so that each group
+// measures both.
 #pragma once
 
 #include <sft/sft.h>
@@ -11,7 +12,7 @@
 
 namespace sft::bench {
 
-/// What a reader who comes late is given: what is sent from then on, or what was sent last as well.
+/// The samples that a late reader gets: those that are sent from then on, or the last one before as well.
 enum class Late { nothing, last_sample };
 
 class SftProgram {
@@ -37,7 +38,7 @@ class SftProgram {
         : subscriber_(
               program.node_.subscriber<Message, F::height | F::width>(topic, {.durability = durability(late)})
                   .value()) {}
-    /// Until a sample has come; false after five seconds.
+    /// Waits until a sample has come. False after five seconds.
     bool wait() { return subscriber_.wait(std::chrono::seconds(5)); }
 
    private:

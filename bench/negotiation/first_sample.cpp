@@ -1,6 +1,6 @@
-// How soon the first sample comes, from a publisher on another host, by UDP: to a node that starts, and to a
-// subscriber of a node that has long been known. Where nothing is kept for late readers the publisher
-// publishes ten thousand times a second, so that waiting for the next sample does not count.
+// Measures how soon the first sample of a publisher on another host comes by UDP: to a node that starts, and
+// to a new subscriber of a node that the publisher's node knows. If nothing is kept for late readers, the
+// publisher publishes ten thousand times a second, so that waiting for the next sample does not count.
 #include "bench/common/hosts.h"
 #include "bench/common/statistics.h"
 #include "bench/negotiation/contenders.h"
@@ -12,12 +12,12 @@ namespace {
 
 constexpr const char* topic = "points";
 constexpr std::int64_t period_us = 100;
-constexpr std::int64_t settled_us = 100'000;  // nothing is said of the last change any more
+constexpr std::int64_t settled_us = 100'000;  // the control traffic of the last change is over
 
-/// Whether the publisher's node starts at the same moment or has been there for a while.
+/// The publisher's node starts at the same moment, or has been running for a while.
 enum class Publisher { starts_too, runs };
 
-/// Both sides go on at the same moment.
+/// Waits for the receiver, so that both sides go on at the same moment.
 void meet_receiver(Exchange& exchange) {
   while (!exchange.ready.load()) {
   }
@@ -60,7 +60,7 @@ void read_as_new_node(Exchange& exchange) {
   exchange.received = 1;
 }
 
-/// Milliseconds, of one start of new processes.
+/// Starts new processes once, and adds the time to the first sample in milliseconds.
 template <class Program>
 void start(const TwoHosts& hosts, Publisher publisher, std::vector<double>& ms) {
   const auto us = run_pair(hosts.sides([=](Exchange& e) { publish_to_new_node<Program>(e, publisher); },
@@ -69,7 +69,7 @@ void start(const TwoHosts& hosts, Publisher publisher, std::vector<double>& ms) 
   for (const double time : us) ms.push_back(time / 1000);
 }
 
-/// Tells, in Exchange::sent, whether somebody reads the topic.
+/// Publishes to late readers. Reports in Exchange::sent whether there is a reader.
 template <class Program>
 void publish_to_late_readers(Exchange& exchange, Late late, std::uint64_t readers) {
   Program program;

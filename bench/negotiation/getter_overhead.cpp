@@ -1,4 +1,4 @@
-// What noting that a field was read adds to its getter, and what there is to do once for each sample.
+// Measures how much the recording of fields adds to a getter, and how much it costs once for each sample.
 #include <algorithm>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
@@ -22,7 +22,7 @@ using core::Recorder;
 using sensor_msgs::msg::PointCloud2;
 using visualization_msgs::msg::InteractiveMarker;
 
-/// One message in its encoded form, as a reader gets it again and again.
+/// One encoded message, which a reader gets again and again.
 template <class T>
 class Samples {
  public:
@@ -50,7 +50,7 @@ class Samples {
   core::SampleHandle buffer_;
 };
 
-/// A getter where its field is declared, and where it is recorded and was read before.
+/// Getters of a declared field, and of a recorded field that was read before.
 class Getters {
  public:
   explicit Getters(int rounds) : rounds_(rounds) {}
@@ -82,8 +82,8 @@ class Getters {
   double worst_ns_ = 0;
 };
 
-/// A sample in which eight leaves are read once: what it takes to note and count them, and what is to do even
-/// if nothing is read.
+/// Measures a sample in which eight leaves are read once: the time to record and count them, and the time
+/// that a sample without any read takes.
 template <class T, class Read>
 std::vector<Figure> once_in_a_sample(const std::string& name, const T& message, int rounds, Read read_eight) {
   Samples<T> samples(message);

@@ -1,5 +1,5 @@
-// The negotiation in figures: how soon a reader gets what it asks for, and what that costs its publisher.
-// What takes two hosts runs in network namespaces, each side on a core of its own.
+// Measures the negotiation: how soon a reader gets what it asks for, and how much that costs its publisher.
+// Two hosts are two network namespaces, each side on its own core.
 #include "bench/common/program.h"
 #include "bench/negotiation/negotiation.h"
 #include "tests/support/isolated_host.h"
@@ -17,9 +17,11 @@ int main(int argc, char** argv) {
                       {"memory", [] { return node_anonymous_memory(); }},
                   });
   program.options()
-      .add_option("--messages", scale.messages, "per round and contender")
+      .add_option("--messages", scale.messages, "messages per round and contender")
       ->check(CLI::Range(100, 20'000));
-  program.options().add_option("--rounds", scale.rounds, "of each contender")->check(CLI::Range(1, 100));
+  program.options()
+      .add_option("--rounds", scale.rounds, "rounds of each contender")
+      ->check(CLI::Range(1, 100));
   if (const auto code = program.parse(argc, argv)) return *code;
   return sft::test::run_isolated([&] { return program.run(); });
 }

@@ -1,5 +1,6 @@
-// What 64 readers on another host cost the thread that publishes, if each asks for other fields: the time
-// until publish() returns, of a large sample that nothing else is being sent of, and what is allocated.
+// Measures how much 64 readers on another host cost the publishing thread if each asks for other fields: the
+// time until publish() of a large sample returns while no other sample is being sent, and the number of
+// allocations.
 #include <sft/sft.h>
 #include <numeric>
 #include <sensor_msgs/msg/PointCloud2.hpp>
@@ -19,12 +20,12 @@ using sensor_msgs::msg::PointCloud2;
 
 constexpr std::size_t readers = 64;
 constexpr std::size_t data_bytes = 1'660'000;
-constexpr std::size_t cache_bytes = 64 << 20;  // more than any level has
+constexpr std::size_t cache_bytes = 64 << 20;  // more than any level of cache
 
-/// The fields that the reader of that number asks for.
+/// The fields that a reader asks for, by its number.
 using Fields = std::string (*)(std::size_t);
 
-/// A set of small fields for each number below 64.
+/// A different set of small fields for each number below 64.
 std::string small_fields(std::size_t number) {
   std::string fields;
   for (const char* name : {"height", "width", "is_bigendian", "point_step", "row_step", "is_dense"}) {
@@ -36,7 +37,7 @@ std::string small_fields(std::size_t number) {
 
 std::string own_fields_and_data(std::size_t number) { return "data" + small_fields(number); }
 std::string equal_fields_and_data(std::size_t) { return own_fields_and_data(readers - 1); }
-/// A display, a recorder, a planner want the data; 60 monitors do not.
+/// Four readers, such as a display, a recorder and a planner, want the data; 60 monitors do not.
 std::string mostly_small_fields(std::size_t number) {
   return number < 4 ? own_fields_and_data(number) : "header.frame_id" + small_fields(number);
 }
@@ -47,7 +48,7 @@ bool all_served(const PublisherStatus& status) {
   return status.readers.size() == readers && std::ranges::all_of(status.readers, &ReaderStatus::served);
 }
 
-/// Until each has had the sample, or nothing more comes: UDP may lose some.
+/// Waits until each reader has the sample, or until no more come, since UDP may lose some.
 void wait_for_readers(Exchange& exchange) {
   std::uint64_t before = 0;
   for (int quiet = 0; before < readers && quiet < 100; ++quiet) {
@@ -58,14 +59,15 @@ void wait_for_readers(Exchange& exchange) {
   }
 }
 
-/// The variants of the last sample were so many bytes that nothing of the next one is in the caches: it must
-/// not be either where there was one variant.
+/// Clears the caches. The variants of 64 masks have so many bytes that they do so, too, and one variant must
+/// not have an advantage.
 std::uint64_t clear_caches(const std::vector<std::uint64_t>& larger_than_caches) {
   return std::accumulate(larger_than_caches.begin(), larger_than_caches.end(), std::uint64_t{0});
 }
 
-/// What is allocated for a sample, in all threads, once buffers have grown: of the last half, the median,
-/// because now and then falls together with a sample what the node does without any (its signs of life).
+/// Publishes, and counts the allocations of a sample in all threads once buffers have grown. The median of
+/// the last half counts, because allocations of a node without samples (its signs of life) fall into some
+/// samples.
 void publish(Exchange& exchange, std::uint64_t samples, double& allocations) {
   Node node = Node::open(options("publisher")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();
@@ -78,7 +80,7 @@ void publish(Exchange& exchange, std::uint64_t samples, double& allocations) {
   for (std::uint64_t i = 0; i < samples && !exchange.failed.load(); ++i) {
     exchange.received = 0;
     exchange.failed = clear_caches(rubbish) == 0;
-    sleep_us(2000);  // or the scheduler would give the core to the sending thread at once
+    sleep_us(2000);  // without a pause, the scheduler would give the core to the sending thread at once
     const std::uint64_t before = test::process_allocations();
     exchange.sent_at[i] = now_ns();
     publisher.publish(cloud);

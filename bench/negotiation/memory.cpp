@@ -1,5 +1,5 @@
-// What a node keeps for itself: anonymous memory, as the kernel counts it, beyond that of Cyclone DDS with as
-// many entities. Samples in shared memory are not in it, those that lie in the node's own pool are.
+// Measures the memory of a node: anonymous memory, as the kernel counts it, beyond that of Cyclone DDS with
+// as many entities. It contains samples in the node's own pool, but none in shared memory.
 #include <sft/sft.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -27,7 +27,7 @@ constexpr std::size_t topics = 10;
 constexpr int samples = 100;  // on each topic
 constexpr int control_topics = 3;
 
-/// Of this process, in MB.
+/// The anonymous memory of this process in MB.
 double anonymous_memory() {
   std::ifstream map("/proc/self/smaps_rollup");
   for (std::string line; std::getline(map, line);) {
@@ -36,7 +36,8 @@ double anonymous_memory() {
   return 0;
 }
 
-/// Runs it in a new process; returns by how much the anonymous memory was more then than at first.
+/// Calls `run` in a new process. Returns by how much its anonymous memory has grown when `run` calls
+/// `measure`.
 double in_new_process(const std::function<void(const std::function<void()>& measure)>& run) {
   const Shared<double> result;
   const pid_t child = fork();
@@ -50,7 +51,7 @@ double in_new_process(const std::function<void(const std::function<void()>& meas
   return *result;
 }
 
-/// A publisher and a subscriber of each topic, which have exchanged samples.
+/// Opens a publisher and a subscriber of each topic, and exchanges samples.
 void open_node(TransportChoice transport, const std::function<void()>& measure) {
   Node node = Node::open({.name = "node", .transport = transport}).value();
   std::vector<Publisher<Imu>> publishers;

@@ -1,4 +1,4 @@
-// The references: Cyclone DDS alone, in a domain with our configuration, with messages of the size of a
+// The reference: Cyclone DDS alone, in a domain with SFT's configuration, and with messages of the size of a
 // request.
 #pragma once
 
@@ -10,17 +10,17 @@
 
 namespace sft::bench {
 
-/// One participant, and the domain with it.
+/// One participant, and its domain.
 class RawCyclone {
  public:
   enum class Delivery {
     best_effort,  ///< volatile
-    last_value,   ///< reliable, transient-local, keep-last 1: as control topics
+    last_value,   ///< reliable, transient-local, keep-last 1, as control topics are
   };
-  /// Told the number of each message, on a thread of Cyclone's.
+  /// Called with the number of each message, on a thread of Cyclone DDS.
   using Arrived = std::function<void(std::uint64_t)>;
 
-  /// Ends the program with a message where Cyclone refuses.
+  /// Ends the program with a message if Cyclone DDS returns an error.
   RawCyclone();
 
   dds_entity_t writer(const std::string& topic, Delivery delivery);
@@ -28,7 +28,7 @@ class RawCyclone {
   dds_entity_t reader(const std::string& topic, Delivery delivery, const Arrived& arrived);
 
   static void write(dds_entity_t writer, std::uint64_t number);
-  /// How many read what the writer writes.
+  /// The number of readers that are matched with the writer.
   static std::size_t readers(dds_entity_t writer) { return CycloneParticipant::readers(writer); }
 
  private:

@@ -1,5 +1,5 @@
-// How long after the getter that meets an absent field its publisher, on another host, has applied the new
-// mask.
+// Measures the time from the getter that meets an absent field until the publisher on another host has
+// applied the new mask.
 #include <sft/sft.h>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
@@ -20,7 +20,7 @@ constexpr std::int64_t patience_ns = 1'000'000'000;
 
 NodeOptions options(const char* name) { return node_options(name, TransportChoice::udp); }
 
-/// Publishes a thousand times a second and notes when `height` is asked for.
+/// Publishes a thousand times a second, and records when a reader asks for `height`.
 void publish(Exchange& exchange, std::uint64_t messages) {
   const FieldMask wanted = FieldMask(F::height);
   const auto note = [&](const PublisherStatus& status) {
@@ -40,7 +40,8 @@ void publish(Exchange& exchange, std::uint64_t messages) {
   }
 }
 
-/// Reads `height` whenever it has stopped asking for it and gets samples without, until it is asked for.
+/// Whenever the subscriber has given up `height` and gets samples without it, reads `height` until the node
+/// asks for it.
 void subscribe(Exchange& exchange, std::uint64_t messages) {
   const FieldMask wanted = FieldMask(F::height);
   Node node = Node::open(options("subscriber")).value();
@@ -53,8 +54,8 @@ void subscribe(Exchange& exchange, std::uint64_t messages) {
     if (!sample) continue;
     (void)sample->width();
     const std::uint64_t n = exchange.received.load();
-    if (exchange.sent.load() > n) {  // under way
-      (void)sample->height();        // or it may be given up again before a busy machine comes to ask for it
+    if (exchange.sent.load() > n) {  // the request has arrived
+      (void)sample->height();        // on a busy machine, the field might be given up again before
       exchange.failed = now_ns() > exchange.sent_at[n] + patience_ns;
     } else if (n < messages && !sample.mask().contains(wanted) &&
                !subscriber.status().mask.contains(wanted)) {
@@ -65,7 +66,8 @@ void subscribe(Exchange& exchange, std::uint64_t messages) {
   }
 }
 
-/// From one thread of a program to another one's: Cyclone alone, with what a request is sent by.
+/// The reference: Cyclone DDS alone, from a thread of one program to a thread of another one, with the QoS of
+/// requests.
 void write(Exchange& exchange, std::uint64_t messages) {
   RawCyclone cyclone;
   const dds_entity_t writer = cyclone.writer("requests", RawCyclone::Delivery::last_value);

@@ -1,4 +1,4 @@
-// What hostile programs and mishaps cost beyond their own time: see tests/hostile.
+// Measures for how long hostile programs and mishaps disturb others after their end; see tests/hostile.
 #include "bench/common/program.h"
 #include "bench/recovery/recovery.h"
 #include "tests/support/isolated_host.h"
@@ -8,9 +8,10 @@ int main(int argc, char** argv) {
   RecoveryScale scale;
   Program program("Time from the end of a hostile act until every pair is served as before",
                   {{"recovery", [&] { return recovery_after_each_act(scale); }}});
-  program.options().add_option("--rounds", scale.rounds, "of each act")->check(CLI::Range(1, 1000));
-  program.options().add_option("--act", scale.act, "only this one: hostile_actor --list names them");
-  program.options().add_option("--seed", scale.seed, "of all random numbers");
+  program.options().add_option("--rounds", scale.rounds, "rounds of each act")->check(CLI::Range(1, 1000));
+  program.options().add_option("--act", scale.act,
+                               "perform this act only; hostile_actor --list names the acts");
+  program.options().add_option("--seed", scale.seed, "the seed of all random numbers");
   if (const auto code = program.parse(argc, argv)) return *code;
   return sft::test::run_isolated([&] { return program.run(); });
 }

@@ -21,12 +21,12 @@ using Times = std::vector<double>;
 constexpr double worst_ms_max = 1000;
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
-/// Honest programs that live on from act to act, until one of them does not.
+/// Honest programs, which run from act to act until one of them ends.
 class Lives {
  public:
   explicit Lives(unsigned long seed) : seed_(seed) {}
 
-  /// Milliseconds; not a number if not all pairs were served again.
+  /// The time of recovery in milliseconds; not a number if not all pairs were served again.
   double recovery(const Entry& entry, std::chrono::milliseconds length) {
     const hostile::Outcome outcome = stage().perform(entry, Moment::after_they_started, length);
     for (const std::string& complaint : outcome.complaints)
@@ -51,7 +51,7 @@ class Lives {
   std::unique_ptr<Stage> stage_;
 };
 
-/// A round without an end is the worst there is.
+/// The longest time; not a number, which is the worst, if a round did not end.
 double worst_of(const Times& times) {
   const bool all_ended = std::ranges::none_of(times, [](double time) { return time != time; });
   return all_ended ? *std::ranges::max_element(times) : never;

@@ -1,5 +1,5 @@
-// A 6.3 MB cloud from one program to another one, which sleeps until it comes: with SFT, and with what others
-// have for it in shared memory.
+// Measures a 6.3 MB cloud from one program to another one, which sleeps until the cloud comes: with SFT, and
+// with the shared memory of other middleware.
 #include <algorithm>
 
 #include "bench/common/sft_cloud.h"
@@ -13,9 +13,9 @@ namespace sft::bench {
 
 namespace {
 
-constexpr double loan_bound = 1. / 10;   // of the standard message of others
-constexpr double fixed_bound = 1. / 3;   // of their loans of fixed size
-constexpr double owned_bound = 1 / 1.5;  // of the standard message of others
+constexpr double loan_bound = 1. / 10;   // times the standard message of others
+constexpr double fixed_bound = 1. / 3;   // times their loans of fixed size
+constexpr double owned_bound = 1 / 1.5;  // times the standard message of others
 
 }  // namespace
 

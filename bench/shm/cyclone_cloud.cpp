@@ -95,14 +95,14 @@ class FixedWriter : public Writer {
   Fixed* loan_ = nullptr;
 };
 
-/// Takes into memory of its own again and again, so that nothing is allocated.
+/// Takes every sample into the same memory, so that nothing is allocated.
 template <class T>
 class Reader {
  public:
   explicit Reader(Arrived arrived)
       : arrived_(std::move(arrived)),
         reader_(participant_.reader(descriptor<T>(), topic, cyclone_best_effort().get(), take, this)) {}
-  ~Reader() { dds_delete(reader_); }  // before what it calls
+  ~Reader() { dds_delete(reader_); }  // ends its callbacks before the members are destroyed
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 

@@ -1,5 +1,5 @@
-// Clouds with Cyclone DDS over iceoryx. Its reader is called by the thread that sleeps until something comes,
-// without the detour over a waitset.
+// Clouds with Cyclone DDS over iceoryx. The thread that sleeps until a sample comes calls the reader
+// directly, without a waitset.
 #pragma once
 
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace sft::bench {
 
-// One-way times in microseconds, until height and width are read.
+// All functions return one-way times in microseconds, until height and width are read.
 
 /// The standard message, which is serialized into shared memory.
 std::vector<double> cyclone_standard(const Transfer& transfer, const Roudi& roudi);
-/// A loan of a message of fixed size, which is not.
+/// A loan of a message of fixed size, which is not serialized.
 std::vector<double> cyclone_fixed(const Transfer& transfer, const Roudi& roudi);
 
 }  // namespace sft::bench

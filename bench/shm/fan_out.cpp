@@ -1,5 +1,6 @@
-// Eight programs that sleep until the same message comes. The writer has one core, the readers share the
-// other one; meanwhile the writer sleeps, so that what wakes readers for it has a core, too.
+// Measures eight programs that sleep until the same message comes. The writer has one core, and the readers
+// share the other one. The writer sleeps after publish(), so that a thread that wakes readers for it has a
+// core, too.
 #include <csignal>
 #include <vector>
 
@@ -16,12 +17,12 @@ namespace sft::bench {
 namespace {
 
 constexpr std::uint64_t readers = 8;
-constexpr std::int64_t asleep_us = 300;  // after so long all readers are
+constexpr std::int64_t asleep_us = 300;  // all readers sleep after this time
 constexpr std::int64_t patience_ns = 1'000'000'000;
 
 struct Board {
   std::atomic<std::uint64_t> ready{0};  ///< readers that have begun
-  std::atomic<std::uint64_t> read{0};   ///< messages, by all readers together
+  std::atomic<std::uint64_t> read{0};   ///< messages that all readers together have read
   std::int64_t sent_at[Exchange::samples_max] = {};
   std::int64_t returned_at[Exchange::samples_max] = {};
   std::atomic<std::int64_t> last_read_at[Exchange::samples_max] = {};

@@ -22,14 +22,14 @@ struct Fixed {
   std::uint8_t data[sent_cloud_bytes];
 };
 
-// The best of what was tried, from pieces of 64 KB to the whole cloud in one: while a piece is read the next
-// one is written.
+// The best of all sizes that were tried, from pieces of 64 KB to the whole cloud: Fast DDS writes a piece
+// while the reader reads the one before.
 constexpr std::uint32_t message_bytes_max = 1'000'000;
 constexpr std::uint32_t segment_bytes = 20'000'000;
 
 class StandardType : public fast::Type<Standard> {
  public:
-  // Memory grows to what a message takes, once.
+  // The memory grows once to the size of a message.
   StandardType() : Type("sensor_msgs::msg::dds_::PointCloud2_", 1024) {}
 
   bool serialize(void* data, rtps::SerializedPayload_t* payload) override {
@@ -120,7 +120,7 @@ class Reader : private dds::DataReaderListener {
   dds::DataReader& reader_;
 };
 
-/// Deserializes into the same memory again and again.
+/// Deserializes every sample into the same memory.
 class StandardReader : public Reader {
  public:
   explicit StandardReader(Arrived arrived) : Reader(new StandardType, std::move(arrived)) {}
@@ -136,7 +136,7 @@ class StandardReader : public Reader {
   Standard cloud_;
 };
 
-/// Reads in place.
+/// Reads samples in place.
 class FixedReader : public Reader {
  public:
   explicit FixedReader(Arrived arrived) : Reader(new FixedType(fixed_type), std::move(arrived)) {}

@@ -1,5 +1,5 @@
-// Clouds with Fast DDS in shared memory. Its reader is called by the thread that sleeps until something
-// comes, without the detour over a waitset.
+// Clouds with Fast DDS in shared memory. The thread that sleeps until a sample comes calls the reader
+// directly, without a waitset.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,11 @@
 
 namespace sft::bench {
 
-// One-way times in microseconds, until height and width are read.
+// All functions return one-way times in microseconds, until height and width are read.
 
 /// The standard message by the shared-memory transport.
 std::vector<double> fast_dds_standard(const Transfer& transfer);
-/// A loan of a message of fixed size by data sharing, where readers see the writer's memory.
+/// A loan of a message of fixed size by data sharing, in which readers see the writer's memory.
 std::vector<double> fast_dds_fixed(const Transfer& transfer);
 
 }  // namespace sft::bench

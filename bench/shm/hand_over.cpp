@@ -1,4 +1,4 @@
-// From one process to another one, which waits in each of the two ways.
+// Measures the way from one process to another one, which spins or sleeps while it waits.
 #include "bench/common/raw_iceoryx.h"
 #include "bench/common/sft_cloud.h"
 #include "bench/common/statistics.h"

@@ -1,5 +1,5 @@
-// What a node costs that waits: processor time of the whole process, whose subscriber has a publisher in
-// another program.
+// Measures the cost of a waiting node: the processor time of the whole process, whose subscriber has a
+// publisher in another program.
 #include <ctime>
 
 #include "bench/common/pair.h"
@@ -12,7 +12,7 @@ namespace sft::bench {
 namespace {
 
 constexpr double allowed_percent = 0.5;
-constexpr std::int64_t settling_us = 2'000'000;  // until the traffic of joining is over
+constexpr std::int64_t settling_us = 2'000'000;  // the traffic of joining is over after this time
 
 double cpu_s() {
   timespec time{};
@@ -34,7 +34,7 @@ double percent_while_waiting(Exchange& exchange, double seconds) {
   const std::int64_t begin = now_ns();
   const std::int64_t end = begin + static_cast<std::int64_t>(seconds * 1e9);
   const double cpu_before = cpu_s();
-  while (now_ns() < end) reader.wait();  // for a second each time
+  while (now_ns() < end) reader.wait();  // waits for at most a second
   const double percent = (cpu_s() - cpu_before) / (static_cast<double>(now_ns() - begin) / 1e9) * 100;
   exchange.received = 1;
   return percent;

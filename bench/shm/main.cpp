@@ -1,5 +1,5 @@
-// Shared memory in figures: latency, fan-out, and what waiting costs. Every side is pinned to a core, and the
-// references run in turns with ours, with messages of the same size.
+// Measures shared memory: latency, fan-out, and the cost of waiting. Every side is pinned to a core. The
+// references run in turns with SFT, with messages of the same size.
 #include "bench/common/pair.h"
 #include "bench/common/program.h"
 #include "bench/shm/shm.h"
@@ -15,11 +15,13 @@ int main(int argc, char** argv) {
                    {"size_flatness", [&] { return size_flatness(scale); }},
                    {"idle_cpu", [&] { return idle_cpu(scale); }}});
   program.options()
-      .add_option("--messages", scale.messages, "per round and contender")
+      .add_option("--messages", scale.messages, "messages per round and contender")
       ->check(CLI::Range(std::size_t{100}, Exchange::samples_max));
-  program.options().add_option("--rounds", scale.rounds, "of each contender")->check(CLI::Range(1, 100));
   program.options()
-      .add_option("--idle-seconds", scale.idle_s, "for which a waiting node is watched")
+      .add_option("--rounds", scale.rounds, "rounds of each contender")
+      ->check(CLI::Range(1, 100));
+  program.options()
+      .add_option("--idle-seconds", scale.idle_s, "seconds for which a waiting node is measured")
       ->check(CLI::Range(0.1, 100.));
   if (const auto code = program.parse(argc, argv)) return *code;
   return sft::test::run_isolated([&] { return program.run(); });

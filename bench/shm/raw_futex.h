@@ -1,4 +1,4 @@
-// The least that waking a process takes: a word in shared memory and the system call.
+// The least time to wake a process: a word in shared memory and the system call.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace sft::bench {
 
-/// One-way times in microseconds; the reader sleeps whatever the transfer says.
+/// One-way times in microseconds. The reader always sleeps, whatever `transfer` says.
 std::vector<double> raw_futex_times(const Transfer& transfer);
 
 }  // namespace sft::bench

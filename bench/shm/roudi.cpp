@@ -40,7 +40,8 @@ int serve(std::atomic<bool>& serving) {
   if (unshare(CLONE_NEWNS) != 0 || !test::mount_own_memory()) return 1;
   iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kError,
                                                            iox::log::LogLevelOutput::kHideLogLevel);
-  for (std::ostream* words : {&std::cout, &std::clog}) words->setstate(std::ios::failbit);  // greets
+  for (std::ostream* words : {&std::cout, &std::clog})
+    words->setstate(std::ios::failbit);  // hides iceoryx's greeting
   const auto components = std::make_unique<iox::roudi::IceOryxRouDiComponents>(config());
   constexpr bool kill_programs_at_exit = false;
   const iox::roudi::RouDi roudi(components->rouDiMemoryManager, components->portManager,
@@ -50,7 +51,7 @@ int serve(std::atomic<bool>& serving) {
 }
 
 [[noreturn]] void give_up(const char* what) {
-  std::fprintf(stderr, "iceoryx's daemon for Cyclone DDS: %s (it takes root or user namespaces)\n", what);
+  std::fprintf(stderr, "iceoryx's daemon for Cyclone DDS: %s (root or user namespaces are needed)\n", what);
   std::exit(1);
 }
 
@@ -66,12 +67,12 @@ Roudi::Roudi() {
     sleep_us(10'000);
   }
   mounts_ = open(("/proc/" + std::to_string(process_) + "/ns/mnt").c_str(), O_RDONLY | O_CLOEXEC);
-  if (mounts_ < 0) give_up("its namespace cannot be opened");
+  if (mounts_ < 0) give_up("cannot open its namespace");
 }
 
 Roudi::~Roudi() {
   close(mounts_);
-  kill(process_, SIGKILL);  // its memory goes with its namespace
+  kill(process_, SIGKILL);  // the kernel frees its memory with its namespace
   succeeds(process_);
 }
 

@@ -1,5 +1,5 @@
-// iceoryx's own daemon, which Cyclone DDS needs (sftd serves programs of SFT only), with a /dev/shm and a
-// /tmp of its own, so that the two do not meet.
+// iceoryx's own daemon, which Cyclone DDS needs, since sftd serves programs of SFT only. It has its own
+// /dev/shm and /tmp, so that it does not meet sftd.
 #pragma once
 
 #include <sys/types.h>
@@ -8,14 +8,14 @@ namespace sft::bench {
 
 class Roudi {
  public:
-  /// Returns once it serves; ends the program with a message if that fails. REQUIRES: the program is
-  /// isolated.
+  /// Starts the daemon and waits until it serves. Ends the program with a message if that fails. REQUIRES:
+  /// the program is isolated.
   Roudi();
   ~Roudi();
   Roudi(const Roudi&) = delete;
   Roudi& operator=(const Roudi&) = delete;
 
-  /// Moves the calling process to where it is reached.
+  /// Moves the calling process to the daemon's namespace, where it reaches the daemon.
   void enter() const;
 
  private:

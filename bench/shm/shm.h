@@ -1,4 +1,4 @@
-// The questions of this benchmark. Each runs our side and its references in turns and returns figures.
+// The groups of this benchmark. Each runs SFT and its references in turns and returns figures.
 #pragma once
 
 #include <cstdint>
@@ -9,20 +9,21 @@
 namespace sft::bench {
 
 struct Scale {
-  std::uint64_t messages = 1600;  ///< per round and contender; an eighth where whole clouds are copied
+  std::uint64_t messages = 1600;  ///< per round and contender; an eighth if whole clouds are copied
   int rounds = 3;                 ///< of each contender, in turns; the median counts
   double idle_s = 10;             ///< how long a node is watched while it waits
 };
 
-/// A 6.3 MB cloud from publish of a loan to its height and width read: reader spinning, reader asleep.
+/// The time from publish() of a loan, a 6.3 MB cloud, until the reader has read height and width: spinning
+/// and asleep.
 std::vector<Figure> hand_over(const Scale& scale);
-/// Eight readers asleep: until publish() returns, and until the last of them has read.
+/// The time with eight sleeping readers, until publish() returns, and until the last reader has read.
 std::vector<Figure> fan_out(const Scale& scale);
-/// The same cloud with Cyclone DDS and Fast DDS.
+/// The time of the same cloud with Cyclone DDS and Fast DDS.
 std::vector<Figure> clouds(const Scale& scale);
-/// From before the loan is taken to the sample read, for clouds of four sizes.
+/// The time from before the loan is taken until the sample is read, for clouds of four sizes.
 std::vector<Figure> size_flatness(const Scale& scale);
-/// Of a node that waits for samples which do not come.
+/// The processor time of a node that waits for samples, which do not come.
 std::vector<Figure> idle_cpu(const Scale& scale);
 
 }  // namespace sft::bench

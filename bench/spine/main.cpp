@@ -1,5 +1,5 @@
-// The spine in figures: latency in shared memory and over UDP, and bytes on the wire. Every latency is
-// measured with both sides pinned to a core of their own, in turns with its reference.
+// Measures the basic path of a sample: latency in shared memory and over UDP, and bytes on the wire. For
+// latency, each side is pinned to its own core, and SFT runs in turns with its reference.
 #include "bench/common/program.h"
 #include "bench/spine/spine.h"
 #include "tests/support/isolated_host.h"
@@ -12,9 +12,11 @@ int main(int argc, char** argv) {
                    {"udp", [&] { return udp_small(scale); }},
                    {"wire", [] { return wire_bytes(); }}});
   program.options()
-      .add_option("--messages", scale.messages, "per round and contender")
+      .add_option("--messages", scale.messages, "messages per round and contender")
       ->check(CLI::Range(100, 20'000));
-  program.options().add_option("--rounds", scale.rounds, "of each contender")->check(CLI::Range(1, 100));
+  program.options()
+      .add_option("--rounds", scale.rounds, "rounds of each contender")
+      ->check(CLI::Range(1, 100));
   if (const auto code = program.parse(argc, argv)) return *code;
   return sft::test::run_isolated([&] { return program.run(); });
 }

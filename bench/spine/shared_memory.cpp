@@ -1,4 +1,4 @@
-// Our side in shared memory, for samples of two sizes: what a reader waits for must not depend on the data.
+// Measures SFT in shared memory with samples of two sizes, since the latency must not depend on the size.
 #include "bench/common/raw_iceoryx.h"
 #include "bench/common/sft_cloud.h"
 #include "bench/common/statistics.h"
@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t small_bytes = 16;
 
-/// Of one reader: asleep, or spinning.
+/// The contenders for one kind of reader: asleep, or spinning.
 struct Contest {
   Rounds ours, ours_small, raw;
 

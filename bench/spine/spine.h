@@ -1,4 +1,4 @@
-// The questions of this benchmark. Each runs our side and its reference in turns and returns figures.
+// The groups of this benchmark. Each runs SFT and its reference in turns and returns figures.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@ struct Scale {
   int rounds = 3;                 ///< of each contender, in turns; the median counts
 };
 
-/// A 6.3 MB point cloud, from publish of a loan to height() and width() read, in shared memory: reader
-/// asleep, reader spinning.
+/// The time in shared memory from publish() of a loan, a 6.3 MB point cloud, until the reader has read
+/// height() and width(): asleep and spinning.
 std::vector<Figure> shared_memory(const Scale& scale);
-/// 64 bytes of fields between two hosts, callback to callback, against blocking sockets.
+/// The time of 64 bytes of fields between two hosts, callback to callback, beside blocking sockets.
 std::vector<Figure> udp_small(const Scale& scale);
-/// Bytes on the link: of a diagnostic subscriber per sample, and of an idle node per second.
+/// The bytes on the link: per sample of a diagnostic subscriber, and per second of an idle node.
 std::vector<Figure> wire_bytes();
 
 }  // namespace sft::bench

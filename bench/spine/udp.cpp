@@ -1,4 +1,5 @@
-// 64 bytes of fields over UDP between two hosts and back, callback to callback, readers asleep meanwhile.
+// Measures 64 bytes of fields over UDP to another host and back, callback to callback, with readers that
+// sleep.
 #include <sft/sft.h>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 
@@ -58,7 +59,7 @@ void ping(Exchange& exchange, std::uint64_t messages) {
   std::uint64_t before = 0;
   while (rounds.load() < messages) {
     sleep_us(1'000'000);
-    if (rounds.load() == before) {  // a datagram was lost: go on from here
+    if (rounds.load() == before) {  // a datagram was lost: send the next one
       exchange.failed = rounds.load() == 0;
       send();
     }

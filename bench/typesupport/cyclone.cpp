@@ -5,7 +5,7 @@
 namespace sft::bench {
 
 CycloneMessage::CycloneMessage(const dds_topic_descriptor_t& type)
-    : type_(type), sample_(dds_alloc(type.m_size)) {  // zeroed
+    : type_(type), sample_(dds_alloc(type.m_size)) {  // filled with zeros
   dds_ostreamLE_init(&stream_, 0, CDR_ENC_VERSION_1);
 }
 

@@ -1,5 +1,4 @@
-// One message as Cyclone DDS holds it, with its serializer. What it allocates for sequences is kept from use
-// to use.
+// One message of Cyclone DDS, with its serializer. Memory for sequences is allocated once and used again.
 #pragma once
 
 #include <dds/dds.h>
@@ -17,9 +16,10 @@ class CycloneMessage {
   CycloneMessage& operator=(const CycloneMessage&) = delete;
   ~CycloneMessage();
 
-  /// As for a sample that arrived: checks it, in place, and fills the C struct. False where it is malformed.
+  /// Checks a body in place and fills the C struct, as for a sample that arrived. False if the body is
+  /// malformed.
   bool read(std::span<std::byte> body);
-  /// From the C struct to a buffer of its own; returns how many bytes it took.
+  /// Encodes the C struct into a buffer of this object, and returns the number of bytes.
   std::size_t write();
 
  private:

@@ -19,7 +19,7 @@ using namespace detail;
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 
-/// What a reader of two scalars waits for, beside deserializing the message as others do.
+/// Compares reading two scalars with deserializing the whole message, as other middleware does.
 std::vector<Figure> two_scalars(int rounds) {
   Sample sample(cloud(large_bytes));
   CycloneMessage cyclone(sensor_msgs_msg_PointCloud2_desc);
@@ -40,7 +40,7 @@ std::vector<Figure> two_scalars(int rounds) {
           {"read_two_scalars_vs_fast_cdr", best[0], "ns", best[2], "Fast CDR's deserializer", {}}};
 }
 
-/// As for a sample that arrived: checked, then decoded.
+/// Checks and decodes a message, as for a sample that arrived.
 template <class T>
 std::vector<Figure> full(const std::string& name, const T& message, const dds_topic_descriptor_t& type,
                          int rounds) {

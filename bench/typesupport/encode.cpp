@@ -20,7 +20,7 @@ using namespace detail;
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 
-/// Both write to the sample's memory, and to the same place in it.
+/// Compares encoding with a copy. Both write to the same place in the sample's memory.
 Figure full_cloud(int rounds) {
   const PointCloud2 message = cloud(large_bytes);
   Sample sample(message);

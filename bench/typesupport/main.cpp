@@ -1,5 +1,5 @@
-// What the type support costs: encoding, reading, gathering and generated code, on one core, each in turns
-// with its references.
+// Measures the type support on one core, in turns with its references: encoding, reading, gathering,
+// generated code.
 #include "bench/common/process.h"
 #include "bench/common/program.h"
 #include "bench/typesupport/typesupport.h"
@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
                    {"gathering", [&] { return gathering(rounds); }},
                    {"generated", [] { return generated_code(); }}});
   program.options()
-      .add_option("--rounds", rounds, "of each contender, in turns; the best counts")
+      .add_option("--rounds", rounds, "rounds of each contender, in turns; the best counts")
       ->check(CLI::Range(1, 100'000));
   if (const auto code = program.parse(argc, argv)) return *code;
   pin_to_core(1);

@@ -1,4 +1,4 @@
-// The messages that are encoded and decoded, in memory of all contenders.
+// The messages that are encoded and decoded, for all contenders.
 #pragma once
 
 #include <cstddef>
@@ -21,10 +21,10 @@ nav_msgs::msg::Odometry odometry();
 sensor_msgs::msg::LaserScan scan();
 sensor_msgs::msg::BatteryState battery();
 
-/// A sample's memory: body, index, mask.
+/// The memory of a sample: body, index, mask.
 class Sample {
  public:
-  /// With room for `value` under `mask` (closed), and encoded already.
+  /// Takes memory for `value` under `mask`, which is closed, and encodes `value`.
   template <class T>
   explicit Sample(const T& value, const FieldMask& mask = FieldMask(all<T>))
       : Sample(detail::TypeTable<T>::type, &value, mask) {}
@@ -32,7 +32,7 @@ class Sample {
   Sample(const Sample&) = delete;
   Sample& operator=(const Sample&) = delete;
 
-  /// As a publisher does for each sample.
+  /// Encodes a value, as a publisher does for each sample.
   void encode_again(const void* value);
 
   std::span<std::byte> body() { return {reinterpret_cast<std::byte*>(memory_.data()), bytes_}; }

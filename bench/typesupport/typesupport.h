@@ -1,4 +1,4 @@
-// The questions of this benchmark. Each runs our side and its references in turns and returns figures.
+// The groups of this benchmark. Each runs SFT and its references in turns and returns figures.
 #pragma once
 
 #include <vector>
@@ -7,14 +7,15 @@
 
 namespace sft::bench {
 
-/// From owned structs to CDR: everything, two scalars, small messages; against copying, Cyclone DDS, Fast
-/// CDR.
+/// Measures the way from owned structs to CDR, for all fields, two scalars and small messages, beside
+/// copying, Cyclone DDS and Fast CDR.
 std::vector<Figure> encoding(int rounds);
-/// From CDR to what a reader sees: two scalars, everything; and checking and indexing what arrives.
+/// Measures the way from CDR to the fields of a reader, for two scalars and for all fields, and the check and
+/// index of a sample that arrives.
 std::vector<Figure> decoding(int rounds);
-/// From one encoded sample to the payload of a smaller mask.
+/// Measures the way from an encoded sample to the payload of a smaller mask.
 std::vector<Figure> gathering(int rounds);
-/// What the IDL compiler writes, and what it costs to compile.
+/// Measures the size of generated headers, and the time to compile them.
 std::vector<Figure> generated_code();
 
 }  // namespace sft::bench

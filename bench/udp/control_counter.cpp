@@ -72,7 +72,7 @@ ControlTraffic ControlCounter::read() const {
   socklen_t length = sizeof statistics;
   getsockopt(packets_.get(), SOL_PACKET, PACKET_STATISTICS, &statistics, &length);
   if (statistics.tp_drops == 0) return traffic;
-  std::fprintf(stderr, "%u datagrams of the control traffic could not be counted\n", statistics.tp_drops);
+  std::fprintf(stderr, "%u datagrams of the control traffic were not counted\n", statistics.tp_drops);
   std::exit(1);
 }
 

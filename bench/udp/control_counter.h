@@ -1,4 +1,4 @@
-// Counts the datagrams of SFT on this host's interface, both ways, that carry no samples.
+// Counts the datagrams of SFT without samples on this host's interface, in both directions.
 #pragma once
 
 #include <cstdint>

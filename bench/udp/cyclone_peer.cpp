@@ -8,9 +8,9 @@ namespace sft::bench {
 
 namespace {
 
-// The best of what was tried for large samples, with fragments and datagrams of other sizes down to the MTU:
-// datagrams as large as can be, which IP cuts, buffers for some samples at both ends, and as much that is not
-// yet acknowledged.
+// The fastest configuration for large samples among those that were tried, with fragments and datagrams of
+// other sizes down to the MTU. It has the largest datagrams, which IP fragments, buffers for several samples
+// at both ends, and as many bytes that are not acknowledged yet.
 constexpr const char* config = R"(
   <General><MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>
   <Internal>
@@ -31,7 +31,7 @@ const dds_topic_descriptor_t& type_of(const Topic& topic) {
   return topic.bulk_bytes > 0 ? sft_bench_Bulk_desc : sft_bench_Small_desc;
 }
 
-/// A sample of either type; both begin with its number.
+/// A sample of either type. Both types begin with the number.
 union Message {
   sft_bench_Small small{};
   sft_bench_Bulk bulk;
@@ -61,7 +61,7 @@ class CycloneWriter : public Writer {
   Message message_{};
 };
 
-/// Takes into memory of its own again and again, so that nothing is allocated.
+/// Takes every sample into the same memory, so that nothing is allocated.
 class CycloneReader : public Reader {
  public:
   CycloneReader(const CycloneParticipant& participant, const Topic& topic, Arrived arrived)
@@ -72,7 +72,7 @@ class CycloneReader : public Reader {
     const dds_entity_t unread = checked(dds_create_readcondition(reader_, DDS_ANY_STATE));
     dds_waitset_attach(wait_set_, unread, 0);
   }
-  ~CycloneReader() override { dds_delete(reader_); }  // before what it calls
+  ~CycloneReader() override { dds_delete(reader_); }  // ends its callbacks before the members are destroyed
   CycloneReader(const CycloneReader&) = delete;
   CycloneReader& operator=(const CycloneReader&) = delete;
 

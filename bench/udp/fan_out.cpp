@@ -21,12 +21,12 @@ using F = Halves::Field;
 constexpr std::size_t hosts_max = 9;
 constexpr std::size_t half_bytes = 50'000;
 constexpr std::int64_t period_us = 20'000;
-constexpr std::uint64_t samples_before = 100;  // in which groups are made
+constexpr std::uint64_t samples_before = 100;  // multicast groups form meanwhile
 constexpr std::uint64_t samples = 50;
 
 struct Board {
   std::atomic<std::size_t> ready{0};
-  std::atomic<std::uint64_t> received{0};  ///< by all readers
+  std::atomic<std::uint64_t> received{0};  ///< samples that all readers together have received
   std::atomic<bool> over{false};
   double bytes = std::numeric_limits<double>::quiet_NaN();  ///< per sample
 };
@@ -44,7 +44,7 @@ class Source {
     const std::vector<ReaderStatus> all = publisher_.status().readers;
     return static_cast<std::size_t>(std::ranges::count_if(all, &ReaderStatus::served)) == readers;
   }
-  /// What the host has sent meanwhile.
+  /// Publishes samples, and returns the bytes that the host has sent meanwhile.
   double publish(std::uint64_t count) {
     const std::int64_t before = link_bytes().sent;
     for (std::uint64_t i = 0; i < count; ++i) {

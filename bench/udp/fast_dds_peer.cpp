@@ -60,7 +60,8 @@ dds::TopicDataType* type_of(const Topic& topic) {
   return new fast::PlainType<Small>("sft_bench::Small");
 }
 
-/// Between hosts, with the largest datagrams, which IP cuts to the MTU, and buffers for some samples.
+/// The transport between hosts, with the largest datagrams, which IP fragments, and buffers for several
+/// samples.
 std::shared_ptr<eprosima::fastdds::rtps::UDPv4TransportDescriptor> udp() {
   auto transport = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
   transport->maxMessageSize = 65'500;
@@ -86,7 +87,7 @@ Qos qos_of(const Topic& topic, Qos qos) {
 dds::DataWriterQos writer_qos(const Topic& topic) {
   dds::DataWriterQos qos = qos_of(topic, dds::DATAWRITER_QOS_DEFAULT);
   qos.reliability().max_blocking_time = {10, 0};
-  // By default it asks every 3 s what is missing, which it takes until then.
+  // By default, Fast DDS asks for missing fragments every 3 s only.
   qos.reliable_writer_qos().times.heartbeatPeriod = eprosima::fastrtps::Duration_t(0.01);
   qos.reliable_writer_qos().times.nackResponseDelay = {0, 0};
   if (topic.bulk_bytes > 0) qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
@@ -118,7 +119,7 @@ class FastDdsWriter : public Writer {
   T message_{};
 };
 
-/// Deserializes into the same memory again and again.
+/// Deserializes every sample into the same memory.
 template <class T>
 class FastDdsReader : public Reader, private dds::DataReaderListener {
  public:

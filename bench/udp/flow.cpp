@@ -10,14 +10,15 @@ namespace sft::bench {
 namespace {
 
 constexpr std::uint64_t samples_before = 10;
-constexpr std::int64_t settling_us = 500'000;     // until the traffic of joining is over
-constexpr std::int64_t quiet_us_max = 2'000'000;  // long enough for what is small against the samples
+constexpr std::int64_t settling_us = 500'000;  // the traffic of joining is over after this time
+constexpr std::int64_t quiet_us_max =
+    2'000'000;  // long enough, since idle traffic is small against the samples
 
 class Sender {
  public:
   Sender(Exchange& exchange, Writer& writer) : exchange_(exchange), writer_(writer) {}
 
-  /// Whether all samples came so far.
+  /// Sends samples. True if all samples have arrived so far.
   bool send(std::uint64_t samples, std::int64_t period_us) {
     const std::int64_t begin = now_ns();
     for (std::uint64_t i = 0; i < samples; ++i) {

@@ -1,4 +1,5 @@
-// Samples of SFT at a steady pace from one host to another, and what passes the sender's interface meanwhile.
+// Sends samples of SFT at a steady pace from one host to another, and counts the bytes at the sender's
+// interface.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +16,13 @@ struct Flow {
   std::int64_t period_us = 0;
 };
 
-/// Not numbers if samples were missing.
+/// The traffic of samples. All figures are not a number if samples were missing.
 struct Passage {
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-  double link_bytes = unknown;         ///< that were sent, less those in as much time without samples
-  double control_bytes = unknown;      ///< of SFT's datagrams that carry no samples, both ways
-  double control_datagrams = unknown;  ///< likewise
+  double link_bytes = unknown;         ///< bytes sent, minus those in as much time without samples
+  double control_bytes = unknown;      ///< bytes of SFT's datagrams without samples, in both directions
+  double control_datagrams = unknown;  ///< number of these datagrams
   double seconds = unknown;
 };
 

@@ -1,5 +1,5 @@
-// UDP between hosts in figures: throughput, latency and bytes, beside Cyclone DDS, Fast DDS and raw sockets
-// in the same run. Each side is pinned to a core of its own; the hosts are network namespaces, MTU 1500.
+// Measures UDP between hosts: throughput, latency and bytes, beside Cyclone DDS, Fast DDS and raw sockets in
+// the same run. Each side is pinned to its own core. The hosts are network namespaces with an MTU of 1500.
 #include "bench/common/pair.h"
 #include "bench/common/program.h"
 #include "bench/udp/udp.h"
@@ -18,11 +18,13 @@ int main(int argc, char** argv) {
                    {"ack_overhead", [&] { return ack_overhead(scale); }}});
   program.options()
       .add_option("--messages", scale.messages,
-                  "of 64 bytes, per round and contender; a fiftieth of large ones")
+                  "messages of 64 bytes per round and contender; a fiftieth of large ones")
       ->check(CLI::Range(std::size_t{100}, Exchange::samples_max));
-  program.options().add_option("--rounds", scale.rounds, "of each contender")->check(CLI::Range(1, 100));
   program.options()
-      .add_option("--seconds", scale.seconds, "that a stream of samples is watched for")
+      .add_option("--rounds", scale.rounds, "rounds of each contender")
+      ->check(CLI::Range(1, 100));
+  program.options()
+      .add_option("--seconds", scale.seconds, "seconds for which a stream of samples is measured")
       ->check(CLI::Range(0.1, 100.));
   if (const auto code = program.parse(argc, argv)) return *code;
   return sft::test::run_isolated([&] { return program.run(); });

@@ -1,4 +1,4 @@
-// Samples over a TCP connection, one after the other, with the kernel's own settings.
+// Sends samples over a TCP connection, one after the other, with the kernel's default settings.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -60,10 +60,10 @@ class RawTcpWriter : public Writer {
  private:
   const int socket_ = tcp_socket();
   std::vector<std::byte> sample_;
-  std::vector<std::byte> kept_;  ///< a copy, where one is made
+  std::vector<std::byte> kept_;  ///< the copy of a sample, if copies are made
 };
 
-/// Of the first who connects.
+/// Receives from the first writer that connects.
 class RawTcpReader : public Reader {
  public:
   RawTcpReader(const Topic& topic, Arrived arrived)
@@ -86,7 +86,7 @@ class RawTcpReader : public Reader {
   std::size_t writers() const override { return 1; }
 
  private:
-  /// Until the other side has closed the connection.
+  /// Receives until the other side closes the connection.
   void receive() {
     const int connection = accept(socket_, nullptr, nullptr);
     while (recv(connection, sample_.data(), sample_.size(), MSG_WAITALL) ==

@@ -1,8 +1,8 @@
-// The least that a transfer by UDP takes. Large samples: each system call hands over a train of datagrams,
-// which the kernel cuts (GSO) and puts together again (GRO), straight from and into the sample's memory.
-// Whoever sends is at most one sample ahead of what was acknowledged, so that none is lost to a full buffer
-// and nobody sleeps between samples. Small ones: a datagram and a system call for each at either end, and
-// nobody waits for anything.
+// The least time that a transfer by UDP takes. For large samples, each system call hands over a train of
+// datagrams, which the kernel cuts (GSO) and puts together again (GRO), directly from and into the sample's
+// memory. The sender is at most one sample ahead of the last acknowledgement, so that no sample is lost to a
+// full buffer and nobody sleeps between samples. For small samples, each side makes one system call per
+// datagram, and neither side waits.
 #include <arpa/inet.h>
 #include <netinet/udp.h>
 #include <sys/socket.h>
@@ -26,10 +26,10 @@ namespace {
 constexpr std::uint16_t port = 45'901;
 constexpr int segment_bytes = 1472;  // an MTU of 1500 without the headers of IPv4 and UDP
 constexpr std::size_t train_bytes = 44 * segment_bytes;
-constexpr std::size_t small_datagram_bytes = 112;  // as with our headers
+constexpr std::size_t small_datagram_bytes = 112;  // as with SFT's headers
 constexpr std::size_t received_bytes_max = 65'536;
 constexpr int buffer_bytes = 16 << 20;
-constexpr std::uint64_t again = 0;  // instead of a number: begin the sample from the start
+constexpr std::uint64_t again = 0;  // instead of a number: the sample begins again
 
 int udp_socket(std::uint16_t local_port) {
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -51,7 +51,7 @@ void connect_to_receiver(int fd) {
   if (connect(fd, reinterpret_cast<const sockaddr*>(&peer), sizeof peer) != 0) std::abort();
 }
 
-/// Without an acknowledgement it says that it begins again, with the sample before.
+/// Without an acknowledgement, the writer announces that it begins again, and sends the sample before.
 class RawUdpWriter : public Writer {
  public:
   RawUdpWriter(const Topic& topic, bool copies)
@@ -92,7 +92,7 @@ class RawUdpWriter : public Writer {
 
   const int socket_ = udp_socket(0);
   std::vector<std::byte> message_;
-  std::vector<std::vector<std::byte>> kept_;  ///< copies of the last two, where these are made
+  std::vector<std::vector<std::byte>> kept_;  ///< copies of the last two samples, if copies are made
   std::uint64_t acknowledged_ = 0;
 };
 

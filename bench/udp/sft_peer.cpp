@@ -25,7 +25,7 @@ Reliability reliability(const Topic& topic) {
   return topic.reliable ? Reliability::reliable : Reliability::best_effort;
 }
 
-/// As those of others do, it waits for a reader that does not keep up.
+/// The publisher waits for a reader that does not keep up, as those of other contenders do.
 PublisherOptions publisher_options(const Topic& topic) {
   return {.reliability = reliability(topic), .max_blocking = std::chrono::seconds(1)};
 }
@@ -60,8 +60,8 @@ class SftWriter : public Writer {
   std::vector<T> together_;
 };
 
-/// Samples are made where they are sent from. Only the number is written each time: a driver has the rest put
-/// there by its device.
+/// Makes samples in the memory from which they are sent. Writes only the number each time, since in a driver
+/// the device writes the rest.
 class SftLoanWriter : public Writer {
  public:
   SftLoanWriter(Node& node, const Topic& topic)
@@ -73,7 +73,7 @@ class SftLoanWriter : public Writer {
     prototype_.number = number;
     auto loan = publisher_.loan_for_overwrite(prototype_, {.data = data_bytes_}).value();
     const auto data = loan->data();
-    if (data.back() != written) std::ranges::fill(data, written);  // for the first time
+    if (data.back() != written) std::ranges::fill(data, written);  // only the first time
     std::move(loan).publish();
   }
 

@@ -18,7 +18,7 @@ namespace sft::bench {
 namespace {
 
 constexpr double warm_up_s = 0.2;
-constexpr std::int64_t quiet_us = 300'000;  // after so long without a sample no more come
+constexpr std::int64_t quiet_us = 300'000;  // no more samples come after a pause of this time
 
 double cpu_s(pid_t process) {
   clockid_t clock{};
@@ -38,7 +38,7 @@ struct Board {
   alignas(64) std::atomic<std::uint64_t> received{0};
   alignas(64) std::atomic<pid_t> receiver{0};
   std::atomic<bool> over{false};
-  // Of the watched time:
+  // The measured time:
   Moment begin, end;
   std::uint64_t lost = 0;
 
@@ -69,7 +69,7 @@ class Sender {
       sent_ += load_.together;
     }
   }
-  /// How many of all samples never came.
+  /// The number of samples that never arrived.
   std::uint64_t count_lost() const {
     for (std::uint64_t before = ~0ull; before != board_.received && board_.received < sent_;) {
       before = board_.received;

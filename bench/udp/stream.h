@@ -1,4 +1,5 @@
-// A program that writes for some time, as fast as its middleware lets it, and one that counts what comes.
+// Runs a program that writes for some time, as fast as its middleware lets it, and one that counts the
+// samples.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +16,7 @@ struct Load {
   std::uint64_t together = 1;  ///< samples that are handed over at a time
 };
 
-/// What runs of one contender came to.
+/// The results of the runs of one contender.
 class StreamRounds {
  public:
   void run(Contender contender, const Load& load, const TwoHosts& hosts);
@@ -23,7 +24,7 @@ class StreamRounds {
   // Medians; not a number if all runs failed.
   double samples_per_s() const;
   double cpu_s_per_sample() const;  ///< user and system time of both processes
-  /// Of all runs.
+  /// The samples lost in all runs.
   double lost() const;
 
  private:

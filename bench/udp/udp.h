@@ -1,5 +1,5 @@
-// The questions of this benchmark. Each runs our side and its references in turns, between hosts that it
-// makes itself, and returns figures.
+// The groups of this benchmark. Each runs SFT and its references in turns, between hosts that it makes
+// itself, and returns figures.
 #pragma once
 
 #include <cstdint>
@@ -11,23 +11,24 @@ namespace sft::bench {
 
 struct Scale {
   int rounds = 3;                 ///< of each contender, in turns; the median counts
-  double seconds = 1;             ///< that a stream of samples is watched for
+  double seconds = 1;             ///< time for which a stream of samples is measured
   std::uint64_t messages = 2000;  ///< of 64 bytes, per round and contender; a fiftieth of large ones
 };
 
-/// Samples of 4 MiB, reliable, as fast as they can be had, and the processor time that takes.
+/// The highest rate of reliable samples of 4 MiB, and its processor time.
 std::vector<Figure> bulk(const Scale& scale);
-/// Samples of 64 bytes from host to host and back, for each way to wait for them.
+/// The round trip of samples of 64 bytes between hosts, for each way to wait for samples.
 std::vector<Figure> small(const Scale& scale);
-/// Samples of 64 bytes, reliable, as many as can be had: published each by itself, and together.
+/// The highest rate of reliable samples of 64 bytes, published one by one, and together.
 std::vector<Figure> rate(const Scale& scale);
-/// Large samples now and then: from publish to callback.
+/// The time from publish to callback of large samples that are sent now and then.
 std::vector<Figure> bulk_latency(const Scale& scale);
-/// What leaves the publisher's host for up to eight readers on as many hosts, which ask for one of two masks.
+/// The bytes that leave the publisher's host for up to eight readers on as many hosts, which ask for one of
+/// two masks.
 std::vector<Figure> fan_out(const Scale& scale);
-/// Bytes on the link against those of the samples.
+/// The bytes on the link beside those of the samples.
 std::vector<Figure> wire_overhead(const Scale& scale);
-/// What reliable delivery says beside the samples, where much is sent and where little is.
+/// The control traffic of reliable delivery beside the samples, with much and with little data.
 std::vector<Figure> ack_overhead(const Scale& scale);
 
 }  // namespace sft::bench

@@ -1,4 +1,5 @@
-// Bytes on the link. Interfaces cut trains into frames here, so that each is counted with its headers.
+// Measures bytes on the link. Interfaces cut trains into frames here, so that each frame is counted with its
+// headers.
 #include <cmath>
 #include <string>
 
@@ -9,11 +10,11 @@ namespace sft::bench {
 
 namespace {
 
-constexpr std::uint32_t fixed_body_bytes = 12;  // of a bulk sample: its number, and how much data it has
+constexpr std::uint32_t fixed_body_bytes = 12;  // of a bulk sample: its number, and the length of its data
 constexpr double frame_headers = 14 + 20 + 8;   // of Ethernet, IPv4 and UDP
 constexpr double frame_payload_max = 1472;      // at an MTU of 1500
 
-/// Frames that are full but for the last one, with nothing of ours in them.
+/// The bytes of frames without any header of SFT, all of them full except the last one.
 double packed_perfectly(double body_bytes) {
   return body_bytes + std::ceil(body_bytes / frame_payload_max) * frame_headers;
 }
@@ -21,7 +22,7 @@ double packed_perfectly(double body_bytes) {
 struct Size {
   const char* name;
   std::uint32_t body_bytes;
-  std::uint64_t samples;  ///< in a second
+  std::uint64_t samples;  ///< per second
 };
 
 Figure overhead(const Size& size, bool reliable, const TwoHosts& hosts) {
@@ -40,7 +41,7 @@ double data_bytes(const Flow& flow) {
   return static_cast<double>(flow.samples) * (flow.topic.bulk_bytes + fixed_body_bytes);
 }
 
-/// What control traffic is to the samples that it is about, in percent.
+/// The control traffic in percent of the samples.
 Figure percentage(const char* name, const Flow& flow, const TwoHosts& hosts) {
   return {name, 100 * pass(flow, hosts).control_bytes / data_bytes(flow), "%", {}, "of the samples' bytes",
           1};

@@ -1,29 +1,30 @@
 #!/usr/bin/env bash
-# make_certificates.sh DIRECTORY NAME...: what the nodes of one system need for DDS Security. The first run makes a
-# certificate authority and the rules of the domains in DIRECTORY; each NAME gets a folder with its key, its
-# certificate, its permissions and the configuration to give to Cyclone DDS. See README.md beside this file.
+# make_certificates.sh DIRECTORY NAME...: makes the files that the nodes of one system need for DDS Security. The first
+# run makes a certificate authority and the rules of the domains in DIRECTORY. Each NAME gets a folder with its key, its
+# certificate, its permissions and the configuration for Cyclone DDS. See README.md beside this file.
 set -euo pipefail
 
 days=3650
-# Cyclone DDS takes no larger number here.
+# Cyclone DDS refuses domains above 230 here.
 domains='<domains><id_range><min>0</min><max>230</max></id_range></domains>'
 
 die() { echo "make_certificates.sh: $*" >&2; exit 1; }
 
 plugin_directory() {
   local file
-  for file in /usr/lib/*/libddsc0debian/libdds_security_auth.so /usr/lib/*/libdds_security_auth.so /usr/local/lib/libdds_security_auth.so; do
+  for file in /usr/lib/*/libddsc0debian/libdds_security_auth.so /usr/lib/*/libdds_security_auth.so \
+    /usr/local/lib/libdds_security_auth.so; do
     [[ ! -e $file ]] || { dirname -- "$file"; return; }
   done
-  die "the plugins of Cyclone DDS were not found; install libddsc0debian"
+  die "the security plugins of Cyclone DDS are missing; install libddsc0debian"
 }
 
-# FILE: signs it as the authority; the result has the same name with .p7s.
+# FILE: signs the file as the authority. The result has the same name with .p7s.
 sign() {
   openssl smime -sign -text -in "$1" -out "${1%.xml}.p7s" -signer ca.pem -inkey ca.key 2>/dev/null
 }
 
-# KEY: a new private key that only the owner can read.
+# KEY: makes a private key that only the owner can read.
 new_key() { (umask 077; openssl ecparam -name prime256v1 -genkey -noout -out "$1"); }
 
 make_authority() {
@@ -31,7 +32,8 @@ make_authority() {
   openssl req -x509 -new -key ca.key -days "$days" -subj "/CN=SFT certificate authority" -out ca.pem
   cat >governance.xml <<EOF
 <?xml version="1.0" encoding="utf-8"?>
-<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:noNamespaceSchemaLocation="https://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_governance.xsd">
+<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+  xsi:noNamespaceSchemaLocation="https://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_governance.xsd">
 <domain_access_rules><domain_rule>$domains
   <allow_unauthenticated_participants>false</allow_unauthenticated_participants>
   <enable_join_access_control>true</enable_join_access_control>
@@ -52,12 +54,13 @@ EOF
   sign governance.xml
 }
 
-# NAME: only the three control topics may be written and read.
+# NAME: permits the node to write and read the three control topics only.
 make_permissions() {
   local topics='<topics><topic>sft_endpoint</topic><topic>sft_request</topic><topic>sft_liveliness</topic></topics>'
   cat >"$1/permissions.xml" <<EOF
 <?xml version="1.0" encoding="utf-8"?>
-<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" xsi:noNamespaceSchemaLocation="https://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_permissions.xsd">
+<dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+  xsi:noNamespaceSchemaLocation="https://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_permissions.xsd">
 <permissions><grant name="$1"><subject_name>CN=$1</subject_name>
   <validity><not_before>2020-01-01T00:00:00</not_before><not_after>2037-01-01T00:00:00</not_after></validity>
   <allow_rule>$domains<publish>$topics</publish><subscribe>$topics</subscribe></allow_rule>
@@ -67,14 +70,15 @@ EOF
   sign "$1/permissions.xml"
 }
 
-# NAME
+# NAME PLUGINS: writes the configuration for Cyclone DDS, whose security plugins are in the directory PLUGINS.
 make_configuration() {
   local plugins=$2 here
   here=$(pwd)
   cat >"$1/cyclonedds.xml" <<EOF
 <CycloneDDS><Domain id="any"><Security>
   <Authentication>
-    <Library path="$plugins/libdds_security_auth.so" initFunction="init_authentication" finalizeFunction="finalize_authentication"/>
+    <Library path="$plugins/libdds_security_auth.so"
+      initFunction="init_authentication" finalizeFunction="finalize_authentication"/>
     <IdentityCA>file:$here/ca.pem</IdentityCA>
     <IdentityCertificate>file:$here/$1/certificate.pem</IdentityCertificate>
     <PrivateKey>file:$here/$1/private.key</PrivateKey>
@@ -83,7 +87,8 @@ make_configuration() {
     <Library path="$plugins/libdds_security_crypto.so" initFunction="init_crypto" finalizeFunction="finalize_crypto"/>
   </Cryptographic>
   <AccessControl>
-    <Library path="$plugins/libdds_security_ac.so" initFunction="init_access_control" finalizeFunction="finalize_access_control"/>
+    <Library path="$plugins/libdds_security_ac.so"
+      initFunction="init_access_control" finalizeFunction="finalize_access_control"/>
     <PermissionsCA>file:$here/ca.pem</PermissionsCA>
     <Governance>file:$here/governance.p7s</Governance>
     <Permissions>file:$here/$1/permissions.p7s</Permissions>
@@ -92,7 +97,7 @@ make_configuration() {
 EOF
 }
 
-# NAME
+# NAME PLUGINS: makes the folder of a node.
 make_node() {
   local plugins=$2
   mkdir -p "$1"

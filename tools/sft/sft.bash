@@ -25,8 +25,10 @@ _sft() {
   fi
   case $before in
     --fields)
-      [[ $command == type ]] || mapfile -t COMPREPLY < <(compgen -W "$(_sft_names type --fields "${COMP_WORDS[2]}")" -- "$word")
-      [[ $command == type ]] || return ;;
+      if [[ $command != type ]]; then
+        mapfile -t COMPREPLY < <(compgen -W "$(_sft_names type --fields "${COMP_WORDS[2]}")" -- "$word")
+        return
+      fi ;;
     --interface)
       mapfile -t COMPREPLY < <(compgen -W "$(ls /sys/class/net)" -- "$word")
       return ;;

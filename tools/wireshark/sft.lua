@@ -1,10 +1,10 @@
 -- SFT in Wireshark: a dissector for its datagrams (udp_transport/wire/wire_format.md).
 --
--- Copy it into the folder "Personal Lua Plugins" (Help, About Wireshark, Folders), or try it with
--- `tshark -X lua_script:sft.lua -r capture.pcap`. Datagrams are recognised by what they look like, whatever their ports;
--- "Decode As..." makes Wireshark take all of a port for SFT, and say what is wrong with those that are not.
+-- Copy this file into the folder "Personal Lua Plugins" (Help, About Wireshark, Folders), or try it with
+-- `tshark -X lua_script:sft.lua -r capture.pcap`. The dissector recognises datagrams by their contents, whatever their
+-- ports. With "Decode As...", Wireshark takes all datagrams of a port for SFT, and reports what is wrong with others.
 --
--- Another kind of datagram is one more entry in `kinds`, another flag one in `flags`.
+-- A new kind of datagram needs an entry in `kinds`, and a new flag an entry in `flags`.
 
 local sft = Proto("sft", "Selective Field Transmission")
 
@@ -26,33 +26,33 @@ local f = {
   rate_period = ProtoField.uint32("sft.rate.period_us", "Gate: period (us)"),
   rate_ordinal = ProtoField.uint32("sft.rate.ordinal", "Gate: ordinal"),
   history_reader = ProtoField.uint64("sft.history.reader", "Late reader", base.HEX),
-  history_oldest = ProtoField.uint64("sft.history.oldest", "Oldest sequence sent to it"),
+  history_oldest = ProtoField.uint64("sft.history.oldest", "Oldest sequence sent to the late reader"),
   channel = ProtoField.uint32("sft.channel", "Channel"),
   sequence_high = ProtoField.uint32("sft.sequence_high", "Sequence (high half)"),
   ordinal = ProtoField.uint64("sft.ordinal", "Ordinal"),
   group = ProtoField.uint32("sft.group", "Multicast group"),
   group_ordinal = ProtoField.uint64("sft.group.ordinal", "Ordinal in the group"),
   member = ProtoField.uint32("sft.group.member", "Member"),
-  group_port = ProtoField.uint16("sft.group.port", "Reports go to port"),
+  group_port = ProtoField.uint16("sft.group.port", "Port for reports"),
   group_address = ProtoField.ipv4("sft.group.address", "Address of the group"),
-  ahead = ProtoField.int64("sft.group.ahead", "Ordinals of the channel are ahead by"),
-  heard = ProtoField.uint64("sft.group.heard", "Last ordinal that came"),
+  ahead = ProtoField.int64("sft.group.ahead", "Lead of the channel's ordinals"),
+  heard = ProtoField.uint64("sft.group.heard", "Last ordinal received"),
   mask_word = ProtoField.uint64("sft.mask_word", "Mask word", base.HEX),
   payload = ProtoField.bytes("sft.payload", "Payload"),
-  port = ProtoField.uint16("sft.heartbeat.port", "Acks go to port"),
-  first = ProtoField.uint64("sft.heartbeat.first", "First that can be sent again"),
-  end_ = ProtoField.uint64("sft.heartbeat.end", "End of what was sent"),
-  waiting = ProtoField.uint32("sft.heartbeat.waiting", "Behind that, to be sent yet"),
+  port = ProtoField.uint16("sft.heartbeat.port", "Port for acks"),
+  first = ProtoField.uint64("sft.heartbeat.first", "First ordinal that can be sent again"),
+  end_ = ProtoField.uint64("sft.heartbeat.end", "End of the ordinals sent"),
+  waiting = ProtoField.uint32("sft.heartbeat.waiting", "Samples that wait behind the end"),
   reserved = ProtoField.uint32("sft.reserved", "Reserved"),
   reserved_short = ProtoField.uint16("sft.reserved_short", "Reserved"),
   parts = ProtoField.uint16("sft.ack.parts", "Missing parts"),
   flow = ProtoField.uint32("sft.flow", "Flow"),
   position = ProtoField.uint64("sft.flow.position", "Position (bytes sent before)"),
-  window = ProtoField.uint32("sft.report.window", "Window (bytes under way)"),
+  window = ProtoField.uint32("sft.report.window", "Window (bytes in flight)"),
   datagrams = ProtoField.uint32("sft.flow.datagrams", "Datagrams sent before"),
-  came = ProtoField.uint32("sft.report.came", "Datagrams that came"),
+  came = ProtoField.uint32("sft.report.came", "Datagrams received"),
   sent_at = ProtoField.uint64("sft.flow.sent_at", "Sent at (hidden by a secret of the sender)"),
-  next = ProtoField.uint64("sft.ack.next", "Next (all before it have come)"),
+  next = ProtoField.uint64("sft.ack.next", "Next (all ordinals before it were received)"),
   missing = ProtoField.none("sft.missing", "Missing"),
   missing_ordinal = ProtoField.uint32("sft.missing.ordinal", "Ordinal (low half)"),
   missing_begin = ProtoField.uint32("sft.missing.begin", "From"),
@@ -64,15 +64,15 @@ local f = {
   padding = ProtoField.bytes("sft.padding", "Padding"),
 }
 
--- By bit: the mask bit of a flag, what it means, and its field.
+-- The flags: the bit of each, its name, and its meaning.
 local flags = {
   { bit = 0x01, name = "mask_words", text = "The mask is a hash; its words follow" },
   { bit = 0x02, name = "rate", text = "A rate follows" },
   { bit = 0x04, name = "history", text = "A history mark follows" },
-  { bit = 0x08, name = "channel", text = "A place in a channel follows" },
+  { bit = 0x08, name = "channel", text = "A position in a channel follows" },
   { bit = 0x10, name = "lengths", text = "Each sample has its own length" },
-  { bit = 0x40, name = "group", text = "A place in a multicast group follows" },
-  { bit = 0x80, name = "merged", text = "The mask is the union of several" },
+  { bit = 0x40, name = "group", text = "A position in a multicast group follows" },
+  { bit = 0x80, name = "merged", text = "The mask is the union of several masks" },
 }
 for _, flag in ipairs(flags) do
   flag.field = ProtoField.bool("sft.flags." .. flag.name, flag.text, 8, nil, flag.bit)
@@ -81,12 +81,12 @@ end
 sft.fields = f
 
 local malformed = ProtoExpert.new("sft.malformed", "Malformed", expert.group.MALFORMED, expert.severity.ERROR)
-local loss = ProtoExpert.new("sft.loss", "Something is missing", expert.group.SEQUENCE, expert.severity.NOTE)
+local loss = ProtoExpert.new("sft.loss", "Data is missing", expert.group.SEQUENCE, expert.severity.NOTE)
 sft.experts = { malformed, loss }
 
 local function has(set, bit) return set % (2 * bit) >= bit end
 
--- "0-3, 7": the bits of the mask, `first` being the number of its lowest.
+-- The bits of a word of the mask as text, "0-3, 7". `first` is the number of the word's lowest bit.
 local function leaves_text(word, first)
   local runs, begin = {}, nil
   local bits = { word:lower(), word:higher() }
@@ -102,7 +102,7 @@ local function leaves_text(word, first)
   return #runs == 0 and "none" or table.concat(runs, ", ")
 end
 
--- A place in the datagram that moves on with what is read. What does not fit is said once and reads as nil.
+-- A position in the datagram, which advances with each read. A read beyond the end returns nil, and is reported once.
 local Cursor = {}
 Cursor.__index = Cursor
 
@@ -141,9 +141,12 @@ function Cursor:rest(field)
   self.tree:add(field, self:take(self:left()))
 end
 
--- A sample that is sent to a group has no other mark: each member knows its place in the member's channel.
+-- Reads the mark of a sample that is sent to a group. There is no other mark, since each member knows the sample's
+-- position in its channel.
 local function read_group_mark(c, set)
-  if has(set, 0x02) or has(set, 0x04) or has(set, 0x08) then c:fail("With a place in a group no other mark follows") end
+  if has(set, 0x02) or has(set, 0x04) or has(set, 0x08) then
+    c:fail("No other mark may follow a position in a group")
+  end
   local group = c:number(f.group, 4)
   c:number(f.sequence_high, 4)
   local ordinal = c:number(f.group_ordinal, 8)
@@ -151,15 +154,15 @@ local function read_group_mark(c, set)
   return { group = group, group_ordinal = ordinal }
 end
 
--- What the flags say follows a header, but for the mask's words.
+-- Reads the marks behind a header, as its flags say, but not the words of the mask.
 local function read_marks(c, set)
   if has(set, 0x40) then return read_group_mark(c, set) end
   if has(set, 0x02) then
-    if c:number(f.rate_period, 4) == 0 then c:fail("The period of a gate is not 0") end
+    if c:number(f.rate_period, 4) == 0 then c:fail("The period of a gate must not be 0") end
     c:number(f.rate_ordinal, 4)
   end
   if has(set, 0x04) then
-    if c:number(f.history_reader, 8) == UInt64(0) then c:fail("The id of a reader is not 0") end
+    if c:number(f.history_reader, 8) == UInt64(0) then c:fail("The id of a reader must not be 0") end
     c:number(f.history_oldest, 8)
   end
   if not has(set, 0x08) then return {} end
@@ -170,8 +173,8 @@ local function read_marks(c, set)
   return { channel = channel, ordinal = ordinal }
 end
 
--- How many leaves a type has is not in the datagram; so where the words end and the body begins is known only from the
--- length of what is whole.
+-- Reads the words of a mask. The datagram does not contain the number of leaves of the type, so that only the length of
+-- a complete body tells where the words end.
 local function read_mask_words(c, body_bytes)
   local words = math.floor((c:left() - body_bytes) / 8)
   for i = 0, words - 1 do
@@ -191,7 +194,9 @@ local function read_mask(c, set)
 end
 
 local function place_text(place)
-  if place.group_ordinal then return string.format(" group=%u ordinal=%s", place.group, tostring(place.group_ordinal)) end
+  if place.group_ordinal then
+    return string.format(" group=%u ordinal=%s", place.group, tostring(place.group_ordinal))
+  end
   return place.ordinal and " ordinal=" .. tostring(place.ordinal) or ""
 end
 
@@ -203,13 +208,13 @@ local function read_first(c, set)
   local place = read_marks(c, set)
   if c.failed then return "" end
   if has(set, 0x01) and c:left() >= total then read_mask_words(c, total) end
-  if not has(set, 0x01) and c:left() > total then c:fail("There is more payload than the body has bytes") end
+  if not has(set, 0x01) and c:left() > total then c:fail("The payload is longer than the body") end
   local part = c:left() < total and " (begins)" or ""
   c:rest(f.payload)
   return string.format("seq=%u %u bytes%s", sequence, total, part) .. place_text(place)
 end
 
--- What stands behind the kind of a whole datagram: 24 bits of flags, variant and channel.
+-- Reads the 24 bits behind the kind of a whole datagram: flags, variant and channel.
 local function read_short_place(c)
   local range = c:take(3)
   local bits = range:le_uint()
@@ -230,7 +235,7 @@ local function read_whole(c, set)
   if c.failed then return "" end
   local bytes = c:left()
   if has(set, 0x01) then
-    c:rest(f.payload)  -- where the words end only the type tells
+    c:rest(f.payload)  -- only the type tells where the words end
     return string.format("seq=%u ordinal=%u", sequence, ordinal)
   end
   c.tree:add(f.total, bytes):set_generated()
@@ -254,7 +259,8 @@ local function read_heartbeat(c)
   local first = c:number(f.first, 8)
   local end_ = c:number(f.end_, 8)
   if c.failed then return "" end
-  if first == UInt64(0) or end_ < first then c:fail("Ordinals count from 1, and the end is not before the first") end
+  if first == UInt64(0) then c:fail("Ordinals count from 1") end
+  if end_ < first then c:fail("The end must not be before the first ordinal") end
   if c:left() > 0 then c:fail("A heartbeat has 32 bytes") end
   return string.format("channel=%u has [%s, %s)", channel, tostring(first), tostring(end_))
 end
@@ -278,12 +284,12 @@ local function read_ack(c, _, parts)
     if from > to then c:fail("A missing part ends before it begins") end
   end
   if c.failed then return "" end
-  if c:left() > 0 then c:fail("There is more than the parts that it says") end
+  if c:left() > 0 then c:fail("The ack is longer than its number of parts") end
   if parts > 0 then tree:add_proto_expert_info(loss, "The reader asks for " .. parts .. " parts again") end
   return string.format("channel=%u next=%s missing=%u", channel, tostring(next), parts)
 end
 
--- The bodies in [c.at, end): `each` bytes, or with a length before each.
+-- Reads the bodies of packed samples: `each` bytes long, or with a length in front of each if `each` is 0.
 local function read_samples(c, sequence, place, samples, each)
   for i = 0, samples - 1 do
     local at, bytes = c.at, each
@@ -312,20 +318,20 @@ local function read_packed(c, set)
   if c.failed then return "" end
   local lengths = has(set, 0x10)
   if samples == 0 or samples > 256 then c:fail("A packed datagram has 1 to 256 samples") end
-  if lengths ~= (each == 0) then c:fail("Either all samples are equally long, or lengths follow") end
+  if lengths ~= (each == 0) then c:fail("All samples have the same length, or lengths follow; not both") end
   if has(set, 0x01) and not lengths then read_mask_words(c, samples * each) end
   if has(set, 0x01) and lengths then
-    c:rest(f.payload)  -- where the words end only the type tells
+    c:rest(f.payload)  -- only the type tells where the words end
   else
     read_samples(c, sequence, place, samples, each)
   end
   if c.failed then return "" end
-  if c:left() > 0 and not lengths then c:fail("There is more than the samples that it says") end
+  if c:left() > 0 and not lengths then c:fail("The datagram is longer than its number of samples") end
   c:rest(f.padding)
   return string.format("seq=%u and %u more", sequence, samples - 1) .. place_text(place)
 end
 
--- A mark, and the report that repeats most of it.
+-- Reads a mark, or a report, which repeats most of a mark.
 local function read_flow(c, report)
   local position = c:number(f.position, 8)
   local window = c:number(report and f.window or f.reserved, 4)
@@ -340,16 +346,16 @@ end
 local function read_mark(c) return read_flow(c, false) end
 local function read_report(c) return read_flow(c, true) end
 
--- Addresses are numbers here like all others: the lowest byte first.
+-- Reads an address. Like all numbers, it has its lowest byte first.
 local function read_address(c)
   local range = c:take(4)
   if range == nil then return nil end
   local number = range:le_uint()
   local item = c.tree:add_le(f.group_address, range)
   if number == 0 then
-    item:append_text(" (it is in that group no more)")
+    item:append_text(" (the member has left the group)")
   elseif math.floor(number / 65536) ~= 0xefff then
-    c:fail("Groups are in 239.255.0.0/16")
+    c:fail("The address of a group must be in 239.255.0.0/16")
   end
   return number
 end
@@ -378,8 +384,9 @@ local function read_group_report(c)
   return string.format("group=%u member=%u heard=%s", group, member, tostring(heard))
 end
 
--- By number: what stands at offset 2 (or what reads the 3 bytes from offset 1 on), which flags may be set, the least bytes, and what reads all behind the writer
--- (or what stands at offset 4 instead).
+-- The kinds of datagrams by number: the field at offset 2 (or the function that reads the 3 bytes at offset 1), the
+-- field at offset 4 if it is not the writer, the flags that may be set, the least number of bytes, and the function that
+-- reads the rest.
 local kinds = {
   [1] = { name = "first", at_2 = f.variant, flags = 0xcf, bytes = 32, read = read_first },
   [2] = { name = "following", at_2 = f.variant, flags = 0, bytes = 17, read = read_following },
@@ -400,7 +407,7 @@ local function add_flags(c, kind)
   for _, flag in ipairs(flags) do item:add(flag.field, range) end
   for bit = 0, 7 do
     if has(set, 2 ^ bit) and not has(kind.flags, 2 ^ bit) then
-      c:fail("Flag bit " .. bit .. " is not one of a " .. kind.name .. " datagram")
+      c:fail("A " .. kind.name .. " datagram must not have flag bit " .. bit)
     end
   end
   return set
@@ -411,7 +418,7 @@ function sft.dissector(buffer, pinfo, root)
   local c = Cursor.new(buffer, tree)
   pinfo.cols.protocol = "SFT"
   if buffer:len() < common_bytes then
-    c:fail("Shorter than any header")
+    c:fail("The datagram is shorter than any header")
     return
   end
   local first_byte = c:take(1)
@@ -419,30 +426,31 @@ function sft.dissector(buffer, pinfo, root)
   local kind = kinds[number]
   tree:add(f.version, first_byte)
   tree:add(f.kind, first_byte):append_text(kind and " (" .. kind.name .. ")" or "")
-  if first_byte:bitfield(0, 4) ~= wire_version then c:fail("Another version than " .. wire_version) end
-  if kind == nil then c:fail("No kind that there is") end
+  if first_byte:bitfield(0, 4) ~= wire_version then c:fail("The version is not " .. wire_version) end
+  if kind == nil then c:fail("The kind is unknown") end
   if c.failed then return buffer:len() end
   local set = (kind.from_1 or add_flags)(c, kind)
   if c.failed then return buffer:len() end
   local at_2 = kind.at_2 and c:number(kind.at_2, 2)
   local writer = c:number(kind.at_4 or f.writer, 4)
   local what = kind.read(c, set, at_2)
-  local text = string.format("%s %s=%08x %s", kind.name, kind.at_4 and "flow" or "writer", writer, what) .. (c.failed and " [malformed]" or "")
+  local text = string.format("%s %s=%08x %s", kind.name, kind.at_4 and "flow" or "writer", writer, what)
+  if c.failed then text = text .. " [malformed]" end
   pinfo.cols.info = text
   tree:append_text(": " .. text)
   return buffer:len()
 end
 
--- Of a first datagram.
+-- True if a first datagram may have these flags and this length.
 local function plausible_flags(set, bytes)
   if has(set, 0x40) then return bytes >= 48 and not (has(set, 0x02) or has(set, 0x04) or has(set, 0x08)) end
   return bytes >= 48 or not has(set, 0x08)
 end
--- Of a whole one, whose flags may be any: an ordinal, and a stamp from 1970 to 2100.
+-- True if a whole datagram has an ordinal, and a stamp from 1970 to 2100. Any flags are possible.
 local function plausible_whole(buffer) return buffer(12, 4):le_uint() ~= 0 and buffer(28, 4):le_uint() < 0x39000000 end
 local function plausible_address(address) return address == 0 or math.floor(address / 65536) == 0xefff end
 
--- What else a datagram would have to be, beside its first bytes, to be taken for one of ours.
+-- True if a datagram whose first bytes look like SFT is plausible in the other bytes, too.
 local function plausible(buffer, number)
   if number == 1 then return plausible_flags(buffer(1, 1):uint(), buffer:len()) end
   if number == 3 then return buffer:len() == 32 and buffer(12, 4):le_uint() == 0 end
