@@ -77,10 +77,7 @@ Act changed(Target& target, int at_a_time, std::function<bool(udp::DatagramKind)
 }
 
 bool any_kind(udp::DatagramKind) { return true; }
-bool is_answer(udp::DatagramKind kind) {
-  return kind == udp::DatagramKind::ack || kind == udp::DatagramKind::group_report ||
-         kind == udp::DatagramKind::report;
-}
+bool is_answer(udp::DatagramKind kind) { return udp::is_answer(kind); }
 
 template <class Number>
 void put(Bytes& bytes, std::size_t at, Number number) {

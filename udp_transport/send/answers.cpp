@@ -3,6 +3,8 @@
 #include <memory>
 #include <new>
 
+#include "udp_transport/datagram.h"
+
 namespace sft::udp {
 
 namespace {

@@ -3,17 +3,12 @@
 
 #include <chrono>
 #include <cstddef>
-#include <optional>
 #include <span>
 
 #include "udp_transport/send/send_side.h"
 #include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {
-
-constexpr bool is_answer(std::optional<DatagramKind> kind) {
-  return kind == DatagramKind::ack || kind == DatagramKind::report || kind == DatagramKind::group_report;
-}
 
 /// True if somebody who waits may go on: the sending thread has to look. Counts what is malformed, and what
 /// is no answer as that; and what is not believed: an answer of nothing that we sent, or from an address that

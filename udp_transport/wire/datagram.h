@@ -241,6 +241,11 @@ std::optional<FlowReport> parse_report(std::span<const std::byte> bytes) noexcep
 /// Of a datagram of this version. It may be none of these, or not sound.
 std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept;
 
+/// True for datagrams that go back to the sender of samples: acks and reports.
+constexpr bool is_answer(std::optional<DatagramKind> kind) {
+  return kind == DatagramKind::ack || kind == DatagramKind::report || kind == DatagramKind::group_report;
+}
+
 /// A received datagram of a sample whose header is sound. What it says of the sample is only claimed.
 struct Datagram {
   DatagramKind kind{};
