@@ -13,7 +13,8 @@ foreach(part IN ITEMS sft sft_core sft_shm sft_udp sft_typesupport)
 endforeach()
 set(exported_names ${PROJECT_SOURCE_DIR}/cmake/libsft.map)
 add_library(sft_shared SHARED ${objects})
-target_link_libraries(sft_shared PRIVATE sft)  # for the libraries behind its parts; the code of the parts is in `objects`
+# For the libraries that the parts need. The code of the parts is in `objects`.
+target_link_libraries(sft_shared PRIVATE sft)
 target_link_options(sft_shared PRIVATE
   LINKER:--version-script=${exported_names} LINKER:-Bsymbolic-functions LINKER:--as-needed LINKER:--no-undefined)
 set_target_properties(sft_shared PROPERTIES

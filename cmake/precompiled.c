@@ -1,2 +1,2 @@
-// Some targets of C++ contain C that is generated for Cyclone DDS. precompiled.cmake needs a C source for them.
+// Some targets of C++ contain C that is generated for Cyclone DDS. Hence precompiled.cmake needs a C source.
 typedef int sft_precompiled;

@@ -6,8 +6,8 @@ if(CMAKE_CXX_COMPILER_LAUNCHER)
 endif()
 
 # sft_precompiled_headers(VARIABLE TARGET): names the target that holds the precompiled headers for TARGET, and adds it
-# for the first TARGET of its kind. Only targets that link to GoogleTest get the headers of GoogleTest, which are slow to
-# load.
+# for the first TARGET of its kind. Only targets that link to GoogleTest get the headers of GoogleTest, which are slow
+# to load.
 function(sft_precompiled_headers variable target)
   get_target_property(type ${target} TYPE)
   get_target_property(options ${target} COMPILE_OPTIONS)

@@ -1,4 +1,5 @@
-# cmake -D MODEL=file -D WORK=folder -D "DEFINES=A=1;B" -D SPIN=program -D CC=program [-D FINDS=regex] -P check_model.cmake
+# cmake -D MODEL=file -D WORK=folder -D "DEFINES=A=1;B" -D SPIN=program -D CC=program [-D FINDS=regex]
+#       -P check_model.cmake
 # Searches all states of a model, all fair runs if DEFINES has LIVENESS. Fails if a property does not hold, or if some
 # statement is never reached, since what is said about it would mean nothing. With FINDS, a mistake has been
 # made on purpose: fails unless the checker finds it, as a violation that matches FINDS.

@@ -1,5 +1,5 @@
-"""Lists generated types in several C++ files: as test::contestants(), with what stock idlc makes of them (contestant.h),
-or without --cyclone as test::generated_types() (message_types.h)."""
+"""Lists generated types in several C++ files: as test::contestants(), with what stock idlc makes of them
+(contestant.h), or without --cyclone as test::generated_types() (message_types.h)."""
 import argparse
 import pathlib
 import re
@@ -91,7 +91,8 @@ std::vector<{element}> {function}() {{
 """
 
 
-headers = sorted((pathlib.Path(root), pathlib.Path(header)) for root, *of_root in arguments.headers for header in of_root)
+headers = sorted((pathlib.Path(root), pathlib.Path(header))
+                 for root, *of_root in arguments.headers for header in of_root)
 join, *parts = arguments.outputs
 join.write_text(joined(len(parts)))
 for number, output in enumerate(parts):

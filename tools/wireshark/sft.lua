@@ -385,8 +385,8 @@ local function read_group_report(c)
 end
 
 -- The kinds of datagrams by number: the field at offset 2 (or the function that reads the 3 bytes at offset 1), the
--- field at offset 4 if it is not the writer, the flags that may be set, the least number of bytes, and the function that
--- reads the rest.
+-- field at offset 4 if it is not the writer, the flags that may be set, the least number of bytes, and the function
+-- that reads the rest.
 local kinds = {
   [1] = { name = "first", at_2 = f.variant, flags = 0xcf, bytes = 32, read = read_first },
   [2] = { name = "following", at_2 = f.variant, flags = 0, bytes = 17, read = read_following },

@@ -55,8 +55,8 @@ class DemoTest(unittest.TestCase):
         # So long that it begins as soon as discovery is quiet, and does not listen first to what goes on then.
         with subprocess.Popen([DEMO, "--seconds", "10"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as demo:
             network = self.network_of_publisher(demo)
-            subprocess.run(["nsenter", f"--net={network}", "dumpcap", "-q", "-i", "eth0", "-f", UNFRAGMENTED, "-B", "64",
-                            "-c", str(DATAGRAMS), "-a", "duration:20", "-w", str(pcap)],
+            subprocess.run(["nsenter", f"--net={network}", "dumpcap", "-q", "-i", "eth0", "-f", UNFRAGMENTED,
+                            "-B", "64", "-c", str(DATAGRAMS), "-a", "duration:20", "-w", str(pcap)],
                            check=True, capture_output=True, timeout=30)
             demo.kill()  # the kernel ends its hosts
         return pcap

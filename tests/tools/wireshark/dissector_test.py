@@ -120,7 +120,8 @@ class DissectorTest(unittest.TestCase):
         strangers = [rng.randbytes(rng.randrange(0, 300)) for _ in range(200)]
         strangers += [b"\x21" + first()[1:], first(flags=0x10), heartbeat() + b"?", packed([], each=4)]
         strangers += [whole(ordinal=0), whole()[:31], whole(stamp=-1), whole(stamp=5_000_000_000_000_000_000)]
-        strangers += [group_offer(address=0xE0000001), group_report() + b"?", first(flags=0x48, marks=channel() + group())]
+        strangers += [group_offer(address=0xE0000001), group_report() + b"?",
+                      first(flags=0x48, marks=channel() + group())]
         rows = self.read(strangers, ["sft.kind"])
         taken = [row for row in rows if row["sft.kind"]]
         self.assertLessEqual(len(taken), 2)  # of which the first 16 bytes happen to be right

@@ -3,7 +3,8 @@ write(a/msg/A.msg "B b\n")
 write(a/msg/B.msg "# [\n\nfloat64[] x\nc/Missing[] y\n")
 write_project("sft_generate(TARGET t FILES a/msg/A.msg INCLUDES other)")
 configure()
-expect_error("${source}/a/msg/B.msg:4: there is no c/msg/Missing.msg or .idl below ${source}, ${source}/other: name the directory above the package in INCLUDES")
+expect_error("${source}/a/msg/B.msg:4: there is no c/msg/Missing.msg or .idl below ${source}, ${source}/other: \
+name the directory above the package in INCLUDES")
 # Once it is there, all is well.
 write(c/msg/Missing.msg "float64 x\n")
 expect_generated(t a/msg/A a/msg/B c/msg/Missing)

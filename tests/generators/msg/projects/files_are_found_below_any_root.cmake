@@ -4,6 +4,7 @@ write("../an installed share/b/msg/B.msg" "float64 x\n")
 write("../an installed share/b/msg/B.idl" "nobody reads it")
 write("../an installed share/c/msg/C.idl" "module c { module msg { struct C { double x; }; }; };")
 write_project("sft_generate(TARGET t FILES a/msg/A.msg c/msg/C.idl INCLUDES \"../an installed share/\")")
-file(CHMOD_RECURSE "${WORK}/an installed share" DIRECTORY_PERMISSIONS OWNER_READ OWNER_EXECUTE FILE_PERMISSIONS OWNER_READ)
+file(CHMOD_RECURSE "${WORK}/an installed share"
+  DIRECTORY_PERMISSIONS OWNER_READ OWNER_EXECUTE FILE_PERMISSIONS OWNER_READ)
 expect_generated(t a/msg/A b/msg/B c/msg/C)
 file(CHMOD_RECURSE "${WORK}/an installed share" DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)

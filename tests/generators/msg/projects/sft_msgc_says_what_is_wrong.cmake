@@ -7,7 +7,8 @@ write(a/srv/A.srv "---\n")
 run(${SFT_MSGC} ${source}/a/srv/A.srv -o ${build})
 expect_error("${source}/a/srv/A.srv:1: a/srv/A.srv: services and actions are not supported")
 run(${SFT_MSGC} ${source}/a/msg/A.msg -b ${source}/a -o ${build})
-expect_error("${source}/a/msg/A.msg:1: msg/A.msg: this is no place for a message: expected PACKAGE/msg/NAME.msg below ${source}/a")
+expect_error("${source}/a/msg/A.msg:1: msg/A.msg: this is no place for a message: \
+expected PACKAGE/msg/NAME.msg below ${source}/a")
 run(${SFT_MSGC} ${source}/a/msg/Missing.msg -o ${build})
 expect_error("cannot read ${source}/a/msg/Missing.msg: No such file or directory")
 run(${SFT_MSGC} ${source}/far/b/msg/B.msg -o ${build})
@@ -21,5 +22,6 @@ expect_headers(t b/msg/B)
 
 set(wide /usr/share/test_interface_files/msg/WStrings.msg)
 run(${SFT_MSGC} ${wide} -o ${build})
-expect_error("${wide}:1: test_interface_files/msg/WStrings.wstring_value: wide characters are not supported: use string, which holds UTF-8")
+expect_error("${wide}:1: test_interface_files/msg/WStrings.wstring_value: wide characters are not supported: \
+use string, which holds UTF-8")
 expect_error("${wide}:10: test_interface_files/msg/WStrings.unbounded_sequence_of_wstrings: wide characters")

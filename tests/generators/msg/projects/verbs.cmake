@@ -1,5 +1,5 @@
-# What the tests in this folder are written in: a project that uses sft_generate, in a directory with a space in its name.
-# They get WORK (an empty directory of their own), GENERATOR, SFT_CMAKE_DIR, SFT_MSGC and SFT_IDL_PLUGIN.
+# The language of the tests in this folder. Each test makes a project that uses sft_generate(), in a directory with a
+# space in its name. It gets WORK (an empty directory), GENERATOR, SFT_CMAKE_DIR, SFT_MSGC and SFT_IDL_PLUGIN.
 cmake_minimum_required(VERSION 3.22)
 set(source "${WORK}/a project")
 set(build "${WORK}/its build")
