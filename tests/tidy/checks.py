@@ -173,7 +173,8 @@ def comments_begin_with_their_subject(tree, settings):
 
 def comment_blocks(tree, settings):
     for path in tree.code:
-        names = comments.names_in(tree.text(path)) | settings.names
+        own_name = os.path.splitext(os.path.basename(path))[0]  # a program says what it does behind its name
+        names = comments.names_in(tree.text(path)) | settings.names | {own_name}
         for block in comments.blocks(tree.text(path)):
             yield path, block, comments.begins_in_mid_sentence(block, names)
 

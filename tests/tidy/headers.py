@@ -12,13 +12,13 @@ def is_detail(path):
 
 
 def public_types(tree, settings):
-    """(file, line, name) of classes and enums at namespace level; aliases, detail and nested types are not counted."""
+    """(file, line, name) of the classes, enums, aliases and concepts of namespaces, without detail."""
     for path in public_headers(tree, settings):
         found = structure.read(tree.text(path))
         types = [(c.line, c.name, c.namespace) for c in found.classes if c.public_type]
-        types += [(e.line, e.name, e.namespace) for e in found.enums]
+        types += [(other.line, other.name, other.namespace) for other in found.enums + found.aliases]
         for line, name, namespace in sorted(set(types)):
-            if not is_detail(path) and not _hidden(namespace) and "<" not in name:
+            if not is_detail(path) and not _hidden(namespace) and name.isidentifier():
                 yield path, line, name
 
 

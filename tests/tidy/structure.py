@@ -35,7 +35,7 @@ class Class:
 
 
 @dataclass
-class Enum:
+class Name:
     name: str
     line: int
     namespace: str
@@ -47,6 +47,7 @@ class Structure:
     classes: list = field(default_factory=list)
     balanced: bool = True  # false if the braces of the file could not be followed
     enums: list = field(default_factory=list)  # those of namespaces
+    aliases: list = field(default_factory=list)  # of namespaces, and concepts
 
 
 @functools.lru_cache(maxsize=None)
@@ -75,8 +76,7 @@ class _Reader:
             elif token.text == "}":
                 return token.line
             elif token.text == ";":
-                if kind == "class" and head:
-                    _count_member(owner, _outside_angles(head))
+                self._statement(head, kind, owner, namespace)
                 head = []
             elif token.text == ":" and len(head) == 1 and head[0].text in _ACCESS:
                 head = []
@@ -93,6 +93,14 @@ class _Reader:
                 head.append(token)
         self.found.balanced = self.found.balanced and is_file
         return self.tokens[-1].line if self.tokens else 1
+
+    def _statement(self, head, kind, owner, namespace):
+        if kind == "class" and head:
+            _count_member(owner, _outside_angles(head))
+        elif kind == "namespace":
+            texts = [text for text in _outside_angles(head) if text != "template"]
+            if texts[:1] in (["using"], ["concept"]) and texts[2:3] == ["="]:
+                self.found.aliases.append(Name(texts[1], head[0].line, namespace))
 
     def _is_macro_call(self, head):
         """True behind `MACRO(a, b)` that stands without a semicolon."""
@@ -135,7 +143,7 @@ class _Reader:
                 self._group("{", [])
                 if kind == "namespace":
                     name = _type_name(texts, {"enum", "class", "struct"})
-                    self.found.enums.append(Enum(name, head[0].line, namespace))
+                    self.found.enums.append(Name(name, head[0].line, namespace))
                 return [*head, brace]
         if _opens_class(texts):
             return self._class(brace, head, texts, kind, namespace)

@@ -4,6 +4,7 @@
 tidy.py figures [--root DIR]            prints a table of figures; DIR may be another checkout, to compare with
 tidy.py check [NAME...] [--root DIR]    prints what breaks the checks, with file and line; all checks without NAME
 tidy.py list                            prints the names of the checks
+tidy.py types [--root DIR]              prints the types that each public header gives to users
 """
 
 import argparse
@@ -14,6 +15,7 @@ import sys
 sys.dont_write_bytecode = True  # no files beside the sources
 import checks
 import figures
+import headers
 from settings import Settings
 from tree import Tree
 
@@ -23,7 +25,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 def main():
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # the reader of the output may leave, as `head` does
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("command", choices=["figures", "check", "list"])
+    parser.add_argument("command", choices=["figures", "check", "list", "types"])
     parser.add_argument("names", nargs="*", metavar="NAME")
     parser.add_argument("--root", default=ROOT, metavar="DIR", help="the checkout (default: the one of this script)")
     arguments = parser.parse_args()
@@ -39,7 +41,17 @@ def main():
     if arguments.command == "figures":
         print("\n".join(figures.table(tree, settings)))
         return 0
+    if arguments.command == "types":
+        print_types(tree, settings)
+        return 0
     return check(arguments.names or checks.ALL, tree, settings)
+
+
+def print_types(tree, settings):
+    types = list(headers.public_types(tree, settings))
+    for path in headers.public_headers(tree, settings):
+        if not headers.is_detail(path):
+            print(f"{path}: {', '.join(name for where, _, name in types if where == path)}")
 
 
 def check(names, tree, settings):
