@@ -4,7 +4,7 @@
 
 namespace sft::udp {
 
-UdpReader::UdpReader(const core::ReaderSpec& spec, std::shared_ptr<Receiver> receiver)
+UdpReader::UdpReader(const core::ReaderSpec& spec, std::shared_ptr<ReceiveLoop> receiver)
     : spec_(spec),
       receiver_(std::move(receiver)),
       inbox_(std::make_shared<Inbox>(spec.depth, spec.listener)) {

@@ -6,13 +6,13 @@
 
 #include "core/seam/transport.h"
 #include "udp_transport/receive/inbox.h"
-#include "udp_transport/receive/receiver.h"
+#include "udp_transport/receive/receive_loop.h"
 
 namespace sft::udp {
 
 class UdpReader final : public core::ReaderPort {
  public:
-  UdpReader(const core::ReaderSpec& spec, std::shared_ptr<Receiver> receiver);
+  UdpReader(const core::ReaderSpec& spec, std::shared_ptr<ReceiveLoop> receiver);
   /// Waits for a call of the listener to return, unless it is made by that call.
   ~UdpReader() override;
 
@@ -34,7 +34,7 @@ class UdpReader final : public core::ReaderPort {
 
  private:
   core::ReaderSpec spec_;
-  const std::shared_ptr<Receiver> receiver_;
+  const std::shared_ptr<ReceiveLoop> receiver_;
   const std::shared_ptr<Inbox> inbox_;
 };
 

@@ -12,7 +12,7 @@
 #include "udp_transport/io/socket_io.h"
 #include "udp_transport/io/udp_socket.h"
 #include "udp_transport/io/uring_io.h"
-#include "udp_transport/receive/receiver.h"
+#include "udp_transport/receive/receive_loop.h"
 #include "udp_transport/send/ack_sender.h"
 #include "udp_transport/send/answers.h"
 #include "udp_transport/udp_reader.h"
@@ -35,7 +35,7 @@ std::string note_on_buffer(const UdpOptions& options, const UdpSocket& socket) {
 class UdpTransport final : public core::Transport {
  public:
   UdpTransport(const UdpOptions& options, const UdpSocket& socket, std::string description,
-               bool uses_io_uring, std::shared_ptr<Receiver> receiver, std::shared_ptr<SendSide> send_side)
+               bool uses_io_uring, std::shared_ptr<ReceiveLoop> receiver, std::shared_ptr<SendSide> send_side)
       : uses_io_uring_(uses_io_uring),
         description_(std::move(description) + ", port " + std::to_string(socket.port) +
                      (socket.family == AF_INET && options.bind_address.is_any() ? ", IPv4 only" : "") +
@@ -135,7 +135,7 @@ class UdpTransport final : public core::Transport {
   const std::uint16_t port_;
   const int family_;  ///< of the socket: one of IPv6 takes both
   const std::uint32_t receive_buffer_bytes_;
-  const std::shared_ptr<Receiver> receiver_;
+  const std::shared_ptr<ReceiveLoop> receiver_;
   const std::shared_ptr<SendSide> send_side_;
 };
 
@@ -163,35 +163,33 @@ std::shared_ptr<SendSide> make_send_side(const UdpOptions& options, const UdpSoc
   return side;
 }
 
-std::shared_ptr<Receiver> make_receiver(const UdpOptions& options,
-                                        const std::shared_ptr<const UdpSocket>& socket,
-                                        std::shared_ptr<core::BufferPool> pool,
-                                        std::unique_ptr<DatagramReceiver> io,
-                                        const std::shared_ptr<SendSide>& send_side) {
+std::shared_ptr<ReceiveLoop> make_receiver(const UdpOptions& options,
+                                           const std::shared_ptr<const UdpSocket>& socket,
+                                           std::shared_ptr<core::BufferPool> pool,
+                                           std::unique_ptr<DatagramReceiver> io,
+                                           const std::shared_ptr<SendSide>& send_side) {
   ReassemblyLimits limits = options.reassembly;
   limits.sample_bytes = options.max_sample_bytes;
   limits.channel.seed = std::random_device()();
   const auto ack_sender = std::make_shared<AckSender>(send_side);
-  Receiver::Acks acks;
-  acks.hear = [send_side](std::span<const std::byte> answer, const SocketAddress& from,
-                          std::chrono::steady_clock::time_point now) {
-    if (send_side->sender.answer_port() != 0) {  // whoever answers us sends there
+  ReceiveLoop::SendingHalf half;
+  half.hear_answer = [send_side](const Answer& answer, const SocketAddress& from,
+                                 std::chrono::steady_clock::time_point now) {
+    if (send_side->sender.answer_port() != 0) {  // answers have to come to that port
       send_side->malformed_answers.fetch_add(1, std::memory_order_relaxed);
     } else if (hear_answer(*send_side, answer, from, now)) {
       send_side->sender.look_again();
     }
   };
-  acks.send = [ack_sender](const SocketAddress& to, const Ack& ack) { ack_sender->send(to, ack); };
-  acks.report = [ack_sender](const SocketAddress& to, const FlowReport& report) {
+  half.send_ack = [ack_sender](const SocketAddress& to, const Ack& ack) { ack_sender->send(to, ack); };
+  half.send_report = [ack_sender](const SocketAddress& to, const FlowReport& report) {
     ack_sender->send(to, report);
   };
-  Receiver::Groups groups;
-  groups.send = [ack_sender](const SocketAddress& to, const GroupReport& report) {
+  half.send_group_report = [ack_sender](const SocketAddress& to, const GroupReport& report) {
     ack_sender->send(to, report);
   };
-  groups.joins = std::make_shared<GroupJoins>(socket);
-  return std::make_shared<Receiver>(std::move(io), limits, socket->receive_buffer_bytes, std::move(pool),
-                                    std::move(acks), std::move(groups));
+  return std::make_shared<ReceiveLoop>(std::move(io), limits, socket->receive_buffer_bytes, std::move(pool),
+                                       std::move(half), std::make_shared<GroupJoins>(socket));
 }
 
 }  // namespace

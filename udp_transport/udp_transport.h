@@ -14,7 +14,7 @@
 #include "core/seam/transport.h"
 #include "udp_transport/io/datagram_io.h"
 #include "udp_transport/io/multicast_links.h"
-#include "udp_transport/receive/reassembly.h"
+#include "udp_transport/receive/reassembly_memory.h"
 #include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {

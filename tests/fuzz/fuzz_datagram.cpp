@@ -9,7 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "sft/detail/decode.h"
+#include "sft/typesupport/decode.h"
+#include "tests/unit/udp/arrivals.h"
 #include "tests/unit/udp/live_streams.h"
 #include "tests/unit/udp/messages.h"
 #include "udp_transport/flow/flow_window.h"
@@ -187,7 +188,7 @@ void answer(udp::Reassembly& reassembly, udp::Reassembly::Time now) {
     encode(ack, bytes.data());
     if (!udp::parse_ack(bytes)) std::abort();
   });
-  reassembly.report([](const udp::SocketAddress&, const udp::GroupReport& report) {
+  reassembly.report_groups([](const udp::SocketAddress&, const udp::GroupReport& report) {
     std::vector<std::byte> bytes(udp::group_report_bytes);
     encode(report, bytes.data());
     if (!udp::parse_group_report(bytes)) std::abort();
@@ -270,13 +271,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static_cast<void>(udp::parse_ack(datagram));
     flow.meet(datagram, now);
     static_cast<void>(udp::parse_group_report(datagram));
-    if (udp::kind_of(datagram) == udp::DatagramKind::group_offer) {
-      reassembly.accept_offer(datagram, {}, {now, 1});
-      if (reassembly.groups().size() > 4 * wanted.size()) std::abort();
-    }
-    const bool is_heartbeat = udp::kind_of(datagram) == udp::DatagramKind::heartbeat;
-    const auto arrival = is_heartbeat ? reassembly.accept_heartbeat(datagram, {}, {now, 1})
-                                      : reassembly.accept(datagram, {now, 1});
+    const udp::Arrival arrival = udp::test::accept(reassembly, datagram, {now, 1});
+    if (reassembly.groups().size() > 4 * wanted.size()) std::abort();
     std::vector<core::SampleHandle> samples(arrival.packed.begin(), arrival.packed.end());
     if (arrival.sample) samples.push_back(arrival.sample);
     for (const core::SampleHandle& sample : samples)

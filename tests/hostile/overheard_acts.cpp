@@ -77,7 +77,6 @@ Act changed(Target& target, int at_a_time, std::function<bool(udp::DatagramKind)
 }
 
 bool any_kind(udp::DatagramKind) { return true; }
-bool is_answer(udp::DatagramKind kind) { return udp::is_answer(kind); }
 
 template <class Number>
 void put(Bytes& bytes, std::size_t at, Number number) {
@@ -247,7 +246,7 @@ Act mutated_samples(Target& target) {
       target, 100, [](udp::DatagramKind kind) { return !is_answer(kind); }, mutate);
 }
 
-Act mutated_answers(Target& target) { return changed(target, 100, is_answer, mutate); }
+Act mutated_answers(Target& target) { return changed(target, 100, udp::is_answer, mutate); }
 
 Act bit_flips(Target& target) { return changed(target, 50, any_kind, flip_a_bit); }
 

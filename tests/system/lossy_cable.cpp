@@ -50,16 +50,15 @@ std::uint64_t not_received(const core::FileDescriptor& end) {
   return stats.tp_drops;
 }
 
-/// The sequence of the sample of which the frame carries a part; 0 if it carries none.
+/// The low half of the sequence of the sample that the frame carries a part of; 0 if it carries none.
 std::uint32_t sequence_in(Frame frame) {
   constexpr std::size_t ether_type = 12, protocol = 14 + 9;
   if (frame.size() <= udp_header_end || frame[ether_type] != std::byte{8} ||
       frame[protocol] != std::byte{IPPROTO_UDP})
     return 0;
   const auto datagram = frame.subspan(udp_header_end);
-  if (const auto following = udp::parse_following(datagram)) return following->label.sequence;
-  const auto begin = udp::parse(datagram);
-  return begin ? begin->label().sequence : 0;
+  const auto part = udp::parse(datagram);
+  return part ? part->label().sequence : 0;
 }
 
 /// Carries frames from one end to the other.

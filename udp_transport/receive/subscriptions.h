@@ -10,7 +10,7 @@
 
 #include "core/seam/transport.h"
 #include "udp_transport/receive/inbox.h"
-#include "udp_transport/receive/reassembly.h"
+#include "udp_transport/receive/incoming_writer.h"
 
 namespace sft::udp {
 

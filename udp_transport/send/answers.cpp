@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <new>
+#include <variant>
 
 #include "udp_transport/datagram.h"
 
@@ -11,7 +12,7 @@ namespace {
 
 using Time = std::chrono::steady_clock::time_point;
 
-/// What several members of a group ask for.
+/// The group sends what several of its members ask for.
 void hand_repairs_to_group(SendSide& side, Ack& ack, Time now) {
   const GroupRoster::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
   if (in.group != nullptr && in.group->take_over_repairs(in.member, ack, now))
@@ -23,7 +24,8 @@ bool disbelieve(SendSide& side) {
   return false;
 }
 
-/// The receiver may follow a channel that the writer does not have: its own channels there name themselves.
+/// The receiver may follow a channel that the writer does not have. The channels that the writer does have to
+/// that receiver name themselves in full.
 bool hear_of_unknown_channel(SendSide& side, const Ack& ack, const SocketAddress& from) {
   bool goes_on = disbelieve(side);
   for (const std::shared_ptr<Channel>& channel : side.channels.find_at(ack.writer, from.ip))
@@ -59,22 +61,19 @@ bool hear(SendSide& side, const GroupReport& report, const SocketAddress& from, 
   return false;
 }
 
-template <class Answer>
-bool hear_if_sound(SendSide& side, const std::optional<Answer>& answer, const SocketAddress& from, Time now) {
-  if (answer) return hear(side, *answer, from, now);
-  side.malformed_answers.fetch_add(1, std::memory_order_relaxed);
+}  // namespace
+
+bool hear_answer(SendSide& side, const Answer& answer, const SocketAddress& from, Time now) noexcept try {
+  return std::visit([&](const auto& one) { return hear(side, one, from, now); }, answer);
+} catch (const std::bad_alloc&) {  // another one will come
   return false;
 }
 
-}  // namespace
-
 bool hear_answer(SendSide& side, std::span<const std::byte> datagram, const SocketAddress& from,
-                 Time now) noexcept try {
-  const std::optional<DatagramKind> kind = kind_of(datagram);
-  if (kind == DatagramKind::report) return hear_if_sound(side, parse_report(datagram), from, now);
-  if (kind == DatagramKind::group_report) return hear_if_sound(side, parse_group_report(datagram), from, now);
-  return hear_if_sound(side, kind == DatagramKind::ack ? parse_ack(datagram) : std::nullopt, from, now);
-} catch (const std::bad_alloc&) {  // another one will come
+                 Time now) noexcept {
+  const AnyDatagram any = decode(datagram);
+  if (const Answer* answer = std::get_if<Answer>(&any)) return hear_answer(side, *answer, from, now);
+  side.malformed_answers.fetch_add(1, std::memory_order_relaxed);
   return false;
 }
 

@@ -1,4 +1,4 @@
-// What comes back to those who send: acks, and reports of receivers and of members of groups.
+// Handles what comes back to those who send: acks, and reports of receivers and of members of groups.
 #pragma once
 
 #include <chrono>
@@ -10,10 +10,13 @@
 
 namespace sft::udp {
 
-/// True if somebody who waits may go on: the sending thread has to look. Counts what is malformed, and what
-/// is no answer as that; and what is not believed: an answer of nothing that we sent, or from an address that
-/// is none of whom we sent it to. Of one thread: the one that sends, or where there is no port for answers
-/// the one that receives.
+/// True if the sending thread has to look at lanes and channels: something that waited may go on. An answer
+/// that is not believed is counted: it answers nothing that was sent, or comes from another address than that
+/// was sent to. Used by one thread: the sending one, or the receiving one where there is no port for answers.
+[[nodiscard]] bool hear_answer(SendSide& side, const Answer& answer, const SocketAddress& from,
+                               std::chrono::steady_clock::time_point now) noexcept;
+
+/// The same. A datagram that is no sound answer is counted as malformed.
 [[nodiscard]] bool hear_answer(SendSide& side, std::span<const std::byte> datagram, const SocketAddress& from,
                                std::chrono::steady_clock::time_point now) noexcept;
 

@@ -6,25 +6,25 @@ namespace sft::udp {
 
 namespace {
 
-// Offsets of the fields that all kinds of samples share, and of those behind them.
+// The offsets of the fields that all kinds of samples share, and of the fields behind them.
 constexpr std::size_t at_kind = 0, at_flags = 1, at_variant = 2, at_writer = 4, at_sequence = 8;
 constexpr std::size_t at_total = 12, at_mask = 16, at_stamp = 24;
 constexpr std::size_t at_offset = 12;
 constexpr std::size_t at_samples = 12, at_bytes_each = 14;
 constexpr std::size_t at_short_ordinal = 12;
-// Bits of the first 32 of a whole datagram.
+// The bits in the first 32 bits of a whole datagram.
 constexpr unsigned words_bit = 8, merged_bit = 9, short_variant_bit = 10, short_channel_bit = 21;
 static_assert(whole_numbers_end == 1U << (short_channel_bit - short_variant_bit) &&
               whole_numbers_end == 1U << (32 - short_channel_bit));
 constexpr std::size_t at_period = first_header_bytes, at_ordinal = at_period + 4;
-// Of heartbeats and acks, which name the writer like all others.
+// The offsets in heartbeats and acks. These name the writer where samples do.
 constexpr std::size_t at_port = 2, at_channel_number = 8, at_waiting = 12, at_first = 16, at_end = 24;
 constexpr std::size_t at_count = 2, at_reserved = 12, at_next = 16;
-// Of marks and reports.
+// The offsets in marks and reports.
 constexpr std::size_t at_flow = 4, at_position = 8, at_window = 16, at_datagrams = 20, at_came = 24;
 constexpr std::size_t at_padding = 28, at_sent = 32;
 
-// Of group offers and reports.
+// The offsets in group offers and reports.
 constexpr std::size_t at_group_number = 8, at_member = 12;
 constexpr std::size_t at_group_address = 16, at_offered_channel = 20, at_ahead = 24, at_heard = 16;
 
@@ -58,9 +58,9 @@ SampleLabel load_label(const std::byte* from) noexcept {
           .variant = load<std::uint16_t>(from + at_variant)};
 }
 
-/// With what may follow the header, as far as the kind allows it.
-std::optional<Datagram> parse_described(DatagramKind kind, std::uint8_t allowed,
-                                        std::span<const std::byte> bytes) noexcept {
+/// Reads the header of a first or packed datagram, with the marks behind it that this kind may have.
+std::optional<Datagram> read_described(DatagramKind kind, std::uint8_t allowed,
+                                       std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < first_header_bytes) return {};
   const auto flags = load<std::uint8_t>(&bytes[at_flags]);
   if ((flags & ~allowed) != 0) return {};
@@ -97,17 +97,17 @@ std::optional<Datagram> parse_described(DatagramKind kind, std::uint8_t allowed,
   return d;
 }
 
-std::optional<Datagram> parse_first(std::span<const std::byte> bytes) noexcept {
+std::optional<Datagram> read_first(std::span<const std::byte> bytes) noexcept {
   constexpr std::uint8_t not_in_groups = rate_follows | history_follows | channel_follows;
   constexpr std::uint8_t allowed = mask_words_follow | not_in_groups | group_follows | merged_masks;
-  const std::optional<Datagram> d = parse_described(DatagramKind::first, allowed, bytes);
+  const std::optional<Datagram> d = read_described(DatagramKind::first, allowed, bytes);
   const bool of_group = d && (d->first.flags & group_follows) != 0;
   return of_group && (d->first.flags & not_in_groups) != 0 ? std::nullopt : d;
 }
 
-std::optional<Datagram> parse_packed(std::span<const std::byte> bytes) noexcept {
+std::optional<Datagram> read_packed(std::span<const std::byte> bytes) noexcept {
   constexpr std::uint8_t allowed = mask_words_follow | channel_follows | lengths_follow;
-  std::optional<Datagram> d = parse_described(DatagramKind::packed, allowed, bytes);
+  std::optional<Datagram> d = read_described(DatagramKind::packed, allowed, bytes);
   if (!d) return {};
   d->samples = load<std::uint16_t>(&bytes[at_samples]);
   d->bytes_each = load<std::uint16_t>(&bytes[at_bytes_each]);
@@ -117,8 +117,9 @@ std::optional<Datagram> parse_packed(std::span<const std::byte> bytes) noexcept 
   return d;
 }
 
-/// What it does not say is 0, or told by how long it is.
-std::optional<Datagram> parse_whole(std::span<const std::byte> bytes) noexcept {
+/// Reads the short header of a whole datagram. Fields that this header leaves out are 0, and the length of
+/// the datagram tells the total.
+std::optional<Datagram> read_whole(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < first_header_bytes) return {};
   const auto bits = load<std::uint32_t>(bytes.data());
   const auto flag = [bits](unsigned bit, std::uint8_t meant) { return (bits >> bit & 1) != 0 ? meant : 0; };
@@ -289,8 +290,8 @@ void encode(const GroupReport& report, std::byte* out) noexcept {
   store(report.heard, out + at_heard);
 }
 
-std::optional<GroupOffer> parse_group_offer(std::span<const std::byte> bytes) noexcept {
-  if (kind_of(bytes) != DatagramKind::group_offer || bytes.size() != group_offer_bytes) return {};
+static std::optional<GroupOffer> read_group_offer(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() != group_offer_bytes) return {};
   if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
   const GroupOffer offer{.writer = load<std::uint32_t>(&bytes[at_writer]),
                          .group = load<std::uint32_t>(&bytes[at_group_number]),
@@ -305,8 +306,8 @@ std::optional<GroupOffer> parse_group_offer(std::span<const std::byte> bytes) no
   return sound ? std::optional(offer) : std::nullopt;
 }
 
-std::optional<GroupReport> parse_group_report(std::span<const std::byte> bytes) noexcept {
-  if (kind_of(bytes) != DatagramKind::group_report || bytes.size() != group_report_bytes) return {};
+static std::optional<GroupReport> read_group_report(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() != group_report_bytes) return {};
   if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
   const GroupReport report{.writer = load<std::uint32_t>(&bytes[at_writer]),
                            .group = load<std::uint32_t>(&bytes[at_group_number]),
@@ -315,8 +316,8 @@ std::optional<GroupReport> parse_group_report(std::span<const std::byte> bytes) 
   return report.heard <= ordinal_max ? std::optional(report) : std::nullopt;
 }
 
-std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexcept {
-  if (kind_of(bytes) != DatagramKind::heartbeat || bytes.size() != heartbeat_bytes) return {};
+static std::optional<Heartbeat> read_heartbeat(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() != heartbeat_bytes) return {};
   if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
   const Heartbeat heartbeat{.writer = load<std::uint32_t>(&bytes[at_writer]),
                             .channel = load<std::uint32_t>(&bytes[at_channel_number]),
@@ -329,8 +330,8 @@ std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexc
   return sound ? std::optional(heartbeat) : std::nullopt;
 }
 
-std::optional<Ack> parse_ack(std::span<const std::byte> bytes) noexcept {
-  if (kind_of(bytes) != DatagramKind::ack || bytes.size() < ack_header_bytes) return {};
+static std::optional<Ack> read_ack(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() < ack_header_bytes) return {};
   const std::size_t count = load<std::uint16_t>(&bytes[at_count]);
   if (load<std::uint8_t>(&bytes[at_flags]) != 0 || count > missing_max) return {};
   if (bytes.size() != ack_header_bytes + count * missing_bytes) return {};
@@ -348,8 +349,8 @@ std::optional<Ack> parse_ack(std::span<const std::byte> bytes) noexcept {
   return ack;
 }
 
-std::optional<FlowMark> parse_mark(std::span<const std::byte> bytes) noexcept {
-  if (kind_of(bytes) != DatagramKind::mark || bytes.size() != mark_bytes) return {};
+static std::optional<FlowMark> read_mark(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() != mark_bytes) return {};
   const FlowMark mark{.flow = load<std::uint32_t>(&bytes[at_flow]),
                       .port = load<std::uint16_t>(&bytes[at_port]),
                       .position = load<std::uint64_t>(&bytes[at_position]),
@@ -359,8 +360,8 @@ std::optional<FlowMark> parse_mark(std::span<const std::byte> bytes) noexcept {
   return sound ? std::optional(mark) : std::nullopt;
 }
 
-std::optional<FlowReport> parse_report(std::span<const std::byte> bytes) noexcept {
-  if (kind_of(bytes) != DatagramKind::report || bytes.size() != report_bytes) return {};
+static std::optional<FlowReport> read_report(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() != report_bytes) return {};
   if (load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
   return FlowReport{.flow = load<std::uint32_t>(&bytes[at_flow]),
                     .position = load<std::uint64_t>(&bytes[at_position]),
@@ -370,8 +371,8 @@ std::optional<FlowReport> parse_report(std::span<const std::byte> bytes) noexcep
                     .sent_at_ns = static_cast<std::int64_t>(load<std::uint64_t>(&bytes[at_sent]))};
 }
 
-/// One without payload says nothing and is refused, like one that ends beyond what a total can be.
-std::optional<Following> parse_following(std::span<const std::byte> bytes) noexcept {
+/// A datagram without payload says nothing and is refused, like one that ends beyond what a total can be.
+static std::optional<Following> read_following(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() <= following_header_bytes || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
   const Following following{.label = load_label(bytes.data()),
                             .offset = load<std::uint32_t>(&bytes[at_offset]),
@@ -380,20 +381,75 @@ std::optional<Following> parse_following(std::span<const std::byte> bytes) noexc
   return following;
 }
 
+/// Reads the bytes if they are of that kind.
+template <class Read>
+static auto read_if(DatagramKind kind, std::span<const std::byte> bytes, const Read& read) noexcept {
+  return kind_of(bytes) == kind ? read(bytes) : decltype(read(bytes)){};
+}
+
+std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexcept {
+  return read_if(DatagramKind::heartbeat, bytes, read_heartbeat);
+}
+std::optional<Ack> parse_ack(std::span<const std::byte> bytes) noexcept {
+  return read_if(DatagramKind::ack, bytes, read_ack);
+}
+std::optional<GroupOffer> parse_group_offer(std::span<const std::byte> bytes) noexcept {
+  return read_if(DatagramKind::group_offer, bytes, read_group_offer);
+}
+std::optional<GroupReport> parse_group_report(std::span<const std::byte> bytes) noexcept {
+  return read_if(DatagramKind::group_report, bytes, read_group_report);
+}
+std::optional<FlowMark> parse_mark(std::span<const std::byte> bytes) noexcept {
+  return read_if(DatagramKind::mark, bytes, read_mark);
+}
+std::optional<FlowReport> parse_report(std::span<const std::byte> bytes) noexcept {
+  return read_if(DatagramKind::report, bytes, read_report);
+}
+
 std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept {
-  const std::optional<DatagramKind> kind = kind_of(bytes);
-  if (kind == DatagramKind::first) return parse_first(bytes);
-  if (kind == DatagramKind::packed) return parse_packed(bytes);
-  if (kind == DatagramKind::whole) return parse_whole(bytes);
-  if (kind != DatagramKind::following) return {};
-  const std::optional<Following> following = parse_following(bytes);
-  if (!following) return {};
+  AnyDatagram any = decode(bytes);
+  if (const Datagram* d = std::get_if<Datagram>(&any)) return *d;
+  const Following* following = std::get_if<Following>(&any);
+  if (following == nullptr) return {};
   Datagram d;
   d.kind = DatagramKind::following;
   d.first.label = following->label;
   d.offset = following->offset;
   d.payload = following->payload;
   return d;
+}
+
+AnyDatagram decode(std::span<const std::byte> bytes) noexcept {
+  const std::optional<DatagramKind> kind = kind_of(bytes);
+  const auto as = [&]<class T>(std::in_place_type_t<T> type, const auto& sound) {
+    return sound ? AnyDatagram(type, *sound) : AnyDatagram(Malformed{kind});
+  };
+  constexpr std::in_place_type_t<Datagram> sample;
+  constexpr std::in_place_type_t<Answer> answer;
+  if (!kind) return Malformed{};
+  switch (*kind) {
+    case DatagramKind::following:
+      return as(std::in_place_type<Following>, read_following(bytes));
+    case DatagramKind::first:
+      return as(sample, read_first(bytes));
+    case DatagramKind::packed:
+      return as(sample, read_packed(bytes));
+    case DatagramKind::whole:
+      return as(sample, read_whole(bytes));
+    case DatagramKind::heartbeat:
+      return as(std::in_place_type<Heartbeat>, read_heartbeat(bytes));
+    case DatagramKind::mark:
+      return as(std::in_place_type<FlowMark>, read_mark(bytes));
+    case DatagramKind::group_offer:
+      return as(std::in_place_type<GroupOffer>, read_group_offer(bytes));
+    case DatagramKind::ack:
+      return as(answer, read_ack(bytes));
+    case DatagramKind::report:
+      return as(answer, read_report(bytes));
+    case DatagramKind::group_report:
+      return as(answer, read_group_report(bytes));
+  }
+  return Malformed{};
 }
 
 bool PackedBodies::sound() const noexcept {

@@ -6,54 +6,61 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <variant>
 
 namespace sft::udp {
 
 inline constexpr std::uint8_t wire_version = 1;
 inline constexpr std::size_t first_header_bytes = 32;
 inline constexpr std::size_t following_header_bytes = 16;
-inline constexpr std::size_t datagram_bytes_max = 65507;  ///< of a UDP payload over IPv4
-inline constexpr std::size_t datagram_bytes_min = 548;    ///< what every IPv4 path takes
+inline constexpr std::size_t datagram_bytes_max = 65507;  ///< the longest UDP payload over IPv4
+inline constexpr std::size_t datagram_bytes_min = 548;    ///< every IPv4 path takes payloads of this length
 
 enum class DatagramKind : std::uint8_t {
   first = 1,         ///< begins a sample
   following = 2,     ///< a later part of its body
-  heartbeat = 3,     ///< of a channel: what its writer has sent, and still has
-  ack = 4,           ///< of a channel, the other way: what has come, and what is missing
+  heartbeat = 3,     ///< a writer tells what it has sent in a channel, and what it still has
+  ack = 4,           ///< a reader tells what has come in a channel, and what is missing
   packed = 5,        ///< whole small samples, whose sequences and ordinals follow one another
-  group_offer = 6,   ///< to a process: in which multicast group it is sent the same
-  group_report = 7,  ///< the other way: what has come there
-  mark = 8,          ///< between samples: how much was sent to a socket up to here
-  report = 9,        ///< the other way: the mark has come, and how much may be under way
-  whole = 10,        ///< a sample in a channel that needs no other, in short
+  group_offer = 6,   ///< a writer tells a process in which multicast group it sends the same
+  group_report = 7,  ///< a member tells what has come by a group
+  mark = 8,          ///< stands between samples: how much was sent to a socket up to here
+  report = 9,        ///< the receiver answers a mark, and tells how much may be under way
+  whole = 10,        ///< a sample in a channel that fits into this datagram, with a short header
 };
+
+/// Acks and reports answer what this process has sent. All other kinds come from a writer.
+constexpr bool is_answer(DatagramKind kind) {
+  return kind == DatagramKind::ack || kind == DatagramKind::report || kind == DatagramKind::group_report;
+}
 
 /// Flags of a first datagram. Its mask field is a hash, and the mask's words stand right before the payload.
 inline constexpr std::uint8_t mask_words_follow = 1;
 /// The sample passed a gate for a maximum rate: `rate` stands right behind the header.
 inline constexpr std::uint8_t rate_follows = 2;
 inline constexpr std::size_t rate_bytes = 8;
-/// The sample is for one late reader only: `history` stands behind that.
+/// The sample is for one late reader only: `history` stands behind the rate.
 inline constexpr std::uint8_t history_follows = 4;
 inline constexpr std::size_t history_bytes = 16;
-/// The sample travels in a channel, reliably: `channel` stands behind that.
+/// The sample travels in a channel, reliably: `channel` stands behind the history.
 inline constexpr std::uint8_t channel_follows = 8;
 inline constexpr std::size_t channel_bytes = 16;
 /// A whole datagram has room for variants below this, for a channel's number modulo this, and for 32 bits of
 /// sequence and ordinal.
 inline constexpr std::uint32_t whole_numbers_end = 2048;
-/// The sample is sent to a multicast group: `group` stands behind that.
+/// The sample is sent to a multicast group: `group` stands behind the channel.
 inline constexpr std::uint8_t group_follows = 64;
 inline constexpr std::size_t group_bytes = 16;
-/// The mask is the union of those of several readers: it is for each whose mask it contains.
+/// The mask is the union of the masks of several readers: the sample is for each reader whose mask it
+/// contains.
 inline constexpr std::uint8_t merged_masks = 128;
-/// Groups are of the range that RFC 2365 leaves to everybody, 239.255.0.0/16, and datagrams to them go to one
-/// port, that DDS takes in no domain.
+/// Groups are of the range that RFC 2365 leaves to everybody, 239.255.0.0/16. All datagrams to them go to one
+/// port, which DDS uses in no domain.
 inline constexpr std::uint32_t private_groups = 0xEFFF0000;
 inline constexpr std::uint16_t group_port = 22155;
 inline constexpr std::size_t group_offer_bytes = 32;
 inline constexpr std::size_t group_report_bytes = 24;
-/// Of a packed datagram: before each sample stands how long it is; else all are equally long.
+/// In a packed datagram the length of each sample stands before it. Without this flag all are equally long.
 inline constexpr std::uint8_t lengths_follow = 16;
 inline constexpr std::size_t length_bytes = 2;
 inline constexpr std::size_t packed_samples_max = 256;
@@ -61,14 +68,15 @@ inline constexpr std::size_t heartbeat_bytes = 32;
 inline constexpr std::size_t ack_header_bytes = 24;
 inline constexpr std::size_t missing_bytes = 12;
 inline constexpr std::size_t mark_bytes = 40;
-inline constexpr std::size_t report_bytes = 40;  ///< no more than what it answers
-/// As many as fit into a datagram that every path takes.
+inline constexpr std::size_t report_bytes = 40;  ///< a report is no longer than the mark that it answers
+/// So many missing parts fit into an ack that every path takes.
 inline constexpr std::size_t missing_max = (datagram_bytes_min - ack_header_bytes) / missing_bytes;
 
-/// So that nothing overflows that is added to it.
+/// Ordinals have this limit, so that no sum with an ordinal overflows.
 inline constexpr std::uint64_t ordinal_max = std::uint64_t{1} << 62;
 
-/// Names one encoding of one sample. Equal in all its datagrams, and different in all others for a long time.
+/// Names one encoding of one sample. All datagrams of that encoding have this label, and no others for a long
+/// time.
 struct SampleLabel {
   std::uint32_t writer = 0;    ///< low half of the writer's id
   std::uint32_t sequence = 0;  ///< low half of the sequence
@@ -76,35 +84,37 @@ struct SampleLabel {
   friend bool operator==(const SampleLabel&, const SampleLabel&) = default;
 };
 
-/// The gate that a sample passed at its writer (core/seam/rate_gate.h), as the how-manieth.
+/// The gate that a sample passed at its writer (core/seam/rate_gate.h), with its number among the samples
+/// that passed this gate.
 struct RateMark {
   std::uint32_t min_period_us = 0;
   std::uint32_t ordinal = 0;
   friend bool operator==(const RateMark&, const RateMark&) = default;
 };
 
-/// A sample of those that begin with what was retained.
+/// The late reader that a sample is for. Such a reader is first sent the samples that its writer retained.
 struct HistoryMark {
-  std::uint64_t reader = 0;  ///< its id
-  std::uint64_t oldest = 0;  ///< sequence of the first sample that it is sent
+  std::uint64_t reader = 0;  ///< the id of the reader
+  std::uint64_t oldest = 0;  ///< the sequence of the first sample that the reader is sent
   friend bool operator==(const HistoryMark&, const HistoryMark&) = default;
 };
 
 /// The place of a sample in a channel.
 struct ChannelMark {
-  std::uint32_t channel = 0;        ///< the writer's number for it
+  std::uint32_t channel = 0;        ///< the writer's number for the channel
   std::uint32_t sequence_high = 0;  ///< high half of the sample's sequence
   std::uint64_t ordinal = 0;        ///< counts the samples in the channel, from 1
-  /// The other end knows the channel: the low bits of its number will do, or are all that came of it.
+  /// Before encoding: the other end knows the channel, so the low bits of its number are enough. After
+  /// decoding: only the low bits came.
   bool in_short = false;
   friend bool operator==(const ChannelMark&, const ChannelMark&) = default;
 };
 
 /// The place of a sample among those that were sent to a group.
 struct GroupMark {
-  std::uint32_t group = 0;          ///< the writer's number for it
+  std::uint32_t group = 0;          ///< the writer's number for the group
   std::uint32_t sequence_high = 0;  ///< high half of the sample's sequence
-  std::uint64_t ordinal = 0;        ///< counts the samples sent to it, from 1
+  std::uint64_t ordinal = 0;        ///< counts the samples that were sent to the group, from 1
   friend bool operator==(const GroupMark&, const GroupMark&) = default;
 };
 
@@ -114,12 +124,12 @@ struct FirstHeader {
   std::uint32_t total = 0;    ///< bytes of the body, without encapsulation
   std::uint64_t mask = 0;     ///< leaf bits, or FieldMask::hash() where there are more than 64 leaves
   std::int64_t stamp_ns = 0;  ///< CLOCK_REALTIME at publish
-  RateMark rate{};            ///< where the flag says so
-  HistoryMark history{};      ///< likewise
-  ChannelMark channel{};      ///< likewise
-  GroupMark group{};          ///< likewise
+  RateMark rate{};            ///< set where rate_follows is set
+  HistoryMark history{};      ///< set where history_follows is set
+  ChannelMark channel{};      ///< set where channel_follows is set
+  GroupMark group{};          ///< set where group_follows is set
 
-  /// With what the flags say follows it, but for the mask's words.
+  /// The header's length with all marks that the flags announce, without the mask's words.
   std::size_t bytes() const { return at_group() + ((flags & group_follows) != 0 ? group_bytes : 0); }
   std::size_t at_group() const { return at_channel() + ((flags & channel_follows) != 0 ? channel_bytes : 0); }
   std::size_t at_history() const {
@@ -137,37 +147,37 @@ struct FollowingHeader {
 
 /// What the samples of a packed datagram have in common.
 struct PackedHeader {
-  FirstHeader first;             ///< of the first of them; its total counts for nothing
+  FirstHeader first;             ///< the header of the first sample; its total is not sent
   std::uint16_t samples = 0;     ///< 1 to packed_samples_max
-  std::uint16_t bytes_each = 0;  ///< 0 where the flag says that lengths follow, and only there
+  std::uint16_t bytes_each = 0;  ///< 0 if and only if lengths_follow is set
 };
 
-void encode(const FirstHeader& header, std::byte* out) noexcept;      ///< header.bytes()
-void encode(const FollowingHeader& header, std::byte* out) noexcept;  ///< following_header_bytes
-void encode(const PackedHeader& header, std::byte* out) noexcept;     ///< header.first.bytes()
+void encode(const FirstHeader& header, std::byte* out) noexcept;      ///< writes header.bytes()
+void encode(const FollowingHeader& header, std::byte* out) noexcept;  ///< writes following_header_bytes
+void encode(const PackedHeader& header, std::byte* out) noexcept;     ///< writes header.first.bytes()
 
-/// A whole datagram can say all that this does, if it also has the body as a whole.
+/// True if a whole datagram can say all that this header says. The datagram must also hold the whole body.
 bool fits_in_short(const FirstHeader& header) noexcept;
-void encode_in_short(const FirstHeader& header, std::byte* out) noexcept;  ///< first_header_bytes
+void encode_in_short(const FirstHeader& header, std::byte* out) noexcept;  ///< writes first_header_bytes
 
-/// Of the sample so many behind the first one, where their sequences and ordinals follow one another.
+/// The header of a later sample, `samples` behind the first one. Sequences and ordinals follow one another.
 FirstHeader header_behind(const FirstHeader& first, std::uint32_t samples, std::uint32_t total) noexcept;
 
-/// Of the samples in a channel, [first, end) were sent and can be sent again; those before cannot.
+/// Tells about the samples in a channel: [first, end) were sent and can be sent again; those before cannot.
 struct Heartbeat {
   std::uint32_t writer = 0;
   std::uint32_t channel = 0;
-  std::uint16_t port = 0;  ///< where acks go, at the address that it comes from
+  std::uint16_t port = 0;  ///< acks go to this port, at the address that the heartbeat comes from
   std::uint64_t first = 0;
   std::uint64_t end = 0;
-  std::uint32_t waiting = 0;  ///< behind `end`: were published, and will be sent
+  std::uint32_t waiting = 0;  ///< so many from `end` on were published, and will be sent
   friend bool operator==(const Heartbeat&, const Heartbeat&) = default;
 };
 
-/// A part of a sample that has not come: bytes [begin, end) of its body, or, if these are equal, nothing is
-/// known of it yet and its first datagram is asked for.
+/// A part of a sample that has not come: bytes [begin, end) of its body. If begin and end are equal, nothing
+/// of the sample has come yet, and its first datagram is asked for.
 struct Missing {
-  std::uint32_t ordinal = 0;  ///< low half
+  std::uint32_t ordinal = 0;  ///< low half of the sample's ordinal
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
   friend bool operator==(const Missing&, const Missing&) = default;
@@ -176,7 +186,7 @@ struct Missing {
 struct Ack {
   std::uint32_t writer = 0;
   std::uint32_t channel = 0;
-  std::uint64_t next = 0;  ///< ordinal: nothing before it is wanted any more
+  std::uint64_t next = 0;  ///< an ordinal: nothing before it is wanted any more
   std::array<Missing, missing_max> missing{};
   std::size_t missing_count = 0;
 
@@ -184,36 +194,37 @@ struct Ack {
   std::size_t bytes() const { return ack_header_bytes + missing_count * missing_bytes; }
 };
 
-/// Stands behind what was sent to a socket, whatever it was.
+/// Tells a receiver how much was sent to its socket before this mark, by all writers of the sender.
 struct FlowMark {
   std::uint32_t flow = 0;       ///< the sender's number for that socket
-  std::uint16_t port = 0;       ///< where the report goes, at the address that the mark comes from
-  std::uint64_t position = 0;   ///< counts what was sent before it
-  std::uint32_t datagrams = 0;  ///< of these, from where the mark comes from
+  std::uint16_t port = 0;       ///< the report goes to this port, at the address that the mark comes from
+  std::uint64_t position = 0;   ///< counts the bytes that were sent before the mark
+  std::uint32_t datagrams = 0;  ///< counts the datagrams that were sent before the mark from its port
   std::int64_t sent_at_ns = 0;  ///< by the sender's clock
   friend bool operator==(const FlowMark&, const FlowMark&) = default;
 };
 
-/// What the receiver says to a mark, most of which it repeats.
+/// The receiver's answer to a mark. The report repeats most fields of the mark.
 struct FlowReport {
   std::uint32_t flow = 0;
   std::uint64_t position = 0;
-  std::uint32_t window_bytes = 0;  ///< that may be under way, as the receiving kernel counts
+  std::uint32_t window_bytes = 0;  ///< so many bytes may be under way, as the receiving kernel counts
   std::uint32_t datagrams = 0;
-  std::uint32_t came = 0;  ///< of these; all that were sent before the receiver knew the sender count as come
+  /// So many of these datagrams came. All that were sent before the receiver knew the sender count as come.
+  std::uint32_t came = 0;
   std::int64_t sent_at_ns = 0;
   friend bool operator==(const FlowReport&, const FlowReport&) = default;
 };
 
-/// To one member of a group. Its samples are those of a channel, too: their ordinals there are `ahead` of
-/// those in the group.
+/// Offers a multicast group to one member. The samples of the group belong to a channel, too: an ordinal in
+/// the channel is the ordinal in the group plus `ahead`.
 struct GroupOffer {
   std::uint32_t writer = 0;
-  std::uint32_t group = 0;    ///< the writer's number for it
-  std::uint32_t member = 0;   ///< to be named in reports
-  std::uint16_t port = 0;     ///< where reports go, at the address that it comes from
-  std::uint32_t address = 0;  ///< of the group, IPv4; 0: the member is in it no more
-  std::uint32_t channel = 0;  ///< 0: in none, it is sent by best effort
+  std::uint32_t group = 0;    ///< the writer's number for the group
+  std::uint32_t member = 0;   ///< the member repeats this number in its reports
+  std::uint16_t port = 0;     ///< reports go to this port, at the address that the offer comes from
+  std::uint32_t address = 0;  ///< the IPv4 address of the group; 0: the member is in the group no more
+  std::uint32_t channel = 0;  ///< 0: the samples are in no channel, and are sent by best effort
   std::int64_t ahead = 0;
   friend bool operator==(const GroupOffer&, const GroupOffer&) = default;
 };
@@ -222,55 +233,64 @@ struct GroupReport {
   std::uint32_t writer = 0;
   std::uint32_t group = 0;
   std::uint32_t member = 0;
-  std::uint64_t heard = 0;  ///< ordinal: the last that has come; 0: the offer is to be repeated
+  std::uint64_t heard = 0;  ///< the last ordinal that has come; 0: the writer shall repeat the offer
   friend bool operator==(const GroupReport&, const GroupReport&) = default;
 };
 
-void encode(const GroupOffer& offer, std::byte* out) noexcept;    ///< group_offer_bytes
-void encode(const GroupReport& report, std::byte* out) noexcept;  ///< group_report_bytes
+void encode(const GroupOffer& offer, std::byte* out) noexcept;    ///< writes group_offer_bytes
+void encode(const GroupReport& report, std::byte* out) noexcept;  ///< writes group_report_bytes
 std::optional<GroupOffer> parse_group_offer(std::span<const std::byte> bytes) noexcept;
 std::optional<GroupReport> parse_group_report(std::span<const std::byte> bytes) noexcept;
-void encode(const Heartbeat& heartbeat, std::byte* out) noexcept;  ///< heartbeat_bytes
-void encode(const Ack& ack, std::byte* out) noexcept;              ///< ack.bytes()
-void encode(const FlowMark& mark, std::byte* out) noexcept;        ///< mark_bytes
-void encode(const FlowReport& report, std::byte* out) noexcept;    ///< report_bytes
+void encode(const Heartbeat& heartbeat, std::byte* out) noexcept;  ///< writes heartbeat_bytes
+void encode(const Ack& ack, std::byte* out) noexcept;              ///< writes ack.bytes()
+void encode(const FlowMark& mark, std::byte* out) noexcept;        ///< writes mark_bytes
+void encode(const FlowReport& report, std::byte* out) noexcept;    ///< writes report_bytes
 std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexcept;
 std::optional<Ack> parse_ack(std::span<const std::byte> bytes) noexcept;
 std::optional<FlowMark> parse_mark(std::span<const std::byte> bytes) noexcept;
 std::optional<FlowReport> parse_report(std::span<const std::byte> bytes) noexcept;
-/// Of a datagram of this version. It may be none of these, or not sound.
+/// The kind that the bytes claim to be. Empty if they are no datagram of this version. The rest of the
+/// datagram may still be malformed.
 std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept;
 
-/// True for datagrams that go back to the sender of samples: acks and reports.
-constexpr bool is_answer(std::optional<DatagramKind> kind) {
-  return kind == DatagramKind::ack || kind == DatagramKind::report || kind == DatagramKind::group_report;
-}
-
-/// A received datagram of a sample whose header is sound. What it says of the sample is only claimed.
+/// A received datagram of a sample. Its header is sound, but what the header says of the sample is only
+/// claimed.
 struct Datagram {
   DatagramKind kind{};
-  /// Of a following datagram only the label is set; a whole one reads as if a first one had said the same,
-  /// but that the mask's words count in its total.
+  /// A following datagram has only the label. A whole one reads as if a first one had said the same, but its
+  /// total includes the mask's words.
   FirstHeader first;
   std::uint32_t offset = 0;            ///< of the payload in the body; 0 in a first datagram
-  std::uint16_t samples = 0;           ///< of a packed datagram, as in its header
-  std::uint16_t bytes_each = 0;        ///< likewise
-  std::span<const std::byte> payload;  ///< begins with the mask's words where the flag says so
+  std::uint16_t samples = 0;           ///< as in the header of a packed datagram
+  std::uint16_t bytes_each = 0;        ///< as in the header of a packed datagram
+  std::span<const std::byte> payload;  ///< begins with the mask's words if mask_words_follow is set
 
   const SampleLabel& label() const { return first.label; }
 };
 
-/// The most frequent kind by far, without what it does not have.
+/// A following datagram, the most frequent kind by far.
 struct Following {
   SampleLabel label;
-  std::uint32_t offset = 0;
+  std::uint32_t offset = 0;  ///< of the payload in the body
   std::span<const std::byte> payload;
 };
-/// Of bytes of that kind.
-std::optional<Following> parse_following(std::span<const std::byte> bytes) noexcept;
 
 /// Empty if the bytes are no datagram of a sample, of this version.
 std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept;
+
+/// Bytes that are no sound datagram of this version.
+struct Malformed {
+  std::optional<DatagramKind> kind;  ///< the kind that the bytes claim to be, if they claim one
+};
+
+/// Any answer to what this process has sent.
+using Answer = std::variant<Ack, FlowReport, GroupReport>;
+
+/// A datagram of any kind. A Datagram here is a first, packed or whole one.
+using AnyDatagram = std::variant<Malformed, Following, Datagram, Heartbeat, FlowMark, GroupOffer, Answer>;
+
+/// Looks at the kind of a datagram once, and reads the datagram as one of that kind.
+AnyDatagram decode(std::span<const std::byte> bytes) noexcept;
 
 /// Takes the bodies of a packed datagram, one after the other, off its payload (behind the mask's words).
 class PackedBodies {
@@ -278,7 +298,8 @@ class PackedBodies {
   explicit PackedBodies(const Datagram& d)
       : rest_(d.payload), samples_(d.samples), bytes_each_(d.bytes_each) {}
 
-  /// All are there, and behind equally long ones nothing else: next() may be called for each.
+  /// True if all bodies are there, and nothing follows bodies of equal length. Only then next() may be
+  /// called, once for each body.
   bool sound() const noexcept;
   std::span<const std::byte> next() noexcept;
 
@@ -289,7 +310,7 @@ class PackedBodies {
 };
 
 void store_word(std::uint64_t word, std::byte* out) noexcept;
-void store_length(std::size_t bytes, std::byte* out) noexcept;  ///< length_bytes
+void store_length(std::size_t bytes, std::byte* out) noexcept;  ///< writes length_bytes
 std::uint64_t load_word(const std::byte* from) noexcept;
 
 /// The 64-bit sequence nearest to `reference` that has these low 32 bits; never below zero.

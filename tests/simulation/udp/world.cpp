@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "tests/unit/udp/arrivals.h"
 #include "tests/unit/udp/datagrams.h"
 
 namespace sft::simulation {
@@ -418,15 +419,15 @@ void World::receive(const Bytes& bytes) {
   const udp::ArrivalTime now{now_, 1};
   if (udp::kind_of(bytes) == udp::DatagramKind::mark) return report(bytes);
   if (udp::kind_of(bytes) == udp::DatagramKind::group_offer)
-    return static_cast<void>(reassembly_->accept_offer(bytes, {}, now));
+    return static_cast<void>(udp::test::accept(*reassembly_, bytes, now));
   shares_->count({});
   const auto before = reassembly_->window(0)->mark();
   const std::optional<udp::Heartbeat> heartbeat = udp::parse_heartbeat(bytes);
   if (heartbeat) {
-    reassembly_->accept_heartbeat(bytes, {}, now);
+    udp::test::accept(*reassembly_, bytes, now);
   } else {
     const std::uint64_t unwanted_before = reassembly_->counters().unknown;
-    const udp::Reassembly::Arrival arrival = reassembly_->accept(bytes, now);
+    const udp::Arrival arrival = udp::test::accept(*reassembly_, bytes, now);
     if (reassembly_->counters().unknown > unwanted_before) note_unwanted(bytes);
     if (arrival.sample) take_at_once(*arrival.sample);
     for (const core::SampleHandle& sample : arrival.packed) take_at_once(*sample);
@@ -489,7 +490,7 @@ void World::answer() {
     udp::encode(ack, bytes.data());
     network_.send(Network::Side::writer, std::move(bytes), now_);
   });
-  reassembly_->report([&](const udp::SocketAddress&, const udp::GroupReport& report) {
+  reassembly_->report_groups([&](const udp::SocketAddress&, const udp::GroupReport& report) {
     Bytes bytes(udp::group_report_bytes);
     udp::encode(report, bytes.data());
     network_.send(Network::Side::writer, std::move(bytes), now_);

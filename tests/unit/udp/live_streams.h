@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/subscribe/sequence_account.h"
+#include "tests/unit/udp/arrivals.h"
 #include "tests/unit/udp/datagrams.h"
 #include "udp_transport/flow/flow_window.h"
 #include "udp_transport/flow/receive_shares.h"
@@ -71,17 +72,11 @@ class LiveStreams {
 
   /// Gives the datagram to the process, whatever it is.
   void receive(std::span<const std::byte> datagram) {
-    const std::optional<DatagramKind> kind = kind_of(datagram);
-    const ArrivalTime now{now_, 1};
-    if (kind == DatagramKind::mark) {
-      if (const auto mark = parse_mark(datagram)) shares_.answer(*mark, {}, now_);
-    } else if (kind == DatagramKind::group_offer) {
-      reassembly_.accept_offer(datagram, {}, now);
-    } else if (kind == DatagramKind::heartbeat) {
-      deliver(reassembly_.accept_heartbeat(datagram, {}, now));
+    if (const auto mark = parse_mark(datagram)) {
+      shares_.answer(*mark, {}, now_);
     } else {
       shares_.count({});
-      deliver(reassembly_.accept(datagram, now));
+      deliver(accept(reassembly_, datagram, {now_, 1}));
     }
     answer();
   }
@@ -235,7 +230,7 @@ class LiveStreams {
   }
 
   /// To readers of best effort at once, and to reliable ones in order.
-  void deliver(const Reassembly::Arrival& arrival) {
+  void deliver(const Arrival& arrival) {
     One& one = *streams_[arrival.stream];
     const bool at_once = !is_reliable(one.kind);
     if (at_once && arrival.sample) one.inbox.deliver(arrival.sample);
@@ -287,7 +282,7 @@ class LiveStreams {
     reassembly_.answer(now_, [&](const SocketAddress&, const Ack& ack) {
       for (const std::unique_ptr<One>& one : streams_) one->window.hear(ack, now_);
     });
-    reassembly_.report([&](const SocketAddress&, const GroupReport& report) {
+    reassembly_.report_groups([&](const SocketAddress&, const GroupReport& report) {
       for (const std::unique_ptr<One>& one : streams_) {
         const bool is_ours = static_cast<std::uint32_t>(one->writer) == report.writer && report.group == 1;
         if (!is_ours || report.heard > one->group_ordinal) continue;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tests/support/test_seed.h"
+#include "tests/unit/udp/arrivals.h"
 #include "tests/unit/udp/datagrams.h"
 
 namespace sft::udp {
@@ -49,7 +50,7 @@ class ReassemblyTest : public testing::Test {
   }
 
   void receive(const Bytes& datagram) {
-    Reassembly::Arrival arrival = reassembly_->accept(datagram, {now_, 77});
+    Arrival arrival = test::accept(*reassembly_, datagram, {now_, 77});
     if (arrival.sample) taken_.push_back(std::move(arrival.sample));
   }
   void receive(const std::vector<Bytes>& datagrams) {
@@ -316,7 +317,7 @@ TEST_F(ReassemblyTest, TellsWritersWithOneShortIdApartByTheAddressesOfTheirNodes
   };
   const auto writer_of = [&](std::uint32_t sequence, const core::IpAddress& from) -> core::EndpointId {
     for (const Bytes& datagram : sent(sequence, make_image(64))) {
-      const Reassembly::Arrival arrival = reassembly_->accept(datagram, {now_, 77}, from);
+      const Arrival arrival = test::accept(*reassembly_, datagram, {now_, 77}, {from, 0});
       if (arrival.sample) return arrival.sample->header().writer;
     }
     return 0;
@@ -344,7 +345,7 @@ TEST_F(ReassemblyTest, TellsWritersWithOneShortIdAndOneAddressApartByWhatTheyAnn
   reassembly_->set_streams(streams);
   const auto writer_of = [&](std::uint32_t sequence, std::size_t bytes) -> core::EndpointId {
     for (const Bytes& datagram : sent(sequence, make_image(bytes))) {
-      const Reassembly::Arrival arrival = reassembly_->accept(datagram, {now_, 77}, ip);
+      const Arrival arrival = test::accept(*reassembly_, datagram, {now_, 77}, {ip, 0});
       if (arrival.sample) return arrival.sample->header().writer;
     }
     return 0;
@@ -365,7 +366,7 @@ TEST_F(ReassemblyTest, TakesNothingOnceMoreOfAWriterThatDoesNotAnswer) {
   const auto takes = [&](std::uint32_t sequence) {
     bool came = false;
     for (const Bytes& datagram : sent(sequence, make_image(64)))
-      came = reassembly_->accept(datagram, {now_, 77}).sample || came;
+      came = test::accept(*reassembly_, datagram, {now_, 77}).sample || came;
     return came;
   };
   for (std::uint32_t sequence = 1; sequence <= 300; ++sequence) ASSERT_TRUE(takes(sequence));

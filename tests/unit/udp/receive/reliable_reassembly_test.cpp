@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "tests/unit/udp/arrivals.h"
 #include "tests/unit/udp/datagrams.h"
 #include "udp_transport/receive/reassembly.h"
 
@@ -58,7 +59,7 @@ class ReliableReassemblyTest : public testing::Test {
   }
 
   void receive(const Bytes& datagram) {
-    const Reassembly::Arrival arrival = reassembly_->accept(datagram, {now_, 1});
+    const Arrival arrival = test::accept(*reassembly_, datagram, {now_, 1});
     if (arrival.sample && !arrival.in_channel) at_once_.push_back(arrival.sample->sequence);
     if (reassembly_->window(0) == nullptr) return;
     while (const core::SampleHandle sample =
@@ -74,7 +75,7 @@ class ReliableReassemblyTest : public testing::Test {
   void hear(std::uint64_t first, std::uint64_t end, std::uint32_t channel = 1) {
     Bytes bytes(heartbeat_bytes);
     encode(Heartbeat{static_cast<std::uint32_t>(writer), channel, acks_to.port, first, end}, bytes.data());
-    reassembly_->accept_heartbeat(bytes, acks_to, {now_, 1});
+    test::accept(*reassembly_, bytes, {now_, 1}, acks_to);
   }
   const core::Transport::Counters& counted() const { return reassembly_->counters(); }
 
@@ -243,7 +244,7 @@ TEST_F(ReliableReassemblyTest, AnswersOnlyWhereTheWritersNodeCanBeReached) {
   const auto hear_from = [&](const core::IpAddress& ip, std::uint16_t port) {
     Bytes bytes(heartbeat_bytes);
     encode(Heartbeat{static_cast<std::uint32_t>(writer), 1, port, 1, 2}, bytes.data());
-    reassembly_->accept_heartbeat(bytes, {ip, 9}, {now_, 1});
+    test::accept(*reassembly_, bytes, {now_, 1}, {ip, 9});
     answered.clear();
     reassembly_->answer(now_, [&](const SocketAddress& to, const Ack&) { answered.push_back(to); });
   };

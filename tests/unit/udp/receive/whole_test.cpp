@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/unit/udp/arrivals.h"
 #include "tests/unit/udp/datagrams.h"
 #include "udp_transport/receive/reassembly.h"
 #include "udp_transport/reliable/resend_window.h"
@@ -177,7 +178,7 @@ class WholeTest : public testing::Test {
   }
 
   void receive(const Bytes& datagram) {
-    Reassembly::Arrival arrival = reassembly_.accept(datagram, {now_, 77});
+    Arrival arrival = test::accept(reassembly_, datagram, {now_, 77});
     if (arrival.sample) taken_.push_back(std::move(arrival.sample));
   }
   void receive(const std::vector<Bytes>& datagrams) {
@@ -230,9 +231,9 @@ TEST_F(WholeTest, ComesAgainWhereItsChannelIsNotKnownAsYet) {
   const Stream stream{writer, &test::type_support<Image>(), 0, {fields<Image>("*")}, true};
   fresh.set_streams({&stream, 1});
   const auto datagrams = sent(1, 9, make_image(20));
-  EXPECT_FALSE(fresh.accept(datagrams.at(0), {now_, 77}).sample);
+  EXPECT_FALSE(test::accept(fresh, datagrams.at(0), {now_, 77}).sample);
   fresh.window(0)->hear({.writer = 1, .channel = 2048 + 5, .port = 7, .first = 1, .end = 2}, now_);
-  EXPECT_TRUE(fresh.accept(datagrams.at(0), {now_, 77}).sample);
+  EXPECT_TRUE(test::accept(fresh, datagrams.at(0), {now_, 77}).sample);
 }
 
 TEST_F(WholeTest, WaitsForItsTurnAndIsThereOnce) {
@@ -308,7 +309,8 @@ TEST_F(WholeTest, IsNotRepeatedByAGroupThatSentItToo) {
                     .channel = 5,
                     .ahead = 10},
          offer.data());
-  ASSERT_TRUE(reassembly_.accept_offer(offer, {}, {}));
+  test::accept(reassembly_, offer, {});
+  ASSERT_FALSE(reassembly_.groups().empty());
   const auto by_group = [&](std::uint64_t ordinal, std::uint64_t sequence) {
     FirstHeader first = in_channel(0, sequence);
     first.flags = group_follows | merged_masks;

@@ -1,0 +1,52 @@
+// Where the acks of one writer go, and how many bytes they may have. Pure.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/receive/answer_credit.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp {
+
+using SendAck = std::function<void(const SocketAddress&, const Ack&)>;
+
+class AnswerPath {
+ public:
+  /// A datagram of the writer came: it may be answered with a few times as many bytes.
+  void received(std::size_t bytes) { credit_.received(bytes); }
+  /// A heartbeat asks for acks at this address. A single heartbeat does not turn acks away from where they
+  /// went before: they go to both addresses until the next one.
+  void turn_to(const SocketAddress& address) {
+    const bool confirmed = !confirmed_ || claimed_ == address;
+    if (confirmed) confirmed_ = address;
+    claimed_.reset();
+    if (confirmed_ != address) claimed_ = address;
+  }
+  void close() {
+    confirmed_.reset();
+    claimed_.reset();
+  }
+  bool is_known() const { return confirmed_.has_value(); }
+
+  /// Whether an ack of that length may be sent, to each address.
+  bool covers(std::size_t ack_bytes) const { return credit_.covers(copies() * ack_bytes); }
+  /// Sends the ack to each address, or to none if that would be too many bytes.
+  void send(const Ack& ack, const SendAck& send) {
+    if (!covers(ack.bytes())) return;
+    credit_.spend(copies() * ack.bytes());
+    send(*confirmed_, ack);
+    if (claimed_) send(*claimed_, ack);
+  }
+
+ private:
+  std::size_t copies() const { return claimed_ ? 2 : 1; }
+
+  std::optional<SocketAddress> confirmed_;
+  std::optional<SocketAddress> claimed_;  ///< named by one heartbeat only so far
+  AnswerCredit credit_;
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,139 @@
+#include "udp_transport/receive/delivery.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace sft::udp {
+
+namespace {
+/// So many samples go to a reader in order, before the next look whether that reader is still there.
+constexpr std::size_t delivered_at_once = 256;
+}  // namespace
+
+void Delivery::enter() {
+  std::shared_ptr<const Subscriptions> latest = subscriptions_.enter();
+  if (latest == wanted_) return;
+  wanted_ = std::move(latest);
+  reassembly_.set_streams(wanted_->streams);
+  keep_groups_(reassembly_.groups());
+  for (std::size_t i = 0; i < wanted_->streams.size(); ++i) follow_readers(i);
+}
+
+/// Tells the window of a reliable stream who reads it.
+void Delivery::follow_readers(std::size_t stream_index) {
+  ArrivalWindow* window = reassembly_.window(stream_index);
+  if (window == nullptr) return;
+  const std::vector<Subscriber>& subscribers = wanted_->subscribers[stream_index];
+  std::vector<core::EndpointId> readers;
+  for (const Subscriber& subscriber : subscribers) {
+    if (subscriber.reliable) readers.push_back(subscriber.reader);
+  }
+  window->set_readers(readers);
+  for (const Subscriber& subscriber : subscribers)
+    window->heard(subscriber.reader, subscriber.heard_request());
+}
+
+void Delivery::deliver(Arrival& arrival, Time now) {
+  const bool in_channel = arrival.in_channel;
+  const bool has_samples = arrival.has_samples();
+  if (!has_samples && !in_channel) return;
+  const core::EndpointId writer = wanted_->streams[arrival.stream].writer;
+  if (has_samples) deliver_at_once(arrival);
+  if (in_channel) deliver_in_order(writer, now);
+}
+
+/// Delivers to readers that take samples as they come. Listeners run outside the snapshot of subscriptions:
+/// they may take long, and may connect and destroy readers.
+void Delivery::deliver_at_once(Arrival& arrival) {
+  const auto in_turn = [&](const Subscriber& s) { return arrival.in_channel && s.reliable; };
+  if (std::ranges::all_of(wanted_->subscribers[arrival.stream], in_turn)) return;
+  const std::shared_ptr<const Subscriptions> subscriptions = wanted_;
+  subscriptions_.leave();
+  const std::span samples = arrival.sample ? std::span(&arrival.sample, 1) : arrival.packed;
+  for (const Subscriber& subscriber : subscriptions->subscribers[arrival.stream]) {
+    if (in_turn(subscriber)) continue;
+    batch_.clear();
+    std::ranges::copy_if(samples, std::back_inserter(batch_),
+                         [&](const core::SampleHandle& sample) { return subscriber.accepts(*sample); });
+    subscriber.inbox->deliver(batch_);
+  }
+  batch_.clear();
+  for (core::SampleHandle& sample : samples) sample.reset();
+  enter();
+}
+
+/// True if some reader had room for something.
+bool Delivery::deliver_in_order(core::EndpointId writer, Time now) {
+  bool any = false;
+  while (deliver_next(writer, now)) any = true;
+  return any;
+}
+
+std::optional<std::size_t> Delivery::index_of(core::EndpointId writer) const {
+  const auto stream = std::ranges::find(wanted_->streams, writer, &Stream::writer);
+  if (stream == wanted_->streams.end()) return {};
+  return static_cast<std::size_t>(stream - wanted_->streams.begin());
+}
+
+/// Delivers to one reader what it can get now, up to a limit. False if no reader can get anything.
+bool Delivery::deliver_next(core::EndpointId writer, Time now) {
+  const std::optional<std::size_t> index = index_of(writer);
+  ArrivalWindow* window = index ? reassembly_.window(*index) : nullptr;
+  if (window == nullptr) return false;
+  for (const Subscriber& subscriber : wanted_->subscribers[*index]) {
+    if (subscriber.reliable && deliver_to(subscriber, wanted_->streams[*index], *window)) return true;
+  }
+  window->release();
+  if (window->holds_back()) {
+    lag_watch_.begin(now);
+    readers_lag_.store(true, std::memory_order_relaxed);
+  }
+  return false;
+}
+
+/// False if the reader can get nothing. Otherwise the subscriptions may have changed meanwhile. What a
+/// publisher that waits for its readers has sent is not pushed out by what comes next, as long as the
+/// publisher waits.
+bool Delivery::deliver_to(const Subscriber& subscriber, const Stream& stream, ArrivalWindow& window) {
+  const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t request) {
+    return subscriber.accepts(s, request);
+  };
+  const bool room_counts = stream.waits && !window.overtakes();
+  const std::size_t room = room_counts ? subscriber.inbox->room(stream.writer) : delivered_at_once;
+  batch_.clear();
+  while (batch_.size() < std::min(room, delivered_at_once)) {
+    batch_.push_back(window.next(subscriber.reader, accepts));
+    if (batch_.back()) continue;
+    batch_.pop_back();
+    break;
+  }
+  if (batch_.empty()) return false;
+  window.release();
+  const std::shared_ptr<Inbox> inbox = subscriber.inbox;
+  const std::shared_ptr<const Subscriptions> subscriptions = wanted_;
+  subscriptions_.leave();
+  inbox->deliver(batch_);
+  batch_.clear();
+  enter();
+  return true;
+}
+
+void Delivery::look_after_readers(Time now) {
+  enter();
+  bool some_was_taken = false;
+  bool some_is_left = false;
+  const std::shared_ptr<const Subscriptions> subscriptions = wanted_;
+  for (const Stream& stream : subscriptions->streams) {
+    if (stream.waits) some_was_taken = deliver_in_order(stream.writer, now) || some_was_taken;
+  }
+  for (std::size_t i = 0; i < wanted_->streams.size(); ++i) {
+    const ArrivalWindow* window = reassembly_.window(i);
+    some_is_left = some_is_left || (window != nullptr && window->holds_back());
+  }
+  leave();
+  lag_watch_.looked(now, some_was_taken, some_is_left);
+  readers_lag_.store(some_is_left, std::memory_order_relaxed);
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,64 @@
+// Hands samples to the inboxes of the readers that asked for them: at once, or in order to reliable readers.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "udp_transport/receive/lag_watch.h"
+#include "udp_transport/receive/reassembly.h"
+#include "udp_transport/receive/subscriptions.h"
+
+namespace sft::udp {
+
+/// Used by the receiving thread, except where a comment says otherwise.
+class Delivery {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  /// Leaves all multicast groups but these, which are IPv4 addresses.
+  using KeepGroups = std::function<void(std::span<const std::uint32_t> groups)>;
+
+  /// The reassembly outlives the delivery. It follows what the subscriptions want.
+  Delivery(Reassembly& reassembly, KeepGroups keep_groups)
+      : reassembly_(reassembly), keep_groups_(std::move(keep_groups)) {}
+
+  /// Any thread, but for enter() and leave().
+  SubscriptionDirectory& subscriptions() { return subscriptions_; }
+
+  /// Datagrams may be taken until leave(), for those who are subscribed now.
+  void enter();
+  void leave() { subscriptions_.leave(); }
+  /// Delivers what a datagram has brought. Between enter() and leave().
+  void deliver(Arrival& arrival, Time now);
+
+  /// Delivers to readers that had no room before.
+  void look_after_readers(Time now);
+  /// When look_after_readers() is due; Time::max() if no reader lags.
+  Time next_look() const { return lag_watch_.next_look(); }
+  /// Some readers had no room for what is there. Any thread.
+  bool readers_lag() const noexcept { return readers_lag_.load(std::memory_order_relaxed); }
+
+ private:
+  void deliver_at_once(Arrival& arrival);
+  bool deliver_in_order(core::EndpointId writer, Time now);
+  bool deliver_next(core::EndpointId writer, Time now);
+  bool deliver_to(const Subscriber& subscriber, const Stream& stream, ArrivalWindow& window);
+  void follow_readers(std::size_t stream_index);
+  std::optional<std::size_t> index_of(core::EndpointId writer) const;
+
+  Reassembly& reassembly_;
+  const KeepGroups keep_groups_;
+  SubscriptionDirectory subscriptions_;
+  std::shared_ptr<const Subscriptions> wanted_;  ///< what the reassembly follows
+  LagWatch lag_watch_;
+  std::atomic<bool> readers_lag_{false};
+  std::vector<core::SampleHandle> batch_;  ///< samples on their way to one inbox
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,73 @@
+#include "udp_transport/receive/demultiplexer.h"
+
+#include <new>
+#include <optional>
+#include <utility>
+#include <variant>
+
+namespace sft::udp {
+
+Demultiplexer::Demultiplexer(Outlets outlets, Reassembly& reassembly, std::size_t receive_buffer_bytes)
+    : outlets_(std::move(outlets)), reassembly_(reassembly), shares_(receive_buffer_bytes) {}
+
+Arrival Demultiplexer::accept(std::span<const std::byte> bytes, const SocketAddress& from,
+                              ArrivalTime now) noexcept try {
+  AnyDatagram datagram = decode(bytes);
+  const Envelope envelope{from, now, bytes.size()};
+  Arrival arrival = std::visit([&](auto& d) { return take(d, envelope); }, datagram);
+  if ((arrival.has_samples() || arrival.in_channel) && from.ip != last_from_)
+    reassembly_.came_from(arrival.stream, last_from_ = from.ip);
+  return arrival;
+} catch (const std::bad_alloc&) {
+  return {};
+}
+
+/// A mark counts datagrams of samples and heartbeats. Whatever else the bytes are, they count as such.
+Arrival Demultiplexer::take(const Malformed& d, const Envelope& envelope) {
+  const bool is_counted = !d.kind || (!is_answer(*d.kind) && *d.kind != DatagramKind::mark &&
+                                      *d.kind != DatagramKind::group_offer);
+  if (is_counted) shares_.count(envelope.from);
+  reassembly_.refuse(d);
+  return {};
+}
+
+Arrival Demultiplexer::take(const Following& d, const Envelope& envelope) {
+  shares_.count(envelope.from);
+  return reassembly_.accept(d, envelope);
+}
+
+Arrival Demultiplexer::take(Datagram& d, const Envelope& envelope) {
+  shares_.count(envelope.from);
+  return reassembly_.accept(d, envelope);
+}
+
+Arrival Demultiplexer::take(const Heartbeat& d, const Envelope& envelope) {
+  shares_.count(envelope.from);
+  return reassembly_.accept(d, envelope);
+}
+
+/// The report leaves at once: all that was sent before the mark has left the socket.
+Arrival Demultiplexer::take(const FlowMark& d, const Envelope& envelope) {
+  const std::optional<SocketAddress> to = reassembly_.report_address(envelope.from.ip, d.port);
+  if (to) {
+    outlets_.send_report(*to, shares_.answer(d, envelope.from, envelope.now.steady));
+  } else {
+    ++unknown_marks_;
+  }
+  return {};
+}
+
+Arrival Demultiplexer::take(const GroupOffer& d, const Envelope& envelope) {
+  const std::optional<Reassembly::Joining> joining = reassembly_.accept(d, envelope);
+  if (!joining) return {};
+  outlets_.keep_groups(reassembly_.groups());
+  if (joining->group != 0) outlets_.join_group(joining->group, envelope.from, joining->anew);
+  return {};
+}
+
+Arrival Demultiplexer::take(const Answer& d, const Envelope& envelope) {
+  outlets_.hear_answer(d, envelope.from, envelope.now.steady);
+  return {};
+}
+
+}  // namespace sft::udp

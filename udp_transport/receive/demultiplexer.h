@@ -1,0 +1,63 @@
+// Decodes each datagram once and hands it to whoever it is for. Pure: bytes and times in; no I/O, no clock,
+// no thread of its own.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "core/platform/ip_address.h"
+#include "udp_transport/flow/receive_shares.h"
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/receive/reassembly.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp {
+
+/// Used by the receiving thread.
+class Demultiplexer {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// What accept() calls for datagrams that bring no samples.
+  struct Outlets {
+    /// Hands an answer to the half of the transport that sends.
+    std::function<void(const Answer&, const SocketAddress& from, Time)> hear_answer;
+    /// Sends a report: the answer to a mark.
+    std::function<void(const SocketAddress& to, const FlowReport&)> send_report;
+    /// Leaves all multicast groups but these, which are IPv4 addresses.
+    std::function<void(std::span<const std::uint32_t> groups)> keep_groups;
+    /// Joins a group on the link towards that address; `anew` even if it was joined before.
+    std::function<void(std::uint32_t group, const SocketAddress& towards, bool anew)> join_group;
+  };
+
+  /// The reassembly outlives the demultiplexer. All who send to the socket share `receive_buffer_bytes`.
+  Demultiplexer(Outlets outlets, Reassembly& reassembly, std::size_t receive_buffer_bytes);
+
+  /// Returns what the datagram brought to readers. A datagram that there is no memory for counts as lost.
+  Arrival accept(std::span<const std::byte> bytes, const SocketAddress& from, ArrivalTime now) noexcept;
+
+  /// Counts marks of processes that have no writer that is read here.
+  std::uint64_t unknown_marks() const { return unknown_marks_; }
+  /// Counts the processes that share the receive buffer.
+  std::size_t senders() const { return shares_.senders(); }
+
+ private:
+  Arrival take(const Malformed& d, const Envelope& envelope);
+  Arrival take(const Following& d, const Envelope& envelope);
+  Arrival take(Datagram& d, const Envelope& envelope);
+  Arrival take(const Heartbeat& d, const Envelope& envelope);
+  Arrival take(const FlowMark& d, const Envelope& envelope);
+  Arrival take(const GroupOffer& d, const Envelope& envelope);
+  Arrival take(const Answer& d, const Envelope& envelope);
+
+  const Outlets outlets_;
+  Reassembly& reassembly_;
+  ReceiveShares shares_;
+  core::IpAddress last_from_;  ///< the address that the last sample came from
+  std::uint64_t unknown_marks_ = 0;
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,425 @@
+#include "udp_transport/receive/incoming_writer.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "sft/typesupport/walk.h"
+
+namespace sft::udp {
+
+namespace {
+
+using Standing = ArrivalWindow::Standing;
+
+/// So many missing parts are asked for at a time. Others are asked for later.
+constexpr std::size_t asked_at_once_max = 8 * missing_max;
+
+/// Calls `ask(Missing)` for each part of a sample that has not come. The sample is null if nothing of it has.
+template <class Ask>
+void for_each_missing(std::uint32_t ordinal, const UnfinishedSample* sample, const Ask& ask) {
+  if (sample == nullptr) return ask(Missing{ordinal, 0, 0});
+  std::uint32_t at = 0;
+  for (const IntervalSet::Interval& had : sample->received().intervals()) {
+    if (had.begin > at) ask(Missing{ordinal, at, had.begin});
+    at = had.end;
+  }
+  if (at < sample->first().total) ask(Missing{ordinal, at, sample->first().total});
+}
+
+bool has(const Datagram& d, std::uint8_t flag) { return (d.first.flags & flag) != 0; }
+
+std::uint64_t sequence_of(const FirstHeader& first, const SequenceWatch& sequences) {
+  const auto with = [&](std::uint32_t high) { return std::uint64_t{high} << 32 | first.label.sequence; };
+  if ((first.flags & channel_follows) != 0) return with(first.channel.sequence_high);
+  if ((first.flags & group_follows) != 0) return with(first.group.sequence_high);
+  return sequences.widen(first.label.sequence);
+}
+
+}  // namespace
+
+void IncomingWriter::follow(const Stream& stream, std::size_t stream_index) {
+  const std::size_t limit = shared_.limits.sample_bytes;
+  id_ = stream.writer;
+  type_ = stream.type;
+  stream_index_ = stream_index;
+  node_ = stream.node;
+  alive_ = stream.alive;
+  sample_bytes_ = stream.max_sample_bytes == 0 ? limit : std::min(stream.max_sample_bytes, limit);
+  wanted_.set(*stream.type, stream.masks);
+}
+
+void IncomingWriter::open_window(const std::optional<ArrivalWindow::Mark>& departed) {
+  window_ = std::make_unique<ArrivalWindow>(shared_.limits.channel);
+  if (departed) window_->join(*departed);
+}
+
+std::optional<ArrivalWindow::Mark> IncomingWriter::close_window() {
+  if (window_ == nullptr) return {};
+  samples_.forget_places();
+  const auto mark = window_->mark();
+  window_.reset();
+  answers_.close();
+  return mark;
+}
+
+bool IncomingWriter::follows(std::uint32_t channel) const {
+  const auto mark = window_ == nullptr ? std::nullopt : window_->mark();
+  return mark && mark->channel == channel;
+}
+
+bool IncomingWriter::fits(const Datagram& d) {
+  if (has(d, channel_follows) && follows(d.first.channel.channel)) return true;
+  Datagram copy = d;  // since the mask's words are taken off
+  const WantedMasks::Named named = wanted_.named_by(copy);
+  return named.mask != nullptr && !named.malformed &&
+         std::max<std::size_t>(copy.first.total, copy.bytes_each) <= sample_bytes_;
+}
+
+Arrival IncomingWriter::accept(Datagram& d, const Envelope& envelope) {
+  answers_.received(envelope.bytes);
+  if (has(d, group_follows) && !place_by_group(d, envelope.now.steady)) return {};
+  const WantedMasks::Named named = wanted_.named_by(d);
+  return d.kind == DatagramKind::packed ? accept_packed(d, named, envelope.now)
+                                        : accept_first(d, named, envelope.now);
+}
+
+/// False if this process does not know the group, or the sample is not meant for those who read here now.
+bool IncomingWriter::place_by_group(Datagram& d, Time now) {
+  const bool is_placed = groups_.place(d.first, now, window_ == nullptr ? nullptr : &window_->channels());
+  shared_.group_reports_due = shared_.group_reports_due || groups_.due();
+  if (!is_placed) {
+    elsewhere_.add(d.label());
+  } else if (window_ != nullptr && has(d, channel_follows)) {
+    window_->spread_asking();
+  }
+  return is_placed;
+}
+
+/// Each sample is accepted as if it had come alone.
+Arrival IncomingWriter::accept_packed(const Datagram& packed, const WantedMasks::Named& named,
+                                      ArrivalTime now) {
+  PackedBodies bodies(packed);
+  if (named.malformed || !bodies.sound()) {
+    ++shared_.counters.malformed;
+    return {};
+  }
+  if (packed.bytes_each != 0 && named.mask != nullptr && packed.bytes_each <= sample_bytes_) {
+    const std::size_t bytes = SampleLayout(type_->slots()).bytes(packed.bytes_each);
+    const std::size_t reserved = window_ == nullptr ? 0 : reserved_for_first_missing();
+    shared_.pool->take_kept(bytes, shared_.reserved_for_publishers() + reserved, packed.samples,
+                            shared_.pack_buffers);
+  }
+  Arrival arrival{{}, stream_index_};
+  Datagram d;
+  d.kind = DatagramKind::first;
+  for (std::uint32_t i = 0; i < packed.samples; ++i) {
+    d.payload = bodies.next();
+    d.first = header_behind(packed.first, i, static_cast<std::uint32_t>(d.payload.size()));
+    Arrival one = accept_first(d, named, now, i > 0);
+    arrival.in_channel |= one.in_channel;
+    if (one.sample) shared_.packed.push_back(std::move(one.sample));
+  }
+  shared_.pack_buffers.clear();
+  arrival.packed = shared_.packed;
+  return arrival;
+}
+
+Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named& named, ArrivalTime now,
+                                     bool same_datagram) {
+  ArrivalWindow::Met met{Standing::wanted, 0};
+  if (window_ != nullptr && has(d, channel_follows)) met = meet(d, now.steady, same_datagram);
+  UnfinishedSample* sample = samples_.find(d.label());
+  const bool repeated =
+      sample != nullptr ? sample->described() : met.place == 0 && samples_.is_finished(d.label());
+  const Arrival nothing{{}, stream_index_, met.place != 0};
+  const bool is_wanted = met.standing == Standing::wanted;
+  if (has(d, group_follows)) {
+    const bool is_old = sample != nullptr || samples_.is_finished(d.label());
+    if (is_wanted || !is_old) groups_.note(d.first.group.group, !is_wanted);
+  }
+  if (is_wanted && met.place != 0 && repeated) {  // it had begun before it was wanted reliably
+    samples_.set_place(*sample, met.place);
+    window_->begun(met.place, sample->label(), sample->buffer());
+  }
+  if (repeated || !is_wanted) return nothing;
+
+  core::SampleHandle buffer;
+  if (const Refusal why = describe(d, named, met.place, buffer); why != Refusal::none)
+    return refuse(d, met.place, why);
+  const bool is_whole = sample == nullptr && d.payload.size() == d.first.total;
+  if (!is_whole) return begin(d, sample, met.place, std::move(buffer), now);
+  const std::size_t body_offset = SampleLayout(type_->slots()).body_offset;
+  if (!d.payload.empty()) std::memcpy(buffer->data + body_offset, d.payload.data(), d.payload.size());
+  samples_.finish(d.label());
+  return complete(std::move(buffer), d.first, met.place, now);
+}
+
+/// The standing of a sample in the channel.
+ArrivalWindow::Met IncomingWriter::meet(const Datagram& d, Time now, bool same_datagram) {
+  ArrivalWindow::Met met = window_->meet(d.first.channel, now, same_datagram);
+  if (met.standing == Standing::known && gives_way(met.place, d.label(), now))
+    met = window_->meet(d.first.channel, now, same_datagram);
+  if (met.standing == Standing::known && met.place != 0) window_->doubt(met.place, d.label().sequence);
+  drop_abandoned();
+  return met;
+}
+
+/// Another sample has begun at that place. It gives way if it makes no progress: it may have been forged.
+bool IncomingWriter::gives_way(std::uint64_t place, const SampleLabel& label, Time now) {
+  constexpr std::chrono::milliseconds claim_holds{20};
+  const std::optional<SampleLabel> claimed = window_->begun_at(place);
+  if (!claimed || *claimed == label) return false;
+  const UnfinishedSample* const sample = samples_.find(*claimed);
+  if (sample != nullptr && now - sample->last_progress() < claim_holds) return false;
+  window_->give_back(place, now);
+  return true;
+}
+
+/// The sample has more datagrams than this one, or some of them came before it.
+Arrival IncomingWriter::begin(const Datagram& d, UnfinishedSample* sample, std::uint64_t place,
+                              core::SampleHandle buffer, ArrivalTime now) {
+  if (place != 0) window_->begun(place, d.label(), buffer);
+  if (sample == nullptr) sample = &samples_.begin(d.label(), place, now.steady);
+  samples_.set_place(*sample, place);
+  samples_.describe(*sample, d.first, SampleLayout(type_->slots()).body_offset, std::move(buffer));
+  sample->add(0, d.payload, shared_.limits.gaps, now.steady);
+  Arrival arrival = proceed(*sample, samples_.unpark(*sample, now.steady), now);
+  arrival.in_channel = place != 0;  // those before it may have turned out to be lost
+  return arrival;
+}
+
+Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
+  const ArrivalTime now = envelope.now;
+  answers_.received(envelope.bytes);
+  drop_abandoned();  // readers may have taken something, too
+  UnfinishedSample* sample = samples_.find(d.label);
+  if (sample == nullptr) {
+    if (samples_.is_finished(d.label) || elsewhere_.contains(d.label)) return {};
+    sample = &samples_.begin(d.label, 0, now.steady);
+  }
+  if (!sample->described()) {
+    park(*sample, d, now.steady);
+    return {};
+  }
+  const std::uint32_t had = sample->received().covered();
+  const auto added = sample->add(d.offset, d.payload, shared_.limits.gaps, now.steady);
+  if (added == UnfinishedSample::Added::beyond_body) {
+    ++shared_.counters.malformed;  // the sample itself may be honest
+    return {};
+  }
+  const bool again = added == UnfinishedSample::Added::yes && sample->received().covered() == had;
+  if (again && sample->place() != 0) window_->came_again(sample->place());
+  return proceed(*sample, added, now);
+}
+
+/// Keeps a datagram that came before the first one of its sample.
+void IncomingWriter::park(UnfinishedSample& sample, const Following& d, Time now) {
+  const std::size_t bytes = UnfinishedSample::bytes_to_park(d.payload);
+  if (d.payload.size() > sample_bytes_ || d.offset > sample_bytes_ - d.payload.size())
+    return drop(sample.label(), shared_.counters.malformed);
+  if (!shared_.can_park(bytes)) return drop(sample.label(), shared_.counters.over_limit);
+  sample.park(d.offset, d.payload, now);
+  shared_.note_parked(bytes);
+}
+
+/// Something was added to a described sample, or was refused. A sample that is sent reliably can come again.
+Arrival IncomingWriter::proceed(UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now) {
+  using Added = UnfinishedSample::Added;
+  const bool in_channel = sample.place() != 0;
+  if (added != Added::yes) [[unlikely]] {
+    std::uint64_t& counter =
+        added == Added::beyond_body ? shared_.counters.malformed : shared_.counters.over_limit;
+    if (!in_channel) {
+      drop(sample.label(), counter);
+      return {{}, stream_index_, false};
+    }
+    ++counter;
+  }
+  if (!sample.whole()) return {{}, stream_index_, false};
+  const FirstHeader first = sample.first();
+  const std::uint64_t place = sample.place();
+  UnfinishedSamples::Handle whole = samples_.remove(first.label);
+  samples_.finish(first.label);
+  Arrival arrival = complete(whole->take_buffer(), first, place, now);
+  shared_.recycle(std::move(whole));
+  return arrival;
+}
+
+void IncomingWriter::write_header(core::SampleBuffer& sample, const FirstHeader& first) const {
+  SampleHeader& header = sample.header();
+  header.slots = static_cast<std::uint32_t>(type_->slots());
+  header.writer = id_;
+  header.sequence = sequence_of(first, sequences_);
+  header.source_stamp_ns = first.stamp_ns;
+  header.type_hash = type_->hash();
+  header.body_offset = static_cast<std::uint32_t>(SampleLayout(type_->slots()).body_offset);
+  header.body_bytes = first.total;
+  sample.trust_header();
+}
+
+/// Notes where the fields of the body are. False if the body is not one of the writer's type.
+bool IncomingWriter::index_body(core::SampleBuffer& sample) const {
+  std::byte* body = sample.data + sample.header().body_offset;
+  std::memcpy(body - encapsulation_bytes, encapsulation_cdr_le.data(), encapsulation_bytes);
+  SampleState state;
+  state.body = body;
+  state.body_bytes = sample.header().body_bytes;
+  state.mask = &sample.mask;
+  return build_index(state, type_->type(), {sample.index(), type_->slots()}) == WalkStatus::ok;
+}
+
+Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& first, std::uint64_t place,
+                                 ArrivalTime now) {
+  write_header(*sample, first);
+  sample->receive_stamp_ns = now.realtime_ns;
+  const SampleHeader& header = sample->header();
+  if (!index_body(*sample) || header.sequence == 0) {
+    ++shared_.counters.malformed;
+    if (place != 0) window_->refuse_or_pass(place);
+    return {{}, stream_index_, place != 0};
+  }
+  if (!believes({header.sequence, place, shared_.datagrams, header.source_stamp_ns}, now.steady)) {
+    ++shared_.counters.malformed;
+    if (place != 0) window_->refuse(place);
+    return {{}, stream_index_, place != 0};
+  }
+  sample->numbering = sequences_.numbering();
+  if (place != 0) window_->whole(place, sample);
+  drop_abandoned();
+  return {std::move(sample), stream_index_, place != 0};
+}
+
+/// A sample that waits under a sequence that turns out to be wrong has to come again. A writer that does not
+/// answer any more sends nothing new: somebody else repeats the samples behind its newest one.
+bool IncomingWriter::believes(const SequenceWatch::Claim& claim, Time now) {
+  if (!alive_ && claim.place == 0 && claim.sequence < sequences_.newest()) return false;
+  const std::uint32_t numbering = sequences_.numbering();
+  const bool believed = sequences_.believes(claim, now);
+  const bool begins_anew = sequences_.numbering() != numbering;
+  if (window_ != nullptr && begins_anew && sequences_.newest_was_wrong())
+    window_->distrust_above(claim.sequence);
+  return believed;
+}
+
+/// Checks what a first datagram claims, before anything is allocated, and takes the memory for it.
+IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const WantedMasks::Named& named,
+                                                 std::uint64_t place, core::SampleHandle& buffer) {
+  if (named.malformed) return Refusal::malformed;
+  if (named.mask == nullptr) return Refusal::unwanted;
+  if (d.payload.size() > d.first.total) return Refusal::malformed;
+  if (d.first.total > sample_bytes_) return Refusal::over_limit;
+  buffer = take_buffer(d, place);
+  if (!buffer) return Refusal::over_limit;
+  buffer->mask = *named.mask;
+  buffer->min_period_us = d.first.rate.min_period_us;
+  buffer->ordinal = d.first.rate.ordinal;
+  buffer->addressee = d.first.history.reader;
+  buffer->oldest_retained = d.first.history.oldest;
+  buffer->merged = has(d, merged_masks);
+  return Refusal::none;
+}
+
+/// The samples behind the first missing one leave memory for that one: without it nobody gets the others.
+core::SampleHandle IncomingWriter::take_buffer(const Datagram& d, std::uint64_t place) {
+  if (!shared_.pack_buffers.empty()) {
+    core::SampleHandle buffer = std::move(shared_.pack_buffers.back());
+    shared_.pack_buffers.pop_back();
+    return buffer;
+  }
+  const std::size_t total = d.first.total;
+  const std::size_t bytes = SampleLayout(type_->slots()).bytes(total);
+  if (place == 0) return samples_.take_buffer(bytes, d.label(), total, d.payload.size() == total);
+  const std::size_t reserved = place == window_->next_place() ? 0 : reserved_for_first_missing();
+  return samples_.take_reliable_buffer(bytes, total, reserved);
+}
+
+std::size_t IncomingWriter::reserved_for_first_missing() const {
+  return std::min(SampleLayout(type_->slots()).bytes(sample_bytes_), shared_.pool->limit_bytes() / 4);
+}
+
+/// A sample that is sent reliably comes again if only the memory for it is missing now.
+Arrival IncomingWriter::refuse(const Datagram& d, std::uint64_t place, Refusal why) {
+  core::Transport::Counters& counters = shared_.counters;
+  const Arrival nothing{{}, stream_index_, place != 0};
+  if (place != 0 && why == Refusal::over_limit && d.first.total <= sample_bytes_) {
+    ++counters.over_limit;
+    return nothing;
+  }
+  if (place != 0 && why == Refusal::malformed) {
+    ++counters.malformed;
+    window_->refuse_or_pass(place);
+    return nothing;
+  }
+  if (place != 0) window_->pass(place);
+  drop(d.label(), why == Refusal::malformed  ? counters.malformed
+                  : why == Refusal::unwanted ? counters.unknown
+                                             : counters.over_limit);
+  return nothing;
+}
+
+/// Counts a sample that is given up, whether it had begun or not. What still comes of it is ignored.
+void IncomingWriter::drop(const SampleLabel& label, std::uint64_t& counter) {
+  const std::uint64_t place = samples_.drop(SampleLabel(label), counter);
+  if (place != 0 && window_ != nullptr) window_->pass(place);
+}
+
+/// Drops the samples that the writer does not have any more, and those that begin anew.
+void IncomingWriter::drop_abandoned() {
+  if (window_ == nullptr) return;
+  if (window_->has_abandoned()) [[unlikely]] {
+    for (const SampleLabel& label : window_->take_abandoned()) drop(label, shared_.counters.incomplete);
+  }
+  if (window_->has_given_back()) [[unlikely]] {
+    for (const SampleLabel& label : window_->take_given_back()) {
+      ++shared_.counters.incomplete;
+      samples_.give_back(label);
+    }
+  }
+}
+
+Arrival IncomingWriter::accept(const Heartbeat& heartbeat, const SocketAddress& answers_to,
+                               const Envelope& envelope) {
+  answers_.received(envelope.bytes);
+  answers_.turn_to(answers_to);
+  window_->hear(heartbeat, envelope.now.steady);
+  drop_abandoned();
+  return {{}, stream_index_, true};
+}
+
+bool IncomingWriter::accept(const GroupOffer& offer, const SocketAddress& reports_to, Time now) {
+  const bool anew = groups_.hear(offer, reports_to, now);
+  shared_.group_reports_due = shared_.group_reports_due || groups_.due();
+  return anew;
+}
+
+void IncomingWriter::answer(Time now, const SendAck& send) {
+  if (window_ == nullptr || !answers_.is_known()) return;
+  const auto came_at = [&](const SampleLabel& label) {
+    const UnfinishedSample* sample = samples_.find(label);
+    return sample == nullptr ? Time{} : sample->last_progress();
+  };
+  std::vector<ArrivalWindow::Gap> gaps;
+  if (now >= window_->next_look()) gaps = window_->due_gaps(now, came_at, asked_at_once_max);
+  drop_abandoned();
+  if (gaps.empty() && !window_->ack_due()) return;
+  Ack ack = window_->ack(short_id());
+  std::size_t asked = 0;
+  const auto ask = [&](const Missing& part) {
+    if (++asked > asked_at_once_max || !answers_.covers(ack.bytes() + missing_bytes)) return;
+    if (ack.missing_count == missing_max) {
+      answers_.send(ack, send);
+      ack.missing_count = 0;
+    }
+    ack.missing[ack.missing_count++] = part;
+  };
+  for (const ArrivalWindow::Gap& gap : gaps) {
+    const UnfinishedSample* sample = gap.label ? samples_.find(*gap.label) : nullptr;
+    const std::size_t before = asked;
+    for_each_missing(static_cast<std::uint32_t>(gap.ordinal), sample, ask);
+    window_->asked_for(gap.place, static_cast<std::uint32_t>(asked - before));
+  }
+  answers_.send(ack, send);
+}
+
+}  // namespace sft::udp

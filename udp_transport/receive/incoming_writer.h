@@ -1,0 +1,155 @@
+// The arrivals of one writer: from its datagrams to its samples. Pure: decoded datagrams and times in,
+// samples and acks out. Every datagram may be forged: nothing is taken for granted, and nothing is allocated
+// but within the limits.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/seam/transport.h"
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/multicast/offered_groups.h"
+#include "udp_transport/receive/answer_path.h"
+#include "udp_transport/receive/reassembly_memory.h"
+#include "udp_transport/receive/recent_labels.h"
+#include "udp_transport/receive/sample_assembly.h"
+#include "udp_transport/receive/wanted_masks.h"
+#include "udp_transport/reliable/arrival_window.h"
+#include "udp_transport/reliable/sequence_watch.h"
+#include "udp_transport/wire/datagram.h"
+
+namespace sft::udp {
+
+/// A writer that is read here, and under which masks.
+struct Stream {
+  core::EndpointId writer = 0;
+  const TypeSupport* type = nullptr;  ///< outlives the stream
+  std::size_t max_sample_bytes = 0;   ///< announced by the writer; 0: not known
+  std::vector<FieldMask> masks;
+  bool reliable = false;   ///< some reader wants the samples reliably
+  bool waits = false;      ///< the publisher waits for the reliable readers
+  core::Announced node{};  ///< acks and reports go to the addresses of this node
+  bool alive = true;       ///< the node answers, as far as this process knows
+};
+
+/// The circumstances of a datagram. Valid while the datagram is handled.
+struct Envelope {
+  const SocketAddress& from;
+  ArrivalTime now;
+  std::size_t bytes;  ///< length of the datagram
+};
+
+/// What a datagram brought.
+struct Arrival {
+  core::SampleHandle sample;  ///< whole and valid; empty if the datagram completed none
+  std::size_t stream = 0;     ///< the writer's index among the streams
+  bool in_channel = false;    ///< reliable readers may now have something in order, this sample or others
+  /// The samples of a packed datagram, whole and valid. They may be moved out, and are gone with the next
+  /// datagram.
+  std::span<core::SampleHandle> packed{};
+
+  bool has_samples() const { return sample || !packed.empty(); }
+};
+
+class IncomingWriter {
+ public:
+  using Time = ReassemblyMemory::Time;
+
+  /// `shared` outlives the writer.
+  explicit IncomingWriter(ReassemblyMemory& shared) : shared_(shared), samples_(shared) {}
+
+  /// What readers want of the writer from now on.
+  void follow(const Stream& stream, std::size_t stream_index);
+  /// Opens the window of a reliable writer. `departed` is how far the writer was when it was read last.
+  void open_window(const std::optional<ArrivalWindow::Mark>& departed);
+  /// Returns how far the writer was. Empty if the window was not open, or nothing was heard of the channel.
+  std::optional<ArrivalWindow::Mark> close_window();
+  /// Drops all samples that have begun. The window is closed.
+  void clear() { samples_.clear(); }
+
+  core::EndpointId id() const { return id_; }
+  std::uint32_t short_id() const { return static_cast<std::uint32_t>(id_); }
+  const core::Announced& node() const { return node_; }
+  /// The address that the last sample came from; it need not be one that the node announced.
+  const core::IpAddress& came_from() const { return came_from_; }
+  void set_came_from(const core::IpAddress& ip) { came_from_ = ip; }
+  /// Null unless some reader wants the samples reliably.
+  ArrivalWindow* window() { return window_.get(); }
+
+  // Several writers may have one short id. Whether the datagram can be of this one:
+
+  bool fits(const Following& d) const { return samples_.find(d.label) != nullptr; }
+  bool fits(const Datagram& d);
+  bool follows(std::uint32_t channel) const;
+
+  /// Takes the mask's words off the datagram, and gives a sample of a group its place in the channel.
+  Arrival accept(Datagram& d, const Envelope& envelope);
+  Arrival accept(const Following& d, const Envelope& envelope);
+  /// The acks go to that address from now on.
+  Arrival accept(const Heartbeat& heartbeat, const SocketAddress& answers_to, const Envelope& envelope);
+  /// True if the group is to be joined anew.
+  bool accept(const GroupOffer& offer, const SocketAddress& reports_to, Time now);
+
+  /// Drops what has made no progress for too long. `next` becomes the time when something is due.
+  void expire(Time now, std::optional<Time>& next) { samples_.expire(now, next); }
+  /// Sends what is to be acknowledged or asked for by now.
+  void answer(Time now, const SendAck& send);
+  /// When answer() has something to ask for at the earliest; Time::max() if never.
+  Time next_answer() const {
+    return window_ != nullptr && answers_.is_known() ? window_->next_look() : Time::max();
+  }
+  template <class Send>
+  void report_groups(const Send& send) {
+    groups_.report(send);
+  }
+  void add_groups_to(std::vector<std::uint32_t>& groups) const { groups_.addresses(groups); }
+
+ private:
+  enum class Refusal : std::uint8_t { none, malformed, unwanted, over_limit };
+
+  Arrival accept_first(const Datagram& d, const WantedMasks::Named& named, ArrivalTime now,
+                       bool same_datagram = false);
+  Arrival accept_packed(const Datagram& packed, const WantedMasks::Named& named, ArrivalTime now);
+  ArrivalWindow::Met meet(const Datagram& d, Time now, bool same_datagram);
+  bool gives_way(std::uint64_t place, const SampleLabel& label, Time now);
+  bool place_by_group(Datagram& d, Time now);
+  Arrival begin(const Datagram& d, UnfinishedSample* sample, std::uint64_t place, core::SampleHandle buffer,
+                ArrivalTime now);
+  Arrival proceed(UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now);
+  Arrival complete(core::SampleHandle sample, const FirstHeader& first, std::uint64_t place, ArrivalTime now);
+  void write_header(core::SampleBuffer& sample, const FirstHeader& first) const;
+  bool index_body(core::SampleBuffer& sample) const;
+  bool believes(const SequenceWatch::Claim& claim, Time now);
+  void park(UnfinishedSample& sample, const Following& d, Time now);
+
+  Refusal describe(const Datagram& d, const WantedMasks::Named& named, std::uint64_t place,
+                   core::SampleHandle& buffer);
+  core::SampleHandle take_buffer(const Datagram& d, std::uint64_t place);
+  std::size_t reserved_for_first_missing() const;
+  Arrival refuse(const Datagram& d, std::uint64_t place, Refusal why);
+  void drop(const SampleLabel& label, std::uint64_t& counter);
+  void drop_abandoned();
+
+  ReassemblyMemory& shared_;
+  core::EndpointId id_ = 0;
+  const TypeSupport* type_ = nullptr;
+  std::size_t stream_index_ = 0;
+  bool alive_ = true;             ///< the writer's node answers
+  std::size_t sample_bytes_ = 0;  ///< the largest body that is taken
+  core::Announced node_;
+  core::IpAddress came_from_;
+  WantedMasks wanted_;
+  SequenceWatch sequences_;  ///< of the samples that were completed
+  SampleAssembly samples_;
+  std::unique_ptr<ArrivalWindow> window_;
+  AnswerPath answers_;
+  OfferedGroups groups_;
+  RecentLabels elsewhere_;  ///< samples of groups that were not offered: they come another way
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,95 @@
+// What all writers that are read in a process share while their samples are put together: limits, memory and
+// counters.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/seam/buffer_pool.h"
+#include "core/seam/transport.h"
+#include "udp_transport/receive/unfinished_samples.h"
+#include "udp_transport/reliable/arrival_window.h"
+
+namespace sft::udp {
+
+struct ReassemblyLimits {
+  std::size_t sample_bytes = std::size_t{64} << 20;       ///< of one body, whatever its writer announced
+  std::size_t unfinished_bytes = std::size_t{128} << 20;  ///< of all unfinished bodies of one writer
+  std::size_t unfinished_per_variant = 4;                 ///< samples
+  std::size_t unfinished_per_writer = 32;                 ///< samples
+  std::size_t parked_bytes = std::size_t{512} << 10;  ///< of all datagrams that came before their first one
+  std::size_t gaps = 4096;                            ///< in one sample
+  std::chrono::milliseconds patience{500};            ///< a sample is dropped after so long without progress
+  ArrivalLimits channel{};                            ///< of what one writer sends reliably
+};
+
+/// Not thread-safe.
+class ReassemblyMemory {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  ReassemblyMemory(const ReassemblyLimits& reassembly_limits, std::shared_ptr<core::BufferPool> sample_pool)
+      : limits(reassembly_limits), pool(std::move(sample_pool)) {}
+
+  /// An unfinished sample without data, which reuses the memory of an earlier one where it can.
+  UnfinishedSamples::Handle begin_sample(const SampleLabel& label, std::uint64_t place, Time now);
+  /// The writer has this sample no more.
+  void note_removed(const UnfinishedSample& sample);
+  void recycle(UnfinishedSamples::Handle sample);
+
+  bool can_park(std::size_t bytes) const { return parked_bytes_ + bytes <= limits.parked_bytes; }
+  void note_parked(std::size_t bytes) { parked_bytes_ += bytes; }
+  void note_unparked(std::size_t bytes) { parked_bytes_ -= bytes; }
+
+  /// So much of the pool is reserved for the samples that this node publishes: neither what others send nor
+  /// what subscribers keep may silence them.
+  std::size_t reserved_for_publishers() const { return pool->limit_bytes() / 4; }
+
+  /// When the next unfinished sample may have to be dropped; empty while there are none.
+  const std::optional<Time>& next_expiry() const { return next_expiry_; }
+  void set_next_expiry(const std::optional<Time>& time) { next_expiry_ = time; }
+
+  const ReassemblyLimits limits;
+  const std::shared_ptr<core::BufferPool> pool;
+  core::Transport::Counters counters;
+  std::uint64_t datagrams = 0;             ///< counts the datagrams of samples
+  bool group_reports_due = false;          ///< some writer waits for a report on its groups
+  std::vector<core::SampleHandle> packed;  ///< the samples of the last packed datagram
+  std::vector<core::SampleHandle>
+      pack_buffers;  ///< memory for the other samples of the present packed datagram
+
+ private:
+  std::vector<UnfinishedSamples::Handle> recycled_;
+  std::size_t unfinished_ = 0;  ///< samples of all writers
+  std::size_t parked_bytes_ = 0;
+  std::optional<Time> next_expiry_;
+};
+
+inline UnfinishedSamples::Handle ReassemblyMemory::begin_sample(const SampleLabel& label, std::uint64_t place,
+                                                                Time now) {
+  if (recycled_.empty()) recycled_.push_back(std::make_unique<UnfinishedSample>());
+  UnfinishedSamples::Handle sample = std::move(recycled_.back());
+  recycled_.pop_back();
+  sample->begin(label, now);
+  sample->set_place(place);
+  ++unfinished_;
+  if (!next_expiry_) next_expiry_ = now + limits.patience;
+  return sample;
+}
+
+inline void ReassemblyMemory::note_removed(const UnfinishedSample& sample) {
+  parked_bytes_ -= sample.parked_bytes();
+  if (--unfinished_ == 0) next_expiry_.reset();
+}
+
+inline void ReassemblyMemory::recycle(UnfinishedSamples::Handle sample) {
+  sample->clear();
+  if (recycled_.size() < limits.unfinished_per_writer) recycled_.push_back(std::move(sample));
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,117 @@
+// The thread that receives datagrams: the transport's own, or one that waits for a sample and receives
+// meanwhile (receiving_role.h).
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <span>
+#include <thread>
+
+#include "core/platform/thread.h"
+#include "udp_transport/io/datagram_io.h"
+#include "udp_transport/io/group_joins.h"
+#include "udp_transport/io/udp_socket.h"
+#include "udp_transport/receive/delivery.h"
+#include "udp_transport/receive/demultiplexer.h"
+#include "udp_transport/receive/reassembly.h"
+#include "udp_transport/receive/receiving_role.h"
+#include "udp_transport/receive/spin_choice.h"
+
+namespace sft::udp {
+
+/// The thread keeps its loop alive, so that a listener may destroy the transport that calls it. "The
+/// receiving thread" is the thread that has the role.
+class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_this<ReceiveLoop> {
+ public:
+  /// How the loop speaks with the half of the transport that sends. The receiving thread calls these.
+  struct SendingHalf {
+    std::function<void(const Answer&, const SocketAddress& from, std::chrono::steady_clock::time_point)>
+        hear_answer;
+    SendAck send_ack;
+    std::function<void(const SocketAddress&, const FlowReport&)> send_report;
+    Reassembly::SendGroupReport send_group_report;
+  };
+  /// All who send to the socket share `receive_buffer_bytes`.
+  ReceiveLoop(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
+              std::size_t receive_buffer_bytes, std::shared_ptr<core::BufferPool> pool,
+              SendingHalf sending_half, const std::shared_ptr<GroupJoins>& joins);
+
+  Result<void> start(const core::ThreadSpec& thread);
+  /// After this returns nothing is received. If a listener calls stop(), this holds once the listener has
+  /// returned.
+  void stop();
+
+  // Any thread.
+
+  /// A reader with these wishes is there. After this returns no thread but the transport's own calls a
+  /// listener, unless its reader is only waited for.
+  void add(const core::ReaderSpec& reader);
+  void remove(const core::ReaderSpec& reader);
+
+  /// See ReaderPort::receive(); `who` is the reader.
+  bool receive(const void* who, const core::Waiting& waiting) noexcept;
+  void interrupt(const void* who) noexcept;
+
+  SubscriptionDirectory& subscriptions() { return delivery_.subscriptions(); }
+  core::Transport::Counters counters() const noexcept { return published_.load(); }
+  /// The system gave up on the socket.
+  bool broken() const noexcept { return broken_.load(std::memory_order_relaxed); }
+
+ private:
+  using Time = std::chrono::steady_clock::time_point;
+
+  /// The counters of the receiving thread, for all threads to see.
+  class PublishedCounters {
+   public:
+    void store(const core::Transport::Counters& counters) noexcept;
+    core::Transport::Counters load() const noexcept;
+
+   private:
+    std::atomic<std::uint64_t> malformed_{0}, unknown_{0}, incomplete_{0}, over_limit_{0}, disbelieved_{0};
+  };
+
+  void run();
+  void receive_alone();
+  void poll(Time until);
+  void stand_by(Time until);
+  void note_alarm();
+  void wait_in_role(const core::Waiting& waiting) noexcept;
+  void wait_behind(const core::Waiting& waiting) noexcept;
+  void deliver_to_laggards() noexcept;
+  bool receive_turn() noexcept;
+  void sleep_in_role(Time until) noexcept;
+  void look_after_time() noexcept;
+  void leave_role() noexcept;
+  bool readable() const noexcept;
+  void begin(ArrivalTime now) noexcept override;
+  void datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept override;
+  void end() noexcept override;
+  void answer(Time now) noexcept;
+  Time next_deadline() const;
+  void publish_counters() noexcept;
+
+  std::unique_ptr<DatagramReceiver> io_;
+  std::thread thread_;
+  ReceivingRole role_;
+  FileDescriptor alarm_;         ///< a timerfd: wakes the own thread when a vacancy is over
+  FileDescriptor waiter_event_;  ///< wakes the waiting thread that has the role, or is promised it
+  std::atomic<const void*> waiter_{nullptr};  ///< the reader of that waiting thread
+  SpinLimits spins_;
+  std::atomic<bool> broken_{false};
+  PublishedCounters published_;
+
+  // Used by the own thread.
+  SpinChoice spin_choice_;
+
+  // Used by the receiving thread alone.
+  const SendAck send_ack_;
+  const Reassembly::SendGroupReport send_group_report_;
+  Reassembly reassembly_;
+  Demultiplexer demultiplexer_;
+  Delivery delivery_;
+  ArrivalTime now_;  ///< when the present datagrams came
+};
+
+}  // namespace sft::udp
