@@ -36,10 +36,8 @@ void Delivery::follow_readers(std::size_t stream_index) {
 
 void Delivery::deliver(Arrival& arrival, Time now) {
   const bool in_channel = arrival.in_channel;
-  const bool has_samples = arrival.has_samples();
-  if (!has_samples && !in_channel) return;
   const core::EndpointId writer = wanted_->streams[arrival.stream].writer;
-  if (has_samples) deliver_at_once(arrival);
+  if (arrival.has_samples()) deliver_at_once(arrival);
   if (in_channel) deliver_in_order(writer, now);
 }
 

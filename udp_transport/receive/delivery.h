@@ -34,7 +34,7 @@ class Delivery {
   /// Datagrams may be taken until leave(), for those who are subscribed now.
   void enter();
   void leave() { subscriptions_.leave(); }
-  /// Delivers what a datagram has brought. Between enter() and leave().
+  /// Delivers what a datagram has brought, which is not nothing. Between enter() and leave().
   void deliver(Arrival& arrival, Time now);
 
   /// Delivers to readers that had no room before.

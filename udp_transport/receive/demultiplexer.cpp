@@ -15,7 +15,7 @@ Arrival Demultiplexer::accept(std::span<const std::byte> bytes, const SocketAddr
   AnyDatagram datagram = decode(bytes);
   const Envelope envelope{from, now, bytes.size()};
   Arrival arrival = std::visit([&](auto& d) { return take(d, envelope); }, datagram);
-  if ((arrival.has_samples() || arrival.in_channel) && from.ip != last_from_)
+  if (!arrival.is_empty() && from.ip != last_from_)
     reassembly_.came_from(arrival.stream, last_from_ = from.ip);
   return arrival;
 } catch (const std::bad_alloc&) {
@@ -23,7 +23,7 @@ Arrival Demultiplexer::accept(std::span<const std::byte> bytes, const SocketAddr
 }
 
 /// A mark counts datagrams of samples and heartbeats. Whatever else the bytes are, they count as such.
-Arrival Demultiplexer::take(const Malformed& d, const Envelope& envelope) {
+Arrival Demultiplexer::take(Malformed& d, const Envelope& envelope) {
   const bool is_counted = !d.kind || (!is_answer(*d.kind) && *d.kind != DatagramKind::mark &&
                                       *d.kind != DatagramKind::group_offer);
   if (is_counted) shares_.count(envelope.from);
@@ -31,23 +31,8 @@ Arrival Demultiplexer::take(const Malformed& d, const Envelope& envelope) {
   return {};
 }
 
-Arrival Demultiplexer::take(const Following& d, const Envelope& envelope) {
-  shares_.count(envelope.from);
-  return reassembly_.accept(d, envelope);
-}
-
-Arrival Demultiplexer::take(Datagram& d, const Envelope& envelope) {
-  shares_.count(envelope.from);
-  return reassembly_.accept(d, envelope);
-}
-
-Arrival Demultiplexer::take(const Heartbeat& d, const Envelope& envelope) {
-  shares_.count(envelope.from);
-  return reassembly_.accept(d, envelope);
-}
-
 /// The report leaves at once: all that was sent before the mark has left the socket.
-Arrival Demultiplexer::take(const FlowMark& d, const Envelope& envelope) {
+Arrival Demultiplexer::take(FlowMark& d, const Envelope& envelope) {
   const std::optional<SocketAddress> to = reassembly_.report_address(envelope.from.ip, d.port);
   if (to) {
     outlets_.send_report(*to, shares_.answer(d, envelope.from, envelope.now.steady));
@@ -57,7 +42,7 @@ Arrival Demultiplexer::take(const FlowMark& d, const Envelope& envelope) {
   return {};
 }
 
-Arrival Demultiplexer::take(const GroupOffer& d, const Envelope& envelope) {
+Arrival Demultiplexer::take(GroupOffer& d, const Envelope& envelope) {
   const std::optional<Reassembly::Joining> joining = reassembly_.accept(d, envelope);
   if (!joining) return {};
   outlets_.keep_groups(reassembly_.groups());
@@ -65,7 +50,7 @@ Arrival Demultiplexer::take(const GroupOffer& d, const Envelope& envelope) {
   return {};
 }
 
-Arrival Demultiplexer::take(const Answer& d, const Envelope& envelope) {
+Arrival Demultiplexer::take(Answer& d, const Envelope& envelope) {
   outlets_.hear_answer(d, envelope.from, envelope.now.steady);
   return {};
 }

@@ -45,13 +45,16 @@ class Demultiplexer {
   std::size_t senders() const { return shares_.senders(); }
 
  private:
-  Arrival take(const Malformed& d, const Envelope& envelope);
-  Arrival take(const Following& d, const Envelope& envelope);
-  Arrival take(Datagram& d, const Envelope& envelope);
-  Arrival take(const Heartbeat& d, const Envelope& envelope);
-  Arrival take(const FlowMark& d, const Envelope& envelope);
-  Arrival take(const GroupOffer& d, const Envelope& envelope);
-  Arrival take(const Answer& d, const Envelope& envelope);
+  Arrival take(Malformed& d, const Envelope& envelope);
+  /// Takes datagrams of samples, and heartbeats: marks tell how many of these were sent.
+  template <class FromWriter>
+  Arrival take(FromWriter& d, const Envelope& envelope) {
+    shares_.count(envelope.from);
+    return reassembly_.accept(d, envelope);
+  }
+  Arrival take(FlowMark& d, const Envelope& envelope);
+  Arrival take(GroupOffer& d, const Envelope& envelope);
+  Arrival take(Answer& d, const Envelope& envelope);
 
   const Outlets outlets_;
   Reassembly& reassembly_;

@@ -36,6 +36,28 @@ std::uint64_t sequence_of(const FirstHeader& first, const SequenceWatch& sequenc
   return sequences.widen(first.label.sequence);
 }
 
+/// All but the writer and the sequence.
+void write_header(core::SampleBuffer& sample, const FirstHeader& first, const TypeSupport& type) {
+  SampleHeader& header = sample.header();
+  header.slots = static_cast<std::uint32_t>(type.slots());
+  header.source_stamp_ns = first.stamp_ns;
+  header.type_hash = type.hash();
+  header.body_offset = static_cast<std::uint32_t>(SampleLayout(type.slots()).body_offset);
+  header.body_bytes = first.total;
+  sample.trust_header();
+}
+
+/// Notes where the fields of the body are. False if the body is not one of that type.
+bool index_body(core::SampleBuffer& sample, const TypeSupport& type) {
+  std::byte* body = sample.data + sample.header().body_offset;
+  std::memcpy(body - encapsulation_bytes, encapsulation_cdr_le.data(), encapsulation_bytes);
+  SampleState state;
+  state.body = body;
+  state.body_bytes = sample.header().body_bytes;
+  state.mask = &sample.mask;
+  return build_index(state, type.type(), {sample.index(), type.slots()}) == WalkStatus::ok;
+}
+
 }  // namespace
 
 void IncomingWriter::follow(const Stream& stream, std::size_t stream_index) {
@@ -128,7 +150,13 @@ Arrival IncomingWriter::accept_packed(const Datagram& packed, const WantedMasks:
 Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named& named, ArrivalTime now,
                                      bool same_datagram) {
   ArrivalWindow::Met met{Standing::wanted, 0};
-  if (window_ != nullptr && has(d, channel_follows)) met = meet(d, now.steady, same_datagram);
+  if (window_ != nullptr && has(d, channel_follows)) {
+    met = window_->meet(d.first.channel, now.steady, same_datagram);
+    if (met.standing == Standing::known && gives_way(met.place, d.label(), now.steady))
+      met = window_->meet(d.first.channel, now.steady, same_datagram);
+    if (met.standing == Standing::known && met.place != 0) window_->doubt(met.place, d.label().sequence);
+    drop_abandoned();
+  }
   UnfinishedSample* sample = samples_.find(d.label());
   const bool repeated =
       sample != nullptr ? sample->described() : met.place == 0 && samples_.is_finished(d.label());
@@ -153,16 +181,6 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
   if (!d.payload.empty()) std::memcpy(buffer->data + body_offset, d.payload.data(), d.payload.size());
   samples_.finish(d.label());
   return complete(std::move(buffer), d.first, met.place, now);
-}
-
-/// The standing of a sample in the channel.
-ArrivalWindow::Met IncomingWriter::meet(const Datagram& d, Time now, bool same_datagram) {
-  ArrivalWindow::Met met = window_->meet(d.first.channel, now, same_datagram);
-  if (met.standing == Standing::known && gives_way(met.place, d.label(), now))
-    met = window_->meet(d.first.channel, now, same_datagram);
-  if (met.standing == Standing::known && met.place != 0) window_->doubt(met.place, d.label().sequence);
-  drop_abandoned();
-  return met;
 }
 
 /// Another sample has begun at that place. It gives way if it makes no progress: it may have been forged.
@@ -246,35 +264,14 @@ Arrival IncomingWriter::proceed(UnfinishedSample& sample, UnfinishedSample::Adde
   return arrival;
 }
 
-void IncomingWriter::write_header(core::SampleBuffer& sample, const FirstHeader& first) const {
-  SampleHeader& header = sample.header();
-  header.slots = static_cast<std::uint32_t>(type_->slots());
-  header.writer = id_;
-  header.sequence = sequence_of(first, sequences_);
-  header.source_stamp_ns = first.stamp_ns;
-  header.type_hash = type_->hash();
-  header.body_offset = static_cast<std::uint32_t>(SampleLayout(type_->slots()).body_offset);
-  header.body_bytes = first.total;
-  sample.trust_header();
-}
-
-/// Notes where the fields of the body are. False if the body is not one of the writer's type.
-bool IncomingWriter::index_body(core::SampleBuffer& sample) const {
-  std::byte* body = sample.data + sample.header().body_offset;
-  std::memcpy(body - encapsulation_bytes, encapsulation_cdr_le.data(), encapsulation_bytes);
-  SampleState state;
-  state.body = body;
-  state.body_bytes = sample.header().body_bytes;
-  state.mask = &sample.mask;
-  return build_index(state, type_->type(), {sample.index(), type_->slots()}) == WalkStatus::ok;
-}
-
 Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& first, std::uint64_t place,
                                  ArrivalTime now) {
-  write_header(*sample, first);
+  SampleHeader& header = sample->header();
+  header.writer = id_;
+  header.sequence = sequence_of(first, sequences_);
+  write_header(*sample, first, *type_);
   sample->receive_stamp_ns = now.realtime_ns;
-  const SampleHeader& header = sample->header();
-  if (!index_body(*sample) || header.sequence == 0) {
+  if (!index_body(*sample, *type_) || header.sequence == 0) {
     ++shared_.counters.malformed;
     if (place != 0) window_->refuse_or_pass(place);
     return {{}, stream_index_, place != 0};
@@ -309,7 +306,12 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
   if (named.mask == nullptr) return Refusal::unwanted;
   if (d.payload.size() > d.first.total) return Refusal::malformed;
   if (d.first.total > sample_bytes_) return Refusal::over_limit;
-  buffer = take_buffer(d, place);
+  if (shared_.pack_buffers.empty()) {
+    buffer = take_buffer(d, place);
+  } else {
+    buffer = std::move(shared_.pack_buffers.back());
+    shared_.pack_buffers.pop_back();
+  }
   if (!buffer) return Refusal::over_limit;
   buffer->mask = *named.mask;
   buffer->min_period_us = d.first.rate.min_period_us;
@@ -322,11 +324,6 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
 
 /// The samples behind the first missing one leave memory for that one: without it nobody gets the others.
 core::SampleHandle IncomingWriter::take_buffer(const Datagram& d, std::uint64_t place) {
-  if (!shared_.pack_buffers.empty()) {
-    core::SampleHandle buffer = std::move(shared_.pack_buffers.back());
-    shared_.pack_buffers.pop_back();
-    return buffer;
-  }
   const std::size_t total = d.first.total;
   const std::size_t bytes = SampleLayout(type_->slots()).bytes(total);
   if (place == 0) return samples_.take_buffer(bytes, d.label(), total, d.payload.size() == total);

@@ -54,6 +54,7 @@ struct Arrival {
   std::span<core::SampleHandle> packed{};
 
   bool has_samples() const { return sample || !packed.empty(); }
+  bool is_empty() const { return !in_channel && !has_samples(); }
 };
 
 class IncomingWriter {
@@ -115,15 +116,12 @@ class IncomingWriter {
   Arrival accept_first(const Datagram& d, const WantedMasks::Named& named, ArrivalTime now,
                        bool same_datagram = false);
   Arrival accept_packed(const Datagram& packed, const WantedMasks::Named& named, ArrivalTime now);
-  ArrivalWindow::Met meet(const Datagram& d, Time now, bool same_datagram);
   bool gives_way(std::uint64_t place, const SampleLabel& label, Time now);
   bool place_by_group(Datagram& d, Time now);
   Arrival begin(const Datagram& d, UnfinishedSample* sample, std::uint64_t place, core::SampleHandle buffer,
                 ArrivalTime now);
   Arrival proceed(UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now);
   Arrival complete(core::SampleHandle sample, const FirstHeader& first, std::uint64_t place, ArrivalTime now);
-  void write_header(core::SampleBuffer& sample, const FirstHeader& first) const;
-  bool index_body(core::SampleBuffer& sample) const;
   bool believes(const SequenceWatch::Claim& claim, Time now);
   void park(UnfinishedSample& sample, const Following& d, Time now);
 

@@ -78,7 +78,7 @@ void Reassembly::close_window(IncomingWriter& writer) {
 /// address; or else to the first one. `fits(writer)` tells whether it fits.
 template <class Fits>
 IncomingWriter* Reassembly::find(std::uint32_t short_id, const core::IpAddress& from, const Fits& fits) {
-  if (last_ != nullptr && last_->short_id() == short_id) return last_;
+  if (is_of_last(short_id)) return last_;
   const auto found = by_short_id_.find(short_id);
   if (found == by_short_id_.end()) return nullptr;
   Known* const first = found->second;
@@ -92,29 +92,12 @@ IncomingWriter* Reassembly::find(std::uint32_t short_id, const core::IpAddress& 
   return from_there == nullptr ? &first->writer : from_there;
 }
 
-/// What the last datagram brought is let go of.
-void Reassembly::begin_datagram() {
-  shared_.packed.clear();
-  shared_.pack_buffers.clear();
-  ++shared_.datagrams;
+IncomingWriter* Reassembly::writer_of(const Datagram& d, const core::IpAddress& from) {
+  return find(d.label().writer, from, [&](IncomingWriter& one) { return one.fits(d); });
 }
 
-template <class SampleDatagram>
-Arrival Reassembly::accept_sample(SampleDatagram& d, const SampleLabel& label, const Envelope& envelope) {
-  begin_datagram();
-  IncomingWriter* const writer =
-      find(label.writer, envelope.from.ip, [&](IncomingWriter& one) { return one.fits(d); });
-  if (writer != nullptr) return writer->accept(d, envelope);
-  ++shared_.counters.unknown;
-  return {};
-}
-
-Arrival Reassembly::accept(Datagram& d, const Envelope& envelope) {
-  return accept_sample(d, d.label(), envelope);
-}
-
-Arrival Reassembly::accept(const Following& d, const Envelope& envelope) {
-  return accept_sample(d, d.label, envelope);
+IncomingWriter* Reassembly::writer_of(const Following& d, const core::IpAddress& from) {
+  return find(d.label.writer, from, [&](IncomingWriter& one) { return one.fits(d); });
 }
 
 void Reassembly::refuse(const Malformed& d) {

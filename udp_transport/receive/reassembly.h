@@ -34,8 +34,8 @@ class Reassembly {
 
   /// The address that the datagram came from matters only where writers have equal short ids. The mask's
   /// words are taken off the datagram.
-  Arrival accept(Datagram& d, const Envelope& envelope);
-  Arrival accept(const Following& d, const Envelope& envelope);
+  Arrival accept(Datagram& d, const Envelope& envelope) { return accept_sample(d, d.label(), envelope); }
+  Arrival accept(const Following& d, const Envelope& envelope) { return accept_sample(d, d.label, envelope); }
   Arrival accept(const Heartbeat& heartbeat, const Envelope& envelope);
   /// Counts a datagram that makes no sense.
   void refuse(const Malformed& d);
@@ -79,9 +79,17 @@ class Reassembly {
 
   template <class Fits>
   IncomingWriter* find(std::uint32_t short_id, const core::IpAddress& from, const Fits& fits);
+  IncomingWriter* writer_of(const Datagram& d, const core::IpAddress& from);
+  IncomingWriter* writer_of(const Following& d, const core::IpAddress& from);
   template <class SampleDatagram>
   Arrival accept_sample(SampleDatagram& d, const SampleLabel& label, const Envelope& envelope);
-  void begin_datagram();
+  bool is_of_last(std::uint32_t short_id) const { return last_ != nullptr && last_->short_id() == short_id; }
+  /// Lets go of what the last datagram brought.
+  void begin_datagram() {
+    shared_.packed.clear();
+    shared_.pack_buffers.clear();
+    ++shared_.datagrams;
+  }
   void note_short_ids(std::span<const Stream> streams);
   void set_window(IncomingWriter& writer, const Stream& stream);
   void close_window(IncomingWriter& writer);
@@ -95,5 +103,15 @@ class Reassembly {
   std::vector<std::pair<core::EndpointId, ArrivalWindow::Mark>> departed_;
   std::size_t windows_ = 0;  ///< counts the reliable streams
 };
+
+template <class SampleDatagram>
+Arrival Reassembly::accept_sample(SampleDatagram& d, const SampleLabel& label, const Envelope& envelope) {
+  begin_datagram();
+  IncomingWriter* const writer = is_of_last(label.writer) ? last_ : writer_of(d, envelope.from.ip);
+  if (writer != nullptr) [[likely]]
+    return writer->accept(d, envelope);
+  ++shared_.counters.unknown;
+  return {};
+}
 
 }  // namespace sft::udp

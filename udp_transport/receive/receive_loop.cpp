@@ -258,6 +258,7 @@ void ReceiveLoop::begin(ArrivalTime now) noexcept {
 
 void ReceiveLoop::datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept {
   Arrival arrival = demultiplexer_.accept(bytes, from, now_);
+  if (arrival.is_empty()) return;
   if (arrival.has_samples()) publish_counters();  // before listeners can look at them
   delivery_.deliver(arrival, now_.steady);
 }

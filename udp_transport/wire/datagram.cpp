@@ -52,6 +52,16 @@ void store_common(DatagramKind kind, std::uint8_t flags, const SampleLabel& labe
   store(label.sequence, out + at_sequence);
 }
 
+/// As kind_of(), but the compiler may put its code into its callers.
+std::optional<DatagramKind> claimed_kind(std::span<const std::byte> bytes) noexcept {
+  if (bytes.size() < following_header_bytes || bytes.size() > datagram_bytes_max) return {};
+  const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
+  if (version_and_kind >> 4 != wire_version) return {};
+  const auto kind = static_cast<DatagramKind>(version_and_kind & 0xf);
+  if (kind < DatagramKind::first || kind > DatagramKind::whole) return {};
+  return kind;
+}
+
 SampleLabel load_label(const std::byte* from) noexcept {
   return {.writer = load<std::uint32_t>(from + at_writer),
           .sequence = load<std::uint32_t>(from + at_sequence),
@@ -261,14 +271,7 @@ void encode(const FlowReport& report, std::byte* out) noexcept {
   store(static_cast<std::uint64_t>(report.sent_at_ns), out + at_sent);
 }
 
-std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() < following_header_bytes || bytes.size() > datagram_bytes_max) return {};
-  const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
-  if (version_and_kind >> 4 != wire_version) return {};
-  const auto kind = static_cast<DatagramKind>(version_and_kind & 0xf);
-  if (kind < DatagramKind::first || kind > DatagramKind::whole) return {};
-  return kind;
-}
+std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) noexcept { return claimed_kind(bytes); }
 
 void encode(const GroupOffer& offer, std::byte* out) noexcept {
   store_kind(DatagramKind::group_offer, 0, out);
@@ -384,7 +387,7 @@ static std::optional<Following> read_following(std::span<const std::byte> bytes)
 /// Reads the bytes if they are of that kind.
 template <class Read>
 static auto read_if(DatagramKind kind, std::span<const std::byte> bytes, const Read& read) noexcept {
-  return kind_of(bytes) == kind ? read(bytes) : decltype(read(bytes)){};
+  return claimed_kind(bytes) == kind ? read(bytes) : decltype(read(bytes)){};
 }
 
 std::optional<Heartbeat> parse_heartbeat(std::span<const std::byte> bytes) noexcept {
@@ -420,7 +423,7 @@ std::optional<Datagram> parse(std::span<const std::byte> bytes) noexcept {
 }
 
 AnyDatagram decode(std::span<const std::byte> bytes) noexcept {
-  const std::optional<DatagramKind> kind = kind_of(bytes);
+  const std::optional<DatagramKind> kind = claimed_kind(bytes);
   const auto as = [&]<class T>(std::in_place_type_t<T> type, const auto& sound) {
     return sound ? AnyDatagram(type, *sound) : AnyDatagram(Malformed{kind});
   };
