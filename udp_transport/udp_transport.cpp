@@ -13,7 +13,7 @@
 #include "udp_transport/io/udp_socket.h"
 #include "udp_transport/io/uring_io.h"
 #include "udp_transport/receive/receive_loop.h"
-#include "udp_transport/send/ack_sender.h"
+#include "udp_transport/send/answer_sender.h"
 #include "udp_transport/send/answers.h"
 #include "udp_transport/udp_reader.h"
 #include "udp_transport/udp_writer.h"
@@ -171,22 +171,22 @@ std::shared_ptr<ReceiveLoop> make_receiver(const UdpOptions& options,
   ReassemblyLimits limits = options.reassembly;
   limits.sample_bytes = options.max_sample_bytes;
   limits.channel.seed = std::random_device()();
-  const auto ack_sender = std::make_shared<AckSender>(send_side);
+  const auto answer_sender = std::make_shared<AnswerSender>(send_side);
   ReceiveLoop::SendingHalf half;
   half.hear_answer = [send_side](const Answer& answer, const SocketAddress& from,
                                  std::chrono::steady_clock::time_point now) {
     if (send_side->sender.answer_port() != 0) {  // answers have to come to that port
       send_side->malformed_answers.fetch_add(1, std::memory_order_relaxed);
-    } else if (hear_answer(*send_side, answer, from, now)) {
-      send_side->sender.look_again();
+    } else {
+      send_side->sender.wake(hear_answer(*send_side, answer, from, now));
     }
   };
-  half.send_ack = [ack_sender](const SocketAddress& to, const Ack& ack) { ack_sender->send(to, ack); };
-  half.send_report = [ack_sender](const SocketAddress& to, const FlowReport& report) {
-    ack_sender->send(to, report);
+  half.send_ack = [answer_sender](const SocketAddress& to, const Ack& ack) { answer_sender->send(to, ack); };
+  half.send_report = [answer_sender](const SocketAddress& to, const FlowReport& report) {
+    answer_sender->send(to, report);
   };
-  half.send_group_report = [ack_sender](const SocketAddress& to, const GroupReport& report) {
-    ack_sender->send(to, report);
+  half.send_group_report = [answer_sender](const SocketAddress& to, const GroupReport& report) {
+    answer_sender->send(to, report);
   };
   return std::make_shared<ReceiveLoop>(std::move(io), limits, socket->receive_buffer_bytes, std::move(pool),
                                        std::move(half), std::make_shared<GroupJoins>(socket));

@@ -103,7 +103,7 @@ void UdpWriter::make_table() {
 
 void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHandle> samples) {
   const std::shared_ptr<const RouteTable> table = routes_.share();
-  const Group* group = table->of_late_reader(to.reader);
+  const Audience* group = table->of_late_reader(to.reader);
   if (group == nullptr) return;
   std::vector<JobHandle> jobs;
   for (const core::SampleHandle& sample : samples) {
@@ -113,7 +113,7 @@ void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHand
     jobs.push_back(std::move(job));
   }
   const std::shared_ptr<Lane>& lane = group->lanes.front();
-  if (lane->begin(std::move(jobs))) side_->sender.schedule(lane);
+  side_->sender.wake(lane->begin(std::move(jobs)), lane);
 }
 
 /// What was left under the routes before still counts; under those before that, nothing may be left.
@@ -145,7 +145,7 @@ const RouteTable& UdpWriter::routes_of_sample() noexcept {
 }
 
 core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
-  const std::span<const Group> groups = routes_of_sample().reached(std::exchange(with_spares_, false));
+  const std::span<const Audience> groups = routes_of_sample().reached(std::exchange(with_spares_, false));
   if (side_->sender.stopped()) {
     count_missed(groups);
     return core::SendStatus::lost_port;
@@ -158,7 +158,7 @@ core::SendStatus UdpWriter::send(const core::SampleHandle& sample) noexcept {
   std::size_t own = own_variants(*sample);
   std::size_t first_left = 0;
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    const Group& group = groups[i];
+    const Audience& group = groups[i];
     if (group.gate != nullptr) {  // answers for this sample only while it is the last
       if (group.gate->passes()) missed += hold_or_send(group, sample);
     } else if (own > 0) {
@@ -180,7 +180,7 @@ std::size_t UdpWriter::own_variants(const core::SampleBuffer& sample) const noex
 }
 
 /// What cannot be held does not overtake what is.
-std::size_t UdpWriter::hold_or_send(const Group& group, const core::SampleHandle& sample) noexcept {
+std::size_t UdpWriter::hold_or_send(const Audience& group, const core::SampleHandle& sample) noexcept {
   using Hold = VariantSender::Hold;
   Hold hold = holds_ ? sender_.hold(group, sample) : Hold::unfit;
   if (hold == Hold::full) {
@@ -212,8 +212,8 @@ void UdpWriter::miss() noexcept {
   count_missed(routes_of_sample().reached(false));
 }
 
-void UdpWriter::count_missed(std::span<const Group> groups) noexcept {
-  for (const Group& group : groups) {
+void UdpWriter::count_missed(std::span<const Audience> groups) noexcept {
+  for (const Audience& group : groups) {
     if (group.wants_sample()) group.tally->dropped();
   }
 }
@@ -221,12 +221,12 @@ void UdpWriter::count_missed(std::span<const Group> groups) noexcept {
 /// To the sending thread: what is without a maximum rate, from that group on. False if an older sample had to
 /// go for it.
 bool UdpWriter::leave(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept {
-  const auto rest = std::span(routes_.loaded()->groups).subspan(first, end - first);
-  if (std::ranges::all_of(rest, [](const Group& group) { return group.gate != nullptr; })) return true;
+  const auto rest = std::span(routes_.loaded()->audiences).subspan(first, end - first);
+  if (std::ranges::all_of(rest, [](const Audience& group) { return group.gate != nullptr; })) return true;
   send_held();
   sample->complete();
   const FanOut::Posted posted = left_->post({sample, routes_.loaded(), first, end});
-  if (posted.was_idle) side_->sender.schedule(left_);
+  side_->sender.wake(posted.wake, left_);
   if (posted.dropped_oldest) side_->over_limit.fetch_add(1, std::memory_order_relaxed);
   return !posted.dropped_oldest;
 }

@@ -47,11 +47,11 @@ class UdpWriter final : public core::WriterPort, private Tended {
   void tend(std::chrono::steady_clock::time_point now) override;
   void make_table();
   std::size_t own_variants(const core::SampleBuffer& sample) const noexcept;
-  std::size_t hold_or_send(const Group& group, const core::SampleHandle& sample) noexcept;
+  std::size_t hold_or_send(const Audience& group, const core::SampleHandle& sample) noexcept;
   void send_held() noexcept { missed_ += sender_.flush(); }
   bool leave(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept;
   const RouteTable& routes_of_sample() noexcept;
-  static void count_missed(std::span<const Group> groups) noexcept;
+  static void count_missed(std::span<const Audience> groups) noexcept;
   void turn_to(const RouteTable& routes) noexcept;
 
   std::chrono::nanoseconds patience() const noexcept { return std::min(max_blocking_, patience_max_); }

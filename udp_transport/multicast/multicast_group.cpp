@@ -59,7 +59,7 @@ void MulticastGroup::placed(std::size_t member, std::uint64_t ordinal, std::uint
     broken_.store(true, std::memory_order_relaxed);
     for (std::size_t i = 0; i < members_.size(); ++i) hears_[i].store(false, std::memory_order_relaxed);
   }
-  static_cast<void>(members_[member].channel->left(in_channel));  // has_left() does not find it
+  static_cast<void>(members_[member].channel->departed(in_channel));  // note_departed() does not find it
 }
 
 std::shared_ptr<Lane> MulticastGroup::lane_of(const std::shared_ptr<MulticastGroup>& group) {
@@ -79,8 +79,8 @@ MulticastGroup::BestEffort MulticastGroup::best_effort() const noexcept {
   return result;
 }
 
-bool MulticastGroup::has_left(const Job& job, bool lost) noexcept {
-  bool tell = false;
+Wake MulticastGroup::note_departed(const Job& job, bool lost) noexcept {
+  Wake wake = Wake::none;
   const std::uint64_t ordinal = job.first.group.ordinal;
   for (std::size_t i = 0; i < members_.size(); ++i) {
     const Member& member = members_[i];
@@ -93,9 +93,9 @@ bool MulticastGroup::has_left(const Job& job, bool lost) noexcept {
       const std::scoped_lock lock(mutex_);
       ahead = ahead_[i];
     }
-    if (ahead) tell = member.channel->left(ordinal + static_cast<std::uint64_t>(*ahead)) || tell;
+    if (ahead) wake = strongest(wake, member.channel->departed(ordinal + static_cast<std::uint64_t>(*ahead)));
   }
-  return tell;
+  return wake;
 }
 
 void MulticastGroup::hear(const GroupReport& report, Time now) {
@@ -117,20 +117,20 @@ std::optional<std::size_t> MulticastGroup::member_named(std::uint32_t name) cons
   return member;
 }
 
-bool MulticastGroup::take_over_repairs(std::size_t member, Ack& ack, Time now) {
-  bool tell = false;
-  std::size_t left = 0;
+Wake MulticastGroup::take_over_repairs(std::size_t member, Ack& ack, Time now) {
+  Wake wake = Wake::none;
+  std::size_t remaining = 0;
   for (std::size_t i = 0; i < ack.missing_count; ++i) {
     const std::uint64_t in_channel = widen_sequence(ack.next, ack.missing[i].ordinal);
-    if (!is_taken_over(member, in_channel, now, tell)) ack.missing[left++] = ack.missing[i];
+    if (!is_taken_over(member, in_channel, now, wake)) ack.missing[remaining++] = ack.missing[i];
   }
-  ack.missing_count = left;
-  return tell;
+  ack.missing_count = remaining;
+  return wake;
 }
 
 /// The first that asks is answered alone, and so is who asks once more: what was sent again may be lost
 /// again.
-bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel, Time now, bool& tell) {
+bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel, Time now, Wake& wake) {
   std::optional<std::int64_t> ahead;
   {
     const std::scoped_lock lock(mutex_);
@@ -147,15 +147,15 @@ bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel,
     return false;
   }
   if ((std::exchange(asked->by, asked->by | bit) & bit) != 0) return false;
-  if (!asked->sent_again) asked->sent_again = send_again(member, in_channel, tell);
+  if (!asked->sent_again) asked->sent_again = send_again(member, in_channel, wake);
   return asked->sent_again;
 }
 
-bool MulticastGroup::send_again(std::size_t member, std::uint64_t in_channel, bool& tell) {
+bool MulticastGroup::send_again(std::size_t member, std::uint64_t in_channel, Wake& wake) {
   JobHandle job = members_[member].channel->sent_elsewhere(in_channel);
   const bool is_ours = job && job->first.group.group == name_.number;
   if (!is_ours || job->first.total > sent_again_bytes_max || !lane_->has_room()) return false;
-  tell = lane_->post(std::move(job)).was_idle || tell;
+  wake = strongest(wake, lane_->post(std::move(job)).wake);
   return true;
 }
 

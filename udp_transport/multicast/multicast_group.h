@@ -66,18 +66,17 @@ class MulticastGroup final : public LaneListener {
   };
   BestEffort best_effort() const noexcept;
 
-  /// Any thread. What was sent elsewhere has left, or is lost. Whether the sending thread has to be woken.
-  [[nodiscard]] bool has_left(const Job& job, bool lost) noexcept;
-  /// In the lane, which the sending thread looks after.
-  void left(const Job& job, bool lost) noexcept override { static_cast<void>(has_left(job, lost)); }
+  /// Any thread. A sample that was sent to the group has departed, or is lost.
+  [[nodiscard]] Wake note_departed(const Job& job, bool lost) noexcept;
+  /// The same, of a sample in the lane, which the sending thread looks after.
+  void departed(const Job& job, bool lost) noexcept override { static_cast<void>(note_departed(job, lost)); }
   void hear(const GroupReport& report, Time now);
   /// The one that calls itself so in reports; empty if none does.
   std::optional<std::size_t> member_named(std::uint32_t name) const;
   std::string state_of(std::size_t member) const;
   /// The thread that hears answers: a member asks for parts of samples in its channel. Takes those out that
-  /// are sent to the group again, since others asked for the same. Whether the sending thread has to be told
-  /// of the lane.
-  [[nodiscard]] bool take_over_repairs(std::size_t member, Ack& ack, Time now);
+  /// are sent to the group again, since others asked for the same.
+  [[nodiscard]] Wake take_over_repairs(std::size_t member, Ack& ack, Time now);
 
   // The agent's thread.
 
@@ -103,8 +102,8 @@ class MulticastGroup final : public LaneListener {
     bool sent_again = false;
     Time at{};
   };
-  bool is_taken_over(std::size_t member, std::uint64_t in_channel, Time now, bool& tell);
-  bool send_again(std::size_t member, std::uint64_t in_channel, bool& tell);
+  bool is_taken_over(std::size_t member, std::uint64_t in_channel, Time now, Wake& wake);
+  bool send_again(std::size_t member, std::uint64_t in_channel, Wake& wake);
 
   const Name name_;
   const std::shared_ptr<Lane> lane_;

@@ -4,7 +4,7 @@
 
 namespace sft::udp {
 
-bool LateFilter::takes(const core::SampleBuffer& sample, Now now) {
+bool LateFilter::takes(const core::SampleBuffer& sample, Time now) {
   if (!history_first_) return true;
   const bool alone = sample.addressee != 0;
   if (alone) {
@@ -28,7 +28,7 @@ bool LateFilter::follows(const core::SampleBuffer& sample) const {
          sample.ordinal == ordinal_ + 1;
 }
 
-core::HistoryProgress LateFilter::progress(Now now) const {
+core::HistoryProgress LateFilter::progress(Time now) const {
   if (!history_first_) return core::HistoryProgress::came;
   if (waits_) return core::HistoryProgress::awaited;
   return now - alone_at_ < settling ? core::HistoryProgress::coming : core::HistoryProgress::came;

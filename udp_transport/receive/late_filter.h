@@ -12,7 +12,7 @@ namespace sft::udp {
 
 class LateFilter {
  public:
-  using Now = std::chrono::steady_clock::time_point;
+  using Time = std::chrono::steady_clock::time_point;
   /// Nothing for it alone is under way any more if none has come for so long.
   static constexpr std::chrono::milliseconds settling{100};
 
@@ -22,15 +22,15 @@ class LateFilter {
   bool is_late() const { return history_first_; }
   /// Whether the reader takes a sample that has arrived. What is for all it takes while that is the very next
   /// one, or once nothing for it alone is under way.
-  bool takes(const core::SampleBuffer& sample, Now now);
-  core::HistoryProgress progress(Now now) const;
+  bool takes(const core::SampleBuffer& sample, Time now);
+  core::HistoryProgress progress(Time now) const;
 
  private:
   bool follows(const core::SampleBuffer& sample) const;
 
   bool waits_;  ///< until something for it alone has come
   bool history_first_;
-  Now alone_at_{};  ///< when the last such sample came
+  Time alone_at_{};  ///< when the last such sample came
   // Of the newest sample that was taken:
   std::uint64_t sequence_ = 0;
   std::uint32_t min_period_us_ = 0;

@@ -6,13 +6,14 @@
 namespace sft::udp {
 
 namespace {
-/// What is kept and stays in the caches, more or less; with fewer samples than that sending would pause.
+/// So much of what is kept stays in the caches, more or less. With fewer samples sending would pause.
 constexpr std::size_t cached_bytes_max = std::size_t{8} << 20, cached_samples_min = 2;
-/// On a fast link a large sample leaves within that. On a slow one, or where an ack was lost, it is no use.
+/// On a fast link a large sample departs within this time. On a slow link, or after an ack was lost, a longer
+/// pause would not help.
 constexpr std::chrono::milliseconds moment{10};
 }  // namespace
 
-/// Or nobody needs it any more.
+/// True if the window can keep the job, or if the channel has ended.
 bool Channel::has_room_for(const Job& job) const {
   return closed_ || ended_at_ || window_.can_keep(job.samples(), job.held_bytes_in_all());
 }
@@ -38,11 +39,11 @@ bool Channel::wait_for_room(const Job& job, std::chrono::nanoseconds& patience,
   return true;
 }
 
-/// With the mutex held. Whether the sending thread has to be told.
-bool Channel::attend() {
-  if (std::exchange(attended_, true)) return false;
+/// With the mutex held.
+Wake Channel::attend() {
+  if (std::exchange(attended_, true)) return Wake::none;
   looks_at_ = {};  // at once
-  return true;
+  return Wake::schedule;
 }
 
 Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_once,
@@ -54,9 +55,9 @@ Channel::Posted Channel::post(JobHandle job, const FirstHeader& first, bool at_o
   const std::size_t samples = job->samples();
   posted.kept = window_.keep(std::move(job), first);
   if (at_once) posted.piece = window_.take(posted.kept.ordinal);
-  posted.was_at_rest = attend();
-  const bool some_left = !posted.piece || posted.piece->samples < samples;
-  posted.waits = some_left && !std::exchange(woken_, true);
+  posted.wake = attend();
+  const bool some_remains = !posted.piece || posted.piece->samples < samples;
+  if (some_remains && !std::exchange(woken_, true)) posted.wake = strongest(posted.wake, Wake::look);
   return posted;
 }
 
@@ -69,7 +70,7 @@ std::optional<Channel::Posted> Channel::post_ahead(const JobHandle& job, const F
   job->keep();
   posted.kept = window_.keep(job, first);
   posted.piece = window_.take(posted.kept.ordinal);
-  posted.was_at_rest = attend();
+  posted.wake = attend();
   return posted;
 }
 
@@ -95,8 +96,9 @@ Channel::Posted Channel::post_shared(JobHandle job, const FirstHeader& first, bo
   const std::scoped_lock lock(mutex_);
   Posted posted;
   posted.kept = window_.keep(std::move(job), first, elsewhere);
-  posted.was_at_rest = attend();
-  posted.waits = !posted.kept.elsewhere && !std::exchange(woken_, true);
+  posted.wake = attend();
+  if (!posted.kept.elsewhere && !std::exchange(woken_, true))
+    posted.wake = strongest(posted.wake, Wake::look);
   return posted;
 }
 
@@ -105,24 +107,24 @@ JobHandle Channel::sent_elsewhere(std::uint64_t ordinal) {
   return window_.sent_elsewhere(ordinal);
 }
 
-bool Channel::left(std::uint64_t ordinal) {
+Wake Channel::departed(std::uint64_t ordinal) {
   const Time time = now();
   const std::scoped_lock lock(mutex_);
-  window_.left(ordinal, time);
-  return attended_ && looks_sooner(time);
+  window_.departed(ordinal, time);
+  return attended_ ? looks_sooner(time) : Wake::none;
 }
 
-/// With the mutex held: whether the sending thread has to look at it before it would, and it is told so now.
-bool Channel::looks_sooner(Time now) {
-  if (window_.next_look(now) >= looks_at_) return false;
+/// With the mutex held. Wakes the sending thread if it has to look at this channel sooner than it would.
+Wake Channel::looks_sooner(Time now) {
+  if (window_.next_look(now) >= looks_at_) return Wake::none;
   looks_at_ = now;
-  return true;
+  return Wake::look;
 }
 
-bool Channel::finished(const Piece& piece, Time now) {
+Wake Channel::finished(const Piece& piece, Time now) {
   const std::scoped_lock lock(mutex_);
   window_.finished(piece, now);
-  return attended_ && looks_sooner(now);
+  return attended_ ? looks_sooner(now) : Wake::none;
 }
 
 void Channel::put_back(const Piece& piece) {
@@ -130,7 +132,7 @@ void Channel::put_back(const Piece& piece) {
   window_.put_back(piece);
 }
 
-bool Channel::hear(const Ack& ack) {
+Wake Channel::hear(const Ack& ack) {
   const Time time = now();
   const Time::duration round_trip = ack.missing_count == 0 ? Time::duration{} : to_->round_trip();
   const std::scoped_lock lock(mutex_);
@@ -139,13 +141,14 @@ bool Channel::hear(const Ack& ack) {
   if (window_.gone_wrong() && !closed_ && !went_wrong_.exchange(true, std::memory_order_relaxed)) {
     room_.notify_all();
     tally_->dropped.fetch_add(window_.kept(), std::memory_order_relaxed);
-    return true;
+    return Wake::look;
   }
   if (awaits_room_) room_.notify_one();
-  const bool made_room = std::exchange(tells_of_room_, false);
-  if (!attended_) return made_room;
-  const bool is_due_sooner = looks_sooner(time);
-  return (window_.has_work() && !std::exchange(woken_, true)) || is_due_sooner || made_room;
+  const Wake for_room = std::exchange(tells_of_room_, false) ? Wake::look : Wake::none;
+  if (!attended_) return for_room;
+  const Wake sooner = looks_sooner(time);
+  const bool has_news = window_.has_work() && !std::exchange(woken_, true);
+  return has_news ? Wake::look : strongest(sooner, for_room);
 }
 
 /// By the samples that do not fit into one datagram: whether their long ones arrive, or are all asked for,

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "udp_transport/flow/destination.h"
+#include "udp_transport/outgoing/wake.h"
 #include "udp_transport/outgoing/writer_tally.h"
 #include "udp_transport/reliable/resend_window.h"
 
@@ -45,9 +46,8 @@ class Channel {
 
   struct Posted {
     std::optional<Piece> piece{};  ///< to be sent by the caller, who then says finished() or put_back()
-    bool was_at_rest = false;      ///< the sending thread has to be told of this channel
-    bool waits = false;            ///< the sending thread has to be woken
-    bool waited = false;           ///< for room: it is later by now
+    Wake wake = Wake::none;
+    bool waited = false;  ///< for room: it is later by now
     ResendWindow::Kept kept{};
   };
   /// `at_once`: the caller would send it. Waits as long as `patience` lasts, which it uses up, until nothing
@@ -72,19 +72,19 @@ class Channel {
   /// The same as post(), of a sample that a group sends, too: if it is not `kept.elsewhere`, it waits here as
   /// well.
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
-  /// It has left there. Whether the sending thread has to be woken, to ask for acks in time.
-  [[nodiscard]] bool left(std::uint64_t ordinal);
+  /// The sample has departed to the group. The sending thread may have to ask for acks sooner.
+  [[nodiscard]] Wake departed(std::uint64_t ordinal);
   /// What has; else none.
   JobHandle sent_elsewhere(std::uint64_t ordinal);
-  /// It left about `now`. Whether the sending thread has to be woken, to ask for acks in time: it may have
-  /// looked while nothing had left yet.
-  [[nodiscard]] bool finished(const Piece& piece, Time now);
+  /// The piece departed about `now`. The sending thread may have to ask for acks sooner: it may have looked
+  /// while nothing had departed yet.
+  [[nodiscard]] Wake finished(const Piece& piece, Time now);
   void put_back(const Piece& piece);
   /// What its publisher has sent of a large one: heartbeats must not overtake it.
   void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
   std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
-  /// Whether the sending thread has to be woken. The ack may be of another channel of the writer.
-  [[nodiscard]] bool hear(const Ack& ack);
+  /// The ack may be of another channel of the writer.
+  [[nodiscard]] Wake hear(const Ack& ack);
   /// Acks of what was never sent have come: it ends, and another one has to begin.
   bool went_wrong() const { return went_wrong_.load(std::memory_order_relaxed); }
 
@@ -123,8 +123,8 @@ class Channel {
   bool has_room_for(const Job& job) const;
   bool runs_ahead_with(const Job& job) const;
   bool wait_for_room(const Job& job, std::chrono::nanoseconds& patience, std::unique_lock<std::mutex>& lock);
-  bool attend();
-  bool looks_sooner(Time now);
+  Wake attend();
+  Wake looks_sooner(Time now);
 
   std::atomic<std::uint64_t> behind_{0};
   std::mutex mutex_;

@@ -62,7 +62,8 @@ std::optional<Lane::Posted> Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   queue_.push_back(std::move(job));
   queued_bytes_ += bytes;
   busy_.store(true, std::memory_order_relaxed);
-  return Posted{.was_idle = !held_ && !std::exchange(scheduled_, true)};
+  const bool was_idle = !held_ && !std::exchange(scheduled_, true);
+  return Posted{.wake = was_idle ? Wake::schedule : Wake::none};
 }
 
 bool Lane::has_room() {
@@ -72,7 +73,7 @@ bool Lane::has_room() {
 
 void Lane::done_with(const JobHandle& job, bool lost) const {
   if (const std::shared_ptr<LaneListener> listener = listener_.lock(); listener && job)
-    listener->left(*job, lost);
+    listener->departed(*job, lost);
 }
 
 bool Lane::has_room_for(const Job& job) const {
@@ -137,18 +138,18 @@ void Lane::mark(Job& job) {
   job.first.history.oldest = oldest_;
 }
 
-bool Lane::begin(std::vector<JobHandle> history) {
+Wake Lane::begin(std::vector<JobHandle> history) {
   const std::scoped_lock lock(mutex_);
-  if (!std::exchange(held_, false) || closed()) return false;
+  if (!std::exchange(held_, false) || closed()) return Wake::none;
   std::reverse(history.begin(), history.end());
   history_ = std::move(history);
   if (!history_.empty()) oldest_ = history_.back()->sequence;
   scheduled_ = !history_.empty() || !queue_.empty();
   busy_.store(scheduled_, std::memory_order_release);
-  return scheduled_;
+  return scheduled_ ? Wake::schedule : Wake::none;
 }
 
-bool Lane::history_has_left() const {
+bool Lane::history_has_departed() const {
   if (!idle()) return false;
   const std::uint64_t last = last_retained_.load(std::memory_order_acquire);
   return last == 0 || channel_ == nullptr || channel_->closed() || !channel_->keeps(last);

@@ -16,6 +16,7 @@
 #include "core/seam/delivery.h"
 #include "udp_transport/flow/destination.h"
 #include "udp_transport/outgoing/job.h"
+#include "udp_transport/outgoing/wake.h"
 #include "udp_transport/outgoing/writer_tally.h"
 #include "udp_transport/reliable/ordinal_ring.h"
 
@@ -23,12 +24,12 @@ namespace sft::udp {
 
 class Channel;
 
-/// Told of each job of a lane once that is done with it. Calls nothing of the lane.
+/// Is told of each job that a lane is done with. Calls nothing of the lane.
 class LaneListener {
  public:
   virtual ~LaneListener() = default;
-  /// Any thread. `lost`: it was not sent, or not all of it.
-  virtual void left(const Job& job, bool lost) noexcept = 0;
+  /// Any thread. `lost`: the job was not sent, or not all of it.
+  virtual void departed(const Job& job, bool lost) noexcept = 0;
 };
 
 class Lane {
@@ -67,7 +68,7 @@ class Lane {
   bool idle() const { return !busy_.load(std::memory_order_acquire); }
 
   struct Posted {
-    bool was_idle = false;        ///< the sending thread has to be told of this lane
+    Wake wake = Wake::none;
     bool dropped_oldest = false;  ///< the queue was full
   };
   Posted post(JobHandle job);
@@ -85,12 +86,11 @@ class Lane {
 
   // The agent's thread.
 
-  /// Of a held lane: goes on, with retained samples, however many, before all that was posted; once. Whether
-  /// the sending thread has to be told of this lane.
-  [[nodiscard]] bool begin(std::vector<JobHandle> history);
+  /// Lets a held lane go on, once. The retained samples, however many, go before all that was posted.
+  [[nodiscard]] Wake begin(std::vector<JobHandle> history);
   /// Nothing is queued, and the reader has acknowledged what was retained, where it does that: from now on
   /// nothing that is published can push that out.
-  bool history_has_left() const;
+  bool history_has_departed() const;
 
   // The sending thread.
 

@@ -55,7 +55,7 @@ JobHandle ResendWindow::sent_elsewhere(std::uint64_t ordinal) const {
   return entry.elsewhere && entry.state == State::sent ? entry.job : JobHandle{};
 }
 
-void ResendWindow::left(std::uint64_t ordinal, Time now) {
+void ResendWindow::departed(std::uint64_t ordinal, Time now) {
   if (!kept_.contains(ordinal) || !kept_[ordinal].elsewhere) return;
   const bool first_time = std::exchange(kept_[ordinal].state, State::sent) == State::under_way;
   if (first_time && sent_at_ != Time{}) learn_pause(now - sent_at_);

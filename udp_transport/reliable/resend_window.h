@@ -71,7 +71,7 @@ class ResendWindow {
   /// is sent by this.
   Kept keep(JobHandle job, FirstHeader first, bool elsewhere = false);
   /// One that was sent elsewhere has left.
-  void left(std::uint64_t ordinal, Time now);
+  void departed(std::uint64_t ordinal, Time now);
 
   /// What may be sent now; it counts as being sent until finished() or put_back() is called.
   std::optional<Piece> next(Size size, Time now);

@@ -24,32 +24,32 @@ bool holds(const Range& range, const Value& value) {
 GroupKeeper::GroupKeeper(Setup setup)
     : setup_(std::move(setup)), too_many_leaves_(leaf_count(*setup_.type) > leaves_max) {}
 
-void GroupKeeper::merge(std::vector<Gathered>& routes, Time now) {
+void GroupKeeper::merge(std::vector<RouteBundle>& routes, Time now) {
   look_at(routes, now);
   choose_masks(now);
   keep_possible();
   explain(routes);
   for (const Planned& planned : planned_) merge(planned, routes);
-  std::erase_if(routes, [](const Gathered& gathered) { return gathered.destinations.empty(); });
-  std::ranges::stable_partition(routes, [](const Gathered& gathered) { return !gathered.spare; });
+  std::erase_if(routes, [](const RouteBundle& bundle) { return bundle.destinations.empty(); });
+  std::ranges::stable_partition(routes, [](const RouteBundle& bundle) { return !bundle.spare; });
   replan_at_ = std::max(replan_at_, now + settling);
   found_.clear();
 }
 
-void GroupKeeper::look_at(const std::vector<Gathered>& routes, Time now) {
+void GroupKeeper::look_at(const std::vector<RouteBundle>& routes, Time now) {
   candidates_.clear();
   links_ = setup_.use == Multicast::off ? std::vector<MulticastLink>{} : setup_.links(setup_.use);
-  for (const Gathered& gathered : routes) {
-    for (const std::shared_ptr<Destination>& to : gathered.destinations) {
+  for (const RouteBundle& bundle : routes) {
+    for (const std::shared_ptr<Destination>& to : bundle.destinations) {
       const auto [known, is_new] = candidates_.try_emplace(to.get());
       Candidate& candidate = known->second;
       if (is_new) candidate.to = to;
       if (is_new) choose_link(candidate, now);
-      if (gathered.gate != nullptr) candidate.refusal = "a reader there has a maximum rate";
-      if (gathered.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
-      if (gathered.spare) candidate.refusal = "a reader there is served in shared memory";
-      if (!holds(candidate.masks, gathered.wanted.mask)) candidate.masks.push_back(gathered.wanted.mask);
-      candidate.reliable = candidate.reliable || gathered.reliable.contains(to.get());
+      if (bundle.gate != nullptr) candidate.refusal = "a reader there has a maximum rate";
+      if (bundle.late_reader != 0) candidate.refusal = "a reader there is sent what was retained";
+      if (bundle.spare) candidate.refusal = "a reader there is served in shared memory";
+      if (!holds(candidate.masks, bundle.wanted.mask)) candidate.masks.push_back(bundle.wanted.mask);
+      candidate.reliable = candidate.reliable || bundle.reliable.contains(to.get());
     }
   }
 }
@@ -124,26 +124,26 @@ void GroupKeeper::keep_possible() {
   std::erase_if(planned_, [](const Planned& planned) { return planned.members.size() < 2; });
 }
 
-void GroupKeeper::merge(const Planned& planned, std::vector<Gathered>& routes) const {
-  Gathered together{.wanted = {FieldMask(routes.front().wanted.mask.leaves()), 0}};
+void GroupKeeper::merge(const Planned& planned, std::vector<RouteBundle>& routes) const {
+  RouteBundle together{.wanted = {FieldMask(routes.front().wanted.mask.leaves()), 0}};
   together.multicast = planned.place;
   const auto is_member = [&](const Destination* to) { return holds(planned.members, to); };
-  for (Gathered& gathered : routes) {
-    if (gathered.multicast ||
-        std::ranges::none_of(gathered.destinations, is_member, &std::shared_ptr<Destination>::get))
+  for (RouteBundle& bundle : routes) {
+    if (bundle.multicast ||
+        std::ranges::none_of(bundle.destinations, is_member, &std::shared_ptr<Destination>::get))
       continue;
-    together.wanted.mask |= gathered.wanted.mask;
-    std::erase_if(gathered.destinations, [&](const std::shared_ptr<Destination>& to) {
+    together.wanted.mask |= bundle.wanted.mask;
+    std::erase_if(bundle.destinations, [&](const std::shared_ptr<Destination>& to) {
       if (!is_member(to.get())) return false;
       together.add(to);
       return true;
     });
-    std::erase_if(gathered.readers, [&](const auto& reader) {
+    std::erase_if(bundle.readers, [&](const auto& reader) {
       if (!is_member(reader.second)) return false;
       together.readers.push_back(reader);
       return true;
     });
-    std::erase_if(gathered.reliable, [&](const auto& item) {
+    std::erase_if(bundle.reliable, [&](const auto& item) {
       if (!is_member(item.first)) return false;
       together.reliable[item.first].insert(item.second.begin(), item.second.end());
       return true;
@@ -278,12 +278,12 @@ void GroupKeeper::send(Destination& to, const GroupOffer& offer, Time now) {
   to.note(send_one(to.connection(), bytes));
 }
 
-void GroupKeeper::explain(const std::vector<Gathered>& routes) {
+void GroupKeeper::explain(const std::vector<RouteBundle>& routes) {
   const std::scoped_lock lock(why_mutex_);
   why_.clear();
   several_ = sizes_ != nullptr;
-  for (const Gathered& gathered : routes) {
-    for (const auto& [reader, to] : gathered.readers) why_[reader] = {to, candidates_.at(to).refusal};
+  for (const RouteBundle& bundle : routes) {
+    for (const auto& [reader, to] : bundle.readers) why_[reader] = {to, candidates_.at(to).refusal};
   }
 }
 

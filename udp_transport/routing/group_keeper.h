@@ -17,7 +17,7 @@
 #include "udp_transport/multicast/body_sizes.h"
 #include "udp_transport/multicast/multicast_group.h"
 #include "udp_transport/multicast/multicast_plan.h"
-#include "udp_transport/routing/gathered.h"
+#include "udp_transport/routing/route_bundle.h"
 
 namespace sft::udp {
 
@@ -45,7 +45,7 @@ class GroupKeeper {
   // While routes are made anew, one after the other:
 
   /// Puts what goes to the members of each group into one: under the union of their masks.
-  void merge(std::vector<Gathered>& routes, Time now);
+  void merge(std::vector<RouteBundle>& routes, Time now);
   /// The group at that place with these members, known or new.
   std::shared_ptr<MulticastGroup> find(std::size_t place, std::vector<MulticastGroup::Member> members);
   void merged(Time now);
@@ -78,16 +78,16 @@ class GroupKeeper {
     Time at;
   };
 
-  void look_at(const std::vector<Gathered>& routes, Time now);
+  void look_at(const std::vector<RouteBundle>& routes, Time now);
   bool any_given_up(Time now);
   void choose_link(Candidate& candidate, Time now) const;
   void choose_masks(Time now);
   void keep_possible();
-  void merge(const Planned& planned, std::vector<Gathered>& routes) const;
+  void merge(const Planned& planned, std::vector<RouteBundle>& routes) const;
   std::vector<PlanDestination> plan_destinations(std::vector<const Destination*>& places) const;
   std::uint32_t address(std::size_t place) const;
   static void send(Destination& to, const GroupOffer& offer, Time now);
-  void explain(const std::vector<Gathered>& routes);
+  void explain(const std::vector<RouteBundle>& routes);
 
   static constexpr std::chrono::milliseconds settling{100};  ///< routes come in bunches
   static constexpr std::chrono::seconds replan_pause{1};

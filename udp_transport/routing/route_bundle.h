@@ -1,5 +1,5 @@
-// Routes put together: readers with equal masks and limits share an encoding, and those behind one socket a
-// copy of it.
+// Puts routes together: readers with equal masks and limits share an encoding, and readers behind one socket
+// share a copy of it.
 #pragma once
 
 #include <cstddef>
@@ -15,20 +15,21 @@
 
 namespace sft::udp {
 
-struct Gathered {
+struct RouteBundle {
   core::Wanted wanted;
   core::EndpointId late_reader = 0;
   bool spare = false;
   std::shared_ptr<const core::RateGate> gate{};
   std::vector<std::shared_ptr<Destination>> destinations{};
   std::vector<std::pair<core::EndpointId, const Destination*>> readers{};
-  ReliableReaders reliable{};              ///< of these
-  std::optional<std::size_t> multicast{};  ///< the place of the group that sends it to all of them
+  ReliableReaders reliable{};  ///< those of the readers that are served reliably
+  /// Which multicast group sends to all of them; empty: none does.
+  std::optional<std::size_t> multicast{};
 
   void add(const std::shared_ptr<Destination>& to);
 };
 
-/// Routes to readers elsewhere than behind a UDP address are left out. Spare ones come last.
-std::vector<Gathered> gather(std::span<const core::Route> routes, DestinationDirectory& directory);
+/// Leaves out routes that do not lead to a UDP address. Spare bundles come last.
+std::vector<RouteBundle> bundle_routes(std::span<const core::Route> routes, DestinationDirectory& directory);
 
 }  // namespace sft::udp

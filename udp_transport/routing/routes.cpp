@@ -7,7 +7,7 @@ namespace sft::udp {
 
 namespace {
 
-/// Words of longer masks are not sent; their hash has to do.
+/// The words of longer masks are not sent: the hash alone names such a mask.
 constexpr std::size_t mask_words_max = 32;
 
 std::vector<std::uint64_t> words_to_send(const FieldMask& mask) {
@@ -21,47 +21,48 @@ std::shared_ptr<const WireMask> make_wire_mask(const FieldMask& mask, std::uint1
   return std::make_shared<WireMask>(WireMask{number, mask.hash(), words_to_send(mask)});
 }
 
-/// What a gate withholds from those on spare routes is counted where they are served.
-void write_page(const Gathered& gathered, const Group& group, RouteTable& table) {
-  for (const auto& [reader, destination] : gathered.readers) {
+/// What a gate withholds from readers on spare routes is counted by the transport that serves them.
+void write_page(const RouteBundle& bundle, const Audience& audience, RouteTable& table) {
+  for (const auto& [reader, destination] : bundle.readers) {
     const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };
-    const auto lane = std::find_if(group.lanes.begin(), group.lanes.end(), leads_there);
-    if (!group.spare) table.lanes_of[reader] = *lane;
+    const auto lane = std::find_if(audience.lanes.begin(), audience.lanes.end(), leads_there);
+    if (!audience.spare) table.lanes_of[reader] = *lane;
     table.page.push_back({reader,
-                          {.tally = group.tally,
+                          {.tally = audience.tally,
                            .losses = (*lane)->losses(),
-                           .gate = group.spare ? nullptr : group.gate,
-                           .diverted = group.spare}});
+                           .gate = audience.spare ? nullptr : audience.gate,
+                           .diverted = audience.spare}});
   }
 }
 
-std::vector<MulticastGroup::Member> members_of(const Group& group) {
+std::vector<MulticastGroup::Member> members_of(const Audience& audience) {
   std::vector<MulticastGroup::Member> members;
-  for (std::size_t i = 0; i < group.lanes.size(); ++i) members.push_back({group.lanes[i], group.channels[i]});
+  for (std::size_t i = 0; i < audience.lanes.size(); ++i)
+    members.push_back({audience.lanes[i], audience.channels[i]});
   return members;
 }
 
-ReliableReaders reliable_readers(const std::vector<Gathered>& groups) {
+ReliableReaders reliable_readers(const std::vector<RouteBundle>& bundles) {
   ReliableReaders all;
-  for (const Gathered& gathered : groups) {
-    for (const auto& [destination, readers] : gathered.reliable)
+  for (const RouteBundle& bundle : bundles) {
+    for (const auto& [destination, readers] : bundle.reliable)
       all[destination].insert(readers.begin(), readers.end());
   }
   return all;
 }
 
-/// Whether what is sent to a spare group goes that way for others as well: readers in one process share a
-/// socket.
-bool is_reached_anyway(const RouteTable& table, const Group& spare, std::size_t lane) {
-  return std::any_of(table.groups.begin(), table.groups.end(), [&](const Group& group) {
-    if (&group == &spare || group.wire != spare.wire) return false;
-    const auto same = std::find(group.lanes.begin(), group.lanes.end(), spare.lanes[lane]);
-    return same != group.lanes.end() && (spare.channels[lane] == nullptr ||
-                                         group.channels[same - group.lanes.begin()] == spare.channels[lane]);
+/// True if another audience is sent the same by the same lane: readers in one process share a socket.
+bool is_reached_anyway(const RouteTable& table, const Audience& spare, std::size_t lane) {
+  return std::any_of(table.audiences.begin(), table.audiences.end(), [&](const Audience& audience) {
+    if (&audience == &spare || audience.wire != spare.wire) return false;
+    const auto same = std::find(audience.lanes.begin(), audience.lanes.end(), spare.lanes[lane]);
+    return same != audience.lanes.end() &&
+           (spare.channels[lane] == nullptr ||
+            audience.channels[same - audience.lanes.begin()] == spare.channels[lane]);
   });
 }
 
-void leave_out_the_reached(const RouteTable& table, Group& spare) {
+void leave_out_the_reached(const RouteTable& table, Audience& spare) {
   for (std::size_t lane = spare.lanes.size(); lane-- > 0;) {
     if (!is_reached_anyway(table, spare, lane)) continue;
     spare.lanes.erase(spare.lanes.begin() + static_cast<std::ptrdiff_t>(lane));
@@ -71,10 +72,10 @@ void leave_out_the_reached(const RouteTable& table, Group& spare) {
 
 }  // namespace
 
-const Group* RouteTable::of_late_reader(core::EndpointId reader) const {
-  const auto found =
-      std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.late_reader == reader; });
-  return found == groups.end() ? nullptr : &*found;
+const Audience* RouteTable::of_late_reader(core::EndpointId reader) const {
+  const auto found = std::find_if(audiences.begin(), audiences.end(),
+                                  [&](const Audience& a) { return a.late_reader == reader; });
+  return found == audiences.end() ? nullptr : &*found;
 }
 
 VariantDirectory::VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally,
@@ -102,7 +103,8 @@ std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared
   return variant.lanes.emplace_back(std::make_shared<Lane>(to, queue_depth_, tally_));
 }
 
-/// Held until its history is known; again if it has moved, since what was queued does not reach it any more.
+/// A late lane is held until the history of its reader is known. It is made anew if the reader has moved,
+/// since what was queued does not reach the reader any more.
 std::shared_ptr<Lane> VariantDirectory::late_lane(core::EndpointId reader,
                                                   const std::shared_ptr<Destination>& to,
                                                   const std::shared_ptr<Channel>& channel) {
@@ -128,7 +130,7 @@ void VariantDirectory::keep_lanes_to(const std::set<const Destination*>& served,
 
 bool VariantDirectory::late_lane_idle(core::EndpointId reader) const {
   const auto lane = late_lanes_.find(reader);
-  return lane == late_lanes_.end() || lane->second->history_has_left();
+  return lane == late_lanes_.end() || lane->second->history_has_departed();
 }
 
 std::uint16_t VariantDirectory::unused_number() {
@@ -151,17 +153,19 @@ void VariantDirectory::next_round() {
   }
 }
 
-/// What passes a gate, and what is for one late reader, always leaves by itself.
+/// A sample that passes a gate, or is for one late reader, always leaves alone.
 static void allow_packs(RouteTable& table) {
-  const auto may_pack = [](const Group& group) { return group.gate == nullptr && group.late_reader == 0; };
+  const auto may_pack = [](const Audience& audience) {
+    return audience.gate == nullptr && audience.late_reader == 0;
+  };
   std::map<const Destination*, int> masks;
-  for (const Group& group : table.groups) {
-    for (const auto& lane : group.lanes) masks[&lane->destination()] += may_pack(group) ? 1 : 0;
+  for (const Audience& audience : table.audiences) {
+    for (const auto& lane : audience.lanes) masks[&lane->destination()] += may_pack(audience) ? 1 : 0;
   }
-  for (Group& group : table.groups) {
-    group.packs = may_pack(group) && std::ranges::all_of(group.lanes, [&](const auto& lane) {
-                    return masks[&lane->destination()] == 1;
-                  });
+  for (Audience& audience : table.audiences) {
+    audience.packs = may_pack(audience) && std::ranges::all_of(audience.lanes, [&](const auto& lane) {
+                       return masks[&lane->destination()] == 1;
+                     });
   }
 }
 
@@ -173,32 +177,32 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
   std::set<const Destination*> served;
   std::set<core::EndpointId> late_readers;
   variants.next_round();
-  std::vector<Gathered> groups = gather(routes, destinations);
-  const ReliableReaders reliable = reliable_readers(groups);
+  std::vector<RouteBundle> bundles = bundle_routes(routes, destinations);
+  const ReliableReaders reliable = reliable_readers(bundles);
   const auto now = std::chrono::steady_clock::now();
-  if (keeper != nullptr) keeper->merge(groups, now);
-  for (Gathered& gathered : groups) {
-    VariantDirectory::Variant& variant = variants.find(gathered.wanted, gathered.late_reader);
-    Group& group =
-        table->groups.emplace_back(Group{detail::ProjectionPlan(type, std::move(gathered.wanted.mask)),
-                                         std::move(gathered.gate),
-                                         gathered.late_reader,
-                                         gathered.spare,
-                                         variant.wire,
-                                         {}});
-    for (const std::shared_ptr<Destination>& to : gathered.destinations) {
-      const bool is_reliable = gathered.reliable.contains(to.get());
-      group.channels.push_back(is_reliable ? variants.channel(to, reliable.at(to.get())) : nullptr);
-      group.lanes.push_back(variants.lane(variant, to, group.channels.back()));
+  if (keeper != nullptr) keeper->merge(bundles, now);
+  for (RouteBundle& bundle : bundles) {
+    VariantDirectory::Variant& variant = variants.find(bundle.wanted, bundle.late_reader);
+    Audience& audience =
+        table->audiences.emplace_back(Audience{ProjectionPlan(type, std::move(bundle.wanted.mask)),
+                                               std::move(bundle.gate),
+                                               bundle.late_reader,
+                                               bundle.spare,
+                                               variant.wire,
+                                               {}});
+    for (const std::shared_ptr<Destination>& to : bundle.destinations) {
+      const bool is_reliable = bundle.reliable.contains(to.get());
+      audience.channels.push_back(is_reliable ? variants.channel(to, reliable.at(to.get())) : nullptr);
+      audience.lanes.push_back(variants.lane(variant, to, audience.channels.back()));
       served.insert(to.get());
     }
-    if (gathered.multicast) group.multicast = keeper->find(*gathered.multicast, members_of(group));
-    if (gathered.late_reader != 0) late_readers.insert(gathered.late_reader);
-    write_page(gathered, group, *table);
-    if (gathered.spare) {
-      leave_out_the_reached(*table, group);
+    if (bundle.multicast) audience.multicast = keeper->find(*bundle.multicast, members_of(audience));
+    if (bundle.late_reader != 0) late_readers.insert(bundle.late_reader);
+    write_page(bundle, audience, *table);
+    if (bundle.spare) {
+      leave_out_the_reached(*table, audience);
     } else {
-      table->usual = table->groups.size();
+      table->usual = table->audiences.size();
     }
   }
   allow_packs(*table);

@@ -1,4 +1,5 @@
-// Whom a writer serves, grouped by mask and maximum rate; and the numbers that these have on the wire.
+// The audiences of a writer: its readers by mask and maximum rate, with the numbers that these have on the
+// wire.
 #pragma once
 
 #include <cstdint>
@@ -17,70 +18,71 @@
 
 namespace sft::udp {
 
-/// Readers with equal masks and limits: they share an encoding, and each destination has a lane of its own. A
-/// late reader is served apart, so that what it gets can begin with what was retained.
-struct Group {
-  detail::ProjectionPlan plan;
-  std::shared_ptr<const core::RateGate> gate;  ///< null: every sample is for them
-  core::EndpointId late_reader = 0;            ///< 0: it serves others
-  bool spare = false;                          ///< only for samples that are meant for spare routes, too
+/// Readers with equal masks and limits. They share an encoding, and each destination has a lane of its own. A
+/// late reader is an audience of its own, so that its samples can begin with the retained ones.
+struct Audience {
+  ProjectionPlan plan;
+  std::shared_ptr<const core::RateGate> gate;  ///< null: every sample is for the audience
+  core::EndpointId late_reader = 0;            ///< 0: the audience is not a late reader
+  bool spare = false;                          ///< gets only samples that are meant for spare routes, too
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
-  std::vector<std::shared_ptr<Channel>>
-      channels{};  ///< of each lane: not null where a reader is served reliably
-  /// Not null: it sends to all of them, and lanes only to those that do not hear it. Members are as lanes.
+  /// One for each lane: not null if a reader there is served reliably.
+  std::vector<std::shared_ptr<Channel>> channels{};
+  /// If not null, the group sends to the whole audience, and lanes send only to members that do not hear the
+  /// group. Its members have the indices of the lanes.
   std::shared_ptr<MulticastGroup> multicast{};
   std::shared_ptr<core::DeliveryTally> tally = std::make_shared<core::DeliveryTally>();
-  /// Small samples that are published together may share datagrams: all of them leave before the first one of
-  /// another mask. Where a destination is sent several masks, a reader that changes from one to the other
-  /// would miss some.
+  /// Small samples that are published together may share datagrams: all samples of one mask leave before the
+  /// first one of another mask. So no destination may be sent several masks: a reader there that changes from
+  /// one mask to another would miss some samples.
   bool packs = false;
 
-  /// The publisher's thread: the one at hand.
+  /// True if the present sample is for the audience. Used by the publisher's thread.
   bool wants_sample() const { return gate == nullptr || gate->passes(); }
 };
 
-/// Immutable: a change of routes makes another one.
+/// Immutable: a change of routes makes another table.
 struct RouteTable {
-  std::vector<Group> groups;      ///< spare ones last
-  core::DeliveryBook::Page page;  ///< which tallies are whose
-  /// To whom these lead, but for spare ones.
+  std::vector<Audience> audiences;  ///< spare ones last
+  core::DeliveryBook::Page page;    ///< which tallies are whose
+  /// The lanes that lead to each reader, without spare ones.
   std::map<core::EndpointId, std::shared_ptr<Lane>> lanes_of;
 
-  std::size_t usual = 0;               ///< groups that are not spare
+  std::size_t usual = 0;               ///< counts the audiences that are not spare
   std::shared_ptr<BodySizes> sizes{};  ///< to be measured; null: nobody asks
 
-  /// Whom a sample may be for.
-  std::span<const Group> reached(bool with_spares) const {
-    return std::span(groups).first(with_spares ? groups.size() : usual);
+  /// The audiences that a sample may be for.
+  std::span<const Audience> reached(bool with_spares) const {
+    return std::span(audiences).first(with_spares ? audiences.size() : usual);
   }
-  /// The group of a late reader; null if there is none.
-  const Group* of_late_reader(core::EndpointId reader) const;
+  /// The audience that is this late reader; null if there is none.
+  const Audience* of_late_reader(core::EndpointId reader) const;
 };
 
-/// What readers ask of a writer, and asked for before: each has its number and its lanes, so that its samples
-/// stay in order while routes change; a late reader has one lane whatever it asks for. Numbers are reused
-/// only after all others were used in between.
+/// What readers ask of a writer now, and what they asked for before. Each such variant has its number and its
+/// lanes, so that its samples stay in order while routes change. A late reader has one lane whatever it asks
+/// for. A number is reused only after all others were used in between.
 class VariantDirectory {
  public:
   struct Variant {
     core::Wanted wanted;
-    core::EndpointId late_reader;  ///< 0: for others
+    core::EndpointId late_reader;  ///< 0: the variant is not for a late reader
     std::shared_ptr<const WireMask> wire;
     std::vector<std::shared_ptr<Lane>> lanes;
     std::uint64_t last_use;
   };
 
-  /// `channels` outlives it; null: nobody is served reliably.
+  /// `channels` outlives the directory. Null: nobody is served reliably.
   VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally,
                    ChannelDirectory* channels = nullptr);
 
-  /// The variant for that, known or new. Valid until the next call.
+  /// The known or new variant for such readers. Valid until the next call.
   Variant& find(const core::Wanted& wanted, core::EndpointId late_reader = 0);
-  /// Its lane to that destination, known or new.
+  /// The known or new lane of the variant to that destination.
   std::shared_ptr<Lane> lane(Variant& variant, const std::shared_ptr<Destination>& to,
                              const std::shared_ptr<Channel>& channel = {});
-  /// For all readers there that are served reliably; null where none can be.
+  /// The channel of all readers there that are served reliably; null if nobody is.
   std::shared_ptr<Channel> channel(const std::shared_ptr<Destination>& to,
                                    const std::set<core::EndpointId>& readers) {
     return channels_ == nullptr ? nullptr : channels_->find(to, readers);
@@ -89,12 +91,12 @@ class VariantDirectory {
     if (channels_ != nullptr) channels_->keep_to(readers);
   }
 
-  /// Closes and forgets all lanes but those to one of these destinations. Lanes of late readers other than
-  /// these are forgotten, too, but send what they have.
+  /// Closes and forgets all lanes but those to one of these destinations. Lanes of other late readers are
+  /// forgotten, too, but send what they have.
   void keep_lanes_to(const std::set<const Destination*>& served,
                      const std::set<core::EndpointId>& late_readers);
 
-  /// Nothing waits for a late reader that has a lane.
+  /// True if nothing waits in the lane of that late reader.
   bool late_lane_idle(core::EndpointId reader) const;
 
   /// Forgets the longest unused ones beyond a few; called between rounds of find().
@@ -115,9 +117,9 @@ class VariantDirectory {
   std::uint64_t round_ = 0;
 };
 
-/// Of a writer of `type`, which outlives the table. Routes to readers elsewhere than behind a UDP address are
-/// left out. Lanes to destinations that no route leads to any more are closed. Without a keeper everybody is
-/// served alone.
+/// The table of a writer of `type`, which outlives the table. Routes that do not lead to a UDP address are
+/// left out. Lanes to destinations that no route leads to any more are closed. Without a keeper there are no
+/// multicast groups.
 std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
                                                    std::span<const core::Route> routes,
                                                    VariantDirectory& variants,

@@ -1,6 +1,5 @@
-// Sends acks to the writers that are heard reliably, and reports to all who ask for them. All of them leave
-// through one socket that is there anyway: whoever asks costs neither a descriptor nor memory. Of the
-// receiving thread.
+// Sends answers: acks to the writers that are read reliably, and reports to all who ask for them. All of them
+// leave through one socket that is there anyway: whoever asks costs neither a descriptor nor memory.
 #pragma once
 
 #include <memory>
@@ -11,11 +10,12 @@
 
 namespace sft::udp {
 
-class AckSender {
+/// Used by the receiving thread.
+class AnswerSender {
  public:
-  explicit AckSender(std::shared_ptr<SendSide> side) : side_(std::move(side)) {}
+  explicit AnswerSender(std::shared_ptr<SendSide> side) : side_(std::move(side)) {}
 
-  /// Now or not at all: where one does not leave, another will follow.
+  /// Sends the answer at once or not at all: if it cannot be sent, another one will follow.
   void send(const SocketAddress& to, const Ack& ack);
   void send(const SocketAddress& to, const FlowReport& report);
   void send(const SocketAddress& to, const GroupReport& report);

@@ -15,66 +15,68 @@ using Time = std::chrono::steady_clock::time_point;
 /// The group sends what several of its members ask for.
 void hand_repairs_to_group(SendSide& side, Ack& ack, Time now) {
   const GroupRoster::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
-  if (in.group != nullptr && in.group->take_over_repairs(in.member, ack, now))
-    side.sender.schedule(MulticastGroup::lane_of(in.group));
+  if (in.group == nullptr) return;
+  const Wake wake = in.group->take_over_repairs(in.member, ack, now);
+  if (wake != Wake::none) side.sender.wake(wake, MulticastGroup::lane_of(in.group));
 }
 
-bool disbelieve(SendSide& side) {
+Wake disbelieve(SendSide& side) {
   side.answers_disbelieved.fetch_add(1, std::memory_order_relaxed);
-  return false;
+  return Wake::none;
 }
 
 /// The receiver may follow a channel that the writer does not have. The channels that the writer does have to
 /// that receiver name themselves in full.
-bool hear_of_unknown_channel(SendSide& side, const Ack& ack, const SocketAddress& from) {
-  bool goes_on = disbelieve(side);
+Wake hear_of_unknown_channel(SendSide& side, const Ack& ack, const SocketAddress& from) {
+  Wake wake = disbelieve(side);
   for (const std::shared_ptr<Channel>& channel : side.channels.find_at(ack.writer, from.ip))
-    goes_on = channel->hear(ack) || goes_on;
-  return goes_on;
+    wake = strongest(wake, channel->hear(ack));
+  return wake;
 }
 
-bool hear(SendSide& side, const Ack& ack, const SocketAddress& from, Time now) {
+Wake hear(SendSide& side, const Ack& ack, const SocketAddress& from, Time now) {
   const std::shared_ptr<Channel> channel = side.channels.find(ack.writer, ack.channel);
   if (channel == nullptr) return hear_of_unknown_channel(side, ack, from);
   if (!channel->destination().is_at(from.ip)) return disbelieve(side);
   channel->destination().lives(now);
   Ack alone = ack;
   if (ack.missing_count > 0) hand_repairs_to_group(side, alone, now);
-  const bool goes_on = channel->hear(alone);
+  const Wake wake = channel->hear(alone);
   if (channel->went_wrong()) disbelieve(side);
-  return goes_on;
+  return wake;
 }
 
-bool hear(SendSide& side, const FlowReport& report, const SocketAddress& from, Time now) {
+Wake hear(SendSide& side, const FlowReport& report, const SocketAddress& from, Time now) {
   const std::shared_ptr<Destination> to = side.destinations.of_flow(report.flow);
   if (to == nullptr) return disbelieve(side);
   const Destination::Heard heard = to->hear(report, from.ip, now);
-  return heard.believed ? heard.goes_on : disbelieve(side);
+  if (!heard.believed) return disbelieve(side);
+  return heard.goes_on ? Wake::look : Wake::none;
 }
 
-bool hear(SendSide& side, const GroupReport& report, const SocketAddress& from, Time now) {
+Wake hear(SendSide& side, const GroupReport& report, const SocketAddress& from, Time now) {
   const std::shared_ptr<MulticastGroup> group = side.groups.find(report.writer, report.group);
   const auto member = group == nullptr ? std::nullopt : group->member_named(report.member);
   const bool is_of_member = member && group->members()[*member].lane->destination().is_at(from.ip);
   if (!is_of_member) return disbelieve(side);
   group->hear(report, now);
-  return false;
+  return Wake::none;
 }
 
 }  // namespace
 
-bool hear_answer(SendSide& side, const Answer& answer, const SocketAddress& from, Time now) noexcept try {
+Wake hear_answer(SendSide& side, const Answer& answer, const SocketAddress& from, Time now) noexcept try {
   return std::visit([&](const auto& one) { return hear(side, one, from, now); }, answer);
 } catch (const std::bad_alloc&) {  // another one will come
-  return false;
+  return Wake::none;
 }
 
-bool hear_answer(SendSide& side, std::span<const std::byte> datagram, const SocketAddress& from,
+Wake hear_answer(SendSide& side, std::span<const std::byte> datagram, const SocketAddress& from,
                  Time now) noexcept {
   const AnyDatagram any = decode(datagram);
   if (const Answer* answer = std::get_if<Answer>(&any)) return hear_answer(side, *answer, from, now);
   side.malformed_answers.fetch_add(1, std::memory_order_relaxed);
-  return false;
+  return Wake::none;
 }
 
 }  // namespace sft::udp

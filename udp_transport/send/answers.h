@@ -10,14 +10,14 @@
 
 namespace sft::udp {
 
-/// True if the sending thread has to look at lanes and channels: something that waited may go on. An answer
-/// that is not believed is counted: it answers nothing that was sent, or comes from another address than that
-/// was sent to. Used by one thread: the sending one, or the receiving one where there is no port for answers.
-[[nodiscard]] bool hear_answer(SendSide& side, const Answer& answer, const SocketAddress& from,
+/// Wake::look if something that waited may go on. An answer that is not believed is counted: it answers
+/// nothing that was sent, or comes from another address than that was sent to. Used by one thread: the
+/// sending one, or the receiving one where there is no port for answers.
+[[nodiscard]] Wake hear_answer(SendSide& side, const Answer& answer, const SocketAddress& from,
                                std::chrono::steady_clock::time_point now) noexcept;
 
 /// The same. A datagram that is no sound answer is counted as malformed.
-[[nodiscard]] bool hear_answer(SendSide& side, std::span<const std::byte> datagram, const SocketAddress& from,
+[[nodiscard]] Wake hear_answer(SendSide& side, std::span<const std::byte> datagram, const SocketAddress& from,
                                std::chrono::steady_clock::time_point now) noexcept;
 
 }  // namespace sft::udp

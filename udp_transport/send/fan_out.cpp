@@ -9,9 +9,10 @@
 namespace sft::udp {
 
 namespace {
-/// In all. Of large ones there may be as many as in a lane: they hold much memory.
+/// The most samples in all. There may be as many large ones as in a lane: they hold much memory.
 constexpr std::size_t samples_max = 64;
-// Of what is sent reliably, as much as a channel keeps: nothing repairs what never got into one.
+// As much may wait that is sent reliably as a channel keeps: nothing repairs a sample that never got into a
+// channel.
 constexpr std::size_t reliable_samples_max = ResendLimits{}.samples;
 constexpr std::size_t reliable_bytes_max = ResendLimits{}.bytes;
 }  // namespace
@@ -20,25 +21,26 @@ FanOut::FanOut(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
                std::shared_ptr<WriterTally> tally, std::shared_ptr<JobPool> jobs)
     : side_(side), tally_(tally), sender_(spec, std::move(side), std::move(tally), std::move(jobs)) {}
 
-FanOut::Posted FanOut::post(Rest rest) noexcept try {
+FanOut::Posted FanOut::post(Remainder remainder) noexcept try {
   Posted posted;
-  while (const std::optional<Rest> surplus = take_surplus_before(rest)) {
+  while (const std::optional<Remainder> surplus = take_surplus_before(remainder)) {
     count_dropped(*surplus);
     posted.dropped_oldest = true;
   }
   const std::scoped_lock lock(mutex_);
-  const std::size_t bytes = rest.sample->capacity;
-  queue_.push_back(std::move(rest));
+  const std::size_t bytes = remainder.sample->capacity;
+  queue_.push_back(std::move(remainder));
   queued_bytes_ += bytes;
-  posted.was_idle = done_.exchange(false, std::memory_order_relaxed);
+  if (done_.exchange(false, std::memory_order_relaxed)) posted.wake = Wake::schedule;
   return posted;
 } catch (const std::bad_alloc&) {
-  count_dropped(rest);
+  count_dropped(remainder);
   return {.dropped_oldest = true};
 }
 
-/// What has to go for another one: the oldest, or the oldest large one where there are too many of these.
-std::optional<FanOut::Rest> FanOut::take_surplus_before(const Rest& newcomer) noexcept {
+/// Takes out what has to go for another one: the oldest, or the oldest large one if there are too many of
+/// these.
+std::optional<FanOut::Remainder> FanOut::take_surplus_before(const Remainder& newcomer) noexcept {
   const std::scoped_lock lock(mutex_);
   if (queue_.empty()) return {};
   if (is_reliable(newcomer)) {
@@ -59,27 +61,27 @@ std::optional<FanOut::Rest> FanOut::take_surplus_before(const Rest& newcomer) no
   return pop_oldest();
 }
 
-bool FanOut::is_reliable(const Rest& rest) {
-  return std::ranges::any_of(of(rest), [](const Group& group) {
-    return std::ranges::any_of(group.channels, [](const auto& channel) { return channel != nullptr; });
+bool FanOut::is_reliable(const Remainder& remainder) {
+  return std::ranges::any_of(audiences_of(remainder), [](const Audience& audience) {
+    return std::ranges::any_of(audience.channels, [](const auto& channel) { return channel != nullptr; });
   });
 }
 
 /// With the mutex held; there is one.
-FanOut::Rest FanOut::pop_oldest() noexcept {
-  Rest oldest = std::move(queue_[queue_.begin()]);
+FanOut::Remainder FanOut::pop_oldest() noexcept {
+  Remainder oldest = std::move(queue_[queue_.begin()]);
   queue_.pop_front();
   queued_bytes_ -= oldest.sample->capacity;
   return oldest;
 }
 
-void FanOut::count_dropped(const Rest& rest) noexcept {
-  for (const Group& group : of(rest)) {
-    if (group.gate == nullptr) group.tally->dropped();
+void FanOut::count_dropped(const Remainder& remainder) noexcept {
+  for (const Audience& audience : audiences_of(remainder)) {
+    if (audience.gate == nullptr) audience.tally->dropped();
   }
 }
 
-std::optional<FanOut::Rest> FanOut::take() noexcept {
+std::optional<FanOut::Remainder> FanOut::take() noexcept {
   const std::scoped_lock lock(mutex_);
   if (queue_.empty()) {
     done_.store(true, std::memory_order_release);
@@ -89,10 +91,10 @@ std::optional<FanOut::Rest> FanOut::take() noexcept {
 }
 
 void FanOut::carry_out() noexcept {
-  while (const std::optional<Rest> rest = take()) {
-    for (const Group& group : of(*rest)) {
-      if (group.gate == nullptr)
-        tally_->dropped.fetch_add(sender_.send(group, rest->sample), std::memory_order_relaxed);
+  while (const std::optional<Remainder> remainder = take()) {
+    for (const Audience& audience : audiences_of(*remainder)) {
+      if (audience.gate == nullptr)
+        tally_->dropped.fetch_add(sender_.send(audience, remainder->sample), std::memory_order_relaxed);
     }
   }
 }

@@ -1,5 +1,5 @@
-// The samples of one writer that its publisher's thread has left, from some mask on, to the sending thread:
-// so it takes that thread no longer however many masks there are.
+// The samples of one writer that its publisher's thread hands over to the sending thread, from some mask on:
+// so the number of masks does not hold up the publisher.
 #pragma once
 
 #include <atomic>
@@ -18,53 +18,54 @@
 
 namespace sft::udp {
 
-class FanOut final : public LeftWork {
+class FanOut final : public DeferredWork {
  public:
   FanOut(const core::WriterSpec& spec, std::shared_ptr<SendSide> side, std::shared_ptr<WriterTally> tally,
          std::shared_ptr<JobPool> jobs);
 
-  struct Rest {
+  /// A sample, and the audiences that it still has to be sent to: those of [first, end) that have no gate.
+  struct Remainder {
     core::SampleHandle sample;
     std::shared_ptr<const RouteTable> routes;
-    std::size_t first = 0;  ///< of the groups that are left, those without a gate
+    std::size_t first = 0;
     std::size_t end = 0;
   };
 
   // The publisher's thread.
 
-  /// Nothing is left: what is sent now overtakes nothing.
+  /// Nothing remains: what is sent now overtakes nothing.
   bool done() const { return done_.load(std::memory_order_acquire); }
 
   struct Posted {
-    bool was_idle = false;        ///< the sending thread has to be told
+    Wake wake = Wake::none;
     bool dropped_oldest = false;  ///< there were too many
   };
-  Posted post(Rest rest) noexcept;
+  Posted post(Remainder remainder) noexcept;
 
-  /// Waits until nothing is left, unless it will not be sent any more: the writer's type may go then.
+  /// Waits until nothing remains, unless it will not be sent any more: the writer's type may go then.
   void finish() noexcept;
 
   /// The sending thread.
   void carry_out() noexcept override;
 
  private:
-  static bool is_large(const Rest& rest) { return rest.sample->capacity > direct_bytes_max; }
-  std::optional<Rest> take_surplus_before(const Rest& newcomer) noexcept;
-  Rest pop_oldest() noexcept;
-  std::optional<Rest> take() noexcept;
-  static std::span<const Group> of(const Rest& rest) {
-    return std::span(rest.routes->groups).subspan(rest.first, rest.end - rest.first);
+  static bool is_large(const Remainder& remainder) { return remainder.sample->capacity > direct_bytes_max; }
+  std::optional<Remainder> take_surplus_before(const Remainder& newcomer) noexcept;
+  Remainder pop_oldest() noexcept;
+  std::optional<Remainder> take() noexcept;
+  static std::span<const Audience> audiences_of(const Remainder& remainder) {
+    return std::span(remainder.routes->audiences).subspan(remainder.first, remainder.end - remainder.first);
   }
-  static bool is_reliable(const Rest& rest);
-  static void count_dropped(const Rest& rest) noexcept;
+  static bool is_reliable(const Remainder& remainder);
+  static void count_dropped(const Remainder& remainder) noexcept;
 
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
   std::atomic<bool> done_{true};
   std::mutex mutex_;
-  OrdinalRing<Rest> queue_{1};    ///< the oldest first
-  std::size_t queued_bytes_ = 0;  ///< of memory that these hold
-  VariantSender sender_;          ///< of the sending thread
+  OrdinalRing<Remainder> queue_{1};  ///< the oldest first
+  std::size_t queued_bytes_ = 0;     ///< memory that the queued samples hold
+  VariantSender sender_;             ///< used by the sending thread
 };
 
 }  // namespace sft::udp

@@ -19,7 +19,7 @@ constexpr std::size_t small_samples_per_turn = 64;
 constexpr std::size_t answers_at_once = 64;  // strangers may send more than can be heard
 }  // namespace
 
-/// What is small goes past what is large, unless it has to arrive behind it.
+/// A small sample overtakes large ones, unless it has to arrive behind one of them.
 Connection& Sender::Flow::connection() const {
   if (size == Size::large) return destination().bulk();
   return lane ? destination().connection_after(lane->behind()) : destination().connection();
@@ -45,7 +45,7 @@ void Sender::stop() {
   const std::scoped_lock lock(mutex_);
   scheduled_.clear();
   scheduled_channels_.clear();
-  left_.reset();
+  deferred_.reset();
 }
 
 void Sender::schedule(std::shared_ptr<Channel> channel) {
@@ -67,12 +67,12 @@ void Sender::schedule(std::shared_ptr<Lane> lane) {
   if (first) io_->wake();
 }
 
-void Sender::schedule(std::shared_ptr<LeftWork> work) noexcept {
+void Sender::schedule(std::shared_ptr<DeferredWork> work) noexcept {
   {
     const std::scoped_lock lock(mutex_);
     if (stopped()) return;  // it shares what owns this sender
-    work->next_ = std::exchange(left_, work);
-    any_left_.store(true, std::memory_order_release);
+    work->next_ = std::exchange(deferred_, work);
+    any_deferred_.store(true, std::memory_order_release);
   }
   io_->wake();
 }
@@ -82,7 +82,7 @@ void Sender::run() {
   while (!stopped()) {
     wake_at_ = Time::max();
     hear_answers();
-    carry_out_left();
+    carry_out_deferred();
     take_over_scheduled();
     send_small();
     send_large();
@@ -93,13 +93,15 @@ void Sender::run() {
   attended_.clear();
 }
 
-/// Also between the calls for a large sample: it goes on without waiting as long as the answers come in time.
+/// Called between the calls for a large sample, too: the sample goes on without waiting as long as answers
+/// come in time.
 void Sender::hear_answers() {
   std::array<std::byte, datagram_bytes_min> answer;
   for (std::size_t i = 0; i < answers_at_once; ++i) {
     const DatagramSender::Answer came = io_->take_answer(answer);
     if (came.bytes == 0) return;
-    if (hear_ && hear_(std::span(answer).first(came.bytes), came.from, Clock::now())) wake_at_ = {};
+    if (hear_ && hear_(std::span(answer).first(came.bytes), came.from, Clock::now()) != Wake::none)
+      wake_at_ = {};
   }
 }
 
@@ -115,8 +117,8 @@ void Sender::send_small() {
   }
 }
 
-/// One after another, beginning with another each time: where there is room for a few only, each has its
-/// turn.
+/// Large samples go one after another, beginning with another one each time: where there is room for a few
+/// only, each has its turn.
 void Sender::send_large() {
   const std::size_t count = flows_.size() + attended_.size();
   if (count == 0) return;
@@ -129,7 +131,7 @@ void Sender::send_large() {
     } else if (Flow& flow = flows_[which]; flow.lane && flow.fragments && flow.size == Size::large) {
       advance(flow);
     }
-    carry_out_left();
+    carry_out_deferred();
   }
 }
 
@@ -138,17 +140,17 @@ void Sender::forget_finished() {
   std::erase_if(attended_, [](const Attended& attended) { return attended.channel == nullptr; });
 }
 
-/// Between flows too: it is small, or will be a flow itself.
-void Sender::carry_out_left() {
-  if (!any_left_.load(std::memory_order_acquire)) return;
-  std::shared_ptr<LeftWork> work;
+/// Called between flows, too: a deferred sample is small, or becomes a flow itself.
+void Sender::carry_out_deferred() {
+  if (!any_deferred_.load(std::memory_order_acquire)) return;
+  std::shared_ptr<DeferredWork> work;
   {
     const std::scoped_lock lock(mutex_);
-    work.swap(left_);
-    any_left_.store(false, std::memory_order_relaxed);
+    work.swap(deferred_);
+    any_deferred_.store(false, std::memory_order_relaxed);
   }
   while (work != nullptr) {
-    std::shared_ptr<LeftWork> next = std::move(work->next_);  // it may be scheduled again at once
+    std::shared_ptr<DeferredWork> next = std::move(work->next_);  // it may be scheduled again at once
     work->carry_out();
     work = std::move(next);
   }
@@ -182,8 +184,8 @@ bool Sender::begin(Flow& flow) {
   return true;
 }
 
-/// What waited for the history of a late reader, and that itself, goes on reliably, as far as the channel has
-/// room for it: nothing has to go there for samples that can wait here. False: nothing is left.
+/// Hands the history of a late reader, and what waited for it, to the channel as far as there is room:
+/// nothing has to go there for samples that can wait here. False if nothing remains.
 bool Sender::pass_on(Flow& flow) {
   Lane& lane = *flow.lane;
   if (lane.closed()) flow.waits_for_room = false;
@@ -193,7 +195,7 @@ bool Sender::pass_on(Flow& flow) {
     if (flow.waits_for_room) return true;
     const Channel::Posted posted = lane.channel()->post(job, job->first, false);
     lane.passed_on(posted.kept.ordinal);
-    if (posted.was_at_rest) schedule(lane.shared_channel());
+    if (posted.wake == Wake::schedule) schedule(lane.shared_channel());
     wake_at_ = {};
     for (std::size_t i = 0; i < posted.kept.dropped; ++i) lane.losses()->lost(0, 0);
   }
@@ -227,7 +229,7 @@ void Sender::advance_channel(Flow& flow) {
   wake_at_ = {};
 }
 
-/// Behind what it tells of.
+/// Uses a connection that cannot overtake the samples that the heartbeat reports.
 void Sender::send(const Heartbeat& heartbeat, const Attended& attended) {
   std::array<std::byte, heartbeat_bytes> bytes;
   encode(heartbeat, bytes.data());
@@ -263,7 +265,7 @@ bool Sender::must_wait(const Flow& flow) const {
   });
 }
 
-/// For one turn.
+/// Sends what may go in one turn.
 Sender::Progress Sender::send_some(Flow& flow) {
   Progress progress = Progress::some;
   for (int calls = 0; progress == Progress::some && calls < calls_per_turn; ++calls) {
@@ -319,7 +321,7 @@ std::size_t Sender::allowance(Destination& to, RateLimit& of_writer, Size size, 
   return std::min({room, of_writer.batch_bytes(), limit_.batch_bytes()});
 }
 
-/// The flow has none: it is looked at again once it has.
+/// The flow has no allowance: it is looked at again once it has some.
 void Sender::wait_for_allowance(Flow& flow, Time now) {
   const bool small = flow.size == Size::small;
   for (RateLimit* limit : {&flow.tally().limit, &limit_}) {
@@ -331,7 +333,7 @@ void Sender::wait_for_allowance(Flow& flow, Time now) {
   wake_at_ = std::min(wake_at_, flow.destination().next_ready(now));
 }
 
-/// As many as may go now.
+/// Cuts as many batches as may go now.
 std::size_t Sender::cut_batches(Flow& flow, Time now) {
   Destination& to = flow.destination();
   Fragmenter fragments = *flow.fragments;

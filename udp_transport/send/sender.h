@@ -25,42 +25,43 @@
 
 namespace sft::udp {
 
-/// What a publisher's thread has left to the sending thread.
-class LeftWork {
+/// Work that a publisher's thread has handed over to the sending thread.
+class DeferredWork {
  public:
-  virtual ~LeftWork() = default;
+  virtual ~DeferredWork() = default;
   virtual void carry_out() noexcept = 0;
 
  private:
   friend class Sender;
-  std::shared_ptr<LeftWork> next_;  ///< while it is scheduled
+  std::shared_ptr<DeferredWork> next_;  ///< while the work is scheduled
 };
 
 class Sender {
  public:
-  /// At most so many bytes per second; 0: no limit.
+  /// Sends at most so many bytes per second; 0: no limit.
   explicit Sender(std::unique_ptr<DatagramSender> io, std::uint64_t max_bytes_per_s = 0);
   ~Sender();
   Sender(const Sender&) = delete;
   Sender& operator=(const Sender&) = delete;
 
-  /// Hears what comes back to answer_port(), on the sending thread: as hear_answer().
-  using Hear = std::function<bool(std::span<const std::byte> datagram, const SocketAddress& from,
+  /// Hears what comes back to answer_port(), on the sending thread, as hear_answer() does.
+  using Hear = std::function<Wake(std::span<const std::byte> datagram, const SocketAddress& from,
                                   std::chrono::steady_clock::time_point)>;
   Result<void> start(const core::ThreadSpec& thread, Hear hear = {});
-  /// What is queued is not sent any more. Not from the sending thread.
+  /// What is queued is not sent any more. Not called by the sending thread.
   void stop();
   bool stopped() const { return stopped_.load(std::memory_order_acquire); }
 
   // Any thread.
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) { return io_->connect(to); }
-  /// One datagram to whoever, now or not at all.
+  /// Sends one datagram without a connection, at once or not at all.
   void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept {
     io_->send_to(to, datagram);
   }
   RateLimit& limit() { return limit_; }
-  /// Socket bytes of one sample that may go now, there and by the limits of its writer and of all.
+  /// So many socket bytes of one sample may go to the destination now, by its window and by the limits of the
+  /// writer and of all writers.
   std::size_t allowance(Destination& to, RateLimit& of_writer, ResendWindow::Size size,
                         std::chrono::steady_clock::time_point now);
   /// 0: there is none.
@@ -72,10 +73,20 @@ class Sender {
   void schedule(std::shared_ptr<Lane> lane);
   /// A channel that was at rest has something to look after.
   void schedule(std::shared_ptr<Channel> channel);
-  /// Not again before it is carried out. Allocates nothing.
-  void schedule(std::shared_ptr<LeftWork> work) noexcept;
+  /// Work must be carried out before it is scheduled again. Allocates nothing.
+  void schedule(std::shared_ptr<DeferredWork> work) noexcept;
   /// Lanes were closed, or channels have something to send: looks at all of them at once.
   void look_again() noexcept { io_->wake(); }
+  /// Tells the sending thread what it has to know of a lane, a channel or work.
+  template <class One>
+  void wake(Wake wake, const std::shared_ptr<One>& one) {
+    if (wake == Wake::schedule) return schedule(one);
+    if (wake == Wake::look) look_again();
+  }
+  /// The same, where there is nothing to schedule.
+  void wake(Wake wake) noexcept {
+    if (wake != Wake::none) look_again();
+  }
 
  private:
   using Time = std::chrono::steady_clock::time_point;
@@ -109,7 +120,7 @@ class Sender {
 
   void run();
   void hear_answers();
-  void carry_out_left();
+  void carry_out_deferred();
   void take_over_scheduled();
   void send_small();
   void send_large();
@@ -143,8 +154,8 @@ class Sender {
   std::mutex mutex_;
   std::vector<std::shared_ptr<Lane>> scheduled_;              ///< not yet seen by the thread
   std::vector<std::shared_ptr<Channel>> scheduled_channels_;  ///< likewise
-  std::shared_ptr<LeftWork> left_;  ///< likewise; the last one, which knows the one before
-  std::atomic<bool> any_left_{false};
+  std::shared_ptr<DeferredWork> deferred_;  ///< likewise; the last one, which knows the one before
+  std::atomic<bool> any_deferred_{false};
 
   // Of the sending thread alone.
   std::vector<std::shared_ptr<Lane>> taken_;

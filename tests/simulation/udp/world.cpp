@@ -219,7 +219,7 @@ void World::send_to_group() {
     const Leaving leaving = std::move(leaving_.front());
     leaving_.pop_front();
     if (!leaving.lost) send_to_group(leaving.job);
-    if (leaving.in_channel != 0) window_->left(leaving.in_channel, now_);
+    if (leaving.in_channel != 0) window_->departed(leaving.in_channel, now_);
   }
 }
 

@@ -167,7 +167,7 @@ class LiveStreams {
     job->first.flags |= group_follows;
     job->first.group = {1, 0, ++one.group_ordinal};
     one.unsent.push_back(job);
-    if (kept.elsewhere) one.window.left(kept.ordinal, now_);
+    if (kept.elsewhere) one.window.departed(kept.ordinal, now_);
   }
 
   void append(Job& job, One& one, const Image& image) {

@@ -61,7 +61,7 @@ class MulticastGroupTest : public testing::Test {
   /// Returns the ordinal in the group.
   std::uint64_t send(std::size_t bytes = 8) {
     const JobHandle sent = place(bytes);
-    group->left(*sent, false);
+    group->departed(*sent, false);
     return sent->first.group.ordinal;
   }
   std::uint32_t name_of(std::size_t member) const { return group->farewell(member).member; }
@@ -76,7 +76,7 @@ class MulticastGroupTest : public testing::Test {
   std::size_t ask(std::size_t member, std::uint64_t ordinal) {
     Ack ack{.writer = writer, .channel = static_cast<std::uint32_t>(member + 1), .next = 1};
     ack.missing[ack.missing_count++] = {static_cast<std::uint32_t>(ordinal + member), 0, 0};
-    told += group->take_over_repairs(member, ack, now) ? 1 : 0;
+    told += group->take_over_repairs(member, ack, now) == Wake::schedule ? 1 : 0;
     return ack.missing_count;
   }
   /// Samples that wait to be sent to the group.
@@ -154,8 +154,8 @@ TEST_F(MulticastGroupTest, TellsOfWhatLeavesOnceTheSendingThreadHasLooked) {
   ASSERT_TRUE(channel.look_after().at_rest);
   const JobHandle sent = place();
   EXPECT_EQ(channel.look_after().next_look, Channel::Time::max());
-  EXPECT_TRUE(group->has_left(*sent, false));
-  EXPECT_FALSE(group->has_left(*sent, false)) << "that was told";
+  EXPECT_EQ(group->note_departed(*sent, false), Wake::look);
+  EXPECT_EQ(group->note_departed(*sent, false), Wake::none) << "that was told";
 }
 
 TEST_F(MulticastGroupTest, IsThereAsLongAsSomethingWaitsInItsLane) {
@@ -212,7 +212,7 @@ TEST_F(MulticastGroupTest, AnswersEachAloneOfASampleThatAnotherGroupWasSent) {
   for (std::size_t i = 0; i < 3; ++i)
     group->placed(i, ordinal, keep(*group->members()[i].channel, sent, group->hears(i)));
   sent->first.group = {number + 1, 0, ordinal};
-  group->left(*sent, false);
+  group->departed(*sent, false);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(ask(i, ordinal), 1U);
   EXPECT_EQ(sent_again(), 0U);
 }

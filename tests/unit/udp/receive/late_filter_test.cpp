@@ -25,7 +25,7 @@ class LateFilterTest : public testing::Test {
   }
 
   LateFilter filter{true};
-  LateFilter::Now now{1h};
+  LateFilter::Time now{1h};
 };
 
 TEST_F(LateFilterTest, TakesNothingThatIsForAllUntilSomethingForItsReaderAloneHasCome) {

@@ -109,7 +109,7 @@ TEST_F(ChannelHeartbeatTest, PartsWhereAcksAreOfWhatWasNeverSent) {
   send(1, now_);
   static_cast<void>(channel_.hear(ack(9)));
   EXPECT_FALSE(channel_.went_wrong());
-  EXPECT_TRUE(channel_.hear(ack(10))) << "the sending thread has to look";
+  EXPECT_EQ(channel_.hear(ack(10)), Wake::look) << "the sending thread has to look";
   EXPECT_TRUE(channel_.went_wrong());
   const Channel::Care care = channel_.look_after();
   ASSERT_TRUE(care.heartbeat);
@@ -124,19 +124,19 @@ TEST_F(ChannelHeartbeatTest, WakesASendingThreadThatLookedWhileNothingHadLeft) {
   static_cast<void>(channel_.hear(ack(2)));
   const JobHandle job = test::make_job(*jobs_, 2);
   const Channel::Posted posted = channel_.post(job, job->first, true);
-  EXPECT_FALSE(posted.was_at_rest || posted.waits) << "it is attended to, and its publisher sends";
+  EXPECT_EQ(posted.wake, Wake::none) << "it is attended to, and its publisher sends";
   EXPECT_EQ(channel_.look_after().next_look, Channel::Time::max());
-  EXPECT_TRUE(channel_.finished(*posted.piece, now_)) << "if it gets lost, nobody asks for it";
+  EXPECT_EQ(channel_.finished(*posted.piece, now_), Wake::look) << "if it gets lost, nobody asks for it";
 }
 
 TEST_F(ChannelHeartbeatTest, WakesTheSendingThreadForAHeartbeatThatIsDueSooner) {
   send(1, now_);
   EXPECT_TRUE(channel_.look_after().heartbeat);
   send(2, now_ + 1h);
-  EXPECT_FALSE(channel_.hear(ack(2)));
+  EXPECT_EQ(channel_.hear(ack(2)), Wake::none);
   EXPECT_GT(channel_.look_after().next_look, now_ + 30min);
-  EXPECT_TRUE(channel_.hear(asking_for(1, 2))) << "it is gone, and that has to be said";
-  EXPECT_FALSE(channel_.hear(asking_for(1, 2))) << "it is awake";
+  EXPECT_EQ(channel_.hear(asking_for(1, 2)), Wake::look) << "it is gone, and that has to be said";
+  EXPECT_EQ(channel_.hear(asking_for(1, 2)), Wake::none) << "it is awake";
   EXPECT_LT(channel_.look_after().next_look, now_ + 30min);
 }
 

@@ -60,8 +60,8 @@ class LaneTest : public testing::Test {
 
 TEST_F(LaneTest, IsIdleUntilSomethingIsPostedAndOnceAllIsTaken) {
   EXPECT_TRUE(one_.idle());
-  EXPECT_TRUE(one_.post(job(1)).was_idle);
-  EXPECT_FALSE(one_.post(job(2)).was_idle);
+  EXPECT_EQ(one_.post(job(1)).wake, Wake::schedule);
+  EXPECT_EQ(one_.post(job(2)).wake, Wake::none);
   EXPECT_FALSE(one_.idle());
   EXPECT_EQ(take_all(one_), (Numbers{1, 2}));
   EXPECT_TRUE(one_.idle());
@@ -140,35 +140,35 @@ TEST_F(LaneTest, DropsWhatIsQueuedWhenItIsClosedAndTakesNothingMore) {
 
 TEST_F(LaneTest, SendsRetainedSamplesHoweverManyBeforeWhatWaitedForThem) {
   EXPECT_FALSE(late_.idle());
-  EXPECT_FALSE(late_.post(job(5)).was_idle) << "it cannot go yet";
-  EXPECT_TRUE(late_.begin(retained({1, 2, 3, 4})));
-  EXPECT_FALSE(late_.post(job(6)).was_idle);
+  EXPECT_EQ(late_.post(job(5)).wake, Wake::none) << "it cannot go yet";
+  EXPECT_EQ(late_.begin(retained({1, 2, 3, 4})), Wake::schedule);
+  EXPECT_EQ(late_.post(job(6)).wake, Wake::none);
   EXPECT_EQ(take_all(late_), (Numbers{1, 2, 3, 4, 5, 6}));
   EXPECT_TRUE(late_.idle());
 }
 
 TEST_F(LaneTest, BeginsOnce) {
-  EXPECT_TRUE(late_.begin(retained({1, 2, 3})));
+  EXPECT_EQ(late_.begin(retained({1, 2, 3})), Wake::schedule);
   EXPECT_EQ(late_.next()->sequence, 1U);
-  EXPECT_FALSE(late_.begin(retained({1, 2, 3}))) << "two would send its samples at a time";
+  EXPECT_EQ(late_.begin(retained({1, 2, 3})), Wake::none) << "two would send its samples at a time";
   EXPECT_EQ(take_all(late_), (Numbers{2, 3}));
 }
 
 TEST_F(LaneTest, GoesOnWithWhatWaitedWhereNothingIsRetained) {
   late_.post(job(5));
-  EXPECT_TRUE(late_.begin({}));
+  EXPECT_EQ(late_.begin({}), Wake::schedule);
   EXPECT_EQ(take_all(late_), Numbers{5});
 }
 
 TEST_F(LaneTest, IsIdleOnceItHasBegunWithNothing) {
-  EXPECT_FALSE(late_.begin({}));
+  EXPECT_EQ(late_.begin({}), Wake::none);
   EXPECT_TRUE(late_.idle());
-  EXPECT_TRUE(late_.post(job(1)).was_idle);
+  EXPECT_EQ(late_.post(job(1)).wake, Wake::schedule);
 }
 
 TEST_F(LaneTest, TellsWithEachSampleWhichWasTheFirst) {
   late_.post(for_late_reader(7));
-  EXPECT_TRUE(late_.begin(retained({5, 6})));
+  EXPECT_EQ(late_.begin(retained({5, 6})), Wake::schedule);
   while (const Job* job = late_.next()) EXPECT_EQ(job->first.history.oldest, 5U) << job->sequence;
   const JobHandle direct = for_late_reader(8);
   late_.mark(*direct);
@@ -177,7 +177,7 @@ TEST_F(LaneTest, TellsWithEachSampleWhichWasTheFirst) {
 
 TEST_F(LaneTest, LetsSmallSamplesWaitForTheHistoryBeyondItsDepth) {
   for (std::uint32_t n = 4; n <= 8; ++n) EXPECT_FALSE(late_.post(for_late_reader(n)).dropped_oldest);
-  EXPECT_TRUE(late_.begin(retained({2, 3})));
+  EXPECT_EQ(late_.begin(retained({2, 3})), Wake::schedule);
   EXPECT_EQ(take_all(late_), (Numbers{2, 3, 4, 5, 6, 7, 8}));
 }
 
@@ -188,7 +188,7 @@ TEST_F(LaneTest, CountsFromTheFirstLiveSampleWhereNothingIsRetainedAlsoIfThatIsD
     one->sample = memory_->take(600'000);
     return one;
   };
-  EXPECT_FALSE(late_.begin({}));
+  EXPECT_EQ(late_.begin({}), Wake::none);
   for (std::uint32_t n = 4; n <= 8; ++n) late_.post(large(n));
   const Job* job = late_.next();
   EXPECT_EQ(job->sequence, 6U);
@@ -198,7 +198,7 @@ TEST_F(LaneTest, CountsFromTheFirstLiveSampleWhereNothingIsRetainedAlsoIfThatIsD
 TEST_F(LaneTest, SendsNothingAnyMoreWhenItIsClosedBeforeItBegins) {
   late_.post(job(4));
   late_.close();
-  EXPECT_FALSE(late_.begin(retained({1, 2, 3})));
+  EXPECT_EQ(late_.begin(retained({1, 2, 3})), Wake::none);
   EXPECT_EQ(take_all(late_), Numbers{});
   EXPECT_EQ(held(), 0U);
 }
@@ -212,7 +212,7 @@ TEST_F(LaneTest, UsesJobsAgain) {
 /// Notes whether others can use the lane meanwhile.
 struct Onlooker final : LaneListener {
   explicit Onlooker(Lane& one) : lane(one) {}
-  void left(const Job& job, bool lost) noexcept override {
+  void departed(const Job& job, bool lost) noexcept override {
     lost_ones.push_back(lost ? job.first.label.sequence : 0);
     uses.push_back(std::async(std::launch::async, [this] { return lane.has_room(); }));
     was_free = uses.back().wait_for(std::chrono::seconds(5)) == std::future_status::ready && was_free;

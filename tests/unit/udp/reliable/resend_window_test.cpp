@@ -438,7 +438,7 @@ TEST_F(ResendWindowTest, RepairsWhatWasSentElsewhereOnceThatHasLeft) {
   ack(1, {{1, 0, 0}});
   EXPECT_EQ(send(), numbers(1, 0)) << "it is still under way there";
   EXPECT_FALSE(window.sent_elsewhere(1));
-  window.left(1, now);
+  window.departed(1, now);
   EXPECT_TRUE(window.sent_elsewhere(1));
   ack(1, {{1, 0, 0}});
   EXPECT_EQ(send(), numbers(1, 1));
@@ -451,9 +451,9 @@ TEST_F(ResendWindowTest, SendsItselfWhatComesWhileMoreThanHalfOfWhatMayBeKeptIs)
     const JobHandle sample = job(1000);
     EXPECT_EQ(window.keep(sample, sample->first, true).elsewhere, i <= 5) << i;
   }
-  window.left(6, now);  // it is not there
+  window.departed(6, now);  // it is not there
   EXPECT_EQ(send(), numbers(6, 6));
-  for (std::uint64_t i = 1; i <= 5; ++i) window.left(i, now);
+  for (std::uint64_t i = 1; i <= 5; ++i) window.departed(i, now);
   ack(7);
   const JobHandle small = job(1000), large = job(600'000);
   EXPECT_TRUE(window.keep(small, small->first, true).elsewhere);

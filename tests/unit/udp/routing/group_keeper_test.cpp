@@ -68,14 +68,14 @@ class GroupKeeperTest : public testing::Test {
 
   /// Serves the routes as a table of routes is made.
   void serve() {
-    merged_ = gather(routes_, destinations_);
+    merged_ = bundle_routes(routes_, destinations_);
     keeper_->merge(merged_, now_);
     groups_.clear();
-    for (const Gathered& gathered : merged_) {
-      if (!gathered.multicast) continue;
+    for (const RouteBundle& bundle : merged_) {
+      if (!bundle.multicast) continue;
       std::vector<MulticastGroup::Member> members;
-      for (const auto& to : gathered.destinations) members.push_back({lane(to), channel(to)});
-      groups_.push_back(keeper_->find(*gathered.multicast, std::move(members)));
+      for (const auto& to : bundle.destinations) members.push_back({lane(to), channel(to)});
+      groups_.push_back(keeper_->find(*bundle.multicast, std::move(members)));
     }
     keeper_->merged(now_);
   }
@@ -111,7 +111,7 @@ class GroupKeeperTest : public testing::Test {
   };
   GroupKeeper::Time now_{1h};
   std::vector<core::Route> routes_;
-  std::vector<Gathered> merged_;
+  std::vector<RouteBundle> merged_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_;
   std::vector<Connected> connected_;
   test::Connections connections_;

@@ -37,10 +37,10 @@ class RoutesTest : public testing::Test {
 TEST_F(RoutesTest, GroupsReadersByMaskAndMaskReadersByAddress) {
   const auto t = table({route(1, fields<Image>("data")), route(2, fields<Image>("name")),
                         route(3, fields<Image>("data")), route(1, fields<Image>("data"))});
-  ASSERT_EQ(t->groups.size(), 2U);
-  EXPECT_EQ(t->groups[0].lanes.size(), 2U);
-  EXPECT_EQ(t->groups[1].lanes.size(), 1U);
-  EXPECT_NE(t->groups[0].wire->variant, t->groups[1].wire->variant);
+  ASSERT_EQ(t->audiences.size(), 2U);
+  EXPECT_EQ(t->audiences[0].lanes.size(), 2U);
+  EXPECT_EQ(t->audiences[1].lanes.size(), 1U);
+  EXPECT_NE(t->audiences[0].wire->variant, t->audiences[1].wire->variant);
 }
 
 TEST_F(RoutesTest, SpareRoutesComeLastAndShareNumbersAndLanesWithOthers) {
@@ -51,12 +51,12 @@ TEST_F(RoutesTest, SpareRoutesComeLastAndShareNumbersAndLanesWithOthers) {
   const auto t = table({spare, beside, route(1, data)});
   EXPECT_EQ(t->reached(false).size(), 1U);
   ASSERT_EQ(t->reached(true).size(), 2U);
-  EXPECT_EQ(t->groups[1].wire, t->groups[0].wire);
-  // A reader behind a socket that the sample goes to anyway gets it there.
-  ASSERT_EQ(t->groups[1].lanes.size(), 1U);
-  EXPECT_NE(t->groups[1].lanes[0], t->groups[0].lanes[0]);
+  EXPECT_EQ(t->audiences[1].wire, t->audiences[0].wire);
+  // Who is behind a socket that the sample goes to anyway gets it there.
+  ASSERT_EQ(t->audiences[1].lanes.size(), 1U);
+  EXPECT_NE(t->audiences[1].lanes[0], t->audiences[0].lanes[0]);
   const auto after = table({route(2, data)});
-  EXPECT_EQ(after->groups[0].lanes[0], t->groups[1].lanes[0]);
+  EXPECT_EQ(after->audiences[0].lanes[0], t->audiences[1].lanes[0]);
 }
 
 TEST_F(RoutesTest, GroupsReadersByMaximumRateToo) {
@@ -66,11 +66,11 @@ TEST_F(RoutesTest, GroupsReadersByMaximumRateToo) {
   core::Route other = route(2, fields<Image>("data"));
   other.gate = slow;
   const auto t = table({route(1, fields<Image>("data")), limited, other});
-  ASSERT_EQ(t->groups.size(), 2U);
-  EXPECT_EQ(t->groups[0].gate, nullptr);
-  EXPECT_EQ(t->groups[1].gate, slow);
-  EXPECT_EQ(t->groups[1].lanes.size(), 2U);
-  EXPECT_NE(t->groups[0].wire->variant, t->groups[1].wire->variant);
+  ASSERT_EQ(t->audiences.size(), 2U);
+  EXPECT_EQ(t->audiences[0].gate, nullptr);
+  EXPECT_EQ(t->audiences[1].gate, slow);
+  EXPECT_EQ(t->audiences[1].lanes.size(), 2U);
+  EXPECT_NE(t->audiences[0].wire->variant, t->audiences[1].wire->variant);
 }
 
 TEST_F(RoutesTest, ServesALateReaderApartByOneLaneWhateverItAsksFor) {
@@ -78,13 +78,13 @@ TEST_F(RoutesTest, ServesALateReaderApartByOneLaneWhateverItAsksFor) {
   late.history = 3;
   const core::Route other{2, late.destination, late.mask};
   const auto before = table({late, other});
-  ASSERT_EQ(before->groups.size(), 2U);
-  EXPECT_EQ(before->of_late_reader(1), before->groups.data());
+  ASSERT_EQ(before->audiences.size(), 2U);
+  EXPECT_EQ(before->of_late_reader(1), before->audiences.data());
   EXPECT_FALSE(variants_.late_lane_idle(1)) << "its history is not known yet";
   late.mask = fields<Image>("name");
   const auto after = table({late, other});
-  EXPECT_EQ(after->groups[0].lanes, before->groups[0].lanes);
-  EXPECT_NE(after->groups[0].wire->variant, before->groups[0].wire->variant);
+  EXPECT_EQ(after->audiences[0].lanes, before->audiences[0].lanes);
+  EXPECT_NE(after->audiences[0].wire->variant, before->audiences[0].wire->variant);
   late.history = 0;
   EXPECT_EQ(table({late, other})->of_late_reader(1), nullptr);
   EXPECT_TRUE(variants_.late_lane_idle(1));
@@ -94,41 +94,42 @@ TEST_F(RoutesTest, ALateReaderThatMovesBeginsAnew) {
   core::Route late = route(1, fields<Image>("data"));
   late.history = 3;
   const auto before = table({late});
-  EXPECT_FALSE(before->groups[0].lanes[0]->begin({}));
+  EXPECT_EQ(before->audiences[0].lanes[0]->begin({}), Wake::none);
   EXPECT_TRUE(variants_.late_lane_idle(1));
   std::get<core::UdpAddress>(late.destination).port = 2;
   table({late});
-  EXPECT_TRUE(before->groups[0].lanes[0]->closed());
+  EXPECT_TRUE(before->audiences[0].lanes[0]->closed());
   EXPECT_FALSE(variants_.late_lane_idle(1));
 }
 
 TEST_F(RoutesTest, LeavesReadersInSharedMemoryOut) {
-  EXPECT_TRUE(table({{1, core::DoorbellAddress{.page = 1, .slot = 2}, fields<Image>("*")}})->groups.empty());
+  EXPECT_TRUE(
+      table({{1, core::DoorbellAddress{.page = 1, .slot = 2}, fields<Image>("*")}})->audiences.empty());
 }
 
 TEST_F(RoutesTest, KeepsNumberAndLanesOfAMaskThroughChanges) {
   const auto before = table({route(1, fields<Image>("data"))});
   table({route(1, fields<Image>("name"))});
   const auto after = table({route(2, fields<Image>("name")), route(1, fields<Image>("data"))});
-  EXPECT_FALSE(before->groups[0].lanes[0]->closed());
-  EXPECT_EQ(before->groups[0].wire->variant, after->groups[1].wire->variant);
-  EXPECT_EQ(before->groups[0].lanes, after->groups[1].lanes);
+  EXPECT_FALSE(before->audiences[0].lanes[0]->closed());
+  EXPECT_EQ(before->audiences[0].wire->variant, after->audiences[1].wire->variant);
+  EXPECT_EQ(before->audiences[0].lanes, after->audiences[1].lanes);
 }
 
 TEST_F(RoutesTest, SharesADestinationAmongMasks) {
   const auto t = table({route(1, fields<Image>("data")), route(1, fields<Image>("name"))});
-  EXPECT_EQ(&t->groups[0].lanes[0]->destination(), &t->groups[1].lanes[0]->destination());
-  EXPECT_NE(t->groups[0].lanes[0], t->groups[1].lanes[0]);
+  EXPECT_EQ(&t->audiences[0].lanes[0]->destination(), &t->audiences[1].lanes[0]->destination());
+  EXPECT_NE(t->audiences[0].lanes[0], t->audiences[1].lanes[0]);
 }
 
 TEST_F(RoutesTest, ClosesTheLanesToADestinationThatNoRouteLeadsTo) {
   const auto data = table({route(1, fields<Image>("data")), route(2, fields<Image>("data"))});
   table({route(1, fields<Image>("name")), route(2, fields<Image>("data"))});
   table({route(2, fields<Image>("data"))});
-  EXPECT_TRUE(data->groups[0].lanes[0]->closed()) << "also that of the mask before";
-  EXPECT_FALSE(data->groups[0].lanes[1]->closed());
+  EXPECT_TRUE(data->audiences[0].lanes[0]->closed()) << "also that of the mask before";
+  EXPECT_FALSE(data->audiences[0].lanes[1]->closed());
   const auto back = table({route(1, fields<Image>("data"))});
-  EXPECT_FALSE(back->groups[0].lanes[0]->closed());
+  EXPECT_FALSE(back->audiences[0].lanes[0]->closed());
 }
 
 TEST_F(RoutesTest, ConnectsToAnAddressOnceAndOnlyWhileARouteLeadsThere) {
@@ -143,10 +144,10 @@ TEST_F(RoutesTest, ConnectsToAnAddressOnceAndOnlyWhileARouteLeadsThere) {
 
 TEST_F(RoutesTest, SendsTheWordsOfMasksThatTheHeaderCannotHold) {
   const auto narrow = table({route(1, fields<Image>("data"))});
-  EXPECT_TRUE(narrow->groups[0].wire->words.empty());
+  EXPECT_TRUE(narrow->audiences[0].wire->words.empty());
   const auto wide = table<Wide>({route(1, fields<Wide>("first"))});
-  EXPECT_EQ(wide->groups[0].wire->words.size(), 2U);
-  EXPECT_EQ(wide->groups[0].wire->mask, fields<Wide>("first").hash());
+  EXPECT_EQ(wide->audiences[0].wire->words.size(), 2U);
+  EXPECT_EQ(wide->audiences[0].wire->mask, fields<Wide>("first").hash());
 }
 
 TEST_F(RoutesTest, ReusesANumberOnlyAfterAllOthers) {
@@ -173,7 +174,7 @@ TEST_F(RoutesTest, GivesManyMasksAtOnceANumberEach) {
   for (int round = 0; round < 3; ++round) {
     std::set<std::uint16_t> numbers;
     const auto t = table(routes);
-    for (const Group& group : t->groups) numbers.insert(group.wire->variant);
+    for (const Audience& audience : t->audiences) numbers.insert(audience.wire->variant);
     EXPECT_EQ(numbers.size(), 500U);
   }
 }

@@ -1,4 +1,4 @@
-#include "udp_transport/send/ack_sender.h"
+#include "udp_transport/send/answer_sender.h"
 
 #include <gtest/gtest.h>
 
@@ -37,9 +37,9 @@ class CountingIo final : public DatagramSender {
   Counts& counts_;
 };
 
-TEST(AckSenderTest, AnswersManyWithoutAConnectionToAnyOfThem) {
+TEST(AnswerSenderTest, AnswersManyWithoutAConnectionToAnyOfThem) {
   CountingIo::Counts counts;
-  AckSender sender(std::make_shared<SendSide>(std::make_unique<CountingIo>(counts), DestinationLimits{}));
+  AnswerSender sender(std::make_shared<SendSide>(std::make_unique<CountingIo>(counts), DestinationLimits{}));
   for (std::uint16_t port = 1000; port < 3000; ++port) sender.send({0x7F000001, port}, FlowReport{});
   EXPECT_EQ(counts.connections, 0U);
   EXPECT_EQ(counts.datagrams, 2000U);
@@ -48,9 +48,9 @@ TEST(AckSenderTest, AnswersManyWithoutAConnectionToAnyOfThem) {
   EXPECT_EQ(counts.last, last);
 }
 
-TEST(AckSenderTest, SendsAcksAndReportsOfGroupsAsLongAsTheyAre) {
+TEST(AnswerSenderTest, SendsAcksAndReportsOfGroupsAsLongAsTheyAre) {
   CountingIo::Counts counts;
-  AckSender sender(std::make_shared<SendSide>(std::make_unique<CountingIo>(counts), DestinationLimits{}));
+  AnswerSender sender(std::make_shared<SendSide>(std::make_unique<CountingIo>(counts), DestinationLimits{}));
   Ack ack{.writer = 1, .channel = 1, .next = 2};
   ack.missing[ack.missing_count++] = {2, 0, 0};
   sender.send({0x7F000001, 9}, ack);

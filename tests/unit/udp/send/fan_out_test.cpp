@@ -24,16 +24,17 @@ class FanOutTest : public testing::Test {
   /// Of a mask whose samples the publisher's thread has left.
   std::shared_ptr<const RouteTable> routes(bool reliable) {
     auto table = std::make_shared<RouteTable>();
-    Group& group = table->groups.emplace_back(Group{ProjectionPlan(type_.type(), FieldMask(all_)),
-                                                    nullptr,
-                                                    0,
-                                                    false,
-                                                    std::make_shared<WireMask>(WireMask{5, all_.hash(), {}}),
-                                                    {}});
+    Audience& audience =
+        table->audiences.emplace_back(Audience{ProjectionPlan(type_.type(), FieldMask(all_)),
+                                               nullptr,
+                                               0,
+                                               false,
+                                               std::make_shared<WireMask>(WireMask{5, all_.hash(), {}}),
+                                               {}});
     const auto to = side_->destinations.find({.ip = core::loopback_ipv4, .port = 1});
     if (reliable) channel_ = std::make_shared<Channel>(7, 1, to, tally_, 9);
-    group.lanes.push_back(std::make_shared<Lane>(to, 1000, tally_));
-    group.channels.push_back(channel_);
+    audience.lanes.push_back(std::make_shared<Lane>(to, 1000, tally_));
+    audience.channels.push_back(channel_);
     return table;
   }
   /// Returns how many had to go.

@@ -29,9 +29,9 @@ class SendsAhead : public testing::Test {
   void route(Delivery delivery) {
     to_->bulk();  // as one that was sent large samples before
     to_->set_receive_buffer(8 << 20);
-    group_.lanes.push_back(std::make_shared<Lane>(to_, 1000, tally_));
+    audience_.lanes.push_back(std::make_shared<Lane>(to_, 1000, tally_));
     if (delivery == Delivery::reliable) channel_ = std::make_shared<Channel>(7, 1, to_, tally_, 9);
-    group_.channels.push_back(channel_);
+    audience_.channels.push_back(channel_);
   }
   /// As publish() does, up to where it forgets the value.
   std::size_t publish() {
@@ -40,7 +40,7 @@ class SendsAhead : public testing::Test {
     std::memset(sample_->data, 0, sample_->capacity);
     test::fill(*sample_, image, all_, 7, ++sequence_, &postponed_);
     sample_->postponed = &postponed_;
-    const std::size_t missed = sender_.send(group_, sample_);
+    const std::size_t missed = sender_.send(audience_, sample_);
     expected_ = test::encoded_body(image, all_);
     left_out_ = sample_->postponed != nullptr && !postponed_.empty();
     sample_->postponed = nullptr;
@@ -69,12 +69,12 @@ class SendsAhead : public testing::Test {
       std::make_shared<SendSide>(std::make_unique<test::NoSender>(connections_), DestinationLimits{});
   std::shared_ptr<WriterTally> tally_ = std::make_shared<WriterTally>();
   std::shared_ptr<Destination> to_ = side_->destinations.find({.ip = core::loopback_ipv4, .port = 1});
-  Group group_{ProjectionPlan(type_.type(), FieldMask(all_)),
-               nullptr,
-               0,
-               false,
-               std::make_shared<WireMask>(WireMask{5, all_.hash(), {}}),
-               {}};
+  Audience audience_{ProjectionPlan(type_.type(), FieldMask(all_)),
+                     nullptr,
+                     0,
+                     false,
+                     std::make_shared<WireMask>(WireMask{5, all_.hash(), {}}),
+                     {}};
   std::shared_ptr<Channel> channel_;
   VariantSender sender_{{.id = 7, .type = &type_}, side_, tally_, JobPool::make()};
   PostponedCopies postponed_;
@@ -89,7 +89,7 @@ TEST_F(SendsAhead, IsNotCopiedWhereAllOfItHasLeftAndNobodyAsksAgain) {
   EXPECT_EQ(publish(), 0U);
   EXPECT_EQ(sent_body(), expected_);
   EXPECT_TRUE(left_out_);
-  EXPECT_TRUE(group_.lanes.front()->idle());
+  EXPECT_TRUE(audience_.lanes.front()->idle());
 }
 
 TEST_F(SendsAhead, LeavesNothingOutOfTheNextOneThatIsQueued) {
@@ -98,7 +98,7 @@ TEST_F(SendsAhead, LeavesNothingOutOfTheNextOneThatIsQueued) {
   route(Delivery::best_effort);  // two cannot be served ahead of the copy
   EXPECT_EQ(publish(), 0U);
   EXPECT_TRUE(is_copied());
-  for (const std::shared_ptr<Lane>& lane : group_.lanes) {
+  for (const std::shared_ptr<Lane>& lane : audience_.lanes) {
     const Job* const job = lane->next();
     ASSERT_NE(job, nullptr);
     EXPECT_EQ(job->sent_bytes, 0U);
@@ -110,10 +110,10 @@ TEST_F(SendsAhead, LeavesACopyToTheSendingThreadWhereSendBuffersAreFull) {
   connections_.take_batches(2);
   EXPECT_EQ(publish(), 0U);
   EXPECT_FALSE(left_out_);
-  const Job* const rest = group_.lanes.front()->next();
+  const Job* const rest = audience_.lanes.front()->next();
   ASSERT_NE(rest, nullptr);
   EXPECT_GT(rest->sent_bytes, 100'000U);
-  EXPECT_EQ(to_->position(), group_.lanes.front()->behind());
+  EXPECT_EQ(to_->position(), audience_.lanes.front()->behind());
   for (const Bytes& datagram : test::cut(rest->body(), to_->datagram_bytes())) {
     const Datagram d = parse(datagram).value();
     EXPECT_TRUE(std::ranges::equal(d.payload, std::span(expected_).subspan(d.offset, d.payload.size())));

@@ -1,0 +1,19 @@
+// What the sending thread has to be told after something was given to a lane or a channel, or an answer was
+// heard.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace sft::udp {
+
+/// Ordered: a later one includes those before it.
+enum class Wake : std::uint8_t {
+  none,
+  look,      ///< it has to look at the lanes and channels that it knows (Sender::look_again())
+  schedule,  ///< it does not know this lane, channel or work yet (Sender::schedule())
+};
+
+inline Wake strongest(Wake a, Wake b) { return std::max(a, b); }
+
+}  // namespace sft::udp

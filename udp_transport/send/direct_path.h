@@ -1,0 +1,50 @@
+// Sends at once, on the thread that publishes: small samples, and large ones from where the program has them.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "udp_transport/outgoing/job.h"
+#include "udp_transport/outgoing/wake.h"
+#include "udp_transport/reliable/channel.h"
+#include "udp_transport/reliable/lane.h"
+#include "udp_transport/send/send_side.h"
+
+namespace sft::udp {
+
+/// Used by one thread.
+class DirectPath {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  DirectPath(std::shared_ptr<SendSide> side, std::shared_ptr<WriterTally> tally)
+      : side_(std::move(side)), tally_(std::move(tally)) {}
+
+  /// Another sample is sent from now on: it has to be cut anew.
+  void begin_sample() { cut_for_ = 0; }
+
+  /// True if there is room for more at the destination. Otherwise the sending thread goes on when there is.
+  /// Before the first report of the destination the whole job has to fit.
+  bool may_send(Destination& to, const Job& job, Time now);
+  /// Sends a job by that lane. `would_wait` if the sending thread has to do it: the body is not small, or the
+  /// send buffer is full.
+  SendOutcome send(Lane& lane, Job& job);
+  /// Sends what a channel gave out. The sending thread has to send what cannot leave at once.
+  Wake send(Channel& channel, const Channel::Piece& piece, Time now);
+  /// Sends as much of a large body as may go now. Returns how many bytes of the body have departed.
+  std::uint32_t send_some(const EncodedBody& body, Destination& to);
+
+ private:
+  SendOutcome send_whole(const EncodedBody& body, Destination& to, Connection& by, Time now);
+  SendOutcome send_batch(Destination& to, Connection& by, std::size_t cut_for, Time now);
+
+  const std::shared_ptr<SendSide> side_;
+  const std::shared_ptr<WriterTally> tally_;
+  Batch batch_;  ///< datagrams of the present sample
+  std::size_t cut_for_ =
+      0;  ///< length of the datagrams in the batch; 0: the batch has none of the present sample
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,20 @@
+#include "udp_transport/send/draft.h"
+
+#include <algorithm>
+
+namespace sft::udp {
+
+void Draft::keep_in_channels(const core::SampleHandle& sample,
+                             const std::shared_ptr<core::BufferPool>& pool) {
+  if (pool == nullptr || sample->owner == pool) return keep(sample);
+  if (jobs_->may_borrow(sample->capacity)) {
+    keep(sample);
+    return handle_->borrow();
+  }
+  core::SampleHandle copy =
+      pool->take(std::max(handle_->projection.bytes(), sizeof(SampleHeader)), pool->limit_bytes() / 4);
+  copy ? handle_->copy_body(std::move(copy)) : handle_->copy_body();
+  is_kept_ = true;
+}
+
+}  // namespace sft::udp

@@ -1,0 +1,82 @@
+#include "udp_transport/send/group_delivery.h"
+
+#include <chrono>
+
+namespace sft::udp {
+
+/// Each reliable member keeps the job in its channel: for repairs, or to send it itself while the member does
+/// not hear the group or has no room. Copies for the best-effort members that do not hear the group have no
+/// mark of the group.
+std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHandle& sample) {
+  MulticastGroup& group = *audience.multicast;
+  Job& job = draft_.job();
+  const std::uint64_t ordinal = group.next_ordinal(std::chrono::steady_clock::now());
+  const bool small = job.is_small();
+  const bool has_room = group.is_answered() && group.lane()->has_room() && !group.broken();
+  direct_.begin_sample();
+  audience.tally->sent(job.first.total, job.whole_bytes, 1);
+  std::size_t missed = 0;
+  if (!small) draft_.keep_in_channels(sample, side_->pool);
+  for (std::size_t i = 0; i < audience.lanes.size(); ++i) {
+    if (audience.channels[i] == nullptr) continue;
+    if (small) draft_.copy_for_channel();
+    missed += keep_for(audience, i, ordinal, has_room);
+  }
+  const MulticastGroup::BestEffort others = group.best_effort();
+  if (has_room || others.some_hear) {
+    // Channels share the job by now. Its own header is for the group alone.
+    job.first.flags |= group_follows;
+    job.first.group = {group.name().number, static_cast<std::uint32_t>(sample->sequence >> 32), ordinal};
+    missed += send_to_group(audience, sample) ? 0 : 1;
+  }
+  draft_.release();
+  return others.some_do_not ? missed + send_to_the_deaf(audience, sample) : missed;
+}
+
+/// Sends to the best-effort members that do not hear the group.
+std::size_t GroupDelivery::send_to_the_deaf(const Audience& audience, const core::SampleHandle& sample) {
+  if (!encoder_.encode(audience, *sample, draft_.begin())) return 0;
+  direct_.begin_sample();
+  std::size_t missed = 0;
+  for (std::size_t i = 0; i < audience.lanes.size(); ++i) {
+    if (audience.channels[i] == nullptr && !audience.multicast->hears(i))
+      missed += unicast_.send(audience, i, sample);
+  }
+  draft_.release();
+  return missed;
+}
+
+std::size_t GroupDelivery::keep_for(const Audience& audience, std::size_t member, std::uint64_t ordinal,
+                                    bool has_room) {
+  MulticastGroup& group = *audience.multicast;
+  const std::shared_ptr<Channel>& channel = audience.channels[member];
+  const bool elsewhere = has_room && group.hears(member);
+  const Channel::Posted posted = channel->post_shared(draft_.handle(), draft_.job().first, elsewhere);
+  group.placed(member, ordinal, posted.kept.ordinal);
+  return unicast_.reliable.settle(posted, channel, *audience.lanes[member], 1);
+}
+
+/// False if the group does not get the sample, or loses an older one for it.
+bool GroupDelivery::send_to_group(const Audience& audience, const core::SampleHandle& sample) {
+  MulticastGroup& group = *audience.multicast;
+  const std::shared_ptr<Lane>& lane = group.lane();
+  Job& job = draft_.job();
+  Sender& sender = side_->sender;
+  if (!group.is_answered()) {  // the members that heard the group are silent
+    sender.wake(group.note_departed(job, true));
+    return false;
+  }
+  if (group.broken()) {
+    sender.wake(group.note_departed(job, false));  // the members that would have heard the sample ask for it
+    return true;
+  }
+  const SendOutcome outcome = lane->idle() ? direct_.send(*lane, job) : SendOutcome::would_wait;
+  if (outcome == SendOutcome::would_wait) {
+    draft_.keep(sample);
+    return unicast_.best_effort.enqueue(MulticastGroup::lane_of(audience.multicast)) == 0;
+  }
+  sender.wake(group.note_departed(job, outcome != SendOutcome::sent));
+  return outcome == SendOutcome::sent;
+}
+
+}  // namespace sft::udp

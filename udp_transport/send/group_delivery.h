@@ -1,0 +1,39 @@
+// Sends the present sample to a multicast group, and to those members alone that do not hear the group.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "udp_transport/routing/routes.h"
+#include "udp_transport/send/direct_path.h"
+#include "udp_transport/send/draft.h"
+#include "udp_transport/send/sample_encoder.h"
+#include "udp_transport/send/send_side.h"
+#include "udp_transport/send/unicast_delivery.h"
+
+namespace sft::udp {
+
+class GroupDelivery {
+ public:
+  /// All but `side` outlive the delivery.
+  GroupDelivery(std::shared_ptr<SendSide> side, const SampleEncoder& encoder, Draft& draft,
+                DirectPath& direct, UnicastDelivery& unicast)
+      : side_(std::move(side)), encoder_(encoder), draft_(draft), direct_(direct), unicast_(unicast) {}
+
+  /// The audience has a multicast group. Returns how many destinations do not get the sample.
+  std::size_t send(const Audience& audience, const core::SampleHandle& sample);
+
+ private:
+  std::size_t send_to_the_deaf(const Audience& audience, const core::SampleHandle& sample);
+  std::size_t keep_for(const Audience& audience, std::size_t member, std::uint64_t ordinal, bool has_room);
+  bool send_to_group(const Audience& audience, const core::SampleHandle& sample);
+
+  const std::shared_ptr<SendSide> side_;
+  const SampleEncoder& encoder_;
+  Draft& draft_;
+  DirectPath& direct_;
+  UnicastDelivery& unicast_;
+};
+
+}  // namespace sft::udp

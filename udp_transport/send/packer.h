@@ -1,0 +1,58 @@
+// Packs small samples that are published together, so that they share datagrams.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/seam/sample_buffer.h"
+#include "udp_transport/outgoing/job.h"
+#include "udp_transport/routing/routes.h"
+#include "udp_transport/send/sample_encoder.h"
+
+namespace sft::udp {
+
+/// Used by one thread.
+class Packer {
+ public:
+  /// The encoder outlives the packer. No sample is longer than `max_sample_bytes` of the send side.
+  Packer(std::shared_ptr<SendSide> side, const SampleEncoder& encoder, std::shared_ptr<JobPool> jobs)
+      : side_(std::move(side)), encoder_(encoder), jobs_(std::move(jobs)) {}
+
+  enum class Hold : std::uint8_t {
+    held,
+    full,   ///< the sample has to wait for the packs to be sent
+    unfit,  ///< the sample is not small, or must not be packed: it is sent alone, after the packs
+  };
+  /// Copies a small sample into the pack of the audience, which lives until the packs are taken.
+  Hold hold(const Audience& audience, const core::SampleHandle& sample) noexcept;
+
+  /// A pack that can be sent.
+  struct Pack {
+    const Audience* audience;
+    JobHandle job;
+    std::size_t sample_bytes_max;
+    std::size_t pack_bytes_max;
+    bool takes(const core::SampleBuffer& sample, std::size_t bytes) const;
+  };
+  /// Calls `send(pack)` for each pack that is not empty, and forgets all of them.
+  template <class Send>
+  void take_packs(const Send& send) noexcept {
+    for (const Pack& pack : packs_) {
+      if (pack.job->is_pack()) send(pack);
+    }
+    packs_.clear();
+  }
+
+ private:
+  Pack& pack_for(const Audience& audience);
+
+  const std::shared_ptr<SendSide> side_;
+  const SampleEncoder& encoder_;
+  const std::shared_ptr<JobPool> jobs_;
+  JobHandle projected_;  ///< the body of the present sample
+  std::vector<Pack> packs_;
+};
+
+}  // namespace sft::udp

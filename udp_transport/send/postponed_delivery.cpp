@@ -1,0 +1,64 @@
+#include "udp_transport/send/postponed_delivery.h"
+
+#include <chrono>
+
+namespace sft::udp {
+
+namespace {
+/// After each copy of this length the channel is asked whether the rest is still needed.
+constexpr std::size_t copied_at_a_time = 128 * 1024;
+}  // namespace
+
+bool PostponedDelivery::is_possible(const Audience& audience) {
+  if (audience.multicast != nullptr || audience.late_reader != 0 || audience.lanes.size() != 1) return false;
+  Lane& lane = *audience.lanes.front();
+  return !lane.is_late() && lane.idle() && lane.destination().bulk_in_use() != nullptr;
+}
+
+std::optional<std::size_t> PostponedDelivery::send(const Audience& audience,
+                                                   const core::SampleHandle& sample) {
+  located_.clear();
+  sample->postponed->locate(draft_.job().projection.segments(), located_);
+  const std::shared_ptr<Lane>& lane = audience.lanes.front();
+  const std::shared_ptr<Channel>& channel = audience.channels.front();
+  return channel == nullptr ? send_once(lane, sample) : send_reliably(*lane, channel, sample);
+}
+
+/// Copies only what the sending thread has to go on with.
+std::size_t PostponedDelivery::send_once(const std::shared_ptr<Lane>& lane,
+                                         const core::SampleHandle& sample) {
+  Job& job = draft_.job();
+  const std::uint32_t sent = send_located(job.first, lane->destination());
+  lane->stay_behind(lane->destination().position());
+  if (sent == job.first.total) return 0;
+  job.sent_bytes = sent;
+  sample->complete();
+  draft_.keep(sample);
+  return unicast_.best_effort.enqueue(lane);
+}
+
+/// Copies what may have to be sent again, but not what has been acknowledged by then.
+std::optional<std::size_t> PostponedDelivery::send_reliably(Lane& lane,
+                                                            const std::shared_ptr<Channel>& channel,
+                                                            const core::SampleHandle& sample) {
+  ReliableDelivery& reliable = unicast_.reliable;
+  draft_.keep(sample);
+  std::optional<Channel::Posted> posted =
+      channel->post_ahead(draft_.handle(), draft_.job().first, reliable.patience());
+  if (!posted) return {};
+  Channel::Piece& piece = *posted->piece;
+  piece.range.begin = send_located(piece.first, channel->destination());
+  channel->stay_behind(channel->destination().position());
+  while (!sample->postponed->empty() && channel->keeps(piece.ordinal))
+    sample->postponed->make(copied_at_a_time);
+  if (piece.range.begin == piece.first.total) {
+    const Wake wake = channel->finished(piece, std::chrono::steady_clock::now());
+    posted->wake = strongest(posted->wake, wake);
+  } else {
+    channel->put_back(piece);
+    posted->wake = strongest(posted->wake, Wake::look);
+  }
+  return reliable.settle(*posted, channel, lane, 1);
+}
+
+}  // namespace sft::udp

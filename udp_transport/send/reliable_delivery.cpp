@@ -1,0 +1,46 @@
+#include "udp_transport/send/reliable_delivery.h"
+
+namespace sft::udp {
+
+namespace {
+using Clock = std::chrono::steady_clock;
+}
+
+/// The job waits in the lane of a late reader: the history of that reader goes first, and no part of it may
+/// have to go for the job.
+std::size_t ReliableDelivery::send_after_history(const std::shared_ptr<Lane>& lane) {
+  if (draft_.job().is_small()) draft_.copy_for_channel();
+  if (patience_.count() > 0) lane->await_room(draft_.job(), patience_);
+  return best_effort_.enqueue(lane);
+}
+
+std::size_t ReliableDelivery::send(const std::shared_ptr<Lane>& lane,
+                                   const std::shared_ptr<Channel>& channel) {
+  Job& job = draft_.job();
+  const std::size_t job_samples = job.samples();
+  const bool small = job.is_small();
+  if (lane->is_late() && (!lane->idle() || !channel->has_room(job))) return send_after_history(lane);
+  if (lane->is_late()) lane->mark(job);
+  if (small) draft_.copy_for_channel();
+  const Clock::time_point now = Clock::now();
+  const bool at_once = small && direct_.may_send(channel->destination(), job, now);
+  const Channel::Posted posted = channel->post(draft_.handle(), job.first, at_once, patience());
+  if (posted.piece)
+    side_->sender.wake(direct_.send(*channel, *posted.piece, posted.waited ? Clock::now() : now));
+  return settle(posted, channel, *lane, job_samples);
+}
+
+std::size_t ReliableDelivery::settle(const Channel::Posted& posted, const std::shared_ptr<Channel>& channel,
+                                     Lane& lane, std::size_t job_samples) {
+  side_->sender.wake(posted.wake, channel);
+  const ResendWindow::Kept& kept = posted.kept;
+  for (std::size_t i = 0; i < kept.dropped; ++i)
+    lane.losses()->lost(i == 0 ? kept.dropped_bytes : 0, i == 0 ? kept.dropped_whole_bytes : 0);
+  side_->over_limit.fetch_add(kept.dropped, std::memory_order_relaxed);
+  // A publisher that waited for room in vain is told of samples that may have arrived, too: nobody
+  // acknowledged them in all that time.
+  const std::size_t gone = kept.dropped + (waits_for_readers_ ? kept.unacknowledged : 0);
+  return std::min(gone, job_samples);
+}
+
+}  // namespace sft::udp

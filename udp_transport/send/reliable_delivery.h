@@ -1,0 +1,57 @@
+// Sends the present sample to one destination reliably: its channel keeps the sample until it is
+// acknowledged.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <memory>
+
+#include "udp_transport/reliable/channel.h"
+#include "udp_transport/reliable/lane.h"
+#include "udp_transport/send/best_effort_delivery.h"
+#include "udp_transport/send/direct_path.h"
+#include "udp_transport/send/draft.h"
+#include "udp_transport/send/send_side.h"
+
+namespace sft::udp {
+
+class ReliableDelivery {
+ public:
+  /// The draft, the direct path and the best-effort delivery outlive this one. `waits_for_readers`: the
+  /// publisher may be held up until readers have acknowledged what was sent.
+  ReliableDelivery(std::shared_ptr<SendSide> side, Draft& draft, DirectPath& direct,
+                   BestEffortDelivery& best_effort, bool waits_for_readers)
+      : side_(std::move(side)),
+        draft_(draft),
+        direct_(direct),
+        best_effort_(best_effort),
+        waits_for_readers_(waits_for_readers) {}
+
+  /// Returns how many older samples had to go for the present one.
+  std::size_t send(const std::shared_ptr<Lane>& lane, const std::shared_ptr<Channel>& channel);
+  /// Wakes the thread that has to look after the channel, and counts the losses. Returns how many older
+  /// samples had to go for the posted ones, and no more than these are.
+  std::size_t settle(const Channel::Posted& posted, const std::shared_ptr<Channel>& channel, Lane& lane,
+                     std::size_t job_samples);
+
+  /// The publisher may wait so long, in all, until no older sample has to go for a new one.
+  void be_patient(std::chrono::nanoseconds patience) { patience_ = patience; }
+  void be_no_more_patient_than(std::chrono::nanoseconds patience) {
+    patience_ = std::min(patience_, patience);
+  }
+  /// Null if the publisher must not wait. Whoever waits uses it up.
+  std::chrono::nanoseconds* patience() { return patience_.count() == 0 ? nullptr : &patience_; }
+
+ private:
+  std::size_t send_after_history(const std::shared_ptr<Lane>& lane);
+
+  const std::shared_ptr<SendSide> side_;
+  Draft& draft_;
+  DirectPath& direct_;
+  BestEffortDelivery& best_effort_;
+  const bool waits_for_readers_;
+  std::chrono::nanoseconds patience_{0};
+};
+
+}  // namespace sft::udp

@@ -1,0 +1,35 @@
+// Encodes a writer's samples for an audience: the body under its mask, and the header of the first datagram.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/seam/transport.h"
+#include "udp_transport/outgoing/job.h"
+#include "udp_transport/routing/routes.h"
+#include "udp_transport/send/send_side.h"
+
+namespace sft::udp {
+
+/// Any thread.
+class SampleEncoder {
+ public:
+  SampleEncoder(const core::WriterSpec& spec, std::shared_ptr<SendSide> side)
+      : writer_(static_cast<std::uint32_t>(spec.id)), type_(*spec.type), side_(std::move(side)) {}
+
+  /// False if there is nothing to send: the sample is malformed, or too large.
+  bool encode(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
+  /// Writes all of the header but the length of the body.
+  void describe(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
+  /// Projects the sample to the mask of the audience. False if the sample is malformed.
+  bool project(const Audience& audience, const core::SampleBuffer& sample, Projection& body) const {
+    return body.project(core::state_of(sample, type_.slots()), audience.plan);
+  }
+
+ private:
+  const std::uint32_t writer_;  ///< low half of the id
+  const TypeSupport& type_;
+  const std::shared_ptr<SendSide> side_;
+};
+
+}  // namespace sft::udp
