@@ -33,7 +33,7 @@ std::size_t Doorbells::announce() const noexcept {
   std::size_t sleepers = 0;
   for (const Bell& bell : bells_) {
     if (bell.bell == nullptr || !bell.wanted() || !bell.bell->announce()) continue;
-    bell.due.store(true, std::memory_order_release);
+    bell.wake_due.store(true, std::memory_order_release);
     ++sleepers;
   }
   return sleepers;
@@ -41,23 +41,24 @@ std::size_t Doorbells::announce() const noexcept {
 
 void Doorbells::run() const noexcept {
   for (const Bell& bell : bells_) {
-    // Who has woken up meanwhile looks before it sleeps again.
-    if (bell.due.exchange(false, std::memory_order_acq_rel) && bell.bell->has_sleepers()) bell.bell->wake();
+    // A reader that has woken up meanwhile looks for samples before it sleeps again, and needs no wake-up.
+    if (bell.wake_due.exchange(false, std::memory_order_acq_rel) && bell.bell->has_sleepers())
+      bell.bell->wake();
   }
 }
 
 void DoorbellPages::ring(const std::shared_ptr<const Doorbells>& bells) noexcept {
   const std::size_t sleepers = bells->announce();
   if (sleepers == 0) return;
-  // The waker has to be woken, too: for a single sleeper that would save nothing, and cost that one time.
-  if (sleepers == 1 || !waker_.run(bells)) bells->run();
+  // The waker has to be woken, too. For a single sleeper that would save nothing and delay the sleeper.
+  if (sleepers == 1 || !waker_.submit(bells)) bells->run();
 }
 
 Result<std::shared_ptr<core::DoorbellPage>> DoorbellPages::page_of(const core::Route& route,
                                                                    const core::TrustedAccounts& accounts) {
   const auto* address = std::get_if<core::DoorbellAddress>(&route.destination);
   if (address == nullptr || address->slot >= core::DoorbellPage::slots)
-    return fail(Errc::malformed, "it has announced no doorbell that there can be");
+    return fail(Errc::malformed, "the reader has announced a doorbell that cannot exist");
   return open(address->page, accounts);
 }
 
@@ -73,7 +74,8 @@ std::shared_ptr<const Doorbells> DoorbellPages::doorbells_of(const std::vector<c
   return doorbells;
 }
 
-/// Where others announce pages that there are not, processes are not looked through for each of these.
+/// Returns the link to a page that has no path, or an empty text. The search looks through processes, so it
+/// is done at most once in an interval, however many pages other nodes announce that do not exist.
 std::string DoorbellPages::nameless_link(std::uint64_t id) {
   const auto now = std::chrono::steady_clock::now();
   if (now >= next_search_) {

@@ -1,5 +1,5 @@
-// The doorbells of a writer's routes. A process's page is mapped once for all writers of a node that ring in
-// it.
+// Rings the doorbells of the readers to which a writer has routes. The page with the doorbells of a process
+// is mapped once for all writers of a node.
 #pragma once
 
 #include <atomic>
@@ -19,54 +19,57 @@
 
 namespace sft::shm {
 
-/// Each doorbell once, however many readers share it. The list does not change, so that it can be rung while
-/// it is being replaced.
-class Doorbells final : public Errand {
+/// The doorbells of a writer's readers. Each doorbell is in the list once, however many readers share it. The
+/// list does not change after the first ring, so that it can be rung while a new list replaces it.
+class Doorbells final : public WakeTask {
  public:
-  /// `page`: null for a reader that cannot be woken. `gate`: of its maximum rate, null if it has none. Before
-  /// the first ring.
+  /// Adds the doorbell of a reader, before the first ring. `page`: null if the reader cannot be woken.
+  /// `gate`: the gate of the reader's maximum rate; null if the reader has none.
   void add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot,
            std::shared_ptr<const core::RateGate> gate);
   std::size_t size() const { return bells_.size(); }
 
-  // The publisher's thread, on which the gates say what passes.
+  // The thread of the publisher calls these two functions. On this thread the gates know whether the sample
+  // passes.
 
-  /// Whether any reader wants the sample at hand.
+  /// Returns whether any reader wants the current sample.
   bool wanted() const noexcept;
-  /// Tells those that want it: nobody is woken for what it would skip. So many sleep, and are to be woken.
+  /// Counts a ring at the doorbell of each reader that wants the sample, so that no reader is woken for a
+  /// sample that it would skip. Returns how many of these readers sleep and must be woken by run().
   [[nodiscard]] std::size_t announce() const noexcept;
 
-  /// Any thread: wakes all of them.
+  /// Wakes the readers that announce() has found asleep. Any thread.
   void run() const noexcept override;
 
  private:
   struct Bell {
     core::Doorbell* bell = nullptr;
-    bool always = false;  ///< for a reader without limit
+    bool always = false;  ///< a reader without a maximum rate has this doorbell
     std::vector<std::shared_ptr<const core::RateGate>> gates{};
-    mutable std::atomic<bool> due{false};  ///< to be woken
+    mutable std::atomic<bool> wake_due{false};  ///< set by announce(), cleared by run()
     bool wanted() const noexcept;
   };
   std::vector<std::shared_ptr<core::DoorbellPage>> pages_;
   std::deque<Bell> bells_;
 };
 
-/// Any thread.
+/// The pages of doorbells that a node has open. Any thread may use it, except where a function says more.
 class DoorbellPages {
  public:
-  /// `waker`: the thread that wakes readers where several sleep.
+  /// `waker`: the thread that wakes readers if several sleep.
   explicit DoorbellPages(core::ThreadSpec waker = "sft-wake") : waker_(std::move(waker)) {}
 
-  /// The page that a reader's doorbell is in, or why it cannot be rung. `accounts`: whose pages may be
-  /// opened.
+  /// Opens the page with the doorbell of this reader, or says why the doorbell cannot be rung. `accounts`:
+  /// the accounts whose pages may be opened.
   Result<std::shared_ptr<core::DoorbellPage>> page_of(const core::Route& route,
                                                       const core::TrustedAccounts& accounts);
-  /// Doorbells that cannot be opened (their process is gone) are left out.
+  /// Makes the list of doorbells for these routes. A doorbell that cannot be opened, because its process is
+  /// gone, gets an entry that wakes nobody.
   std::shared_ptr<const Doorbells> doorbells_of(const std::vector<core::Route>& routes,
                                                 const core::TrustedAccounts& accounts = {});
 
-  /// The publisher's thread: rings for the sample at hand. A single sleeper it wakes itself; several it
-  /// leaves to a thread of the node.
+  /// Rings for the current sample, on the thread of the publisher. This thread wakes a single sleeper itself,
+  /// and leaves several sleepers to a thread of the node.
   void ring(const std::shared_ptr<const Doorbells>& bells) noexcept;
 
  private:
@@ -74,12 +77,12 @@ class DoorbellPages {
 
   std::string nameless_link(std::uint64_t id);
 
-  // Of the thread that sets routes.
-  std::map<std::uint64_t, std::string> nameless_;  ///< pages without paths (core/platform/doorbell.h)
+  // The thread that sets routes uses these two members.
+  std::map<std::uint64_t, std::string> nameless_;  ///< links to pages without a path
   std::chrono::steady_clock::time_point next_search_{};
 
   Waker waker_;
-  std::mutex mutex_;
+  std::mutex mutex_;  // guards pages_
   std::map<std::uint64_t, std::weak_ptr<core::DoorbellPage>> pages_;
 };
 

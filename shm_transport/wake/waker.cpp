@@ -21,13 +21,14 @@ void Waker::start() {
   running_.store(true);
 }
 
-bool Waker::run(const std::shared_ptr<const Errand>& errand) noexcept {
+bool Waker::submit(const std::shared_ptr<const WakeTask>& task) noexcept {
   if (!running_.load(std::memory_order_relaxed)) return false;
-  // Whoever finds it listed has made known what is to be done before the waker takes it off the list.
-  if (errand->listed_.exchange(true, std::memory_order_acq_rel)) return true;
-  errand->self_ = errand;
-  errand->next_ = listed_.load(std::memory_order_relaxed);
-  while (!listed_.compare_exchange_weak(errand->next_, errand.get(), std::memory_order_seq_cst)) {
+  // If the task is queued already, its next run also does what this call asks for: the exchange makes the
+  // caller's writes visible to the waker, which clears the flag before it runs the task.
+  if (task->queued_.exchange(true, std::memory_order_acq_rel)) return true;
+  task->self_ = task;
+  task->next_ = submitted_.load(std::memory_order_relaxed);
+  while (!submitted_.compare_exchange_weak(task->next_, task.get(), std::memory_order_seq_cst)) {
   }
   bell_.ring();
   return true;
@@ -37,20 +38,20 @@ void Waker::serve() {
   while (!stopping_.load()) {
     run_all();
     bell_.wait(std::chrono::steady_clock::time_point::max(),
-               [this] { return stopping_.load() || listed_.load() != nullptr; });
+               [this] { return stopping_.load() || submitted_.load() != nullptr; });
   }
   run_all();
 }
 
 void Waker::run_all() noexcept {
-  const Errand* next = listed_.exchange(nullptr, std::memory_order_seq_cst);
+  const WakeTask* next = submitted_.exchange(nullptr, std::memory_order_seq_cst);
   while (next != nullptr) {
-    const Errand& errand = *next;
-    next = errand.next_;
-    const std::shared_ptr<const Errand> held = std::move(errand.self_);
-    // From here on it may be listed again.
-    errand.listed_.exchange(false, std::memory_order_acq_rel);
-    errand.run();
+    const WakeTask& task = *next;
+    next = task.next_;
+    const std::shared_ptr<const WakeTask> held = std::move(task.self_);
+    // From here on the task may be queued again.
+    task.queued_.exchange(false, std::memory_order_acq_rel);
+    task.run();
   }
 }
 

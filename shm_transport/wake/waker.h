@@ -1,6 +1,6 @@
-// The thread that wakes readers for the publishers of a node: where several sleep, a publisher that made a
-// futex call for each would return late. It is started when first needed, and publishers that find it does
-// not run do all of it themselves.
+// The thread that wakes readers for the publishers of a node. Each wake-up is a futex call, so a publisher
+// that woke several readers itself would return late. The thread starts when it is first needed. While it
+// does not run, publishers wake all readers themselves.
 #pragma once
 
 #include <atomic>
@@ -14,37 +14,38 @@
 
 namespace sft::shm {
 
-/// Something to be done by the waker. That it is const lets it be part of what does not change.
-class Errand {
+/// A task for the waker. Its functions are const, so that a task can be part of an object that does not
+/// change.
+class WakeTask {
  public:
-  /// On the waker's thread, at least once after each Waker::run().
+  /// The waker calls this on its thread, at least once after each Waker::submit().
   virtual void run() const noexcept = 0;
 
  protected:
-  ~Errand() = default;
+  ~WakeTask() = default;
 
  private:
   friend class Waker;
-  mutable std::atomic<bool> listed_{false};
-  mutable std::shared_ptr<const Errand> self_;  ///< while it is listed
-  mutable const Errand* next_ = nullptr;
+  mutable std::atomic<bool> queued_{false};
+  mutable std::shared_ptr<const WakeTask> self_;  ///< keeps the task alive while it is queued
+  mutable const WakeTask* next_ = nullptr;
 };
 
 class Waker {
  public:
   explicit Waker(core::ThreadSpec spec = "sft-wake") : spec_(std::move(spec)) {}
-  /// Runs what is still listed.
+  /// Runs the tasks that are still queued.
   ~Waker();
   Waker(const Waker&) = delete;
   Waker& operator=(const Waker&) = delete;
 
-  /// Starts the thread if it does not run; where the system gives none, the next call tries again. Any
+  /// Starts the thread if it does not run. If the system gives no thread, the next call tries again. Any
   /// thread.
   void start();
 
-  /// Has it run, and returns at once: takes no lock and no memory. False if there is no thread for it. Any
-  /// thread, for one errand one at a time.
-  bool run(const std::shared_ptr<const Errand>& errand) noexcept;
+  /// Queues the task and returns at once, without a lock and without an allocation. Returns false if the
+  /// thread does not run. Any thread may call it, but only one at a time for the same task.
+  bool submit(const std::shared_ptr<const WakeTask>& task) noexcept;
 
  private:
   void serve();
@@ -52,10 +53,10 @@ class Waker {
 
   const core::ThreadSpec spec_;
   core::Doorbell bell_;
-  std::atomic<const Errand*> listed_{nullptr};  ///< the latest first
+  std::atomic<const WakeTask*> submitted_{nullptr};  ///< a list of tasks, the latest first
   std::atomic<bool> running_{false};
   std::atomic<bool> stopping_{false};
-  std::mutex mutex_;  // guards what follows
+  std::mutex mutex_;  // guards thread_
   std::thread thread_;
 };
 

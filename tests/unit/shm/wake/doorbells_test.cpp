@@ -1,4 +1,4 @@
-// A publisher that rings for several readers leaves those that sleep to the waker.
+// A publisher that rings for several readers leaves it to the waker to wake those that sleep.
 #include "shm_transport/wake/doorbells.h"
 
 #include <gtest/gtest.h>
@@ -62,14 +62,14 @@ class SeveralSleepers : public RandomTest {
   std::array<std::atomic<std::uint64_t>, count> woken_{};
 };
 
-TEST_F(SeveralSleepers, AreNotWokenWhereNobodySleeps) {
+TEST_F(SeveralSleepers, NobodyIsWokenIfNobodySleeps) {
   EXPECT_EQ(bells_->announce(), 0U);
   for (std::uint32_t slot = 0; slot < count; ++slot)
-    EXPECT_EQ(page_->at(slot).rings, 1U) << "who looks next sees that it was rung";
+    EXPECT_EQ(page_->at(slot).rings, 1U) << "a reader that looks next must see that its doorbell was rung";
 }
 
-TEST_F(SeveralSleepers, AreToldOnlyOfWhatTheyWant) {
-  const auto closed = std::make_shared<core::RateGate>(1'000'000);  // nothing has passed it
+TEST_F(SeveralSleepers, AreToldOnlyOfSamplesThatTheyWant) {
+  const auto closed = std::make_shared<core::RateGate>(1'000'000);  // no sample has passed it
   const auto open = std::make_shared<core::RateGate>(0);
   open->consider(0);
   ASSERT_TRUE(open->passes());
@@ -82,20 +82,20 @@ TEST_F(SeveralSleepers, AreToldOnlyOfWhatTheyWant) {
   EXPECT_FALSE(bells.wanted());
   EXPECT_EQ(bells.announce(), 0U);
   bells.add(page, 1, open);
-  EXPECT_TRUE(bells.wanted()) << "one of those that share it wants it";
+  EXPECT_TRUE(bells.wanted()) << "one of the readers that share doorbell 1 wants the sample";
   EXPECT_EQ(bells.announce(), 1U);
   bells.add(page, 2, nullptr);
   bells.add(page, 2, closed);
-  EXPECT_EQ(bells.announce(), 2U) << "one of those that share it wants all";
+  EXPECT_EQ(bells.announce(), 2U) << "one of the readers that share doorbell 2 wants all samples";
   EXPECT_EQ(page->at(0).rings, 0U);
   EXPECT_EQ(page->at(1).rings, 2U);
   EXPECT_EQ(page->at(2).rings, 1U);
 }
 
-TEST_F(SeveralSleepers, AreWantedForAlsoWhereTheyCannotBeWoken) {
+TEST_F(SeveralSleepers, ThatCannotBeWokenWantTheSampleAllTheSame) {
   shm::Doorbells bells;
   bells.add(nullptr, 0, nullptr);
-  EXPECT_TRUE(bells.wanted()) << "they look for themselves";
+  EXPECT_TRUE(bells.wanted()) << "a reader that cannot be woken looks for samples by itself";
   EXPECT_EQ(bells.announce(), 0U);
   bells.run();
 }
@@ -127,7 +127,7 @@ TEST_F(SeveralSleepers, AreNeverForgotten) {
   EXPECT_EQ(published_, rounds);
 }
 
-TEST_F(SeveralSleepers, AreWokenWhenTheListThatNamesThemIsReplacedAtOnce) {
+TEST_F(SeveralSleepers, AreWokenAlsoIfTheListOfDoorbellsIsReplacedAtOnce) {
   const std::uint64_t rounds = test_rounds(2'000 / SFT_TEST_SHARE);
   for (std::uint64_t round = 1; round <= rounds; ++round) {
     std::vector<std::thread> sleepers;
@@ -143,7 +143,7 @@ TEST_F(SeveralSleepers, AreWokenWhenTheListThatNamesThemIsReplacedAtOnce) {
   }
 }
 
-TEST_F(SeveralSleepers, AreWokenAlsoWhereThePublisherEndsAtOnce) {
+TEST_F(SeveralSleepers, AreWokenAlsoIfThePublisherEndsAtOnce) {
   for (std::uint64_t round = 1; round <= 200; ++round) {
     std::vector<std::thread> sleepers;
     for (std::size_t which = 0; which < count; ++which) {
