@@ -23,7 +23,8 @@ std::optional<uid_t> user_id(const std::string& user) {
   return found->pw_uid;
 }
 
-/// Whoever may write to /run could have made the directory.
+/// Returns the owner of /run/sft if only root can write to /run. Otherwise anybody could have made the
+/// directory.
 std::optional<uid_t> owner_of_run_directory() {
   struct stat parent {};
   struct stat directory {};
@@ -40,8 +41,9 @@ Result<std::vector<uid_t>> user_ids(const std::vector<std::string>& users) {
   for (const std::string& user : users) {
     const std::optional<uid_t> id = user_id(user);
     if (!id)
-      return fail(Errc::invalid_argument,
-                  "shm.daemon_users: there is no user '" + user + "'; name one of this host, or its number");
+      return fail(Errc::invalid_argument, "shm.daemon_users: there is no user '" + user +
+                                              "'; give the name of a user of this host, or "
+                                              "the user's number");
     ids.push_back(*id);
   }
   return ids;
@@ -56,7 +58,8 @@ core::TrustedAccounts accepted_daemons(std::vector<uid_t> named) {
 std::string why_not_accepted(uid_t user) {
   const std::string name = core::account_name(user);
   return "the sftd of " + name +
-         " is not accepted, since it would see all samples; end it and start one as root or as this user, or "
+         " is not accepted, because it would see all samples; end it and start sftd as root or as this user, "
+         "or "
          "name " +
          name.substr(name.find(' ') + 1) + " in shm.daemon_users";
 }

@@ -20,7 +20,8 @@ namespace sft::shm {
 
 namespace {
 
-/// What the new process starts with: no descriptor but its standard ones, no signal blocked or ignored.
+/// The settings of the new process: it has only its three standard descriptors, and no signal is blocked or
+/// ignored.
 class SpawnSettings {
  public:
   explicit SpawnSettings(int standard_error) {
@@ -77,15 +78,15 @@ Result<DaemonLaunch> DaemonLaunch::begin(const ShmOptions& options) {
     error = posix_spawnp(&child, path.c_str(), settings.actions(), settings.attributes(), arguments.data(),
                          environ);
   };
-  // The daemon takes over CPUs and scheduling policy from the thread that starts it, and it serves others,
-  // too.
+  // The daemon inherits the CPUs and the scheduling policy of the thread that starts it. It serves other
+  // programs, too, so a thread of its own starts it, with the usual settings.
   Result<std::thread> spawning = core::start_thread("sft-launch", spawn);
   if (!spawning) return tl::unexpected(spawning.error());
   spawning->join();
   if (error != 0) {
-    const std::string system = path + " could not be started: " + std::strerror(error);
-    if (is_named) return fail(errc_of(error), system + "; " + options.daemon_named_by + " names it");
-    if (error != ENOENT || path.find('/') != std::string::npos) return fail(errc_of(error), system);
+    const std::string reason = path + " could not be started: " + std::strerror(error);
+    if (is_named) return fail(errc_of(error), reason + "; " + options.daemon_named_by + " names it");
+    if (error != ENOENT || path.find('/') != std::string::npos) return fail(errc_of(error), reason);
     return fail(Errc::unavailable, path + " could not be started: " + explain_missing_daemon(found));
   }
   return DaemonLaunch(child, std::move(read_end));
@@ -98,7 +99,7 @@ DaemonLaunch::~DaemonLaunch() {
 }
 
 bool DaemonLaunch::child_is_gone() noexcept {
-  // -1 of waitpid: the program reaped it itself.
+  // waitpid() returns -1 if the program itself has already reaped the child.
   if (child_ > 0 && waitpid(child_, nullptr, WNOHANG) != 0) child_ = 0;
   return child_ == 0;
 }
@@ -106,11 +107,11 @@ bool DaemonLaunch::child_is_gone() noexcept {
 std::optional<DaemonLaunch::Outcome> DaemonLaunch::poll() {
   char text[512];
   ssize_t bytes = 0;
-  while ((bytes = read(complaints_.get(), text, sizeof text)) > 0)
-    text_.append(text, static_cast<std::size_t>(bytes));
-  if (bytes < 0 || !child_is_gone()) return std::nullopt;  // it runs on, or is about to exit
-  while (!text_.empty() && text_.back() == '\n') text_.pop_back();
-  return Outcome{text_};
+  while ((bytes = read(error_output_.get(), text, sizeof text)) > 0)
+    error_text_.append(text, static_cast<std::size_t>(bytes));
+  if (bytes < 0 || !child_is_gone()) return std::nullopt;  // the child still runs, or is about to exit
+  while (!error_text_.empty() && error_text_.back() == '\n') error_text_.pop_back();
+  return Outcome{error_text_};
 }
 
 }  // namespace sft::shm

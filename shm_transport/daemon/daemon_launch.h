@@ -1,5 +1,6 @@
-// Starting sftd from an ordinary program, which it outlives: a session of its own, none of the program's
-// descriptors, signal settings or directory, and never its child for longer than it takes to begin.
+// Starts sftd from an ordinary program. The daemon outlives the program: it has a session of its own, and
+// does not inherit the descriptors, the signal settings or the directory of the program. It is no child of
+// the program any more as soon as it has started.
 #pragma once
 
 #include <sys/types.h>
@@ -18,26 +19,27 @@ class DaemonLaunch {
   static Result<DaemonLaunch> begin(const ShmOptions& options);
   DaemonLaunch(DaemonLaunch&& other) noexcept
       : child_(std::exchange(other.child_, 0)),
-        complaints_(std::move(other.complaints_)),
-        text_(std::move(other.text_)) {}
+        error_output_(std::move(other.error_output_)),
+        error_text_(std::move(other.error_text_)) {}
   DaemonLaunch& operator=(DaemonLaunch&&) = delete;
-  /// Leaves no child behind: ends its wait, but not the daemon that it may have started.
+  /// Kills the child that still waits for the daemon, so that no child remains. A daemon that it may have
+  /// started goes on.
   ~DaemonLaunch();
 
   struct Outcome {
-    std::string complaint;  ///< empty if it runs, or found another one running
+    std::string error;  ///< empty if the daemon runs, or has found another daemon running
   };
-  /// Once it has begun or failed. Does not wait.
+  /// Returns the outcome after the daemon has started or failed, and nothing before. Does not wait.
   std::optional<Outcome> poll();
 
  private:
-  DaemonLaunch(pid_t child, Descriptor complaints) : child_(child), complaints_(std::move(complaints)) {}
+  DaemonLaunch(pid_t child, Descriptor complaints) : child_(child), error_output_(std::move(complaints)) {}
 
   bool child_is_gone() noexcept;
 
-  pid_t child_;            ///< the process that goes once the daemon, its grandchild, is ready; 0: gone
-  Descriptor complaints_;  ///< its standard error, closed when it goes
-  std::string text_;
+  pid_t child_;  ///< the process that ends as soon as its grandchild, the daemon, is ready; 0: ended
+  Descriptor error_output_;  ///< the child's standard error; the child closes it when it ends
+  std::string error_text_;   ///< what was read from it
 };
 
 }  // namespace sft::shm

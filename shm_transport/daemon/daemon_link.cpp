@@ -16,14 +16,14 @@ namespace {
 
 using core::Availability;
 
-// After a daemon was started, which may be killed, or end by itself, as soon as it is ready. The pause does
-// not grow, because that start had no obstacle.
+// The pause after a successful start of a daemon. The daemon may be killed, or end by itself, as soon as it
+// is ready. This pause does not grow, because nothing was in the way of the start.
 constexpr std::chrono::milliseconds pause_after_a_start{500};
-// From a failed start to the next one where an obstacle is gone: whoever makes and removes files again and
-// again causes no more attempts than that.
+// The pause after a failed start if an obstacle is gone. It limits the attempts that a process can cause
+// which makes and removes such files again and again.
 constexpr std::chrono::milliseconds shortest_pause_of_launches{200};
 
-/// sft_<prefix>_<pid>_<random>: unique among the processes that a daemon serves, as it must be.
+/// Returns sft_<prefix>_<pid>_<random>. The name must be unique among the processes that a daemon serves.
 std::string make_runtime_name(const std::string& prefix) {
   std::string name = runtime_name_stem;
   for (const char c : prefix.substr(0, 32)) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
@@ -33,13 +33,14 @@ std::string make_runtime_name(const std::string& prefix) {
   return name + rest;
 }
 
-/// Somebody serves iceoryx's programs in this /tmp, or has the lock of such a daemon.
-bool somebody_serves() {
-  return is_locked_at(daemon_lock_path) || listener_at(roudi_socket_path) == Listener::alive;
+/// Returns whether a daemon serves programs of iceoryx in this /tmp, or has locked the daemon's lock there.
+bool another_daemon_serves() {
+  return is_locked_at(daemon_lock_path) || socket_state_at(roudi_socket_path) == SocketState::alive;
 }
 
-/// That somebody, of whom there is no sign in /dev/shm.
-std::string why_nobody_serves_us(const core::TrustedAccounts& accepted) {
+/// Says why the daemon that another_daemon_serves() has found cannot be used. It has no host file in this
+/// /dev/shm.
+std::string why_that_daemon_is_not_used(const core::TrustedAccounts& accepted) {
   struct stat socket {};
   if (const auto daemon = read_daemon_lock()) {
     if (!accepted.include_user(daemon->user)) return why_not_accepted(daemon->user);
@@ -48,8 +49,8 @@ std::string why_nobody_serves_us(const core::TrustedAccounts& accepted) {
   }
   const std::string whose =
       lstat(roudi_socket_path, &socket) == 0 ? " of " + core::account_name(socket.st_uid) : "";
-  return "iceoryx is served by another daemon than sftd (its iox-roudi?)" + whose +
-         "; stop that one, and sftd will be started";
+  return "another daemon than sftd serves iceoryx here (iox-roudi?)" + whose +
+         "; stop that daemon, and sftd will be started";
 }
 
 std::string daemon_name(pid_t pid) { return "sftd (pid " + std::to_string(pid) + ")"; }
@@ -59,7 +60,7 @@ std::string daemon_name(pid_t pid) { return "sftd (pid " + std::to_string(pid) +
 DaemonLink::State DaemonLink::advance(const ShmOptions& options,
                                       const std::shared_ptr<IceoryxRuntime>& runtime, Clock::time_point now) {
   if (advancing_.test_and_set(std::memory_order_acquire)) return current();
-  std::shared_ptr<Session> session;  // keeps a new one until the caller has it
+  std::shared_ptr<Session> session;  // keeps a new session alive until the caller has it
   switch (phase_) {
     case Phase::looking:
       look(options, now);
@@ -94,8 +95,8 @@ void DaemonLink::look(const ShmOptions& options, Clock::time_point now) {
   } else if (const auto lock = read_daemon_lock();
              lock && lock->pid == 0 && accepted.include_user(lock->user)) {
     publish(Availability::starting, "sftd is starting or ending");
-  } else if (somebody_serves()) {
-    publish(Availability::unavailable, why_nobody_serves_us(accepted));
+  } else if (another_daemon_serves()) {
+    publish(Availability::unavailable, why_that_daemon_is_not_used(accepted));
   } else if (!options.start_daemon) {
     publish(Availability::unavailable, "no sftd is running, and starting one is turned off; run sftd",
             nullptr, true);
@@ -112,27 +113,28 @@ void DaemonLink::await_host_file(const ShmOptions& options, Clock::time_point no
     publish(Availability::starting, "sftd is starting");
   } else {
     publish(Availability::unavailable,
-            "sftd does not get ready; is it stopped? Look for it with: pgrep -a sftd");
+            "sftd is starting but does not get ready; is it stopped? Look for it with: pgrep -a sftd");
   }
 }
 
-/// When its time has come, or as soon as something that was in the way of the last attempt is gone.
+/// A daemon is started when the pause is over, or as soon as something that was in the way of the last
+/// attempt is gone.
 bool DaemonLink::may_launch(Clock::time_point now) const {
   if (launching_.due(now)) return true;
-  return failed_at_ && now >= *failed_at_ + shortest_pause_of_launches &&
+  return launch_failed_at_ && now >= *launch_failed_at_ + shortest_pause_of_launches &&
          LaunchObstacles::look(files_of_daemon_).have_eased_since(obstacles_);
 }
 
 void DaemonLink::launch(const ShmOptions& options, Clock::time_point now) {
   if (files_of_daemon_.empty()) files_of_daemon_ = files_of_own_daemon();
   obstacles_ = LaunchObstacles::look(files_of_daemon_);
-  failed_at_.reset();
+  launch_failed_at_.reset();
   auto launched = DaemonLaunch::begin(options);
   if (!launched) return give_up(launching_, launched.error().message, now);
   launch_.emplace(std::move(*launched));
   deadline_ = now + options.start_deadline;
   phase_ = Phase::launching;
-  publish(Availability::starting, "starts sftd");
+  publish(Availability::starting, "this program starts sftd");
 }
 
 void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) {
@@ -143,29 +145,30 @@ void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) 
   }
   if (!outcome) return;
   launch_.reset();
-  if (!outcome->complaint.empty()) return give_up_launch(outcome->complaint, now);
+  if (!outcome->error.empty()) return give_up_launch(outcome->error, now);
   phase_ = Phase::looking;
   deadline_.reset();
-  // A daemon that ends as soon as it is ready would be started again and again without this.
-  launching_.failed("sftd has ended again after it was started; it is started once more within 1 s", now,
+  // Without this pause, a daemon that ends as soon as it is ready would be started again and again.
+  launching_.failed("sftd has ended again after it was started; it will be started once more within 1 s", now,
                     pause_after_a_start);
   look(options, now);
 }
 
-/// Files that came while sftd started count as well: they may be what it met.
+/// Files that appeared while sftd started count as obstacles, too, because they may have stopped it.
 void DaemonLink::give_up_launch(const std::string& reason, Clock::time_point now) {
   obstacles_.add_files_of(LaunchObstacles::look(files_of_daemon_));
-  failed_at_ = now;
+  launch_failed_at_ = now;
   give_up(launching_, reason, now);
 }
 
 void DaemonLink::begin_registration(const ShmOptions& options, HostWatch watch, Clock::time_point now) {
   if (watch.file().protocol != host_protocol) {
-    return give_up(
-        registering_,
-        daemon_name(watch.file().pid) +
-            " is of another version than this program; end it (sftd stop), and start that of this one",
-        now);
+    return give_up(registering_,
+                   daemon_name(watch.file().pid) +
+                       " is of another version than this program; end it (sftd stop), and start the sftd of "
+                       "this program's "
+                       "version",
+                   now);
   }
   auto channel = RoudiChannel::open(make_runtime_name(options.runtime_name_prefix), watch.user());
   if (!channel) {
@@ -176,7 +179,7 @@ void DaemonLink::begin_registration(const ShmOptions& options, HostWatch watch, 
   watch_.emplace(std::move(watch));
   deadline_ = now + options.connect_deadline;
   phase_ = Phase::registering;
-  publish(Availability::starting, "registers with " + daemon_name(watch_->file().pid));
+  publish(Availability::starting, "this program registers with " + daemon_name(watch_->file().pid));
 }
 
 std::shared_ptr<Session> DaemonLink::await_registration(const std::shared_ptr<IceoryxRuntime>& runtime,
@@ -186,7 +189,7 @@ std::shared_ptr<Session> DaemonLink::await_registration(const std::shared_ptr<Ic
   if (!answer) {
     give_up(registering_, answer.error().message, now);
   } else if (!watch_->daemon_lives()) {
-    give_up(registering_, name + " went away while this process registered", now);
+    give_up(registering_, name + " ended while this process registered", now);
   } else if (!*answer && now >= *deadline_) {
     give_up(registering_,
             name +
@@ -215,10 +218,10 @@ std::shared_ptr<Session> DaemonLink::watch_session() {
     session->collect();
     return session;
   }
-  // Without a session everybody let go of the last one, which said goodbye by that.
+  // If there is no session, its last user has released it, and it has said goodbye to the daemon.
   phase_ = Phase::looking;
   publish(Availability::starting,
-          session != nullptr ? daemon_name(session->daemon_pid()) + " is gone" : "looks for sftd");
+          session != nullptr ? daemon_name(session->daemon_pid()) + " is gone" : looking_for_daemon);
   if (session != nullptr) session->lose();
   return nullptr;
 }
@@ -244,7 +247,7 @@ void DaemonLink::publish(Availability availability, std::string description, std
 DaemonLink::State DaemonLink::current() const {
   const std::scoped_lock lock(mutex_);
   std::shared_ptr<Session> session = session_.lock();
-  // A session that everybody let go of is no longer there to be shared.
+  // A session that all its users have released cannot be shared any more.
   if (availability_ == Availability::ready && session == nullptr) return {Availability::starting, nullptr};
   return {availability_, std::move(session)};
 }

@@ -1,5 +1,6 @@
-// The way from "no shared memory" to a session and back: looks for the daemon, starts one, registers, and
-// notices its death. A state machine that never waits; it is advanced by whoever polls.
+// The connection of this process to its daemon. DaemonLink looks for the daemon, starts one if none runs,
+// registers this process, and notices when the daemon is gone. It is a state machine that never waits. The
+// transports of the process advance it at each poll.
 #pragma once
 
 #include <array>
@@ -24,20 +25,21 @@ class DaemonLink {
  public:
   struct State {
     core::Availability availability = core::Availability::starting;
-    std::shared_ptr<Session> session{};  ///< exactly while ready
+    std::shared_ptr<Session> session{};  ///< set exactly while shared memory is ready
   };
 
-  /// Any thread. Where another thread is advancing it just now, the state is as that one last left it.
-  /// The sessions keep `runtime`, and with it whatever owns this link.
+  /// Any thread. If another thread is inside at the moment, this call only returns the state of the last
+  /// step. Sessions share the ownership of `runtime`, and with it of the object that owns this link.
   State advance(const ShmOptions& options, const std::shared_ptr<IceoryxRuntime>& runtime,
                 Clock::time_point now);
 
-  /// One sentence on that state.
+  /// Describes the state in one sentence.
   std::string description() const;
-  /// No daemon is running, and the options forbid to start one. Any thread.
+  /// Returns whether no daemon is running and the options forbid to start one. Any thread.
   bool lacks_daemon() const;
 
  private:
+  static constexpr const char* looking_for_daemon = "this program looks for sftd";
   enum class Phase { looking, launching, registering, in_session };
 
   void look(const ShmOptions& options, Clock::time_point now);
@@ -56,25 +58,27 @@ class DaemonLink {
                std::shared_ptr<Session> session = nullptr, bool lacks_daemon = false);
   State current() const;
 
-  // Of the thread that advances, which is whoever took the flag.
+  // The thread that has set this flag uses the members up to the mutex.
   std::atomic_flag advancing_ = ATOMIC_FLAG_INIT;
   Phase phase_ = Phase::looking;
   std::optional<DaemonLaunch> launch_;
   std::optional<HostWatch> watch_;
   std::unique_ptr<RoudiChannel> channel_;
-  std::optional<Clock::time_point> deadline_;  ///< of what the phase waits for
+  std::optional<Clock::time_point> deadline_;  ///< the end of the current phase
   core::Retry launching_;
-  std::vector<std::string> files_of_daemon_;    ///< found out before the first attempt to start one
-  LaunchObstacles obstacles_;                   ///< to the last attempt
-  std::optional<Clock::time_point> failed_at_;  ///< the last attempt, where obstacles may be why
-  core::Retry registering_;                     ///< with the daemon of this token: another one owes nothing
-  std::array<std::uint8_t, 16> registered_with_{};
+  std::vector<std::string> files_of_daemon_;  ///< set before the first attempt to start a daemon
+  LaunchObstacles obstacles_;                 ///< obstacles to the last attempt to start a daemon
+  /// The time of the last failed attempt; set if obstacles may be the reason of the failure.
+  std::optional<Clock::time_point> launch_failed_at_;
+  core::Retry registering_;  ///< attempts to register with the daemon of registered_with_; a new daemon is
+                             ///< tried at once
+  std::array<std::uint8_t, 16> registered_with_{};  ///< the token of that daemon
 
-  mutable std::mutex mutex_;  // guards what is seen from outside
+  mutable std::mutex mutex_;  // guards the members below, which the functions for any thread read
   core::Availability availability_ = core::Availability::starting;
-  std::string description_ = "looks for sftd";
+  std::string description_ = looking_for_daemon;
   bool lacks_daemon_ = false;
-  std::weak_ptr<Session> session_;  ///< held by transports and ports, not by the link
+  std::weak_ptr<Session> session_;  ///< transports and ports own it, the link does not
 };
 
 }  // namespace sft::shm

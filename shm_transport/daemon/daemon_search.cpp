@@ -16,14 +16,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Also of a program whose file was removed or replaced since it started.
+/// Returns the directory that the program was started from, also if its file was removed or replaced since
+/// then.
 fs::path directory_of_program() {
   std::error_code error;
   return fs::read_symlink("/proc/self/exe", error).parent_path();
 }
 
-/// Of the shared library that this function is in. Empty where it is linked into the program itself, and
-/// where the loader knows the library only by a path from the directory that was the current one then.
+/// Returns the directory of the shared library that has this function. Empty if the function is linked into
+/// the program itself, and if the loader knows the library only by a path relative to the directory that was
+/// current when it was loaded.
 fs::path directory_of_library() {
   Dl_info symbol{};
   void* extra = nullptr;
@@ -68,12 +70,12 @@ FoundDaemon find_daemon(const DaemonPlaces& places) {
   }
   for (const std::string& place : places.built_in) {
     if (std::ranges::find(found.missed, place) != found.missed.end()) continue;
-    // Without links, since one on the way to it may be another account's.
+    // Links are resolved first, because a link on the way to the file may belong to another account.
     std::error_code error;
     const std::string file = fs::canonical(place, error);
     const bool is_there = !error && is_program(file);
     if (is_there && is_under_own_control(file)) return {file};
-    found.missed.push_back(is_there ? place + " (which others than root and this account can replace)"
+    found.missed.push_back(is_there ? place + " (which other accounts than root and this one can replace)"
                                     : place);
   }
   return found;
@@ -93,7 +95,7 @@ bool is_under_own_control(const std::string& file) {
   while (true) {
     struct stat there {};
     if (lstat(part.c_str(), &there) != 0 || !own.include_user(there.st_uid)) return false;
-    // In a sticky directory others can make files, but not replace this one.
+    // In a sticky directory other accounts can make files, but cannot replace this one.
     const bool is_shared = S_ISDIR(there.st_mode) && (there.st_mode & S_ISVTX) != 0;
     if ((there.st_mode & S_IWOTH) != 0 && !is_shared) return false;
     if (part == part.root_path()) return true;

@@ -1,4 +1,4 @@
-// Where a program that starts sftd looks for its file, and what is said where it is in none of these places.
+// Finds the file of sftd for a program that starts it, or explains where it was not found.
 #pragma once
 
 #include <sys/types.h>
@@ -8,31 +8,34 @@
 
 namespace sft::shm {
 
-/// In this order, and last in PATH.
+/// The files that are tried, in this order. PATH comes last.
 struct DaemonPlaces {
-  /// Relative to the program, and to the shared library that this code is a part of. Whoever could write
-  /// there could as well have changed these.
+  /// Paths relative to the program, and to the shared library that has this code. An account that can write
+  /// there could also change the program or the library, so these paths need no check.
   std::vector<std::string> beside{};
-  /// Paths that are known since SFT was built. By now somebody else may have got one of them, so a file
-  /// counts only if root or this account alone could have put it there.
+  /// Paths that are known since SFT was built. By now another account may own such a path. So a file there
+  /// counts only if nobody but root and this account could have put it there.
   std::vector<std::string> built_in{};
 
   static DaemonPlaces of_this_process();
 };
 
 struct FoundDaemon {
-  /// The bare name, for which PATH is searched, if it is in none of the places.
+  /// The file, or the bare name if no place has it. PATH is searched for the bare name.
   std::string path = "sftd";
-  /// The places that were tried in vain. One that has a file is there with the reason.
+  /// The places that were tried in vain. If a place has a file that does not count, the reason follows its
+  /// path.
   std::vector<std::string> missed{};
 };
 FoundDaemon find_daemon(const DaemonPlaces& places);
 
-/// "it is neither A nor B nor in PATH; ...": why a bare name could not be started, and what to do.
+/// Returns "it is neither A nor B nor in PATH; ...". The text says why the bare name could not be started,
+/// and what to do.
 std::string explain_missing_daemon(const FoundDaemon& found);
 
-/// Whether only root and this account can change which file has that path, without links, and what is in it.
-/// Groups are not considered, since many systems give each account one of its own, and let it write.
+/// Returns whether only root and this account can replace the file at this path, or change its contents. The
+/// path has no links. Rights of groups are not considered, because many systems give each account a group of
+/// its own that may write.
 bool is_under_own_control(const std::string& file);
 
 }  // namespace sft::shm

@@ -15,9 +15,10 @@ namespace sft::shm {
 
 namespace {
 
-// Other programs take and give back space all the time: only so much more is a reason for an attempt.
+// Other programs take and give back space all the time. Only a growth by this much is a reason for a new
+// attempt.
 constexpr std::uint64_t least_growth_bytes = std::uint64_t{16} << 20;
-constexpr std::uint64_t least_growth_divisor = 8;  // of what was free before
+constexpr std::uint64_t least_growth_divisor = 8;  // the growth must be this part of the space that was free
 
 std::string own_group_name() {
   group entry{};

@@ -17,8 +17,8 @@ std::shared_ptr<ProcessDaemon> ProcessDaemon::shared() {
 }
 
 DaemonLink::State ProcessDaemon::advance(const ShmOptions& options, Clock::time_point now) {
-  // The session holds the runtime by a pointer that keeps all of this object alive: another link would make a
-  // second session while the first one lasts.
+  // The session gets a pointer to the runtime that keeps this whole object alive. Otherwise a new object,
+  // with a link of its own, could make a second session while the first one still exists.
   return link_.advance(options, std::shared_ptr<IceoryxRuntime>(shared_from_this(), &runtime_), now);
 }
 

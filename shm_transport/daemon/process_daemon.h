@@ -1,5 +1,5 @@
-// The link of this process with its daemon. iceoryx allows one session for each process, so all nodes of the
-// process share this object by reference counting. It is the one global object of the transport.
+// The link of this process to its daemon. iceoryx allows one session for each process, so all nodes of the
+// process share this object by reference counting. It is the only global object of the transport.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@ class ProcessDaemon : public std::enable_shared_from_this<ProcessDaemon> {
   /// Returns the object of this process, and makes it if nobody holds it now. Any thread.
   static std::shared_ptr<ProcessDaemon> shared();
 
-  /// As DaemonLink::advance(). A session that it returns keeps this object alive.
+  /// Advances the link, as DaemonLink::advance() describes. A session in the result keeps this object alive.
   DaemonLink::State advance(const ShmOptions& options, Clock::time_point now);
   std::string description() const { return link_.description(); }
   bool lacks_daemon() const { return link_.lacks_daemon(); }

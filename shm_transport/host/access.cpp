@@ -33,7 +33,7 @@ bool is_for(acl_entry_t entry, acl_tag_t tag, id_t id) {
   return its_id != nullptr && *its_id == id;
 }
 
-/// The entry of that user or group, made if there is none.
+/// Finds the entry of the user or group, and adds one if there is none. Null: the entry could not be added.
 acl_entry_t entry_for(acl_t& list, acl_tag_t tag, id_t id) {
   acl_entry_t entry{};
   for (int more = acl_get_entry(list, ACL_FIRST_ENTRY, &entry); more == 1;
@@ -47,13 +47,14 @@ acl_entry_t entry_for(acl_t& list, acl_tag_t tag, id_t id) {
 
 Result<void> grant(const std::string& path, acl_tag_t tag, id_t id) {
   static_assert(std::is_same_v<id_t, uid_t> && std::is_same_v<id_t, gid_t>);
-  // Somebody else may have put a link there since: the list is that of what was looked at.
-  const core::FileDescriptor place(open(path.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
+  // Another account may put a link at this path at any moment. So the path is resolved once, and the check
+  // and the change use the same descriptor.
+  const core::FileDescriptor descriptor(open(path.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
   struct stat file {};
-  if (!place || fstat(place.get(), &file) != 0) return fail_on(path);
+  if (!descriptor || fstat(descriptor.get(), &file) != 0) return fail_on(path);
   if (file.st_uid != geteuid() || S_ISLNK(file.st_mode))
-    return fail(Errc::no_permission, path + " is no file of this account any more");
-  const std::string opened = "/proc/self/fd/" + std::to_string(place.get());
+    return fail(Errc::no_permission, path + " does not belong to this account any more");
+  const std::string opened = "/proc/self/fd/" + std::to_string(descriptor.get());
   acl_t list = acl_get_file(opened.c_str(), ACL_TYPE_ACCESS);
   if (list == nullptr) return fail_on(path);
   acl_permset_t rights{};

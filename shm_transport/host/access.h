@@ -1,5 +1,5 @@
-// Rights of a single user or group on a file, beyond those of its owner and group: an entry in its access
-// control list. So processes of several users can share memory without all of them being in one group.
+// Gives a single user or group rights to a file, by an entry in the access control list of the file. With
+// such entries processes of several users can share memory although they are not all in one group.
 #pragma once
 
 #include <sys/types.h>
@@ -10,8 +10,8 @@
 
 namespace sft::shm {
 
-/// To read and write, whatever the file's own bits say. The caller owns the file, and no link at that path is
-/// followed. Errc::unavailable where the file system has no such lists.
+/// Gives the right to read and write the file, whatever its mode bits say. The caller must own the file. A
+/// link at the path is not followed. Errc::unavailable if the file system has no access control lists.
 Result<void> grant_to_user(const std::string& path, uid_t user);
 Result<void> grant_to_group(const std::string& path, gid_t group);
 

@@ -1,9 +1,11 @@
-// Whether a process has a chunk in hand: whether it is just taking one through a port, delivering it or
-// giving it back. For these moments a chunk can be in no list, or be counted too often; if a process is
-// killed there it stays so. sftd looks for such chunks while nobody has one in hand (sftd/chunk_auditor.h).
+// A process has a chunk in hand while it takes the chunk through a port, delivers it or gives it back. In
+// these moments the chunk can be in no list, or its references can be counted too high. If the process is
+// killed then, the chunk stays so. sftd looks for such chunks while no process has one in hand
+// (sftd/chunk_auditor.h).
 //
-// A count in the port itself: odd, and the owner has one in hand. It lies behind the name of the port's node,
-// which iceoryx stores and does not use, and which ends long before.
+// The mark is a count in the port itself. An odd count means that the owner of the port has a chunk in hand.
+// The count lies in the field for the name of the port's node, far behind the end of the name: iceoryx stores
+// this field and does not use it.
 #pragma once
 
 #include <atomic>
@@ -14,20 +16,21 @@
 
 namespace sft::shm {
 
-inline std::atomic<std::uint32_t>& hand_of(const iox::popo::BasePortData& port) noexcept {
+inline std::atomic<std::uint32_t>& in_hand_count(const iox::popo::BasePortData& port) noexcept {
   constexpr std::size_t offset = 96;
   static_assert(iox::NodeName_t::capacity() >= offset + sizeof(std::uint32_t));
   static_assert(alignof(iox::NodeName_t) >= alignof(std::uint32_t));
   return *reinterpret_cast<std::atomic<std::uint32_t>*>(const_cast<char*>(port.m_nodeName.c_str()) + offset);
 }
 
-/// While it exists. Of one port one at a time: the port's mutex is held meanwhile.
+/// Marks the port for as long as this object exists. A port can have one such object at a time, so the caller
+/// holds the mutex of the port.
 class ChunkInHand {
  public:
   explicit ChunkInHand(const iox::popo::BasePortData& port) noexcept
-      : hand_(hand_of(port)), before_(hand_.load(std::memory_order_relaxed)) {
+      : hand_(in_hand_count(port)), before_(hand_.load(std::memory_order_relaxed)) {
     hand_.store(before_ + 1, std::memory_order_relaxed);
-    before_chunk_leaves();  // or anything else of it is written
+    before_chunk_leaves();  // the mark is written before anything else
   }
   ~ChunkInHand() { hand_.store(before_ + 2, std::memory_order_release); }
   ChunkInHand(const ChunkInHand&) = delete;

@@ -9,10 +9,10 @@ std::optional<ChunkPools::Choice> ChunkPools::choose(std::size_t bytes) const no
   for (std::uint32_t i = 0; i < pools_.getNumberOfMemPools() && tried < candidates; ++i) {
     const auto pool = pools_.getMemPoolInfo(i);
     if (pool.m_chunkSize < payload + chunk_header_size) continue;
-    if (pool.m_usedChunks + vanished_[i].now() < pool.m_numChunks) {
+    if (pool.m_usedChunks + vanished_[i].count() < pool.m_numChunks) {
       return Choice{i, static_cast<std::uint32_t>(payload)};
     }
-    payload = pool.m_chunkSize - chunk_header_size + 8;  // too much for this one
+    payload = pool.m_chunkSize - chunk_header_size + 8;  // makes iceoryx take a larger pool
     ++tried;
   }
   return std::nullopt;
@@ -25,15 +25,15 @@ std::size_t ChunkPools::largest_bytes() const noexcept {
 
 void ChunkPools::note_empty(const Choice& choice) noexcept {
   const auto pool = pools_.getMemPoolInfo(choice.pool);
-  if (pool.m_usedChunks >= pool.m_numChunks) return;  // others were faster
+  if (pool.m_usedChunks >= pool.m_numChunks) return;  // other writers took the last chunks
   Vanished& vanished = vanished_[choice.pool];
   vanished.chunks.store(pool.m_numChunks - pool.m_usedChunks, std::memory_order_relaxed);
   vanished.until.store(Clock::now() + std::chrono::seconds(1), std::memory_order_relaxed);
 }
 
-std::uint32_t ChunkPools::Vanished::now() const noexcept {
-  const std::uint32_t found = chunks.load(std::memory_order_relaxed);
-  return found == 0 || Clock::now() >= until.load(std::memory_order_relaxed) ? 0 : found;
+std::uint32_t ChunkPools::Vanished::count() const noexcept {
+  const std::uint32_t noted = chunks.load(std::memory_order_relaxed);
+  return noted == 0 || Clock::now() >= until.load(std::memory_order_relaxed) ? 0 : noted;
 }
 
 }  // namespace sft::shm

@@ -1,6 +1,6 @@
-// The daemon's pools of chunks as a writer chooses from them. It asks iceoryx only for what it can give: from
-// an empty pool it would print to the program's terminal, and a size above all pools is an error of the whole
-// process to it.
+// Chooses the pool of the daemon from which a writer takes its next chunk. A writer asks iceoryx only for
+// chunks that iceoryx can give. Otherwise iceoryx would print to the terminal of the program if the pool is
+// empty, and would report an error of the whole process if the size exceeds all pools.
 #pragma once
 
 #include <array>
@@ -14,38 +14,40 @@
 
 namespace sft::shm {
 
-/// Shared by all writers of a session. Any thread.
+/// All writers of a session share one object. Any thread may call it.
 class ChunkPools {
  public:
   explicit ChunkPools(const iox::mepoo::MemoryManager& pools) : pools_(pools) {}
 
   struct Choice {
     std::uint32_t pool = 0;
-    std::uint32_t payload_bytes = 0;  ///< to ask for, so that iceoryx takes that pool
+    std::uint32_t payload_bytes = 0;  ///< the size to ask for, with which iceoryx takes this pool
   };
-  /// The pool of that size, or where it is used up the next larger one; not more, so that a flood of small
-  /// samples leaves the large chunks alone.
+  /// Returns the smallest pool whose chunks are large enough, or the next larger pool if that one is used up.
+  /// Still larger pools are never chosen, so that a flood of small samples leaves the large chunks alone.
   std::optional<Choice> choose(std::size_t bytes) const noexcept;
 
-  /// What a chunk of the largest pool holds.
+  /// Returns how many bytes a chunk of the largest pool holds.
   std::size_t largest_bytes() const noexcept;
 
-  /// The chosen pool was empty after all. A process killed while it took a chunk leaves one that counts as
-  /// free and is not; this is reckoned with for a second, until sftd has found it.
+  /// Notes that the chosen pool was empty although it counts free chunks. A process that is killed while it
+  /// takes a chunk leaves a chunk that counts as free and cannot be had. Such chunks are not counted for one
+  /// second; by then sftd has found them.
   void note_empty(const Choice& choice) noexcept;
 
  private:
   const iox::mepoo::MemoryManager& pools_;
   using Clock = std::chrono::steady_clock;
-  struct Vanished {  ///< chunks of a pool
+  /// Chunks of one pool that count as free and cannot be had.
+  struct Vanished {
     std::atomic<std::uint32_t> chunks{0};
-    std::atomic<Clock::time_point> until{};
-    std::uint32_t now() const noexcept;
+    std::atomic<Clock::time_point> until{};  ///< the time until which `chunks` is believed
+    std::uint32_t count() const noexcept;
   };
   std::array<Vanished, iox::MAX_NUMBER_OF_MEMPOOLS> vanished_{};
 };
 
-/// What to ask iceoryx for to get at least so many bytes.
+/// Returns the size to ask iceoryx for, to get a chunk that holds at least `bytes`.
 constexpr std::size_t payload_for(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
 inline constexpr std::size_t chunk_header_size = sizeof(iox::mepoo::ChunkHeader);
 

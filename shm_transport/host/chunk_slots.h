@@ -1,5 +1,5 @@
-// Sample buffers set up once, one for each chunk that a port can have out at a time: lending a chunk
-// allocates nothing.
+// The sample buffers of a port, one for each chunk that the port can have out at a time. They are made once,
+// so that lending a chunk allocates no memory.
 #pragma once
 
 #include <atomic>
@@ -12,10 +12,11 @@
 
 namespace sft::shm {
 
-// iceoryx passes chunks on, and counts their references, with atomics that do not order what the chunks
-// contain: on CPUs that reorder, a reader's last loads could come after the chunk was given back and written
-// anew. So a fence stands on our side of each of these calls. (GCC tells that its thread sanitizer does not
-// see fences; it sees no other process either.)
+// iceoryx passes chunks on, and counts their references, with atomics that do not order the contents of the
+// chunks. On a CPU that reorders memory accesses, the last loads of a reader could happen after the chunk was
+// given back and written anew. So our code has a fence before each call that gives a chunk away, and a fence
+// after each call that gets one. (GCC warns that its thread sanitizer does not see fences. The sanitizer does
+// not see other processes either, so nothing is lost.)
 #ifndef __clang__
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wtsan"
@@ -29,15 +30,16 @@ inline void after_chunk_came() noexcept { std::atomic_thread_fence(std::memory_o
 struct ChunkSlot {
   core::SampleBuffer buffer;
   iox::mepoo::ChunkHeader* chunk = nullptr;
-  /// Of a writer's chunk, to make references from; counts for none itself.
+  /// Refers to the chunk of a writer without being counted as a reference. Counted references are made from
+  /// it.
   iox::mepoo::ShmSafeUnmanagedChunk name{};
-  bool sent = false;  ///< by a writer: no longer to be written
+  bool sent = false;  ///< the writer has sent the chunk, which must not be written any more
   ChunkSlot* next_free = nullptr;
 
   static ChunkSlot& of(core::SampleBuffer& buffer) { return *static_cast<ChunkSlot*>(buffer.owner_data); }
 };
 
-/// Not thread-safe: guarded by its port's mutex.
+/// The class is not thread-safe: the mutex of the port guards it.
 class ChunkSlots {
  public:
   ChunkSlots(std::uint32_t count, const FieldMask& mask) : slots_(std::make_unique<ChunkSlot[]>(count)) {

@@ -31,13 +31,14 @@ tl::unexpected<Error> is_taken(const std::string& path) {
   return fail(Errc::address_in_use, path + " is locked");
 }
 
-/// Nobody else can open the new file, and so lock it, before it is locked and made readable.
-/// (O_CREAT alone would not do: the kernel refuses it for another user's file in /tmp, fs.protected_regular.)
+/// Makes a new file with mode 0600, so that no other account can open and lock it before this process has
+/// locked it and made it readable. (O_CREAT without O_EXCL would not do: with fs.protected_regular the kernel
+/// refuses that for a file of another user in /tmp.)
 Descriptor create(const std::string& path) {
   return Descriptor(open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_CREAT | O_EXCL, 0600));
 }
 
-/// True if it is ours now.
+/// Tries to lock the file for writing, and returns whether this process has the lock now.
 bool lock(const Descriptor& file) {
   struct flock lock = whole_file(F_WRLCK);
   return fcntl(file.get(), F_OFD_SETLK, &lock) == 0;
@@ -48,10 +49,10 @@ bool is_new(const Descriptor& file) {
   return fstat(file.get(), &opened) == 0 && opened.st_uid == geteuid() && opened.st_size == 0;
 }
 
-/// What lies there is no living holder's: another account's file, something that is no file, what a dead
-/// holder left, or a file that somebody has only locked for reading. Where this account may not remove it the
-/// error says why the file is in the way.
-Result<void> clear(const std::string& path, const Error& why) {
+/// Removes a file that no living holder has locked: a file of another account, something that is no regular
+/// file, a file that a dead holder left, or a file that is only locked for reading. If this account may not
+/// remove the file, the error says why the file is in the way.
+Result<void> clear_path(const std::string& path, const Error& why) {
   if (unlink(path.c_str()) == 0 || errno == ENOENT) return {};
   if (rmdir(path.c_str()) == 0) return {};
   const std::string aside = path + "." + core::in_hex(core::random_id());
@@ -61,8 +62,8 @@ Result<void> clear(const std::string& path, const Error& why) {
 
 }  // namespace
 
-/// To lock a file for reading takes no right but to read it, and everybody may: only a holder, who may write
-/// it, has locked it for writing.
+/// Asks for a read lock, which only a write lock excludes. Everybody may read the file and so may lock it for
+/// reading. Only its holder may write it, and has locked it for writing.
 bool is_locked(int descriptor) noexcept {
   struct flock lock = whole_file(F_RDLCK);
   return fcntl(descriptor, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
@@ -73,38 +74,42 @@ bool is_locked_at(const char* path) noexcept {
   return file && is_locked(file->get());
 }
 
-/// From here on others may look at it.
+/// Makes the file readable for everybody, so that other processes see the lock from now on.
 Result<FileLock> FileLock::publish(FileLock lock) {
   if (fchmod(lock.descriptor(), 0644) != 0) return fail_on(lock.path_);
   return lock;
 }
 
 Result<FileLock> FileLock::take(const std::string& path) {
-  constexpr int attempts = 20;  // each one lost to another process that came or went at the same moment
+  constexpr int attempts = 20;  // one fails if another process takes or leaves the path meanwhile
   for (int i = 0; i < attempts; ++i) {
     if (Descriptor file = create(path)) {
       if (!lock(file) || !core::still_names(path, file.get())) continue;
       return publish(FileLock(path, std::move(file)));
     }
     if (errno != EEXIST) return fail_on(path);
-    // One that a dead holder left is never reused: whoever still has it open would take us for that one.
+    // The file of a dead holder is never reused: a process that still has it open would take this process for
+    // the dead one.
     if (is_locked_at(path.c_str())) return is_taken(path);
-    auto left = core::open_trusted_file(path, O_RDWR);
-    if (!left) {
-      if (left.error().code == Errc::unavailable) continue;
-      if (auto cleared = clear(path, left.error()); !cleared) return tl::unexpected(cleared.error());
+    auto leftover = core::open_trusted_file(path, O_RDWR);
+    if (!leftover) {
+      if (leftover.error().code == Errc::unavailable) continue;
+      if (auto cleared = clear_path(path, leftover.error()); !cleared) return tl::unexpected(cleared.error());
       continue;
     }
-    // Of those that come here at the same time only the one that has the lock removes the file. Where a
-    // stranger's lock for reading is in the way, the file itself is all that tells.
-    const bool locked = lock(*left);
-    if (!locked && is_locked(left->get())) return is_taken(path);
-    if (!core::still_names(path, left->get())) continue;
-    // Another one that starts has just made it, and comes too late.
-    if (locked && is_new(*left)) return publish(FileLock(path, std::move(*left)));
+    // If several processes come here at the same time, only the one that gets the lock removes the file.
+    // Nobody gets the lock while another account has locked the file for reading. Then the file is removed
+    // without the lock, if the path still names it.
+    const bool locked = lock(*leftover);
+    if (!locked && is_locked(leftover->get())) return is_taken(path);
+    if (!core::still_names(path, leftover->get())) continue;
+    // A new file was made a moment ago by another process that starts. This process locked it first and keeps
+    // it.
+    if (locked && is_new(*leftover)) return publish(FileLock(path, std::move(*leftover)));
     if (unlink(path.c_str()) != 0 && errno != ENOENT) return fail_on(path);
   }
-  return fail(Errc::address_in_use, path + " keeps changing hands");
+  return fail(Errc::address_in_use, path + " was taken and left by other processes at each of " +
+                                        std::to_string(attempts) + " attempts");
 }
 
 bool FileLock::is_named() const noexcept { return !path_.empty() && core::still_names(path_, file_.get()); }

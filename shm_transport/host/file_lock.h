@@ -1,12 +1,12 @@
-// An exclusive lock on a file, held as long as its holder lives: how one sftd knows of another, and how nodes
-// notice that theirs is gone.
+// An exclusive lock on a file, which its holder keeps as long as it lives. With such locks an sftd knows of
+// another sftd, and nodes notice that their sftd is gone.
 //
-// It is an open-file-description lock of fcntl. Unlike flock it can be asked about without being taken, so
-// that looking never gets in the way of a daemon that starts; unlike a POSIX lock it is not lost by closing
-// some other descriptor.
+// The lock is an open-file-description lock of fcntl. Unlike a lock of flock, it can be queried without being
+// taken, so that a query never gets in the way of a daemon that starts. Unlike a POSIX lock, it is not lost
+// when another descriptor of the file is closed.
 //
-// A holder has locked its file for writing. Locks for reading say nothing: everybody who may read the file
-// can have one, of a dead holder's file, too.
+// A holder has locked its file for writing. A lock for reading means nothing: everybody who may read the file
+// can have one, also on the file of a dead holder.
 #pragma once
 
 #include <string>
@@ -21,10 +21,10 @@ using Descriptor = core::FileDescriptor;
 
 class FileLock {
  public:
-  /// A new, empty file at `path`, locked. One that a dead process left there is replaced, never reused:
-  /// whoever still has it open must not take this holder for the former one. So is whatever else is there,
-  /// where this account may remove it. Errc::address_in_use if a living process holds the lock;
-  /// Errc::no_permission names what is in the way, and whose it is.
+  /// Makes a new, empty file at `path` and locks it. A file that a dead process left there is replaced and
+  /// never reused, because a process that still has it open must not take this holder for the former one.
+  /// Anything else at the path is replaced as well, if this account may remove it. Errc::address_in_use: a
+  /// living process holds the lock. Errc::no_permission: the message names what is in the way, and its owner.
   static Result<FileLock> take(const std::string& path);
 
   FileLock(FileLock&&) noexcept = default;
@@ -32,11 +32,12 @@ class FileLock {
   ~FileLock() { remove(); }
 
   int descriptor() const { return file_.get(); }
-  /// Whoever looks finds that nobody holds the lock.
+  /// Releases the lock, and keeps the file.
   void unlock() noexcept;
-  /// Whether the path still names the file that is locked.
+  /// Returns whether the path still names the file that is locked.
   bool is_named() const noexcept;
-  /// Unlinks the file, unless the path names another one by now. It stays locked until this object goes.
+  /// Unlinks the file, unless the path names another file by now. The file stays locked until this object
+  /// goes.
   void remove() noexcept;
 
  private:
@@ -47,9 +48,9 @@ class FileLock {
   Descriptor file_;
 };
 
-/// Whether another open file description holds the lock of this file. Takes nothing, never waits.
+/// Returns whether another open file description holds the lock of this file. Takes no lock and never waits.
 bool is_locked(int descriptor) noexcept;
-/// The same of the file that is there now; false if there is none.
+/// Returns whether the file at this path is locked; false if there is no file.
 bool is_locked_at(const char* path) noexcept;
 
 }  // namespace sft::shm

@@ -19,8 +19,8 @@ namespace {
 
 constexpr const char* digits = "0123456789abcdef";
 
-/// Hex digits to bytes, other characters (the dashes of a UUID) left out. Whether the text had enough of
-/// them.
+/// Converts hex digits to bytes, and skips all other characters (the dashes of a UUID). Returns whether the
+/// text has exactly as many digits as the bytes need.
 bool from_hex(std::string_view text, std::span<std::uint8_t> bytes) {
   std::size_t nibbles = 0;
   for (const char c : text) {
@@ -51,7 +51,7 @@ bool take_line(HostFile& file, std::string_view key, std::string_view value) {
     file.segment = value;
     return value.find('/') == std::string_view::npos;
   }
-  return true;  // of a later version
+  return true;  // a key of a later version
 }
 
 }  // namespace
@@ -130,8 +130,9 @@ std::optional<DaemonLock> read_daemon_lock() {
 
 std::string names_are_gone(pid_t daemon) {
   return "somebody has removed the files of sftd (pid " + std::to_string(daemon) +
-         ") from /dev/shm or /tmp (a clean-up script, or systemd's RemoveIPC= at log-out), and so nobody can "
-         "join it; it begins afresh in a moment";
+         ") from /dev/shm or /tmp (a clean-up script, or systemd's RemoveIPC= at log-out), so that no "
+         "program can "
+         "join it; sftd starts afresh in a moment";
 }
 
 core::HostToken host_token(const HostFile& file) {
@@ -144,15 +145,15 @@ core::HostToken host_token(const HostFile& file) {
   return token;
 }
 
-Listener listener_at(const char* path) noexcept {
+SocketState socket_state_at(const char* path) noexcept {
   const Descriptor probe(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
-  if (!probe) return Listener::unknown;
+  if (!probe) return SocketState::unknown;
   if (connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0)
-    return Listener::alive;
-  return errno == ENOENT || errno == ECONNREFUSED ? Listener::gone : Listener::unknown;
+    return SocketState::alive;
+  return errno == ENOENT || errno == ECONNREFUSED ? SocketState::gone : SocketState::unknown;
 }
 
 }  // namespace sft::shm

@@ -1,8 +1,12 @@
-// /dev/shm/sft_host: the sign that this /dev/shm is served by an sftd. It names the daemon's memory by a
-// random token, which processes exchange to learn that they share it, and it is locked as long as that daemon
-// lives.
+// The files by which a process finds sftd: the host file /dev/shm/sft_host, the lock /tmp/sftd.lock and the
+// socket /tmp/roudi.
 //
-// Text, one "key value" a line; incomplete without the last line, "end".
+// The host file is the sign that an sftd serves this /dev/shm. It names the memory of the daemon by a random
+// token. Processes exchange the token, and so learn whether they share memory. The file is locked as long as
+// the daemon lives.
+//
+// The host file is text with one "key value" in each line. The last line is "end"; without it the file is
+// incomplete.
 #pragma once
 
 #include <sys/types.h>
@@ -22,49 +26,50 @@ namespace sft::shm {
 inline constexpr const char* host_file_path = "/dev/shm/sft_host";
 inline constexpr const char* daemon_lock_path = "/tmp/sftd.lock";
 inline constexpr const char* roudi_socket_path = "/tmp/roudi";
-inline constexpr const char* runtime_name_stem = "sft_";  ///< of the sockets in /tmp that are ours
+inline constexpr const char* runtime_name_stem = "sft_";  ///< the names of our sockets in /tmp begin with it
 
-/// Of what is said here, of the way programs speak with sftd, and of what they say in shared memory. Counts
-/// up when an older program or daemon would misunderstand.
+/// The version of the host file, of the messages between programs and sftd, and of their data in shared
+/// memory. It is raised when an older program or daemon would misunderstand a newer one.
 inline constexpr std::uint32_t host_protocol = 3;
-/// What a registration is answered with, as an error, that is one too many.
+/// The error with which sftd answers a registration when it serves as many processes as it may.
 inline constexpr const char* too_many_processes = "SFT_PROCESS_LIST_FULL";
 
-/// Whether a process may be known by this name: its socket is then in /tmp itself, and no file of the
-/// daemon's.
+/// Returns whether a process may have this name. The name is also that of a socket: it must lie in /tmp
+/// itself, and must not be that of a file of the daemon.
 bool is_runtime_name(std::string_view name) noexcept;
 
 struct HostFile {
   std::array<std::uint8_t, 16> token{};
-  pid_t pid = 0;                       ///< of the daemon in its own pid namespace: for messages only
-  std::uint32_t protocol = 1;          ///< the first one did not say
-  std::uint64_t port_pool_offset = 0;  ///< of iceoryx's table of ports, in the management segment
-  std::string segment{};               ///< name of the segment with the samples, in /dev/shm
-  std::uint64_t segment_id = 0;        ///< in iceoryx's relative pointers
+  pid_t pid = 0;                       ///< the daemon's, in its own pid namespace; only used in messages
+  std::uint32_t protocol = 1;          ///< host_protocol of the daemon; files of version 1 do not name it
+  std::uint64_t port_pool_offset = 0;  ///< the position of iceoryx's table of ports in the management segment
+  std::string segment{};               ///< the name of the segment with the samples, in /dev/shm
+  std::uint64_t segment_id = 0;        ///< the segment's number in iceoryx's relative pointers
   std::uint64_t segment_bytes = 0;
-  std::optional<gid_t> readers{};  ///< the group that only reads samples, where there is one
+  std::optional<gid_t> readers{};  ///< the group that may only read samples, if there is one
 };
 
 std::string format(const HostFile& file);
 std::optional<HostFile> parse_host_file(std::string_view text);
 
-/// An open host file. Alive as long as the daemon that wrote it.
+/// An open host file, which tells whether the daemon that wrote it still lives.
 class HostWatch {
  public:
   enum class Finding {
-    absent,
-    starting,
+    absent,    ///< there is no file that somebody has locked
+    starting,  ///< the file is locked and not yet complete
     alive,
-    foreign,  ///< of an account that is not accepted: alive, but not to be believed
+    foreign,  ///< the file is locked by an account that is not accepted, and is not believed
   };
   struct Look;
-  /// Never waits. `accepted`: whose daemon may be one.
+  /// Looks for the daemon, and never waits. `accepted`: the accounts whose daemon is used.
   static Look look(const core::TrustedAccounts& accepted);
 
   const HostFile& file() const { return file_; }
-  /// The daemon's account.
+  /// Returns the account of the daemon.
   uid_t user() const { return user_; }
-  /// One system call, right even if another daemon has replaced the file meanwhile.
+  /// Returns whether the daemon that wrote this file lives, also if another daemon has replaced the file
+  /// since. Costs one system call.
   bool daemon_lives() const noexcept { return is_locked(descriptor_.get()); }
 
  private:
@@ -78,29 +83,31 @@ class HostWatch {
 
 struct HostWatch::Look {
   Finding finding = Finding::absent;
-  std::optional<HostWatch> watch{};  ///< where it is alive
-  uid_t user = 0;                    ///< where it is foreign: whose it is
+  std::optional<HostWatch> watch{};  ///< set if the finding is `alive`
+  uid_t user = 0;                    ///< the owner of the file, if the finding is `foreign`
 };
 
-/// What a living daemon's lock in /tmp says, also where its sign in /dev/shm cannot be seen.
+/// The contents of the lock file of a living daemon in /tmp. They tell of a daemon also where its host file
+/// cannot be seen, because it has another /dev/shm than this process.
 struct DaemonLock {
-  pid_t pid = 0;         ///< 0: it has not said yet
-  dev_t shm_device = 0;  ///< the number of its /dev/shm, which no other one has meanwhile
-  uid_t user = 0;        ///< whose it is
-  /// Whether the daemon has begun, and with this process's /dev/shm.
+  pid_t pid = 0;         ///< 0: the daemon has not written it yet
+  dev_t shm_device = 0;  ///< the device number of the daemon's /dev/shm, unique at present
+  uid_t user = 0;        ///< the owner of the file
+  /// Returns whether the daemon has started, with the /dev/shm that this process has.
   bool serves_this_shm() const;
 };
 std::string format_lock(const DaemonLock& lock);
-/// Nothing where nobody holds the lock.
+/// Returns nothing if nobody holds the lock.
 std::optional<DaemonLock> read_daemon_lock();
-/// What to say where its sign and its memory were removed from the same /dev/shm.
+/// Returns what to tell people if a daemon serves this /dev/shm and its files there were removed.
 std::string names_are_gone(pid_t daemon);
 
-/// boot_id and the daemon's token.
+/// Returns the token of the host: the id of this boot and the token of the daemon.
 core::HostToken host_token(const HostFile& file);
 
-enum class Listener { alive, gone, unknown };
-/// Whether a process listens on this socket; unknown where this one may not ask. Leaves no trace there.
-Listener listener_at(const char* path) noexcept;
+enum class SocketState { alive, gone, unknown };
+/// Tells whether a process listens on this socket; `unknown` if this process may not ask. The listener
+/// notices nothing.
+SocketState socket_state_at(const char* path) noexcept;
 
 }  // namespace sft::shm

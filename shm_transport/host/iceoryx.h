@@ -1,10 +1,10 @@
-// All of iceoryx that the transport uses, included in this one way.
+// Includes the headers of iceoryx that the transport uses.
 //
-// Used below its public API, where calls fail with values instead of aborting: ports (PublisherPortUser and
-// SubscriberPortUser), the words of its protocol with the daemon, and the layout of the management segment.
-// Hence the range of versions in CMakeLists.txt: from 2.0.3 to 2.0.8 nothing of that changed. Both sides of
-// the layout, sftd and this library, are built from the same one; a daemon does not take programs with
-// another.
+// The transport uses iceoryx below its public API, where calls fail with values instead of aborting: the
+// ports (PublisherPortUser and SubscriberPortUser), the messages between programs and the daemon, and the
+// layout of the management segment. None of these changed between 2.0.3 and 2.0.8, which is why
+// CMakeLists.txt accepts this range of versions. sftd and the programs must be built with the same version,
+// because they share the layout: a daemon refuses programs with another version.
 #pragma once
 
 #include <iceoryx_hoofs/cxx/generic_raii.hpp>

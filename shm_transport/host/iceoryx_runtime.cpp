@@ -10,7 +10,7 @@ std::atomic<std::uint64_t> error_count{0};
 
 void count_error(iox::Error, const std::function<void()>&, iox::ErrorLevel) { ++error_count; }
 
-/// iceoryx's own would terminate the process at errors that the calls also report.
+/// Replaces iceoryx's own handler, which would terminate the process at errors that the calls also return.
 iox::cxx::GenericRAII install_error_handler() {
   static const iox::HandlerFunction handler = count_error;
   return iox::ErrorHandler::setTemporaryErrorHandler(handler);

@@ -22,7 +22,8 @@ class IceoryxRuntime {
   bool announce_segment(std::uint64_t id, std::span<std::byte> memory) noexcept;
   void withdraw_segment(std::uint64_t id) noexcept;
 
-  /// Errors that iceoryx reported and went on from; it would have aborted the process at some of them.
+  /// Counts the errors that iceoryx has reported. Its own handler would have aborted the process at some of
+  /// them.
   static std::uint64_t errors() noexcept;
 
  private:

@@ -1,7 +1,8 @@
-// The mutex in each of iceoryx's ports, looked at without being taken.
+// Reads the state of the mutex in a port of iceoryx without taking the mutex.
 //
-// A process killed while it holds one leaves it closed. sftd opens what writers left so (sftd/lock_healer.h),
-// and relies on it that nobody else ever holds one: whoever only wants to know looks here.
+// A process that is killed while it holds such a mutex leaves it closed. sftd opens the mutexes that killed
+// writers left closed (sftd/lock_healer.h). It relies on that only writers and sftd ever hold one, so all
+// other code uses the functions here, which only look.
 #pragma once
 
 #include <pthread.h>
@@ -12,7 +13,8 @@ namespace sft::shm {
 
 using PortLock = iox::popo::ThreadSafePolicy;
 
-/// It is iceoryx's only member there; glibc's layout of it is part of the ABI of process-shared mutexes.
+/// The mutex is the only member of iceoryx's class. Its layout in glibc is part of the ABI of process-shared
+/// mutexes.
 inline pthread_mutex_t& mutex_of(const PortLock& lock) noexcept {
   static_assert(sizeof(PortLock) >= sizeof(pthread_mutex_t));
   return *reinterpret_cast<pthread_mutex_t*>(const_cast<PortLock*>(&lock));
@@ -22,7 +24,8 @@ inline bool is_closed(const PortLock& lock) noexcept {
   return __atomic_load_n(&mutex_of(lock).__data.__lock, __ATOMIC_ACQUIRE) != 0;
 }
 
-/// The holder's thread id, in its own pid namespace; 0 while there is none, and for an instant when there is.
+/// Returns the thread id of the holder, in the holder's pid namespace. 0 if there is no holder, and also for
+/// an instant while a thread takes or releases the mutex.
 inline int holder_of(const PortLock& lock) noexcept {
   return __atomic_load_n(&mutex_of(lock).__data.__owner, __ATOMIC_ACQUIRE);
 }

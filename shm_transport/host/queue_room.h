@@ -1,10 +1,11 @@
-// How a reader tells a writer that waits for room in its queue that there is some: one word in the reader's
-// port, next to chunk_hand.h's. The writer writes into it that it waits, looks at the queue once more, and
-// sleeps on the word; the reader, once it has taken a sample, finds the word and wakes the writer. Both
-// fences are full ones, so that at least one side sees what the other did.
+// Lets a writer sleep until its reader has made room in the queue. Writer and reader use one word in the
+// reader's port, next to the count of chunk_hand.h. The writer stores in the word that it waits, looks at the
+// queue once more, and sleeps on the word (a futex). The reader looks at the word after it has taken a
+// sample, and wakes the writer. Both sides use a full fence between their two steps, so that at least one
+// side sees what the other did.
 //
-// A reader that is killed wakes nobody: a writer never sleeps long without looking whether the queue is still
-// there.
+// A reader that is killed wakes nobody. So a writer never sleeps long without looking whether the queue still
+// exists.
 #pragma once
 
 #include <linux/futex.h>
@@ -28,21 +29,21 @@ inline void full_fence() noexcept { std::atomic_thread_fence(std::memory_order_s
 #pragma GCC diagnostic pop
 #endif
 
-/// Refers to a port's word; the port's memory has to stay mapped.
+/// Refers to the word of a port. The memory of the port must stay mapped.
 class QueueRoom {
  public:
-  static constexpr std::size_t offset = 88;  ///< in the name of the port's node, behind the label
+  static constexpr std::size_t offset = 88;  ///< the word's position in the field for the node's name
 
   explicit QueueRoom(const iox::popo::BasePortData& port) noexcept : word_(word_of(port)) {}
 
-  // The writer's thread.
+  // The thread of the writer calls these functions.
 
-  /// Afterwards the writer looks at the queue once more before it sleeps.
+  /// The writer looks at the queue once more after this call, and then sleeps.
   void begin_waiting() noexcept {
     word_->store(writer_waits, std::memory_order_seq_cst);
     full_fence();
   }
-  /// Until the reader has taken something, or the time is over. Spurious returns are possible.
+  /// Returns when the reader has taken a sample, or after `at_most`. May also return without either.
   void sleep(std::chrono::nanoseconds at_most) noexcept {
     timespec timeout{};
     timeout.tv_sec = at_most.count() / 1'000'000'000;
@@ -51,9 +52,9 @@ class QueueRoom {
   }
   void end_waiting() noexcept { word_->store(nobody_waits, std::memory_order_relaxed); }
 
-  // The reader's threads.
+  // The threads of the reader call these functions.
 
-  /// Whether the writer waits. After something was taken.
+  /// Returns whether the writer waits. The reader calls it after it has taken a sample.
   bool is_waited_for() const noexcept {
     full_fence();
     return word_->load(std::memory_order_relaxed) == writer_waits;

@@ -36,8 +36,9 @@ std::string path_of(const std::string& runtime_name) {
   return iox::platform::IOX_UDS_SOCKET_PATH_PREFIX + runtime_name;
 }
 
-/// The daemon may be another user. Where single users cannot be let in, its group is, if this process is in
-/// it.
+/// Lets the daemon write to the socket of this process, also if the daemon runs as another user. If the file
+/// system cannot give rights to a single user, the daemon's group gets them; this works if this process is in
+/// that group.
 void let_daemon_answer(const std::string& path, const struct stat& daemon) {
   if (daemon.st_uid == geteuid()) return;
   if (grant_to_user(path, daemon.st_uid)) return;
@@ -56,17 +57,18 @@ Result<Descriptor> listen_at(const std::string& path, const struct stat& daemon)
   return socket;
 }
 
-/// The daemon's end, which is of its account: whoever else has put a socket there would get what is for it.
-/// What was looked at is connected to, whatever the path names by then.
+/// Connects to the socket of the daemon. The socket must belong to the account of the daemon: another account
+/// that has put a socket there would get the messages for the daemon. The path is resolved once, so that the
+/// socket that was checked is the one that is connected.
 Result<Descriptor> connect_to(const char* path, uid_t daemon_user, struct stat& daemon) {
-  const Descriptor place(::open(path, O_PATH | O_NOFOLLOW | O_CLOEXEC));
-  const bool there = place && fstat(place.get(), &daemon) == 0;
+  const Descriptor resolved(::open(path, O_PATH | O_NOFOLLOW | O_CLOEXEC));
+  const bool there = resolved && fstat(resolved.get(), &daemon) == 0;
   if (there && (!S_ISSOCK(daemon.st_mode) || daemon.st_uid != daemon_user))
     return fail(Errc::address_in_use, std::string(path) + " is not the daemon's socket, but something of " +
                                           core::account_name(daemon.st_uid) +
                                           "; remove it, and end the daemon: sftd stop");
   Descriptor socket(there ? ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0) : -1);
-  const sockaddr_un address = address_of("/proc/self/fd/" + std::to_string(place.get()));
+  const sockaddr_un address = address_of("/proc/self/fd/" + std::to_string(resolved.get()));
   if (!socket || connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     if (errno == EACCES) {
       return fail(Errc::no_permission,
@@ -79,10 +81,10 @@ Result<Descriptor> connect_to(const char* path, uid_t daemon_user, struct stat& 
   return socket;
 }
 
-/// Whether the descriptor became ready before the deadline.
+/// Returns whether the descriptor became ready before the deadline.
 bool wait_for(int descriptor, short events, Clock::time_point deadline) {
-  const auto left = std::max(deadline - Clock::now(), Clock::duration::zero());
-  const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(left).count();
+  const auto remaining = std::max(deadline - Clock::now(), Clock::duration::zero());
+  const auto ns = std::chrono::duration_cast<std::chrono::nanoseconds>(remaining).count();
   const timespec timeout{static_cast<time_t>(ns / 1'000'000'000), static_cast<long>(ns % 1'000'000'000)};
   pollfd wanted{descriptor, events, 0};
   return ppoll(&wanted, 1, &timeout, nullptr) > 0;
@@ -108,12 +110,11 @@ std::string reason_of(IpcMessageErrorType error) {
   switch (error) {
     case IpcMessageErrorType::PUBLISHER_LIST_FULL:
       return "sftd has no room for another writer (it serves 506, or as many as its limits say; see sftd "
-             "status); "
-             "close some, or use UDP for this topic";
+             "status); close some writers, or use UDP for this topic";
     case IpcMessageErrorType::SUBSCRIBER_LIST_FULL:
-      return "sftd has no room for another reader (it serves 1024, or as many as its limits say, and writers "
-             "count "
-             "as one each; see sftd status); close some, or use UDP for this topic";
+      return "sftd has no room for another reader (it serves 1024, or as many as its limits say, and each "
+             "writer "
+             "counts as one reader; see sftd status); close some readers, or use UDP for this topic";
     case IpcMessageErrorType::REQUEST_PUBLISHER_NO_WRITABLE_SHM_SEGMENT:
       return "this user may not write to sftd's memory; run it as a member of the group that publishes";
     default:
@@ -127,8 +128,8 @@ tl::unexpected<Error> too_late() {
 
 }  // namespace
 
-/// The right to have a request under way. Not a lock: it is waited for with a deadline, and kept over system
-/// calls.
+/// The right to have a request under way. It is not a mutex, because threads wait for it with a deadline and
+/// keep it over system calls.
 class RoudiChannel::Turn {
  public:
   Turn(RoudiChannel& channel, Clock::time_point deadline) : channel_(channel) {
@@ -181,9 +182,10 @@ Result<std::optional<Registration>> RoudiChannel::poll_registration() {
   const auto answer = receive(Clock::now());
   if (!answer) return std::optional<Registration>{};
   if (type_of(*answer) == IpcMessageType::ERROR && answer->getElementAtIndex(1) == too_many_processes) {
-    return fail(Errc::limit_exceeded,
-                "sftd serves as many programs as its configuration allows; see sftd status, and raise "
-                "limits.processes");
+    return fail(
+        Errc::limit_exceeded,
+        "sftd already serves as many programs as its configuration allows; see sftd status, and raise "
+        "limits.processes in its configuration");
   }
   const bool ours = type_of(*answer) == IpcMessageType::REG_ACK && answer->getNumberOfElements() == 5 &&
                     number_at(*answer, 3) == static_cast<std::uint64_t>(registration_stamp_);
@@ -213,7 +215,8 @@ Result<IpcMessage> RoudiChannel::receive(Clock::time_point deadline) {
     }
     if (errno == EINTR) continue;
     if (errno != EAGAIN)
-      return fail(Errc::system, std::string("socket of this process: ") + std::strerror(errno));
+      return fail(Errc::system,
+                  std::string("the socket on which this process hears sftd: ") + std::strerror(errno));
     if (!wait_for(from_daemon_.get(), POLLIN, deadline)) return too_late();
   }
 }
@@ -223,9 +226,9 @@ std::string RoudiChannel::next_label() {
   return runtime_name_ + "#" + std::to_string(++requests_);
 }
 
-Result<PortPlace> RoudiChannel::create_publisher(const iox::capro::ServiceDescription& service,
-                                                 iox::popo::PublisherOptions options, const Claim& claim,
-                                                 Clock::time_point deadline) {
+Result<PortLocation> RoudiChannel::create_publisher(const iox::capro::ServiceDescription& service,
+                                                    iox::popo::PublisherOptions options, const Claim& claim,
+                                                    Clock::time_point deadline) {
   const std::string label = next_label();
   options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
   IpcMessage request;
@@ -235,9 +238,9 @@ Result<PortPlace> RoudiChannel::create_publisher(const iox::capro::ServiceDescri
   return ask_for_port(std::move(request), IpcMessageType::CREATE_PUBLISHER_ACK, label, claim, deadline);
 }
 
-Result<PortPlace> RoudiChannel::create_subscriber(const iox::capro::ServiceDescription& service,
-                                                  iox::popo::SubscriberOptions options, const Claim& claim,
-                                                  Clock::time_point deadline, const std::string& remark) {
+Result<PortLocation> RoudiChannel::create_subscriber(const iox::capro::ServiceDescription& service,
+                                                     iox::popo::SubscriberOptions options, const Claim& claim,
+                                                     Clock::time_point deadline, const std::string& remark) {
   const std::string label = next_label() + remark;
   options.nodeName = iox::NodeName_t(iox::cxx::TruncateToCapacity, label);
   IpcMessage request;
@@ -247,9 +250,9 @@ Result<PortPlace> RoudiChannel::create_subscriber(const iox::capro::ServiceDescr
   return ask_for_port(std::move(request), IpcMessageType::CREATE_SUBSCRIBER_ACK, label, claim, deadline);
 }
 
-Result<PortPlace> RoudiChannel::ask_for_port(IpcMessage request, IpcMessageType wanted,
-                                             const std::string& label, const Claim& claim,
-                                             Clock::time_point deadline) {
+Result<PortLocation> RoudiChannel::ask_for_port(IpcMessage request, IpcMessageType wanted,
+                                                const std::string& label, const Claim& claim,
+                                                Clock::time_point deadline) {
   const Turn turn(*this, deadline);
   if (!turn) return too_late();
   if (auto sent = send(request, deadline); !sent) return tl::unexpected(sent.error());
@@ -261,8 +264,8 @@ Result<PortPlace> RoudiChannel::ask_for_port(IpcMessage request, IpcMessageType 
       return fail(Errc::limit_exceeded, reason_of(error));
     }
     if (answer->getNumberOfElements() != 3) continue;
-    const PortPlace place{number_at(*answer, 2), number_at(*answer, 1)};
-    if (claim(place, label) && type_of(*answer) == wanted) return place;
+    const PortLocation location{number_at(*answer, 2), number_at(*answer, 1)};
+    if (claim(location, label) && type_of(*answer) == wanted) return location;
   }
 }
 

@@ -1,8 +1,8 @@
-// The way a process asks the daemon for ports: iceoryx's own protocol of datagrams, spoken with deadlines.
+// Asks the daemon for ports, with the messages of iceoryx's own protocol.
 //
-// iceoryx's client side (PoshRuntimeImpl) waits for answers without end and aborts where it gets none. This
-// speaks the same words, but every call ends at its deadline, and an answer that comes later is recognised
-// and undone.
+// The client of iceoryx (PoshRuntimeImpl) waits for answers without end, and aborts the process if there is
+// an error. This class sends the same messages, but each call ends at its deadline. If an answer comes later,
+// a later call recognises it and gives the port back.
 #pragma once
 
 #include <chrono>
@@ -21,44 +21,44 @@ namespace sft::shm {
 
 using Clock = std::chrono::steady_clock;
 
-/// What the daemon tells a process that registers: where the management segment begins to make sense.
+/// The answer of the daemon to a process that has registered: the segment that manages all others.
 struct Registration {
   std::uint64_t management_bytes = 0;
-  std::uint64_t management_id = 0;  ///< of the segment, in iceoryx's relative pointers
+  std::uint64_t management_id = 0;  ///< the segment's number in iceoryx's relative pointers
   std::uint64_t segment_manager_offset = 0;
 };
 
-/// Where a port lies, as the daemon answered. Bounds are the caller's to check.
-struct PortPlace {
+/// The location of a port in shared memory, as the daemon answered it. The caller must check the bounds.
+struct PortLocation {
   std::uint64_t segment_id = 0;
   std::uint64_t offset = 0;
 };
 
 class RoudiChannel {
  public:
-  /// Tells whether the port at that place is the one that was asked for under this label (in m_nodeName), so
-  /// that an answer that missed its deadline is not taken for that of a later request. Undoes the port where
-  /// it is not.
-  using Claim = std::function<bool(const PortPlace& place, const std::string& label)>;
+  /// Returns whether the port at this location was requested with this label (in m_nodeName), and gives the
+  /// port back if it was not. So an answer that missed its deadline is not taken for the answer to a later
+  /// request.
+  using Claim = std::function<bool(const PortLocation& location, const std::string& label)>;
 
-  /// Asks the daemon, which is of that account, to register this process under `runtime_name`; does not wait
-  /// for the answer.
+  /// Asks the daemon to register this process under `runtime_name`, and does not wait for the answer.
+  /// `daemon_user`: the account of the daemon.
   static Result<std::unique_ptr<RoudiChannel>> open(const std::string& runtime_name, uid_t daemon_user);
   ~RoudiChannel();
 
-  /// The answer to that, once it is there.
+  /// Returns the answer to the registration, or nothing if it has not come yet.
   Result<std::optional<Registration>> poll_registration();
 
-  /// `remark`: stands behind the label, for others to read. Any thread; requests take turns, and waiting for
-  /// one's turn counts towards the deadline.
-  Result<PortPlace> create_publisher(const iox::capro::ServiceDescription& service,
-                                     iox::popo::PublisherOptions options, const Claim& claim,
-                                     Clock::time_point deadline);
-  Result<PortPlace> create_subscriber(const iox::capro::ServiceDescription& service,
-                                      iox::popo::SubscriberOptions options, const Claim& claim,
-                                      Clock::time_point deadline, const std::string& remark = {});
+  /// `remark`: a text behind the label, which other processes can read. Any thread. Requests take turns; the
+  /// time until a request has its turn counts towards its deadline.
+  Result<PortLocation> create_publisher(const iox::capro::ServiceDescription& service,
+                                        iox::popo::PublisherOptions options, const Claim& claim,
+                                        Clock::time_point deadline);
+  Result<PortLocation> create_subscriber(const iox::capro::ServiceDescription& service,
+                                         iox::popo::SubscriberOptions options, const Claim& claim,
+                                         Clock::time_point deadline, const std::string& remark = {});
 
-  /// Tells the daemon that all that this process had may go. Does not wait.
+  /// Tells the daemon to remove everything that this process has there. Does not wait.
   void say_goodbye() noexcept;
 
   const std::string& runtime_name() const { return runtime_name_; }
@@ -68,18 +68,18 @@ class RoudiChannel {
   RoudiChannel(std::string runtime_name, Descriptor from_daemon, Descriptor to_daemon);
   Result<void> send(const iox::runtime::IpcMessage& message, Clock::time_point deadline);
   Result<iox::runtime::IpcMessage> receive(Clock::time_point deadline);
-  Result<PortPlace> ask_for_port(iox::runtime::IpcMessage request, iox::runtime::IpcMessageType answer,
-                                 const std::string& label, const Claim& claim, Clock::time_point deadline);
+  Result<PortLocation> ask_for_port(iox::runtime::IpcMessage request, iox::runtime::IpcMessageType answer,
+                                    const std::string& label, const Claim& claim, Clock::time_point deadline);
   std::string next_label();
 
   std::string runtime_name_;
-  Descriptor from_daemon_;  ///< bound to /tmp/<runtime name>; the daemon answers there
-  Descriptor to_daemon_;    ///< connected, so that it can never reach a later daemon
+  Descriptor from_daemon_;  ///< bound to /tmp/<runtime name>, where the daemon answers
+  Descriptor to_daemon_;    ///< connected, so that no message can reach a later daemon
   std::int64_t registration_stamp_ = 0;
 
   std::mutex turn_mutex_;
   std::condition_variable turn_ends_;
-  bool turn_taken_ = false;
+  bool turn_taken_ = false;  ///< a request is under way
   std::uint64_t requests_ = 0;
 };
 

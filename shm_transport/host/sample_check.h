@@ -1,4 +1,4 @@
-// Whether a chunk that another process wrote is a sample that every getter can read safely.
+// Checks that a chunk that another process wrote is a sample that every getter can read safely.
 #pragma once
 
 #include <cstddef>
@@ -10,10 +10,10 @@
 
 namespace sft::shm {
 
-/// What the header said when it was checked, which it may no longer do.
+/// The fields of the header at the moment of the check. The header in the chunk may change later.
 struct CheckedSample {
-  std::size_t bytes =
-      0;  ///< header, index and body: what may be read, from now on and whatever the header says
+  /// Bytes of header, index and body. Readers stay within them, whatever the header says later.
+  std::size_t bytes = 0;
   core::EndpointId writer = 0;
   std::uint64_t sequence = 0;
   std::int64_t source_stamp_ns = 0;
@@ -21,8 +21,8 @@ struct CheckedSample {
   std::int64_t diverted_stamp_ns = 0;
 };
 
-/// Reads the header once and the index once; the body not at all. `data` is 8-aligned, `size` bytes are
-/// mapped.
+/// Returns nothing if the chunk is no valid sample of this type and writer. Reads the header once and the
+/// index once, and does not read the body. `data` is aligned to 8 bytes, and `size` bytes are mapped.
 std::optional<CheckedSample> check_sample(const std::byte* data, std::size_t size, const TypeSupport& type,
                                           core::EndpointId writer) noexcept;
 

@@ -1,14 +1,9 @@
 #include "shm_transport/host/session.h"
 
 #include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <charconv>
-#include <cstring>
 #include <tuple>
 
 #include "core/platform/doorbell.h"
@@ -37,56 +32,7 @@ bool delivers_to(const PublisherPortData& publisher, const ChunkQueue& queue) {
                      [&queue](const auto& known) { return known.get() == &queue; });
 }
 
-// Between the label of a port and the id of its reader, by what that wishes. (There is room for one id:
-// behind the name lie words of our own, chunk_hand.h and queue_room.h.)
-constexpr char late_mark = '@', awaited_mark = '!', late_and_awaited_mark = '*';
-constexpr std::string_view marks = "@!*";
-
-std::string in_words(const QueueWishes& wishes) {
-  if (!wishes.late && !wishes.awaited) return {};
-  const char mark = !wishes.awaited ? late_mark : !wishes.late ? awaited_mark : late_and_awaited_mark;
-  return mark + core::in_hex(wishes.reader);
-}
-
-QueueWishes wishes_in(std::string_view label) noexcept {
-  const auto at = label.find_last_of(marks);
-  if (at == std::string_view::npos) return {};
-  const std::string_view digits = label.substr(at + 1);
-  QueueWishes wishes{.late = label[at] != awaited_mark, .awaited = label[at] != late_mark};
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), wishes.reader, 16);
-  return error == std::errc{} && end == digits.data() + digits.size() ? wishes : QueueWishes{};
-}
-
 }  // namespace
-
-Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool writable, uid_t owner) {
-  const std::string path = "/dev/shm/" + name;
-  const auto file = core::open_trusted_file(path, writable ? O_RDWR : O_RDONLY, {.users = {owner}});
-  if (!file) {
-    const bool forbidden = file.error().code == Errc::no_permission;
-    return fail(file.error().code,
-                file.error().message +
-                    (forbidden ? "; run this program as a member of a group that sftd serves" : ""));
-  }
-  struct stat status {};
-  if (fstat(file->get(), &status) != 0 || static_cast<std::size_t>(status.st_size) < bytes)
-    return fail(Errc::malformed, path + " is shorter than sftd said");
-  void* memory =
-      mmap(nullptr, bytes, writable ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, file->get(), 0);
-  if (memory == MAP_FAILED) return fail(Errc::out_of_memory, path + ": " + std::strerror(errno));
-  // Once its name is gone, the memory would be in every core dump.
-  madvise(memory, bytes, MADV_DONTDUMP);
-  return Mapping({static_cast<std::byte*>(memory), bytes}, status.st_gid);
-}
-
-Mapping::~Mapping() {
-  if (!memory_.empty()) munmap(memory_.data(), memory_.size());
-}
-
-bool Mapping::contains(const void* data, std::size_t size) const {
-  const auto at = reinterpret_cast<std::uintptr_t>(data) - reinterpret_cast<std::uintptr_t>(memory_.data());
-  return at <= memory_.size() && size <= memory_.size() - at;
-}
 
 Session::Session(std::shared_ptr<IceoryxRuntime> runtime, HostWatch watch,
                  std::unique_ptr<RoudiChannel> channel)
@@ -107,7 +53,7 @@ Result<std::shared_ptr<Session>> Session::open(std::shared_ptr<IceoryxRuntime> r
                                                const Registration& registration) {
   std::shared_ptr<Session> session(new Session(std::move(runtime), std::move(watch), std::move(channel)));
   if (auto mapped = session->map(registration); !mapped) return tl::unexpected(mapped.error());
-  // It was one and the same daemon throughout, if the one that wrote the token is still there.
+  // If the daemon that wrote the token still lives, no other daemon has answered in between.
   if (!session->daemon_lives())
     return fail(Errc::unavailable, "sftd went away while this process registered");
   return session;
@@ -123,13 +69,13 @@ Result<void> Session::map(const Registration& registration) {
       management.size() - registration.segment_manager_offset < sizeof(SegmentManager) ||
       port_pool() == nullptr) {
     return fail(Errc::malformed,
-                "sftd's management segment is not what it announced; is it of another version?");
+                "the management segment of sftd is not as sftd announced it; is sftd of another version?");
   }
   return add_samples();
 }
 
-/// The kernel says which rights this process has: groups of a service manager or of a container are in no
-/// file that could be asked.
+/// Tries to map the samples for writing, and then for reading. Only the kernel knows which rights this
+/// process has, because the groups that a service manager or a container gives to a process are in no file.
 Result<void> Session::add_samples() {
   const HostFile& file = watch_.file();
   auto added = add_segment(file.segment_id, file.segment, file.segment_bytes, true);
@@ -144,8 +90,8 @@ Result<void> Session::add_segment(std::uint64_t id, const std::string& name, std
   if (!mapping) return tl::unexpected(mapping.error());
   if (!runtime_->announce_segment(id, mapping->bytes())) {
     return fail(Errc::address_in_use,
-                "this process already uses iceoryx by other means; keep it out of programs that "
-                "use SFT's shared memory");
+                "this process already uses iceoryx without SFT; a program that uses SFT's shared memory must "
+                "not use iceoryx itself");
   }
   segments_.push_back({id, std::move(*mapping)});
   return {};
@@ -163,40 +109,47 @@ const iox::roudi::PortPoolData* Session::port_pool() const {
   return reinterpret_cast<const iox::roudi::PortPoolData*>(management.data() + offset);
 }
 
-BasePortData* Session::port_at(const PortPlace& place, std::size_t bytes) const {
+BasePortData* Session::port_at(const PortLocation& location, std::size_t bytes) const {
   const Segment& management = segments_.front();
   const std::size_t size = management.mapping.bytes().size();
-  if (place.segment_id != management.id || place.offset > size || size - place.offset < bytes) return nullptr;
-  return reinterpret_cast<BasePortData*>(management.mapping.bytes().data() + place.offset);
+  if (location.segment_id != management.id || location.offset > size || size - location.offset < bytes)
+    return nullptr;
+  return reinterpret_cast<BasePortData*>(management.mapping.bytes().data() + location.offset);
 }
 
-bool Session::claim(const PortPlace& place, const std::string& label) const {
-  BasePortData* port = port_at(place, sizeof(BasePortData));
+bool Session::claim(const PortLocation& location, const std::string& label) const {
+  BasePortData* port = port_at(location, sizeof(BasePortData));
   if (port == nullptr) return false;
   if (port->m_nodeName == iox::NodeName_t(iox::cxx::TruncateToCapacity, label)) return true;
   port->m_toBeDestroyed.store(true, std::memory_order_relaxed);
   return false;
 }
 
+RoudiChannel::Claim Session::claim_function() const {
+  return [this](const PortLocation& location, const std::string& label) { return claim(location, label); };
+}
+
+template <class PortData>
+Result<PortData*> Session::answered_port(const Result<PortLocation>& location) const {
+  if (!location) return tl::unexpected(location.error());
+  auto* port = static_cast<PortData*>(port_at(*location, sizeof(PortData)));
+  if (port == nullptr) return fail(Errc::malformed, "sftd answered with a port outside its memory");
+  return port;
+}
+
 Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer, Clock::time_point deadline) {
   if (!can_write_) {
-    return fail(Errc::no_permission,
-                "this user may read samples in shared memory but not write them; run it as a member of the "
-                "group that "
-                "owns /dev/shm/" +
-                    watch_.file().segment);
+    return fail(
+        Errc::no_permission,
+        "this user may read samples in shared memory but not write them; run this program as a member of "
+        "the group that owns /dev/shm/" +
+            watch_.file().segment);
   }
   iox::popo::PublisherOptions options;
   options.historyCapacity = 0;
   options.subscriberTooSlowPolicy = iox::popo::ConsumerTooSlowPolicy::DISCARD_OLDEST_DATA;
-  const auto claim_port = [this](const PortPlace& place, const std::string& label) {
-    return claim(place, label);
-  };
-  const auto place = channel_->create_publisher(service_of(writer), options, claim_port, deadline);
-  if (!place) return tl::unexpected(place.error());
-  auto* port = static_cast<PublisherPortData*>(port_at(*place, sizeof(PublisherPortData)));
-  if (port == nullptr) return fail(Errc::malformed, "sftd answered with a port outside its memory");
-  return port;
+  return answered_port<PublisherPortData>(
+      channel_->create_publisher(service_of(writer), options, claim_function(), deadline));
 }
 
 Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, std::uint32_t depth,
@@ -207,15 +160,8 @@ Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, 
   options.historyRequest = 0;
   options.subscribeOnCreate = depth != 0;
   options.queueFullPolicy = iox::popo::QueueFullPolicy::DISCARD_OLDEST_DATA;
-  const auto claim_port = [this](const PortPlace& place, const std::string& label) {
-    return claim(place, label);
-  };
-  const auto place =
-      channel_->create_subscriber(service_of(writer), options, claim_port, deadline, in_words(wishes));
-  if (!place) return tl::unexpected(place.error());
-  auto* port = static_cast<SubscriberPortData*>(port_at(*place, sizeof(SubscriberPortData)));
-  if (port == nullptr) return fail(Errc::malformed, "sftd answered with a port outside its memory");
-  return port;
+  return answered_port<SubscriberPortData>(
+      channel_->create_subscriber(service_of(writer), options, claim_function(), deadline, to_text(wishes)));
 }
 
 const SubscriberPortData* Session::port_of(const ChunkQueue& queue) const noexcept {
@@ -227,16 +173,17 @@ const SubscriberPortData* Session::port_of(const ChunkQueue& queue) const noexce
 }
 
 QueueWishes Session::wishes_of(const SubscriberPortData& port) noexcept {
-  return wishes_in({port.m_nodeName.c_str(), port.m_nodeName.size()});
+  return parse_wishes({port.m_nodeName.c_str(), port.m_nodeName.size()});
 }
 
 void Session::admit_writers(std::uint64_t doorbell_page) const {
   const std::string path = core::DoorbellPage::path_of(doorbell_page);
   const auto page = core::open_trusted_file(path, O_RDWR);
-  if (!page) return;  // a writer that cannot open it says why
+  if (!page) return;  // a writer that cannot open the page says why
   const gid_t writers = segments_.front().mapping.group();
   if (fchown(page->get(), static_cast<uid_t>(-1), writers) == 0) return;
-  // Only members can give a file to a group: who only reads is in the other one.
+  // Only a member of a group can give a file to the group. A process that may only read is in the group of
+  // readers.
   if (const auto readers = watch_.file().readers)
     std::ignore = fchown(page->get(), static_cast<uid_t>(-1), *readers);
   std::ignore = grant_to_group(path, writers);
@@ -254,9 +201,9 @@ ChunkPools& Session::pools(const iox::mepoo::MemoryManager& pools) {
   return *pools_;
 }
 
-/// iceoryx tells a subscriber nothing of this (in its N:M build a port says SUBSCRIBED as soon as it asks),
-/// so it is looked up where the daemon notes it. The table may change meanwhile: then the answer is that of a
-/// moment ago, or no.
+/// Looks in the daemon's table of ports, because iceoryx does not tell a subscriber whether it is connected:
+/// in its N:M build a port is SUBSCRIBED as soon as it asks. The table may change meanwhile. Then the answer
+/// is that of a moment ago, or null.
 const PublisherPortData* Session::feeder_of(const SubscriberPortData& port) const noexcept {
   auto& table = const_cast<iox::roudi::PortPoolData*>(port_pool())->m_publisherPortMembers;
   const auto publishers = table.content();
@@ -279,10 +226,10 @@ void Session::collect() {
   const std::scoped_lock lock(mutex_);
   if (lost_) return;
   std::erase_if(retired_, [this](SubscriberPortData* port) {
-    const bool asked = port->m_subscriptionState.load() == iox::SubscribeState::NOT_SUBSCRIBED;
-    // A writer killed while it delivered leaves it locked until sftd has healed it, and sftd must not destroy
-    // it before.
-    if (!asked || feeder_of(*port) != nullptr || is_closed(port->m_chunkReceiverData)) return false;
+    const bool unsubscribed = port->m_subscriptionState.load() == iox::SubscribeState::NOT_SUBSCRIBED;
+    // A writer that was killed while it delivered leaves the queue locked until sftd has opened the lock.
+    // sftd must not destroy the port before.
+    if (!unsubscribed || feeder_of(*port) != nullptr || is_closed(port->m_chunkReceiverData)) return false;
     port->m_toBeDestroyed.store(true, std::memory_order_relaxed);
     return true;
   });

@@ -1,4 +1,4 @@
-// How a node uses shared memory and its daemon.
+// Options of a node for shared memory and its daemon.
 #pragma once
 
 #include <chrono>
@@ -11,27 +11,30 @@
 namespace sft::shm {
 
 struct ShmOptions {
-  std::string daemon_path{};  ///< of sftd; empty: as daemon_search.h says
-  /// Who says so, for people.
+  std::string daemon_path{};  ///< the file of sftd; empty: it is searched for (daemon_search.h)
+  /// The option or variable that set daemon_path, named in error messages.
   std::string daemon_named_by = "NodeOptions::shm.daemon_path";
-  bool start_daemon = true;                  ///< when none runs
-  std::chrono::seconds daemon_idle_exit{0};  ///< one started so ends without clients for so long; 0: never
+  bool start_daemon = true;  ///< start sftd if none runs
+  /// An sftd that this node starts ends when it has had no clients for so long; 0: never.
+  std::chrono::seconds daemon_idle_exit{0};
 
-  /// Accounts, by name or number, whose daemon is used besides that of root, of this account, and of the
-  /// owner of /run/sft (accepted_daemons.h). What one node of a process accepts holds for all of them.
+  /// Accounts, by name or number, whose daemon is used in addition to the daemons of root, of this account,
+  /// and of the owner of /run/sft (accepted_daemons.h). If one node of a process accepts a daemon, all nodes
+  /// of the process use it.
   std::vector<std::string> daemon_users{};
 
-  /// Of this process's name with the daemon, for people who look there.
+  /// The beginning of the name under which this process registers. `sftd status` shows the name.
   std::string runtime_name_prefix = "node";
 
-  std::chrono::milliseconds start_deadline{20'000};   ///< for a daemon to become ready
-  std::chrono::milliseconds connect_deadline{1'000};  ///< for it to take this process on
-  std::chrono::milliseconds port_deadline{500};       ///< for it to make a port
+  std::chrono::milliseconds start_deadline{20'000};   ///< until a daemon is ready
+  std::chrono::milliseconds connect_deadline{1'000};  ///< until the daemon has registered this process
+  std::chrono::milliseconds port_deadline{500};       ///< until the daemon has made a port
 
-  core::ThreadSpec wake_thread = "sft-wake";  ///< wakes readers where several sleep
+  core::ThreadSpec wake_thread = "sft-wake";  ///< the thread that wakes readers if several sleep
 
-  std::uint32_t queue_limit = 256;  ///< samples waiting, per reader and writer; at most 256
-  std::uint32_t held_limit = 256;   ///< samples held, per writer and per reader and writer; at most 256
+  std::uint32_t queue_limit = 256;  ///< samples that wait, for each reader of each writer; at most 256
+  /// Samples that are held, for each writer, and for each reader of each writer; at most 256.
+  std::uint32_t held_limit = 256;
 };
 
 }  // namespace sft::shm

@@ -1,4 +1,4 @@
-// What a transport and its ports count together; read by tools while they count.
+// The counters that a transport shares with its ports. Tools read them while the ports count.
 #pragma once
 
 #include <atomic>
@@ -8,8 +8,8 @@ namespace sft::shm {
 
 struct Statistics {
   std::atomic<std::uint64_t> malformed{0};  ///< chunks that are no sample of the reader's type
-  std::atomic<std::uint64_t> over_limit{
-      0};  ///< loans and takes refused, samples dropped, to stay within a limit
+  /// Loans and takes that were refused, and samples that were dropped, to stay within a limit.
+  std::atomic<std::uint64_t> over_limit{0};
 };
 
 }  // namespace sft::shm

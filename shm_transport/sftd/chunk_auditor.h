@@ -1,10 +1,11 @@
 // Finds the chunks that killed programs left taken, and frees them.
 //
-// A program that is killed while it has a chunk in hand (chunk_hand.h) leaves references that are counted and
-// that nobody has, a chunk without a header, or a wrong count of free ones. Nothing tells which. But looked
-// at as a whole, at a moment at which no living program has a chunk in hand, the memory tells: a chunk that
-// is taken has a header with references, and it was taken by a writer that is still there, or that still has
-// readers: only these can have it. Whatever else is taken is lost.
+// A program that is killed while it has a chunk in hand (chunk_hand.h) can leave references that are counted
+// and that nobody has, a chunk without a header, or a wrong count of free chunks. No single place tells which
+// chunks are lost. So the auditor looks at the whole memory, at a moment at which no living program has a
+// chunk in hand. A chunk that is rightly taken then has a header with references, and the writer that took it
+// still exists or still has readers, because only these can have references to it. Every other chunk that is
+// taken is lost.
 #pragma once
 
 #include <cstddef>
@@ -22,36 +23,36 @@ class PortPool;
 
 namespace sft::shm {
 
-/// Used by one thread at a time, which keeps ports from being created or destroyed meanwhile.
+/// One thread at a time uses it. That thread keeps ports from being created or destroyed meanwhile.
 class ChunkAuditor {
  public:
-  /// All outlive this. `memory` is configured.
+  /// Both arguments outlive this object. `memory` is configured already.
   ChunkAuditor(iox::roudi::PortPool& ports, iox::mepoo::MemoryManager& memory);
 
-  /// Notes which writers there are, before any of them is gone.
+  /// Notes which writers exist. It must be called before any of them is gone.
   void note_ports();
 
-  /// Frees what is lost by now, and returns how many chunks that were. Nothing if some program had a chunk in
-  /// hand each time it looked, or the memory is not in order.
+  /// Frees the chunks that are lost by now, and returns how many they were. Returns nothing if some program
+  /// had a chunk in hand at each look, or if the lists of free chunks are damaged.
   std::optional<std::size_t> audit();
 
  private:
   struct Lost {
-    std::vector<std::vector<std::uint32_t>> places;  ///< by pool; last the headers
-    std::vector<std::int64_t> counted_too_many;      ///< likewise
+    std::vector<std::vector<std::uint32_t>> chunks;  ///< indices by pool; the headers come last
+    std::vector<std::int64_t> overcount;             ///< PoolLayout::overcount(), by pool
   };
-  using Hands = std::vector<std::uint32_t>;
-  using Places = std::vector<std::vector<bool>>;  ///< by pool
+  using InHandCounts = std::vector<std::uint32_t>;
+  using ChunkMarks = std::vector<std::vector<bool>>;  ///< by pool and index
   std::optional<Lost> look() const;
   std::optional<Lost> find_lost() const;
-  void add_owned(Places& in_order) const;
-  Hands hands() const;
+  void mark_owned(ChunkMarks& accounted) const;
+  InHandCounts in_hand_counts() const;
   bool is_owned(const std::byte* chunk) const;
   std::size_t free(const Lost& lost);
 
   iox::roudi::PortPool& ports_;
-  std::vector<PoolLayout> pools_;  ///< of chunks, and last the one of headers
-  /// Writers by their ids, which stand in their chunks: those that are there or have readers.
+  std::vector<PoolLayout> pools_;  ///< the pools of chunks, and last the pool of headers
+  /// The topics of the writers that exist or have readers, by the id that a writer stores in its chunks.
   std::map<std::uint64_t, iox::capro::ServiceDescription> writers_;
 };
 

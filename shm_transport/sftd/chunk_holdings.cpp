@@ -14,7 +14,7 @@ using iox::popo::SubscriberPortData;
 
 namespace {
 
-/// iceoryx's list of chunks in use as it lies in memory, where it is private.
+/// The layout of iceoryx's list of chunks in use. In iceoryx these members are private.
 template <std::uint32_t capacity>
 struct ListLayout {
   std::atomic_flag synchronizer;
@@ -29,8 +29,8 @@ std::vector<ShmSafeUnmanagedChunk> chunks_in(const iox::popo::UsedChunkList<capa
   using Layout = ListLayout<capacity>;
   static_assert(sizeof(Layout) == sizeof(list) && alignof(Layout) == alignof(decltype(list)));
   std::vector<ShmSafeUnmanagedChunk> chunks;
-  for (const ShmSafeUnmanagedChunk& place : reinterpret_cast<const Layout&>(list).chunks) {
-    const ShmSafeUnmanagedChunk chunk = place;
+  for (const ShmSafeUnmanagedChunk& entry : reinterpret_cast<const Layout&>(list).chunks) {
+    const ShmSafeUnmanagedChunk chunk = entry;  // a copy, because the owner of the list may change the entry
     if (!chunk.isLogicalNullptr()) chunks.push_back(chunk);
   }
   return chunks;
@@ -73,14 +73,14 @@ Holding ChunkHoldings::sum_of(std::span<const Chunk> chunks) const {
   return sum;
 }
 
-/// Of the pool that it comes from; 0 if it has been given back just now.
+/// Returns the chunk size of the pool that has this chunk; 0 if the chunk was given back a moment ago.
 std::uint64_t ChunkHoldings::bytes_of(const Chunk& chunk) const {
   static_assert(sizeof(Chunk) == sizeof(iox::rp::RelativePointerData));
   const std::uint64_t at = std::bit_cast<iox::rp::RelativePointerData>(chunk).offset();
   struct {
     std::uint64_t segment_id;
     std::uint64_t offset;
-  } header{};  // what its management begins with: a relative pointer to where the chunk is
+  } header{};  // iceoryx's management of a chunk begins with this relative pointer to the chunk
   static_assert(sizeof header == sizeof(iox::rp::RelativePointer<iox::mepoo::ChunkHeader>));
   if (at > management_.size() || management_.size() - at < sizeof header) return 0;
   std::memcpy(&header, management_.data() + at, sizeof header);

@@ -1,5 +1,5 @@
-// Which chunks a port holds, read while its owner takes and gives back others: nothing here relies on what it
-// reads being whole, and no pointer in shared memory is followed unchecked.
+// Counts the chunks that a port holds. The owner of the port takes and gives back chunks meanwhile. So the
+// code here does not rely on consistent data, and follows no pointer in shared memory without a check.
 #pragma once
 
 #include <cstddef>
@@ -12,21 +12,22 @@
 
 namespace sft::shm {
 
-/// Any thread.
+/// Any thread may use it.
 class ChunkHoldings {
  public:
-  /// `management`: that segment in this process; outlives this. `pools`: those of the segment of samples.
+  /// `management`: the management segment as it is mapped in this process, which outlives this object.
+  /// `pools`: the pools of the segment of samples.
   ChunkHoldings(std::span<const std::byte> management, const iox::mepoo::MemoryManager& pools);
 
-  /// Without the peak, which takes more than one look.
+  /// The result has no peak, because a peak takes more than one look.
   Holding of(const iox::popo::SubscriberPortData& port) const;
-  /// `keeper`: the port that the writer keeps its chunks in (writer_port.h); may be null.
+  /// `keeper`: the port whose list has the chunks of the writer (writer_port.h); may be null.
   Holding of(const iox::popo::PublisherPortData& port, const iox::popo::SubscriberPortData* keeper) const;
 
  private:
   using Chunk = iox::mepoo::ShmSafeUnmanagedChunk;
   struct PoolRange {
-    std::uint64_t end = 0;  ///< in the segment of samples; the pools lie there one after the other
+    std::uint64_t end = 0;  ///< the pool's end in the segment of samples, where the pools follow each other
     std::uint64_t chunk_bytes = 0;
   };
   std::uint64_t bytes_of(const Chunk& chunk) const;

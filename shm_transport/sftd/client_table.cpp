@@ -24,10 +24,10 @@ bool has_exited(const Descriptor& process) {
 
 bool ClientTable::is_dead(const std::string& name, const Process& process, bool exited) {
   const std::string path = "/tmp/" + name;
-  const Listener listener = listener_at(path.c_str());
-  if (listener != Listener::gone) return listener == Listener::unknown && exited;
-  // Whoever is killed leaves its socket, and whoever goes says goodbye before it removes it: where there is
-  // none, somebody else has removed it.
+  const SocketState state = socket_state_at(path.c_str());
+  if (state != SocketState::gone) return state == SocketState::unknown && exited;
+  // A process that is killed leaves its socket, and a process that ends says goodbye before it removes its
+  // socket. So if there is no socket, somebody else has removed it.
   struct stat socket {};
   const bool removed = lstat(path.c_str(), &socket) != 0 && errno == ENOENT;
   return !removed || exited || !*process.life;
@@ -70,14 +70,14 @@ std::vector<std::string> ClientTable::find_dead(Clock::time_point now) {
   std::vector<pollfd> processes;
   for (const auto& [name, process] : clients) processes.push_back({process.life->get(), POLLIN, 0});
   poll(processes.data(), processes.size(), 0);
-  const bool everybody = now >= next_round_;
-  if (everybody) next_round_ = now + round_interval;
+  const bool full_round = now >= next_round_;
+  if (full_round) next_round_ = now + round_interval;
 
   std::vector<std::string> dead;
   auto polled = processes.begin();
   for (const auto& [name, process] : clients) {
     const bool exited = (polled++)->revents != 0;
-    if ((everybody || exited) && is_dead(name, process, exited)) dead.push_back(name);
+    if ((full_round || exited) && is_dead(name, process, exited)) dead.push_back(name);
   }
   return dead;
 }

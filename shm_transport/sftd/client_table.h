@@ -1,8 +1,9 @@
-// The processes that registered, and which of them are dead.
+// The processes that have registered with the daemon, and which of them are dead.
 //
-// A process is known by its runtime name, which is also the name of its socket in /tmp. It is dead when
-// nobody listens there any more. Its pid tells when to look, and decides only where this user may not ask the
-// socket, or somebody has removed it: processes of other containers have pids that mean something else here.
+// A process is known by its runtime name, which is also the name of its socket in /tmp. It is dead when no
+// process listens on this socket any more. Its pid only tells when to look at the socket, because the pid of
+// a process in another container can belong to another process here. The pid decides only if this user may
+// not ask the socket, or if somebody has removed the socket.
 #pragma once
 
 #include <chrono>
@@ -20,7 +21,7 @@ class ClientTable {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Any thread, but find_dead one at a time.
+  // Any thread may call these functions; find_dead() one thread at a time.
   void add(const std::string& name, pid_t pid);
   void remove(const std::string& name);
   bool empty() const;
@@ -28,19 +29,20 @@ class ClientTable {
 
   struct Client {
     std::string name;
-    pid_t pid;  ///< as it told
+    pid_t pid;  ///< as the process gave it, in its own pid namespace
   };
   std::vector<Client> all() const;
 
-  /// The dead ones among the registered. Cheap while nobody dies: one system call, and one per client each
-  /// second.
+  /// Returns the registered processes that are dead. A call costs one system call while no process dies, and
+  /// once in a second one more for each process.
   std::vector<std::string> find_dead(Clock::time_point now);
 
-  /// Whether this process can no longer do anything: never registered, or registered and dead.
+  /// Returns whether this process can do nothing any more: it is dead, or is not registered.
   bool is_gone(const std::string& name) const;
 
  private:
-  /// `life`: a pidfd, readable once the process is gone; none for pids of other namespaces.
+  /// `life`: a pidfd, which becomes readable when the process is gone. There is none for a pid of another
+  /// namespace.
   struct Process {
     pid_t pid = 0;
     std::shared_ptr<const Descriptor> life{};
@@ -49,7 +51,7 @@ class ClientTable {
 
   mutable std::mutex mutex_;  // guards the map
   std::map<std::string, Process> clients_;
-  Clock::time_point next_round_{};  ///< of the one thread that looks for the dead
+  Clock::time_point next_round_{};  ///< when find_dead() looks at all sockets again; only find_dead() uses it
 };
 
 }  // namespace sft::shm

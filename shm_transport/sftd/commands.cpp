@@ -18,23 +18,24 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// It tells twice a second; this much later the machine is not only busy.
+// The daemon writes its status twice a second. If the status is older than this, the daemon does not answer,
+// because even a busy machine delays it less.
 constexpr std::chrono::nanoseconds silence_max = 3s;
 
-ExitCode complain(ExitCode code, const std::string& text) {
+ExitCode print_error(ExitCode code, const std::string& text) {
   fmt::print(stderr, "sftd: {}\n", text);
   return code;
 }
 
-/// Empty if it does.
+/// Says why the daemon does not answer; empty if it does.
 std::string why_it_does_not_answer(const RunningDaemon& daemon, const std::optional<Status>& status) {
   const std::string name = fmt::format("the daemon (pid {}) ", daemon.pid());
   if (daemon.is_stopped()) return name + "is stopped, by a signal or a debugger; continue it: kill -CONT";
-  if (!status) return name + "has not told its state; is it of another version?";
+  if (!status) return name + "has not written its status; is it of another version?";
   const std::chrono::nanoseconds age(core::realtime_ns() - status->usage.stamp_ns);
   if (age < silence_max) return {};
-  return name +
-         fmt::format("does not answer; it last did {:.1f} s ago", std::chrono::duration<double>(age).count());
+  return name + fmt::format("does not answer; it last wrote its status {:.1f} s ago",
+                            std::chrono::duration<double>(age).count());
 }
 
 std::string users_of(const std::optional<Status>& status) {
@@ -59,35 +60,36 @@ ExitCode code_of(const Error& error) {
 
 ExitCode print_status(bool as_json) {
   const auto daemon = RunningDaemon::find();
-  if (!daemon) return complain(daemon.error().code, daemon.error().reason);
+  if (!daemon) return print_error(daemon.error().code, daemon.error().reason);
   const auto status = read_status_file(daemon->user());
   if (status) fmt::print("{}", as_json ? to_json(*status) : to_table(*status, core::realtime_ns()));
   std::fflush(stdout);
   const std::string reason = why_it_does_not_answer(*daemon, status);
-  if (reason.empty() && !daemon->complaint().empty()) return complain(ExitCode::done, daemon->complaint());
-  return reason.empty()
-             ? ExitCode::done
-             : complain(ExitCode::no_answer, reason + (status ? "; the state above is of then" : ""));
+  if (reason.empty() && !daemon->problem().empty()) return print_error(ExitCode::done, daemon->problem());
+  return reason.empty() ? ExitCode::done
+                        : print_error(ExitCode::no_answer,
+                                      reason + (status ? "; the table above shows the last status" : ""));
 }
 
 ExitCode stop_daemon(std::chrono::milliseconds patience) {
   const auto daemon = RunningDaemon::find();
-  if (!daemon) return complain(daemon.error().code, daemon.error().reason);
+  if (!daemon) return print_error(daemon.error().code, daemon.error().reason);
   const auto process = daemon->process();
-  if (!process) return complain(code_of(process.error()), process.error().message);
+  if (!process) return print_error(code_of(process.error()), process.error().message);
   const std::string users = users_of(read_status_file(daemon->user()));
   if (syscall(SYS_pidfd_send_signal, process->get(), SIGTERM, nullptr, 0) != 0)
-    return complain(ExitCode::failed, fmt::format("the daemon (pid {}) cannot be signalled", daemon->pid()));
+    return print_error(ExitCode::failed,
+                       fmt::format("no signal can be sent to the daemon (pid {})", daemon->pid()));
   if (!ends_within(*process, patience)) {
-    return complain(
+    return print_error(
         ExitCode::no_answer,
         fmt::format("the daemon does not end; if it is stopped, continue it: kill -CONT {}", daemon->pid()));
   }
   if (users.empty()) {
-    fmt::print("sftd: the daemon (pid {}) has ended; nobody used it\n", daemon->pid());
+    fmt::print("sftd: the daemon (pid {}) has ended; no program used it\n", daemon->pid());
   } else {
-    fmt::print("sftd: the daemon (pid {}) has ended; these used it, and go on over UDP:{}\n", daemon->pid(),
-               users);
+    fmt::print("sftd: the daemon (pid {}) has ended; these programs used it, and go on over UDP:{}\n",
+               daemon->pid(), users);
   }
   return ExitCode::done;
 }

@@ -1,4 +1,4 @@
-// `sftd status` and `sftd stop`.
+// The commands `sftd status` and `sftd stop`.
 #pragma once
 
 #include <chrono>
@@ -7,10 +7,10 @@
 
 namespace sft::shm {
 
-/// Prints what the daemon last told, also while it does not answer, and then says so.
+/// Prints the last status of the daemon. If the daemon does not answer, the command prints that as well.
 ExitCode print_status(bool as_json);
 
-/// Asks it to end, waits until it has, and says who still used it.
+/// Asks the daemon to end, waits until it has ended, and names the programs that still used it.
 ExitCode stop_daemon(std::chrono::milliseconds patience);
 
 }  // namespace sft::shm

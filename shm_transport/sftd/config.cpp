@@ -16,27 +16,27 @@ constexpr std::int64_t most_chunks = 1 << 20;
 constexpr std::int64_t longest_idle_s = 1 << 30;
 constexpr std::size_t most_pools = 32;
 
-/// Of a file; only the first one counts.
-class Complaints {
+/// The first error in the configuration file. Later ones are left out.
+class FirstError {
  public:
-  explicit Complaints(std::string file) : file_(std::move(file)) {}
+  explicit FirstError(std::string file) : file_(std::move(file)) {}
 
   void add(const toml::source_region& where, std::string_view key, const std::string& text) {
-    if (first_.empty())
-      first_ = fmt::format("{}:{}: {}{}{}", file_, where.begin.line, key, key.empty() ? "" : ": ", text);
+    if (text_.empty())
+      text_ = fmt::format("{}:{}: {}{}{}", file_, where.begin.line, key, key.empty() ? "" : ": ", text);
   }
-  const std::string& first() const { return first_; }
+  const std::string& text() const { return text_; }
 
  private:
   std::string file_;
-  std::string first_;
+  std::string text_;
 };
 
-/// A table whose keys are all asked for by somebody, or refused.
+/// A table of the file. Each of its keys must be read by a caller; refuse_the_rest() refuses the others.
 class Section {
  public:
-  Section(const toml::table& table, std::string name, Complaints& complaints)
-      : table_(table), name_(std::move(name)), complaints_(complaints) {}
+  Section(const toml::table& table, std::string name, FirstError& first_error)
+      : table_(table), name_(std::move(name)), error_(first_error) {}
 
   template <class Number>
   void read(std::string_view key, std::int64_t least, std::int64_t most, Number& value) {
@@ -46,8 +46,9 @@ class Section {
     if (number && *number >= least && *number <= most) {
       value = static_cast<Number>(*number);
     } else {
-      refuse(*node, key,
-             fmt::format("not a whole number from {0} to {1}: write {2} = {0}", least, most, key));
+      refuse(
+          *node, key,
+          fmt::format("not a whole number from {0} to {1}: write for example {2} = {0}", least, most, key));
     }
   }
 
@@ -64,14 +65,14 @@ class Section {
   }
 
   void refuse(const toml::node& node, std::string_view key, const std::string& text) {
-    complaints_.add(node.source(), name_.empty() ? std::string(key) : name_ + "." + std::string(key), text);
+    error_.add(node.source(), name_.empty() ? std::string(key) : name_ + "." + std::string(key), text);
   }
 
   void refuse_the_rest() {
     for (const auto& [key, node] : table_) {
       if (std::ranges::find(known_, key.str()) != known_.end()) continue;
       refuse(node, key.str(),
-             fmt::format("not known here: use one of {}, or remove it", fmt::join(known_, ", ")));
+             fmt::format("unknown key: use one of {}, or remove it", fmt::join(known_, ", ")));
     }
   }
 
@@ -80,47 +81,47 @@ class Section {
  private:
   const toml::table& table_;
   const std::string name_;
-  Complaints& complaints_;
+  FirstError& error_;
   std::vector<std::string_view> known_;
 };
 
-/// The named part of the file, or nothing where there is none.
+/// Calls `read` with the section of this name, if the file has one.
 template <class Read>
-void within(Section& file, std::string_view name, Complaints& complaints, Read read) {
+void within(Section& file, std::string_view name, FirstError& first_error, Read read) {
   const toml::node* node = file.find(name);
   if (node == nullptr) return;
   if (!node->is_table()) return file.refuse(*node, name, fmt::format("not a section: write [{}]", name));
-  Section section(*node->as_table(), std::string(name), complaints);
+  Section section(*node->as_table(), std::string(name), first_error);
   read(section);
   section.refuse_the_rest();
 }
 
-Pool read_pool(const toml::table& table, Complaints& complaints) {
-  Section section(table, "pool", complaints);
+Pool read_pool(const toml::table& table, FirstError& first_error) {
+  Section section(table, "pool", first_error);
   std::size_t size_kib = 0;
   Pool pool;
   section.read("size_kib", 1, largest_pool_kib, size_kib);
   section.read("count", 2, most_chunks, pool.count);
   section.refuse_the_rest();
   if (!table.contains("size_kib") || !table.contains("count"))
-    section.refuse(table, "size_kib, count", "one is missing: give both");
+    section.refuse(table, "size_kib, count", "one of them is missing: give both");
   pool.bytes = size_kib << 10;
   return pool;
 }
 
-void read_pools(Section& file, Complaints& complaints, DaemonSettings& settings) {
+void read_pools(Section& file, FirstError& first_error, DaemonSettings& settings) {
   const toml::node* node = file.find("pool");
   if (node == nullptr) return;
   if (!node->is_array_of_tables()) return file.refuse(*node, "pool", "not a list of sizes: write [[pool]]");
   if (settings.pool_bytes)
-    return file.refuse(*node, "pool", "there is a budget, total_mib, as well: remove one of the two");
+    return file.refuse(*node, "pool", "the file has total_mib as well: remove one of the two");
   for (const toml::node& entry : *node->as_array())
-    settings.pools.push_back(read_pool(*entry.as_table(), complaints));
+    settings.pools.push_back(read_pool(*entry.as_table(), first_error));
   if (settings.pools.size() > most_pools)
-    file.refuse(*node, "pool", fmt::format("there are more than {}: remove some", most_pools));
+    file.refuse(*node, "pool", fmt::format("there are more than {} pools: remove some", most_pools));
   std::ranges::sort(settings.pools, {}, &Pool::bytes);
   if (std::ranges::adjacent_find(settings.pools, {}, &Pool::bytes) != settings.pools.end())
-    file.refuse(*node, "pool", "two have the same size_kib: make one of them");
+    file.refuse(*node, "pool", "two pools have the same size_kib: join them");
 }
 
 void read_budget(Section& file, DaemonSettings& settings) {
@@ -139,7 +140,7 @@ void read_log_level(Section& file, std::optional<LogLevel>& level) {
   const toml::node* node = file.find("log_level");
   if (node == nullptr) return;
   level = log_level_of(node->value_or(std::string()));
-  if (!level) file.refuse(*node, "log_level", "no such level: write error, warning, info or debug");
+  if (!level) file.refuse(*node, "log_level", "not a level: write error, warning, info or debug");
 }
 
 void read_limits(Section& section, Limits& limits) {
@@ -156,15 +157,17 @@ void read_access(Section& section, AccessSettings& access) {
     section.refuse(section.table(), "writers", "missing: name the group that may publish");
 }
 
-Config read_file(const toml::table& table, Complaints& complaints) {
+Config read_file(const toml::table& table, FirstError& first_error) {
   Config config;
-  Section file(table, "", complaints);
+  Section file(table, "", first_error);
   read_budget(file, config.settings);
-  read_pools(file, complaints, config.settings);
+  read_pools(file, first_error, config.settings);
   read_idle_exit(file, config.settings);
   read_log_level(file, config.log_level);
-  within(file, "limits", complaints, [&](Section& section) { read_limits(section, config.settings.limits); });
-  within(file, "access", complaints, [&](Section& section) { read_access(section, config.settings.access); });
+  within(file, "limits", first_error,
+         [&](Section& section) { read_limits(section, config.settings.limits); });
+  within(file, "access", first_error,
+         [&](Section& section) { read_access(section, config.settings.access); });
   file.refuse_the_rest();
   return config;
 }
@@ -172,17 +175,17 @@ Config read_file(const toml::table& table, Complaints& complaints) {
 }  // namespace
 
 Result<Config> read_config(const std::string& file) {
-  Complaints complaints(file);
+  FirstError first_error(file);
   try {
-    const Config config = read_file(toml::parse_file(file), complaints);
-    if (complaints.first().empty()) return config;
+    const Config config = read_file(toml::parse_file(file), first_error);
+    if (first_error.text().empty()) return config;
   } catch (const toml::parse_error& error) {
     if (error.source().begin.line == 0)
       return fail(Errc::unavailable, file + ": " + std::string(error.description()));
-    complaints.add(error.source(), "",
-                   std::string(error.description()) + ": correct it, see https://toml.io");
+    first_error.add(error.source(), "",
+                    std::string(error.description()) + ": correct it, see https://toml.io");
   }
-  return fail(Errc::invalid_argument, complaints.first());
+  return fail(Errc::invalid_argument, first_error.text());
 }
 
 }  // namespace sft::shm

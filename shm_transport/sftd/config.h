@@ -1,12 +1,12 @@
-// sftd's configuration file:
+// Reads the configuration file of sftd. A complete file looks like this:
 //
-//   total_mib = 320        # for samples, cut into sizes by sftd; or instead each size by itself:
-//   idle_exit_s = 0        # end after being without clients for so long; 0: never
-//   log_level = "info"     # error, warning, info, debug
+//   total_mib = 320        # memory for samples, which sftd divides into chunks; instead, give [[pool]]
+//   idle_exit_s = 0        # sftd ends when it has had no programs for so long; 0: never
+//   log_level = "info"     # error, warning, info or debug
 //
-//   [[pool]]
-//   size_kib = 64          # of a sample: header, index and body
-//   count = 500
+//   [[pool]]               # chunks of one size; the file can have several such sections
+//   size_kib = 64          # the largest sample in a chunk: header, index and body
+//   count = 500            # the number of chunks
 //
 //   [limits]
 //   processes = 300
@@ -17,8 +17,8 @@
 //   writers = "sft_writers"
 //   readers = "sft_readers"
 //
-// Everything may be left out. What is not known, or has a value that cannot be, is refused: a setting that is
-// silently not in force costs more than a daemon that does not start.
+// Every entry may be left out. An unknown key or a wrong value is refused, because a setting that is silently
+// ignored costs more than a daemon that does not start.
 #pragma once
 
 #include <optional>
@@ -35,7 +35,7 @@ struct Config {
   std::optional<LogLevel> log_level{};
 };
 
-/// Errors read "FILE:LINE: KEY: what is wrong: what to do".
+/// An error message has the form "FILE:LINE: KEY: what is wrong: what to do".
 Result<Config> read_config(const std::string& file);
 
 }  // namespace sft::shm

@@ -36,11 +36,14 @@ constexpr std::size_t smallest_shm_bytes = 128 * MiB;
 constexpr std::size_t default_pool_bytes = 320 * MiB;
 constexpr auto tick = 500ms;
 constexpr auto sweep_interval = 10s;
-// Long enough for a program that crashed to be started again by whoever looks after it.
+// How long the daemon waits without clients before it starts afresh. In this time a service manager can start
+// a program again that has crashed.
 constexpr auto renewal_delay = 2s;
+// A daemon that is younger than this does not start afresh.
 constexpr auto youngest_to_renew = 1s;
-// Nodes look for their daemon each 50 ms; then they let go of its memory.
-constexpr auto time_to_let_go = 200ms;
+// Nodes look for their daemon each 50 ms, and release its memory when it is gone. This time is enough for
+// that.
+constexpr auto time_to_release = 200ms;
 
 struct Space {
   std::size_t total = 0;
@@ -53,7 +56,8 @@ Space shm_space() {
   return {status.f_blocks * status.f_frsize, status.f_bavail * status.f_frsize};
 }
 
-/// Memory for samples is a file to the system. A program that starts the daemon may have a limit for its own.
+/// The memory for samples is a file to the system. The program that starts the daemon may have set a limit
+/// for the size of its own files, which the daemon inherits.
 void raise_file_size_limit() {
   rlimit limit{};
   if (getrlimit(RLIMIT_FSIZE, &limit) != 0) return;
@@ -66,12 +70,12 @@ tl::unexpected<StartFailure> refuse(ExitCode code, std::string message) {
 }
 
 tl::unexpected<StartFailure> refuse_for_space(const Space& space, std::size_t needed) {
-  return refuse(
-      ExitCode::no_space,
-      "/dev/shm has " + format_bytes(space.total) + ", of which " + format_bytes(space.free) +
-          " are free, and shared memory needs " + format_bytes(needed) +
-          "; enlarge it (docker run --shm-size=512m, or mount -o remount,size=512m /dev/shm), until then "
-          "samples go over UDP");
+  return refuse(ExitCode::no_space, "/dev/shm has " + format_bytes(space.total) + ", of which " +
+                                        format_bytes(space.free) + " are free, and shared memory needs " +
+                                        format_bytes(needed) +
+                                        "; enlarge /dev/shm (docker run --shm-size=512m, or mount -o "
+                                        "remount,size=512m /dev/shm); until then "
+                                        "samples go over UDP");
 }
 
 tl::expected<PoolPlan, StartFailure> take_pools(const DaemonSettings& settings, const Groups& groups,
@@ -82,7 +86,8 @@ tl::expected<PoolPlan, StartFailure> take_pools(const DaemonSettings& settings, 
   return plan;
 }
 
-/// How much of the free space goes to samples: what was asked for, or half of it up to a default.
+/// Chooses the pools. The memory for samples is as large as the settings say, or else half of the free space,
+/// up to a default.
 tl::expected<PoolPlan, StartFailure> choose_pools(const DaemonSettings& settings, const Groups& groups) {
   const Space space = shm_space();
   if (space.total < smallest_shm_bytes) return refuse_for_space(space, smallest_shm_bytes);
@@ -99,12 +104,13 @@ ExitCode code_of(const Error& error) {
   return error.code == Errc::invalid_argument ? ExitCode::bad_config : ExitCode::failed;
 }
 
-/// What iceoryx reports to. Whatever it meets later concerns one client, and ends in an answer to it. While
-/// it starts it would go on with memory, files or sockets that it could not get, and crash.
+/// Receives the errors that iceoryx reports. While the daemon starts, an error must end the process: iceoryx
+/// would go on without the memory, files or sockets that it could not get, and crash. Later each error
+/// concerns one client, which gets an answer.
 struct ErrorSink {
   const Log* log = nullptr;
-  std::mutex mutex;                                     // guards what follows
-  std::function<void(const std::string&)> end_start{};  ///< while the daemon starts
+  std::mutex mutex;                                     // guards end_start
+  std::function<void(const std::string&)> end_start{};  ///< ends the process; set while the daemon starts
 
   void report(const iox::Error error, const iox::ErrorLevel level) {
     const std::string text = std::string("iceoryx reports ") + iox::ErrorHandler::toString(error);
@@ -148,15 +154,16 @@ bool wait_until(Clock::time_point deadline, Condition condition) {
   return true;
 }
 
-/// Its sign in /dev/shm comes a moment after its lock in /tmp. Another account's daemon serves the programs
-/// of that account, and is not accepted by those of this one.
+/// Says which other daemon has the lock in /tmp. The host file of a daemon in /dev/shm comes a moment after
+/// its lock, so this function waits for it. The programs of this account do not accept the daemon of another
+/// user's account.
 tl::unexpected<StartFailure> refuse_beside_another() {
   const auto other = read_daemon_lock();
   if (other && !accepted_daemons({}).include_user(other->user)) {
     return refuse(ExitCode::failed, "an sftd of " + core::account_name(other->user) + " (pid " +
                                         std::to_string(other->pid) + ") has locked " + daemon_lock_path +
-                                        ", and there can be only one; end it, as that user or as root: sftd "
-                                        "stop, or kill " +
+                                        ", and there can be only one sftd; end it, as that user or as root: "
+                                        "sftd stop, or kill " +
                                         std::to_string(other->pid));
   }
   const auto settled = [] {
@@ -164,45 +171,48 @@ tl::unexpected<StartFailure> refuse_beside_another() {
            !is_locked_at(daemon_lock_path);
   };
   if (wait_until(Clock::now() + 1s, settled)) return refuse(ExitCode::done, "already running");
-  return refuse(ExitCode::failed,
-                "an sftd with another /dev/shm has the same /tmp; share both with its container, or neither");
+  return refuse(
+      ExitCode::failed,
+      "an sftd with another /dev/shm has the same /tmp; share both directories with its container, or "
+      "neither");
 }
 
-/// Nothing where no daemon lives in this /tmp, as far as this account may ask.
+/// Returns nothing if no daemon lives in this /tmp, as far as this account may ask.
 std::optional<StartFailure> refuse_beside_the_living() {
   if (is_locked_at(daemon_lock_path)) return refuse_beside_another().value();
-  if (listener_at(roudi_socket_path) != Listener::alive) return std::nullopt;
+  if (socket_state_at(roudi_socket_path) != SocketState::alive) return std::nullopt;
   struct stat socket {};
   const bool named = lstat(roudi_socket_path, &socket) == 0;
   return StartFailure{
       ExitCode::foreign_daemon,
       "another iceoryx daemon (iox-roudi) is running" +
           (named ? ", of " + core::account_name(socket.st_uid) : "") +
-          "; stop it: sftd serves SFT's programs instead, and the two cannot share /tmp/roudi"};
+          "; stop that daemon: sftd serves SFT's programs instead, and the two cannot share /tmp/roudi"};
 }
 
 tl::unexpected<StartFailure> refuse_host_file(const Error& error) {
   if (error.code != Errc::address_in_use) return refuse(ExitCode::failed, error.message);
   return refuse(ExitCode::failed,
                 error.message +
-                    "; an sftd with another /tmp has the same /dev/shm: share both with its "
+                    "; an sftd with another /tmp has the same /dev/shm; share both directories with its "
                     "container, or neither");
 }
 
 }  // namespace
 
-Daemon::Daemon(const DaemonSettings& settings, const Log& log, FileLock only_one, FileLock host_file,
+Daemon::Daemon(const DaemonSettings& settings, const Log& log, FileLock daemon_lock, FileLock host_file,
                Groups groups)
     : settings_(settings),
       log_(log),
-      only_one_(std::move(only_one)),
+      daemon_lock_(std::move(daemon_lock)),
       host_file_(std::move(host_file)),
       groups_(std::move(groups)),
       since_ns_(core::realtime_ns()),
       error_handler_(log_errors(log)) {}
 
-/// The order matters: our locks come before anything of iceoryx, which would abort where it finds a daemon
-/// running. Locks and sockets tell who lives; whatever else is there is only in the way.
+/// The order matters: this daemon takes its locks before it touches anything of iceoryx, because iceoryx
+/// aborts if it finds another daemon. Only locks and sockets tell whether a daemon lives. All other files are
+/// leftovers.
 Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, EndProcess end) {
   raise_file_size_limit();
   if (const auto large_enough = core::check_file_size(smallest_shm_bytes); !large_enough)
@@ -212,18 +222,18 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, En
   if (auto living = refuse_beside_the_living()) return tl::unexpected(*living);
   if (const auto others = files_of_others(daemon_files(groups->writers)); !others.empty())
     return refuse(ExitCode::failed, in_the_way(others));
-  auto only_one = FileLock::take(daemon_lock_path);
-  if (!only_one) {
-    if (only_one.error().code == Errc::address_in_use) return refuse_beside_another();
-    return refuse(ExitCode::failed, only_one.error().message);
+  auto daemon_lock = FileLock::take(daemon_lock_path);
+  if (!daemon_lock) {
+    if (daemon_lock.error().code == Errc::address_in_use) return refuse_beside_another();
+    return refuse(ExitCode::failed, daemon_lock.error().message);
   }
   remove_segment_of_the_dead();
   auto host_file = FileLock::take(host_file_path);
   if (!host_file) return refuse_host_file(host_file.error());
   std::unique_ptr<Daemon> daemon(
-      new Daemon(settings, log, std::move(*only_one), std::move(*host_file), std::move(*groups)));
-  if (const auto left = remove_daemon_files(daemon->groups_.writers); !left.empty())
-    return refuse(ExitCode::failed, in_the_way(left));
+      new Daemon(settings, log, std::move(*daemon_lock), std::move(*host_file), std::move(*groups)));
+  if (const auto remaining = remove_daemon_files(daemon->groups_.writers); !remaining.empty())
+    return refuse(ExitCode::failed, in_the_way(remaining));
   remove_dead_sockets();
   core::DoorbellPage::sweep();
   auto plan = choose_pools(settings, daemon->groups_);
@@ -231,8 +241,8 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, En
   if (const auto large_enough = core::check_file_size(plan->bytes()); !large_enough)
     return refuse(ExitCode::no_space, large_enough.error().message);
   error_sink().begin([&daemon, &end](const std::string& text) {
-    daemon->remove_traces(false);
-    end({ExitCode::failed, "it cannot start: " + text +
+    daemon->remove_files(false);
+    end({ExitCode::failed, "sftd cannot start: " + text +
                                "; are /tmp and /dev/shm writable, and is there space left? sftd --foreground "
                                "--log-level=debug says more"});
   });
@@ -245,7 +255,8 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, En
 std::optional<StartFailure> Daemon::host(const PoolPlan& plan) {
   auto lock = iox::posix::FileLock::create(iox::roudi::ROUDI_LOCK_NAME);
   if (lock.has_error()) {
-    return StartFailure{ExitCode::foreign_daemon, "another iceoryx daemon is about to start; stop it"};
+    return StartFailure{ExitCode::foreign_daemon,
+                        "another iceoryx daemon (iox-roudi) is starting; stop that daemon"};
   }
   roudi_lock_.emplace(std::move(lock.value()));
   auto memory = HostMemory::make(make_config(plan, groups_), groups_);
@@ -254,20 +265,23 @@ std::optional<StartFailure> Daemon::host(const PoolPlan& plan) {
   ports_ = std::make_unique<iox::roudi::PortManager>(memory_.get());
   roudi_ = std::make_unique<RoudiHost>(*memory_, *ports_, groups_, settings_.limits, log_);
   plan_ = plan;
-  const auto serves = [] { return listener_at(roudi_socket_path) == Listener::alive; };
+  const auto serves = [] { return socket_state_at(roudi_socket_path) == SocketState::alive; };
   if (!wait_until(Clock::now() + 5s, serves))
-    return StartFailure{ExitCode::failed, "iceoryx does not begin to serve; is /tmp writable?"};
+    return StartFailure{ExitCode::failed, "iceoryx has made no socket at /tmp/roudi; is /tmp writable?"};
   if (const auto admitted = admit_readers(); !admitted)
-    return StartFailure{ExitCode::failed, "readers cannot be let in: " + admitted.error().message};
+    return StartFailure{ExitCode::failed, "the group " + groups_.readers +
+                                              " cannot be given rights to read: " + admitted.error().message};
   note_segments();
-  if (!announce()) return StartFailure{ExitCode::failed, "its sign in /dev/shm could not be written"};
+  if (!announce())
+    return StartFailure{ExitCode::failed, std::string(host_file_path) + " or " + daemon_lock_path +
+                                              " could not be written; is there space left?"};
   log_.info(description());
   if (!plan.remark.empty()) log_.warning(plan.remark);
   return std::nullopt;
 }
 
 bool Daemon::announce() {
-  tell_status();
+  write_status();
   HostFile file;
   file.pid = getpid();
   file.port_pool_offset = memory_->port_pool_offset();
@@ -280,10 +294,11 @@ bool Daemon::announce() {
     return false;
   const std::string text = format(file);
   return pwrite(host_file_.descriptor(), text.data(), text.size(), 0) == static_cast<ssize_t>(text.size()) &&
-         dprintf(only_one_.descriptor(), "%s", format_lock(own_lock()).c_str()) > 0;
+         dprintf(daemon_lock_.descriptor(), "%s", format_lock(own_lock()).c_str()) > 0;
 }
 
-/// They use what manages the samples as writers do. The samples themselves iceoryx has made readable to them.
+/// Gives readers the rights to the management segment and to the socket that writers have. iceoryx itself has
+/// made the segment of samples readable for them.
 Result<void> Daemon::admit_readers() {
   if (!groups_.reader_id) return {};
   for (const std::string& path :
@@ -300,7 +315,7 @@ std::string Daemon::description() const {
   return text + " and " + format_bytes(memory_->management().size()) + " to manage them";
 }
 
-void Daemon::tell_status() {
+void Daemon::write_status() {
   Status status;
   status.pid = getpid();
   status.versions = {SFT_VERSION, ICEORYX_LATEST_RELEASE_VERSION, host_protocol};
@@ -311,10 +326,10 @@ void Daemon::tell_status() {
   status.sample_bytes = memory_->samples().bytes;
   status.management_bytes = memory_->management().size();
   status.usage = roudi_->usage();
-  const auto told = write_status_file(status);
-  if (!told && status_was_told_)
-    log_.warning(told.error().message + "; sftd status will not see what happens");
-  status_was_told_ = told.has_value();
+  const auto written = write_status_file(status);
+  if (!written && status_was_written_)
+    log_.warning(written.error().message + "; sftd status will show an old state");
+  status_was_written_ = written.has_value();
 }
 
 Daemon::End Daemon::serve() {
@@ -325,8 +340,8 @@ Daemon::End Daemon::serve() {
   auto next_sweep = Clock::now() + sweep_interval;
   for (;;) {
     if (sigtimedwait(&signals, nullptr, &timeout) > 0) return End::stopped;
-    look_after_names();
-    tell_status();
+    check_names();
+    write_status();
     const auto now = Clock::now();
     if (now >= next_sweep) {
       core::DoorbellPage::sweep();
@@ -337,8 +352,8 @@ Daemon::End Daemon::serve() {
 }
 
 std::optional<Daemon::End> Daemon::check_idle(Clock::time_point now) {
-  // Not at once after it began: whoever removes its names may do so again and again.
-  if (names_lost_ && now - began_ >= youngest_to_renew) return End::renew;
+  // A young daemon waits before it starts afresh, because somebody may remove its files again and again.
+  if (names_removed_ && now - began_ >= youngest_to_renew) return End::renew;
   if (!roudi_->is_idle()) {
     idle_since_.reset();
     return std::nullopt;
@@ -346,35 +361,38 @@ std::optional<Daemon::End> Daemon::check_idle(Clock::time_point now) {
   if (!idle_since_) idle_since_ = now;
   if (settings_.idle_exit > 0s && now - *idle_since_ >= settings_.idle_exit) return End::idle;
   if (roudi_->unaudited() == 0 || now - *idle_since_ < renewal_delay) return std::nullopt;
-  log_.warning("what manages the memory is not in order after a program was killed; starts afresh");
+  log_.warning(
+      "after a program was killed, its lost chunks cannot be found; sftd starts afresh with new memory");
   return End::renew;
 }
 
-/// Somebody may have removed the names while we ran. Then they can be another daemon's by now.
-void Daemon::remove_traces(bool starts_again) {
+/// Somebody may have removed the files while this daemon ran. Then the files with these names can belong to
+/// another daemon by now, and stay.
+void Daemon::remove_files(bool starts_again) {
   struct stat other {};
   const bool names_are_ours =
-      only_one_.is_named() && (host_file_.is_named() || lstat(host_file_path, &other) != 0);
-  std::ignore = ftruncate(only_one_.descriptor(), 0);  // it is no more where it says it is
+      daemon_lock_.is_named() && (host_file_.is_named() || lstat(host_file_path, &other) != 0);
+  std::ignore = ftruncate(daemon_lock_.descriptor(), 0);  // what it says of this daemon is no longer true
   host_file_.remove();
   if (names_are_ours) remove_daemon_files(groups_.writers);
-  // Programs that see its lock do not start another one meanwhile.
-  if (!starts_again) only_one_.remove();
+  // While the lock exists, programs do not start another daemon.
+  if (!starts_again) daemon_lock_.remove();
 }
 
 namespace {
-/// The file system that /dev/shm is; 0 if nobody can tell.
+/// Returns the device of /dev/shm; 0 if it is not known.
 dev_t device_of_shared_memory() {
   struct stat status {};
   return stat("/dev/shm", &status) == 0 ? status.st_dev : 0;
 }
 }  // namespace
 
-/// Programs find it, and the memory, by these. Where another file system was mounted over /dev/shm nothing
-/// was removed: programs say that they have another one than this daemon, and it serves those that it had.
-bool Daemon::has_lost_its_names() const {
+/// Returns whether somebody has removed the files by which programs find this daemon and its memory. If
+/// another file system was mounted over /dev/shm, nothing was removed. Then new programs say that they have
+/// another /dev/shm than this daemon, and the daemon goes on to serve the old ones.
+bool Daemon::names_are_removed() const {
   if (device_of_shared_memory() != shm_device_) return false;
-  return !only_one_.is_named() || !host_file_.is_named() ||
+  return !daemon_lock_.is_named() || !host_file_.is_named() ||
          std::ranges::any_of(segments_, [](const auto& segment) {
            struct stat named {};
            return lstat(segment.first.c_str(), &named) != 0 || named.st_ino != segment.second;
@@ -390,16 +408,17 @@ void Daemon::note_segments() {
   }
 }
 
-/// So that the next daemon finds the memory free that programs have of this one.
-void Daemon::await_users() {
+/// Programs release the memory of this daemon when they notice that it is gone. Then the next daemon finds
+/// that memory free.
+void Daemon::let_users_notice() {
   const bool idle = roudi_->is_idle();
   host_file_.unlock();
-  if (!idle) std::this_thread::sleep_for(time_to_let_go);
+  if (!idle) std::this_thread::sleep_for(time_to_release);
 }
 
-void Daemon::look_after_names() {
-  if (names_lost_ || !has_lost_its_names()) return;
-  names_lost_ = true;
+void Daemon::check_names() {
+  if (names_removed_ || !names_are_removed()) return;
+  names_removed_ = true;
   log_.warning(names_are_gone(getpid()));
 }
 

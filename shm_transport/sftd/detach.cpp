@@ -22,7 +22,7 @@ void print(ExitCode code, const std::string& message) {
   ssize_t size = 0;
   while ((size = read(channel, bytes, sizeof bytes)) > 0) text.append(bytes, static_cast<std::size_t>(size));
   if (text.empty()) {
-    print(ExitCode::failed, "died while it started; is there space left in /dev/shm?");
+    print(ExitCode::failed, "the daemon died while it started; is there space left in /dev/shm?");
     _exit(static_cast<int>(ExitCode::failed));
   }
   const auto code = static_cast<ExitCode>(text.front());
@@ -30,17 +30,18 @@ void print(ExitCode code, const std::string& message) {
   _exit(static_cast<int>(code));
 }
 
-/// Keeps one descriptor of all that the shell or a careless parent left open, and moves it.
-int keep_only(int kept) {
-  constexpr int place = 3;
-  if (kept != place) dup3(kept, place, O_CLOEXEC);
-  close_range(place + 1, ~0U, 0);
-  return place;
+/// Moves this descriptor behind the standard ones, and closes all others that the shell or a parent left
+/// open.
+int keep_only(int descriptor) {
+  constexpr int first_free = 3;
+  if (descriptor != first_free) dup3(descriptor, first_free, O_CLOEXEC);
+  close_range(first_free + 1, ~0U, 0);
+  return first_free;
 }
 
 void leave_terminal() {
   setsid();
-  if (const pid_t child = fork(); child != 0) _exit(0);  // a session leader could get a terminal again
+  if (const pid_t child = fork(); child != 0) _exit(0);  // only its leader can get a terminal
   if (chdir("/") != 0) return;
   const int null = open("/dev/null", O_RDWR | O_CLOEXEC);
   for (int stream = 0; stream < 3 && null >= 0; ++stream) dup2(null, stream);
@@ -63,10 +64,10 @@ Starter Starter::detach() {
   return Starter(Descriptor(channel));
 }
 
-void Starter::tell(ExitCode code, const std::string& message) {
+void Starter::report(ExitCode code, const std::string& message) {
   if (!channel_) return print(code, message);
   const std::string text = static_cast<char>(code) + message;
-  if (write(channel_.get(), text.data(), text.size()) < 0) return;  // the starter was killed: nobody listens
+  if (write(channel_.get(), text.data(), text.size()) < 0) return;  // the process that waits was killed
   channel_ = Descriptor();
 }
 

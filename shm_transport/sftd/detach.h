@@ -1,5 +1,5 @@
-// Becoming a daemon, with the shell's patience: whoever started sftd sees it return when it is ready, or
-// hears why it is not.
+// Turns the process that a shell has started into a daemon. The command returns to the shell when the daemon
+// is ready, or says why it is not.
 #pragma once
 
 #include <string>
@@ -9,17 +9,17 @@
 
 namespace sft::shm {
 
-/// The process that was started, waiting in the foreground for what becomes of the daemon.
+/// The process that the shell has started. It waits in the foreground for the result of the start.
 class Starter {
  public:
-  /// Nobody waits: messages go to the standard streams of this process.
+  /// The daemon stays in the foreground: no process waits, and messages go to the standard streams.
   static Starter in_foreground() { return Starter(Descriptor()); }
-  /// Returns in a new process without terminal, whose standard streams are /dev/null. The old one exits when
-  /// the result is told, with its code.
+  /// Returns in a new process without a terminal, whose standard streams are /dev/null. The old process exits
+  /// when the result is reported, with the reported code.
   static Starter detach();
 
-  /// Only once, and only the first time matters.
-  void tell(ExitCode code, const std::string& message);
+  /// Reports the result of the start. Only the first call counts.
+  void report(ExitCode code, const std::string& message);
 
  private:
   explicit Starter(Descriptor channel) : channel_(std::move(channel)) {}

@@ -14,7 +14,7 @@ Result<gid_t> id_of(const std::string& name) {
               "group " + name +
                   ", named in [access] of the configuration, does not exist; create it "
                   "(groupadd --system " +
-                  name + ") or name another");
+                  name + ") or name another group");
 }
 
 Result<void> become(const std::string& name) {
@@ -34,7 +34,7 @@ bool is_listed(const group& members, const std::string& user) {
   return false;
 }
 
-/// Preferably the user that this process runs as.
+/// Returns a member of the group, preferably the user that this process runs as.
 std::optional<uid_t> member_of(const group& members) {
   const gid_t id = members.gr_gid;
   std::optional<uid_t> found;
@@ -57,7 +57,7 @@ Result<Groups> take_up_groups(const AccessSettings& settings) {
   if (own == nullptr) {
     return fail(Errc::no_permission,
                 "group " + std::to_string(getegid()) +
-                    " has no entry in /etc/group, by which access to the memory is granted; add one");
+                    " has no entry in /etc/group; iceoryx needs one to give access to the memory; add it");
   }
   Groups groups;
   groups.writers = own->gr_name;
@@ -65,8 +65,7 @@ Result<Groups> take_up_groups(const AccessSettings& settings) {
   if (!member) {
     return fail(Errc::no_permission,
                 "group " + groups.writers +
-                    " has no members in /etc/group, of which iceoryx needs one; add the user that "
-                    "sftd runs as");
+                    " has no members in /etc/group, and iceoryx needs one; add the user that sftd runs as");
   }
   groups.member = *member;
   if (settings.readers.empty() || settings.readers == groups.writers) return groups;

@@ -1,9 +1,10 @@
-// The groups whose members may use the memory. The kernel is asked who they are, whenever it can be: it also
-// knows the groups that a service manager or a container gave to a process, which are in no file.
+// The groups whose members may use the shared memory. Wherever it is possible the kernel decides who is a
+// member, because it also knows the groups that a service manager or a container has given to a process.
+// These are in no file.
 //
-// sftd runs as the group of the writers, so that what it creates is theirs. Readers get, by access control
-// lists, the right to read samples, and to read and write what manages them (a reader counts references
-// there).
+// sftd runs as the group of the writers, so that the files that it creates belong to this group. Readers get
+// rights by access control lists: they may read the samples, and may read and write the management segment,
+// where a reader counts references.
 #pragma once
 
 #include <sys/types.h>
@@ -18,13 +19,15 @@ namespace sft::shm {
 
 struct Groups {
   std::string writers{};  ///< also the name of the segment with the samples, in /dev/shm
-  std::string readers{};  ///< empty if there are none apart from the writers
+  std::string readers{};  ///< empty if there is no group of readers besides the writers
   std::optional<gid_t> reader_id{};
-  /// Somebody in the group of writers. iceoryx looks groups up in files, by user; to it, all are this one.
+  /// A user in the group of writers. iceoryx looks up the groups of a user in files, so sftd registers every
+  /// process as this user.
   uid_t member = 0;
 };
 
-/// Changes the group of this process, if another one is to write. Call it before there are threads.
+/// Changes the group of this process if the settings name another group of writers. Call it before there are
+/// threads.
 Result<Groups> take_up_groups(const AccessSettings& settings);
 
 }  // namespace sft::shm

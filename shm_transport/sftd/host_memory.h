@@ -1,6 +1,6 @@
-// The daemon's shared memory: iceoryx's management segment and one segment of pools. As
-// IceOryxRouDiMemoryManager, but failures are values, and it is known where the table of ports lies (readers
-// look there whether they are connected).
+// The shared memory of the daemon: iceoryx's management segment, and one segment with the pools of samples.
+// The class does the same as IceOryxRouDiMemoryManager, but returns failures as values, and knows the
+// position of the table of ports. Readers look in that table whether they are connected.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ namespace sft::shm {
 
 iox::RouDiConfig_t make_config(const PoolPlan& plan, const Groups& groups);
 
-/// The segment of samples, as programs have to know it.
+/// The data that programs need to map the segment of samples.
 struct SampleSegment {
   std::uint64_t id = 0;
   std::uint64_t bytes = 0;
@@ -33,11 +33,11 @@ struct SampleSegment {
 
 class HostMemory final : public iox::roudi::RouDiMemoryInterface {
  public:
-  /// Bytes of the management segment for these pools.
+  /// Returns the size of the management segment for these pools.
   static std::size_t management_bytes(const iox::RouDiConfig_t& config);
 
-  /// Creates the segments and fills them with zeros, so that /dev/shm has really given the memory. They are
-  /// left out of core dumps of this process.
+  /// Creates the segments and fills them with zeros, so that /dev/shm has really given the memory. Core dumps
+  /// of this process leave the segments out.
   static Result<std::unique_ptr<HostMemory>> make(const iox::RouDiConfig_t& config, const Groups& groups);
 
   const SampleSegment& samples() const { return samples_; }

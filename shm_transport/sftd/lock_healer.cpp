@@ -18,7 +18,8 @@ bool is_own_thread(int thread) {
   return thread != 0 && access(("/proc/self/task/" + std::to_string(thread)).c_str(), F_OK) == 0;
 }
 
-/// As pthread_mutex_unlock would for the holder. The word goes last: from then on another thread may be in.
+/// Does what pthread_mutex_unlock() does for the holder. The lock word is cleared last, because another
+/// thread may take the lock from then on.
 void open_by_force(const PortLock& lock) {
   auto& data = mutex_of(lock).__data;
   data.__count = 0;
@@ -43,8 +44,8 @@ void LockHealer::note_ports() {
   known_.swap(ports);
 }
 
-/// Queues before publishers: as soon as a publisher's lock is open, a thread of the daemon that waits for it
-/// goes on and may destroy a port with such a queue.
+/// Opens the locks of queues before those of publishers. As soon as the lock of a publisher is open, a thread
+/// of the daemon that waits for it goes on, and may destroy a port whose queue is still locked.
 bool LockHealer::heal() {
   const auto now = Clock::now();
   const std::scoped_lock lock(mutex_);
@@ -64,7 +65,7 @@ LockHealer::Finding LockHealer::look_at(const KnownPort& known, Clock::time_poin
     suspects_.erase(known.lock);
     return Finding::in_order;
   }
-  if (!is_settled(known.lock, holder_of(*known.lock), now)) return Finding::unclear;
+  if (!is_confirmed(known.lock, holder_of(*known.lock), now)) return Finding::unclear;
   open_by_force(*known.lock);
   suspects_.erase(known.lock);
   ++opened_;
@@ -73,12 +74,13 @@ LockHealer::Finding LockHealer::look_at(const KnownPort& known, Clock::time_poin
   return Finding::opened;
 }
 
-/// A lock has no holder for an instant, between two instructions of taking or releasing it: when its holder
-/// was killed right there, or in a living thread of the daemon, which has moved on a moment later. And the id
-/// of a holder that died in another pid namespace may be that of a thread of the daemon here; but such a
-/// thread lets go of the lock in microseconds. Looks are counted, not time: the daemon may have been stopped
-/// meanwhile.
-bool LockHealer::is_settled(const Lock* lock, int holder, Clock::time_point now) {
+/// Returns whether enough looks have found the same holder, so that the lock can be opened. One look is not
+/// enough in two cases. First, a closed lock has no holder between two instructions that take or release it.
+/// Either the holder was killed right there, or a living thread of the daemon is there and has moved on a
+/// moment later. Second, the id of a holder that died in another pid namespace can be the id of a thread of
+/// the daemon here. But a thread of the daemon releases the lock after microseconds. Looks are counted
+/// instead of time, because the daemon may have been stopped meanwhile.
+bool LockHealer::is_confirmed(const Lock* lock, int holder, Clock::time_point now) {
   const int looks_needed = is_own_thread(holder) ? 6 : holder == 0 ? 2 : 1;
   Suspect& suspect = suspects_[lock];
   if (suspect.looks == 0 || suspect.holder != holder) {
@@ -91,7 +93,7 @@ bool LockHealer::is_settled(const Lock* lock, int holder, Clock::time_point now)
 }
 
 bool LockHealer::holder_is_dead(const KnownPort& known) const {
-  // Not the port that was noted: another one in its place, and nothing is known of that.
+  // If the owner has changed, this is not the port that was noted, but another one at its place.
   if (known.port->m_runtimeName != known.owner) return false;
   if (known.is_publisher) return clients_.is_gone(known.owner.c_str());
   return std::ranges::all_of(known_, [&](const KnownPort& other) {

@@ -1,15 +1,15 @@
 // Opens locks in shared memory that a dead process left closed.
 //
-// iceoryx keeps a mutex in each port: a publisher holds its own, and that of each queue it puts a chunk into,
-// while it delivers. If it is killed in between, the daemon blocks on that mutex for good the next time it
-// changes the port's connections, and nobody can register any more; and it would abort on destroying a port
-// whose mutex is locked.
+// iceoryx has a mutex in each port. While a publisher delivers, it holds its own mutex and that of each queue
+// that it puts a chunk into. If the publisher is killed then, the daemon blocks on that mutex for ever when
+// it next changes the connections of the port, and no program can register any more. The daemon would also
+// abort when it destroys a port whose mutex is locked.
 //
-// Opening such a lock by force is safe. First, only dead processes can have held it: the publisher, for its
-// own lock as for those of the queues it feeds (readers only look, see port_lock.h); that none of the
-// daemon's threads is its holder is checked. Second, the dead holder left nothing half done under it: what
-// the mutexes guard (a publisher's list of queues, a queue's condition variable) is written by the daemon
-// only, and chunks in queues are in lock-free structures.
+// It is safe to open such a lock by force. First, only a dead process can hold it: a publisher holds its own
+// lock and those of the queues that it feeds, while readers only look (port_lock.h). The healer checks that
+// no thread of the daemon is the holder. Second, the dead holder left no half-done change: only the daemon
+// writes what these mutexes guard (the list of queues of a publisher, the condition variable of a queue), and
+// chunks lie in lock-free queues.
 #pragma once
 
 #include <atomic>
@@ -35,11 +35,12 @@ class LockHealer {
   LockHealer(iox::roudi::PortPool& ports, const ClientTable& clients, const Log& log)
       : ports_(ports), clients_(clients), log_(log) {}
 
-  /// Notes which ports there are. The caller keeps the daemon's threads from changing them meanwhile.
+  /// Notes which ports exist. The caller keeps the threads of the daemon from changing them meanwhile.
   void note_ports();
 
-  /// Opens what dead processes left locked. False if it must look again first (in 20 ms). Any thread; also
-  /// while a thread of the daemon is blocked on such a lock.
+  /// Opens the locks that dead processes left closed. Returns false if it must look again before it can open
+  /// a lock; the next look can be in 20 ms. Any thread may call it, also while a thread of the daemon blocks
+  /// on such a lock.
   bool heal();
 
   std::uint64_t opened() const { return opened_.load(std::memory_order_relaxed); }
@@ -50,19 +51,19 @@ class LockHealer {
   struct KnownPort {
     const iox::popo::BasePortData* port;
     const Lock* lock;
-    iox::RuntimeName_t owner;  ///< copied: the port may be destroyed, and its place be used for another
+    iox::RuntimeName_t owner;  ///< a copy: the port may be destroyed, and its memory used again
     iox::capro::ServiceDescription service;
     bool is_publisher;
   };
   struct Suspect {
     int holder = 0;
-    int looks = 0;  ///< at which it was the same one
+    int looks = 0;  ///< how many looks have found this holder
     Clock::time_point last_look{};
   };
   enum class Finding { in_order, opened, unclear };
   Finding look_at(const KnownPort& port, Clock::time_point now);
   bool holder_is_dead(const KnownPort& port) const;
-  bool is_settled(const Lock* lock, int holder, Clock::time_point now);
+  bool is_confirmed(const Lock* lock, int holder, Clock::time_point now);
 
   iox::roudi::PortPool& ports_;
   const ClientTable& clients_;
@@ -70,9 +71,9 @@ class LockHealer {
 
   std::atomic<std::uint64_t> opened_{0};
 
-  std::mutex mutex_;              // guards what follows; held for a whole round, of which no call blocks
-  std::vector<KnownPort> known_;  ///< subscribers first
-  /// Closed locks of the dead that may yet be held by a thread of the daemon.
+  std::mutex mutex_;  // guards the members below; held for a whole heal(), in which no call blocks
+  std::vector<KnownPort> known_;  ///< subscribers come first
+  /// Closed locks of dead processes that a thread of the daemon may yet hold.
   std::map<const Lock*, Suspect> suspects_;
 };
 

@@ -1,4 +1,4 @@
-// sftd's own messages: to the terminal in the foreground, to syslog once detached.
+// Writes the messages of sftd: to the terminal if it runs in the foreground, otherwise to syslog.
 #pragma once
 
 #include <optional>

@@ -35,37 +35,40 @@ struct Arguments {
 };
 
 void declare_daemon(CLI::App& app, Arguments& arguments) {
-  app.add_option("--config", arguments.config_file,
-                 "Read this file (TOML: pools, limits, groups); what is given here comes before it");
+  app.add_option(
+      "--config", arguments.config_file,
+      "Read this configuration file (TOML: pools, limits, groups); options on the command line override "
+      "it");
   app.add_option("--pool-mib", arguments.pool_mib,
-                 "Shared memory for samples, in MiB (default: half of what is free, "
-                 "at most 320)")
+                 "Shared memory for samples, in MiB (default: half of the free space, at most 320)")
       ->check(CLI::Range(4, 1 << 20));
   app.add_option("--idle-exit", arguments.idle_exit_s,
-                 "Exit after being without clients for so many seconds; 0: never")
+                 "End when no program has used the daemon for so many seconds; 0: never")
       ->check(CLI::Range(0, 1 << 30));
   app.add_flag("--foreground", arguments.foreground,
-               "Stay in the terminal, and log to it instead of to syslog");
-  app.add_option("--log-level", arguments.log_level, "error, warning, info (the default) or debug")
+               "Stay in the terminal, and log to the terminal instead of syslog");
+  app.add_option("--log-level", arguments.log_level,
+                 "Log messages up to this level: error, warning, info (the default) or debug")
       ->check(CLI::IsMember({"error", "warning", "info", "debug"}));
-  app.add_flag("--renewed", arguments.renewed)->group("");  // how it starts itself afresh: detached already
+  // The daemon gives itself this option when it starts afresh: it is detached already.
+  app.add_flag("--renewed", arguments.renewed)->group("");
 }
 
 void declare(CLI::App& app, Arguments& arguments) {
   declare_daemon(app, arguments);
   app.footer(exit_codes_help);
   app.require_subcommand(0, 1);
-  CLI::App* status = app.add_subcommand("status", "Show who uses the memory, and how much of it");
-  status->add_flag("--json", arguments.status_as_json, "For programs");
+  CLI::App* status = app.add_subcommand("status", "Show which programs use the memory, and how much of it");
+  status->add_flag("--json", arguments.status_as_json, "Print JSON");
   status->callback([&arguments] { arguments.status = true; });
-  CLI::App* stop = app.add_subcommand("stop", "End the running sftd; its users go on over UDP");
-  stop->add_option("--patience", arguments.stop_patience_s, "Wait so many seconds for that")
+  CLI::App* stop = app.add_subcommand("stop", "End the running sftd; programs that use it go on over UDP");
+  stop->add_option("--patience", arguments.stop_patience_s, "Wait so many seconds until sftd has ended")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   stop->callback([&arguments] { arguments.stop = true; });
 }
 
-/// The configuration file's settings, and over them those of the command line.
+/// Reads the configuration file. Options on the command line override its settings.
 sft::Result<Config> settings_of(const Arguments& arguments) {
   sft::Result<Config> config = arguments.config_file.empty() ? Config{} : read_config(arguments.config_file);
   if (!config) return config;
@@ -78,7 +81,8 @@ sft::Result<Config> settings_of(const Arguments& arguments) {
   return config;
 }
 
-/// iceoryx writes to the standard streams, whatever its log level; that is of use only to debug it.
+/// iceoryx writes to the standard streams, whatever its log level is. Its output only helps to debug iceoryx
+/// itself.
 void set_up_iceoryx_output(LogLevel level) {
   const bool wanted = level == LogLevel::debug;
   iox::log::LogManager::GetLogManager().SetDefaultLogLevel(
@@ -95,7 +99,7 @@ void block_signals() {
   sigprocmask(SIG_BLOCK, &signals, nullptr);
 }
 
-/// The same program again in the same process, with the same settings and nothing else left over.
+/// Starts this program again in the same process, with the same settings and no other state.
 [[noreturn]] void start_again(const Arguments& arguments) {
   std::vector<std::string> words{"sftd", arguments.foreground ? "--foreground" : "--renewed"};
   if (!arguments.config_file.empty()) words.push_back("--config=" + arguments.config_file);
@@ -112,33 +116,32 @@ void block_signals() {
 int run(const Arguments& arguments, const ServiceManager& manager, Starter starter) {
   const auto config = settings_of(arguments);
   if (!config) {
-    starter.tell(ExitCode::bad_config, config.error().message);
+    starter.report(ExitCode::bad_config, config.error().message);
     return static_cast<int>(ExitCode::bad_config);
   }
   const LogLevel log_level = config->log_level.value_or(LogLevel::info);
   const Log log(log_level, arguments.foreground ? Log::Target::standard_error : Log::Target::system_log);
   set_up_iceoryx_output(log_level);
   block_signals();
-  umask(022);  // others look for the sign that it runs
+  umask(022);  // every account may read the files by which programs find the daemon
 
   const auto give_up = [&starter](const StartFailure& why) {
-    starter.tell(why.code, why.message);
+    starter.report(why.code, why.message);
     _exit(static_cast<int>(why.code));
   };
   auto daemon = Daemon::start(config->settings, log, give_up);
   if (!daemon) {
-    starter.tell(daemon.error().code, daemon.error().message);
+    starter.report(daemon.error().code, daemon.error().message);
     return static_cast<int>(daemon.error().code);
   }
-  starter.tell(ExitCode::done, arguments.foreground ? "ready" : "");
+  starter.report(ExitCode::done, arguments.foreground ? "ready" : "");
   manager.ready((*daemon)->description());
   const Daemon::End end = (*daemon)->serve();
   if (end != Daemon::End::renew) manager.stopping();
-  (*daemon)->remove_traces(end == Daemon::End::renew);
-  // Nothing is destroyed: programs may be in the middle of using the ports in shared memory, and iceoryx
-  // would take them apart under their hands.
+  (*daemon)->remove_files(end == Daemon::End::renew);
+  // No object is destroyed, because iceoryx would destroy the ports in shared memory while programs use them.
   if (end == Daemon::End::renew) {
-    (*daemon)->await_users();
+    (*daemon)->let_users_notice();
     start_again(arguments);
   }
   _exit(static_cast<int>(ExitCode::done));
@@ -147,8 +150,9 @@ int run(const Arguments& arguments, const ServiceManager& manager, Starter start
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Hosts the shared memory of SFT's programs on this machine. They start it themselves.",
-               "sftd");
+  CLI::App app(
+      "Hosts the shared memory of SFT's programs on this machine. Programs start sftd when they need it.",
+      "sftd");
   Arguments arguments;
   declare(app, arguments);
   CLI11_PARSE(app, argc, argv);
@@ -157,7 +161,7 @@ int main(int argc, char** argv) {
     const std::chrono::duration<double> patience(arguments.stop_patience_s);
     return static_cast<int>(stop_daemon(std::chrono::duration_cast<std::chrono::milliseconds>(patience)));
   }
-  // It leaves the directory that it was started in.
+  // The daemon leaves the directory in which it was started, so the path must not depend on that directory.
   if (!arguments.config_file.empty())
     arguments.config_file = std::filesystem::absolute(arguments.config_file);
   const char* socket = std::getenv("NOTIFY_SOCKET");

@@ -1,5 +1,5 @@
-// Telling a service manager how far this service is: systemd's protocol, one datagram for each piece of news.
-// A library for that would be more than what it does.
+// Tells a service manager when this service is ready and when it stops. The protocol is that of systemd: one
+// datagram for each message. A library for it would be larger than this code.
 #pragma once
 
 #include <string>
@@ -9,15 +9,15 @@ namespace sft::shm {
 
 class ServiceManager {
  public:
-  /// `socket`: what it put into NOTIFY_SOCKET; empty if there is none.
+  /// `socket`: the value of the environment variable NOTIFY_SOCKET; empty if there is no service manager.
   explicit ServiceManager(std::string socket) : socket_(std::move(socket)) {}
 
-  void ready(const std::string& status) const { tell("READY=1\nSTATUS=" + status); }
-  void stopping() const { tell("STOPPING=1"); }
+  void ready(const std::string& status) const { send("READY=1\nSTATUS=" + status); }
+  void stopping() const { send("STOPPING=1"); }
 
  private:
-  /// Nothing is to be done where nobody listens.
-  void tell(std::string_view news) const;
+  /// Ignores all errors, because the daemon serves also if nobody listens.
+  void send(std::string_view message) const;
   std::string socket_;
 };
 

@@ -1,5 +1,5 @@
-// iceoryx's pools as they lie in shared memory, where all of this is private: which places of a pool are
-// free, and how one is freed that its last user could not free.
+// Reads the pools of iceoryx as they lie in shared memory: which chunks of a pool are free. It also frees a
+// chunk that its last user could not free. In iceoryx these members are private.
 #pragma once
 
 #include <cstddef>
@@ -11,35 +11,38 @@
 
 namespace sft::shm {
 
-/// One pool. What its programs may have written there is checked.
+/// One pool. Its chunks are numbered from 0 on. Programs can write into the pool, so what is read there is
+/// checked.
 class PoolLayout {
  public:
-  /// `pool` outlives this, and no program has been let in yet.
+  /// `pool` outlives this object. No program can write into the pool yet.
   explicit PoolLayout(iox::mepoo::MemPool& pool);
 
-  std::uint32_t places() const { return places_; }
-  std::byte* at(std::uint32_t place) const { return begin_ + std::size_t{place} * place_bytes_; }
-  std::optional<std::uint32_t> place_of(const void* address) const;
+  std::uint32_t chunk_count() const { return chunk_count_; }
+  std::byte* at(std::uint32_t index) const { return begin_ + std::size_t{index} * chunk_bytes_; }
+  std::optional<std::uint32_t> index_of(const void* address) const;
 
-  /// By place. Only right if nobody takes or frees one meanwhile; empty if the list is broken.
-  std::vector<bool> free_places() const;
-  /// How many places the pool believes to be taken beyond those that are.
-  std::int64_t counted_too_many(const std::vector<bool>& free) const;
+  /// Returns for each index whether the chunk is free. The result is only right if nobody takes or frees a
+  /// chunk meanwhile. It is empty if the list of free chunks is damaged.
+  std::vector<bool> free_chunks() const;
+  /// Returns by how much the pool's count of taken chunks exceeds the chunks that are really taken.
+  std::int64_t overcount(const std::vector<bool>& free) const;
 
-  /// Others may use the pool meanwhile.
+  /// Lowers the pool's count of taken chunks. Programs may use the pool meanwhile.
   void correct_count(std::int64_t too_many);
-  /// One that is taken, and nobody's.
-  void free(std::uint32_t place);
+  /// Frees a chunk that is taken and that nobody has.
+  void free(std::uint32_t index);
 
  private:
   iox::mepoo::MemPool& pool_;
   std::byte* const begin_;
-  const std::uint32_t place_bytes_;
-  const std::uint32_t places_;
-  std::uint32_t* const next_free_;  ///< by place
+  const std::uint32_t chunk_bytes_;
+  const std::uint32_t chunk_count_;
+  std::uint32_t* const next_free_;  ///< by index
 };
 
-/// Those that chunks come from, and behind them the one of their headers (iox::mepoo::ChunkManagement).
+/// Returns the pools of chunks, and behind them the pool of the headers of chunks
+/// (iox::mepoo::ChunkManagement).
 std::vector<PoolLayout> pools_of(iox::mepoo::MemoryManager& memory);
 
 }  // namespace sft::shm

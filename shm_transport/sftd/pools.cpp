@@ -10,15 +10,15 @@ namespace {
 
 struct SizeClass {
   std::size_t bytes;
-  double share;        ///< of the budget
-  std::uint32_t most;  ///< more of them serve nobody
+  double share;        ///< the part of the budget for this size
+  std::uint32_t most;  ///< more chunks of this size would be of no use
 };
 
 constexpr std::size_t KiB = 1024;
 constexpr std::size_t MiB = 1024 * KiB;
 
-// A little over the round sizes, so that a round body with its header and index does not fall into the next
-// class.
+// Each size is a little larger than a round number. So a body of that round size fits together with its
+// header and index, and does not need the next larger size.
 constexpr std::array size_classes{
     SizeClass{4 * KiB, 0.03, 4096},         SizeClass{16 * KiB, 0.04, 2048},
     SizeClass{64 * KiB + KiB, 0.06, 1024},  SizeClass{256 * KiB + 4 * KiB, 0.09, 512},
@@ -27,16 +27,16 @@ constexpr std::array size_classes{
 };
 
 constexpr std::uint32_t fewest = 2;
-// A large size may take more than its share for its two chunks, but not more than this part of what is there.
+// A large size may take more than its share for its two chunks, but not more than this part of what remains.
 constexpr double largest_part = 0.4;
 
 std::size_t chunk_bytes(const SizeClass& size) { return size.bytes + chunk_header_bytes; }
 
-std::uint32_t count_for(const SizeClass& size, double share_bytes, std::size_t left_bytes) {
+std::uint32_t count_for(const SizeClass& size, double share_bytes, std::size_t remaining_bytes) {
   const auto chunk = static_cast<double>(chunk_bytes(size));
   const auto by_share = static_cast<std::uint32_t>(share_bytes / chunk);
   if (by_share >= fewest) return std::min(by_share, size.most);
-  return fewest * chunk <= largest_part * static_cast<double>(left_bytes) ? fewest : 0;
+  return fewest * chunk <= largest_part * static_cast<double>(remaining_bytes) ? fewest : 0;
 }
 
 }  // namespace
@@ -49,15 +49,15 @@ std::size_t PoolPlan::bytes() const {
 
 PoolPlan plan_pools(std::size_t budget_bytes) {
   PoolPlan plan;
-  std::size_t left = budget_bytes;
-  double share_left = 1.0;  // of the sizes not yet served: they divide among themselves what is left
+  std::size_t remaining = budget_bytes;
+  double remaining_shares = 1.0;  // the sum of the shares of the sizes that have not had their turn
   for (auto size = size_classes.rbegin(); size != size_classes.rend(); ++size) {
-    const double share = static_cast<double>(left) * size->share / share_left;
-    share_left -= size->share;
-    const std::uint32_t count = count_for(*size, share, left);
+    const double share = static_cast<double>(remaining) * size->share / remaining_shares;
+    remaining_shares -= size->share;
+    const std::uint32_t count = count_for(*size, share, remaining);
     if (count == 0) continue;
     plan.pools.insert(plan.pools.begin(), Pool{size->bytes, count});
-    left -= count * chunk_bytes(*size);
+    remaining -= count * chunk_bytes(*size);
   }
   if (plan.largest() < largest_chunk_bytes) {
     plan.remark = "samples of more than " + format_bytes(plan.largest()) +

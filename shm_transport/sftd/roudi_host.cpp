@@ -57,8 +57,8 @@ RoudiHost::RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const G
       port_pool_(*memory.portPool().value()),
       healer_(port_pool_, clients_, log),
       auditor_(port_pool_, *memory.samples().pools),
-      book_(port_pool_, *memory.samples().pools, memory.management()) {
-  note_usage();  // so that there is something to tell from the first moment on
+      monitor_(port_pool_, *memory.samples().pools, memory.management()) {
+  note_usage();  // usage() has a result from the first moment on
   hooks_may_run_ = true;
   healing_ = std::thread([this] { heal_until_stopped(); });
   startProcessRuntimeMessagesThread();
@@ -76,13 +76,15 @@ RoudiHost::~RoudiHost() {
 
 void RoudiHost::processMessage(const IpcMessage& message, const IpcMessageType& type,
                                const iox::RuntimeName_t& name) noexcept {
-  // From anybody who may write to the socket. The name becomes a path, which iceoryx writes to and which is
-  // removed once nobody listens there.
-  if (!is_runtime_name(name.c_str())) return log_.debug("a message under a name that no program of ours has");
+  // Everybody who may write to the socket can send a message. Its name becomes the path of a socket: iceoryx
+  // writes to it, and the daemon removes it when nobody listens there any more. So the name must be checked.
+  if (!is_runtime_name(name.c_str()))
+    return log_.debug("ignored a message with a name that no program of SFT has");
   if (refuse_over_limit(type, name)) return;
-  if (type == IpcMessageType::REG) return take_on(message, name);
+  if (type == IpcMessageType::REG) return register_client(message, name);
   if (type == IpcMessageType::TERMINATION) {
-    // Its ports are about to be destroyed, which iceoryx survives only if their locks are open.
+    // The ports of this process are about to be destroyed. iceoryx aborts if the lock of such a port is
+    // closed.
     clients_.remove(name.c_str());
     for (int i = 0; i < goodbye_looks_max && !healer_.heal(); ++i)
       std::this_thread::sleep_for(healing_interval);
@@ -92,9 +94,10 @@ void RoudiHost::processMessage(const IpcMessage& message, const IpcMessageType& 
   note_ports();
 }
 
-/// Who may write is what the kernel lets it map. iceoryx would look the user up, and know less.
-void RoudiHost::take_on(const IpcMessage& registration, const iox::RuntimeName_t& name) {
-  if (registration.getNumberOfElements() != 6) return log_.debug("a registration of another kind");
+/// Registers the process as a member of the group of writers. The kernel decides which segments a process can
+/// map. iceoryx would look up the groups of the user in files, which know less.
+void RoudiHost::register_client(const IpcMessage& registration, const iox::RuntimeName_t& name) {
+  if (registration.getNumberOfElements() != 6) return log_.debug("ignored a malformed registration");
   clients_.add(name.c_str(), pid_in(registration));
   log_.debug(std::string(name.c_str()) + " registers");
   IpcMessage as_member;
@@ -103,7 +106,7 @@ void RoudiHost::take_on(const IpcMessage& registration, const iox::RuntimeName_t
   RouDi::processMessage(as_member, IpcMessageType::REG, name);
 }
 
-/// Answers as iceoryx does where it has no more room itself.
+/// Refuses a request beyond the limits, with the answer that iceoryx gives if it has no room itself.
 bool RoudiHost::refuse_over_limit(const IpcMessageType& type, const iox::RuntimeName_t& name) {
   const std::string reason = over_limit(type, name);
   if (reason.empty()) return false;
@@ -114,7 +117,7 @@ bool RoudiHost::refuse_over_limit(const IpcMessageType& type, const iox::Runtime
   return true;
 }
 
-/// What to answer, or nothing.
+/// Returns the error to answer, or nothing if the request is within the limits.
 std::string RoudiHost::over_limit(const IpcMessageType& type, const iox::RuntimeName_t& name) {
   const auto its_ports = [&name](const auto& ports) {
     return std::count_if(ports.begin(), ports.end(),
@@ -136,15 +139,15 @@ std::string RoudiHost::over_limit(const IpcMessageType& type, const iox::Runtime
 
 void RoudiHost::cyclicUpdateHook() noexcept {
   if (!hooks_may_run_) return;
-  bool buried = false;
-  for (const std::string& name : clients_.find_dead(ClientTable::Clock::now())) buried |= bury(name);
-  if (buried) note_ports();
+  bool removed = false;
+  for (const std::string& name : clients_.find_dead(ClientTable::Clock::now())) removed |= remove_dead(name);
+  if (removed) note_ports();
   audit_chunks();
   note_usage();
 }
 
-/// Where nobody has died, nothing is lost. Where somebody has, again and again: what a reader had in hand is
-/// found once its writer is gone.
+/// No chunk is lost as long as no process has died. After a process has died, the chunks are checked again
+/// and again, because a chunk that a reader had in hand is only found when its writer is gone.
 void RoudiHost::audit_chunks() {
   const auto now = std::chrono::steady_clock::now();
   if (deaths_ == 0 || (unaudited() == 0 && now < next_audit_)) return;
@@ -154,12 +157,12 @@ void RoudiHost::audit_chunks() {
   unaudited_ = 0;
   next_audit_ = now + audit_interval;
   leaks_healed_ += *chunks;
-  if (*chunks > 0)
-    log_.info(std::to_string(*chunks) + " chunks that killed programs had in hand are free again");
+  if (*chunks > 0) log_.info("freed " + std::to_string(*chunks) + " chunks that killed programs had in hand");
 }
 
-bool RoudiHost::bury(const std::string& name) {
-  if (!healer_.heal()) return false;  // a lock of the dead may still be closed; again in 100 ms
+bool RoudiHost::remove_dead(const std::string& name) {
+  if (!healer_.heal())
+    return false;  // a lock of a dead process may still be closed; the next attempt is in 100 ms
   clients_.remove(name);
   {
     const iox::RuntimeName_t runtime_name(iox::cxx::TruncateToCapacity, name);
@@ -168,7 +171,7 @@ bool RoudiHost::bury(const std::string& name) {
   remove_socket("/tmp/" + name);
   ++deaths_;
   ++unaudited_;
-  log_.info(name + " is dead; what it had is free again");
+  log_.info(name + " is dead; its chunks and ports are free again");
   return true;
 }
 
@@ -182,7 +185,7 @@ void RoudiHost::note_usage() {
   Usage usage;
   {
     const auto nobody_changes_ports = m_prcMgr.getScopeGuard();
-    usage = book_.look();
+    usage = monitor_.look();
   }
   for (const ClientTable::Client& client : clients_.all()) {
     const auto of_client = [&client](const auto& port) { return port.user == client.name; };

@@ -1,10 +1,12 @@
-// iceoryx's RouDi in this process, changed where its own daemon is not safe under kills and pauses. A process
-// is dead when it is dead, not when it was silent for 1.5 s (a debugger may stop it). Locks of killed
-// publishers are opened (lock_healer.h), and chunks that killed programs had in hand are freed
-// (chunk_auditor.h).
-// It never kills anybody, and errors of one client do not end it.
+// Runs RouDi, the daemon of iceoryx, in this process. It differs from iceoryx's own daemon where that is not
+// safe if programs are killed or paused:
+// - A process counts as dead when it has ended, and not when it was silent for 1.5 s. A debugger may have
+//   stopped it.
+// - Locks that killed publishers left closed are opened (lock_healer.h).
+// - Chunks that killed programs had in hand are freed (chunk_auditor.h).
+// - The daemon never kills a process, and errors of one client do not end the daemon.
 //
-// Threads: RouDi's two (discovery every 100 ms, messages of clients), and one that heals.
+// Threads: the two threads of RouDi (discovery every 100 ms, messages of clients), and one that opens locks.
 #pragma once
 
 #include <atomic>
@@ -21,15 +23,15 @@
 #include "shm_transport/sftd/lock_healer.h"
 #include "shm_transport/sftd/log.h"
 #include "shm_transport/sftd/settings.h"
-#include "shm_transport/sftd/usage_book.h"
+#include "shm_transport/sftd/usage_monitor.h"
 
 #include <iceoryx_posh/internal/roudi/port_manager.hpp>
 #include <iceoryx_posh/internal/roudi/roudi.hpp>
 
 namespace sft::shm {
 
-/// RouDi's thread calls the hooks below as soon as RouDi is constructed, when the derived object does not
-/// exist yet. A base that comes before RouDi is there in time.
+/// A thread of RouDi calls the hooks below as soon as RouDi is constructed, before the derived object exists.
+/// This base class comes before RouDi, so its flag exists in time.
 class HookGate {
  protected:
   std::atomic<bool> hooks_may_run_{false};
@@ -37,19 +39,19 @@ class HookGate {
 
 class RoudiHost final : private HookGate, public iox::roudi::RouDi {
  public:
-  /// `memory`, `ports` and `log` outlive this.
+  /// `memory`, `ports` and `log` outlive this object.
   RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const Groups& groups, const Limits& limits,
             const Log& log);
   ~RoudiHost() override;
 
-  /// Whether no process is registered.
+  /// Returns whether no process is registered.
   bool is_idle() const { return clients_.empty(); }
 
-  /// Processes that died without a goodbye since the chunks were last looked through. Of each, one may be
-  /// lost that it had in hand.
+  /// Returns how many processes died without a goodbye since the last audit of the chunks. Each of them may
+  /// have lost a chunk that it had in hand.
   std::uint64_t unaudited() const { return unaudited_.load(std::memory_order_relaxed); }
 
-  /// As RouDi's thread saw it at its last round, 100 ms ago at most if that goes on. Any thread.
+  /// Returns the usage that RouDi's thread has last seen, which it looks at every 100 ms. Any thread.
   Usage usage() const;
 
  private:
@@ -58,8 +60,8 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   void cyclicUpdateHook() noexcept override;
   bool refuse_over_limit(const iox::runtime::IpcMessageType& type, const iox::RuntimeName_t& name);
   std::string over_limit(const iox::runtime::IpcMessageType& type, const iox::RuntimeName_t& name);
-  void take_on(const iox::runtime::IpcMessage& registration, const iox::RuntimeName_t& name);
-  bool bury(const std::string& name);
+  void register_client(const iox::runtime::IpcMessage& registration, const iox::RuntimeName_t& name);
+  bool remove_dead(const std::string& name);
   void audit_chunks();
   void note_ports();
   void note_usage();
@@ -71,9 +73,9 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   iox::roudi::PortPool& port_pool_;
   ClientTable clients_;
   LockHealer healer_;
-  ChunkAuditor auditor_;  ///< used under RouDi's lock on its processes
-  UsageBook book_;        ///< likewise
-  // Of RouDi's thread, and looked at by others.
+  ChunkAuditor auditor_;  ///< used with RouDi's lock on its processes held
+  UsageMonitor monitor_;  ///< used with RouDi's lock on its processes held
+  // The discovery thread of RouDi uses these members. Other threads read the atomic one.
   std::uint64_t deaths_ = 0;
   std::atomic<std::uint64_t> unaudited_{0};
   std::uint64_t leaks_healed_ = 0;

@@ -30,7 +30,8 @@ bool is_file(const fs::path& open_file, const char* path) {
          opened.st_ino == named.st_ino;
 }
 
-/// Programs have such a file open, too; only the daemon has a lock on it.
+/// Returns whether the process has a lock on this file. Programs have the file open as well, but only the
+/// daemon has a lock on it.
 bool has_locked(pid_t pid, const char* path) {
   const fs::path process = "/proc/" + std::to_string(pid);
   std::error_code error;
@@ -54,7 +55,7 @@ tl::expected<RunningDaemon, RunningDaemon::Absence> RunningDaemon::find() {
   if (found.watch) return RunningDaemon(found.watch->file().pid, found.watch->user(), host_file_path);
   if (found.finding == HostWatch::Finding::starting)
     return tl::unexpected(
-        Absence{ExitCode::no_answer, "the daemon is starting, or was stopped while it did"});
+        Absence{ExitCode::no_answer, "the daemon is starting, or was stopped while it started"});
   const auto lock = read_daemon_lock();
   if (lock && lock->serves_this_shm())
     return RunningDaemon(lock->pid, lock->user, daemon_lock_path, names_are_gone(lock->pid));
@@ -68,12 +69,12 @@ Result<Descriptor> RunningDaemon::process() const {
   const uid_t self = geteuid();
   if (self != user() && self != 0) {
     return fail(Errc::no_permission, "the daemon (pid " + std::to_string(pid()) + ") is of user " +
-                                         name_of(user()) + "; run this as that user, or as root");
+                                         name_of(user()) + "; run this command as that user, or as root");
   }
   Descriptor process(static_cast<int>(syscall(SYS_pidfd_open, pid(), 0)));
   if (!process || !has_locked(pid(), lock_)) {
     return fail(Errc::unavailable, "the daemon runs in another container (pid " + std::to_string(pid()) +
-                                       " there), and cannot be reached from here; run this there");
+                                       " there), and cannot be reached from here; run this command there");
   }
   return process;
 }

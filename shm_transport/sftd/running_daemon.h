@@ -1,4 +1,5 @@
-// The daemon that serves this host, seen from another process.
+// The daemon that serves this host, as the commands `sftd status` and `sftd stop` find it from another
+// process.
 #pragma once
 
 #include <string>
@@ -18,23 +19,24 @@ class RunningDaemon {
 
   pid_t pid() const { return pid_; }
   uid_t user() const { return user_; }
-  /// What is wrong with it, and what to do; empty if nothing is.
-  const std::string& complaint() const { return complaint_; }
+  /// Says what is wrong with the daemon, and what to do; empty if nothing is wrong.
+  const std::string& problem() const { return problem_; }
 
-  /// Its process, to signal and to wait for. Its pid may mean another process here than where it wrote it
-  /// down: whether this one holds the daemon's lock is checked. Errc::no_permission for another user's.
+  /// Returns a pidfd of the daemon, to send it a signal and to wait for its end. The daemon's pid may belong
+  /// to another process here, if the daemon has another pid namespace. So the function checks that the
+  /// process holds the daemon's lock. Errc::no_permission: the daemon is another user's.
   Result<Descriptor> process() const;
-  /// By a signal or a debugger; false where that cannot be seen.
+  /// Returns whether a signal or a debugger has stopped the daemon; false if that cannot be seen from here.
   bool is_stopped() const;
 
  private:
-  RunningDaemon(pid_t pid, uid_t user, const char* lock, std::string complaint = {})
-      : pid_(pid), user_(user), lock_(lock), complaint_(std::move(complaint)) {}
+  RunningDaemon(pid_t pid, uid_t user, const char* lock, std::string problem = {})
+      : pid_(pid), user_(user), lock_(lock), problem_(std::move(problem)) {}
 
   pid_t pid_;
   uid_t user_;
-  const char* lock_;  ///< a file that it has locked
-  std::string complaint_;
+  const char* lock_;  ///< a file that the daemon has locked
+  std::string problem_;
 };
 
 }  // namespace sft::shm

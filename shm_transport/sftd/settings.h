@@ -1,4 +1,4 @@
-// What sftd can be told: by its command line and its configuration file.
+// The settings of sftd, from its command line and its configuration file.
 #pragma once
 
 #include <chrono>
@@ -12,23 +12,25 @@
 
 namespace sft::shm {
 
-/// Of what one program may take from the others. By default as much as iceoryx has room for.
+/// Limits that keep one program from taking everything from the others. The defaults are as much as iceoryx
+/// has room for.
 struct Limits {
   std::uint32_t processes = 300;
   std::uint32_t publishers_per_process = 506;
-  std::uint32_t subscribers_per_process = 1024;  ///< each publisher counts as one, too
+  std::uint32_t subscribers_per_process = 1024;  ///< each publisher counts as a subscriber, too
 };
 
-/// Names of the groups whose members may use the memory; empty: the group that sftd runs as.
+/// The names of the groups whose members may use the memory. If they are empty, the group that sftd runs as
+/// may use it.
 struct AccessSettings {
-  std::string writers{};
-  std::string readers{};  ///< may read samples and not write them
+  std::string writers{};  ///< may read and write samples
+  std::string readers{};  ///< may only read samples
 };
 
 struct DaemonSettings {
-  std::optional<std::size_t> pool_bytes{};  ///< for samples; by default what /dev/shm has room for
-  std::vector<Pool> pools{};                ///< exactly these, by size, instead of a budget; empty: by budget
-  std::chrono::seconds idle_exit{0};        ///< 0: never
+  std::optional<std::size_t> pool_bytes{};  ///< the budget for samples; empty: what /dev/shm allows
+  std::vector<Pool> pools{};          ///< these pools, sorted by size; empty: pools for the budget are chosen
+  std::chrono::seconds idle_exit{0};  ///< 0: never
   Limits limits{};
   AccessSettings access{};
 };

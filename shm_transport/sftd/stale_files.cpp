@@ -22,7 +22,8 @@ namespace sft::shm {
 
 namespace {
 
-/// Whether nothing is there any more.
+/// Removes the file or directory, or moves it aside if root runs this. Returns whether nothing is at the path
+/// any more.
 bool remove(const std::string& path) {
   if (unlink(path.c_str()) == 0 || errno == ENOENT || rmdir(path.c_str()) == 0) return true;
   const std::string aside = path + "." + core::in_hex(core::random_id());
@@ -41,7 +42,7 @@ std::size_t remove_dead_sockets() {
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator("/tmp", ignored)) {
     if (!is_runtime_name(entry.path().filename().string())) continue;
-    if (listener_at(entry.path().c_str()) == Listener::gone && remove_socket(entry.path())) ++removed;
+    if (socket_state_at(entry.path().c_str()) == SocketState::gone && remove_socket(entry.path())) ++removed;
   }
   return removed;
 }
@@ -53,7 +54,7 @@ void remove_segment_of_the_dead() {
   const ssize_t bytes = read(sign->get(), text, sizeof text);
   const auto file = parse_host_file({text, static_cast<std::size_t>(std::max<ssize_t>(bytes, 0))});
   if (!file || file->segment.empty() || file->segment.find('/') != std::string::npos) return;
-  // Everybody can write into /dev/shm: the sign speaks only for files of its own user.
+  // Everybody can write into /dev/shm. So a host file is only believed about a segment of the same user.
   struct stat written {};
   struct stat named {};
   const bool same_user = fstat(sign->get(), &written) == 0 &&
@@ -73,12 +74,12 @@ std::vector<std::string> files_of_others(const std::vector<std::string>& files) 
 
 std::vector<std::string> remove_daemon_files(const std::string& segment_name) {
   remove_status_file();
-  std::vector<std::string> left;
+  std::vector<std::string> remaining;
   for (const std::string& file : daemon_files(segment_name)) {
     const bool is_lock = file == daemon_lock_path || file == host_file_path;
-    if (!is_lock && !remove(file)) left.push_back(file);
+    if (!is_lock && !remove(file)) remaining.push_back(file);
   }
-  return left;
+  return remaining;
 }
 
 std::string in_the_way(const std::vector<std::string>& files) {
@@ -92,9 +93,9 @@ std::string in_the_way(const std::vector<std::string>& files) {
     names += " " + file;
   }
   return "these files are in the way, and this account may not remove them: " + list +
-         "; they are those of an sftd that was killed, or of an iox-roudi, or somebody keeps sftd from "
+         "; an sftd that was killed or an iox-roudi has left them, or somebody wants to keep sftd from "
          "starting; "
-         "as root: rm -r" +
+         "remove them as root: rm -r" +
          names;
 }
 

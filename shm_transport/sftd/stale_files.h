@@ -1,5 +1,6 @@
-// What killed processes left behind in /tmp and /dev/shm, and what other accounts have put there. Only names
-// that are SFT's, or that iceoryx's daemon would itself replace at its next start.
+// Removes the files in /tmp and /dev/shm that killed processes left, or that other accounts have put there.
+// Only files with names of SFT are removed, and files that the daemon of iceoryx would itself replace at its
+// next start.
 #pragma once
 
 #include <cstddef>
@@ -8,25 +9,26 @@
 
 namespace sft::shm {
 
-/// Removes what lies at this path if it is a socket itself, not a link to one: a name that a process chose
-/// may be that of another file.
+/// Removes the file at this path if it is a socket. Any other file, and a link to a socket, stays: a process
+/// chose the name, and may have chosen that of another file.
 bool remove_socket(const std::string& path);
 
-/// Sockets of dead processes; returns how many.
+/// Removes the sockets of dead processes, and returns their number.
 std::size_t remove_dead_sockets();
 
-/// The segment of a dead daemon that left its sign: it may have had another name than this one's.
+/// Removes the segment that the host file of a dead daemon names. Its name can be another one than this
+/// daemon's.
 void remove_segment_of_the_dead();
 
-/// Those of these files that belong to another account, and may not be removed by this one. Empty for root.
+/// Returns the files that belong to another account, and that this account may not remove. Empty for root.
 std::vector<std::string> files_of_others(const std::vector<std::string>& files);
 
-/// Removes segments, socket and lock files of a daemon, and returns those that could not be removed. Called
-/// before one starts and when one ends: never while one lives. Root moves a directory that is not empty out
-/// of the way.
+/// Removes the segments, the socket and the lock files of iceoryx's daemon, and returns those that could not
+/// be removed. It is called before a daemon starts and when it ends, and never while another daemon lives. If
+/// root runs it, a directory that is not empty is moved aside.
 std::vector<std::string> remove_daemon_files(const std::string& segment_name);
 
-/// Says what is in the way and whose it is, and how to remove all of it.
+/// Says which files are in the way, who owns them, and how to remove all of them.
 std::string in_the_way(const std::vector<std::string>& files);
 
 }  // namespace sft::shm

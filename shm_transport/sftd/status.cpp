@@ -43,20 +43,21 @@ void write_head(Lines out, const Status& status, std::int64_t now_ns) {
                  format_bytes(status.sample_bytes), format_bytes(status.management_bytes), status.writers,
                  status.readers.empty() ? " and subscribes" : ", " + status.readers + " only subscribes");
   const Usage& usage = status.usage;
-  fmt::format_to(
-      out, "healed {} leaked chunks, {} closed locks; {} programs died, {} of them not looked after yet\n",
-      usage.leaks_healed, usage.locks_healed, usage.deaths, usage.unaudited);
+  fmt::format_to(out,
+                 "freed {} lost chunks, opened {} locks; {} programs died, {} of them since the last search "
+                 "for lost chunks\n",
+                 usage.leaks_healed, usage.locks_healed, usage.deaths, usage.unaudited);
 }
 
 void write_pools(Lines out, const std::vector<PoolUse>& pools) {
-  fmt::format_to(out, "\n{:>12} {:>8} {:>8} {:>8}\n", "CHUNKS OF", "COUNT", "IN USE", "PEAK");
+  fmt::format_to(out, "\n{:>12} {:>8} {:>8} {:>8}\n", "CHUNK SIZE", "COUNT", "IN USE", "PEAK");
   for (const PoolUse& pool : pools)
     fmt::format_to(out, "{:>12} {:>8} {:>8} {:>8}\n", format_bytes(pool.bytes), pool.chunks, pool.in_use,
                    pool.peak);
 }
 
 void write_users(Lines out, const std::vector<UserUse>& users) {
-  fmt::format_to(out, "\n{:<44} {:>8} {:>11} {:>12}\n", "USER", "PID", "PUBLISHERS", "SUBSCRIBERS");
+  fmt::format_to(out, "\n{:<44} {:>8} {:>11} {:>12}\n", "PROGRAM", "PID", "PUBLISHERS", "SUBSCRIBERS");
   for (const UserUse& user : users)
     fmt::format_to(out, "{:<44} {:>8} {:>11} {:>12}\n", user.name, user.pid, user.publishers,
                    user.subscribers);
@@ -64,8 +65,8 @@ void write_users(Lines out, const std::vector<UserUse>& users) {
 
 void write_publishers(Lines out, const std::vector<PublisherUse>& publishers) {
   if (publishers.empty()) return;
-  fmt::format_to(out, "\n{:<16} {:<44} {:>6} {:>6} {:>10} {:>12}\n", "PUBLISHER", "OF", "HOLDS", "PEAK",
-                 "OF MEMORY", "SUBSCRIBERS");
+  fmt::format_to(out, "\n{:<16} {:<44} {:>6} {:>6} {:>10} {:>12}\n", "PUBLISHER", "PROGRAM", "CHUNKS", "PEAK",
+                 "MEMORY", "SUBSCRIBERS");
   for (const PublisherUse& use : publishers)
     fmt::format_to(out, "{:<16} {:<44} {:>6} {:>6} {:>10} {:>12}\n", use.publisher, use.user, use.held.chunks,
                    use.held.peak, format_bytes(use.held.bytes), use.subscribers);
@@ -73,8 +74,8 @@ void write_publishers(Lines out, const std::vector<PublisherUse>& publishers) {
 
 void write_subscribers(Lines out, const std::vector<SubscriberUse>& subscribers) {
   if (subscribers.empty()) return;
-  fmt::format_to(out, "\n{:<16} {:<44} {:>6} {:>6} {:>10} {:>12}\n", "SUBSCRIBER TO", "OF", "HOLDS", "PEAK",
-                 "OF MEMORY", "WAITING");
+  fmt::format_to(out, "\n{:<16} {:<44} {:>6} {:>6} {:>10} {:>12}\n", "SUBSCRIBER TO", "PROGRAM", "CHUNKS",
+                 "PEAK", "MEMORY", "WAITING");
   for (const SubscriberUse& use : subscribers)
     fmt::format_to(out, "{:<16} {:<44} {:>6} {:>6} {:>10} {:>12}\n", use.publisher, use.user, use.held.chunks,
                    use.held.peak, format_bytes(use.held.bytes), use.waiting);
@@ -82,7 +83,7 @@ void write_subscribers(Lines out, const std::vector<SubscriberUse>& subscribers)
 
 }  // namespace
 
-/// Names come from other programs: what is not UTF-8 in them is replaced.
+/// Names come from other programs, so bytes that are not UTF-8 are replaced.
 std::string to_json(const Status& status) {
   return nlohmann::json(status).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }

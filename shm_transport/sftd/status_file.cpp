@@ -24,7 +24,7 @@ constexpr const char* path = "/dev/shm/sft_status";
 constexpr std::string_view next_prefix = "sft_status.";
 constexpr std::size_t largest_bytes = 16 << 20;
 
-/// Another one each time: what has that name is nobody else's.
+/// Returns a new random name at each call, so that no other process has a file with this name.
 std::string next_path() { return std::string(path) + "." + core::in_hex(core::random_id()); }
 
 bool write_all(int file, std::string_view text) {
@@ -57,14 +57,14 @@ std::optional<Status> read_status_file(uid_t daemon_user) {
   return bytes == written.st_size ? parse_status(text) : std::nullopt;
 }
 
-/// A daemon that was killed may have left a file that it had begun to write: that goes, too. The directory is
-/// sticky, so files of other accounts stay.
+/// Removes also the unfinished file that a killed daemon may have left. /dev/shm is sticky, so files of other
+/// accounts stay.
 void remove_status_file() noexcept try {
   unlink(path);
   for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) {
     if (entry.path().filename().string().starts_with(next_prefix)) unlink(entry.path().c_str());
   }
-} catch (const std::exception&) {  // it lies there, and harms nobody
+} catch (const std::exception&) {  // the file stays, and does no harm
 }
 
 }  // namespace sft::shm

@@ -1,5 +1,6 @@
-// /dev/shm/sft_status: what the daemon last said of itself, in JSON. Everybody may read it, and so it can be
-// read when the daemon does not answer: then one sees who had what when it stopped.
+// The status file /dev/shm/sft_status, in which the daemon writes its status as JSON. Everybody may read it.
+// It can also be read when the daemon does not answer; then it shows the usage at the moment at which the
+// daemon stopped.
 #pragma once
 
 #include <optional>
@@ -10,9 +11,9 @@
 
 namespace sft::shm {
 
-/// Replaces the file as a whole: who reads it meanwhile has the one or the other.
+/// Replaces the file as a whole. A process that reads meanwhile gets the old status or the new one.
 Result<void> write_status_file(const Status& status);
-/// Empty where there is none of a daemon of that user.
+/// Returns nothing if there is no status file of a daemon of this user.
 std::optional<Status> read_status_file(uid_t daemon_user);
 void remove_status_file() noexcept;
 

@@ -1,4 +1,5 @@
-// sftd: that there is one, where it starts and ends, and what it says when it cannot.
+// The life of sftd: there is only one on a host, it starts and ends as it should, and it says why if it
+// cannot start.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/socket.h>
@@ -25,7 +26,7 @@ using core::Availability;
 
 class Sftd : public ShmTest {};
 
-/// A socket at that path, as some other program would have it.
+/// A socket at the path, on which another program seems to listen.
 class Listener {
  public:
   explicit Listener(const char* path) : path_(path), socket_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -38,7 +39,7 @@ class Listener {
     die();
     unlink(path_.c_str());
   }
-  /// As when its process is killed: the name stays.
+  /// Closes the socket and leaves its name, as when its process is killed.
   void die() {
     if (socket_ >= 0) close(socket_);
     socket_ = -1;
@@ -81,7 +82,7 @@ TEST_F(Sftd, IsFoundByLaterNodesUnderTheSameToken) {
   EXPECT_EQ(first->host_token(), second->host_token());
 }
 
-TEST_F(Sftd, TakesNothingWithItFromTheProgramThatStartsIt) {
+TEST_F(Sftd, InheritsNothingFromTheProgramThatStartsIt) {
   const int leaky = open("/tmp/of_the_program", O_RDWR | O_CREAT, 0600);  // without O_CLOEXEC
   Node node;
   ASSERT_TRUE(node.becomes_ready()) << node->description();
@@ -104,7 +105,7 @@ TEST_F(Sftd, OfConcurrentStartsExactlyOneSurvives) {
   EXPECT_TRUE(node.becomes_ready()) << node->description();
 }
 
-/// Process ids of this host's daemons.
+/// Returns the process ids of the daemons on this host.
 std::vector<std::string> daemons() {
   std::vector<std::string> found;
   for (const std::string& name : names_in("/proc")) {
@@ -115,26 +116,28 @@ std::vector<std::string> daemons() {
   return found;
 }
 
-// How long each daemon takes to zero its memory is the machine's matter: thirty are for longer runs.
-TEST_F(Sftd, IsOneWhenManyNodesStartItAtOnce) {
-  const ShmOfSize small(128);  // which each that starts would zero
+// Each daemon that starts fills its memory with zeros, which takes the machine some time. So thirty nodes are
+// for longer runs.
+TEST_F(Sftd, RunsOnceIfManyNodesStartItAtOnce) {
+  const ShmOfSize small("128m");
   const std::uint64_t nodes = std::min<std::uint64_t>(test_rounds(8), 30);
   std::vector<Process> peers;
   for (std::uint64_t i = 0; i < nodes; ++i) peers.push_back(start_peer({"attend"}));
   for (Process& peer : peers) EXPECT_EQ(peer.line(70s), "ready");
-  // Those that came too late end as soon as they see the one.
+  // The daemons that came too late end as soon as they see the first one.
   EXPECT_TRUE(eventually([] { return daemons().size() == 1; })) << daemons().size();
   EXPECT_EQ(daemons(), std::vector<std::string>{std::to_string(daemon_pid())});
 }
 
-/// Flags that the kernel has for a process's mappings of files with that name.
+/// Returns the kernel's flags for the process's mappings of files with this name.
 std::vector<std::string> mapping_flags(pid_t pid, const std::string& file) {
   std::vector<std::string> flags;
   bool of_file = false;
   std::ifstream smaps("/proc/" + std::to_string(pid) + "/smaps");
   for (std::string line; std::getline(smaps, line);) {
     const bool is_mapping = !line.empty() && std::isupper(static_cast<unsigned char>(line[0])) == 0;
-    if (is_mapping) of_file = contains(line, file);  // what is said of it follows, in words
+    if (is_mapping)
+      of_file = contains(line, file);  // the lines that follow have keys, and describe this mapping
     if (of_file && line.starts_with("VmFlags:")) flags.push_back(line + " ");
   }
   return flags;
@@ -153,7 +156,7 @@ TEST_F(Sftd, ItsMemoryIsInNobodysCoreDump) {
 TEST_F(Sftd, LendsSamplesOf16MiBWhere256MiBAreShared) {
   const ShmOfSize small(256);
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
-  ASSERT_EQ(daemon.line(), "sftd: ready");  // and no remark before that
+  ASSERT_EQ(daemon.line(), "sftd: ready");  // there is no warning before this line
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   Writer writer(node, 1);
@@ -162,7 +165,7 @@ TEST_F(Sftd, LendsSamplesOf16MiBWhere256MiBAreShared) {
   daemon.exit_code();
 }
 
-TEST_F(Sftd, SaysWhatItTook) {
+TEST_F(Sftd, SaysHowMuchMemoryItTook) {
   Process daemon({sftd_path(), "--foreground", "--pool-mib=16"});
   const std::string line = daemon.line();
   EXPECT_TRUE(contains(line, "MiB for samples: ")) << line;
@@ -187,15 +190,15 @@ TEST_F(Sftd, RefusesPoolsThatDoNotFit) {
   EXPECT_EQ(daemon.exit_code(), 1);
 }
 
-TEST_F(Sftd, RefusesAWrongConfigurationWithItsPlace) {
+TEST_F(Sftd, RefusesAWrongConfigurationAndNamesTheLine) {
   std::ofstream("/tmp/sftd.toml") << "total_mib = 16\nidle_exit = 3\n";
   Process daemon({sftd_path(), "--config=/tmp/sftd.toml"});
   const std::string output = daemon.all_output();
-  EXPECT_TRUE(output.starts_with("sftd: /tmp/sftd.toml:2: idle_exit: not known here")) << output;
+  EXPECT_TRUE(output.starts_with("sftd: /tmp/sftd.toml:2: idle_exit: unknown key")) << output;
   EXPECT_EQ(daemon.exit_code(), 7);
 }
 
-TEST_F(Sftd, RefusesAConfigurationThatIsNotThere) {
+TEST_F(Sftd, RefusesAConfigurationFileThatDoesNotExist) {
   Process daemon({sftd_path(), "--config=/tmp/nowhere.toml"});
   EXPECT_TRUE(daemon.all_output().starts_with("sftd: /tmp/nowhere.toml: "));
   EXPECT_EQ(daemon.exit_code(), 7);
@@ -218,7 +221,7 @@ TEST_F(Sftd, GivesOneProgramNoMoreThanItsLimits) {
   EXPECT_TRUE(contains(answer, "as many programs as its configuration allows")) << answer;
 }
 
-/// What a service manager would be sent.
+/// The socket of a service manager, which receives the messages of sftd.
 class ServiceSocket {
  public:
   explicit ServiceSocket(const char* path) : socket_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -249,7 +252,7 @@ TEST_F(Sftd, TellsItsServiceManagerWhenItIsReadyAndWhenItEnds) {
   Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
   const std::string news = manager.next();
   EXPECT_TRUE(news.starts_with("READY=1\nSTATUS=16.0 MiB for samples")) << news;
-  EXPECT_NE(daemon_pid(), 0) << "it was not ready";
+  EXPECT_NE(daemon_pid(), 0) << "sftd said that it is ready before it was";
   daemon.signal(SIGTERM);
   EXPECT_EQ(manager.next(), "STOPPING=1");
   EXPECT_EQ(daemon.exit_code(), 0);
@@ -272,13 +275,13 @@ TEST_F(Sftd, StartsAgainAfterItWasKilled) {
     Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
     ASSERT_EQ(daemon.line(), "sftd: ready");
     daemon.kill();
-    EXPECT_EQ(daemon_pid(), 0) << "the sign of a dead daemon counts";
+    EXPECT_EQ(daemon_pid(), 0) << "the host file of a dead daemon must not count";
   }
   Node node;
   EXPECT_TRUE(node.becomes_ready()) << node->description();
 }
 
-TEST_F(Sftd, RemovesSocketsOfDeadProgramsAndOnlyThose) {
+TEST_F(Sftd, RemovesTheSocketsOfDeadProgramsAndNoOthers) {
   Listener dead("/tmp/sft_node_123_0badcafe");
   Listener alive("/tmp/sft_node_124_0badcafe");
   Listener foreign("/tmp/other_program");
@@ -291,8 +294,8 @@ TEST_F(Sftd, RemovesSocketsOfDeadProgramsAndOnlyThose) {
   EXPECT_EQ(names_in("/tmp", "other_program").size(), 1U);
 }
 
-TEST_F(Sftd, RefusesTooSmallASharedMemoryAndNamesTheRemedy) {
-  const ShmOfSize small(64);
+TEST_F(Sftd, RefusesADevShmThatIsTooSmallAndSaysWhatToDo) {
+  const ShmOfSize small("64m");
   Process daemon({sftd_path()});
   const std::string output = daemon.all_output();
   EXPECT_EQ(daemon.exit_code(), 1);
@@ -300,8 +303,8 @@ TEST_F(Sftd, RefusesTooSmallASharedMemoryAndNamesTheRemedy) {
   EXPECT_TRUE(contains(output, "--shm-size")) << output;
 }
 
-TEST_F(Sftd, LeavesLargeChunksOutWhereThereIsLittleRoomAndSaysSo) {
-  const ShmOfSize small(140);
+TEST_F(Sftd, LeavesLargeChunksOutIfThereIsLittleSpaceAndSaysSo) {
+  const ShmOfSize small("140m");
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
   const std::string first = daemon.line();
   EXPECT_TRUE(contains(first, "do not fit")) << first;
@@ -329,12 +332,13 @@ TEST_F(Sftd, EndsAfterBeingIdleIfAskedTo) {
   {
     Node node(no_daemon());
     ASSERT_TRUE(node.becomes_ready()) << node->description();
-    EXPECT_FALSE(eventually([] { return daemon_pid() == 0; }, 2s)) << "it left a client alone";
+    EXPECT_FALSE(eventually([] { return daemon_pid() == 0; }, 2s))
+        << "sftd must not end while it has a client";
   }
   EXPECT_EQ(daemon.exit_code(), 0);
 }
 
-/// Tells sftd, as any program of its group can, that a process of that name is there.
+/// Registers a process with this name, as any program of sftd's group can.
 void register_with_sftd(const std::string& name) {
   const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_un address{};
@@ -362,20 +366,20 @@ TEST_F(Sftd, RemovesNoFileThatAProgramNamesAsItsSocket) {
   register_with_sftd("sft_witness_1_0badcafe");
   last.die();
   EXPECT_TRUE(eventually([] { return names_in("/tmp", "sft_witness").empty(); }))
-      << "the dead are not buried";
+      << "sftd has not removed the dead process";
   EXPECT_TRUE(std::filesystem::exists("/tmp/home/notes"));
   EXPECT_TRUE(std::filesystem::exists("/tmp/sft_notes"));
   EXPECT_TRUE(std::filesystem::exists(shm::daemon_lock_path));
 }
 
-TEST_F(Sftd, WhoseNamesSomebodyRemovedBeginsAfreshWithItsPrograms) {
+TEST_F(Sftd, StartsAfreshWithItsProgramsAfterSomebodyRemovedItsFiles) {
   Node node;
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   for (const char* directory : {"/dev/shm", "/tmp"}) {
     const core::HostToken before = node->host_token();
     for (const std::string& name : names_in(directory)) {
       const std::string path = std::string(directory) + "/" + name;
-      if (!std::filesystem::is_directory(path)) unlink(path.c_str());  // the programs may be there
+      if (!std::filesystem::is_directory(path)) unlink(path.c_str());  // a directory may have the programs
     }
     ASSERT_TRUE(eventually([&] {
       return node.poll() == Availability::ready && !(node->host_token() == before);
@@ -388,8 +392,8 @@ TEST_F(Sftd, WhoseNamesSomebodyRemovedBeginsAfreshWithItsPrograms) {
 
 class NodeWithoutDaemon : public ShmTest {};
 
-TEST_F(NodeWithoutDaemon, NamesTooSmallASharedMemory) {
-  const ShmOfSize small(64);
+TEST_F(NodeWithoutDaemon, SaysThatDevShmIsTooSmall) {
+  const ShmOfSize small("64m");
   Node node;
   ASSERT_TRUE(node.becomes(Availability::unavailable));
   EXPECT_TRUE(contains(node->description(), "64.0 MiB")) << node->description();
@@ -403,7 +407,7 @@ TEST_F(NodeWithoutDaemon, NamesAMissingProgram) {
   EXPECT_TRUE(contains(node->description(), "/nowhere/sftd")) << node->description();
 }
 
-/// A program that never becomes a daemon.
+/// Options with a program in the place of sftd that never becomes a daemon.
 shm::ShmOptions endless_start() {
   std::ofstream("/tmp/endless") << "#!/bin/sh\nexec sleep 1000\n";
   std::filesystem::permissions("/tmp/endless", std::filesystem::perms::owner_all);
@@ -422,7 +426,7 @@ TEST_F(NodeWithoutDaemon, LeavesNoChildBehindAtTheDeadline) {
   EXPECT_FALSE(has_children());
 }
 
-TEST_F(NodeWithoutDaemon, LeavesNoChildBehindWhenItGoes) {
+TEST_F(NodeWithoutDaemon, LeavesNoChildBehindWhenTheNodeIsDestroyed) {
   {
     Node node(endless_start());
     node.poll();
@@ -431,7 +435,7 @@ TEST_F(NodeWithoutDaemon, LeavesNoChildBehindWhenItGoes) {
   EXPECT_FALSE(has_children());
 }
 
-TEST_F(NodeWithoutDaemon, DoesNotStartOneAgainstItsOptions) {
+TEST_F(NodeWithoutDaemon, StartsNoDaemonIfItsOptionsForbidIt) {
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes(Availability::unavailable));
   EXPECT_TRUE(contains(node->description(), "run sftd")) << node->description();
@@ -456,7 +460,7 @@ TEST_F(NodeWithoutDaemon, NamesAnSftdThatHasAnotherSharedMemory) {
   EXPECT_TRUE(first.becomes_ready()) << first->description();
 }
 
-TEST_F(NodeWithoutDaemon, IgnoresAHostFileThatNobodyHolds) {
+TEST_F(NodeWithoutDaemon, IgnoresAHostFileThatNobodyHasLocked) {
   std::ofstream(shm::host_file_path) << "token 000102030405060708090a0b0c0d0e0f\npid 1\nports 64\nend\n";
   Node node(no_daemon());
   EXPECT_TRUE(node.becomes(Availability::unavailable));
@@ -464,14 +468,14 @@ TEST_F(NodeWithoutDaemon, IgnoresAHostFileThatNobodyHolds) {
 }
 
 TEST_F(NodeWithoutDaemon, NamesAnSftdOfAnotherVersion) {
-  auto held = shm::FileLock::take(shm::host_file_path);
-  ASSERT_TRUE(held);
+  auto lock = shm::FileLock::take(shm::host_file_path);
+  ASSERT_TRUE(lock);
   const std::string sign = "token 000102030405060708090a0b0c0d0e0f\npid 1\nports 64\nend\n";
-  ASSERT_EQ(write(held->descriptor(), sign.data(), sign.size()), static_cast<ssize_t>(sign.size()));
+  ASSERT_EQ(write(lock->descriptor(), sign.data(), sign.size()), static_cast<ssize_t>(sign.size()));
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes(Availability::unavailable));
   EXPECT_TRUE(contains(node->description(), "another version")) << node->description();
-  held->remove();
+  lock->remove();
 }
 
 TEST_F(NodeWithoutDaemon, OpensNoPorts) {
@@ -481,14 +485,14 @@ TEST_F(NodeWithoutDaemon, OpensNoPorts) {
   EXPECT_FALSE(node->open_reader({.id = 1, .type = &frame_type(), .doorbell = {}}));
 }
 
-TEST_F(NodeWithoutDaemon, FindsOneThatIsStartedLater) {
+TEST_F(NodeWithoutDaemon, FindsADaemonThatIsStartedLater) {
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes(Availability::unavailable));
   Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
   EXPECT_TRUE(node.becomes_ready()) << node->description();
 }
 
-TEST_F(NodeWithoutDaemon, FindsOneAtOnceHoweverOftenStartingOneHasFailed) {
+TEST_F(NodeWithoutDaemon, FindsADaemonAtOnceHoweverOftenItHasFailedToStartOne) {
   shm::ShmOptions options;
   options.daemon_path = "/nowhere/sftd";
   Node node(options);

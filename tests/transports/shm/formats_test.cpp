@@ -1,4 +1,5 @@
-// What is read from other processes: the host file and samples; and how a budget of memory is cut.
+// The data that a process reads from other processes: the host file, the daemon's lock, and samples. Also the
+// division of a budget of memory into pools.
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -44,21 +45,21 @@ TEST(HostFile, IsReadBackAsItWasWritten) {
   EXPECT_EQ(read->readers, file.readers);
 }
 
-TEST(HostFile, IsNothingBeforeItsLastLine) {
+TEST(HostFile, IsNotReadBeforeItsLastLineIsThere) {
   const std::string whole = shm::format({});
   for (std::size_t bytes = 0; bytes + 2 < whole.size(); ++bytes) {
     EXPECT_FALSE(shm::parse_host_file(whole.substr(0, bytes))) << bytes;
   }
 }
 
-TEST(HostFile, IsRefusedWithATokenThatIsTooLongOrWithNone) {
+TEST(HostFile, IsRefusedWithATokenThatIsTooLongOrWithoutAToken) {
   const std::string token = "000102030405060708090a0b0c0d0e0f";
   EXPECT_TRUE(shm::parse_host_file("token " + token + "\nend\n"));
   EXPECT_FALSE(shm::parse_host_file("token " + token + "0\nend\n"));
   EXPECT_FALSE(shm::parse_host_file("pid 1\nend\n"));
 }
 
-TEST(HostFile, IsRefusedWhereANumberIsNoneOrTooLarge) {
+TEST(HostFile, IsRefusedIfANumberIsMalformedOrTooLarge) {
   const auto with_pid = [](const std::string& pid) {
     return shm::parse_host_file("token 000102030405060708090a0b0c0d0e0f\npid " + pid + "\nend\n");
   };
@@ -66,13 +67,13 @@ TEST(HostFile, IsRefusedWhereANumberIsNoneOrTooLarge) {
   for (const char* bad : {"", "x", "12x", "12 ", "99999999999999999999"}) EXPECT_FALSE(with_pid(bad)) << bad;
 }
 
-TEST(RuntimeName, IsOfOursAndNamesNoOtherDirectory) {
+TEST(RuntimeName, BeginsWithOurPrefixAndNamesNoOtherDirectory) {
   EXPECT_TRUE(shm::is_runtime_name("sft_node_1"));
   EXPECT_FALSE(shm::is_runtime_name("node_1"));
   EXPECT_FALSE(shm::is_runtime_name("sft_/../../etc/passwd"));
 }
 
-TEST(DaemonLockTest, IsOfADaemonForThisMemoryOnlyWhereItSaysSo) {
+TEST(DaemonLockTest, TellsWhetherTheDaemonServesTheDevShmOfThisProcess) {
   struct stat memory {};
   if (stat("/dev/shm", &memory) != 0) GTEST_SKIP() << "/dev/shm cannot be used here";
   EXPECT_TRUE((shm::DaemonLock{.pid = 1, .shm_device = memory.st_dev}.serves_this_shm()));
@@ -101,7 +102,7 @@ TEST_F(FoundHost, IsAliveAsLongAsItsFileIsLocked) {
   EXPECT_EQ(found(), Finding::absent);
 }
 
-TEST_F(FoundHost, OfAnotherAccountIsForeignUnlessThatIsAccepted) {
+TEST_F(FoundHost, OfAnotherAccountIsForeignUnlessThatAccountIsAccepted) {
   const auto lock = shm::FileLock::take(shm::host_file_path);
   ASSERT_TRUE(lock) << lock.error().message;
   if (chown(shm::host_file_path, stranger, stranger) != 0) GTEST_SKIP() << "needs root, to give files away";
@@ -110,7 +111,7 @@ TEST_F(FoundHost, OfAnotherAccountIsForeignUnlessThatIsAccepted) {
   EXPECT_EQ(found({.users = {stranger}}), Finding::starting);
 }
 
-TEST_F(FoundHost, HasALockThatSaysSomethingOnlyWhileItIsHeld) {
+TEST_F(FoundHost, HasALockThatIsReadOnlyWhileItIsHeld) {
   auto lock = shm::FileLock::take(shm::daemon_lock_path);
   ASSERT_TRUE(lock) << lock.error().message;
   const std::string text = shm::format_lock({.pid = 12, .shm_device = 34});
@@ -123,24 +124,24 @@ TEST_F(FoundHost, HasALockThatSaysSomethingOnlyWhileItIsHeld) {
   EXPECT_FALSE(shm::read_daemon_lock());
 }
 
-TEST_F(FoundHost, ListensOrIsGone) {
+TEST_F(FoundHost, HasASocketThatIsAliveOrGone) {
   const char* const path = "/tmp/sft_listener_test";
-  EXPECT_EQ(shm::listener_at(path), shm::Listener::gone);
+  EXPECT_EQ(shm::socket_state_at(path), shm::SocketState::gone);
   {
     const shm::Descriptor end(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
     ASSERT_EQ(bind(end.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-    EXPECT_EQ(shm::listener_at(path), shm::Listener::alive);
+    EXPECT_EQ(shm::socket_state_at(path), shm::SocketState::alive);
   }
-  EXPECT_EQ(shm::listener_at(path), shm::Listener::gone) << "nobody listens there any more";
+  EXPECT_EQ(shm::socket_state_at(path), shm::SocketState::gone) << "nobody listens there any more";
   unlink(path);
 }
 
 TEST(HostFile, IsRefusedWithAShortToken) { EXPECT_FALSE(shm::parse_host_file("token 0011\nend\n")); }
 
-TEST(HostFile, NamesNoSegmentOutsideOfItsDirectory) {
+TEST(HostFile, IsRefusedIfItNamesASegmentInAnotherDirectory) {
   shm::HostFile file;
   file.segment = "../etc/passwd";
   EXPECT_FALSE(shm::parse_host_file(shm::format(file)));
@@ -168,7 +169,7 @@ class SampleCheck : public ::testing::Test {
   core::SampleBuffer sample_;
 };
 
-TEST_F(SampleCheck, AcceptsAFrameAndTellsItsExactSizeAndOrigin) {
+TEST_F(SampleCheck, AcceptsAFrameAndReturnsItsExactSizeAndItsWriter) {
   const auto checked = shm::check_sample(sample_.data, 4096, frame_type(), writer);
   ASSERT_TRUE(checked);
   EXPECT_EQ(checked->bytes, frame_bytes(data));
@@ -176,7 +177,7 @@ TEST_F(SampleCheck, AcceptsAFrameAndTellsItsExactSizeAndOrigin) {
   EXPECT_EQ(checked->sequence, 5U);
 }
 
-TEST_F(SampleCheck, RefusesWhatIsNoSample) {
+TEST_F(SampleCheck, RefusesAChunkThatIsNoSample) {
   sample_.header().magic ^= 1;
   EXPECT_FALSE(accepts());
 }
@@ -202,7 +203,7 @@ TEST_F(SampleCheck, RefusesAnIndexOfAnotherSize) {
   EXPECT_FALSE(accepts());
 }
 
-TEST_F(SampleCheck, RefusesABodyInAnotherPlace) {
+TEST_F(SampleCheck, RefusesABodyAtAnotherOffset) {
   sample_.header().body_offset -= 8;
   EXPECT_FALSE(accepts());
 }
@@ -218,7 +219,7 @@ TEST_F(SampleCheck, RefusesAnOffsetBehindTheBody) {
   }
 }
 
-TEST_F(SampleCheck, AcceptsASampleThatHasNoFieldsAndSoNoBody) {
+TEST_F(SampleCheck, AcceptsASampleWithoutFieldsWhichHasNoBody) {
   for (std::uint32_t slot = 0; slot < 3; ++slot) sample_.index()[slot] = no_offset;
   sample_.header().body_bytes = 0;
   EXPECT_TRUE(accepts(frame_layout.body_offset));

@@ -1,4 +1,4 @@
-// Where sftd is found, and what is said where it is not.
+// The search for the file of sftd, and the message if it is not found.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -38,13 +38,13 @@ TEST_F(DaemonSearchTest, TakesTheFirstPlaceThatHasAProgram) {
   const DaemonPlaces places{{path("a/sftd"), path("b/sftd")}, {third}};
   make_program("a/sftd", 0644);
   fs::create_directories(path("b/sftd"));
-  EXPECT_EQ(find_daemon(places).path, third) << "the others are no programs";
-  EXPECT_EQ(find_daemon(places).missed.size(), 0U) << "it was found";
+  EXPECT_EQ(find_daemon(places).path, third) << "the first two places have no programs";
+  EXPECT_EQ(find_daemon(places).missed.size(), 0U) << "the program was found";
   make_program("a/sftd");
   EXPECT_EQ(find_daemon(places).path, path("a/sftd"));
 }
 
-TEST_F(DaemonSearchTest, LeavesTheRestToPathAndSaysWhereItWasAndWhatToDo) {
+TEST_F(DaemonSearchTest, WithoutAProgramInAnyPlacePathIsTriedAndTheMessageNamesThePlacesAndWhatToDo) {
   const FoundDaemon found = find_daemon({{"/here/sftd", "/same/sftd"}, {"/same/sftd", "/there/sftd"}});
   EXPECT_EQ(found.path, "sftd");
   EXPECT_EQ(
@@ -53,7 +53,7 @@ TEST_F(DaemonSearchTest, LeavesTheRestToPathAndSaysWhereItWasAndWhatToDo) {
       "sftd in the environment variable SFT_DAEMON or in NodeOptions::shm.daemon_path");
 }
 
-TEST_F(DaemonSearchTest, OfAProcessAreBesideItAndWhereSftIsInstalled) {
+TEST_F(DaemonSearchTest, ThePlacesOfAProcessAreBesideItAndWhereSftIsInstalled) {
   const DaemonPlaces places = DaemonPlaces::of_this_process();
   const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
   ASSERT_GE(places.beside.size(), 2U);
@@ -71,11 +71,11 @@ TEST_F(DaemonSearchTest, BelievesNoPathThatEverybodyCanWrite) {
   chmod(path("a").c_str(), 0777);
   EXPECT_EQ(found_built_in(place), "sftd");
   EXPECT_EQ(find_daemon({{place}, {}}).path, place)
-      << "beside the program, where that could be replaced as well";
+      << "a file beside the program needs no check, because the program could be replaced as well";
   chmod(path("a").c_str(), 0755);
   chmod(place.c_str(), 0777);
   EXPECT_EQ(find_daemon({{}, {place}}).missed.at(0),
-            place + " (which others than root and this account can replace)");
+            place + " (which other accounts than root and this one can replace)");
 }
 
 TEST_F(DaemonSearchTest, BelievesNoPathOfAnotherAccount) {
@@ -87,7 +87,7 @@ TEST_F(DaemonSearchTest, BelievesNoPathOfAnotherAccount) {
   EXPECT_EQ(found_built_in(path("link/sftd")), "sftd");
   ASSERT_EQ(chown(path("a").c_str(), 0, 0), 0);
   EXPECT_EQ(found_built_in(path("link/sftd")), place)
-      << "others may own the link, so it is not gone through again";
+      << "another account may own the link, so the result is the file that it leads to";
   ASSERT_EQ(chown(place.c_str(), 65534, 65534), 0);
   EXPECT_EQ(found_built_in(place), "sftd");
 }

@@ -1,4 +1,5 @@
-// When another attempt to start sftd is worth its process: what counts as an obstacle, and when one is gone.
+// The obstacles to a start of sftd: what counts as an obstacle, and when the obstacles have eased so that
+// another attempt is made.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -22,7 +23,7 @@ class LaunchObstaclesTest : public ::testing::Test {
   std::string path(const std::string& name) const { return directory_ + "/" + name; }
   void make_file(const std::string& name) const { std::ofstream(path(name)) << "text"; }
   void make_fifo(const std::string& name) const { ASSERT_EQ(mkfifo(path(name).c_str(), 0600), 0); }
-  /// The space does not count.
+  /// Leaves the free space out, which other programs change.
   LaunchObstacles look() const {
     LaunchObstacles found = LaunchObstacles::look({path("a"), path("b")}, directory_.c_str());
     EXPECT_GT(found.free_bytes, 0U);
@@ -37,18 +38,19 @@ class LaunchObstaclesTest : public ::testing::Test {
   }();
 };
 
-TEST_F(LaunchObstaclesTest, AreNoneWhereTheNamesAreFree) {
+TEST_F(LaunchObstaclesTest, ThereAreNoObstaclesIfTheNamesAreFree) {
   const LaunchObstacles found = look();
   EXPECT_TRUE(found.files.empty());
   EXPECT_FALSE(found.have_eased_since(found));
 }
 
-TEST_F(LaunchObstaclesTest, AreNoOrdinaryFilesOfThisAccountWhichEveryAttemptMakesAndRemoves) {
+// Every attempt makes and removes ordinary files of this account.
+TEST_F(LaunchObstaclesTest, OrdinaryFilesOfThisAccountAreNoObstacles) {
   make_file("a");
   EXPECT_TRUE(look().files.empty());
 }
 
-TEST_F(LaunchObstaclesTest, AreFilesOfOthers) {
+TEST_F(LaunchObstaclesTest, FilesOfOtherAccountsAreObstacles) {
   if (geteuid() != 0) GTEST_SKIP() << "needs root, to give a file away";
   make_file("a");
   ASSERT_EQ(chown(path("a").c_str(), 65534, 65534), 0);
@@ -57,21 +59,21 @@ TEST_F(LaunchObstaclesTest, AreFilesOfOthers) {
   EXPECT_EQ(look().files[0].path, path("a"));
 }
 
-TEST_F(LaunchObstaclesTest, AreLinksAlsoWhereTheyLeadNowhere) {
+TEST_F(LaunchObstaclesTest, LinksAreObstaclesAlsoIfTheyLeadNowhere) {
   fs::create_symlink("/tmp/nowhere", path("a"));
   fs::create_symlink(path("a"), path("b"));
   EXPECT_EQ(look().files.size(), 2U);
 }
 
-TEST_F(LaunchObstaclesTest, HaveNotEasedWhileEachIsStillThere) {
+TEST_F(LaunchObstaclesTest, ObstaclesHaveNotEasedWhileEachOfThemIsStillThere) {
   make_fifo("a");
   const LaunchObstacles before = look();
   EXPECT_FALSE(look().have_eased_since(before));
   make_fifo("b");
-  EXPECT_FALSE(look().have_eased_since(before)) << "another one came";
+  EXPECT_FALSE(look().have_eased_since(before)) << "a second obstacle came";
 }
 
-TEST_F(LaunchObstaclesTest, HaveEasedWhenOneOfThemIsGone) {
+TEST_F(LaunchObstaclesTest, ObstaclesHaveEasedWhenOneOfThemIsGone) {
   make_fifo("a");
   make_fifo("b");
   const LaunchObstacles before = look();
@@ -79,18 +81,18 @@ TEST_F(LaunchObstaclesTest, HaveEasedWhenOneOfThemIsGone) {
   EXPECT_TRUE(look().have_eased_since(before));
 }
 
-TEST_F(LaunchObstaclesTest, HaveEasedWhenOneWasReplaced) {
+TEST_F(LaunchObstaclesTest, ObstaclesHaveEasedWhenOneOfThemWasReplaced) {
   make_fifo("a");
   const LaunchObstacles before = look();
   make_fifo("b");
   fs::rename(path("b"), path("a"));
-  EXPECT_TRUE(look().have_eased_since(before)) << "by another of its kind";
+  EXPECT_TRUE(look().have_eased_since(before)) << "another FIFO has replaced it";
   fs::remove(path("a"));
   make_file("a");
-  EXPECT_TRUE(look().have_eased_since(before)) << "by a file of this account";
+  EXPECT_TRUE(look().have_eased_since(before)) << "an ordinary file of this account has replaced it";
 }
 
-TEST_F(LaunchObstaclesTest, ThatCameDuringTheAttemptCountToo) {
+TEST_F(LaunchObstaclesTest, ObstaclesThatCameDuringTheAttemptCountToo) {
   LaunchObstacles before = look();
   make_fifo("a");
   before.add_files_of(look());
@@ -100,7 +102,7 @@ TEST_F(LaunchObstaclesTest, ThatCameDuringTheAttemptCountToo) {
   EXPECT_TRUE(look().have_eased_since(before));
 }
 
-TEST_F(LaunchObstaclesTest, EaseWithConsiderablyMoreSpaceAndNotWithALittle) {
+TEST_F(LaunchObstaclesTest, ObstaclesEaseWithConsiderablyMoreSpaceAndNotWithALittleMore) {
   const auto eases = [](std::uint64_t before, std::uint64_t after) {
     return LaunchObstacles{.files = {}, .free_bytes = after}.have_eased_since(
         {.files = {}, .free_bytes = before});
@@ -112,7 +114,7 @@ TEST_F(LaunchObstaclesTest, EaseWithConsiderablyMoreSpaceAndNotWithALittle) {
   EXPECT_FALSE(eases(800 * MiB, 0));
 }
 
-TEST_F(LaunchObstaclesTest, AreLookedForAtAllNamesThatTheFirstAttemptNeeds) {
+TEST_F(LaunchObstaclesTest, AllNamesThatTheFirstAttemptNeedsAreLookedAt) {
   const std::vector<std::string> all = daemon_files("the_group");
   EXPECT_EQ(all.back(), "/dev/shm/the_group");
   const std::vector<std::string> own = files_of_own_daemon();

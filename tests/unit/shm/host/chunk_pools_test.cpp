@@ -1,4 +1,4 @@
-// From which pool a writer takes a chunk. The pools lie in this process's own memory.
+// The choice of the pool from which a writer takes a chunk. The pools lie in the memory of this process.
 #include "shm_transport/host/chunk_pools.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ class ChunkPoolsTest : public ::testing::Test {
     memory_.configureMemoryManager(config_, management, samples);
   }
 
-  /// Takes a chunk as a writer that chose so would.
+  /// Takes a chunk as a writer with this choice does.
   void take(const ChunkPools::Choice& choice) {
     auto chunk = memory_.getChunk(iox::mepoo::ChunkSettings::create(choice.payload_bytes, 8).value());
     ASSERT_FALSE(chunk.has_error());
@@ -34,7 +34,7 @@ class ChunkPoolsTest : public ::testing::Test {
     taken_.push_back(std::move(chunk.value()));
     EXPECT_LE(before, chunks);
   }
-  /// The number of the pool; -1: none.
+  /// Returns the number of the chosen pool; -1: none.
   int chosen(std::size_t bytes) const {
     const auto choice = pools_.choose(bytes);
     return choice ? static_cast<int>(choice->pool) : -1;
@@ -51,7 +51,7 @@ class ChunkPoolsTest : public ::testing::Test {
   std::vector<iox::mepoo::SharedChunk> taken_;
 };
 
-TEST_F(ChunkPoolsTest, AreChosenBySize) {
+TEST_F(ChunkPoolsTest, APoolIsChosenByTheSizeOfTheSample) {
   EXPECT_EQ(chosen(1), 0);
   EXPECT_EQ(chosen(small_bytes), 0);
   EXPECT_EQ(chosen(small_bytes + 1), 1);
@@ -60,32 +60,32 @@ TEST_F(ChunkPoolsTest, AreChosenBySize) {
   EXPECT_EQ(pools_.largest_bytes(), large_bytes);
 }
 
-TEST_F(ChunkPoolsTest, ThatAreUsedUpAreReplacedByTheNextLargerOnesAndNotByMore) {
+TEST_F(ChunkPoolsTest, AUsedUpPoolIsReplacedByTheNextLargerOneAndByNoOther) {
   for (std::uint32_t i = 0; i < chunks; ++i) take(*pools_.choose(100));
   EXPECT_EQ(used(0), chunks);
   EXPECT_EQ(chosen(100), 1);
   for (std::uint32_t i = 0; i < chunks; ++i) take(*pools_.choose(100));
   EXPECT_EQ(used(1), chunks);
-  EXPECT_EQ(chosen(100), -1) << "the large ones are left alone";
+  EXPECT_EQ(chosen(100), -1) << "small samples must leave the large chunks alone";
   EXPECT_EQ(chosen(large_bytes), 2);
 }
 
-// A killed process took chunks with it: they count as free, and none can be had.
-TEST_F(ChunkPoolsTest, ThatSayFreeAndHaveNoneAreNotAskedAgainAtOnce) {
+// A process that was killed took chunks with it: these chunks count as free, and cannot be had.
+TEST_F(ChunkPoolsTest, APoolThatOnlySeemsToHaveFreeChunksIsNotAskedAgainAtOnce) {
   const auto first = *pools_.choose(100);
   pools_.note_empty(first);
   EXPECT_EQ(chosen(100), 1);
   pools_.note_empty(*pools_.choose(100));
-  EXPECT_EQ(chosen(100), -1) << "whoever asks until one is found comes to an end";
+  EXPECT_EQ(chosen(100), -1) << "a writer that asks pool after pool must come to an end";
 }
 
-TEST_F(ChunkPoolsTest, ThatSaidFreeAndHadNoneAreAskedAgainAfterASecond) {
+TEST_F(ChunkPoolsTest, APoolThatOnlySeemedToHaveFreeChunksIsAskedAgainAfterASecond) {
   pools_.note_empty(*pools_.choose(100));
   EXPECT_EQ(chosen(100), 1);
-  EXPECT_TRUE(test::eventually([&] { return chosen(100) == 0; })) << "the daemon has found what vanished";
+  EXPECT_TRUE(test::eventually([&] { return chosen(100) == 0; })) << "by then sftd has found the lost chunks";
 }
 
-TEST_F(ChunkPoolsTest, OfWhichSomeVanishedHaveThoseThatComeBack) {
+TEST_F(ChunkPoolsTest, AChunkThatComesBackCanBeHadAlthoughOthersHaveVanished) {
   const auto first = *pools_.choose(100);
   take(first);
   take(first);
@@ -95,7 +95,7 @@ TEST_F(ChunkPoolsTest, OfWhichSomeVanishedHaveThoseThatComeBack) {
   EXPECT_EQ(chosen(100), 0);
 }
 
-TEST_F(ChunkPoolsTest, ThatOthersEmptiedMeanwhileHaveLostNothing) {
+TEST_F(ChunkPoolsTest, APoolThatOtherWritersEmptiedHasLostNoChunks) {
   const auto first = *pools_.choose(100);
   for (std::uint32_t i = 0; i < chunks; ++i) take(first);
   pools_.note_empty(first);

@@ -1,4 +1,5 @@
-// What lies in a segment and what does not: a reader believes no address that it was told.
+// Mapping::contains() tells which addresses lie in a segment. A reader checks each address that another
+// process wrote with it.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -7,14 +8,14 @@
 #include <cstdint>
 #include <string>
 
-#include "shm_transport/host/session.h"
+#include "shm_transport/host/mapping.h"
 
 namespace sft::shm {
 namespace {
 
 constexpr std::size_t bytes = 3 * 4096;
 
-/// A file in /dev/shm, removed with the object.
+/// A file in /dev/shm, which is removed with the object.
 class Segment {
  public:
   explicit Segment(std::size_t size) {
@@ -31,7 +32,7 @@ class Segment {
   bool made_ = false;
 };
 
-TEST(MappingTest, ContainsWhatLiesInItAndNothingThatReachesBeyondItsEnd) {
+TEST(MappingTest, ContainsTheBytesInItAndNoneBeyondItsEnd) {
   const Segment segment(bytes);
   if (!segment.made()) GTEST_SKIP() << "/dev/shm cannot be used here";
   const auto mapping = Mapping::open(segment.name(), bytes, false, geteuid());
@@ -45,10 +46,10 @@ TEST(MappingTest, ContainsWhatLiesInItAndNothingThatReachesBeyondItsEnd) {
   EXPECT_FALSE(mapping->contains(begin + bytes, 1));
   EXPECT_FALSE(mapping->contains(begin + bytes + 1, 0));
   EXPECT_FALSE(mapping->contains(begin - 1, 1));
-  EXPECT_FALSE(mapping->contains(begin + 100, SIZE_MAX)) << "the sum would turn over";
+  EXPECT_FALSE(mapping->contains(begin + 100, SIZE_MAX)) << "the sum of address and size overflows";
 }
 
-TEST(MappingTest, OfAFileThatIsShorterThanWasSaidIsAnErrorThatNamesIt) {
+TEST(MappingTest, AFileThatIsShorterThanAnnouncedIsAnErrorThatNamesTheFile) {
   const Segment segment(bytes - 1);
   if (!segment.made()) GTEST_SKIP() << "/dev/shm cannot be used here";
   const auto mapping = Mapping::open(segment.name(), bytes, false, geteuid());

@@ -1,4 +1,4 @@
-// sftd's configuration file: what it says is what holds, and what it cannot mean is refused with its place.
+// The configuration file of sftd: its entries become settings, and a wrong entry is refused with its line.
 #include "shm_transport/sftd/config.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Removed with the object.
+/// A temporary file, which is removed with the object.
 class File {
  public:
   explicit File(const std::string& text) {
@@ -35,7 +35,7 @@ Config read(const std::string& text) {
   return config.value_or(Config{});
 }
 
-/// What is said about the file, without its name.
+/// Returns the error message for this file, without the name of the file.
 std::string refusal(const std::string& text) {
   const File file(text);
   const auto config = read_config(file.path());
@@ -44,21 +44,21 @@ std::string refusal(const std::string& text) {
   return config.error().message.substr(file.path().size() + 1);
 }
 
-TEST(SftdConfig, AnEmptyFileLeavesEverythingAsItIs) {
+TEST(SftdConfig, AnEmptyFileLeavesTheDefaults) {
   const Config config = read("");
   EXPECT_FALSE(config.settings.pool_bytes);
   EXPECT_TRUE(config.settings.pools.empty());
   EXPECT_FALSE(config.log_level);
 }
 
-TEST(SftdConfig, ABudgetIdleExitAndLogLevelAreTaken) {
+TEST(SftdConfig, TheMemoryIdleExitAndLogLevelAreRead) {
   const Config config = read("total_mib = 64\nidle_exit_s = 30\nlog_level = 'debug'");
   EXPECT_EQ(config.settings.pool_bytes, 64U << 20);
   EXPECT_EQ(config.settings.idle_exit, 30s);
   EXPECT_EQ(config.log_level, LogLevel::debug);
 }
 
-TEST(SftdConfig, PoolsAreTakenAsTheyAreAndSortedBySize) {
+TEST(SftdConfig, PoolsAreReadAndSortedBySize) {
   const Config config = read("[[pool]]\nsize_kib = 1024\ncount = 4\n[[pool]]\nsize_kib = 4\ncount = 100");
   ASSERT_EQ(config.settings.pools.size(), 2U);
   EXPECT_EQ(config.settings.pools[0].bytes, 4U << 10);
@@ -66,7 +66,7 @@ TEST(SftdConfig, PoolsAreTakenAsTheyAreAndSortedBySize) {
   EXPECT_EQ(config.settings.pools[1].bytes, 1U << 20);
 }
 
-TEST(SftdConfig, LimitsAndGroupsAreTaken) {
+TEST(SftdConfig, LimitsAndGroupsAreRead) {
   const Config config =
       read("[limits]\nprocesses = 5\nsubscribers_per_process = 7\n[access]\nwriters = 'w'\nreaders = 'r'");
   EXPECT_EQ(config.settings.limits.processes, 5U);
@@ -76,7 +76,7 @@ TEST(SftdConfig, LimitsAndGroupsAreTaken) {
   EXPECT_EQ(config.settings.access.readers, "r");
 }
 
-TEST(SftdConfig, TheFileThatIsInstalledSaysWhatHoldsWithoutIt) {
+TEST(SftdConfig, TheInstalledFileHasTheDefaults) {
   const auto config = read_config(SFTD_TOML);
   ASSERT_TRUE(config) << config.error().message;
   EXPECT_EQ(config->settings.idle_exit, DaemonSettings{}.idle_exit);
@@ -84,52 +84,51 @@ TEST(SftdConfig, TheFileThatIsInstalledSaysWhatHoldsWithoutIt) {
   EXPECT_EQ(config->log_level, LogLevel::info);
 }
 
-TEST(SftdConfig, AnUnknownKeyIsRefusedWithItsLineAndTheKnownOnes) {
+TEST(SftdConfig, AnUnknownKeyIsRefusedWithItsLineAndTheKnownKeys) {
   EXPECT_EQ(
       refusal("total_mib = 64\n\nidle_exit = 3"),
-      "3: idle_exit: not known here: use one of total_mib, pool, idle_exit_s, log_level, limits, access, or "
+      "3: idle_exit: unknown key: use one of total_mib, pool, idle_exit_s, log_level, limits, access, or "
       "remove it");
   EXPECT_EQ(refusal("[access]\nwriters = 'w'\nreader = 'r'"),
-            "3: access.reader: not known here: use one of writers, readers, or remove it");
+            "3: access.reader: unknown key: use one of writers, readers, or remove it");
   EXPECT_EQ(refusal("[[pool]]\nsize_kib = 4\ncount = 2\nname = 'x'"),
-            "4: pool.name: not known here: use one of size_kib, count, or remove it");
+            "4: pool.name: unknown key: use one of size_kib, count, or remove it");
 }
 
-TEST(SftdConfig, AWrongValueIsRefusedWithItsLineAndWhatItMayBe) {
+TEST(SftdConfig, AWrongValueIsRefusedWithItsLineAndThePossibleValues) {
   EXPECT_EQ(refusal("\nidle_exit_s = -1"),
-            "2: idle_exit_s: not a whole number from 0 to 1073741824: write idle_exit_s = 0");
+            "2: idle_exit_s: not a whole number from 0 to 1073741824: write for example idle_exit_s = 0");
   EXPECT_EQ(refusal("total_mib = '64'"),
-            "1: total_mib: not a whole number from 4 to 1048576: write total_mib = 4");
+            "1: total_mib: not a whole number from 4 to 1048576: write for example total_mib = 4");
   EXPECT_EQ(refusal("[limits]\nprocesses = 301"),
-            "2: limits.processes: not a whole number from 1 to 300: write processes = 1");
-  EXPECT_EQ(refusal("log_level = 'loud'"),
-            "1: log_level: no such level: write error, warning, info or debug");
-  EXPECT_EQ(refusal("log_level = 3"), "1: log_level: no such level: write error, warning, info or debug");
+            "2: limits.processes: not a whole number from 1 to 300: write for example processes = 1");
+  EXPECT_EQ(refusal("log_level = 'loud'"), "1: log_level: not a level: write error, warning, info or debug");
+  EXPECT_EQ(refusal("log_level = 3"), "1: log_level: not a level: write error, warning, info or debug");
   EXPECT_EQ(refusal("[access]\nwriters = 3"), "2: access.writers: not a name: write writers = \"name\"");
 }
 
-TEST(SftdConfig, WhatBelongsTogetherIsRefusedByHalves) {
-  EXPECT_EQ(refusal("[[pool]]\nsize_kib = 4"), "1: pool.size_kib, count: one is missing: give both");
+TEST(SftdConfig, EntriesThatContradictEachOtherOrAreIncompleteAreRefused) {
+  EXPECT_EQ(refusal("[[pool]]\nsize_kib = 4"), "1: pool.size_kib, count: one of them is missing: give both");
   EXPECT_EQ(refusal("[access]\nreaders = 'r'"),
             "1: access.writers: missing: name the group that may publish");
   EXPECT_EQ(refusal("total_mib = 64\n[[pool]]\nsize_kib = 4\ncount = 2"),
-            "2: pool: there is a budget, total_mib, as well: remove one of the two");
+            "2: pool: the file has total_mib as well: remove one of the two");
   EXPECT_EQ(refusal("[[pool]]\nsize_kib = 4\ncount = 2\n[[pool]]\nsize_kib = 4\ncount = 3"),
-            "1: pool: two have the same size_kib: make one of them");
+            "1: pool: two pools have the same size_kib: join them");
 }
 
-TEST(SftdConfig, WhatIsNoSectionOrListIsRefused) {
+TEST(SftdConfig, AValueInThePlaceOfASectionOrListIsRefused) {
   EXPECT_EQ(refusal("limits = 3"), "1: limits: not a section: write [limits]");
   EXPECT_EQ(refusal("pool = [4, 2]"), "1: pool: not a list of sizes: write [[pool]]");
 }
 
-TEST(SftdConfig, WhatIsNotTomlIsRefusedWithItsLine) {
+TEST(SftdConfig, AFileThatIsNotTomlIsRefusedWithTheLine) {
   EXPECT_TRUE(refusal("total_mib = 64\nidle_exit_s =\n").starts_with("2: "))
       << refusal("x = 1\nidle_exit_s =\n");
   EXPECT_TRUE(refusal("total_mib = 4\ntotal_mib = 5").starts_with("2: "));
 }
 
-TEST(SftdConfig, AFileThatCannotBeReadIsNamed) {
+TEST(SftdConfig, TheErrorOfAFileThatCannotBeReadNamesTheFile) {
   EXPECT_TRUE(read_config("/nowhere/sftd.toml").error().message.starts_with("/nowhere/sftd.toml: "));
 }
 

@@ -1,4 +1,4 @@
-#include "shm_transport/sftd/usage_book.h"
+#include "shm_transport/sftd/usage_monitor.h"
 
 #include <algorithm>
 
@@ -12,10 +12,10 @@ namespace {
 
 using Subscribers = iox::cxx::vector<iox::popo::SubscriberPortData*, iox::MAX_SUBSCRIBERS>;
 
-/// iceoryx has ports of its own.
+/// Tells the ports of programs from the ports that iceoryx itself has.
 bool is_ours(const iox::popo::BasePortData& port) { return is_runtime_name(port.m_runtimeName.c_str()); }
 
-/// A port that is never subscribed, and only lists what a writer holds.
+/// Returns whether the port is never subscribed, and only lists the chunks that a writer holds.
 bool is_keeper(const iox::popo::SubscriberPortData& port) { return !port.m_options.subscribeOnCreate; }
 
 const iox::popo::SubscriberPortData* keeper_of(const iox::popo::PublisherPortData& publisher,
@@ -33,7 +33,7 @@ std::string publisher_id(const iox::popo::BasePortData& port) {
 
 }  // namespace
 
-Usage UsageBook::look() {
+Usage UsageMonitor::look() {
   Usage usage;
   look_at_pools(usage);
   Peaks peaks;
@@ -45,7 +45,7 @@ Usage UsageBook::look() {
     const auto readers = static_cast<std::uint32_t>(port->m_chunkSenderData.m_queues.size());
     usage.publishers.push_back({port->m_runtimeName.c_str(), publisher_id(*port), readers, held});
   }
-  for (auto* port : subscribers) {  // a queue that counts is not const to iceoryx
+  for (auto* port : subscribers) {  // not const, because iceoryx's size() of a queue is not const
     if (!is_ours(*port) || is_keeper(*port)) continue;
     Holding held = holdings_.of(*port);
     note_peak(*port, held, peaks);
@@ -56,7 +56,7 @@ Usage UsageBook::look() {
   return usage;
 }
 
-void UsageBook::look_at_pools(Usage& usage) const {
+void UsageMonitor::look_at_pools(Usage& usage) const {
   for (std::uint32_t i = 0; i < pools_.getNumberOfMemPools(); ++i) {
     const auto pool = pools_.getMemPoolInfo(i);
     usage.pools.push_back({pool.m_chunkSize - sizeof(iox::mepoo::ChunkHeader), pool.m_numChunks,
@@ -64,7 +64,7 @@ void UsageBook::look_at_pools(Usage& usage) const {
   }
 }
 
-void UsageBook::note_peak(const iox::popo::BasePortData& port, Holding& held, Peaks& peaks) const {
+void UsageMonitor::note_peak(const iox::popo::BasePortData& port, Holding& held, Peaks& peaks) const {
   const auto id = static_cast<iox::popo::UniquePortId::value_type>(port.m_uniqueId);
   const auto before = peaks_.find(id);
   held.peak = std::max(held.chunks, before == peaks_.end() ? 0 : before->second);

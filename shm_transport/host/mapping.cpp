@@ -1,0 +1,44 @@
+#include "shm_transport/host/mapping.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+
+#include "core/platform/trusted_file.h"
+
+namespace sft::shm {
+
+Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool writable, uid_t owner) {
+  const std::string path = "/dev/shm/" + name;
+  const auto file = core::open_trusted_file(path, writable ? O_RDWR : O_RDONLY, {.users = {owner}});
+  if (!file) {
+    const bool forbidden = file.error().code == Errc::no_permission;
+    return fail(file.error().code,
+                file.error().message +
+                    (forbidden ? "; run this program as a member of a group that sftd serves" : ""));
+  }
+  struct stat status {};
+  if (fstat(file->get(), &status) != 0 || static_cast<std::size_t>(status.st_size) < bytes)
+    return fail(Errc::malformed, path + " is shorter than sftd said");
+  void* memory =
+      mmap(nullptr, bytes, writable ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, file->get(), 0);
+  if (memory == MAP_FAILED) return fail(Errc::out_of_memory, path + ": " + std::strerror(errno));
+  // Without this the memory would be in every core dump once its name is gone.
+  madvise(memory, bytes, MADV_DONTDUMP);
+  return Mapping({static_cast<std::byte*>(memory), bytes}, status.st_gid);
+}
+
+Mapping::~Mapping() {
+  if (!memory_.empty()) munmap(memory_.data(), memory_.size());
+}
+
+bool Mapping::contains(const void* data, std::size_t size) const {
+  const auto at = reinterpret_cast<std::uintptr_t>(data) - reinterpret_cast<std::uintptr_t>(memory_.data());
+  return at <= memory_.size() && size <= memory_.size() - at;
+}
+
+}  // namespace sft::shm

@@ -1,0 +1,35 @@
+// A segment of shared memory that is mapped in this process.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "sft/typesupport/result.h"
+
+namespace sft::shm {
+
+class Mapping {
+ public:
+  /// Maps the first `bytes` of /dev/shm/NAME. The file must belong to `owner`, the account of the daemon,
+  /// because the owner of a file can make it shorter, which ends every process that reads beyond the new end.
+  static Result<Mapping> open(const std::string& name, std::size_t bytes, bool writable, uid_t owner);
+  Mapping(Mapping&& other) noexcept : memory_(std::exchange(other.memory_, {})), group_(other.group_) {}
+  Mapping& operator=(Mapping&&) = delete;
+  ~Mapping();
+
+  std::span<std::byte> bytes() const { return memory_; }
+  /// Returns the group of the file.
+  gid_t group() const { return group_; }
+  bool contains(const void* data, std::size_t size) const;
+
+ private:
+  Mapping(std::span<std::byte> memory, gid_t group) : memory_(memory), group_(group) {}
+  std::span<std::byte> memory_;
+  gid_t group_;
+};
+
+}  // namespace sft::shm

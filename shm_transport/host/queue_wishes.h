@@ -1,0 +1,23 @@
+// The requests that a reader makes to the writer of one of its queues. They travel in the name of the
+// reader's port: iceoryx passes the name on and does not read it.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/seam/transport.h"
+
+namespace sft::shm {
+
+struct QueueWishes {
+  core::EndpointId reader = 0;  ///< the reader that makes the requests; 0: there are none
+  bool late = false;            ///< the writer puts its retained samples into the queue before all others
+  bool awaited = false;         ///< the writer waits for room in the queue, as long as it may
+};
+
+/// Returns what stands behind the label of the port; empty if the reader requests nothing.
+std::string to_text(const QueueWishes& wishes);
+/// Reads the requests from the name of a port. A name without requests, or with malformed ones, has none.
+QueueWishes parse_wishes(std::string_view port_name) noexcept;
+
+}  // namespace sft::shm

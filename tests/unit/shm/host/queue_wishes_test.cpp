@@ -1,0 +1,35 @@
+// The requests of a reader in the name of its port, as they are written and read back.
+#include "shm_transport/host/queue_wishes.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+
+namespace sft::shm {
+namespace {
+
+TEST(QueueWishesTest, AreReadFromTheNameAsTheyWereWritten) {
+  for (const auto& [late, awaited] : {std::pair{true, false}, {false, true}, {true, true}}) {
+    const QueueWishes written{.reader = 0x0123'4567'89ab'cdef, .late = late, .awaited = awaited};
+    const QueueWishes read = parse_wishes("sft_node_1_0badcafe#7" + to_text(written));
+    EXPECT_EQ(read.reader, written.reader);
+    EXPECT_EQ(read.late, late);
+    EXPECT_EQ(read.awaited, awaited);
+  }
+}
+
+TEST(QueueWishesTest, AReaderWithoutRequestsWritesNothing) {
+  EXPECT_EQ(to_text({.reader = 7}), "");
+  EXPECT_EQ(parse_wishes("sft_node_1_0badcafe#7").reader, 0U);
+}
+
+TEST(QueueWishesTest, AMalformedNameHasNoRequests) {
+  for (const char* name : {"", "@", "name@", "name@xyz", "name@12 ", "name!11112222333344445"}) {
+    const QueueWishes wishes = parse_wishes(name);
+    EXPECT_EQ(wishes.reader, 0U) << name;
+    EXPECT_FALSE(wishes.late || wishes.awaited) << name;
+  }
+}
+
+}  // namespace
+}  // namespace sft::shm
