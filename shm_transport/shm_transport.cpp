@@ -90,7 +90,7 @@ Result<std::unique_ptr<core::Transport>> open_shm_transport(const ShmOptions& op
   const auto users = user_ids(options.daemon_users);
   if (!users) return tl::unexpected(users.error());
   ShmOptions clamped = options;
-  clamped.daemon_users.clear();  // as numbers: names cost a look into a file, or a question to a server
+  clamped.daemon_users.clear();  // numbers follow: a name costs a look into a file, or at a server
   for (const uid_t user : *users) clamped.daemon_users.push_back(std::to_string(user));
   clamped.queue_limit = std::clamp(options.queue_limit, 1U, 256U);
   clamped.held_limit = std::clamp(options.held_limit, 1U, 256U);

@@ -1,4 +1,5 @@
-// Samples within a host: through shared memory, on iceoryx, hosted by the daemon sftd.
+// The transport for samples within a host. Samples travel in shared memory, which is built on iceoryx and
+// which the daemon sftd hosts.
 #pragma once
 
 #include <memory>
@@ -9,7 +10,8 @@
 
 namespace sft::shm {
 
-/// Does not wait and does not fail for want of a daemon: Transport::poll looks after that.
+/// Opens the transport without waiting, and also if there is no daemon: Transport::poll() finds or starts the
+/// daemon later.
 /// Errc::invalid_argument names an account in daemon_users that does not exist.
 Result<std::unique_ptr<core::Transport>> open_shm_transport(const ShmOptions& options);
 

@@ -1,17 +1,17 @@
-// Which queues a writer delivers to, which of them wait for what it has retained before it, and for which the
-// writer waits until there is room.
+// The queues to which a writer delivers. Two requests that a reader makes in the name of its port
+// (queue_wishes.h) are served here:
 //
-// A reader that wants that says so in the name of its port. From the moment that the daemon connects its
-// queue nothing is put into it, until the writer has put in what it retains; samples sent meanwhile are held
-// back from this one queue. They are in the history too, and whoever looks there afterwards can tell by the
-// number of samples held back whether another one was sent since. So in the queue what was retained and what
-// is live follow each other without gap or repetition, and nothing is ever kept for a reader beside the
-// history.
+// A late reader wants the samples that the writer has retained before all others. The daemon connects its
+// queue first. From then on the writer puts nothing into this queue until it has put in the retained samples.
+// Samples that are sent meanwhile are held back from this one queue, and counted. They are in the history as
+// well. So a caller that has read the history sees by the count whether another sample was sent since. In the
+// queue, the retained samples and the live ones follow each other without a gap or a repetition, and no
+// sample is kept for a reader outside of the history.
 //
-// A reliable reader of a writer that waits for its readers says that, too, in the name of its port. The
-// writer waits for those of them that it serves in shared memory at present.
+// A reliable reader of a writer that waits for its readers asks the writer to wait for room in the queue. The
+// writer waits for those of these readers that it serves in shared memory at present.
 //
-// Used with the port's lock held, in which the daemon, too, changes its list of queues.
+// The caller holds the lock of the port. The daemon holds the same lock when it changes the list of queues.
 #pragma once
 
 #include <cstdint>
@@ -32,34 +32,37 @@ class Audience {
   using Queues = Port::QueueContainer_t;
   using Queue = iox::popo::SubscriberPortData::ChunkQueueData_t;
   struct Listener {
-    iox::cxx::UniqueId queue;       ///< never used again, unlike its memory
-    core::EndpointId waits_as = 0;  ///< the reader that waits there; 0: none does
-    core::EndpointId awaited = 0;   ///< the reader that is waited for, as it wishes; 0: none
-    const iox::popo::SubscriberPortData* port = nullptr;  ///< of that
+    iox::cxx::UniqueId queue;       ///< the id of the queue; unlike its memory, an id is never used again
+    core::EndpointId waits_as = 0;  ///< the late reader that waits for the retained samples; 0: none does
+    core::EndpointId awaited = 0;   ///< the reader that asks the writer to wait for room; 0: none does
+    const iox::popo::SubscriberPortData* port = nullptr;  ///< the port that has the queue
   };
 
-  /// As the queues are now. Cheap while they are those of before.
+  /// Brings the listeners up to date with the queues. The call is cheap while the queues have not changed.
   void look(const Queues& queues, const Session& session);
-  /// In the order of the queues, when they were last looked at.
+  /// Returns the listeners as of the last look(), in the order of the queues.
   const std::vector<Listener>& listeners() const { return listeners_; }
 
+  /// Returns whether any late reader waits for retained samples.
   bool somebody_waits() const { return waiting_ != 0; }
-  /// The queue in which that reader waits; null if it does not.
+  /// Returns the listener of this late reader; null if the reader does not wait for retained samples.
   const Listener* waiting(core::EndpointId reader) const;
 
+  /// Notes that this late reader has got the retained samples.
   void begun(core::EndpointId reader);
-  /// These are owed nothing, now and later.
+  /// Sets the readers that get no retained samples, now and later.
   void owe_nothing(std::set<core::EndpointId> readers);
 
-  /// These, of those that wish it, are waited for from now on.
+  /// Sets the readers for which the writer waits, if they ask for it.
   void wait_for(std::set<core::EndpointId> readers) { awaited_ = std::move(readers); }
-  /// A reader to be waited for whose queue is full, as it was when the queues were last looked at; null if
-  /// there is none.
+  /// Returns a listener for which the writer waits and whose queue was full at the last look(); null if there
+  /// is none.
   const Listener* without_room() const;
   static bool has_room(const Listener& listener);
 
-  /// Puts it into that one queue, unless that is gone.
+  /// Puts the chunk into the queue of this listener, unless the queue is gone.
   static void deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk);
+  /// Counts a sample that is held back from the late readers that wait.
   void hold_back() { ++held_back_; }
   std::uint64_t held_back() const { return held_back_; }
 
@@ -70,7 +73,7 @@ class Audience {
 
   std::vector<Listener> listeners_;
   std::set<core::EndpointId> owed_nothing_, awaited_;
-  std::size_t waiting_ = 0;
+  std::size_t waiting_ = 0;  ///< the number of listeners that wait for retained samples
   std::uint64_t held_back_ = 0;
 };
 

@@ -36,8 +36,8 @@ ChunkBorrower::ChunkBorrower(std::shared_ptr<Session> session, iox::popo::Subscr
       port_(&port),
       slots_(held_limit, type.full()) {}
 
-/// The last sample is back. The port goes once no writer delivers to it any more, which the session looks
-/// after.
+/// All samples are back when this runs. The session gives the port back as soon as no writer delivers to it
+/// any more.
 ChunkBorrower::~ChunkBorrower() {
   close();
   session_->retire(&data_);
@@ -79,8 +79,8 @@ void ChunkBorrower::wake_writer() noexcept {
   if (owes_wake_.exchange(false, std::memory_order_relaxed)) QueueRoom(data_).wake();
 }
 
-/// Takes the oldest chunk out of the queue, if a slot is free for it; otherwise it stays there, and the queue
-/// overflows if it must. iceoryx itself would drop what exceeds its limit of held chunks.
+/// Takes the oldest chunk out of the queue if a slot is free for it. Otherwise the chunk stays in the queue,
+/// which may overflow. iceoryx itself would drop a chunk that exceeds its limit of held chunks.
 ChunkSlot* ChunkBorrower::next_chunk() noexcept {
   const std::scoped_lock lock(mutex_);
   if (lost_ || (!open_ && arrived_ == 0)) return nullptr;
@@ -93,7 +93,8 @@ ChunkSlot* ChunkBorrower::next_chunk() noexcept {
   }
   if (!open_) --arrived_;
   const ChunkInHand hand(data_);
-  // Asked before: what is reported later may be of samples behind this one.
+  // The overflow is queried before the chunk is taken, because a later overflow may concern samples behind
+  // this one.
   overflowed_ |= std::exchange(overflow_is_news_, false);
   overflowed_ |= port_.hasLostChunksSinceLastCall();
   auto chunk = port_.tryGetChunk();
@@ -104,8 +105,8 @@ ChunkSlot* ChunkBorrower::next_chunk() noexcept {
   return slot;
 }
 
-/// The buffer says exactly what was checked, in this process's own memory: the header in the chunk can still
-/// be changed by a hostile writer, and must not be asked again.
+/// Copies the checked values into the buffer, which lies in the memory of this process. The header in the
+/// chunk must not be read again, because a hostile writer can still change it.
 bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
   SampleBuffer& buffer = slot.buffer;
   buffer.data = static_cast<std::byte*>(slot.chunk->userPayload());
@@ -130,15 +131,16 @@ bool ChunkBorrower::check(ChunkSlot& slot) noexcept {
   return true;
 }
 
-/// iceoryx tells only that something was pushed out, not how much; sequences tell how much, but have gaps for
-/// other reasons too (samples that went another way). Together they give the number. What pushes a sample out
-/// tells it afterwards, and by then a queue of others may have been taken.
+/// Counts the samples that the queue has lost before this one. iceoryx tells that the queue has overflowed,
+/// but not how many samples were lost. The gaps in the sequence numbers tell how many, but gaps have other
+/// reasons, too (samples that took another way). Both together give the number. A writer reports an overflow
+/// after it has pushed a sample out, and by then the reader may have taken a whole queue of other samples.
 void ChunkBorrower::enter(std::uint64_t sequence) noexcept {
   const bool overflowed = std::exchange(overflowed_, false);
   std::uint64_t lost = 0;
   if (last_sequence_ == 0) {
     dropped_at_begin_ = dropped_since_;
-    lost = 1;  // if anything is; nobody knows where the sequences began
+    lost = 1;  // counts only after an overflow; the first sequence number is not known, so neither is the gap
   } else if (sequence > last_sequence_ + 1) {
     unexplained_gap_ += sequence - last_sequence_ - 1;
     explicable_ = popped_ + data_.m_chunkReceiverData.m_queue.capacity() + 2;
@@ -152,7 +154,8 @@ void ChunkBorrower::enter(std::uint64_t sequence) noexcept {
   last_sequence_ = sequence;
 }
 
-/// What was taken and what waits; once the queue is full, that something was pushed out.
+/// Counts the samples that were taken and those that wait. When the queue is full, this sum does not change
+/// any more, so overflows are counted, too.
 std::uint64_t ChunkBorrower::arrivals() noexcept {
   const std::scoped_lock lock(mutex_);
   if (lost_) return popped_ + overflows_;
@@ -178,7 +181,8 @@ void ChunkBorrower::recycle(SampleBuffer& buffer) noexcept {
 void ChunkBorrower::close() noexcept {
   const std::scoped_lock lock(mutex_);
   if (!std::exchange(open_, false)) return;
-  // The writer goes on delivering until the daemon has heard of it.
+  // The writer goes on delivering until the daemon has disconnected it, so only the samples of now are
+  // counted.
   arrived_ = data_.m_chunkReceiverData.m_queue.size();
   port_.unsubscribe();
 }
@@ -195,7 +199,7 @@ void ChunkBorrower::drop_oldest() noexcept {
   ++dropped_since_;
   discarded_.fetch_add(1, std::memory_order_relaxed);
   const ChunkInHand hand(data_);
-  // Where too many are held already, iceoryx gives it back itself.
+  // If too many chunks are held already, iceoryx gives this one back itself.
   if (auto chunk = port_.tryGetChunk(); !chunk.has_error()) port_.releaseChunk(chunk.value());
 }
 
@@ -248,7 +252,7 @@ void ShmReaderPort::tell_of_room() noexcept {
   }
 }
 
-/// With the lock held, as the following.
+/// The caller of this function and of the next two holds the lock.
 SampleHandle ShmReaderPort::take_what_was_left(Writers& drained) noexcept {
   SampleHandle sample;
   for (auto writer = departed_.begin(); writer != departed_.end() && !sample; ++writer)
@@ -265,7 +269,7 @@ void ShmReaderPort::drop_excess() noexcept {
   }
 }
 
-/// Those of which everything was taken or dropped.
+/// Forgets the departed writers all of whose samples were taken or dropped, and returns them.
 ShmReaderPort::Writers ShmReaderPort::forget_drained() noexcept {
   Writers drained;
   std::erase_if(departed_, [&drained](const auto& writer) {

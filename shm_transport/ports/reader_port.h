@@ -1,8 +1,9 @@
-// A reader: one iceoryx subscriber port for each writer that it is connected to, polled in turn.
+// The reader's end of a topic in shared memory. A reader has one subscriber port of iceoryx for each writer
+// that it is connected to, and takes samples from these ports in turn.
 //
-// What writers left that it was disconnected from is taken first, and is no more than one `depth` of samples
-// in all: a publisher that is restarted again and again, while nobody takes, must not use up the daemon's
-// chunks and ports. The oldest go, and are counted.
+// Samples of a writer from which the reader was disconnected can still be taken, and come first. At most
+// `depth` of them are kept in all, because a publisher that is restarted again and again while nobody takes
+// must not use up the chunks and ports of the daemon. The oldest samples are dropped, and are counted.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +21,8 @@
 
 namespace sft::shm {
 
-/// What one writer sends to one reader. Outlives the port as long as a sample of it is held anywhere.
+/// The connection of a reader to one writer. It outlives the port of the reader for as long as any of its
+/// samples is held.
 class ChunkBorrower final : public core::BufferOwner,
                             public SessionMember,
                             public std::enable_shared_from_this<ChunkBorrower> {
@@ -33,28 +35,30 @@ class ChunkBorrower final : public core::BufferOwner,
 
   core::EndpointId writer() const { return writer_; }
   bool open() const noexcept;     ///< neither closed nor lost
-  bool drained() const noexcept;  ///< not open, and nothing is left to be taken
-  bool connected() noexcept;      ///< one thread at a time
-  /// What the writer retains comes first, and nothing has come yet.
+  bool drained() const noexcept;  ///< not open, and no sample remains to be taken
+  bool connected() noexcept;      ///< only one thread at a time may call it
+  /// Returns whether the retained samples of the writer come first and nothing has come yet.
   bool awaits_retained() noexcept { return retained_first_ && arrivals() == 0; }
-  /// Changes whenever something has arrived.
+  /// Returns a number that changes whenever a sample has arrived.
   std::uint64_t arrivals() noexcept;
   std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
   std::uint64_t held_too_many() const noexcept { return held_too_many_.load(std::memory_order_relaxed); }
 
-  /// The oldest valid sample; malformed ones are counted and skipped. One thread at a time.
+  /// Takes the oldest valid sample. Malformed samples are counted and skipped. Only one thread at a time may
+  /// call it.
   core::SampleHandle take() noexcept;
-  /// Something was taken while the writer waited for room. Any thread.
+  /// Returns whether a sample was taken while the writer waited for room. Any thread.
   bool owes_wake() const noexcept { return owes_wake_.load(std::memory_order_relaxed); }
-  /// Wakes the writer, if that is so. Any thread, without a lock.
+  /// Wakes the writer if owes_wake() is true. Any thread; the caller holds no lock.
   void wake_writer() noexcept;
-  /// No more samples than those that have arrived, which can still be taken.
+  /// Ends the connection. The samples that have arrived before can still be taken.
   void close() noexcept;
-  /// Of one that is closed: how many these are, and throwing away the oldest.
+  /// Returns how many samples remain to be taken after close().
   std::uint64_t left() const noexcept;
+  /// Drops the oldest of the samples that remain after close().
   void drop_oldest() noexcept;
-  /// Of those dropped, the ones before the first that was taken and behind the last: no gap in the sequences
-  /// tells of them.
+  /// Returns how many samples were dropped before the first sample that was taken and behind the last one. No
+  /// gap in the sequence numbers shows these.
   std::uint64_t lost_unnoticed() const noexcept { return dropped_at_begin_ + dropped_since_; }
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
@@ -78,25 +82,25 @@ class ChunkBorrower final : public core::BufferOwner,
   std::atomic<std::uint64_t> discarded_{0};
   std::atomic<std::uint64_t> held_too_many_{0};
 
-  /// Of the thread that asks whether it is connected: the writer's port where it last was.
+  /// The port of the writer where it was last found. Only the thread that calls connected() uses it.
   const iox::popo::PublisherPortData* feeder_ = nullptr;
 
-  // Of the thread that takes (or drops).
-  bool overflowed_ = false;            ///< iceoryx has reported it since the last sample
-  std::uint64_t last_sequence_ = 0;    ///< 0: none yet
-  std::uint64_t unexplained_gap_ = 0;  ///< no overflow was reported so far that could have made it
-  std::uint64_t explicable_ = 0;       ///< until so many were popped one may still be
-  std::uint64_t dropped_at_begin_ = 0;
-  std::uint64_t dropped_since_ = 0;  ///< the last one that was taken
+  // The thread that takes or drops samples uses these members.
+  bool overflowed_ = false;            ///< iceoryx has reported an overflow since the last sample
+  std::uint64_t last_sequence_ = 0;    ///< of the last sample that was taken; 0: none was taken
+  std::uint64_t unexplained_gap_ = 0;  ///< missing sequence numbers for which no overflow was reported yet
+  std::uint64_t explicable_ = 0;  ///< the value of popped_ until which an overflow may still explain the gap
+  std::uint64_t dropped_at_begin_ = 0;  ///< samples dropped before the first one that was taken
+  std::uint64_t dropped_since_ = 0;     ///< samples dropped since the last one that was taken
 
-  mutable std::mutex mutex_;  // guards what follows; never held over a system call
-  bool open_ = true;          ///< neither closed nor lost
-  bool lost_ = false;
-  std::uint64_t arrived_ = 0;  ///< when it was closed, and not yet taken
-  std::uint64_t popped_ = 0;
-  std::uint64_t overflows_ = 0;    ///< that arrivals() came to know of
-  bool overflow_is_news_ = false;  ///< to the thread that takes
-  bool at_limit_ = false;          ///< as many are held as may be, which was counted
+  mutable std::mutex mutex_;       // guards the members below; never held over a system call
+  bool open_ = true;               ///< neither closed nor lost
+  bool lost_ = false;              ///< the session is lost, and iceoryx must not be used any more
+  std::uint64_t arrived_ = 0;      ///< samples that had arrived at close() and are not yet taken
+  std::uint64_t popped_ = 0;       ///< chunks taken out of the queue
+  std::uint64_t overflows_ = 0;    ///< overflows that arrivals() has noticed
+  bool overflow_is_news_ = false;  ///< arrivals() noticed an overflow, and take() has not seen it
+  bool at_limit_ = false;          ///< the most samples are held that may be, and this was counted
   iox::popo::SubscriberPortData& data_;
   iox::popo::SubscriberPortUser port_;
   ChunkSlots slots_;
@@ -135,11 +139,11 @@ class ShmReaderPort final : public core::ReaderPort {
   const ShmOptions options_;
   const std::shared_ptr<Statistics> statistics_;
 
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   Writers writers_;
-  Writers departed_;  ///< disconnected and not yet drained, in that order
+  Writers departed_;  ///< disconnected and not yet drained, in the order of disconnection
   std::size_t next_writer_ = 0;
-  // Of writers that it has let go of.
+  // The sums of the counters of writers that were drained and forgotten.
   std::uint64_t discarded_before_ = 0;
   std::uint64_t held_too_many_before_ = 0;
   std::uint64_t lost_unnoticed_ = 0;

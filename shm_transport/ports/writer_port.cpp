@@ -22,15 +22,16 @@ using iox::mepoo::ShmSafeUnmanagedChunk;
 
 namespace {
 
-// Far above any pool; keeps sums of sizes below 2^32.
+// This size is far above any pool. It keeps sums of sizes below 2^32.
 constexpr std::size_t largest_sample_bytes = 1'000'000'000;
 
-// How long a send waits for a port's lock that the daemon holds, in steps.
+// The number and the length of the pauses in which a send waits for the lock of its port while the daemon
+// holds it.
 constexpr int lock_attempts = 20;
 constexpr std::chrono::microseconds lock_pause{50};
 
-// How long a writer that waits for room looks for it before it sleeps, and sleeps before it looks whether the
-// reader is still there: nobody wakes it for one that was killed.
+// A writer that waits for room spins for the first time before it sleeps. It sleeps at most for the second
+// time before it looks whether the reader still exists, because a reader that was killed does not wake it.
 constexpr std::chrono::microseconds room_spin{20};
 constexpr std::chrono::milliseconds room_sleep_longest{10};
 
@@ -59,8 +60,8 @@ ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherP
       pools_(session_->pools(*publisher.m_chunkSenderData.m_memoryMgr)),
       slots_(held_limit, full_mask_) {}
 
-/// The last sample is back. Marking the ports is a write to mapped memory, allowed even if the daemon is
-/// gone.
+/// All samples are back when this runs. To mark the ports only writes to mapped memory, so it is allowed even
+/// if the daemon is gone.
 ChunkLender::~ChunkLender() {
   if (session_ == nullptr) return;
   port_.destroy();
@@ -82,7 +83,7 @@ SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   after_chunk_came();
   SampleBuffer& buffer = slot->buffer;
   buffer.data = static_cast<std::byte*>(slot->chunk->userPayload());
-  buffer.capacity = bytes;  // not the chunk's own word on it, which every client can overwrite
+  buffer.capacity = bytes;  // not the size in the chunk's header, which every client can overwrite
   buffer.mask = full_mask_;
   buffer.owner = shared_from_this();
   new (buffer.data) detail::SampleHeader{};
@@ -90,7 +91,7 @@ SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
 }
 
 ChunkHeader* ChunkLender::allocate(std::size_t bytes) noexcept {
-  // iceoryx gives a publisher its last chunk again, whatever is left in the pools, once nobody else holds it.
+  // If nobody else holds the last chunk of a publisher, iceoryx lends it again, even if all pools are empty.
   auto& last = publisher_.m_chunkSenderData.m_lastChunkUnmanaged;
   if (last.isNotLogicalNullptrAndHasNoOtherOwners() &&
       last.getChunkHeader()->chunkSize() >= payload_for(bytes) + chunk_header_size) {
@@ -107,7 +108,7 @@ ChunkHeader* ChunkLender::allocate(std::size_t bytes) noexcept {
   return nullptr;
 }
 
-/// From iceoryx's own account of loans to the list of held chunks.
+/// Moves the chunk from iceoryx's own list of loans to the keeper's list of held chunks.
 void ChunkLender::hold(ChunkSlot& slot, ChunkHeader& chunk) noexcept {
   SharedChunk lent;
   publisher_.m_chunkSenderData.m_chunksInUse.remove(&chunk, lent);
@@ -123,8 +124,8 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool m
   if (lost_) return Commit::lost;
   bool full = false;
   if (to_readers) {
-    // The lock is recursive: with it in hand, sendChunk cannot block on a daemon that was stopped while it
-    // had it.
+    // The lock is recursive. sendChunk() takes it, too, and cannot block any more when this thread already
+    // holds it. It could block otherwise, if the daemon was stopped while it held the lock.
     auto& port = publisher_.m_chunkSenderData;
     if (!port.tryLock()) return Commit::busy;
     if (retains_ || waits_) audience_.look(port.m_queues, *session_);
@@ -142,7 +143,7 @@ void ChunkLender::deliver(ChunkSlot& slot) noexcept {
   auto& port = publisher_.m_chunkSenderData;
   const ChunkInHand hand(publisher_);
   if (!audience_.somebody_waits()) {
-    // On loan again by iceoryx's own account: only such chunks can be sent.
+    // The chunk goes back into iceoryx's own list of loans, because only a chunk in this list can be sent.
     port.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
     before_chunk_leaves();
     port_.sendChunk(slot.chunk);
@@ -165,7 +166,8 @@ std::optional<ChunkLender::FullQueue> ChunkLender::full_queue() noexcept {
   return FullQueue{*full, session_};
 }
 
-/// Without a lock: the port of a reader that goes meanwhile stays mapped, and nothing but its words is used.
+/// Waits without a lock. If the reader goes meanwhile, the memory of its port stays mapped, and only words in
+/// that memory are read and written.
 void ChunkLender::await_room(Clock::time_point until) noexcept {
   const std::optional<FullQueue> full = full_queue();
   if (!full) return;
@@ -221,11 +223,11 @@ void ChunkLender::owe_nothing(std::set<core::EndpointId> readers) noexcept {
 void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
   before_chunk_leaves();
   ChunkSlot& slot = ChunkSlot::of(buffer);
-  std::shared_ptr<Session> gone;  // unmaps after the lock is released
+  std::shared_ptr<Session> gone;  // its destructor unmaps memory, so it must run after the lock is released
   const std::scoped_lock lock(mutex_);
   if (!lost_) {
     const ChunkInHand hand(publisher_);
-    SharedChunk held;  // given back at the end of this block
+    SharedChunk held;  // its destructor gives the chunk back
     keeper_.m_chunkReceiverData.m_chunksInUse.remove(slot.chunk, held);
   }
   slots_.give_back(slot);
@@ -239,13 +241,14 @@ void ChunkLender::lose() noexcept {
   gone = let_go();
 }
 
-/// With the lock held: the session, where nothing here needs its memory any more.
+/// Returns the session if this writer does not need its memory any more. The caller holds the lock.
 std::shared_ptr<Session> ChunkLender::let_go() noexcept {
   return lost_ && slots_.all_back() ? std::move(session_) : nullptr;
 }
 
 bool ChunkLender::has_lent(const SampleBuffer& sample) const noexcept {
-  // The flag is written by commit(), which the thread that asks calls itself.
+  // The flag needs no lock, because the thread that calls this is also the one that calls commit(), which
+  // sets it.
   return sample.owner.get() == this && !static_cast<const ChunkSlot*>(sample.owner_data)->sent;
 }
 
@@ -280,7 +283,8 @@ ChunkLender::Commit ShmWriterPort::commit(ChunkSlot& slot, bool to_readers, bool
   return committed;
 }
 
-/// Or once there is no patience left: then readers without room lose their oldest sample.
+/// Waits until all readers for which this writer waits have room. If the patience ends before, the readers
+/// without room lose their oldest sample.
 ChunkLender::Commit ShmWriterPort::commit_once_there_is_room(ChunkSlot& slot) noexcept {
   const Clock::time_point until = Clock::now() + patience_;
   auto committed = ChunkLender::Commit::full;

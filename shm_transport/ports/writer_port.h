@@ -1,17 +1,20 @@
-// A writer: one iceoryx publisher port that only readers of this writer subscribe to.
+// The writer's end of a topic in shared memory. A writer has one publisher port of iceoryx, to which only
+// readers of this writer subscribe.
 //
-// Chunks. iceoryx itself keeps account of 8 chunks on loan, and takes one that was sent back for the next
-// loan as soon as readers let go. But whoever keeps a handle (the history, a send to another host under way)
-// still reads it. So each chunk, from the loan until its last handle is gone, is in the list of held chunks
-// of a subscriber port that belongs to this writer alone and is never subscribed: there the daemon finds it,
-// and frees it, when this process is killed. (Subscribing that port would do too, but costs a push, a pop and
-// a release for every sample.)
+// Chunks: iceoryx itself keeps account of at most 8 chunks on loan. It uses a chunk that was sent for the
+// next loan as soon as all readers have released it. But other parts of this process may have a handle to the
+// chunk and still read it: the history, or a transmission to another host. So each chunk is in a list of held
+// chunks from the loan until its last handle is gone. The list is that of a subscriber port that belongs to
+// this writer alone and is never subscribed (the keeper). If this process is killed, the daemon finds the
+// chunks there and frees them. (A keeper that is subscribed would do as well, but costs a push, a pop and a
+// release for each sample.)
 //
-// A chunk that is just being taken, delivered or given back when the process is killed has references that
-// nobody knows of: see chunk_hand.h.
+// If the process is killed while it takes, delivers or gives back a chunk, that chunk has references that are
+// in no list (chunk_hand.h).
 //
-// Late readers get what is retained before all else (audience.h). A writer with `max_blocking` waits for room
-// in the queues of the reliable readers that it serves (queue_room.h); all others lose their oldest sample.
+// Late readers get the retained samples before all others (audience.h). A writer with `max_blocking` waits
+// for room in the queues of the reliable readers that it serves (queue_room.h). All other readers lose their
+// oldest sample when their queue is full.
 #pragma once
 
 #include <chrono>
@@ -32,9 +35,9 @@
 
 namespace sft::shm {
 
-/// The memory of one writer. Outlives the port as long as a sample of it is held anywhere. Once its session
-/// is lost and all samples are back it lets go of that memory: a publisher that publishes nothing may keep
-/// its port for long.
+/// The memory of one writer. It outlives the port for as long as any of its samples is held. After its
+/// session is lost and all samples are back, it releases that memory at once, because a publisher that
+/// publishes nothing may keep its port for long.
 class ChunkLender final : public core::BufferOwner,
                           public SessionMember,
                           public std::enable_shared_from_this<ChunkLender> {
@@ -45,32 +48,33 @@ class ChunkLender final : public core::BufferOwner,
                                            const core::WriterSpec& spec, std::uint32_t held_limit);
   ~ChunkLender() override;
 
-  /// A chunk with a fresh header; empty if there is none, or none so large. Any thread.
+  /// Returns a chunk with a new header; empty if no chunk is free, or none is so large. Any thread.
   core::SampleHandle lend(std::size_t bytes) noexcept;
-  /// What the largest chunk holds. Any thread.
+  /// Returns how many bytes the largest chunk holds. Any thread.
   std::size_t largest_bytes() const noexcept { return largest_bytes_; }
 
   enum class Commit { done, displaced, busy, full, lost };
-  /// Hands a lent sample to all subscribed readers, or to none. `busy`: the daemon holds the port's lock,
-  /// which it does for microseconds unless it was stopped or killed there. `full`: a reader that is waited
-  /// for has no room, and `may_wait`; without that it loses its oldest sample, which is `displaced`.
+  /// Delivers a lent sample to all subscribed readers, or to none. `busy`: the daemon holds the lock of the
+  /// port. It holds it for microseconds, unless it was stopped or killed meanwhile. `full`: `may_wait` is
+  /// true, and a reader for which the writer waits has no room. `displaced`: `may_wait` is false, and such a
+  /// reader has lost its oldest sample.
   Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
-  /// After `full`: sleeps until that reader has room, at most until then, and never long. It is to be tried
-  /// again then.
+  /// Sleeps, after commit() has returned `full`, until that reader has room, but at most until `until`, and
+  /// never long. Then the caller tries commit() again.
   void await_room(Clock::time_point until) noexcept;
 
-  /// Whether the sample was lent here and not yet committed: only such ones can be.
+  /// Returns whether the sample was lent here and not yet committed. Only such a sample can be committed.
   bool has_lent(const core::SampleBuffer& sample) const noexcept;
-  /// Whether it was lent here at all.
+  /// Returns whether the sample was lent here.
   bool owns(const core::SampleBuffer& sample) const noexcept { return sample.owner.get() == this; }
 
-  // Readers that wait for what is retained (audience.h). None of it waits for the daemon: then it is as if
-  // nobody did.
+  // The functions for late readers, which wait for retained samples (audience.h). They do not wait for the
+  // daemon: if it holds the lock of the port, the result is the same as if no reader waited.
   std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept;
   bool begin(core::EndpointId reader, const std::vector<core::SampleHandle>& retained,
              std::uint64_t held_back) noexcept;
   void owe_nothing(std::set<core::EndpointId> readers) noexcept;
-  /// commit() waits for these, of those that wish it.
+  /// Sets the readers for which commit() waits, if they ask for it.
   void wait_for(std::set<core::EndpointId> readers) noexcept;
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
@@ -84,7 +88,7 @@ class ChunkLender final : public core::BufferOwner,
   void deliver(ChunkSlot& slot) noexcept;
   struct FullQueue {
     Audience::Listener listener;
-    std::shared_ptr<Session> session;  ///< keeps it mapped
+    std::shared_ptr<Session> session;  ///< keeps the memory of the queue mapped
   };
   std::optional<FullQueue> full_queue() noexcept;
   std::shared_ptr<Session> let_go() noexcept;
@@ -92,11 +96,11 @@ class ChunkLender final : public core::BufferOwner,
   const FieldMask full_mask_;
   const std::size_t largest_bytes_;
   const bool retains_;
-  const bool waits_;  ///< for readers
+  const bool waits_;  ///< the writer waits for reliable readers
 
-  mutable std::mutex mutex_;  // guards what follows; never held over a system call
-  bool lost_ = false;
-  std::shared_ptr<Session> session_;  ///< keeps mapped what the references below are to; null: do not touch
+  mutable std::mutex mutex_;          // guards the members below; never held over a system call
+  bool lost_ = false;                 ///< the session is lost, and iceoryx must not be used any more
+  std::shared_ptr<Session> session_;  ///< keeps the memory of the ports mapped; null: do not use them
   iox::popo::PublisherPortData& publisher_;
   iox::popo::PublisherPortUser port_;
   iox::popo::SubscriberPortData& keeper_;
@@ -143,14 +147,14 @@ class ShmWriterPort final : public core::WriterPort {
   const std::shared_ptr<DoorbellPages> pages_;
   const std::shared_ptr<Statistics> statistics_;
   const std::chrono::nanoseconds max_blocking_;
-  const core::TrustedAccounts reader_accounts_;               ///< whose doorbells it rings
-  std::vector<std::shared_ptr<core::DoorbellPage>> reached_;  ///< stay open until the next routes are set
+  const core::TrustedAccounts reader_accounts_;               ///< the accounts whose doorbells are rung
+  std::vector<std::shared_ptr<core::DoorbellPage>> reached_;  ///< kept open until routes are set
 
-  // Of the publisher's thread.
+  // The thread of the publisher uses these two members.
   std::chrono::nanoseconds patience_max_ = std::chrono::nanoseconds::max();
-  std::chrono::nanoseconds patience_{0};  ///< of the present sample
+  std::chrono::nanoseconds patience_{0};  ///< how long the current sample may still wait
 
-  core::Snapshot<Doorbells> doorbells_;  ///< null without routes
+  core::Snapshot<Doorbells> doorbells_;  ///< null if there are no routes
 };
 
 }  // namespace sft::shm
