@@ -1,4 +1,5 @@
-// Programs of several users on one host: their groups, the daemons that they start, and what they do.
+// The fixture for tests with programs of several users on one host: their groups, and the daemons that they
+// start.
 #pragma once
 
 #include <signal.h>
@@ -18,7 +19,8 @@ namespace sft::test {
 
 constexpr gid_t writers_group = 70'100;
 constexpr gid_t readers_group = 70'101;
-// Members of these groups only by what their process was given: no file knows them.
+// These users are members of the groups only because their processes are given the groups. No file names
+// them.
 inline const Identity a_writer{70'001, 70'001, {writers_group}};
 inline const Identity a_reader{70'002, 70'002, {readers_group}};
 inline const Identity a_stranger{70'003, 70'003, {}};
@@ -33,7 +35,7 @@ inline std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// A /run of the test's own, in which the administrator gave the directory sft to that user.
+/// A /run of the test's own, in which the directory /run/sft belongs to the user.
 class RunDirectory {
  public:
   explicit RunDirectory(uid_t user) {
@@ -46,7 +48,8 @@ class RunDirectory {
   RunDirectory& operator=(const RunDirectory&) = delete;
 };
 
-/// Ended as a service manager would: what it made may be in the way of another user's.
+/// A daemon that is ended in the way of a service manager, so that its files are not in the way of another
+/// user's daemon.
 class RunningSftd : public Process {
  public:
   using Process::Process;
@@ -57,7 +60,7 @@ class RunningSftd : public Process {
   }
 };
 
-/// Whether processes here can be those of other users: not so in a user namespace of one's own.
+/// Returns whether the test can start processes of other users. It cannot in a user namespace of its own.
 inline bool other_users_exist() {
   if (geteuid() != 0) return false;
   unsigned first = 0;
@@ -67,7 +70,7 @@ inline bool other_users_exist() {
          count > a_stranger.user;
 }
 
-/// The groups, in this host's own /etc/group, and the programs where everybody may run them.
+/// Puts the groups into an /etc/group of the test's own, and the programs where every user may run them.
 class AccountsTest : public ShmTest {
  protected:
   void SetUp() override {

@@ -1,4 +1,4 @@
-// What sftd takes for lost. Ports and pools lie in this process's own memory.
+// The chunks that sftd takes for lost. Ports and pools lie in the memory of this process.
 #include "shm_transport/sftd/chunk_auditor.h"
 
 #include <gtest/gtest.h>
@@ -37,11 +37,11 @@ class ChunkAuditorTest : public ::testing::Test {
     auditor_->note_ports();
   }
 
-  /// As a writer does.
+  /// Takes a chunk as a writer does.
   iox::mepoo::ChunkHeader* allocate() {
     return iox::popo::PublisherPortUser(port_).tryAllocateChunk(chunk_bytes, 8, 0, 1).value();
   }
-  /// And as one that is killed before it notes the chunk anywhere.
+  /// Takes a chunk as a writer that is killed before it notes the chunk anywhere.
   ChunkManagement* take_and_forget() {
     auto chunk = memory_.getChunk(iox::mepoo::ChunkSettings::create(chunk_bytes, 8).value()).value();
     return chunk.release();
@@ -51,7 +51,7 @@ class ChunkAuditorTest : public ::testing::Test {
     pool_.removePublisherPort(port_);
   }
   std::uint32_t in_use() const { return memory_.getMemPoolInfo(0).m_usedChunks; }
-  /// All of them can be had, each once.
+  /// Returns whether each chunk of the pool can be had once.
   bool is_whole() {
     std::vector<SharedChunk> all;
     for (std::uint32_t i = 0; i < chunks; ++i) {
@@ -72,7 +72,7 @@ class ChunkAuditorTest : public ::testing::Test {
   iox::popo::PublisherPortData* port_ = nullptr;
 };
 
-TEST_F(ChunkAuditorTest, LeavesAloneWhatAWriterHas) {
+TEST_F(ChunkAuditorTest, LeavesTheChunksOfAWriterAlone) {
   allocate();
   EXPECT_EQ(auditor_->audit(), 0U);
   EXPECT_EQ(in_use(), 1U);
@@ -81,7 +81,7 @@ TEST_F(ChunkAuditorTest, LeavesAloneWhatAWriterHas) {
   EXPECT_TRUE(is_whole());
 }
 
-TEST_F(ChunkAuditorTest, FreesWhatSomebodyTookAndDidNotNote) {
+TEST_F(ChunkAuditorTest, FreesAChunkThatAProgramTookAndDidNotNote) {
   allocate();
   take_and_forget();
   EXPECT_EQ(auditor_->audit(), 1U);
@@ -90,7 +90,7 @@ TEST_F(ChunkAuditorTest, FreesWhatSomebodyTookAndDidNotNote) {
   EXPECT_TRUE(is_whole());
 }
 
-TEST_F(ChunkAuditorTest, FreesAChunkThatIsCountedTooOftenOnceItsWriterIsGone) {
+TEST_F(ChunkAuditorTest, FreesAChunkWithTooManyCountedReferencesOnceItsWriterIsGone) {
   iox::popo::PublisherPortUser(port_).sendChunk(allocate());
   ShmSafeUnmanagedChunk(port_->m_chunkSenderData.m_lastChunkUnmanaged.cloneToSharedChunk());
   EXPECT_EQ(auditor_->audit(), 0U);
@@ -112,7 +112,7 @@ TEST_F(ChunkAuditorTest, WaitsForTheReadersOfAWriterThatIsGone) {
   EXPECT_TRUE(is_whole());
 }
 
-TEST_F(ChunkAuditorTest, SaysNothingWhileSomebodyHasAChunkInHand) {
+TEST_F(ChunkAuditorTest, FreesNothingWhileAProgramHasAChunkInHand) {
   take_and_forget();
   {
     const shm::ChunkInHand hand(*port_);
@@ -135,7 +135,7 @@ TEST_F(ChunkAuditorTest, FreesAChunkWithoutAHeaderAndAHeaderWithoutAChunk) {
   EXPECT_TRUE(is_whole());
 }
 
-TEST_F(ChunkAuditorTest, CorrectsTheCountOfTakenOnes) {
+TEST_F(ChunkAuditorTest, CorrectsTheCountOfTakenChunks) {
   for (const int error : {1, -1}) {
     shm::pools_of(memory_)[0].correct_count(error);
     EXPECT_NE(in_use(), 0U);
@@ -144,9 +144,9 @@ TEST_F(ChunkAuditorTest, CorrectsTheCountOfTakenOnes) {
   }
 }
 
-TEST_F(ChunkAuditorTest, LeavesMemoryAloneOfWhichTheListOfFreePlacesWasOverwritten) {
+TEST_F(ChunkAuditorTest, LeavesMemoryAloneIfTheListOfFreeChunksWasOverwritten) {
   allocate();
-  auto* const next = reinterpret_cast<std::uint32_t*>(management_.data());  // the first to be laid out
+  auto* const next = reinterpret_cast<std::uint32_t*>(management_.data());  // iceoryx lays out the list first
   ASSERT_EQ(next[3], 4U);
   for (const std::uint32_t nonsense : {2U, 3U, chunks + 1, 0xffffffffU}) {
     next[3] = nonsense;

@@ -1,5 +1,5 @@
-// A small message type written by hand, and samples of it: {uint32 height, uint32 width, sequence<octet>
-// data}.
+// A small message type that is written by hand, and functions for samples of this type: {uint32 height,
+// uint32 width, sequence<octet> data}.
 #pragma once
 
 #include <array>
@@ -39,13 +39,13 @@ inline const TypeSupport& frame_type() {
   return type;
 }
 
-inline constexpr detail::SampleLayout frame_layout{3};
-inline constexpr std::uint32_t data_offset = 12;  ///< in the body
+inline constexpr SampleLayout frame_layout{3};
+inline constexpr std::uint32_t data_offset = 12;  ///< the position of the data in the body
 
-/// Bytes of a sample with that much data.
+/// Returns the bytes of a sample with this many bytes of data.
 constexpr std::size_t frame_bytes(std::uint32_t data) { return frame_layout.bytes(data_offset + data); }
 
-/// Writes header, index and the fixed fields; the data stays as it is.
+/// Writes the header, the index and the fixed fields, and leaves the data as it is.
 inline void write_frame(core::SampleBuffer& sample, core::EndpointId writer, std::uint64_t sequence,
                         std::uint32_t data) {
   detail::SampleHeader& header = sample.header();

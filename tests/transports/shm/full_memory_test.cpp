@@ -1,5 +1,5 @@
-// Doorbells of programs that start while /dev/shm is full: other programs of the account ring them all the
-// same, so that shared memory can be used as soon as there is space.
+// The doorbells of programs that start while /dev/shm is full. Other programs of the same account can ring
+// them all the same, so that shared memory can be used as soon as there is space.
 #include <fcntl.h>
 #include <unistd.h>
 

@@ -1,4 +1,5 @@
-// kill -9 of writers and readers at any moment: nobody else notices, and what they had comes back.
+// Writers and readers are killed with SIGKILL at any moment. No other program is disturbed, and the chunks of
+// the killed programs come back.
 #include <signal.h>
 
 #include <filesystem>
@@ -19,10 +20,10 @@ constexpr std::uint32_t megabyte = 1'000'000;
 
 class Kill : public ShmNodeTest {
  protected:
-  Kill() : ShmNodeTest(1024) {}  // what the dead had is missed until they are buried
+  Kill() : ShmNodeTest("1g") {}  // the chunks of dead programs are missing until sftd has noticed their death
 };
 
-TEST_F(Kill, OfAWriterInATightLoopWedgesNobody) {
+TEST_F(Kill, OfAWriterInATightLoopBlocksNobody) {
   constexpr int rounds = 20;
   constexpr std::uint32_t frame = 60'000;
   ChunkCounter chunks(node(), frame);
@@ -44,7 +45,7 @@ TEST_F(Kill, OfAWriterInATightLoopWedgesNobody) {
   EXPECT_TRUE(chunks.comes_to(before));
 }
 
-TEST_F(Kill, OfAReaderInATightLoopCostsAtMostTheChunkItWasJustTakingUntilTheWriterGoes) {
+TEST_F(Kill, OfAReaderInATightLoopCostsAtMostTheChunkThatItWasTakingUntilTheWriterGoes) {
   std::optional<Writer> writer(std::in_place, node(), 1);
   ChunkCounter chunks(node(), megabyte);
   const std::size_t before = chunks.free();
@@ -56,8 +57,8 @@ TEST_F(Kill, OfAReaderInATightLoopCostsAtMostTheChunkItWasJustTakingUntilTheWrit
     peer.kill();
     ASSERT_EQ(writer->send_frame(megabyte), SendStatus::sent) << round;
   }
-  // The writer keeps one. iceoryx forgets a chunk if a reader dies between taking it from the queue and
-  // noting it: about one kill in a thousand here.
+  // The writer keeps one chunk. iceoryx forgets a chunk if a reader dies after it has taken the chunk from
+  // the queue and before it has noted it. This happens here in about one kill of a thousand.
   EXPECT_TRUE(chunks.comes_to(before - 1 - rounds)) << "more than one chunk per kill is lost";
   writer.reset();
   EXPECT_TRUE(chunks.comes_to(before));
@@ -73,7 +74,7 @@ TEST_F(Kill, OfAWriterReturnsItsLoansAndItsHistory) {
   EXPECT_TRUE(chunks.comes_to(before));
 }
 
-TEST_F(Kill, OfAWriterLeavesItsSamplesToWhoHoldsThem) {
+TEST_F(Kill, OfAWriterLeavesItsSamplesToTheReadersThatHoldThem) {
   Reader reader(node());
   Process peer = start_peer({"publish", "1"});
   ASSERT_EQ(peer.line(), "publishing");
@@ -95,7 +96,7 @@ TEST_F(Kill, RemovesTheSocketOfTheDead) {
   EXPECT_TRUE(eventually([] { return names_in("/tmp", "sft_node").size() == 1; }));
 }
 
-/// Writes nonsense into the longest list of free places that there is.
+/// Writes nonsense into the longest list of free chunks in the management segment.
 void damage_free_list() {
   const std::string path = std::string("/dev/shm/") + iox::roudi::SHM_NAME;
   const std::size_t bytes = std::filesystem::file_size(path);
@@ -112,7 +113,7 @@ void damage_free_list() {
   words[end - 100] = 0xffffffff;
 }
 
-TEST_F(Kill, MakesTheDaemonStartAfreshOnceItIsIdleWhereItsMemoryIsNotInOrder) {
+TEST_F(Kill, MakesTheDaemonStartAfreshOnceItIsIdleIfItsMemoryIsDamaged) {
   const core::HostToken token = node()->host_token();
   const pid_t daemon = daemon_pid();
   Process peer = start_peer({"publish", "1"});
@@ -127,7 +128,7 @@ TEST_F(Kill, MakesTheDaemonStartAfreshOnceItIsIdleWhereItsMemoryIsNotInOrder) {
         return found.watch && shm::host_token(found.watch->file()) != token;
       },
       30s));
-  EXPECT_EQ(daemon_pid(), daemon) << "the same process";
+  EXPECT_EQ(daemon_pid(), daemon) << "the daemon must start afresh in the same process";
   Node next(no_daemon());
   EXPECT_TRUE(next.becomes_ready()) << next->description();
 }

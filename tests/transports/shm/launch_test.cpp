@@ -1,5 +1,5 @@
-// When a node tries again to start sftd. The time is the test's own; the programs that are started are not
-// sftd, and end at once.
+// The moments at which a node tries again to start sftd. The tests give the time to the node. The programs
+// that the node starts here are not sftd, and end at once.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -21,7 +21,7 @@ class LaunchTest : public ShmTest {
     options.daemon_path = program;
     return options;
   }
-  /// Refuses to start, because it does not know sftd's options.
+  /// Returns options with a program that refuses to start, because it does not know the options of sftd.
   static shm::ShmOptions refusing() { return options("/bin/cat"); }
   static bool fails(Node& node, Clock::time_point at) {
     return eventually([&] { return node->poll(at) == Availability::unavailable; });
@@ -31,7 +31,7 @@ class LaunchTest : public ShmTest {
   const Clock::time_point begin_ = Clock::now();
 };
 
-TEST_F(LaunchTest, IsTriedEverMoreSeldomWhileNothingChanges) {
+TEST_F(LaunchTest, ANodeTriesEverMoreSeldomWhileNothingChanges) {
   Node node(refusing());
   Clock::time_point now = begin_;
   for (const auto pause : {500ms, 1000ms, 2000ms, 4000ms}) {
@@ -42,7 +42,7 @@ TEST_F(LaunchTest, IsTriedEverMoreSeldomWhileNothingChanges) {
   }
 }
 
-TEST_F(LaunchTest, IsTriedAtOnceWhenAFileInTheWayIsGone) {
+TEST_F(LaunchTest, ANodeTriesAtOnceWhenAFileInTheWayIsGone) {
   ASSERT_EQ(mkfifo("/tmp/roudi.lock", 0600), 0);
   Node node(refusing());
   Clock::time_point now = begin_;
@@ -53,12 +53,12 @@ TEST_F(LaunchTest, IsTriedAtOnceWhenAFileInTheWayIsGone) {
   }
   ASSERT_TRUE(tries(node, now));
   ASSERT_TRUE(fails(node, now));
-  EXPECT_FALSE(tries(node, now + 200ms)) << "it is still there";
+  EXPECT_FALSE(tries(node, now + 200ms)) << "the file is still in the way";
   std::filesystem::remove("/tmp/roudi.lock");
   EXPECT_TRUE(tries(node, now + 200ms));
 }
 
-TEST_F(LaunchTest, IsTriedAtMostEach200MsByWhomeverMakesAndRemovesFiles) {
+TEST_F(LaunchTest, ANodeTriesAtMostOnceIn200MsHoweverOftenFilesAreMadeAndRemoved) {
   Node node(refusing());
   Clock::time_point now = begin_;
   for (int i = 0; i < 5; ++i) {
@@ -71,7 +71,7 @@ TEST_F(LaunchTest, IsTriedAtMostEach200MsByWhomeverMakesAndRemovesFiles) {
   }
 }
 
-TEST_F(LaunchTest, PausesDoNotGrowWhereTheDaemonStartsAndEndsAgain) {
+TEST_F(LaunchTest, PausesDoNotGrowIfTheDaemonStartsAndEndsAgain) {
   Node node(options("/bin/true"));
   Clock::time_point now = begin_;
   for (int i = 0; i < 5; ++i) {
@@ -82,14 +82,14 @@ TEST_F(LaunchTest, PausesDoNotGrowWhereTheDaemonStartsAndEndsAgain) {
   }
 }
 
-TEST_F(LaunchTest, IsTriedAtOnceWhenThereIsSpaceAgain) {
+TEST_F(LaunchTest, ANodeTriesAtOnceWhenThereIsSpaceAgain) {
   const std::string full = "/dev/shm/full";
   const auto space = std::filesystem::space("/dev/shm");
   const int file = open(full.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0600);
   ASSERT_GE(file, 0);
   ASSERT_EQ(posix_fallocate(file, 0, static_cast<off_t>(space.available - space.available / 64)), 0);
   close(file);
-  Node node;  // with the real sftd
+  Node node;  // starts the real sftd
   ASSERT_TRUE(tries(node, begin_));
   ASSERT_TRUE(fails(node, begin_));
   EXPECT_NE(node->description().find("/dev/shm has"), std::string::npos) << node->description();

@@ -1,4 +1,4 @@
-// Which locks sftd opens by force. The ports lie in this process's own memory.
+// The locks that sftd opens by force. The ports lie in the memory of this process.
 #include "shm_transport/sftd/lock_healer.h"
 
 #include <gtest/gtest.h>
@@ -12,12 +12,12 @@
 namespace sft::test {
 namespace {
 
-/// A port of a process that nobody knows, so it counts as dead.
+/// Has a port of a process that is not registered, and so counts as dead.
 class LockHealerTest : public ::testing::Test {
  protected:
   LockHealerTest() { healer_.note_ports(); }
   ~LockHealerTest() override {
-    if (shm::is_closed(lock())) lock().unlock();  // a closed one cannot be destroyed
+    if (shm::is_closed(lock())) lock().unlock();  // a closed lock cannot be destroyed
   }
 
   shm::PortLock& lock() { return port_.m_chunkSenderData; }
@@ -31,16 +31,16 @@ class LockHealerTest : public ::testing::Test {
   shm::LockHealer healer_{pool_, clients_, log_};
 };
 
-TEST_F(LockHealerTest, OpensAtOnceWhatNoThreadOfTheDaemonHolds) {
+TEST_F(LockHealerTest, OpensALockAtOnceThatNoThreadOfTheDaemonHolds) {
   std::thread([this] { lock().lock(); }).join();
   EXPECT_TRUE(healer_.heal());
   EXPECT_FALSE(shm::is_closed(lock()));
   EXPECT_EQ(healer_.opened(), 1U);
 }
 
-TEST_F(LockHealerTest, OpensInTheEndWhatAThreadOfTheDaemonSeemsToHold) {
-  lock().lock();  // as one of the same id in another pid namespace would have
-  EXPECT_FALSE(healer_.heal()) << "it may be one of the daemon's after all";
+TEST_F(LockHealerTest, OpensALockInTheEndThatAThreadOfTheDaemonSeemsToHold) {
+  lock().lock();  // a thread with the same id in another pid namespace would leave the lock like this
+  EXPECT_FALSE(healer_.heal()) << "the holder may be a thread of the daemon";
   EXPECT_TRUE(shm::is_closed(lock()));
   EXPECT_TRUE(eventually([this] { return healer_.heal() && !shm::is_closed(lock()); }));
 }
@@ -51,7 +51,7 @@ TEST_F(LockHealerTest, LeavesALockAloneThatAThreadOfTheDaemonHoldsAgainAndAgain)
     healer_.heal();
     ASSERT_TRUE(shm::is_closed(lock())) << i;
     lock().unlock();
-    healer_.heal();  // as one that comes every 20 ms: most find it open
+    healer_.heal();  // most looks of a healer that looks every 20 ms find the lock open
   }
 }
 

@@ -1,4 +1,4 @@
-// A port's lock that somebody else holds: the daemon, stopped or killed in the middle of changing
+// The lock of a port while the daemon holds it, because the daemon was stopped or killed while it changed
 // connections.
 #include <thread>
 
@@ -42,7 +42,7 @@ class HeldLock : public ShmNodeTest {
   std::unique_ptr<shm::ShmWriterPort> port_;
 };
 
-TEST_F(HeldLock, CostsAWriterTheSampleAndAFewMilliseconds) {
+TEST_F(HeldLock, CostsAWriterItsSampleAndAFewMilliseconds) {
   std::thread([this] { publisher_->m_chunkSenderData.lock(); }).join();
   for (std::uint64_t refused = 1; refused <= 20; ++refused) {
     const auto begin = Clock::now();
@@ -52,8 +52,8 @@ TEST_F(HeldLock, CostsAWriterTheSampleAndAFewMilliseconds) {
   }
 }
 
-// Each send begins while the lock is held. Only where its holder was kept from running for longer than any
-// writer waits may the sample be dropped.
+// Each send begins while the lock is held. The sample may be dropped only if the holder was kept from running
+// for longer than a writer waits.
 TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
   constexpr auto shortest_wait = 1ms;
   int waited = 0;
@@ -73,18 +73,18 @@ TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
     const SendStatus status = send();
     other.join();
     if (held_for >= shortest_wait) continue;
-    EXPECT_EQ(status, SendStatus::sent) << "it was held for " << held_for / 1us << " us";
+    EXPECT_EQ(status, SendStatus::sent) << "the lock was held for " << held_for / 1us << " us";
     ++waited;
   }
   EXPECT_GT(waited, 30);
 }
 
-TEST_F(HeldLock, IsLookedAtButNeverTakenByAReaderThatGivesItsPortBack) {
+TEST_F(HeldLock, IsOnlyLookedAtByAReaderThatGivesItsPortBack) {
   auto* port = session_->create_subscriber(2, 1, Clock::now() + 1s).value();
   iox::popo::SubscriberPortUser(port).unsubscribe();
   ASSERT_TRUE(
       eventually([&] { return port->m_subscriptionState.load() == iox::SubscribeState::NOT_SUBSCRIBED; }));
-  port->m_chunkReceiverData.lock();  // which this thread could take again
+  port->m_chunkReceiverData.lock();  // the lock is recursive, so this thread could take it again
   session_->retire(port);
   session_->collect();
   EXPECT_FALSE(port->m_toBeDestroyed);

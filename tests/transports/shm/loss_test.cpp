@@ -1,4 +1,4 @@
-// The daemon dies, stops or returns; nodes and ports go while samples stay.
+// The daemon dies, stops or comes back, and nodes and ports go while samples are held.
 #include <signal.h>
 
 #include <fstream>
@@ -49,7 +49,7 @@ TEST_F(Loss, IsFollowedByANewDaemonWithANewToken) {
   }
 }
 
-TEST_F(Loss, OfADaemonThatWasTerminatedIsNoticedAndRepairedToo) {
+TEST_F(Loss, OfADaemonThatWasTerminatedIsFollowedByANewDaemonToo) {
   Node node;
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   Writer writer(node, 1);
@@ -60,7 +60,7 @@ TEST_F(Loss, OfADaemonThatWasTerminatedIsNoticedAndRepairedToo) {
   EXPECT_NE(node->host_token(), token);
 }
 
-TEST_F(Loss, IsToldToEveryNodeOfTheProcess) {
+TEST_F(Loss, IsReportedToEveryNodeOfTheProcess) {
   Node first;
   Node second(no_daemon());
   ASSERT_TRUE(first.becomes_ready()) << first->description();
@@ -68,7 +68,8 @@ TEST_F(Loss, IsToldToEveryNodeOfTheProcess) {
   kill_daemon();
   ASSERT_NE(first.poll(), Availability::ready);
   ASSERT_TRUE(first.becomes_ready()) << first->description();
-  EXPECT_NE(second.poll(), Availability::ready) << "it would go on with ports of the dead daemon";
+  EXPECT_NE(second.poll(), Availability::ready)
+      << "the second node must not go on with ports of the dead daemon";
   EXPECT_TRUE(second.becomes_ready()) << second->description();
 }
 
@@ -93,10 +94,10 @@ TEST_F(Loss, LeavesLentAndReceivedSamplesReadable) {
   EXPECT_EQ(next.send_frame(), SendStatus::sent);
   received.reset();
   lent.reset();
-  EXPECT_EQ(next.send_frame(), SendStatus::sent) << "samples of the dead daemon disturb the new one";
+  EXPECT_EQ(next.send_frame(), SendStatus::sent) << "samples of the dead daemon must not disturb the new one";
 }
 
-/// Whether this process has the samples of some daemon mapped.
+/// Returns whether this process has the samples of a daemon mapped.
 bool maps_samples() {
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {
@@ -114,13 +115,13 @@ TEST_F(Loss, OfTheDaemonFreesItsMemoryUnderAWriterThatSendsNothing) {
   writer.send_frame();
   kill_daemon();
   ASSERT_NE(node.poll(), Availability::ready);
-  EXPECT_TRUE(maps_samples()) << "one is still lent";
+  EXPECT_TRUE(maps_samples()) << "a sample is still lent";
   lent.reset();
   EXPECT_FALSE(maps_samples());
   EXPECT_FALSE(writer.loan(100));
 }
 
-TEST_F(Loss, OfTheDaemonLetsItsReadersAndWritersTalkOnUntilTheyNotice) {
+TEST_F(Loss, OfTheDaemonLetsReadersAndWritersGoOnUntilTheyNotice) {
   Node node;
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   Writer writer(node, 1);
@@ -133,7 +134,7 @@ TEST_F(Loss, OfTheDaemonLetsItsReadersAndWritersTalkOnUntilTheyNotice) {
   }
 }
 
-TEST_F(Loss, OfEverythingLeavesASampleReadable) {
+TEST_F(Loss, OfNodeWriterAndReaderLeavesASampleReadable) {
   SampleHandle sample;
   SampleHandle loan;
   {
@@ -148,14 +149,15 @@ TEST_F(Loss, OfEverythingLeavesASampleReadable) {
   }
   ASSERT_TRUE(sample);
   EXPECT_EQ(sequence_of(sample), 1U);
-  EXPECT_EQ(names_in("/tmp", "sft_node").size(), 1U) << "registered as long as a sample is held";
+  EXPECT_EQ(names_in("/tmp", "sft_node").size(), 1U)
+      << "the process stays registered while it holds a sample";
   loan.reset();
   sample.reset();
   EXPECT_EQ(names_in("/tmp", "sft_node").size(), 0U);
   kill_daemon();
 }
 
-TEST_F(Loss, OfANodeGivesItsMemoryBack) {
+TEST_F(Loss, OfWriterAndReaderGivesTheirMemoryBack) {
   Node node;
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   ChunkCounter chunks(node, 4'000'000);
@@ -189,7 +191,7 @@ class StoppedDaemon : public Loss {
   }
 };
 
-TEST_F(StoppedDaemon, HangsNoCallBeyondItsDeadline) {
+TEST_F(StoppedDaemon, BlocksNoCallBeyondItsDeadline) {
   Node node;
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   Writer writer(node, 1);
@@ -209,12 +211,12 @@ TEST_F(StoppedDaemon, HangsNoCallBeyondItsDeadline) {
               EXPECT_TRUE(reader->take());
             }),
             1s)
-      << "samples flow without it";
+      << "samples must flow without the daemon";
   EXPECT_LT(time_of([&] { reader.reset(); }), 1s);
   EXPECT_LT(time_of([&] { node.poll(); }), 100ms);
 }
 
-TEST_F(StoppedDaemon, DoesNotHangTheEndOfANode) {
+TEST_F(StoppedDaemon, DoesNotBlockTheEndOfANode) {
   auto node = std::make_unique<Node>();
   ASSERT_TRUE(node->becomes_ready()) << (*node)->description();
   auto writer = std::make_unique<Writer>(*node, 1);
@@ -226,7 +228,7 @@ TEST_F(StoppedDaemon, DoesNotHangTheEndOfANode) {
             1s);
 }
 
-TEST_F(StoppedDaemon, IsNamedToANodeThatComesThen) {
+TEST_F(StoppedDaemon, IsNamedByANodeThatStartsMeanwhile) {
   Process first = start_peer({"attend"});
   ASSERT_EQ(first.line(), "ready");
   stop_daemon();
@@ -237,7 +239,7 @@ TEST_F(StoppedDaemon, IsNamedToANodeThatComesThen) {
   EXPECT_TRUE(node.becomes_ready()) << node->description();
 }
 
-TEST_F(StoppedDaemon, MakesNobodyWaitForTheNextOne) {
+TEST_F(StoppedDaemon, MakesNoNodeWaitForTheNextDaemon) {
   Process first = start_peer({"attend"});
   ASSERT_EQ(first.line(), "ready");
   stop_daemon();

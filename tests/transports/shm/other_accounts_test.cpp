@@ -1,5 +1,5 @@
-// Accounts of the host that want to do harm, with no rights but those that everybody has: what they put into
-// /tmp and /dev/shm, whom they lock out, and whose memory is used.
+// Other accounts of the host that want to do harm, with only the rights that every account has. They put
+// files into /tmp and /dev/shm, take locks, and start daemons.
 #include <fcntl.h>
 #include <grp.h>
 #include <sys/prctl.h>
@@ -24,31 +24,31 @@ using shm::ExitCode;
 
 const Identity an_honest_user{70'001, writers_group, {}};
 
-/// Runs it as that account, in a process that ends with the object.
-class Doing {
+/// Runs an action as this account, in a process that ends with the object.
+class Action {
  public:
-  Doing(const Identity& as, const std::function<void()>& what) {
+  Action(const Identity& as, const std::function<void()>& action) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) std::abort();
     pid_ = fork();
     if (pid_ == 0) {
       prctl(PR_SET_PDEATHSIG, SIGKILL);
       if (setgroups(0, nullptr) != 0 || setgid(as.group) != 0 || setuid(as.user) != 0) _exit(1);
-      what();
+      action();
       if (write(ends[1], "x", 1) != 1) _exit(1);
       for (;;) pause();
     }
     close(ends[1]);
     char done = 0;
-    EXPECT_EQ(read(ends[0], &done, 1), 1) << "it could not be done";
+    EXPECT_EQ(read(ends[0], &done, 1), 1) << "the action failed";
     close(ends[0]);
   }
-  ~Doing() {
+  ~Action() {
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
   }
-  Doing(const Doing&) = delete;
-  Doing& operator=(const Doing&) = delete;
+  Action(const Action&) = delete;
+  Action& operator=(const Action&) = delete;
 
  private:
   pid_t pid_ = -1;
@@ -56,11 +56,11 @@ class Doing {
 
 void shell(const Identity& as, const std::string& command) {
   Process process({"/bin/sh", "-c", command}, &as);
-  const std::string said = process.all_output();
-  EXPECT_EQ(process.exit_code(), 0) << command << ": " << said;
+  const std::string output = process.all_output();
+  EXPECT_EQ(process.exit_code(), 0) << command << ": " << output;
 }
 
-/// A lock for reading, to be had as soon as nobody has locked the file for writing.
+/// Locks the file for reading, as soon as nobody has locked it for writing any more.
 void wait_for_a_read_lock(const char* path) {
   const int file = open(path, O_RDONLY);
   struct flock lock {};
@@ -73,35 +73,35 @@ class OtherAccounts : public AccountsTest {
   Process sftd_of(const Identity& user) const {
     return Process({programs_ + "sftd", "--foreground", "--log-level=error", "--pool-mib=16"}, &user);
   }
-  /// What a program of that user says of shared memory.
-  std::string told_to(const Identity& user) const { return start(user, {"knock"}).line(); }
+  /// Returns the reason that a program of this user gives why it cannot use shared memory.
+  std::string reason_for(const Identity& user) const { return start(user, {"knock"}).line(); }
 };
 
 bool maps_a_segment() { return contains(text_of("/proc/self/maps"), "/dev/shm/"); }
 
-TEST_F(OtherAccounts, PutAFifoInThePlaceOfTheDaemonsSignAndNobodyHangs) {
+TEST_F(OtherAccounts, PutAFifoInThePlaceOfTheHostFileAndNobodyHangs) {
   shell(nobody, std::string("mkfifo -m 666 ") + shm::host_file_path);
-  const std::string told = told_to(an_honest_user);
-  EXPECT_TRUE(contains(told, shm::host_file_path)) << told;
-  EXPECT_TRUE(contains(told, "user nobody")) << told;
+  const std::string reason = reason_for(an_honest_user);
+  EXPECT_TRUE(contains(reason, shm::host_file_path)) << reason;
+  EXPECT_TRUE(contains(reason, "user nobody")) << reason;
   Process status({programs_ + "sftd", "status"}, &an_honest_user);
   EXPECT_EQ(status.exit_code(), static_cast<int>(ExitCode::not_running));
-  Node node;  // root's sftd removes it
+  Node node;  // root's sftd removes the FIFO
   EXPECT_TRUE(node.becomes_ready()) << node->description();
 }
 
 TEST_F(OtherAccounts, PutAFifoInThePlaceOfTheDaemonsLockAndNobodyHangs) {
   shell(nobody, std::string("mkfifo -m 666 ") + shm::daemon_lock_path);
-  EXPECT_TRUE(contains(told_to(an_honest_user), shm::daemon_lock_path));
+  EXPECT_TRUE(contains(reason_for(an_honest_user), shm::daemon_lock_path));
   Node node;
   EXPECT_TRUE(node.becomes_ready()) << node->description();
 }
 
-TEST_F(OtherAccounts, StartADaemonFirstAndNoProgramOfOthersUsesItsMemory) {
+TEST_F(OtherAccounts, StartADaemonFirstAndNoProgramOfAnotherAccountUsesItsMemory) {
   RunningSftd theirs = start_sftd({"--pool-mib=16", "--log-level=error"}, &nobody);
   shell(nobody, "chmod 666 /dev/shm/iceoryx_mgmt /dev/shm/nogroup; chmod 777 /tmp/roudi");
-  EXPECT_TRUE(contains(told_to(an_honest_user), "the sftd of user nobody is not accepted"));
-  EXPECT_EQ(start(nobody, {"knock"}).line(), "not refused") << "its own programs use it";
+  EXPECT_TRUE(contains(reason_for(an_honest_user), "the sftd of user nobody is not accepted"));
+  EXPECT_EQ(start(nobody, {"knock"}).line(), "not refused") << "programs of the daemon's own account use it";
   Node node;
   ASSERT_TRUE(node.becomes(Availability::unavailable));
   EXPECT_TRUE(contains(node->description(), "the sftd of user nobody is not accepted"))
@@ -116,7 +116,7 @@ TEST_F(OtherAccounts, StartADaemonFirstAndNoProgramOfOthersUsesItsMemory) {
   EXPECT_TRUE(node.becomes_ready()) << node->description();
 }
 
-TEST_F(OtherAccounts, ServeThoseWhoNameThem) {
+TEST_F(OtherAccounts, ServeProgramsThatNameThem) {
   const RunningSftd theirs = start_sftd({"--pool-mib=16", "--log-level=error"}, &nobody);
   for (const char* name : {"nobody", "65534"}) {
     shm::ShmOptions options = no_daemon();
@@ -151,7 +151,7 @@ TEST_F(OtherAccounts, OwnNoSegmentThatIsMapped) {
   }
 }
 
-TEST_F(OtherAccounts, OwnNoSocketThatIsSpokenTo) {
+TEST_F(OtherAccounts, OwnNoSocketThatProgramsConnectTo) {
   const RunningSftd daemon = start_sftd({"--pool-mib=16", "--log-level=error"});
   ASSERT_EQ(chown(shm::roudi_socket_path, nobody.user, 0), 0);
   Node node(no_daemon());
@@ -165,11 +165,11 @@ TEST_F(OtherAccounts, KeepNoDeadDaemonAliveByALockForReading) {
     Process daemon({sftd_path(), "--foreground", "--log-level=error", "--pool-mib=16"});
     ASSERT_EQ(daemon.line(), "sftd: ready");
     ASSERT_TRUE(node.becomes_ready()) << node->description();
-    std::vector<std::unique_ptr<Doing>> attacks;
+    std::vector<std::unique_ptr<Action>> attacks;
     const int gate = open(shm::host_file_path, O_RDONLY | O_CLOEXEC);
     for (const char* file : {shm::host_file_path, shm::daemon_lock_path}) {
-      attacks.push_back(std::make_unique<Doing>(nobody, [file] {
-        if (fork() != 0) return;  // the one that waits is another process, which ends with this one's
+      attacks.push_back(std::make_unique<Action>(nobody, [file] {
+        if (fork() != 0) return;  // the child waits for the lock, and ends with its parent
         prctl(PR_SET_PDEATHSIG, SIGKILL);
         wait_for_a_read_lock(file);
         for (;;) pause();
@@ -190,7 +190,7 @@ TEST_F(OtherAccounts, KeepNoDeadDaemonAliveByALockForReading) {
   }
 }
 
-/// All that a daemon of `an_honest_user` needs.
+/// Returns all files that a daemon of `an_honest_user` needs.
 std::vector<std::string> names_of_a_daemon() {
   return {shm::daemon_lock_path,        shm::host_file_path,     shm::roudi_socket_path, "/tmp/roudi.lock",
           "/tmp/iox-unique-roudi.lock", "/dev/shm/iceoryx_mgmt", "/dev/shm/sft_writers"};
@@ -216,14 +216,14 @@ INSTANTIATE_TEST_SUITE_P(OfADaemon, InTheWay,
                                          "mkfifo -m 666", "ln -s /etc/passwd"),
                          [](const auto& way) { return "Way" + std::to_string(way.index); });
 
-TEST_F(OtherAccounts, PutADirectoryThatIsNotEmptyInTheWayAndRootMovesIt) {
+TEST_F(OtherAccounts, PutADirectoryThatIsNotEmptyInTheWayAndRootMovesItAside) {
   for (const std::string& name : names_of_a_daemon())
     shell(nobody, "mkdir " + name + " && touch " + name + "/file");
   const RunningSftd of_root = start_sftd_with_groups();
   EXPECT_TRUE(fs::is_regular_file(shm::host_file_path));
 }
 
-TEST_F(OtherAccounts, AreToldAllAtOnceWhatAKilledDaemonOfAnotherUserLeft) {
+TEST_F(OtherAccounts, GetOneListOfAllFilesThatAKilledDaemonOfAnotherUserLeft) {
   Process daemon = sftd_of(nobody);
   ASSERT_EQ(daemon.line(), "sftd: ready");
   daemon.kill();
@@ -243,7 +243,7 @@ TEST_F(OtherAccounts, AreToldAllAtOnceWhatAKilledDaemonOfAnotherUserLeft) {
   again.exit_code();
 }
 
-/// Of a reader that says that its bell is there.
+/// Returns the route to a reader that says that its doorbell is in this page.
 core::Route route_to(std::uint64_t page) {
   return {.reader = 7, .destination = core::DoorbellAddress{page, 0}, .mask = frame_type().full()};
 }
@@ -255,7 +255,7 @@ std::string make_page(const Identity& owner, std::uint64_t id) {
   return path;
 }
 
-TEST_F(OtherAccounts, ShortenNoDoorbellThatAPublisherRings) {
+TEST_F(OtherAccounts, CanShortenNoPageOfDoorbellsThatAPublisherRings) {
   const RunningSftd daemon = start_sftd_with_groups();
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes_ready()) << node->description();
@@ -272,7 +272,7 @@ TEST_F(OtherAccounts, ShortenNoDoorbellThatAPublisherRings) {
   EXPECT_TRUE(contains(writer.port().why_unreachable(route_to(0x78)), "FIFO of user nobody"));
 }
 
-TEST_F(OtherAccounts, ThatTheDaemonServesAreWokenByTheirDoorbells) {
+TEST_F(OtherAccounts, AreWokenByTheirDoorbellsIfTheDaemonServesThem) {
   const RunningSftd daemon = start_sftd_with_groups();
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes_ready()) << node->description();
@@ -284,8 +284,8 @@ TEST_F(OtherAccounts, ThatTheDaemonServesAreWokenByTheirDoorbells) {
   }
 }
 
-TEST_F(OtherAccounts, PutNoFileInTheWayOfSweeping) {
-  DoorbellPage::sweep();  // those of before
+TEST_F(OtherAccounts, CannotDisturbTheRemovalOfOldDoorbellPages) {
+  DoorbellPage::sweep();  // removes the pages of earlier tests
   shell(nobody,
         "mkfifo -m 666 /dev/shm/sft_bell_0000000000000001; mkdir /dev/shm/sft_bell_0000000000000002;"
         "ln -s /etc/passwd /dev/shm/sft_bell_0000000000000003");

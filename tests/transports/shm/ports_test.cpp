@@ -1,4 +1,4 @@
-// Writers and readers while all is well: what arrives, what it costs, and what happens at the limits.
+// Writers and readers with a daemon that works: what arrives, what it costs, and what happens at the limits.
 #include <array>
 #include <atomic>
 #include <cstdio>
@@ -48,7 +48,7 @@ TEST_F(ShmPorts, LetAReaderSeeOnlyTheCheckedBytes) {
   EXPECT_EQ(got->capacity, frame_bytes(100));
 }
 
-TEST_F(ShmPorts, TellWhatTheHeaderSaidWhenItWasChecked) {
+TEST_F(ShmPorts, ReportTheHeaderAsItWasWhenItWasChecked) {
   Writer writer(node(), 1);
   Reader reader(node());
   ASSERT_TRUE(reader.connects_to(1));
@@ -75,8 +75,8 @@ TEST_F(ShmPorts, TouchOnlyTheFirstPagesOfALargeSampleForItsScalars) {
   long data_faults = -1;
   const std::string line = peer.line();
   ASSERT_EQ(std::sscanf(line.c_str(), "%ld %ld", &scalar_faults, &data_faults), 2) << line;
-  EXPECT_LE(scalar_faults, 64) << "of 1465 pages; the kernel maps 16 around each fault";
-  EXPECT_GE(data_faults, 80) << "all that the scalars did not touch";
+  EXPECT_LE(scalar_faults, 64) << "the sample has 1465 pages, and the kernel maps 16 around each fault";
+  EXPECT_GE(data_faults, 80) << "the data must touch all pages that the scalars did not touch";
 }
 
 TEST_F(ShmPorts, AreNotConnectedBeforeTheWriterExists) {
@@ -88,7 +88,7 @@ TEST_F(ShmPorts, AreNotConnectedBeforeTheWriterExists) {
   EXPECT_FALSE(reader.port().connected(6));
 }
 
-TEST_F(ShmPorts, KeepOneDepthOfWhatDepartedWritersLeftAndCountTheRest) {
+TEST_F(ShmPorts, KeepOneDepthOfSamplesOfDepartedWritersAndCountTheRest) {
   constexpr std::uint32_t depth = 3;
   Reader reader(node(), depth);
   ChunkCounter chunks(node(), 4'000'000);
@@ -143,7 +143,8 @@ TEST_F(ShmPorts, SkipMalformedSamplesAndCountThem) {
   EXPECT_EQ(node()->counters().malformed, 2U);
 }
 
-/// The header of a chunk lies in the shared memory before the sample: any writer can change it.
+/// A chunk with a forged header. The header of a chunk lies in shared memory in front of the sample, so any
+/// writer can change it.
 class ForgedChunk : public ShmPorts {
  protected:
   void SetUp() override {
@@ -163,9 +164,9 @@ class ForgedChunk : public ShmPorts {
     ShmPorts::TearDown();
   }
 
-  /// Adds that to the field of the header that `told` tells of.
-  template <class Told>
-  void forge(std::uint32_t more, const Told& told) {
+  /// Finds the field of the header that `read` depends on, and adds `more` to it.
+  template <class Read>
+  void forge(std::uint32_t more, const Read& read) {
     std::byte* const fields = reinterpret_cast<std::byte*>(header_);
     const auto add = [&](std::size_t at, std::uint32_t number) {
       std::uint32_t value = 0;
@@ -173,19 +174,19 @@ class ForgedChunk : public ShmPorts {
       value += number;
       std::memcpy(fields + at, &value, sizeof value);
     };
-    const auto honest = told();
+    const auto honest = read();
     for (std::size_t at = 0; at + sizeof(std::uint32_t) <= sizeof *header_; at += sizeof(std::uint32_t)) {
       add(at, 8);
-      const bool is_it = told() == honest + 8;
+      const bool found = read() == honest + 8;
       add(at, 0U - 8U);
-      if (is_it) return add(at, more);
+      if (found) return add(at, more);
     }
-    ADD_FAILURE() << "there is no such field";
+    ADD_FAILURE() << "the header has no such field";
   }
   void forge_size(std::uint32_t more) {
     forge(more, [this] { return header_->userPayloadSize(); });
   }
-  void forge_place(std::uint32_t more) {
+  void forge_position(std::uint32_t more) {
     forge(more, [this] { return static_cast<std::byte*>(header_->userPayload()); });
   }
   void expect_refusal() {
@@ -210,12 +211,12 @@ TEST_F(ForgedChunk, ThatClaimsToReachBeyondTheSegmentIsRefused) {
 
 TEST_F(ForgedChunk, WhoseSampleIsNotAlignedIsRefused) {
   std::memmove(bad_->data + 4, bad_->data, frame_bytes(100));
-  forge_place(4);
+  forge_position(4);
   expect_refusal();
-  forge_place(0U - 4U);
+  forge_position(0U - 4U);
 }
 
-/// Where the daemon's own data are mapped in this process.
+/// Returns the memory in which the daemon's own data are mapped in this process.
 std::span<std::byte> management_memory() {
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {
@@ -234,15 +235,15 @@ TEST_F(ForgedChunk, WhoseSampleLiesAmongTheDaemonsOwnDataIsRefused) {
   constexpr std::size_t bytes = frame_bytes(100);
   constexpr std::size_t room = (bytes + 4095) / 4096 * 4096;
   const std::array<std::byte, room> nothing{};
-  std::byte* place = management.data() + management.size() - 2 * room;  // not at the end, nor in use
-  while (place > management.data() && std::memcmp(place, nothing.data(), room) != 0) place -= room;
-  const auto distance = place - static_cast<std::byte*>(header_->userPayload());
+  std::byte* unused = management.data() + management.size() - 2 * room;  // the search begins before the end
+  while (unused > management.data() && std::memcmp(unused, nothing.data(), room) != 0) unused -= room;
+  const auto distance = unused - static_cast<std::byte*>(header_->userPayload());
   if (distance < 0 || distance > 0xF000'0000) GTEST_SKIP() << "no header can point there";
-  std::memcpy(place, bad_->data, bytes);
-  forge_place(static_cast<std::uint32_t>(distance));
+  std::memcpy(unused, bad_->data, bytes);
+  forge_position(static_cast<std::uint32_t>(distance));
   expect_refusal();
-  forge_place(0U - static_cast<std::uint32_t>(distance));
-  std::memset(place, 0, bytes);
+  forge_position(0U - static_cast<std::uint32_t>(distance));
+  std::memset(unused, 0, bytes);
 }
 
 TEST_F(ShmPorts, RefuseALoanBeyondTheLimitAndCountIt) {
@@ -260,7 +261,7 @@ TEST_F(ShmPorts, RefuseALoanBeyondTheLimitAndCountIt) {
   EXPECT_TRUE(writer.loan(100));
 }
 
-TEST_F(ShmPorts, RefuseWhatNoPoolCanHold) {
+TEST_F(ShmPorts, RefuseALoanThatNoPoolCanHold) {
   Writer writer(node(), 1);
   EXPECT_FALSE(writer.loan(100'000'000));
   EXPECT_FALSE(writer.loan(0xFFFF'FF00));
@@ -290,7 +291,7 @@ TEST_F(ShmPorts, GiveUnsentLoansBack) {
   EXPECT_EQ(chunks.free(), before);
 }
 
-TEST_F(ShmPorts, KeepASampleThatHadNoRouteUnwrittenToo) {
+TEST_F(ShmPorts, NeverWriteIntoAHeldSampleAlsoIfItHadNoRoute) {
   Writer writer(node(), 1);
   writer.port().set_routes({});
   std::vector<SampleHandle> history;
@@ -326,7 +327,7 @@ TEST_F(ShmPorts, HoldNoMoreThanTheLimitAndLeaveTheRestInTheQueue) {
   const SampleHandle second = reader.next();
   EXPECT_FALSE(reader.take());
   EXPECT_FALSE(reader.take());
-  EXPECT_EQ(reader.port().held_too_many(), 1U) << "once, as long as nothing is given back";
+  EXPECT_EQ(reader.port().held_too_many(), 1U) << "this counts once, as long as no sample is given back";
   first.reset();
   first = reader.next();
   EXPECT_EQ(sequence_of(first), 3U);
@@ -334,9 +335,9 @@ TEST_F(ShmPorts, HoldNoMoreThanTheLimitAndLeaveTheRestInTheQueue) {
   EXPECT_EQ(reader.port().held_too_many(), 2U);
 }
 
-TEST_F(ShmPorts, LetSamplesBeReleasedOnAnyThread) {
+TEST_F(ShmPorts, ReleaseSamplesOnAnyThread) {
 #ifdef __SANITIZE_THREAD__
-  GTEST_SKIP() << "the thread sanitizer does not see what iceoryx's library synchronises";
+  GTEST_SKIP() << "the thread sanitizer does not see the synchronisation in iceoryx's library";
 #endif
   Writer writer(node(), 1);
   Reader reader(node(), 64);
@@ -373,12 +374,12 @@ TEST_F(ShmPorts, RingTheDoorbellOfASleepingReader) {
   const auto before = bell.rings.load();
   writer.send_frame();
   sleeper.join();
-  EXPECT_EQ(bell.rings, before + 1) << "two readers behind one doorbell are one ring";
+  EXPECT_EQ(bell.rings, before + 1) << "two readers with the same doorbell must cause one ring";
   if (!got) got = reader.take();
   EXPECT_TRUE(got);
 }
 
-TEST_F(ShmPorts, KeepTheDoorbellOfAReaderThatIsNoLongerServedOpenNoLongerThanUntilTheRoutesAreSet) {
+TEST_F(ShmPorts, KeepTheDoorbellOfAReaderOpenUntilRoutesWithoutTheReaderAreSet) {
   const auto page = core::DoorbellPage::create();
   const auto times_mapped = [path = core::DoorbellPage::path_of(page->id())] {
     std::ifstream maps("/proc/self/maps");
@@ -389,7 +390,7 @@ TEST_F(ShmPorts, KeepTheDoorbellOfAReaderThatIsNoLongerServedOpenNoLongerThanUnt
   Writer writer(node(), 1);
   const core::Route route{.reader = 5, .destination = core::DoorbellAddress{page->id(), 3}, .mask = {}};
   EXPECT_EQ(writer.port().why_unreachable(route), "");
-  EXPECT_EQ(times_mapped(), 2) << "it is opened once, for the routes that follow";
+  EXPECT_EQ(times_mapped(), 2) << "the page is opened once, for the routes that follow";
   writer.port().set_routes({route});
   EXPECT_EQ(times_mapped(), 2);
   writer.port().set_routes({});
@@ -399,7 +400,7 @@ TEST_F(ShmPorts, KeepTheDoorbellOfAReaderThatIsNoLongerServedOpenNoLongerThanUnt
   EXPECT_EQ(times_mapped(), 1);
 }
 
-TEST_F(ShmPorts, BeginNothingForALateReaderWhereMoreWasHeldBackMeanwhile) {
+TEST_F(ShmPorts, DoNotBeginForALateReaderIfMoreSamplesWereHeldBackMeanwhile) {
   Writer writer(node(), 1);
   const core::Route late{.reader = 5, .destination = core::DoorbellAddress{}, .mask = {}, .history = 2};
   EXPECT_FALSE(writer.port().begin_with(late, {}, 1));
@@ -414,11 +415,11 @@ TEST_F(ShmPorts, RingTheDoorbellOfALateReaderThatSleepsWhateverItsRate) {
   EXPECT_TRUE(eventually([&] { return bell.sleepers == 1; }));
   core::Route late{
       .reader = 5, .destination = core::DoorbellAddress{page->id(), 3}, .mask = {}, .history = 2};
-  late.gate = std::make_shared<core::RateGate>(1'000'000);  // nothing has passed it
+  late.gate = std::make_shared<core::RateGate>(1'000'000);  // no sample has passed it
   const auto begin = Clock::now();
   EXPECT_TRUE(writer.port().begin_with(late, {}, 0));
   sleeper.join();
-  EXPECT_LT(Clock::now() - begin, 10s) << "it slept on until its deadline";
+  EXPECT_LT(Clock::now() - begin, 10s) << "the reader was not woken, and slept until its deadline";
 }
 
 /// A writer and a reader with a short queue.
@@ -451,7 +452,7 @@ class LostSamples : public ShmPorts {
       ASSERT_TRUE(reader_->take());
     }
   }
-  /// Of samples that went to this reader by UDP.
+  /// Makes a gap in the sequence numbers, as samples do that go to this reader by UDP.
   void make_gap(std::uint64_t samples) { sequence_ += samples; }
   std::uint64_t counted() {
     while (reader_->take()) continue;
@@ -472,14 +473,16 @@ TEST_F(LostSamples, AreCountedOnce) {
   EXPECT_EQ(counted(), 5U);
 }
 
-TEST_F(LostSamples, CountAsOneBeforeTheFirstThatIsTakenSinceNobodyKnowsWhereSequencesBegan) {
+// Nobody knows the first sequence number, so the number of samples lost before the first one that is taken is
+// not known.
+TEST_F(LostSamples, CountAsOneBeforeTheFirstSampleThatIsTaken) {
   ASSERT_TRUE(reader_->connects_to(1));
   send(depth + 3);
   EXPECT_EQ(counted(), 1U);
 }
 
-// Gaps have other reasons, too. They are not taken for what a queue pushed out long afterwards.
-TEST_F(LostSamples, AreNoneOfTheGapsOfLongAgo) {
+// Gaps have other reasons, too. They must not count as samples that the queue lost long afterwards.
+TEST_F(LostSamples, DoNotIncludeGapsOfLongAgo) {
   ASSERT_TRUE(reader_->connects_to(1));
   send_and_take();
   make_gap(1000);
@@ -488,8 +491,9 @@ TEST_F(LostSamples, AreNoneOfTheGapsOfLongAgo) {
   EXPECT_EQ(counted(), 3U);
 }
 
-// What pushes a sample out tells it afterwards.
-TEST_F(LostSamples, MayBeToldOfAQueueOfOthersLater) {
+// A writer reports an overflow after it has pushed a sample out. By then the reader may have taken a queue of
+// others.
+TEST_F(LostSamples, CountAlsoIfTheOverflowIsReportedAQueueOfSamplesLater) {
   ASSERT_TRUE(reader_->connects_to(1));
   send_and_take();
   make_gap(10);
@@ -500,20 +504,21 @@ TEST_F(LostSamples, MayBeToldOfAQueueOfOthersLater) {
   EXPECT_EQ(counted(), 10U + 5U + 3U);
 }
 
-TEST_F(LostSamples, CountAlsoWhereWhoLooksAtTheQueueHeardOfThemFirst) {
+TEST_F(LostSamples, CountAlsoIfArrivalsNoticedTheOverflowFirst) {
   ASSERT_TRUE(reader_->connects_to(1));
   send_and_take();
   EXPECT_EQ(reader_->port().arrivals(1), 1U);
   send(depth + 3);
   EXPECT_EQ(reader_->port().arrivals(1), 1U + depth + 1U);
   send();
-  EXPECT_EQ(reader_->port().arrivals(1), 1U + depth + 2U) << "a full queue goes on";
+  EXPECT_EQ(reader_->port().arrivals(1), 1U + depth + 2U)
+      << "arrivals must change also while the queue is full";
   EXPECT_EQ(reader_->port().arrivals(1), 1U + depth + 2U);
   EXPECT_EQ(counted(), 4U);
 }
 
-TEST_F(LostSamples, LeaveOpenWhichOneIsTheOldestOfTheHistory) {
-  // Its history is nothing but what comes.
+TEST_F(LostSamples, LeaveItOpenWhichSampleIsTheOldestOfTheHistory) {
+  // The route asks for no history, so the reader gets only the samples that come.
   writer_->port().set_routes(
       {{.reader = 7, .destination = core::DoorbellAddress{}, .mask = frame_type().full()}});
   for (const std::uint32_t lost : {0U, 1U}) {
@@ -528,7 +533,7 @@ TEST_F(LostSamples, LeaveOpenWhichOneIsTheOldestOfTheHistory) {
   }
 }
 
-TEST_F(ShmPorts, OfTwoNodesInOneProcessBothWork) {
+TEST_F(ShmPorts, OfTwoNodesInOneProcessWorkSideBySide) {
   Node other(no_daemon());
   ASSERT_TRUE(other.becomes_ready()) << other->description();
   Writer writer(node(), 1);

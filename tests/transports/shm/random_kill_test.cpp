@@ -1,5 +1,6 @@
-// kill -9 of writers and readers at random moments of their lives, some stopped before: nobody else notices,
-// and all of their memory comes back. (Whole nodes: tests/system/kill_test.cpp.)
+// Writers and readers are killed with SIGKILL at random moments of their lives, and some of them are stopped
+// before. No other program is disturbed, and all memory of the killed programs comes back.
+// (tests/system/kill_test.cpp does the same with whole nodes.)
 #include <signal.h>
 
 #include <atomic>
@@ -18,10 +19,10 @@ namespace {
 using core::SendStatus;
 
 constexpr core::EndpointId daemons_killed = 8;
-constexpr int every_one_stopped_first = 15;       // of victims: 14 in all
-constexpr core::EndpointId survivor = 2'000'000;  // not one of a ChunkCounter's
+constexpr int victims_for_each_stop = 15;         // one of so many victims is stopped before it is killed
+constexpr core::EndpointId survivor = 2'000'000;  // an id that no ChunkCounter uses
 
-/// Told twice a second.
+/// Returns the usage as sftd last wrote it. It writes it twice a second.
 shm::Usage usage_now() {
   Process command({sftd_path(), "status", "--json"});
   return shm::parse_status(command.all_output()).value_or(shm::Status{}).usage;
@@ -35,7 +36,8 @@ std::uint32_t chunks_in_use(const shm::Usage& usage) {
 
 class RandomKill : public ShmTest {
  protected:
-  RandomKill() : ShmTest(1024) {}  // the dead leave theirs until all who have it open are gone
+  RandomKill()
+      : ShmTest("1g") {}  // the memory of a dead daemon stays until all programs that map it are gone
   void SetUp() override {
     ShmTest::SetUp();
     if (IsSkipped()) return;
@@ -59,10 +61,10 @@ class RandomKill : public ShmTest {
 
   std::uint32_t below(std::uint32_t end) { return static_cast<std::uint32_t>(random() % end); }
 
-  /// Lives for a random time and is killed, now and then while it is stopped.
+  /// Kills the victim after a random time, and stops some victims before.
   void kill_some_time(Process& victim, int round) {
     poll(nullptr, 0, static_cast<int>(below(30)));
-    if (round % every_one_stopped_first == every_one_stopped_first - 1) {
+    if (round % victims_for_each_stop == victims_for_each_stop - 1) {
       victim.signal(SIGSTOP);
       ASSERT_TRUE(eventually([&] { return is_stopped(victim.pid()); }));
       expect_others_go_on();
@@ -78,7 +80,8 @@ class RandomKill : public ShmTest {
     ASSERT_EQ(sequence_of(sample), writer_->sequence());
   }
 
-  /// Nothing is taken any more but the survivors' last sample, and all the rest can be had.
+  /// Expects that only the chunk of the survivor's last sample is in use, and that all other chunks can be
+  /// had.
   void expect_all_memory_back(int kills) {
     shm::Usage usage;
     const std::int64_t since_ns = core::realtime_ns();
@@ -90,14 +93,15 @@ class RandomKill : public ShmTest {
                  chunks_in_use(usage) == 1;
         },
         30s, 100ms);
-    const std::string account = std::to_string(kills) + " kills, " + std::to_string(usage.deaths) +
+    const std::string summary = std::to_string(kills) + " kills, " + std::to_string(usage.deaths) +
                                 " deaths, " + std::to_string(usage.locks_healed) + " locks and " +
                                 std::to_string(usage.leaks_healed) + " chunks healed, " +
                                 std::to_string(chunks_in_use(usage)) + " in use, " +
                                 std::to_string(usage.users.size()) + " users";
-    EXPECT_TRUE(back) << account;
-    std::printf("%s; %s\n", account.c_str(), how_to_repeat().c_str());
-    // What it delivered, and what that pushed out of a queue.
+    EXPECT_TRUE(back) << summary;
+    std::printf("%s; %s\n", summary.c_str(), how_to_repeat().c_str());
+    // A death costs at most two chunks: the one that was delivered, and the one that it pushed out of a
+    // queue.
     EXPECT_LE(usage.leaks_healed, 2 * usage.deaths);
     EXPECT_TRUE(chunks_->comes_to(chunks_before_));
     EXPECT_EQ(daemon_pid(), daemon_) << "the daemon did not survive";
@@ -113,20 +117,20 @@ class RandomKill : public ShmTest {
   pid_t daemon_ = 0;
 };
 
-/// What victims do, and how many of them there are.
+/// The task of the victims of a test, and how many victims there are.
 struct Life {
   const char* name;
-  const char* role;  ///< of shm_peer
+  const char* role;  ///< the argument of shm_peer
   int kills;
-  bool settled;  ///< when it is killed; or it has hardly begun
-  bool is_read = false;
+  bool settled;          ///< killed after it has reported success; otherwise as soon as it has hardly begun
+  bool is_read = false;  ///< a reader takes its samples
 };
 void PrintTo(const Life& life, std::ostream* out) { *out << life.kills << " kills"; }
 std::string name_of(const ::testing::TestParamInfo<Life>& info) { return info.param.name; }
 
 class RandomKillOfWriters : public RandomKill, public ::testing::WithParamInterface<Life> {};
 
-TEST_P(RandomKillOfWriters, WedgesNobodyAndAllMemoryComesBack) {
+TEST_P(RandomKillOfWriters, BlocksNobodyAndAllMemoryComesBack) {
   const Life& life = GetParam();
   for (int round = 0; round < life.kills; ++round) {
     SCOPED_TRACE(round);
@@ -159,8 +163,9 @@ INSTANTIATE_TEST_SUITE_P(Lives, RandomKillOfWriters,
 
 class RandomKillOfReaders : public RandomKill, public ::testing::WithParamInterface<Life> {};
 
-// What one had in hand is its writer's, and comes back once that has gone, too.
-TEST_P(RandomKillOfReaders, CostsOthersNothingAndAllMemoryComesBack) {
+// A chunk that a killed reader had in hand belongs to its writer, and comes back when the writer has gone,
+// too.
+TEST_P(RandomKillOfReaders, CostsOtherProgramsNothingAndAllMemoryComesBack) {
   const Life& life = GetParam();
   for (int round = 0; round < life.kills; ++round) {
     SCOPED_TRACE(round);
@@ -186,8 +191,8 @@ INSTANTIATE_TEST_SUITE_P(Lives, RandomKillOfReaders,
                                            Life{"ThatHaveHardlyBegun", "subscribe", 15, false}),
                          name_of);
 
-// Of the two peers nobody notices what happened: they go on in the memory of the dead.
-TEST_F(RandomKill, OfDaemonsNeitherHangsNorHarmsWhoIsInATightLoop) {
+// The two peers do not notice that the daemon died: they go on in its memory.
+TEST_F(RandomKill, OfDaemonsNeitherBlocksNorHarmsProgramsInATightLoop) {
   for (core::EndpointId round = 0; round < daemons_killed; ++round) {
     SCOPED_TRACE(round);
     Writer writer(*node_, 1);

@@ -1,5 +1,5 @@
-// Programs of several users: who may write samples, who may only read them, and who is told that it may
-// neither.
+// The rights of programs of several users: writers may write samples, readers may only read them, and all
+// other programs are told that they may do neither.
 #include "shm_transport/sftd/exit_code.h"
 #include "tests/transports/shm/accounts.h"
 
@@ -10,7 +10,7 @@ using shm::ExitCode;
 
 class Rights : public AccountsTest {};
 
-TEST_F(Rights, ReadersOfOtherUsersReadWhatWritersOfOtherUsersPublish) {
+TEST_F(Rights, AReaderReadsSamplesThatAWriterOfAnotherUserPublishes) {
   const RunningSftd daemon = start_sftd_with_groups();
   Process writer = start(a_writer, {"publish", "1", "100"});
   ASSERT_EQ(writer.line(), "publishing");
@@ -26,7 +26,7 @@ TEST_F(Rights, AReaderCannotWriteTheSampleThatItReads) {
   EXPECT_EQ(reader.line(), "cannot write");
 }
 
-TEST_F(Rights, AReaderCannotOpenTheMemoryOfSamplesForWritingEither) {
+TEST_F(Rights, AReaderCannotOpenTheMemoryOfSamplesForWriting) {
   const RunningSftd daemon = start_sftd_with_groups();
   const std::vector<std::string> open_it{"/bin/sh", "-c", "exec 3<>/dev/shm/sft_writers; echo opened"};
   EXPECT_TRUE(contains(Process(open_it, &a_reader).all_output(), "Permission denied"));
@@ -47,7 +47,7 @@ TEST_F(Rights, AReadersDoorbellIsRungByAWriterOfAnotherUser) {
   EXPECT_EQ(start(a_writer, {"ring", page}).line(), "rang");
 }
 
-TEST_F(Rights, AStrangerIsToldSoAtOnce) {
+TEST_F(Rights, AStrangerIsToldAtOnceThatPermissionIsDenied) {
   const RunningSftd daemon = start_sftd_with_groups();
   EXPECT_TRUE(contains(start(a_stranger, {"knock"}).line(), "permission denied"));
 }
@@ -60,7 +60,7 @@ TEST_F(Rights, AStrangerMayNotOpenTheMemory) {
   }
 }
 
-TEST_F(Rights, WithoutGroupsInItsConfigurationItServesItsOwn) {
+TEST_F(Rights, ADaemonWithoutGroupsInItsConfigurationServesItsOwnGroup) {
   const RunningSftd daemon = start_sftd({"--pool-mib=16", "--log-level=error"});
   const Identity member{70'001, 70'001, {getegid()}};
   Process writer = start(member, {"publish", "1", "100"});
@@ -70,9 +70,9 @@ TEST_F(Rights, WithoutGroupsInItsConfigurationItServesItsOwn) {
   EXPECT_TRUE(contains(start(a_stranger, {"knock"}).line(), "permission denied"));
 }
 
-TEST_F(Rights, ADaemonThatIsNotRootServesOtherUsersToo) {
+TEST_F(Rights, ADaemonThatIsNotRootServesOtherUsers) {
   const Identity daemon_user{70'010, writers_group, {readers_group}};
-  const RunDirectory of_the_daemon(daemon_user.user);  // by which others accept it
+  const RunDirectory of_the_daemon(daemon_user.user);  // other users accept the daemon of its owner
   const RunningSftd daemon = start_sftd_with_groups(&daemon_user);
   Process writer = start(a_writer, {"publish", "1", "100"});
   ASSERT_EQ(writer.line(), "publishing");
@@ -92,7 +92,7 @@ TEST_F(Rights, AGroupThatDoesNotExistIsNamed) {
   EXPECT_EQ(daemon.exit_code(), static_cast<int>(ExitCode::bad_config));
 }
 
-TEST_F(Rights, EverybodyMaySeeTheStatusAndOnlyItsUserMayStopIt) {
+TEST_F(Rights, EverybodyMaySeeTheStatusAndOnlyTheDaemonsUserMayStopIt) {
   const RunningSftd daemon = start_sftd_with_groups();
   Process status({programs_ + "sftd", "status"}, &a_stranger);
   EXPECT_TRUE(contains(status.all_output(), "sft_readers only subscribes"));

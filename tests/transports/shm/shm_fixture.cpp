@@ -25,7 +25,8 @@ bool become(const Identity& identity) {
          setgid(identity.group) == 0 && setuid(identity.user) == 0;
 }
 
-/// Asks again where the daemon gave no answer in time: it may be busy with what a killed process left.
+/// Asks again if the daemon gave no answer in time, because it may be busy after the death of another
+/// process.
 template <class Ask>
 auto patiently(Ask ask) {
   auto answer = ask();
@@ -101,9 +102,10 @@ std::string Process::line(Clock::duration within) {
       text_.erase(0, end + 1);
       return line;
     }
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
+    const auto wait_ms =
+        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
     pollfd wanted{output_, POLLIN, 0};
-    if (left <= 0 || ::poll(&wanted, 1, static_cast<int>(left)) <= 0) return {};
+    if (wait_ms <= 0 || ::poll(&wanted, 1, static_cast<int>(wait_ms)) <= 0) return {};
     char bytes[512];
     const ssize_t size = read(output_, bytes, sizeof bytes);
     if (size <= 0) return {};
@@ -138,7 +140,7 @@ bool is_stopped(pid_t pid) {
   for (const auto& thread : std::filesystem::directory_iterator(threads)) {
     std::ifstream stat(thread.path() / "stat");
     const std::string text{std::istreambuf_iterator<char>(stat), {}};
-    const auto behind_name = text.rfind(") ");  // the state follows the name, which may hold anything
+    const auto behind_name = text.rfind(") ");  // the state follows the name, which may have any characters
     if (behind_name == std::string::npos || text[behind_name + 2] != 'T') return false;
   }
   return true;
@@ -218,7 +220,7 @@ std::size_t ChunkCounter::free() {
 bool ChunkCounter::comes_to(std::size_t chunks) {
   std::size_t now_free = 0;
   const bool enough = eventually([&] {
-    node_.poll();  // which is when ports that are no longer used are given back
+    node_.poll();  // gives back the ports that are no longer used
     return (now_free = free()) >= chunks;
   });
   if (!enough) std::printf("%zu of %zu chunks are free\n", now_free, chunks);

@@ -1,5 +1,5 @@
-// The words that the tests of shared memory are written in: nodes that become ready, writers and readers of
-// frames, daemons and peers that are started, stopped and killed.
+// The helpers of the tests of shared memory: nodes that become ready, writers and readers of frames, daemons
+// and peers that are started, stopped and killed.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,14 +24,14 @@ namespace sft::test {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// Whom a process runs as. There need be no such user.
+/// The user and groups that a process runs as. The user need not exist in /etc/passwd.
 struct Identity {
   uid_t user;
   gid_t group;
   std::vector<gid_t> other_groups{};
 };
 
-/// Another program that the test starts; killed with the object.
+/// Another program that the test starts. It is killed with the object.
 class Process {
  public:
   explicit Process(const std::vector<std::string>& command, const Identity* as = nullptr);
@@ -43,9 +43,9 @@ class Process {
   bool runs() const;
   void signal(int signal) const;
   void kill();
-  /// Waits for its end; -1 if it was killed.
+  /// Waits for the end of the process. Returns -1 if the process was killed.
   int exit_code();
-  /// The next line that it writes, with a deadline; empty if none came.
+  /// Returns the next line that the process writes; empty if no line came in time.
   std::string line(Clock::duration within = 30s);
   std::string all_output();
 
@@ -58,21 +58,21 @@ class Process {
 };
 
 std::string sftd_path();
-/// shm_peer with these arguments (shm_peer.cpp).
+/// Starts shm_peer with these arguments (shm_peer.cpp).
 Process start_peer(std::vector<std::string> arguments);
 
-/// 0 if none runs.
+/// Returns the pid of the running daemon; 0 if none runs.
 pid_t daemon_pid();
-/// Waits for its end; stopped or not.
+/// Ends the running daemon, also if it is stopped, and waits for its end.
 void end_daemon();
 bool is_alive(pid_t pid);
-/// Whether all of its threads stand still: they do some time after SIGSTOP was sent.
+/// Returns whether all threads of the process stand still. This takes some time after SIGSTOP was sent.
 bool is_stopped(pid_t pid);
 
-shm::ShmOptions own_daemon();  ///< starts sftd if none runs
-shm::ShmOptions no_daemon();   ///< does not
+shm::ShmOptions own_daemon();  ///< options with which a node starts the sftd of this build if none runs
+shm::ShmOptions no_daemon();   ///< options with which a node starts no daemon
 
-/// One node's transport.
+/// The transport of one node.
 class Node {
  public:
   explicit Node(const shm::ShmOptions& options = own_daemon());
@@ -89,7 +89,7 @@ class Node {
 
 class Writer {
  public:
-  /// With a route to nobody in particular, so that samples are delivered.
+  /// Opens a port with a route to a reader that does not exist. The port delivers only if it has a route.
   Writer(Node& node, core::EndpointId id);
 
   core::SampleHandle loan(std::uint32_t data);
@@ -121,12 +121,12 @@ class Reader {
 
 inline std::uint64_t sequence_of(const core::SampleHandle& sample) { return sample->header().sequence; }
 
-/// How many chunks for that much data can be had now: the daemon's memory as its clients see it.
+/// Counts how many chunks for this much data can be had now, as a client of the daemon sees it.
 class ChunkCounter {
  public:
   ChunkCounter(Node& node, std::uint32_t data) : node_(node), data_(data) {}
   std::size_t free();
-  /// Whether so many are free before long; says how many came if not.
+  /// Returns whether so many chunks become free before long. Otherwise it prints how many are free.
   bool comes_to(std::size_t chunks);
 
  private:
@@ -137,11 +137,11 @@ class ChunkCounter {
 
 std::vector<std::string> names_in(const char* directory, const std::string& prefix = "");
 
-/// Skips where there is no machine of its own, and ends the daemon that a test left.
+/// Skips the test if it has no isolated host of its own, and ends the daemon that the test has left.
 class ShmTest : public ::testing::Test {
  protected:
-  /// With a /dev/shm of another size than usual.
-  explicit ShmTest(std::optional<unsigned> shm_mebibytes = {}) : shm_mebibytes_(shm_mebibytes) {}
+  /// `shm_size`: the size of /dev/shm, if it is not the usual one.
+  explicit ShmTest(const char* shm_size = nullptr) : shm_size_(shm_size) {}
   void SetUp() override;
   void TearDown() override;
 
@@ -150,7 +150,7 @@ class ShmTest : public ::testing::Test {
   std::optional<ShmOfSize> shm_;
 };
 
-/// With a node that is ready.
+/// A test with a node that is ready.
 class ShmNodeTest : public ShmTest {
  protected:
   using ShmTest::ShmTest;

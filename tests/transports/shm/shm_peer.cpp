@@ -1,4 +1,5 @@
-// The other process in tests: does one thing, says so on its standard output, and goes on until it is killed.
+// The other process in the tests of shared memory. It does one task, says so on its standard output, and goes
+// on until it is killed.
 #include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -18,8 +19,8 @@
 
 namespace {
 
-/// Longer than a daemon may take to start (ShmOptions::start_deadline), where the disk that programs are read
-/// from stands still for a while.
+/// This is longer than a daemon may take to start (ShmOptions::start_deadline), because the disk with the
+/// programs may stand still for a while.
 constexpr std::chrono::seconds usual_patience{60};
 
 using namespace sft::test;
@@ -35,10 +36,10 @@ void say(const std::string& text) {
   for (;;) pause();
 }
 
-/// Between two rounds of whoever does not go round and round as fast as it can.
+/// The pause between two samples of the tasks that do not go on as fast as they can.
 constexpr std::chrono::microseconds pause{200};
 
-/// Publishes frames of that much data without a pause.
+/// Publishes frames with this much data without a pause.
 void publish(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Writer writer(node, id);
   say("publishing");
@@ -51,7 +52,7 @@ void publish_paced(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   for (sft::test::Pace pace(pause);; pace.await_turn()) writer.send_frame(data);
 }
 
-/// Takes 16 chunks and keeps them: half on loan, half sent, as a history would.
+/// Takes 16 chunks and keeps them. Half of them are loans, and half are sent and kept as a history does.
 void hoard(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Writer writer(node, id);
   std::vector<SampleHandle> loans(16);
@@ -93,11 +94,12 @@ long minor_faults() {
   return usage.ru_minflt;
 }
 
-/// Takes one sample, reads its two scalars and then its data; says how many pages each touched.
+/// Takes one sample, reads its two scalars and then its data, and says how many pages each of the two steps
+/// touched.
 void count_faults(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Reader reader(node);
   if (!reader.connects_to(id)) say("cannot connect");
-  reader.take();  // what the first call of anything touches
+  reader.take();  // the first call of each function touches pages of its own, which must not count
   minor_faults();
   say("subscribed");
   SampleHandle sample;
@@ -117,7 +119,7 @@ void count_faults(Node& node, sft::core::EndpointId id, std::uint32_t data) {
 
 std::byte* target = nullptr;
 
-/// Says what this process may do with a sample that it reads: look at it, and not write to it.
+/// Reads a sample, tries to write to it, and says what it could do.
 void try_to_write(Node& node, sft::core::EndpointId id, std::uint32_t) {
   Reader reader(node);
   if (!reader.connects_to(id)) say("cannot connect");
@@ -140,7 +142,7 @@ void offer(Node& node, sft::core::EndpointId id, std::uint32_t) {
   stay();
 }
 
-/// Reads with a doorbell of its own, and says which.
+/// Opens a reader with a doorbell of its own, and prints the id of the doorbell's page.
 void listen(Node& node, sft::core::EndpointId, std::uint32_t) {
   const auto page = sft::core::DoorbellPage::create();
   const auto port = node->open_reader({.id = 7, .type = &frame_type(), .doorbell = {page->id(), 0}});
@@ -148,7 +150,7 @@ void listen(Node& node, sft::core::EndpointId, std::uint32_t) {
   stay();
 }
 
-/// Sends a sample to a reader with that doorbell, or says why it cannot be woken.
+/// Sends a sample to a reader with a doorbell in this page, or says why the reader cannot be woken.
 void ring(Node& node, sft::core::EndpointId page, std::uint32_t) {
   Writer writer(node, 1);
   const sft::core::Route route{
@@ -159,14 +161,14 @@ void ring(Node& node, sft::core::EndpointId page, std::uint32_t) {
   say(why_not.empty() && sent ? "rang" : why_not);
 }
 
-/// Says whether the transport can be used, and if not, why, as soon as it knows.
+/// Says why the transport cannot be used, as soon as it knows, or that it was not refused.
 int knock(Node& node) {
   const bool refused = node.becomes(Availability::unavailable, std::chrono::seconds(2));
   say(refused ? node->description() : "not refused");
   return 0;
 }
 
-/// Gets ready and stays; lets the daemon be started.
+/// Says that the node is ready, and stays.
 void attend(Node&, sft::core::EndpointId, std::uint32_t) {
   say("ready");
   stay();

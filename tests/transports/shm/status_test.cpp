@@ -1,4 +1,4 @@
-// `sftd status` and `sftd stop`: what they tell, with or without a daemon that answers.
+// The commands `sftd status` and `sftd stop`, with and without a daemon that answers.
 #include <signal.h>
 
 #include "shm_transport/sftd/exit_code.h"
@@ -25,7 +25,7 @@ Answer call(std::vector<std::string> words) {
 
 Status status_now() { return shm::parse_status(call({"status", "--json"}).text).value_or(Status{}); }
 
-/// Whether the status comes to be so; it is told twice a second.
+/// Returns whether the status fulfils the condition before long. sftd writes its status twice a second.
 template <class Condition>
 bool status_becomes(Condition condition) {
   return eventually([&] { return condition(status_now()); });
@@ -44,7 +44,7 @@ class SftdCommands : public ShmTest {
   }
 };
 
-TEST_F(SftdCommands, SayThatNoneIsRunning) {
+TEST_F(SftdCommands, SayThatNoDaemonIsRunning) {
   for (const char* command : {"status", "stop"}) {
     const Answer answer = call({command});
     EXPECT_EQ(answer.text, "sftd: no daemon is running\n");
@@ -52,7 +52,7 @@ TEST_F(SftdCommands, SayThatNoneIsRunning) {
   }
 }
 
-TEST_F(SftdCommands, TellWhatTheDaemonIs) {
+TEST_F(SftdCommands, ShowThePidVersionsAndSettingsOfTheDaemon) {
   Process daemon = start_sftd();
   const Status status = status_now();
   EXPECT_EQ(status.pid, daemon.pid());
@@ -65,7 +65,7 @@ TEST_F(SftdCommands, TellWhatTheDaemonIs) {
   EXPECT_TRUE(contains(table.text, "idle exit after 600 s")) << table.text;
 }
 
-TEST_F(SftdCommands, TellWhoHoldsHowManyChunks) {
+TEST_F(SftdCommands, ShowHowManyChunksEachPublisherHolds) {
   Process daemon = start_sftd();
   Process hoarder = start_peer({"hoard", "5", "1000"});
   ASSERT_EQ(hoarder.line(), "hoarded");
@@ -82,7 +82,7 @@ TEST_F(SftdCommands, TellWhoHoldsHowManyChunks) {
   EXPECT_EQ(status.usage.users[0].publishers, 1U);
 }
 
-TEST_F(SftdCommands, TellWhatWaitsForAReaderAndWhatItHolds) {
+TEST_F(SftdCommands, ShowHowManySamplesWaitForAReaderAndHowManyItHolds) {
   Process daemon = start_sftd();
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes_ready()) << node->description();
@@ -91,15 +91,15 @@ TEST_F(SftdCommands, TellWhatWaitsForAReaderAndWhatItHolds) {
   ASSERT_TRUE(reader.connects_to(1));
   for (int i = 0; i < 3; ++i) writer.send_frame();
   const core::SampleHandle held = reader.next();
-  const auto is_told = [](const Status& status) {
+  const auto shows_both = [](const Status& status) {
     const auto& readers = status.usage.subscribers;
     return readers.size() == 1 && readers[0].held.chunks == 1 && readers[0].waiting == 2;
   };
-  EXPECT_TRUE(status_becomes(is_told)) << call({"status"}).text;
+  EXPECT_TRUE(status_becomes(shows_both)) << call({"status"}).text;
   EXPECT_EQ(status_now().usage.publishers.at(0).subscribers, 1U);
 }
 
-TEST_F(SftdCommands, RememberTheMostThatAPortHeld) {
+TEST_F(SftdCommands, ShowTheMostChunksThatAPortHasHeld) {
   Process daemon = start_sftd();
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes_ready()) << node->description();
@@ -117,11 +117,11 @@ TEST_F(SftdCommands, RememberTheMostThatAPortHeld) {
   EXPECT_EQ(status_now().usage.pools[0].peak, 10U);
 }
 
-TEST_F(SftdCommands, CountTheDead) {
+TEST_F(SftdCommands, CountDeadPrograms) {
   Process daemon = start_sftd();
   Process victim = start_peer({"publish", "1", "100"});
   ASSERT_EQ(victim.line(), "publishing");
-  Process witness = start_peer({"attend"});  // without users the daemon would begin afresh
+  Process witness = start_peer({"attend"});  // a daemon without programs would start afresh
   ASSERT_EQ(witness.line(), "ready");
   victim.kill();
   EXPECT_TRUE(status_becomes(
@@ -141,7 +141,7 @@ TEST_F(SftdCommands, ShowTheLastStateOfAStoppedDaemonAndSayThatItDoesNotAnswer) 
   EXPECT_TRUE(contains(answer.text, "0000000000000005")) << answer.text;
 }
 
-TEST_F(SftdCommands, StopEndsTheDaemonAndNamesWhoUsedIt) {
+TEST_F(SftdCommands, StopEndsTheDaemonAndNamesTheProgramsThatUsedIt) {
   Process daemon = start_sftd();
   Process user = start_peer({"attend"});
   ASSERT_EQ(user.line(), "ready");
@@ -161,17 +161,17 @@ TEST_F(SftdCommands, StopDoesNotWaitForeverForAStoppedDaemon) {
   EXPECT_EQ(answer.code, ExitCode::no_answer);
   EXPECT_TRUE(contains(answer.text, "kill -CONT")) << answer.text;
   daemon.signal(SIGCONT);
-  EXPECT_EQ(daemon.exit_code(), 0) << "it was told, and ends when it can";
+  EXPECT_EQ(daemon.exit_code(), 0) << "the daemon has got the signal, and must end when it goes on";
 }
 
-TEST_F(SftdCommands, AStatusThatIsNoneIsNotBelieved) {
+TEST_F(SftdCommands, AMalformedStatusIsRefused) {
   EXPECT_FALSE(shm::parse_status(""));
   EXPECT_FALSE(shm::parse_status("{\"pid\": \"many\"}"));
   EXPECT_FALSE(shm::parse_status("[1, 2"));
   EXPECT_FALSE(shm::parse_status("{\"usage\": {\"pools\": 3}}"));
 }
 
-TEST_F(SftdCommands, AStatusSurvivesTheWayThroughItsFile) {
+TEST_F(SftdCommands, AStatusIsReadBackAsItWasWritten) {
   Status status;
   status.pid = 42;
   status.usage.users = {{7, "sft_\xff_7", 1, 2}};  // not UTF-8: a program chose it
