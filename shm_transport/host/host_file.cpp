@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +11,8 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
+
+#include "shm_transport/host/socket_address.h"
 
 namespace sft::shm {
 
@@ -147,9 +148,7 @@ core::HostToken host_token(const HostFile& file) {
 
 SocketState socket_state_at(const char* path) noexcept {
   const Descriptor probe(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
+  const sockaddr_un address = socket_address(path);
   if (!probe) return SocketState::unknown;
   if (connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0)
     return SocketState::alive;

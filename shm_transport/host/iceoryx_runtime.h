@@ -22,10 +22,6 @@ class IceoryxRuntime {
   bool announce_segment(std::uint64_t id, std::span<std::byte> memory) noexcept;
   void withdraw_segment(std::uint64_t id) noexcept;
 
-  /// Counts the errors that iceoryx has reported. Its own handler would have aborted the process at some of
-  /// them.
-  static std::uint64_t errors() noexcept;
-
  private:
   iox::cxx::GenericRAII error_handler_;
   std::mutex segments_mutex_;

@@ -4,7 +4,6 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include "core/platform/trusted_file.h"
 #include "shm_transport/host/access.h"
 #include "shm_transport/host/host_file.h"
+#include "shm_transport/host/socket_address.h"
 
 namespace sft::shm {
 
@@ -24,13 +24,6 @@ using iox::runtime::IpcMessageErrorType;
 using iox::runtime::IpcMessageType;
 
 namespace {
-
-sockaddr_un address_of(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
-  return address;
-}
 
 std::string path_of(const std::string& runtime_name) {
   return iox::platform::IOX_UDS_SOCKET_PATH_PREFIX + runtime_name;
@@ -47,7 +40,7 @@ void let_daemon_answer(const std::string& path, const struct stat& daemon) {
 
 Result<Descriptor> listen_at(const std::string& path, const struct stat& daemon) {
   Descriptor socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  const sockaddr_un address = address_of(path);
+  const sockaddr_un address = socket_address(path);
   if (!socket || bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     return fail(errno == EACCES ? Errc::no_permission : Errc::system,
                 path + ": " + std::strerror(errno) + "; shared memory needs a writable /tmp");
@@ -68,7 +61,7 @@ Result<Descriptor> connect_to(const char* path, uid_t daemon_user, struct stat& 
                                           core::account_name(daemon.st_uid) +
                                           "; remove it, and end the daemon: sftd stop");
   Descriptor socket(there ? ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0) : -1);
-  const sockaddr_un address = address_of("/proc/self/fd/" + std::to_string(resolved.get()));
+  const sockaddr_un address = socket_address("/proc/self/fd/" + std::to_string(resolved.get()));
   if (!socket || connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     if (errno == EACCES) {
       return fail(Errc::no_permission,

@@ -61,8 +61,6 @@ class RoudiChannel {
   /// Tells the daemon to remove everything that this process has there. Does not wait.
   void say_goodbye() noexcept;
 
-  const std::string& runtime_name() const { return runtime_name_; }
-
  private:
   class Turn;
   RoudiChannel(std::string runtime_name, Descriptor from_daemon, Descriptor to_daemon);

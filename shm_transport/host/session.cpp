@@ -117,16 +117,14 @@ BasePortData* Session::port_at(const PortLocation& location, std::size_t bytes) 
   return reinterpret_cast<BasePortData*>(management.mapping.bytes().data() + location.offset);
 }
 
-bool Session::claim(const PortLocation& location, const std::string& label) const {
-  BasePortData* port = port_at(location, sizeof(BasePortData));
-  if (port == nullptr) return false;
-  if (port->m_nodeName == iox::NodeName_t(iox::cxx::TruncateToCapacity, label)) return true;
-  port->m_toBeDestroyed.store(true, std::memory_order_relaxed);
-  return false;
-}
-
-RoudiChannel::Claim Session::claim_function() const {
-  return [this](const PortLocation& location, const std::string& label) { return claim(location, label); };
+RoudiChannel::Claim Session::claim() const {
+  return [this](const PortLocation& location, const std::string& label) {
+    BasePortData* port = port_at(location, sizeof(BasePortData));
+    if (port == nullptr) return false;
+    if (port->m_nodeName == iox::NodeName_t(iox::cxx::TruncateToCapacity, label)) return true;
+    port->m_toBeDestroyed.store(true, std::memory_order_relaxed);
+    return false;
+  };
 }
 
 template <class PortData>
@@ -149,7 +147,7 @@ Result<PublisherPortData*> Session::create_publisher(core::EndpointId writer, Cl
   options.historyCapacity = 0;
   options.subscriberTooSlowPolicy = iox::popo::ConsumerTooSlowPolicy::DISCARD_OLDEST_DATA;
   return answered_port<PublisherPortData>(
-      channel_->create_publisher(service_of(writer), options, claim_function(), deadline));
+      channel_->create_publisher(service_of(writer), options, claim(), deadline));
 }
 
 Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, std::uint32_t depth,
@@ -161,7 +159,7 @@ Result<SubscriberPortData*> Session::create_subscriber(core::EndpointId writer, 
   options.subscribeOnCreate = depth != 0;
   options.queueFullPolicy = iox::popo::QueueFullPolicy::DISCARD_OLDEST_DATA;
   return answered_port<SubscriberPortData>(
-      channel_->create_subscriber(service_of(writer), options, claim_function(), deadline, to_text(wishes)));
+      channel_->create_subscriber(service_of(writer), options, claim(), deadline, to_text(wishes)));
 }
 
 const SubscriberPortData* Session::port_of(const ChunkQueue& queue) const noexcept {
@@ -170,10 +168,6 @@ const SubscriberPortData* Session::port_of(const ChunkQueue& queue) const noexce
     if (static_cast<const ChunkQueue*>(&port->m_chunkReceiverData) == &queue) return port;
   }
   return nullptr;
-}
-
-QueueWishes Session::wishes_of(const SubscriberPortData& port) noexcept {
-  return parse_wishes({port.m_nodeName.c_str(), port.m_nodeName.size()});
 }
 
 void Session::admit_writers(std::uint64_t doorbell_page) const {

@@ -64,7 +64,6 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Returns the port that has this queue, or null. Looks at all queues of the host.
   const iox::popo::SubscriberPortData* port_of(
       const iox::popo::SubscriberPortData::ChunkQueueData_t& queue) const noexcept;
-  static QueueWishes wishes_of(const iox::popo::SubscriberPortData& port) noexcept;
   /// Lets every process that may write samples ring the doorbells in a page of this process
   /// (core/platform/doorbell.h). The group of the page shows the writers that the daemon serves its owner.
   void admit_writers(std::uint64_t doorbell_page) const;
@@ -105,13 +104,12 @@ class Session : public std::enable_shared_from_this<Session> {
   Result<void> map(const Registration& registration);
   Result<void> add_segment(std::uint64_t id, const std::string& name, std::size_t bytes, bool writable);
   Result<void> add_samples();
-  RoudiChannel::Claim claim_function() const;
+  RoudiChannel::Claim claim() const;
   template <class PortData>
   Result<PortData*> answered_port(const Result<PortLocation>& location) const;
   void forget_segments() noexcept;
   const iox::roudi::PortPoolData* port_pool() const;
   iox::popo::BasePortData* port_at(const PortLocation& location, std::size_t bytes) const;
-  bool claim(const PortLocation& location, const std::string& label) const;
 
   const core::OfOneProcess of_one_process_;
   std::shared_ptr<IceoryxRuntime> runtime_;

@@ -22,7 +22,7 @@ void Audience::look(const Queues& queues, const Session& session) {
 Audience::Listener Audience::listener_at(const Queue& queue, const Session& session) {
   const auto* port = session.port_of(queue);
   if (port == nullptr) return {queue.m_uniqueId};
-  const QueueWishes wishes = Session::wishes_of(*port);
+  const QueueWishes wishes = parse_wishes({port->m_nodeName.c_str(), port->m_nodeName.size()});
   return {queue.m_uniqueId, wishes.late ? wishes.reader : 0, wishes.awaited ? wishes.reader : 0, port};
 }
 

@@ -19,12 +19,9 @@ class Log {
 
   /// Any thread.
   void write(LogLevel level, const std::string& text) const;
-  void error(const std::string& text) const { write(LogLevel::error, text); }
   void warning(const std::string& text) const { write(LogLevel::warning, text); }
   void info(const std::string& text) const { write(LogLevel::info, text); }
   void debug(const std::string& text) const { write(LogLevel::debug, text); }
-
-  LogLevel level() const { return most_detailed_; }
 
  private:
   LogLevel most_detailed_;

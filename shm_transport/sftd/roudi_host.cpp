@@ -1,15 +1,12 @@
 #include "shm_transport/sftd/roudi_host.h"
 
-#include <sys/socket.h>
-#include <sys/un.h>
-
 #include <algorithm>
 #include <charconv>
-#include <cstring>
 #include <tuple>
 
 #include "core/platform/clock.h"
 #include "shm_transport/host/host_file.h"
+#include "shm_transport/host/socket_address.h"
 #include "shm_transport/sftd/stale_files.h"
 
 namespace sft::shm {
@@ -39,9 +36,7 @@ pid_t pid_in(const IpcMessage& registration) {
 
 void send_to(const std::string& client, const std::string& text) {
   const Descriptor channel(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::strncpy(address.sun_path, ("/tmp/" + client).c_str(), sizeof address.sun_path - 1);
+  const sockaddr_un address = socket_address("/tmp/" + client);
   std::ignore = sendto(channel.get(), text.c_str(), text.size() + 1, MSG_NOSIGNAL,
                        reinterpret_cast<const sockaddr*>(&address), sizeof address);
 }

@@ -37,27 +37,27 @@ bool remove_socket(const std::string& path) {
   return lstat(path.c_str(), &named) == 0 && S_ISSOCK(named.st_mode) && unlink(path.c_str()) == 0;
 }
 
-std::size_t remove_dead_sockets() {
-  std::size_t removed = 0;
+void remove_dead_sockets() {
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator("/tmp", ignored)) {
-    if (!is_runtime_name(entry.path().filename().string())) continue;
-    if (socket_state_at(entry.path().c_str()) == SocketState::gone && remove_socket(entry.path())) ++removed;
+    const std::string path = entry.path();
+    if (is_runtime_name(entry.path().filename().string()) &&
+        socket_state_at(path.c_str()) == SocketState::gone)
+      remove_socket(path);
   }
-  return removed;
 }
 
 void remove_segment_of_the_dead() {
-  const auto sign = core::open_trusted_file(host_file_path, O_RDONLY, {.everybody = true});
-  if (!sign || is_locked(sign->get())) return;
+  const auto host_file = core::open_trusted_file(host_file_path, O_RDONLY, {.everybody = true});
+  if (!host_file || is_locked(host_file->get())) return;
   char text[1024];
-  const ssize_t bytes = read(sign->get(), text, sizeof text);
+  const ssize_t bytes = read(host_file->get(), text, sizeof text);
   const auto file = parse_host_file({text, static_cast<std::size_t>(std::max<ssize_t>(bytes, 0))});
   if (!file || file->segment.empty() || file->segment.find('/') != std::string::npos) return;
   // Everybody can write into /dev/shm. So a host file is only believed about a segment of the same user.
   struct stat written {};
   struct stat named {};
-  const bool same_user = fstat(sign->get(), &written) == 0 &&
+  const bool same_user = fstat(host_file->get(), &written) == 0 &&
                          lstat(("/dev/shm/" + file->segment).c_str(), &named) == 0 &&
                          written.st_uid == named.st_uid;
   if (same_user) shm_unlink(("/" + file->segment).c_str());

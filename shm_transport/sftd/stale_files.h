@@ -3,7 +3,6 @@
 // next start.
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -13,8 +12,8 @@ namespace sft::shm {
 /// chose the name, and may have chosen that of another file.
 bool remove_socket(const std::string& path);
 
-/// Removes the sockets of dead processes, and returns their number.
-std::size_t remove_dead_sockets();
+/// Removes the sockets of dead processes.
+void remove_dead_sockets();
 
 /// Removes the segment that the host file of a dead daemon names. Its name can be another one than this
 /// daemon's.

@@ -26,10 +26,6 @@ inline const Identity a_reader{70'002, 70'002, {readers_group}};
 inline const Identity a_stranger{70'003, 70'003, {}};
 inline const Identity nobody{65'534, 65'534, {}};
 
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 inline std::string text_of(const std::filesystem::path& file) {
   std::ifstream stream(file);
   return {std::istreambuf_iterator<char>(stream), {}};

@@ -2,20 +2,18 @@
 // cannot start.
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/socket.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "shm_transport/host/host_file.h"
 #include "shm_transport/host/iceoryx.h"
+#include "shm_transport/host/socket_address.h"
 #include "tests/support/test_seed.h"
 #include "tests/transports/shm/shm_fixture.h"
 
@@ -26,15 +24,17 @@ using core::Availability;
 
 class Sftd : public ShmTest {};
 
+int bound_socket(const char* path) {
+  const int bound = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const sockaddr_un address = shm::socket_address(path);
+  EXPECT_EQ(bind(bound, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  return bound;
+}
+
 /// A socket at the path, on which another program seems to listen.
 class Listener {
  public:
-  explicit Listener(const char* path) : path_(path), socket_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
-    EXPECT_EQ(bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  }
+  explicit Listener(const char* path) : path_(path), socket_(bound_socket(path)) {}
   ~Listener() {
     die();
     unlink(path_.c_str());
@@ -49,10 +49,6 @@ class Listener {
   std::string path_;
   int socket_;
 };
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 bool has(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
@@ -224,11 +220,7 @@ TEST_F(Sftd, GivesOneProgramNoMoreThanItsLimits) {
 /// The socket of a service manager, which receives the messages of sftd.
 class ServiceSocket {
  public:
-  explicit ServiceSocket(const char* path) : socket_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
-    EXPECT_EQ(bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  explicit ServiceSocket(const char* path) : socket_(bound_socket(path)) {
     const timeval deadline{10, 0};
     setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &deadline, sizeof deadline);
     setenv("NOTIFY_SOCKET", path, 1);
@@ -341,9 +333,7 @@ TEST_F(Sftd, EndsAfterBeingIdleIfAskedTo) {
 /// Registers a process with this name, as any program of sftd's group can.
 void register_with_sftd(const std::string& name) {
   const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  std::strncpy(address.sun_path, shm::roudi_socket_path, sizeof address.sun_path - 1);
+  const sockaddr_un address = shm::socket_address(shm::roudi_socket_path);
   iox::runtime::IpcMessage request;
   request << iox::runtime::IpcMessageTypeToString(iox::runtime::IpcMessageType::REG) << name << "1"
           << std::to_string(geteuid()) << "0"

@@ -1,17 +1,15 @@
 // The data that a process reads from other processes: the host file, the daemon's lock, and samples. Also the
 // division of a budget of memory into pools.
 #include <gtest/gtest.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 
-#include <cstring>
 #include <string>
 #include <vector>
 
 #include "shm_transport/host/host_file.h"
 #include "shm_transport/host/sample_check.h"
+#include "shm_transport/host/socket_address.h"
 #include "shm_transport/sftd/pools.h"
 #include "tests/transports/shm/frame.h"
 #include "tests/transports/shm/shm_fixture.h"
@@ -129,9 +127,7 @@ TEST_F(FoundHost, HasASocketThatIsAliveOrGone) {
   EXPECT_EQ(shm::socket_state_at(path), shm::SocketState::gone);
   {
     const shm::Descriptor end(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::strncpy(address.sun_path, path, sizeof address.sun_path - 1);
+    const sockaddr_un address = shm::socket_address(path);
     ASSERT_EQ(bind(end.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
     EXPECT_EQ(shm::socket_state_at(path), shm::SocketState::alive);
   }

@@ -135,6 +135,10 @@ class ChunkCounter {
   std::vector<std::unique_ptr<core::WriterPort>> ports_;
 };
 
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
 std::vector<std::string> names_in(const char* directory, const std::string& prefix = "");
 
 /// Skips the test if it has no isolated host of its own, and ends the daemon that the test has left.

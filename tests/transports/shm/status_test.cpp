@@ -31,10 +31,6 @@ bool status_becomes(Condition condition) {
   return eventually([&] { return condition(status_now()); });
 }
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class SftdCommands : public ShmTest {
  protected:
   static Process start_sftd() {
