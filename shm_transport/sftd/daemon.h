@@ -2,31 +2,23 @@
 // itself by the host file in /dev/shm, serves, and ends.
 #pragma once
 
-#include <sys/types.h>
-
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
-#include "shm_transport/host/file_lock.h"
-#include "shm_transport/sftd/exit_code.h"
 #include "shm_transport/sftd/groups.h"
 #include "shm_transport/sftd/host_memory.h"
+#include "shm_transport/sftd/iceoryx_errors.h"
 #include "shm_transport/sftd/log.h"
+#include "shm_transport/sftd/own_files.h"
 #include "shm_transport/sftd/roudi_host.h"
 #include "shm_transport/sftd/settings.h"
+#include "shm_transport/sftd/start_failure.h"
 
 namespace sft::shm {
-
-struct StartFailure {
-  ExitCode code;
-  std::string message;
-};
 
 class Daemon {
  public:
@@ -50,39 +42,34 @@ class Daemon {
   /// threads.
   End serve();
 
-  /// Removes every file of this daemon. The memory itself stays for the processes that still have it mapped,
-  /// and goes with the last of them. After this call the process must exit without destroying anything.
-  void remove_files(bool starts_again);
+  /// Removes the files of this daemon (OwnFiles::remove_all()). The memory itself stays for the processes
+  /// that still have it mapped, and goes with the last of them. After this call the process must exit without
+  /// destroying anything.
+  void remove_files(bool starts_again) { files_.remove_all(starts_again); }
   /// Waits until the programs that still use this daemon have noticed that it is gone. It is called after
   /// remove_files(), if the daemon starts afresh.
   void let_users_notice();
 
  private:
-  Daemon(const DaemonSettings& settings, const Log& log, FileLock daemon_lock, FileLock host_file,
-         Groups groups);
+  Daemon(const DaemonSettings& settings, const Log& log, OwnFiles files, Groups groups);
   std::optional<StartFailure> host(const PoolPlan& plan);
   bool announce();
   Result<void> admit_readers();
   void write_status();
-  void note_segments();
-  bool names_are_removed() const;
-  void check_names();
+  void check_files();
   std::optional<End> check_idle(std::chrono::steady_clock::time_point now);
 
   const DaemonSettings settings_;
   const Log& log_;
-  FileLock daemon_lock_;  ///< keeps other daemons out of this /tmp
-  FileLock host_file_;    ///< keeps other daemons out of this /dev/shm
+  OwnFiles files_;
   const Groups groups_;
   const std::int64_t since_ns_;
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   PoolPlan plan_;
   bool status_was_written_ = true;  ///< at the last attempt
-  dev_t shm_device_ = 0;            ///< the file system of the segments
-  bool names_removed_ = false;      ///< somebody has removed files of this daemon; nobody can join
-  std::vector<std::pair<std::string, ino_t>> segments_;  ///< the path and the inode of each segment
+  bool files_removed_ = false;      ///< somebody has removed files of this daemon, so nobody can join
 
-  iox::cxx::GenericRAII error_handler_;
+  IceoryxErrors errors_;
   std::optional<iox::posix::FileLock> roudi_lock_;  ///< keeps an iox-roudi from replacing the segments
   std::unique_ptr<HostMemory> memory_;
   std::unique_ptr<iox::roudi::PortManager> ports_;

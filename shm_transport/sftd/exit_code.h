@@ -15,9 +15,9 @@ enum class ExitCode : unsigned char {
 };
 
 inline constexpr const char* exit_codes_help =
-    "Exit codes: 0 done, or the daemon is already running; 1 /dev/shm is too small; 2 another iceoryx daemon "
-    "runs;\n"
-    "3 any other failure, with a message; 4 no sftd is running; 5 the daemon does not answer or end;\n"
-    "6 the daemon is another user's; 7 the configuration is wrong.";
+    "Exit codes: 0 done, or the daemon is already running; 1 /dev/shm is too small;\n"
+    "2 another iceoryx daemon runs; 3 any other failure, with a message; 4 no sftd\n"
+    "is running; 5 the daemon does not answer or end; 6 the daemon is another\n"
+    "user's; 7 the configuration is wrong.";
 
 }  // namespace sft::shm

@@ -1,0 +1,49 @@
+// The files by which programs find a daemon and its memory: the lock in /tmp, the host file in /dev/shm, and
+// the segments. Somebody may remove them while the daemon runs. Then no program can join it any more.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "shm_transport/host/file_lock.h"
+#include "shm_transport/host/host_file.h"
+
+namespace sft::shm {
+
+class OwnFiles {
+ public:
+  /// `segment`: the name of the segment of samples.
+  OwnFiles(FileLock daemon_lock, FileLock host_file, std::string segment)
+      : daemon_lock_(std::move(daemon_lock)),
+        host_file_(std::move(host_file)),
+        segment_(std::move(segment)) {}
+
+  /// Notes the segments after they were made, to see later whether somebody has removed them.
+  void note_segments();
+  /// Writes the host file, and says in the lock which daemon this is. Returns false if there is no space.
+  bool announce(const HostFile& file);
+
+  /// Returns whether somebody has removed any of the files. If another file system was mounted over /dev/shm,
+  /// nothing was removed. Then new programs say that they have another /dev/shm than this daemon, and the
+  /// daemon goes on to serve the old ones.
+  bool are_removed() const;
+
+  /// Removes all files of this daemon. If somebody has removed the files while this daemon ran, the files
+  /// with these names can belong to another daemon by now, and stay. `keep_lock`: programs do not start
+  /// another daemon while the lock exists.
+  void remove_all(bool keep_lock);
+  /// Releases the lock of the host file, so that programs notice that the daemon is gone.
+  void unlock_host_file() { host_file_.unlock(); }
+
+ private:
+  FileLock daemon_lock_;  ///< keeps other daemons out of this /tmp
+  FileLock host_file_;    ///< keeps other daemons out of this /dev/shm
+  const std::string segment_;
+  dev_t shm_device_ = 0;                              ///< the file system of the segments
+  std::vector<std::pair<std::string, ino_t>> noted_;  ///< the path and the inode of each segment
+};
+
+}  // namespace sft::shm

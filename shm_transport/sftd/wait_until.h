@@ -1,0 +1,20 @@
+// Waits for a condition that no event announces.
+#pragma once
+
+#include <chrono>
+#include <thread>
+
+namespace sft::shm {
+
+/// Looks at the condition each millisecond. Returns whether it came true before `timeout`.
+template <class Condition>
+bool wait_until(std::chrono::milliseconds timeout, Condition condition) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+}  // namespace sft::shm
