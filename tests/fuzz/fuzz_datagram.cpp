@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "sft/typesupport/decode.h"
+#include "sft/detail/decode.h"
 #include "tests/unit/udp/arrivals.h"
 #include "tests/unit/udp/live_streams.h"
 #include "tests/unit/udp/messages.h"

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <utility>
 
-#include "sft/typesupport/walk.h"
+#include "sft/detail/walk.h"
 
 namespace sft::udp {
 
