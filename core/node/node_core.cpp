@@ -315,7 +315,7 @@ Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_
     }
     reader.udp = std::move(*port);
     reader.udp->accept({{.wanted = {requirement.mask, endpoint.request.min_period_us}}});
-    reader.core->set_port(TransportKind::udp, reader.udp);
+    reader.core->ports().set(TransportKind::udp, reader.udp);
   }
   const std::shared_ptr<SubscriberCore> core = reader.core;
   if (options.pollable) poller_.add(core);

@@ -108,8 +108,8 @@ void Reconciler::remove(EndpointId id) {
   if (reader == readers_.end()) return;
   const SubscriberCore& core = *reader->second.core;
   dispatcher_.remove(core);
-  reader->second.core->set_port(TransportKind::udp, nullptr);
-  reader->second.core->set_port(TransportKind::shm, nullptr);
+  reader->second.core->ports().set(TransportKind::udp, nullptr);
+  reader->second.core->ports().set(TransportKind::shm, nullptr);
   if (core.is_called_back()) leaving_.push_back(std::move(reader->second));
   readers_.erase(reader);
 }
@@ -143,7 +143,7 @@ void Reconciler::rate_changed(EndpointId id) {
   const auto reader = readers_.find(id);
   if (reader == readers_.end()) return;
   reader->second.has_news = true;  // status() says it already
-  const std::uint32_t min_period_us = reader->second.core->min_period_us();
+  const std::uint32_t min_period_us = reader->second.core->ports().min_period_us();
   if (!negotiation_.rate_changed(id, min_period_us)) return;
   asks_for(reader->second, {reader->second.accepted.latest().mask, min_period_us});
   request_changed(id);
@@ -310,7 +310,7 @@ void Reconciler::drop_shm_ports() {
     writer.in_force.reset();
   }
   for (auto& [id, reader] : readers_) {
-    reader.core->set_port(TransportKind::shm, nullptr);
+    reader.core->ports().set(TransportKind::shm, nullptr);
     reader.shm.reset();
     for (auto& [writer, hearing] : reader.heard) hearing.shm = false;
     for (auto& [writer, connecting] : reader.connecting) connecting.shm = {};
@@ -338,9 +338,9 @@ void Reconciler::tell_what_happened() {
     if (std::exchange(writer.has_news, false)) tell(writer);
   }
   for (auto& [id, reader] : readers_) {
-    const std::uint64_t losses = reader.core->losses();
+    const std::uint64_t losses = reader.core->ports().losses();
     reader.has_news |= std::exchange(reader.losses_told, losses) != losses;
-    reader.has_news |= reader.core->held_too_many() != reader.told.held_too_many;
+    reader.has_news |= reader.core->ports().held_too_many() != reader.told.held_too_many;
     if (std::exchange(reader.has_news, false)) tell(reader);
   }
 }

@@ -169,7 +169,7 @@ Result<void> Reconciler::connect_shm(EndpointId id, Reader& reader, const Source
                            negotiation_.local(id)->doorbell, reader.core->spec().options.max_held});
     if (!port) return tl::unexpected(port.error());
     reader.shm = std::move(*port);
-    reader.core->set_port(TransportKind::shm, reader.shm);
+    reader.core->ports().set(TransportKind::shm, reader.shm);
   }
   return reader.shm->connect(source);
 }

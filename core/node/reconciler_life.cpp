@@ -25,8 +25,8 @@ void Reconciler::watch_promises(Now now) {
     tell_of_life(std::move(living), now);
   for (auto& [id, reader] : readers_) {
     for (auto& [writer, watch] : reader.watched) {
-      watch.look(reader.core->arrivals(writer), now);
-      reader.has_news |= reader.core->keeps_promises(writer, watch.deadlines_missed(), watch.alive());
+      watch.look(reader.core->ports().arrivals(writer), now);
+      reader.has_news |= reader.core->ports().keeps_promises(writer, watch.deadlines_missed(), watch.alive());
     }
   }
 }
@@ -143,7 +143,7 @@ void Reconciler::add_accounts_of(EndpointId own, std::set<AccountId>& accounts) 
 Account Reconciler::account(const AccountId& id) const {
   Account account{.id = id};
   if (id.said_by == Role::reader) {
-    account.by_reader = readers_.at(id.pair.reader).core->account_of(id.pair.writer);
+    account.by_reader = readers_.at(id.pair.reader).core->ports().account_of(id.pair.writer);
     return account;
   }
   const Delivered delivered = writers_.at(id.pair.writer).core->delivered(id.pair.reader);
@@ -191,7 +191,7 @@ bool Reconciler::is_deaf(EndpointId id, Reader& reader, const Hearing& hearing, 
   }
   const auto named = std::ranges::find(assertion.progress, writer, &Progress::writer);
   const bool lossy = !attached && !hearing.source.reliable;
-  std::uint64_t signs = reader.core->arrivals(writer);
+  std::uint64_t signs = reader.core->ports().arrivals(writer);
   if (lossy && udp_ != nullptr) signs += udp_->counters().incomplete;  // parts of it may come
   const ReaderPort* const by = attached ? reader.shm.get() : reader.udp.get();
   const bool awaits_history =
@@ -224,7 +224,7 @@ void Reconciler::restart(EndpointId id, Reader& reader, Hearing& hearing, Now no
   const bool was_attached = negotiation_.connection_changed(id, writer, TransportKind::shm, false);
   if (listened || was_attached) request_changed(id);
   dirty_ = true;
-  reader.core->restarted(writer);
+  reader.core->ports().restarted(writer);
   log_.write(LogLevel::warning, "topic " + in_quotes(reader.core->spec().topic) + ", node " +
                                     in_quotes(hearing.status.node) + ": it sends, but nothing arrives by " +
                                     to_string(attached ? TransportKind::shm : TransportKind::udp) +
@@ -240,7 +240,7 @@ void Reconciler::watch(Reader& reader) {
   });
   for (const auto& [writer, hearing] : reader.heard) {
     if (!hearing.status.matched || reader.watched.contains(writer)) continue;
-    const RequestWatch watch(hearing.offered, reader.requested, reader.core->arrivals(writer),
+    const RequestWatch watch(hearing.offered, reader.requested, reader.core->ports().arrivals(writer),
                              std::chrono::steady_clock::now());
     if (watch.pace()) reader.watched.emplace(writer, watch);
   }

@@ -79,8 +79,8 @@ class PathSwitch : public test::RandomTest {
  protected:
   explicit PathSwitch(std::chrono::nanoseconds diverted_patience = std::chrono::milliseconds(1))
       : patience(diverted_patience) {
-    subscriber.set_port(TransportKind::shm, shm_reader);
-    subscriber.set_port(TransportKind::udp, udp_reader);
+    subscriber.ports().set(TransportKind::shm, shm_reader);
+    subscriber.ports().set(TransportKind::udp, udp_reader);
   }
 
   std::size_t below(std::size_t end) { return random() % end; }

@@ -134,7 +134,7 @@ class ReconcilerTest : public ::testing::Test {
                                                                       .callback = std::move(callback),
                                                                       .rate_changed = [] {}},
                                                  bells->at(1), nullptr);
-    core->set_port(TransportKind::udp, port);
+    core->ports().set(TransportKind::udp, port);
     reconciler.add_reader(endpoint(Role::reader, id), {core, nullptr, port});
     reconciler.reconcile();
     return core;

@@ -44,7 +44,7 @@ TEST(DispatcherTest, EverySampleIsCalledBackForOnceWhileCallbacksMoveBetweenThre
                                                             .options = {},
                                                             .callback = call_back},
                                        bells->at(0), nullptr);
-  subscriber->set_port(TransportKind::udp, port);
+  subscriber->ports().set(TransportKind::udp, port);
   const auto receive = [&](std::uint64_t sequence) {
     SampleHandle sample = pool->take(256);
     sample->writer = 9;

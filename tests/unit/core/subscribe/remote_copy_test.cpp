@@ -93,7 +93,7 @@ TEST_F(RemoteCopyTest, IsNotMadeWithoutMemory) {
 
 class AsRemoteSubscriberTest : public RemoteCopyTest {
  protected:
-  AsRemoteSubscriberTest() { subscriber.set_port(TransportKind::shm, port); }
+  AsRemoteSubscriberTest() { subscriber.ports().set(TransportKind::shm, port); }
 
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   const std::shared_ptr<QueuePort> port = std::make_shared<QueuePort>();

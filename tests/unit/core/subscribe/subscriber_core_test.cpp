@@ -30,8 +30,8 @@ class SubscriberCoreTest : public ::testing::Test {
                                                                        .callback = std::move(callback),
                                                                        .rate_changed = [] {}},
                                                   bells->at(1), nullptr);
-    subscriber->set_port(TransportKind::shm, shm);
-    subscriber->set_port(TransportKind::udp, udp);
+    subscriber->ports().set(TransportKind::shm, shm);
+    subscriber->ports().set(TransportKind::udp, udp);
   }
 
   void arrives(QueuePort& port, std::uint64_t sequence, EndpointId writer = 9) {
@@ -111,7 +111,7 @@ TEST_F(SubscriberCoreTest, WhatWentByUdpToOthersIsNotWaitedForWhereNobodyListens
   arrives(*shm, 1);
   arrives_after_diverted(3, 2, realtime_ns());
   EXPECT_EQ(taken(), (Sequences{1, 3}));
-  subscriber->set_port(TransportKind::udp, nullptr);
+  subscriber->ports().set(TransportKind::udp, nullptr);
   arrives_after_diverted(5, 4, realtime_ns());
   EXPECT_EQ(taken(), (Sequences{5}));
 }
@@ -138,7 +138,7 @@ TEST_F(SubscriberCoreTest, WhatItsWriterSentBeforeIsFoundInSharedMemoryBehindSam
 TEST_F(SubscriberCoreTest, WhatAPortLostUnseenIsCountedAlsoWhenThePortIsGone) {
   shm->unnoticed = 5;
   EXPECT_EQ(subscriber->status().lost, 5U);
-  subscriber->set_port(TransportKind::shm, nullptr);
+  subscriber->ports().set(TransportKind::shm, nullptr);
   EXPECT_EQ(subscriber->status().lost, 5U);
 }
 

@@ -116,8 +116,8 @@ class SubscriberWakeUp : public WakeUp {
     spec.options.spin = spin;
     spec.poll_handle = std::move(poll_handle);
     subscriber_ = std::make_shared<SubscriberCore>(std::move(spec), bell(), nullptr);
-    subscriber_->set_port(TransportKind::shm, shm_);
-    subscriber_->set_port(TransportKind::udp, udp_);
+    subscriber_->ports().set(TransportKind::shm, shm_);
+    subscriber_->ports().set(TransportKind::udp, udp_);
   }
 
   /// One sample a round, on a thread of its own, while `receive` takes them on this one.

@@ -1,0 +1,160 @@
+#include "core/subscribe/intake.h"
+
+namespace sft::core {
+
+namespace {
+
+/// The next sample of the same writer is always newer, whatever was done to the writer's clock.
+bool is_newer(const SampleInfo& next, const SampleInfo& latest) {
+  return next.writer == latest.writer || next.source_stamp > latest.source_stamp;
+}
+
+bool goes_first(const SampleBuffer& a, const SampleBuffer& b) {
+  return a.writer == b.writer ? a.sequence < b.sequence : a.source_stamp_ns < b.source_stamp_ns;
+}
+
+}  // namespace
+
+TransportKind Intake::transport_of(Inlet inlet) {
+  return inlet == Inlet::udp ? TransportKind::udp : TransportKind::shm;
+}
+
+bool Intake::has_of(Inlet inlet, EndpointId writer) const {
+  return !is_empty(inlet) && head(inlet)->writer == writer;
+}
+
+/// A writer sends by UDP only what is for this subscriber: the writer has kept the maximum rate itself.
+Numbered Intake::numbered(Inlet inlet) const {
+  const SampleBuffer& buffer = *head(inlet);
+  return {.sequence = buffer.sequence,
+          .stamp_ns = buffer.source_stamp_ns,
+          .gated = inlet == Inlet::udp,
+          .min_period_us = buffer.min_period_us,
+          .ordinal = buffer.ordinal,
+          .oldest_retained = buffer.oldest_retained,
+          .numbering = buffer.numbering};
+}
+
+std::optional<Intake::Inlet> Intake::oldest() const {
+  std::optional<Inlet> oldest;
+  for (const Inlet inlet : {Inlet::shm, Inlet::udp, Inlet::overtaken}) {
+    if (!is_empty(inlet) && (!oldest || goes_first(*head(inlet), *head(*oldest)))) oldest = inlet;
+  }
+  return oldest;
+}
+
+bool Intake::follows(Inlet inlet) {
+  return accounts_.of(head(inlet)->writer).sequences.follows(numbered(inlet));
+}
+
+Intake::Decision Intake::next(LazyRealtime& now) {
+  const std::optional<Inlet> oldest = this->oldest();
+  if (!oldest) return Decision::nothing;
+  chosen_ = *oldest;
+  if (follows(chosen_)) return choose(chosen_, now);
+  if (chosen_ == Inlet::udp) return let_overtaken_go_first(now);
+  if (!may_wait(now)) return choose(chosen_, now);
+  asked_about_ = head(chosen_)->writer;
+  return Decision::ask_connected;
+}
+
+/// True if an earlier sample went by UDP and may still come, as far as the samples tell. None comes any more
+/// once a later one has come by UDP, and none was sent here before the subscriber began to hear the writer.
+/// Both clocks are this host's; if the clock is set meanwhile, nobody waits.
+bool Intake::may_wait(LazyRealtime& now) {
+  const SampleBuffer& buffer = *head(chosen_);
+  const Numbered diverted{.sequence = buffer.diverted_sequence, .stamp_ns = buffer.diverted_stamp_ns};
+  const Writer& from = accounts_.of(buffer.writer);
+  const bool was_diverted = diverted.sequence < buffer.sequence && diverted.stamp_ns >= from.since_ns &&
+                            from.sequences.is_new(diverted) && from.sequences.allows(diverted);
+  // Samples that go by UDP to this subscriber alone are not named, since its writer serves others in shared
+  // memory all the time. Only the path of the last sample tells of them.
+  if (!was_diverted && !from.last_by_udp) return false;
+  const std::int64_t age_ns = now.ns() - (was_diverted ? diverted.stamp_ns : buffer.source_stamp_ns);
+  if (age_ns < 0 || age_ns >= options_.patience.count()) return false;
+  return !has_of(Inlet::udp, buffer.writer);
+}
+
+Intake::Decision Intake::connected(bool is_connected, LazyRealtime& now) {
+  if (!is_connected) return choose(chosen_, now);
+  holds_back_ = true;
+  // The sample that is waited for may lie behind samples of other writers that came by UDP.
+  return is_empty(Inlet::udp) ? Decision::nothing : let_overtaken_go_first(now);
+}
+
+/// Chooses the sample that came by UDP, or an earlier one of its writer that lies in shared memory behind
+/// samples of other writers.
+Intake::Decision Intake::let_overtaken_go_first(LazyRealtime& now) {
+  const SampleBuffer& by_udp = *head(Inlet::udp);
+  if (!follows(Inlet::udp) && is_empty(Inlet::overtaken) && !has_of(Inlet::shm, by_udp.writer)) {
+    asked_about_ = by_udp.writer;
+    return Decision::ask_overtaken;
+  }
+  return choose_in_turn(now);
+}
+
+Intake::Decision Intake::overtaken(SampleHandle found, LazyRealtime& now) {
+  put(Inlet::overtaken, std::move(found));
+  return choose_in_turn(now);
+}
+
+Intake::Decision Intake::choose_in_turn(LazyRealtime& now) {
+  const SampleBuffer& by_udp = *head(Inlet::udp);
+  const bool is_earlier =
+      has_of(Inlet::overtaken, by_udp.writer) && head(Inlet::overtaken)->sequence < by_udp.sequence;
+  return choose(is_earlier ? Inlet::overtaken : Inlet::udp, now);
+}
+
+/// The sample of that inlet is the next one: delivers it, or drops it if it is not for the subscriber.
+Intake::Decision Intake::choose(Inlet inlet, LazyRealtime& now) {
+  chosen_ = inlet;
+  Writer& from = accounts_.of(head(inlet)->writer);
+  const Numbered sample = numbered(inlet);
+  const bool is_new = from.sequences.is_new(sample);  // false if both paths bring it while they are switched
+  const bool is_allowed = is_new && from.sequences.allows(sample);
+  const bool expired = is_allowed && is_expired(from, sample, now);
+  if (is_allowed && !expired) return Decision::deliver;
+  is_new ? accounts_.enter(from, sample, transport_of(inlet)) : from.sequences.refuse(sample);
+  if (expired) ++from.expired;
+  head(inlet).reset();
+  return Decision::dropped;
+}
+
+bool Intake::is_expired(const Writer& from, const Numbered& sample, LazyRealtime& now) {
+  return from.lifespan_ns != 0 && is_older(sample.stamp_ns, from.lifespan_ns, now.ns());
+}
+
+Taken Intake::take() {
+  const Numbered sample = numbered(chosen_);
+  const TransportKind transport = transport_of(chosen_);
+  SampleHandle& next = head(chosen_);
+  Writer& from = accounts_.of(next->writer);
+  accounts_.enter(from, sample, transport);
+  using Stamp = std::chrono::sys_time<std::chrono::nanoseconds>;
+  const SampleInfo info{.sequence = sample.sequence,
+                        .writer = from.id,
+                        .source_stamp = Stamp(std::chrono::nanoseconds(sample.stamp_ns)),
+                        .receive_stamp = Stamp(std::chrono::nanoseconds(next->receive_stamp_ns)),
+                        .lost_before = std::exchange(from.lost_untold, 0),
+                        .transport = transport};
+  if (transport == TransportKind::udp || !options_.copies_shm) ++from.received;
+  return {std::move(next), info};
+}
+
+void Intake::copied(const SampleInfo& info, bool is_delivered) {
+  is_delivered ? static_cast<void>(++accounts_.of(info.writer).received)
+               : accounts_.lose_entered(info.writer, info.lost_before);
+}
+
+void Intake::keep_newer(Taken& latest, Taken other) {
+  if (is_newer(other.info, latest.info)) std::swap(latest, other);
+  Writer& from = accounts_.of(other.info.writer);
+  if (other.info.transport == TransportKind::shm && options_.copies_shm) ++from.received;
+  from.lost_untold += other.info.lost_before;  // the next sample of that writer reports it
+}
+
+void Intake::report_losses(Taken& latest) {
+  latest.info.lost_before += std::exchange(accounts_.of(latest.info.writer).lost_untold, 0);
+}
+
+}  // namespace sft::core

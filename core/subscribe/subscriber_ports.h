@@ -1,0 +1,93 @@
+// The two ports of a subscriber and the intake of what they bring, behind one mutex. Any thread, except where
+// something is marked as the agent's. The mutex is held for a short time, never over a system call, a copy of
+// a sample or a callback.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "core/seam/transport.h"
+#include "core/subscribe/intake.h"
+#include "sft/typesupport/project.h"
+
+namespace sft::core {
+
+class SubscriberPorts {
+ public:
+  /// A sample that was taken. `asked` is not null if the sample has to be copied, reduced to what is asked
+  /// for, and then reported to copied().
+  struct Next : Taken {
+    std::shared_ptr<const ProjectionPlan> asked;
+  };
+
+  SubscriberPorts(const Intake::Options& options, FieldMask requested)
+      : intake_(options), requested_(std::move(requested)) {}
+
+  /// The next sample in order; empty if there is none.
+  Next take();
+  /// The newest sample; those before it are passed over.
+  Next take_latest();
+  bool available();
+  /// See Intake.
+  void copied(const SampleInfo& info, bool is_delivered);
+  std::shared_ptr<ReaderPort> udp() { return port(TransportKind::udp); }
+
+  void ask(std::uint32_t min_period_us);
+  std::uint32_t min_period_us();
+  FieldMask requested();
+  SubscriberStatus status();
+
+  // The agent's.
+  void set(TransportKind kind, std::shared_ptr<ReaderPort> port);
+  void hears(const std::vector<Hearing>& hearing);
+  /// The mask and the number of the request in force. `asked` is the mask as a plan, where samples are
+  /// copied.
+  void requests(const FieldMask& mask, std::uint64_t sequence, std::shared_ptr<const ProjectionPlan> asked);
+  /// Returns true if status() differs by it.
+  bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+  /// The connection to that writer was set up anew, because nothing arrived by it.
+  void restarted(EndpointId writer);
+  /// True if a sample was held back since this was called last.
+  bool take_held_back();
+  /// Grows whenever samples of some writer were lost.
+  std::uint64_t losses();
+  std::uint64_t held_too_many();
+  /// Changes whenever a sample of that writer has arrived.
+  std::uint64_t arrivals(EndpointId writer);
+  /// What has come of that writer.
+  Account::OfReader account_of(EndpointId writer);
+
+ private:
+  /// What ports have counted that no gap between samples shows.
+  struct Counts {
+    std::uint64_t lost = 0;
+    std::uint64_t discarded = 0;
+    std::uint64_t held_too_many = 0;
+    void add(const ReaderPort& port);
+  };
+
+  ReaderPort* at(TransportKind kind) const { return ports_[static_cast<std::size_t>(kind)].get(); }
+  std::shared_ptr<ReaderPort> port(TransportKind kind);
+  void fill(Intake::Inlet inlet, TransportKind kind);
+  bool find_next();
+  Next next();
+  Counts counts() const;
+  void tell_of_room();
+
+  std::mutex mutex_;
+  Intake intake_;
+  std::array<std::shared_ptr<ReaderPort>, 2> ports_;  ///< by TransportKind
+  Counts of_former_ports_;
+  FieldMask requested_;
+  std::shared_ptr<const ProjectionPlan> asked_;  ///< null where samples are delivered as they are
+  std::uint64_t requests_ = 1;
+  std::atomic<bool> writers_wait_{
+      false};  ///< some writer in shared memory waits for room; written under mutex_
+};
+
+}  // namespace sft::core

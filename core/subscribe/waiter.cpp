@@ -1,0 +1,52 @@
+#include "core/subscribe/waiter.h"
+
+namespace sft::core {
+
+using Clock = std::chrono::steady_clock;
+
+bool Waiter::wait_until(Time deadline) {
+  const Time now = Clock::now();
+  const std::chrono::nanoseconds spin =
+      spins_.load(std::memory_order_relaxed) ? spin_ : std::chrono::nanoseconds(0);
+  const Time spin_until = deadline - now < spin ? deadline : now + spin;
+  for (;;) {
+    const std::uint32_t seen = bell_.rings.load(std::memory_order_seq_cst);
+    const bool found = ports_.available();
+    if (found || Clock::now() >= deadline) {
+      if (found || spin_until < deadline) spins_.store(found, std::memory_order_relaxed);
+      return found;
+    }
+    const std::shared_ptr<ReaderPort> udp = ports_.udp();
+    if (udp != nullptr && udp->receive({bell_, seen, deadline, spin_until})) continue;
+    if (handle_ == nullptr && bell_.spin(seen, spin_until)) continue;
+    sleep_until(deadline);
+  }
+}
+
+void Waiter::sleep_until(Time deadline) {
+  if (handle_ == nullptr) {
+    bell_.wait(deadline, [this] { return ports_.available(); });
+  } else {  // the doorbell is shared with other subscribers, and is not rung for every sample
+    settle();
+    handle_->wait(deadline);
+  }
+}
+
+void Waiter::wake() {
+  bell_.ring();
+  if (const std::shared_ptr<ReaderPort> udp = ports_.udp()) udp->interrupt();
+}
+
+void Waiter::sample_arrived() { handle_ != nullptr ? handle_->raise() : bell_.ring(); }
+
+void Waiter::tell_if_available() {
+  if (ports_.available()) handle_->raise();
+}
+
+void Waiter::settle() {
+  if (ports_.available()) return;
+  handle_->lower();
+  tell_if_available();
+}
+
+}  // namespace sft::core

@@ -1,0 +1,114 @@
+#include "core/subscribe/writer_accounts.h"
+
+#include <algorithm>
+
+namespace sft::core {
+
+namespace {
+constexpr std::size_t departed_writers_kept = 64;  // their last samples may still be taken
+}  // namespace
+
+WriterAccounts::Writer& WriterAccounts::of(EndpointId writer) {
+  const auto known =
+      std::find_if(writers_.begin(), writers_.end(), [&](const Writer& w) { return w.id == writer; });
+  if (known != writers_.end()) return *known;
+  Writer& added = writers_.emplace_back();
+  added.id = writer;
+  added.sequences.ask(min_period_us_);
+  return added;
+}
+
+const WriterAccounts::Writer* WriterAccounts::find(EndpointId writer) const {
+  const auto known = std::ranges::find(writers_, writer, &Writer::id);
+  return known == writers_.end() ? nullptr : &*known;
+}
+
+void WriterAccounts::ask(std::uint32_t min_period_us) {
+  min_period_us_ = min_period_us;
+  for (Writer& writer : writers_) writer.sequences.ask(min_period_us);
+}
+
+void WriterAccounts::hears(const std::vector<Hearing>& hearing, std::int64_t now_ns) {
+  heard_.clear();
+  for (const Hearing& h : hearing) {
+    heard_.push_back(h.status);
+    Writer& writer = of(h.source.writer);
+    if (writer.since_ns == 0) writer.since_ns = now_ns;
+    writer.lifespan_ns = h.offered.lifespan.count();
+    // Where samples expire, nobody knows how many of the retained ones could still be had.
+    if (writer.lifespan_ns == 0) writer.sequences.owe(h.owed);
+  }
+  if (writers_.size() > heard_.size() + departed_writers_kept) forget_departed();
+}
+
+/// The id of a writer is random for each incarnation: a writer that has departed does not return.
+void WriterAccounts::forget_departed() {
+  std::erase_if(writers_, [this](const Writer& writer) {
+    const auto is_it = [&](const WriterStatus& heard) { return heard.id == writer.id; };
+    if (std::any_of(heard_.begin(), heard_.end(), is_it)) return false;
+    forgotten_.received += writer.received;
+    forgotten_.lost += writer.lost;
+    forgotten_.withheld += writer.withheld;
+    forgotten_.expired += writer.expired;
+    forgotten_.restarts += writer.restarts;
+    return true;
+  });
+}
+
+void WriterAccounts::enter(Writer& writer, const Numbered& sample, TransportKind by) {
+  const SequenceAccount::Missing missing = writer.sequences.enter(sample);
+  writer.lost += missing.lost;
+  writer.lost_untold += missing.lost;
+  losses_ += missing.lost;
+  writer.withheld += missing.withheld;
+  writer.last_by_udp = by == TransportKind::udp;
+}
+
+void WriterAccounts::lose_entered(EndpointId writer, std::uint64_t lost_before) {
+  Writer& from = of(writer);
+  ++from.lost;
+  ++losses_;
+  from.lost_untold += lost_before + 1;
+}
+
+bool WriterAccounts::keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive) {
+  Writer& from = of(writer);
+  const bool is_news = from.deadlines_missed != deadlines_missed || from.alive != alive;
+  from.deadlines_missed = deadlines_missed;
+  from.alive = alive;
+  return is_news;
+}
+
+void WriterAccounts::describe(SubscriberStatus& status) const {
+  status.max_rate_hz = min_period_us_ == 0 ? 0 : 1e6 / min_period_us_;
+  status.writers = heard_;
+  add(status, forgotten_);
+  for (const Writer& writer : writers_) {
+    add(status, writer);
+    for (WriterStatus& heard : status.writers) {
+      if (heard.id == writer.id) fill_in(heard, writer);
+    }
+  }
+}
+
+void WriterAccounts::add(SubscriberStatus& status, const Writer& writer) {
+  status.received += writer.received;
+  status.lost += writer.lost;
+  status.withheld += writer.withheld;
+  status.expired += writer.expired;
+  status.restarts += writer.restarts;
+}
+
+void WriterAccounts::fill_in(WriterStatus& status, const Writer& writer) {
+  status.received = writer.received;
+  status.lost = writer.lost;
+  status.withheld = writer.withheld;
+  status.expired = writer.expired;
+  status.deadlines_missed = writer.deadlines_missed;
+  status.restarts = writer.restarts;
+  if (writer.alive || !status.alive) return;
+  status.alive = false;
+  status.reason = "no sign of life within its lease";
+}
+
+}  // namespace sft::core

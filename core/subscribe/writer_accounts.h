@@ -1,0 +1,70 @@
+// What one subscriber has counted of each writer that it hears, and how each writer keeps its promises. Pure.
+// Not safe for threads: subscriber_ports.h guards it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/negotiation/negotiation.h"
+#include "core/subscribe/sequence_account.h"
+#include "sft/status.h"
+
+namespace sft::core {
+
+class WriterAccounts {
+ public:
+  struct Writer {
+    EndpointId id = 0;
+    SequenceAccount sequences;
+    bool last_by_udp = false;  ///< the sample that was entered last came by UDP
+    std::uint64_t received = 0;
+    std::uint64_t lost = 0;
+    std::uint64_t withheld = 0;
+    std::uint64_t lost_untold = 0;  ///< part of `lost` that no delivered sample has reported yet
+    std::uint64_t expired = 0;
+    std::int64_t since_ns = 0;     ///< when the subscriber began to hear the writer
+    std::int64_t lifespan_ns = 0;  ///< of the samples that the writer sends; 0: they do not expire
+    std::uint64_t deadlines_missed = 0;
+    std::uint64_t restarts = 0;
+    bool alive = true;
+  };
+
+  explicit WriterAccounts(std::uint32_t min_period_us) : min_period_us_(min_period_us) {}
+
+  /// The account of that writer, which is opened if there is none. Valid until the next call.
+  Writer& of(EndpointId writer);
+  /// Null if nothing was ever heard of that writer.
+  const Writer* find(EndpointId writer) const;
+
+  /// The subscriber asks for one sample in each such period from now on; 0: for all samples.
+  void ask(std::uint32_t min_period_us);
+  std::uint32_t min_period_us() const { return min_period_us_; }
+  /// The writers that are heard from now on, others excluded.
+  void hears(const std::vector<Hearing>& hearing, std::int64_t now_ns);
+
+  /// Enters a new sample in its writer's account, and counts what is missing before that sample.
+  void enter(Writer& writer, const Numbered& sample, TransportKind by);
+  /// A sample that was entered could not be delivered after all.
+  void lose_entered(EndpointId writer, std::uint64_t lost_before);
+
+  /// Returns true if status() differs by it.
+  bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
+
+  /// Samples that were lost so far, of all writers.
+  std::uint64_t losses() const { return losses_; }
+  /// Adds the counts of all writers, and fills in `writers`.
+  void describe(SubscriberStatus& status) const;
+
+ private:
+  void forget_departed();
+  static void add(SubscriberStatus& status, const Writer& writer);
+  static void fill_in(WriterStatus& status, const Writer& writer);
+
+  std::uint32_t min_period_us_;
+  std::vector<Writer> writers_;
+  std::vector<WriterStatus> heard_;  ///< as the negotiation describes the writers that are heard at present
+  Writer forgotten_;                 ///< sums of the writers that were forgotten
+  std::uint64_t losses_ = 0;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,159 @@
+// Which thread calls a subscriber's callback, and when nobody calls it any more.
+#include "core/subscribe/callback_dispatch.h"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <functional>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <thread>
+
+#include "core/seam/buffer_pool.h"
+#include "tests/support/eventually.h"
+
+namespace sft::core {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using Caller = CallbackDispatch::Caller;
+
+class CallbackDispatchTest : public ::testing::Test {
+ protected:
+  /// As many samples as have come and were not taken.
+  struct Samples {
+    untyped::Sample take() {
+      if (count == 0) return {};
+      --count;
+      SampleHandle sample = pool->take(256);
+      sample->mask = type.full();
+      return untyped::Sample(sample.release(), type, {}, nullptr);
+    }
+    bool available() {
+      if (on_look) std::exchange(on_look, {})();
+      return count > 0;
+    }
+
+    const TypeSupport type{TypeTable<PointCloud2>::type};
+    const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 20);
+    int count = 0;
+    std::function<void()> on_look;  ///< once, before the next look
+  };
+
+  bool dispatch(Caller caller) { return callbacks.dispatch(caller, samples); }
+  static void take_long() {
+    const Time until = std::chrono::steady_clock::now() + std::chrono::milliseconds(1);
+    while (std::chrono::steady_clock::now() < until) {
+    }
+  }
+
+  Samples samples;
+  int calls = 0;
+  std::function<void()> in_callback;
+  const untyped::Callback callback = [this](untyped::Sample&&) {
+    ++calls;
+    if (in_callback) in_callback();
+  };
+  CallbackDispatch callbacks{callback};
+};
+
+TEST_F(CallbackDispatchTest, EverySampleIsCalledBackFor) {
+  samples.count = 3;
+  EXPECT_TRUE(dispatch(Caller::transport));
+  EXPECT_EQ(calls, 3);
+  EXPECT_TRUE(callbacks.is_idle());
+}
+
+TEST_F(CallbackDispatchTest, AThreadKnowsThatItIsWithinACallbackOfAnySubscriber) {
+  bool inside = false;
+  in_callback = [&] { inside = CallbackDispatch::in_callback(); };
+  samples.count = 1;
+  dispatch(Caller::transport);
+  EXPECT_TRUE(inside);
+  EXPECT_FALSE(CallbackDispatch::in_callback());
+}
+
+TEST_F(CallbackDispatchTest, ASampleThatArrivesWithinACallbackIsCalledBackForAfterIt) {
+  int depth = 0;
+  in_callback = [&] {
+    EXPECT_EQ(depth++, 0);
+    if (calls == 1) {
+      ++samples.count;
+      EXPECT_TRUE(dispatch(Caller::transport)) << "the outer call goes on";
+      EXPECT_EQ(calls, 1);
+    }
+    --depth;
+  };
+  samples.count = 1;
+  dispatch(Caller::transport);
+  EXPECT_EQ(calls, 2);
+}
+
+// A thread that looks while the last callback ends leaves the sample to the thread that dispatches.
+TEST_F(CallbackDispatchTest, ASampleThatArrivesJustAfterTheLastCallbackIsNotForgotten) {
+  samples.on_look = [&] { ++samples.count; };
+  EXPECT_TRUE(dispatch(Caller::transport));
+  EXPECT_EQ(calls, 1);
+}
+
+TEST_F(CallbackDispatchTest, AfterASlowCallbackTheRestIsForTheDispatcher) {
+  in_callback = [&] {
+    if (calls == 1) take_long();
+  };
+  samples.count = 2;
+  EXPECT_FALSE(dispatch(Caller::transport));
+  EXPECT_EQ(calls, 1);
+  EXPECT_TRUE(callbacks.is_slow());
+  EXPECT_TRUE(callbacks.is_idle());
+  EXPECT_TRUE(dispatch(Caller::dispatcher));
+  EXPECT_EQ(calls, 2);
+}
+
+TEST_F(CallbackDispatchTest, AfterAHundredQuickCallbacksInARowTheyAreQuickAgain) {
+  in_callback = [&] {
+    if (calls == 1) take_long();
+  };
+  samples.count = 1;
+  dispatch(Caller::transport);
+  for (int i = 0; i < 1000 && callbacks.is_slow(); ++i) {  // a busy machine may take long now and then
+    samples.count = 1;
+    dispatch(Caller::dispatcher);
+  }
+  EXPECT_FALSE(callbacks.is_slow());
+  EXPECT_GT(calls, 100);
+}
+
+TEST_F(CallbackDispatchTest, OnceItIsClosedNobodyIsCalledBack) {
+  in_callback = [&] {
+    callbacks.close();
+    callbacks.wait_for_end();  // returns at once, since this is the callback
+  };
+  samples.count = 2;
+  dispatch(Caller::transport);
+  EXPECT_EQ(calls, 1);
+  dispatch(Caller::dispatcher);
+  EXPECT_EQ(calls, 1);
+  EXPECT_FALSE(callbacks.is_idle());
+}
+
+TEST_F(CallbackDispatchTest, WhoeverClosesItWaitsForTheCallbackOfAnotherThread) {
+  std::atomic<bool> goes_on{false}, ended{false};
+  std::atomic<bool> begun{false};
+  in_callback = [&] {
+    begun = true;
+    EXPECT_TRUE(test::eventually([&] { return goes_on.load(); }));
+    ended = true;
+  };
+  samples.count = 1;
+  std::thread transport([&] { dispatch(Caller::transport); });
+  EXPECT_TRUE(test::eventually([&] { return begun.load(); }));
+  EXPECT_TRUE(callbacks.is_called_back());
+  callbacks.close();
+  goes_on = true;
+  callbacks.wait_for_end();
+  EXPECT_TRUE(ended);
+  EXPECT_FALSE(callbacks.is_called_back());
+  transport.join();
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,594 @@
+// The order between the two paths of a subscriber, and what counts as lost, without ports, clocks or threads.
+#include "core/subscribe/intake.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/seam/buffer_pool.h"
+#include "tests/support/test_seed.h"
+
+namespace sft::core {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using Decision = Intake::Decision;
+using Inlet = Intake::Inlet;
+
+struct Sent {
+  std::uint64_t sequence = 0;
+  EndpointId writer = 9;
+  std::int64_t stamp_ns = 0;  ///< 0: as the sequence
+  std::uint64_t diverted = 0;
+  std::int64_t diverted_ns = 0;
+  std::uint32_t numbering = 0;
+};
+
+/// Two queues that the test fills stand for the two ports. The test sets the time.
+class IntakeTest : public sft::test::RandomTest {
+ protected:
+  void by_shm(const Sent& sent) { shm.push_back(sample(sent)); }
+  void by_udp(const Sent& sent) { udp.push_back(sample(sent)); }
+
+  /// One decision about the samples that have come, without answers to what it asks.
+  Decision decide() {
+    fill();
+    LazyRealtime now(now_ns);
+    return intake->next(now);
+  }
+  Decision answer_connected(bool yes) {
+    LazyRealtime now(now_ns);
+    return intake->connected(yes, now);
+  }
+  Decision answer_overtaken(SampleHandle found) {
+    LazyRealtime now(now_ns);
+    return intake->overtaken(std::move(found), now);
+  }
+  /// Answers questions until a sample can be taken; empty if none can.
+  Taken take() {
+    Decision decision = decide();
+    for (;; decision = follow_up(decision)) {
+      if (decision == Decision::deliver) return intake->take();
+      if (decision == Decision::nothing) return {};
+    }
+  }
+  std::vector<std::uint64_t> taken() {
+    std::vector<std::uint64_t> sequences;
+    for (Taken next = take(); next.sample; next = take()) sequences.push_back(next.info.sequence);
+    return sequences;
+  }
+  Taken latest() {
+    Taken newest = take();
+    for (Taken next = take(); next.sample; next = take()) intake->keep_newer(newest, std::move(next));
+    intake->report_losses(newest);
+    return newest;
+  }
+
+  void hear(EndpointId writer, std::chrono::nanoseconds lifespan = {}, std::uint32_t owed = 0) {
+    Hearing hearing;
+    hearing.source.writer = hearing.status.id = writer;
+    hearing.offered.lifespan = lifespan;
+    hearing.owed = owed;
+    intake->accounts().hears({hearing}, now_ns);
+  }
+  SubscriberStatus status() const {
+    SubscriberStatus counted;
+    intake->accounts().describe(counted);
+    return counted;
+  }
+  void reopen(const Intake::Options& options) { intake.emplace(options); }
+
+  SampleHandle sample(const Sent& sent) {
+    SampleHandle made = pool->take(256);
+    made->writer = sent.writer;
+    made->sequence = sent.sequence;
+    made->source_stamp_ns = sent.stamp_ns == 0 ? static_cast<std::int64_t>(sent.sequence) : sent.stamp_ns;
+    made->diverted_sequence = sent.diverted;
+    made->diverted_stamp_ns = sent.diverted_ns;
+    made->numbering = sent.numbering;
+    return made;
+  }
+
+  static constexpr std::int64_t patience_ns = 1000;
+  static constexpr Intake::Options usual{.patience = std::chrono::nanoseconds(patience_ns)};
+  const std::shared_ptr<BufferPool> pool = BufferPool::make(64 << 20);
+  std::deque<SampleHandle> shm, udp;
+  bool is_connected = true;  ///< by UDP, to all writers
+  std::int64_t now_ns = 0;
+  std::optional<Intake> intake{std::in_place, usual};
+
+ private:
+  void fill() {
+    const auto fill_one = [&](Inlet inlet, std::deque<SampleHandle>& queue) {
+      if (!intake->is_empty(inlet) || queue.empty()) return;
+      intake->put(inlet, std::move(queue.front()));
+      queue.pop_front();
+    };
+    fill_one(Inlet::shm, shm);
+    fill_one(Inlet::udp, udp);
+  }
+  Decision follow_up(Decision decision) {
+    if (decision == Decision::ask_connected) return answer_connected(is_connected);
+    if (decision == Decision::ask_overtaken) return answer_overtaken(first_in_shm(intake->asked_about()));
+    return decide();
+  }
+  SampleHandle first_in_shm(EndpointId writer) {
+    const auto found = std::ranges::find_if(shm, [&](const auto& s) { return s->writer == writer; });
+    if (found == shm.end()) return {};
+    SampleHandle first = std::move(*found);
+    shm.erase(found);
+    return first;
+  }
+};
+
+TEST_F(IntakeTest, SamplesOfOneWriterComeByRisingSequenceWhicheverPathBringsThem) {
+  by_udp({1});
+  by_shm({2});
+  by_udp({3});
+  by_shm({4});
+  EXPECT_THAT(taken(), ElementsAre(1, 2, 3, 4));
+  EXPECT_EQ(status().received, 4U);
+  EXPECT_EQ(status().lost, 0U);
+}
+
+TEST_F(IntakeTest, BetweenWritersTheOlderStampGoesFirst) {
+  by_shm({.sequence = 1, .writer = 8, .stamp_ns = 30});
+  by_udp({.sequence = 1, .writer = 9, .stamp_ns = 20});
+  by_udp({.sequence = 2, .writer = 9, .stamp_ns = 40});
+  std::vector<EndpointId> writers;
+  for (Taken next = take(); next.sample; next = take()) writers.push_back(next.info.writer);
+  EXPECT_THAT(writers, ElementsAre(9, 8, 9));
+}
+
+TEST_F(IntakeTest, ASampleTellsWhereItCameFrom) {
+  by_shm({.sequence = 1, .stamp_ns = 5});
+  by_udp({.sequence = 2, .stamp_ns = 6});
+  udp.back()->receive_stamp_ns = 7;
+  EXPECT_EQ(take().info.transport, TransportKind::shm);
+  const SampleInfo second = take().info;
+  EXPECT_EQ(second.transport, TransportKind::udp);
+  EXPECT_EQ(second.writer, 9U);
+  EXPECT_EQ(second.source_stamp.time_since_epoch().count(), 6);
+  EXPECT_EQ(second.receive_stamp.time_since_epoch().count(), 7);
+}
+
+TEST_F(IntakeTest, ASampleThatBothPathsBringIsTakenOnce) {
+  by_udp({1});
+  by_udp({2});
+  by_shm({2});
+  by_shm({3});
+  EXPECT_THAT(taken(), ElementsAre(1, 2, 3));
+  EXPECT_EQ(status().received, 3U);
+  EXPECT_EQ(status().lost, 0U);
+}
+
+TEST_F(IntakeTest, EveryDropOfASampleIsADecisionAfterWhichTheInletsAreFilledAnew) {
+  by_shm({1});
+  ASSERT_EQ(decide(), Decision::deliver);
+  intake->take();
+  by_shm({1});
+  by_shm({2});
+  EXPECT_EQ(decide(), Decision::dropped);
+  EXPECT_TRUE(intake->is_empty(Inlet::shm));
+  EXPECT_EQ(decide(), Decision::deliver);
+}
+
+/// The first sample has come in shared memory. The third one lies there, too, and names the second one as
+/// diverted.
+class DivertedTest : public IntakeTest {
+ protected:
+  DivertedTest() {
+    by_shm({1});
+    EXPECT_THAT(taken(), ElementsAre(1));
+    now_ns = 10;
+    by_shm({.sequence = 3, .diverted = 2, .diverted_ns = 5});
+  }
+};
+
+TEST_F(DivertedTest, ASampleInSharedMemoryWaitsForAnEarlierOneThatWentByUdp) {
+  EXPECT_EQ(decide(), Decision::ask_connected);
+  EXPECT_EQ(intake->asked_about(), 9U);
+  EXPECT_EQ(answer_connected(true), Decision::nothing);
+  by_udp({2});
+  EXPECT_THAT(taken(), ElementsAre(2, 3));
+  EXPECT_EQ(status().lost, 0U);
+}
+
+TEST_F(DivertedTest, ThatASampleWasHeldBackIsToldOnce) {
+  EXPECT_FALSE(intake->take_held_back());
+  EXPECT_FALSE(take().sample);
+  EXPECT_TRUE(intake->take_held_back());
+  EXPECT_FALSE(intake->take_held_back());
+}
+
+TEST_F(DivertedTest, WhileASampleWaitsThoseOfOtherWritersThatCameByUdpGoFirst) {
+  by_udp({.sequence = 1, .writer = 8, .stamp_ns = 100});
+  by_udp({2});
+  EXPECT_THAT(taken(), ElementsAre(1, 2, 3));
+}
+
+TEST_F(DivertedTest, NobodyWaitsForAWriterThatIsNotConnectedByUdp) {
+  is_connected = false;
+  EXPECT_THAT(taken(), ElementsAre(3));
+  EXPECT_EQ(status().lost, 1U);
+  EXPECT_FALSE(intake->take_held_back());
+}
+
+TEST_F(DivertedTest, NobodyWaitsLongerThanThePatienceSinceTheDivertedSampleWasSent) {
+  now_ns = 5 + patience_ns - 1;
+  EXPECT_FALSE(take().sample);
+  now_ns = 5 + patience_ns;
+  EXPECT_THAT(taken(), ElementsAre(3));
+  EXPECT_EQ(status().lost, 1U);
+}
+
+TEST_F(DivertedTest, NobodyWaitsWhereTheClockWasSetBack) {
+  now_ns = 4;
+  EXPECT_THAT(taken(), ElementsAre(3));
+}
+
+TEST_F(DivertedTest, NobodyWaitsOnceALaterSampleOfTheWriterHasComeByUdp) {
+  by_udp({4});
+  EXPECT_THAT(taken(), ElementsAre(3, 4));
+  EXPECT_EQ(status().lost, 1U);
+}
+
+TEST_F(IntakeTest, ADivertedSampleThatHasComeIsNotWaitedFor) {
+  by_shm({1});
+  by_udp({2});
+  by_shm({.sequence = 3, .diverted = 2});
+  by_shm({.sequence = 5, .diverted = 2});
+  EXPECT_THAT(taken(), ElementsAre(1, 2, 3, 5));
+  EXPECT_EQ(status().lost, 1U);
+}
+
+TEST_F(IntakeTest, WhatWasDivertedBeforeTheWriterWasHeardIsNotWaitedFor) {
+  now_ns = 10;
+  hear(9);
+  by_shm({.sequence = 2, .diverted = 1, .diverted_ns = 9});
+  EXPECT_THAT(taken(), ElementsAre(2));
+  EXPECT_EQ(status().lost, 0U);
+}
+
+TEST_F(IntakeTest, ADivertedSampleThatTheMaximumRateDoesNotAllowIsNotWaitedFor) {
+  reopen({.patience = std::chrono::nanoseconds(patience_ns), .min_period_us = 1});
+  by_shm({.sequence = 1, .stamp_ns = 10'000});
+  by_shm({.sequence = 2, .stamp_ns = 10'100});
+  by_shm({.sequence = 4, .stamp_ns = 13'000, .diverted = 3, .diverted_ns = 10'200});
+  now_ns = 10'300;
+  EXPECT_THAT(taken(), ElementsAre(1, 2, 4)) << "a period may be saved, but not a second one";
+}
+
+// A writer that serves others in shared memory all the time names no sample that went by UDP to us alone.
+TEST_F(IntakeTest, AfterASampleThatCameByUdpAGapInSharedMemoryIsWaitedForToo) {
+  by_udp({1});
+  EXPECT_THAT(taken(), ElementsAre(1));
+  by_shm({3});
+  now_ns = 3 + patience_ns - 1;
+  EXPECT_THAT(taken(), IsEmpty());
+  by_udp({2});
+  EXPECT_THAT(taken(), ElementsAre(2, 3));
+  by_shm({5});
+  EXPECT_THAT(taken(), ElementsAre(5)) << "the last one came in shared memory";
+}
+
+TEST_F(IntakeTest, ASampleThatFollowsIsDeliveredWithoutAQuestion) {
+  by_shm({1});
+  by_shm({.sequence = 2, .diverted = 1});
+  EXPECT_EQ(decide(), Decision::deliver);
+  intake->take();
+  EXPECT_EQ(decide(), Decision::deliver);
+}
+
+TEST_F(IntakeTest, EarlierSamplesThatLieBehindOthersInSharedMemoryGoBeforeTheOneThatCameByUdp) {
+  by_shm({.sequence = 1, .writer = 8, .stamp_ns = 100});
+  by_shm({1});
+  by_shm({2});
+  by_udp({3});
+  ASSERT_EQ(decide(), Decision::ask_overtaken);
+  EXPECT_EQ(intake->asked_about(), 9U);
+  EXPECT_THAT(taken(), ElementsAre(1, 2, 3, 1));
+  EXPECT_EQ(status().lost, 0U);
+}
+
+TEST_F(IntakeTest, SharedMemoryIsNotLookedThroughIfTheWritersNextSampleIsTheFirstThere) {
+  by_shm({.sequence = 4, .stamp_ns = 50});
+  by_udp({.sequence = 2, .stamp_ns = 20});
+  EXPECT_EQ(decide(), Decision::deliver);
+  EXPECT_EQ(intake->take().info.sequence, 2U);
+}
+
+TEST_F(IntakeTest, IfNothingEarlierIsFoundTheSampleThatCameByUdpIsNext) {
+  by_udp({3});
+  ASSERT_EQ(decide(), Decision::ask_overtaken);
+  EXPECT_EQ(answer_overtaken({}), Decision::deliver);
+  EXPECT_EQ(intake->take().info.sequence, 3U);
+}
+
+TEST_F(IntakeTest, ALaterSampleThatIsFoundInSharedMemoryIsKeptForItsTurn) {
+  by_shm({.sequence = 1, .writer = 8, .stamp_ns = 100});
+  by_shm({5});
+  by_udp({3});
+  EXPECT_THAT(taken(), ElementsAre(3, 5, 1));
+  EXPECT_EQ(status().lost, 1U) << "the fourth one";
+}
+
+TEST_F(IntakeTest, TheNextSampleReportsTheGapBeforeIt) {
+  by_udp({5});
+  by_udp({8});
+  EXPECT_EQ(take().info.lost_before, 0U) << "nobody knows what was sent before the first one";
+  EXPECT_EQ(take().info.lost_before, 2U);
+  EXPECT_EQ(status().lost, 2U);
+  EXPECT_EQ(intake->accounts().losses(), 2U);
+}
+
+TEST_F(IntakeTest, EveryWriterHasItsOwnSequence) {
+  by_udp({.sequence = 5, .writer = 9});
+  by_udp({.sequence = 6, .writer = 10});
+  by_udp({.sequence = 7, .writer = 9});
+  EXPECT_THAT(taken(), ElementsAre(5, 6, 7));
+  EXPECT_EQ(status().lost, 1U);
+}
+
+TEST_F(IntakeTest, RetainedSamplesThatWereOwedAndDidNotComeAreLost) {
+  hear(9, {}, 3);
+  by_udp({10});
+  EXPECT_EQ(take().info.lost_before, 3U);
+}
+
+TEST_F(IntakeTest, WhereSamplesExpireNobodyKnowsHowManyWereOwed) {
+  hear(9, std::chrono::minutes(1), 3);
+  by_udp({10});
+  EXPECT_EQ(take().info.lost_before, 0U);
+}
+
+TEST_F(IntakeTest, AnExpiredSampleIsDroppedAndCountsAsExpiredAndNotAsLost) {
+  hear(9, std::chrono::nanoseconds(100));
+  now_ns = 1000;
+  by_udp({.sequence = 1, .stamp_ns = 899});
+  by_udp({.sequence = 2, .stamp_ns = 900});
+  EXPECT_THAT(taken(), ElementsAre(2));
+  EXPECT_EQ(status().expired, 1U);
+  EXPECT_EQ(status().lost, 0U);
+  EXPECT_EQ(status().writers.at(0).expired, 1U);
+}
+
+TEST_F(IntakeTest, WhatIsMissingBeforeAnExpiredSampleIsReportedByTheNextOneThatIsDelivered) {
+  hear(9, std::chrono::nanoseconds(100));
+  now_ns = 1000;
+  by_udp({.sequence = 1, .stamp_ns = 950});
+  by_udp({.sequence = 4, .stamp_ns = 1});
+  by_udp({.sequence = 5, .stamp_ns = 960});
+  EXPECT_EQ(take().info.lost_before, 0U);
+  EXPECT_EQ(take().info.lost_before, 2U);
+}
+
+TEST_F(IntakeTest, TheMaximumRateWithholdsSamplesInSharedMemoryAndNoneThatItsWriterHasSentByUdp) {
+  reopen({.patience = std::chrono::nanoseconds(patience_ns), .min_period_us = 1});
+  for (std::uint64_t i = 1; i <= 10; ++i)
+    by_shm({.sequence = i, .stamp_ns = 100'000 + static_cast<std::int64_t>(i)});
+  EXPECT_THAT(taken(), ElementsAre(1, 2));
+  EXPECT_EQ(status().withheld, 8U);
+  for (std::uint64_t i = 11; i <= 20; ++i)
+    by_udp({.sequence = i, .stamp_ns = 100'000 + static_cast<std::int64_t>(i)});
+  EXPECT_EQ(taken().size(), 10U);
+  EXPECT_EQ(status().withheld, 8U);
+  EXPECT_EQ(status().lost, 0U);
+}
+
+TEST_F(IntakeTest, AMaximumRateThatIsAskedForLaterHoldsForWritersThatAreHeardAndForNewOnes) {
+  by_shm({.sequence = 1, .stamp_ns = 1000});
+  EXPECT_EQ(taken().size(), 1U);
+  intake->accounts().ask(1'000'000);
+  for (const EndpointId writer : {9U, 10U}) {
+    for (std::uint64_t i = 2; i <= 10; ++i)
+      by_shm({.sequence = i, .writer = writer, .stamp_ns = 1000 + static_cast<std::int64_t>(i)});
+  }
+  EXPECT_LE(taken().size(), 4U);
+  EXPECT_EQ(status().max_rate_hz, 1.0);
+}
+
+TEST_F(IntakeTest, SequencesThatBeginAnewByTheWordOfTheTransportAreBelieved) {
+  by_udp({1000});
+  by_udp({.sequence = 1, .numbering = 1});
+  by_udp({.sequence = 2, .numbering = 1});
+  EXPECT_THAT(taken(), ElementsAre(1000, 1, 2));
+  EXPECT_EQ(status().lost, 0U);
+}
+
+TEST_F(IntakeTest, TheSecondSampleInARowThatIsFarBehindTellsThatAForgedNumberWasAhead) {
+  constexpr std::uint64_t forged = std::uint64_t{1} << 40;
+  by_udp({1});
+  by_udp({forged});
+  by_udp({2});
+  by_udp({3});
+  EXPECT_THAT(taken(), ElementsAre(1, forged, 3));
+}
+
+TEST_F(IntakeTest, TheLatestSampleReportsTheLossesOfThoseThatWerePassedOver) {
+  for (const std::uint64_t sequence : {1U, 3U, 4U}) by_udp({sequence});
+  const Taken newest = latest();
+  EXPECT_EQ(newest.info.sequence, 4U);
+  EXPECT_EQ(newest.info.lost_before, 1U);
+  EXPECT_EQ(status().received, 3U);
+}
+
+TEST_F(IntakeTest, TheLatestOfSeveralWritersIsTheOneThatWasPublishedLast) {
+  by_udp({.sequence = 1, .writer = 9, .stamp_ns = 100});
+  by_udp({.sequence = 1, .writer = 10, .stamp_ns = 300});
+  by_udp({.sequence = 2, .writer = 9, .stamp_ns = 200});
+  EXPECT_EQ(latest().info.writer, 10U);
+}
+
+TEST_F(IntakeTest, TheLatestOfOneWriterHasTheHighestSequenceEvenIfTheClockWasSetBack) {
+  by_udp({.sequence = 1, .stamp_ns = 300});
+  by_udp({.sequence = 2, .stamp_ns = 100});
+  EXPECT_EQ(latest().info.sequence, 2U);
+}
+
+TEST_F(IntakeTest, LossesOfAWriterThatWasPassedOverAreReportedByItsNextSample) {
+  by_udp({.sequence = 1, .writer = 9, .stamp_ns = 100});
+  by_udp({.sequence = 5, .writer = 9, .stamp_ns = 200});
+  by_udp({.sequence = 1, .writer = 10, .stamp_ns = 300});
+  EXPECT_EQ(latest().info.lost_before, 0U);
+  by_udp({.sequence = 7, .writer = 9, .stamp_ns = 400});
+  EXPECT_EQ(take().info.lost_before, 4U);
+}
+
+TEST_F(IntakeTest, ASampleThatIsCopiedCountsAsReceivedOnceTheCopyIsDelivered) {
+  reopen({.copies_shm = true});
+  by_shm({1});
+  const Taken next = take();
+  EXPECT_EQ(status().received, 0U);
+  intake->copied(next.info, true);
+  EXPECT_EQ(status().received, 1U);
+  by_udp({2});
+  take();
+  EXPECT_EQ(status().received, 2U) << "what comes by UDP is not copied";
+}
+
+TEST_F(IntakeTest, ASampleThatCouldNotBeCopiedIsLostAndTheNextOneReportsItWithTheGapBeforeIt) {
+  reopen({.copies_shm = true});
+  by_shm({1});
+  by_shm({3});
+  by_shm({4});
+  intake->copied(take().info, true);
+  intake->copied(take().info, false);
+  EXPECT_EQ(take().info.lost_before, 2U);
+  EXPECT_EQ(status().lost, 2U);
+  EXPECT_EQ(intake->accounts().losses(), 2U);
+}
+
+TEST_F(IntakeTest, CopiedSamplesThatArePassedOverCountAsReceived) {
+  reopen({.copies_shm = true});
+  for (const std::uint64_t sequence : {1U, 2U, 3U}) by_shm({sequence});
+  const Taken newest = latest();
+  EXPECT_EQ(status().received, 2U);
+  intake->copied(newest.info, true);
+  EXPECT_EQ(status().received, 3U);
+}
+
+TEST_F(IntakeTest, CountsOfWritersThatDepartedRemainInTheSumsAfterTheWritersWereForgotten) {
+  for (EndpointId writer = 100; writer < 200; ++writer) {
+    by_udp({.sequence = 1, .writer = writer});
+    by_udp({.sequence = 3, .writer = writer});
+  }
+  EXPECT_EQ(taken().size(), 200U);
+  hear(9);
+  EXPECT_EQ(status().received, 200U);
+  EXPECT_EQ(status().lost, 100U);
+  EXPECT_EQ(intake->accounts().find(100), nullptr);
+}
+
+TEST_F(IntakeTest, ThatAWriterKeepsItsPromisesIsNewsOnlyIfSomethingDiffers) {
+  hear(9);
+  EXPECT_FALSE(intake->accounts().keeps_promises(9, 0, true));
+  EXPECT_TRUE(intake->accounts().keeps_promises(9, 2, true));
+  EXPECT_FALSE(intake->accounts().keeps_promises(9, 2, true));
+  EXPECT_TRUE(intake->accounts().keeps_promises(9, 2, false));
+  const WriterStatus writer = status().writers.at(0);
+  EXPECT_EQ(writer.deadlines_missed, 2U);
+  EXPECT_FALSE(writer.alive);
+  EXPECT_EQ(writer.reason, "no sign of life within its lease");
+}
+
+/// Some writers send each sample by a path that is drawn. Shared memory shows it at once; UDP brings it
+/// later, in the order of its writer, and may lose it.
+class RandomPathsTest : public IntakeTest {
+ protected:
+  struct Writer {
+    std::uint64_t sent = 0;
+    std::uint64_t diverted = 0;
+    std::int64_t diverted_ns = 0;
+    std::deque<SampleHandle> under_way;
+    std::vector<std::uint64_t> taken;
+  };
+
+  void one_sends() {
+    const EndpointId id = random() % writers.size();
+    Writer& writer = writers[id];
+    Sent sent{.sequence = ++writer.sent,
+              .writer = id + 1,
+              .stamp_ns = ++now_ns,
+              .diverted = writer.diverted,
+              .diverted_ns = writer.diverted_ns};
+    if (random() % 3 != 0) {
+      if (!is_lost()) by_shm(sent);
+      return;
+    } else {
+      writer.diverted = sent.sequence;
+      writer.diverted_ns = sent.stamp_ns;
+    }
+    if (!is_lost()) writer.under_way.push_back(sample(sent));
+  }
+  void one_arrives_by_udp() {
+    std::deque<SampleHandle>& under_way = writers[random() % writers.size()].under_way;
+    if (under_way.empty()) return;
+    udp.push_back(std::move(under_way.front()));
+    under_way.pop_front();
+  }
+  void some_are_taken() {
+    for (std::uint64_t i = random() % 4; i > 0; --i) note(take());
+  }
+  void note(const Taken& next) {
+    if (next.sample) writers[next.info.writer - 1].taken.push_back(next.info.sequence);
+  }
+  void run(int steps) {
+    for (int step = 0; step < steps; ++step) {
+      one_sends();
+      one_arrives_by_udp();
+      one_arrives_by_udp();
+      some_are_taken();
+    }
+    for (Writer& writer : writers) std::ranges::move(writer.under_way, std::back_inserter(udp));
+    now_ns += lossy ? patience_ns : 0;
+    for (Taken next = take(); next.sample; next = take()) note(next);
+  }
+  bool is_lost() { return lossy && random() % 5 == 0; }
+
+  bool lossy = false;
+  std::vector<Writer> writers = std::vector<Writer>(3);
+};
+
+TEST_F(RandomPathsTest, EverySampleIsDeliveredOnceAndInOrderIfNoneGetsLost) {
+  constexpr int steps = 300;  // within the patience
+  for (std::uint64_t round = sft::test::test_rounds(200); round > 0 && !HasFailure(); --round) {
+    reopen(usual);
+    now_ns = 0;
+    writers.assign(3, {});
+    run(steps);
+    for (const Writer& writer : writers) {
+      ASSERT_EQ(writer.taken.size(), writer.sent);
+      EXPECT_TRUE(std::ranges::is_sorted(writer.taken));
+    }
+    EXPECT_EQ(status().lost, 0U);
+  }
+}
+
+TEST_F(RandomPathsTest, SamplesThatGetLostAreCountedAndNeverComeLaterOrTwice) {
+  lossy = true;
+  for (std::uint64_t round = sft::test::test_rounds(200); round > 0 && !HasFailure(); --round) {
+    reopen(usual);
+    writers.assign(3, {});
+    run(300);
+    std::uint64_t missing = 0;
+    for (const Writer& writer : writers) {
+      if (writer.taken.empty()) continue;
+      const auto unordered = std::ranges::adjacent_find(writer.taken, std::greater_equal<>());
+      EXPECT_EQ(unordered, writer.taken.end());
+      missing += writer.taken.back() - writer.taken.front() + 1 - writer.taken.size();
+    }
+    EXPECT_EQ(status().lost, missing);
+  }
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,91 @@
+// How a thread waits for samples, and when the file descriptor of a subscriber is readable.
+#include "core/subscribe/waiter.h"
+
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include <sensor_msgs/msg/PointCloud2.hpp>
+
+#include "core/seam/buffer_pool.h"
+#include "tests/unit/core/seam/queue_port.h"
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using sensor_msgs::msg::PointCloud2;
+
+class WaiterTest : public ::testing::Test {
+ protected:
+  WaiterTest() { ports.set(TransportKind::shm, shm); }
+
+  void arrives(std::uint64_t sequence) {
+    SampleHandle sample = pool->take(256);
+    sample->writer = 9;
+    sample->sequence = sequence;
+    shm->samples.push_back(std::move(sample));
+  }
+  bool is_readable() const {
+    pollfd waits{.fd = polled.descriptor(), .events = POLLIN, .revents = 0};
+    return ::poll(&waits, 1, 0) == 1;
+  }
+  static Time now() { return std::chrono::steady_clock::now(); }
+
+  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 20);
+  const std::shared_ptr<QueuePort> shm = std::make_shared<QueuePort>();
+  const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
+  const std::unique_ptr<PollHandle> handle = PollHandle::create().value();
+  Doorbell& bell = bells->at(0);
+  SubscriberPorts ports{{}, type.full()};
+  Waiter waiter{ports, bell, nullptr, 0ns};
+  Waiter polled{ports, bell, handle.get(), 0ns};
+};
+
+TEST_F(WaiterTest, ReturnsAtOnceIfThereIsASample) {
+  arrives(1);
+  EXPECT_TRUE(waiter.wait_until(now() + 1h));
+  EXPECT_TRUE(polled.wait_until(now() + 1h));
+}
+
+TEST_F(WaiterTest, ReturnsAtTheDeadlineIfThereIsNone) {
+  const Time deadline = now() + 5ms;
+  EXPECT_FALSE(waiter.wait_until(deadline));
+  EXPECT_GE(now(), deadline);
+  EXPECT_FALSE(polled.wait_until(now() + 5ms));
+}
+
+TEST_F(WaiterTest, OnlyASubscriberWithAHandleHasADescriptor) {
+  EXPECT_FALSE(waiter.has_descriptor());
+  EXPECT_EQ(waiter.descriptor(), -1);
+  EXPECT_TRUE(polled.has_descriptor());
+  EXPECT_GE(polled.descriptor(), 0);
+}
+
+TEST_F(WaiterTest, AnArrivalRingsTheDoorbellOrMakesTheDescriptorReadable) {
+  const std::uint32_t rings = bell.rings;
+  polled.sample_arrived();
+  EXPECT_TRUE(is_readable());
+  EXPECT_EQ(bell.rings, rings);
+  waiter.sample_arrived();
+  EXPECT_EQ(bell.rings, rings + 1);
+}
+
+TEST_F(WaiterTest, TheDescriptorIsReadableWhileThereIsASample) {
+  EXPECT_FALSE(polled.has_untold());
+  polled.tell_if_available();
+  EXPECT_FALSE(is_readable());
+  arrives(1);
+  EXPECT_TRUE(polled.has_untold());
+  polled.tell_if_available();
+  EXPECT_TRUE(is_readable());
+  EXPECT_FALSE(polled.has_untold());
+  polled.settle();
+  EXPECT_TRUE(is_readable()) << "nothing was taken yet";
+  ports.take();
+  polled.settle();
+  EXPECT_FALSE(is_readable());
+}
+
+}  // namespace
+}  // namespace sft::core
