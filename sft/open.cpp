@@ -99,11 +99,11 @@ Result<detail::untyped::Publisher> Node::open_publisher(std::string_view topic, 
   return core_->open_publisher(core_, topic, type, options);
 }
 
-Result<detail::untyped::Subscriber> Node::open_subscriber(std::string_view topic, const TypeSupport& type,
-                                                          detail::untyped::Requirement requirement,
-                                                          const SubscriberOptions& options,
-                                                          detail::untyped::Callback callback) {
-  return core_->open_subscriber(core_, topic, type, std::move(requirement), options, std::move(callback));
+Result<untyped::Subscriber> Node::open_subscriber(std::string_view topic, const TypeSupport& type,
+                                                  untyped::Requirement requirement,
+                                                  const SubscriberOptions& options,
+                                                  untyped::Callback callback) {
+  return core_->open_subscriber(core_, {topic, type, std::move(requirement), options, std::move(callback)});
 }
 
 Result<DynamicType> Node::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
@@ -146,9 +146,9 @@ Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const Dy
     };
   }
   return core_
-      ->open_subscriber(core_, topic, type.support(), std::move(requirement), options, std::move(untyped),
-                        std::make_shared<DynamicType>(type))
-      .map([&](detail::untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s), declared); });
+      ->open_subscriber(core_, {topic, type.support(), std::move(requirement), options, std::move(untyped),
+                                std::make_shared<DynamicType>(type)})
+      .map([&](untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s), declared); });
 }
 
 DomainSnapshot Node::domain() const { return core_->domain(); }

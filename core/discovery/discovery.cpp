@@ -1,4 +1,5 @@
 #include "core/discovery/discovery.h"
+#include "core/platform/clock.h"
 
 #include <algorithm>
 #include <atomic>
@@ -27,7 +28,6 @@ namespace sft::core {
 
 namespace {
 
-using Now = std::chrono::steady_clock::time_point;
 using namespace std::chrono_literals;
 
 constexpr std::chrono::seconds look_at_interfaces_every{1};  // although netlink tells
@@ -57,7 +57,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     threads_ = options.threads;
     life_signs_ = config_.multicast ? life_signs_to_all : life_signs_to_each;
     if (program_has_opened(options.domain)) return join_the_program(options.domain);
-    const Now now = std::chrono::steady_clock::now();
+    const Time now = std::chrono::steady_clock::now();
     interfaces_ = interfaces_of_interest();
     const Result<void> made = take_into_use(desired_links(interfaces_, config_.rules(), {}), now);
     describe_links();
@@ -104,7 +104,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     each_link([&](DiscoveryLink& link) { link.write(complete); });
   }
 
-  void look_after(Now now, bool somebody_is_missing) override {
+  void look_after(Time now, bool somebody_is_missing) override {
     if (watches_ && (watch_.changed() || now >= next_look_)) look_at_interfaces(now);
     if (newcomer_.exchange(false)) greetings_.newcomer(now);
     if (greetings_.due(now, somebody_is_missing)) {
@@ -131,7 +131,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   struct RetiringLink {
     OpenLink link;
     LinkId replaced_by = 0;
-    Now since;
+    Time since;
   };
   /// What is in force of one of our endpoints, for links that come later.
   struct Own {
@@ -164,7 +164,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     return interfaces;
   }
 
-  void look_at_interfaces(Now now) {
+  void look_at_interfaces(Time now) {
     next_look_ = now + look_at_interfaces_every;
     std::vector<HostInterface> interfaces = interfaces_of_interest();
     const bool changed = interfaces != interfaces_;
@@ -181,7 +181,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
 
   /// Makes the new ones before the old ones go. The error is of the first one that could not be made; that is
   /// tried again.
-  Result<void> take_into_use(const DesiredLinks& desired, Now now) {
+  Result<void> take_into_use(const DesiredLinks& desired, Time now) {
     Result<void> result;
     failed_.clear();
     remarks_ = desired.remarks;
@@ -206,7 +206,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     return result;
   }
 
-  void drop(OpenLink dropped, bool is_replaced, Now now) {
+  void drop(OpenLink dropped, bool is_replaced, Time now) {
     dropped.link.reset();
     news([&] {
       specs_.erase(dropped.id);
@@ -250,7 +250,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
 
   /// Others have heard something else in our name than we say. To a link that is made anew nothing of that
   /// sticks.
-  void heed_complaints(Now now) {
+  void heed_complaints(Time now) {
     std::map<LinkId, std::string> heard;  // and who complains
     {
       const std::scoped_lock lock(mutex_);
@@ -261,7 +261,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
       renew(id, by + " has heard something else in our name than we say", now);
   }
 
-  void name_other_releases(Now now) {
+  void name_other_releases(Time now) {
     std::optional<OtherReleases::Report> report;
     std::string where;
     {
@@ -275,7 +275,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   }
 
   /// Links that do not hear somebody who is there.
-  void mend_deaf_links(Now now) {
+  void mend_deaf_links(Time now) {
     std::vector<std::pair<HearingWatch::Deaf, std::string>> deaf;  // and whom
     std::map<LinkId, std::vector<AnnouncerId>> complaints;
     {
@@ -308,7 +308,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
 
   /// The new one comes before the old one goes, so that nobody is lost in between. Returns whether there is
   /// one.
-  bool renew(LinkId id, const std::string& why, Now now) {
+  bool renew(LinkId id, const std::string& why, Time now) {
     const auto found = link_of(id);
     if (found == links_.end()) return false;
     auto& [spec, link] = *found;
@@ -358,7 +358,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
 
   /// A replaced link is dropped once the new link hears everybody whom the old one hears, or if too many
   /// replaced links are left.
-  void retire_links(Now now) {
+  void retire_links(Time now) {
     while (!retiring_.empty()) {
       const RetiringLink& oldest = retiring_.front();
       if (now - oldest.since < retire_after) return;
@@ -371,7 +371,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     }
   }
 
-  bool is_replaced(const RetiringLink& link, Now now) const {
+  bool is_replaced(const RetiringLink& link, Time now) const {
     const std::scoped_lock lock(mutex_);
     return hearing_.is_replaced_by(link.link.id, link.replaced_by, now);
   }
@@ -439,7 +439,7 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
     const std::scoped_lock lock(mutex_);
     return specs_;
   }
-  static Now time() { return std::chrono::steady_clock::now(); }
+  static Time time() { return std::chrono::steady_clock::now(); }
 
   void endpoint_came(const Speaker& speaker, Endpoint endpoint) override {
     news([&] {
@@ -512,12 +512,12 @@ class LinkedDiscovery final : public Discovery, private LinkListener {
   bool watches_ = true;
   NetworkWatch watch_;
   Greetings greetings_{time()};
-  Now next_look_{};
-  Now next_merge_{};
+  Time next_look_{};
+  Time next_merge_{};
   std::vector<HostInterface> interfaces_;
   std::map<EndpointId, Own> own_;
   NodeId node_ = 0;  ///< ours, once it has said that it lives
-  Now asserts_often_until_{};
+  Time asserts_often_until_{};
   std::vector<std::string> warnings_;
   std::vector<std::string> remarks_;
   std::vector<std::string> failed_;  ///< links that could not be made, and why

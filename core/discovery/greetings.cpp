@@ -12,16 +12,16 @@ constexpr std::chrono::milliseconds after_newcomer{100};
 constexpr std::chrono::seconds pause_between_newcomers{1};
 }  // namespace
 
-void Greetings::begin(Now now) {
+void Greetings::begin(Time now) {
   pause_ = pause_first;
   next_ = now + pause_;
 }
 
-void Greetings::newcomer(Now now) {
+void Greetings::newcomer(Time now) {
   if (!for_newcomer_) for_newcomer_ = std::max(now + after_newcomer, last_ + pause_between_newcomers);
 }
 
-bool Greetings::due(Now now, bool somebody_is_missing) {
+bool Greetings::due(Time now, bool somebody_is_missing) {
   const bool at_the_end = pause_ == pause_max;
   const bool in_turn = now >= next_ && (!at_the_end || somebody_is_missing);
   if (!in_turn && (!for_newcomer_ || now < *for_newcomer_)) return false;

@@ -5,26 +5,26 @@
 #include <chrono>
 #include <optional>
 
+#include "core/platform/clock.h"
+
 namespace sft::core {
 
 class Greetings {
  public:
-  using Now = std::chrono::steady_clock::time_point;
-
-  explicit Greetings(Now now) { begin(now); }
+  explicit Greetings(Time now) { begin(now); }
 
   /// As at the start: others may reach us now that could not before.
-  void begin(Now now);
+  void begin(Time now);
   /// Somebody is heard for the first time, and may not have got what we answered: after a change of network
   /// it may not know yet where we are. In a crowd of newcomers one greeting is for many.
-  void newcomer(Now now);
+  void newcomer(Time now);
   /// Whether to greet now, which then counts as done. Asked often.
-  bool due(Now now, bool somebody_is_missing);
+  bool due(Time now, bool somebody_is_missing);
 
  private:
-  Now next_{};
-  Now last_{};
-  std::optional<Now> for_newcomer_{};
+  Time next_{};
+  Time last_{};
+  std::optional<Time> for_newcomer_{};
   std::chrono::milliseconds pause_{};
 };
 

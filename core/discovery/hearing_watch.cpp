@@ -52,7 +52,7 @@ void HearingWatch::link_dropped(LinkId link) {
   });
 }
 
-bool HearingWatch::is_replaced_by(LinkId before, LinkId after, Now now) const {
+bool HearingWatch::is_replaced_by(LinkId before, LinkId after, Time now) const {
   return std::ranges::all_of(ears_, [&](const auto& entry) {
     const auto& [speaker, ear] = entry;
     if (speaker.link != before || !ear.has_spoken || now - ear.last > heard_lately) return true;
@@ -66,14 +66,14 @@ void HearingWatch::endpoint_matched(const Speaker& speaker) {
   if (ear != ears_.end() && ear->second.unmatched > 0) --ear->second.unmatched;
 }
 
-void HearingWatch::endpoint_unmatched(const Speaker& speaker, Now now) {
+void HearingWatch::endpoint_unmatched(const Speaker& speaker, Time now) {
   const auto ear = ears_.find(speaker);
   if (ear == ears_.end()) return;
   ++ear->second.unmatched;
   ear->second.unmatched_at = now;
 }
 
-HearingWatch::Ear* HearingWatch::ear_of(const Speaker& speaker, Now now) {
+HearingWatch::Ear* HearingWatch::ear_of(const Speaker& speaker, Time now) {
   if (!links_.contains(speaker.link)) return nullptr;
   const auto known = ears_.find(speaker);
   if (known != ears_.end()) return &known->second;
@@ -81,7 +81,7 @@ HearingWatch::Ear* HearingWatch::ear_of(const Speaker& speaker, Now now) {
   return &ears_.emplace(speaker, Ear{.last = now, .agreed = now}).first->second;
 }
 
-void HearingWatch::participant_came(const Speaker& speaker, Now now) {
+void HearingWatch::participant_came(const Speaker& speaker, Time now) {
   if (const auto link = links_.find(speaker.link); link != links_.end()) link->second.newcomer = now;
 }
 
@@ -90,7 +90,7 @@ void HearingWatch::participant_left(const Speaker& speaker) {
   participants_.erase(speaker.participant);
 }
 
-void HearingWatch::heard(const Speaker& speaker, Now now) {
+void HearingWatch::heard(const Speaker& speaker, Time now) {
   Ear* const ear = ear_of(speaker, now);
   if (ear == nullptr) return;
   ear->last = now;
@@ -99,7 +99,7 @@ void HearingWatch::heard(const Speaker& speaker, Now now) {
 }
 
 void HearingWatch::heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, milliseconds lease,
-                              Now now) {
+                              Time now) {
   Ear* const ear = ear_of(speaker, now);
   if (ear == nullptr) return;
   ear->last = now;
@@ -127,7 +127,7 @@ void HearingWatch::life_ended(LinkId link, NodeId node) {
 }
 
 std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::uint32_t>& known,
-                                                   milliseconds participant_lease, Now now) {
+                                                   milliseconds participant_lease, Time now) {
   note_known(known, now);
   is_in_doubt_ = false;
   std::vector<Deaf> deaf;
@@ -148,7 +148,7 @@ std::vector<HearingWatch::Deaf> HearingWatch::look(const std::map<Speaker, std::
   return deaf;
 }
 
-void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Now now) {
+void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Time now) {
   const bool was_held_up = now - looked_ > look_pause_max;
   looked_ = now;
   for (auto& [speaker, ear] : ears_) {
@@ -165,13 +165,13 @@ void HearingWatch::note_known(const std::map<Speaker, std::uint32_t>& known, Now
   }
 }
 
-bool HearingWatch::wants_look(Now now) const {
+bool HearingWatch::wants_look(Time now) const {
   return now - looked_ >= (is_in_doubt_ ? look_pause_in_doubt : look_pause);
 }
 
 /// Its node is heard as it should be by another participant on the link, since it has made its link anew, or
 /// we have.
-bool HearingWatch::speaks_otherwise(const Speaker& speaker, const Ear& ear, Now now) const {
+bool HearingWatch::speaks_otherwise(const Speaker& speaker, const Ear& ear, Time now) const {
   const LinkId link = links_.at(speaker.link).replaced_by.value_or(speaker.link);
   return ear.node != 0 && std::ranges::any_of(ears_, [&](const auto& entry) {
            const auto& [other, of_other] = entry;
@@ -182,7 +182,7 @@ bool HearingWatch::speaks_otherwise(const Speaker& speaker, const Ear& ear, Now 
 
 /// A participant that is not heard at all hears no complaint, either.
 std::optional<HearingWatch::Remedy> HearingWatch::remedy(const Speaker& speaker, Ear& ear, Missing missing,
-                                                         Now now) {
+                                                         Time now) {
   if (ear.disbelieved_since && now - *ear.disbelieved_since < goes_within) return {};
   if (speaks_otherwise(speaker, ear, now)) {
     ear.disbelieved_since = now;
@@ -201,7 +201,7 @@ std::optional<HearingWatch::Remedy> HearingWatch::remedy(const Speaker& speaker,
   return Remedy::complaint;
 }
 
-bool HearingWatch::is_behind(const Ear& ear, Now newcomer, Now now) const {
+bool HearingWatch::is_behind(const Ear& ear, Time newcomer, Time now) const {
   const milliseconds in_a_crowd = longer_for_each * std::min(ears_.size(), crowd_max);
   if (!ear.lives || ear.known == ear.told) return false;
   if (ear.missed_since) return true;  // whoever comes meanwhile
@@ -211,7 +211,7 @@ bool HearingWatch::is_behind(const Ear& ear, Now newcomer, Now now) const {
 }
 
 std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speaker, Ear& ear,
-                                                           milliseconds participant_lease, Now now) const {
+                                                           milliseconds participant_lease, Time now) const {
   const auto known = participants_.find(speaker.participant);
   const bool is_hopeless =
       known != participants_.end() && !known->second.has_agreed && known->second.tries >= tries_max;

@@ -15,13 +15,12 @@
 #include <vector>
 
 #include "core/discovery/speakers.h"
+#include "core/platform/clock.h"
 
 namespace sft::core {
 
 class HearingWatch {
  public:
-  using Now = Speakers::Now;
-
   enum class Missing : std::uint8_t {
     signs_of_life,  ///< Cyclone says that they come, and none is heard
     announcements,  ///< the signs of life tell of others than are known
@@ -51,19 +50,19 @@ class HearingWatch {
   /// comes there may be somebody else's word as well.
   void link_replaced(LinkId link, LinkId by) { links_[link].replaced_by = by; }
   /// Returns whether everybody who is heard on the link `before` is heard on the link `after`, too.
-  bool is_replaced_by(LinkId before, LinkId after, Now now) const;
-  void participant_came(const Speaker& speaker, Now now);
+  bool is_replaced_by(LinkId before, LinkId after, Time now) const;
+  void participant_came(const Speaker& speaker, Time now);
   /// It has the mark of nodes that understand each other: it is expected to say something.
-  void participant_speaks(const Speaker& speaker, Now now) { (void)ear_of(speaker, now); }
+  void participant_speaks(const Speaker& speaker, Time now) { (void)ear_of(speaker, now); }
   void participant_left(const Speaker& speaker);
   /// A reader or writer of it, of the control topics, is there from now on, or is not any more.
   void endpoint_matched(const Speaker& speaker);
-  void endpoint_unmatched(const Speaker& speaker, Now now);
+  void endpoint_unmatched(const Speaker& speaker, Time now);
   /// An announcement or a request of it came.
-  void heard(const Speaker& speaker, Now now);
+  void heard(const Speaker& speaker, Time now);
   /// A sign of life of it came. `digest`: of all that it has announced; `lease`: of its signs of life.
   void heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, std::chrono::milliseconds lease,
-                  Now now);
+                  Time now);
   /// 0 if it has not said that it lives.
   NodeId node_of(const Speaker& speaker) const {
     const auto ear = ears_.find(speaker);
@@ -76,15 +75,15 @@ class HearingWatch {
   void tried(AnnouncerId participant) { ++participants_[participant].tries; }
 
   /// Whether to look now: twice a second, and more often while something may be missing.
-  bool wants_look(Now now) const;
+  bool wants_look(Time now) const;
   /// `known`: digests of what is known of each speaker. `participant_lease`: after which Cyclone forgets a
   /// participant of which nothing comes. A renewal is told until something changes, for each link once.
   std::vector<Deaf> look(const std::map<Speaker, std::uint32_t>& known,
-                         std::chrono::milliseconds participant_lease, Now now);
+                         std::chrono::milliseconds participant_lease, Time now);
 
  private:
   struct Link {
-    Now newcomer{};  ///< when somebody was new there
+    Time newcomer{};  ///< when somebody was new there
     std::optional<LinkId> replaced_by{};
   };
   struct Participant {
@@ -92,42 +91,42 @@ class HearingWatch {
     unsigned tries = 0;
   };
   struct Ear {
-    Now last;  ///< when anything came, or the participant itself
+    Time last;  ///< when anything came, or the participant itself
     bool has_spoken = false;
     bool has_agreed = false;
     int unmatched = 0;  ///< endpoints that went, and did not come back
-    Now unmatched_at{};
+    Time unmatched_at{};
     NodeId node = 0;
     bool lives = false;  ///< signs of life came, and Cyclone did not say that they ended
-    Now last_life{};
+    Time last_life{};
     std::chrono::milliseconds lease{};
     std::uint32_t told = 0;    ///< digests
     std::uint32_t known = 0;   ///< when it was looked at last
     std::uint32_t shared = 0;  ///< when both were equal last
-    Now agreed{};              ///< both were equal, or what is known changed
-    Now changed{};             ///< what is known did
+    Time agreed{};             ///< both were equal, or what is known changed
+    Time changed{};            ///< what is known did
     /// Its signs of life go on to tell what was known before that changed: the change was not its own.
     bool is_contradicted = false;
-    std::optional<Now> overdue_since{};
-    std::optional<Now> missed_since{};
-    Now complain_at{};
-    std::optional<Now> disbelieved_since{};
+    std::optional<Time> overdue_since{};
+    std::optional<Time> missed_since{};
+    Time complain_at{};
+    std::optional<Time> disbelieved_since{};
   };
   static constexpr std::size_t speakers_max = 4096;
 
-  Ear* ear_of(const Speaker& speaker, Now now);
-  bool is_behind(const Ear& ear, Now newcomer, Now now) const;
+  Ear* ear_of(const Speaker& speaker, Time now);
+  bool is_behind(const Ear& ear, Time newcomer, Time now) const;
   std::optional<Missing> missing(const Speaker& speaker, Ear& ear,
-                                 std::chrono::milliseconds participant_lease, Now now) const;
-  void note_known(const std::map<Speaker, std::uint32_t>& known, Now now);
-  bool speaks_otherwise(const Speaker& speaker, const Ear& ear, Now now) const;
-  std::optional<Remedy> remedy(const Speaker& speaker, Ear& ear, Missing missing, Now now);
+                                 std::chrono::milliseconds participant_lease, Time now) const;
+  void note_known(const std::map<Speaker, std::uint32_t>& known, Time now);
+  bool speaks_otherwise(const Speaker& speaker, const Ear& ear, Time now) const;
+  std::optional<Remedy> remedy(const Speaker& speaker, Ear& ear, Missing missing, Time now);
 
   std::map<LinkId, Link> links_;
   std::map<Speaker, Ear> ears_;
   std::map<AnnouncerId, Participant> participants_;
   std::minstd_rand random_;
-  Now looked_{};
+  Time looked_{};
   bool is_in_doubt_ = false;
 };
 

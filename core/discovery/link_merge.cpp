@@ -76,7 +76,7 @@ void LinkMerge::begin_anew(const Speaker& speaker) {
   }
 }
 
-void LinkMerge::disbelieve(const Speaker& speaker, Now now) {
+void LinkMerge::disbelieve(const Speaker& speaker, Time now) {
   begin_anew(speaker);
   for (auto& [id, known] : endpoints_) {
     if (!known.told_untrue) continue;
@@ -95,7 +95,7 @@ LinkMerge::Claim* LinkMerge::claim_of(Known& known, const Speaker& speaker) cons
   return claim == known.claims.end() ? nullptr : &*claim;
 }
 
-bool LinkMerge::may_be_believed(const Known& known, const Claim& claim, Now now) const {
+bool LinkMerge::may_be_believed(const Known& known, const Claim& claim, Time now) const {
   const milliseconds silence = silence_in(claim.endpoint->life_lease);
   if (!claim.alive || claim.refused || !speakers_.speaks(claim.speaker, silence, now)) return false;
   const bool is_behind =
@@ -112,7 +112,7 @@ NodeId LinkMerge::node_of(const Known& known) {
 
 /// The first one of its node that speaks; while none does, the one that was believed before, as long as it
 /// lives.
-LinkMerge::Claim* LinkMerge::believed(Known& known, Now now) const {
+LinkMerge::Claim* LinkMerge::believed(Known& known, Time now) const {
   if (known.claims.empty()) return nullptr;
   const NodeId node = node_of(known);
   for (Claim& claim : known.claims) {
@@ -127,7 +127,7 @@ LinkMerge::Claim* LinkMerge::believed(Known& known, Now now) const {
   return first;
 }
 
-void LinkMerge::endpoint_came(const Speaker& speaker, Endpoint endpoint, Now now) {
+void LinkMerge::endpoint_came(const Speaker& speaker, Endpoint endpoint, Time now) {
   speakers_.heard(speaker, silence_in(endpoint.life_lease), now);
   const EndpointId id = endpoint.id;
   endpoint.announcer = speaker.participant;
@@ -158,7 +158,7 @@ void LinkMerge::endpoint_came(const Speaker& speaker, Endpoint endpoint, Now now
 }
 
 void LinkMerge::hear_claim(Known& known, const Speaker& speaker, std::shared_ptr<const Endpoint> endpoint,
-                           Now now) {
+                           Time now) {
   Claim* claim = claim_of(known, speaker);
   if (claim == nullptr) {
     ++claims_;
@@ -185,7 +185,7 @@ void LinkMerge::adopt_early_request(Claim& claim) {
 
 /// A claim that says the same as the believed one, or is behind it, is another way to the same node. Who says
 /// something else may be ahead for a moment, since links overtake each other.
-void LinkMerge::compare_claims(Known& known, Now now) {
+void LinkMerge::compare_claims(Known& known, Time now) {
   const Claim* const leader = believed(known, now);
   if (leader == nullptr) return;
   for (Claim& claim : known.claims) {
@@ -202,7 +202,7 @@ void LinkMerge::compare_claims(Known& known, Now now) {
   }
 }
 
-void LinkMerge::refuse_contested(Known& known, Now now) {
+void LinkMerge::refuse_contested(Known& known, Time now) {
   const milliseconds silence = silence_in(lease_of(known));
   compare_claims(known, now);
   for (Claim& claim : known.claims) {
@@ -227,7 +227,7 @@ bool LinkMerge::is_vouched_for(const Claim& claim) const {
 
 /// Who came first may have been quicker than the endpoint's own node. A node says all the time that it lives,
 /// so a claim whose speaker does not say that gives way to one whose speaker does.
-void LinkMerge::prefer_vouched(Known& known, Now now) {
+void LinkMerge::prefer_vouched(Known& known, Time now) {
   const milliseconds silence = silence_in(lease_default);
   const Claim* const leader = believed(known, now);
   const auto other = std::ranges::find_if(known.claims, [&](const Claim& claim) {
@@ -246,7 +246,7 @@ void LinkMerge::prefer_vouched(Known& known, Now now) {
   settle(known.claims.front().endpoint->id, known, now);
 }
 
-void LinkMerge::endpoint_withdrawn(const Speaker& speaker, EndpointId id, Now now) {
+void LinkMerge::endpoint_withdrawn(const Speaker& speaker, EndpointId id, Time now) {
   if (own_.contains(id)) {
     news_.emplace_back(EndpointDeparted{id});
     return;
@@ -265,7 +265,7 @@ void LinkMerge::endpoint_withdrawn(const Speaker& speaker, EndpointId id, Now no
   settle(id, known->second, now);
 }
 
-void LinkMerge::depart(EndpointId id, Now now) {
+void LinkMerge::depart(EndpointId id, Time now) {
   const auto known = endpoints_.find(id);
   const std::shared_ptr<const Endpoint> told = known->second.told;
   for (const Claim& claim : known->second.claims) {
@@ -277,13 +277,13 @@ void LinkMerge::depart(EndpointId id, Now now) {
   news_.emplace_back(EndpointDeparted{id});
 }
 
-void LinkMerge::end_claim(Claim& claim, Now now) {
+void LinkMerge::end_claim(Claim& claim, Time now) {
   if (!claim.alive) return;
   claim.alive = false;
   claim.ended = now;
 }
 
-void LinkMerge::endpoint_unheard(LinkId link, EndpointId id, Now now) {
+void LinkMerge::endpoint_unheard(LinkId link, EndpointId id, Time now) {
   const auto known = endpoints_.find(id);
   if (known == endpoints_.end()) return;
   for (Claim& claim : known->second.claims) {
@@ -292,7 +292,7 @@ void LinkMerge::endpoint_unheard(LinkId link, EndpointId id, Now now) {
   settle(id, known->second, now);
 }
 
-void LinkMerge::request_came(const Speaker& speaker, Request request, Now now) {
+void LinkMerge::request_came(const Speaker& speaker, Request request, Time now) {
   request.announcer = speaker.participant;
   if (own_.contains(request.reader)) {
     news_.emplace_back(std::move(request));
@@ -325,7 +325,7 @@ void LinkMerge::request_came(const Speaker& speaker, Request request, Now now) {
 }
 
 /// On each link the first one that speaks for a node, or who comes after it once that is silent.
-void LinkMerge::assertion_came(const Speaker& speaker, Assertion assertion, Now now) {
+void LinkMerge::assertion_came(const Speaker& speaker, Assertion assertion, Time now) {
   const NodeId id = assertion.node;
   assertion.announcer = speaker.participant;
   const milliseconds silence = silence_in(lease_of(id));
@@ -346,7 +346,7 @@ void LinkMerge::assertion_came(const Speaker& speaker, Assertion assertion, Now 
   news_.emplace_back(std::move(assertion));
 }
 
-void LinkMerge::node_unheard(LinkId link, NodeId id, Now now) {
+void LinkMerge::node_unheard(LinkId link, NodeId id, Time now) {
   const auto node = nodes_.find(id);
   if (node == nodes_.end()) return;
   for (NodeClaim& claim : node->second.claims) {
@@ -355,7 +355,7 @@ void LinkMerge::node_unheard(LinkId link, NodeId id, Now now) {
   settle_node(id, node->second, now);
 }
 
-void LinkMerge::participant_left(const Speaker& speaker, Now now) {
+void LinkMerge::participant_left(const Speaker& speaker, Time now) {
   for (auto& [id, known] : endpoints_) {
     Claim* const claim = claim_of(known, speaker);
     if (claim == nullptr) continue;
@@ -377,7 +377,7 @@ void LinkMerge::drop_claims(Known& known, LinkId link) {
   });
 }
 
-void LinkMerge::link_dropped(LinkId link, Now now) {
+void LinkMerge::link_dropped(LinkId link, Time now) {
   for (auto& [id, known] : endpoints_) {
     for (Claim& claim : known.claims) {
       if (claim.speaker.link == link) end_claim(claim, now);
@@ -395,7 +395,7 @@ void LinkMerge::link_dropped(LinkId link, Now now) {
   std::erase_if(disbelieved_, [&](const Speaker& speaker) { return speaker.link == link; });
 }
 
-void LinkMerge::replaced_link_dropped(LinkId link, Now now) {
+void LinkMerge::replaced_link_dropped(LinkId link, Time now) {
   for (auto& [id, known] : endpoints_) {
     const bool was_told_by_it =
         known.told != nullptr && std::ranges::any_of(known.claims, [&](const Claim& claim) {
@@ -413,7 +413,7 @@ void LinkMerge::replaced_link_dropped(LinkId link, Now now) {
 
 /// An endpoint that nobody keeps alive is lost at once if its node has been silent already. Else a link was
 /// dropped or made anew, here or there: then it has its lease to return by another one.
-void LinkMerge::settle(EndpointId id, Known& known, Now now) {
+void LinkMerge::settle(EndpointId id, Known& known, Time now) {
   if (const Claim* const claim = believed(known, now)) {
     known.lost_at.reset();
     if (is_open_what_is_true(known, *claim, now)) return;
@@ -428,7 +428,7 @@ void LinkMerge::settle(EndpointId id, Known& known, Now now) {
   }
   if (known.lost || known.told == nullptr) return;
   if (!known.lost_at) {
-    Now heard{};
+    Time heard{};
     for (const Claim& claim : known.claims) heard = std::max(heard, speakers_.last_heard(claim.speaker));
     const bool was_silent = now - heard > silence_in(lease_of(known));
     known.lost_at = was_silent ? now : heard + lease_of(known);
@@ -439,7 +439,7 @@ void LinkMerge::settle(EndpointId id, Known& known, Now now) {
 }
 
 /// None while the believed one is silent itself: then all of the node is.
-std::vector<LinkId> LinkMerge::silent_links(const Known& known, const Claim& believed, Now now) const {
+std::vector<LinkId> LinkMerge::silent_links(const Known& known, const Claim& believed, Time now) const {
   const milliseconds silence = silence_in(lease_of(known));
   const NodeId node = believed.endpoint->node_id;
   const auto speaks = [&](const Claim& claim) {
@@ -461,7 +461,7 @@ std::vector<LinkId> LinkMerge::silent_links(const Known& known, const Claim& bel
 
 /// Returns true while it is not known yet what is true. A link that is made anew tells of requests after
 /// endpoints.
-bool LinkMerge::is_open_what_is_true(Known& known, const Claim& claim, Now now) {
+bool LinkMerge::is_open_what_is_true(Known& known, const Claim& claim, Time now) {
   constexpr milliseconds requests_come_within{500};
   if (!known.told_untrue) return false;
   if (claim.untrue) return true;
@@ -495,10 +495,10 @@ void LinkMerge::tell(Known& known, const Claim& claim) {
   news_.emplace_back(*claim.request);
 }
 
-void LinkMerge::settle_node(NodeId id, KnownNode& node, Now now) {
+void LinkMerge::settle_node(NodeId id, KnownNode& node, Time now) {
   if (node.lost || std::ranges::any_of(node.claims, &NodeClaim::alive)) return;
   if (!node.lost_at) {
-    Now heard{};
+    Time heard{};
     for (const NodeClaim& claim : node.claims) heard = std::max(heard, speakers_.last_heard(claim.speaker));
     const bool was_silent = now - heard > silence_in(lease_of(id));
     node.lost_at = was_silent ? now : heard + lease_of(id);
@@ -510,7 +510,7 @@ void LinkMerge::settle_node(NodeId id, KnownNode& node, Now now) {
 
 /// Cyclone tells of the end of a lease, unless somebody else has disposed of the signs of life. There is time
 /// for a link that does not hear them to be made anew (hearing_watch.h).
-void LinkMerge::end_silent_claims(NodeId id, KnownNode& node, Now now) const {
+void LinkMerge::end_silent_claims(NodeId id, KnownNode& node, Time now) const {
   constexpr std::chrono::seconds slack{4};
   for (NodeClaim& claim : node.claims) {
     const auto silent_for = now - speakers_.last_heard(claim.speaker);
@@ -519,7 +519,7 @@ void LinkMerge::end_silent_claims(NodeId id, KnownNode& node, Now now) const {
   }
 }
 
-void LinkMerge::tick(Now now) {
+void LinkMerge::tick(Time now) {
   for (auto& [id, known] : endpoints_) {
     if (known.claims.size() > 1) {
       prefer_vouched(known, now);
@@ -542,8 +542,8 @@ void LinkMerge::tick(Now now) {
   forget_old(now);
 }
 
-void LinkMerge::forget_old(Now now) {
-  const Now before = now - limits_.forget_after;
+void LinkMerge::forget_old(Time now) {
+  const Time before = now - limits_.forget_after;
   for (auto& [id, known] : endpoints_) {
     std::erase_if(known.claims, [&](const Claim& claim) {
       if (claim.alive || claim.ended > before) return false;

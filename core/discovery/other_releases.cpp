@@ -13,7 +13,7 @@ void OtherReleases::seen(const Speaker& speaker, std::uint32_t version) {
   }
 }
 
-std::optional<OtherReleases::Report> OtherReleases::take_report(Now now) {
+std::optional<OtherReleases::Report> OtherReleases::take_report(Time now) {
   if (!next_ || now < not_before_) return std::nullopt;
   not_before_ = now + pause;
   return std::exchange(next_, std::nullopt);

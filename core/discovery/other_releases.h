@@ -10,12 +10,12 @@
 #include <string>
 
 #include "core/discovery/speakers.h"
+#include "core/platform/clock.h"
 
 namespace sft::core {
 
 class OtherReleases {
  public:
-  using Now = std::chrono::steady_clock::time_point;
   static constexpr std::chrono::minutes pause{1};  ///< from one report to the next
   static constexpr std::size_t known_max = 256;
 
@@ -30,12 +30,12 @@ class OtherReleases {
   };
   /// What is to be said now, if anything is. Each participant counts once, and beyond `known_max` of them
   /// none.
-  std::optional<Report> take_report(Now now);
+  std::optional<Report> take_report(Time now);
 
  private:
   std::set<Speaker> known_;
   std::optional<Report> next_;
-  Now not_before_{};
+  Time not_before_{};
 };
 
 /// In words. `where`: the network interface.

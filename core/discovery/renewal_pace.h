@@ -10,11 +10,12 @@
 #include <chrono>
 #include <optional>
 
+#include "core/platform/clock.h"
+
 namespace sft::core {
 
 class RenewalPace {
  public:
-  using Now = std::chrono::steady_clock::time_point;
   static constexpr std::chrono::milliseconds pause_min{500};
   static constexpr std::chrono::milliseconds pause_max{20'000};
   /// Well below the lease of signs of life (5 s).
@@ -24,14 +25,14 @@ class RenewalPace {
   static constexpr std::chrono::seconds calm_after{120};
 
   /// Call this when a node is missed or complains. True if the link may be made anew now.
-  bool is_needed(Now now) {
+  bool is_needed(Time now) {
     if (!last_ || now - *last_ > calm_after) return true;
     if (!needed_since_) needed_since_ = now;
     const bool helped = *needed_since_ - *last_ >= helps_for;
     return now - *last_ >= (helped ? std::min(pause_, pause_where_it_helps) : pause_);
   }
   /// Call this when the link is made anew, also if that fails.
-  void renewed(Now now) {
+  void renewed(Time now) {
     const bool is_calm = !last_ || now - *last_ > calm_after;
     pause_ = is_calm ? pause_min : std::min(2 * pause_, pause_max);
     last_ = now;
@@ -40,7 +41,7 @@ class RenewalPace {
 
  private:
   std::chrono::milliseconds pause_{pause_min};
-  std::optional<Now> last_, needed_since_;
+  std::optional<Time> last_, needed_since_;
 };
 
 }  // namespace sft::core

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/control/control.h"
+#include "core/platform/clock.h"
 
 namespace sft::core {
 
@@ -20,40 +21,38 @@ struct Speaker {
 
 class Speakers {
  public:
-  using Now = std::chrono::steady_clock::time_point;
-
   /// `silence`: after a longer pause than this the speaker counts as having begun to speak anew.
-  void heard(const Speaker& speaker, std::chrono::milliseconds silence, Now now) {
+  void heard(const Speaker& speaker, std::chrono::milliseconds silence, Time now) {
     const auto [entry, is_new] = heard_.try_emplace(speaker, Heard{now, now});
     if (!is_new && now - entry->second.last > silence) entry->second.since = now;
     entry->second.last = now;
   }
-  bool speaks(const Speaker& speaker, std::chrono::milliseconds silence, Now now) const {
+  bool speaks(const Speaker& speaker, std::chrono::milliseconds silence, Time now) const {
     const auto entry = heard_.find(speaker);
     return entry != heard_.end() && now - entry->second.last <= silence;
   }
   /// Whether it has been heard for so long without a pause.
-  bool has_spoken_for(const Speaker& speaker, std::chrono::milliseconds duration, Now now) const {
+  bool has_spoken_for(const Speaker& speaker, std::chrono::milliseconds duration, Time now) const {
     const auto entry = heard_.find(speaker);
     return entry != heard_.end() && now - entry->second.since >= duration;
   }
   /// The beginning of time if it was never heard.
-  Now last_heard(const Speaker& speaker) const {
+  Time last_heard(const Speaker& speaker) const {
     const auto entry = heard_.find(speaker);
-    return entry == heard_.end() ? Now{} : entry->second.last;
+    return entry == heard_.end() ? Time{} : entry->second.last;
   }
   void forget(const Speaker& speaker) { heard_.erase(speaker); }
   void forget_link(LinkId link) {
     std::erase_if(heard_, [&](const auto& entry) { return entry.first.link == link; });
   }
-  void forget_before(Now time) {
+  void forget_before(Time time) {
     std::erase_if(heard_, [&](const auto& entry) { return entry.second.last < time; });
   }
 
  private:
   struct Heard {
-    Now last;
-    Now since;
+    Time last;
+    Time since;
   };
   std::map<Speaker, Heard> heard_;
 };

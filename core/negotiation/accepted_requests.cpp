@@ -5,10 +5,10 @@
 namespace sft::core {
 
 AcceptedRequests::AcceptedRequests(Wanted first, bool reliable) : reliable_(reliable) {
-  asks_for(std::move(first), Now{});
+  asks_for(std::move(first), Time{});
 }
 
-void AcceptedRequests::asks_for(Wanted wanted, Now now) {
+void AcceptedRequests::asks_for(Wanted wanted, Time now) {
   if (!requests_.empty()) requests_.back().replaced_at = now;
   if (!reliable_) std::erase_if(requests_, [&](const Request& r) { return r.accepted.wanted == wanted; });
   requests_.push_back({.accepted = {std::move(wanted), reliable_ ? ++last_ : 0}, .asked_at = now});
@@ -17,10 +17,10 @@ void AcceptedRequests::asks_for(Wanted wanted, Now now) {
 
 /// Best effort: for long an older one must not be accepted, since another reader in this process may ask for
 /// just that, and its samples would be taken for ours.
-bool AcceptedRequests::look(Now now) {
+bool AcceptedRequests::look(Time now) {
   if (!reliable_) {
     return std::erase_if(requests_, [&](const Request& r) {
-             return r.replaced_at != Now::max() && now - r.replaced_at > in_flight_max;
+             return r.replaced_at != Time::max() && now - r.replaced_at > in_flight_max;
            }) != 0;
   }
   bool changed = false;

@@ -10,13 +10,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/platform/clock.h"
 #include "core/seam/transport.h"
 
 namespace sft::core {
 
 class AcceptedRequests {
  public:
-  using Now = std::chrono::steady_clock::time_point;
   /// For so long datagrams may be in flight, and what a reader asks for is not known to all who send to it.
   static constexpr std::chrono::seconds in_flight_max{2};
   /// If there are more requests, the oldest ones are forgotten.
@@ -26,9 +26,9 @@ class AcceptedRequests {
   AcceptedRequests(Wanted first, bool reliable);
 
   /// From now on that, and no longer what was asked for before, once nothing of it can be under way any more.
-  void asks_for(Wanted wanted, Now now);
-  /// Returns true if time has changed all().
-  bool look(Now now);
+  void asks_for(Wanted wanted, Time now);
+  /// Whether all() has changed with time.
+  bool look(Time now);
 
   const Wanted& latest() const { return requests_.back().accepted.wanted; }
   /// The latest is the last.
@@ -37,8 +37,8 @@ class AcceptedRequests {
  private:
   struct Request {
     Accepted accepted;
-    Now asked_at{};
-    Now replaced_at = Now::max();
+    Time asked_at{};
+    Time replaced_at = Time::max();
   };
   bool reliable_ = false;
   std::uint64_t last_ = 0;

@@ -181,7 +181,7 @@ bool Negotiation::endpoint_departed(EndpointId id) {
   return true;
 }
 
-bool Negotiation::endpoint_lost(EndpointId id, Now now) {
+bool Negotiation::endpoint_lost(EndpointId id, Time now) {
   const auto entry = entries_.find(id);
   if (entry == entries_.end() || entry->second.type != nullptr || entry->second.lost_since) return false;
   entry->second.lost_since = now;
@@ -336,7 +336,7 @@ bool Negotiation::reach_changed(EndpointId writer, EndpointId reader, const std:
   return std::exchange(unreached[reader], why_not) != why_not;
 }
 
-bool Negotiation::tick(Now now) {
+bool Negotiation::tick(Time now) {
   comparisons_.refill();
   std::vector<EndpointId> forgotten;
   for (const auto& [id, entry] : entries_) {

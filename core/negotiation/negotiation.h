@@ -20,6 +20,7 @@
 #include "core/negotiation/qos_watch.h"
 #include "core/negotiation/table_shares.h"
 #include "core/negotiation/type_comparisons.h"
+#include "core/platform/clock.h"
 #include "core/seam/transport.h"
 #include "sft/status.h"
 
@@ -80,7 +81,7 @@ class Negotiation {
   void local_removed(EndpointId id);
   bool endpoint_seen(const Endpoint& endpoint);
   bool endpoint_departed(EndpointId id);
-  bool endpoint_lost(EndpointId id, Now now);
+  bool endpoint_lost(EndpointId id, Time now);
   /// All endpoints of a node are as lost, until it is heard of again; they are not forgotten for that.
   bool node_lost(NodeId id);
   bool node_returned(NodeId id);
@@ -100,7 +101,7 @@ class Negotiation {
   /// Tells why the port of one of our writers cannot ring that reader's doorbell in shared memory; empty if
   /// it can.
   bool reach_changed(EndpointId writer, EndpointId reader, const std::string& why_not);
-  bool tick(Now now);
+  bool tick(Time now);
 
   // Desired states, from the table as it is.
   Serving serving(EndpointId writer) const;
@@ -143,7 +144,7 @@ class Negotiation {
   struct Entry {
     Endpoint endpoint;
     const TypeSupport* type = nullptr;              ///< of our own endpoints
-    std::optional<Now> lost_since;                  ///< by discovery: if it returns, it is seen again
+    std::optional<Time> lost_since;                 ///< by discovery: if it returns, it is seen again
     bool silent = false;                            ///< its node is not heard of
     std::uint64_t arrival = 0;                      ///< counts entries
     std::set<EndpointId> history_given{};           ///< of our own writers: to these readers

@@ -20,7 +20,7 @@ std::optional<nanoseconds> pace_of(const std::optional<ActivityMonitor>& monitor
 
 }  // namespace
 
-std::uint64_t ActivityMonitor::look(std::uint64_t count, Now now) {
+std::uint64_t ActivityMonitor::look(std::uint64_t count, Time now) {
   if (count != count_) {
     count_ = count;
     active_at_ = now;
@@ -31,17 +31,17 @@ std::uint64_t ActivityMonitor::look(std::uint64_t count, Now now) {
   return periods - std::exchange(told_, std::max(told_, periods));
 }
 
-OfferWatch::OfferWatch(const Qos& offered, Now now) : qos_(offered) {
+OfferWatch::OfferWatch(const Qos& offered, Time now) : qos_(offered) {
   if (qos_.deadline.count() != 0) deadline_.emplace(qos_.deadline, 0, now);
   if (qos_.liveliness == Liveliness::manual_by_topic) lease_.emplace(qos_.liveliness_lease, 0, now);
 }
 
-void OfferWatch::look(const Signs& signs, Now now) {
+void OfferWatch::look(const Signs& signs, Time now) {
   if (deadline_) deadlines_missed_ += deadline_->look(signs.published, now);
   if (lease_) lease_->look(signs.published + signs.asserted, now);
 }
 
-bool OfferWatch::assertion_due(const Signs& signs, bool samples_tell, Now now) {
+bool OfferWatch::assertion_due(const Signs& signs, bool samples_tell, Time now) {
   if (qos_.liveliness_lease.count() == 0) return false;
   const bool published = signs.published != told_.published;
   if (published && samples_tell) {
@@ -62,7 +62,7 @@ std::optional<nanoseconds> OfferWatch::pace() const {
   return shorter(pace_of(deadline_), assertions);
 }
 
-RequestWatch::RequestWatch(const Qos& offered, const Qos& requested, std::uint64_t arrived, Now now) {
+RequestWatch::RequestWatch(const Qos& offered, const Qos& requested, std::uint64_t arrived, Time now) {
   if (requested.deadline.count() != 0) deadline_.emplace(requested.deadline, arrived, now);
   if (requested.liveliness_lease.count() == 0 || offered.liveliness_lease.count() == 0) return;
   // A lease is the writer's to keep: the reader asked for one that is at most so long. But one that nobody
@@ -71,7 +71,7 @@ RequestWatch::RequestWatch(const Qos& offered, const Qos& requested, std::uint64
   lease_.emplace(may_be_kept ? offered.liveliness_lease : requested.liveliness_lease, arrived, now);
 }
 
-void RequestWatch::look(std::uint64_t arrived, Now now) {
+void RequestWatch::look(std::uint64_t arrived, Time now) {
   if (deadline_) deadlines_missed_ += deadline_->look(arrived, now);
   if (lease_) lease_->look(arrived + assertions_, now);
 }

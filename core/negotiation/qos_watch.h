@@ -12,27 +12,26 @@
 #include <optional>
 
 #include "core/control/qos.h"
+#include "core/platform/clock.h"
 
 namespace sft::core {
-
-using Now = std::chrono::steady_clock::time_point;
 
 /// A count that should change at least once in each period.
 class ActivityMonitor {
  public:
-  ActivityMonitor(std::chrono::nanoseconds period, std::uint64_t count, Now now)
+  ActivityMonitor(std::chrono::nanoseconds period, std::uint64_t count, Time now)
       : period_(period), count_(count), active_at_(now) {}
 
   /// Periods that have ended without a sign, beyond those that were told before.
-  std::uint64_t look(std::uint64_t count, Now now);
-  /// True if, at the last look, a whole period had passed without a sign.
+  std::uint64_t look(std::uint64_t count, Time now);
+  /// As of the last look.
   bool quiet() const { return told_ != 0; }
   std::chrono::nanoseconds pace() const { return period_ / 2; }
 
  private:
   std::chrono::nanoseconds period_;
   std::uint64_t count_;
-  Now active_at_;
+  Time active_at_;
   std::uint64_t told_ = 0;  ///< periods since then
 };
 
@@ -43,17 +42,17 @@ class OfferWatch {
     std::uint64_t published = 0;
     std::uint64_t asserted = 0;  ///< explicitly
   };
-  OfferWatch(const Qos& offered, Now now);
+  OfferWatch(const Qos& offered, Time now);
 
-  void look(const Signs& signs, Now now);
+  void look(const Signs& signs, Time now);
   std::uint64_t deadlines_missed() const { return deadlines_missed_; }
   bool alive() const { return !lease_ || !lease_->quiet(); }
 
-  /// Returns true if an assertion should be sent; it then counts as sent. If `samples_tell`, every reader
-  /// that wants to know gets each sample, so that samples are signs of life themselves. Asked often.
-  bool assertion_due(const Signs& signs, bool samples_tell, Now now);
-  /// Until this time assertions of the program are not sent one by one.
-  bool rests(Now now) const { return now < told_at_ + qos_.liveliness_lease / assertions_per_lease; }
+  /// Whether an assertion should be sent, which then counts as sent. Samples are signs of life themselves, if
+  /// `samples_tell`: if every reader that wants to know gets each of them. Asked often.
+  bool assertion_due(const Signs& signs, bool samples_tell, Time now);
+  /// Until then assertions of the program are not sent one by one.
+  bool rests(Time now) const { return now < told_at_ + qos_.liveliness_lease / assertions_per_lease; }
 
   /// Returns the time between two looks; empty if there is nothing to watch.
   std::optional<std::chrono::nanoseconds> pace() const;
@@ -66,7 +65,7 @@ class OfferWatch {
   std::optional<ActivityMonitor> lease_;  ///< where the program has to assert
   std::uint64_t deadlines_missed_ = 0;
   Signs told_;  ///< what readers know of
-  Now told_at_ = Now::min();
+  Time told_at_ = Time::min();
 };
 
 /// One writer, as one of our readers that asked for something hears it.
@@ -77,9 +76,9 @@ class RequestWatch {
   static constexpr std::chrono::milliseconds shortest_offer{10};
 
   /// `arrived`: changes with each sample that arrives.
-  RequestWatch(const Qos& offered, const Qos& requested, std::uint64_t arrived, Now now);
+  RequestWatch(const Qos& offered, const Qos& requested, std::uint64_t arrived, Time now);
 
-  void look(std::uint64_t arrived, Now now);
+  void look(std::uint64_t arrived, Time now);
   void asserted() { ++assertions_; }
   std::uint64_t deadlines_missed() const { return deadlines_missed_; }
   bool alive() const { return !lease_ || !lease_->quiet(); }

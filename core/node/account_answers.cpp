@@ -2,7 +2,7 @@
 
 namespace sft::core {
 
-std::vector<EndpointId> AccountAnswers::asked_about(Now now) {
+std::vector<EndpointId> AccountAnswers::asked_about(Time now) {
   std::erase_if(until_, [&](const auto& ask) { return now >= ask.second; });
   std::vector<EndpointId> ids;
   for (const auto& [id, until] : until_) ids.push_back(id);

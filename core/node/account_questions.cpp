@@ -4,7 +4,7 @@
 
 namespace sft::core {
 
-/// Answers are all of the topics that the program asks about: none of these has a share of its own.
+/// All answers are about topics that the program asks about, so that no topic has a share of its own.
 AccountQuestions::AccountQuestions(const Limits& limits)
     : limits_(limits),
       shares_({.entries = limits.answers,
@@ -38,7 +38,7 @@ bool AccountQuestions::counts(const Account& account, const Assertion& sign, con
   return own.node_id == sign.node && own.announcer == sign.announcer;
 }
 
-void AccountQuestions::answered(const Assertion& sign, const Known& known, Now now) {
+void AccountQuestions::answered(const Assertion& sign, const Known& known, Time now) {
   if (sign.accounts.empty()) return;
   forget_old(now);
   for (const Account& account : sign.accounts) {
@@ -46,7 +46,7 @@ void AccountQuestions::answered(const Assertion& sign, const Known& known, Now n
   }
 }
 
-void AccountQuestions::enter(const Account& account, AnnouncerId by, Now now) {
+void AccountQuestions::enter(const Account& account, AnnouncerId by, Time now) {
   const auto before = answers_.find(account.id);
   if (before != answers_.end() && before->second.by == by) {
     before->second.account = account;
@@ -69,7 +69,7 @@ void AccountQuestions::erase(Answers::iterator answer) {
   answers_.erase(answer);
 }
 
-void AccountQuestions::forget_old(Now now) {
+void AccountQuestions::forget_old(Time now) {
   for (auto answer = answers_.begin(); answer != answers_.end();) {
     const auto next = std::next(answer);
     if (now - answer->second.at >= limits_.answers_last) erase(answer);
@@ -77,7 +77,7 @@ void AccountQuestions::forget_old(Now now) {
   }
 }
 
-PairAccounts AccountQuestions::answers(Now now) {
+PairAccounts AccountQuestions::answers(Time now) {
   forget_old(now);
   PairAccounts accounts;
   for (const auto& [id, answer] : answers_) add_to(accounts, answer.account, now - answer.at);

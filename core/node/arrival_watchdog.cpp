@@ -10,7 +10,7 @@ void ArrivalWatchdog::excuse() {
   missed_since_.reset();
 }
 
-bool ArrivalWatchdog::look(const Progress* progress, std::uint64_t signs, const Pair& pair, Now now) {
+bool ArrivalWatchdog::look(const Progress* progress, std::uint64_t signs, const Pair& pair, Time now) {
   if (signs_ != signs) {
     if (signs_) pause_ = {};  // it works
     excuse();
@@ -27,7 +27,7 @@ bool ArrivalWatchdog::look(const Progress* progress, std::uint64_t signs, const 
   return true;
 }
 
-void ArrivalWatchdog::advance(const Progress& progress, const Pair& pair, Now now) {
+void ArrivalWatchdog::advance(const Progress& progress, const Pair& pair, Time now) {
   if (!base_ || progress.samples < base_->samples) {
     base_ = latest_ = progress;
     periods_ = 0;
@@ -43,7 +43,7 @@ void ArrivalWatchdog::advance(const Progress& progress, const Pair& pair, Now no
   latest_ = progress;
 }
 
-/// Enough to tell that all of it should not be missing.
+/// True if so many samples were sent that not all of them can be missing on a connection that works.
 bool ArrivalWatchdog::is_missed(const Pair& pair) const {
   const std::uint64_t enough = pair.reliable ? missing_where_reliable : missing_where_lossy;
   const bool was_let_through = pair.min_period_us == 0 || periods_ >= enough;

@@ -2,13 +2,13 @@
 
 namespace sft::core {
 
-void ControlOutbox::announce(EndpointId id, Now now) {
+void ControlOutbox::announce(EndpointId id, Time now) {
   Unsaid& unsaid = unsaid_[id];
   unsaid.announcement = true;
   say(id, unsaid, now);
 }
 
-void ControlOutbox::request(EndpointId reader, Now now) {
+void ControlOutbox::request(EndpointId reader, Time now) {
   Unsaid& unsaid = unsaid_[reader];
   unsaid.request = true;
   say(reader, unsaid, now);
@@ -19,15 +19,15 @@ void ControlOutbox::withdraw(EndpointId id) {
   discovery_.withdraw(id);
 }
 
-void ControlOutbox::look(Now now) {
+void ControlOutbox::look(Time now) {
   for (auto item = unsaid_.begin(); item != unsaid_.end();) {
-    auto& [id, unsaid] = *item++;  // it may leave the map
+    auto& [id, unsaid] = *item++;  // say() may erase it
     if (unsaid.retry.due(now)) say(id, unsaid, now);
   }
 }
 
-/// An announcement has the request with it, but who knows the endpoint already may not look at that.
-void ControlOutbox::say(EndpointId id, Unsaid& unsaid, Now now) {
+/// An announcement contains the request. But a node that knows the endpoint already may not look at it there.
+void ControlOutbox::say(EndpointId id, Unsaid& unsaid, Time now) {
   if (negotiation_.local(id) == nullptr) return static_cast<void>(unsaid_.erase(id));
   Result<void> written;
   if (unsaid.announcement) {

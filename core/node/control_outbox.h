@@ -1,11 +1,12 @@
-// What a node says of its endpoints on the control topics. What cannot be written is written again, ever more
-// seldom, until it succeeds; what is said then is what holds by then. The agent's.
+// Writes what a node says of its endpoints to the control topics. A sample that cannot be written is tried
+// again, ever more seldom, until that succeeds, and then tells what holds by then. The agent's.
 #pragma once
 
 #include <map>
 
 #include "core/discovery/discovery.h"
 #include "core/negotiation/negotiation.h"
+#include "core/platform/clock.h"
 #include "core/platform/retry.h"
 #include "core/report/node_log.h"
 
@@ -13,19 +14,17 @@ namespace sft::core {
 
 class ControlOutbox {
  public:
-  using Now = Retry::Now;
-
   /// All that it is given outlives it.
   ControlOutbox(Negotiation& negotiation, Discovery& discovery, NodeLog& log)
       : negotiation_(negotiation), discovery_(discovery), log_(log) {}
 
-  /// One of our endpoints, as it is now.
-  void announce(EndpointId id, Now now);
-  /// The request of one of our readers, as it is now.
-  void request(EndpointId reader, Now now);
+  /// Announces one of our endpoints as it is now.
+  void announce(EndpointId id, Time now);
+  /// Sends the request of one of our readers as it is now.
+  void request(EndpointId reader, Time now);
   void withdraw(EndpointId id);
-  /// Writes again what is due.
-  void look(Now now);
+  /// Tries again what is due.
+  void look(Time now);
 
  private:
   struct Unsaid {
@@ -33,12 +32,12 @@ class ControlOutbox {
     bool request = false;
     Retry retry;
   };
-  void say(EndpointId id, Unsaid& unsaid, Now now);
+  void say(EndpointId id, Unsaid& unsaid, Time now);
 
   Negotiation& negotiation_;
   Discovery& discovery_;
   NodeLog& log_;
-  std::map<EndpointId, Unsaid> unsaid_;  ///< of these something was not written
+  std::map<EndpointId, Unsaid> unsaid_;  ///< endpoints with something that was not written yet
 };
 
 }  // namespace sft::core

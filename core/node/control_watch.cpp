@@ -7,13 +7,13 @@
 namespace sft::core {
 
 namespace {
-constexpr std::chrono::milliseconds take_back_every{100};  // nobody who forges makes us louder than that
+constexpr std::chrono::milliseconds take_back_every{100};  // a forger cannot make us announce more often
 constexpr std::chrono::seconds complain_every{1};
 constexpr std::chrono::seconds tell_of_refusals_every{60};
 constexpr std::size_t refusals_named_max = 10;
 }  // namespace
 
-std::vector<EndpointId> ControlWatch::take_contested(Now now) {
+std::vector<EndpointId> ControlWatch::take_contested(Time now) {
   for (auto& [id, how] : negotiation_.take_contested()) contested_.insert_or_assign(id, std::move(how));
   if (contested_.empty() || now < take_back_at_) return {};
   take_back_at_ = now + take_back_every;
@@ -41,7 +41,7 @@ void ControlWatch::complain(EndpointId ours, const std::string& how, std::size_t
       text + "; it is announced anew, but a program on this network speaks for others: find and stop it");
 }
 
-void ControlWatch::tell_of_refusals(Now now) {
+void ControlWatch::tell_of_refusals(Time now) {
   for (const auto& [node, times] : negotiation_.take_refusals()) {
     if (refusals_.size() < refusals_named_max || refusals_.contains(node)) refusals_[node] += times;
   }

@@ -62,7 +62,7 @@ EndpointInfo info_of(const KnownEndpoint& known, Types& types, NodeId id, std::u
   return info;
 }
 
-/// As the writer's node judges it. That tells nobody why it has no shared memory.
+/// Judges the pair as the writer's node does. That node tells nobody why it has no shared memory.
 PairInfo pair_info(const Endpoint& writer, const Endpoint& reader, const std::optional<DynamicType>& type,
                    TypeComparisons& comparisons) {
   static const StructType no_members;

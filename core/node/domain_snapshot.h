@@ -1,4 +1,4 @@
-// A table of endpoints as DomainSnapshot tells it. Pure.
+// Makes a DomainSnapshot from a table of endpoints. Pure.
 #pragma once
 
 #include <optional>

@@ -25,7 +25,7 @@ PublisherSnapshot snapshot_of(const PublisherCore& publisher) {
                              .alive = status.alive,
                              .readers = {}};
   for (ReaderStatus& reader : status.readers) {
-    // Of a reader that does not match there is no mask.
+    // A reader that does not match has no mask.
     std::string fields = reader.mask.leaves() == 0 ? "" : spec.type->format_mask(reader.mask);
     snapshot.readers.push_back({std::move(reader), std::move(fields)});
   }

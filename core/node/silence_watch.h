@@ -1,7 +1,8 @@
-// Nodes that have said something, and not yet after that that they live: whether they are lost. Pure.
+// Decides which nodes are lost that have said something, but have not given a sign of life since. Pure.
 //
-// Discovery watches the signs of life of nodes from the first that has come, and tells once that they fail to
-// come. Whatever else a node says is as good a sign, but its end is ours to watch until the next.
+// Discovery watches the signs of life of a node from the first one on, and tells once if they fail to come.
+// Anything else that a node says is as good a sign, but discovery does not watch it: this class does, until
+// the next sign of life.
 #pragma once
 
 #include <chrono>
@@ -9,24 +10,24 @@
 #include <vector>
 
 #include "core/control/control.h"
+#include "core/platform/clock.h"
 
 namespace sft::core {
 
 class SilenceWatch {
  public:
-  using Now = std::chrono::steady_clock::time_point;
-
-  /// It has said something else than that it lives. `lease`: how long nothing at all may be heard of it.
-  void heard(NodeId node, std::chrono::milliseconds lease, Now now) { lost_at_[node] = now + lease; }
-  /// It has said that it lives: discovery watches it.
+  /// The node has said something else than that it lives. It is lost if nothing is heard of it for `lease`.
+  void heard(NodeId node, std::chrono::milliseconds lease, Time now) { lost_at_[node] = now + lease; }
+  /// The node has said that it lives: discovery watches it.
   void lives(NodeId node) { lost_at_.erase(node); }
-  /// Discovery misses its signs. Whether it is lost; if not, it may be told by take_lost() later.
-  bool is_lost(NodeId node, Now now) const;
-  /// Those of which nothing more has come meanwhile.
-  std::vector<NodeId> take_lost(Now now);
+  /// Discovery misses the node's signs of life. True if the node is lost; if not, take_lost() may tell it
+  /// later.
+  bool is_lost(NodeId node, Time now) const;
+  /// The nodes of which nothing more has come in time.
+  std::vector<NodeId> take_lost(Time now);
 
  private:
-  std::map<NodeId, Now> lost_at_;
+  std::map<NodeId, Time> lost_at_;
 };
 
 }  // namespace sft::core

@@ -1,4 +1,4 @@
-// What a table of endpoints says about topics and their types. Pure functions.
+// Finds topics and their types in a table of endpoints. Pure functions.
 #pragma once
 
 #include <string_view>

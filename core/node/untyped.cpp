@@ -86,7 +86,7 @@ void Sample::reset() noexcept {
   SampleHandle::adopt(std::exchange(buffer_, nullptr)).reset();
 }
 
-/// What the buffer lies in is given back once, by the process that took it.
+/// Memory is given back once, by the process that took it.
 void Sample::leave_to_the_parent() noexcept {
   record_ = nullptr;
   buffer_ = nullptr;

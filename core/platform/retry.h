@@ -7,22 +7,23 @@
 #include <string>
 #include <utility>
 
+#include "core/platform/clock.h"
+
 namespace sft::core {
 
 class Retry {
  public:
-  using Now = std::chrono::steady_clock::time_point;
   static constexpr std::chrono::milliseconds pause_min{500};
   static constexpr std::chrono::milliseconds pause_max{10'000};
 
-  /// True if the next attempt may be made.
-  bool due(Now now) const { return now >= next_; }
-  /// True if the last attempt failed, and the next one may be made.
-  bool due_again(Now now) const { return pause_.count() != 0 && due(now); }
+  /// Whether it may be tried.
+  bool due(Time now) const { return now >= next_; }
+  /// Whether it has failed, and may be tried again.
+  bool due_again(Time now) const { return pause_.count() != 0 && due(now); }
 
   /// Returns whether that is news: it did not fail before, or for another reason. `longest`: until it may be
   /// tried again.
-  bool failed(std::string why, Now now, std::chrono::milliseconds longest = pause_max) {
+  bool failed(std::string why, Time now, std::chrono::milliseconds longest = pause_max) {
     pause_ = std::clamp(pause_ * 2, pause_min, longest);
     next_ = now + pause_;
     const bool is_news = why != why_;
@@ -32,14 +33,14 @@ class Retry {
   void succeeded() { *this = {}; }
   /// The reason of the last failure.
   const std::string& reason() const { return why_; }
-  /// Postpones the next attempt to that time, although none failed.
-  void hold(Now until) {
+  /// Not to be tried before that, although it did not fail.
+  void hold(Time until) {
     next_ = until;
     pause_ = std::max(pause_, std::chrono::milliseconds(1));
   }
 
  private:
-  Now next_{};
+  Time next_{};
   std::chrono::milliseconds pause_{0};
   std::string why_;
 };

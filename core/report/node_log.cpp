@@ -7,7 +7,7 @@
 
 namespace sft::core {
 
-bool LineBudget::take(Now now) {
+bool LineBudget::take(Time now) {
   next_ = std::max(next_, now - (burst - 1) * period);
   if (next_ > now) {
     ++left_out_;
@@ -22,11 +22,11 @@ std::uint64_t LineBudget::take_left_out() { return std::exchange(left_out_, 0); 
 NodeLog::NodeLog(std::string node, LogLevel threshold, LogSink sink)
     : node_(std::move(node)), threshold_(threshold), sink_(std::move(sink)) {}
 
-void NodeLog::write(LogLevel level, const std::string& text, Now now) {
+void NodeLog::write(LogLevel level, const std::string& text, Time now) {
   write(of_node_[static_cast<std::size_t>(level)], level, text, now);
 }
 
-void NodeLog::write(const std::string& topic, const Event& event, Now now) {
+void NodeLog::write(const std::string& topic, const Event& event, Time now) {
   const LogLevel level = level_of(event);
   if (!wants(level)) return;
   std::string text = "topic '" + topic + "'";
@@ -36,8 +36,8 @@ void NodeLog::write(const std::string& topic, const Event& event, Now now) {
   write(of_events_[static_cast<std::size_t>(event.kind)], level, text + ": " + event.text, now);
 }
 
-/// The number of losses that are left out is added to the next line of the pair.
-void NodeLog::write_loss(const std::string& pair, const Event& event, Now now) {
+/// What is left out is added to the next line of the pair.
+void NodeLog::write_loss(const std::string& pair, const Event& event, Time now) {
   const auto [known, is_new] = losses_.try_emplace(pair + ", publisher " + in_hex(event.peer));
   Losses& losses = known->second;
   LineBudget& budget = of_events_[static_cast<std::size_t>(EventKind::samples_lost)];
@@ -51,7 +51,7 @@ void NodeLog::write_loss(const std::string& pair, const Event& event, Now now) {
   losses = {.next_line = now + loss_pause};
 }
 
-void NodeLog::tick(Now now) {
+void NodeLog::tick(Time now) {
   for (auto& [pair, losses] : losses_) {
     if (now < losses.next_line || losses.untold == 0) continue;
     const std::string text = pair + ": samples lost: " + std::to_string(losses.untold) +
@@ -64,8 +64,8 @@ void NodeLog::tick(Now now) {
                 [now](const auto& item) { return item.second.untold == 0 && item.second.next_line <= now; });
 }
 
-/// Returns true if the line was written.
-bool NodeLog::write(LineBudget& budget, LogLevel level, const std::string& text, Now now) {
+/// Whether it was written.
+bool NodeLog::write(LineBudget& budget, LogLevel level, const std::string& text, Time now) {
   if (!wants(level) || !budget.take(now)) return false;
   const std::uint64_t left_out = budget.take_left_out();
   sink_(level, node_ + ": " + text +

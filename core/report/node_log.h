@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/platform/clock.h"
 #include "sft/event.h"
 #include "sft/options.h"
 
@@ -21,46 +22,43 @@ namespace sft::core {
 /// Lines that may be written: so many at once, then one for each period. Pure.
 class LineBudget {
  public:
-  using Now = std::chrono::steady_clock::time_point;
   static constexpr int burst = 10;
   static constexpr std::chrono::seconds period{5};
 
-  /// Returns true if a line may be written now; otherwise the line is counted.
-  bool take(Now now);
-  /// Returns the number of lines that were left out since the last line was written, and forgets it.
+  /// Whether a line may be written now; if not, it is counted.
+  bool take(Time now);
+  /// Lines that were not written since the last that was; forgets them.
   std::uint64_t take_left_out();
 
  private:
-  Now next_{};  ///< when the budget is whole again, less (burst - 1) periods
+  Time next_{};  ///< when the budget is whole again, less (burst - 1) periods
   std::uint64_t left_out_ = 0;
 };
 
 class NodeLog {
  public:
-  using Now = LineBudget::Now;
   NodeLog(std::string node, LogLevel threshold, LogSink sink);
 
   bool wants(LogLevel level) const { return sink_ && level >= threshold_; }
   /// Something that the node does or cannot do itself.
-  void write(LogLevel level, const std::string& text, Now now = std::chrono::steady_clock::now());
-  /// Writes what happened to a pair, or to one of our publishers or subscribers. The line is a warning if the
-  /// pair will never work as it is set up, or if a promise was broken: a deadline, or samples that were to
-  /// come reliably. Of such losses a pair has at most one line in a second. Programs change their requests
-  /// often; those lines are for debugging.
-  void write(const std::string& topic, const Event& event, Now now = std::chrono::steady_clock::now());
+  void write(LogLevel level, const std::string& text, Time now = std::chrono::steady_clock::now());
+  /// What happened to a pair, or to one of our publishers or subscribers. A warning if it will never work as
+  /// it is set up, or if a promise was broken: a deadline, or samples that were to come reliably, of which a
+  /// pair has at most one line in a second. What a program asks for changes often, and is for debugging.
+  void write(const std::string& topic, const Event& event, Time now = std::chrono::steady_clock::now());
   static LogLevel level_of(const Event& event);
   /// Writes what was left out of losses of reliable pairs, once its time has come. Called now and then.
-  void tick(Now now);
+  void tick(Time now);
 
  private:
   static constexpr std::size_t event_kinds = static_cast<std::size_t>(EventKind::request_changed) + 1;
   static constexpr std::size_t log_levels = static_cast<std::size_t>(LogLevel::error) + 1;
-  bool write(LineBudget& budget, LogLevel level, const std::string& text, Now now);
-  void write_loss(const std::string& pair, const Event& event, Now now);
+  bool write(LineBudget& budget, LogLevel level, const std::string& text, Time now);
+  void write_loss(const std::string& pair, const Event& event, Time now);
 
   /// The losses of a reliable pair.
   struct Losses {
-    Now next_line{};           ///< not before
+    Time next_line{};          ///< not before
     std::uint64_t untold = 0;  ///< samples
   };
   static constexpr std::chrono::seconds loss_pause{1};

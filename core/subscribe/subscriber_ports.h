@@ -59,11 +59,11 @@ class SubscriberPorts {
   std::uint64_t held_too_many();
   /// Changes whenever a sample of that writer has arrived.
   std::uint64_t arrivals(EndpointId writer);
-  /// What has come of that writer.
+  /// The samples of that writer that have come and that were lost.
   Account::OfReader account_of(EndpointId writer);
 
  private:
-  /// What ports have counted that no gap between samples shows.
+  /// Counts of ports that no gap between samples shows.
   struct Counts {
     std::uint64_t lost = 0;
     std::uint64_t discarded = 0;

@@ -1,4 +1,4 @@
-// What one subscriber has counted of each writer that it hears, and how each writer keeps its promises. Pure.
+// One subscriber's account of each writer that it hears: its samples, and how it keeps its promises. Pure.
 // Not safe for threads: subscriber_ports.h guards it.
 #pragma once
 

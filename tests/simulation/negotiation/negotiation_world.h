@@ -130,7 +130,7 @@ class NegotiationWorld {
   /// against.
   struct Told {
     std::shared_ptr<const core::Endpoint> endpoint;
-    std::optional<core::Now> lost_since;
+    std::optional<core::Time> lost_since;
     bool silent = false;                  ///< its node says no more that it lives
     std::uint64_t newest = 0;             ///< sequence of a request
     std::uint64_t newest_while_away = 0;  ///< told while there was no endpoint, or it was lost
@@ -143,7 +143,7 @@ class NegotiationWorld {
     bool dirty = false;  ///< as the negotiation said
     core::Negotiation negotiation;
     core::Self self;
-    core::Now now{};
+    core::Time now{};
     std::map<Id, Writer> writers;
     std::map<Id, Reader> readers;
     std::map<Id, std::shared_ptr<const core::Endpoint>> announced;  ///< what others find

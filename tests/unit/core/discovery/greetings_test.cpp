@@ -21,8 +21,8 @@ class GreetingsTest : public ::testing::Test {
     }
     return times;
   }
-  const Greetings::Now start{};
-  Greetings::Now now = start;
+  const Time start{};
+  Time now = start;
   Greetings greetings{start};
 };
 

@@ -62,7 +62,7 @@ class HearingWatchTest : public ::testing::Test {
   }
 
   HearingWatch watch;
-  HearingWatch::Now now{1000s};
+  Time now{1000s};
   std::map<Speaker, std::uint32_t> known{{peer, all}};
   std::optional<Missing> deaf;
   std::vector<Remedy> remedies;

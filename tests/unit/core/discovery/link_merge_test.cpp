@@ -96,8 +96,8 @@ class LinkMergeTest : public ::testing::Test {
     return count;
   }
 
-  const LinkMerge::Now start{};
-  LinkMerge::Now now = start + 1h;
+  const Time start{};
+  Time now = start + 1h;
   LinkMerge merge;
 };
 

@@ -17,7 +17,7 @@ class OtherReleasesTest : public ::testing::Test {
     return releases.take_report(now += time);
   }
 
-  OtherReleases::Now now{1h};
+  Time now{1h};
   OtherReleases releases;
 };
 

@@ -29,7 +29,7 @@ class RenewalPaceTest : public ::testing::Test {
   }
 
   RenewalPace pace;
-  RenewalPace::Now now{1000s};
+  Time now{1000s};
   std::chrono::milliseconds longest{};
 };
 

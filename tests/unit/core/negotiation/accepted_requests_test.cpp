@@ -26,7 +26,7 @@ class AcceptedRequestsTest : public testing::Test {
     }
     return numbers;
   }
-  AcceptedRequests::Now now{1h};
+  Time now{1h};
 };
 
 TEST_F(AcceptedRequestsTest, BestEffortForgetsAnEarlierOneAfterTwoSeconds) {

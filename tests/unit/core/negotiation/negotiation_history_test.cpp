@@ -68,7 +68,7 @@ TEST_F(LateReaderTest, ThatWasLostAndReturnsIsNotGivenItAgainAndOneThatWentIs) {
   negotiation.endpoint_seen(late_reader());
   begin(7, 2);
   negotiation.history_given(100, 7);
-  negotiation.endpoint_lost(7, Now{});
+  negotiation.endpoint_lost(7, Time{});
   negotiation.endpoint_seen(late_reader());
   EXPECT_EQ(negotiation.serving(100).shm.size(), 1U);
   negotiation.endpoint_departed(7);

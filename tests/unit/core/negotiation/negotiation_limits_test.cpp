@@ -88,7 +88,7 @@ TEST_F(Limits, AReaderHearsTheWritersThatItHasKnownLongestAndThatAnswer) {
   EXPECT_TRUE(heard(first).udp);
   EXPECT_FALSE(heard(last).udp || heard(last + 1).udp);
   EXPECT_EQ(heard(last).status.reason, "the subscriber hears as many publishers as one can, 1024");
-  negotiation.endpoint_lost(first, Now{});
+  negotiation.endpoint_lost(first, Time{});
   EXPECT_FALSE(heard(first).udp);
   EXPECT_TRUE(heard(last + 1).udp);
   EXPECT_FALSE(heard(last).udp);
@@ -103,7 +103,7 @@ TEST_F(Limits, OtherDefinitionsOfOurTypeAreComparedOnceAndOnlyTheFirstOfThem) {
     other.type_hash = id;
     other.type_description = {std::byte{1}};  // is no description, which is found out by comparing
     negotiation.endpoint_seen(other);
-    negotiation.tick(Now{});
+    negotiation.tick(Time{});
     const std::uint64_t before = negotiation.definitions_compared();
     const Serving serving = negotiation.serving(100);
     EXPECT_LE(negotiation.definitions_compared() - before, 16U);

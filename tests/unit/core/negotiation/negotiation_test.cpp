@@ -59,12 +59,12 @@ TEST_F(NegotiationTest, WhatALostReaderAskedForIsKeptUntilItIsSeenAgainHoweverLo
   Endpoint reader = endpoint(Role::reader, 7);
   reader.node_id = 66;
   negotiation.endpoint_seen(reader);
-  negotiation.endpoint_lost(7, Now{});
+  negotiation.endpoint_lost(7, Time{});
   negotiation.node_lost(66);
   negotiation.request_received(request(7, 2, F::data));
   negotiation.node_returned(66);  // discovery has not found it again
   EXPECT_TRUE(negotiation.serving(100).udp.empty());
-  EXPECT_TRUE(negotiation.tick(Now{} + 60s)) << "the reader is forgotten, but not its request";
+  EXPECT_TRUE(negotiation.tick(Time{} + 60s)) << "the reader is forgotten, but not its request";
   negotiation.endpoint_seen(reader);
   EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
 }
@@ -102,7 +102,7 @@ TEST_F(NegotiationTest, ANodeThatIsSilentIsNotServedUntilItIsHeardOfAgainAndNotF
   EXPECT_FALSE(negotiation.misses_somebody());
   EXPECT_TRUE(negotiation.node_lost(70));
   EXPECT_TRUE(negotiation.misses_somebody());
-  negotiation.tick(Now{} + 1h);
+  negotiation.tick(Time{} + 1h);
   ASSERT_EQ(negotiation.serving(100).udp.size(), 1U);
   EXPECT_EQ(negotiation.serving(100).udp[0].reader, 8U);
   EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "its node does not answer");
@@ -128,7 +128,7 @@ TEST_F(NegotiationTest, ANodeThatDiscoveryHasGivenUpReturnsOnlyByDiscovery) {
   reader.node_id = 70;
   negotiation.endpoint_seen(reader);
   negotiation.node_lost(70);
-  negotiation.endpoint_lost(7, Now{});
+  negotiation.endpoint_lost(7, Time{});
   negotiation.node_returned(70);
   EXPECT_TRUE(negotiation.serving(100).udp.empty());
   negotiation.endpoint_seen(reader);
@@ -235,7 +235,7 @@ TEST_F(NegotiationTest, ALostReaderIsNotServedButItsMaskIsKeptUntilItReturns) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
   negotiation.request_received(request(7, 3, F::data));
-  negotiation.endpoint_lost(7, Now{});
+  negotiation.endpoint_lost(7, Time{});
   EXPECT_TRUE(negotiation.serving(100).udp.empty());
   EXPECT_EQ(negotiation.serving(100).readers.at(0).reason, "its node does not answer");
 
@@ -247,9 +247,9 @@ TEST_F(NegotiationTest, ALostReaderIsNotServedButItsMaskIsKeptUntilItReturns) {
 TEST_F(NegotiationTest, ARequestThatComesBackBeforeItsLostReaderOutlivesThatThisIsForgottenMeanwhile) {
   our_writer();
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
-  negotiation.endpoint_lost(7, Now{});
+  negotiation.endpoint_lost(7, Time{});
   negotiation.request_received(request(7, 3, F::data));
-  EXPECT_TRUE(negotiation.tick(Now{} + 60s));
+  EXPECT_TRUE(negotiation.tick(Time{} + 60s));
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
   EXPECT_EQ(negotiation.serving(100).udp.at(0).mask, FieldMask(F::data));
 }
@@ -259,10 +259,10 @@ TEST_F(NegotiationTest, ALostReaderIsForgottenAfterAWhileAndADepartedOneAtOnce) 
   negotiation.endpoint_seen(endpoint(Role::reader, 7));
   negotiation.endpoint_seen(endpoint(Role::reader, 8));
   negotiation.endpoint_departed(8);
-  negotiation.endpoint_lost(7, Now{});
-  EXPECT_FALSE(negotiation.tick(Now{} + 59s));
+  negotiation.endpoint_lost(7, Time{});
+  EXPECT_FALSE(negotiation.tick(Time{} + 59s));
   EXPECT_EQ(negotiation.serving(100).readers.size(), 1U);
-  EXPECT_TRUE(negotiation.tick(Now{} + 60s));
+  EXPECT_TRUE(negotiation.tick(Time{} + 60s));
   EXPECT_TRUE(negotiation.serving(100).readers.empty());
 }
 
@@ -287,7 +287,7 @@ TEST_F(NegotiationTest, AWriterWhoseNodeDoesNotAnswerIsHeardOfAsNotAlive) {
   our_reader();
   negotiation.endpoint_seen(endpoint(Role::writer, 7));
   EXPECT_TRUE(negotiation.hearing(200).at(0).status.alive);
-  negotiation.endpoint_lost(7, Now{});
+  negotiation.endpoint_lost(7, Time{});
   EXPECT_FALSE(negotiation.hearing(200).at(0).status.alive);
   EXPECT_EQ(negotiation.hearing(200).at(0).status.reason, "its node does not answer");
 }
@@ -300,7 +300,7 @@ TEST_F(NegotiationTest, AWriterIsConnectedOnceOurReaderListensToItAndWhileItsNod
   EXPECT_FALSE(heard().connected);
   negotiation.connection_changed(200, 7, TransportKind::udp, true);
   EXPECT_TRUE(heard().connected);
-  negotiation.endpoint_lost(7, Now{});
+  negotiation.endpoint_lost(7, Time{});
   EXPECT_TRUE(heard().matched);
   EXPECT_FALSE(heard().connected);
 }

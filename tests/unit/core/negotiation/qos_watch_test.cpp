@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using Signs = OfferWatch::Signs;
 
-constexpr Now start = Now{} + 100s;
+constexpr Time start = Time{} + 100s;
 
 TEST(ActivityMonitorTest, EveryPeriodWithoutASignIsMissedOnce) {
   ActivityMonitor monitor(100ms, 0, start);
@@ -47,10 +47,10 @@ TEST(ActivityMonitorTest, NothingIsToldThatWasNotMissedAndNothingMissedForLongIs
   SCOPED_TRACE(test::how_to_repeat());
   ActivityMonitor monitor(100ms, 0, start);
   std::uint64_t count = 0;
-  Now last_sign = start;
-  Now next_sign = start;
+  Time last_sign = start;
+  Time next_sign = start;
   bool told = false;
-  for (Now now = start; now < start + 60s; now += monitor.pace()) {
+  for (Time now = start; now < start + 60s; now += monitor.pace()) {
     while (next_sign <= now) {
       if (next_sign - last_sign > 150ms) {
         ASSERT_TRUE(told);
@@ -114,7 +114,7 @@ TEST(OfferWatchTest, ALeaseIsLookedAtSixTimesAndADeadlineTwiceInAPeriod) {
 TEST(OfferWatchTest, AnAssertionOfTheProgramIsToldWithinHalfALeaseThoughAnotherWasJustTold) {
   OfferWatch watch({.liveliness = manual_by_topic, .liveliness_lease = 90ms}, start);
   ASSERT_TRUE(watch.assertion_due({.asserted = 1}, true, start));
-  Now now = start + 1ms;  // the program asserts again
+  Time now = start + 1ms;  // the program asserts again
   while (!watch.assertion_due({.asserted = 2}, true, now)) now += *watch.pace();
   EXPECT_LE(now, start + 46ms);
 }

@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr AccountAnswers::Now start = AccountAnswers::Now{} + 100s;
+constexpr Time start = Time{} + 100s;
 
 class AccountAnswersTest : public ::testing::Test {
  protected:

@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-constexpr AccountQuestions::Now start = AccountQuestions::Now{} + 100s;
+constexpr Time start = Time{} + 100s;
 constexpr NodeId camera = 100, monitor = 200, liar = 300;
 
 class AccountQuestionsTest : public ::testing::Test {
@@ -51,7 +51,7 @@ class AccountQuestionsTest : public ::testing::Test {
 
   std::map<EndpointId, Endpoint> endpoints;
   AccountQuestions questions{{.answers = 100, .of_announcer = 30}};
-  AccountQuestions::Now now = start;
+  Time now = start;
 };
 
 TEST_F(AccountQuestionsTest, GoToAllWhoAreThereInTurns) {

@@ -17,8 +17,6 @@ using std::chrono::milliseconds;
 
 class ArrivalWatchdogTest : public test::RandomTest {
  protected:
-  using Now = ArrivalWatchdog::Now;
-
   struct Scene {
     std::chrono::microseconds period = 10ms;  ///< of samples, while the writer is not quiet
     std::uint64_t bytes = 1000;
@@ -35,8 +33,8 @@ class ArrivalWatchdogTest : public test::RandomTest {
   /// What the reader's agent sees for so long, of a pair that works as the scene says, or of one that is
   /// deaf.
   void run(const Scene& scene, std::chrono::nanoseconds length, bool deaf = false) {
-    const Now end = now + length;
-    Now publish_at = now, passes_at = now;
+    const Time end = now + length;
+    Time publish_at = now, passes_at = now;
     while (now < end) {
       now = std::min(publish_at, assert_at);
       for (; !under_way.empty() && *under_way.begin() <= now; ++arrived) under_way.erase(under_way.begin());
@@ -68,12 +66,12 @@ class ArrivalWatchdogTest : public test::RandomTest {
   }
 
   ArrivalWatchdog watchdog;
-  Now now{1h};
-  Now assert_at{1h};
+  Time now{1h};
+  Time assert_at{1h};
   Progress sent{1, 0, 0};
   std::uint64_t told = 0, arrived = 0;
-  std::multiset<Now> under_way;
-  std::vector<Now> restarted_at;
+  std::multiset<Time> under_way;
+  std::vector<Time> restarted_at;
 };
 
 TEST_F(ArrivalWatchdogTest, APairThatGoesDeafIsRestartedWithinFiveSeconds) {
@@ -84,7 +82,7 @@ TEST_F(ArrivalWatchdogTest, APairThatGoesDeafIsRestartedWithinFiveSeconds) {
       const Scene scene{.period = period, .pair = {.reliable = reliable}};
       run(scene, 10s);
       ASSERT_TRUE(restarted_at.empty());
-      const Now begin = now;
+      const Time begin = now;
       run(scene, 5s, true);
       ASSERT_FALSE(restarted_at.empty()) << period.count();
       EXPECT_LE(restarted_at[0] - begin, 4s + 600ms);
@@ -115,7 +113,7 @@ TEST_F(ArrivalWatchdogTest, WhatWorksAgainIsRestartedSoonWhenItGoesDeafOnceMore)
   run({}, 300s, true);
   run({}, 100s);
   const std::size_t before = restarted_at.size();
-  const Now begin = now;
+  const Time begin = now;
   run({}, 5s, true);
   ASSERT_GT(restarted_at.size(), before);
   EXPECT_LE(restarted_at[before] - begin, 4s + 400ms);

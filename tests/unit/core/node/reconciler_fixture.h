@@ -95,7 +95,7 @@ class TestDiscovery final : public Discovery {
 class TestTransport final : public Transport {
  public:
   std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
-  Availability poll(Now) override { return Availability::ready; }
+  Availability poll(Time) override { return Availability::ready; }
   std::string description() const override { return "test"; }
   std::vector<UdpAddress> addresses() const override { return addresses_now; }
   Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }

@@ -1,5 +1,6 @@
 // What the reconciler does where shared memory comes and goes.
 #include "tests/unit/core/node/reconciler_fixture.h"
+#include "tests/unit/core/node/test_memory.h"
 
 namespace sft::core {
 namespace {
@@ -8,73 +9,12 @@ namespace {
 class AbsentMemory final : public Transport {
  public:
   std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
-  Availability poll(Now) override { return availability; }
+  Availability poll(Time) override { return availability; }
   std::string description() const override { return state; }
   Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }
   Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override { return nullptr; }
   Availability availability = Availability::starting;
   std::string state = "starting";
-};
-
-/// Ports in the memory of one daemon or another, as far as they come and go.
-class TestMemory final : public Transport {
- public:
-  class Writer final : public WriterPort {
-   public:
-    explicit Writer(TestMemory& memory) : memory_(memory) { ++memory_.writers; }
-    ~Writer() override { --memory_.writers; }
-    SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
-    void set_routes(std::vector<Route>) override {}
-    std::uint64_t bytes_sent() const noexcept override { return 0; }
-
-   private:
-    TestMemory& memory_;
-  };
-  class Reader final : public ReaderPort {
-   public:
-    explicit Reader(TestMemory& memory) : memory_(memory) {}
-    SampleHandle take() noexcept override { return {}; }
-    Result<void> connect(const Source& source) override {
-      memory_.asked_for.push_back(source.writer);
-      if (memory_.refusal) return fail(*memory_.refusal, "it does not do that");
-      memory_.connections.insert(source.writer);
-      return {};
-    }
-    bool connected(EndpointId) const noexcept override { return memory_.attaches; }
-    HistoryProgress history(EndpointId) const noexcept override { return memory_.progress; }
-    std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
-    void disconnect(EndpointId writer) noexcept override { memory_.connections.erase(writer); }
-    void accept(std::vector<Accepted>) override {}
-    std::uint64_t discarded() const noexcept override { return 0; }
-
-   private:
-    TestMemory& memory_;
-  };
-
-  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
-  Availability poll(Now) override { return Availability::ready; }
-  std::string description() const override { return "test"; }
-  HostToken host_token() const override {
-    HostToken token;
-    token.bytes.fill(daemon);
-    return token;
-  }
-  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override {
-    if (is_full) return fail(Errc::unavailable, "no port is left");
-    return std::make_unique<Writer>(*this);
-  }
-  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override {
-    return std::make_unique<Reader>(*this);
-  }
-
-  std::uint8_t daemon = 1;
-  bool is_full = false;
-  bool attaches = true;
-  HistoryProgress progress = HistoryProgress::awaited;
-  int writers = 0;
-  std::set<EndpointId> connections;   ///< of readers, to these
-  std::vector<EndpointId> asked_for;  ///< in order
-  std::optional<Errc> refusal;        ///< why nothing can be connected at present
 };
 
 /// One node whose endpoints use shared memory only.
@@ -133,7 +73,7 @@ TEST_F(ReconcilerInMemoryTest, PublishersThatAreMadeUpTakeFewPortsAndGiveThemBac
   EXPECT_FALSE(memory.connections.contains(7)) << "none is left";
   for (EndpointId id = 1000; id < 1200; ++id) node.endpoint_lost(id);
   node.reconcile();
-  const Now soon = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  const Time soon = std::chrono::steady_clock::now() + std::chrono::seconds(1);
   EXPECT_TRUE(test::eventually([&] {
     node.tick();
     return memory.connections == std::set<EndpointId>{7};

@@ -44,7 +44,7 @@ TEST_F(ReconcilerTest, AWriterThatWentIsDisconnectedOnceNothingOfItCanBeInFlight
   writer_seen(7);
   writer_seen(8);
   writer_departed(7);
-  const Now went = std::chrono::steady_clock::now();
+  const Time went = std::chrono::steady_clock::now();
   reconciler.tick(went + AcceptedRequests::in_flight_max - std::chrono::seconds(1));
   EXPECT_THAT(connections.writers, ElementsAre(7, 8));
   reconciler.tick(went + AcceptedRequests::in_flight_max + std::chrono::milliseconds(1));
@@ -294,7 +294,7 @@ class OutboxTest : public ReconcilerTest {
   OutboxTest() { negotiation.local_added(endpoint(Role::reader, 200), type); }
   void look_after(std::chrono::milliseconds pause) { outbox.look(now += pause); }
 
-  Now now{std::chrono::hours(1)};
+  Time now{std::chrono::hours(1)};
   Negotiation negotiation;
   ControlOutbox outbox{negotiation, discovery, log};
 };
@@ -395,7 +395,7 @@ TEST_F(ReconcilerTest, AConnectionByWhichNothingArrivesIsSetUpAnewAndCounted) {
   reconciler.reconcile();
   ASSERT_THAT(discovery.sent.back().listening, ElementsAre(7));
   logged.clear();
-  Now now = std::chrono::steady_clock::now() - std::chrono::minutes(1);
+  Time now = std::chrono::steady_clock::now() - std::chrono::minutes(1);
   std::uint64_t samples = 0;
   const std::size_t before = discovery.sent.size();
   for (int i = 0; i < 8 && discovery.sent.size() == before; ++i) {
@@ -425,7 +425,7 @@ TEST_F(ReconcilerTest, ProgressIsToldOfWritersThatSentSomethingAndHaveReaders) {
   const PointCloud2 cloud;
   core->publish(&cloud);
   alone->publish(&cloud);
-  Now now = std::chrono::steady_clock::now();
+  Time now = std::chrono::steady_clock::now();
   reconciler.tick(now += std::chrono::seconds(1));
   ASSERT_FALSE(discovery.asserted.empty());
   ASSERT_EQ(discovery.asserted.back().progress.size(), 1U);
@@ -467,7 +467,7 @@ class AccountsTest : public ReconcilerTest {
   static constexpr NodeId other_node = 66;
   static constexpr AnnouncerId other_participant = 4;
   const std::shared_ptr<PublisherCore> writer = our_writer(7, std::make_shared<TestWriterPort>());
-  Now now = std::chrono::steady_clock::now();
+  Time now = std::chrono::steady_clock::now();
 };
 
 TEST_F(AccountsTest, AreToldInSignsOfLifeWhileSomebodyAsksAndNotLongerThanThreeSeconds) {
@@ -506,28 +506,29 @@ TEST_F(AccountsTest, OfAnEndpointThatIsGoneAreToldNoMore) {
 
 TEST_F(AccountsTest, AreAskedForOfOthersEndpointsOnTheTopicsThatTheProgramNames) {
   EXPECT_THAT(next_sign()->asked_about, IsEmpty());
-  reconciler.ask_accounts("clouds");
+  reconciler.accounts().ask("clouds");
   EXPECT_THAT(next_sign()->asked_about, IsEmpty());
-  reconciler.ask_accounts("points");
-  reconciler.ask_accounts("points");
+  reconciler.accounts().ask("points");
+  reconciler.accounts().ask("points");
   EXPECT_THAT(next_sign()->asked_about, ElementsAre(200));
-  reconciler.ask_accounts_no_more("points");
+  reconciler.accounts().ask_no_more("points");
   EXPECT_THAT(next_sign()->asked_about, ElementsAre(200)) << "it was asked twice";
-  reconciler.ask_accounts_no_more("points");
+  reconciler.accounts().ask_no_more("points");
   EXPECT_THAT(next_sign()->asked_about, IsEmpty());
 }
 
 TEST_F(AccountsTest, OfAPairAreWhatBothSidesTell) {
-  reconciler.ask_accounts("points");
+  reconciler.accounts().ask("points");
   hear(sign({}, {{.id = {{7, 200}, Role::reader}, .by_reader = {.received = 5, .lost = 6}}}));
-  const PairAccount pair = reconciler.known_accounts(now + std::chrono::seconds(1)).at({7, 200});
+  const PairAccount pair = reconciler.accounts().known(now + std::chrono::seconds(1)).at({7, 200});
   ASSERT_TRUE(pair.publisher);
   EXPECT_EQ(pair.publisher->age, std::chrono::seconds(0)) << "this node counts";
   ASSERT_TRUE(pair.subscriber);
   EXPECT_EQ(pair.subscriber->received, 5U);
   EXPECT_EQ(pair.subscriber->lost, 6U);
   EXPECT_EQ(pair.subscriber->age, std::chrono::seconds(1));
-  EXPECT_EQ(reconciler.known_accounts(now + std::chrono::seconds(10)).at({7, 200}).subscriber, std::nullopt);
+  EXPECT_EQ(reconciler.accounts().known(now + std::chrono::seconds(10)).at({7, 200}).subscriber,
+            std::nullopt);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 constexpr NodeId node = 7;
-constexpr SilenceWatch::Now start = SilenceWatch::Now{} + 100s;
+constexpr Time start = Time{} + 100s;
 
 class SilenceWatchTest : public ::testing::Test {
  protected:

@@ -6,7 +6,7 @@ namespace sft::core {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr Retry::Now start{1000s};
+constexpr Time start{1000s};
 
 TEST(RetryTest, WhatHasNotFailedMayBeTriedAndIsNotTriedAgain) {
   const Retry retry;
@@ -16,7 +16,7 @@ TEST(RetryTest, WhatHasNotFailedMayBeTriedAndIsNotTriedAgain) {
 
 TEST(RetryTest, PausesDoubleUpToALimit) {
   Retry retry;
-  Retry::Now now = start;
+  Time now = start;
   for (const auto pause : {500ms, 1000ms, 2000ms, 4000ms, 8000ms, 10'000ms, 10'000ms}) {
     retry.failed("no", now);
     EXPECT_FALSE(retry.due(now + pause - 1ms));

@@ -11,7 +11,6 @@ namespace sft::core {
 namespace {
 
 using namespace std::chrono_literals;
-using Now = NodeLog::Now;
 
 class NodeLogTest : public ::testing::Test {
  protected:
@@ -21,7 +20,7 @@ class NodeLogTest : public ::testing::Test {
             [this](LogLevel level, std::string_view text) { lines.emplace_back(level, text); }};
   }
   Lines lines;
-  const Now now{1h};
+  const Time now{1h};
 };
 
 TEST_F(NodeLogTest, WritesFromItsLevelOn) {

@@ -1,4 +1,5 @@
-// What a subscriber makes of the samples that its two ports bring: order, duplicates, gaps, callbacks.
+// A subscriber with its two ports, its waiting threads and its callback. The order between the ports is
+// tested in intake_test.cpp.
 #include "core/subscribe/subscriber_core.h"
 
 #include <gtest/gtest.h>
@@ -87,25 +88,6 @@ TEST_F(SubscriberCoreTest, ASampleInSharedMemoryWaitsForOneBeforeItThatWentByUdp
   EXPECT_EQ(subscriber->status().lost, 0U);
 }
 
-TEST_F(SubscriberCoreTest, WhatDoesNotComeByUdpIsNotWaitedForLong) {
-  const std::int64_t long_ago = realtime_ns() - 1'000'000'000;
-  const std::int64_t by_a_clock_that_was_set_back = realtime_ns() + 1'000'000'000'000;
-  arrives(*shm, 1);
-  arrives_after_diverted(3, 2, long_ago);
-  arrives_after_diverted(5, 4, by_a_clock_that_was_set_back);
-  EXPECT_EQ(taken(), (Sequences{1, 3, 5}));
-  EXPECT_EQ(subscriber->status().lost, 2U);
-}
-
-TEST_F(SubscriberCoreTest, WhatWentByUdpBeforeItsWriterWasLookedForIsNotWaitedFor) {
-  const std::int64_t before = realtime_ns() - 1;
-  Hearing hearing;
-  hearing.source.writer = 9;
-  subscriber->hears({hearing});
-  arrives_after_diverted(2, 1, before);
-  EXPECT_EQ(taken(), (Sequences{2}));
-}
-
 TEST_F(SubscriberCoreTest, WhatWentByUdpToOthersIsNotWaitedForWhereNobodyListensThere) {
   udp->is_connected = false;
   arrives(*shm, 1);
@@ -142,45 +124,12 @@ TEST_F(SubscriberCoreTest, WhatAPortLostUnseenIsCountedAlsoWhenThePortIsGone) {
   EXPECT_EQ(subscriber->status().lost, 5U);
 }
 
-TEST_F(SubscriberCoreTest, ASampleThatCameByBothPathsIsTakenOnce) {
-  arrives(*udp, 1);
-  arrives(*udp, 2);
-  arrives(*shm, 2);
-  arrives(*shm, 3);
-  EXPECT_EQ(taken(), (Sequences{1, 2, 3}));
-  EXPECT_EQ(subscriber->status().lost, 0U);
-}
-
-TEST_F(SubscriberCoreTest, AGapIsCountedWhereItIsSeen) {
-  arrives(*udp, 5);
-  arrives(*udp, 8);
-  EXPECT_EQ(subscriber->take().info().lost_before, 0U);
-  EXPECT_EQ(subscriber->take().info().lost_before, 2U);
-  EXPECT_EQ(subscriber->status().lost, 2U);
-}
-
 TEST_F(SubscriberCoreTest, LossesThatOnlyAPortKnowsAreCountedWithThoseSeen) {
   arrives(*udp, 5);
   arrives(*udp, 8);
   udp->unnoticed = 3;
   taken();
   EXPECT_EQ(subscriber->status().lost, 5U);
-}
-
-TEST_F(SubscriberCoreTest, AnExpiredSampleIsNotDeliveredAndNotLost) {
-  Hearing hearing;
-  hearing.source.writer = hearing.status.id = 9;
-  hearing.offered.lifespan = std::chrono::minutes(1);
-  subscriber->hears({hearing});
-  arrives(*udp, 1);  // stamped in 1970
-  arrives(*udp, 2);
-  udp->samples.back()->source_stamp_ns = realtime_ns();
-  EXPECT_TRUE(subscriber->wait({}));
-  EXPECT_EQ(taken(), (Sequences{2}));
-  const SubscriberStatus status = subscriber->status();
-  EXPECT_EQ(status.expired, 1U);
-  EXPECT_EQ(status.lost, 0U);
-  EXPECT_EQ(status.writers.at(0).expired, 1U);
 }
 
 TEST_F(SubscriberCoreTest, WhetherASampleIsExpiredIsToldOfAnyStamp) {
@@ -213,14 +162,6 @@ TEST_F(SubscriberCoreTest, AMaximumRateIsKeptWithAnyStamps) {
   EXPECT_EQ(delivered + subscriber->status().withheld, sequence);
 }
 
-TEST_F(SubscriberCoreTest, EveryWriterHasItsOwnSequence) {
-  arrives(*udp, 5, 9);
-  arrives(*udp, 6, 10);
-  arrives(*udp, 7, 9);
-  EXPECT_EQ(taken().size(), 3U);
-  EXPECT_EQ(subscriber->status().lost, 1U);
-}
-
 TEST_F(SubscriberCoreTest, TheLatestSampleCarriesTheLossesOfThosePassedOver) {
   arrives(*udp, 1);
   arrives(*udp, 3);
@@ -229,30 +170,6 @@ TEST_F(SubscriberCoreTest, TheLatestSampleCarriesTheLossesOfThosePassedOver) {
   EXPECT_EQ(latest.info().sequence, 4U);
   EXPECT_EQ(latest.info().lost_before, 1U);
   EXPECT_FALSE(subscriber->take_latest());
-}
-
-TEST_F(SubscriberCoreTest, TheLatestOfSeveralWritersIsTheLastThatWasPublished) {
-  arrives(*udp, 1, 9, 100);
-  arrives(*udp, 1, 10, 300);
-  arrives(*udp, 2, 9, 200);
-  const untyped::Sample latest = subscriber->take_latest();
-  EXPECT_EQ(latest.info().writer, 10U);
-  EXPECT_FALSE(subscriber->take());
-}
-
-TEST_F(SubscriberCoreTest, TheLatestOfOneWriterIsTheOneOfTheHighestNumberAlsoWhenItsClockWasSetBack) {
-  arrives(*udp, 1, 9, 300);
-  arrives(*udp, 2, 9, 100);
-  EXPECT_EQ(subscriber->take_latest().info().sequence, 2U);
-}
-
-TEST_F(SubscriberCoreTest, LossesOfWritersThatWerePassedOverAreToldWithTheirNextSample) {
-  arrives(*udp, 1, 9, 100);
-  arrives(*udp, 5, 9, 200);
-  arrives(*udp, 1, 10, 300);
-  EXPECT_EQ(subscriber->take_latest().info().lost_before, 0U);
-  arrives(*udp, 7, 9, 400);
-  EXPECT_EQ(subscriber->take().info().lost_before, 4U);
 }
 
 TEST_F(SubscriberCoreTest, WaitReturnsAtOnceIfThereIsASampleAndAtTheDeadlineIfNot) {

@@ -1,0 +1,230 @@
+#include "core/node/endpoint_opening.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/control/described_type.h"
+#include "core/control/names.h"
+#include "core/control/qos.h"
+#include "core/node/topics.h"
+#include "core/platform/random_id.h"
+
+namespace sft::core {
+
+namespace {
+constexpr std::uint32_t max_held_least = 2;   // one is held while the next is taken
+constexpr std::uint32_t max_held_most = 256;  // iceoryx's limit
+constexpr std::chrono::seconds max_spin{1};   // of the thread that calls back: then it looks after the rest
+}  // namespace
+
+bool EndpointOpening::may_use(TransportKind kind, TransportChoice choice) const {
+  const TransportChoice other = kind == TransportKind::shm ? TransportChoice::udp : TransportChoice::shm;
+  const Transport* transport = kind == TransportKind::shm ? node_.shm : node_.udp;
+  return transport != nullptr && choice != other && node_.options.transport != other;
+}
+
+Result<void> EndpointOpening::check_topic(std::string_view topic) {
+  if (const auto fault = fault_of_topic(topic); !fault.empty())
+    return fail(Errc::invalid_argument, "topic " + in_quotes(topic) + " " + std::string(fault));
+  return {};
+}
+
+Result<void> EndpointOpening::check(std::string_view topic, const TypeSupport& type,
+                                    TransportChoice choice) const {
+  if (Result<void> sound = check_topic(topic); !sound) return sound;
+  if (const auto fault = fault_of_name(type.name()); !fault.empty())
+    return fail(Errc::invalid_argument, "type name " + in_quotes(type.name()) + " " + std::string(fault));
+  if (type.leaves() > mask_words_max * 64) {
+    return fail(Errc::limit_exceeded, std::string(type.name()) + " has more than 4096 fields");
+  }
+  if (!may_use(TransportKind::shm, choice) && !may_use(TransportKind::udp, choice)) {
+    return fail(Errc::invalid_argument,
+                "topic " + in_quotes(topic) + ": the endpoint's choice of transport contradicts the node's");
+  }
+  return {};
+}
+
+Result<void> EndpointOpening::check(const SubscriberOptions& options) {
+  if (Result<void> sound = Recorder::check(options.recording); !sound) return sound;
+  if (options.max_held < max_held_least || options.max_held > max_held_most) {
+    return fail(Errc::invalid_argument,
+                "SubscriberOptions::max_held is 2 to 256, not " + std::to_string(options.max_held));
+  }
+  return {};
+}
+
+Endpoint EndpointOpening::describe(Role role, std::string_view topic, const TypeSupport& type,
+                                   TransportChoice choice) const {
+  Endpoint endpoint;
+  endpoint.id = random_id();
+  endpoint.role = role;
+  endpoint.node_id = node_.id;
+  endpoint.life_lease = node_.life_lease;
+  endpoint.node = node_.options.name;
+  endpoint.topic = without_slash(topic);
+  endpoint.type_name = type.name();
+  endpoint.type_hash = type.hash();
+  endpoint.type_description = announced_description(type.type());
+  endpoint.may_use_shm = may_use(TransportKind::shm, choice);
+  endpoint.may_use_udp = may_use(TransportKind::udp, choice);
+  if (endpoint.may_use_udp) endpoint.addresses = node_.udp->addresses();
+  return endpoint;
+}
+
+/// Excludes the ways that cannot carry the largest sample of a writer, except that samples which shared
+/// memory cannot take go by UDP.
+Result<void> EndpointOpening::keep_ways_for_largest_sample(Endpoint& writer) const {
+  const auto most = [](bool may_use, const Transport* transport) {
+    return may_use ? transport->max_sample_bytes() : std::size_t{0};
+  };
+  const std::size_t by_shm = most(writer.may_use_shm, node_.shm);
+  const std::size_t by_udp = most(writer.may_use_udp, node_.udp);
+  if (writer.max_sample_bytes > std::max(by_shm, by_udp)) {
+    return fail(Errc::limit_exceeded, "topic '" + writer.topic + "': PublisherOptions::max_sample_bytes of " +
+                                          std::to_string(writer.max_sample_bytes) + " is more than the " +
+                                          std::to_string(std::max(by_shm, by_udp)) + " that can be sent");
+  }
+  writer.may_use_udp = writer.may_use_udp && writer.max_sample_bytes <= by_udp;
+  writer.may_use_shm = writer.may_use_shm && (writer.may_use_udp || writer.max_sample_bytes <= by_shm);
+  if (!writer.may_use_udp) writer.addresses.clear();
+  return {};
+}
+
+Result<EndpointOpening::Writer> EndpointOpening::open_writer(std::string_view topic, const TypeSupport& type,
+                                                             const PublisherOptions& options) const {
+  if (auto ok = check(topic, type, options.transport); !ok) return tl::unexpected(ok.error());
+  const Result<Qos> qos = qos_of(options);
+  if (!qos) return tl::unexpected(qos.error());
+  Endpoint endpoint = describe(Role::writer, topic, type, options.transport);
+  endpoint.qos = *qos;
+  endpoint.max_sample_bytes = options.max_sample_bytes;
+  endpoint.waits = options.max_blocking.count() > 0;
+  if (auto fits = keep_ways_for_largest_sample(endpoint); !fits) return tl::unexpected(fits.error());
+  auto udp = open_udp(endpoint, type, options);
+  if (!udp) return tl::unexpected(udp.error());
+  std::function<void()> asserted;
+  if (qos->liveliness == Liveliness::manual_by_topic)
+    asserted = [tell = news_.asserted, id = endpoint.id] { tell(id); };
+  auto core = std::make_shared<PublisherCore>(
+      PublisherCore::Spec{endpoint.id, endpoint.topic, &type, options.max_sample_bytes, *qos,
+                          options.on_readers_changed, options.on_event, std::move(asserted),
+                          options.max_blocking},
+      node_.heap, std::move(*udp));
+  return Writer{std::move(endpoint), std::move(core)};
+}
+
+/// Null if the writer may not use UDP.
+Result<std::shared_ptr<WriterPort>> EndpointOpening::open_udp(const Endpoint& writer, const TypeSupport& type,
+                                                              const PublisherOptions& options) const {
+  if (!writer.may_use_udp) return nullptr;
+  auto port = node_.udp->open_writer({.id = writer.id,
+                                      .type = &type,
+                                      .max_blocking = options.max_blocking,
+                                      .max_bytes_per_s = options.max_bytes_per_s});
+  if (!port) return tl::unexpected(port.error());
+  return std::shared_ptr<WriterPort>(std::move(*port));
+}
+
+Result<EndpointOpening::Reader> EndpointOpening::open_reader(ReaderOrder order) const {
+  if (auto ok = check(order.topic, order.type, order.options.transport); !ok)
+    return tl::unexpected(ok.error());
+  const Result<Qos> qos = qos_of(order.options);
+  if (!qos) return tl::unexpected(qos.error());
+  if (auto ok = check(order.options); !ok) return tl::unexpected(ok.error());
+  Result<std::unique_ptr<PollHandle>> poll_handle;
+  if (order.options.pollable) poll_handle = PollHandle::create();
+  if (!poll_handle) return tl::unexpected(poll_handle.error());
+  const Result<std::uint32_t> slot = take_slot(order);
+  if (!slot) return tl::unexpected(slot.error());
+  order.requirement.mask = order.type.closed(order.requirement.mask);
+  Reader reader{.endpoint = describe_reader(order, *qos, *slot), .parts = {}, .slot = *slot};
+  if (order.requirement.recorded) {
+    reader.parts.recorder =
+        Recorder::make(order.type.leaves(), order.options.recording,
+                       [tell = news_.requirement_changed, id = reader.endpoint.id] { tell(id); });
+  }
+  reader.parts.core = make_core(reader, order, std::move(*poll_handle));
+  if (auto opened = open_udp(reader, order); !opened) {
+    node_.slots.give_back(*slot);
+    return tl::unexpected(opened.error());
+  }
+  return reader;
+}
+
+Result<std::uint32_t> EndpointOpening::take_slot(const ReaderOrder& order) const {
+  const bool has_callback = static_cast<bool>(order.callback);
+  if (!has_callback && !order.options.pollable) return node_.slots.take();
+  if (has_callback && order.options.pollable) {
+    return fail(Errc::invalid_argument,
+                "a subscriber has a callback or a file descriptor: leave SubscriberOptions::pollable false");
+  }
+  const Result<void> started = (has_callback ? node_.dispatcher : node_.poller).start();
+  if (!started) return tl::unexpected(started.error());
+  return has_callback ? WakeSlots::dispatcher : WakeSlots::poller;
+}
+
+Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Qos& qos,
+                                          std::uint32_t slot) const {
+  Endpoint endpoint = describe(Role::reader, order.topic, order.type, order.options.transport);
+  endpoint.qos = qos;
+  endpoint.doorbell = {node_.slots.page_id(), slot};
+  // Without a shared page no other process could ring.
+  endpoint.may_use_shm = endpoint.may_use_shm && node_.slots.page_id() != 0;
+  endpoint.request.reader = endpoint.id;
+  endpoint.request.sequence = 1;
+  endpoint.request.mask_words = order.requirement.mask.to_words();
+  endpoint.request.min_period_us = *min_period_us_of(order.options.max_rate_hz);  // qos_of() has checked it
+  return endpoint;
+}
+
+std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const Reader& reader, ReaderOrder& order,
+                                                           std::unique_ptr<PollHandle> poll_handle) const {
+  const Endpoint& endpoint = reader.endpoint;
+  return std::make_shared<SubscriberCore>(
+      SubscriberCore::Spec{.id = endpoint.id,
+                           .topic = endpoint.topic,
+                           .type = &order.type,
+                           .requirement = order.requirement,
+                           .options = order.options,
+                           .callback = std::move(order.callback),
+                           .type_owner = std::move(order.type_owner),
+                           .min_period_us = endpoint.request.min_period_us,
+                           .rate_changed = [tell = news_.rate_changed, id = endpoint.id] { tell(id); },
+                           .as_remote = order.options.recording.as_remote ? node_.heap : nullptr,
+                           .poll_handle = std::move(poll_handle),
+                           .shm_depth = shm_depth_of(endpoint)},
+      node_.slots.at(reader.slot), reader.parts.recorder);
+}
+
+/// Leaves the port null if the reader may not use UDP.
+Result<void> EndpointOpening::open_udp(Reader& reader, const ReaderOrder& order) const {
+  const Endpoint& endpoint = reader.endpoint;
+  if (!endpoint.may_use_udp) return {};
+  LocalReader::Parts& parts = reader.parts;
+  ReaderSpec spec{endpoint.id, &order.type, order.options.depth, parts.core.get(), endpoint.doorbell};
+  spec.only_waited_for = !parts.core->has_callback() && !order.options.pollable;
+  spec.spin = std::clamp(order.options.spin, std::chrono::nanoseconds(0), std::chrono::nanoseconds(max_spin));
+  auto port = node_.udp->open_reader(spec);
+  if (!port) return tl::unexpected(port.error());
+  parts.udp = std::move(*port);
+  parts.udp->accept({{.wanted = {order.requirement.mask, endpoint.request.min_period_us}}});
+  parts.core->ports().set(TransportKind::udp, parts.udp);
+  return {};
+}
+
+/// The part of a reader's depth that shared memory keeps. The log says so if the reader asks for more: with a
+/// warning if the reader relies on that.
+std::uint32_t EndpointOpening::shm_depth_of(const Endpoint& reader) const {
+  const std::uint32_t depth = reader.qos.history_depth;
+  const std::uint32_t most = node_.shm == nullptr ? depth : node_.shm->max_depth();
+  if (!reader.may_use_shm || depth <= most) return depth;
+  const bool reliable = reader.qos.reliability == Reliability::reliable;
+  news_.log(reliable ? LogLevel::warning : LogLevel::info,
+            "topic '" + reader.topic + "': SubscriberOptions::depth is " + std::to_string(depth) +
+                ", but shared memory keeps " + std::to_string(most) +
+                " samples of each publisher on this host: take them sooner, or let reliable publishers "
+                "wait for reliable subscribers (PublisherOptions::max_blocking)");
+  return most;
+}
+
+}  // namespace sft::core

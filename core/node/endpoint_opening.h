@@ -1,0 +1,93 @@
+// Opens the publishers and subscribers of a node, as far as that needs no agent: checks what the program asks
+// for, describes the endpoint to others, opens its UDP port and makes its core. The agent then adds them to
+// the reconciler. Any thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "core/control/control.h"
+#include "core/node/local_reader.h"
+#include "core/node/wake_slots.h"
+#include "core/publish/publisher_core.h"
+#include "core/seam/buffer_pool.h"
+#include "core/seam/transport.h"
+#include "core/subscribe/dispatcher.h"
+#include "sft/options.h"
+#include "sft/untyped.h"
+
+namespace sft::core {
+
+class EndpointOpening {
+ public:
+  /// All outlive this object; a transport is null if the node must not use it.
+  struct Node {
+    const NodeOptions& options;
+    NodeId id = 0;
+    std::chrono::milliseconds life_lease{};
+    Transport* shm = nullptr;
+    Transport* udp = nullptr;
+    std::shared_ptr<BufferPool> heap;  ///< memory for samples outside of shared memory
+    WakeSlots& slots;
+    Dispatcher& dispatcher;
+    Dispatcher& poller;
+  };
+  /// Called by any thread with the id of an endpoint; each posts to the agent, and returns.
+  struct News {
+    std::function<void(EndpointId)> asserted;
+    std::function<void(EndpointId)> requirement_changed;
+    std::function<void(EndpointId)> rate_changed;
+    std::function<void(LogLevel, std::string)> log;
+  };
+  EndpointOpening(Node node, News news) : node_(std::move(node)), news_(std::move(news)) {}
+
+  /// The topic may have any name that the control topics can carry.
+  static Result<void> check_topic(std::string_view topic);
+
+  struct Writer {
+    Endpoint endpoint;
+    std::shared_ptr<PublisherCore> core;
+  };
+  Result<Writer> open_writer(std::string_view topic, const TypeSupport& type,
+                             const PublisherOptions& options) const;
+
+  struct ReaderOrder {
+    std::string_view topic;
+    const TypeSupport& type;
+    untyped::Requirement requirement;
+    const SubscriberOptions& options;
+    untyped::Callback callback;
+    std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
+  };
+  struct Reader {
+    Endpoint endpoint;
+    LocalReader::Parts parts;
+    std::uint32_t slot = 0;  ///< to be given back to WakeSlots after the reader has ended
+  };
+  Result<Reader> open_reader(ReaderOrder order) const;
+
+ private:
+  bool may_use(TransportKind kind, TransportChoice choice) const;
+  Result<void> check(std::string_view topic, const TypeSupport& type, TransportChoice choice) const;
+  static Result<void> check(const SubscriberOptions& options);
+  Endpoint describe(Role role, std::string_view topic, const TypeSupport& type, TransportChoice choice) const;
+  Result<void> keep_ways_for_largest_sample(Endpoint& writer) const;
+  Result<std::shared_ptr<WriterPort>> open_udp(const Endpoint& writer, const TypeSupport& type,
+                                               const PublisherOptions& options) const;
+  Result<std::uint32_t> take_slot(const ReaderOrder& order) const;
+  Endpoint describe_reader(const ReaderOrder& order, const Qos& qos, std::uint32_t slot) const;
+  std::shared_ptr<SubscriberCore> make_core(const Reader& reader, ReaderOrder& order,
+                                            std::unique_ptr<PollHandle> poll_handle) const;
+  Result<void> open_udp(Reader& reader, const ReaderOrder& order) const;
+  std::uint32_t shm_depth_of(const Endpoint& reader) const;
+
+  const Node node_;
+  const News news_;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,18 @@
+// The writers and readers of one node, by id. The agent's.
+#pragma once
+
+#include <map>
+
+#include "core/node/local_reader.h"
+#include "core/node/local_writer.h"
+
+namespace sft::core {
+
+struct LocalEndpoints {
+  std::map<EndpointId, LocalWriter> writers;
+  std::map<EndpointId, LocalReader> readers;
+
+  bool contains(EndpointId id) const { return writers.contains(id) || readers.contains(id); }
+};
+
+}  // namespace sft::core

@@ -1,0 +1,350 @@
+#include "core/node/local_reader.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/control/names.h"
+#include "core/report/events.h"
+
+namespace sft::core {
+
+namespace {
+
+/// A host's daemon has 1,024 ports for all readers. Publishers that are made up must not take all of them.
+constexpr std::size_t unattached_max = 128;
+constexpr std::chrono::milliseconds attach_again_after{500};
+constexpr int looks_in_callback_max = 4;                 // in a row
+constexpr std::chrono::milliseconds restart_pause{500};  // for the other side to see that nobody listens
+constexpr std::chrono::seconds udp_preferred_min{2}, udp_preferred_max{60};
+
+/// The first announcement of a writer that is heard may be somebody else's: a later one corrects it.
+bool says_otherwise(Source wanted, const Source& before) {
+  wanted.history_first = before.history_first;  // it counts when a connection begins
+  return wanted != before;
+}
+
+bool is_waited_for(const Source& source) { return source.reliable && source.waits; }
+
+}  // namespace
+
+LocalReader::LocalReader(NodeContext& node, const Endpoint& endpoint, Parts parts)
+    : node_(node),
+      id_(endpoint.id),
+      core_(std::move(parts.core)),
+      recorder_(std::move(parts.recorder)),
+      udp_(std::move(parts.udp)),
+      requested_(endpoint.qos),
+      accepted_({core_->spec().requirement.mask, endpoint.request.min_period_us},
+                endpoint.qos.reliability == Reliability::reliable) {
+  accept();
+}
+
+void LocalReader::close() {
+  core_->ports().set(TransportKind::udp, nullptr);
+  core_->ports().set(TransportKind::shm, nullptr);
+}
+
+void LocalReader::reconcile(std::size_t& unattached) {
+  const std::vector<Hearing> wanted = node_.negotiation.hearing(id_);
+  std::map<EndpointId, Hearing> heard;
+  for (const Hearing& hearing : wanted) {
+    const auto before = heard_.find(hearing.source.writer);
+    const bool known = before != heard_.end();
+    heard[hearing.source.writer] = connect(hearing, known ? before->second : Hearing{}, unattached);
+  }
+  disconnect_departed(heard);
+  heard_ = std::move(heard);
+  std::erase_if(connecting_, [&](const auto& item) { return !heard_.contains(item.first); });
+  std::erase_if(watchdogs_, [&](const auto& item) { return !heard_.contains(item.first); });
+  core_->hears(wanted);
+  has_news_ = true;
+  watch_matching();
+}
+
+/// Connects to and disconnects from one writer as wanted; returns what is in force then.
+Hearing LocalReader::connect(const Hearing& wanted, const Hearing& before, std::size_t& unattached) {
+  Connecting& connecting = connecting_[wanted.source.writer];
+  if (!wanted.shm) connecting.shm = {};
+  if (!wanted.udp) connecting.udp = {};
+  departed_.erase(wanted.source.writer);
+  Hearing now = wanted;
+  now.udp = connect_udp(wanted, before, connecting.udp);
+  now.shm = connect_shm(wanted, before, connecting.shm, unattached);
+  return now;
+}
+
+bool LocalReader::connect_udp(const Hearing& wanted, const Hearing& before, Retry& retry) {
+  if (wanted.udp == before.udp) {
+    if (wanted.udp && says_otherwise(wanted.source, before.source)) udp_->announced(wanted.source);
+    return wanted.udp;
+  }
+  if (wanted.udp) return node_.attempts.by_udp(retry, [&] { return udp_->connect(wanted.source); });
+  udp_->disconnect(wanted.source.writer);
+  return false;
+}
+
+/// A connection is made anew if its writer begins or ceases to wait for the reader: its queue depends on
+/// that.
+bool LocalReader::connect_shm(const Hearing& wanted, const Hearing& before, Retry& retry,
+                              std::size_t& unattached) {
+  const auto attempt = [&] {
+    return node_.attempts.in_shm(retry, [&] { return connect_in_shm(wanted.source); });
+  };
+  if (!wanted.shm) {
+    if (before.shm && shm_ != nullptr) shm_->disconnect(wanted.source.writer);
+    return false;
+  }
+  if (before.shm) {
+    if (is_waited_for(wanted.source) == is_waited_for(before.source)) return true;
+    shm_->disconnect(wanted.source.writer);
+    return attempt();
+  }
+  if (unattached >= unattached_max) {
+    retry.hold(std::chrono::steady_clock::now() + attach_again_after);
+    return false;
+  }
+  const bool connected = attempt();
+  unattached += connected ? 1 : 0;
+  return connected;
+}
+
+Result<void> LocalReader::connect_in_shm(const Source& source) {
+  if (shm_ == nullptr) {
+    const SubscriberOptions& options = core_->spec().options;
+    auto port = node_.shm->open_reader({id_, &core_->type(), options.depth, core_.get(),
+                                        node_.negotiation.local(id_)->doorbell, options.max_held});
+    if (!port) return tl::unexpected(port.error());
+    shm_ = std::move(*port);
+    core_->ports().set(TransportKind::shm, shm_);
+  }
+  return shm_->connect(source);
+}
+
+void LocalReader::disconnect_departed(const std::map<EndpointId, Hearing>& heard) {
+  bool changed = false;
+  for (const auto& [writer, before] : heard_) {
+    if (heard.contains(writer)) continue;
+    if (before.udp) departed_[writer] = std::chrono::steady_clock::now();
+    if (before.shm && shm_ != nullptr) shm_->disconnect(writer);
+    changed |= node_.negotiation.connection_changed(id_, writer, TransportKind::udp, false);
+    changed |= node_.negotiation.connection_changed(id_, writer, TransportKind::shm, false);
+  }
+  if (changed) send_request();
+}
+
+std::size_t LocalReader::unattached() const {
+  return static_cast<std::size_t>(std::ranges::count_if(heard_, [this](const auto& item) {
+    return item.second.shm && shm_ != nullptr && !shm_->connected(item.first);
+  }));
+}
+
+LocalReader::Connections LocalReader::look_after_connections() {
+  Connections connections;
+  bool request_changed = false;
+  for (const auto& [writer, hearing] : heard_) {
+    const bool listening = hearing.udp && udp_->connected(writer);
+    const bool attached = hearing.shm && shm_ != nullptr && shm_->connected(writer);
+    const bool awaits_history = hearing.source.history_first;
+    request_changed |= node_.negotiation.connection_changed(id_, writer, TransportKind::udp, listening);
+    request_changed |= node_.negotiation.connection_changed(id_, writer, TransportKind::shm, attached);
+    if (listening && awaits_history) request_changed |= look_after_history(*udp_, writer, connections);
+    if (attached && awaits_history && !hearing.udp)
+      request_changed |= look_after_history(*shm_, writer, connections);
+    connections.waiting |= hearing.shm && !attached;
+  }
+  if (request_changed) send_request();
+  connections.changed |= request_changed;
+  return connections;
+}
+
+/// True if retained samples have begun to come, which the request has to tell.
+bool LocalReader::look_after_history(const ReaderPort& port, EndpointId writer, Connections& connections) {
+  const HistoryProgress progress = port.history(writer);
+  if (progress == HistoryProgress::awaited) return false;
+  if (progress == HistoryProgress::came) connections.changed |= node_.negotiation.history_came(id_, writer);
+  return node_.negotiation.history_began(id_, writer);
+}
+
+void LocalReader::drop_shm() {
+  core_->ports().set(TransportKind::shm, nullptr);
+  shm_.reset();
+  for (auto& [writer, hearing] : heard_) hearing.shm = false;
+  for (auto& [writer, connecting] : connecting_) connecting.shm = {};
+}
+
+bool LocalReader::may_try_again(Time now) const {
+  return std::ranges::any_of(connecting_, [&](const auto& item) {
+    const Connecting& connecting = item.second;
+    return node_.attempts.may_retry_in_shm(connecting.shm, now) || connecting.udp.due_again(now);
+  });
+}
+
+bool LocalReader::requirement_changed() {
+  const FieldMask mask = core_->type().closed(recorder_->required());
+  if (!node_.negotiation.requirement_changed(id_, mask)) return false;
+  ask({mask, accepted_.latest().min_period_us});
+  return true;
+}
+
+bool LocalReader::rate_changed() {
+  has_news_ = true;  // status() says it already
+  const std::uint32_t min_period_us = core_->ports().min_period_us();
+  if (!node_.negotiation.rate_changed(id_, min_period_us)) return false;
+  ask({accepted_.latest().mask, min_period_us});
+  return true;
+}
+
+void LocalReader::ask(const Wanted& wanted) {
+  accepted_.asks_for(wanted, std::chrono::steady_clock::now());
+  accept();
+  send_request();
+}
+
+void LocalReader::accept() {
+  if (udp_ != nullptr) udp_->accept(accepted_.all());
+}
+
+void LocalReader::send_request() {
+  const Request& request = node_.negotiation.local(id_)->request;
+  has_news_ = true;
+  core_->requests(FieldMask::from_words(core_->type().leaves(), request.mask_words), request.sequence);
+  node_.outbox.request(id_, std::chrono::steady_clock::now());
+}
+
+void LocalReader::forget_what_was_in_flight(Time now) {
+  if (accepted_.look(now)) accept();
+  std::erase_if(departed_, [&](const auto& departed) {
+    if (now - departed.second <= AcceptedRequests::in_flight_max) return false;
+    udp_->disconnect(departed.first);
+    return true;
+  });
+}
+
+/// Watches the writers that match, if the subscriber has asked for anything that can be watched.
+void LocalReader::watch_matching() {
+  std::erase_if(watched_, [&](const auto& item) {
+    const auto heard = heard_.find(item.first);
+    return heard == heard_.end() || !heard->second.status.matched;
+  });
+  for (const auto& [writer, hearing] : heard_) {
+    if (!hearing.status.matched || watched_.contains(writer)) continue;
+    const RequestWatch watch(hearing.offered, requested_, core_->ports().arrivals(writer),
+                             std::chrono::steady_clock::now());
+    if (watch.pace()) watched_.emplace(writer, watch);
+  }
+}
+
+void LocalReader::watch_promises(Time now) {
+  for (auto& [writer, watch] : watched_) {
+    watch.look(core_->ports().arrivals(writer), now);
+    has_news_ |= core_->ports().keeps_promises(writer, watch.deadlines_missed(), watch.alive());
+  }
+}
+
+void LocalReader::asserted(const std::vector<EndpointId>& writers) {
+  for (const EndpointId writer : writers) {
+    if (const auto watch = watched_.find(writer); watch != watched_.end()) watch->second.asserted();
+  }
+}
+
+std::chrono::nanoseconds LocalReader::pace(std::chrono::nanoseconds longest) const {
+  for (const auto& [writer, watch] : watched_) longest = std::min(longest, watch.pace().value_or(longest));
+  return longest;
+}
+
+bool LocalReader::is_in_long_callback() {
+  looks_in_callback_ = core_->is_called_back() ? looks_in_callback_ + 1 : 0;
+  return looks_in_callback_ >= looks_in_callback_max;
+}
+
+bool LocalReader::restart_deaf(const Assertion& assertion, bool held_up, Time now) {
+  bool restarted = false;
+  for (auto& [writer, hearing] : heard_) {
+    const Endpoint* const endpoint = node_.negotiation.known(writer);
+    if (endpoint == nullptr || endpoint->node_id != assertion.node) continue;
+    if (!is_deaf(hearing, assertion, held_up, now)) continue;
+    restart(hearing, now);
+    restarted = true;
+  }
+  return restarted;
+}
+
+bool LocalReader::is_deaf(const Hearing& hearing, const Assertion& assertion, bool held_up, Time now) {
+  const EndpointId writer = hearing.source.writer;
+  const Request& request = node_.negotiation.local(id_)->request;
+  const auto holds = [&](const auto& writers) { return std::ranges::find(writers, writer) != writers.end(); };
+  const bool attached = holds(request.attached);
+  ArrivalWatchdog& watchdog = watchdogs_[writer];
+  const bool connected = attached || holds(request.listening);
+  // A publisher that waits for its readers has nothing to send while nobody takes what has come.
+  const bool waits = hearing.source.waits && core_->available();
+  if (!connected || waits || held_up) {
+    watchdog.excuse();
+    return false;
+  }
+  const auto named = std::ranges::find(assertion.progress, writer, &Progress::writer);
+  const bool lossy = !attached && !hearing.source.reliable;
+  std::uint64_t signs = core_->ports().arrivals(writer);
+  // Parts of samples may arrive although no sample does.
+  if (lossy && node_.udp != nullptr) signs += node_.udp->counters().incomplete;
+  const ReaderPort* const by = attached ? shm_.get() : udp_.get();
+  const bool awaits_history =
+      hearing.source.history_first && by != nullptr && by->history(writer) != HistoryProgress::came;
+  return watchdog.look(
+      named == assertion.progress.end() ? nullptr : &*named, signs,
+      {.reliable = !lossy, .min_period_us = request.min_period_us, .awaits_history = awaits_history}, now);
+}
+
+/// The request tells that the reader listens no more, and a moment later that it does: both sides begin anew.
+/// Shared memory that was deaf has its turn again after a while in which UDP is used.
+void LocalReader::restart(Hearing& hearing, Time now) {
+  const EndpointId writer = hearing.source.writer;
+  const bool attached = shm_ != nullptr && hearing.shm && shm_->connected(writer);
+  Connecting& connecting = connecting_[writer];
+  if (hearing.udp) {
+    udp_->disconnect(writer);
+    connecting.udp.hold(now + restart_pause);
+  }
+  if (hearing.shm) {
+    if (shm_ != nullptr) shm_->disconnect(writer);
+    const bool prefers_udp = attached && hearing.udp;
+    if (prefers_udp) {
+      connecting.udp_preferred =
+          std::clamp(connecting.udp_preferred * 2, udp_preferred_min, udp_preferred_max);
+    }
+    connecting.shm.hold(now + (prefers_udp ? Time::duration(connecting.udp_preferred) : restart_pause));
+  }
+  hearing.udp = hearing.shm = false;
+  const bool listened = node_.negotiation.connection_changed(id_, writer, TransportKind::udp, false);
+  const bool was_attached = node_.negotiation.connection_changed(id_, writer, TransportKind::shm, false);
+  if (listened || was_attached) send_request();
+  core_->ports().restarted(writer);
+  node_.log.write(LogLevel::warning, "topic " + in_quotes(core_->spec().topic) + ", node " +
+                                         in_quotes(hearing.status.node) +
+                                         ": it sends, but nothing arrives by " +
+                                         to_string(attached ? TransportKind::shm : TransportKind::udp) +
+                                         "; the connection is set up anew, for the " +
+                                         std::to_string(watchdogs_.at(writer).restarts()) + ". time");
+}
+
+/// States are copied and compared only if something can have happened.
+void LocalReader::tell_events() {
+  const std::uint64_t losses = core_->ports().losses();
+  has_news_ |= std::exchange(losses_told_, losses) != losses;
+  has_news_ |= core_->ports().held_too_many() != told_.held_too_many;
+  if (!std::exchange(has_news_, false)) return;
+  core::tell_events(*core_, told_, node_.log,
+                    [this](const SubscriberStatus& before, const SubscriberStatus& now) {
+                      return events_between(before, now, core_->type(), requested_.reliability);
+                    });
+}
+
+std::vector<EndpointId> LocalReader::matching_writers() const {
+  std::vector<EndpointId> writers;
+  for (const auto& [writer, hearing] : heard_) {
+    if (hearing.status.matched) writers.push_back(writer);
+  }
+  return writers;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,127 @@
+// One reader of this node: connects its ports to the writers that the negotiation wants it to hear, tells
+// these writers what it asks for, and looks after promises and after connections by which nothing arrives.
+// The agent's.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/negotiation/accepted_requests.h"
+#include "core/negotiation/qos_watch.h"
+#include "core/node/arrival_watchdog.h"
+#include "core/node/node_context.h"
+#include "core/platform/clock.h"
+#include "core/subscribe/recorder.h"
+#include "core/subscribe/subscriber_core.h"
+
+namespace sft::core {
+
+class LocalReader {
+ public:
+  struct Parts {
+    std::shared_ptr<SubscriberCore> core;
+    std::shared_ptr<Recorder> recorder;  ///< null unless the requirement is recorded
+    std::shared_ptr<ReaderPort> udp;     ///< null if UDP is ruled out; accepts the first mask already
+  };
+  /// `node` outlives this object. `endpoint` as it is added to the negotiation.
+  LocalReader(NodeContext& node, const Endpoint& endpoint, Parts parts);
+
+  SubscriberCore& core() const { return *core_; }
+  /// The reader is removed: takes no more samples.
+  void close();
+
+  // Connections.
+
+  /// Connects to the writers that the reader should hear, and disconnects from others. `unattached` counts
+  /// the connections in shared memory, of all readers, whose writers have not shown up there.
+  void reconcile(std::size_t& unattached);
+  /// Connections of this reader in shared memory whose writers have not shown up there.
+  std::size_t unattached() const;
+  struct Connections {
+    bool changed = false;  ///< the desired states are to be asked for again
+    bool waiting = false;  ///< some connection in shared memory is not complete yet
+  };
+  /// Tells writers which of them the reader hears by now.
+  Connections look_after_connections();
+  /// The memory of the port is gone, or another daemon's.
+  void drop_shm();
+  /// True if a connection failed that may be tried again.
+  bool may_try_again(Time now) const;
+
+  // Requests.
+
+  // These two return true if the desired states are to be asked for again.
+
+  /// The recorder has found that other fields are needed.
+  bool requirement_changed();
+  /// Another maximum rate was set.
+  bool rate_changed();
+  /// Tells others the request as it is now.
+  void send_request();
+  /// Accepts no more samples under earlier requests, and of writers that departed, once none can be in
+  /// flight.
+  void forget_what_was_in_flight(Time now);
+
+  // Life.
+
+  void watch_promises(Time now);
+  void asserted(const std::vector<EndpointId>& writers);
+  /// How long the next look can wait, no longer than `longest`.
+  std::chrono::nanoseconds pace(std::chrono::nanoseconds longest) const;
+  /// True while a callback runs that has run at several looks in a row.
+  bool is_in_long_callback();
+  /// Sets connections up anew by which nothing arrives, although their writer sends, as its node says.
+  /// `held_up`: a callback of this node may hold up what arrives. True if any was.
+  bool restart_deaf(const Assertion& assertion, bool held_up, Time now);
+
+  /// Tells the user what has happened.
+  void tell_events();
+  /// The writers that match, each with an account.
+  std::vector<EndpointId> matching_writers() const;
+
+ private:
+  struct Connecting {
+    Retry shm;
+    Retry udp;
+    std::chrono::seconds udp_preferred{0};  ///< the pause of shared memory after it was deaf last
+  };
+
+  Hearing connect(const Hearing& wanted, const Hearing& before, std::size_t& unattached);
+  bool connect_udp(const Hearing& wanted, const Hearing& before, Retry& retry);
+  bool connect_shm(const Hearing& wanted, const Hearing& before, Retry& retry, std::size_t& unattached);
+  Result<void> connect_in_shm(const Source& source);
+  void disconnect_departed(const std::map<EndpointId, Hearing>& heard);
+  bool look_after_history(const ReaderPort& port, EndpointId writer, Connections& connections);
+  void ask(const Wanted& wanted);
+  void accept();
+  void watch_matching();
+  bool is_deaf(const Hearing& hearing, const Assertion& assertion, bool held_up, Time now);
+  void restart(Hearing& hearing, Time now);
+
+  NodeContext& node_;
+  EndpointId id_;
+  std::shared_ptr<SubscriberCore> core_;
+  std::shared_ptr<Recorder> recorder_;
+  std::shared_ptr<ReaderPort> shm_;
+  std::shared_ptr<ReaderPort> udp_;
+  // By writer:
+  std::map<EndpointId, Hearing> heard_;  ///< what is in force
+  std::map<EndpointId, Connecting> connecting_;
+  std::map<EndpointId, RequestWatch> watched_;
+  std::map<EndpointId, ArrivalWatchdog> watchdogs_;
+  std::map<EndpointId, Time>
+      departed_;               ///< writers of which datagrams may still be in flight, and since when
+  int looks_in_callback_ = 0;  ///< in a row
+  Qos requested_;
+  AcceptedRequests accepted_;
+  SubscriberStatus told_;  ///< the state up to which events were told
+  bool has_news_ = false;  ///< the state may differ from told_
+  std::uint64_t losses_told_ = 0;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,166 @@
+#include "core/node/local_writer.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/report/events.h"
+
+namespace sft::core {
+
+namespace {
+constexpr std::chrono::milliseconds reach_again_after{1000};
+}  // namespace
+
+LocalWriter::LocalWriter(NodeContext& node, const Endpoint& endpoint, std::shared_ptr<PublisherCore> core)
+    : node_(node),
+      id_(endpoint.id),
+      core_(std::move(core)),
+      watch_(endpoint.qos, std::chrono::steady_clock::now()) {}
+
+void LocalWriter::reconcile() {
+  Serving wanted = node_.negotiation.serving(id_);
+  open_shm(wanted.shm_port);
+  wanted = reachable(std::move(wanted));
+  if (in_force_ == wanted) return;
+  const bool as_before = in_force_ && in_force_->serves_like(wanted);
+  in_force_ = wanted;
+  has_news_ = true;
+  as_before ? core_->show(wanted.readers) : core_->serve(wanted, shm_);
+}
+
+void LocalWriter::open_shm(bool wanted) {
+  if (!wanted || shm_ != nullptr) {
+    opening_shm_ = {};
+    return;
+  }
+  node_.attempts.in_shm(opening_shm_, [this]() -> Result<void> {
+    auto port = node_.shm->open_writer({id_, &core_->type(), core_->retains(), core_->spec().max_blocking});
+    if (!port) return tl::unexpected(port.error());
+    shm_ = std::move(*port);
+    in_force_.reset();
+    return {};
+  });
+}
+
+/// A reader is served in shared memory only if it can be told of samples there. Returns what can be served.
+Serving LocalWriter::reachable(Serving wanted) {
+  forget_unreached_but(wanted);
+  if (shm_ == nullptr) return wanted;
+  bool changed = false;
+  for (const Route& route : wanted.shm) {
+    if (is_served_already(route)) continue;
+    const std::string why_not = shm_->why_unreachable(route);
+    if (why_not.empty()) {
+      reaching_.erase(route.reader);
+    } else {
+      changed |= node_.negotiation.reach_changed(id_, route.reader, why_not);
+      cannot_reach(route, why_not);
+    }
+  }
+  return changed ? node_.negotiation.serving(id_) : wanted;
+}
+
+/// Readers that are not attached any more may be reached when they are attached again.
+void LocalWriter::forget_unreached_but(const Serving& wanted) {
+  std::erase_if(reaching_, [&](const auto& item) {
+    const auto is_it = [&](const Route& route) { return route.reader == item.first; };
+    if (std::ranges::any_of(wanted.shm, is_it) || std::ranges::any_of(wanted.unreached, is_it)) return false;
+    node_.negotiation.reach_changed(id_, item.first, {});
+    return true;
+  });
+}
+
+bool LocalWriter::is_served_already(const Route& route) const {
+  return in_force_ && std::ranges::any_of(in_force_->shm, [&](const Route& before) {
+           return before.reader == route.reader && before.destination == route.destination;
+         });
+}
+
+void LocalWriter::cannot_reach(const Route& route, const std::string& why_not) {
+  if (!reaching_[route.reader].failed(why_not, std::chrono::steady_clock::now(), reach_again_after)) return;
+  const Endpoint* reader = node_.negotiation.known(route.reader);
+  node_.log.write(LogLevel::warning, core_->spec().topic + ": the subscriber of node '" +
+                                         (reader == nullptr ? "" : reader->node) +
+                                         "' is not served in shared memory: " + why_not);
+}
+
+bool LocalWriter::look_after_reach(Time now) {
+  bool changed = false;
+  for (const auto& [reader, retry] : reaching_) {
+    if (retry.due_again(now)) changed |= node_.negotiation.reach_changed(id_, reader, {});
+  }
+  return changed;
+}
+
+bool LocalWriter::look_after_history() {
+  core_->expire_history();
+  core_->give_history();
+  if (!in_force_ || !in_force_->history_owed) return false;
+  bool changed = false;
+  const std::set<EndpointId> before = std::exchange(history_sent_, {});
+  for (const Route& route : in_force_->udp) {
+    if (route.history == 0 || !core_->history_sent(route.reader)) continue;
+    history_sent_.insert(route.reader);
+    if (before.contains(route.reader)) changed |= node_.negotiation.history_given(id_, route.reader);
+  }
+  return changed;
+}
+
+bool LocalWriter::drop_shm() {
+  opening_shm_ = {};
+  bool changed = false;
+  for (const auto& [reader, retry] : std::exchange(reaching_, {}))
+    changed |= node_.negotiation.reach_changed(id_, reader, {});
+  if (shm_ == nullptr) return changed;
+  shm_.reset();
+  in_force_.reset();
+  return changed;
+}
+
+bool LocalWriter::watch_promises(Time now) {
+  const OfferWatch::Signs signs = core_->signs();
+  watch_.look(signs, now);
+  has_news_ |= core_->keeps_promises(watch_.deadlines_missed(), watch_.alive());
+  if (!watch_.rests(now)) core_->listen_for_assertions();
+  return in_force_ && in_force_->lease_requested && watch_.assertion_due(signs, in_force_->samples_tell, now);
+}
+
+std::optional<Progress> LocalWriter::take_progress() {
+  if (!in_force_ || (in_force_->shm.empty() && in_force_->udp.empty())) return std::nullopt;
+  const std::uint64_t published = core_->signs().published;
+  if (published == progress_told_) return std::nullopt;
+  progress_told_ = published;
+  return core_->progress();
+}
+
+/// States are copied and compared only if something can have happened.
+void LocalWriter::tell_events() {
+  has_news_ |= core_->diverted() != told_.diverted;
+  if (!std::exchange(has_news_, false)) return;
+  core::tell_events(*core_, told_, node_.log,
+                    [this](const PublisherStatus& before, const PublisherStatus& now) {
+                      return events_between(before, now, core_->type());
+                    });
+}
+
+std::vector<EndpointId> LocalWriter::matching_readers() const {
+  std::vector<EndpointId> readers;
+  if (!in_force_) return readers;
+  for (const ReaderStatus& reader : in_force_->readers) {
+    if (!reader.incompatible_type && reader.incompatible_policy == QosPolicy::none)
+      readers.push_back(reader.id);
+  }
+  return readers;
+}
+
+Account::OfWriter LocalWriter::account_of(EndpointId reader) const {
+  const Delivered delivered = core_->delivered(reader);
+  return {.sent = delivered.sent,
+          .withheld = delivered.withheld,
+          .dropped = delivered.dropped,
+          .retained = delivered.retained,
+          .bytes_sent = delivered.bytes,
+          .bytes_saved = delivered.bytes_saved};
+}
+
+}  // namespace sft::core

@@ -1,0 +1,36 @@
+// Shared by the endpoints of one node: the table of all endpoints, the transports, and ways to tell others
+// and the user. The agent's.
+#pragma once
+
+#include "core/negotiation/negotiation.h"
+#include "core/node/control_outbox.h"
+#include "core/node/port_attempts.h"
+#include "core/report/node_log.h"
+#include "core/seam/transport.h"
+
+namespace sft::core {
+
+struct NodeContext {
+  Negotiation& negotiation;
+  ControlOutbox& outbox;
+  PortAttempts& attempts;
+  NodeLog& log;
+  Transport* shm = nullptr;  ///< null if the node must not use it
+  Transport* udp = nullptr;  ///< likewise
+};
+
+/// Tells the user what differs between the states that the user could have polled. `told`: the state that was
+/// told last. `differences` turns two states into events.
+template <class Core, class Status, class Differences>
+void tell_events(Core& core, Status& told, NodeLog& log, Differences differences) {
+  if (!core.events().wanted() && !log.wants(LogLevel::warning)) return;
+  Status status = core.status();
+  const std::vector<Event> events = differences(told, status);
+  told = std::move(status);
+  for (const Event& event : events) {
+    log.write(core.spec().topic, event);
+    core.events().tell(event);
+  }
+}
+
+}  // namespace sft::core

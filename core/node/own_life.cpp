@@ -1,0 +1,36 @@
+#include "core/node/own_life.h"
+
+#include <optional>
+#include <utility>
+
+namespace sft::core {
+
+namespace {
+constexpr std::chrono::milliseconds told_more_pause{500};
+}  // namespace
+
+/// Not more than two signs of life in a second tell more than that: a node that keeps a short lease gives far
+/// more of them.
+Assertion OwnLife::next_sign(std::vector<EndpointId> living, LocalEndpoints& ours, AccountDesk& accounts,
+                             Time now) {
+  told_at_ = now;
+  Assertion sign{id_, std::move(living)};
+  if (now < told_more_at_ + told_more_pause) return sign;
+  sign.progress = take_progress(ours);
+  accounts.fill_in(sign, now);
+  if (!sign.progress.empty() || !sign.asked_about.empty() || !sign.accounts.empty()) told_more_at_ = now;
+  return sign;
+}
+
+/// The progress of writers that have sent something since they were named last, in turns.
+std::vector<Progress> OwnLife::take_progress(LocalEndpoints& ours) {
+  std::vector<Progress> all;
+  progress_turns_.go_round(ours.writers, progress_max, [&](auto& item) {
+    const std::optional<Progress> progress = item.second.take_progress();
+    if (progress) all.push_back(*progress);
+    return progress.has_value();
+  });
+  return all;
+}
+
+}  // namespace sft::core

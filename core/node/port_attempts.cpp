@@ -1,0 +1,31 @@
+#include "core/node/port_attempts.h"
+
+namespace sft::core {
+
+/// True if it did not fail before, or failed for another reason.
+bool PortAttempts::is_new_failure(Retry& retry, const Result<void>& outcome) {
+  if (!outcome) return retry.failed(outcome.error().message, std::chrono::steady_clock::now());
+  retry.succeeded();
+  return false;
+}
+
+bool PortAttempts::by_udp(Retry& retry, const Open& open) {
+  if (!retry.due(std::chrono::steady_clock::now())) return false;
+  const Result<void> opened = open();
+  if (is_new_failure(retry, opened)) log_.write(LogLevel::warning, opened.error().message);
+  return opened.has_value();
+}
+
+bool PortAttempts::in_shm(Retry& retry, const Open& open) {
+  const Time now = std::chrono::steady_clock::now();
+  if (!retry.due(now) || !asking_daemon_.due(now)) return false;
+  const Result<void> opened = open();
+  const bool answered = opened || opened.error().code != Errc::unavailable;
+  const bool is_news = is_new_failure(retry, opened);
+  if (answered) asking_daemon_.succeeded();
+  if ((answered || is_new_failure(asking_daemon_, opened)) && is_news)
+    log_.write(LogLevel::warning, opened.error().message);
+  return opened.has_value();
+}
+
+}  // namespace sft::core

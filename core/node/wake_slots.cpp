@@ -1,0 +1,31 @@
+#include "core/node/wake_slots.h"
+
+#include <numeric>
+
+namespace sft::core {
+
+namespace {
+constexpr std::uint32_t shared_slots = 2;
+}  // namespace
+
+WakeSlots::WakeSlots() : page_(DoorbellPage::create()), free_(DoorbellPage::slots - shared_slots) {
+  std::iota(free_.rbegin(), free_.rend(), shared_slots);
+}
+
+Result<std::uint32_t> WakeSlots::take() {
+  const std::scoped_lock lock(mutex_);
+  if (free_.empty())
+    return fail(Errc::limit_exceeded,
+                "a node has at most 1022 subscribers with neither callback nor file descriptor");
+  const std::uint32_t slot = free_.back();
+  free_.pop_back();
+  return slot;
+}
+
+void WakeSlots::give_back(std::uint32_t slot) {
+  if (slot < shared_slots) return;
+  const std::scoped_lock lock(mutex_);
+  free_.push_back(slot);
+}
+
+}  // namespace sft::core

@@ -1,0 +1,37 @@
+// The doorbells of a node's subscribers: one for each subscriber that waits itself, and two that are shared,
+// because one thread sleeps for all subscribers with a callback, and one for all with a file descriptor. Any
+// thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "core/platform/doorbell.h"
+#include "sft/typesupport/result.h"
+
+namespace sft::core {
+
+class WakeSlots {
+ public:
+  // Shared slots, which are never given back.
+  static constexpr std::uint32_t dispatcher = 0;
+  static constexpr std::uint32_t poller = 1;
+
+  WakeSlots();
+
+  Result<std::uint32_t> take();
+  void give_back(std::uint32_t slot);
+
+  Doorbell& at(std::uint32_t slot) { return page_->at(slot); }
+  /// Names the page to other processes; 0: no other process can ring.
+  std::uint64_t page_id() const { return page_->id(); }
+
+ private:
+  const std::unique_ptr<DoorbellPage> page_;
+  std::mutex mutex_;
+  std::vector<std::uint32_t> free_;  ///< guarded by mutex_
+};
+
+}  // namespace sft::core

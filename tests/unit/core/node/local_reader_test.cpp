@@ -1,0 +1,170 @@
+// What one reader of a node does with its ports and its requests, alone.
+#include "core/node/local_reader.h"
+
+#include "tests/unit/core/node/local_endpoint_fixture.h"
+
+namespace sft::core {
+namespace {
+
+class LocalReaderTest : public LocalEndpointTest {
+ protected:
+  void open(const Endpoint& endpoint, const std::shared_ptr<Recorder>& recorder = nullptr) {
+    SubscriberCore::Spec spec{.id = endpoint.id,
+                              .topic = "points",
+                              .type = &type,
+                              .requirement = {mask, recorder != nullptr},
+                              .options = {},
+                              .callback = nullptr,
+                              .rate_changed = [] {}};
+    core = std::make_shared<SubscriberCore>(std::move(spec), bells->at(1), recorder);
+    if (endpoint.may_use_udp) core->ports().set(TransportKind::udp, udp_port);
+    reader.emplace(node, endpoint,
+                   LocalReader::Parts{core, recorder, endpoint.may_use_udp ? udp_port : nullptr});
+    negotiation.local_added(endpoint, type);
+  }
+  void open_by_udp() { open(by_udp(Role::reader, 200)); }
+  void open_in_memory() { open(here(Role::reader, 200)); }
+  void seen(const Endpoint& writer) {
+    negotiation.endpoint_seen(writer);
+    reader->reconcile(unattached);
+  }
+  const Request& request() const { return negotiation.local(200)->request; }
+
+  const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
+  Connections connections;
+  const std::shared_ptr<TestReaderPort> udp_port = std::make_shared<TestReaderPort>(connections);
+  std::shared_ptr<SubscriberCore> core;
+  std::optional<LocalReader> reader;
+  std::size_t unattached = 0;
+};
+
+TEST_F(LocalReaderTest, ConnectsToTheWritersThatItShouldHearAndTellsThemOnceItDoes) {
+  open_by_udp();
+  seen(by_udp(Role::writer, 7));
+  EXPECT_THAT(connections.writers, ElementsAre(7));
+  EXPECT_THAT(request().listening, IsEmpty());
+  EXPECT_TRUE(reader->look_after_connections().changed);
+  EXPECT_THAT(request().listening, ElementsAre(7));
+  EXPECT_THAT(discovery.sent.back().listening, ElementsAre(7));
+  EXPECT_FALSE(reader->look_after_connections().changed);
+}
+
+TEST_F(LocalReaderTest, AConnectionThatFailsIsTriedAgainAfterAPause) {
+  connections.refusal = "the same short id";
+  open_by_udp();
+  seen(by_udp(Role::writer, 7));
+  reader->reconcile(unattached);
+  EXPECT_THAT(logged, ElementsAre("node: the same short id"));
+  EXPECT_FALSE(reader->may_try_again(std::chrono::steady_clock::now()));
+  EXPECT_TRUE(reader->may_try_again(soon()));
+}
+
+TEST_F(LocalReaderTest, SamplesInFlightOfAWriterThatDepartedAreTakenForAWhile) {
+  open_by_udp();
+  seen(by_udp(Role::writer, 7));
+  negotiation.endpoint_departed(7);
+  reader->reconcile(unattached);
+  reader->forget_what_was_in_flight(std::chrono::steady_clock::now());
+  EXPECT_THAT(connections.writers, ElementsAre(7));
+  reader->forget_what_was_in_flight(soon());
+  EXPECT_THAT(connections.writers, IsEmpty());
+}
+
+TEST_F(LocalReaderTest, ConnectionsInMemoryAreCountedUntilTheirWritersShowUp) {
+  memory.attaches = false;
+  open_in_memory();
+  seen(here(Role::writer, 7));
+  EXPECT_EQ(unattached, 1U);
+  EXPECT_EQ(reader->unattached(), 1U);
+  EXPECT_TRUE(reader->look_after_connections().waiting);
+  memory.attaches = true;
+  EXPECT_EQ(reader->unattached(), 0U);
+  EXPECT_FALSE(reader->look_after_connections().waiting);
+  EXPECT_THAT(request().attached, ElementsAre(7));
+}
+
+TEST_F(LocalReaderTest, NoConnectionInMemoryIsMadeWhileTooManyWaitForTheirWriters) {
+  open_in_memory();
+  unattached = 128;
+  seen(here(Role::writer, 7));
+  EXPECT_THAT(memory.asked_for, IsEmpty());
+  EXPECT_TRUE(reader->may_try_again(soon()));
+}
+
+TEST_F(LocalReaderTest, AfterItsPortWasDroppedItConnectsAnew) {
+  open_in_memory();
+  seen(here(Role::writer, 7));
+  memory.connections.clear();
+  reader->drop_shm();
+  reader->reconcile(unattached);
+  EXPECT_THAT(memory.connections, ElementsAre(7));
+  EXPECT_THAT(memory.asked_for, ElementsAre(7, 7));
+}
+
+TEST_F(LocalReaderTest, AnotherMaximumRateIsAskedForOnce) {
+  open_by_udp();
+  EXPECT_FALSE(reader->rate_changed()) << "it is the same as before";
+  ASSERT_TRUE(core->set_max_rate_hz(10));
+  EXPECT_TRUE(reader->rate_changed());
+  EXPECT_EQ(discovery.sent.back().min_period_us, 100'000U);
+  EXPECT_FALSE(reader->rate_changed());
+  EXPECT_EQ(discovery.sent.size(), 1U);
+}
+
+TEST_F(LocalReaderTest, ItsRequestTellsTheSubscriberWhatIsInForce) {
+  open_by_udp();
+  negotiation.rate_changed(200, 1000);
+  reader->send_request();
+  EXPECT_EQ(core->status().requests, request().sequence);
+  EXPECT_EQ(core->status().mask, mask);
+}
+
+TEST_F(LocalReaderTest, AConnectionByWhichNothingArrivesIsClosedAndMadeAnewAfterAPause) {
+  open_by_udp();
+  seen(by_udp(Role::writer, 7));
+  reader->look_after_connections();
+  Time now = std::chrono::steady_clock::now();
+  std::uint64_t sent = 0;
+  bool restarted = false;
+  for (int i = 0; i < 8 && !restarted; ++i) {
+    sent += 100;
+    now += std::chrono::milliseconds(650);
+    restarted = reader->restart_deaf({7, {}, {{7, sent, 0}}}, false, now);
+  }
+  EXPECT_TRUE(restarted);
+  EXPECT_THAT(connections.writers, IsEmpty());
+  EXPECT_THAT(request().listening, IsEmpty());
+  EXPECT_EQ(core->status().restarts, 1U);
+  EXPECT_TRUE(reader->may_try_again(now + std::chrono::seconds(1)));
+}
+
+TEST_F(LocalReaderTest, WhileACallbackHoldsUpWhatArrivesNoConnectionCountsAsDeaf) {
+  open_by_udp();
+  seen(by_udp(Role::writer, 7));
+  reader->look_after_connections();
+  Time now = std::chrono::steady_clock::now();
+  for (std::uint64_t i = 1; i <= 20; ++i)
+    EXPECT_FALSE(
+        reader->restart_deaf({7, {}, {{7, i * 100, 0}}}, true, now += std::chrono::milliseconds(650)));
+  EXPECT_THAT(connections.writers, ElementsAre(7));
+}
+
+TEST_F(LocalReaderTest, HasAnAccountOfEachWriterThatMatches) {
+  open_by_udp();
+  seen(by_udp(Role::writer, 7));
+  Endpoint other = by_udp(Role::writer, 8);
+  other.type_hash = 1;
+  seen(other);
+  EXPECT_THAT(reader->matching_writers(), ElementsAre(7));
+}
+
+TEST_F(LocalReaderTest, OnceItIsClosedItTakesNothingMore) {
+  open_by_udp();
+  connections.sample = BufferPool::make(1 << 20)->take(256);
+  connections.sample->sequence = 1;
+  reader->close();
+  EXPECT_FALSE(core->take());
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,137 @@
+// What one writer of a node does with its ports, alone.
+#include "core/node/local_writer.h"
+
+#include "tests/unit/core/node/local_endpoint_fixture.h"
+
+namespace sft::core {
+namespace {
+
+class LocalWriterTest : public LocalEndpointTest {
+ protected:
+  void open(const Endpoint& endpoint) {
+    PublisherCore::Spec spec{endpoint.id, "points", &type, 1 << 16};
+    spec.qos = endpoint.qos;
+    spec.on_event = [this](const Event& event) { events.push_back(event); };
+    core = std::make_shared<PublisherCore>(std::move(spec), BufferPool::make(1 << 20),
+                                           endpoint.may_use_udp ? udp_port : nullptr);
+    writer.emplace(node, endpoint, core);
+    negotiation.local_added(endpoint, type);
+  }
+  void open_in_memory() { open(here(Role::writer, 7)); }
+  /// A reader in shared memory that is attached to our writer.
+  void reader_attaches(EndpointId id) {
+    Endpoint reader = here(Role::reader, id);
+    reader.request.attached = {7};
+    negotiation.endpoint_seen(reader);
+    writer->reconcile();
+  }
+  /// A reader on another host that listens to our writer.
+  void reader_listens(EndpointId id) {
+    Endpoint reader = by_udp(Role::reader, id);
+    reader.request.listening = {7};
+    negotiation.endpoint_seen(reader);
+    writer->reconcile();
+  }
+  std::vector<EndpointId> served_in_memory() const {
+    std::vector<EndpointId> readers;
+    for (const Route& route : memory.routes) readers.push_back(route.reader);
+    return readers;
+  }
+
+  const std::shared_ptr<TestWriterPort> udp_port = std::make_shared<TestWriterPort>();
+  std::vector<Event> events;
+  std::shared_ptr<PublisherCore> core;
+  std::optional<LocalWriter> writer;
+};
+
+TEST_F(LocalWriterTest, OpensItsPortInSharedMemoryOnceSomebodyMayNeedIt) {
+  open_in_memory();
+  reader_attaches(200);
+  EXPECT_EQ(memory.writers, 1);
+  EXPECT_THAT(served_in_memory(), ElementsAre(200));
+  writer->reconcile();
+  EXPECT_EQ(memory.openings, 1);
+}
+
+TEST_F(LocalWriterTest, APortThatCannotBeOpenedIsNotTriedAgainAtOnceButAfterAPause) {
+  memory.is_full = true;
+  open_in_memory();
+  reader_attaches(200);
+  writer->reconcile();
+  EXPECT_EQ(memory.openings, 1);
+  EXPECT_THAT(logged, ElementsAre("node: no port is left"));
+  EXPECT_FALSE(writer->may_try_again(std::chrono::steady_clock::now()));
+  EXPECT_TRUE(writer->may_try_again(soon()));
+}
+
+TEST_F(LocalWriterTest, AfterItsPortWasDroppedItIsServedAnewWithTheSameReaders) {
+  open_in_memory();
+  reader_attaches(200);
+  memory.routes.clear();
+  writer->drop_shm();
+  writer->reconcile();
+  EXPECT_EQ(memory.openings, 2);
+  EXPECT_EQ(memory.writers, 1) << "the first port is gone";
+  EXPECT_THAT(served_in_memory(), ElementsAre(200));
+}
+
+TEST_F(LocalWriterTest, AReaderThatCannotBeToldOfSamplesIsNotServedInMemoryUntilThatIsTriedAgain) {
+  memory.why_unreachable = "its doorbell is gone";
+  open_in_memory();
+  reader_attaches(200);
+  EXPECT_THAT(served_in_memory(), IsEmpty());
+  EXPECT_THAT(logged, ElementsAre("node: points: the subscriber of node '' is not served in shared memory: "
+                                  "its doorbell is gone"));
+  memory.why_unreachable.clear();
+  EXPECT_FALSE(writer->look_after_reach(std::chrono::steady_clock::now()));
+  EXPECT_TRUE(writer->look_after_reach(soon()));
+  writer->reconcile();
+  EXPECT_THAT(served_in_memory(), ElementsAre(200));
+}
+
+TEST_F(LocalWriterTest, ItsProgressIsTakenOnceForAllThatWasSentAndOnlyIfSomebodyIsServed) {
+  open(by_udp(Role::writer, 7));
+  writer->reconcile();
+  const PointCloud2 cloud;
+  core->publish(&cloud);
+  EXPECT_FALSE(writer->take_progress());
+  reader_listens(200);
+  core->publish(&cloud);
+  const std::optional<Progress> progress = writer->take_progress();
+  ASSERT_TRUE(progress);
+  EXPECT_EQ(progress->writer, 7U);
+  EXPECT_EQ(progress->samples, 2U);
+  EXPECT_FALSE(writer->take_progress());
+}
+
+TEST_F(LocalWriterTest, HasAnAccountOfEachReaderThatMatches) {
+  open(by_udp(Role::writer, 7));
+  EXPECT_THAT(writer->matching_readers(), IsEmpty());
+  reader_listens(200);
+  Endpoint other = by_udp(Role::reader, 201);
+  other.type_hash = 1;
+  negotiation.endpoint_seen(other);
+  writer->reconcile();
+  EXPECT_THAT(writer->matching_readers(), ElementsAre(200));
+}
+
+TEST_F(LocalWriterTest, TellsEventsOnceAndOnlyIfSomethingHasHappened) {
+  open(by_udp(Role::writer, 7));
+  reader_listens(200);
+  writer->tell_events();
+  EXPECT_EQ(events.size(), 1U) << "a reader matches";
+  const int looks = udp_port->looks;
+  writer->tell_events();
+  EXPECT_EQ(events.size(), 1U);
+  EXPECT_EQ(udp_port->looks, looks) << "no state is compared";
+}
+
+TEST_F(LocalWriterTest, ItsReadersAreToldThatItLivesOnlyIfTheyAskForALease) {
+  open(by_udp(Role::writer, 7));
+  reader_listens(200);
+  EXPECT_FALSE(writer->watch_promises(soon()));
+  EXPECT_FALSE(writer->pace());
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,79 @@
+// What is tried again after it failed, and what the log says of it.
+#include "core/node/port_attempts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace sft::core {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class PortAttemptsTest : public ::testing::Test {
+ protected:
+  PortAttempts::Open failing(Errc code, const std::string& why) {
+    return [this, code, why] {
+      ++calls;
+      return Result<void>(fail(code, why));
+    };
+  }
+  PortAttempts::Open working() {
+    return [this] {
+      ++calls;
+      return Result<void>();
+    };
+  }
+  static Time later() { return std::chrono::steady_clock::now() + Retry::pause_max; }
+
+  int calls = 0;
+  std::vector<std::string> logged;
+  NodeLog log{"node", LogLevel::warning,
+              [this](LogLevel, std::string_view text) { logged.emplace_back(text); }};
+  PortAttempts attempts{log};
+  Retry one, other;
+};
+
+TEST_F(PortAttemptsTest, WhatWorksIsNotPaused) {
+  EXPECT_TRUE(attempts.by_udp(one, working()));
+  EXPECT_TRUE(attempts.by_udp(one, working()));
+  EXPECT_TRUE(attempts.in_shm(other, working()));
+  EXPECT_EQ(calls, 3);
+  EXPECT_THAT(logged, IsEmpty());
+}
+
+TEST_F(PortAttemptsTest, WhatHasFailedIsNotCalledAgainBeforeItsPauseIsOver) {
+  EXPECT_FALSE(attempts.by_udp(one, failing(Errc::system, "no socket")));
+  EXPECT_FALSE(attempts.by_udp(one, working()));
+  EXPECT_EQ(calls, 1);
+  EXPECT_THAT(logged, ElementsAre("node: no socket"));
+  EXPECT_TRUE(one.due_again(later()));
+}
+
+TEST_F(PortAttemptsTest, ADaemonThatRefusesOneRequestIsAskedForOthersAtOnce) {
+  attempts.in_shm(one, failing(Errc::limit_exceeded, "no port is left"));
+  attempts.in_shm(other, failing(Errc::limit_exceeded, "no port is left"));
+  EXPECT_EQ(calls, 2);
+  EXPECT_EQ(logged.size(), 2U) << "each is a port of its own";
+}
+
+TEST_F(PortAttemptsTest, ADaemonThatDoesNotAnswerIsAskedNothingForAWhile) {
+  attempts.in_shm(one, failing(Errc::unavailable, "no answer"));
+  EXPECT_FALSE(attempts.in_shm(other, working()));
+  EXPECT_EQ(calls, 1);
+  EXPECT_THAT(logged, ElementsAre("node: no answer"));
+  EXPECT_FALSE(attempts.may_retry_in_shm(one, std::chrono::steady_clock::now()));
+  EXPECT_TRUE(attempts.may_retry_in_shm(one, later()));
+}
+
+TEST_F(PortAttemptsTest, AnotherDaemonIsAskedAtOnce) {
+  attempts.in_shm(one, failing(Errc::unavailable, "no answer"));
+  attempts.forget_daemon();
+  EXPECT_TRUE(attempts.in_shm(other, working()));
+}
+
+}  // namespace
+}  // namespace sft::core

@@ -1,0 +1,83 @@
+// Shared memory whose ports and daemon are the test's.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/platform/clock.h"
+#include "core/seam/transport.h"
+
+namespace sft::core {
+
+/// Ports in the memory of one daemon or another, as far as they come and go.
+class TestMemory final : public Transport {
+ public:
+  class Writer final : public WriterPort {
+   public:
+    explicit Writer(TestMemory& memory) : memory_(memory) { ++memory_.writers; }
+    ~Writer() override { --memory_.writers; }
+    SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
+    void set_routes(std::vector<Route> routes) override { memory_.routes = std::move(routes); }
+    std::string why_unreachable(const Route&) override { return memory_.why_unreachable; }
+    std::uint64_t bytes_sent() const noexcept override { return 0; }
+
+   private:
+    TestMemory& memory_;
+  };
+  class Reader final : public ReaderPort {
+   public:
+    explicit Reader(TestMemory& memory) : memory_(memory) {}
+    SampleHandle take() noexcept override { return {}; }
+    Result<void> connect(const Source& source) override {
+      memory_.asked_for.push_back(source.writer);
+      if (memory_.refusal) return fail(*memory_.refusal, "it does not do that");
+      memory_.connections.insert(source.writer);
+      return {};
+    }
+    bool connected(EndpointId) const noexcept override { return memory_.attaches; }
+    HistoryProgress history(EndpointId) const noexcept override { return memory_.progress; }
+    std::uint64_t arrivals(EndpointId) noexcept override { return 0; }
+    void disconnect(EndpointId writer) noexcept override { memory_.connections.erase(writer); }
+    void accept(std::vector<Accepted>) override {}
+    std::uint64_t discarded() const noexcept override { return 0; }
+
+   private:
+    TestMemory& memory_;
+  };
+
+  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
+  Availability poll(Time) override { return Availability::ready; }
+  std::string description() const override { return "test"; }
+  HostToken host_token() const override {
+    HostToken token;
+    token.bytes.fill(daemon);
+    return token;
+  }
+  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override {
+    ++openings;
+    if (is_full) return fail(Errc::unavailable, "no port is left");
+    return std::make_unique<Writer>(*this);
+  }
+  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override {
+    return std::make_unique<Reader>(*this);
+  }
+
+  std::uint8_t daemon = 1;
+  bool is_full = false;
+  bool attaches = true;
+  HistoryProgress progress = HistoryProgress::awaited;
+  int writers = 0;
+  int openings = 0;                   ///< of writers, attempts counted
+  std::vector<Route> routes;          ///< of the writer that got its own last
+  std::string why_unreachable;        ///< what writers say of each reader
+  std::set<EndpointId> connections;   ///< of readers, to these
+  std::vector<EndpointId> asked_for;  ///< in order
+  std::optional<Errc> refusal;        ///< why nothing can be connected at present
+};
+
+}  // namespace sft::core

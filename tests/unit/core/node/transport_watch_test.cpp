@@ -1,0 +1,148 @@
+// What a node notices of its two transports, and what it writes to the log about them.
+#include "core/node/transport_watch.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sft::core {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class FakeTransport final : public Transport {
+ public:
+  std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
+  Availability poll(Time) override { return availability; }
+  std::string description() const override { return state; }
+  HostToken host_token() const override {
+    HostToken token;
+    token.bytes.fill(daemon);
+    return token;
+  }
+  std::vector<UdpAddress> addresses() const override { return addresses_now; }
+  std::vector<Link> links() const override { return links_now; }
+  bool network_changed() noexcept override { return ++looks, changed; }
+  Result<std::unique_ptr<WriterPort>> open_writer(const WriterSpec&) override { return nullptr; }
+  Result<std::unique_ptr<ReaderPort>> open_reader(const ReaderSpec&) override { return nullptr; }
+
+  Availability availability = Availability::ready;
+  std::string state = "works";
+  std::uint8_t daemon = 1;
+  std::vector<UdpAddress> addresses_now{{0x0a000001, 7000, 1 << 20}};
+  std::vector<Link> links_now;
+  bool changed = true;
+  int looks = 0;
+};
+
+class TransportWatchTest : public ::testing::Test {
+ protected:
+  TransportWatch::ShmChange look_at_shm() { return watch.look_at_shm(now); }
+  TransportWatch::NetworkChange look_at_udp() {
+    now += std::chrono::seconds(1);
+    return watch.look_at_udp(now);
+  }
+  /// What the log gets, if shared memory is in that state now.
+  std::vector<std::string> lines_if(Availability availability, const std::string& state) {
+    shm.availability = availability;
+    shm.state = state;
+    lines.clear();
+    if (look_at_shm().any) watch.log_shm();
+    return lines;
+  }
+
+  FakeTransport shm, udp;
+  std::vector<std::string> lines;
+  NodeLog log{"node", LogLevel::info, [this](LogLevel level, std::string_view text) {
+                lines.push_back((level == LogLevel::info ? "info " : "louder ") + std::string(text));
+              }};
+  TransportWatch watch{&shm, &udp, 5, log};
+  Time now = std::chrono::steady_clock::now();
+};
+
+TEST_F(TransportWatchTest, SharedMemoryIsReadyOnceItHasAHost) {
+  EXPECT_FALSE(watch.shm_ready());
+  EXPECT_EQ(watch.shm_state(), "starting");
+  const auto change = look_at_shm();
+  EXPECT_TRUE(change.any);
+  EXPECT_TRUE(change.of_host);
+  EXPECT_TRUE(change.of_state);
+  EXPECT_TRUE(watch.shm_ready());
+  EXPECT_EQ(watch.shm_state(), "works");
+  EXPECT_EQ(watch.self().host, shm.host_token());
+  EXPECT_EQ(watch.self().network, 5U);
+  EXPECT_FALSE(look_at_shm().any);
+}
+
+TEST_F(TransportWatchTest, AnotherDaemonIsAnotherHostInTheSameState) {
+  look_at_shm();
+  shm.daemon = 2;
+  const auto change = look_at_shm();
+  EXPECT_TRUE(change.of_host);
+  EXPECT_FALSE(change.of_state);
+}
+
+TEST_F(TransportWatchTest, SharedMemoryThatIsNotReadyHasNoHost) {
+  look_at_shm();
+  shm.availability = Availability::unavailable;
+  EXPECT_TRUE(look_at_shm().of_host);
+  EXPECT_EQ(watch.self().host, HostToken{});
+  EXPECT_FALSE(watch.shm_ready());
+}
+
+TEST_F(TransportWatchTest, ATransportThatIsRuledOutNeverChanges) {
+  TransportWatch none(nullptr, nullptr, 5, log);
+  EXPECT_FALSE(none.look_at_shm(now).any);
+  EXPECT_EQ(none.look_at_udp(now), TransportWatch::NetworkChange::none);
+  EXPECT_EQ(none.shm_state(), "the node rules it out");
+  EXPECT_FALSE(none.shm_ready());
+  EXPECT_THAT(none.addresses(), IsEmpty());
+}
+
+TEST_F(TransportWatchTest, TheSameFailureIsLoggedOnceAndTheAttemptsBetweenAreNot) {
+  EXPECT_THAT(lines_if(Availability::unavailable, "/dev/shm is too small"),
+              ElementsAre("info node: shared memory: /dev/shm is too small"));
+  EXPECT_THAT(lines_if(Availability::starting, "starts sftd"), IsEmpty());
+  EXPECT_THAT(lines_if(Availability::unavailable, "/dev/shm is too small"), IsEmpty());
+  EXPECT_THAT(lines_if(Availability::ready, "works"), ElementsAre("info node: shared memory: works"));
+}
+
+TEST_F(TransportWatchTest, ADaemonThatCannotBeStartedIsWarnedOfOnce) {
+  EXPECT_THAT(lines_if(Availability::unavailable, "sftd could not be started: not found"),
+              ElementsAre("louder node: shared memory: sftd could not be started: not found"));
+  EXPECT_THAT(lines_if(Availability::unavailable, "sftd could not be started: no rights"),
+              ElementsAre("info node: shared memory: sftd could not be started: no rights"));
+}
+
+TEST_F(TransportWatchTest, AddressesAndLinksAreToldApart) {
+  EXPECT_EQ(look_at_udp(), TransportWatch::NetworkChange::none) << "they are as at the beginning";
+  udp.links_now.emplace_back();
+  EXPECT_EQ(look_at_udp(), TransportWatch::NetworkChange::links);
+  EXPECT_EQ(watch.links(), udp.links_now);
+  udp.addresses_now.push_back({0x0b000001, 7000, 1 << 20});
+  EXPECT_EQ(look_at_udp(), TransportWatch::NetworkChange::addresses);
+  EXPECT_EQ(watch.addresses(), udp.addresses_now);
+  EXPECT_EQ(look_at_udp(), TransportWatch::NetworkChange::none);
+}
+
+TEST_F(TransportWatchTest, AddressesAreAskedForOnlyIfTheNetworkMayHaveChangedAndNotAllTheTime) {
+  udp.changed = false;
+  udp.addresses_now.clear();
+  EXPECT_EQ(look_at_udp(), TransportWatch::NetworkChange::none);
+  EXPECT_EQ(udp.looks, 1);
+  watch.look_at_udp(now + std::chrono::milliseconds(199));
+  EXPECT_EQ(udp.looks, 1);
+  watch.look_at_udp(now + std::chrono::milliseconds(200));
+  EXPECT_EQ(udp.looks, 2);
+}
+
+TEST_F(TransportWatchTest, UdpThatFailsIsAnErrorThatIsLoggedOnce) {
+  udp.availability = Availability::unavailable;
+  udp.state = "the system has stopped io_uring";
+  look_at_udp();
+  look_at_udp();
+  EXPECT_THAT(lines, ElementsAre("louder node: UDP: the system has stopped io_uring"));
+}
+
+}  // namespace
+}  // namespace sft::core
