@@ -58,6 +58,7 @@ class Intake {
 
   /// The inlets `shm` and `udp` are filled before next() is called, as far as there are samples.
   bool is_empty(Inlet inlet) const { return !head(inlet); }
+  bool is_empty() const { return !heads_[0] && !heads_[1] && !heads_[2]; }
   void put(Inlet inlet, SampleHandle sample) { head(inlet) = std::move(sample); }
 
   /// Decides about the next sample.

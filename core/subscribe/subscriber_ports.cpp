@@ -51,6 +51,7 @@ bool SubscriberPorts::find_next() {
       case Decision::dropped:
         fill(Intake::Inlet::shm, TransportKind::shm);
         fill(Intake::Inlet::udp, TransportKind::udp);
+        if (intake_.is_empty()) return false;
         decision = intake_.next(now);
         break;
       case Decision::ask_connected: {
@@ -77,24 +78,20 @@ SubscriberPorts::Next SubscriberPorts::next() {
 }
 
 SubscriberPorts::Next SubscriberPorts::take() {
-  Next taken;
-  {
-    const std::scoped_lock lock(mutex_);
-    taken = next();
-  }
+  std::unique_lock lock(mutex_);
+  Next taken = next();
+  lock.unlock();
   tell_of_room();
   return taken;
 }
 
 SubscriberPorts::Next SubscriberPorts::take_latest() {
-  Next latest;
-  {
-    const std::scoped_lock lock(mutex_);
-    latest = next();
-    while (latest.sample && find_next()) intake_.keep_newer(latest, intake_.take());
-    if (latest.sample) intake_.report_losses(latest);
-    latest.asked = latest.sample && latest.info.transport == TransportKind::shm ? asked_ : nullptr;
-  }
+  std::unique_lock lock(mutex_);
+  Next latest = next();
+  while (latest.sample && find_next()) intake_.keep_newer(latest, intake_.take());
+  if (latest.sample) intake_.report_losses(latest);
+  latest.asked = latest.sample && latest.info.transport == TransportKind::shm ? asked_ : nullptr;
+  lock.unlock();
   tell_of_room();
   return latest;
 }

@@ -8,10 +8,7 @@ namespace {
 constexpr std::size_t departed_writers_kept = 64;  // their last samples may still be taken
 }  // namespace
 
-WriterAccounts::Writer& WriterAccounts::of(EndpointId writer) {
-  const auto known =
-      std::find_if(writers_.begin(), writers_.end(), [&](const Writer& w) { return w.id == writer; });
-  if (known != writers_.end()) return *known;
+WriterAccounts::Writer& WriterAccounts::open(EndpointId writer) {
   Writer& added = writers_.emplace_back();
   added.id = writer;
   added.sequences.ask(min_period_us_);
@@ -53,15 +50,6 @@ void WriterAccounts::forget_departed() {
     forgotten_.restarts += writer.restarts;
     return true;
   });
-}
-
-void WriterAccounts::enter(Writer& writer, const Numbered& sample, TransportKind by) {
-  const SequenceAccount::Missing missing = writer.sequences.enter(sample);
-  writer.lost += missing.lost;
-  writer.lost_untold += missing.lost;
-  losses_ += missing.lost;
-  writer.withheld += missing.withheld;
-  writer.last_by_udp = by == TransportKind::udp;
 }
 
 void WriterAccounts::lose_entered(EndpointId writer, std::uint64_t lost_before) {

@@ -32,7 +32,12 @@ class WriterAccounts {
   explicit WriterAccounts(std::uint32_t min_period_us) : min_period_us_(min_period_us) {}
 
   /// The account of that writer, which is opened if there is none. Valid until the next call.
-  Writer& of(EndpointId writer);
+  Writer& of(EndpointId writer) {
+    for (Writer& known : writers_) {
+      if (known.id == writer) return known;
+    }
+    return open(writer);
+  }
   /// Null if nothing was ever heard of that writer.
   const Writer* find(EndpointId writer) const;
 
@@ -43,7 +48,14 @@ class WriterAccounts {
   void hears(const std::vector<Hearing>& hearing, std::int64_t now_ns);
 
   /// Enters a new sample in its writer's account, and counts what is missing before that sample.
-  void enter(Writer& writer, const Numbered& sample, TransportKind by);
+  void enter(Writer& writer, const Numbered& sample, TransportKind by) {
+    const SequenceAccount::Missing missing = writer.sequences.enter(sample);
+    writer.lost += missing.lost;
+    writer.lost_untold += missing.lost;
+    losses_ += missing.lost;
+    writer.withheld += missing.withheld;
+    writer.last_by_udp = by == TransportKind::udp;
+  }
   /// A sample that was entered could not be delivered after all.
   void lose_entered(EndpointId writer, std::uint64_t lost_before);
 
@@ -56,6 +68,7 @@ class WriterAccounts {
   void describe(SubscriberStatus& status) const;
 
  private:
+  Writer& open(EndpointId writer);
   void forget_departed();
   static void add(SubscriberStatus& status, const Writer& writer);
   static void fill_in(WriterStatus& status, const Writer& writer);

@@ -1,4 +1,4 @@
-/* SubscriberCore::next: what a reader makes of one writer's samples while they change from one path to the
+/* Intake: what a reader makes of one writer's samples while they change from one path to the
    other, or come by both. Every sample is taken once, or counted as lost once, or neither if it was before
    the first; never both. See model.md. */
 
