@@ -19,7 +19,7 @@
 #include "core/seam/transport.h"
 #include "core/subscribe/dispatcher.h"
 #include "sft/options.h"
-#include "sft/untyped.h"
+#include "sft/detail/untyped.h"
 
 namespace sft::core {
 

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <string>
 
-#include "sft/typesupport/dynamic_type.h"
+#include "sft/dynamic_type.h"
 
 namespace sft::core {
 

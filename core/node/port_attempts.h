@@ -7,7 +7,7 @@
 #include "core/platform/clock.h"
 #include "core/platform/retry.h"
 #include "core/report/node_log.h"
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

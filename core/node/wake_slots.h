@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/platform/doorbell.h"
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::core {
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/platform/clock.h"
-#include "sft/untyped.h"
+#include "sft/detail/untyped.h"
 
 namespace sft::core {
 

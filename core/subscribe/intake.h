@@ -22,7 +22,7 @@
 #include "core/platform/clock.h"
 #include "core/seam/sample_buffer.h"
 #include "core/subscribe/writer_accounts.h"
-#include "sft/untyped.h"
+#include "sft/detail/untyped.h"
 
 namespace sft::core {
 

@@ -24,7 +24,7 @@
 #include "core/subscribe/remote_copy.h"
 #include "core/subscribe/subscriber_ports.h"
 #include "core/subscribe/waiter.h"
-#include "sft/untyped.h"
+#include "sft/detail/untyped.h"
 
 namespace sft::core {
 

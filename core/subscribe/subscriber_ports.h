@@ -13,7 +13,7 @@
 
 #include "core/seam/transport.h"
 #include "core/subscribe/intake.h"
-#include "sft/typesupport/project.h"
+#include "sft/detail/project.h"
 
 namespace sft::core {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 
 namespace sft::shm {
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "sft/typesupport/result.h"
+#include "sft/result.h"
 #include "shm_transport/sftd/start_failure.h"
 
 namespace sft::shm {

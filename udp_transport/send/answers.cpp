@@ -4,7 +4,7 @@
 #include <new>
 #include <variant>
 
-#include "udp_transport/datagram.h"
+#include "udp_transport/wire/datagram.h"
 
 namespace sft::udp {
 
