@@ -313,7 +313,8 @@ class FiguresTest(TreeTest):
         self.write("README.md", "Two words\n```\nthree of code\n```\n")
         self.write("core/a.h", "// A comment\n\nint a;  // and code\n/* two\nlines */\n")
         self.write("public/p.h", "namespace sft {\nclass A;\nclass B { struct C {}; };\nenum class D { x };\n"
-                                 "template <class T>\nusing F = B<T>;\nusing B;\nnamespace detail {\nstruct E {};\n}\n}\n")
+                                 "template <class T>\nusing F = B<T>;\nusing B;\n"
+                                 "namespace detail {\nstruct E {};\n}\n}\n")
         tree, settings = Tree(self.root), Settings(self.root)
         table = "\n".join(" ".join(line.split()) for line in figures.table(tree, settings))
         self.assertIn("README.md 2 words, 5 in blocks of code, 4 lines", table)
