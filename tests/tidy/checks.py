@@ -181,7 +181,10 @@ def comment_blocks(tree, settings):
 
 def includes_have_one_style(tree, settings):
     """From the root of the project in double quotes; public headers as "sft/..." or <sft/...>."""
+    top_folders = {path.split("/")[0] for path in tree.code}
     for include in rooms.Includes(tree, settings).all:
+        if include.quoted and not include.target and include.name.split("/")[0] in top_folders:
+            yield Finding(include.path, include.line, f'there is no "{include.name}": correct the path')
         if not include.target or _excused(include.path, settings.private_folders):
             continue
         right = _without_folder(include.target, settings.public_folders)

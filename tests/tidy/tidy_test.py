@@ -124,6 +124,10 @@ class IncludesTest(TreeTest):
                               '#include "b.h"\n#include <low/b.h>\n#include "public/p.h"\n')
         self.assertEqual(self.found("includes-have-one-style"), ["low/a.h:5", "low/a.h:6", "low/a.h:7"])
 
+    def test_an_include_of_a_file_that_has_moved_is_found(self):
+        self.write("low/a.h", '#include "low/moved.h"\n#include "generated.h"\n#include "std_msgs/msg/Header.h"\n')
+        self.assertEqual(self.found("includes-have-one-style"), ["low/a.h:1"])
+
     def test_public_headers_include_public_ones_the_language_and_declared_libraries(self):
         self.write("low/b.h", "")
         self.write("public/p.h", '#include <vector>\n#include <stdint.h>\n#include "q.h"\n#include <tl/expected.hpp>\n'
