@@ -99,10 +99,10 @@ Result<detail::untyped::Publisher> Node::open_publisher(std::string_view topic, 
   return core_->open_publisher(core_, topic, type, options);
 }
 
-Result<untyped::Subscriber> Node::open_subscriber(std::string_view topic, const TypeSupport& type,
-                                                  untyped::Requirement requirement,
-                                                  const SubscriberOptions& options,
-                                                  untyped::Callback callback) {
+Result<detail::untyped::Subscriber> Node::open_subscriber(std::string_view topic, const TypeSupport& type,
+                                                          detail::untyped::Requirement requirement,
+                                                          const SubscriberOptions& options,
+                                                          detail::untyped::Callback callback) {
   return core_->open_subscriber(core_, {topic, type, std::move(requirement), options, std::move(callback)});
 }
 
@@ -148,7 +148,7 @@ Result<DynamicSubscriber> Node::open_subscriber(std::string_view topic, const Dy
   return core_
       ->open_subscriber(core_, {topic, type.support(), std::move(requirement), options, std::move(untyped),
                                 std::make_shared<DynamicType>(type)})
-      .map([&](untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s), declared); });
+      .map([&](detail::untyped::Subscriber&& s) { return DynamicSubscriber(type, std::move(s), declared); });
 }
 
 DomainSnapshot Node::domain() const { return core_->domain(); }

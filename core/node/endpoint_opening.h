@@ -18,8 +18,8 @@
 #include "core/seam/buffer_pool.h"
 #include "core/seam/transport.h"
 #include "core/subscribe/dispatcher.h"
-#include "sft/options.h"
 #include "sft/detail/untyped.h"
+#include "sft/options.h"
 
 namespace sft::core {
 
@@ -59,9 +59,9 @@ class EndpointOpening {
   struct ReaderOrder {
     std::string_view topic;
     const TypeSupport& type;
-    untyped::Requirement requirement;
+    detail::untyped::Requirement requirement;
     const SubscriberOptions& options;
-    untyped::Callback callback;
+    detail::untyped::Callback callback;
     std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
   };
   struct Reader {

@@ -102,9 +102,9 @@ EndpointOpening::News NodeCore::news_of_endpoints() {
           }};
 }
 
-Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCore>& self,
-                                                    std::string_view topic, const TypeSupport& type,
-                                                    const PublisherOptions& options) {
+Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCore>& self,
+                                                            std::string_view topic, const TypeSupport& type,
+                                                            const PublisherOptions& options) {
   Result<EndpointOpening::Writer> writer = opening_->open_writer(topic, type, options);
   if (!writer) return tl::unexpected(writer.error());
   const std::shared_ptr<PublisherCore> core = writer->core;
@@ -121,11 +121,11 @@ Result<untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCo
     self->roster_.strike_off(*core);
     self->agent_.post([node = self.get(), id] { node->reconciler_->remove(id); });
   };
-  return untyped::Publisher(std::shared_ptr<PublisherCore>(core.get(), close));
+  return detail::untyped::Publisher(std::shared_ptr<PublisherCore>(core.get(), close));
 }
 
-Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self,
-                                                      EndpointOpening::ReaderOrder order) {
+Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self,
+                                                              EndpointOpening::ReaderOrder order) {
   const bool pollable = order.options.pollable;
   Result<EndpointOpening::Reader> reader = opening_->open_reader(std::move(order));
   if (!reader) return tl::unexpected(reader.error());
@@ -148,7 +148,7 @@ Result<untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<Node
     reconciler_->add_reader(reader.endpoint, std::move(reader.parts));
     endpoints_changed_.raise();
   });
-  return untyped::Subscriber(std::shared_ptr<SubscriberCore>(core.get(), close));
+  return detail::untyped::Subscriber(std::shared_ptr<SubscriberCore>(core.get(), close));
 }
 
 void NodeCore::endpoint_seen(Endpoint endpoint) {

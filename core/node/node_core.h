@@ -45,12 +45,13 @@ class NodeCore final : private DiscoveryListener {
   static Result<std::shared_ptr<NodeCore>> open(const NodeOptions& options, Parts parts);
   ~NodeCore();
 
-  Result<untyped::Publisher> open_publisher(const std::shared_ptr<NodeCore>& self, std::string_view topic,
-                                            const TypeSupport& type, const PublisherOptions& options);
+  Result<detail::untyped::Publisher> open_publisher(const std::shared_ptr<NodeCore>& self,
+                                                    std::string_view topic, const TypeSupport& type,
+                                                    const PublisherOptions& options);
   /// The type, which then lives as long as the node.
   const TypeSupport& kept(const DynamicType& type) { return kept_types_.keep(type); }
-  Result<untyped::Subscriber> open_subscriber(const std::shared_ptr<NodeCore>& self,
-                                              EndpointOpening::ReaderOrder order);
+  Result<detail::untyped::Subscriber> open_subscriber(const std::shared_ptr<NodeCore>& self,
+                                                      EndpointOpening::ReaderOrder order);
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   std::vector<TopicInfo> topics();
   DomainSnapshot domain();

@@ -13,7 +13,7 @@ bool CallbackDispatch::in_callback() noexcept { return callback_depth != 0; }
 /// Returns when the callback was done. `before`: when the callback before it was done, or the first sample
 /// was looked for. So the time counts that taking the sample costs: it is short beside a slow callback, and
 /// the clock is read once less.
-Time CallbackDispatch::call_back(untyped::Sample sample, Time before) {
+Time CallbackDispatch::call_back(detail::untyped::Sample sample, Time before) {
   ++callback_depth;
   callback_(std::move(sample));
   --callback_depth;

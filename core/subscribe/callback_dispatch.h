@@ -18,7 +18,7 @@ class CallbackDispatch {
   enum class Caller : std::uint8_t { dispatcher, transport };
 
   /// The callback outlives this object.
-  explicit CallbackDispatch(const untyped::Callback& callback) : callback_(callback) {}
+  explicit CallbackDispatch(const detail::untyped::Callback& callback) : callback_(callback) {}
 
   /// Calls back for all samples that `samples` has, with `samples.take()` and `samples.available()`. Returns
   /// at once if a call is under way on another thread: that thread goes on. Returns false if the dispatcher
@@ -42,9 +42,9 @@ class CallbackDispatch {
  private:
   template <class Samples>
   bool call_back_for_all(Caller caller, Samples& samples);
-  Time call_back(untyped::Sample sample, Time before);
+  Time call_back(detail::untyped::Sample sample, Time before);
 
-  const untyped::Callback& callback_;
+  const detail::untyped::Callback& callback_;
   // All are sequentially consistent: is_idle() of one thread against the end of dispatch() on another.
   /// Arrivals that are not dispatched yet. The thread that raises it from 0 dispatches.
   std::atomic<std::uint32_t> pending_{0};
@@ -83,7 +83,7 @@ bool CallbackDispatch::call_back_for_all(Caller caller, Samples& samples) {
   bool goes_on = true;
   Time time = std::chrono::steady_clock::now();
   while (goes_on && !closed_.load()) {
-    untyped::Sample sample = samples.take();
+    detail::untyped::Sample sample = samples.take();
     if (!sample) break;
     time = call_back(std::move(sample), time);
     goes_on = caller == Caller::dispatcher || !is_slow_.load();

@@ -24,7 +24,7 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
 
 void SubscriberCore::requests(const FieldMask& mask, std::uint64_t sequence) {
   ports_.requests(mask, sequence,
-                  remote_ ? std::make_shared<const ProjectionPlan>(type().type(), mask) : nullptr);
+                  remote_ ? std::make_shared<const detail::ProjectionPlan>(type().type(), mask) : nullptr);
 }
 
 void SubscriberCore::hears(const std::vector<Hearing>& hearing) {
@@ -47,11 +47,11 @@ detail::untyped::Sample SubscriberCore::take(Choose choose) {
   }
 }
 
-untyped::Sample SubscriberCore::take() {
+detail::untyped::Sample SubscriberCore::take() {
   return take([this] { return ports_.take(); });
 }
 
-untyped::Sample SubscriberCore::take_latest() {
+detail::untyped::Sample SubscriberCore::take_latest() {
   return take([this] { return ports_.take_latest(); });
 }
 

@@ -53,8 +53,8 @@ class SubscriberCore final : public ArrivalListener {
   /// `bell` is rung when samples arrive; `recorder` is null unless the requirement is recorded.
   SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Recorder> recorder);
 
-  untyped::Sample take();
-  untyped::Sample take_latest();
+  detail::untyped::Sample take();
+  detail::untyped::Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout) { return waiter_.wait_until(deadline_after(timeout)); }
   bool available() { return ports_.available(); }
   /// -1 if the subscriber has none.
@@ -102,9 +102,9 @@ class SubscriberCore final : public ArrivalListener {
   using Next = SubscriberPorts::Next;
 
   template <class Choose>
-  untyped::Sample take(Choose choose);
+  detail::untyped::Sample take(Choose choose);
   bool copy_as_remote(Next& next);
-  untyped::Sample wrap(Next next);
+  detail::untyped::Sample wrap(Next next);
   void call_back(CallbackDispatch::Caller caller);
 
   const Spec spec_;

@@ -134,7 +134,7 @@ void SubscriberPorts::hears(const std::vector<Hearing>& hearing) {
 }
 
 void SubscriberPorts::requests(const FieldMask& mask, std::uint64_t sequence,
-                               std::shared_ptr<const ProjectionPlan> asked) {
+                               std::shared_ptr<const detail::ProjectionPlan> asked) {
   const std::scoped_lock lock(mutex_);
   requested_ = mask;
   requests_ = sequence;

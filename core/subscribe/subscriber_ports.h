@@ -22,7 +22,7 @@ class SubscriberPorts {
   /// A sample that was taken. `asked` is not null if the sample has to be copied, reduced to what is asked
   /// for, and then reported to copied().
   struct Next : Taken {
-    std::shared_ptr<const ProjectionPlan> asked;
+    std::shared_ptr<const detail::ProjectionPlan> asked;
   };
 
   SubscriberPorts(const Intake::Options& options, FieldMask requested)
@@ -47,7 +47,8 @@ class SubscriberPorts {
   void hears(const std::vector<Hearing>& hearing);
   /// The mask and the number of the request in force. `asked` is the mask as a plan, where samples are
   /// copied.
-  void requests(const FieldMask& mask, std::uint64_t sequence, std::shared_ptr<const ProjectionPlan> asked);
+  void requests(const FieldMask& mask, std::uint64_t sequence,
+                std::shared_ptr<const detail::ProjectionPlan> asked);
   /// Returns true if status() differs by it.
   bool keeps_promises(EndpointId writer, std::uint64_t deadlines_missed, bool alive);
   /// The connection to that writer was set up anew, because nothing arrived by it.
@@ -84,7 +85,7 @@ class SubscriberPorts {
   std::array<std::shared_ptr<ReaderPort>, 2> ports_;  ///< by TransportKind
   Counts of_former_ports_;
   FieldMask requested_;
-  std::shared_ptr<const ProjectionPlan> asked_;  ///< null where samples are delivered as they are
+  std::shared_ptr<const detail::ProjectionPlan> asked_;  ///< null where samples are delivered as they are
   std::uint64_t requests_ = 1;
   std::atomic<bool> writers_wait_{
       false};  ///< some writer in shared memory waits for room; written under mutex_

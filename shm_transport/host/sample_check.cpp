@@ -8,7 +8,8 @@ std::optional<CheckedSample> check_sample(const std::byte* data, std::size_t siz
                                           core::EndpointId writer) noexcept {
   const std::size_t body_offset = detail::SampleLayout(type.slots()).body_offset;
   if (size < body_offset) return std::nullopt;
-  SampleHeader header;  // a copy, because the writer could change the header in the chunk after the check
+  detail::SampleHeader
+      header;  // a copy, because the writer could change the header in the chunk after the check
   std::memcpy(&header, data, sizeof header);
   const bool ours = header.magic == detail::sample_magic && header.slots == type.slots() &&
                     header.type_hash == type.hash() && header.writer == writer &&

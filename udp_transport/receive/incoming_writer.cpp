@@ -38,11 +38,11 @@ std::uint64_t sequence_of(const FirstHeader& first, const SequenceWatch& sequenc
 
 /// All but the writer and the sequence.
 void write_header(core::SampleBuffer& sample, const FirstHeader& first, const TypeSupport& type) {
-  SampleHeader& header = sample.header();
+  detail::SampleHeader& header = sample.header();
   header.slots = static_cast<std::uint32_t>(type.slots());
   header.source_stamp_ns = first.stamp_ns;
   header.type_hash = type.hash();
-  header.body_offset = static_cast<std::uint32_t>(SampleLayout(type.slots()).body_offset);
+  header.body_offset = static_cast<std::uint32_t>(detail::SampleLayout(type.slots()).body_offset);
   header.body_bytes = first.total;
   sample.trust_header();
 }
@@ -50,12 +50,13 @@ void write_header(core::SampleBuffer& sample, const FirstHeader& first, const Ty
 /// Notes where the fields of the body are. False if the body is not one of that type.
 bool index_body(core::SampleBuffer& sample, const TypeSupport& type) {
   std::byte* body = sample.data + sample.header().body_offset;
-  std::memcpy(body - encapsulation_bytes, encapsulation_cdr_le.data(), encapsulation_bytes);
-  SampleState state;
+  std::memcpy(body - detail::encapsulation_bytes, detail::encapsulation_cdr_le.data(),
+              detail::encapsulation_bytes);
+  detail::SampleState state;
   state.body = body;
   state.body_bytes = sample.header().body_bytes;
   state.mask = &sample.mask;
-  return build_index(state, type.type(), {sample.index(), type.slots()}) == WalkStatus::ok;
+  return detail::build_index(state, type.type(), {sample.index(), type.slots()}) == detail::WalkStatus::ok;
 }
 
 }  // namespace
@@ -127,7 +128,7 @@ Arrival IncomingWriter::accept_packed(const Datagram& packed, const WantedMasks:
     return {};
   }
   if (packed.bytes_each != 0 && named.mask != nullptr && packed.bytes_each <= sample_bytes_) {
-    const std::size_t bytes = SampleLayout(type_->slots()).bytes(packed.bytes_each);
+    const std::size_t bytes = detail::SampleLayout(type_->slots()).bytes(packed.bytes_each);
     const std::size_t reserved = window_ == nullptr ? 0 : reserved_for_first_missing();
     shared_.pool->take_kept(bytes, shared_.reserved_for_publishers() + reserved, packed.samples,
                             shared_.pack_buffers);
@@ -177,7 +178,7 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
     return refuse(d, met.place, why);
   const bool is_whole = sample == nullptr && d.payload.size() == d.first.total;
   if (!is_whole) return begin(d, sample, met.place, std::move(buffer), now);
-  const std::size_t body_offset = SampleLayout(type_->slots()).body_offset;
+  const std::size_t body_offset = detail::SampleLayout(type_->slots()).body_offset;
   if (!d.payload.empty()) std::memcpy(buffer->data + body_offset, d.payload.data(), d.payload.size());
   samples_.finish(d.label());
   return complete(std::move(buffer), d.first, met.place, now);
@@ -200,7 +201,7 @@ Arrival IncomingWriter::begin(const Datagram& d, UnfinishedSample* sample, std::
   if (place != 0) window_->begun(place, d.label(), buffer);
   if (sample == nullptr) sample = &samples_.begin(d.label(), place, now.steady);
   samples_.set_place(*sample, place);
-  samples_.describe(*sample, d.first, SampleLayout(type_->slots()).body_offset, std::move(buffer));
+  samples_.describe(*sample, d.first, detail::SampleLayout(type_->slots()).body_offset, std::move(buffer));
   sample->add(0, d.payload, shared_.limits.gaps, now.steady);
   Arrival arrival = proceed(*sample, samples_.unpark(*sample, now.steady), now);
   arrival.in_channel = place != 0;  // those before it may have turned out to be lost
@@ -266,7 +267,7 @@ Arrival IncomingWriter::proceed(UnfinishedSample& sample, UnfinishedSample::Adde
 
 Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& first, std::uint64_t place,
                                  ArrivalTime now) {
-  SampleHeader& header = sample->header();
+  detail::SampleHeader& header = sample->header();
   header.writer = id_;
   header.sequence = sequence_of(first, sequences_);
   write_header(*sample, first, *type_);
@@ -325,14 +326,14 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
 /// The samples behind the first missing one leave memory for that one: without it nobody gets the others.
 core::SampleHandle IncomingWriter::take_buffer(const Datagram& d, std::uint64_t place) {
   const std::size_t total = d.first.total;
-  const std::size_t bytes = SampleLayout(type_->slots()).bytes(total);
+  const std::size_t bytes = detail::SampleLayout(type_->slots()).bytes(total);
   if (place == 0) return samples_.take_buffer(bytes, d.label(), total, d.payload.size() == total);
   const std::size_t reserved = place == window_->next_place() ? 0 : reserved_for_first_missing();
   return samples_.take_reliable_buffer(bytes, total, reserved);
 }
 
 std::size_t IncomingWriter::reserved_for_first_missing() const {
-  return std::min(SampleLayout(type_->slots()).bytes(sample_bytes_), shared_.pool->limit_bytes() / 4);
+  return std::min(detail::SampleLayout(type_->slots()).bytes(sample_bytes_), shared_.pool->limit_bytes() / 4);
 }
 
 /// A sample that is sent reliably comes again if only the memory for it is missing now.

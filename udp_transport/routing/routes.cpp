@@ -184,7 +184,7 @@ std::shared_ptr<const RouteTable> make_route_table(const StructType& type,
   for (RouteBundle& bundle : bundles) {
     VariantDirectory::Variant& variant = variants.find(bundle.wanted, bundle.late_reader);
     Audience& audience =
-        table->audiences.emplace_back(Audience{ProjectionPlan(type, std::move(bundle.wanted.mask)),
+        table->audiences.emplace_back(Audience{detail::ProjectionPlan(type, std::move(bundle.wanted.mask)),
                                                std::move(bundle.gate),
                                                bundle.late_reader,
                                                bundle.spare,

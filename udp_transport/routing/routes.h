@@ -21,7 +21,7 @@ namespace sft::udp {
 /// Readers with equal masks and limits. They share an encoding, and each destination has a lane of its own. A
 /// late reader is an audience of its own, so that its samples can begin with the retained ones.
 struct Audience {
-  ProjectionPlan plan;
+  detail::ProjectionPlan plan;
   std::shared_ptr<const core::RateGate> gate;  ///< null: every sample is for the audience
   core::EndpointId late_reader = 0;            ///< 0: the audience is not a late reader
   bool spare = false;                          ///< gets only samples that are meant for spare routes, too

@@ -11,8 +11,8 @@ void Draft::keep_in_channels(const core::SampleHandle& sample,
     keep(sample);
     return handle_->borrow();
   }
-  core::SampleHandle copy =
-      pool->take(std::max(handle_->projection.bytes(), sizeof(SampleHeader)), pool->limit_bytes() / 4);
+  core::SampleHandle copy = pool->take(std::max(handle_->projection.bytes(), sizeof(detail::SampleHeader)),
+                                       pool->limit_bytes() / 4);
   copy ? handle_->copy_body(std::move(copy)) : handle_->copy_body();
   is_kept_ = true;
 }

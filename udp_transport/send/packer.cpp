@@ -39,7 +39,7 @@ Packer::Pack& Packer::pack_for(const Audience& audience) {
 Packer::Hold Packer::hold(const Audience& audience, const core::SampleHandle& sample) noexcept try {
   if (!audience.packs || audience.multicast != nullptr) return Hold::unfit;
   if (!projected_) projected_ = jobs_->take();
-  Projection& body = projected_->projection;
+  detail::Projection& body = projected_->projection;
   if (!encoder_.project(audience, *sample, body)) return Hold::unfit;
   Pack& pack = pack_for(audience);
   if (body.bytes() > pack.sample_bytes_max) return Hold::unfit;

@@ -36,7 +36,7 @@ class PostponedDelivery {
   Draft& draft_;
   DirectPath& direct_;
   UnicastDelivery& unicast_;
-  std::vector<Segment> located_;  ///< where the present body is
+  std::vector<detail::Segment> located_;  ///< where the present body is
 };
 
 }  // namespace sft::udp

@@ -61,16 +61,16 @@ Bytes payload_of(const T& message) {
 
 /// The cloud that a file became, as a struct.
 inline PointCloud2 message_in(const InputCloud& cloud) {
-  const std::span<const std::byte> body = std::span(cloud.payload).subspan(encapsulation_bytes);
+  const std::span<const std::byte> body = std::span(cloud.payload).subspan(detail::encapsulation_bytes);
   const FieldMask mask = cloud_type().full();
   std::vector<std::uint32_t> index(cloud_type().slots());
-  const SampleState state{.body = body.data(),
-                          .body_bytes = static_cast<std::uint32_t>(body.size()),
-                          .index = index.data(),
-                          .mask = &mask};
+  const detail::SampleState state{.body = body.data(),
+                                  .body_bytes = static_cast<std::uint32_t>(body.size()),
+                                  .index = index.data(),
+                                  .mask = &mask};
   PointCloud2 message;
-  EXPECT_EQ(build_index(state, cloud_type().type(), index), WalkStatus::ok);
-  EXPECT_EQ(decode(state, cloud_type().type(), &message), WalkStatus::ok);
+  EXPECT_EQ(detail::build_index(state, cloud_type().type(), index), detail::WalkStatus::ok);
+  EXPECT_EQ(decode(state, cloud_type().type(), &message), detail::WalkStatus::ok);
   return message;
 }
 

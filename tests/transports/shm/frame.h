@@ -39,7 +39,7 @@ inline const TypeSupport& frame_type() {
   return type;
 }
 
-inline constexpr SampleLayout frame_layout{3};
+inline constexpr detail::SampleLayout frame_layout{3};
 inline constexpr std::uint32_t data_offset = 12;  ///< the position of the data in the body
 
 /// Returns the bytes of a sample with this many bytes of data.

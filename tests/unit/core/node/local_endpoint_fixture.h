@@ -45,7 +45,7 @@ class LocalEndpointTest : public ::testing::Test {
   }
   static Time soon() { return std::chrono::steady_clock::now() + std::chrono::minutes(1); }
 
-  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const TypeSupport type{detail::TypeTable<PointCloud2>::type};
   const FieldMask mask = type.closed(FieldMask(F::height | F::width));
   std::vector<std::string> logged;
   NodeLog log{"node", LogLevel::warning,

@@ -14,6 +14,8 @@
 namespace sft::core {
 namespace {
 
+using namespace detail;
+
 using sensor_msgs::msg::PointCloud2;
 using Caller = CallbackDispatch::Caller;
 

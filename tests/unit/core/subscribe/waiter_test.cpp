@@ -12,6 +12,8 @@
 namespace sft::core {
 namespace {
 
+using namespace detail;
+
 using namespace std::chrono_literals;
 using sensor_msgs::msg::PointCloud2;
 

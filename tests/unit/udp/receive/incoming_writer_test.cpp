@@ -15,6 +15,8 @@
 namespace sft::udp {
 namespace {
 
+using namespace detail;
+
 using namespace std::chrono_literals;
 using test::Bytes;
 using test::fields;
