@@ -33,7 +33,8 @@ class DaemonLaunch {
   std::optional<Outcome> poll();
 
  private:
-  DaemonLaunch(pid_t child, Descriptor complaints) : child_(child), error_output_(std::move(complaints)) {}
+  DaemonLaunch(pid_t child, Descriptor error_output)
+      : child_(child), error_output_(std::move(error_output)) {}
 
   bool child_is_gone() noexcept;
 
