@@ -15,8 +15,8 @@ namespace {
 
 using core::Availability;
 
-/// One node's view of the process's session. It follows the daemon through losses and returns: a session that
-/// it used is reported lost before another one is.
+/// The transport of one node, which uses the session of the process. When the daemon is lost and another one
+/// comes, the transport first reports that the old session is lost, and later that a new one is ready.
 class ShmTransport final : public core::Transport {
  public:
   explicit ShmTransport(const ShmOptions& options) : options_(options), daemon_(ProcessDaemon::shared()) {}
