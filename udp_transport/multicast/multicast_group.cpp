@@ -10,8 +10,7 @@ namespace sft::udp {
 namespace {
 /// Samples that are asked for within this time were lost together.
 constexpr std::chrono::milliseconds asked_together{100};
-/// A larger sample is not sent to the group again: only parts of it are missing, and members that ask are
-/// sent these.
+/// Only parts of a larger sample are missing: each member that asks is sent these parts alone.
 constexpr std::size_t sent_again_bytes_max = std::size_t{16} << 10;
 
 /// The upper half is random.

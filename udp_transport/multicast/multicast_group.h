@@ -47,19 +47,19 @@ class MulticastGroup final : public LaneListener {
   /// Keeps the group, too, for who sends what waits there: it has to be told what has left.
   static std::shared_ptr<Lane> lane_of(const std::shared_ptr<MulticastGroup>& group);
 
-  // These functions are for the thread that sends: the publisher's, or the sending one in its place.
+  // Used by the thread that sends: the publisher's, or the sending thread in its place.
 
   /// The next sample is sent to it, at this place.
   std::uint64_t next_ordinal(Time now) noexcept;
-  /// True if samples that are sent now arrive at that member.
+  /// True if samples that are sent now come to that member.
   bool hears(std::size_t member) const noexcept { return hears_[member].load(std::memory_order_relaxed); }
-  /// Tells where that sample is in the member's channel.
+  /// Notes the place of a sample in the member's channel.
   void placed(std::size_t member, std::uint64_t ordinal, std::uint64_t in_channel) noexcept;
   /// A member's own socket has answered, and is not silent: somebody wants what is sent.
   bool is_answered() const noexcept;
   /// Nothing may be sent to it any more.
   bool broken() const noexcept { return broken_.load(std::memory_order_relaxed); }
-  /// Tells of members without a channel whether one hears, and whether one does not.
+  /// The members without a channel: whether some hear the group, and whether some do not.
   struct BestEffort {
     bool some_hear = false;
     bool some_do_not = false;
@@ -84,11 +84,11 @@ class MulticastGroup final : public LaneListener {
     std::size_t member = 0;
     GroupOffer offer;
   };
-  /// Returns the offers that members are to be sent now.
+  /// The offers that are due now.
   std::vector<Offer> offers(Time now);
-  /// Returns the members that hear nothing of the group.
+  /// The members that hear nothing of the group.
   std::vector<const Destination*> given_up() const;
-  /// Returns the offer that tells a member that it is no longer in the group.
+  /// Tells a member that it is in the group no more.
   GroupOffer farewell(std::size_t member) const;
 
  private:
@@ -111,19 +111,20 @@ class MulticastGroup final : public LaneListener {
   const std::uint16_t report_port_;
   /// Members call themselves by these names. Somebody who alters a report of one does not guess another name.
   const std::vector<std::uint32_t> member_names_;
-  std::unique_ptr<std::atomic<bool>[]> hears_;  ///< of each member
+  std::unique_ptr<std::atomic<bool>[]> hears_;  ///< for each member
 
   mutable std::mutex mutex_;  ///< held for a few instructions
   std::vector<GroupMembership> memberships_;
-  /// The number by which the ordinals of its channel are ahead of ours; empty if nothing was sent yet.
+  /// For each member: its channel's ordinals are ahead of the group's by so many; empty: nothing was sent
+  /// yet.
   std::vector<std::optional<std::int64_t>> ahead_;
   std::uint64_t last_ordinal_ = 0;
   std::atomic<bool> broken_{false};
-  std::array<Asked, 64> asked_{};  ///< of the thread that hears answers
+  std::array<Asked, 64> asked_{};  ///< used by the thread that hears answers
   std::size_t next_asked_ = 0;
 };
 
-/// The groups of all writers of a transport, so that reports find theirs. Any thread.
+/// The groups of all writers of a transport, so that each report finds its group. Any thread.
 class GroupRoster {
  public:
   void add(const std::shared_ptr<MulticastGroup>& group);

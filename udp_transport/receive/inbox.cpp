@@ -46,7 +46,7 @@ std::size_t Inbox::room(core::EndpointId id) const noexcept {
   return writer == nullptr ? depth_ : depth_ - std::min(depth_, writer->queue.size());
 }
 
-/// As many as can wait.
+/// Enqueues as many samples as can wait.
 Inbox::Enqueued Inbox::enqueue_some(std::span<core::SampleHandle> samples) noexcept {
   Enqueued enqueued;
   while (enqueued.samples < samples.size() && enqueued.kept < depth_)
@@ -59,7 +59,7 @@ bool Inbox::enqueue(core::SampleHandle& sample) noexcept {
   Writer* writer = find(sample->header().writer);
   if (writer == nullptr || !writer->connected) return false;
   if (writer->filter.is_late() && !writer->filter.takes(*sample, std::chrono::steady_clock::now()))
-    return false;  // of those that are for others, or it will come again in its turn
+    return false;  // the sample is for others, or will come again in its turn
   ++writer->arrivals;
   const KeepLastQueue::Put put = writer->queue.put(sample, ++arrivals_);
   const std::size_t dropped = writer->queue.take_dropped();

@@ -22,18 +22,18 @@ class Inbox {
 
   /// Queues a sample of a connected writer and calls the listener, without a lock. The receiving thread.
   void deliver(core::SampleHandle sample) noexcept { deliver(std::span(&sample, 1)); }
-  /// The same for several, which are gone or hold what was pushed out afterwards. The listener is called once
-  /// for all, but for no more than can wait: what it takes at once none of them pushes out.
+  /// Delivers several samples. Afterwards the handles are empty or hold what was pushed out. The listener is
+  /// called once for as many as can wait, so that no sample pushes out one that the listener takes at once.
   void deliver(std::span<core::SampleHandle> samples) noexcept;
 
-  /// How many more samples of the writer can wait. None is refused: more push out the oldest.
+  /// So many more samples of the writer can wait. None is refused: further ones push out the oldest.
   std::size_t room(core::EndpointId writer) const noexcept;
 
   core::SampleHandle take() noexcept;
 
   void connect(const core::Source& source);
-  /// What is queued can still be taken: of all disconnected writers together as much as of one that is
-  /// connected, the newest.
+  /// Queued samples can still be taken. All disconnected writers together keep as many as one connected
+  /// writer, the newest ones.
   void disconnect(core::EndpointId writer) noexcept;
   bool connected(core::EndpointId writer) const noexcept;
   core::HistoryProgress history(core::EndpointId writer) const noexcept;
@@ -51,7 +51,7 @@ class Inbox {
     KeepLastQueue queue;
     bool connected = true;
     LateFilter filter{};
-    bool taken = false;         ///< some sample of it was
+    bool taken = false;         ///< some sample of the writer was taken
     std::uint64_t dropped = 0;  ///< since then
     std::uint64_t arrivals = 0;
   };
@@ -59,8 +59,8 @@ class Inbox {
   const Writer* find(core::EndpointId id) const noexcept;
   bool enqueue(core::SampleHandle& sample) noexcept;
   struct Enqueued {
-    std::size_t samples = 0;  ///< the first ones
-    std::size_t kept = 0;     ///< of these
+    std::size_t samples = 0;  ///< counts those that were looked at, from the first on
+    std::size_t kept = 0;     ///< so many of these were kept
   };
   Enqueued enqueue_some(std::span<core::SampleHandle> samples) noexcept;
   void call() noexcept;

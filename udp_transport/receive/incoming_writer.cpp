@@ -36,6 +36,18 @@ std::uint64_t sequence_of(const FirstHeader& first, const SequenceWatch& sequenc
   return sequences.widen(first.label.sequence);
 }
 
+/// Another sample has begun at that place. It gives way if it makes no progress: it may have been forged.
+bool gives_way(ArrivalWindow& window, const SampleAssembly& samples, std::uint64_t place,
+               const SampleLabel& label, IncomingWriter::Time now) {
+  constexpr std::chrono::milliseconds claim_holds{20};
+  const std::optional<SampleLabel> claimed = window.begun_at(place);
+  if (!claimed || *claimed == label) return false;
+  const UnfinishedSample* const sample = samples.find(*claimed);
+  if (sample != nullptr && now - sample->last_progress() < claim_holds) return false;
+  window.give_back(place, now);
+  return true;
+}
+
 /// All but the writer and the sequence.
 void write_header(core::SampleBuffer& sample, const FirstHeader& first, const TypeSupport& type) {
   detail::SampleHeader& header = sample.header();
@@ -63,12 +75,13 @@ bool index_body(core::SampleBuffer& sample, const TypeSupport& type) {
 
 void IncomingWriter::follow(const Stream& stream, std::size_t stream_index) {
   const std::size_t limit = shared_.limits.sample_bytes;
-  id_ = stream.writer;
-  type_ = stream.type;
-  stream_index_ = stream_index;
-  node_ = stream.node;
-  alive_ = stream.alive;
-  sample_bytes_ = stream.max_sample_bytes == 0 ? limit : std::min(stream.max_sample_bytes, limit);
+  facts_ = {.id = stream.writer,
+            .type = stream.type,
+            .stream_index = stream_index,
+            .alive = stream.alive,
+            .sample_bytes = stream.max_sample_bytes == 0 ? limit : std::min(stream.max_sample_bytes, limit),
+            .node = stream.node,
+            .came_from = facts_.came_from};
   wanted_.set(*stream.type, stream.masks);
 }
 
@@ -96,7 +109,7 @@ bool IncomingWriter::fits(const Datagram& d) {
   Datagram copy = d;  // since the mask's words are taken off
   const WantedMasks::Named named = wanted_.named_by(copy);
   return named.mask != nullptr && !named.malformed &&
-         std::max<std::size_t>(copy.first.total, copy.bytes_each) <= sample_bytes_;
+         std::max<std::size_t>(copy.first.total, copy.bytes_each) <= facts_.sample_bytes;
 }
 
 Arrival IncomingWriter::accept(Datagram& d, const Envelope& envelope) {
@@ -127,13 +140,13 @@ Arrival IncomingWriter::accept_packed(const Datagram& packed, const WantedMasks:
     ++shared_.counters.malformed;
     return {};
   }
-  if (packed.bytes_each != 0 && named.mask != nullptr && packed.bytes_each <= sample_bytes_) {
-    const std::size_t bytes = detail::SampleLayout(type_->slots()).bytes(packed.bytes_each);
+  if (packed.bytes_each != 0 && named.mask != nullptr && packed.bytes_each <= facts_.sample_bytes) {
+    const std::size_t bytes = SampleLayout(facts_.type->slots()).bytes(packed.bytes_each);
     const std::size_t reserved = window_ == nullptr ? 0 : reserved_for_first_missing();
     shared_.pool->take_kept(bytes, shared_.reserved_for_publishers() + reserved, packed.samples,
                             shared_.pack_buffers);
   }
-  Arrival arrival{{}, stream_index_};
+  Arrival arrival{{}, facts_.stream_index};
   Datagram d;
   d.kind = DatagramKind::first;
   for (std::uint32_t i = 0; i < packed.samples; ++i) {
@@ -153,7 +166,7 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
   ArrivalWindow::Met met{Standing::wanted, 0};
   if (window_ != nullptr && has(d, channel_follows)) {
     met = window_->meet(d.first.channel, now.steady, same_datagram);
-    if (met.standing == Standing::known && gives_way(met.place, d.label(), now.steady))
+    if (met.standing == Standing::known && gives_way(*window_, samples_, met.place, d.label(), now.steady))
       met = window_->meet(d.first.channel, now.steady, same_datagram);
     if (met.standing == Standing::known && met.place != 0) window_->doubt(met.place, d.label().sequence);
     drop_abandoned();
@@ -161,7 +174,7 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
   UnfinishedSample* sample = samples_.find(d.label());
   const bool repeated =
       sample != nullptr ? sample->described() : met.place == 0 && samples_.is_finished(d.label());
-  const Arrival nothing{{}, stream_index_, met.place != 0};
+  const Arrival nothing{{}, facts_.stream_index, met.place != 0};
   const bool is_wanted = met.standing == Standing::wanted;
   if (has(d, group_follows)) {
     const bool is_old = sample != nullptr || samples_.is_finished(d.label());
@@ -178,21 +191,10 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
     return refuse(d, met.place, why);
   const bool is_whole = sample == nullptr && d.payload.size() == d.first.total;
   if (!is_whole) return begin(d, sample, met.place, std::move(buffer), now);
-  const std::size_t body_offset = detail::SampleLayout(type_->slots()).body_offset;
+  const std::size_t body_offset = SampleLayout(facts_.type->slots()).body_offset;
   if (!d.payload.empty()) std::memcpy(buffer->data + body_offset, d.payload.data(), d.payload.size());
   samples_.finish(d.label());
   return complete(std::move(buffer), d.first, met.place, now);
-}
-
-/// Another sample has begun at that place. It gives way if it makes no progress: it may have been forged.
-bool IncomingWriter::gives_way(std::uint64_t place, const SampleLabel& label, Time now) {
-  constexpr std::chrono::milliseconds claim_holds{20};
-  const std::optional<SampleLabel> claimed = window_->begun_at(place);
-  if (!claimed || *claimed == label) return false;
-  const UnfinishedSample* const sample = samples_.find(*claimed);
-  if (sample != nullptr && now - sample->last_progress() < claim_holds) return false;
-  window_->give_back(place, now);
-  return true;
 }
 
 /// The sample has more datagrams than this one, or some of them came before it.
@@ -201,7 +203,7 @@ Arrival IncomingWriter::begin(const Datagram& d, UnfinishedSample* sample, std::
   if (place != 0) window_->begun(place, d.label(), buffer);
   if (sample == nullptr) sample = &samples_.begin(d.label(), place, now.steady);
   samples_.set_place(*sample, place);
-  samples_.describe(*sample, d.first, detail::SampleLayout(type_->slots()).body_offset, std::move(buffer));
+  samples_.describe(*sample, d.first, SampleLayout(facts_.type->slots()).body_offset, std::move(buffer));
   sample->add(0, d.payload, shared_.limits.gaps, now.steady);
   Arrival arrival = proceed(*sample, samples_.unpark(*sample, now.steady), now);
   arrival.in_channel = place != 0;  // those before it may have turned out to be lost
@@ -218,7 +220,10 @@ Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
     sample = &samples_.begin(d.label, 0, now.steady);
   }
   if (!sample->described()) {
-    park(*sample, d, now.steady);
+    using Parked = SampleAssembly::Parked;
+    const Parked parked = samples_.park(*sample, d, facts_.sample_bytes, now.steady);
+    if (parked == Parked::beyond_body) drop(d.label, shared_.counters.malformed);
+    if (parked == Parked::over_limit) drop(d.label, shared_.counters.over_limit);
     return {};
   }
   const std::uint32_t had = sample->received().covered();
@@ -232,16 +237,6 @@ Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
   return proceed(*sample, added, now);
 }
 
-/// Keeps a datagram that came before the first one of its sample.
-void IncomingWriter::park(UnfinishedSample& sample, const Following& d, Time now) {
-  const std::size_t bytes = UnfinishedSample::bytes_to_park(d.payload);
-  if (d.payload.size() > sample_bytes_ || d.offset > sample_bytes_ - d.payload.size())
-    return drop(sample.label(), shared_.counters.malformed);
-  if (!shared_.can_park(bytes)) return drop(sample.label(), shared_.counters.over_limit);
-  sample.park(d.offset, d.payload, now);
-  shared_.note_parked(bytes);
-}
-
 /// Something was added to a described sample, or was refused. A sample that is sent reliably can come again.
 Arrival IncomingWriter::proceed(UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now) {
   using Added = UnfinishedSample::Added;
@@ -251,11 +246,11 @@ Arrival IncomingWriter::proceed(UnfinishedSample& sample, UnfinishedSample::Adde
         added == Added::beyond_body ? shared_.counters.malformed : shared_.counters.over_limit;
     if (!in_channel) {
       drop(sample.label(), counter);
-      return {{}, stream_index_, false};
+      return {{}, facts_.stream_index, false};
     }
     ++counter;
   }
-  if (!sample.whole()) return {{}, stream_index_, false};
+  if (!sample.whole()) return {{}, facts_.stream_index, false};
   const FirstHeader first = sample.first();
   const std::uint64_t place = sample.place();
   UnfinishedSamples::Handle whole = samples_.remove(first.label);
@@ -267,31 +262,31 @@ Arrival IncomingWriter::proceed(UnfinishedSample& sample, UnfinishedSample::Adde
 
 Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& first, std::uint64_t place,
                                  ArrivalTime now) {
-  detail::SampleHeader& header = sample->header();
-  header.writer = id_;
+  SampleHeader& header = sample->header();
+  header.writer = facts_.id;
   header.sequence = sequence_of(first, sequences_);
-  write_header(*sample, first, *type_);
+  write_header(*sample, first, *facts_.type);
   sample->receive_stamp_ns = now.realtime_ns;
-  if (!index_body(*sample, *type_) || header.sequence == 0) {
+  if (!index_body(*sample, *facts_.type) || header.sequence == 0) {
     ++shared_.counters.malformed;
     if (place != 0) window_->refuse_or_pass(place);
-    return {{}, stream_index_, place != 0};
+    return {{}, facts_.stream_index, place != 0};
   }
   if (!believes({header.sequence, place, shared_.datagrams, header.source_stamp_ns}, now.steady)) {
     ++shared_.counters.malformed;
     if (place != 0) window_->refuse(place);
-    return {{}, stream_index_, place != 0};
+    return {{}, facts_.stream_index, place != 0};
   }
   sample->numbering = sequences_.numbering();
   if (place != 0) window_->whole(place, sample);
   drop_abandoned();
-  return {std::move(sample), stream_index_, place != 0};
+  return {std::move(sample), facts_.stream_index, place != 0};
 }
 
 /// A sample that waits under a sequence that turns out to be wrong has to come again. A writer that does not
 /// answer any more sends nothing new: somebody else repeats the samples behind its newest one.
 bool IncomingWriter::believes(const SequenceWatch::Claim& claim, Time now) {
-  if (!alive_ && claim.place == 0 && claim.sequence < sequences_.newest()) return false;
+  if (!facts_.alive && claim.place == 0 && claim.sequence < sequences_.newest()) return false;
   const std::uint32_t numbering = sequences_.numbering();
   const bool believed = sequences_.believes(claim, now);
   const bool begins_anew = sequences_.numbering() != numbering;
@@ -306,7 +301,7 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
   if (named.malformed) return Refusal::malformed;
   if (named.mask == nullptr) return Refusal::unwanted;
   if (d.payload.size() > d.first.total) return Refusal::malformed;
-  if (d.first.total > sample_bytes_) return Refusal::over_limit;
+  if (d.first.total > facts_.sample_bytes) return Refusal::over_limit;
   if (shared_.pack_buffers.empty()) {
     buffer = take_buffer(d, place);
   } else {
@@ -326,21 +321,22 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
 /// The samples behind the first missing one leave memory for that one: without it nobody gets the others.
 core::SampleHandle IncomingWriter::take_buffer(const Datagram& d, std::uint64_t place) {
   const std::size_t total = d.first.total;
-  const std::size_t bytes = detail::SampleLayout(type_->slots()).bytes(total);
+  const std::size_t bytes = SampleLayout(facts_.type->slots()).bytes(total);
   if (place == 0) return samples_.take_buffer(bytes, d.label(), total, d.payload.size() == total);
   const std::size_t reserved = place == window_->next_place() ? 0 : reserved_for_first_missing();
   return samples_.take_reliable_buffer(bytes, total, reserved);
 }
 
 std::size_t IncomingWriter::reserved_for_first_missing() const {
-  return std::min(detail::SampleLayout(type_->slots()).bytes(sample_bytes_), shared_.pool->limit_bytes() / 4);
+  return std::min(SampleLayout(facts_.type->slots()).bytes(facts_.sample_bytes),
+                  shared_.pool->limit_bytes() / 4);
 }
 
 /// A sample that is sent reliably comes again if only the memory for it is missing now.
 Arrival IncomingWriter::refuse(const Datagram& d, std::uint64_t place, Refusal why) {
   core::Transport::Counters& counters = shared_.counters;
-  const Arrival nothing{{}, stream_index_, place != 0};
-  if (place != 0 && why == Refusal::over_limit && d.first.total <= sample_bytes_) {
+  const Arrival nothing{{}, facts_.stream_index, place != 0};
+  if (place != 0 && why == Refusal::over_limit && d.first.total <= facts_.sample_bytes) {
     ++counters.over_limit;
     return nothing;
   }
@@ -382,13 +378,7 @@ Arrival IncomingWriter::accept(const Heartbeat& heartbeat, const SocketAddress& 
   answers_.turn_to(answers_to);
   window_->hear(heartbeat, envelope.now.steady);
   drop_abandoned();
-  return {{}, stream_index_, true};
-}
-
-bool IncomingWriter::accept(const GroupOffer& offer, const SocketAddress& reports_to, Time now) {
-  const bool anew = groups_.hear(offer, reports_to, now);
-  shared_.group_reports_due = shared_.group_reports_due || groups_.due();
-  return anew;
+  return {{}, facts_.stream_index, true};
 }
 
 void IncomingWriter::answer(Time now, const SendAck& send) {
@@ -401,7 +391,7 @@ void IncomingWriter::answer(Time now, const SendAck& send) {
   if (now >= window_->next_look()) gaps = window_->due_gaps(now, came_at, asked_at_once_max);
   drop_abandoned();
   if (gaps.empty() && !window_->ack_due()) return;
-  Ack ack = window_->ack(short_id());
+  Ack ack = window_->ack(facts_.short_id());
   std::size_t asked = 0;
   const auto ask = [&](const Missing& part) {
     if (++asked > asked_at_once_max || !answers_.covers(ack.bytes() + missing_bytes)) return;

@@ -70,15 +70,21 @@ class IncomingWriter {
   void open_window(const std::optional<ArrivalWindow::Mark>& departed);
   /// Returns how far the writer was. Empty if the window was not open, or nothing was heard of the channel.
   std::optional<ArrivalWindow::Mark> close_window();
-  /// Drops all samples that have begun. The window is closed.
-  void clear() { samples_.clear(); }
 
-  core::EndpointId id() const { return id_; }
-  std::uint32_t short_id() const { return static_cast<std::uint32_t>(id_); }
-  const core::Announced& node() const { return node_; }
-  /// The address that the last sample came from; it need not be one that the node announced.
-  const core::IpAddress& came_from() const { return came_from_; }
-  void set_came_from(const core::IpAddress& ip) { came_from_ = ip; }
+  /// What is known of the writer itself.
+  struct Facts {
+    core::EndpointId id = 0;
+    const TypeSupport* type = nullptr;
+    std::size_t stream_index = 0;
+    bool alive = true;             ///< the writer's node answers
+    std::size_t sample_bytes = 0;  ///< the largest body that is taken
+    core::Announced node{};
+    core::IpAddress came_from{};  ///< the address of the last sample; the node need not have announced it
+
+    std::uint32_t short_id() const { return static_cast<std::uint32_t>(id); }
+  };
+  const Facts& facts() const { return facts_; }
+  void set_came_from(const core::IpAddress& ip) { facts_.came_from = ip; }
   /// Null unless some reader wants the samples reliably.
   ArrivalWindow* window() { return window_.get(); }
 
@@ -93,8 +99,6 @@ class IncomingWriter {
   Arrival accept(const Following& d, const Envelope& envelope);
   /// The acks go to that address from now on.
   Arrival accept(const Heartbeat& heartbeat, const SocketAddress& answers_to, const Envelope& envelope);
-  /// True if the group is to be joined anew.
-  bool accept(const GroupOffer& offer, const SocketAddress& reports_to, Time now);
 
   /// Drops what has made no progress for too long. `next` becomes the time when something is due.
   void expire(Time now, std::optional<Time>& next) { samples_.expire(now, next); }
@@ -104,11 +108,8 @@ class IncomingWriter {
   Time next_answer() const {
     return window_ != nullptr && answers_.is_known() ? window_->next_look() : Time::max();
   }
-  template <class Send>
-  void report_groups(const Send& send) {
-    groups_.report(send);
-  }
-  void add_groups_to(std::vector<std::uint32_t>& groups) const { groups_.addresses(groups); }
+  /// The multicast groups that the writer has offered.
+  OfferedGroups& groups() { return groups_; }
 
  private:
   enum class Refusal : std::uint8_t { none, malformed, unwanted, over_limit };
@@ -116,14 +117,12 @@ class IncomingWriter {
   Arrival accept_first(const Datagram& d, const WantedMasks::Named& named, ArrivalTime now,
                        bool same_datagram = false);
   Arrival accept_packed(const Datagram& packed, const WantedMasks::Named& named, ArrivalTime now);
-  bool gives_way(std::uint64_t place, const SampleLabel& label, Time now);
   bool place_by_group(Datagram& d, Time now);
   Arrival begin(const Datagram& d, UnfinishedSample* sample, std::uint64_t place, core::SampleHandle buffer,
                 ArrivalTime now);
   Arrival proceed(UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now);
   Arrival complete(core::SampleHandle sample, const FirstHeader& first, std::uint64_t place, ArrivalTime now);
   bool believes(const SequenceWatch::Claim& claim, Time now);
-  void park(UnfinishedSample& sample, const Following& d, Time now);
 
   Refusal describe(const Datagram& d, const WantedMasks::Named& named, std::uint64_t place,
                    core::SampleHandle& buffer);
@@ -134,13 +133,7 @@ class IncomingWriter {
   void drop_abandoned();
 
   ReassemblyMemory& shared_;
-  core::EndpointId id_ = 0;
-  const TypeSupport* type_ = nullptr;
-  std::size_t stream_index_ = 0;
-  bool alive_ = true;             ///< the writer's node answers
-  std::size_t sample_bytes_ = 0;  ///< the largest body that is taken
-  core::Announced node_;
-  core::IpAddress came_from_;
+  Facts facts_;
   WantedMasks wanted_;
   SequenceWatch sequences_;  ///< of the samples that were completed
   SampleAssembly samples_;

@@ -33,10 +33,7 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
     by_stream_.push_back(&known->writer);
   }
   note_short_ids(streams);
-  for (auto& [id, known] : before) {
-    close_window(known->writer);
-    known->writer.clear();
-  }
+  for (auto& [id, known] : before) close_window(known->writer);
 }
 
 /// Several writers may have one short id: those that are alive come first.
@@ -56,7 +53,7 @@ void Reassembly::set_window(IncomingWriter& writer, const Stream& stream) {
   if (!stream.reliable) return close_window(writer);
   ++windows_;
   if (writer.window() == nullptr) {
-    const auto is_it = [&](const auto& item) { return item.first == writer.id(); };
+    const auto is_it = [&](const auto& item) { return item.first == writer.facts().id; };
     const auto departed = std::ranges::find_if(departed_, is_it);
     const bool is_known = departed != departed_.end();
     writer.open_window(is_known ? std::optional(departed->second) : std::nullopt);
@@ -69,7 +66,7 @@ void Reassembly::close_window(IncomingWriter& writer) {
   const auto mark = writer.close_window();
   if (!mark) return;
   if (departed_.size() == departed_max) departed_.erase(departed_.begin());
-  departed_.emplace_back(writer.id(), *mark);
+  departed_.emplace_back(writer.facts().id, *mark);
 }
 
 /// Null if nobody here reads a writer with that short id. Somebody may announce writers with the short ids of
@@ -85,7 +82,7 @@ IncomingWriter* Reassembly::find(std::uint32_t short_id, const core::IpAddress& 
   if (first->twin == nullptr) return last_ = &first->writer;
   IncomingWriter* from_there = nullptr;
   for (Known* one = first; one != nullptr; one = one->twin) {
-    if (!is_announced(one->writer.node(), from)) continue;
+    if (!is_announced(one->writer.facts().node, from)) continue;
     if (fits(one->writer)) return &one->writer;
     if (from_there == nullptr) from_there = &one->writer;
   }
@@ -113,7 +110,7 @@ Arrival Reassembly::accept(const Heartbeat& heartbeat, const Envelope& envelope)
       find(heartbeat.writer, from, [&](IncomingWriter& one) { return one.follows(heartbeat.channel); });
   const auto answers_to = writer == nullptr || writer->window() == nullptr
                               ? std::nullopt
-                              : answer_address(writer->node(), from, heartbeat.port);
+                              : answer_address(writer->facts().node, from, heartbeat.port);
   if (answers_to) return writer->accept(heartbeat, *answers_to, envelope);
   ++shared_.counters.unknown;
   return {};
@@ -122,21 +119,26 @@ Arrival Reassembly::accept(const Heartbeat& heartbeat, const Envelope& envelope)
 std::optional<Reassembly::Joining> Reassembly::accept(const GroupOffer& offer, const Envelope& envelope) {
   const core::IpAddress& from = envelope.from.ip;
   IncomingWriter* const writer = find(offer.writer, from, [](IncomingWriter&) { return true; });
-  const auto reports_to = writer == nullptr ? std::nullopt : answer_address(writer->node(), from, offer.port);
-  if (reports_to) return Joining{offer.address, writer->accept(offer, *reports_to, envelope.now.steady)};
-  ++shared_.counters.unknown;
-  return {};
+  const auto reports_to =
+      writer == nullptr ? std::nullopt : answer_address(writer->facts().node, from, offer.port);
+  if (!reports_to) {
+    ++shared_.counters.unknown;
+    return {};
+  }
+  const bool anew = writer->groups().hear(offer, *reports_to, envelope.now.steady);
+  shared_.group_reports_due = shared_.group_reports_due || writer->groups().due();
+  return Joining{offer.address, anew};
 }
 
 std::vector<std::uint32_t> Reassembly::groups() const {
   std::vector<std::uint32_t> groups;
-  for (const IncomingWriter* writer : by_stream_) writer->add_groups_to(groups);
+  for (IncomingWriter* writer : by_stream_) writer->groups().addresses(groups);
   return groups;
 }
 
 void Reassembly::report_groups(const SendGroupReport& send) {
   if (!std::exchange(shared_.group_reports_due, false)) return;
-  for (IncomingWriter* writer : by_stream_) writer->report_groups(send);
+  for (IncomingWriter* writer : by_stream_) writer->groups().report(send);
 }
 
 void Reassembly::expire(Time now) {
@@ -151,10 +153,11 @@ std::optional<SocketAddress> Reassembly::report_address(const core::IpAddress& f
                                                         std::uint16_t port) const {
   const IncomingWriter* sender = nullptr;
   for (const IncomingWriter* writer : by_stream_) {
-    if (is_announced(writer->node(), from)) return answer_address(writer->node(), from, port);
-    if (writer->came_from() == from) sender = writer;
+    const IncomingWriter::Facts& facts = writer->facts();
+    if (is_announced(facts.node, from)) return answer_address(facts.node, from, port);
+    if (facts.came_from == from) sender = writer;
   }
-  return sender == nullptr ? std::nullopt : answer_address(sender->node(), from, port);
+  return sender == nullptr ? std::nullopt : answer_address(sender->facts().node, from, port);
 }
 
 void Reassembly::came_from(std::size_t stream_index, const core::IpAddress& ip) {

@@ -83,7 +83,9 @@ class Reassembly {
   IncomingWriter* writer_of(const Following& d, const core::IpAddress& from);
   template <class SampleDatagram>
   Arrival accept_sample(SampleDatagram& d, const SampleLabel& label, const Envelope& envelope);
-  bool is_of_last(std::uint32_t short_id) const { return last_ != nullptr && last_->short_id() == short_id; }
+  bool is_of_last(std::uint32_t short_id) const {
+    return last_ != nullptr && last_->facts().short_id() == short_id;
+  }
   /// Lets go of what the last datagram brought.
   void begin_datagram() {
     shared_.packed.clear();

@@ -79,7 +79,7 @@ bool ReceivingRole::seems_idle(Time now, bool readable) {
   return again;
 }
 
-/// What it knows to be due it does not leave to a holder that may not do it.
+/// The own thread does not leave work that is due to a holder that may not do it.
 ReceivingRole::Time ReceivingRole::next_look(Time now) const {
   if (seemed_idle_) return now + second_look;
   if (next_deadline_ > now + look_period) return now + look_period;

@@ -38,7 +38,7 @@ class ReceivingRole {
   /// Nobody else receives until end(). False if the role is not, or not yet, or no longer this thread's.
   bool begin();
   void end(Time next_deadline);
-  /// Neither is it this thread's, nor will it be.
+  /// This thread neither holds the role nor has been promised it.
   bool lost() const;
 
   struct Leaving {
@@ -61,7 +61,7 @@ class ReceivingRole {
   enum class Duty : std::uint8_t {
     receive,   ///< alone: a turn of it has begun, in which it may sleep
     poll,      ///< and take_turn() when something is there
-    stand_by,  ///< until the deadline
+    stand_by,  ///< wait until the deadline
     stop,
   };
   struct Task {
@@ -75,12 +75,12 @@ class ReceivingRole {
   bool take_turn();
   /// True: a waiting thread has the role now and has to be woken.
   [[nodiscard]] bool end_turn(Time next_deadline);
-  /// Its alarm has rung.
+  /// The own thread's alarm has rung.
   void alarm_rang();
 
   /// Nobody receives any more; waits for no one. Any thread.
   void close();
-  /// It ends soon, also after close() and add_tended().
+  /// A waiting thread is receiving. Its turn ends soon, also after close() and add_tended().
   bool waiter_in_turn() const;
 
  private:

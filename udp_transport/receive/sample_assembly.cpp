@@ -5,6 +5,11 @@
 
 namespace sft::udp {
 
+SampleAssembly::~SampleAssembly() {
+  unfinished_.forget_places();
+  while (!unfinished_.empty()) remove(SampleLabel(unfinished_.loose().back()->label()));
+}
+
 UnfinishedSample& SampleAssembly::begin(const SampleLabel& label, std::uint64_t place, Time now) {
   const auto& loose = unfinished_.loose();
   const auto of_variant = [&] {
@@ -24,6 +29,17 @@ void SampleAssembly::describe(UnfinishedSample& sample, const FirstHeader& first
                               core::SampleHandle buffer) {
   sample.describe(first, body_offset, std::move(buffer));
   described_bytes_ += first.total;
+}
+
+SampleAssembly::Parked SampleAssembly::park(UnfinishedSample& sample, const Following& d,
+                                            std::size_t sample_bytes, Time now) {
+  if (d.payload.size() > sample_bytes || d.offset > sample_bytes - d.payload.size())
+    return Parked::beyond_body;
+  const std::size_t bytes = UnfinishedSample::bytes_to_park(d.payload);
+  if (!shared_.can_park(bytes)) return Parked::over_limit;
+  sample.park(d.offset, d.payload, now);
+  shared_.note_parked(bytes);
+  return Parked::yes;
 }
 
 UnfinishedSample::Added SampleAssembly::unpark(UnfinishedSample& sample, Time now) {
@@ -82,10 +98,6 @@ void SampleAssembly::expire(Time now, std::optional<Time>& next) {
 void SampleAssembly::forget_places() {
   unfinished_.forget_places();
   if (!unfinished_.empty()) shared_.set_next_expiry(Time{});
-}
-
-void SampleAssembly::clear() {
-  while (!unfinished_.empty()) remove(SampleLabel(unfinished_.loose().back()->label()));
 }
 
 core::SampleHandle SampleAssembly::take_buffer(std::size_t buffer_bytes, const SampleLabel& label,

@@ -17,6 +17,10 @@ class SampleAssembly {
 
   /// `shared` outlives the assembly.
   explicit SampleAssembly(ReassemblyMemory& shared) : shared_(shared) {}
+  /// Drops all samples, and counts none.
+  ~SampleAssembly();
+  SampleAssembly(const SampleAssembly&) = delete;
+  SampleAssembly& operator=(const SampleAssembly&) = delete;
 
   /// Null if that sample has not begun. The pointer is valid until the sample is removed.
   UnfinishedSample* find(const SampleLabel& label) const { return unfinished_.find(label); }
@@ -27,6 +31,9 @@ class SampleAssembly {
   void describe(UnfinishedSample& sample, const FirstHeader& first, std::size_t body_offset,
                 core::SampleHandle buffer);
   void set_place(UnfinishedSample& sample, std::uint64_t place) { unfinished_.set_place(sample, place); }
+  enum class Parked : std::uint8_t { yes, beyond_body, over_limit };
+  /// Keeps a datagram that came before the first one of its sample. No body is longer than `sample_bytes`.
+  Parked park(UnfinishedSample& sample, const Following& d, std::size_t sample_bytes, Time now);
   /// Adds all datagrams that came before the first one.
   UnfinishedSample::Added unpark(UnfinishedSample& sample, Time now);
 
@@ -46,8 +53,6 @@ class SampleAssembly {
   void expire(Time now, std::optional<Time>& next);
   /// No sample has a place in a channel from now on, so that all of them can expire.
   void forget_places();
-  /// Drops all samples, and counts none. No sample has a place in a channel.
-  void clear();
 
   /// Memory for a sample without a place in a channel. Older samples of the writer make room where memory is
   /// short. Empty if that is not enough.

@@ -1,4 +1,4 @@
-// Whether it is worth while to look for the next datagram with a busy core before sleeping. Pure.
+// Decides whether to look for the next datagram with a busy core before sleeping. Pure.
 #pragma once
 
 #include <atomic>
@@ -23,7 +23,7 @@ class SpinChoice {
   Duration last_wait_ = Duration::max();
 };
 
-/// What the readers of a transport allow. Any thread.
+/// The limits on spinning that the readers of a transport set. Any thread.
 class SpinLimits {
  public:
   using Duration = std::chrono::nanoseconds;

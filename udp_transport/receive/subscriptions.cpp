@@ -35,7 +35,7 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
 
 }  // namespace
 
-/// What is for it alone has waited behind its history, and may come late.
+/// A sample for this reader alone has waited behind the history, and may come late.
 bool Subscriber::accepts(const core::SampleBuffer& sample, std::uint64_t first_request) const {
   const bool for_one = sample.addressee != 0;
   if (for_one && sample.addressee != reader) return false;
@@ -72,7 +72,7 @@ Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Sour
 /// Datagrams carry half of the writer's id, and one writer has one type. A few writers with one short id are
 /// told apart by their addresses.
 Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Source& source) const {
-  std::set<core::EndpointId> twins;  // that live
+  std::set<core::EndpointId> twins;  // those that are alive
   for (const Reader& other : readers_) {
     for (const core::Source& known : other.sources) {
       if (static_cast<std::uint32_t>(known.writer) != static_cast<std::uint32_t>(source.writer)) continue;

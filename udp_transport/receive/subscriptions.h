@@ -1,6 +1,5 @@
-// Who reads what, from the threads that connect readers to the one that receives. The
-// receiving thread looks at an immutable snapshot; whoever removes a reader waits until no
-// older one is in use, which is never while listeners run.
+// Tells the receiving thread who reads what. The receiving thread looks at an immutable snapshot. A thread
+// that removes a reader waits until no older snapshot is in use, and none is in use while listeners run.
 #pragma once
 
 #include <condition_variable>
@@ -20,16 +19,16 @@ struct Subscriber {
   std::vector<core::Accepted> accepted;  ///< the latest is the last
   bool reliable = false;
 
-  /// `first_request`: earlier ones are over.
+  /// Requests before `first_request` are over.
   bool accepts(const core::SampleBuffer& sample, std::uint64_t first_request = 0) const;
-  /// Of the requests that the writer knows of, the last.
+  /// The last request that the writer knows of.
   std::uint64_t heard_request() const;
 };
 
-/// What all readers of a transport want, by writer.
+/// The wishes of all readers of a transport, by writer.
 struct Subscriptions {
   std::vector<Stream> streams;
-  std::vector<std::vector<Subscriber>> subscribers;  ///< of each stream
+  std::vector<std::vector<Subscriber>> subscribers;  ///< for each stream
 };
 
 class SubscriptionDirectory {

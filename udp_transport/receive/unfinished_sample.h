@@ -36,16 +36,16 @@ class UnfinishedSample {
   enum class Added : std::uint8_t {
     yes,
     beyond_body,    ///< nothing happened
-    too_many_gaps,  ///< likewise: it would make one more
+    too_many_gaps,  ///< nothing happened: there would be one gap more
   };
-  /// Once described.
+  /// Only for a described sample.
   Added add(std::uint32_t offset, std::span<const std::byte> payload, std::size_t gaps_max, Time now);
   bool whole() const { return described() && received_.covered() == first_.total; }
   core::SampleHandle take_buffer() { return std::move(buffer_); }
   const core::SampleHandle& buffer() const { return buffer_; }
   const IntervalSet& received() const { return received_; }
 
-  /// Until described.
+  /// Only for a sample that is not described yet.
   void park(std::uint32_t offset, std::span<const std::byte> payload, Time now);
   std::size_t parked_bytes() const { return parked_.size(); }
   static std::size_t bytes_to_park(std::span<const std::byte> payload) {
@@ -65,7 +65,7 @@ class UnfinishedSample {
   };
 
   std::uint64_t place_ = 0;
-  FirstHeader first_;  ///< until described, only the label
+  FirstHeader first_;  ///< only the label while the sample is not described
   core::SampleHandle buffer_;
   std::byte* body_ = nullptr;
   IntervalSet received_;

@@ -47,8 +47,9 @@ class UnfinishedSamples {
   Handle take_placed(UnfinishedSample& sample);
 
   std::vector<Handle> loose_;
-  std::vector<Handle> placed_;                         ///< each knows its index here
-  mutable std::vector<UnfinishedSample*> buckets_{8};  ///< of those with a place; as many as a power of two
+  std::vector<Handle> placed_;  ///< each knows its index here
+  mutable std::vector<UnfinishedSample*> buckets_{
+      8};  ///< samples with a place; the number of buckets is a power of two
   mutable UnfinishedSample* last_found_ = nullptr;
 };
 

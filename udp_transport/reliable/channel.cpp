@@ -24,7 +24,7 @@ bool Channel::runs_ahead_with(const Job& job) const {
   return window_.kept_bytes() + job.held_bytes_in_all() > cached_bytes_max;
 }
 
-/// With the mutex held, but not while it waits. False if there was no need to.
+/// With the mutex held, but not while the call waits. False if it did not have to wait.
 bool Channel::wait_for_room(const Job& job, std::chrono::nanoseconds& patience,
                             std::unique_lock<std::mutex>& lock) {
   if (!runs_ahead_with(job)) [[likely]]
@@ -151,8 +151,8 @@ Wake Channel::hear(const Ack& ack) {
   return has_news ? Wake::look : strongest(sooner, for_room);
 }
 
-/// By the samples that do not fit into one datagram: whether their long ones arrive, or are all asked for,
-/// although what is short gets through, this ack for one.
+/// Looks at the samples that do not fit into one datagram. The path drops long datagrams if all of these are
+/// asked for, although short ones get through, as this ack did.
 void Channel::judge_length(const Ack& ack, Time now) {
   const std::size_t length = to_->datagram_bytes();
   if (std::exchange(length_, length) != length) sent_so_from_ = window_.end();

@@ -1,5 +1,5 @@
-// What one writer sends reliably to one process: a ResendWindow, shared by the threads that publish, send and
-// receive acks. The lock is held for a few instructions, never over a system call.
+// The samples that one writer sends reliably to one process: a ResendWindow, shared by the threads that
+// publish, send and receive acks. The lock is held for a few instructions, never over a system call.
 #pragma once
 
 #include <atomic>
@@ -22,7 +22,7 @@ class Channel {
  public:
   using Time = ResendWindow::Time;
   using Piece = ResendWindow::Piece;
-  /// Nobody waits for it any more; what was sent is repaired for so long.
+  /// After the last reader has gone, samples are repaired for so long.
   static constexpr std::chrono::seconds linger{2};
 
   /// `port` is where acks come in.
@@ -45,9 +45,9 @@ class Channel {
   WriterTally& tally() const { return *tally_; }
 
   struct Posted {
-    std::optional<Piece> piece{};  ///< to be sent by the caller, who then says finished() or put_back()
+    std::optional<Piece> piece{};  ///< the caller sends it, and then calls finished() or put_back()
     Wake wake = Wake::none;
-    bool waited = false;  ///< for room: it is later by now
+    bool waited = false;  ///< the call has waited for room
     ResendWindow::Kept kept{};
   };
   /// `at_once`: the caller would send it. Waits as long as `patience` lasts, which it uses up, until nothing
@@ -59,13 +59,14 @@ class Channel {
   /// others until it says finished() or put_back().
   std::optional<Posted> post_ahead(const JobHandle& job, const FirstHeader& first,
                                    std::chrono::nanoseconds* patience = nullptr);
-  /// It has not been acknowledged yet, nor had to go.
+  /// True if the sample has not been acknowledged yet, and did not have to go.
   bool keeps(std::uint64_t ordinal);
-  /// Whether the job can be posted and nothing has to go for it.
+  /// True if the job can be posted and nothing has to go for it.
   bool has_room(const Job& job);
   /// The same, for the sending thread: where there is no room, hear() tells when to look again.
   bool has_room_or_tells(const Job& job);
-  /// Whether all channels of the node together keep so much that one that keeps `bytes` has to give some up.
+  /// True if all channels of the node together keep so much that a channel that keeps `bytes` has to give
+  /// some up.
   bool must_give_up_some_of(std::size_t bytes) const {
     return memory_ != nullptr && memory_->wants_some_of(bytes);
   }
@@ -74,13 +75,13 @@ class Channel {
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
   /// The sample has departed to the group. The sending thread may have to ask for acks sooner.
   [[nodiscard]] Wake departed(std::uint64_t ordinal);
-  /// What has; else none.
+  /// The job of a sample that has departed to the group; else none.
   JobHandle sent_elsewhere(std::uint64_t ordinal);
   /// The piece departed about `now`. The sending thread may have to ask for acks sooner: it may have looked
   /// while nothing had departed yet.
   [[nodiscard]] Wake finished(const Piece& piece, Time now);
   void put_back(const Piece& piece);
-  /// What its publisher has sent of a large one: heartbeats must not overtake it.
+  /// The publisher has sent a large sample up to this position: heartbeats must not overtake it.
   void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
   std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
   /// The ack may be of another channel of the writer.
@@ -92,7 +93,7 @@ class Channel {
 
   /// No reader is behind it any more.
   void end();
-  /// At once: others are served there now.
+  /// Ends the channel at once: other readers are served there now.
   void close();
   bool closed();
 
@@ -134,13 +135,13 @@ class Channel {
   std::condition_variable room_;
   bool attended_ = false;        ///< the sending thread knows of it
   bool woken_ = false;           ///< and will look at it
-  Time looks_at_ = Time::max();  ///< then it does in any case
+  Time looks_at_ = Time::max();  ///< the sending thread looks at the channel by then
   bool closed_ = false;          ///< it has parted
   std::atomic<bool> went_wrong_{false};
   std::optional<Time> ended_at_;
-  std::size_t length_ = 0;              ///< of datagrams, when an ack came last
+  std::size_t length_ = 0;              ///< the length of datagrams when an ack came last
   std::uint64_t sent_so_from_ = 0;      ///< the first ordinal that was surely sent in such, and not judged
-  std::uint32_t moves_ = to_->moves();  ///< of the destination, as far as is known here
+  std::uint32_t moves_ = to_->moves();  ///< how often the destination has moved, as far as this channel knows
 };
 
 }  // namespace sft::udp

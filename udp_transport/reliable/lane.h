@@ -1,6 +1,6 @@
-// What one writer has to send to one destination under one mask and limit and could not send at once: a queue
-// from the publisher's thread to the sending thread that keeps the newest. A destination that falls behind
-// loses samples of its own lanes only.
+// The samples of one writer for one destination, under one mask and limit, that could not be sent at once: a
+// queue from the publisher's thread to the sending thread that keeps the newest. A destination that falls
+// behind loses samples of its own lanes only.
 #pragma once
 
 #include <atomic>
@@ -43,23 +43,23 @@ class Lane {
   Lane(std::shared_ptr<Destination> to, std::size_t depth, std::shared_ptr<WriterTally> tally,
        Start start = Start::open, std::shared_ptr<Channel> channel = {});
 
-  /// Before anything else.
+  /// Called before anything else.
   void tell(std::weak_ptr<LaneListener> listener) { listener_ = std::move(listener); }
 
   // Any thread.
 
   Destination& destination() const { return *to_; }
   bool is_late() const { return late_; }
-  /// What waits here goes on through that; null: to the destination.
+  /// The jobs of the lane go on through this channel; null: they go to the destination.
   Channel* channel() const { return channel_.get(); }
   const std::shared_ptr<Channel>& shared_channel() const { return channel_; }
   /// Samples that were to go this way and did not.
   const std::shared_ptr<core::LossTally>& losses() const { return losses_; }
-  /// Nobody waits there any more: what is queued is dropped, and nothing queued again.
+  /// No reader is there any more: queued jobs are dropped, and none is queued again.
   void close();
   bool closed() const { return closed_.load(std::memory_order_acquire); }
 
-  /// Where in what is sent to the destination its last large sample ended; 0: it had none.
+  /// The position of the destination where the last large sample of this lane ended; 0: there was none.
   std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
 
   // The publisher's thread.
@@ -78,10 +78,10 @@ class Lane {
   /// uses up.
   void await_room(const Job& job, std::chrono::nanoseconds& patience);
 
-  /// For a job that is sent here without being queued: which one was the first.
+  /// Notes the first sequence of the lane in a job that is sent without being queued.
   void mark(Job& job);
-  /// Nothing behind what has left may overtake it: the destination's position is that. The sending thread,
-  /// too.
+  /// What is sent from now on must not overtake what has departed up to that position. Used by the sending
+  /// thread, too.
   void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
 
   // The agent's thread.
@@ -96,7 +96,7 @@ class Lane {
 
   /// The next job, valid until the next call; null if there is none, which makes the lane idle.
   const Job* next();
-  /// The one that next() gave.
+  /// The job that next() returned.
   const JobHandle& current() const { return current_; }
   WriterTally& tally() const { return *tally_; }
   /// The job that next() gave did not leave.
@@ -127,8 +127,8 @@ class Lane {
   std::atomic<std::uint64_t> behind_{0};
   std::atomic<std::uint64_t> last_retained_{0};  ///< its ordinal in the channel; 0: none was passed on
   JobHandle current_;                            ///< the sending thread's
-  bool is_retained_ = false;                     ///< likewise: what is current is no live sample
-  bool is_lost_ = false;                         ///< likewise: what is current did not leave
+  bool is_retained_ = false;  ///< the present job is a retained sample; used by the sending thread
+  bool is_lost_ = false;      ///< the present job was not sent; used by the sending thread
   std::mutex mutex_;
   std::condition_variable room_;  ///< the queue has become shorter
   bool scheduled_ = false;        ///< the sending thread knows of it
@@ -138,9 +138,9 @@ class Lane {
   OrdinalRing<JobHandle> queue_{0};  ///< the oldest first
   bool unproven_ = false;            ///< the receiver had not reported when something was posted last
   bool small_ones_wait_ = false;     ///< for that report
-  /// It had when something was posted next, and small ones had waited for that.
+  /// The receiver had reported when something was posted next, and small jobs had waited for that.
   std::optional<Clock::time_point> reported_at_;
-  std::size_t queued_bytes_ = 0;  ///< of memory that these hold
+  std::size_t queued_bytes_ = 0;  ///< memory that the queued jobs hold
 };
 
 }  // namespace sft::udp

@@ -50,10 +50,10 @@ class GroupKeeper {
   std::shared_ptr<MulticastGroup> find(std::size_t place, std::vector<MulticastGroup::Member> members);
   void merged(Time now);
 
-  /// What is to be measured; null where nobody can be in a group.
+  /// The sizes that have to be measured; null if nobody can be in a group.
   const std::shared_ptr<BodySizes>& sizes() const { return sizes_; }
 
-  /// Whether other groups would be better: routes are to be made anew then.
+  /// True if other groups would be better: routes have to be made anew then.
   bool replan(Time now);
   /// Tells members what they have to know.
   void tend(Time now);

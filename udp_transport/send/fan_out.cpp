@@ -67,7 +67,7 @@ bool FanOut::is_reliable(const Remainder& remainder) {
   });
 }
 
-/// With the mutex held; there is one.
+/// With the mutex held. The queue is not empty.
 FanOut::Remainder FanOut::pop_oldest() noexcept {
   Remainder oldest = std::move(queue_[queue_.begin()]);
   queue_.pop_front();

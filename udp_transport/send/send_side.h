@@ -1,4 +1,4 @@
-// What the writers of one transport share.
+// The state that the writers of one transport share.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@
 
 namespace sft::udp {
 
-/// What has something to do now and then, on the agent's thread.
+/// Something that has to be looked after now and then, on the agent's thread.
 class Tended {
  public:
   virtual void tend(std::chrono::steady_clock::time_point now) = 0;
@@ -87,10 +87,10 @@ struct SendSide {
   ChannelRoster channels;
   GroupRoster groups;
   TendedRoster writers;
-  DestinationLimits limits;  ///< of groups
+  DestinationLimits limits;  ///< for multicast groups
   Multicast multicast = Multicast::automatic;
   std::uint16_t answer_port = 0;     ///< where acks and reports come in
-  std::size_t max_sample_bytes = 0;  ///< of a body
+  std::size_t max_sample_bytes = 0;  ///< the largest body that is sent
   std::size_t queue_depth = 0;
   /// The node's own: what lies elsewhere is borrowed. May be null.
   std::shared_ptr<core::BufferPool> pool;

@@ -139,7 +139,7 @@ class Sender {
   void account_for(Flow& flow, Connection& by, std::size_t batches, Time now);
   Progress wait_for_room(Flow& flow, Connection& by, Time now);
 
-  static constexpr int calls_per_turn = 8;  ///< of one flow, then it is the next one's turn
+  static constexpr int calls_per_turn = 8;  ///< then it is the turn of the next flow
   static constexpr std::size_t batches_per_call = 8;
   /// Socket bytes: what was cut is still in the nearest caches when the kernel copies it, and a receiver that
   /// sleeps is woken by the first.
@@ -153,18 +153,18 @@ class Sender {
 
   std::mutex mutex_;
   std::vector<std::shared_ptr<Lane>> scheduled_;              ///< not yet seen by the thread
-  std::vector<std::shared_ptr<Channel>> scheduled_channels_;  ///< likewise
-  std::shared_ptr<DeferredWork> deferred_;  ///< likewise; the last one, which knows the one before
+  std::vector<std::shared_ptr<Channel>> scheduled_channels_;  ///< not yet seen by the thread
+  std::shared_ptr<DeferredWork> deferred_;  ///< not yet seen by the thread; the last one knows the one before
   std::atomic<bool> any_deferred_{false};
 
-  // Of the sending thread alone.
+  // Used by the sending thread alone.
   std::vector<std::shared_ptr<Lane>> taken_;
   std::vector<Flow> flows_;
   std::vector<std::shared_ptr<Channel>> taken_channels_;
   std::vector<Attended> attended_;
   std::size_t turn_ = 0;  ///< which large one is the first
   Time wake_at_{};        ///< when the next flow may go on
-  // Of the present call.
+  // The batches of the present call.
   std::array<Batch, batches_per_call> batches_;
   std::array<OutgoingBatch, batches_per_call> outgoing_;
   std::array<std::optional<Fragmenter>, batches_per_call> rest_;  ///< what is left behind each batch

@@ -235,9 +235,11 @@ TEST_F(DemultiplexerTest, ReportsHowManyDatagramsOfSamplesAndHeartbeatsCame) {
 TEST_F(DemultiplexerTest, JoinsAGroupThatIsOfferedAndLeavesItWhenTheOfferIsTakenBack) {
   receive(datagram_of(DatagramKind::group_offer));
   EXPECT_EQ(handed_.joined, std::vector{group_address});
-  EXPECT_EQ(handed_.kept.back(), std::vector{group_address});
+  ASSERT_EQ(handed_.kept.size(), 1U);
+  EXPECT_EQ(handed_.kept[0], std::vector{group_address});
   receive(encoded(GroupOffer{short_id, 1, 9, 4000, 0, 0, 0}, group_offer_bytes));
-  EXPECT_EQ(handed_.kept.back(), std::vector<std::uint32_t>{});
+  ASSERT_EQ(handed_.kept.size(), 2U);
+  EXPECT_EQ(handed_.kept[1], std::vector<std::uint32_t>{});
   EXPECT_EQ(handed_.joined.size(), 1U);
 }
 

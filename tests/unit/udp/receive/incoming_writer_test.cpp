@@ -174,13 +174,13 @@ TEST_F(IncomingWriterTest, FitsFirstDatagramsByTheirMaskAndLengthOrByTheirChanne
 
 TEST_F(IncomingWriterTest, SharesTheLimitOnDatagramsThatCameTooEarlyWithOtherWriters) {
   restart({.parked_bytes = 6000});
-  const std::unique_ptr<IncomingWriter> other = make_writer();
+  std::unique_ptr<IncomingWriter> other = make_writer();
   const std::vector<Bytes> datagrams = sent(1, 5000);
   for (std::size_t i = 1; i < datagrams.size(); ++i) receive(*other, datagrams[i]);
   EXPECT_EQ(shared_->counters.over_limit, 0U);
   receive(std::vector<Bytes>(datagrams.begin() + 1, datagrams.end()));
   EXPECT_EQ(shared_->counters.over_limit, 1U);
-  other->clear();
+  other.reset();
   receive(sent(2, 5000).back());
   EXPECT_EQ(shared_->counters.over_limit, 1U) << "what is dropped makes room";
 }
@@ -299,9 +299,9 @@ TEST_F(IncomingWriterTest, PutsSamplesOfAGroupIntoTheChannelByTheOfferOfThatGrou
   const Bytes datagram = cut(by_group, 100).front();
   EXPECT_FALSE(receive(*writer_, datagram).sample) << "nobody has offered the group";
   const GroupOffer offer{short_id, 4, 9, home.port, private_groups | 1, 1, 0};
-  writer_->accept(offer, home, now_);
+  writer_->groups().hear(offer, home, now_);
   std::vector<std::uint32_t> groups;
-  writer_->add_groups_to(groups);
+  writer_->groups().addresses(groups);
   EXPECT_EQ(groups, std::vector{private_groups | 1});
   const Arrival arrival = receive(*writer_, datagram);
   EXPECT_TRUE(arrival.sample);
