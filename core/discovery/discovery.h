@@ -11,6 +11,7 @@
 #include "core/control/control.h"
 #include "core/discovery/discovery_listener.h"
 #include "core/discovery/life_signs.h"
+#include "core/platform/clock.h"
 #include "sft/options.h"
 #include "sft/result.h"
 
@@ -41,21 +42,21 @@ class Discovery {
     std::vector<std::string> interfaces{};  ///< in use; empty where that is the program's own choice
     bool waits_for_network = false;         ///< as of DesiredLinks
   };
-  /// As it is at present. Any thread.
+  /// The present configuration. Any thread.
   virtual Configuration configuration() const = 0;
 
-  // All that follows: one thread at a time.
+  // One thread at a time.
 
   /// Announces an endpoint of ours, or that it has changed.
   virtual Result<void> announce(const Endpoint& endpoint) = 0;
   virtual void withdraw(EndpointId id) = 0;
   virtual Result<void> send(const Request& request) = 0;
-  /// Of this node, and of writers of ours. May get lost; to be called at least after each pause of the life
-  /// signs.
+  /// Tells that this node lives, and which of our writers do. The message may get lost; to be called at least
+  /// after each pause of the life signs.
   virtual void assert_liveliness(const Assertion& assertion) = 0;
   /// To be called often: takes interfaces into use and out of use, and lets nodes that have not heard of us,
   /// or have lost us, find us. Cyclone does that by itself every now and then.
-  virtual void look_after(std::chrono::steady_clock::time_point now, bool somebody_is_missing) = 0;
+  virtual void look_after(Time now, bool somebody_is_missing) = 0;
 };
 
 }  // namespace sft::core

@@ -4,77 +4,24 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "core/control/control_codec.h"
+#include "core/discovery/control_qos.h"
 #include "core/discovery/dds_domain.h"
 #include "core/discovery/participant_mark.h"
+#include "core/discovery/remote_endpoints.h"
 
 namespace sft::core {
 
 namespace {
 
-struct QosDeleter {
-  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
-};
 struct ListenerDeleter {
   void operator()(dds_listener_t* listener) const { dds_delete_listener(listener); }
 };
-using DdsQos = std::unique_ptr<dds_qos_t, QosDeleter>;
 using Listener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
-
-DdsQos control_qos() {
-  DdsQos qos(dds_create_qos());
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
-  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
-  // A killed node's endpoints must end as "no writers", not as "disposed": only withdrawing disposes of them.
-  dds_qset_writer_data_lifecycle(qos.get(), false);
-  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
-  return qos;
-}
-
-/// For what is said again and again. Its lease is Cyclone's to watch, and covers all that is written.
-DdsQos assertion_qos(const LifeSigns& signs) {
-  DdsQos qos(dds_create_qos());
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 16);
-  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_MANUAL_BY_TOPIC, DDS_MSECS(signs.lease.count()));
-  dds_qset_writer_data_lifecycle(qos.get(), false);
-  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
-  return qos;
-}
-
-/// Requests nothing of the lease, or a node would not hear of those whose own is longer. It is each writer's
-/// own lease that Cyclone watches.
-DdsQos hearing_qos(const dds_qos_t* written) {
-  DdsQos qos(dds_create_qos());
-  dds_copy_qos(qos.get(), written);
-  dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC, DDS_INFINITY);
-  return qos;
-}
-
-/// Others tell our participants from vanilla ones by their user data, and Cyclone tells everybody when those
-/// change.
-DdsQos participant_qos(const ParticipantMark& mark) {
-  const std::string data = to_text(mark);
-  DdsQos qos(dds_create_qos());
-  dds_qset_userdata(qos.get(), data.data(), data.size());
-  return qos;
-}
-
-std::string user_data_of(const dds_qos_t* qos) {
-  void* data = nullptr;
-  std::size_t bytes = 0;
-  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return {};
-  std::string user_data(static_cast<const char*>(data), bytes);
-  dds_free(data);
-  return user_data;
-}
 
 /// Takes all that a reader has, in batches, and calls `use(sample, info)`.
 template <class Sample, class Use>
@@ -102,19 +49,6 @@ Participants::Guid to_guid(const dds_guid_t& guid) {
   Participants::Guid bytes{};
   std::ranges::copy(guid.v, bytes.begin());
   return bytes;
-}
-
-constexpr std::size_t writers_known_max = 4096;
-constexpr std::size_t matches_max = 6 * 4096;  // three topics, a reader and a writer of each
-
-constexpr std::chrono::hours longest_lease{24};
-std::chrono::milliseconds liveliness_lease(const dds_qos_t* qos) {
-  dds_liveliness_kind_t kind{};
-  dds_duration_t lease = DDS_INFINITY;
-  dds_qget_liveliness(qos, &kind, &lease);
-  const auto milliseconds =
-      std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::nanoseconds(lease));
-  return std::min<std::chrono::milliseconds>(milliseconds, longest_lease);
 }
 
 class CycloneLink final : public DiscoveryLink {
@@ -193,10 +127,7 @@ class CycloneLink final : public DiscoveryLink {
   }
 
  private:
-  struct Writer {
-    AnnouncerId participant = 0;  ///< 0: our own
-    std::chrono::milliseconds lease{};
-  };
+  using Writer = RemoteEndpoints::Writer;
 
   dds_domainid_t domain() const { return place_.domain == nullptr ? place_.number : place_.domain->id(); }
 
@@ -236,8 +167,8 @@ class CycloneLink final : public DiscoveryLink {
     return fail(Errc::system, std::string("a control sample was not written: ") + dds_strretcode(status));
   }
 
-  /// Empty for what the node said itself, on this link or another; and if the writer is gone already and was
-  /// not heard before: nobody stands behind what it said.
+  /// Empty for samples of the node itself, on this link or another; and if the writer is gone already and was
+  /// not heard before: then nobody stands behind the sample.
   std::optional<Speaker> speaker_of(dds_entity_t reader, const dds_sample_info_t& info) {
     const std::optional<Writer> writer = writer_of(reader, info);
     if (!writer || writer->participant == 0) return std::nullopt;
@@ -245,22 +176,14 @@ class CycloneLink final : public DiscoveryLink {
   }
 
   std::optional<Writer> writer_of(dds_entity_t reader, const dds_sample_info_t& info) {
-    if (const auto known = known_writer(info.publication_handle)) return known;
+    if (const auto known = remotes_.writer(info.publication_handle)) return known;
     const EndpointInfo matched(dds_get_matched_publication_data(reader, info.publication_handle));
     if (matched == nullptr) return std::nullopt;
     const Participants::Guid guid = to_guid(matched->participant_key);
     const Writer writer{participants_.is_own(guid) ? 0 : participants_.number_of(guid),
                         liveliness_lease(matched->qos)};
-    const std::scoped_lock lock(writers_mutex_);
-    if (writers_.size() == writers_known_max) writers_.clear();  // they are asked for again
-    writers_.emplace(info.publication_handle, writer);
+    remotes_.enter(info.publication_handle, writer);
     return writer;
-  }
-
-  std::optional<Writer> known_writer(dds_instance_handle_t handle) {
-    const std::scoped_lock lock(writers_mutex_);
-    const auto writer = writers_.find(handle);
-    return writer == writers_.end() ? std::nullopt : std::optional(writer->second);
   }
 
   /// The state of an instance may have changed since the sample came.
@@ -296,7 +219,7 @@ class CycloneLink final : public DiscoveryLink {
                                   });
   }
 
-  /// Nodes unregister their signs of life, if they can. Who disposes of them is somebody else.
+  /// Nodes unregister their signs of life, if they can. Somebody who disposes of them is not the node.
   static void on_assertions(dds_entity_t reader, void* self) {
     CycloneLink& link = *static_cast<CycloneLink*>(self);
     take_all<sft_control_Assertion>(
@@ -314,7 +237,7 @@ class CycloneLink final : public DiscoveryLink {
               : listener_.sample_malformed(assertion.error().message);
   }
   std::chrono::milliseconds lease_of(dds_instance_handle_t handle) {
-    const std::optional<Writer> writer = known_writer(handle);
+    const std::optional<Writer> writer = remotes_.writer(handle);
     return writer ? writer->lease : longest_lease;
   }
 
@@ -335,21 +258,16 @@ class CycloneLink final : public DiscoveryLink {
                                              status.current_count_change);
   }
 
-  /// `there`: null if it went.
+  /// `there`: null if the reader or writer has departed.
   void matched(dds_instance_handle_t handle, const dds_builtintopic_endpoint_t* there, int change) {
     AnnouncerId participant = 0;
     if (there != nullptr) {
       const Participants::Guid guid = to_guid(there->participant_key);
       if (participants_.is_own(guid)) return;
       participant = participants_.number_of(guid);
-      const std::scoped_lock lock(writers_mutex_);
-      if (matches_.size() < matches_max) matches_.emplace(handle, participant);
+      remotes_.matched(handle, participant);
     } else if (change < 0) {
-      const std::scoped_lock lock(writers_mutex_);
-      const auto match = matches_.find(handle);
-      if (match == matches_.end()) return;
-      participant = match->second;
-      matches_.erase(match);
+      participant = remotes_.unmatched(handle);
     }
     if (participant == 0) return;
     const Speaker speaker{place_.link, participant};
@@ -360,30 +278,28 @@ class CycloneLink final : public DiscoveryLink {
     CycloneLink& link = *static_cast<CycloneLink*>(self);
     take_all<dds_builtintopic_participant_t>(
         reader, [&](const dds_builtintopic_participant_t& sample, const dds_sample_info_t& info) {
-          const Participants::Guid guid = to_guid(sample.key);
-          if (link.participants_.is_own(guid)) return;
-          const Speaker speaker{link.place_.link, link.participants_.number_of(guid)};
-          if (info.instance_state == DDS_IST_ALIVE) {
-            const std::string user_data = info.valid_data ? user_data_of(sample.qos) : "";
-            const auto mark = parse_participant_mark(user_data);
-            if (info.view_state == DDS_VST_NEW) link.listener_.participant_came(speaker);
-            if (const auto version = other_version(user_data))
-              link.listener_.other_release_seen(speaker, *version);
-            if (!mark || mark->is_secured != link.place_.is_secured) return;
-            link.listener_.participant_speaks(speaker);
-            if (std::ranges::find(mark->complaints, link.guid_) != mark->complaints.end())
-              link.listener_.complaint_came(speaker);
-            return;
-          }
-          link.participants_.gone(guid);
-          link.forget_writers_of(speaker.participant);
-          link.listener_.participant_left(speaker);
+          link.participant_said(sample, info);
         });
   }
 
-  void forget_writers_of(AnnouncerId participant) {
-    const std::scoped_lock lock(writers_mutex_);
-    std::erase_if(writers_, [&](const auto& writer) { return writer.second.participant == participant; });
+  void participant_said(const dds_builtintopic_participant_t& sample, const dds_sample_info_t& info) {
+    const Participants::Guid guid = to_guid(sample.key);
+    if (participants_.is_own(guid)) return;
+    const Speaker speaker{place_.link, participants_.number_of(guid)};
+    if (info.instance_state != DDS_IST_ALIVE) {
+      participants_.gone(guid);
+      remotes_.forget_writers_of(speaker.participant);
+      listener_.participant_departed(speaker);
+      return;
+    }
+    const std::string user_data = info.valid_data ? user_data_of(sample.qos) : "";
+    const auto mark = parse_participant_mark(user_data);
+    if (info.view_state == DDS_VST_NEW) listener_.participant_came(speaker);
+    if (const auto version = other_version(user_data)) listener_.other_release_seen(speaker, *version);
+    if (!mark || mark->is_secured != place_.is_secured) return;
+    listener_.participant_speaks(speaker);
+    if (std::ranges::find(mark->complaints, guid_) != mark->complaints.end())
+      listener_.complaint_came(speaker);
   }
 
   const Place place_;
@@ -395,9 +311,7 @@ class CycloneLink final : public DiscoveryLink {
   dds_entity_t endpoint_writer_ = 0;
   dds_entity_t request_writer_ = 0;
   dds_entity_t assertion_writer_ = 0;
-  std::mutex writers_mutex_;
-  std::map<dds_instance_handle_t, Writer> writers_;
-  std::map<dds_instance_handle_t, AnnouncerId> matches_;  ///< readers and writers of others, and whose
+  RemoteEndpoints remotes_;
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // A node's participant on one link: the control topics in one Cyclone domain. The only files of the core that
-// see Cyclone are this one, dds_domain and cyclone_settings.
+// see Cyclone are this one, control_qos, dds_domain and cyclone_settings.
 #pragma once
 
 #include <chrono>
@@ -18,12 +18,12 @@ namespace sft::core {
 
 class CycloneDomain;
 
-/// Hears what others say on the links. Called on Cyclone's threads, on several at once.
+/// Is told what others say on the links. Called on Cyclone's threads, on several at once.
 class LinkListener {
  public:
   virtual void endpoint_came(const Speaker& speaker, Endpoint endpoint) = 0;
   virtual void endpoint_withdrawn(const Speaker& speaker, EndpointId id) = 0;
-  /// Nobody keeps it alive any more on that link.
+  /// Nobody keeps the endpoint alive any more on that link.
   virtual void endpoint_unheard(LinkId link, EndpointId id) = 0;
   virtual void request_came(const Speaker& speaker, Request request) = 0;
   /// `lease`: how long Cyclone waits for the next one before it says that the node is unheard.
@@ -31,15 +31,16 @@ class LinkListener {
                               std::chrono::milliseconds lease) = 0;
   virtual void node_unheard(LinkId link, NodeId id) = 0;
   virtual void participant_came(const Speaker& speaker) = 0;
-  /// It says that it is a node's that speaks with us: of this version of the control topics, and secured if
-  /// we are. It may say so more than once.
+  /// The participant belongs to a node that speaks with us: one with this version of the control topics, and
+  /// secured if we are. May be told more than once.
   virtual void participant_speaks(const Speaker& speaker) = 0;
-  /// It says that it is a node's of another version of the control topics. It may say so more than once.
+  /// The participant belongs to a node with another version of the control topics. May be told more than
+  /// once.
   virtual void other_release_seen(const Speaker& speaker, std::uint32_t version) = 0;
-  /// It complains that what it has heard of us on that link is something else than what we say.
+  /// The participant complains that it has heard something else of us on that link than we say.
   virtual void complaint_came(const Speaker& speaker) = 0;
-  virtual void participant_left(const Speaker& speaker) = 0;
-  /// A reader or writer of its control topics.
+  virtual void participant_departed(const Speaker& speaker) = 0;
+  /// A reader or writer of the participant's control topics is there, or is not any more.
   virtual void endpoint_matched(const Speaker& speaker) = 0;
   virtual void endpoint_unmatched(const Speaker& speaker) = 0;
   virtual void sample_malformed(std::string why) = 0;
@@ -50,8 +51,8 @@ class LinkListener {
 
 class DiscoveryLink {
  public:
-  /// `domain` is kept as long as the link lives; null: the domain `number` of the program itself. `secured`:
-  /// by DDS Security.
+  /// `domain` is kept as long as the link lives; null: the domain `number` of the program itself.
+  /// `is_secured`: by DDS Security.
   struct Place {
     LinkId link = 0;
     std::shared_ptr<const CycloneDomain> domain;
@@ -70,8 +71,8 @@ class DiscoveryLink {
   virtual void dispose(EndpointId id) = 0;
   /// Makes the participant known once more to whoever is there.
   virtual void greet() = 0;
-  /// Tells everybody, and so the participants themselves, that something else came of them than what they
-  /// say. No more than complaints_max (participant_mark.h) of them.
+  /// Tells everybody, and so these participants, that something else came of them than they say. At most
+  /// complaints_max (participant_mark.h) participants.
   virtual void complain(const std::vector<AnnouncerId>& participants) = 0;
   /// Waits until others have what was written, or not longer.
   virtual void flush(std::chrono::milliseconds patience) = 0;

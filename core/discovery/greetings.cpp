@@ -6,7 +6,7 @@ namespace sft::core {
 
 namespace {
 constexpr std::chrono::milliseconds pause_first{50};
-constexpr std::chrono::milliseconds pause_max{3200};  // to which it doubles
+constexpr std::chrono::milliseconds pause_max{3200};  // the pause doubles up to this
 constexpr std::chrono::seconds pause_while_missing{1};
 constexpr std::chrono::milliseconds after_newcomer{100};
 constexpr std::chrono::seconds pause_between_newcomers{1};

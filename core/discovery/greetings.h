@@ -1,5 +1,5 @@
-// When a node makes itself known again, beside the rare times that Cyclone does it by itself: often at first,
-// since a greeting may get lost, and then only while somebody is missing. Pure: times in, answers out.
+// Decides when a node makes itself known again, in addition to the rare times that Cyclone does it by itself:
+// often at first, since a greeting may get lost, and then only while somebody is missing. Pure.
 #pragma once
 
 #include <chrono>
@@ -13,12 +13,12 @@ class Greetings {
  public:
   explicit Greetings(Time now) { begin(now); }
 
-  /// As at the start: others may reach us now that could not before.
+  /// Begins anew, as at the start: others may reach us now that could not before.
   void begin(Time now);
-  /// Somebody is heard for the first time, and may not have got what we answered: after a change of network
-  /// it may not know yet where we are. In a crowd of newcomers one greeting is for many.
+  /// Somebody is heard for the first time, and may not have received our answer: after a change of network it
+  /// may not know yet where we are. One greeting serves a whole crowd of newcomers.
   void newcomer(Time now);
-  /// Whether to greet now, which then counts as done. Asked often.
+  /// True if a greeting is due now, which then counts as sent. Asked often.
   bool due(Time now, bool somebody_is_missing);
 
  private:

@@ -16,24 +16,24 @@ constexpr milliseconds confirmed_after{400};
 constexpr milliseconds look_pause_max{1200};
 /// Announcements are repeated until they are acknowledged, but while many nodes start they take their time.
 constexpr milliseconds behind_after{1000}, behind_at_first_after{5000};
-/// A link that was made anew has heard it, and the one before has not.
+/// A replaced link lags if it has not heard for so long what the link in its place has heard.
 constexpr milliseconds lags_after{300};
 /// Announcements and signs of life overtake each other by less than that.
 constexpr milliseconds overtaking{100};
-/// Not while nodes start: then they may overtake each other by more.
+/// While nodes start, which takes so long, they may overtake each other by more.
 constexpr milliseconds start_takes{2000};
 /// All of these are longer where there are many participants.
 constexpr milliseconds longer_for_each{20};
 constexpr std::size_t crowd_max = 200;  // more may be made up
 /// So many links are tried for a participant whose digest never agreed: something else may be wrong with it.
 constexpr unsigned tries_max = 3;
-/// A participant that leaves withdraws its endpoints first, and then itself, within that time.
-constexpr milliseconds leaving{1500};
+/// A participant that departs withdraws its endpoints first, and then itself, within that time.
+constexpr milliseconds departing{1500};
 /// A participant that is there says something within that time, unless many nodes start.
 constexpr milliseconds first_word_after{8000};
-/// From the complaint on: it has to come, and the link has to be made. It may get lost, and is repeated.
+/// Time for a complaint to arrive and for a link to be made anew. A complaint may get lost, and is repeated.
 constexpr milliseconds complaint_patience{1500}, complaint_pause{400};
-/// So much longer, on average, before each complaint, for each other participant that may complain as well.
+/// The average pause before a complaint grows by this for each other participant that may complain as well.
 constexpr milliseconds complaint_spread{2};
 /// A participant whose node has come anew is gone by then.
 constexpr std::chrono::seconds goes_within{60};
@@ -85,7 +85,7 @@ void HearingWatch::participant_came(const Speaker& speaker, Time now) {
   if (const auto link = links_.find(speaker.link); link != links_.end()) link->second.newcomer = now;
 }
 
-void HearingWatch::participant_left(const Speaker& speaker) {
+void HearingWatch::participant_departed(const Speaker& speaker) {
   ears_.erase(speaker);
   participants_.erase(speaker.participant);
 }
@@ -169,8 +169,8 @@ bool HearingWatch::wants_look(Time now) const {
   return now - looked_ >= (is_in_doubt_ ? look_pause_in_doubt : look_pause);
 }
 
-/// Its node is heard as it should be by another participant on the link, since it has made its link anew, or
-/// we have.
+/// True if the speaker's node is heard as it should be by another participant on the link, since the node has
+/// made its link anew, or we have.
 bool HearingWatch::speaks_otherwise(const Speaker& speaker, const Ear& ear, Time now) const {
   const LinkId link = links_.at(speaker.link).replaced_by.value_or(speaker.link);
   return ear.node != 0 && std::ranges::any_of(ears_, [&](const auto& entry) {
@@ -204,10 +204,10 @@ std::optional<HearingWatch::Remedy> HearingWatch::remedy(const Speaker& speaker,
 bool HearingWatch::is_behind(const Ear& ear, Time newcomer, Time now) const {
   const milliseconds in_a_crowd = longer_for_each * std::min(ears_.size(), crowd_max);
   if (!ear.lives || ear.known == ear.told) return false;
-  if (ear.missed_since) return true;  // whoever comes meanwhile
+  if (ear.missed_since) return true;  // newcomers make no difference any more
   if (ear.is_contradicted && now - newcomer > start_takes + in_a_crowd) return true;
   const milliseconds patience = (ear.has_agreed ? behind_after : behind_at_first_after) + in_a_crowd;
-  return ear.last_life - std::max(ear.agreed, newcomer) > patience;  // it still says so
+  return ear.last_life - std::max(ear.agreed, newcomer) > patience;  // its signs of life still tell that
 }
 
 std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speaker, Ear& ear,
@@ -224,7 +224,7 @@ std::optional<HearingWatch::Missing> HearingWatch::missing(const Speaker& speake
   }
   const bool is_mute = !ear.has_spoken && now - std::max(ear.last, link.newcomer) > first_word_after;
   if (is_mute || now - ear.last > participant_lease * 3 / 2) return Missing::everything;
-  if (ear.unmatched > 0 && now - ear.unmatched_at > leaving) return Missing::endpoints;
+  if (ear.unmatched > 0 && now - ear.unmatched_at > departing) return Missing::endpoints;
   if (ear.lives && now - ear.last_life > ear.lease + slack_of_leases) {
     if (!ear.overdue_since) ear.overdue_since = now;
     if (now - *ear.overdue_since >= confirmed_after) return Missing::signs_of_life;

@@ -1,9 +1,9 @@
-// HearingWatch tells whether each link still hears everybody whom it ought to hear. A datagram in somebody's
-// name with a sequence number far ahead makes Cyclone take all that this one says later for old, for as long
-// as both participants live; a withdrawal in somebody's name makes it forget his writers. Nobody can tell
-// that from one datagram, but from what is missing afterwards. Then the one in whose name it was said makes
-// its link anew, after a complaint, or else the one that hears it. Pure: (event, now) goes in. discovery.md
-// has the rules.
+// HearingWatch finds links that do not hear everybody whom they ought to hear. A forged datagram with a
+// sequence number far ahead makes Cyclone take all that the participant says later for old, for as long as
+// both participants live; a forged withdrawal makes Cyclone forget the participant's writers. One datagram
+// does not show that it is forged, but afterwards something is missing. Then the participant in whose name it
+// came makes its link anew, after a complaint; if that does not help, this node makes its own link anew.
+// Pure: (event, now) goes in. discovery.md has the rules.
 #pragma once
 
 #include <chrono>
@@ -22,14 +22,14 @@ namespace sft::core {
 class HearingWatch {
  public:
   enum class Missing : std::uint8_t {
-    signs_of_life,  ///< Cyclone says that they come, and none is heard
-    announcements,  ///< the signs of life tell of others than are known
-    endpoints,      ///< of the control topics: they were withdrawn, though their participant stays
-    everything      ///< of a participant that is there
+    signs_of_life,  ///< Cyclone says that these come, and none is heard
+    announcements,  ///< the signs of life tell of other announcements than are known
+    endpoints,      ///< those of the control topics were withdrawn, although their participant stays
+    everything      ///< nothing comes of a participant that is there
   };
   enum class Remedy : std::uint8_t {
-    complaint,  ///< the participant is told, and makes its own link anew, which is new to all who hear it
-    disbelief,  ///< it did: what came of the participant before does not count any more
+    complaint,  ///< the participant is told: it makes its own link anew, which is new to everybody
+    disbelief,  ///< the participant has done so: what came of it before does not count any more
     renewal     ///< our own link has to be made anew
   };
   struct Deaf {
@@ -40,72 +40,75 @@ class HearingWatch {
     Remedy remedy{};
   };
 
-  /// `seed`: of the pauses before complaints, so that not all who miss the same complain at the same time.
+  /// `seed` varies the pauses before complaints: not all nodes that miss the same complain at the same time.
   explicit HearingWatch(std::uint64_t seed = 0) : random_(seed) {}
 
   /// Events on a link count from link_made() until link_dropped().
   void link_made(LinkId link) { links_.emplace(link, Link{}); }
   void link_dropped(LinkId link);
-  /// Another one was made in its place. It is listened to for a while, and does not count as deaf, but what
-  /// comes there may be somebody else's word as well.
+  /// Another link was made in its place. The old one is listened to for a while, and does not count as deaf.
+  /// But what comes by it may be somebody else's word as well.
   void link_replaced(LinkId link, LinkId by) { links_[link].replaced_by = by; }
-  /// Returns whether everybody who is heard on the link `before` is heard on the link `after`, too.
+  /// True if everybody who is heard on the link `before` is heard on the link `after`, too.
   bool is_replaced_by(LinkId before, LinkId after, Time now) const;
   void participant_came(const Speaker& speaker, Time now);
-  /// It has the mark of nodes that understand each other: it is expected to say something.
+  /// The participant has the mark of nodes that understand each other, and is expected to say something.
   void participant_speaks(const Speaker& speaker, Time now) { (void)ear_of(speaker, now); }
-  void participant_left(const Speaker& speaker);
-  /// A reader or writer of it, of the control topics, is there from now on, or is not any more.
+  void participant_departed(const Speaker& speaker);
+  /// A reader or writer of the participant's control topics is there from now on, or is not any more.
   void endpoint_matched(const Speaker& speaker);
   void endpoint_unmatched(const Speaker& speaker, Time now);
-  /// An announcement or a request of it came.
+  /// An announcement or a request of the speaker came.
   void heard(const Speaker& speaker, Time now);
-  /// A sign of life of it came. `digest`: of all that it has announced; `lease`: of its signs of life.
+  /// A sign of life of the speaker came. `digest`: of all that it has announced; `lease`: of its signs of
+  /// life.
   void heard_life(const Speaker& speaker, NodeId node, std::uint32_t digest, std::chrono::milliseconds lease,
                   Time now);
-  /// 0 if it has not said that it lives.
+  /// The node of that speaker; 0 if the speaker has not said that it lives.
   NodeId node_of(const Speaker& speaker) const {
     const auto ear = ears_.find(speaker);
     return ear == ears_.end() ? 0 : ear->second.node;
   }
   /// Cyclone says that no signs of that node's life come any more.
   void life_ended(LinkId link, NodeId node);
-  /// A link was made anew because of that one. If that does not help, and nothing ever did, then it is not
-  /// the link.
+  /// A link was made anew because of that participant. If that does not help, and never did, then the link is
+  /// not the cause.
   void tried(AnnouncerId participant) { ++participants_[participant].tries; }
 
-  /// Whether to look now: twice a second, and more often while something may be missing.
+  /// True if look() is due: twice a second, and more often while something may be missing.
   bool wants_look(Time now) const;
-  /// `known`: digests of what is known of each speaker. `participant_lease`: after which Cyclone forgets a
-  /// participant of which nothing comes. A renewal is told until something changes, for each link once.
+  /// Finds what is missing. `known`: digests of what is known of each speaker. `participant_lease`: Cyclone
+  /// forgets a participant of which nothing comes for so long. A renewal is told until something changes, for
+  /// each link once.
   std::vector<Deaf> look(const std::map<Speaker, std::uint32_t>& known,
                          std::chrono::milliseconds participant_lease, Time now);
 
  private:
   struct Link {
-    Time newcomer{};  ///< when somebody was new there
+    Time newcomer{};  ///< when somebody came to the link
     std::optional<LinkId> replaced_by{};
   };
   struct Participant {
-    bool has_agreed = false;  ///< all that it had announced was known once
+    bool has_agreed = false;  ///< everything that the participant had announced was known once
     unsigned tries = 0;
   };
   struct Ear {
-    Time last;  ///< when anything came, or the participant itself
+    Time last;  ///< when anything of the participant, or the participant itself, came last
     bool has_spoken = false;
     bool has_agreed = false;
-    int unmatched = 0;  ///< endpoints that went, and did not come back
+    int unmatched = 0;  ///< endpoints that departed and did not come back
     Time unmatched_at{};
     NodeId node = 0;
-    bool lives = false;  ///< signs of life came, and Cyclone did not say that they ended
+    bool lives = false;  ///< signs of life came, and Cyclone did not tell that they ended
     Time last_life{};
     std::chrono::milliseconds lease{};
-    std::uint32_t told = 0;    ///< digests
-    std::uint32_t known = 0;   ///< when it was looked at last
-    std::uint32_t shared = 0;  ///< when both were equal last
-    Time agreed{};             ///< both were equal, or what is known changed
-    Time changed{};            ///< what is known did
-    /// Its signs of life go on to tell what was known before that changed: the change was not its own.
+    std::uint32_t told = 0;    ///< the digest that the signs of life tell
+    std::uint32_t known = 0;   ///< the digest of what was known at the last look
+    std::uint32_t shared = 0;  ///< both digests, when they were equal last
+    Time agreed{};             ///< when both were equal, or what is known changed
+    Time changed{};            ///< when what is known changed
+    /// The signs of life go on to tell what was known before the change: the change was not the speaker's
+    /// own.
     bool is_contradicted = false;
     std::optional<Time> overdue_since{};
     std::optional<Time> missed_since{};

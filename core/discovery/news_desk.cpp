@@ -19,7 +19,7 @@ void NewsDesk::operator()(const EndpointSeen& seen) const {
   listener_.endpoint_seen(std::move(endpoint));
 }
 
-/// As long as another address is left.
+/// Keeps an address in any case.
 void NewsDesk::leave_out_what_is_cut(Endpoint& endpoint, const std::vector<LinkId>& silent) const {
   const auto is_cut = [&](const UdpAddress& address) {
     return std::ranges::any_of(silent, [&](LinkId id) {

@@ -1,4 +1,4 @@
-// Gives what LinkMerge has made of all links to the listener of discovery.
+// Passes the news that LinkMerge has made to the listener of discovery.
 #pragma once
 
 #include <map>
@@ -14,11 +14,11 @@ class NewsDesk {
  public:
   using Links = std::map<LinkId, LinkSpec>;
 
-  /// Both outlive it.
+  /// Both outlive this object.
   NewsDesk(DiscoveryListener& listener, const Links& links) : listener_(listener), links_(links) {}
 
-  /// A description that cannot be used costs the endpoint its description and nothing more: programs that
-  /// were compiled with the type do not need it.
+  /// An endpoint whose description cannot be used loses the description and nothing more: programs that were
+  /// compiled with the type do not need it.
   void operator()(const EndpointSeen& seen) const;
   void operator()(const EndpointDeparted& departed) const { listener_.endpoint_departed(departed.id); }
   void operator()(const EndpointLost& lost) const { listener_.endpoint_lost(lost.id); }

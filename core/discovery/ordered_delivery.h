@@ -1,4 +1,4 @@
-// Passes items from several threads on to one receiver: in their order, one at a time, and under no lock.
+// Passes items of several threads on to one receiver: in their order, one at a time, and without a lock held.
 #pragma once
 
 #include <mutex>

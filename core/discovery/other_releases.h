@@ -1,5 +1,5 @@
-// Whom a node sees and cannot speak with: nodes whose control topics are of another version. That they are
-// there is said to people, and however many somebody makes up, no more than one line in a while. Pure.
+// Reports nodes that this node sees and cannot speak with, because their control topics are of another
+// version. However many such nodes somebody makes up, people are told one line in a while. Pure.
 #pragma once
 
 #include <chrono>
@@ -19,17 +19,16 @@ class OtherReleases {
   static constexpr std::chrono::minutes pause{1};  ///< from one report to the next
   static constexpr std::size_t known_max = 256;
 
-  /// A participant that says so, each time that it says so.
+  /// A participant tells another version, each time that it does.
   void seen(const Speaker& speaker, std::uint32_t version);
-  void left(const Speaker& speaker) { known_.erase(speaker); }
+  void departed(const Speaker& speaker) { known_.erase(speaker); }
 
   struct Report {
     Speaker speaker;
     std::uint32_t version = 0;
-    std::uint64_t others = 0;  ///< that came, too, since the last report
+    std::uint64_t others = 0;  ///< further participants since the last report
   };
-  /// What is to be said now, if anything is. Each participant counts once, and beyond `known_max` of them
-  /// none.
+  /// The report that is due now, if any. Each participant counts once, and no more than `known_max` count.
   std::optional<Report> take_report(Time now);
 
  private:
@@ -38,7 +37,7 @@ class OtherReleases {
   Time not_before_{};
 };
 
-/// In words. `where`: the network interface.
+/// The report in words. `where`: the network interface.
 std::string describe(const OtherReleases::Report& report, const std::string& where,
                      std::uint32_t own_version);
 

@@ -1,4 +1,4 @@
-// Numbers for DDS participants, by which the rest of the core tells them apart. Any thread.
+// Gives numbers to DDS participants, by which the rest of the core tells them apart. Any thread.
 #pragma once
 
 #include <algorithm>
@@ -19,14 +19,14 @@ class Participants {
  public:
   using Guid = std::array<std::uint8_t, 16>;
 
-  /// Never 0. A participant that comes back soon after it went has the number that it had.
+  /// The number of a participant, never 0. A participant that comes back soon has the number that it had.
   AnnouncerId number_of(const Guid& guid) {
     const std::scoped_lock lock(mutex_);
     const auto [entry, is_new] = numbers_.try_emplace(guid, last_ + 1);
     if (is_new) ++last_;
     return entry->second;
   }
-  /// Of the participant that has that number. Nothing if it is forgotten.
+  /// The participant that has that number. Nothing if it is forgotten.
   std::optional<Guid> guid_of(AnnouncerId number) const {
     const std::scoped_lock lock(mutex_);
     const auto entry = std::ranges::find(numbers_, number, [](const auto& known) { return known.second; });
@@ -39,7 +39,7 @@ class Participants {
     numbers_.erase(gone_.front());
     gone_.pop_front();
   }
-  /// One of the node itself, on any link.
+  /// A participant of the node itself, on any link.
   void add_own(const Guid& guid) {
     const std::scoped_lock lock(mutex_);
     own_.insert(guid);

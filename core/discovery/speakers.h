@@ -1,4 +1,4 @@
-// When each speaker was heard last. A speaker is one DDS participant on one link. Pure.
+// Remembers when each speaker was heard last. A speaker is one DDS participant on one link. Pure.
 #pragma once
 
 #include <chrono>
@@ -21,7 +21,7 @@ struct Speaker {
 
 class Speakers {
  public:
-  /// `silence`: after a longer pause than this the speaker counts as having begun to speak anew.
+  /// After a pause that is longer than `silence` the speaker counts as having begun to speak anew.
   void heard(const Speaker& speaker, std::chrono::milliseconds silence, Time now) {
     const auto [entry, is_new] = heard_.try_emplace(speaker, Heard{now, now});
     if (!is_new && now - entry->second.last > silence) entry->second.since = now;
@@ -31,12 +31,12 @@ class Speakers {
     const auto entry = heard_.find(speaker);
     return entry != heard_.end() && now - entry->second.last <= silence;
   }
-  /// Whether it has been heard for so long without a pause.
+  /// True if the speaker has been heard for so long without a pause.
   bool has_spoken_for(const Speaker& speaker, std::chrono::milliseconds duration, Time now) const {
     const auto entry = heard_.find(speaker);
     return entry != heard_.end() && now - entry->second.since >= duration;
   }
-  /// The beginning of time if it was never heard.
+  /// The beginning of time if the speaker was never heard.
   Time last_heard(const Speaker& speaker) const {
     const auto entry = heard_.find(speaker);
     return entry == heard_.end() ? Time{} : entry->second.last;

@@ -15,7 +15,7 @@ void AcceptedRequests::asks_for(Wanted wanted, Time now) {
   if (requests_.size() > (reliable_ ? reliable_max : best_effort_max)) requests_.erase(requests_.begin());
 }
 
-/// Best effort: for long an older one must not be accepted, since another reader in this process may ask for
+/// A best-effort reader must not accept an older request for long: another reader in this process may ask for
 /// just that, and its samples would be taken for ours.
 bool AcceptedRequests::look(Time now) {
   if (!reliable_) {

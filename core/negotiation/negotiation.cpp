@@ -84,7 +84,7 @@ void Negotiation::erase(EndpointId id) {
   if (gone == entries_.end()) return;
   unindex(gone->second.endpoint);
   entries_.erase(gone);
-  shares_.leave(id);
+  shares_.remove(id);
   for (auto& [other, entry] : entries_) {
     entry.history_given.erase(id);
     entry.unreached.erase(id);

@@ -1,10 +1,7 @@
-// These classes watch whether what was promised comes in time: deadlines and liveliness, of our writers and
-// of the writers that our readers hear. They are pure: counts of what has happened and times go in, answers
-// come out.
-//
-// Publishing and receiving threads do nothing for it but count, which they do anyway. A sign is therefore as
-// old as the look that found it, and a look is due twice in a period. Whatever is reported as missed was
-// missed; the report comes up to half a period later.
+// Watches promises: deadlines and liveliness, of our writers and of those that our readers hear. Pure: counts
+// of what has happened and times go in, answers come out. Publishers and subscribers only count, which they
+// do anyway. So a sign is as old as the look that found it, and a look is due twice in a period: a missed
+// deadline is told up to half a period later.
 #pragma once
 
 #include <chrono>
@@ -22,9 +19,9 @@ class ActivityMonitor {
   ActivityMonitor(std::chrono::nanoseconds period, std::uint64_t count, Time now)
       : period_(period), count_(count), active_at_(now) {}
 
-  /// Periods that have ended without a sign, beyond those that were told before.
+  /// Returns the periods that have ended without a sign, beyond those that were told before.
   std::uint64_t look(std::uint64_t count, Time now);
-  /// As of the last look.
+  /// True if no sign had come in time at the last look.
   bool quiet() const { return told_ != 0; }
   std::chrono::nanoseconds pace() const { return period_ / 2; }
 
@@ -35,7 +32,7 @@ class ActivityMonitor {
   std::uint64_t told_ = 0;  ///< periods since then
 };
 
-/// One of our writers: what it offers to all, and when its readers have to be told that it lives.
+/// Watches what one of our writers offers, and when its readers have to be told that it lives.
 class OfferWatch {
  public:
   struct Signs {
@@ -48,10 +45,10 @@ class OfferWatch {
   std::uint64_t deadlines_missed() const { return deadlines_missed_; }
   bool alive() const { return !lease_ || !lease_->quiet(); }
 
-  /// Whether an assertion should be sent, which then counts as sent. Samples are signs of life themselves, if
+  /// True if an assertion should be sent, which then counts as sent. Samples are signs of life themselves if
   /// `samples_tell`: if every reader that wants to know gets each of them. Asked often.
   bool assertion_due(const Signs& signs, bool samples_tell, Time now);
-  /// Until then assertions of the program are not sent one by one.
+  /// True while assertions of the program are not sent one by one.
   bool rests(Time now) const { return now < told_at_ + qos_.liveliness_lease / assertions_per_lease; }
 
   /// Returns the time between two looks; empty if there is nothing to watch.
@@ -68,14 +65,13 @@ class OfferWatch {
   Time told_at_ = Time::min();
 };
 
-/// One writer, as one of our readers that asked for something hears it.
+/// Watches one writer for one of our readers that has asked for something.
 class RequestWatch {
  public:
-  /// The shortest lease that is watched as it was offered. If less is offered, the requested lease is
-  /// watched.
+  /// The shortest lease of a writer that is watched. If less is offered, the requested lease is watched.
   static constexpr std::chrono::milliseconds shortest_offer{10};
 
-  /// `arrived`: changes with each sample that arrives.
+  /// `arrived` changes with each sample that arrives.
   RequestWatch(const Qos& offered, const Qos& requested, std::uint64_t arrived, Time now);
 
   void look(std::uint64_t arrived, Time now);

@@ -24,7 +24,7 @@ TableShares::Admission TableShares::admit(AnnouncerId announcer, std::string_vie
 }
 
 void TableShares::enter(EndpointId id, AnnouncerId announcer, std::string_view topic) {
-  leave(id);
+  remove(id);
   const std::uint64_t arrival = ++arrivals_;
   entries_[id] = {announcer, arrival, std::string(topic)};
   announcers_[announcer][arrival] = id;
@@ -33,7 +33,7 @@ void TableShares::enter(EndpointId id, AnnouncerId announcer, std::string_view t
   ++of_topic.of[announcer];
 }
 
-void TableShares::leave(EndpointId id) {
+void TableShares::remove(EndpointId id) {
   const auto entry = entries_.find(id);
   if (entry == entries_.end()) return;
   const auto& [announcer, arrival, topic] = entry->second;

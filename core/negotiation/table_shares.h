@@ -1,5 +1,5 @@
-// This class decides who may enter how much into a table that everybody on the network fills. A participant
-// that enters without end costs itself its newest entries and costs others nothing:
+// Limits how much each participant may enter into a table that everybody on the network fills. A participant
+// that enters without end loses its own newest entries, and no other participant loses any:
 //
 // - While the table has room, everybody may enter as much as it likes, with one exception: once a topic has
 // `topic_shares_from` entries, no announcer gets more than `of_topic` of these.
@@ -33,14 +33,14 @@ class TableShares {
 
   struct Admission {
     bool granted = false;
-    std::optional<EndpointId> instead_of{};  ///< this one has to leave for it
+    std::optional<EndpointId> instead_of{};  ///< the entry that has to be removed for it
   };
-  /// Returns whether an endpoint that is not in the table may enter it.
+  /// Decides about an entry that is not in the table.
   Admission admit(AnnouncerId announcer, std::string_view topic) const;
 
   void enter(EndpointId id, AnnouncerId announcer, std::string_view topic);
-  /// Nothing happens if it is not in the table.
-  void leave(EndpointId id);
+  /// Nothing happens if the entry is not in the table.
+  void remove(EndpointId id);
 
   std::size_t size() const { return entries_.size(); }
   std::size_t of(AnnouncerId announcer) const;

@@ -64,7 +64,7 @@ void AccountQuestions::enter(const Account& account, AnnouncerId by, Time now) {
 }
 
 void AccountQuestions::erase(Answers::iterator answer) {
-  shares_.leave(answer->second.number);
+  shares_.remove(answer->second.number);
   numbers_.erase(answer->second.number);
   answers_.erase(answer);
 }

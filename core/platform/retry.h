@@ -1,5 +1,5 @@
-// This class times the attempts at something that has failed: each pause is longer than the one before. It
-// also tells whether the reason of a failure is new, so that the reason is reported once. The class is pure.
+// Decides when something that failed is tried again, ever more seldom. The reason is told once for as long as
+// it stays the same. Pure.
 #pragma once
 
 #include <algorithm>
@@ -16,13 +16,13 @@ class Retry {
   static constexpr std::chrono::milliseconds pause_min{500};
   static constexpr std::chrono::milliseconds pause_max{10'000};
 
-  /// Whether it may be tried.
+  /// True if it may be tried.
   bool due(Time now) const { return now >= next_; }
-  /// Whether it has failed, and may be tried again.
+  /// True if it has failed, and may be tried again.
   bool due_again(Time now) const { return pause_.count() != 0 && due(now); }
 
-  /// Returns whether that is news: it did not fail before, or for another reason. `longest`: until it may be
-  /// tried again.
+  /// Returns true if that is news: it did not fail before, or failed for another reason. `longest`: the
+  /// longest pause until it may be tried again.
   bool failed(std::string why, Time now, std::chrono::milliseconds longest = pause_max) {
     pause_ = std::clamp(pause_ * 2, pause_min, longest);
     next_ = now + pause_;
@@ -33,7 +33,7 @@ class Retry {
   void succeeded() { *this = {}; }
   /// The reason of the last failure.
   const std::string& reason() const { return why_; }
-  /// Not to be tried before that, although it did not fail.
+  /// Pauses it until then, although it did not fail.
   void hold(Time until) {
     next_ = until;
     pause_ = std::max(pause_, std::chrono::milliseconds(1));

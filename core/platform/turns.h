@@ -1,5 +1,4 @@
-// This class decides whose turn it is where many have something to say again and again, and not all of it
-// fits in at once. It is pure.
+// Gives turns where many have something to say again and again, and not all of them fit in at once. Pure.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +7,7 @@
 
 namespace sft::core {
 
-/// `Key` is what sorts them.
+/// `Key` sorts those who take turns.
 template <class Key>
 class Turns {
  public:

@@ -36,7 +36,7 @@ void NodeLog::write(const std::string& topic, const Event& event, Time now) {
   write(of_events_[static_cast<std::size_t>(event.kind)], level, text + ": " + event.text, now);
 }
 
-/// What is left out is added to the next line of the pair.
+/// Losses that are not written now are added to the next line of the pair.
 void NodeLog::write_loss(const std::string& pair, const Event& event, Time now) {
   const auto [known, is_new] = losses_.try_emplace(pair + ", publisher " + in_hex(event.peer));
   Losses& losses = known->second;
@@ -64,7 +64,7 @@ void NodeLog::tick(Time now) {
                 [now](const auto& item) { return item.second.untold == 0 && item.second.next_line <= now; });
 }
 
-/// Whether it was written.
+/// True if the line was written.
 bool NodeLog::write(LineBudget& budget, LogLevel level, const std::string& text, Time now) {
   if (!wants(level) || !budget.take(now)) return false;
   const std::uint64_t left_out = budget.take_left_out();

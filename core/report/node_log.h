@@ -1,8 +1,8 @@
-// The log of a node: lines for the log sink of the program, from one level on. Of one kind it writes never
-// more than a few lines in a row, so that neither a peer nor a repeated fault can flood the sink. It counts
-// the lines that it leaves out, and says their number with the next line of that kind.
+// Writes to the log sink of a node's program: lines from one level on, and never more than a few lines of one
+// kind in a row, so that neither a peer nor a fault that comes again and again can flood it. Lines that are
+// omitted are counted, and the next line of their kind tells how many.
 //
-// Only the agent's thread uses it, so that no lock is needed. Other threads post to that thread.
+// Used by the agent's thread only, so that no lock is needed and none is held. Other threads post to it.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ class LineBudget {
   static constexpr int burst = 10;
   static constexpr std::chrono::seconds period{5};
 
-  /// Whether a line may be written now; if not, it is counted.
+  /// True if a line may be written now; if not, it is counted.
   bool take(Time now);
   /// Lines that were not written since the last that was; forgets them.
   std::uint64_t take_left_out();
@@ -40,14 +40,16 @@ class NodeLog {
   NodeLog(std::string node, LogLevel threshold, LogSink sink);
 
   bool wants(LogLevel level) const { return sink_ && level >= threshold_; }
-  /// Something that the node does or cannot do itself.
+  /// Writes what the node itself does, or cannot do.
   void write(LogLevel level, const std::string& text, Time now = std::chrono::steady_clock::now());
-  /// What happened to a pair, or to one of our publishers or subscribers. A warning if it will never work as
-  /// it is set up, or if a promise was broken: a deadline, or samples that were to come reliably, of which a
-  /// pair has at most one line in a second. What a program asks for changes often, and is for debugging.
+  /// Writes what happened to a pair, or to one of our publishers or subscribers. That is a warning if it will
+  /// never work as it is set up, or if a promise was broken: a deadline was missed, or samples were lost that
+  /// should come reliably. A pair has at most one line about losses in a second. Changes of requests are
+  /// frequent, and are for debugging.
   void write(const std::string& topic, const Event& event, Time now = std::chrono::steady_clock::now());
   static LogLevel level_of(const Event& event);
-  /// Writes what was left out of losses of reliable pairs, once its time has come. Called now and then.
+  /// Writes losses of reliable pairs that were not written yet, once their time has come. Called now and
+  /// then.
   void tick(Time now);
 
  private:
@@ -56,9 +58,9 @@ class NodeLog {
   bool write(LineBudget& budget, LogLevel level, const std::string& text, Time now);
   void write_loss(const std::string& pair, const Event& event, Time now);
 
-  /// The losses of a reliable pair.
+  /// Losses of a reliable pair.
   struct Losses {
-    Time next_line{};          ///< not before
+    Time next_line{};          ///< no line before
     std::uint64_t untold = 0;  ///< samples
   };
   static constexpr std::chrono::seconds loss_pause{1};
@@ -67,7 +69,7 @@ class NodeLog {
   const LogSink sink_;
   std::array<LineBudget, event_kinds> of_events_;
   std::array<LineBudget, log_levels> of_node_;
-  std::map<std::string, Losses> losses_;  ///< by what names the pair; those that lost something lately
+  std::map<std::string, Losses> losses_;  ///< by the name of the pair; pairs that lost something lately
 };
 
 }  // namespace sft::core

@@ -16,7 +16,7 @@ class ReadOrder {
 
   bool empty() const { return !contains(end()); }
   bool contains(std::size_t leaf) const { return links_[leaf].newer != leaf; }
-  /// Not of an empty one.
+  /// Only if it is not empty.
   std::size_t oldest() const { return links_.back().newer; }
 
   /// Enters it, or moves it to the end.

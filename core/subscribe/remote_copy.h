@@ -1,5 +1,5 @@
-// What a reader on another host would get of a sample that lies whole in shared memory: the same projection,
-// put together and checked as if its datagrams had come.
+// Copies a sample that lies whole in shared memory as a reader on another host would get it: the same
+// projection, put together and checked as if its datagrams had come.
 #pragma once
 
 #include <memory>
@@ -18,9 +18,9 @@ class RemoteCopy {
   RemoteCopy(const TypeSupport& type, std::shared_ptr<BufferPool> pool)
       : type_(type), pool_(std::move(pool)) {}
 
-  /// The sample itself if it has no more than is asked for. Empty where a reader on another host would miss
-  /// it: without memory, or if its bytes are not what they claim to be. One thread at a time.
-  SampleHandle of(SampleHandle sample, const detail::ProjectionPlan& asked);
+  /// The sample itself if it has no more than is asked for. Empty if a reader on another host would miss the
+  /// sample: if there is no memory, or if its bytes are not what they claim to be. One thread at a time.
+  SampleHandle of(SampleHandle sample, const ProjectionPlan& asked);
 
  private:
   bool project(const SampleBuffer& sample, const detail::ProjectionPlan& asked);

@@ -1,4 +1,4 @@
-// What users are told of a subscriber's requirement (sft/requirements.h).
+// Describes a subscriber's requirement to users (sft/requirements.h).
 #pragma once
 
 #include "core/subscribe/recorder.h"

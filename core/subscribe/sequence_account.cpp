@@ -27,8 +27,8 @@ SequenceAccount::Missing SequenceAccount::enter(const Numbered& sample) {
   return missing;
 }
 
-/// Before the first sample that came nothing is missing, but what had been retained.
-/// Where sequences begin anew nobody knows what the wrong ones hid.
+/// Before the first sample that came, only retained samples can be missing. If sequences begin anew, nobody
+/// knows what the wrong ones hid.
 std::uint64_t SequenceAccount::gap_before(const Numbered& sample) const {
   if (last_ != 0) {
     const std::uint64_t gap = sample.sequence - last_ - 1;
@@ -38,7 +38,8 @@ std::uint64_t SequenceAccount::gap_before(const Numbered& sample) const {
   return std::min(gap_max, sample.sequence - std::min(sample.oldest_retained, sample.sequence));
 }
 
-/// Of the `gap` samples between the last one and this. Where the limit has changed, the slower one counts.
+/// The lost ones among the `gap` samples between the last one and this. If the limit has changed, the slower
+/// one counts.
 std::uint64_t SequenceAccount::lost_before(const Numbered& sample, std::uint64_t gap) const {
   const std::uint32_t limit = limit_of(sample);
   const std::uint32_t before = budget_.min_period_us();

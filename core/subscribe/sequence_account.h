@@ -1,16 +1,16 @@
-// What a reader did not get of one writer, told from the samples that it did get: lost, or withheld by the
-// maximum rate that the reader asked for. Pure.
+// Counts the samples of one writer that a reader did not get, by the samples that it did get: they were lost,
+// or withheld by the maximum rate that the reader asked for. Pure.
 //
-// Over UDP the writer withholds, and every sample that passed its gate says as the how-manieth: between two
-// of one gate the difference of these numbers tells exactly what was lost, and the difference of the
-// sequences what was withheld, whatever happened to datagrams and masks meanwhile.
+// Over UDP the writer withholds samples, and each sample carries its number among the samples that passed the
+// gate. Between two samples of one gate the difference of these numbers tells exactly what was lost, and the
+// difference of the sequences what was withheld, whatever happened to datagrams and masks meanwhile.
 //
-// In shared memory one sample is distributed to all readers, so it is the reader who skips. That comes to the
-// same: it keeps the same budget over the same stamps as the writer's gate, by which the writer decides whom
-// to wake. What its queue pushed out meanwhile, or what is missing where a limit or the path was changed,
-// cannot be looked at any more. The limit entitled the reader to one sample for each period (and can save
-// one): as many as it could not have saved count as lost, the rest as withheld. Where the writer paused in
-// between this can be too many, never too few.
+// In shared memory one sample is distributed to all readers, so that the reader skips samples. The result is
+// the same: the reader keeps the same budget over the same stamps as the writer's gate, by which the writer
+// decides which readers to wake. Samples that the queue pushed out, or that are missing because a limit or
+// the path was changed, cannot be looked at any more. The limit entitled the reader to one sample in each
+// period, and it can save one: as many as it could not have saved count as lost, the rest as withheld. If the
+// writer paused in between, this can be too many, but never too few.
 #pragma once
 
 #include <cstdint>
@@ -20,32 +20,32 @@
 
 namespace sft::core {
 
-/// What is known of a sample that has arrived.
+/// The numbers of a sample that has arrived.
 struct Numbered {
   std::uint64_t sequence = 0;
   std::int64_t stamp_ns = 0;
-  bool gated = false;  ///< by its writer: what follows is the writer's word, and the sample is for us
-  std::uint32_t min_period_us = 0;    ///< of the gate that it passed; 0: none
-  std::uint32_t ordinal = 0;          ///< among those that passed it
-  std::uint64_t oldest_retained = 0;  ///< the first that was sent of what its writer had retained; 0: unknown
-  std::uint32_t numbering = 0;        ///< greater: sequences began anew, those before made no sense
+  bool gated = false;               ///< by its writer, which fills in what follows; then the sample is for us
+  std::uint32_t min_period_us = 0;  ///< of the gate that the sample passed; 0: none
+  std::uint32_t ordinal = 0;        ///< its number among the samples that passed the gate
+  std::uint64_t oldest_retained = 0;  ///< the first retained sample that its writer has sent; 0: unknown
+  std::uint32_t numbering = 0;        ///< greater if sequences began anew, because those before made no sense
 };
 
 class SequenceAccount {
  public:
-  /// What the reader asks for; 0: no limit.
+  /// The limit that the reader asks for; 0: none.
   void ask(std::uint32_t min_period_us) { asked_ = min_period_us; }
-  /// So many samples that the writer had retained should come first, if there are as many.
+  /// So many retained samples of the writer should come first, if there are as many.
   void owe(std::uint32_t samples) { owed_ = samples; }
 
-  /// Not one that came before, or after which others were taken already.
+  /// False if the sample came before, or if later ones were taken already.
   bool is_new(const Numbered& sample) const { return sample.sequence > last_ || begins_anew(sample); }
   /// Notes a sample that is not new. One path is never so far behind another as a forged number can be ahead
   /// of both: the second sample in a row that is so far behind tells that the account begins anew with it.
   void refuse(const Numbered& sample) { far_behind_ = is_far_behind(sample) ? sample.sequence : 0; }
-  /// Whether it comes next, as far as the numbers tell.
+  /// True if the sample comes next, as far as the numbers tell.
   bool follows(const Numbered& sample) const { return sample.sequence == last_ + 1 || begins_anew(sample); }
-  /// Whether a new sample is for the reader, or to be skipped.
+  /// True if a new sample is for the reader, false if it has to be skipped.
   bool allows(const Numbered& sample) const;
 
   struct Missing {
@@ -76,7 +76,7 @@ class SequenceAccount {
 
   std::uint32_t asked_ = 0;
   std::uint32_t owed_ = 0;
-  // Of the sample entered last:
+  // The sample that was entered last:
   std::uint64_t last_ = 0;  ///< 0: none yet
   std::int64_t stamp_ns_ = 0;
   RateBudget budget_;  ///< of the limit under which it came

@@ -86,7 +86,7 @@ TEST_F(HearingWatchTest, DoesNotMissANodeOfWhichCycloneSaysThatItIsSilent) {
   watch.life_ended(lan, node);
   passes(20s, 0);
   EXPECT_FALSE(deaf) << "it was killed, and its participant is not forgotten yet";
-  watch.participant_left(peer);
+  watch.participant_departed(peer);
   passes(100s, 0);
   EXPECT_FALSE(deaf);
 }
@@ -165,7 +165,7 @@ TEST_F(HearingWatchTest, DoesNotBelieveAParticipantAnyMoreWhoseNodeHasComeAnewAf
     look();
     EXPECT_THAT(remedies, IsEmpty()) << "it goes soon";
   }
-  watch.participant_left(peer);
+  watch.participant_departed(peer);
   passes(2s, 0);
   EXPECT_THAT(remedies, IsEmpty());
 }
@@ -410,7 +410,7 @@ TEST_F(HearingWatchTest, TriesThreeTimesForOneOfWhichTheNextLinkHearsNoMore) {
     }
     passes(participant_lease * 2, said);
     EXPECT_FALSE(deaf) << "something else is wrong with it";
-    watch.participant_left(peer);
+    watch.participant_departed(peer);
     watch.participant_came(peer, now);
     watch.participant_speaks(peer, now);
   }
@@ -460,7 +460,7 @@ TEST_F(HearingWatchTest, SaysWhenAnotherLinkHearsAllThatTheOneBeforeHears) {
 }
 
 TEST_F(HearingWatchTest, ExpectsNothingOfParticipantsThatAreNoNodes) {
-  watch.participant_left(peer);
+  watch.participant_departed(peer);
   watch.participant_came(other, now);
   passes(100s, 0);
   EXPECT_FALSE(deaf);

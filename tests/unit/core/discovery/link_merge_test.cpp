@@ -138,7 +138,7 @@ TEST_F(LinkMergeTest, LosesAtOnceWhoWasSilentAndGivesItsLeaseToWhoSpokeAMomentAg
   announces(by_lan, 1);
   passes(2s);
   told();
-  merge.participant_left(by_lan, now);
+  merge.participant_departed(by_lan, now);
   EXPECT_THAT(told(), ElementsAre("lost"));
   announces(by_lan, 1);
   told();
@@ -263,7 +263,7 @@ TEST_F(LinkMergeTest, BelievesTheEndpointsOwnNodeAtOnceWhenAnotherNodeThatAnnoun
   announces_as_another_node(1001);
   announces(by_lan, 1);
   told();
-  merge.participant_left(stranger, now);
+  merge.participant_departed(stranger, now);
   EXPECT_THAT(told(), ElementsAre("honest 1 by 11"));
 }
 
@@ -619,7 +619,7 @@ TEST_F(LinkMergeTest, DoesNotReturnToADisbelievedSpeakerAsLongAsItGoesOnToSpeakF
   told();
   passes(10s, {by_lan, stranger});
   EXPECT_THAT(told(), IsEmpty());
-  merge.participant_left(by_lan, now);
+  merge.participant_departed(by_lan, now);
   passes(10s, {stranger});
   EXPECT_THAT(told(), IsEmpty());
 }
@@ -682,7 +682,7 @@ TEST_F(LinkMergeTest, HasRoomAgainWhereAnnouncementsGo) {
   }
   for (int i = 0; i < 5; ++i) {
     comes(by_radio, 5);
-    small.participant_left(by_radio, now);
+    small.participant_departed(by_radio, now);
     now += 61s;
     small.tick(now);
     EXPECT_FALSE(is_refused()) << "long ago";
@@ -693,7 +693,7 @@ TEST_F(LinkMergeTest, ForgetsWhoIsLostForLong) {
   LinkMerge small({.share = 1, .crowded = 1, .endpoints = 1});
   small.endpoint_came(by_lan, endpoint(1), now);
   now += 2s;
-  small.participant_left(by_lan, now);
+  small.participant_departed(by_lan, now);
   now += 31s;
   small.endpoint_unheard(lan, 5, now);  // it is not, any more
   now += 30s;

@@ -48,7 +48,7 @@ TEST_F(OtherReleasesTest, ThatComeSoonAfterAReportWaitForTheNextOneWhichCountsTh
 TEST_F(OtherReleasesTest, ThatComeAgainUnderAnotherIdentityAreReportedAgain) {
   releases.seen(speaker(1), 7);
   ASSERT_TRUE(after(0s));
-  releases.left(speaker(1));
+  releases.departed(speaker(1));
   releases.seen(speaker(2), 7);
   EXPECT_TRUE(after(60s));
 }

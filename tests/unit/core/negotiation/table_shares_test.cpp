@@ -16,7 +16,7 @@ class TableSharesTest : public ::testing::Test {
       const std::string name = topic.empty() ? "topic " + std::to_string(next_) : topic;
       const auto admission = shares.admit(announcer, name);
       if (!admission.granted) continue;
-      if (admission.instead_of) shares.leave(*admission.instead_of);
+      if (admission.instead_of) shares.remove(*admission.instead_of);
       shares.enter(next_++, announcer, name);
       ++entered;
     }
@@ -64,8 +64,8 @@ TEST_F(TableSharesTest, ACrowdedTopicHasAShareForEachAnnouncer) {
 
 TEST_F(TableSharesTest, WhatLeavesMakesRoom) {
   announce(1, 400);
-  for (EndpointId id = 1; id <= 400; ++id) shares.leave(id);
-  shares.leave(400);
+  for (EndpointId id = 1; id <= 400; ++id) shares.remove(id);
+  shares.remove(400);
   EXPECT_EQ(shares.size(), 0U);
   EXPECT_EQ(announce(1, 60, "points"), 40);
 }

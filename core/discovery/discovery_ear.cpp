@@ -1,0 +1,228 @@
+#include "core/discovery/discovery_ear.h"
+
+#include <random>
+#include <variant>
+
+#include "core/discovery/discovery.h"
+#include "core/discovery/participant_mark.h"
+
+namespace sft::core {
+
+namespace {
+
+Time time() { return std::chrono::steady_clock::now(); }
+
+bool has_silent_links(const News& news) {
+  const auto* const seen = std::get_if<EndpointSeen>(&news);
+  return seen != nullptr && !seen->silent.empty();
+}
+
+std::string called(const std::string& node) { return node.empty() ? "a node" : "node '" + node + "'"; }
+
+std::string describe(HearingWatch::Missing missing, const std::string& node) {
+  switch (missing) {
+    case HearingWatch::Missing::signs_of_life:
+      return node + " lives, but what it says of that is taken for old";
+    case HearingWatch::Missing::announcements:
+      return node + " has announced something else than what came";
+    case HearingWatch::Missing::endpoints:
+      return node + " is there, but somebody has withdrawn what it speaks or hears by";
+    case HearingWatch::Missing::everything:
+      return node + " is there, but nothing of it comes";
+  }
+  return node;
+}
+
+}  // namespace
+
+DiscoveryEar::DiscoveryEar(DiscoveryListener& listener)
+    : listener_(listener), hearing_(std::random_device{}()) {}
+
+/// Enters an event under the mutex, and passes on what has come of it.
+template <class Event>
+void DiscoveryEar::news(Event event) {
+  const auto take = [&] {
+    event();
+    return merge_.take_news();
+  };
+  delivery_.deliver(mutex_, take, [this](const News& one) {
+    const NewsDesk::Links links = has_silent_links(one) ? copy_of_specs() : NewsDesk::Links{};
+    std::visit(NewsDesk(listener_, links), one);
+  });
+}
+
+NewsDesk::Links DiscoveryEar::copy_of_specs() const {
+  const std::scoped_lock lock(mutex_);
+  return specs_;
+}
+
+void DiscoveryEar::set_own(EndpointId id, bool is_own) {
+  const std::scoped_lock lock(mutex_);
+  is_own ? merge_.owns(id) : merge_.disowns(id);
+}
+
+void DiscoveryEar::tick(Time now) {
+  news([&] { merge_.tick(now); });
+}
+
+void DiscoveryEar::link_expected(LinkId link) {
+  const std::scoped_lock lock(mutex_);
+  hearing_.link_made(link);
+}
+
+void DiscoveryEar::link_opened(LinkId link, const LinkSpec& spec) {
+  const std::scoped_lock lock(mutex_);
+  specs_[link] = spec;
+}
+
+void DiscoveryEar::link_failed(LinkId link) {
+  const std::scoped_lock lock(mutex_);
+  hearing_.link_dropped(link);
+}
+
+void DiscoveryEar::link_dropped(LinkId link, bool is_replaced, Time now) {
+  news([&] {
+    specs_.erase(link);
+    hearing_.link_dropped(link);
+    is_replaced ? merge_.replaced_link_dropped(link, now) : merge_.link_dropped(link, now);
+  });
+}
+
+void DiscoveryEar::link_replaced(LinkId link, LinkId by) {
+  const std::scoped_lock lock(mutex_);
+  specs_.erase(link);
+  hearing_.link_replaced(link, by);
+  merge_.doubt_departures();
+}
+
+bool DiscoveryEar::is_replaced(LinkId link, LinkId by, Time now) const {
+  const std::scoped_lock lock(mutex_);
+  return hearing_.is_replaced_by(link, by, now);
+}
+
+std::map<LinkId, std::string> DiscoveryEar::take_complaints() {
+  std::map<LinkId, std::string> complaints;
+  const std::scoped_lock lock(mutex_);
+  for (const Speaker& by : std::exchange(complaints_, {}))
+    complaints.emplace(by.link, called(merge_.node_name(hearing_.node_of(by))));
+  return complaints;
+}
+
+void DiscoveryEar::report_other_releases(Time now) {
+  std::optional<OtherReleases::Report> report;
+  std::string where;
+  {
+    const std::scoped_lock lock(mutex_);
+    report = other_releases_.take_report(now);
+    if (!report) return;
+    const auto spec = specs_.find(report->speaker.link);
+    where = spec == specs_.end() ? "the network" : spec->second.interface;
+  }
+  listener_.other_release_found(core::describe(*report, where, control_protocol_version()));
+}
+
+DiscoveryEar::Deafness DiscoveryEar::look_for_deafness(std::chrono::milliseconds participant_lease,
+                                                       Time now) {
+  Deafness deafness;
+  const std::scoped_lock lock(mutex_);
+  if (!hearing_.wants_look(now)) return deafness;
+  for (const HearingWatch::Deaf& deaf : hearing_.look(merge_.digests(), participant_lease, now)) {
+    switch (deaf.remedy) {
+      case HearingWatch::Remedy::complaint:
+        if (deafness.complaints[deaf.link].size() < complaints_max)
+          deafness.complaints[deaf.link].push_back(deaf.participant);
+        merge_.doubt_departures();
+        break;
+      case HearingWatch::Remedy::disbelief:
+        merge_.disbelieve({deaf.link, deaf.participant}, now);
+        break;
+      case HearingWatch::Remedy::renewal:
+        deafness.renewals.push_back({deaf, describe(deaf.missing, called(merge_.node_name(deaf.node)))});
+    }
+  }
+  return deafness;
+}
+
+void DiscoveryEar::was_renewed_for(const HearingWatch::Deaf& deaf) {
+  const std::scoped_lock lock(mutex_);
+  hearing_.tried(deaf.participant);
+  merge_.begin_anew({deaf.link, deaf.participant});
+}
+
+void DiscoveryEar::endpoint_came(const Speaker& speaker, Endpoint endpoint) {
+  news([&] {
+    hearing_.heard(speaker, time());
+    merge_.endpoint_came(speaker, std::move(endpoint), time());
+  });
+}
+
+void DiscoveryEar::endpoint_withdrawn(const Speaker& speaker, EndpointId id) {
+  news([&] { merge_.endpoint_withdrawn(speaker, id, time()); });
+}
+
+void DiscoveryEar::endpoint_unheard(LinkId link, EndpointId id) {
+  news([&] { merge_.endpoint_unheard(link, id, time()); });
+}
+
+void DiscoveryEar::request_came(const Speaker& speaker, Request request) {
+  news([&] {
+    hearing_.heard(speaker, time());
+    merge_.request_came(speaker, std::move(request), time());
+  });
+}
+
+void DiscoveryEar::assertion_came(const Speaker& speaker, Assertion assertion,
+                                  std::chrono::milliseconds lease) {
+  news([&] {
+    hearing_.heard_life(speaker, assertion.node, assertion.digest, lease, time());
+    merge_.assertion_came(speaker, std::move(assertion), time());
+  });
+}
+
+void DiscoveryEar::node_unheard(LinkId link, NodeId id) {
+  news([&] {
+    hearing_.life_ended(link, id);
+    merge_.node_unheard(link, id, time());
+  });
+}
+
+void DiscoveryEar::participant_came(const Speaker& speaker) {
+  newcomer_ = true;
+  const std::scoped_lock lock(mutex_);
+  hearing_.participant_came(speaker, time());
+}
+
+void DiscoveryEar::participant_speaks(const Speaker& speaker) {
+  const std::scoped_lock lock(mutex_);
+  hearing_.participant_speaks(speaker, time());
+}
+
+void DiscoveryEar::other_release_seen(const Speaker& speaker, std::uint32_t version) {
+  const std::scoped_lock lock(mutex_);
+  other_releases_.seen(speaker, version);
+}
+
+void DiscoveryEar::complaint_came(const Speaker& speaker) {
+  const std::scoped_lock lock(mutex_);
+  if (complaints_.size() < complaints_max) complaints_.push_back(speaker);
+}
+
+void DiscoveryEar::endpoint_matched(const Speaker& speaker) {
+  const std::scoped_lock lock(mutex_);
+  hearing_.endpoint_matched(speaker);
+}
+
+void DiscoveryEar::endpoint_unmatched(const Speaker& speaker) {
+  const std::scoped_lock lock(mutex_);
+  hearing_.endpoint_unmatched(speaker, time());
+}
+
+void DiscoveryEar::participant_departed(const Speaker& speaker) {
+  news([&] {
+    hearing_.participant_departed(speaker);
+    other_releases_.departed(speaker);
+    merge_.participant_departed(speaker, time());
+  });
+}
+
+}  // namespace sft::core

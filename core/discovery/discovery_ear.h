@@ -1,0 +1,101 @@
+// Hears all links: merges what they bring, passes the news on, and notices whom a link does not hear.
+// Cyclone's threads bring what comes, several at once; the functions below "One thread" are called by one
+// thread at a time. A mutex guards everything; it is not held while news are passed on.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/discovery/desired_links.h"
+#include "core/discovery/discovery_link.h"
+#include "core/discovery/discovery_listener.h"
+#include "core/discovery/hearing_watch.h"
+#include "core/discovery/link_merge.h"
+#include "core/discovery/news_desk.h"
+#include "core/discovery/ordered_delivery.h"
+#include "core/discovery/other_releases.h"
+#include "core/platform/clock.h"
+
+namespace sft::core {
+
+class DiscoveryEar final : public LinkListener {
+ public:
+  /// The listener outlives this object.
+  explicit DiscoveryEar(DiscoveryListener& listener);
+
+  // One thread.
+
+  /// Claims of others in the name of our own endpoints are passed on unchanged.
+  void set_own(EndpointId id, bool is_own);
+  /// True if a participant was heard for the first time since this was called last.
+  bool take_newcomer() { return newcomer_.exchange(false); }
+  void tick(Time now);
+
+  void link_expected(LinkId link);  ///< before it is opened
+  void link_opened(LinkId link, const LinkSpec& spec);
+  void link_failed(LinkId link);  ///< it could not be opened
+  /// `is_replaced`: another link was made in its place before.
+  void link_dropped(LinkId link, bool is_replaced, Time now);
+  void link_replaced(LinkId link, LinkId by);
+  /// True if everybody who is heard on one link is heard on the other one, too.
+  bool is_replaced(LinkId link, LinkId by, Time now) const;
+
+  /// Links on which others complain that they have heard something else in our name than we say, and who
+  /// complains.
+  std::map<LinkId, std::string> take_complaints();
+  /// Reports nodes with other versions of the control topics to the listener.
+  void report_other_releases(Time now);
+
+  struct DeafLink {
+    HearingWatch::Deaf deaf;
+    std::string why;  ///< for people
+  };
+  struct Deafness {
+    std::map<LinkId, std::vector<AnnouncerId>> complaints;  ///< to be made, about these participants
+    std::vector<DeafLink> renewals;                         ///< links that have to be made anew
+  };
+  /// Looks for participants that are there but not heard. `participant_lease`: as of HearingWatch::look().
+  Deafness look_for_deafness(std::chrono::milliseconds participant_lease, Time now);
+  /// A link was made anew because of that.
+  void was_renewed_for(const HearingWatch::Deaf& deaf);
+
+  // LinkListener: Cyclone's threads.
+  void endpoint_came(const Speaker& speaker, Endpoint endpoint) override;
+  void endpoint_withdrawn(const Speaker& speaker, EndpointId id) override;
+  void endpoint_unheard(LinkId link, EndpointId id) override;
+  void request_came(const Speaker& speaker, Request request) override;
+  void assertion_came(const Speaker& speaker, Assertion assertion, std::chrono::milliseconds lease) override;
+  void node_unheard(LinkId link, NodeId id) override;
+  void participant_came(const Speaker& speaker) override;
+  void participant_speaks(const Speaker& speaker) override;
+  void other_release_seen(const Speaker& speaker, std::uint32_t version) override;
+  void complaint_came(const Speaker& speaker) override;
+  void endpoint_matched(const Speaker& speaker) override;
+  void endpoint_unmatched(const Speaker& speaker) override;
+  void participant_departed(const Speaker& speaker) override;
+  void sample_malformed(std::string why) override { listener_.control_malformed(std::move(why)); }
+
+ private:
+  template <class Event>
+  void news(Event event);
+  NewsDesk::Links copy_of_specs() const;
+
+  DiscoveryListener& listener_;
+  std::atomic<bool> newcomer_{false};
+
+  mutable std::mutex mutex_;  ///< guards what follows
+  LinkMerge merge_;
+  HearingWatch hearing_;
+  OtherReleases other_releases_;
+  std::vector<Speaker> complaints_;  ///< participants that complain about us
+  NewsDesk::Links specs_;            ///< of the links that are open
+  OrderedDelivery<News> delivery_;
+};
+
+}  // namespace sft::core

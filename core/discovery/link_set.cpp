@@ -1,0 +1,138 @@
+#include "core/discovery/link_set.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sft::core {
+
+namespace {
+/// A replaced link stays so long at least, so that others find us by the new one before.
+constexpr std::chrono::seconds retire_after{2}, retire_at_last_after{60};
+constexpr std::size_t retiring_links_max = 2;
+constexpr std::chrono::seconds farewell_max{1};
+}  // namespace
+
+LinkSet::~LinkSet() {
+  for (const auto& [spec, link] : links_) link.link->flush(farewell_max / static_cast<int>(links_.size()));
+  retiring_.clear();
+  links_.clear();
+}
+
+Result<void> LinkSet::join(std::uint32_t domain) {
+  auto link = DiscoveryLink::open({.link = ++links_made_, .domain = nullptr, .number = domain},
+                                  settings_.life_signs, participants_, ear_);
+  if (!link) return tl::unexpected(link.error());
+  links_[LinkSpec{}] = {links_made_, nullptr, std::move(*link)};
+  return {};
+}
+
+Result<void> LinkSet::use(const std::vector<LinkSpec>& wanted, Time now) {
+  Result<void> result;
+  open_missing(wanted, result);
+  for (auto link = links_.begin(); link != links_.end();) {
+    if (std::ranges::find(wanted, link->first) == wanted.end()) {
+      drop(std::exchange(link->second, {}), false, now);
+      link = links_.erase(link);
+    } else {
+      ++link;
+    }
+  }
+  return result;
+}
+
+void LinkSet::open_missing(const std::vector<LinkSpec>& wanted, Result<void>& result) {
+  failures_.clear();
+  for (const LinkSpec& spec : wanted) {
+    if (links_.contains(spec)) continue;
+    if (auto made = make(spec, nullptr)) {
+      links_[spec] = std::move(*made);
+    } else {
+      failures_.push_back(spec.interface + ": " + made.error().message);
+      if (result) result = tl::unexpected(made.error());
+    }
+  }
+}
+
+void LinkSet::drop(OpenLink dropped, bool is_replaced, Time now) {
+  dropped.link.reset();
+  ear_.link_dropped(dropped.id, is_replaced, now);
+}
+
+/// `instead_of`: a domain that must not be used again, or null.
+Result<LinkSet::OpenLink> LinkSet::make(const LinkSpec& spec, const CycloneDomain* instead_of) {
+  const DdsConfig& config = settings_.config;
+  std::vector<std::string> complaints;
+  auto domain =
+      cyclone_domain({config.text_for(spec), config.is_secured, settings_.threads}, instead_of, complaints);
+  if (!domain) return tl::unexpected(domain.error());
+  const LinkId id = ++links_made_;
+  ear_.link_expected(id);
+  auto link = DiscoveryLink::open({.link = id, .domain = *domain, .is_secured = config.is_secured},
+                                  settings_.life_signs, participants_, ear_);
+  if (!link) {
+    ear_.link_failed(id);
+    return tl::unexpected(link.error());
+  }
+  ear_.link_opened(id, spec);
+  for (std::string& complaint : complaints) {
+    const auto is_known_from = [&](const auto& texts) {
+      return std::ranges::find(texts, complaint) != texts.end();
+    };
+    if (!is_known_from(config.warnings) && !is_known_from(warnings_))
+      warnings_.push_back(std::move(complaint));
+  }
+  own_.write_to(**link);
+  return OpenLink{id, std::move(*domain), std::move(*link)};
+}
+
+/// The new link comes before the old one goes, so that nobody is lost in between.
+bool LinkSet::renew(LinkId id, const std::string& why, Time now) {
+  const auto found = find(id);
+  if (found == links_.end()) return false;
+  auto& [spec, link] = *found;
+  RenewalPace& pace = renewals_[spec];
+  if (!pace.is_needed(now)) return false;
+  pace.renewed(now);
+  const std::string what = "on " + spec.interface + " " + why;
+  auto made = make(spec, link.domain.get());
+  if (!made) {
+    listener_.link_was_deaf(what + "; the link cannot be made anew: " + made.error().message);
+    return false;
+  }
+  ear_.link_replaced(link.id, made->id);
+  const LinkId after = made->id;
+  retiring_.push_back({std::exchange(link, std::move(*made)), after, now});
+  listener_.link_was_deaf(what + "; the link is made anew");
+  return true;
+}
+
+std::map<LinkSpec, LinkSet::OpenLink>::iterator LinkSet::find(LinkId id) {
+  return std::ranges::find(links_, id, [](const auto& entry) { return entry.second.id; });
+}
+
+/// A replaced link is closed once the new link hears everybody whom the old one hears, or if there are too
+/// many replaced links.
+void LinkSet::retire(Time now) {
+  while (!retiring_.empty()) {
+    const RetiringLink& oldest = retiring_.front();
+    if (now - oldest.since < retire_after) return;
+    const bool is_last_call =
+        now - oldest.since >= retire_at_last_after || retiring_.size() > retiring_links_max;
+    if (!is_last_call && !ear_.is_replaced(oldest.link.id, oldest.replaced_by, now)) return;
+    OpenLink link = std::move(retiring_.front().link);
+    retiring_.pop_front();
+    drop(std::move(link), true, now);
+  }
+}
+
+void LinkSet::complain(LinkId id, const std::vector<AnnouncerId>& participants) {
+  if (const auto link = find(id); link != links_.end()) link->second.link->complain(participants);
+}
+
+std::vector<LinkSpec> LinkSet::specs() const {
+  std::vector<LinkSpec> specs;
+  for (const auto& [spec, link] : links_) specs.push_back(spec);
+  return specs;
+}
+
+}  // namespace sft::core

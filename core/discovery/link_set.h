@@ -1,0 +1,105 @@
+// The links of a node: opens those that are wanted and closes others, makes a link anew that is deaf, and
+// keeps the replaced one until everybody is heard on the new one. One thread at a time.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/discovery/dds_config.h"
+#include "core/discovery/dds_domain.h"
+#include "core/discovery/desired_links.h"
+#include "core/discovery/discovery_ear.h"
+#include "core/discovery/discovery_link.h"
+#include "core/discovery/own_announcements.h"
+#include "core/discovery/participants.h"
+#include "core/discovery/renewal_pace.h"
+#include "core/platform/clock.h"
+#include "sft/options.h"
+
+namespace sft::core {
+
+class LinkSet {
+ public:
+  struct Settings {
+    DdsConfig config;
+    ThreadSettings threads;
+    LifeSigns life_signs;
+  };
+  /// All outlive this object. `own` is written to each link that is opened.
+  LinkSet(Settings settings, const OwnAnnouncements& own, DiscoveryEar& ear, DiscoveryListener& listener)
+      : settings_(std::move(settings)), own_(own), ear_(ear), listener_(listener) {}
+  /// Waits a moment until others have what was written.
+  ~LinkSet();
+  LinkSet(const LinkSet&) = delete;
+  LinkSet& operator=(const LinkSet&) = delete;
+
+  /// Opens one link in a DDS domain that the program itself has configured.
+  Result<void> join(std::uint32_t domain);
+  /// Opens the links that are wanted, and closes others after that. The error is that of the first link that
+  /// could not be opened; such links are tried again by the next call.
+  Result<void> use(const std::vector<LinkSpec>& wanted, Time now);
+  /// Makes a link anew, for a reason that is told to the listener. Returns false if that is too early, or
+  /// fails.
+  bool renew(LinkId id, const std::string& why, Time now);
+  /// Closes replaced links that are not needed any more.
+  void retire(Time now);
+  /// Complains on one link about these participants.
+  void complain(LinkId id, const std::vector<AnnouncerId>& participants);
+
+  bool empty() const { return links_.empty(); }
+  std::vector<LinkSpec> specs() const;
+  /// Links that could not be opened, and why.
+  const std::vector<std::string>& failures() const { return failures_; }
+  /// Complaints of Cyclone about the configuration.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+  /// Calls write(link) for every link; returns the first error.
+  template <class Write>
+  Result<void> write_to_all(Write write) {
+    Result<void> result;
+    each([&](DiscoveryLink& link) {
+      if (Result<void> written = write(link); !written && result) result = std::move(written);
+    });
+    return result;
+  }
+  template <class Use>
+  void each(Use use) {
+    for (const auto& [spec, link] : links_) use(*link.link);
+    for (const RetiringLink& retiring : retiring_) use(*retiring.link.link);
+  }
+
+ private:
+  struct OpenLink {
+    LinkId id = 0;
+    std::shared_ptr<const CycloneDomain> domain;
+    std::unique_ptr<DiscoveryLink> link;
+  };
+  struct RetiringLink {
+    OpenLink link;
+    LinkId replaced_by = 0;
+    Time since;
+  };
+
+  Result<OpenLink> make(const LinkSpec& spec, const CycloneDomain* instead_of);
+  void open_missing(const std::vector<LinkSpec>& wanted, Result<void>& result);
+  void drop(OpenLink dropped, bool is_replaced, Time now);
+  std::map<LinkSpec, OpenLink>::iterator find(LinkId id);
+
+  const Settings settings_;
+  const OwnAnnouncements& own_;
+  DiscoveryEar& ear_;
+  DiscoveryListener& listener_;
+  Participants participants_;
+  LinkId links_made_ = 0;
+  std::vector<std::string> failures_;
+  std::vector<std::string> warnings_;
+  std::map<LinkSpec, RenewalPace> renewals_;
+  std::deque<RetiringLink> retiring_;  ///< others still know us by these; the oldest first
+  std::map<LinkSpec, OpenLink> links_;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,84 @@
+// Which participants count when they say that a node lives, and when the node is lost.
+#include "core/discovery/node_claims.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace sft::core {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr Speaker by_lan{1, 11}, stranger{1, 13}, by_radio{2, 12};
+
+class NodeClaimsTest : public ::testing::Test {
+ protected:
+  bool says_that_it_lives(const Speaker& speaker) {
+    speakers.heard(speaker, silence, now);
+    return claims.asserted(77, speaker, silence, now);
+  }
+  std::vector<NodeId> lost() {
+    return claims.take_lost([](NodeId) { return 1000ms; }, now);
+  }
+
+  static constexpr std::chrono::milliseconds silence{300};
+  Speakers speakers;
+  NodeClaims claims{speakers, 2};
+  Time now{1h};
+};
+
+TEST_F(NodeClaimsTest, OnEachLinkTheFirstSpeakerCountsUntilItIsSilent) {
+  EXPECT_TRUE(says_that_it_lives(by_lan));
+  EXPECT_FALSE(says_that_it_lives(stranger));
+  EXPECT_TRUE(says_that_it_lives(by_radio));
+  EXPECT_TRUE(claims.is_vouched_for(77, by_lan));
+  EXPECT_FALSE(claims.is_vouched_for(77, stranger));
+  EXPECT_TRUE(claims.is_vouched_for(77, by_radio));
+  now += silence + 1ms;
+  EXPECT_TRUE(says_that_it_lives(stranger));
+}
+
+TEST_F(NodeClaimsTest, ANodeLivesWhileAnyLinkHearsIt) {
+  says_that_it_lives(by_lan);
+  says_that_it_lives(by_radio);
+  now += 10s;
+  claims.unheard(77, 1);
+  EXPECT_THAT(lost(), IsEmpty());
+  claims.unheard(77, 2);
+  EXPECT_THAT(lost(), ElementsAre(77));
+  EXPECT_THAT(lost(), IsEmpty()) << "it is told once";
+}
+
+TEST_F(NodeClaimsTest, ANodeThatWasHeardAMomentAgoHasItsLeaseToReturnByAnotherLink) {
+  says_that_it_lives(by_lan);
+  claims.link_dropped(1);
+  EXPECT_THAT(lost(), IsEmpty());
+  claims.forget_link(1);
+  now += 999ms;
+  EXPECT_THAT(lost(), IsEmpty());
+  now += 1ms;
+  EXPECT_THAT(lost(), ElementsAre(77));
+  EXPECT_TRUE(says_that_it_lives(by_radio));
+  EXPECT_THAT(lost(), IsEmpty());
+}
+
+TEST_F(NodeClaimsTest, ASpeakerThatIsSilentForTooLongDoesNotKeepItsNodeAlive) {
+  says_that_it_lives(by_lan);
+  now += 20s;
+  EXPECT_THAT(lost(), IsEmpty());
+  claims.end_silent([](NodeId) { return 1000ms; }, now);
+  EXPECT_THAT(lost(), ElementsAre(77));
+}
+
+TEST_F(NodeClaimsTest, MoreNodesThanThereIsRoomForAreNotTaken) {
+  speakers.heard(by_lan, silence, now);
+  EXPECT_TRUE(claims.asserted(1, by_lan, silence, now));
+  EXPECT_TRUE(claims.asserted(2, by_lan, silence, now));
+  EXPECT_FALSE(claims.asserted(3, by_lan, silence, now));
+  EXPECT_TRUE(claims.asserted(2, by_lan, silence, now));
+}
+
+}  // namespace
+}  // namespace sft::core
