@@ -35,13 +35,13 @@ bool is_called(std::string_view written, std::string_view name, bool may_be_shor
   return equals(written, is_short ? name.substr(0, written.size()) : name);
 }
 
-/// With ${VARIABLES} replaced.
+/// Returns the value with ${VARIABLES} replaced.
 std::string expanded(const char* value, std::uint32_t domain) {
   const std::unique_ptr<char, void (*)(void*)> text(ddsrt_expand_envvars(value, domain), &ddsrt_free);
   return text == nullptr ? value : text.get();
 }
 
-/// Where Cyclone finds what it used to have elsewhere.
+/// Replaces a former path by the one where Cyclone finds the setting now.
 void bring_up_to_date(std::vector<std::string>& path) {
   if (path.empty()) return;
   if (equals(path[0], "Unsupported")) path[0] = "Internal";
@@ -97,7 +97,7 @@ class CycloneSettingsReader {
     if (open_.size() < skipped_from_) skipped_from_ = nothing_skipped;
   }
 
-  /// Of the elements that are open, those around <Domain> and itself are left out.
+  /// The elements around <Domain>, and <Domain> itself, are left out of the path.
   void set(std::string attribute, const char* value) {
     if (open_.size() >= skipped_from_) return;
     std::size_t outer = equals(open_[0], "CycloneDDS") ? 1 : 0;

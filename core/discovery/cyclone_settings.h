@@ -1,7 +1,7 @@
-// What a user's configuration of Cyclone DDS (CYCLONEDDS_URI) sets for a domain, as Cyclone will understand
-// it. It takes more than XML: `</>` closes any element, ends may be missing, and outside of files names may
-// be shortened and the outer elements left out. So this reads with the parser that Cyclone itself uses, and
-// by its rules for names.
+// The settings that a user's configuration of Cyclone DDS (CYCLONEDDS_URI) makes for a domain, as Cyclone
+// will understand them. Cyclone takes more than XML: `</>` closes any element, ends may be missing, and
+// outside of files names may be shortened and the outer elements left out. So this class reads with the
+// parser that Cyclone itself uses, and by its rules for names.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace sft::core {
 
-/// As names and values of settings are compared: upper and lower case are the same.
+/// Compares names and values of settings: upper and lower case are the same.
 bool equals(std::string_view a, std::string_view b);
 
 class CycloneSettings {
@@ -28,9 +28,9 @@ class CycloneSettings {
   /// Paths are those of Cyclone's documentation, below <Domain>: "General/FragmentSize"; an attribute is
   /// "@name". What is set twice holds as it is set last.
   std::optional<std::string> value(std::string_view path) const;
-  /// Of an element that may be there several times; in order.
+  /// Returns the values of an element that may be there several times, in order.
   std::vector<std::string> values(std::string_view path) const;
-  /// Whether anything is set there or below.
+  /// True if anything is set there or below.
   bool sets(std::string_view path) const;
   /// There are settings, and all of them are for other domains.
   bool only_for_others() const { return settings_.empty() && for_others_; }

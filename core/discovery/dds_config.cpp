@@ -54,7 +54,7 @@ double bytes_of(std::string_view text) {
   }
 }
 
-/// What SFT cannot do without, where the user may have set it otherwise.
+/// A setting that SFT cannot do without, though the user may have set it otherwise.
 struct Demand {
   std::string_view group;
   std::string_view name;
@@ -79,8 +79,8 @@ constexpr std::array demands{
 
 constexpr std::string_view own_domain_number = "Discovery/ExternalDomainId";
 
-// Where the ports of nodes begin that look for each other without multicast on the loopback: beside those of
-// the other links, which would else take the first ones, of which there are few.
+// The first port of nodes that look for each other without multicast on the loopback. It lies beside the
+// ports of the other links, which would otherwise take the first ones, of which there are few.
 constexpr int loopback_port_offset = 120;
 
 constexpr Demand predictable_port{
@@ -115,7 +115,7 @@ class Composition {
     std::string insisted;
     for (const Demand& demand : demands) insisted += insist_on(demand, config.warnings);
     if (finds_by_peers_only()) insisted += insist_on(predictable_port, config.warnings);
-    // What comes later wins.
+    // A later setting wins over an earlier one.
     const std::string users = of_user(user_config);
     config.text = ours() + "," + (users.empty() ? "" : users + ",") + document(insisted);
     add_remarks(config.warnings);
@@ -226,7 +226,7 @@ Result<void> check_partitions(const CycloneSettings& user) {
   return {};
 }
 
-/// Where Cyclone is to choose by itself, no interface is excluded.
+/// No interface is excluded if Cyclone is to choose by itself.
 std::vector<std::string> chosen_interfaces(const CycloneSettings& user, const DiscoverySettings& settings) {
   std::vector<std::string> names;
   for (const char* attribute : {"@name", "@address"}) {
@@ -266,8 +266,8 @@ std::string DdsConfig::summary(std::span<const LinkSpec> links) const {
                             : "on this host" + on_peers + ", by " + describe(links);
 }
 
-/// What is heard on a port of this host may come from any interface: without DontRoute each link would talk
-/// to addresses that are not of its network, too. Peers may be behind a router. Nodes of one host meet on the
+/// A datagram on a port of this host may come from any interface: without DontRoute each link would talk to
+/// addresses that are not of its network, too. Peers may be behind a router. Nodes of one host meet on the
 /// loopback, and would do so once more on every other link if its multicasts came back.
 std::string DdsConfig::text_for(const LinkSpec& link) const {
   const std::string which = link.ip.is_any() ? "name=\"" + link.interface : "address=\"" + format(link.ip);

@@ -1,5 +1,5 @@
-// How Cyclone DDS is configured for a domain: by ours first, then by the user's, so that it wins, and last by
-// what SFT cannot do without.
+// The configuration of Cyclone DDS for a domain. SFT's settings come first, then the user's, so that these
+// win, and last the settings that SFT cannot do without.
 #pragma once
 
 #include <chrono>

@@ -31,7 +31,7 @@ constexpr std::size_t threads_of_a_domain = 9;
 
 constexpr const char* name_of_maker = "sft-domain";
 constexpr int looks_for_names = 1000;  // once in a millisecond
-/// What the names of its threads begin with.
+/// The beginnings of the names of Cyclone's threads.
 constexpr std::array<std::string_view, 10> names_of_cyclone{"gc",  "tev",  "recv",      "dq.",    "lease",
                                                             "fsm", "xmit", "threadmon", "debmon", "ws"};
 
@@ -60,7 +60,7 @@ std::pair<std::uint32_t, dds_entity_t> make_domain(const std::string& config, bo
 
 using ThreadNames = std::map<std::string, std::string>;  // by the number of the thread
 
-/// Of the threads of this process.
+/// Returns the names of the threads of this process.
 ThreadNames thread_names() {
   ThreadNames names;
   std::error_code ignored;

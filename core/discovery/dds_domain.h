@@ -1,5 +1,5 @@
-// What Cyclone DDS has once in a process, though several nodes live in it: domains, and a destination of what
-// it logs.
+// Cyclone DDS has these once in a process, though several nodes live in it: domains, and a destination of its
+// log.
 #pragma once
 
 #include <dds/dds.h>
@@ -15,8 +15,9 @@
 
 namespace sft::core {
 
-/// What Cyclone logs in this thread, while it lives. From the first one on, what it logs otherwise in this
-/// process goes nowhere: it would go to standard error, and the library never prints.
+/// Collects what Cyclone logs in this thread, while this object lives. From the first such object on,
+/// anything else that Cyclone logs in this process is dropped: it would go to standard error, and the library
+/// never prints.
 class CycloneMessages {
  public:
   CycloneMessages();
@@ -72,7 +73,7 @@ Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& pl
                                                             const CycloneDomain* instead_of,
                                                             std::vector<std::string>& complaints);
 
-/// Whether the program itself uses that domain in this process.
+/// True if the program itself uses that domain in this process.
 bool program_has_opened(std::uint32_t domain);
 
 }  // namespace sft::core

@@ -1,6 +1,6 @@
-// Which links discovery should have. A link is one address of one network interface: Cyclone DDS uses one
-// interface for all, chosen once, so each link gets a Cyclone domain of its own. Pure: interfaces and
-// settings go in, links come out. discovery.md has the rules.
+// Decides which links discovery should have. A link is one address of one network interface: Cyclone DDS uses
+// one interface for all, chosen once, so each link gets a Cyclone domain of its own. The functions are pure:
+// interfaces and settings go in, links come out. discovery.md has the rules.
 #pragma once
 
 #include <compare>
@@ -48,7 +48,7 @@ struct DesiredLinks {
 DesiredLinks desired_links(std::span<const HostInterface> interfaces, const LinkRules& rules,
                            std::span<const LinkSpec> in_force);
 
-/// Whether the address is in the network of the link.
+/// True if the address is in the network of the link.
 bool leads_to(const LinkSpec& link, const IpAddress& address);
 
 /// For people: "lo, wlan0 (10.0.0.5)".

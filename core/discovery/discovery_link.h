@@ -18,7 +18,7 @@ namespace sft::core {
 
 class CycloneDomain;
 
-/// Is told what others say on the links. Called on Cyclone's threads, on several at once.
+/// A listener is told what others say on the links. It is called on Cyclone's threads, on several at once.
 class LinkListener {
  public:
   virtual void endpoint_came(const Speaker& speaker, Endpoint endpoint) = 0;

@@ -1,4 +1,4 @@
-// Which DDS domain a node is in.
+// Chooses the DDS domain of a node.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@ namespace sft::core {
 
 inline constexpr std::uint32_t domain_max = 232;  ///< by the port numbers that DDS derives from it
 
-/// What the program says; else what `environment` ($ROS_DOMAIN_ID; may be null) says; else 0.
+/// Returns the domain that the program names; else the one in `environment` ($ROS_DOMAIN_ID; may be null);
+/// else 0.
 Result<std::uint32_t> domain_id(std::optional<std::uint32_t> program, const char* environment);
 
 }  // namespace sft::core

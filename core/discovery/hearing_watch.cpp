@@ -25,7 +25,8 @@ constexpr milliseconds start_takes{2000};
 /// All of these are longer where there are many participants.
 constexpr milliseconds longer_for_each{20};
 constexpr std::size_t crowd_max = 200;  // more may be made up
-/// So many links are tried for a participant whose digest never agreed: something else may be wrong with it.
+/// The number of links that are tried for a participant whose digest never agreed: something else may be
+/// wrong with it.
 constexpr unsigned tries_max = 3;
 /// A participant that departs withdraws its endpoints first, and then itself, within that time.
 constexpr milliseconds departing{1500};

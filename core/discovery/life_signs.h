@@ -5,9 +5,9 @@
 
 namespace sft::core {
 
-/// How often a node says that it lives, and after how long without that it is lost: six in a row may get
-/// lost. Of ten nodes that lose a fifth of all packets, one is then lost falsely every ten minutes or so, and
-/// returns with the next.
+/// The pace at which a node says that it lives, and the time without such a sign after which it is lost: six
+/// in a row may get lost. If ten nodes lose a fifth of all packets, one is then lost falsely every ten
+/// minutes or so, and returns with the next sign.
 struct LifeSigns {
   std::chrono::milliseconds pause;
   std::chrono::milliseconds lease;

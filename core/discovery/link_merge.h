@@ -71,7 +71,7 @@ class LinkMerge {
   /// Withdrawals may have been somebody else's: what was withdrawn may be there after all.
   void doubt_departures() { departed_.clear(); }
 
-  /// In the order in which they happened.
+  /// Returns the news in the order in which they happened.
   std::vector<News> take_news() { return std::exchange(news_, {}); }
 
  private:

@@ -1,6 +1,7 @@
-// What the user data of a node's DDS participant say: that it is a node's, of this version of the control
-// topics, and of whose words it complains. Cyclone tells everybody at once when they change, by other means
-// than the control topics, so they get through where those are disturbed. discovery.md has the rules. Pure.
+// The user data of a node's DDS participant. They say that the participant is a node's, of this version of
+// the control topics, and about whose words it complains. Cyclone tells everybody at once when they change,
+// by other means than the control topics, so they get through where those are disturbed. discovery.md has the
+// rules. The functions are pure.
 #pragma once
 
 #include <cstddef>

@@ -39,7 +39,7 @@ class ToldEndpoint {
   void lose(Time heard, Time now);
   bool is_lost_before(Time before) const { return lost_ && *lost_at_ <= before; }
 
-  /// What was told may be somebody else's word.
+  /// Notes that the announcement may be somebody else's word.
   void doubt() { is_untrue_ = true; }
   bool is_in_doubt() const { return is_untrue_; }
   /// While that is in doubt, a link that is made anew is believed from then on.

@@ -43,7 +43,8 @@ struct SampleBuffer {
   std::int64_t source_stamp_ns = 0;
   std::uint64_t diverted_sequence = 0;  ///< of no meaning for what came by UDP
   std::int64_t diverted_stamp_ns = 0;
-  /// Received by UDP: the gate for a maximum rate that it passed (0: none), as the how-manieth.
+  /// Received by UDP: the gate for a maximum rate that it passed (0: none), and the number of the sample
+  /// among those that passed it.
   std::uint32_t min_period_us = 0;
   std::uint32_t ordinal = 0;
   /// Likewise: the only reader that it is for (0: all), and the first sequence that was sent to that.

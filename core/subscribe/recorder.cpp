@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint64_t bit(std::size_t leaf) { return std::uint64_t{1} << (leaf % 64); }
 
 /// Folds the accesses of a sample that nobody reads any more.
-std::uint64_t take_bits(AccessWord& word) noexcept {
+std::uint64_t take_bits(detail::AccessWord& word) noexcept {
   const std::uint64_t bits =
       word.found.load(std::memory_order_relaxed) | word.missed.load(std::memory_order_relaxed);
   if (bits == 0) return 0;

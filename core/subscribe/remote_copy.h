@@ -20,7 +20,7 @@ class RemoteCopy {
 
   /// The sample itself if it has no more than is asked for. Empty if a reader on another host would miss the
   /// sample: if there is no memory, or if its bytes are not what they claim to be. One thread at a time.
-  SampleHandle of(SampleHandle sample, const ProjectionPlan& asked);
+  SampleHandle of(SampleHandle sample, const detail::ProjectionPlan& asked);
 
  private:
   bool project(const SampleBuffer& sample, const detail::ProjectionPlan& asked);

@@ -1,6 +1,6 @@
-// How much may be answered to a writer that has not shown that it is at the address that its node announced:
-// at most three times as many bytes as came in its name, as QUIC allows before it knows an address (RFC 9000,
-// section 8.1). So nobody gains by having us answer somebody else. Pure.
+// Limits the answers to a writer that has not shown that it is at the address that its node announced: at
+// most three times as many bytes as came in its name, as QUIC allows before it knows an address (RFC 9000,
+// section 8.1). So nobody gains by having us answer somebody else. The class is pure.
 #pragma once
 
 #include <algorithm>

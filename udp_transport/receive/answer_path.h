@@ -1,4 +1,4 @@
-// Where the acks of one writer go, and how many bytes they may have. Pure.
+// The addresses that the acks of one writer go to, and the bytes that these acks may have. The class is pure.
 #pragma once
 
 #include <cstddef>
@@ -31,7 +31,7 @@ class AnswerPath {
   }
   bool is_known() const { return confirmed_.has_value(); }
 
-  /// Whether an ack of that length may be sent, to each address.
+  /// True if an ack of that length may be sent to each address.
   bool covers(std::size_t ack_bytes) const { return credit_.covers(copies() * ack_bytes); }
   /// Sends the ack to each address, or to none if that would be too many bytes.
   void send(const Ack& ack, const SendAck& send) {

@@ -7,7 +7,8 @@
 namespace sft::udp {
 
 namespace {
-/// So many samples go to a reader in order, before the next look whether that reader is still there.
+/// The number of samples that go to a reader in order before the next look whether that reader is still
+/// there.
 constexpr std::size_t delivered_at_once = 256;
 }  // namespace
 

@@ -39,7 +39,7 @@ class Delivery {
 
   /// Delivers to readers that had no room before.
   void look_after_readers(Time now);
-  /// When look_after_readers() is due; Time::max() if no reader lags.
+  /// The time when look_after_readers() is due; Time::max() if no reader lags.
   Time next_look() const { return lag_watch_.next_look(); }
   /// Some readers had no room for what is there. Any thread.
   bool readers_lag() const noexcept { return readers_lag_.load(std::memory_order_relaxed); }

@@ -21,7 +21,7 @@ class Demultiplexer {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// What accept() calls for datagrams that bring no samples.
+  /// accept() calls these for datagrams that bring no samples.
   struct Outlets {
     /// Hands an answer to the half of the transport that sends.
     std::function<void(const Answer&, const SocketAddress& from, Time)> hear_answer;

@@ -26,7 +26,7 @@ class Inbox {
   /// called once for as many as can wait, so that no sample pushes out one that the listener takes at once.
   void deliver(std::span<core::SampleHandle> samples) noexcept;
 
-  /// So many more samples of the writer can wait. None is refused: further ones push out the oldest.
+  /// Returns how many more samples of the writer can wait. None is refused: further ones push out the oldest.
   std::size_t room(core::EndpointId writer) const noexcept;
 
   core::SampleHandle take() noexcept;

@@ -12,7 +12,7 @@ namespace {
 
 using Standing = ArrivalWindow::Standing;
 
-/// So many missing parts are asked for at a time. Others are asked for later.
+/// The number of missing parts that are asked for at a time. Others are asked for later.
 constexpr std::size_t asked_at_once_max = 8 * missing_max;
 
 /// Calls `ask(Missing)` for each part of a sample that has not come. The sample is null if nothing of it has.
@@ -141,7 +141,7 @@ Arrival IncomingWriter::accept_packed(const Datagram& packed, const WantedMasks:
     return {};
   }
   if (packed.bytes_each != 0 && named.mask != nullptr && packed.bytes_each <= facts_.sample_bytes) {
-    const std::size_t bytes = SampleLayout(facts_.type->slots()).bytes(packed.bytes_each);
+    const std::size_t bytes = detail::SampleLayout(facts_.type->slots()).bytes(packed.bytes_each);
     const std::size_t reserved = window_ == nullptr ? 0 : reserved_for_first_missing();
     shared_.pool->take_kept(bytes, shared_.reserved_for_publishers() + reserved, packed.samples,
                             shared_.pack_buffers);
@@ -191,7 +191,7 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
     return refuse(d, met.place, why);
   const bool is_whole = sample == nullptr && d.payload.size() == d.first.total;
   if (!is_whole) return begin(d, sample, met.place, std::move(buffer), now);
-  const std::size_t body_offset = SampleLayout(facts_.type->slots()).body_offset;
+  const std::size_t body_offset = detail::SampleLayout(facts_.type->slots()).body_offset;
   if (!d.payload.empty()) std::memcpy(buffer->data + body_offset, d.payload.data(), d.payload.size());
   samples_.finish(d.label());
   return complete(std::move(buffer), d.first, met.place, now);
@@ -203,7 +203,8 @@ Arrival IncomingWriter::begin(const Datagram& d, UnfinishedSample* sample, std::
   if (place != 0) window_->begun(place, d.label(), buffer);
   if (sample == nullptr) sample = &samples_.begin(d.label(), place, now.steady);
   samples_.set_place(*sample, place);
-  samples_.describe(*sample, d.first, SampleLayout(facts_.type->slots()).body_offset, std::move(buffer));
+  samples_.describe(*sample, d.first, detail::SampleLayout(facts_.type->slots()).body_offset,
+                    std::move(buffer));
   sample->add(0, d.payload, shared_.limits.gaps, now.steady);
   Arrival arrival = proceed(*sample, samples_.unpark(*sample, now.steady), now);
   arrival.in_channel = place != 0;  // those before it may have turned out to be lost
@@ -262,7 +263,7 @@ Arrival IncomingWriter::proceed(UnfinishedSample& sample, UnfinishedSample::Adde
 
 Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& first, std::uint64_t place,
                                  ArrivalTime now) {
-  SampleHeader& header = sample->header();
+  detail::SampleHeader& header = sample->header();
   header.writer = facts_.id;
   header.sequence = sequence_of(first, sequences_);
   write_header(*sample, first, *facts_.type);
@@ -321,14 +322,14 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
 /// The samples behind the first missing one leave memory for that one: without it nobody gets the others.
 core::SampleHandle IncomingWriter::take_buffer(const Datagram& d, std::uint64_t place) {
   const std::size_t total = d.first.total;
-  const std::size_t bytes = SampleLayout(facts_.type->slots()).bytes(total);
+  const std::size_t bytes = detail::SampleLayout(facts_.type->slots()).bytes(total);
   if (place == 0) return samples_.take_buffer(bytes, d.label(), total, d.payload.size() == total);
   const std::size_t reserved = place == window_->next_place() ? 0 : reserved_for_first_missing();
   return samples_.take_reliable_buffer(bytes, total, reserved);
 }
 
 std::size_t IncomingWriter::reserved_for_first_missing() const {
-  return std::min(SampleLayout(facts_.type->slots()).bytes(facts_.sample_bytes),
+  return std::min(detail::SampleLayout(facts_.type->slots()).bytes(facts_.sample_bytes),
                   shared_.pool->limit_bytes() / 4);
 }
 

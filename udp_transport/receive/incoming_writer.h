@@ -44,7 +44,7 @@ struct Envelope {
   std::size_t bytes;  ///< length of the datagram
 };
 
-/// What a datagram brought.
+/// The result of a datagram.
 struct Arrival {
   core::SampleHandle sample;  ///< whole and valid; empty if the datagram completed none
   std::size_t stream = 0;     ///< the writer's index among the streams
@@ -64,14 +64,14 @@ class IncomingWriter {
   /// `shared` outlives the writer.
   explicit IncomingWriter(ReassemblyMemory& shared) : shared_(shared), samples_(shared) {}
 
-  /// What readers want of the writer from now on.
+  /// Sets what readers want of the writer from now on.
   void follow(const Stream& stream, std::size_t stream_index);
   /// Opens the window of a reliable writer. `departed` is how far the writer was when it was read last.
   void open_window(const std::optional<ArrivalWindow::Mark>& departed);
   /// Returns how far the writer was. Empty if the window was not open, or nothing was heard of the channel.
   std::optional<ArrivalWindow::Mark> close_window();
 
-  /// What is known of the writer itself.
+  /// The facts that are known of the writer itself.
   struct Facts {
     core::EndpointId id = 0;
     const TypeSupport* type = nullptr;
@@ -104,7 +104,7 @@ class IncomingWriter {
   void expire(Time now, std::optional<Time>& next) { samples_.expire(now, next); }
   /// Sends what is to be acknowledged or asked for by now.
   void answer(Time now, const SendAck& send);
-  /// When answer() has something to ask for at the earliest; Time::max() if never.
+  /// The earliest time when answer() has something to ask for; Time::max() if never.
   Time next_answer() const {
     return window_ != nullptr && answers_.is_known() ? window_->next_look() : Time::max();
   }

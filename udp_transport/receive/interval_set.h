@@ -1,4 +1,5 @@
-// Which bytes of a body have come: disjoint ranges in order. One range while datagrams come in order.
+// The bytes of a body that have arrived: disjoint ranges in order. There is one range while datagrams arrive
+// in order.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +18,7 @@ class IntervalSet {
   /// Returns how many bytes of [begin, end) were not in the set before. begin < end.
   std::uint32_t add(std::uint32_t begin, std::uint32_t end);
 
-  /// Whether adding that makes one interval more.
+  /// True if adding that interval makes one interval more.
   bool stands_alone(std::uint32_t begin, std::uint32_t end) const;
 
   std::uint32_t covered() const { return covered_; }

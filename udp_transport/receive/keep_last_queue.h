@@ -28,7 +28,7 @@ class KeepLastQueue {
 
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
-  /// Of the oldest; not empty.
+  /// Returns the arrival of the oldest sample. REQUIRES: the queue is not empty.
   std::uint64_t arrival() const { return entries_[head_].arrival; }
   core::SampleHandle pop();
 

@@ -1,5 +1,5 @@
-// When to look again at readers that had no room for what is there: soon while they take something, and ever
-// more seldom while they do not. Pure.
+// Tells when to look again at readers that had no room for what is there: soon while they take something, and
+// more and more seldom while they do not. The class is pure.
 #pragma once
 
 #include <algorithm>

@@ -17,7 +17,7 @@ class LateFilter {
   /// If no sample for this reader alone has come for so long, none is under way any more.
   static constexpr std::chrono::milliseconds settling{100};
 
-  /// Without `history_first` the reader takes every sample at once.
+  /// A reader without `history_first` takes every sample at once.
   explicit LateFilter(bool history_first = false) : waits_(history_first), history_first_(history_first) {}
 
   bool is_late() const { return history_first_; }

@@ -1,5 +1,6 @@
-// From decoded datagrams to samples: finds the writer of each datagram among those that are read here. Pure:
-// datagrams and times in, samples out; no I/O, no clock, no thread of its own.
+// Makes samples of decoded datagrams: it finds the writer of each datagram among those that are read here.
+// The class is pure: datagrams and times go in, samples come out; it has no I/O, no clock and no thread of
+// its own.
 #pragma once
 
 #include <cstddef>
@@ -27,8 +28,8 @@ class Reassembly {
 
   Reassembly(const ReassemblyLimits& limits, std::shared_ptr<core::BufferPool> pool);
 
-  /// What is wanted from now on. The unfinished samples of a writer that stays are kept, and those of one
-  /// that goes are dropped. Writers whose short ids are equal are told apart by the addresses that their
+  /// Sets what is wanted from now on. The unfinished samples of a writer that stays are kept, and those of
+  /// one that goes are dropped. Writers whose short ids are equal are told apart by the addresses that their
   /// nodes announced, and by what they announced of their samples.
   void set_streams(std::span<const Stream> streams);
 
@@ -40,7 +41,7 @@ class Reassembly {
   /// Counts a datagram that makes no sense.
   void refuse(const Malformed& d);
 
-  /// What an offer asks for.
+  /// The request of an offer.
   struct Joining {
     std::uint32_t group = 0;  ///< IPv4; 0: the offer took its group back
     bool anew = false;        ///< join the group again, even if it was joined before
@@ -58,14 +59,15 @@ class Reassembly {
   void answer(Time now, const SendAck& send);
   Time next_answer() const;
 
-  /// Where to report to a process that marks what it sends, if a writer that is read here belongs to it.
+  /// Returns where to report to a process that marks what it sends, if a writer that is read here belongs to
+  /// it.
   std::optional<SocketAddress> report_address(const core::IpAddress& from, std::uint16_t port) const;
   /// Something of that stream came from this address, which its node need not have announced.
   void came_from(std::size_t stream_index, const core::IpAddress& ip);
 
   /// Drops what has made no progress for too long.
   void expire(Time now);
-  /// When expire() has something to do at the earliest; empty while nothing has begun.
+  /// The earliest time when expire() has something to do; empty while nothing has begun.
   std::optional<Time> next_expiry() const { return shared_.next_expiry(); }
 
   const Counters& counters() const { return shared_.counters; }
@@ -101,7 +103,7 @@ class Reassembly {
   std::unordered_map<std::uint32_t, Known*> by_short_id_;  ///< the first of those that have the short id
   std::vector<IncomingWriter*> by_stream_;
   IncomingWriter* last_ = nullptr;  ///< the writer of the last datagram, if no other one has its short id
-  /// How far the windows were of writers that are read no more, the newest last.
+  /// The progress of the windows of writers that are no longer read, the newest last.
   std::vector<std::pair<core::EndpointId, ArrivalWindow::Mark>> departed_;
   std::size_t windows_ = 0;  ///< counts the reliable streams
 };

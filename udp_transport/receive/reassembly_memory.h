@@ -1,4 +1,4 @@
-// What all writers that are read in a process share while their samples are put together: limits, memory and
+// All writers that are read in a process share these while their samples are put together: limits, memory and
 // counters.
 #pragma once
 
@@ -46,11 +46,11 @@ class ReassemblyMemory {
   void note_parked(std::size_t bytes) { parked_bytes_ += bytes; }
   void note_unparked(std::size_t bytes) { parked_bytes_ -= bytes; }
 
-  /// So much of the pool is reserved for the samples that this node publishes: neither what others send nor
-  /// what subscribers keep may silence them.
+  /// The part of the pool that is reserved for the samples that this node publishes: neither the samples that
+  /// others send nor those that subscribers keep may silence its publishers.
   std::size_t reserved_for_publishers() const { return pool->limit_bytes() / 4; }
 
-  /// When the next unfinished sample may have to be dropped; empty while there are none.
+  /// The time when the next unfinished sample may have to be dropped; empty while there are none.
   const std::optional<Time>& next_expiry() const { return next_expiry_; }
   void set_next_expiry(const std::optional<Time>& time) { next_expiry_ = time; }
 

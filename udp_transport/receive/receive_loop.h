@@ -25,7 +25,8 @@ namespace sft::udp {
 /// receiving thread" is the thread that has the role.
 class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_this<ReceiveLoop> {
  public:
-  /// How the loop speaks with the half of the transport that sends. The receiving thread calls these.
+  /// The loop speaks through these with the half of the transport that sends. The receiving thread calls
+  /// them.
   struct SendingHalf {
     std::function<void(const Answer&, const SocketAddress& from, std::chrono::steady_clock::time_point)>
         hear_answer;

@@ -37,7 +37,7 @@ class SampleAssembly {
   /// Adds all datagrams that came before the first one.
   UnfinishedSample::Added unpark(UnfinishedSample& sample, Time now);
 
-  /// What still comes of this sample is ignored.
+  /// Further datagrams of this sample are ignored.
   void finish(const SampleLabel& label) { finished_.add(label); }
   bool is_finished(const SampleLabel& label) const { return finished_.contains(label); }
 

@@ -8,14 +8,15 @@
 
 namespace sft::udp {
 
-/// It is, as long as they come about as fast as a thread can be woken. Whoever answers at once and gets the
-/// next one for it is quicker from then on, and what comes now and then costs nothing.
+/// Spinning pays as long as samples come about as fast as a thread can be woken. A program that answers at
+/// once and gets the next sample for it is quicker from then on, and samples that come now and then cost
+/// nothing.
 class SpinChoice {
  public:
   using Duration = std::chrono::nanoseconds;
 
   Duration choose(Duration limit) const { return last_wait_ / worth_while <= limit ? limit : Duration{0}; }
-  /// How long the next one did not come.
+  /// Tells how long the next sample did not come.
   void waited(Duration time) { last_wait_ = time; }
 
  private:

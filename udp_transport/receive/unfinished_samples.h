@@ -29,7 +29,7 @@ class UnfinishedSamples {
   Handle remove(const SampleLabel& label);
   /// Gives a sample its place in the channel of the writer; 0: it has none any more.
   void set_place(UnfinishedSample& sample, std::uint64_t place);
-  /// From now on no sample has a place.
+  /// Forgets the positions of all samples.
   void forget_places();
 
  private:

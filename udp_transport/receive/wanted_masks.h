@@ -17,7 +17,7 @@ namespace sft::udp {
 
 class WantedMasks {
  public:
-  /// From now on; `type` outlives it.
+  /// Sets the masks that are wanted from now on; `type` outlives this object.
   void set(const TypeSupport& type, std::span<const FieldMask> masks);
 
   struct Named {

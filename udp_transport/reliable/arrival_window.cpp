@@ -58,7 +58,7 @@ void ArrivalWindow::begin_channel(std::uint64_t ordinal) {
   first_ordinal_ = ordinal;
 }
 
-/// That and what follows was passed over, and should not have been.
+/// Goes back to that ordinal: it and those behind it were passed over, and should not have been.
 void ArrivalWindow::go_back_to(std::uint64_t ordinal) {
   begin_channel(ordinal);
   ordinals_.go_on_with(ordinal);
@@ -183,7 +183,7 @@ void ArrivalWindow::refuse_or_pass(Place place) {
   refuse(place);
 }
 
-/// Those before the first missing one were acknowledged: they do not come again.
+/// Samples before the first missing one were acknowledged: they do not come again.
 void ArrivalWindow::distrust_above(std::uint64_t sequence) {
   for (Place place = slots_.begin(); place < slots_.end(); ++place) {
     const Slot& slot = slots_[place];
@@ -270,7 +270,7 @@ void ArrivalWindow::hold_no_more_than_allowed() {
   }
 }
 
-/// What was never heard of before the first word of a writer was not for us.
+/// Samples that were never heard of before the first word of a writer were not for us.
 void ArrivalWindow::lose_before(Place end) {
   for (Place place = next_; place < std::min(end, slots_.end()); ++place) {
     Slot& slot = slots_[place];
@@ -298,7 +298,8 @@ void ArrivalWindow::hear(const Heartbeat& heartbeat, Time now) {
   end_requests(place_of(heartbeat.end) + heartbeat.waiting);
 }
 
-/// What the writer does not have any more is lost. False if that is further ahead than is believed.
+/// Counts samples that the writer no longer has as lost. Returns false if that is further ahead than is
+/// believed.
 bool ArrivalWindow::follow(const Heartbeat& heartbeat, Time heard_before, Time now) {
   constexpr double sent_per_s_max = 1 << 22;
   const std::uint64_t known_end = ordinal_of(std::max(end_, slots_.end()));
@@ -315,7 +316,7 @@ bool ArrivalWindow::follow(const Heartbeat& heartbeat, Time heard_before, Time n
   return true;
 }
 
-/// Whether all that the writer has sent was passed over, and some of it has not come.
+/// Returns true if everything that the writer has sent was passed over, and some of it has not arrived.
 bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
   if (heartbeat.end == heartbeat.first || heartbeat.end <= not_told_before_) return false;
   if (!fresh_ && place_of(heartbeat.end) <= next_ && heartbeat.end < ordinal_of(next_))
@@ -323,8 +324,8 @@ bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
   return false;
 }
 
-/// Whether something came that the writer has not published yet: it says so again after so long, and nothing
-/// new has come meanwhile. What it sends next would take the place of that.
+/// Returns true if something arrived that the writer has not published yet: the writer says so again after so
+/// long, and nothing new has arrived meanwhile. The writer's next sample would take the place of that.
 bool ArrivalWindow::was_never_published(const Heartbeat& heartbeat, Time now) {
   const std::uint64_t end = heartbeat.end + heartbeat.waiting;
   if (fresh_ || end >= ordinal_of(next_) || end < first_ordinal_) {

@@ -46,7 +46,7 @@ class ArrivalWindow {
   explicit ArrivalWindow(const ArrivalLimits& limits)
       : limits_(limits), delay_(limits.ask_after), random_(limits.seed) {}
 
-  /// How far a window was when nobody heard the writer any more.
+  /// The progress of a window when nobody heard the writer any more.
   struct Mark {
     std::uint32_t channel = 0;
     std::uint64_t end = 0;  ///< ordinal behind the last one that was known of
@@ -56,7 +56,7 @@ class ArrivalWindow {
   /// it hears of, not with those that were sent meanwhile.
   void join(const Mark& left);
 
-  /// What to do with a first datagram.
+  /// The treatment of a first datagram.
   enum class Standing : std::uint8_t {
     wanted,
     known,   ///< it, or its whole sample, has come already, or is not wanted any more
@@ -69,14 +69,14 @@ class ArrivalWindow {
   /// `same_datagram`: the last one that was met came in the same datagram.
   Met meet(const ChannelMark& mark, Time now, bool same_datagram = false);
 
-  // Of a place that was met.
+  // These functions are about a place that was met.
 
-  /// Its sample is being put together in that buffer, whose mask and addressee are set.
+  /// Tells that its sample is being put together in that buffer, whose mask and addressee are set.
   void begun(Place place, const SampleLabel& label, core::SampleHandle buffer);
   void whole(Place place, core::SampleHandle sample);
-  /// It will not come, or is for nobody here.
+  /// Tells that its sample will not come, or is for nobody here.
   void pass(Place place);
-  /// What came of it makes no sense. It is asked for again.
+  /// Tells that the datagrams of its sample make no sense. The sample is asked for again.
   void refuse(Place place);
   /// The same, of a sample of which each datagram made sense: after the second time it is passed over.
   void refuse_or_pass(Place place);
@@ -87,7 +87,7 @@ class ArrivalWindow {
   void doubt(Place place, std::uint32_t sequence);
   /// The sample that has begun there; empty if none has, or it is whole.
   std::optional<SampleLabel> begun_at(Place place) const;
-  /// That one begins anew, or another one there.
+  /// Tells that its sample begins anew, or another sample begins there.
   void give_back(Place place, Time now) { give_back(slots_[place], now); }
   /// Some of it came once more.
   void came_again(Place place);
@@ -105,10 +105,11 @@ class ArrivalWindow {
   /// over.
   template <class Accepts>
   core::SampleHandle next(core::EndpointId reader, const Accepts& accepts);
-  /// Who reads from now on: those that are new begin with the first sample that has not come yet.
+  /// Sets who reads from now on. New readers begin with the first sample that has not arrived yet.
   void set_readers(const std::vector<core::EndpointId>& readers);
-  /// What the writer sends by now is for that reader under that request, or a later one. What was published
-  /// before may be under way for ever so long: up to where the next heartbeat says that the writer was.
+  /// Tells that the writer's samples are by now for that reader under that request, or a later one. Samples
+  /// that were published before may be under way for any time: up to the position that the next heartbeat
+  /// gives for the writer.
   void heard(core::EndpointId reader, std::uint64_t request);
   /// Lets go of what all of them have.
   void release();
@@ -117,7 +118,8 @@ class ArrivalWindow {
   void set_awaited(bool awaited) { awaited_ = awaited; }
   /// Something is there that not all of them have, after release().
   bool holds_back() const { return slots_.begin() < next_; }
-  /// It goes on without them, or there is too much of that: they have to be given some.
+  /// True if the window goes on without lagging readers, or holds too much for them: they have to be given
+  /// some.
   bool overtakes() const { return overtakes_; }
 
   // Asking.
@@ -127,24 +129,25 @@ class ArrivalWindow {
     Place place = 0;
     std::optional<SampleLabel> label{};  ///< empty: nothing of it has come
   };
-  /// What has been missing for so long that it is to be asked for now. `came_at(label)` tells when something
-  /// of a sample came last. No more than `gaps_max` are asked for at a time: others as these come.
+  /// Returns the gaps that have lasted so long that the samples are to be asked for now. `came_at(label)`
+  /// tells when the last part of a sample arrived. At most `gaps_max` are asked for at a time: others as
+  /// these come.
   template <class CameAt>
   std::vector<Gap> due_gaps(Time now, const CameAt& came_at, std::size_t gaps_max);
 
   /// Others get the same, and may miss the same at the same time: asks at times of its own from now on.
   void spread_asking() { spread_ = limits_.spread; }
 
-  /// So many parts of it were.
+  /// Tells that so many parts of its sample were asked for.
   void asked_for(Place place, std::uint32_t parts);
 
-  /// Whether something is to be acknowledged now.
+  /// True if something is to be acknowledged now.
   bool ack_due() const {
     return ack_wanted_ || unacked_bytes_ >= limits_.ack_bytes || unacked_ >= acked_at_once;
   }
-  /// Without what is missing; counts as sent.
+  /// Returns an ack without the missing samples; it counts as sent.
   Ack ack(std::uint32_t writer);
-  /// When due_gaps() may find something; Time::max() if never.
+  /// The time when due_gaps() may find something; Time::max() if never.
   Time next_look() const { return look_at_; }
 
   bool knows_channel() const { return channels_.present().has_value(); }
@@ -200,7 +203,7 @@ class ArrivalWindow {
   void lose_before(Place end);
   void lose(Slot& slot);
   Place first_not_taken() const;
-  /// Where much is to be looked at, that is not done too often.
+  /// If there is much to look at, it is not looked at too often.
   void look_at(Time time) {
     constexpr std::size_t few = 256;
     constexpr std::chrono::microseconds pause{500};

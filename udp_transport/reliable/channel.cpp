@@ -6,9 +6,9 @@
 namespace sft::udp {
 
 namespace {
-/// So much of what is kept stays in the caches, more or less. With fewer samples sending would pause.
+/// About so many kept bytes stay in the caches. With fewer samples sending would pause.
 constexpr std::size_t cached_bytes_max = std::size_t{8} << 20, cached_samples_min = 2;
-/// On a fast link a large sample departs within this time. On a slow link, or after an ack was lost, a longer
+/// A large sample departs within this time on a fast link. On a slow link, or after an ack was lost, a longer
 /// pause would not help.
 constexpr std::chrono::milliseconds moment{10};
 }  // namespace
@@ -39,7 +39,7 @@ bool Channel::wait_for_room(const Job& job, std::chrono::nanoseconds& patience,
   return true;
 }
 
-/// With the mutex held.
+/// REQUIRES: the mutex is held.
 Wake Channel::attend() {
   if (std::exchange(attended_, true)) return Wake::none;
   looks_at_ = {};  // at once
@@ -114,7 +114,8 @@ Wake Channel::departed(std::uint64_t ordinal) {
   return attended_ ? looks_sooner(time) : Wake::none;
 }
 
-/// With the mutex held. Wakes the sending thread if it has to look at this channel sooner than it would.
+/// REQUIRES: the mutex is held. Wakes the sending thread if it has to look at this channel sooner than it
+/// would.
 Wake Channel::looks_sooner(Time now) {
   if (window_.next_look(now) >= looks_at_) return Wake::none;
   looks_at_ = now;

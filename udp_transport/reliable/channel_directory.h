@@ -20,7 +20,7 @@ class ChannelRoster {
   void add(const std::shared_ptr<Channel>& channel);
   /// Null if there is none, or no more.
   std::shared_ptr<Channel> find(std::uint32_t writer, std::uint32_t number);
-  /// Those of that writer to receivers at that address.
+  /// Returns the channels of that writer to receivers at that address.
   std::vector<std::shared_ptr<Channel>> find_at(std::uint32_t writer, const core::IpAddress& ip);
 
  private:
@@ -28,10 +28,10 @@ class ChannelRoster {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<Channel>> known_;
 };
 
-/// By destination: those there that are served reliably, under whatever masks.
+/// The readers at each destination that are served reliably, under whatever masks.
 using ReliableReaders = std::map<const Destination*, std::set<core::EndpointId>>;
 
-/// Of the agent's thread. The roster outlives it.
+/// Used by the agent's thread. The roster outlives it.
 class ChannelDirectory {
  public:
   ChannelDirectory(std::uint32_t writer, std::shared_ptr<WriterTally> tally, ChannelRoster& roster,
@@ -48,7 +48,7 @@ class ChannelDirectory {
   /// The one to these readers at that destination, known or new: it goes on as long as one of them stays.
   std::shared_ptr<Channel> find(const std::shared_ptr<Destination>& to,
                                 const std::set<core::EndpointId>& readers);
-  /// Of one at least nothing can be relied on any more: find() gives another one for it.
+  /// True if at least one channel can no longer be relied on: find() gives another one for it.
   bool some_went_wrong() const;
   /// All others end.
   void keep_to(const ReliableReaders& readers);

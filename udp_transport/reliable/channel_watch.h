@@ -31,11 +31,11 @@ class ChannelWatch {
   /// one.
   static constexpr std::uint32_t alike_in_a_row = 4;
 
-  /// So many, with that silence, of a former channel that are behind where it was left: what it had was not
-  /// true either.
+  /// After so many datagrams of a former channel, with that silence, which are behind the position where it
+  /// was left, that position was not true either.
   static constexpr std::uint32_t behind_in_a_row = 4;
 
-  /// What a datagram says: the ordinal of a sample twice, or the range of a heartbeat.
+  /// A datagram's claim: the ordinal of a sample twice, or the range of a heartbeat.
   struct Claim {
     std::uint32_t channel = 0;
     std::uint64_t first = 0;
@@ -53,7 +53,7 @@ class ChannelWatch {
   std::uint64_t turn(std::uint32_t channel, std::uint64_t next);
 
   const std::optional<std::uint32_t>& present() const { return present_; }
-  /// It is followed, or was before.
+  /// True if that channel is followed, or was before.
   bool knows(std::uint32_t channel) const { return present_ == channel || former(channel) != nullptr; }
   /// The number that is `low` modulo `end`, a power of two: of a channel that is known, or else the nearest
   /// to the present one. Empty while no channel is known.

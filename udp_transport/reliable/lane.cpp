@@ -8,12 +8,12 @@
 namespace sft::udp {
 
 namespace {
-// So much may wait without a channel: in a late lane, or in another lane for the first report of its
+// Jobs that may wait without a channel: in a late lane, or in another lane for the first report of its
 // receiver. That is a round trip, in which a program may publish a burst of small samples.
 constexpr std::size_t late_jobs_max = 256, unproven_jobs_max = 4096;
 constexpr std::size_t late_bytes_max = std::size_t{1} << 20;
-// So much may also wait for so long after that report: what has piled up is sent before anything has to go
-// for it.
+// The same number may wait for so long after that report: jobs that have piled up are sent before any is
+// dropped for others.
 constexpr std::chrono::milliseconds pile_lasts{250};
 // With a channel, as much may wait as the channel may keep.
 constexpr ResendLimits channel_limits;
@@ -112,7 +112,7 @@ void Lane::await_room(const Job& job, std::chrono::nanoseconds& patience) {
   patience = std::max<std::chrono::nanoseconds>(patience - (Clock::now() - begin), {});
 }
 
-/// With the mutex held. The queue is not empty.
+/// REQUIRES: the mutex is held, and the queue is not empty.
 JobHandle Lane::pop_oldest() {
   JobHandle oldest = std::move(queue_[queue_.begin()]);
   queue_.pop_front();

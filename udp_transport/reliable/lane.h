@@ -24,7 +24,7 @@ namespace sft::udp {
 
 class Channel;
 
-/// Is told of each job that a lane is done with. Calls nothing of the lane.
+/// A listener is told of each job that a lane is done with. It calls nothing of the lane.
 class LaneListener {
  public:
   virtual ~LaneListener() = default;
@@ -80,8 +80,8 @@ class Lane {
 
   /// Notes the first sequence of the lane in a job that is sent without being queued.
   void mark(Job& job);
-  /// What is sent from now on must not overtake what has departed up to that position. Used by the sending
-  /// thread, too.
+  /// Samples that are sent from now on must not overtake those that have departed up to that position. Used
+  /// by the sending thread, too.
   void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
 
   // The agent's thread.

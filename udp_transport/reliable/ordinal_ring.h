@@ -46,7 +46,7 @@ class OrdinalRing {
     ++begin_;
     --size_;
   }
-  /// Of an empty one: the next item gets that ordinal.
+  /// REQUIRES: the ring is empty. The next item gets that ordinal.
   void begin_at(std::uint64_t ordinal) {
     assert(empty());
     begin_ = ordinal;

@@ -14,14 +14,14 @@ class OrdinalWatch {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// So many samples of a channel are remembered, and no writer keeps more.
+  /// The number of samples of a channel that are remembered; no writer keeps more.
   static constexpr std::size_t remembered = 8192;
   /// After so many samples in a row that were passed over, and had not come, the reader goes back. (One large
   /// sample that its writer gave up may still be under way in many datagrams.)
   static constexpr std::uint32_t passed_over_in_a_row = 64;
-  /// So many datagrams are enough if the first and the last are so far apart, and nothing new has come
-  /// between them: fewer may be repairs that come late. A silence before them does not count: after it the
-  /// first to come may be what was sent before it.
+  /// So many datagrams suffice if the first and the last are so far apart, and nothing new has come between
+  /// them: fewer may be repairs that come late. A silence before them does not count: after it the first to
+  /// come may be what was sent before it.
   static constexpr std::uint32_t doubted_by = 8;
   static constexpr std::chrono::milliseconds doubted_after{250};
   /// A repetition of the same ordinal confirms it if it comes so much later: the writer sent it twice.
@@ -38,10 +38,10 @@ class OrdinalWatch {
 
   /// A sample came that was passed over. Returns the ordinal to go back to, if it was wrong to do that.
   std::optional<std::uint64_t> passed_over(std::uint64_t ordinal, bool same_datagram, Time now);
-  /// Whether a datagram before has claimed an ordinal near this one, out of reach as well.
+  /// Returns true if an earlier datagram has claimed an ordinal near this one, out of reach as well.
   bool confirmed(std::uint64_t ordinal, bool same_datagram, Time now);
 
-  /// From now on that ordinal comes next.
+  /// Takes that ordinal as the next one.
   void go_on_with(std::uint64_t ordinal);
 
  private:

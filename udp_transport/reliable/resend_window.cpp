@@ -76,7 +76,8 @@ bool ResendWindow::can_keep(std::size_t samples, std::size_t bytes) const {
          (memory_ == nullptr || !memory_->wants_some_of(in_all, bytes));
 }
 
-/// With so much more. Where all channels together keep too much, twice as much goes, as long as it has to.
+/// Returns the limit if so much more is added. If all channels together keep too much, twice as much has to
+/// go, as long as necessary.
 std::size_t ResendWindow::bytes_max(std::size_t added) const {
   if (memory_ == nullptr || !memory_->wants_some_of(kept_bytes_)) return limits_.bytes;
   return std::min(limits_.bytes, std::max(added, kept_bytes_ - std::min(kept_bytes_, 2 * added)));

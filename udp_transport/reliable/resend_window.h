@@ -36,7 +36,7 @@ class ResendWindow {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Which of two queues: a large sample does not hold up small ones.
+  /// One of two queues, so that a large sample does not hold up small ones.
   enum class Size : std::uint8_t { small, large };
   static Size size_of(std::size_t bytes) { return bytes <= batch_bytes_max ? Size::small : Size::large; }
 
@@ -73,23 +73,25 @@ class ResendWindow {
   /// One that was sent elsewhere has left.
   void departed(std::uint64_t ordinal, Time now);
 
-  /// What may be sent now; it counts as being sent until finished() or put_back() is called.
+  /// Returns the piece that may be sent now; it counts as being sent until finished() or put_back() is
+  /// called.
   std::optional<Piece> next(Size size, Time now);
   /// Takes that very sample, if it is its turn.
   std::optional<Piece> take(std::uint64_t ordinal);
   void finished(const Piece& piece, Time now);
-  /// What is left of it, from where its range begins, is sent later.
+  /// The rest of the piece, from where its range begins, is sent later.
   void put_back(const Piece& piece);
   /// Nothing waits or is under way for the first time.
   bool all_sent() const { return sent_end() == kept_.end(); }
   bool keeps(std::uint64_t ordinal) const { return kept_.contains(ordinal); }
 
-  /// Of one that has left elsewhere: the job, whose own header is the one of there. Else none.
+  /// Returns the job of a sample that was sent elsewhere; its own header is the one used there. Empty for
+  /// others.
   JobHandle sent_elsewhere(std::uint64_t ordinal) const;
 
-  /// What the other end says. Nonsense is ignored. An ack of another channel of the writer shows that the
-  /// other end may follow a wrong one: samples name this one in full then, and a heartbeat does at once. A
-  /// part that was sent again within `round_trip` is still on its way there, and not sent once more.
+  /// Takes an ack of the other end; nonsense is ignored. An ack of another channel of the writer shows that
+  /// the other end may follow a wrong one: samples then name this one in full, and a heartbeat does at once.
+  /// A part that was sent again within `round_trip` is still on its way there, and is not sent once more.
   void hear(const Ack& ack, Time now, Time::duration round_trip = {});
   /// The other end says that it has got what was never sent, as it could not but for a fault: what it says
   /// of this channel means nothing any more.
@@ -105,7 +107,7 @@ class ResendWindow {
 
   /// When to look again, if nothing is kept, heard and taken until then.
   Time next_look(Time now) const;
-  /// Whether so much more can be kept, and nothing has to go for it.
+  /// Returns true if so much more can be kept, and nothing has to go for it.
   bool can_keep(std::size_t samples, std::size_t bytes) const;
   /// Nothing is left to be sent or acknowledged.
   bool settled() const { return kept_.empty(); }

@@ -10,7 +10,7 @@ namespace {
 
 std::uint64_t distance(std::uint64_t a, std::uint64_t b) { return a > b ? a - b : b - a; }
 
-/// How far ahead a writer can be that was not heard for that time.
+/// Returns how far ahead a writer can be that was not heard for that time.
 std::uint64_t reach_after(SequenceWatch::Time::duration silence) {
   using Seconds = std::chrono::duration<double>;
   constexpr double longest_s = 1e6;

@@ -32,13 +32,14 @@ class SequenceWatch {
 
   struct Claim {
     std::uint64_t sequence = 0;
-    /// In the channel of the writer; 0: in none. A sample that is behind in its channel, too, is a repair.
+    /// The position in the channel of the writer; 0: in none. A sample that is behind in its channel, too, is
+    /// a repair.
     std::uint64_t place = 0;
     /// Another number for each datagram, and not 0: one datagram does not confirm itself.
     std::uint64_t datagram = 0;
     std::int64_t stamp_ns = 0;  ///< by the writer's clock
   };
-  /// Whether a sample that claims this may be delivered.
+  /// Returns true if a sample that claims this may be delivered.
   bool believes(const Claim& claim, Time now) {
     const bool is_next = newest_ != 0 && claim.sequence > newest_ && claim.sequence - newest_ <= reach;
     if (!is_next) [[unlikely]]
@@ -51,8 +52,8 @@ class SequenceWatch {
   std::uint64_t widen(std::uint32_t low) const;
 
   std::uint64_t newest() const { return newest_; }
-  /// Of a numbering that has just begun anew: whether what came above it was certainly wrong. Where all that
-  /// came looked like repairs, it may have been right.
+  /// Tells of a numbering that has just begun anew whether everything above it was certainly wrong. If all of
+  /// that looked like repairs, it may have been right.
   bool newest_was_wrong() const { return newest_was_wrong_; }
   /// Counts how often the numbering began anew.
   std::uint32_t numbering() const { return numbering_; }

@@ -122,7 +122,7 @@ class DynamicView {
 
  private:
   enum class Node : std::uint8_t { structure, collection, value };
-  /// Where the members of a struct are: at slots of the index from `slot` on, or one after the other from
+  /// The place of a struct's members: at slots of the index from `slot` on, or one after the other from
   /// `offset`.
   struct Place {
     std::size_t leaf = 0;  ///< first of the struct, or of the member that is next

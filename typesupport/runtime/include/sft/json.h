@@ -28,7 +28,7 @@
 
 namespace sft {
 
-/// How JSON is written.
+/// Options for writing JSON.
 struct JsonOptions {
   int indent = -1;                                  ///< spaces per level; -1: one line
   std::size_t elements_max = SIZE_MAX;              ///< of each array and sequence, except those in base64
@@ -40,7 +40,7 @@ struct JsonOptions {
 /// be.
 Result<std::string> to_json(const DynamicView& view, const JsonOptions& options = {});
 
-/// How JSON is read.
+/// Options for reading JSON.
 struct FromJsonOptions {
   std::size_t bytes_max = 64 * 1024 * 1024;  ///< of the body; more is an error
   /// The time for which "now" stands in the place of a builtin_interfaces/Time, and "auto" in the place of a

@@ -191,8 +191,8 @@ using detail::operator==;
 struct Recorded {
   friend constexpr bool operator==(Recorded, Recorded) = default;
 };
-/// Instead of a mask: the getters of the subscriber's samples note which fields the program reads, and these
-/// fields are requested.
+/// Stands in place of a mask: the getters of the subscriber's samples note which fields the program reads,
+/// and these fields are requested.
 inline constexpr Recorded recorded{};
 
 /// The needs of a subscriber, as a template argument: a mask, the name of a field, or

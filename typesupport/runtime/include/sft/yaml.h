@@ -26,7 +26,7 @@
 
 namespace sft {
 
-/// How YAML is written.
+/// Options for writing YAML.
 struct YamlOptions {
   /// The most elements that are written of each array and sequence; a comment has the number of the others.
   std::size_t elements_max = 128;

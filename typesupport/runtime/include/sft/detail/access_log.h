@@ -1,4 +1,5 @@
-// What the getters of one recorded sample note: one bit per leaf. Any number of threads may read the sample.
+// The getters of one recorded sample note here which leaves they read, one bit per leaf. Any number of
+// threads may read the sample.
 #pragma once
 
 #include <atomic>
@@ -8,8 +9,8 @@
 
 namespace sft::detail {
 
-/// Of 64 leaves, those that were read. Two words, so that one bit tells a getter both that there is nothing
-/// left to note and that it has something to return.
+/// The leaves that were read, of 64. There are two words, so that one bit tells a getter both that there is
+/// nothing left to note and that it has something to return.
 struct AccessWord {
   std::atomic<std::uint64_t> found{0};   ///< and the sample has them
   std::atomic<std::uint64_t> missed{0};  ///< and it does not
@@ -19,7 +20,7 @@ class AccessLog {
  public:
   class Listener {
    public:
-    /// Of the first access in this sample to a leaf, on the reading thread: must not block.
+    /// Called at the first access in this sample to a leaf, on the reading thread: it must not block.
     virtual void first_read(std::size_t leaf) noexcept = 0;
 
    protected:
@@ -29,7 +30,7 @@ class AccessLog {
   /// `words` has room for all leaves, is zero at first and outlives the log; `listener` may be null.
   AccessLog(std::span<AccessWord> words, Listener* listener) : words_(words.data()), listener_(listener) {}
 
-  /// Whether the leaf was read before, and the sample has it.
+  /// True if the leaf was read before, and the sample has it.
   bool has_found(std::size_t leaf) const noexcept {
     return (words_[leaf / 64].found.load(std::memory_order_relaxed) & bit(leaf)) != 0;
   }

@@ -1,4 +1,4 @@
-// From CDR under a mask to the owned struct.
+// Decodes CDR under a mask to the owned struct.
 #pragma once
 
 #include "sft/detail/walk.h"

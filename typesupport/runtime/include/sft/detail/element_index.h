@@ -1,6 +1,7 @@
-// Where the elements of collections begin: access by position to what CDR only lets one walk through.
+// Finds where the elements of collections begin, so that elements are accessed by position although CDR only
+// lets one walk through them.
 //
-// Without strings and sequences among their selected leaves, elements have a constant stride from the second
+// Elements without strings and sequences among their selected leaves have a constant stride from the second
 // one on, and nothing is stored. For others an ElementIndex remembers offsets, from the first jump on.
 #pragma once
 
@@ -34,8 +35,8 @@ struct KnownElement {
   std::uint32_t offset = 0;
 };
 
-/// Where the element at `position` begins, or no_offset. Walks where it is near behind `known` or nothing can
-/// be remembered. Like every offset it is a hint: whoever reads there checks.
+/// Returns where the element at `position` begins, or no_offset. Walks if the element is close behind `known`
+/// or nothing can be remembered. Like every offset the result is a hint: whoever reads there checks.
 std::uint32_t element_begin(const SampleState& s, const Elements& elements, std::uint32_t position,
                             KnownElement known) noexcept;
 

@@ -1,8 +1,8 @@
-// What getters of several structs or strings return: a lazy range with random access, for range-for,
-// `range[i]` and the algorithms and views of std::ranges. It owns nothing: it and its iterators are valid as
-// long as the sample. Elements are values (a View, a std::string_view), made when they are looked at.
+// Getters of several structs or strings return this lazy range with random access, for range-for, `range[i]`
+// and the algorithms and views of std::ranges. It owns nothing: it and its iterators are valid as long as the
+// sample. Elements are values (a View, a std::string_view), made when they are looked at.
 //
-// Going forward reads what lies in between and costs nothing else; see element_index.h for what jumps do.
+// Going forward reads the bytes in between and costs nothing else; element_index.h says what jumps cost.
 #pragma once
 
 #include <algorithm>
@@ -43,7 +43,7 @@ class ElementRange : public std::ranges::view_base {
     Arrow operator->() const { return {**this}; }
     value_type operator[](difference_type n) const { return *(*this + n); }
 
-    /// Where the bytes are not what they claim to be, the next one is the end.
+    /// If the bytes are not what they claim to be, the next element is the end.
     iterator& operator++() {
       const std::uint32_t next = behind(offset());
       if (next == no_offset) s_->flag_malformed();
@@ -83,7 +83,7 @@ class ElementRange : public std::ranges::view_base {
     iterator(const SampleState* s, Extent extent, std::uint32_t position)
         : s_(s), first_(extent.first), count_(extent.count), position_(position), known_{0, extent.first} {}
 
-    /// As next_element(), of elements that are known when compiling.
+    /// Does what next_element() does, for elements that are known at compile time.
     std::uint32_t behind(std::uint32_t offset) const {
       if constexpr (Step::type == nullptr) {
         return skip_string(*s_, offset);
@@ -110,7 +110,7 @@ class ElementRange : public std::ranges::view_base {
     if (!extent_) extent_ = without_bytes(s, extent);
   }
 
-  /// How many there are in the message. Of elements of which nothing was sent, no more than
+  /// Returns the number of elements in the message. If nothing of the elements was sent, at most
   /// max_empty_elements are between begin() and end().
   std::size_t size() const { return extent_.count; }
   bool empty() const { return extent_.count == 0; }

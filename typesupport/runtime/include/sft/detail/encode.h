@@ -1,4 +1,4 @@
-// From the owned struct to CDR under a mask.
+// Encodes the owned struct to CDR under a mask.
 #pragma once
 
 #include <cstddef>

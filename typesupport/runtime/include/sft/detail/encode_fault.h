@@ -1,5 +1,5 @@
-// Why a value cannot be encoded, as a sentence. encoded_size() only tells that it cannot, which costs
-// nothing; this looks through the value again and takes memory, so it is asked after the failure.
+// Says in a sentence why a value cannot be encoded. encoded_size() only tells that it cannot, which costs
+// nothing. This function looks through the value again and takes memory, so it is called after the failure.
 #pragma once
 
 #include <cstddef>

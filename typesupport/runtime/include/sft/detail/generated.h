@@ -1,5 +1,4 @@
-// What generated code includes and nothing else does: the parts that a table, field names and views are made
-// of.
+// Only generated code includes this file: it has the parts that a table, field names and views are made of.
 #pragma once
 
 #include <array>

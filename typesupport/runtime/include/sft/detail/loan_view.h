@@ -13,15 +13,15 @@
 
 namespace sft::detail {
 
-/// That the sequence at `leaf`, which has its own `slot`, is to be encoded with `length` elements that are
-/// not written. Without a length it is encoded as it is.
+/// Reserves `length` elements, which are not written, for the sequence at `leaf`, which has its own `slot`.
+/// Without a length the sequence is encoded as it is.
 struct Reservation {
   std::size_t leaf = 0;
   std::optional<std::uint32_t> length{};
   std::size_t slot = 0;
 };
 
-/// What generated code reserves for member M of T: a sequence, or the sequences in a struct S.
+/// Returns what generated code reserves for member M of T: a sequence, or the sequences in a struct S.
 template <class T, std::size_t M>
 constexpr std::array<Reservation, 1> reservations_of(std::optional<std::uint32_t> length) {
   return {{{leaf_offset(TypeTable<T>::type, M), length, slot_offset(TypeTable<T>::type, M)}}};

@@ -1,5 +1,5 @@
-// What encode() may leave where it lies in the value: long runs of primitives. Whoever sends a body at once
-// can send these from there, and copy them afterwards, or not at all where nobody needs the body any more.
+// Long runs of primitives that encode() may leave where they lie in the value. Whoever sends a body at once
+// can send these from there, and copy them afterwards, or not at all if nobody needs the body any more.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,8 @@
 
 namespace sft::detail {
 
-/// Of one body; valid as long as the value is, and does not change. Allocates nothing.
+/// The postponed copies of one body. They are valid as long as the value lives and does not change. Allocates
+/// nothing.
 class PostponedCopies {
  public:
   /// Shorter runs are copied at once.
@@ -20,8 +21,8 @@ class PostponedCopies {
 
   explicit PostponedCopies(std::size_t bytes_min = usual_bytes_min) : bytes_min_(bytes_min) {}
 
-  /// In the order in which they lie in the body. False if it has to be copied now: it is short, or there are
-  /// too many.
+  /// Adds a copy, in the order in which copies lie in the body. Returns false if the bytes have to be copied
+  /// now: the run is short, or there are too many.
   bool add(std::byte* to, const std::byte* from, std::size_t bytes) noexcept {
     if (bytes < bytes_min_ || count_ == copies_.size()) return false;
     copies_[count_++] = {to, from, bytes};

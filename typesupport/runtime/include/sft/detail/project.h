@@ -21,8 +21,8 @@ struct Segment {
 /// Runs of at least this many bytes are referenced in the source rather than copied.
 inline constexpr std::size_t reference_bytes_min = 4096;
 
-/// What has to be gathered for one mask, whatever the source has besides: found once, when the mask becomes
-/// known. Immutable; any number of projections may use it at a time.
+/// The runs that have to be gathered for one mask, whatever else the source has. They are found once, when
+/// the mask becomes known. Immutable; any number of projections may use a plan at a time.
 class ProjectionPlan {
  public:
   /// `type` outlives the plan. `mask` is closed.
@@ -69,7 +69,7 @@ class Projection {
   /// allocated.
   bool project(const SampleState& source, const ProjectionPlan& plan);
 
-  /// For once: with a plan of its own.
+  /// Projects once, with a plan of its own.
   bool project(const SampleState& source, const StructType& type, const FieldMask& mask) {
     return project(source, ProjectionPlan(type, mask));
   }

@@ -1,11 +1,11 @@
-// How one encoded sample lies in memory, in a shared chunk as in a heap buffer:
+// The layout of one encoded sample in memory, in a shared chunk as in a heap buffer:
 //
 //   SampleHeader | u32 offset per slot | padding | 4 bytes of encapsulation | CDR body
 //
-// The body is 8-aligned in memory, so that every primitive is aligned as CDR aligned it, and is byte for byte
+// The body is 8-aligned in memory, so that every primitive is aligned as CDR aligned it. It is byte for byte
 // what DDS writes (XCDR1, little-endian) for the type projected to the sample's mask. Offsets count from the
-// first byte of the body; that of a string or a sequence is where its length stands. A slot whose leaves are
-// absent holds no_offset.
+// first byte of the body; the offset of a string or a sequence is where its length stands. A slot whose
+// leaves are absent holds no_offset.
 #pragma once
 
 #include <array>
@@ -28,14 +28,14 @@ struct SampleHeader {
   std::uint64_t type_hash = 0;
   std::uint32_t body_offset = 0;  ///< from the header's first byte
   std::uint32_t body_bytes = 0;
-  // Of the writer's newest sample before this one that went by UDP alone, because shared memory was not in
-  // use yet or could not take it: it may arrive later than this one. 0: there was none.
+  // Sequence and stamp of the writer's newest earlier sample that went by UDP alone, because shared memory
+  // was not in use yet or could not take it. That sample may arrive later than this one. 0: there was none.
   std::uint64_t diverted_sequence = 0;
   std::int64_t diverted_stamp_ns = 0;
 };
 static_assert(sizeof(SampleHeader) == 64);
 
-/// Where the parts of a sample begin, counted from the header, for a type with that many slots.
+/// Tells where the parts of a sample begin, counted from the header, for a type with that many slots.
 struct SampleLayout {
   std::size_t body_offset;
 

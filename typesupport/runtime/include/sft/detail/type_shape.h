@@ -15,8 +15,9 @@ std::string format_shape(const StructType& type);
 /// "uint32", "sequence<string<8>, 4>", "double[6]", "pkg::msg::Color": the type of one member.
 std::string format_type(const Member& member);
 
-/// Where two types differ first, in one line: "fields[].offset: uint32 here, uint64 there". Only what
-/// structure_hash() tells apart counts: not the names of types, not units. Empty if nothing differs.
+/// Says in one line where two types differ first: "fields[].offset: uint32 here, uint64 there". Only
+/// differences count that structure_hash() tells apart: not the names of types, not units. Empty if nothing
+/// differs.
 std::string first_difference(const StructType& here, const StructType& there);
 
 /// 64-bit hash of a type's canonical structure: see TypeSupport::hash().

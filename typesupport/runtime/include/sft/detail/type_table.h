@@ -1,5 +1,5 @@
-// How the structure of a message type (type.h) is made from generated tables, and the numbering that is
-// computed from it.
+// Makes the structure of a message type (type.h) from generated tables, with the numbering that is computed
+// from it.
 //
 // Slots are the leaves for which a sample's index has an offset: every leaf outside collections of structs,
 // and one slot for each outermost collection of structs.
@@ -52,7 +52,7 @@ constexpr std::size_t size_of(Kind kind) {
 
 constexpr bool is_primitive(Kind kind) { return kind < Kind::string; }
 
-/// How to reach the elements of one std::vector instantiation without knowing its element type.
+/// Reaches the elements of one std::vector instantiation without knowing its element type.
 struct SequenceAccess {
   std::size_t (*size)(const void* vector);
   const void* (*data)(const void* vector);
@@ -82,14 +82,14 @@ constexpr std::uint32_t alignment_of(const Member& m) {
   return m.shape == Shape::sequence && own < 4 ? 4 : own;
 }
 
-/// Of where a member begins and its slot points to. A collection of structs without a length begins with its
-/// first element, which has no alignment of its own.
+/// Returns the alignment of the place where a member begins and its slot points to. A collection of structs
+/// without a length begins with its first element, which has no alignment of its own.
 constexpr std::size_t slot_alignment(const Member& m) {
   if (m.shape == Shape::sequence) return 4;
   return m.kind == Kind::structure ? 1 : size_of(m.kind);
 }
 
-/// Of one element; 0 if it has to be looked at.
+/// Returns the packed bytes of one element; 0 if each element has to be looked at.
 constexpr std::uint32_t packed_bytes_of(const Member& m) {
   if (m.kind == Kind::structure) return m.type->packed_bytes;
   return is_primitive(m.kind) && m.kind != Kind::boolean ? static_cast<std::uint32_t>(size_of(m.kind)) : 0;

@@ -29,8 +29,7 @@ namespace sft::detail {
 
 static_assert(std::endian::native == std::endian::little, "views read little-endian CDR in place");
 
-/// What generated getters require: that the mask which the reader declared has the field (or a leaf below
-/// it).
+/// Generated getters require that the mask which the reader declared has the field (or a leaf below it).
 template <class Place, std::size_t Member>
 concept field_is_in_declared_mask = Place::template has<Member>;
 
@@ -92,7 +91,7 @@ struct ScalarOf<Kind::float64> {
   using type = double;
 };
 
-/// In arrays and sequences a boolean is its byte: a span of bool over foreign bytes would be undefined.
+/// A boolean in an array or a sequence is its byte: a span of bool over foreign bytes would be undefined.
 template <Kind K>
 using ElementOf = std::conditional_t<K == Kind::boolean, std::uint8_t, typename ScalarOf<K>::type>;
 
@@ -135,7 +134,7 @@ struct StringStep {
   static Value read(const SampleState& s, std::uint64_t offset) { return string_at(s, offset); }
 };
 
-/// What a getter of several strings returns.
+/// A getter of several strings returns this range.
 using StringRange = ElementRange<StringStep>;
 
 template <auto R, class S, std::size_t Leaf>
@@ -151,7 +150,7 @@ struct ElementStep {
   }
 };
 
-/// Where the elements of member M begin, which itself begins at `offset`.
+/// Returns where the elements of member M begin, which itself begins at `offset`.
 inline Extent elements_of(const SampleState& s, const Member& m, std::uint64_t offset) noexcept {
   if (m.shape == Shape::sequence) return checked_length(s, offset);
   return {offset < no_offset ? static_cast<std::uint32_t>(offset) : no_offset, m.count};
@@ -190,13 +189,13 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
   return present;
 }
 
-/// What the two places share: whether a member can be read, and noting that it was.
+/// The part that both places share: whether a member can be read, and noting that it was.
 template <auto R, class S, std::size_t Leaf>
 struct PlaceBase {
   template <std::size_t M>
   static constexpr std::size_t leaf_of = Leaf + leaf_offset(TypeTable<S>::type, M);
 
-  /// Whether any leaf of member M is in the declared mask (always where fields are recorded).
+  /// True if any leaf of member M is in the declared mask (always if fields are recorded).
   template <std::size_t M>
   static constexpr bool has = R.is_recorded ||
                               R.mask.intersects(leaf_of<M>, leaf_count(TypeTable<S>::members[M]));

@@ -111,7 +111,7 @@ std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t lea
 std::uint32_t skip_elements(const SampleState& s, const StructType& type, std::size_t leaf, std::uint32_t n,
                             std::uint64_t offset) noexcept;
 
-/// Where member number `member` of a struct that begins at `offset` begins, before alignment.
+/// Returns where member number `member` of a struct begins, before alignment. The struct begins at `offset`.
 std::uint32_t member_begin(const SampleState& s, const StructType& type, std::size_t member, std::size_t leaf,
                            std::uint64_t offset) noexcept;
 
