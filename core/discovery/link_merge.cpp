@@ -126,8 +126,8 @@ void LinkMerge::assertion_came(const Speaker& speaker, Assertion assertion, Time
 }
 
 void LinkMerge::node_unheard(LinkId link, NodeId id, Time now) {
-  nodes_.unheard(id, link);
-  tell_lost_nodes(now);
+  const auto lease = [this](NodeId node) { return lease_of(node); };
+  if (nodes_.unheard(id, link, lease, now)) news_.emplace_back(NodeLost{id});
 }
 
 void LinkMerge::tell_lost_nodes(Time now) {

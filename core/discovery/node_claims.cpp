@@ -24,10 +24,11 @@ bool NodeClaims::asserted(NodeId id, const Speaker& speaker, std::chrono::millis
   return true;
 }
 
-void NodeClaims::unheard(NodeId id, LinkId link) {
+bool NodeClaims::unheard(NodeId id, LinkId link, const LeaseOf& lease_of, Time now) {
   const auto node = nodes_.find(id);
-  if (node == nodes_.end()) return;
+  if (node == nodes_.end()) return false;
   for (Claim& claim : node->second.claims) claim.alive &= claim.speaker.link != link;
+  return is_lost(id, node->second, lease_of, now);
 }
 
 void NodeClaims::participant_departed(const Speaker& speaker) {

@@ -23,8 +23,9 @@ class NodeClaims {
   /// The speaker says that the node lives; returns true if it is believed. `silence`: after that nobody
   /// speaks.
   bool asserted(NodeId node, const Speaker& speaker, std::chrono::milliseconds silence, Time now);
-  /// Cyclone has heard nothing of the node on that link for its lease.
-  void unheard(NodeId node, LinkId link);
+  using LeaseOf = std::function<std::chrono::milliseconds(NodeId)>;
+  /// Cyclone has heard nothing of the node on that link for its lease. Returns true if the node is lost now.
+  bool unheard(NodeId node, LinkId link, const LeaseOf& lease_of, Time now);
   void participant_departed(const Speaker& speaker);
   /// Nobody is heard on that link any more. forget_link() follows after take_lost().
   void link_dropped(LinkId link);
@@ -33,7 +34,6 @@ class NodeClaims {
   /// True if this speaker is the one that is believed on its link to say that the node lives.
   bool is_vouched_for(NodeId node, const Speaker& speaker) const;
 
-  using LeaseOf = std::function<std::chrono::milliseconds(NodeId)>;
   /// The nodes that are lost by now, each told once. A node whose speakers all fell silent is lost at once.
   /// Else a link was dropped or made anew: then the node has its lease to return by another one.
   std::vector<NodeId> take_lost(const LeaseOf& lease_of, Time now);

@@ -268,8 +268,8 @@ NodeStatus NodeCore::status() const {
   status.udp = udp_ == nullptr ? "the node rules it out" : udp_->description();
   status.io_uring_in_use = udp_ != nullptr && udp_->uses_io_uring();
   status.lacks_daemon = shm_ != nullptr && shm_->lacks_daemon();
-  status.shm = reconciler_->shm_state();
-  status.shm_ready = reconciler_->shm_ready();
+  status.shm = reconciler_->transports().shm_state();
+  status.shm_ready = reconciler_->transports().shm_ready();
   if (udp_ != nullptr) {
     const Transport::Counters counters = udp_->counters();
     status.datagrams_malformed = counters.malformed;

@@ -142,8 +142,10 @@ void Reconciler::look_after_shm(Time now) {
   const TransportWatch::ShmChange change = transports_.look_at_shm(now);
   if (!change.any) return;
   dirty_ |= negotiation_.self_changed(transports_.self());
-  if (change.of_host) {
-    drop_shm_ports();
+  if (change.of_host) {  // the memory of the ports is gone, or another daemon's, which is to be asked at once
+    attempts_.forget_daemon();
+    for (auto& [id, writer] : ours_.writers) dirty_ |= writer.drop_shm();
+    for (auto& [id, reader] : ours_.readers) reader.drop_shm();
     reconcile();  // first: readers that were served in shared memory are served by UDP from here on
   }
   if (change.of_state || change.of_host) transports_.log_shm();
@@ -164,13 +166,6 @@ void Reconciler::announce_all() {
   const Time now = std::chrono::steady_clock::now();
   for (const auto& [id, writer] : ours_.writers) outbox_.announce(id, now);
   for (const auto& [id, reader] : ours_.readers) outbox_.announce(id, now);
-}
-
-/// The memory of the ports is gone, or another daemon's, which is to be asked at once.
-void Reconciler::drop_shm_ports() {
-  attempts_.forget_daemon();
-  for (auto& [id, writer] : ours_.writers) dirty_ |= writer.drop_shm();
-  for (auto& [id, reader] : ours_.readers) reader.drop_shm();
 }
 
 void Reconciler::look_after_endpoints(Time now) {

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "core/discovery/discovery.h"
@@ -67,8 +66,8 @@ class Reconciler {
   AccountDesk& accounts() { return accounts_; }
 
   // Any thread.
-  bool shm_ready() const { return transports_.shm_ready(); }
-  std::string shm_state() const { return transports_.shm_state(); }
+  /// Only what any thread may ask of it.
+  const TransportWatch& transports() const { return transports_; }
   std::uint64_t control_ignored() const { return control_ignored_.load(std::memory_order_relaxed); }
 
  private:
@@ -79,7 +78,6 @@ class Reconciler {
   void look_after_addresses(Time now);
   void look_after_endpoints(Time now);
   bool look_after_connections();
-  void drop_shm_ports();
   void announce_all();
   void settle();
   std::chrono::milliseconds pace() const;
