@@ -131,4 +131,7 @@ struct Endpoint {
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 
+/// The version of the control topics. Control samples of another version are refused.
+std::uint32_t control_protocol_version();
+
 }  // namespace sft::core

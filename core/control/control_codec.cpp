@@ -292,4 +292,6 @@ Result<Endpoint> from_dds(const sft_control_Endpoint& in) {
   return out;
 }
 
+std::uint32_t control_protocol_version() { return sft_control_protocol_version; }
+
 }  // namespace sft::core

@@ -12,7 +12,6 @@
 #include "core/discovery/own_announcements.h"
 #include "core/platform/clock.h"
 #include "core/platform/network_watch.h"
-#include "sft_control.h"
 
 namespace sft::core {
 
@@ -192,8 +191,6 @@ class LinkedDiscovery final : public Discovery {
 };
 
 }  // namespace
-
-std::uint32_t control_protocol_version() { return sft_control_protocol_version; }
 
 Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options,
                                                    DiscoveryListener& listener) {

@@ -24,9 +24,6 @@ struct DiscoveryOptions {
   ThreadSettings threads{};   ///< of Cyclone's threads
 };
 
-/// Control samples of another version are refused.
-std::uint32_t control_protocol_version();
-
 class Discovery {
  public:
   /// `listener` outlives the discovery.

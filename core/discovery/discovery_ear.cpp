@@ -3,7 +3,7 @@
 #include <random>
 #include <variant>
 
-#include "core/discovery/discovery.h"
+#include "core/control/control.h"
 #include "core/discovery/participant_mark.h"
 
 namespace sft::core {

@@ -168,7 +168,7 @@ Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Qos& q
   Endpoint endpoint = describe(Role::reader, order.topic, order.type, order.options.transport);
   endpoint.qos = qos;
   endpoint.doorbell = {node_.slots.page_id(), slot};
-  // Without a shared page no other process could ring.
+  // No other process could ring without a shared page.
   endpoint.may_use_shm = endpoint.may_use_shm && node_.slots.page_id() != 0;
   endpoint.request.reader = endpoint.id;
   endpoint.request.sequence = 1;

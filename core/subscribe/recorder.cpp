@@ -131,7 +131,7 @@ bool Recorder::give_up_stale() noexcept {
   return changed;
 }
 
-/// From here on what was not read is not required.
+/// Fields that were not read are not required from here on.
 bool Recorder::finish_learning() noexcept {
   bool changed = false;
   for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf) {

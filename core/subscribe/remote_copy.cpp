@@ -19,7 +19,7 @@ bool RemoteCopy::project(const SampleBuffer& sample, const detail::ProjectionPla
   return projection_.project(state, type_.type(), sample.mask & asked.mask());
 }
 
-/// With what was projected. False if that is not what it claims to be.
+/// Fills the copy with the projected bytes. Returns false if these are not what they claim to be.
 bool RemoteCopy::fill(SampleBuffer& copy, const SampleBuffer& sample) const {
   const detail::SampleLayout layout(type_.slots());
   detail::SampleHeader& header = copy.header();

@@ -32,7 +32,7 @@ void WriterAccounts::hears(const std::vector<Hearing>& hearing, std::int64_t now
     Writer& writer = of(h.source.writer);
     if (writer.since_ns == 0) writer.since_ns = now_ns;
     writer.lifespan_ns = h.offered.lifespan.count();
-    // Where samples expire, nobody knows how many of the retained ones could still be had.
+    // If samples expire, nobody knows how many of the retained ones could still be had.
     if (writer.lifespan_ns == 0) writer.sequences.owe(h.owed);
   }
   if (writers_.size() > heard_.size() + departed_writers_kept) forget_departed();

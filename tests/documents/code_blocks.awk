@@ -3,7 +3,8 @@
 # which files these are: "README/first.cpp", or for a block that is not a whole file "guide/5.block functions".
 #
 # A block of C++ or CMake whose first line is a comment with a file name ("// lidar.cpp") is a whole file of that name.
-# Any other block of C++ is part of a file: the word behind "```cpp" names its surroundings (tests/documents/surroundings).
+# Any other block of C++ is part of a file: the word behind "```cpp" names its surroundings
+# (tests/documents/surroundings).
 #
 # heading: only what is printed below this heading, directly into the folder; what is typed into a shell is commands.sh.
 # sources: the folder that the documents are named from. With it errors of a compiler name the line in the document.
@@ -37,7 +38,8 @@ file == "" && kind ~ /^(cpp|cmake)$/ {
   if (name == "") {
     name = ++parts ".block"
     if (surroundings == "") {
-      print FILENAME ":" FNR - 1 ": this block of C++ is no whole file: begin it with '// name.cpp', or name its surroundings" >"/dev/stderr"
+      print FILENAME ":" FNR - 1 ": this block of C++ is no whole file: " \
+        "begin it with '// name.cpp', or name its surroundings" >"/dev/stderr"
       exit 1
     }
   } else surroundings = ""

@@ -1,5 +1,7 @@
-# cmake -D SOURCE=tree -D BUILD=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -D ISOLATE=program -P outside.cmake
-# Installs SFT from its build into a folder, builds a project and a program of one file with what is there, and runs them
+# cmake -D SOURCE=tree -D BUILD=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -D ISOLATE=program -P
+# outside.cmake
+# Installs SFT from its build into a folder, builds a project and a program of one file with what is there, and runs
+# them
 # on a host of their own; so does "Five minutes" of docs/guide.md, as it is printed there.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
@@ -40,7 +42,7 @@ set(printed "battery B-17: [0-9.]+ %")
 expect("${output}" MATCHES "it says: hello")
 expect("${output}" MATCHES "the command\nnumbers: 1 sample of std_msgs/msg/UInt32; 0 subscribers now\n")
 expect("${output}" MATCHES "the daemon in the prefix.*${sent} shm.*${printed}.*daemon: ${daemon}\n")
-expect("${output}" MATCHES "no daemon.*sftd could not be started: it is neither .* nor ${daemon} nor .* in PATH; install")
+expect("${output}" MATCHES "no daemon.*sftd could not be started: it is neither .* nor ${daemon} nor .* in PATH;")
 expect("${output}" MATCHES "no daemon.*${sent} udp.*${printed}.*environment names.*${sent} shm.*${printed}")
 expect("${output}" MATCHES "five minutes.*monitor: 128 x 1024 points")
 expect("${output}" MATCHES "five minutes.*nanosec: [0-9]+\nwidth: 1024\n")

@@ -9,9 +9,7 @@
 #include "tests/unit/udp/datagrams.h"
 
 namespace sft::simulation {
-
 namespace {
-
 using namespace std::chrono_literals;
 using udp::test::Image;
 using Size = udp::ResendWindow::Size;
@@ -595,8 +593,8 @@ std::string World::run() {
 }
 
 void World::fail(const std::string& what) {
-  if (failure_.empty())
-    failure_ = what + ", after " + std::to_string((now_ - Time(std::chrono::hours(1))) / 1us) + " us";
+  if (!failure_.empty()) return;
+  failure_ = what + ", after " + std::to_string((now_ - Time(std::chrono::hours(1))) / 1us) + " us";
 }
 
 }  // namespace sft::simulation

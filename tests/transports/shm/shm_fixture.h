@@ -17,7 +17,7 @@
 #include "shm_transport/shm_transport.h"
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
-#include "tests/transports/shm/frame.h"
+#include "tests/support/shm_frame.h"
 
 namespace sft::test {
 

@@ -14,7 +14,7 @@
 
 #include "core/platform/doorbell.h"
 #include "tests/support/pace.h"
-#include "tests/transports/shm/frame.h"
+#include "tests/support/shm_frame.h"
 #include "tests/transports/shm/shm_fixture.h"
 
 namespace {

@@ -1,4 +1,5 @@
-# Our types beside Cyclone DDS's, of the same IDL files: those of this folder and of tests/generators/idl, and what ROS 2's own tool
+# Our types beside Cyclone DDS's, of the same IDL files: those of this folder and of tests/generators/idl, and what ROS
+# 2's own tool
 # makes of the common packages and of ROS 2's test messages.
 find_package(CycloneDDS REQUIRED)
 

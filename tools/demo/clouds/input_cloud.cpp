@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cstring>
 
-#include "sft/sample.h"
 #include "sft/detail/encode.h"
 #include "sft/detail/sample_format.h"
+#include "sft/sample.h"
 #include "tools/terminal/units.h"
 
 namespace sft::demo {
@@ -27,8 +27,9 @@ Result<void> check_size(std::size_t bytes) {
 }  // namespace
 
 Result<InputCloud> check_payload(std::span<const std::byte> payload) {
-  if (payload.size() < encapsulation_bytes) return fail(Errc::malformed, "too short for an encoded message");
-  if (std::memcmp(payload.data(), encapsulation_cdr_le.data(), 2) != 0) {
+  if (payload.size() < detail::encapsulation_bytes)
+    return fail(Errc::malformed, "too short for an encoded message");
+  if (std::memcmp(payload.data(), detail::encapsulation_cdr_le.data(), 2) != 0) {
     return fail(Errc::malformed,
                 fmt::format("it begins with {:02x} {:02x}, not with 00 01, as messages in "
                             "little-endian CDR do",
@@ -36,22 +37,22 @@ Result<InputCloud> check_payload(std::span<const std::byte> payload) {
   }
   if (Result<void> size = check_size(payload.size()); !size) return tl::unexpected(size.error());
 
-  const std::span<const std::byte> body = payload.subspan(encapsulation_bytes);
+  const std::span<const std::byte> body = payload.subspan(detail::encapsulation_bytes);
   const FieldMask mask = cloud_type().full();
   std::vector<std::uint32_t> index(cloud_type().slots());
-  const SampleState state{.body = body.data(),
-                          .body_bytes = static_cast<std::uint32_t>(body.size()),
-                          .index = index.data(),
-                          .mask = &mask};
+  const detail::SampleState state{.body = body.data(),
+                                  .body_bytes = static_cast<std::uint32_t>(body.size()),
+                                  .index = index.data(),
+                                  .mask = &mask};
   std::uint32_t body_end = 0;
-  const WalkStatus status = build_index(state, cloud_type().type(), index, &body_end);
-  if (status != WalkStatus::ok) {
+  const detail::WalkStatus status = detail::build_index(state, cloud_type().type(), index, &body_end);
+  if (status != detail::WalkStatus::ok) {
     return fail(Errc::malformed,
                 fmt::format("not a sensor_msgs/PointCloud2, or damaged ({}); give a file of point clouds",
                             to_string(status)));
   }
   // Bytes of another type may well have the shape of a PointCloud2. Then their figures contradict each other.
-  const auto cloud = view_of<PointCloud2, everything>(state);
+  const auto cloud = detail::view_of<PointCloud2, everything>(state);
   const std::uint64_t row_bytes = std::uint64_t{cloud.width()} * cloud.point_step();
   const std::uint64_t data_bytes = std::uint64_t{cloud.height()} * cloud.row_step();
   if (cloud.row_step() < row_bytes || cloud.data().size() != data_bytes) {
@@ -62,7 +63,7 @@ Result<InputCloud> check_payload(std::span<const std::byte> payload) {
                     cloud.height(), cloud.width(), cloud.point_step(), cloud.row_step(),
                     cloud.data().size()));
   }
-  const auto end = static_cast<std::ptrdiff_t>(encapsulation_bytes + body_end);
+  const auto end = static_cast<std::ptrdiff_t>(detail::encapsulation_bytes + body_end);
   return InputCloud{{payload.begin(), payload.begin() + end}, format_shape(cloud.height(), cloud.width())};
 }
 
@@ -83,14 +84,14 @@ Result<std::vector<InputCloud>> convert(std::uint32_t height, std::uint32_t widt
 
   const StructType& type = cloud_type().type();
   const FieldMask mask = cloud_type().full();
-  const EncodedSize size = encoded_size(type, &cloud, mask);
-  if (size.status != EncodeStatus::ok) return fail(Errc::malformed, to_string(size.status));
+  const detail::EncodedSize size = detail::encoded_size(type, &cloud, mask);
+  if (size.status != detail::EncodeStatus::ok) return fail(Errc::malformed, to_string(size.status));
   std::vector<std::uint64_t> body(size.bytes / 8 + 1);  // encode() takes aligned memory
   std::vector<std::uint32_t> index(cloud_type().slots());
-  encode(type, &cloud, mask, std::as_writable_bytes(std::span(body)).first(size.bytes), index);
+  detail::encode(type, &cloud, mask, std::as_writable_bytes(std::span(body)).first(size.bytes), index);
 
   const std::span<const std::byte> encoded = std::as_bytes(std::span(body)).first(size.bytes);
-  const std::span<const std::byte> encapsulation = std::as_bytes(std::span(encapsulation_cdr_le));
+  const std::span<const std::byte> encapsulation = std::as_bytes(std::span(detail::encapsulation_cdr_le));
   InputCloud input{{encapsulation.begin(), encapsulation.end()}, format_shape(height, width)};
   input.payload.insert(input.payload.end(), encoded.begin(), encoded.end());
   return std::vector<InputCloud>{std::move(input)};

@@ -1,8 +1,8 @@
 #include <chrono>
 #include <cstddef>
 
-#include "sft/time.h"
 #include "sft/detail/encode.h"
+#include "sft/time.h"
 #include "tools/demo/clouds/cloud_source.h"
 #include "tools/demo/clouds/scene.h"
 
@@ -36,10 +36,11 @@ PointCloud2 cloud_without_points() {
 
 /// Encapsulation and body of a cloud with all points.
 std::uint64_t full_bytes(const PointCloud2& prototype) {
-  const auto reservations =
-      PointCloud2::LoanView<LoanedPlace<PointCloud2>>::reservations({.data = std::uint32_t{Scene::bytes}});
+  const auto reservations = PointCloud2::LoanView<detail::LoanedPlace<PointCloud2>>::reservations(
+      {.data = std::uint32_t{Scene::bytes}});
   const TypeSupport& type = cloud_type();
-  return encapsulation_bytes + encoded_size(type.type(), &prototype, type.full(), reservations).bytes;
+  return detail::encapsulation_bytes +
+         detail::encoded_size(type.type(), &prototype, type.full(), reservations).bytes;
 }
 
 /// Computes each cloud where its readers will read it, in memory that the publisher lends.

@@ -1,4 +1,4 @@
-// How much is kept of what participants say.
+// A node keeps only so much of what participants say.
 #include <gtest/gtest.h>
 
 #include <utility>

@@ -1,4 +1,4 @@
-// Which participants count when they say that a node lives, and when the node is lost.
+// These tests check which participants count when they say that a node lives, and when the node is lost.
 #include "core/discovery/node_claims.h"
 
 #include <gmock/gmock.h>

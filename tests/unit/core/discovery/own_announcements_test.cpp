@@ -1,4 +1,4 @@
-// What a node says of its endpoints, also to links that are opened later.
+// A node announces its endpoints, also on links that are opened later.
 #include "core/discovery/own_announcements.h"
 
 #include <gmock/gmock.h>

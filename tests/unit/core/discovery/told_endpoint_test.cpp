@@ -1,4 +1,4 @@
-// What is told of one endpoint, claim by claim.
+// The listener is told of one endpoint, claim by claim.
 #include "core/discovery/told_endpoint.h"
 
 #include <gmock/gmock.h>

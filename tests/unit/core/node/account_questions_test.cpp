@@ -1,4 +1,5 @@
-// Whom the program's questions go to, whose answers count, and how many of them there is room for.
+// These tests check whom the program's questions go to, whose answers count, and how many of them there is
+// room for.
 #include "core/node/account_questions.h"
 
 #include <gmock/gmock.h>

@@ -30,8 +30,8 @@ class ArrivalWatchdogTest : public test::RandomTest {
 
   bool happens(double probability) { return std::uniform_real_distribution<>(0, 1)(random) < probability; }
 
-  /// What the reader's agent sees for so long, of a pair that works as the scene says, or of one that is
-  /// deaf.
+  /// Plays what the reader's agent sees for so long, of a pair that works as the scene says, or of one that
+  /// is deaf.
   void run(const Scene& scene, std::chrono::nanoseconds length, bool deaf = false) {
     const Time end = now + length;
     Time publish_at = now, passes_at = now;
@@ -126,7 +126,7 @@ TEST_F(ArrivalWatchdogTest, AQuietPairIsLeftAlone) {
   EXPECT_TRUE(restarted_at.empty());
 }
 
-/// Whatever the random scene: it works, and is left alone.
+/// The pair works in every random scene, and is left alone.
 TEST_F(ArrivalWatchdogTest, APairThatWorksIsLeftAloneHoweverSlowLossyOrLimitedItIs) {
   const auto up_to = [this](std::int64_t most) {
     return std::uniform_int_distribution<std::int64_t>(0, most)(random);
@@ -140,7 +140,7 @@ TEST_F(ArrivalWatchdogTest, APairThatWorksIsLeftAloneHoweverSlowLossyOrLimitedIt
     scene.bytes = std::uint64_t{100} << up_to(16);
     scene.lost = scene.pair.reliable ? 0 : 0.2;
     scene.assertions_lost = up_to(1) == 0 ? 0 : 0.2;
-    // On the slowest link that there may be.
+    // The link is the slowest that there may be.
     scene.transit = milliseconds(scene.bytes * 1000 / ArrivalWatchdog::slowest_bytes_per_s + 1);
     scene.jitter = milliseconds(up_to(700));
     scene.burst = up_to(2) == 0 ? static_cast<std::uint64_t>(1 + up_to(100)) : 0;

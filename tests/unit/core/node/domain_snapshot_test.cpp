@@ -1,4 +1,4 @@
-// What is told of all endpoints of a domain, and of pairs that belong to others.
+// The snapshot tells of all endpoints of a domain, and of pairs that belong to others.
 #include "core/node/domain_snapshot.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// What one reader of a node does with its ports and its requests, alone.
+// One reader of a node uses its ports and makes its requests.
 #include "core/node/local_reader.h"
 
 #include "tests/unit/core/node/local_endpoint_fixture.h"

@@ -1,4 +1,4 @@
-// What one writer of a node does with its ports, alone.
+// One writer of a node uses its ports.
 #include "core/node/local_writer.h"
 
 #include "tests/unit/core/node/local_endpoint_fixture.h"

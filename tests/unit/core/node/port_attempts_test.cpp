@@ -1,4 +1,4 @@
-// What is tried again after it failed, and what the log says of it.
+// Ports that could not be opened are tried again, and the log tells why they failed.
 #include "core/node/port_attempts.h"
 
 #include <gmock/gmock.h>

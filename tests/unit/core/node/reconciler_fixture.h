@@ -34,7 +34,7 @@ class TestWriterPort final : public WriterPort {
   mutable int looks = 0;  ///< at the state of its publisher
 };
 
-/// Whom it was told to take datagrams from.
+/// The writers that the port was told to take datagrams from.
 struct Connections {
   std::set<EndpointId> writers;
   std::vector<Source> announced;  ///< by writers that are connected

@@ -1,4 +1,4 @@
-// What the reconciler does where shared memory comes and goes.
+// The reconciler follows shared memory as it comes and goes.
 #include "tests/unit/core/node/reconciler_fixture.h"
 #include "tests/unit/core/node/test_memory.h"
 

@@ -1,4 +1,4 @@
-// What the reconciler makes of the negotiation: which ports are connected, and what others are told.
+// The reconciler carries out the negotiation: it connects ports, and tells others.
 #include "tests/unit/core/node/reconciler_fixture.h"
 
 namespace sft::core {
@@ -22,7 +22,7 @@ TEST_F(ReconcilerTest, AReaderTakesDatagramsOfAWriterBeforeItSaysSo) {
   EXPECT_EQ(discovery.sent[0].sequence, 2U);
 }
 
-// It may be that the writer is there still, and only this node hears nothing of it: it is to stop sending.
+// The writer may still be there, and only this node hears nothing of it: the writer is to stop sending.
 TEST_F(ReconcilerTest, AReaderSaysThatItListensNoMoreToAWriterThatWent) {
   our_reader(200);
   writer_seen(7);
@@ -104,7 +104,7 @@ TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainBy
   }));
 }
 
-// It says for instance that it listens to another writer, too.
+// The request says, for instance, that the reader listens to another writer, too.
 TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNothing) {
   const auto port = std::make_shared<TestWriterPort>();
   const auto core = our_writer(7, port);
@@ -131,7 +131,7 @@ TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNot
   EXPECT_EQ(readers_changed, told + 1);
 }
 
-// Whoever wants events does not pay for them while nothing happens.
+// A program that wants events does not pay for them while nothing happens.
 TEST_F(ReconcilerTest, StatesAreComparedForEventsOnlyWhereSomethingHasHappened) {
   const auto port = std::make_shared<TestWriterPort>();
   our_writer(7, port);
@@ -168,7 +168,7 @@ TEST_F(ReconcilerTest, TheMaximumRateThatWasSetLastIsAskedForInWhateverOrderTheN
   EXPECT_EQ(discovery.sent.size(), 1U);
 }
 
-// Its signs of life may be lost where other things get through, which are repeated until they do.
+// The node's signs of life may be lost while its other messages, which are repeated, get through.
 TEST_F(ReconcilerTest, ANodeWhoseSignsOfLifeFailToComeIsServedAsLongAsItSaysAnythingElse) {
   const auto port = std::make_shared<TestWriterPort>();
   our_writer(7, port);
@@ -353,7 +353,7 @@ TEST_F(ReconcilerTest, AnEndpointThatSomebodyElseWithdrawsIsAnnouncedAnewWithAWa
       << logged[0];
 }
 
-// Whoever forges a thousand times a second makes us neither as loud nor fill the log.
+// A forger that sends a thousand requests a second makes this node neither answer as often nor fill its log.
 TEST_F(ReconcilerTest, ManyForgeriesAreAnsweredAtAPaceAndToldOfOnceASecond) {
   our_reader(200);
   const auto begin = std::chrono::steady_clock::now();

@@ -1,4 +1,4 @@
-// What is said of topics and their types, from a table of endpoints.
+// Topics and their types are told from a table of endpoints.
 #include "core/node/topics.h"
 
 #include <gmock/gmock.h>

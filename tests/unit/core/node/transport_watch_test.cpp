@@ -1,4 +1,4 @@
-// What a node notices of its two transports, and what it writes to the log about them.
+// A node notices the states of its two transports, and writes them to the log.
 #include "core/node/transport_watch.h"
 
 #include <gmock/gmock.h>
@@ -42,7 +42,7 @@ class TransportWatchTest : public ::testing::Test {
     now += std::chrono::seconds(1);
     return watch.look_at_udp(now);
   }
-  /// What the log gets, if shared memory is in that state now.
+  /// Returns the lines that the log gets if shared memory is in that state now.
   std::vector<std::string> lines_if(Availability availability, const std::string& state) {
     shm.availability = availability;
     shm.state = state;

@@ -1,4 +1,4 @@
-// What a publisher retains for late readers.
+// A publisher retains samples for late readers.
 #include "core/publish/history.h"
 
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 #include <new>
 #include <vector>
 
-#include "tests/transports/shm/frame.h"
+#include "tests/support/shm_frame.h"
 
 namespace sft::test {
 namespace {
