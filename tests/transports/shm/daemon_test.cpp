@@ -115,7 +115,7 @@ std::vector<std::string> daemons() {
 // Each daemon that starts fills its memory with zeros, which takes the machine some time. So thirty nodes are
 // for longer runs.
 TEST_F(Sftd, RunsOnceIfManyNodesStartItAtOnce) {
-  const ShmOfSize small("128m");
+  const ShmOfSize small(128);
   const std::uint64_t nodes = std::min<std::uint64_t>(test_rounds(8), 30);
   std::vector<Process> peers;
   for (std::uint64_t i = 0; i < nodes; ++i) peers.push_back(start_peer({"attend"}));
@@ -287,7 +287,7 @@ TEST_F(Sftd, RemovesTheSocketsOfDeadProgramsAndNoOthers) {
 }
 
 TEST_F(Sftd, RefusesADevShmThatIsTooSmallAndSaysWhatToDo) {
-  const ShmOfSize small("64m");
+  const ShmOfSize small(64);
   Process daemon({sftd_path()});
   const std::string output = daemon.all_output();
   EXPECT_EQ(daemon.exit_code(), 1);
@@ -296,7 +296,7 @@ TEST_F(Sftd, RefusesADevShmThatIsTooSmallAndSaysWhatToDo) {
 }
 
 TEST_F(Sftd, LeavesLargeChunksOutIfThereIsLittleSpaceAndSaysSo) {
-  const ShmOfSize small("140m");
+  const ShmOfSize small(140);
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
   const std::string first = daemon.line();
   EXPECT_TRUE(contains(first, "do not fit")) << first;
@@ -383,7 +383,7 @@ TEST_F(Sftd, StartsAfreshWithItsProgramsAfterSomebodyRemovedItsFiles) {
 class NodeWithoutDaemon : public ShmTest {};
 
 TEST_F(NodeWithoutDaemon, SaysThatDevShmIsTooSmall) {
-  const ShmOfSize small("64m");
+  const ShmOfSize small(64);
   Node node;
   ASSERT_TRUE(node.becomes(Availability::unavailable));
   EXPECT_TRUE(contains(node->description(), "64.0 MiB")) << node->description();

@@ -37,7 +37,7 @@ std::uint32_t chunks_in_use(const shm::Usage& usage) {
 class RandomKill : public ShmTest {
  protected:
   RandomKill()
-      : ShmTest("1g") {}  // the memory of a dead daemon stays until all programs that map it are gone
+      : ShmTest(1024) {}  // the memory of a dead daemon stays until all programs that map it are gone
   void SetUp() override {
     ShmTest::SetUp();
     if (IsSkipped()) return;

@@ -144,8 +144,8 @@ std::vector<std::string> names_in(const char* directory, const std::string& pref
 /// Skips the test if it has no isolated host of its own, and ends the daemon that the test has left.
 class ShmTest : public ::testing::Test {
  protected:
-  /// `shm_size`: the size of /dev/shm, if it is not the usual one.
-  explicit ShmTest(const char* shm_size = nullptr) : shm_size_(shm_size) {}
+  /// `shm_mebibytes`: the size of /dev/shm, if it is not the usual one.
+  explicit ShmTest(std::optional<unsigned> shm_mebibytes = {}) : shm_mebibytes_(shm_mebibytes) {}
   void SetUp() override;
   void TearDown() override;
 

@@ -13,8 +13,6 @@
 namespace sft::shm {
 namespace {
 
-using namespace detail;
-
 constexpr std::size_t bytes = 3 * 4096;
 
 /// A file in /dev/shm, which is removed with the object.
