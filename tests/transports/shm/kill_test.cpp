@@ -20,7 +20,7 @@ constexpr std::uint32_t megabyte = 1'000'000;
 
 class Kill : public ShmNodeTest {
  protected:
-  Kill() : ShmNodeTest("1g") {}  // the chunks of dead programs are missing until sftd has noticed their death
+  Kill() : ShmNodeTest(1024) {}  // the chunks of dead programs are missing until sftd has noticed their death
 };
 
 TEST_F(Kill, OfAWriterInATightLoopBlocksNobody) {
