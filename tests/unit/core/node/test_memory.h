@@ -22,7 +22,7 @@ class TestMemory final : public Transport {
     explicit Writer(TestMemory& memory) : memory_(memory) { ++memory_.writers; }
     ~Writer() override { --memory_.writers; }
     SendStatus send(const SampleHandle&) noexcept override { return SendStatus::sent; }
-    void set_routes(std::vector<Route> routes) override { memory_.routes = std::move(routes); }
+    void set_routes(std::vector<Route> given) override { memory_.routes = std::move(given); }
     std::string why_unreachable(const Route&) override { return memory_.why_unreachable; }
     std::uint64_t bytes_sent() const noexcept override { return 0; }
 
