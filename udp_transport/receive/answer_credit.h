@@ -11,6 +11,7 @@ namespace sft::udp {
 class AnswerCredit {
  public:
   void received(std::size_t bytes) { left_ = std::min(left_ + factor * bytes, left_max); }
+  std::size_t left() const { return left_; }
   bool covers(std::size_t bytes) const { return bytes <= left_; }
   void spend(std::size_t bytes) { left_ -= std::min(bytes, left_); }
 

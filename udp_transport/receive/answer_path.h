@@ -33,6 +33,11 @@ class AnswerPath {
 
   /// True if an ack of that length may be sent to each address.
   bool covers(std::size_t ack_bytes) const { return credit_.covers(copies() * ack_bytes); }
+  /// The number of missing parts that a single ack could still ask for at each address.
+  std::size_t parts_covered() const {
+    const std::size_t bytes = credit_.left() / copies();
+    return bytes < ack_header_bytes ? 0 : (bytes - ack_header_bytes) / missing_bytes;
+  }
   /// Sends the ack to each address, or to none if that would be too many bytes.
   void send(const Ack& ack, const SendAck& send) {
     if (!covers(ack.bytes())) return;

@@ -389,7 +389,8 @@ void IncomingWriter::answer(Time now, const SendAck& send) {
     return sample == nullptr ? Time{} : sample->last_progress();
   };
   std::vector<ArrivalWindow::Gap> gaps;
-  if (now >= window_->next_look()) gaps = window_->due_gaps(now, came_at, asked_at_once_max);
+  const std::size_t askable = std::min(asked_at_once_max, answers_.parts_covered());
+  if (askable > 0 && now >= window_->next_look()) gaps = window_->due_gaps(now, came_at, askable);
   drop_abandoned();
   if (gaps.empty() && !window_->ack_due()) return;
   Ack ack = window_->ack(facts_.short_id());

@@ -274,6 +274,25 @@ TEST_F(IncomingWriterTest, GetsAllSamplesWhateverIsLostIfItIsSentWhatItAsksFor) 
   EXPECT_TRUE(std::ranges::adjacent_find(sequences) == sequences.end()) << "a sample came twice";
 }
 
+/// Each heartbeat pays for six samples at most, and more than these are due whenever it comes.
+TEST_F(IncomingWriterTest, AsksForTheFirstMissingSampleWhateverElseIsMissing) {
+  for (int apart_ms = 0; apart_ms < 250; apart_ms += 10) {
+    restart({});
+    read_reliably();
+    hear(1, 51);
+    for (int ms = 0; ms < apart_ms; ++ms) ask(1ms);
+    for (int heartbeats = 0; heartbeats < 10; ++heartbeats) {
+      hear(1, 101);
+      bool asked_for_first = false;
+      for (int ms = 0; ms < 1000; ++ms) {
+        for (const Missing& part : ask(1ms)) asked_for_first |= part.ordinal == 1;
+      }
+      ASSERT_TRUE(asked_for_first) << apart_ms << " ms apart, after heartbeat " << heartbeats;
+      EXPECT_EQ(writer_->next_answer(), IncomingWriter::Time::max()) << "nothing may be asked for now";
+    }
+  }
+}
+
 TEST_F(IncomingWriterTest, AsksForNothingThatWasSentWhileNobodyReadIt) {
   read_reliably();
   hear(1, 1);
